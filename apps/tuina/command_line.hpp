@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "tuina/core/progress.hpp"
+#include "tuina/core/result.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace tuina::app {
+
+/// The options that every verb has (docs: the contract of the command line).
+struct CommonOptions {
+  bool json = false;
+  bool quiet = false;
+  std::uint64_t seed = 1;
+  std::string config_file;
+  std::vector<std::string> settings;  ///< --set section.key=value
+  std::string out;
+};
+
+/// What a verb answers. Text is for people and goes to stderr; the object goes to stdout with --json.
+struct Answer {
+  std::string json;  ///< one JSON object
+  std::string text;
+  int exit_code = 0;
+};
+
+/// One verb of the command line. `describe` adds its options to the subcommand; `run` does the work.
+/// Options bind to members that live as long as the program.
+class Verb {
+ public:
+  virtual ~Verb() = default;
+  [[nodiscard]] virtual const char* name() const = 0;
+  [[nodiscard]] virtual const char* summary() const = 0;   ///< one line
+  [[nodiscard]] virtual const char* example() const = 0;   ///< shown by --help
+  virtual void describe(CLI::App& command) = 0;
+  [[nodiscard]] virtual Result<Answer> run(const CommonOptions& common) = 0;
+};
+
+/// A bar on a terminal, else a line per 10 %, silent with --quiet; always on stderr.
+[[nodiscard]] Progress progress_bar(const CommonOptions& common, std::string label);
+
+/// Refuses NaN and numbers outside [low, high] as wrong use; for CLI::Option::check.
+[[nodiscard]] std::function<std::string(std::string&)> number_between(double low, double high);
+
+}  // namespace tuina::app

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/tuina/verbs.hpp"
+
+namespace tuina::app {
+
+std::vector<std::unique_ptr<Verb>> make_verbs() {
+  std::vector<std::unique_ptr<Verb>> verbs;
+  verbs.push_back(make_doctor());
+  return verbs;
+}
+
+}  // namespace tuina::app

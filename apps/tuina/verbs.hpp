@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "apps/tuina/command_line.hpp"
+
+namespace tuina::app {
+
+// One file per verb; a verb that does not exist yet is absent here and so from --help.
+std::unique_ptr<Verb> make_doctor();
+
+/// In the order of a session, as --help shows them.
+std::vector<std::unique_ptr<Verb>> make_verbs();
+
+}  // namespace tuina::app

@@ -1,0 +1,15 @@
+# SPDX-License-Identifier: Apache-2.0
+# Every compiler flag rides on one target, so a consumer of the installed library inherits none of them.
+add_library(tuina_flags INTERFACE)
+target_compile_options(tuina_flags INTERFACE -Wall -Wextra -Wpedantic -Wconversion -Wshadow
+  $<$<BOOL:${TUINA_WERROR}>:-Werror>)
+# A sanitized build of Eigen without any optimisation is a hundred times slower; -O1 keeps the tests short.
+if(TUINA_SANITIZE)
+  target_compile_options(tuina_flags INTERFACE -O1 -g1 -fno-omit-frame-pointer
+    -fsanitize=${TUINA_SANITIZE} -fno-sanitize-recover=all)
+  target_link_options(tuina_flags INTERFACE -fsanitize=${TUINA_SANITIZE})
+endif()
+if(TUINA_COVERAGE)
+  target_compile_options(tuina_flags INTERFACE --coverage -O0)
+  target_link_options(tuina_flags INTERFACE --coverage)
+endif()

@@ -1,0 +1,40 @@
+# SPDX-License-Identifier: Apache-2.0
+# The table of rooms: which room may include which. It is written here and nowhere else; tuina_room links
+# by it and the `layering` test reads the #include lines of the sources against it.
+set(TUINA_ROOMS core scanner body massage tissue robot safety control session sim)
+set(TUINA_MAY_INCLUDE_core "")
+set(TUINA_MAY_INCLUDE_scanner core)
+set(TUINA_MAY_INCLUDE_body core)
+set(TUINA_MAY_INCLUDE_massage core body)
+set(TUINA_MAY_INCLUDE_tissue core)
+set(TUINA_MAY_INCLUDE_robot core)
+set(TUINA_MAY_INCLUDE_safety core)
+set(TUINA_MAY_INCLUDE_control core robot)
+set(TUINA_MAY_INCLUDE_session core scanner body massage tissue robot safety control)
+set(TUINA_MAY_INCLUDE_sim core scanner robot tissue)
+
+# tuina_room(<name> SOURCES <file>... [USES <public target>...] [HIDES <private target>...])
+# makes the library tuina::<name> of one room. USES are third-party targets that its headers show,
+# HIDES those that only its .cpp files know.
+function(tuina_room name)
+  cmake_parse_arguments(ROOM "" "" "SOURCES;USES;HIDES" ${ARGN})
+  set(target tuina_${name})
+  if(ROOM_SOURCES)
+    add_library(${target} STATIC ${ROOM_SOURCES})
+    set(scope PUBLIC)
+    target_link_libraries(${target} PRIVATE $<BUILD_INTERFACE:tuina_flags> ${ROOM_HIDES})
+    set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON)
+  else()
+    add_library(${target} INTERFACE)
+    set(scope INTERFACE)
+  endif()
+  add_library(tuina::${name} ALIAS ${target})
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
+  target_compile_features(${target} ${scope} cxx_std_20)
+  target_include_directories(${target} ${scope}
+    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:include>)
+  foreach(room IN LISTS TUINA_MAY_INCLUDE_${name})
+    target_link_libraries(${target} ${scope} tuina_${room})
+  endforeach()
+  target_link_libraries(${target} ${scope} ${ROOM_USES})
+endfunction()

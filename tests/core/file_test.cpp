@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tuina/core/file.hpp"
+
+#include <doctest/doctest.h>
+
+using namespace tuina;
+
+TEST_CASE("what is written to a file is read back, and nothing is left beside it") {
+  const auto path = std::filesystem::temp_directory_path() / "tuina_file_test.txt";
+  REQUIRE(write_file(path, "acupoint\n").has_value());
+  CHECK(read_file(path).value() == "acupoint\n");
+  CHECK_FALSE(std::filesystem::exists(path.string() + ".part"));
+  std::filesystem::remove(path);
+}
+
+TEST_CASE("a file that is not there gives an error with its path") {
+  const auto content = read_file("/nowhere/at/all");
+  REQUIRE_FALSE(content.has_value());
+  CHECK(content.error().fault == Fault::file);
+  CHECK(content.error().message.find("/nowhere/at/all") != std::string::npos);
+}

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "tuina/core/geometry.hpp"
+
+namespace tuina {
+
+enum class Arm : std::uint8_t { left, right };
+inline constexpr std::array<Arm, 2> both_arms = {Arm::left, Arm::right};
+[[nodiscard]] constexpr const char* name_of(Arm arm) { return arm == Arm::left ? "left" : "right"; }
+
+/// What exists per arm, indexed by `Arm`.
+template <typename T>
+struct PerArm {
+  std::array<T, 2> of = {};
+  [[nodiscard]] T& operator[](Arm arm) { return of[static_cast<std::size_t>(arm)]; }
+  [[nodiscard]] const T& operator[](Arm arm) const { return of[static_cast<std::size_t>(arm)]; }
+};
+
+/// One number per joint. At most seven, so arms of six and seven joints share the code without heap.
+inline constexpr int most_joints = 7;
+using JointVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, most_joints, 1>;
+using JointMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, most_joints, most_joints>;
+
+/// Force and torque of the environment ON the robot at the tool, in the frame the holder's name says.
+struct Wrench {
+  Vector3 force_n = Vector3::Zero();
+  Vector3 torque_nm = Vector3::Zero();
+};
+
+/// What is known of one arm in one millisecond.
+struct ArmState {
+  double time_s = 0.0;
+  JointVector q_rad;
+  JointVector dq_rad_per_s;
+  Transform base_from_tool = Transform::Identity();
+  Wrench contact_in_base;
+};
+
+}  // namespace tuina

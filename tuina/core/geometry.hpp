@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+namespace tuina {
+
+using Vector2 = Eigen::Vector2d;
+using Vector3 = Eigen::Vector3d;
+using Matrix3 = Eigen::Matrix3d;
+
+/// A rigid motion. Named `<to>_from_<from>`: `base_from_couch * spine_in_couch` is `spine_in_base`.
+using Transform = Eigen::Isometry3d;
+
+}  // namespace tuina

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace tuina {
+
+/// A picture in memory, row by row, channels interleaved; 8 or 16 bits a sample.
+template <typename Sample>
+struct BasicImage {
+  int width = 0;
+  int height = 0;
+  int channels = 1;
+  std::vector<Sample> data;
+
+  BasicImage() = default;
+  BasicImage(int w, int h, int c = 1)
+      : width(w), height(h), channels(c),
+        data(static_cast<std::size_t>(w) * static_cast<std::size_t>(h) * static_cast<std::size_t>(c)) {}
+
+  [[nodiscard]] Sample* row(int y) {
+    return data.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width * channels);
+  }
+  [[nodiscard]] const Sample* row(int y) const {
+    return data.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width * channels);
+  }
+};
+
+using Image = BasicImage<std::uint8_t>;
+using Image16 = BasicImage<std::uint16_t>;
+
+/// One channel of a picture that somebody else owns; `stride` is the distance of two rows in samples.
+template <typename Sample>
+struct BasicImageView {
+  const Sample* data = nullptr;
+  int width = 0;
+  int height = 0;
+  std::ptrdiff_t stride = 0;
+
+  BasicImageView() = default;
+  BasicImageView(const Sample* samples, int w, int h, std::ptrdiff_t row_stride)
+      : data(samples), width(w), height(h), stride(row_stride) {}
+  BasicImageView(const BasicImage<Sample>& grey)  // NOLINT(google-explicit-constructor)
+      : data(grey.data.data()), width(grey.width), height(grey.height), stride(grey.width) {}
+
+  [[nodiscard]] const Sample* row(int y) const { return data + y * stride; }
+};
+
+using ImageView = BasicImageView<std::uint8_t>;
+using ImageView16 = BasicImageView<std::uint16_t>;
+
+}  // namespace tuina

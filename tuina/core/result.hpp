@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <fmt/format.h>
+
+#include <cstdint>
+#include <string>
+#include <tl/expected.hpp>
+#include <utility>
+
+namespace tuina {
+
+/// Why something could not be done, sorted by what the caller can do about it.
+enum class Fault : std::uint8_t {
+  usage,      ///< the command was used wrongly: correct the call
+  not_found,  ///< the world does not hold what was looked for: change the scene
+  bad_input,  ///< the data are not what they claim to be: correct the data
+  config,     ///< a configuration key or value is wrong: correct the file
+  file,       ///< a file cannot be opened, read or written
+  device,     ///< a camera, motor, sensor or arm does not do its part
+  stopped,    ///< stopped for safety
+};
+
+struct Error {
+  Fault fault;
+  std::string message;  ///< a sentence for people, with the numbers in it
+};
+
+template <typename T>
+using Result = tl::expected<T, Error>;
+
+/// `return fail(Fault::not_found, "{} of {} rows lit, {} needed", lit, rows, enough);`
+template <typename... Args>
+[[nodiscard]] tl::unexpected<Error> fail(Fault fault, fmt::format_string<Args...> format,
+                                         Args&&... args) {
+  return tl::unexpected(Error{fault, fmt::format(format, std::forward<Args>(args)...)});
+}
+
+}  // namespace tuina

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "tuina/core/surface.hpp"
+#include "tuina/core/result.hpp"
+
+namespace tuina {
+
+/// What a cloud or mesh file holds. A cloud file gives a mesh without triangles.
+struct SurfaceFile {
+  PointCloud cloud;  ///< the vertices, with the properties that tuina knows
+  std::vector<std::array<int, 3>> triangles;
+  std::size_t dropped_points = 0;  ///< non-finite ones; triangles that used them are dropped too
+};
+
+/// Reads PLY (ascii, binary of either endianness) or PCD (ascii, binary, binary_compressed), recognised by
+/// content. Fails on anything malformed with file, line or byte, and what would be right; the memory taken is
+/// bounded by the file's true size, never by what its header claims.
+[[nodiscard]] Result<SurfaceFile> read_surface(const std::filesystem::path& path);
+[[nodiscard]] Result<SurfaceFile> parse_surface(std::string_view content, std::string_view name);
+
+/// Binary little-endian PLY in metres, with normals, amplitude and deviation where the cloud has them.
+[[nodiscard]] std::string to_ply(const PointCloud& cloud);
+[[nodiscard]] std::string to_ply(const Mesh& mesh);
+
+}  // namespace tuina

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "tuina/core/image.hpp"
+#include "tuina/core/result.hpp"
+
+namespace tuina::scanner {
+
+/// One picture with the time of the middle of its exposure, on the camera's clock.
+struct Frame {
+  double time_s = 0.0;
+  Image image;  ///< 8-bit grey, or RGB of which the laser's channel is used
+};
+
+/// The door to a camera: a simulated one, a recording, or a device.
+class Camera {
+ public:
+  virtual ~Camera() = default;
+  /// The next frame; waits for it. A finished recording or sweep gives Fault::not_found.
+  [[nodiscard]] virtual Result<Frame> next_frame() = 0;
+
+ protected:
+  Camera() = default;
+  Camera(const Camera&) = default;
+  Camera& operator=(const Camera&) = default;
+};
+
+}  // namespace tuina::scanner
