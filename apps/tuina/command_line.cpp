@@ -14,7 +14,8 @@ Progress progress_bar(const CommonOptions& common, std::string label) {
   const bool terminal = ::isatty(STDERR_FILENO) == 1;
   const auto start = std::chrono::steady_clock::now();
   return [terminal, start, label = std::move(label), shown = -1](double done) mutable {
-    const int step = terminal ? static_cast<int>(done * 40.0) : static_cast<int>(done * 10.0 + 1e-9);
+    const int step =
+        terminal ? static_cast<int>(done * 40.0) : static_cast<int>(done * 10.0 + 1e-9);
     if (step <= shown) return;
     shown = step;
     const double elapsed_s =

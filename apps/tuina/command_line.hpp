@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <functional>
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -12,6 +11,10 @@
 
 namespace CLI {
 class App;
+}
+
+namespace tuina::session {
+struct Config;
 }
 
 namespace tuina::app {
@@ -23,27 +26,32 @@ struct CommonOptions {
   std::uint64_t seed = 1;
   std::string config_file;
   std::vector<std::string> settings;  ///< --set section.key=value
-  std::string out;
 };
 
-/// What a verb answers. Text is for people and goes to stderr; the object goes to stdout with --json.
+/// What a verb answers. Text is for people and goes to stderr; with --json the object goes to
+/// stdout, else the product does, for the verbs whose product is text. A verb without an --out of
+/// its own gets one that takes the object.
 struct Answer {
-  std::string json;  ///< one JSON object
-  std::string text;
+  std::string json = {};  ///< one JSON object
+  std::string text = {};
+  std::string product = {};
   int exit_code = 0;
 };
 
-/// One verb of the command line. `describe` adds its options to the subcommand; `run` does the work.
-/// Options bind to members that live as long as the program.
+/// One verb of the command line. `describe` adds its options to the subcommand; `run` does the
+/// work. Options bind to members that live as long as the program.
 class Verb {
  public:
   virtual ~Verb() = default;
   [[nodiscard]] virtual const char* name() const = 0;
-  [[nodiscard]] virtual const char* summary() const = 0;   ///< one line
-  [[nodiscard]] virtual const char* example() const = 0;   ///< shown by --help
+  [[nodiscard]] virtual const char* summary() const = 0;  ///< one line
+  [[nodiscard]] virtual const char* example() const = 0;  ///< shown by --help
   virtual void describe(CLI::App& command) = 0;
   [[nodiscard]] virtual Result<Answer> run(const CommonOptions& common) = 0;
 };
+
+/// --config with every --set over it.
+[[nodiscard]] Result<session::Config> effective_config(const CommonOptions& common);
 
 /// A bar on a terminal, else a line per 10 %, silent with --quiet; always on stderr.
 [[nodiscard]] Progress progress_bar(const CommonOptions& common, std::string label);

@@ -24,18 +24,23 @@ class Doctor final : public Verb {
   [[nodiscard]] Result<Answer> run(const CommonOptions&) override {
     nlohmann::json checks = nlohmann::json::array();
     Answer answer;
-    const auto add = [&](const char* what, bool good, const std::string& finding, const char* remedy) {
-      checks.push_back({{"check", what}, {"good", good}, {"finding", finding}, {"remedy", good ? "" : remedy}});
+    const auto add = [&](const char* what, bool good, const std::string& finding,
+                         const char* remedy) {
+      checks.push_back(
+          {{"check", what}, {"good", good}, {"finding", finding}, {"remedy", good ? "" : remedy}});
       answer.text += fmt::format("{} {:<18} {}{}\n", good ? "ok  " : "note", what, finding,
                                  good ? "" : fmt::format("; {}", remedy));
     };
     const unsigned cores = std::thread::hardware_concurrency();
-    add("cores", cores >= 2, fmt::format("{}", cores), "two are wanted: one for control, one for the rest");
+    add("cores", cores >= 2, fmt::format("{}", cores),
+        "two are wanted: one for control, one for the rest");
     const bool camera = std::filesystem::exists("/dev/video0");
     add("camera", camera && ::access("/dev/video0", R_OK | W_OK) == 0,
-        camera ? "/dev/video0" : "none found", "simulation needs none; else join the group `video`");
+        camera ? "/dev/video0" : "none found",
+        "simulation needs none; else join the group `video`");
     bool serial = false;
-    for (const char* port : {"/dev/ttyACM0", "/dev/ttyUSB0"}) serial = serial || ::access(port, R_OK | W_OK) == 0;
+    for (const char* port : {"/dev/ttyACM0", "/dev/ttyUSB0"})
+      serial = serial || ::access(port, R_OK | W_OK) == 0;
     add("turntable", serial, serial ? "serial port found" : "no serial port",
         "simulation needs none; else plug the Arduino in and join the group `dialout`");
     rlimit limit{};
@@ -51,6 +56,8 @@ class Doctor final : public Verb {
 
 }  // namespace
 
-std::unique_ptr<Verb> make_doctor() { return std::make_unique<Doctor>(); }
+std::unique_ptr<Verb> make_doctor() {
+  return std::make_unique<Doctor>();
+}
 
 }  // namespace tuina::app

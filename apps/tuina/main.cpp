@@ -5,6 +5,7 @@
 
 #include "apps/tuina/command_line.hpp"
 #include "apps/tuina/verbs.hpp"
+#include "tuina/core/file.hpp"
 
 namespace {
 
@@ -13,27 +14,45 @@ using namespace tuina::app;
 
 int exit_code_of(Fault fault) {
   switch (fault) {
-    case Fault::usage: return 1;
-    case Fault::device: return 3;
-    case Fault::stopped: return 4;
-    default: return 2;
+    case Fault::usage:
+      return 1;
+    case Fault::device:
+      return 3;
+    case Fault::stopped:
+      return 4;
+    default:
+      return 2;
   }
 }
 
-void add_common_options(CLI::App& command, CommonOptions& common) {
+void add_common_options(CLI::App& command, CommonOptions& common, std::string& out) {
+  if (command.get_option_no_throw("--out") == nullptr) {
+    command.add_option("--out", out, "write the JSON object to this file");
+  }
   command.add_flag("--json", common.json, "write one JSON object to stdout and nothing else there");
   command.add_flag("--quiet", common.quiet, "no text and no progress bar");
   command.add_option("--seed", common.seed, "same seed, same result")->capture_default_str();
   command.add_option("--config", common.config_file, "a TOML file; see `tuina config show`");
-  command.add_option("--set", common.settings, "section.key=value, over the file")->allow_extra_args(false);
+  command.add_option("--set", common.settings, "section.key=value, over the file")
+      ->allow_extra_args(false);
 }
 
-int show(const Result<Answer>& answer, const CommonOptions& common) {
-  if (!answer) {
-    fmt::print(stderr, "tuina: {}\n", answer.error().message);
-    return exit_code_of(answer.error().fault);
+int explain(const Error& error) {
+  fmt::print(stderr, "tuina: {}\n", error.message);
+  return exit_code_of(error.fault);
+}
+
+int show(const Result<Answer>& answer, const CommonOptions& common, const std::string& out) {
+  if (!answer) return explain(answer.error());
+  if (!out.empty()) {
+    if (const auto written = write_file(out, answer->json + "\n"); !written)
+      return explain(written.error());
   }
-  if (common.json) fmt::print("{}\n", answer->json);
+  if (common.json) {
+    fmt::print("{}\n", answer->json);
+  } else if (!common.quiet) {
+    fmt::print("{}", answer->product);
+  }
   if (!common.quiet && !answer->text.empty()) fmt::print(stderr, "{}\n", answer->text);
   return answer->exit_code;
 }
@@ -46,6 +65,7 @@ int main(int argc, char** argv) {
   tuina.require_subcommand(0, 1);
 
   CommonOptions common;
+  std::string out;
   const auto verbs = make_verbs();
   std::map<const CLI::App*, Verb*> verb_of;
   std::map<std::string, CLI::App*> groups;
@@ -66,7 +86,7 @@ int main(int argc, char** argv) {
     CLI::App* command = parent->add_subcommand(name, verb->summary());
     command->footer(fmt::format("Example:\n  {}", verb->example()));
     verb->describe(*command);
-    add_common_options(*command, common);
+    add_common_options(*command, common, out);
     verb_of[command] = verb.get();
   }
 
@@ -92,5 +112,5 @@ int main(int argc, char** argv) {
     fmt::print(stderr, "{}", chosen->help());
     return 1;
   }
-  return show(found->second->run(common), common);
+  return show(found->second->run(common), common, out);
 }

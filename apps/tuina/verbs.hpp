@@ -9,6 +9,8 @@
 namespace tuina::app {
 
 // One file per verb; a verb that does not exist yet is absent here and so from --help.
+std::unique_ptr<Verb> make_config_show();
+std::unique_ptr<Verb> make_config_check();
 std::unique_ptr<Verb> make_doctor();
 
 /// In the order of a session, as --help shows them.

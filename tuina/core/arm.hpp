@@ -10,7 +10,9 @@ namespace tuina {
 
 enum class Arm : std::uint8_t { left, right };
 inline constexpr std::array<Arm, 2> both_arms = {Arm::left, Arm::right};
-[[nodiscard]] constexpr const char* name_of(Arm arm) { return arm == Arm::left ? "left" : "right"; }
+[[nodiscard]] constexpr const char* name_of(Arm arm) {
+  return arm == Arm::left ? "left" : "right";
+}
 
 /// What exists per arm, indexed by `Arm`.
 template <typename T>
@@ -20,12 +22,15 @@ struct PerArm {
   [[nodiscard]] const T& operator[](Arm arm) const { return of[static_cast<std::size_t>(arm)]; }
 };
 
-/// One number per joint. At most seven, so arms of six and seven joints share the code without heap.
+/// One number per joint. At most seven, so arms of six and seven joints share the code without
+/// heap.
 inline constexpr int most_joints = 7;
 using JointVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, most_joints, 1>;
-using JointMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, most_joints, most_joints>;
+using JointMatrix =
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, most_joints, most_joints>;
 
-/// Force and torque of the environment ON the robot at the tool, in the frame the holder's name says.
+/// Force and torque of the environment ON the robot at the tool, in the frame the holder's name
+/// says.
 struct Wrench {
   Vector3 force_n = Vector3::Zero();
   Vector3 torque_nm = Vector3::Zero();

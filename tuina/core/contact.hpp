@@ -13,20 +13,24 @@ namespace tuina {
 enum class Technique : std::uint8_t { press, rub, stroke, tap };
 [[nodiscard]] constexpr const char* name_of(Technique technique) {
   switch (technique) {
-    case Technique::press: return "press";
-    case Technique::rub: return "rub";
-    case Technique::stroke: return "stroke";
-    case Technique::tap: return "tap";
+    case Technique::press:
+      return "press";
+    case Technique::rub:
+      return "rub";
+    case Technique::stroke:
+      return "stroke";
+    case Technique::tap:
+      return "tap";
   }
   return "";
 }
 
 /// Where on the skin the tool should be at a time, and how hard it should press there.
 struct ContactPoint {
-  double time_s = 0.0;                    ///< since the start of its path
-  Vector3 at_in_couch = Vector3::Zero();  ///< on the undeformed skin
+  double time_s = 0.0;                         ///< since the start of its path
+  Vector3 at_in_couch = Vector3::Zero();       ///< on the undeformed skin
   Vector3 normal_in_couch = Vector3::UnitZ();  ///< unit, out of the body
-  double force_n = 0.0;                   ///< along minus the normal, onto the person
+  double force_n = 0.0;                        ///< along minus the normal, onto the person
 };
 
 /// One technique at one place: what one arm does between touching the skin and leaving it.
@@ -40,7 +44,8 @@ struct ContactPath {
   [[nodiscard]] double duration_s() const { return points.empty() ? 0.0 : points.back().time_s; }
 };
 
-/// F = alpha tan(beta x), [thesis] (6.1): alpha is the hardness, beta grows as the layer gets thinner.
+/// F = alpha tan(beta x), [thesis] (6.1): alpha is the hardness, beta grows as the layer gets
+/// thinner.
 struct TangentTissue {
   double alpha_n = 0.0;
   double beta_per_m = 0.0;
@@ -54,9 +59,9 @@ struct Press {
 
 struct TissueEstimate {
   TangentTissue tissue;
-  double alpha_ci95_n = 0.0;      ///< half-width of the 95 % interval
+  double alpha_ci95_n = 0.0;  ///< half-width of the 95 % interval
   double beta_ci95_per_m = 0.0;
-  double contact_m = 0.0;         ///< where the skin is on the axis of the samples
+  double contact_m = 0.0;  ///< where the skin is on the axis of the samples
   int presses = 0;
   bool converged = false;
   double converged_after_s = -1.0;  ///< since the first contact; negative while not converged

@@ -10,9 +10,9 @@
 
 namespace tuina {
 
-/// A table of numbers read from a CSV file with a header row: the columns asked for, in the order asked.
-/// LF and CRLF, a byte-order mark, a missing last newline and extra columns are accepted; anything else that
-/// departs from the format is refused with file and line.
+/// A table of numbers read from a CSV file with a header row: the columns asked for, in the order
+/// asked. LF and CRLF, a byte-order mark, a missing last newline and extra columns are accepted;
+/// anything else that departs from the format is refused with file and line.
 struct CsvTable {
   std::vector<std::vector<double>> columns;
   [[nodiscard]] std::size_t rows() const { return columns.empty() ? 0 : columns.front().size(); }

@@ -22,7 +22,8 @@ struct Descriptor {
 
 Result<std::string> read_file(const std::filesystem::path& path, std::size_t limit_bytes) {
   const Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC)};
-  if (file.fd < 0) return fail(Fault::file, "{}: cannot be read: {}", path.string(), std::strerror(errno));
+  if (file.fd < 0)
+    return fail(Fault::file, "{}: cannot be read: {}", path.string(), std::strerror(errno));
   struct stat status {};
   if (::fstat(file.fd, &status) != 0 || S_ISDIR(status.st_mode)) {
     return fail(Fault::file, "{}: is a folder, a file is needed", path.string());
@@ -33,7 +34,8 @@ Result<std::string> read_file(const std::filesystem::path& path, std::size_t lim
   // A pipe has no size to trust, so the end of the data decides, not the status.
   while (true) {
     const ssize_t got = ::read(file.fd, content.data() + size, content.size() - size);
-    if (got < 0) return fail(Fault::file, "{}: cannot be read: {}", path.string(), std::strerror(errno));
+    if (got < 0)
+      return fail(Fault::file, "{}: cannot be read: {}", path.string(), std::strerror(errno));
     if (got == 0) break;
     size += static_cast<std::size_t>(got);
     if (size > limit_bytes) {
@@ -49,7 +51,8 @@ Result<void> write_file(const std::filesystem::path& path, std::string_view cont
   // A device or a pipe (/dev/stdout) is written in place: there is nothing to rename over.
   std::error_code ignored;
   const auto status = std::filesystem::status(path, ignored);
-  const bool in_place = std::filesystem::exists(status) && !std::filesystem::is_regular_file(status);
+  const bool in_place =
+      std::filesystem::exists(status) && !std::filesystem::is_regular_file(status);
   const std::string beside = in_place ? path.string() : path.string() + ".part";
   {
     const Descriptor file{::open(beside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644)};

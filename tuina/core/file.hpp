@@ -9,7 +9,8 @@
 
 namespace tuina {
 
-/// The whole of a file; fails with what was wrong and the path. `limit_bytes` bounds the memory it may take.
+/// The whole of a file; fails with what was wrong and the path. `limit_bytes` bounds the memory it
+/// may take.
 [[nodiscard]] Result<std::string> read_file(const std::filesystem::path& path,
                                             std::size_t limit_bytes = std::size_t{1} << 30);
 

@@ -17,8 +17,11 @@ struct BasicImage {
 
   BasicImage() = default;
   BasicImage(int w, int h, int c = 1)
-      : width(w), height(h), channels(c),
-        data(static_cast<std::size_t>(w) * static_cast<std::size_t>(h) * static_cast<std::size_t>(c)) {}
+      : width(w),
+        height(h),
+        channels(c),
+        data(static_cast<std::size_t>(w) * static_cast<std::size_t>(h) *
+             static_cast<std::size_t>(c)) {}
 
   [[nodiscard]] Sample* row(int y) {
     return data.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width * channels);
@@ -31,7 +34,8 @@ struct BasicImage {
 using Image = BasicImage<std::uint8_t>;
 using Image16 = BasicImage<std::uint16_t>;
 
-/// One channel of a picture that somebody else owns; `stride` is the distance of two rows in samples.
+/// One channel of a picture that somebody else owns; `stride` is the distance of two rows in
+/// samples.
 template <typename Sample>
 struct BasicImageView {
   const Sample* data = nullptr;

@@ -7,14 +7,16 @@
 
 namespace tuina {
 
-/// Newest value wins: one writer, one reader, neither ever waits. Three slots, so that the writer always has
-/// one that the reader does not look at.
+/// Newest value wins: one writer, one reader, neither ever waits. Three slots, so that the writer
+/// always has one that the reader does not look at.
 template <typename T>
 class Latest {
  public:
   void write(const T& value) noexcept {
     slots_[write_] = value;
-    write_ = shared_.exchange(static_cast<std::uint8_t>(write_ | fresh), std::memory_order_acq_rel) & index;
+    write_ =
+        shared_.exchange(static_cast<std::uint8_t>(write_ | fresh), std::memory_order_acq_rel) &
+        index;
   }
 
   /// The newest value; the default-constructed one before the first write.

@@ -11,7 +11,8 @@
 namespace tuina {
 
 /// Any PNG (8 or 16 bit, grey, colour, palette, interlaced) as 16-bit samples scaled by nothing:
-/// `bits` says whether the values end at 255 or 65535. Alpha is dropped. A wrong checksum is refused.
+/// `bits` says whether the values end at 255 or 65535. Alpha is dropped. A wrong checksum is
+/// refused.
 struct PngFile {
   Image16 image;
   int bits = 8;

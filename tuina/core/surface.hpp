@@ -12,9 +12,9 @@ namespace tuina {
 /// Each property vector is empty or as long as `points`.
 struct PointCloud {
   std::vector<Vector3> points;
-  std::vector<Vector3> normals;       ///< unit, out of the surface
-  std::vector<float> amplitude;       ///< brightness of the laser line, DN
-  std::vector<float> deviation_m;     ///< standard deviation of the range of the point
+  std::vector<Vector3> normals;    ///< unit, out of the surface
+  std::vector<float> amplitude;    ///< brightness of the laser line, DN
+  std::vector<float> deviation_m;  ///< standard deviation of the range of the point
 
   [[nodiscard]] std::size_t size() const { return points.size(); }
 };

@@ -5,8 +5,8 @@
 #include <string>
 #include <string_view>
 
-#include "tuina/core/surface.hpp"
 #include "tuina/core/result.hpp"
+#include "tuina/core/surface.hpp"
 
 namespace tuina {
 
@@ -17,13 +17,14 @@ struct SurfaceFile {
   std::size_t dropped_points = 0;  ///< non-finite ones; triangles that used them are dropped too
 };
 
-/// Reads PLY (ascii, binary of either endianness) or PCD (ascii, binary, binary_compressed), recognised by
-/// content. Fails on anything malformed with file, line or byte, and what would be right; the memory taken is
-/// bounded by the file's true size, never by what its header claims.
+/// Reads PLY (ascii, binary of either endianness) or PCD (ascii, binary, binary_compressed),
+/// recognised by content. Fails on anything malformed with file, line or byte, and what would be
+/// right; the memory taken is bounded by the file's true size, never by what its header claims.
 [[nodiscard]] Result<SurfaceFile> read_surface(const std::filesystem::path& path);
 [[nodiscard]] Result<SurfaceFile> parse_surface(std::string_view content, std::string_view name);
 
-/// Binary little-endian PLY in metres, with normals, amplitude and deviation where the cloud has them.
+/// Binary little-endian PLY in metres, with normals, amplitude and deviation where the cloud has
+/// them.
 [[nodiscard]] std::string to_ply(const PointCloud& cloud);
 [[nodiscard]] std::string to_ply(const Mesh& mesh);
 

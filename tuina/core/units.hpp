@@ -10,16 +10,33 @@ inline constexpr double gravity_m_per_s2 = 9.81;
 
 /// Units for constants: `constexpr double rub_radius_m = 30_mm;`. Inside tuina everything is SI.
 inline namespace units {
-constexpr double operator""_mm(long double x) { return static_cast<double>(x) * 1e-3; }
-constexpr double operator""_mm(unsigned long long x) { return static_cast<double>(x) * 1e-3; }
-constexpr double operator""_deg(long double x) { return static_cast<double>(x) * pi / 180.0; }
-constexpr double operator""_deg(unsigned long long x) { return static_cast<double>(x) * pi / 180.0; }
+constexpr double operator""_mm(long double x) {
+  return static_cast<double>(x) * 1e-3;
+}
+constexpr double operator""_mm(unsigned long long x) {
+  return static_cast<double>(x) * 1e-3;
+}
+constexpr double operator""_deg(long double x) {
+  return static_cast<double>(x) * pi / 180.0;
+}
+constexpr double operator""_deg(unsigned long long x) {
+  return static_cast<double>(x) * pi / 180.0;
+}
 }  // namespace units
 
-/// The doors where degrees and millimetres exist (command line, config, reports) convert with these.
-constexpr double to_mm(double metres) { return metres * 1e3; }
-constexpr double from_mm(double millimetres) { return millimetres * 1e-3; }
-constexpr double to_deg(double radians) { return radians * 180.0 / pi; }
-constexpr double from_deg(double degrees) { return degrees * pi / 180.0; }
+/// The doors where degrees and millimetres exist (command line, config, reports) convert with
+/// these.
+constexpr double to_mm(double metres) {
+  return metres * 1e3;
+}
+constexpr double from_mm(double millimetres) {
+  return millimetres * 1e-3;
+}
+constexpr double to_deg(double radians) {
+  return radians * 180.0 / pi;
+}
+constexpr double from_deg(double degrees) {
+  return degrees * pi / 180.0;
+}
 
 }  // namespace tuina

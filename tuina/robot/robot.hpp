@@ -7,18 +7,19 @@
 
 namespace tuina::robot {
 
-/// What the sensors of one arm say: differenced encoders and the wrist sensor, delays and noise included.
+/// What the sensors of one arm say: differenced encoders and the wrist sensor, delays and noise
+/// included.
 struct ArmReading {
   JointVector q_rad;
   JointVector dq_rad_per_s;
-  Wrench wrench_in_tool;        ///< of the environment ON the tool, tool weight included
-  double wrench_time_s = 0.0;   ///< when the wrist sensor took it
+  Wrench wrench_in_tool;       ///< of the environment ON the tool, tool weight included
+  double wrench_time_s = 0.0;  ///< when the wrist sensor took it
 };
 
 struct RobotReading {
   double time_s = 0.0;
-  std::uint64_t tick = 0;       ///< grows by one each millisecond; a gap is a missed tick
-  double rail_m = 0.0;          ///< the linear base, along its axis from its zero
+  std::uint64_t tick = 0;  ///< grows by one each millisecond; a gap is a missed tick
+  double rail_m = 0.0;     ///< the linear base, along its axis from its zero
   PerArm<ArmReading> arms;
 };
 

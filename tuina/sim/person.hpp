@@ -27,7 +27,8 @@ struct Person {
 /// A labelled body: FILE.ply with FILE.json beside it (docs/bodies.md).
 [[nodiscard]] Result<Person> load_person(const std::filesystem::path& ply);
 
-/// Breathing as motion of the back along its mean outward normal: amplitude * (1 - cos(2 pi f t)) / 2.
+/// Breathing as motion of the back along its mean outward normal: amplitude * (1 - cos(2 pi f t))
+/// / 2.
 struct Breathing {
   double amplitude_m = 0.0;
   double frequency_hz = 0.25;

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tuina/session/config.hpp"
+
+#include <doctest/doctest.h>
+
+#include "tuina/core/file.hpp"
+
+using namespace tuina;
+using namespace tuina::session;
+
+TEST_CASE("the configuration printed is the configuration read") {
+  Config config;
+  config.scan.method = "likelihood";
+  config.simulation.breathing_mm = 4.25;
+  const auto again = parse_config(to_toml(config), "again.toml");
+  REQUIRE(again.has_value());
+  CHECK(to_toml(*again) == to_toml(config));
+}
+
+TEST_CASE("config/default.toml says what the defaults are") {
+  CHECK(read_file(TUINA_SOURCE_DIR "/config/default.toml").value() == to_toml(Config{}));
+}
+
+TEST_CASE("all faults of a file are reported at once, with line, value and what would be right") {
+  const auto config = parse_config(
+      "[scan]\nsweep_s = 'x'\nmetod = 1\n[safety]\nforce_ceiling_n = 95\n[nonsense]\na = 1\n",
+      "my.toml");
+  REQUIRE_FALSE(config.has_value());
+  CHECK(config.error().fault == Fault::config);
+  const std::string& message = config.error().message;
+  CAPTURE(message);
+  CHECK(message.find("my.toml:2: scan.sweep_s = 'x' is not a number") != std::string::npos);
+  CHECK(message.find("my.toml:3: scan.metod = 1 is unknown; is `scan.method` meant?") !=
+        std::string::npos);
+  CHECK(message.find("my.toml:5: safety.force_ceiling_n = 95 is outside 5 to 45") !=
+        std::string::npos);
+  CHECK(message.find("nonsense.a") != std::string::npos);
+}
+
+TEST_CASE("a setting of the command line changes one key, and a wrong one changes nothing") {
+  Config config;
+  REQUIRE(apply_setting(config, "scan.method=likelihood").has_value());
+  CHECK(config.scan.method == "likelihood");
+  for (const char* wrong :
+       {"scan.method=best", "scan.sweep_s=nan", "scan.sweep_s=1e9", "scan.swep_s=4", "scan", "=",
+        "scan.sweep_s=", "massage.steer=1", "a.b=[", "scan.sweep_s=4\nmethod=3"}) {
+    CAPTURE(wrong);
+    const std::string before = to_toml(config);
+    const auto applied = apply_setting(config, wrong);
+    REQUIRE_FALSE(applied.has_value());
+    CHECK(applied.error().fault == Fault::usage);
+    CHECK(to_toml(config) == before);
+  }
+}

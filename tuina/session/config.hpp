@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "tuina/core/result.hpp"
+
+namespace tuina::session {
+
+/// Everything that a file or `--set` may change, one struct per TOML section. The numbers are in
+/// the units that the key in the file carries, as written there; defaults live here and nowhere
+/// else.
+struct Config {
+  struct Scan {
+    double sweep_s = 6.0;             ///< time of one sweep
+    double sweep_deg = 44.0;          ///< angle of one sweep, symmetric about straight ahead
+    std::string method = "centroid";  ///< laser line: centroid or likelihood
+  } scan;
+  struct Massage {
+    double standoff_mm = 40.0;  ///< above the skin, where an approach starts and a retract ends
+    double force_scale = 1.0;   ///< on every force of the programme
+    bool steer = true;          ///< the tissue estimate feeds the virtual target
+  } massage;
+  struct Safety {
+    double force_ceiling_n = 45.0;  ///< on the set force; zones may ask for less
+  } safety;
+  struct Simulation {
+    double breathing_mm = 3.0;
+    double breathing_hz = 0.25;
+    double torso_n_per_mm = 35.0;
+    double friction = 1.0;        ///< scale on the joint friction of the plant
+    double room_light_dn = 10.0;  ///< what the camera sees without the laser
+  } simulation;
+};
+
+/// Reads a TOML file over the defaults. All faults are in the one message, a line each, with file,
+/// line, key, value and what would be right; a near miss is suggested.
+[[nodiscard]] Result<Config> load_config(const std::filesystem::path& file);
+[[nodiscard]] Result<Config> parse_config(std::string_view text, std::string_view name);
+
+/// `section.key=value` over a config, as --set gives it; a fault is wrong use.
+[[nodiscard]] Result<void> apply_setting(Config& config, std::string_view setting);
+
+/// The whole config as TOML, with the limits as comments; parse_config reads it back.
+[[nodiscard]] std::string to_toml(const Config& config);
+
+}  // namespace tuina::session
