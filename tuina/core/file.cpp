@@ -28,6 +28,11 @@ Result<std::string> read_file(const std::filesystem::path& path, std::size_t lim
   if (::fstat(file.fd, &status) != 0 || S_ISDIR(status.st_mode)) {
     return fail(Fault::file, "{}: is a folder, a file is needed", path.string());
   }
+  // A size beyond the limit is refused before memory is taken for it.
+  if (static_cast<std::size_t>(status.st_size) > limit_bytes) {
+    return fail(Fault::bad_input, "{}: {} bytes, at most {} are read", path.string(),
+                status.st_size, limit_bytes);
+  }
   std::string content;
   std::size_t size = 0;
   content.resize(static_cast<std::size_t>(status.st_size) + 1);
