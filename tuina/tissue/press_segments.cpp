@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tuina/tissue/press_segments.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tuina::tissue {
+namespace {
+
+constexpr double block_s = 4.5e-3;         // five samples at 1 kHz
+constexpr double longest_segment_s = 0.1;  // a breath moves the skin little within it
+constexpr double longest_gap_s = 0.05;     // a dropout: what lies on both sides is not averaged
+constexpr double least_force_n = 1.0;
+// Cells of equal width in the root of the force are about equally long in depth on every tissue.
+constexpr double cell_root_n = 0.1863;  // sqrt(80 N) / 48
+constexpr double fewest_tare_samples = 20.0;
+constexpr int saturated_after = 5;  // equal readings in a row at the largest force seen
+
+}  // namespace
+
+PressSegments::PressSegments(const SegmentOptions& options) noexcept : options_(options) {}
+
+double PressSegments::tare_n() const noexcept {
+  // A force offset of 0.3 N otherwise costs up to 14 % of alpha.
+  return free_air_.samples >= fewest_tare_samples ? free_air_.force_n / free_air_.samples : 0.0;
+}
+
+void PressSegments::add(double time_s, const Press& sample) noexcept {
+  if (!std::isfinite(time_s) || !std::isfinite(sample.depth_m) || !std::isfinite(sample.force_n))
+    return;
+  if (std::abs(sample.depth_m) > 1.0 || std::abs(sample.force_n) > 1e4) return;
+  if (started_ && !(time_s > last_time_s_)) return;
+  if (started_ && time_s - last_time_s_ > longest_gap_s) {
+    close_block();
+    open_ = false;
+    history_size_ = 0;
+  }
+  started_ = true;
+  last_time_s_ = time_s;
+  history_[history_next_] = {time_s, sample.depth_m};
+  history_next_ = (history_next_ + 1) % history_.size();
+  history_size_ = std::min(history_size_ + 1, history_.size());
+  if (saturated(sample.force_n)) return;
+
+  const double position_m = delayed_position(time_s - options_.force_delay_s);
+  if (!touched_ && position_m < -2.5 * options_.contact_sd_m) {
+    free_air_.force_n += sample.force_n;
+    free_air_.samples += 1.0;
+  }
+  if (block_.samples == 0.0) block_start_s_ = time_s;
+  block_.time_s += time_s - block_start_s_;
+  block_.position_m += position_m;
+  block_.force_n += sample.force_n;
+  block_.samples += 1.0;
+  if (block_.samples >= 5.0 || time_s - block_start_s_ >= block_s) close_block();
+}
+
+double PressSegments::delayed_position(double time_s) const noexcept {
+  const std::size_t n = history_.size();
+  std::size_t newer = (history_next_ + n - 1) % n;
+  for (std::size_t i = 1; i < history_size_; ++i) {
+    const std::size_t older = (newer + n - 1) % n;
+    const Timed& a = history_[older];
+    const Timed& b = history_[newer];
+    if (a.time_s <= time_s) {
+      const double share = std::clamp((time_s - a.time_s) / (b.time_s - a.time_s), 0.0, 1.0);
+      return a.position_m + share * (b.position_m - a.position_m);
+    }
+    newer = older;
+  }
+  return history_[newer].position_m;
+}
+
+bool PressSegments::saturated(double force_n) noexcept {
+  // A sensor at the end of its range repeats its largest number; the tissue then knows more than it
+  // says.
+  same_force_ = force_n == last_force_n_ ? same_force_ + 1 : 0;
+  last_force_n_ = force_n;
+  largest_force_n_ = std::max(largest_force_n_, force_n);
+  return same_force_ >= saturated_after && force_n >= largest_force_n_ && force_n > least_force_n;
+}
+
+void PressSegments::close_block() noexcept {
+  if (block_.samples == 0.0) return;
+  const double n = block_.samples;
+  const double time_s = block_start_s_ + block_.time_s / n;
+  const double position_m = block_.position_m / n;
+  const double force_n = block_.force_n / n - tare_n();
+  block_ = Sum{};
+  const double threshold_n = std::max(least_force_n, 5.0 * options_.force_noise_n / std::sqrt(n));
+  follow_press(force_n < threshold_n ? 0.0 : force_n);
+  if (force_n < threshold_n) {
+    open_ = false;
+    return;
+  }
+  if (!touched_) first_contact_s_ = time_s;
+  touched_ = true;
+  append(time_s, position_m, force_n, n);
+}
+
+void PressSegments::follow_press(double force_n) noexcept {
+  // Between presses the tool may stay in light contact, so a press ends at a fall, not at a loss.
+  peak_ever_n_ = std::max(peak_ever_n_, force_n);
+  if (pressing_) {
+    peak_n_ = std::max(peak_n_, force_n);
+    if (force_n < 0.35 * peak_n_) {
+      ++presses_;
+      pressing_ = false;
+      valley_n_ = force_n;
+    }
+  } else {
+    valley_n_ = std::min(valley_n_, force_n);
+    if (force_n > 1.5 * valley_n_ + 3.0 * least_force_n) {
+      pressing_ = true;
+      peak_n_ = force_n;
+    }
+  }
+}
+
+void PressSegments::append(double time_s, double position_m, double force_n,
+                           double samples) noexcept {
+  ++blocks_;
+  const double root = std::sqrt(force_n);
+  const bool fits = open_ && size_ > 0 && std::abs(root - opened_root_) < cell_root_n &&
+                    time_s - opened_s_ < longest_segment_s &&
+                    time_s - last_accepted_s_ < longest_gap_s;
+  last_accepted_s_ = time_s;
+  if (fits) {
+    PressSegment& segment = segments_[size_ - 1];
+    const double share = samples / (segment.samples + samples);
+    segment.time_s += share * (time_s - segment.time_s);
+    segment.position_m += share * (position_m - segment.position_m);
+    segment.force_n += share * (force_n - segment.force_n);
+    segment.samples += samples;
+    return;
+  }
+  if (size_ == capacity) drop_oldest(1);
+  segments_[size_++] = {time_s, position_m, force_n, 0.0, samples};
+  open_ = true;
+  opened_s_ = time_s;
+  opened_root_ = root;
+  // The speed of a segment is the slope between its neighbours; the ends have one neighbour only.
+  const auto slope = [this](std::size_t a, std::size_t b) {
+    const double dt_s = segments_[b].time_s - segments_[a].time_s;
+    return dt_s > 0.0 && dt_s < 3.0 * longest_segment_s
+               ? (segments_[b].position_m - segments_[a].position_m) / dt_s
+               : 0.0;
+  };
+  if (size_ >= 2) segments_[size_ - 1].speed_m_per_s = slope(size_ - 2, size_ - 1);
+  if (size_ >= 3)
+    segments_[size_ - 2].speed_m_per_s = slope(size_ - 3, size_ - 1);
+  else if (size_ == 2)
+    segments_[0].speed_m_per_s = segments_[1].speed_m_per_s;
+}
+
+void PressSegments::drop_oldest(std::size_t count) noexcept {
+  count = std::min(count, size_);
+  std::copy(segments_.begin() + static_cast<long>(count),
+            segments_.begin() + static_cast<long>(size_), segments_.begin());
+  size_ -= count;
+}
+
+}  // namespace tuina::tissue

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include "tuina/core/contact.hpp"
+
+namespace tuina::tissue {
+
+/// A stretch of contact in which force and time hardly change, reduced to its means. A press of a
+/// second is some fifty of them, so all of it can be fitted again and again within the millisecond.
+struct PressSegment {
+  double time_s = 0.0;
+  double position_m = 0.0;
+  double force_n = 0.0;
+  double speed_m_per_s = 0.0;  ///< of the tool, into the body
+  double samples = 0.0;
+};
+
+struct SegmentOptions {
+  double force_noise_n = 0.2;    ///< one standard deviation of one sample
+  double contact_sd_m = 0.5e-3;  ///< how well the place of the skin is known beforehand
+  double force_delay_s = 0.0;    ///< the force is this much older than the position beside it
+};
+
+/// Turns samples into segments: delays the position like the force, tares the force before the
+/// first contact, averages, and counts presses. Any input is survived: samples that are not finite,
+/// repeat or go back in time, or sit at the end of the sensor's range are left out. Nothing
+/// allocates.
+class PressSegments {
+ public:
+  static constexpr std::size_t capacity = 128;
+
+  explicit PressSegments(const SegmentOptions& options) noexcept;
+
+  void add(double time_s, const Press& sample) noexcept;
+
+  [[nodiscard]] std::size_t size() const noexcept { return size_; }
+  [[nodiscard]] const PressSegment& operator[](std::size_t i) const noexcept {
+    return segments_[i];
+  }
+  void drop_oldest(std::size_t count) noexcept;
+
+  [[nodiscard]] int presses() const noexcept { return presses_; }  ///< completed ones
+  [[nodiscard]] double peak_force_n() const noexcept { return peak_ever_n_; }
+  [[nodiscard]] double first_contact_s() const noexcept { return first_contact_s_; }
+  [[nodiscard]] bool ever_touched() const noexcept { return touched_; }
+  [[nodiscard]] double now_s() const noexcept { return last_time_s_; }
+  [[nodiscard]] double tare_n() const noexcept;
+  [[nodiscard]] long accepted_blocks() const noexcept { return blocks_; }
+
+ private:
+  [[nodiscard]] double delayed_position(double time_s) const noexcept;
+  [[nodiscard]] bool saturated(double force_n) noexcept;
+  void close_block() noexcept;
+  void follow_press(double force_n) noexcept;
+  void append(double time_s, double position_m, double force_n, double samples) noexcept;
+
+  struct Sum {
+    double time_s = 0.0, position_m = 0.0, force_n = 0.0, samples = 0.0;
+  };
+  struct Timed {
+    double time_s = 0.0, position_m = 0.0;
+  };
+
+  SegmentOptions options_;
+  std::array<PressSegment, capacity> segments_{};
+  std::size_t size_ = 0;
+  bool open_ = false;  // the newest segment may still grow
+  double opened_s_ = 0.0;
+  double opened_root_ = 0.0;
+
+  std::array<Timed, 64> history_{};  // positions of the last samples, for the delay
+  std::size_t history_size_ = 0, history_next_ = 0;
+
+  Sum block_;
+  double block_start_s_ = 0.0;
+  Sum free_air_;
+  double last_time_s_ = 0.0, last_force_n_ = 0.0, largest_force_n_ = 0.0;
+  int same_force_ = 0;
+  bool started_ = false, touched_ = false;
+  double first_contact_s_ = 0.0, last_accepted_s_ = 0.0;
+
+  bool pressing_ = false;
+  double peak_n_ = 0.0, valley_n_ = 0.0, peak_ever_n_ = 0.0;
+  int presses_ = 0;
+  long blocks_ = 0;
+};
+
+}  // namespace tuina::tissue
