@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "tuina/body/back_surface.hpp"
+#include "tuina/body/voxels.hpp"
+#include "tuina/core/units.hpp"
+
+namespace tuina::body {
+namespace {
+
+constexpr int enough_points = 2000;
+constexpr double couch_m = 25_mm;        // z = 0 holds to 10 mm, a depth camera adds 3 mm of noise
+constexpr double gap_m = 30_mm;          // what is farther apart does not hang together
+constexpr double widest_cloud_m = 12.0;  // a room; a person in centimetres spans 60 and more
+constexpr double sitting_height_m = 0.50;  // shoulders of the smallest sitting person are above it
+
+double quantile(std::vector<double> values, double fraction) {
+  const auto at = values.begin() +
+                  static_cast<std::ptrdiff_t>(fraction * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+double quantile_along(const std::vector<Vector3>& points, int axis, double fraction) {
+  std::vector<double> values;
+  values.reserve(points.size());
+  for (const Vector3& p : points) values.push_back(p[axis]);
+  return quantile(std::move(values), fraction);
+}
+
+Result<void> check_units(const std::vector<Vector3>& points) {
+  double widest = 0.0;
+  for (int axis = 0; axis < 3; ++axis) {
+    widest =
+        std::max(widest, quantile_along(points, axis, 0.95) - quantile_along(points, axis, 0.05));
+  }
+  if (widest > widest_cloud_m) {
+    return fail(Fault::bad_input,
+                "the cloud spans {:.0f} m, a person at most 2: is it in {} instead of metres?",
+                widest, widest > 200.0 ? "millimetres" : "centimetres");
+  }
+  if (widest < 0.1) {
+    return fail(Fault::not_found,
+                "no person found: the cloud spans {:.0f} mm, a back 400 mm or more", to_mm(widest));
+  }
+  return {};
+}
+
+/// The largest thing above the couch that hangs together, with what lies beside it: the sweep can
+/// lose the skin between head and shoulders or behind a fold.
+Result<std::vector<Vector3>> find_person(const std::vector<Vector3>& above) {
+  const Voxels voxels = gather(above, gap_m);
+  const Components parts = connect(voxels);
+  std::vector<Vector3> low(parts.points.size(),
+                           Vector3::Constant(std::numeric_limits<double>::max()));
+  std::vector<Vector3> high(parts.points.size(),
+                            Vector3::Constant(std::numeric_limits<double>::lowest()));
+  std::vector<int> cells(parts.points.size());
+  for (std::size_t i = 0; i < voxels.size(); ++i) {
+    const auto part = static_cast<std::size_t>(parts.of_voxel[i]);
+    low[part] = low[part].cwiseMin(voxels.mean[i]);
+    high[part] = high[part].cwiseMax(voxels.mean[i]);
+    ++cells[part];
+  }
+  // Points are denser near the scanner, so size is counted in cells.
+  const auto largest =
+      static_cast<std::size_t>(std::max_element(cells.begin(), cells.end()) - cells.begin());
+  std::vector<bool> kept(parts.points.size(), false);
+  for (std::size_t part = 0; part < kept.size(); ++part) {
+    const double apart = (low[part] - high[largest]).cwiseMax(low[largest] - high[part]).maxCoeff();
+    if (part != largest && cells[part] > 0.4 * cells[largest] &&
+        (high[part] - low[part]).maxCoeff() > 0.35) {
+      return fail(Fault::bad_input,
+                  "two people or a second large thing on the couch: {} and {} patches of 3 cm that "
+                  "do not hang together",
+                  cells[largest], cells[part]);
+    }
+    kept[part] = part == largest || (apart < gap_m && cells[part] >= 12);
+  }
+  std::vector<Vector3> person;
+  for (const Vector3& p : above) {
+    const auto whole = [](double x) { return static_cast<int>(std::floor(x / gap_m)); };
+    const int voxel = voxels.at({whole(p.x()), whole(p.y()), whole(p.z())});
+    if (kept[static_cast<std::size_t>(parts.of_voxel[static_cast<std::size_t>(voxel)])])
+      person.push_back(p);
+  }
+  return person;
+}
+
+Result<Position> recognise(const std::vector<Vector3>& person, std::optional<Position> wanted) {
+  const double top = quantile_along(person, 2, 0.98);
+  const Position seen = top > sitting_height_m ? Position::sitting : Position::prone;
+  if (wanted && *wanted != seen) {
+    return fail(
+        Fault::bad_input,
+        "the person is said to be {}, but reaches {:.0f} mm above the couch; {} is {} {:.0f} mm",
+        name_of(*wanted), to_mm(top), *wanted == Position::sitting ? "sitting" : "lying",
+        *wanted == Position::sitting ? "above" : "below", to_mm(sitting_height_m));
+  }
+  return seen;
+}
+
+/// Evenly thinned points with normals from the 27 cubes around each, turned towards where scanners
+/// are.
+PointCloud thin_with_normals(const std::vector<Vector3>& person, double spacing_m,
+                             Position position) {
+  const Voxels voxels = gather(person, spacing_m);
+  const Vector3 out = position == Position::sitting ? Vector3::UnitY() : Vector3::UnitZ();
+  Vector3 centre = Vector3::Zero();
+  for (const Vector3& mean : voxels.mean) centre += mean / static_cast<double>(voxels.size());
+  const Vector3 eye = centre + 1.5 * out;
+
+  PointCloud cloud;
+  for (std::size_t i = 0; i < voxels.size(); ++i) {
+    const auto& p = voxels.place[i];
+    int count = 0;
+    int cubes = 0;
+    Vector3 mean = Vector3::Zero();
+    std::array<int, 27> near{};
+    for (int k = 0; k < 27; ++k) {
+      const int j = voxels.at({p[0] + k / 9 - 1, p[1] + k / 3 % 3 - 1, p[2] + k % 3 - 1});
+      if (j < 0) continue;
+      near[static_cast<std::size_t>(cubes++)] = j;
+      count += voxels.count[static_cast<std::size_t>(j)];
+      mean += voxels.count[static_cast<std::size_t>(j)] * voxels.mean[static_cast<std::size_t>(j)];
+    }
+    if (cubes < 4) continue;  // Flying pixels have no neighbours, skin has.
+    mean /= count;
+    Matrix3 scatter = Matrix3::Zero();
+    for (int k = 0; k < cubes; ++k) {
+      const auto j = static_cast<std::size_t>(near[static_cast<std::size_t>(k)]);
+      const Vector3 offset = voxels.mean[j] - mean;
+      scatter += voxels.scatter[j] + voxels.count[j] * offset * offset.transpose();
+    }
+    Eigen::SelfAdjointEigenSolver<Matrix3> eigen;
+    eigen.computeDirect(scatter);
+    Vector3 normal = eigen.eigenvectors().col(0);
+    if (normal.dot(eye - voxels.mean[i]) < 0.0) normal = -normal;
+    cloud.points.push_back(voxels.mean[i]);
+    cloud.normals.push_back(normal);
+  }
+  return cloud;
+}
+
+/// The distance of neighbouring points, from how many fall on the area of the cubes they fill.
+double spacing_of(const std::vector<Vector3>& points) {
+  constexpr double cube_m = 30_mm;
+  const Voxels voxels = gather(points, cube_m);
+  const double area = static_cast<double>(voxels.size()) * cube_m * cube_m /
+                      1.5;  // a tilted plane meets more cubes
+  return std::sqrt(area / static_cast<double>(points.size()));
+}
+
+}  // namespace
+
+Result<BackSurface> fit_back(const PointCloud& scan_in_couch, const BackOptions& options) {
+  std::vector<Vector3> finite;
+  finite.reserve(scan_in_couch.size());
+  for (const Vector3& p : scan_in_couch.points) {
+    if (p.allFinite() && p.cwiseAbs().maxCoeff() < 1e6) finite.push_back(p);
+  }
+  if (finite.size() < enough_points) {
+    return fail(Fault::not_found, "no person found: {} points, {} needed", finite.size(),
+                enough_points);
+  }
+  if (auto units = check_units(finite); !units) return tl::unexpected(units.error());
+
+  std::vector<Vector3> above;
+  above.reserve(finite.size());
+  for (const Vector3& p : finite) {
+    if (p.z() > couch_m && p.z() < 1.3) above.push_back(p);
+  }
+  if (above.size() < enough_points) {
+    return fail(Fault::not_found, "no person found: {} of {} points are above the couch, {} needed",
+                above.size(), finite.size(), enough_points);
+  }
+  auto person = find_person(above);
+  if (!person) return tl::unexpected(person.error());
+  if (person->size() < enough_points) {
+    return fail(Fault::not_found,
+                "no person found: the largest thing on the couch has {} points, {} needed",
+                person->size(), enough_points);
+  }
+  const auto position = recognise(*person, options.position);
+  if (!position) return tl::unexpected(position.error());
+
+  const double spacing_m = std::clamp(1.3 * spacing_of(*person), 6_mm, 15_mm);
+  PointCloud cloud = thin_with_normals(*person, spacing_m, *position);
+  const double area = static_cast<double>(cloud.size()) * spacing_m * spacing_m / 1.5;
+  if (area < 0.10) {
+    return fail(Fault::not_found, "less than a back: {:.2f} square metres of skin, 0.10 needed",
+                area);
+  }
+  return BackSurface(std::move(cloud), *position, spacing_m);
+}
+
+}  // namespace tuina::body
