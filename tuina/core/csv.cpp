@@ -31,14 +31,14 @@ Result<std::vector<std::size_t>> find_columns(std::string_view header, std::stri
   std::sort(sorted.begin(), sorted.end());
   if (const auto twin = std::adjacent_find(sorted.begin(), sorted.end()); twin != sorted.end()) {
     return fail(Fault::bad_input, "{}:1: the column {} stands twice in the header", name,
-                quoted(*twin));
+                in_quotes(*twin));
   }
   std::vector<std::size_t> places;
   for (const std::string& column : wanted) {
     const auto found = std::find(names.begin(), names.end(), column);
     if (found == names.end()) {
       return fail(Fault::bad_input, "{}:1: no column `{}` in the header {}; needed: {}", name,
-                  column, quoted(header), fmt::join(wanted, ","));
+                  column, in_quotes(header), fmt::join(wanted, ","));
     }
     places.push_back(static_cast<std::size_t>(found - names.begin()));
   }
@@ -67,13 +67,13 @@ Result<CsvTable> parse_csv(std::string_view text, std::string_view name,
     const auto cells = split(*line);
     if (cells.size() != width) {
       return fail(Fault::bad_input, "{}:{}: {} cells, the header has {}: {}", name, lines.number(),
-                  cells.size(), width, quoted(*line));
+                  cells.size(), width, in_quotes(*line));
     }
     for (std::size_t k = 0; k < wanted_columns.size(); ++k) {
       const auto value = to_number<double>(cells[(*places)[k]]);
       if (!value || !std::isfinite(*value)) {
         return fail(Fault::bad_input, "{}:{}: {} is {}, a finite number is needed", name,
-                    lines.number(), wanted_columns[k], quoted(cells[(*places)[k]]));
+                    lines.number(), wanted_columns[k], in_quotes(cells[(*places)[k]]));
       }
       table.columns[k].push_back(*value);
     }

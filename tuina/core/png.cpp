@@ -43,14 +43,14 @@ Result<void> check_chunks(std::string_view content, std::string_view name) {
     const std::string_view type = rest.substr(4, 4);
     if (length > rest.size() - 12) {
       return fail(Fault::bad_input, "{}: byte {}: chunk {} claims {} bytes, {} are left", name, at,
-                  quoted(type), length, rest.size() - 12);
+                  in_quotes(type), length, rest.size() - 12);
     }
     const std::string_view covered = rest.substr(4, std::size_t{4} + length);
     const auto sum = ::crc32(0, reinterpret_cast<const Bytef*>(covered.data()),
                              static_cast<uInt>(covered.size()));
     if (sum != big_endian(rest.substr(8 + length))) {
       return fail(Fault::bad_input, "{}: byte {}: the checksum of chunk {} is wrong", name, at,
-                  quoted(type));
+                  in_quotes(type));
     }
     if ((at == signature.size()) != (type == "IHDR")) {
       return fail(Fault::bad_input, "{}: byte {}: IHDR must be the first chunk and the only one",
@@ -146,7 +146,8 @@ Result<PngFile> parse_png(std::string_view content, std::string_view name) {
   decoder.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &decoder, on_fault, on_fault);
   decoder.info = decoder.png == nullptr ? nullptr : png_create_info_struct(decoder.png);
   if (decoder.info == nullptr) return fail(Fault::bad_input, "{}: libpng does not start", name);
-  if (!read_header(decoder)) return fail(Fault::bad_input, "{}: {}", name, quoted(decoder.message));
+  if (!read_header(decoder))
+    return fail(Fault::bad_input, "{}: {}", name, in_quotes(decoder.message));
 
   PngFile file;
   const auto width = png_get_image_width(decoder.png, decoder.info);
@@ -158,7 +159,7 @@ Result<PngFile> parse_png(std::string_view content, std::string_view name) {
   std::vector<png_bytep> rows(height);
   for (std::size_t y = 0; y < height; ++y) rows[y] = bytes.data() + y * row_bytes;
   if (!read_rows(decoder, rows.data()))
-    return fail(Fault::bad_input, "{}: {}", name, quoted(decoder.message));
+    return fail(Fault::bad_input, "{}: {}", name, in_quotes(decoder.message));
 
   file.image = Image16(static_cast<int>(width), static_cast<int>(height), channels);
   if (file.bits == 16) {

@@ -22,7 +22,7 @@ bool only_white_space(std::string_view text) {
   return text.find_first_not_of(" \t\r\n\v\f") == std::string_view::npos;
 }
 
-std::string quoted(std::string_view text) {
+std::string in_quotes(std::string_view text) {
   constexpr std::size_t enough = 40;
   std::string shown = "`";
   for (const char letter : text.substr(0, enough)) {

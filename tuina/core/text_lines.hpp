@@ -52,6 +52,6 @@ template <typename Number>
 [[nodiscard]] bool only_white_space(std::string_view text);
 
 /// A piece of somebody's file as it may stand in an error: short, and only with letters that print.
-[[nodiscard]] std::string quoted(std::string_view text);
+[[nodiscard]] std::string in_quotes(std::string_view text);
 
 }  // namespace tuina
