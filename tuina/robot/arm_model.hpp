@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+
+#include "tuina/robot/arm_table.hpp"
+#include "tuina/robot/mount.hpp"
+
+namespace tuina::robot {
+
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+using Jacobian = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, most_joints>;
+
+/// One evaluation of an arm's model, everything in `base`. Equation of motion:
+/// mass * ddq + coriolis + gravity = motor torque - friction + jacobian^T * wrench on the tool.
+struct ArmDynamics {
+  Transform base_from_tool;
+  Jacobian jacobian;        ///< of the tool's origin: rows 0-2 velocity, rows 3-5 angular velocity
+  Vector6 jacobian_dot_dq;  ///< the tool's acceleration when no joint accelerates
+  JointMatrix mass_kg_m2;   ///< rotors included
+  JointVector coriolis_nm;  ///< Coriolis and centrifugal torque
+  JointVector gravity_nm;   ///< torque that holds the arm, [thesis] (3.14)
+};
+
+/// Kinematics and dynamics of one mounted arm from its table: fixed memory, no heap, no exceptions;
+/// about 0.3 microseconds for everything (`./run bench robot`). The rail counts as standing still.
+class ArmModel {
+ public:
+  ArmModel(const ArmTable& table, const RobotMount& mount, Arm arm) noexcept;
+
+  [[nodiscard]] const ArmTable& table() const noexcept { return table_; }
+  [[nodiscard]] int joints() const noexcept { return table_.joints; }
+  /// Distance from the shoulder to the tool's origin of the stretched arm.
+  [[nodiscard]] double reach_m() const noexcept { return reach_m_; }
+  [[nodiscard]] Vector3 shoulder_in_base(double rail_m) const noexcept {
+    return shoulder_in_base_ + rail_m * rail_axis_in_base_;
+  }
+
+  [[nodiscard]] ArmDynamics evaluate(const JointVector& q_rad, const JointVector& dq_rad_per_s,
+                                     double rail_m) const noexcept;
+
+  [[nodiscard]] Transform base_from_tool(const JointVector& q_rad, double rail_m) const noexcept;
+  [[nodiscard]] JointVector gravity_nm(const JointVector& q_rad) const noexcept;
+
+  /// Pose of the tool and its Jacobian only, for inverse kinematics.
+  struct Kinematics {
+    Transform base_from_tool;
+    Jacobian jacobian;
+    std::array<Vector3, most_joints + 1> origins_in_base;  ///< DH frames 0 to n
+  };
+  [[nodiscard]] Kinematics kinematics(const JointVector& q_rad, double rail_m) const noexcept;
+
+ private:
+  struct Turn {
+    double cos_alpha, sin_alpha;
+  };
+
+  template <int N>
+  void evaluate_all(const double* q, const double* dq, double rail_m,
+                    ArmDynamics& out) const noexcept;
+
+  ArmTable table_;
+  std::array<Turn, most_joints> turns_ = {};
+  Matrix3 base_from_shoulder_turn_;
+  Vector3 shoulder_in_base_;
+  Vector3 rail_axis_in_base_;
+  double reach_m_ = 0.0;
+};
+
+/// Inverse of the inertia that the tool shows to a force: J M^-1 J^T, [thesis] chapter 3. Always
+/// defined.
+[[nodiscard]] Matrix6 tool_mobility(const ArmDynamics& dynamics) noexcept;
+
+/// The operational-space inertia (J M^-1 J^T)^-1; near a singularity its eigenvalues are capped at
+/// `largest_kg` (kg, kg m2), where the exact one grows without bound.
+[[nodiscard]] Matrix6 operational_inertia(const ArmDynamics& dynamics,
+                                          double largest_kg = 1e3) noexcept;
+
+/// The mass that a push along the unit `direction_in_base` on the tool's origin feels.
+[[nodiscard]] double apparent_mass_kg(const ArmDynamics& dynamics,
+                                      const Vector3& direction_in_base) noexcept;
+
+}  // namespace tuina::robot

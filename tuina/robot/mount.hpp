@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "tuina/core/acupoint.hpp"
+#include "tuina/core/arm.hpp"
+#include "tuina/core/units.hpp"
+
+namespace tuina::robot {
+
+/// Where the robot stands. `base` has its origin midway between the shoulders when the linear base
+/// is at zero; z up, y to the person's left, x = y cross z: sitting, from the robot to the person;
+/// prone, from feet to head. Everything on the robot moves along `rail_axis_in_base` with the
+/// linear base.
+struct RobotMount {
+  Transform base_from_couch = Transform::Identity();
+  /// DH frame 0 of each arm, rail at zero.
+  PerArm<Transform> base_from_shoulder = {.of = {Transform::Identity(), Transform::Identity()}};
+  Vector3 rail_axis_in_base = Vector3::UnitX();
+  double lowest_rail_m = 0.0;
+  double highest_rail_m = 0.0;
+
+  [[nodiscard]] Transform base_from_shoulder_at(Arm arm, double rail_m) const {
+    return Eigen::Translation3d(rail_m * rail_axis_in_base) * base_from_shoulder[arm];
+  }
+};
+
+/// Sitting: the robot stands behind the person, upright. Prone: it hangs from a gantry over the bed
+/// and looks down. In both the left arm is on the side of the couch's positive x, and the rail runs
+/// along the couch's y.
+[[nodiscard]] RobotMount mount_for(Position position) noexcept;
+
+}  // namespace tuina::robot
