@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 # The table of rooms: which room may include which. It is written here and nowhere else; tuina_room links
 # by it and the `layering` test reads the #include lines of the sources against it.
-set(TUINA_ROOMS core scanner body massage tissue robot safety control session sim)
+set(TUINA_ROOMS core telemetry scanner body massage tissue robot safety control session sim)
 set(TUINA_MAY_INCLUDE_core "")
+set(TUINA_MAY_INCLUDE_telemetry core)
 set(TUINA_MAY_INCLUDE_scanner core)
 set(TUINA_MAY_INCLUDE_body core)
 set(TUINA_MAY_INCLUDE_massage core body)
@@ -10,7 +11,7 @@ set(TUINA_MAY_INCLUDE_tissue core)
 set(TUINA_MAY_INCLUDE_robot core)
 set(TUINA_MAY_INCLUDE_safety core)
 set(TUINA_MAY_INCLUDE_control core robot)
-set(TUINA_MAY_INCLUDE_session core scanner body massage tissue robot safety control)
+set(TUINA_MAY_INCLUDE_session core telemetry scanner body massage tissue robot safety control)
 set(TUINA_MAY_INCLUDE_sim core scanner robot tissue)
 
 # tuina_room(<name> SOURCES <file>... [USES <public target>...] [HIDES <private target>...])
