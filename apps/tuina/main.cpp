@@ -31,7 +31,9 @@ void add_common_options(CLI::App& command, CommonOptions& common, std::string& o
   }
   command.add_flag("--json", common.json, "write one JSON object to stdout and nothing else there");
   command.add_flag("--quiet", common.quiet, "no text and no progress bar");
-  command.add_option("--seed", common.seed, "same seed, same result")->capture_default_str();
+  command.add_option("--seed", common.seed, "same seed, same result")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   command.add_option("--config", common.config_file, "a TOML file; see `tuina config show`");
   command.add_option("--set", common.settings, "section.key=value, over the file")
       ->allow_extra_args(false);

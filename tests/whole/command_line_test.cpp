@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <doctest/doctest.h>
+
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "tests/whole/command.hpp"
+
+using tuina::test::Folder;
+using tuina::test::run_tuina;
+
+namespace {
+
+/// The subcommands that --help lists.
+std::vector<std::string> verbs_of(const std::string& help) {
+  std::vector<std::string> verbs;
+  std::istringstream lines(help.substr(std::min(help.find("Subcommands:"), help.size())));
+  std::string line;
+  std::getline(lines, line);
+  while (std::getline(lines, line)) {
+    std::istringstream words(line);
+    std::string verb;
+    if (line.rfind("  ", 0) == 0 && line[2] != ' ' && words >> verb) verbs.push_back(verb);
+  }
+  return verbs;
+}
+
+long lines_in(const std::string& text) {
+  return std::count(text.begin(), text.end(), '\n');
+}
+
+}  // namespace
+
+TEST_CASE("every verb has help with an example") {
+  const auto help = run_tuina({"--help"});
+  REQUIRE(help.exit_code == 0);
+  const auto verbs = verbs_of(help.out);
+  REQUIRE(verbs.size() >= 2);
+  for (const std::string& verb : verbs) {
+    CAPTURE(verb);
+    const auto own = run_tuina({verb, "--help"});
+    CHECK(own.exit_code == 0);
+    const auto inner = verbs_of(own.out);
+    if (inner.empty()) CHECK(own.out.find("Example:") != std::string::npos);
+    for (const std::string& word : inner) {
+      CAPTURE(word);
+      const auto inner_help = run_tuina({verb, word, "--help"});
+      CHECK(inner_help.exit_code == 0);
+      CHECK(inner_help.out.find("Example:") != std::string::npos);
+    }
+  }
+}
+
+TEST_CASE("no verb shows the help and is wrong use") {
+  const auto nothing = run_tuina({});
+  CHECK(nothing.exit_code == 1);
+  CHECK(nothing.out.empty());
+  CHECK(nothing.err.find("Subcommands:") != std::string::npos);
+}
+
+TEST_CASE("wrong use gets one or two lines, exit code 1 and an empty stdout") {
+  const std::vector<std::vector<std::string>> wrong = {
+      {"mesage"},
+      {"doctor", "--colour"},
+      {"doctor", "extra"},
+      {"doctor", "--seed", "x"},
+      {"doctor", "--seed", "-1"},
+      {"config"},
+      {"config", "show", "--set", "scan.nothing=1"},
+      {"config", "show", "--set", "scan.sweep_s=nan"},
+      {"config", "show", "--set", "scan.sweep_s"},
+      {"config", "check"}};
+  for (auto arguments : wrong) {
+    if (arguments.size() > 1) arguments.push_back("--json");
+    CAPTURE(arguments);
+    const auto outcome = run_tuina(arguments);
+    CHECK(outcome.exit_code == 1);
+    CHECK(outcome.out.empty());
+    if (arguments.front() != "config" || arguments.size() > 3) CHECK(lines_in(outcome.err) <= 2);
+    CHECK_FALSE(outcome.err.empty());
+  }
+}
+
+TEST_CASE("a configuration file that is missing or wrong is bad input, with file and line") {
+  const Folder folder;
+  const auto missing = run_tuina({"config", "show", "--config", folder / "none.toml"});
+  CHECK(missing.exit_code == 2);
+  CHECK(missing.err.find("none.toml") != std::string::npos);
+  const auto path = folder.with("wrong.toml", "[scan]\nsweep_s = 1000.0\n");
+  const auto wrong = run_tuina({"config", "check", path});
+  CHECK(wrong.exit_code == 2);
+  CHECK(wrong.out.empty());
+  CHECK(wrong.err.find("wrong.toml:2") != std::string::npos);
+}
+
+TEST_CASE("--json gives one object on stdout, and --out leaves it in a file") {
+  const Folder folder;
+  const auto doctor = run_tuina({"doctor", "--json", "--quiet", "--out", folder / "doctor.json"});
+  CHECK(doctor.exit_code == 0);
+  CHECK(doctor.err.empty());
+  CHECK(nlohmann::json::parse(doctor.out).contains("checks"));
+  const auto shown = run_tuina({"config", "show"});
+  CHECK(run_tuina({"config", "check", folder.with("shown.toml", shown.out)}).exit_code == 0);
+}
