@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "tuina/control/motion_profile.hpp"
+
+namespace tuina::control {
+
+/// Where the tool is and which way its outward axis looks; turning about that axis is free.
+struct ToolPose {
+  Vector3 at_in_base = Vector3::Zero();
+  Vector3 normal_in_base = Vector3::UnitZ();  ///< unit, out of the body, along the tool's shaft
+};
+
+struct ToolReference {
+  ToolPose pose;
+  Vector3 velocity_m_per_s = Vector3::Zero();
+  Vector3 turning_rad_per_s = Vector3::Zero();
+};
+
+/// The tool from any motion to rest at a pose, jerk-limited, position and normal arriving together.
+/// From rest it runs straight, and the normal turns about one axis.
+class ToolMotion {
+ public:
+  struct Limits {
+    MotionLimits travel = {0.20, 0.6, 6.0};   ///< m/s, m/s2, m/s3
+    MotionLimits turning = {0.8, 3.0, 30.0};  ///< rad/s, rad/s2, rad/s3
+  };
+
+  /// At rest at this pose.
+  void start(const ToolPose& pose) noexcept;
+
+  /// Goes on from the state at `time_s` of the present motion; `at` then counts from zero again.
+  /// False, and the old motion stays, when the goal is not finite or its normal has no length.
+  [[nodiscard]] bool plan(double time_s, const ToolPose& goal, const Limits& limits) noexcept;
+
+  [[nodiscard]] ToolReference at(double time_s) const noexcept;
+  [[nodiscard]] double duration_s() const noexcept { return duration_s_; }
+  [[nodiscard]] const ToolPose& goal() const noexcept { return goal_; }
+
+ private:
+  ToolPose goal_;
+  double duration_s_ = 0.0;
+  Matrix3 base_from_travel_ = Matrix3::Identity();  // first axis: towards the goal
+  Matrix3 base_from_turn_ = Matrix3::Identity();    // first axis: of the turn to the goal
+  std::array<MotionProfile, 3> travel_;             // from the goal, in its axes
+  std::array<MotionProfile, 3> turn_;               // rotation vector from the normal of the goal
+};
+
+}  // namespace tuina::control
