@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "tuina/core/arm.hpp"
+#include "tuina/safety/limits.hpp"
+
+namespace tuina::safety {
+
+/// What the guard may do, mildest first; the strongest that any check asks for is done.
+enum class Action : std::uint8_t {
+  pass,     ///< the proposal goes through
+  warn,     ///< it goes through, clamped or repaired
+  freeze,   ///< the tool stays where it is
+  comply,   ///< no stiffness, only damping: the tool can be pushed away
+  retract,  ///< outward along the normal, then hold
+  brake,    ///< the joints cannot be known: only the drives' brakes are left
+};
+[[nodiscard]] const char* name_of(Action action) noexcept;
+
+enum class Cause : std::uint8_t {
+  none,
+  torque_clamped,
+  torque_rate_clamped,
+  late_tick,
+  force_spike,
+  force_stale,
+  encoder_jump,
+  tool_too_fast,
+  torque_saturated,
+  pushed_out,
+  bad_proposal,
+  torque_not_finite,
+  leash_too_long,
+  force_spikes,
+  force_rising,
+  force_over_cap,
+  force_over_trip,
+  set_force_too_high,
+  state_not_finite,
+};
+[[nodiscard]] const char* name_of(Cause cause) noexcept;
+
+/// What one arm's sensors and the model say in one millisecond.
+struct Observation {
+  std::uint64_t tick = 0;
+  double time_s = 0.0;
+  double wrench_time_s = 0.0;
+  JointVector q_rad;
+  JointVector dq_rad_per_s;
+  Vector3 force_in_base_n = Vector3::Zero();  ///< of the environment ON the tool, its weight taken off
+  Vector3 tool_in_base = Vector3::Zero();
+  Vector3 tool_velocity_m_per_s = Vector3::Zero();
+  Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, most_joints> jacobian;  ///< of the tool's position
+  JointVector gravity_nm;
+};
+
+/// What somebody wants the arm to do next.
+struct Proposal {
+  JointVector torque_nm;
+  Phase phase = Phase::free;
+  Zone zone = Zone::denied;
+  double set_force_n = 0.0;
+  Vector3 normal_in_base = Vector3::UnitZ();          ///< unit, out of the body
+  Vector3 virtual_target_in_base = Vector3::Zero();   ///< where the springs pull the tool to
+  double stiffness_n_per_m = 0.0;
+};
+
+struct Verdict {
+  JointVector allowed_nm;
+  Action action = Action::pass;
+  Cause cause = Cause::none;
+  bool latched = false;  ///< a stop: lasts until `reset`
+};
+
+/// The gate between a controller it does not know and one arm. It judges each millisecond by itself, takes
+/// the arm over with a small law of its own when it must, and never lets out a torque that is not finite, too
+/// large or too sudden. Real-time: no heap, no exceptions.
+class Guard {
+ public:
+  struct Options {
+    JointVector torque_limit_nm;  ///< of the drives; one per joint
+    std::array<ForceLimits, zones> force = force_ceilings;
+    Ceilings limits = {};
+    double period_s = 1e-3;
+  };
+
+  /// Every option above its compiled ceiling counts as the ceiling.
+  explicit Guard(const Options& options) noexcept;
+
+  [[nodiscard]] Verdict check(const Observation& seen, const Proposal& proposal) noexcept;
+
+  /// After the cause is gone and a person has said so.
+  void reset() noexcept;
+
+  [[nodiscard]] const Options& options() const noexcept { return options_; }
+
+ private:
+  struct Finding {
+    Action action = Action::pass;
+    Cause cause = Cause::none;
+    bool latches = false;
+    void add(Action a, Cause c, bool latch) noexcept {
+      if (a > action) action = a, cause = c;
+      latches = latches || latch;
+    }
+  };
+
+  void judge_time(const Observation& seen, Finding& finding) noexcept;
+  void judge_joints(const Observation& seen, Finding& finding) noexcept;
+  void judge_force(const Observation& seen, const Proposal& proposal, Finding& finding) noexcept;
+  void judge_motion(const Observation& seen, const Proposal& proposal, Finding& finding) noexcept;
+  void judge_proposal(const Observation& seen, const Proposal& proposal, Finding& finding) noexcept;
+  [[nodiscard]] JointVector own_torque(const Observation& seen, Action action) noexcept;
+  [[nodiscard]] JointVector limited(const JointVector& torque_nm, double rate_nm_per_s,
+                                    Finding& finding) const noexcept;
+
+  Options options_;
+  bool started_ = false;
+  std::uint64_t tick_ = 0;
+  JointVector q_rad_;
+  JointVector gravity_nm_;
+  JointVector allowed_nm_;
+  Vector3 normal_in_base_ = Vector3::UnitZ();
+
+  // Force: the last samples taken as true, their medians, and the spikes among them.
+  double last_force_time_s_ = 0.0;
+  std::array<double, 3> samples_n_ = {};
+  std::array<double, 6> medians_n_ = {};
+  int suspects_ = 0;
+  std::array<double, 5> spike_times_s_ = {};
+
+  // Checks that need several milliseconds count them here.
+  int too_fast_ = 0, over_cap_ = 0, saturated_ = 0, not_finite_ = 0, pushed_out_ = 0, rising_ = 0;
+  double frozen_until_s_ = 0.0;
+
+  Action latched_ = Action::pass;
+  Cause latched_cause_ = Cause::none;
+  Action taken_over_ = Action::pass;
+  Vector3 hold_in_base_ = Vector3::Zero();
+  JointVector hold_rad_;
+  double retracted_m_ = 0.0;
+};
+
+}  // namespace tuina::safety
