@@ -15,7 +15,7 @@ using namespace tuina::safety;
 
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 Guard::Options six_joints() {
@@ -24,7 +24,8 @@ Guard::Options six_joints() {
   return options;
 }
 
-// An arm that stands still and presses upward skin with 20 N, all sensors well; tests spoil one thing.
+// An arm that stands still and presses upward skin with 20 N, all sensors well; tests spoil one
+// thing.
 struct Scene {
   Observation seen;
   Proposal proposal;
@@ -37,9 +38,13 @@ struct Scene {
     seen.q_rad = seen.dq_rad_per_s = JointVector::Zero(6);
     seen.gravity_nm = JointVector::Constant(6, 2.0);
     seen.jacobian = Eigen::Matrix<double, 3, 6>::Constant(0.2);
-    proposal = {.torque_nm = JointVector::Constant(6, 2.0), .phase = Phase::contact,
-                .zone = Zone::muscle, .set_force_n = 20.0, .normal_in_base = Vector3::UnitZ(),
-                .virtual_target_in_base = Vector3(0.0, 0.0, -0.02), .stiffness_n_per_m = 1000.0};
+    proposal = {.torque_nm = JointVector::Constant(6, 2.0),
+                .phase = Phase::contact,
+                .zone = Zone::muscle,
+                .set_force_n = 20.0,
+                .normal_in_base = Vector3::UnitZ(),
+                .virtual_target_in_base = Vector3(0.0, 0.0, -0.02),
+                .stiffness_n_per_m = 1000.0};
   }
 
   const Verdict& tick(int ticks = 1) {
@@ -64,7 +69,8 @@ TEST_CASE("a quiet contact passes for ever and its torques come out unchanged") 
   }
 }
 
-TEST_CASE("the torque of joint, zone and phase that nothing is wrong with passes in every combination") {
+TEST_CASE(
+    "the torque of joint, zone and phase that nothing is wrong with passes in every combination") {
   for (std::size_t zone = 0; zone < zones; ++zone) {
     for (int phase = 0; phase < 4; ++phase) {
       Scene scene;
@@ -102,7 +108,7 @@ TEST_CASE("force over the trip of each zone retracts within three milliseconds a
 TEST_CASE("force between ceiling and trip is borne for a tenth of a second") {
   Scene scene;
   scene.tick(10);
-  scene.force_n = 56.0;
+  for (; scene.force_n < 56.0; scene.force_n += 1.0) scene.tick();
   CHECK(scene.tick(90).action < Action::freeze);
   CHECK(scene.tick(20).cause == Cause::force_over_cap);
 }
@@ -145,7 +151,7 @@ TEST_CASE("a force sensor that falls silent freezes the arm at 4 ms and makes it
 }
 
 TEST_CASE("a force sensor that says NaN counts as silent") {
-  for (const double bad : {nan, infinity}) {
+  for (const double bad : {not_a_number, infinity}) {
     Scene scene;
     scene.tick(100);
     scene.force_n = bad;
@@ -188,10 +194,10 @@ TEST_CASE("joint angles that are not numbers leave only the brakes, with the las
   for (int what = 0; what < 4; ++what) {
     Scene scene;
     scene.tick(100);
-    if (what == 0) scene.seen.q_rad[3] = nan;
+    if (what == 0) scene.seen.q_rad[3] = not_a_number;
     if (what == 1) scene.seen.dq_rad_per_s[0] = infinity;
-    if (what == 2) scene.seen.jacobian(1, 1) = nan;
-    if (what == 3) scene.seen.gravity_nm[5] = nan;
+    if (what == 2) scene.seen.jacobian(1, 1) = not_a_number;
+    if (what == 3) scene.seen.gravity_nm[5] = not_a_number;
     CHECK(scene.tick(20).action == Action::brake);
     CHECK(scene.verdict.allowed_nm == JointVector::Constant(6, 2.0));
     CHECK(scene.verdict.cause == Cause::state_not_finite);
@@ -254,7 +260,7 @@ TEST_CASE("a leash that could press harder than the trip is cut") {
 }
 
 TEST_CASE("a set force over the ceiling, or none, is not pressed") {
-  for (const double force_n : {45.1, nan, infinity}) {
+  for (const double force_n : {45.1, not_a_number, infinity}) {
     Scene scene;
     scene.proposal.set_force_n = force_n;
     CHECK(scene.tick().cause == Cause::set_force_too_high);
@@ -266,7 +272,7 @@ TEST_CASE("a proposal with a broken normal, target, stiffness, zone or phase is 
   for (int what = 0; what < 6; ++what) {
     Scene scene;
     if (what == 0) scene.proposal.normal_in_base = Vector3::Zero();
-    if (what == 1) scene.proposal.normal_in_base.x() = nan;
+    if (what == 1) scene.proposal.normal_in_base.x() = not_a_number;
     if (what == 2) scene.proposal.virtual_target_in_base.y() = infinity;
     if (what == 3) scene.proposal.stiffness_n_per_m = -1.0;
     if (what == 4) scene.proposal.zone = static_cast<Zone>(99);
@@ -276,16 +282,18 @@ TEST_CASE("a proposal with a broken normal, target, stiffness, zone or phase is 
   }
 }
 
-TEST_CASE("a torque that is no number is replaced in the same tick; three of them end the contact") {
+TEST_CASE(
+    "a torque that is no number is replaced in the same tick; three of them end the contact") {
   Scene scene;
   scene.tick(10);
-  scene.proposal.torque_nm[4] = nan;
+  scene.proposal.torque_nm[4] = not_a_number;
   CHECK(scene.tick(2).action == Action::warn);
   CHECK(scene.verdict.allowed_nm == JointVector::Constant(6, 2.0));
   CHECK(scene.tick().action == Action::retract);
 }
 
-TEST_CASE("torque is clamped in size and in rate, and saturation for a tenth of a second is a stop") {
+TEST_CASE(
+    "torque is clamped in size and in rate, and saturation for a tenth of a second is a stop") {
   Scene scene;
   scene.tick(10);
   scene.proposal.torque_nm[1] = 80.0;
@@ -297,7 +305,7 @@ TEST_CASE("torque is clamped in size and in rate, and saturation for a tenth of 
 
 TEST_CASE("options may lower a ceiling but never raise it") {
   Guard::Options options = six_joints();
-  for (auto& force : options.force) force = {1000.0, nan};
+  for (auto& force : options.force) force = {1000.0, not_a_number};
   options.limits.tool_speed_m_per_s.fill(9.0);
   options.limits.stale_retract_s = 1.0;
   options.limits.torque_rate_nm_per_s = infinity;
@@ -331,8 +339,8 @@ TEST_CASE("the strongest action wins and one more fault never lowers it") {
         if (fault == 1) scene.seen.tick += 4;
         if (fault == 2) scene.seen.q_rad[0] += 0.1;
         if (fault == 3) scene.proposal.set_force_n = 99.0;
-        if (fault == 4) scene.seen.dq_rad_per_s[1] = nan;
-        if (fault == 5) scene.proposal.torque_nm[0] = nan;
+        if (fault == 4) scene.seen.dq_rad_per_s[1] = not_a_number;
+        if (fault == 5) scene.proposal.torque_nm[0] = not_a_number;
       };
       Scene a, both;
       a.tick(10);
@@ -363,20 +371,47 @@ TEST_CASE("whatever bytes come in, what goes out is finite, within limits and no
     for (int k = 0; k < 3; ++k) {
       const auto joint = static_cast<Eigen::Index>(random() % 6);
       switch (random() % 14) {
-        case 0: scene.seen.q_rad[joint] = wild(); break;
-        case 1: scene.seen.dq_rad_per_s[joint] = wild(); break;
-        case 2: scene.seen.force_in_base_n[joint % 3] = wild(); break;
-        case 3: scene.seen.time_s = wild(); break;
-        case 4: scene.seen.wrench_time_s = wild(); break;
-        case 5: scene.seen.tick = random(); break;
-        case 6: scene.proposal.torque_nm[joint] = wild(); break;
-        case 7: scene.proposal.normal_in_base[joint % 3] = wild(); break;
-        case 8: scene.proposal.virtual_target_in_base[joint % 3] = wild(); break;
-        case 9: scene.proposal.stiffness_n_per_m = wild(); break;
-        case 10: scene.seen.tool_velocity_m_per_s[joint % 3] = wild(); break;
-        case 11: scene.seen.gravity_nm[joint] = wild(); break;
-        case 12: scene.seen.jacobian(joint % 3, joint) = wild(); break;
-        default: scene.proposal.torque_nm = JointVector::Zero(static_cast<Eigen::Index>(random() % 8));
+        case 0:
+          scene.seen.q_rad[joint] = wild();
+          break;
+        case 1:
+          scene.seen.dq_rad_per_s[joint] = wild();
+          break;
+        case 2:
+          scene.seen.force_in_base_n[joint % 3] = wild();
+          break;
+        case 3:
+          scene.seen.time_s = wild();
+          break;
+        case 4:
+          scene.seen.wrench_time_s = wild();
+          break;
+        case 5:
+          scene.seen.tick = random();
+          break;
+        case 6:
+          scene.proposal.torque_nm[joint] = wild();
+          break;
+        case 7:
+          scene.proposal.normal_in_base[joint % 3] = wild();
+          break;
+        case 8:
+          scene.proposal.virtual_target_in_base[joint % 3] = wild();
+          break;
+        case 9:
+          scene.proposal.stiffness_n_per_m = wild();
+          break;
+        case 10:
+          scene.seen.tool_velocity_m_per_s[joint % 3] = wild();
+          break;
+        case 11:
+          scene.seen.gravity_nm[joint] = wild();
+          break;
+        case 12:
+          scene.seen.jacobian(joint % 3, joint) = wild();
+          break;
+        default:
+          scene.proposal.torque_nm = JointVector::Zero(static_cast<Eigen::Index>(random() % 8));
       }
     }
     const Verdict verdict = scene.guard.check(scene.seen, scene.proposal);
@@ -392,10 +427,9 @@ TEST_CASE("whatever bytes come in, what goes out is finite, within limits and no
 
 TEST_CASE("judging takes no memory from the heap") {
   Scene scene;
-  const auto count = test::allocations_during([&] {
-    scene.tick(100);
-    scene.force_n = 90.0;
-    scene.tick(100);
-  });
-  CHECK(count == 0);
+  const auto before = test::allocations();
+  scene.tick(100);
+  scene.force_n = 90.0;
+  scene.tick(100);
+  CHECK(test::allocations() == before);
 }

@@ -7,13 +7,14 @@
 namespace tuina::safety {
 namespace {
 
-// A real contact cannot change the wrist's force by this much in a millisecond: the sensor's filter alone
-// spreads a blow over ten. A jump is a fault of the sensor until a third sample says the same.
+// A real contact cannot change the wrist's force by this much in a millisecond: the sensor's filter
+// alone spreads a blow over ten. A jump is a fault of the sensor until a third sample says the
+// same.
 constexpr double spike_n = 25.0;
 constexpr int believed_after = 3;
 constexpr double spikes_window_s = 1.0;
 
-constexpr int fast_ticks = 3;         // encoder noise reaches one or two
+constexpr int fast_ticks = 3;  // encoder noise reaches one or two
 constexpr int rising_ticks = 3;
 constexpr int over_cap_ticks = 100;
 constexpr int saturated_ticks = 100;
@@ -116,13 +117,21 @@ Verdict Guard::check(const Observation& seen, const Proposal& proposal) noexcept
     finding.add(Action::brake, Cause::state_not_finite, true);
   } else {
     if (!started_) {
-      allowed_nm_ = gravity_nm_ = seen.gravity_nm;
+      gravity_nm_ = seen.gravity_nm;
+      allowed_nm_ =
+          seen.gravity_nm.cwiseMin(options_.torque_limit_nm).cwiseMax(-options_.torque_limit_nm);
+      const double force_n = seen.force_in_base_n.norm();
+      if (std::isfinite(force_n)) {
+        samples_n_.fill(force_n);
+        medians_n_.fill(force_n);
+      }
       q_rad_ = seen.q_rad;
       last_force_time_s_ = seen.time_s;
       tick_ = seen.tick - 1;
       started_ = true;
     }
-    if (proposal.normal_in_base.allFinite() && std::abs(proposal.normal_in_base.norm() - 1.0) < 1e-3) {
+    if (proposal.normal_in_base.allFinite() &&
+        std::abs(proposal.normal_in_base.norm() - 1.0) < 1e-3) {
       normal_in_base_ = proposal.normal_in_base;
     }
     judge_time(seen, finding);
@@ -167,15 +176,18 @@ void Guard::judge_time(const Observation& seen, Finding& finding) noexcept {
 void Guard::judge_joints(const Observation& seen, Finding& finding) noexcept {
   const double jump = (seen.q_rad - q_rad_).cwiseAbs().maxCoeff();
   q_rad_ = seen.q_rad;
-  if (jump > options_.limits.encoder_jump_rad) finding.add(Action::comply, Cause::encoder_jump, true);
+  if (jump > options_.limits.encoder_jump_rad)
+    finding.add(Action::comply, Cause::encoder_jump, true);
 }
 
-void Guard::judge_force(const Observation& seen, const Proposal& proposal, Finding& finding) noexcept {
+void Guard::judge_force(const Observation& seen, const Proposal& proposal,
+                        Finding& finding) noexcept {
   const double force_n = seen.force_in_base_n.norm();
   const bool sane = std::isfinite(force_n) && std::isfinite(seen.wrench_time_s) &&
                     seen.wrench_time_s <= seen.time_s + 1e-6;
   if (sane) {
-    const bool suspect = std::abs(force_n - samples_n_[2]) > spike_n && suspects_ < believed_after - 1;
+    const bool suspect =
+        std::abs(force_n - samples_n_[2]) > spike_n && suspects_ < believed_after - 1;
     if (suspect) {
       if (suspects_++ == 0) {
         std::rotate(spike_times_s_.begin(), spike_times_s_.begin() + 1, spike_times_s_.end());
@@ -191,13 +203,16 @@ void Guard::judge_force(const Observation& seen, const Proposal& proposal, Findi
   if (seen.time_s - spike_times_s_.front() < spikes_window_s) {
     finding.add(Action::retract, Cause::force_spikes, true);
   }
-  const double age_s = seen.time_s - last_force_time_s_;
-  if (age_s > options_.limits.stale_freeze_s) finding.add(Action::freeze, Cause::force_stale, false);
-  if (age_s > options_.limits.stale_retract_s) finding.add(Action::retract, Cause::force_stale, true);
+  const double age_s = seen.time_s - last_force_time_s_ - 1e-6;  // rounding of the clocks
+  if (age_s > options_.limits.stale_freeze_s)
+    finding.add(Action::freeze, Cause::force_stale, false);
+  if (age_s > options_.limits.stale_retract_s)
+    finding.add(Action::retract, Cause::force_stale, true);
 
   std::rotate(medians_n_.begin(), medians_n_.begin() + 1, medians_n_.end());
   medians_n_.back() = median(samples_n_[0], samples_n_[1], samples_n_[2]);
-  const ForceLimits limits = options_.force[std::min(static_cast<std::size_t>(proposal.zone), zones - 1)];
+  const ForceLimits limits =
+      options_.force[std::min(static_cast<std::size_t>(proposal.zone), zones - 1)];
   const double now_n = medians_n_.back();
   const double rate = (now_n - medians_n_.front()) / (5.0 * options_.period_s);
   rising_ = rate > options_.limits.force_rate_n_per_s ? rising_ + 1 : 0;
@@ -207,13 +222,15 @@ void Guard::judge_force(const Observation& seen, const Proposal& proposal, Findi
   if (now_n > limits.trip_n) finding.add(Action::retract, Cause::force_over_trip, true);
 }
 
-void Guard::judge_motion(const Observation& seen, const Proposal& proposal, Finding& finding) noexcept {
+void Guard::judge_motion(const Observation& seen, const Proposal& proposal,
+                         Finding& finding) noexcept {
   const auto phase = std::min(static_cast<std::size_t>(proposal.phase), std::size_t{3});
   const double speed = seen.tool_velocity_m_per_s.norm();
   too_fast_ = speed > options_.limits.tool_speed_m_per_s[phase] ? too_fast_ + 1 : 0;
   if (too_fast_ >= fast_ticks) finding.add(Action::comply, Cause::tool_too_fast, true);
   const double outward = seen.tool_velocity_m_per_s.dot(normal_in_base_);
-  const bool pushed = proposal.phase == Phase::contact && outward > options_.limits.pushed_out_m_per_s;
+  const bool pushed =
+      proposal.phase == Phase::contact && outward > options_.limits.pushed_out_m_per_s;
   pushed_out_ = pushed ? pushed_out_ + 1 : 0;
   if (pushed_out_ >= fast_ticks) finding.add(Action::retract, Cause::pushed_out, true);
 }
@@ -231,7 +248,8 @@ void Guard::judge_proposal(const Observation& seen, const Proposal& proposal,
                       proposal.normal_in_base.allFinite() &&
                       std::abs(proposal.normal_in_base.norm() - 1.0) < 1e-3 &&
                       proposal.virtual_target_in_base.allFinite() &&
-                      std::isfinite(proposal.stiffness_n_per_m) && proposal.stiffness_n_per_m >= 0.0;
+                      std::isfinite(proposal.stiffness_n_per_m) &&
+                      proposal.stiffness_n_per_m >= 0.0;
   if (!usable) {
     finding.add(Action::retract, Cause::bad_proposal, true);
     return;
@@ -270,7 +288,8 @@ JointVector Guard::own_torque(const Observation& seen, Action action) noexcept {
   if (action != Action::comply) {
     Vector3 spring_n = own_stiffness_n_per_m * (hold_in_base_ - seen.tool_in_base);
     const double outward_n = spring_n.dot(normal_in_base_);
-    spring_n += (std::clamp(outward_n, -most_inward_n, most_outward_n) - outward_n) * normal_in_base_;
+    spring_n +=
+        (std::clamp(outward_n, -most_inward_n, most_outward_n) - outward_n) * normal_in_base_;
     force_n += spring_n;
     torque_nm += own_posture_nm_per_rad * (hold_rad_ - seen.q_rad);
   }

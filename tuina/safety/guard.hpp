@@ -50,7 +50,8 @@ struct Observation {
   double wrench_time_s = 0.0;
   JointVector q_rad;
   JointVector dq_rad_per_s;
-  Vector3 force_in_base_n = Vector3::Zero();  ///< of the environment ON the tool, its weight taken off
+  Vector3 force_in_base_n =
+      Vector3::Zero();  ///< of the environment ON the tool, its weight taken off
   Vector3 tool_in_base = Vector3::Zero();
   Vector3 tool_velocity_m_per_s = Vector3::Zero();
   Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, most_joints> jacobian;  ///< of the tool's position
@@ -63,8 +64,8 @@ struct Proposal {
   Phase phase = Phase::free;
   Zone zone = Zone::denied;
   double set_force_n = 0.0;
-  Vector3 normal_in_base = Vector3::UnitZ();          ///< unit, out of the body
-  Vector3 virtual_target_in_base = Vector3::Zero();   ///< where the springs pull the tool to
+  Vector3 normal_in_base = Vector3::UnitZ();         ///< unit, out of the body
+  Vector3 virtual_target_in_base = Vector3::Zero();  ///< where the springs pull the tool to
   double stiffness_n_per_m = 0.0;
 };
 
@@ -75,9 +76,9 @@ struct Verdict {
   bool latched = false;  ///< a stop: lasts until `reset`
 };
 
-/// The gate between a controller it does not know and one arm. It judges each millisecond by itself, takes
-/// the arm over with a small law of its own when it must, and never lets out a torque that is not finite, too
-/// large or too sudden. Real-time: no heap, no exceptions.
+/// The gate between a controller it does not know and one arm. It judges each millisecond by
+/// itself, takes the arm over with a small law of its own when it must, and never lets out a torque
+/// that is not finite, too large or too sudden. Real-time: no heap, no exceptions.
 class Guard {
  public:
   struct Options {

@@ -7,7 +7,8 @@
 
 namespace tuina::safety {
 
-/// Parts of the back by how hard they may be pressed. `bench` is a patch of tissue in a laboratory, no person.
+/// Parts of the back by how hard they may be pressed. `bench` is a patch of tissue in a laboratory,
+/// no person.
 enum class Zone : std::uint8_t { muscle, bony, kidney, mingmen, spine, denied, bench };
 inline constexpr std::size_t zones = 7;
 
@@ -22,8 +23,9 @@ struct ForceLimits {
   double trip_n;  ///< a median of three samples above this ends the contact
 };
 
-/// The ceilings, compiled in. Every one lies below the lowest figure published for the back (100 N) by a
-/// factor of 1.5 or more, the bench apart; they are engineering values that a therapist and a laboratory must confirm.
+/// The ceilings, compiled in. Every one lies below the lowest figure published for the back (100 N)
+/// by a factor of 1.5 or more, the bench apart; they are engineering values that a therapist and a
+/// laboratory must confirm.
 inline constexpr std::array<ForceLimits, zones> force_ceilings = {{
     {45.0, 60.0},  // muscle beside the spine and of the shoulders
     {15.0, 25.0},  // edge of the scapula, ribs, iliac crest
@@ -44,12 +46,12 @@ enum class Phase : std::uint8_t { free, approach, contact, retract };
 struct Ceilings {
   /// Tool speed that stops the arm. What is commanded stays below: 250, 50, 80 and 100 mm/s.
   std::array<double, 4> tool_speed_m_per_s = {0.30, 0.15, 0.25, 0.30};
-  double pushed_out_m_per_s = 0.12;   ///< in contact, along the normal: the person gets up
+  double pushed_out_m_per_s = 0.12;  ///< in contact, along the normal: the person gets up
   double force_rate_n_per_s = 2000.0;
-  double over_cap_n = 10.0;           ///< this much above the set ceiling is borne for 100 ms only
+  double over_cap_n = 10.0;  ///< this much above the set ceiling is borne for 100 ms only
   double torque_rate_nm_per_s = 1000.0;
-  double encoder_jump_rad = 5e-3;     ///< in one millisecond
-  double stale_freeze_s = 3e-3;       ///< age of the wrist sensor's sample
+  double encoder_jump_rad = 5e-3;  ///< in one millisecond
+  double stale_freeze_s = 3e-3;    ///< age of the wrist sensor's sample
   double stale_retract_s = 5e-3;
 };
 inline constexpr Ceilings ceilings;
