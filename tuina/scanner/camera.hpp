@@ -10,6 +10,7 @@ namespace tuina::scanner {
 struct Frame {
   double time_s = 0.0;
   Image image;  ///< 8-bit grey, or RGB of which the laser's channel is used
+  Image dark;   ///< the same view with the laser off; empty when none was taken
 };
 
 /// The door to a camera: a simulated one, a recording, or a device.

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "tuina/core/geometry.hpp"
+#include "tuina/core/result.hpp"
+
+namespace tuina::scanner {
+
+/// A pinhole with the five distortion coefficients of OpenCV (k1, k2, p1, p2, k3); pixel centres
+/// are whole numbers. Camera frame: x to the right of the image, y down, z forward.
+struct CameraModel {
+  int width_px = 640;
+  int height_px = 480;
+  double fx_px = 1041.67;
+  double fy_px = 1041.67;
+  double cx_px = 319.5;
+  double cy_px = 239.5;
+  std::array<double, 5> distortion = {};
+};
+
+/// All that is known of one scanner, as calibration.toml holds it.
+struct ScannerCalibration {
+  CameraModel camera;
+  /// Points X of the light plane satisfy normal . X = distance, in the camera frame.
+  Vector3 laser_normal_in_camera = Vector3::UnitX();
+  double laser_distance_m = 0.2;
+  /// The unit turns about this line; a positive yaw is right-handed about the direction.
+  Vector3 axis_point_in_camera = Vector3::Zero();
+  Vector3 axis_direction_in_camera = -Vector3::UnitY();
+  double latency_s = 0.0;  ///< added to a yaw time to compare it with a frame time
+  Transform couch_from_camera = Transform::Identity();  ///< at yaw 0
+
+  /// The pose of the camera after the unit has turned by `yaw_rad` from its pose at yaw 0.
+  [[nodiscard]] Transform couch_from_camera_at(double yaw_rad) const;
+};
+
+/// Reads calibration.toml. Unknown, missing and malformed keys, numbers that are not finite,
+/// normals that are not unit and rotations that are none are refused together, each with file and
+/// line.
+[[nodiscard]] Result<ScannerCalibration> read_calibration(const std::filesystem::path& path);
+[[nodiscard]] Result<ScannerCalibration> parse_calibration(std::string_view text,
+                                                           std::string_view name);
+
+/// Reading this text again gives the same calibration bit for bit.
+[[nodiscard]] std::string to_toml(const ScannerCalibration& calibration);
+
+}  // namespace tuina::scanner

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "tuina/scanner/laser_line.hpp"
+
+namespace tuina::scanner {
+
+/// What is known of a whole image before its rows are judged one by one.
+struct LineScene {
+  int width = 0;
+  int first_column = 0;
+  int last_column = 0;
+  float saturated_dn = 255.0F;
+  float noise_dn = 1.0F;
+  float background_dn = 0.0F;  ///< of a usual pixel
+  float width_px = 2.5F;       ///< standard deviation across the line
+  int beside_px = 9;           ///< from here on a pixel beside the line shows background
+};
+
+/// Learns noise, background and width of the line from a few rows of the image.
+class SceneSample {
+ public:
+  explicit SceneSample(const LineScene& scene) : scene_(scene) {}
+  void add(const std::uint8_t* row, int y);
+  void add(const float* row, int y);
+  /// Fills in the scene; values above zero are taken instead of estimates.
+  void judge(LineScene& scene, double noise_dn, double width_px) const;
+
+ private:
+  template <typename Sample>
+  void add_row(const Sample* row, int y);
+
+  LineScene scene_;
+  std::vector<float> medians_;    ///< of short segments
+  std::vector<float> spreads_;    ///< from the median to the 84th percentile of the same segments
+  std::vector<float> brightest_;  ///< of each row
+  std::vector<float> widths_;     ///< of each row at half the height of its brightest place
+};
+
+/// A place in a row that looks like a line.
+struct Candidate {
+  float column_px = 0.0F;
+  float height_dn = 0.0F;
+};
+
+struct CandidateRow {
+  int y = 0;
+  std::vector<Candidate> candidates;  ///< brightest first
+};
+
+/// All places in a row where a ridge stands above what is on both sides of it, at most four.
+[[nodiscard]] std::vector<Candidate> find_candidates(const std::uint8_t* row,
+                                                     const LineScene& scene);
+[[nodiscard]] std::vector<Candidate> find_candidates(const float* row, const LineScene& scene);
+
+/// Moves to the front of each row the candidate that continues the line best, the clear rows being
+/// given.
+void choose_by_continuity(const std::vector<LinePoint>& clear, std::vector<CandidateRow>& unclear);
+
+}  // namespace tuina::scanner

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "tuina/scanner/laser_line.hpp"
+#include "tuina/scanner/line_candidates.hpp"
+
+namespace tuina::scanner {
+
+/// True when a single pixel near the line outshines both neighbours as only a hot pixel does.
+[[nodiscard]] bool has_spike(const std::uint8_t* row, int column, float height_dn,
+                             const LineScene& scene);
+[[nodiscard]] bool has_spike(const float* row, int column, float height_dn, const LineScene& scene);
+
+/// Fits amplitude, place, width and background of a Gaussian line to the pixels around `column_px`,
+/// without those that are clipped, hot or outside the image. Nothing when less than half of the
+/// line is left, or no line fits.
+[[nodiscard]] std::optional<LinePoint> fit_line(const std::uint8_t* row, float column_px,
+                                                const LineScene& scene);
+[[nodiscard]] std::optional<LinePoint> fit_line(const float* row, float column_px,
+                                                const LineScene& scene);
+
+}  // namespace tuina::scanner

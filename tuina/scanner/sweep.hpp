@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "tuina/core/progress.hpp"
+#include "tuina/core/result.hpp"
+#include "tuina/core/surface.hpp"
+#include "tuina/core/units.hpp"
+#include "tuina/scanner/calibration.hpp"
+#include "tuina/scanner/camera.hpp"
+#include "tuina/scanner/laser_line.hpp"
+#include "tuina/scanner/turntable.hpp"
+
+namespace tuina::scanner {
+
+/// One laser line: where it was seen, and when, on the camera's clock.
+struct TimedLine {
+  double time_s = 0.0;
+  LaserLine line;
+};
+
+struct SweepOptions {
+  // 36 degrees see 0.70 m across at 1.1 m; speed step 9 of the AX-12A (0.111 rpm each) turns them
+  // in 6 s.
+  double from_rad = -18.0_deg;
+  double to_rad = 18.0_deg;
+  double speed_rad_per_s = 5.994_deg;
+  double near_m = 0.35;  ///< what lies nearer or farther from the camera is not looked for
+  double far_m = 2.0;
+  LineMethod method = LineMethod::likelihood;
+  int expected_frames = 0;  ///< for the progress; 0: from the duration of the turn, at 30 frames/s
+};
+
+struct Scan {
+  PointCloud cloud_in_couch;  ///< with normals, amplitude and deviation
+  int profiles = 0;           ///< frames in which a line was seen
+  int rows_lit = 0;           ///< over all frames, before points at depth edges are left out
+  int ambiguous_rows = 0;
+  double sweep_s = 0.0;  ///< from the first frame to the last
+  double compute_ms =
+      0.0;  ///< finding lines and making the cloud; waiting for the doors not counted
+  double expected_error_m =
+      0.0;  ///< RMS of the range error that noise and a usual calibration cause
+};
+
+/// Yaw at the times of frames, from coarse readings on a clock that lags by the latency of the
+/// calibration. A straight line over the whole turn where the readings allow it, else a local one;
+/// in both cases a hundred readings together know the angle far better than one count of the motor
+/// (0.29 degrees).
+[[nodiscard]] Result<std::vector<double>> yaw_at(std::span<const double> frame_times_s,
+                                                 std::span<const YawReading> readings,
+                                                 double latency_s);
+
+/// Lines and readings to a cloud in `couch`. The grid of profiles and rows gives normals and tells
+/// the mixed points at depth edges, which are left out; holes stay holes. Leaves `compute_ms` to
+/// the caller.
+[[nodiscard]] Result<Scan> make_cloud(std::span<const TimedLine> lines,
+                                      std::span<const YawReading> readings,
+                                      const ScannerCalibration& calibration);
+
+/// Turns the unit once and makes the cloud of what it saw. Fails when a door fails, when the frames
+/// do not belong to the calibration, when the unit did not turn, and when hardly any line is seen.
+[[nodiscard]] Result<Scan> scan_sweep(Camera& camera, Turntable& turntable,
+                                      const ScannerCalibration& calibration,
+                                      const SweepOptions& options = {},
+                                      const Progress& progress = {});
+
+}  // namespace tuina::scanner
