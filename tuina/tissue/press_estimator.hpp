@@ -64,9 +64,10 @@ class PressEstimator {
   void reset() noexcept;
 
  private:
+  // `offset` is what the tare left of the force sensor's zero.
   // The breath is a damped oscillator driven by noise: breath and its speed. The skin at rest
   // wanders slowly.
-  enum Index { log_alpha, log_beta, mu, compliance, skin, breath, breath_speed, states };
+  enum Index { log_alpha, log_beta, mu, compliance, offset, skin, breath, breath_speed, states };
   using State = Eigen::Matrix<double, states, 1>;
   using Covariance = Eigen::Matrix<double, states, states>;
   struct Belief {
@@ -78,6 +79,7 @@ class PressEstimator {
   void begin_pass() noexcept;
   void advance(double time_s) noexcept;
   void learn(const PressSegment& segment) noexcept;
+  void learn_zero(const PressSegment& air) noexcept;
   void finish_pass() noexcept;
   void publish() noexcept;
 
@@ -88,6 +90,7 @@ class PressEstimator {
   Belief fold_;   // the pass at the middle of the window
   State state_;   // result of the last pass; linearisation of the next
   Covariance covariance_;
+  double alpha_ = 0.0, beta_ = 0.0;  // of the linearisation
   double sum_nis_ = 0.0, count_ = 0.0, folded_chi_ = 1.0;
   std::size_t next_ = 0, pass_size_ = 0;
   int idle_passes_ = 0;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace tuina::tissue {
 namespace {
@@ -13,7 +14,8 @@ constexpr double longest_gap_s = 0.05;     // a dropout: what lies on both sides
 constexpr double least_force_n = 1.0;
 // Cells of equal width in the root of the force are about equally long in depth on every tissue.
 constexpr double cell_root_n = 0.1863;  // sqrt(80 N) / 48
-constexpr double fewest_tare_samples = 20.0;
+constexpr double cell_m = 0.4e-3;
+constexpr double fewest_tare_samples = 5.0;
 constexpr int saturated_after = 5;  // equal readings in a row at the largest force seen
 
 }  // namespace
@@ -23,6 +25,12 @@ PressSegments::PressSegments(const SegmentOptions& options) noexcept : options_(
 double PressSegments::tare_n() const noexcept {
   // A force offset of 0.3 N otherwise costs up to 14 % of alpha.
   return free_air_.samples >= fewest_tare_samples ? free_air_.force_n / free_air_.samples : 0.0;
+}
+
+double PressSegments::tare_sd_n() const noexcept {
+  return free_air_.samples >= fewest_tare_samples
+             ? options_.force_noise_n / std::sqrt(free_air_.samples)
+             : std::numeric_limits<double>::infinity();
 }
 
 void PressSegments::add(double time_s, const Press& sample) noexcept {
@@ -87,31 +95,46 @@ void PressSegments::close_block() noexcept {
   const double position_m = block_.position_m / n;
   const double force_n = block_.force_n / n - tare_n();
   block_ = Sum{};
-  const double threshold_n = std::max(least_force_n, 5.0 * options_.force_noise_n / std::sqrt(n));
-  follow_press(force_n < threshold_n ? 0.0 : force_n);
-  if (force_n < threshold_n) {
+  // Force noise must not choose which samples count: the block that shows contact is left out, and
+  // once there, contact holds until the force is clearly gone.
+  const double on_n = std::max(least_force_n, 5.0 * options_.force_noise_n / std::sqrt(n));
+  const bool was_in_contact = in_contact_;
+  in_contact_ = force_n > (in_contact_ ? 0.4 * on_n : on_n);
+  follow_press(time_s, in_contact_ ? force_n : 0.0);
+  if (!in_contact_) {
     open_ = false;
+    remember_air(time_s, position_m, force_n, n);
     return;
+  }
+  if (!was_in_contact) {
+    for (std::size_t i = 0; i < air_size_; ++i) push(air_[i]);
+    air_size_ = 0;
   }
   if (!touched_) first_contact_s_ = time_s;
   touched_ = true;
-  append(time_s, position_m, force_n, n);
+  if (was_in_contact) append(time_s, position_m, force_n, n);
 }
 
-void PressSegments::follow_press(double force_n) noexcept {
-  // Between presses the tool may stay in light contact, so a press ends at a fall, not at a loss.
+void PressSegments::follow_press(double time_s, double force_n) noexcept {
+  // Between presses the tool may stay in light contact, so a press ends at a fall, not at a loss;
+  // it counts once its way out has been seen.
   peak_ever_n_ = std::max(peak_ever_n_, force_n);
-  if (pressing_) {
+  if (phase_ == Phase::up) {
     peak_n_ = std::max(peak_n_, force_n);
     if (force_n < 0.35 * peak_n_) {
-      ++presses_;
-      pressing_ = false;
-      valley_n_ = force_n;
+      phase_ = Phase::down;
+      released_s_ = time_s;
     }
-  } else {
+  }
+  if (phase_ == Phase::down && (force_n <= 0.0 || time_s - released_s_ > 0.1)) {
+    ++presses_;
+    phase_ = Phase::rest;
+    valley_n_ = force_n;
+  }
+  if (phase_ == Phase::rest) {
     valley_n_ = std::min(valley_n_, force_n);
     if (force_n > 1.5 * valley_n_ + 3.0 * least_force_n) {
-      pressing_ = true;
+      phase_ = Phase::up;
       peak_n_ = force_n;
     }
   }
@@ -120,8 +143,12 @@ void PressSegments::follow_press(double force_n) noexcept {
 void PressSegments::append(double time_s, double position_m, double force_n,
                            double samples) noexcept {
   ++blocks_;
-  const double root = std::sqrt(force_n);
-  const bool fits = open_ && size_ > 0 && std::abs(root - opened_root_) < cell_root_n &&
+  const double root = std::sqrt(std::max(0.0, force_n));
+  const double noise_n = options_.force_noise_n / std::sqrt(samples);
+  const bool other_force = std::abs(root - opened_root_) > cell_root_n &&
+                           std::abs(force_n - opened_root_ * opened_root_) > 6.0 * noise_n;
+  const bool other_place = std::abs(position_m - opened_m_) > cell_m;
+  const bool fits = open_ && size_ > 0 && !other_force && !other_place &&
                     time_s - opened_s_ < longest_segment_s &&
                     time_s - last_accepted_s_ < longest_gap_s;
   last_accepted_s_ = time_s;
@@ -134,15 +161,15 @@ void PressSegments::append(double time_s, double position_m, double force_n,
     segment.samples += samples;
     return;
   }
-  if (size_ == capacity) drop_oldest(1);
-  segments_[size_++] = {time_s, position_m, force_n, 0.0, samples};
+  push({time_s, position_m, force_n, 0.0, samples, true});
   open_ = true;
   opened_s_ = time_s;
   opened_root_ = root;
+  opened_m_ = position_m;
   // The speed of a segment is the slope between its neighbours; the ends have one neighbour only.
   const auto slope = [this](std::size_t a, std::size_t b) {
     const double dt_s = segments_[b].time_s - segments_[a].time_s;
-    return dt_s > 0.0 && dt_s < 3.0 * longest_segment_s
+    return segments_[a].contact && dt_s > 0.0 && dt_s < 3.0 * longest_segment_s
                ? (segments_[b].position_m - segments_[a].position_m) / dt_s
                : 0.0;
   };
@@ -151,6 +178,31 @@ void PressSegments::append(double time_s, double position_m, double force_n,
     segments_[size_ - 2].speed_m_per_s = slope(size_ - 3, size_ - 1);
   else if (size_ == 2)
     segments_[0].speed_m_per_s = segments_[1].speed_m_per_s;
+}
+
+void PressSegments::remember_air(double time_s, double position_m, double force_n,
+                                 double samples) noexcept {
+  if (air_size_ > 0) {
+    PressSegment& last = air_[air_size_ - 1];
+    if (std::abs(position_m - last.position_m) < cell_m && last.samples < 100.0) {
+      // The deepest position of the stretch decides later whether all of it was clear of the skin.
+      last.position_m = std::max(last.position_m, position_m);
+      last.force_n += samples / (last.samples + samples) * (force_n - last.force_n);
+      last.samples += samples;
+      last.time_s = time_s;
+      return;
+    }
+  }
+  if (air_size_ == air_.size()) {
+    std::copy(air_.begin() + 1, air_.end(), air_.begin());
+    --air_size_;
+  }
+  air_[air_size_++] = {time_s, position_m, force_n, 0.0, samples, false};
+}
+
+void PressSegments::push(const PressSegment& segment) noexcept {
+  if (size_ == capacity) drop_oldest(1);
+  segments_[size_++] = segment;
 }
 
 void PressSegments::drop_oldest(std::size_t count) noexcept {

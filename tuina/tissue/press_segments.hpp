@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 
 #include "tuina/core/contact.hpp"
 
@@ -16,6 +17,8 @@ struct PressSegment {
   double force_n = 0.0;
   double speed_m_per_s = 0.0;  ///< of the tool, into the body
   double samples = 0.0;
+  bool contact =
+      true;  ///< else free air as far as the force tells: it says where the sensor's zero is
 };
 
 struct SegmentOptions {
@@ -48,14 +51,19 @@ class PressSegments {
   [[nodiscard]] bool ever_touched() const noexcept { return touched_; }
   [[nodiscard]] double now_s() const noexcept { return last_time_s_; }
   [[nodiscard]] double tare_n() const noexcept;
+  [[nodiscard]] double tare_sd_n()
+      const noexcept;  ///< infinite without free air before the contact
   [[nodiscard]] long accepted_blocks() const noexcept { return blocks_; }
 
  private:
   [[nodiscard]] double delayed_position(double time_s) const noexcept;
   [[nodiscard]] bool saturated(double force_n) noexcept;
   void close_block() noexcept;
-  void follow_press(double force_n) noexcept;
+  void follow_press(double time_s, double force_n) noexcept;
   void append(double time_s, double position_m, double force_n, double samples) noexcept;
+
+  void remember_air(double time_s, double position_m, double force_n, double samples) noexcept;
+  void push(const PressSegment& segment) noexcept;
 
   struct Sum {
     double time_s = 0.0, position_m = 0.0, force_n = 0.0, samples = 0.0;
@@ -70,6 +78,10 @@ class PressSegments {
   bool open_ = false;  // the newest segment may still grow
   double opened_s_ = 0.0;
   double opened_root_ = 0.0;
+  double opened_m_ = 0.0;
+
+  std::array<PressSegment, 8> air_{};  // the last stretches without contact
+  std::size_t air_size_ = 0;
 
   std::array<Timed, 64> history_{};  // positions of the last samples, for the delay
   std::size_t history_size_ = 0, history_next_ = 0;
@@ -82,7 +94,9 @@ class PressSegments {
   bool started_ = false, touched_ = false;
   double first_contact_s_ = 0.0, last_accepted_s_ = 0.0;
 
-  bool pressing_ = false;
+  bool in_contact_ = false;
+  enum class Phase : std::uint8_t { rest, up, down } phase_ = Phase::rest;
+  double released_s_ = 0.0;
   double peak_n_ = 0.0, valley_n_ = 0.0, peak_ever_n_ = 0.0;
   int presses_ = 0;
   long blocks_ = 0;
