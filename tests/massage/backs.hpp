@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cmath>
+#include <functional>
+#include <vector>
+
+#include "tuina/body/back_surface.hpp"
+#include "tuina/core/random.hpp"
+#include "tuina/core/units.hpp"
+
+/// Backs whose shape is an equation, as a scanner would see them, and seven points on them.
+namespace tuina::test {
+
+/// A sitting back: y over x and z. Points every 4 mm, moved along y by `noise_m`.
+inline body::BackSurface back_of(const std::function<double(double x, double z)>& y_of,
+                                 double noise_m = 0.0, std::uint64_t seed = 1) {
+  constexpr double step = 4_mm;
+  Random random = make_random(seed, "noise of a test back");
+  PointCloud cloud;
+  for (double x = -0.24; x <= 0.24; x += step) {
+    for (double z = 0.05; z <= 0.75; z += step) {
+      const double y = y_of(x, z);
+      const Vector3 slope(-(y_of(x + 1e-5, z) - y) / 1e-5, 1.0, -(y_of(x, z + 1e-5) - y) / 1e-5);
+      cloud.points.emplace_back(x, y + (noise_m > 0.0 ? gaussian(random, noise_m) : 0.0), z);
+      cloud.normals.push_back(slope.normalized());
+    }
+  }
+  return {std::move(cloud), Position::sitting, step};
+}
+
+inline body::BackSurface wall(double noise_m = 0.0) {
+  return back_of([](double, double) { return 0.1; }, noise_m);
+}
+
+/// A barrel of 0.25 m radius about a vertical axis, leaning forward by 10 degrees.
+inline double barrel_y(double x, double z) {
+  return std::sqrt(0.25 * 0.25 - std::min(x * x, 0.055)) - 0.17 * (z - 0.3);
+}
+
+inline std::vector<Acupoint> seven_points(const body::BackSurface& back,
+                                          double uncertainty_m = 0.0) {
+  const std::vector<std::pair<const char*, Vector2>> places = {
+      {"SI11_L", {0.12, 0.55}},  {"SI11_R", {-0.12, 0.55}}, {"BL47_L", {0.08, 0.43}},
+      {"BL47_R", {-0.08, 0.43}}, {"BL50_L", {0.08, 0.34}},  {"BL50_R", {-0.08, 0.34}},
+      {"GV4", {0.0, 0.28}}};
+  std::vector<Acupoint> points;
+  for (const auto& [name, at] : places) {
+    const auto met = back.along({at.x(), 1.0, at.y()}, -Vector3::UnitY());
+    points.push_back({name, met->at_in_couch, met->normal_in_couch, uncertainty_m});
+  }
+  return points;
+}
+
+}  // namespace tuina::test

@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tests/massage/backs.hpp"
+#include "tuina/massage/contact_path.hpp"
+#include "tuina/massage/press.hpp"
+#include "tuina/massage/rub.hpp"
+#include "tuina/massage/stroke.hpp"
+#include "tuina/massage/tap.hpp"
+
+using namespace tuina;
+using namespace tuina::massage;
+
+namespace {
+
+/// What holds for every path: even times, unit normals, no step in place, force or normal, force
+/// zero at the ends and never changing faster than the bound.
+void check_path(const ContactPath& path, double force_n) {
+  REQUIRE(path.points.size() > 2);
+  CHECK(path.points.front().force_n == 0.0);
+  CHECK(path.points.back().force_n == 0.0);
+  double highest_n = 0.0;
+  for (std::size_t i = 0; i < path.points.size(); ++i) {
+    const ContactPoint& point = path.points[i];
+    REQUIRE(std::abs(point.time_s - sample_s * static_cast<double>(i)) < 1e-9);
+    REQUIRE(std::abs(point.normal_in_couch.norm() - 1.0) < 1e-9);
+    REQUIRE(point.force_n >= 0.0);
+    highest_n = std::max(highest_n, point.force_n);
+    if (i == 0) continue;
+    const ContactPoint& before = path.points[i - 1];
+    REQUIRE(std::abs(point.force_n - before.force_n) <= fastest_force_n_per_s * sample_s + 1e-9);
+    REQUIRE((point.at_in_couch - before.at_in_couch).norm() <=
+            fastest_slide_m_per_s * sample_s + 1e-9);
+    REQUIRE(point.normal_in_couch.dot(before.normal_in_couch) > 0.999);
+  }
+  CHECK(highest_n <= force_n + 1e-9);
+  CHECK(highest_n > 0.99 * force_n);
+}
+
+/// Speeds between neighbouring samples while the force is at its height.
+std::pair<double, double> speeds_at_full_force(const ContactPath& path, double force_n) {
+  std::pair<double, double> range{1e9, 0.0};
+  for (std::size_t i = 1; i < path.points.size(); ++i) {
+    if (std::min(path.points[i - 1].force_n, path.points[i].force_n) < force_n - 1e-6) continue;
+    const double speed =
+        (path.points[i].at_in_couch - path.points[i - 1].at_in_couch).norm() / sample_s;
+    range = {std::min(range.first, speed), std::max(range.second, speed)};
+  }
+  return range;
+}
+
+const body::SurfacePoint somewhere{{0.08, 0.1, 0.4}, Vector3::UnitY(), 0.0};
+
+}  // namespace
+
+TEST_CASE("the window of a press is (3.20): half way up after eta/2, full for T, half way down") {
+  const PressWindow window{.edge_s = 0.8, .hold_s = 2.0, .steepness = 20.0};
+  CHECK(window.at(0.0) == 0.0);
+  CHECK(window.at(0.4) == doctest::Approx(0.5));
+  CHECK(window.at(0.8) == doctest::Approx(1.0));
+  CHECK(window.at(1.8) == 1.0);
+  CHECK(window.at(2.8 + 0.4) == doctest::Approx(0.5));
+  CHECK(window.at(3.6) == 0.0);
+  // With a eta = 20 normalising changes (3.20) by less than 1e-4 anywhere on its edge.
+  for (double t = 0.01; t < 0.8; t += 0.01) {
+    CHECK(window.at(t) == doctest::Approx(1.0 / (1.0 + std::exp(-25.0 * (t - 0.4)))).epsilon(1e-3));
+  }
+}
+
+TEST_CASE("the window of a press has no step where its branches meet, however flat the sigmoid") {
+  for (const double steepness : {3.0, 6.0, 10.0, 30.0}) {
+    const PressWindow window{.edge_s = 0.5, .hold_s = 1.0, .steepness = steepness};
+    double before = 0.0;
+    double steepest = 0.0;
+    for (double t = 0.0; t < 2.2; t += 1e-4) {
+      steepest = std::max(steepest, std::abs(window.at(t) - before) / 1e-4);
+      before = window.at(t);
+    }
+    CHECK(steepest == doctest::Approx(window.steepest_per_s()).epsilon(0.01));
+  }
+}
+
+TEST_CASE("pressing keeps a light contact between the presses and stays in its place") {
+  const ContactPath path = plan_press(somewhere, {.force_n = 25.0, .repeats = 3}, "press BL47_L");
+  check_path(path, 25.0);
+  int presses = 0;
+  for (std::size_t i = 1; i < path.points.size(); ++i) {
+    CHECK(path.points[i].at_in_couch == somewhere.at_in_couch);
+    presses += path.points[i - 1].force_n < 14.0 && path.points[i].force_n >= 14.0;
+    const double t = path.points[i].time_s;
+    if (t > landing_s && t < path.duration_s() - landing_s)
+      CHECK(path.points[i].force_n >= kept_force_n - 1e-6);
+  }
+  CHECK(presses == 3);
+}
+
+TEST_CASE("a press that is asked to rise too fast takes the time it needs") {
+  const PressOptions hasty{.force_n = 45.0, .repeats = 1, .window = {.edge_s = 0.1, .hold_s = 0.5}};
+  check_path(plan_press(somewhere, hasty, "hasty"), 45.0);
+}
+
+TEST_CASE("tapping beats at its rate, and no tap is stronger than its rate allows") {
+  for (const double rate_hz : {1.0, 3.0, 5.0}) {
+    const ContactPath path =
+        plan_tap(somewhere, {.force_n = 40.0, .rate_hz = rate_hz, .time_s = 4.0}, "tap");
+    const double force_n = std::min(40.0, strongest_tap_n(rate_hz));
+    check_path(path, force_n);
+    int taps = 0;
+    const double middle_n = 0.5 * (force_n + kept_force_n);
+    for (std::size_t i = 1; i < path.points.size(); ++i) {
+      taps += path.points[i - 1].force_n < middle_n && path.points[i].force_n >= middle_n;
+    }
+    CHECK(taps == static_cast<int>(4.0 * rate_hz));
+  }
+}
+
+TEST_CASE("a rub circle on a wall is (3.21) without a slope: round, closed, walked at one speed") {
+  const body::BackSurface back = test::wall();
+  const auto circle = circle_on(back, somewhere, 30_mm, Vector3::UnitX(), true);
+  REQUIRE(circle.has_value());
+  CHECK(circle->length_m() == doctest::Approx(2.0 * pi * 30_mm).epsilon(0.002));
+  const ContactPath path = plan_rub(*circle, {.force_n = 15.0, .rate_hz = 0.35, .turns = 4}, "rub");
+  check_path(path, 15.0);
+  for (const ContactPoint& point : path.points) {
+    CHECK((point.at_in_couch - somewhere.at_in_couch).norm() ==
+          doctest::Approx(30_mm).epsilon(0.01));
+  }
+  CHECK((path.points.front().at_in_couch - path.points.back().at_in_couch).norm() < 1e-6);
+  const auto [slowest, fastest] = speeds_at_full_force(path, 15.0);
+  CHECK(fastest / slowest < 1.001);
+  CHECK(fastest == doctest::Approx(0.35 * circle->length_m()).epsilon(0.001));
+}
+
+TEST_CASE(
+    "a rub circle on a leaning barrel lies on its skin, with even spacing and turning normals") {
+  const body::BackSurface back = test::back_of(test::barrel_y, 1_mm);
+  const body::SurfacePoint centre = back.nearest({0.1, 0.2, 0.4});
+  const auto circle = circle_on(back, centre, 30_mm, Vector3::UnitX(), false);
+  REQUIRE(circle.has_value());
+  const ContactPath path = plan_rub(*circle, {.force_n = 15.0, .rate_hz = 0.4, .turns = 2}, "rub");
+  check_path(path, 15.0);
+  for (const ContactPoint& point : path.points) {
+    const Vector3& p = point.at_in_couch;
+    const Vector3 normal =
+        Vector3(p.x() / std::sqrt(0.0625 - p.x() * p.x()), 1.0, 0.17).normalized();
+    CHECK(std::abs(p.y() - test::barrel_y(p.x(), p.z())) < 1.5_mm);
+    CHECK(point.normal_in_couch.dot(normal) > std::cos(6_deg));
+  }
+  const auto [slowest, fastest] = speeds_at_full_force(path, 15.0);
+  CHECK(fastest / slowest < 1.005);
+}
+
+TEST_CASE("clockwise and anticlockwise circles are mirror images on a wall") {
+  const body::BackSurface back = test::wall();
+  const auto one = circle_on(back, somewhere, 30_mm, Vector3::UnitX(), true);
+  const auto other = circle_on(back, somewhere, 30_mm, Vector3::UnitX(), false);
+  for (double way = 0.0; way < one->length_m(); way += 10_mm) {
+    Vector3 mirrored = one->at(way).at_in_couch;
+    mirrored.z() = 2.0 * somewhere.at_in_couch.z() - mirrored.z();
+    CHECK((mirrored - other->at(way).at_in_couch).norm() < 0.05_mm);
+  }
+  // Seen from outside, along -y, x runs to the left: clockwise from x goes up first.
+  CHECK(one->at(10_mm).at_in_couch.z() > somewhere.at_in_couch.z());
+}
+
+TEST_CASE("a stroke runs through its points from the upper to the lower at one speed") {
+  const body::BackSurface back = test::back_of(test::barrel_y, 1_mm);
+  const auto seven = test::seven_points(back);
+  const std::vector<Vector3> places = {seven[0].at_in_couch, seven[2].at_in_couch,
+                                       seven[4].at_in_couch};
+  const auto line = line_through(back, places);
+  REQUIRE(line.has_value());
+  const ContactPath path =
+      plan_stroke(*line, {.force_n = 12.0, .speed_m_per_s = 0.06, .repeats = 1}, "stroke");
+  check_path(path, 12.0);
+  for (const Vector3& place : places) {
+    double nearest = 1.0;
+    for (const ContactPoint& point : path.points)
+      nearest = std::min(nearest, (point.at_in_couch - place).norm());
+    CHECK(nearest < 2_mm);
+  }
+  CHECK(path.points.front().at_in_couch.z() > path.points.back().at_in_couch.z() + 0.2);
+  const auto [slowest, fastest] = speeds_at_full_force(path, 12.0);
+  CHECK(fastest / slowest < 1.005);
+  CHECK(fastest == doctest::Approx(0.06).epsilon(0.005));
+}
+
+TEST_CASE("between two strokes the tool slides back lightly, without leaving the skin") {
+  const body::BackSurface back = test::wall();
+  const auto line = line_through(back, std::vector<Vector3>{{0.08, 0.1, 0.5}, {0.08, 0.1, 0.3}});
+  const ContactPath path = plan_stroke(*line, {.force_n = 12.0, .repeats = 3}, "stroke");
+  check_path(path, 12.0);
+  for (std::size_t i = 1; i < path.points.size(); ++i) {
+    const bool upward = path.points[i].at_in_couch.z() > path.points[i - 1].at_in_couch.z() + 1e-6;
+    if (upward) CHECK(path.points[i].force_n == doctest::Approx(kept_force_n));
+  }
+  CHECK(path.points.back().at_in_couch.z() < 0.31);
+}
+
+TEST_CASE("paths over a rough scan are smooth to the second derivative") {
+  const body::BackSurface back = test::back_of(test::barrel_y, 1_mm);
+  const auto circle = circle_on(back, back.nearest({0.1, 0.2, 0.4}), 30_mm, Vector3::UnitX(), true);
+  const ContactPath path = plan_rub(*circle, {.rate_hz = 0.4}, "rub");
+  // Going round at 75 mm/s with 30 mm radius takes 0.19 m/s2 inwards. Roughness of 1 mm every few
+  // millimetres, followed as it is, would take over 5 m/s2.
+  double largest_acceleration = 0.0;
+  double largest_step = 0.0;
+  Vector3 before = Vector3::Zero();
+  for (std::size_t i = 1; i + 1 < path.points.size(); ++i) {
+    const Vector3 acceleration =
+        (path.points[i - 1].at_in_couch - 2.0 * path.points[i].at_in_couch +
+         path.points[i + 1].at_in_couch) /
+        (sample_s * sample_s);
+    largest_acceleration = std::max(largest_acceleration, acceleration.norm());
+    if (i > 1) largest_step = std::max(largest_step, (acceleration - before).norm());
+    before = acceleration;
+  }
+  CHECK(largest_acceleration < 0.6);
+  CHECK(largest_step < 0.05);
+}
+
+TEST_CASE("a slide too short for its speed goes slower, and every slide arrives") {
+  for (const double length_m : {0.001, 0.02, 0.3}) {
+    const Slide slide{.length_m = length_m, .speed_m_per_s = 0.06, .ramp_s = 0.5};
+    CHECK(slide.way_m(0.0) == 0.0);
+    CHECK(slide.way_m(slide.duration_s()) == doctest::Approx(length_m));
+    CHECK(slide.way_m(0.5 * slide.duration_s()) == doctest::Approx(0.5 * length_m));
+    CHECK(slide.top_speed_m_per_s() <= 0.06);
+  }
+}
+
+TEST_CASE("a path that leaves the scanned back is refused with the distance") {
+  const body::BackSurface back = test::wall();
+  const auto line = line_through(back, std::vector<Vector3>{{0.2, 0.1, 0.5}, {0.2, 0.1, 1.1}});
+  CHECK(line.has_value());  // places are brought to the rim first
+  const auto circle =
+      circle_on(back, {{0.4, 0.1, 0.4}, Vector3::UnitY(), 0.0}, 30_mm, Vector3::UnitX(), true);
+  REQUIRE_FALSE(circle.has_value());
+  CHECK(circle.error().message.find("leaves the scanned back") != std::string::npos);
+}

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tuina/core/contact.hpp"
+#include "tuina/core/result.hpp"
+
+namespace tuina::massage {
+
+enum class Side : std::uint8_t { both, left, right };
+/// In which order the points of a part are served.
+enum class Order : std::uint8_t { listed, downward, upward };
+
+/// One technique at some points. What a technique does not use keeps its default.
+struct Part {
+  Technique technique = Technique::press;
+  /// Acupoints, `BL47` for both sides or `BL47_L` for one. Stroking goes through them in their
+  /// order; the other techniques serve one after the other.
+  std::vector<std::string> points;
+  std::string line;  ///< stroking: a named line of the back instead of points
+  Side side = Side::both;
+  Order order = Order::listed;
+  bool together = true;  ///< both arms at once where they stay apart, else one after the other
+  double force_n = 20.0;
+  std::optional<int> repeats;    ///< presses, turns, strokes
+  std::optional<double> time_s;  ///< instead of repeats: at each point
+  double hold_s = 2.0;           ///< pressing
+  double rise_s = 0.9;           ///< pressing
+  double radius_m = 0.030;       ///< rubbing
+  double rate_hz = 0.35;         ///< rubbing: turns, tapping: taps
+  double speed_m_per_s = 0.060;  ///< stroking
+};
+
+/// What the therapist orders.
+struct Programme {
+  std::string name;
+  std::string description;  ///< two lines for people
+  int intensity = 3;        ///< 1 to 5; 3 leaves the forces as written
+  std::vector<Part> parts;
+};
+
+/// On every force of a programme.
+[[nodiscard]] constexpr double force_scale_of(int intensity) {
+  return 0.4 + 0.2 * intensity;
+}
+
+/// The lines of the back that stroking knows, see docs/massage.md.
+struct NamedLine {
+  const char* name;
+  const char* meaning;
+};
+[[nodiscard]] std::span<const NamedLine> named_lines();
+
+/// Reads a programme. Everything wrong is in the one message, a line each with file, line, key,
+/// value and what would be right; near misses are suggested.
+[[nodiscard]] Result<Programme> parse_programme(std::string_view text, std::string_view name);
+
+/// A shipped programme by its name, or a programme file by its path.
+[[nodiscard]] Result<Programme> load_programme(const std::string& name_or_file);
+
+/// The programmes that are built in, from config/programmes.
+struct ShippedProgramme {
+  std::string_view name;
+  std::string_view toml;
+};
+[[nodiscard]] std::span<const ShippedProgramme> shipped_programmes();
+
+}  // namespace tuina::massage

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "tuina/core/contact.hpp"
+#include "tuina/massage/rub.hpp"
+#include "tuina/massage/surface_curve.hpp"
+
+namespace tuina::massage {
+
+struct StrokeOptions {
+  double force_n = 12.0;
+  double speed_m_per_s = 0.060;
+  int repeats = 2;  ///< strokes forward; between two the tool slides back with the kept force
+};
+
+/// The line over the skin through places in their order, bent where a guide point must move.
+[[nodiscard]] Result<SurfaceCurve> line_through(const body::BackSurface& back,
+                                                std::span<const Vector3> places_in_couch,
+                                                const Bend& bend = {});
+
+/// Stroking, [thesis] 3.5.3 and 5.5: from the upper to the lower points along the skin at one
+/// speed. The thesis plays back what a masseur taught; here the path is laid on this person's
+/// surface.
+[[nodiscard]] ContactPath plan_stroke(const SurfaceCurve& line, const StrokeOptions& options,
+                                      std::string name);
+
+}  // namespace tuina::massage

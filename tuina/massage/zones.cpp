@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tuina/massage/zones.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "tuina/core/units.hpp"
+
+namespace tuina::massage {
+namespace {
+
+constexpr double spine_half_width_m = 15_mm;
+constexpr double contact_radius_m = 17_mm;  // of the sphere tool, [thesis] 5.5
+constexpr double gv4_radius_m = 10_mm;
+constexpr double bone_edge_m = 10_mm;  // what counts as on an edge, to either side
+constexpr double kidney_inner_m = 40_mm;
+constexpr double kidney_outer_m = 90_mm;
+constexpr double ribs_from_cun = 3.5;  // beside the muscles that cover the angles of the ribs
+constexpr double neck_half_width_m = 60_mm;
+constexpr double slack_m = 1_mm;  // a path guided along a border keeps this beside it
+
+/// `uncertainty_m` holds the point in 95 % of cases in the two directions of the skin; in one
+/// direction 95 % lie within 1.96/2.45 of it.
+constexpr double across(double uncertainty_m) {
+  return 0.8 * uncertainty_m;
+}
+
+double distance_m(const Place& place, const std::vector<Place>& line) {
+  double nearest = 1e9;
+  for (std::size_t i = 1; i < line.size(); ++i) {
+    const Vector2 a(line[i - 1].left_m, line[i - 1].up_m);
+    const Vector2 b(line[i].left_m, line[i].up_m);
+    const Vector2 p(place.left_m, place.up_m);
+    const double along = std::clamp((p - a).dot(b - a) / (b - a).squaredNorm(), 0.0, 1.0);
+    nearest = std::min(nearest, (p - a - along * (b - a)).norm());
+  }
+  return nearest;
+}
+
+}  // namespace
+
+ZoneMap::ZoneMap(const BackChart& chart, std::span<const Acupoint> acupoints,
+                 std::span<const Landmark> landmarks)
+    : chart_(chart) {
+  const auto uncertainty = [&](std::string_view prefix) {
+    double largest = 0.0;
+    for (const Acupoint& point : acupoints) {
+      if (point.name.starts_with(prefix)) largest = std::max(largest, point.uncertainty_m);
+    }
+    return across(largest);
+  };
+  for (const Acupoint& point : acupoints) {
+    if (point.name == "GV4") gv4_ = chart_.place_of(point.at_in_couch);
+  }
+  midline_uncertainty_m_ = uncertainty("GV4");
+  shoulder_uncertainty_m_ = uncertainty("SI11");
+  loin_uncertainty_m_ = uncertainty("BL50");
+
+  const auto landmark = [&](const std::string& name, const Place& otherwise) {
+    const auto found = std::find_if(landmarks.begin(), landmarks.end(),
+                                    [&](const Landmark& l) { return l.name == name; });
+    return found == landmarks.end() ? otherwise : chart_.place_of(found->at_in_couch);
+  };
+  const auto half_width = [&](const std::string& name, const Place& otherwise) {
+    const Place left = landmark(name + "_L", otherwise);
+    const Place right = landmark(name + "_R", {-otherwise.left_m, otherwise.up_m});
+    return Place{0.5 * (left.left_m - right.left_m), 0.5 * (left.up_m + right.up_m)};
+  };
+  // Where a scan says nothing of a bone the rules of [who2008] do: the medial border of the scapula
+  // is 3 cun beside the spine from T3 to T7, the iliac crest is level with L4.
+  const double cun = chart_.cun_m();
+  for (const std::size_t i : {std::size_t{0}, std::size_t{1}}) {
+    const double side = i == 0 ? 1.0 : -1.0;
+    const std::string end = i == 0 ? "_L" : "_R";
+    const Place root = landmark("scapula_root" + end, {side * 3.0 * cun, chart_.up_of(Level::T3)});
+    scapula_border_[i] = {root, landmark("scapula_inferior_angle" + end,
+                                         {side * 3.5 * cun, chart_.up_of(Level::T7)})};
+    scapula_spine_[i] = {
+        root, landmark("scapula_spine_mid" + end, {side * 5.0 * cun, chart_.up_of(Level::T3)}),
+        landmark("acromial_angle" + end, {side * 7.0 * cun, chart_.up_of(Level::T3) - 0.5 * cun})};
+    const double crest_up = chart_.up_of(Level::L4);
+    iliac_crest_[i] = {landmark("psis" + end, {side * 1.5 * cun, chart_.up_of(Level::S2)}),
+                       {side * 3.0 * cun, crest_up - cun},
+                       {side * 5.0 * cun, crest_up}};
+  }
+  const double fold_up = 0.5 * (chart_.up_of(Level::T7) + chart_.up_of(Level::T9));
+  outline_ = {half_width("waist", {5.0 * cun, chart_.up_of(Level::L4)}),
+              half_width("axillary_fold", {6.0 * cun, fold_up}),
+              half_width("acromial_angle", {7.0 * cun, chart_.up_of(Level::T3)})};
+  std::sort(outline_.begin(), outline_.end(),
+            [](const Place& a, const Place& b) { return a.up_m < b.up_m; });
+}
+
+double ZoneMap::half_width_m(double up_m) const {
+  if (up_m <= outline_.front().up_m) return outline_.front().left_m;
+  for (std::size_t i = 1; i < outline_.size(); ++i) {
+    if (up_m > outline_[i].up_m) continue;
+    const Place& low = outline_[i - 1];
+    const double share = (up_m - low.up_m) / std::max(outline_[i].up_m - low.up_m, 1e-6);
+    return low.left_m + share * (outline_[i].left_m - low.left_m);
+  }
+  return outline_.back().left_m;
+}
+
+Zone ZoneMap::at(const Place& place) const {
+  const double beside_m = std::abs(place.left_m);
+  const double up_m = place.up_m;
+  const std::size_t side = place.left_m >= 0.0 ? 0 : 1;
+
+  const double c7_m = chart_.up_of(Level::C7);
+  const double neck_from_m = c7_m - 10_mm - shoulder_uncertainty_m_;
+  if (up_m > c7_m + 30_mm || (up_m > neck_from_m && beside_m < neck_half_width_m)) {
+    return Zone::neck;
+  }
+  if (beside_m > half_width_m(up_m) || up_m < chart_.up_of(Level::S2)) return Zone::outside;
+
+  if (std::hypot(place.left_m - gv4_.left_m, up_m - gv4_.up_m) < gv4_radius_m) return Zone::gv4;
+  const double spine_m = spine_half_width_m + midline_uncertainty_m_;
+  if (beside_m < spine_m) return Zone::spine;
+  if (beside_m < spine_m + contact_radius_m) return Zone::spine_margin;
+
+  const double edge_m = bone_edge_m + shoulder_uncertainty_m_;
+  if (distance_m(place, scapula_border_[side]) < edge_m ||
+      distance_m(place, scapula_spine_[side]) < edge_m) {
+    return Zone::scapula_edge;
+  }
+  if (distance_m(place, iliac_crest_[side]) < bone_edge_m + loin_uncertainty_m_) {
+    return Zone::iliac_crest;
+  }
+  const double t12_m = chart_.up_of(Level::T12);
+  const double l3_m = 0.5 * (chart_.up_of(Level::L2) + chart_.up_of(Level::L4));
+  // Ribs begin 3.5 cun beside the spine; the kidneys may lie as far out as that on a broad back.
+  const double ribs_m = std::max(kidney_outer_m, ribs_from_cun * chart_.cun_m());
+  const double below_scapula_m = scapula_border_[side].back().up_m;
+  if (up_m < below_scapula_m && up_m > t12_m - loin_uncertainty_m_ &&
+      beside_m > ribs_m - loin_uncertainty_m_) {
+    return Zone::ribs;
+  }
+  if (up_m < t12_m + loin_uncertainty_m_ && up_m > l3_m - loin_uncertainty_m_ &&
+      beside_m > kidney_inner_m - loin_uncertainty_m_ && beside_m < ribs_m + loin_uncertainty_m_) {
+    return Zone::kidney;
+  }
+  return Zone::muscle;
+}
+
+Vector3 ZoneMap::around_denied(const Vector3& in_couch, double side_m) const {
+  const Place place = chart_.place_of(in_couch);
+  const double low_m = chart_.up_of(Level::S2) + slack_m;
+  const double high_m = chart_.up_of(Level::C7) - 10_mm - shoulder_uncertainty_m_ - slack_m;
+  const double up_m = std::clamp(place.up_m, low_m, high_m);
+  const double inner_m = spine_half_width_m + midline_uncertainty_m_ + slack_m;
+  const double outer_m = std::max(inner_m, half_width_m(up_m) - slack_m);
+  const double side = side_m >= 0.0 ? 1.0 : -1.0;
+  const double left_m = side * std::clamp(side * place.left_m, inner_m, outer_m);
+  return in_couch + (left_m - place.left_m) * chart_.left() + (up_m - place.up_m) * chart_.up();
+}
+
+}  // namespace tuina::massage

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "tuina/core/contact.hpp"
+#include "tuina/massage/back_chart.hpp"
+
+namespace tuina::massage {
+
+/// Regions of a back by what lies under the skin, from the least to the most restricted.
+enum class Zone : std::uint8_t {
+  muscle,        ///< beside the spine, on and around the shoulder blade, the loin
+  kidney,        ///< T12 to L3, 40 to 90 mm beside the spine
+  ribs,          ///< beside the muscle, below the shoulder blade, above T12
+  scapula_edge,  ///< medial border and spine of the shoulder blade
+  iliac_crest,   ///< rim of the pelvis
+  spine_margin,  ///< next to the spine: the rim of the tool may reach the spinous processes
+  gv4,           ///< the one place on the spine that may be pressed, between two processes
+  spine,         ///< spinous processes
+  neck,          ///< and head
+  outside,       ///< beyond the outline of the back: arms, flanks, below the sacrum
+};
+
+/// What a zone bears. These are compiled ceilings, starting values that a therapist must confirm;
+/// nothing that is read from a file can raise them.
+struct ZoneRule {
+  const char* name;
+  double cap_n;      ///< largest force that may be asked for; 0: not to be touched
+  double trip_n;     ///< largest force that may be felt before the arm has to give way
+  bool sliding;      ///< rubbing and stroking allowed
+  bool tapping;      ///< tapping allowed
+  double longest_s;  ///< of contact at one place
+};
+inline constexpr std::array<ZoneRule, 10> zone_rules = {{
+    {"muscle", 45.0, 60.0, true, true, 60.0},
+    {"kidney", 20.0, 30.0, true, false, 60.0},
+    {"ribs", 15.0, 25.0, true, false, 60.0},
+    {"scapula_edge", 15.0, 25.0, true, false, 60.0},
+    {"iliac_crest", 15.0, 25.0, true, false, 60.0},
+    {"spine_margin", 15.0, 25.0, true, false, 60.0},
+    {"GV4", 10.0, 15.0, false, false, 10.0},
+    {"spine", 0.0, 10.0, false, false, 0.0},
+    {"neck", 0.0, 10.0, false, false, 0.0},
+    {"outside", 0.0, 10.0, false, false, 0.0},
+}};
+[[nodiscard]] constexpr const ZoneRule& rule_of(Zone zone) {
+  return zone_rules[static_cast<std::size_t>(zone)];
+}
+[[nodiscard]] constexpr const char* name_of(Zone zone) {
+  return rule_of(zone).name;
+}
+/// Newtons that a technique may ask for in a zone; 0 where it is denied.
+[[nodiscard]] constexpr double cap_n(Zone zone, Technique technique) {
+  const ZoneRule& rule = rule_of(zone);
+  if (technique == Technique::tap && !rule.tapping) return 0.0;
+  const bool slides = technique == Technique::rub || technique == Technique::stroke;
+  return slides && !rule.sliding ? 0.0 : rule.cap_n;
+}
+
+/// Which zone a place of one person's back is in. Every border stands on the careful side by the
+/// uncertainty of the points it comes from.
+class ZoneMap {
+ public:
+  ZoneMap(const BackChart& chart, std::span<const Acupoint> acupoints,
+          std::span<const Landmark> landmarks);
+
+  [[nodiscard]] Zone at(const Vector3& in_couch) const { return at(chart_.place_of(in_couch)); }
+  [[nodiscard]] Zone at(const Place& place) const;
+
+  /// Moves a guide point of a sliding path in the plane of the map to where it is neither spine,
+  /// neck nor outside, on the side of the spine where `side_m` is (positive: the person's left).
+  [[nodiscard]] Vector3 around_denied(const Vector3& in_couch, double side_m) const;
+
+ private:
+  [[nodiscard]] double half_width_m(double up_m) const;
+
+  BackChart chart_;
+  Place gv4_;
+  double midline_uncertainty_m_ = 0.0;
+  double shoulder_uncertainty_m_ = 0.0;
+  double loin_uncertainty_m_ = 0.0;
+  std::array<std::vector<Place>, 2> scapula_border_, scapula_spine_, iliac_crest_;  // left, right
+  std::vector<Place> outline_;  // half width over height, from low to high
+};
+
+}  // namespace tuina::massage
