@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "tuina/sim/phantom_pose.hpp"
+#include "tuina/sim/phantom_table.hpp"
+#include "tuina/sim/polygonise.hpp"
+
+namespace tuina::sim {
+
+/// A smooth curve through points of rising x: cubic pieces whose slope at a point is that of the
+/// parabola through it and its neighbours. Constant beyond the ends.
+class Curve {
+ public:
+  Curve(std::vector<double> x, std::vector<double> y);
+  [[nodiscard]] double operator()(double x) const;
+
+ private:
+  std::vector<double> x_, y_, slope_;
+};
+
+/// A ball that changes its size while it moves from one point to the other.
+struct RoundCone {
+  Vector3 from = Vector3::Zero();
+  Vector3 to = Vector3::UnitZ();
+  double from_radius = 0.1;
+  double to_radius = 0.1;
+  [[nodiscard]] double distance(const Vector3& at) const;
+};
+
+/// The body of a phantom in the frame of its trunk, in metres, as a field: negative inside, about a
+/// distance outside. The trunk is given by its sections; shoulders, arms, neck and head are round
+/// bodies blended into it.
+class PhantomForm {
+ public:
+  PhantomForm(const Proportions& proportions, const PhantomShape& shape, const PhantomPose& pose);
+
+  [[nodiscard]] double operator()(const Vector3& at) const;
+
+  /// The first point of the skin straight in front of somebody who looks at the back there.
+  [[nodiscard]] Vector3 skin_at(double x_m, double z_m) const;
+  /// A point moved onto the skin along the gradient of the field.
+  [[nodiscard]] Vector3 onto_skin(Vector3 at) const;
+
+  [[nodiscard]] double length_m() const { return length_m_; }  ///< C7 to S2
+  [[nodiscard]] Box box() const;
+  /// Negative beyond the elbow, where the surface ends.
+  [[nodiscard]] double before_elbow(const Vector3& at) const;
+
+ private:
+  void lay_sections(const Proportions& proportions);
+  [[nodiscard]] double trunk(const Vector3& at) const;
+  [[nodiscard]] double head(const Vector3& at) const;
+
+  double length_m_;
+  Curve spine_;
+  std::vector<float> radius_;  ///< over height and angle, in units of the length
+  std::vector<float> axis_y_;  ///< over height
+  RoundCone neck_;
+  std::array<RoundCone, 2> girdle_, arm_;
+  Vector3 head_middle_, head_size_;
+};
+
+}  // namespace tuina::sim
