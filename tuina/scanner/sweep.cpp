@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tuina/scanner/sweep.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "tuina/scanner/profile_grid.hpp"
+#include "tuina/scanner/triangulation.hpp"
+
+namespace tuina::scanner {
+namespace {
+
+constexpr std::size_t rows_of_a_line = 8;  // fewer lit rows are specks, not a line
+constexpr int least_profiles = 10;
+constexpr double least_turn_rad = 2.0_deg;
+// A surface seen this flatly cannot be measured: a pixel then covers many points of it.
+constexpr double least_cosine = 0.1;
+
+// What a calibration from 40 poses of a chessboard leaves (docs/scanner.md): RMS of the range error
+// at a depth.
+double usual_calibration_error_m(double depth_m) {
+  return 0.56e-3 * std::pow(depth_m, 1.12);
+}
+
+Result<void> check(std::span<const TimedLine> lines, const std::vector<double>& yaw_rad) {
+  std::size_t lit = 0;
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    if (i > 0 && !(lines[i].time_s > lines[i - 1].time_s)) {
+      return fail(Fault::bad_input,
+                  "frame {} at {:.4f} s is not later than the one before, at {:.4f} s", i,
+                  lines[i].time_s, lines[i - 1].time_s);
+    }
+    lit += lines[i].line.points.size() >= rows_of_a_line ? 1U : 0U;
+  }
+  if (lit < least_profiles) {
+    return fail(Fault::not_found, "a laser line is seen in {} of {} frames, {} needed", lit,
+                lines.size(), least_profiles);
+  }
+  const auto [low, high] = std::minmax_element(yaw_rad.begin(), yaw_rad.end());
+  if (*high - *low < least_turn_rad) {
+    return fail(
+        Fault::bad_input,
+        "the unit turned by {:.2f} degrees in {} frames, {:.0f} needed; is the motor stalled?",
+        to_deg(*high - *low), lines.size(), to_deg(least_turn_rad));
+  }
+  return {};
+}
+
+// Every line into the light plane, turned by its yaw.
+ProfileGrid place_in_couch(std::span<const TimedLine> lines, const std::vector<double>& yaw_rad,
+                           const ScannerCalibration& calibration) {
+  const CameraModel& camera = calibration.camera;
+  ProfileGrid grid(lines.size(), static_cast<std::size_t>(camera.height_px));
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    if (lines[i].line.points.size() < rows_of_a_line) continue;
+    const Transform couch_from_camera = calibration.couch_from_camera_at(yaw_rad[i]);
+    const std::size_t before = i > 0 ? i - 1 : i;
+    const std::size_t after = std::min(i + 1, lines.size() - 1);
+    const double step_rad = std::abs(yaw_rad[after] - yaw_rad[before]) /
+                            std::max<double>(1.0, static_cast<double>(after - before));
+    for (const LinePoint& seen : lines[i].line.points) {
+      if (seen.row < 0 || seen.row >= camera.height_px) continue;
+      const auto point = triangulate(calibration, static_cast<double>(seen.column_px), seen.row);
+      if (!point) continue;
+      // On a surface tilted by 75 degrees, neighbours lie four times as far apart as on an upright
+      // one.
+      constexpr double steepest = 4.0;
+      const double range_m = point->norm();
+      const double deviation_m =
+          static_cast<double>(seen.deviation_px) * range_m_per_px(calibration, *point);
+      ProfileGrid::Node& node = grid.at(i, static_cast<std::size_t>(seen.row));
+      node.point = couch_from_camera * *point;
+      node.amplitude_dn = seen.amplitude_dn;
+      node.deviation_m = static_cast<float>(deviation_m);
+      node.reach_rows_m = static_cast<float>(steepest * range_m / camera.fy_px + 3.0 * deviation_m);
+      node.reach_profiles_m = static_cast<float>(steepest * range_m * step_rad + 3.0 * deviation_m);
+      node.lit = true;
+    }
+  }
+  return grid;
+}
+
+}  // namespace
+
+Result<Scan> make_cloud(std::span<const TimedLine> lines, std::span<const YawReading> readings,
+                        const ScannerCalibration& calibration) {
+  std::vector<double> times_s;
+  times_s.reserve(lines.size());
+  for (const TimedLine& line : lines) times_s.push_back(line.time_s);
+  const auto yaw_rad = yaw_at(times_s, readings, calibration.latency_s);
+  if (!yaw_rad) return tl::unexpected(yaw_rad.error());
+  if (const auto good = check(lines, *yaw_rad); !good) return tl::unexpected(good.error());
+
+  Scan scan;
+  scan.sweep_s = times_s.back() - times_s.front();
+  const ProfileGrid grid = place_in_couch(lines, *yaw_rad, calibration);
+  PointCloud& cloud = scan.cloud_in_couch;
+  double error2 = 0.0;
+  for (std::size_t i = 0; i < grid.profiles(); ++i) {
+    const Transform couch_from_camera = calibration.couch_from_camera_at((*yaw_rad)[i]);
+    const Vector3 eye = couch_from_camera.translation();
+    const Vector3 forward = couch_from_camera.linear().col(2);
+    int lit = 0;
+    for (std::size_t row = 0; row < grid.rows(); ++row) {
+      const ProfileGrid::Node& node = grid.at(i, row);
+      if (!node.lit) continue;
+      ++lit;
+      if (!grid.trustworthy(i, row)) continue;
+      const auto normal = grid.normal(i, row);
+      if (!normal) continue;
+      const Vector3 to_eye = (eye - node.point).normalized();
+      const double cosine = normal->dot(to_eye);
+      if (std::abs(cosine) < least_cosine) continue;
+      cloud.points.push_back(node.point);
+      cloud.normals.push_back(cosine > 0.0 ? *normal : Vector3(-*normal));
+      cloud.amplitude.push_back(node.amplitude_dn);
+      cloud.deviation_m.push_back(node.deviation_m);
+      // An error along the ray moves the surface by its share along the normal.
+      const double calibration_m = usual_calibration_error_m((node.point - eye).dot(forward));
+      const auto noise_m = static_cast<double>(node.deviation_m);
+      error2 += (noise_m * noise_m + calibration_m * calibration_m) * cosine * cosine;
+    }
+    scan.rows_lit += lit;
+    scan.profiles += lit > 0 ? 1 : 0;
+    scan.ambiguous_rows += lines[i].line.ambiguous_rows;
+  }
+  if (cloud.points.empty()) {
+    return fail(Fault::not_found, "{} rows are lit, but no surface lies under them", scan.rows_lit);
+  }
+  scan.expected_error_m = std::sqrt(error2 / static_cast<double>(cloud.size()));
+  return scan;
+}
+
+}  // namespace tuina::scanner

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+
+#include "tuina/core/units.hpp"
+#include "tuina/scanner/sweep.hpp"
+
+namespace tuina::scanner {
+namespace {
+
+constexpr double count_rad = from_deg(300.0 / 1024.0);  // the AX-12A tells its angle no finer
+constexpr double slack_s = 0.15;  // a frame may be this far outside the readings
+constexpr std::size_t enough_for_a_fit = 8;
+
+struct Line {
+  double at_s = 0.0;
+  double yaw_rad = 0.0;
+  double rad_per_s = 0.0;
+  [[nodiscard]] double at(double time_s) const { return yaw_rad + rad_per_s * (time_s - at_s); }
+};
+
+// Weighted least squares of a straight line.
+template <typename Weight>
+Line fit(std::span<const YawReading> readings, Weight&& weight) {
+  double w = 0.0;
+  double t = 0.0;
+  double y = 0.0;
+  for (const YawReading& reading : readings) {
+    const double wi = weight(reading.time_s);
+    w += wi;
+    t += wi * reading.time_s;
+    y += wi * reading.yaw_rad;
+  }
+  t /= w;
+  y /= w;
+  double tt = 0.0;
+  double ty = 0.0;
+  for (const YawReading& reading : readings) {
+    const double wi = weight(reading.time_s);
+    tt += wi * (reading.time_s - t) * (reading.time_s - t);
+    ty += wi * (reading.time_s - t) * (reading.yaw_rad - y);
+  }
+  return {t, y, tt > 0.0 ? ty / tt : 0.0};
+}
+
+std::span<const YawReading> between(std::span<const YawReading> readings, double from_s,
+                                    double to_s) {
+  const auto before = [](const YawReading& reading, double time_s) {
+    return reading.time_s < time_s;
+  };
+  const auto first = std::lower_bound(readings.begin(), readings.end(), from_s, before);
+  const auto last = std::lower_bound(first, readings.end(), to_s, before);
+  return {first, last};
+}
+
+// Rounding to counts leaves residuals of up to half a count, 0.29 counts RMS; clock jitter adds a
+// little.
+bool straight(std::span<const YawReading> readings, const Line& line) {
+  double sum = 0.0;
+  for (const YawReading& reading : readings) {
+    const double error = reading.yaw_rad - line.at(reading.time_s);
+    if (std::abs(error) > 0.8 * count_rad) return false;
+    sum += error * error;
+  }
+  return std::sqrt(sum / static_cast<double>(readings.size())) < 0.36 * count_rad;
+}
+
+// A straight line through the readings around one time, near ones counting most; wide enough that
+// several counts pass, or rounding would show.
+double local_yaw(std::span<const YawReading> readings, double time_s) {
+  for (double half_s = 0.4;; half_s *= 1.4) {
+    const auto near = between(readings, time_s - half_s, time_s + half_s);
+    const bool all = near.size() == readings.size();
+    if (near.size() < enough_for_a_fit && !all) continue;
+    const double span_rad =
+        near.empty() ? 0.0 : std::abs(near.back().yaw_rad - near.front().yaw_rad);
+    if (span_rad < 4.0 * count_rad && half_s < 1.5 && !all) continue;
+    return fit(near,
+               [&](double t) {
+                 const double u = std::min(1.0, std::abs(t - time_s) / half_s);
+                 return std::pow(1.0 - u * u * u, 3) + 1e-6;
+               })
+        .at(time_s);
+  }
+}
+
+}  // namespace
+
+Result<std::vector<double>> yaw_at(std::span<const double> frame_times_s,
+                                   std::span<const YawReading> readings, double latency_s) {
+  if (readings.size() < 2) {
+    return fail(Fault::bad_input, "{} yaw readings, at least 2 are needed", readings.size());
+  }
+  for (std::size_t i = 0; i < readings.size(); ++i) {
+    if (!std::isfinite(readings[i].time_s) || !std::isfinite(readings[i].yaw_rad)) {
+      return fail(Fault::bad_input, "yaw reading {} is not finite", i);
+    }
+    if (i > 0 && readings[i].time_s < readings[i - 1].time_s) {
+      return fail(Fault::bad_input, "yaw reading {} at {:.4f} s comes after one at {:.4f} s", i,
+                  readings[i].time_s, readings[i - 1].time_s);
+    }
+  }
+  if (frame_times_s.empty()) return std::vector<double>{};
+
+  const double first_s = readings.front().time_s + std::min(0.0, latency_s) - slack_s;
+  const double last_s = readings.back().time_s + std::max(0.0, latency_s) + slack_s;
+  for (std::size_t i = 0; i < frame_times_s.size(); ++i) {
+    const double time_s = frame_times_s[i];
+    if (!(time_s >= first_s && time_s <= last_s)) {
+      return fail(
+          Fault::bad_input,
+          "frame {} at {:.3f} s lies outside the yaw readings, which last from {:.3f} to {:.3f} s",
+          i, time_s, readings.front().time_s, readings.back().time_s);
+    }
+  }
+
+  const auto [earliest, latest] = std::minmax_element(frame_times_s.begin(), frame_times_s.end());
+  const auto turning = between(readings, *earliest - latency_s - 1e-9, *latest - latency_s + 1e-9);
+  std::vector<double> yaw;
+  yaw.reserve(frame_times_s.size());
+  if (turning.size() >= enough_for_a_fit) {
+    const Line line = fit(turning, [](double) { return 1.0; });
+    if (straight(turning, line)) {
+      for (const double time_s : frame_times_s) yaw.push_back(line.at(time_s - latency_s));
+      return yaw;
+    }
+  }
+  for (const double time_s : frame_times_s) yaw.push_back(local_yaw(readings, time_s - latency_s));
+  return yaw;
+}
+
+}  // namespace tuina::scanner

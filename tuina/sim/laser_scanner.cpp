@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tuina/sim/laser_scanner.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <thread>
+
+#include "tuina/core/random.hpp"
+#include "tuina/core/units.hpp"
+#include "tuina/sim/line_renderer.hpp"
+
+namespace tuina::sim {
+namespace {
+
+constexpr double count_rad = from_deg(300.0 / 1024.0);
+constexpr double speed_step_rad_per_s = from_deg(0.111 * 6.0);  // 0.111 rpm, the unit of the AX-12A
+constexpr double most_rad = 150.0_deg;
+// The gear of a 40-dollar servo does not turn quite evenly.
+constexpr double ripple_rad = 0.02_deg;
+constexpr double ripple_period_rad = 7.0_deg;
+constexpr double run_up_s = 0.3;  // readings begin before the first frame and end after the last
+constexpr std::size_t frames_at_once = 16;
+
+Vector3 out_of_back(Position position) {
+  return position == Position::sitting ? Vector3::UnitY() : Vector3::UnitZ();
+}
+
+}  // namespace
+
+struct LaserScanner::World {
+  scanner::ScannerCalibration truth;
+  LaserScannerOptions options;
+  LineRenderer renderer;
+  Vector3 breath_direction;
+  Breathing breathing;
+  Random jitter;
+
+  double from_rad = 0.0;
+  double rad_per_s = 0.0;
+  std::size_t frames = 0;
+  std::size_t given = 0;
+  std::vector<Image> ahead;  // rendered and not yet given
+  std::vector<scanner::YawReading> readings;
+
+  [[nodiscard]] double yaw_at(double time_s) const {
+    const double even = from_rad + rad_per_s * time_s;
+    return even + ripple_rad * std::sin(2.0 * pi * even / ripple_period_rad);
+  }
+  [[nodiscard]] double time_of(std::size_t frame) const {
+    return static_cast<double>(frame) / options.frames_per_s;
+  }
+
+  // The next frames, shared out among threads; each depends on its number only.
+  void render_ahead() {
+    const std::size_t count = std::min(frames_at_once, frames - given);
+    ahead.assign(count, {});
+    const auto work = [this, count](std::size_t first, std::size_t step) {
+      for (std::size_t i = first; i < count; i += step) {
+        const std::size_t frame = given + i;
+        const double time_s = time_of(frame);
+        const double breath_m = 0.5 * breathing.amplitude_m *
+                                (1.0 - std::cos(2.0 * pi * breathing.frequency_hz * time_s));
+        ahead[i] = renderer.render(yaw_at(time_s), breath_m * breath_direction, frame);
+      }
+    };
+    const auto threads = static_cast<std::size_t>(std::max(1, options.threads));
+    std::vector<std::jthread> others;
+    for (std::size_t i = 1; i < threads; ++i) others.emplace_back(work, i, threads);
+    work(0, threads);
+  }
+};
+
+LaserScanner::LaserScanner(const Mesh& skin_in_couch, Position position, Breathing breathing,
+                           std::uint64_t seed, const LaserScannerOptions& options)
+    : LaserScanner(skin_in_couch, position, breathing, seed, options, usual_mount(position)) {}
+
+LaserScanner::LaserScanner(const Mesh& skin_in_couch, Position position, Breathing breathing,
+                           std::uint64_t seed, const LaserScannerOptions& options,
+                           const ScannerMount& mount) {
+  const auto truth = sim::true_calibration(position, mount, options.latency_s);
+  world_ = std::make_unique<World>(
+      World{.truth = truth,
+            .options = options,
+            .renderer = LineRenderer(skin_in_couch, couch_mesh(position), truth, options, seed),
+            .breath_direction = out_of_back(position),
+            .breathing = breathing,
+            .jitter = make_random(seed, "yaw clock"),
+            .ahead = {},
+            .readings = {}});
+}
+
+LaserScanner::~LaserScanner() = default;
+
+const scanner::ScannerCalibration& LaserScanner::true_calibration() const {
+  return world_->truth;
+}
+
+Result<void> LaserScanner::sweep(double from_rad, double to_rad, double rad_per_s) {
+  if (!(std::abs(from_rad) <= most_rad && std::abs(to_rad) <= most_rad && rad_per_s > 0.0)) {
+    return fail(
+        Fault::device,
+        "the motor turns from -150 to 150 degrees, not from {:.1f} to {:.1f} at {:.1f} per s",
+        to_deg(from_rad), to_deg(to_rad), to_deg(rad_per_s));
+  }
+  World& world = *world_;
+  const double steps = std::max(1.0, std::round(rad_per_s / speed_step_rad_per_s));
+  world.rad_per_s = std::copysign(steps * speed_step_rad_per_s, to_rad - from_rad);
+  world.from_rad = from_rad;
+  const double duration_s = (to_rad - from_rad) / world.rad_per_s;
+  world.frames = static_cast<std::size_t>(duration_s * world.options.frames_per_s + 1e-9) + 1;
+  world.given = 0;
+  world.ahead.clear();
+  world.readings.clear();
+  const double step_s = 1.0 / world.options.readings_per_s;
+  double last_s = -1e9;
+  for (double time_s = -run_up_s; time_s < duration_s + run_up_s; time_s += step_s) {
+    const double counts = std::round(world.yaw_at(time_s) / count_rad);
+    const double stamp_s =
+        time_s - world.options.latency_s + gaussian(world.jitter, world.options.yaw_jitter_s);
+    last_s = std::max(stamp_s, last_s + 1e-6);
+    world.readings.push_back({last_s, from_deg(counts * (300.0 / 1024.0))});
+  }
+  return {};
+}
+
+Result<std::vector<scanner::YawReading>> LaserScanner::readings() {
+  return world_->readings;
+}
+
+Result<scanner::Frame> LaserScanner::next_frame() {
+  World& world = *world_;
+  if (world.given == world.frames)
+    return fail(Fault::not_found, "the unit has arrived; no more frames");
+  const std::size_t place = world.given % frames_at_once;
+  if (place == 0) world.render_ahead();
+  scanner::Frame frame{
+      .time_s = world.time_of(world.given), .image = std::move(world.ahead[place]), .dark = {}};
+  ++world.given;
+  return frame;
+}
+
+}  // namespace tuina::sim
