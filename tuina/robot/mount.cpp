@@ -18,14 +18,14 @@ RobotMount mount_for(Position position) noexcept {
   Matrix3 shoulder_turn = upright;
   Vector3 midway_in_couch;
   if (position == Position::sitting) {
-    midway_in_couch = Vector3(0.0, 430_mm, 500_mm);
-    mount.lowest_rail_m = -250_mm;
+    midway_in_couch = Vector3(0.0, 450_mm, 500_mm);
+    mount.lowest_rail_m = -300_mm;
     mount.highest_rail_m = 350_mm;
   } else {
-    midway_in_couch = Vector3(0.0, -350_mm, 700_mm);
+    midway_in_couch = Vector3(0.0, 0.0, 660_mm);
     shoulder_turn = Eigen::AngleAxisd(90_deg, Vector3::UnitY()) * upright;  // ahead becomes down
-    mount.lowest_rail_m = -400_mm;
-    mount.highest_rail_m = 400_mm;
+    mount.lowest_rail_m = -600_mm;
+    mount.highest_rail_m = 600_mm;
   }
   mount.base_from_couch.linear() = base_from_couch_turn;
   mount.base_from_couch.translation() = -base_from_couch_turn * midway_in_couch;

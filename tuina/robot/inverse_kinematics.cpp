@@ -1,0 +1,332 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tuina/robot/inverse_kinematics.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace tuina::robot {
+namespace {
+
+constexpr double radian_m = 0.3;  // a radian of tool direction counts like so many metres
+constexpr double position_close_m = 1e-5;
+constexpr double direction_close_rad = 1e-3;
+constexpr double longest_step_rad = 0.3;
+constexpr int most_iterations = 60;
+constexpr int seeds = 10;
+constexpr double jump_rad = 0.35;  // between neighbours on a path
+
+double lowest(const Link& link, double margin) {
+  return link.lowest_rad + margin;
+}
+double highest(const Link& link, double margin) {
+  return link.highest_rad - margin;
+}
+
+/// Halton points: spread evenly over all joints at once, and the same on every machine.
+double halton(int index, int base) {
+  double result = 0.0, part = 1.0;
+  for (; index > 0; index /= base) {
+    part /= base;
+    result += part * (index % base);
+  }
+  return result;
+}
+
+JointVector seed_posture(const ArmTable& table, int index) {
+  constexpr std::array<int, most_joints> primes = {2, 3, 5, 7, 11, 13, 17};
+  JointVector q(table.joints);
+  for (int i = 0; i < table.joints; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const Link& link = table.links[k];
+    q[i] = link.lowest_rad + halton(index + 1, primes[k]) * (link.highest_rad - link.lowest_rad);
+  }
+  return q;
+}
+
+/// The task: position of the tool, and its axis within a cone around the direction of pressing.
+struct Task {
+  const ArmModel& arm;
+  double rail_m;
+  Vector3 centre_in_base;
+  Vector3 press_in_base;  // unit, into the body
+  Vector3 skin_in_base;
+  const PostureOptions& options;
+};
+
+struct TaskState {
+  ArmModel::Kinematics kinematics;
+  Matrix6 weighted;   // J J^T of the task
+  Jacobian jacobian;  // of the task, rows 3-5 scaled by radian_m and without the turn about the
+                      // tool's axis
+  Vector6 error;
+  double off_m, tilt_rad, elbow_height_m;
+};
+
+int elbow_origin(const ArmTable& table) {
+  // The first origin that leaves the shoulder is the elbow.
+  for (int i = 0; i < table.joints; ++i) {
+    const Link& link = table.links[static_cast<std::size_t>(i)];
+    if (std::abs(link.d_m) + std::abs(link.a_m) > 0.0) return i + 1;
+  }
+  return table.joints;
+}
+
+TaskState look(const Task& task, const JointVector& q, double cone_rad) {
+  TaskState state;
+  state.kinematics = task.arm.kinematics(q, task.rail_m);
+  const auto& k = state.kinematics;
+  const Vector3 axis = k.base_from_tool.linear().col(0);
+  const Vector3 off = task.centre_in_base - k.base_from_tool.translation();
+  const Vector3 turn = axis.cross(task.press_in_base);
+  const double sine = turn.norm();
+  state.off_m = off.norm();
+  state.tilt_rad = std::atan2(sine, axis.dot(task.press_in_base));
+  const double excess = state.tilt_rad - cone_rad;
+  state.jacobian = k.jacobian;
+  Vector3 correction = Vector3::Zero();
+  if (excess > 0.0) {
+    // A tool that points straight backwards may turn about anything across its axis.
+    const Vector3 about = sine > 1e-9 ? Vector3(turn / sine) : Vector3(axis.unitOrthogonal());
+    correction = about * excess;
+    const Matrix3 across = Matrix3::Identity() - axis * axis.transpose();
+    state.jacobian.bottomRows<3>() = radian_m * across * k.jacobian.bottomRows<3>();
+  } else {
+    state.jacobian.bottomRows<3>().setZero();
+  }
+  state.error << off, radian_m * correction;
+  state.weighted = state.jacobian * state.jacobian.transpose();
+  const auto elbow = static_cast<std::size_t>(elbow_origin(task.arm.table()));
+  state.elbow_height_m = (k.origins_in_base[elbow] - task.skin_in_base).dot(-task.press_in_base);
+  return state;
+}
+
+/// Where the free joint should go: away from the limits, the elbow away from the person, the tool
+/// upright.
+JointVector wish(const Task& task, const TaskState& state, const JointVector& q) {
+  const ArmTable& table = task.arm.table();
+  JointVector wish(q.size());
+  for (int i = 0; i < q.size(); ++i) {
+    const Link& link = table.links[static_cast<std::size_t>(i)];
+    const double half = 0.5 * (link.highest_rad - link.lowest_rad);
+    const double from_middle = (q[i] - 0.5 * (link.highest_rad + link.lowest_rad)) / half;
+    wish[i] = -0.05 * from_middle;
+  }
+  const double missing_m = 2.0 * task.options.elbow_clearance_m - state.elbow_height_m;
+  if (missing_m > 0.0) {
+    const int elbow = elbow_origin(table);
+    const auto& origins = state.kinematics.origins_in_base;
+    for (int i = 0; i < elbow; ++i) {
+      const Vector3 axis = state.kinematics.jacobian.col(i).tail<3>();
+      const Vector3 velocity = axis.cross(origins[static_cast<std::size_t>(elbow)] -
+                                          origins[static_cast<std::size_t>(i)]);
+      wish[i] += 20.0 * missing_m * velocity.dot(-task.press_in_base);
+    }
+  }
+  const Vector3 axis = state.kinematics.base_from_tool.linear().col(0);
+  wish +=
+      0.2 * state.kinematics.jacobian.bottomRows<3>().transpose() * axis.cross(task.press_in_base);
+  return wish;
+}
+
+double dexterity_of(const Task& task, const JointVector& q) {
+  const TaskState state = look(task, q, -1.0);
+  // The turn about the tool's axis is no part of the task: of the six eigenvalues its zero comes
+  // first.
+  const Eigen::SelfAdjointEigenSolver<Matrix6> eigen(state.weighted, Eigen::EigenvaluesOnly);
+  return std::sqrt(std::max(0.0, eigen.eigenvalues()[1]));
+}
+
+bool within_limits(const ArmTable& table, const JointVector& q, double margin) {
+  for (int i = 0; i < table.joints; ++i) {
+    const Link& link = table.links[static_cast<std::size_t>(i)];
+    if (q[i] < lowest(link, margin) || q[i] > highest(link, margin)) return false;
+  }
+  return true;
+}
+
+ContactPosture descend(const Task& task, JointVector q, double cone_rad) {
+  const ArmTable& table = task.arm.table();
+  const double margin = task.options.limit_margin_rad;
+  bool limited = false;
+  TaskState state = look(task, q, cone_rad);
+  for (int n = 0; n < most_iterations; ++n) {
+    // Damping by the error itself keeps far steps sane and close ones quadratic, [sugihara2011].
+    const double damping = 1e-7 + 1e-2 * state.error.squaredNorm();
+    Matrix6 damped = state.weighted;
+    damped.diagonal().array() += damping;
+    const Eigen::LDLT<Matrix6> factor(damped);
+    const JointVector wanted = wish(task, state, q);
+    const Vector6 gone = state.jacobian * wanted;
+    JointVector step = state.jacobian.transpose() * factor.solve(state.error - gone) + wanted;
+    const double most = step.cwiseAbs().maxCoeff();
+    if (most > longest_step_rad) step *= longest_step_rad / most;
+    q += step;
+    limited = false;
+    for (int i = 0; i < table.joints; ++i) {
+      const Link& link = table.links[static_cast<std::size_t>(i)];
+      const double inside = std::clamp(q[i], lowest(link, margin), highest(link, margin));
+      limited = limited || inside != q[i];
+      q[i] = inside;
+    }
+    state = look(task, q, cone_rad);
+    const bool there =
+        state.off_m < position_close_m && state.tilt_rad < cone_rad + direction_close_rad;
+    if (there && state.elbow_height_m > task.options.elbow_clearance_m && (most < 0.01 || n > 20))
+      break;
+  }
+  ContactPosture posture{.q_rad = q, .tilt_rad = state.tilt_rad};
+  if (state.off_m > position_close_m || state.tilt_rad > cone_rad + direction_close_rad) {
+    posture.reach = limited ? Reach::joint_limits : Reach::too_far;
+  } else if (state.elbow_height_m < task.options.elbow_clearance_m) {
+    posture.reach = Reach::elbow_in_person;
+  } else {
+    posture.reach = within_limits(table, q, 0.999 * margin) ? Reach::reached : Reach::joint_limits;
+  }
+  if (posture.reach == Reach::reached) posture.dexterity = dexterity_of(task, q);
+  return posture;
+}
+
+Task make_task(const ArmModel& arm, double rail_m, const ContactGoal& goal,
+               const PostureOptions& options) {
+  const double radius_m = arm.table().tool_radius_m - options.press_depth_m;
+  return {arm,
+          rail_m,
+          goal.at_in_base + radius_m * goal.normal_in_base,
+          -goal.normal_in_base,
+          goal.at_in_base,
+          options};
+}
+
+/// No posture reaches farther than the stretched arm, whatever the tilt.
+bool out_of_reach(const Task& task) {
+  return (task.centre_in_base - task.arm.shoulder_in_base(task.rail_m)).norm() > task.arm.reach_m();
+}
+
+}  // namespace
+
+const char* explain(Reach reach) noexcept {
+  switch (reach) {
+    case Reach::reached:
+      return "reached";
+    case Reach::too_far:
+      return "too far for the arm with the tool along the normal";
+    case Reach::joint_limits:
+      return "beyond the joints' limits";
+    case Reach::elbow_in_person:
+      return "only with the elbow in the person";
+  }
+  return "";
+}
+
+ContactPosture find_posture(const ArmModel& arm, double rail_m, const ContactGoal& goal,
+                            const JointVector& near_rad, const PostureOptions& options) noexcept {
+  const Task task = make_task(arm, rail_m, goal, options);
+  if (out_of_reach(task)) return {.q_rad = near_rad};
+  ContactPosture best{.q_rad = near_rad};
+  for (const double cone : {0.0, 0.5 * options.largest_tilt_rad, options.largest_tilt_rad}) {
+    ContactPosture posture = descend(task, near_rad, cone);
+    if (posture.reach == Reach::reached) return posture;
+    best.reach = posture.reach;
+    for (int seed = 0; seed < seeds; ++seed) {
+      posture = descend(task, seed_posture(arm.table(), seed), cone);
+      if (posture.reach == Reach::reached && posture.dexterity > best.dexterity) best = posture;
+    }
+    if (best.reach == Reach::reached) return best;
+  }
+  return best;
+}
+
+Result<std::vector<ContactPosture>> follow(const ArmModel& arm, double rail_m,
+                                           std::span<const ContactGoal> path,
+                                           const JointVector& near_rad,
+                                           const PostureOptions& options) {
+  std::size_t farthest = 0;
+  Reach why = Reach::too_far;
+  // The posture that suits the start best need not lead to the end: others are tried before giving
+  // up.
+  for (int attempt = -1; attempt < seeds; ++attempt) {
+    const JointVector start = attempt < 0 ? near_rad : seed_posture(arm.table(), attempt);
+    std::vector<ContactPosture> postures;
+    for (const ContactGoal& goal : path) {
+      const Task task = make_task(arm, rail_m, goal, options);
+      ContactPosture posture;
+      for (const double cone : {0.0, 0.5 * options.largest_tilt_rad, options.largest_tilt_rad}) {
+        posture = postures.empty() && attempt < 0
+                      ? find_posture(arm, rail_m, goal, start, options)
+                      : descend(task, postures.empty() ? start : postures.back().q_rad, cone);
+        const bool jumps = !postures.empty() &&
+                           (posture.q_rad - postures.back().q_rad).cwiseAbs().maxCoeff() > jump_rad;
+        if (posture.reach == Reach::reached && jumps) posture.reach = Reach::joint_limits;
+        if (posture.reach == Reach::reached) break;
+      }
+      if (posture.reach != Reach::reached) {
+        if (postures.size() >= farthest) why = posture.reach;
+        break;
+      }
+      postures.push_back(posture);
+    }
+    if (postures.size() == path.size()) return postures;
+    farthest = std::max(farthest, postures.size());
+  }
+  const Vector3 at = path[farthest].at_in_base;
+  return fail(Fault::not_found,
+              "place {} of {} is {}: {:.0f} mm from the shoulder, the arm reaches {:.0f} mm",
+              farthest + 1, path.size(), explain(why),
+              to_mm((at - arm.shoulder_in_base(rail_m)).norm()),
+              to_mm(arm.reach_m() + arm.table().tool_radius_m));
+}
+
+PerArm<JointVector> ready_posture(const ArmTable& table, const RobotMount& mount) {
+  const ArmModel left(table, mount, Arm::left);
+  const Matrix3 shoulder = mount.base_from_shoulder[Arm::left].linear();
+  const Vector3 down = shoulder.col(0), ahead = shoulder.col(1);
+  // 0.28 m ahead is 0.15 m off a back at 0.45 m; a little below the shoulders the elbow is well
+  // bent.
+  const ContactGoal goal{.at_in_base = left.shoulder_in_base(0.0) + 280_mm * ahead + 60_mm * down,
+                         .normal_in_base = -ahead};
+  const JointVector near = JointVector::Zero(table.joints);
+  const JointVector q = find_posture(left, 0.0, goal, near).q_rad;
+  return {.of = {q, mirrored(table, q)}};
+}
+
+Result<double> choose_rail(const PerArm<const ArmModel*>& arms, const RobotMount& mount,
+                           const PerArm<std::vector<ContactGoal>>& goals,
+                           const PerArm<JointVector>& near_rad, const PostureOptions& options) {
+  constexpr double step_m = 50_mm;
+  double best_rail_m = 0.0, best_dexterity = -1.0;
+  std::size_t best_reached = 0;
+  const std::size_t all = goals[Arm::left].size() + goals[Arm::right].size();
+  for (double rail_m = mount.lowest_rail_m; rail_m <= mount.highest_rail_m + 1e-9;
+       rail_m += step_m) {
+    std::size_t reached = 0;
+    double worst = 1e9;
+    for (const Arm arm : both_arms) {
+      for (const ContactGoal& goal : goals[arm]) {
+        const Task task = make_task(*arms[arm], rail_m, goal, options);
+        if (out_of_reach(task)) continue;
+        const ContactPosture posture =
+            find_posture(*arms[arm], rail_m, goal, near_rad[arm], options);
+        if (posture.reach != Reach::reached) continue;
+        ++reached;
+        // A tilted tool reaches, but an upright one is worth more.
+        worst = std::min(worst, posture.dexterity * (1.0 - posture.tilt_rad));
+      }
+    }
+    if (reached > best_reached ||
+        (reached == best_reached && reached > 0 && worst > best_dexterity)) {
+      best_rail_m = rail_m;
+      best_dexterity = worst;
+      best_reached = reached;
+    }
+  }
+  if (best_reached < all) {
+    return fail(Fault::not_found, "the arms reach {} of {} places, best with the base at {:.0f} mm",
+                best_reached, all, to_mm(best_rail_m));
+  }
+  return best_rail_m;
+}
+
+}  // namespace tuina::robot

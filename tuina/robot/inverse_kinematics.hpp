@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "tuina/core/result.hpp"
+#include "tuina/core/units.hpp"
+#include "tuina/robot/arm_model.hpp"
+
+namespace tuina::robot {
+
+/// A place on the skin for the sphere to touch. The tool may turn about its own axis as it likes.
+struct ContactGoal {
+  Vector3 at_in_base = Vector3::Zero();
+  Vector3 normal_in_base = Vector3::UnitZ();  ///< unit, out of the body
+};
+
+/// Why a goal is out of reach.
+enum class Reach : std::uint8_t { reached, too_far, joint_limits, elbow_in_person };
+[[nodiscard]] const char* explain(Reach reach) noexcept;
+
+struct ContactPosture {
+  JointVector q_rad;
+  Reach reach = Reach::too_far;
+  double tilt_rad = 0.0;  ///< of the tool's axis away from the normal
+  double dexterity =
+      0.0;  ///< smallest singular value of the task's Jacobian (0.3 m to the radian), m/rad
+};
+
+struct PostureOptions {
+  double largest_tilt_rad = 20_deg;
+  double limit_margin_rad = 3_deg;   ///< kept from the end of every joint
+  double elbow_clearance_m = 80_mm;  ///< of the elbow above the tangent plane of the skin
+  double press_depth_m = 0.0;        ///< the sphere's foremost point is so deep in the skin
+};
+
+/// Joint angles that put the sphere on the skin with the tool's axis against the normal, or tilted
+/// as little as needed. Damped least squares from `near_rad`, then from seeds spread over the
+/// joints' ranges; the joint that the task leaves free keeps off the limits and the elbow off the
+/// person. No heap; at worst 10 ms.
+[[nodiscard]] ContactPosture find_posture(const ArmModel& arm, double rail_m,
+                                          const ContactGoal& goal, const JointVector& near_rad,
+                                          const PostureOptions& options = {}) noexcept;
+
+/// Postures along a path without a jump. Fails with the first place that no posture continues to.
+[[nodiscard]] Result<std::vector<ContactPosture>> follow(const ArmModel& arm, double rail_m,
+                                                         std::span<const ContactGoal> path,
+                                                         const JointVector& near_rad,
+                                                         const PostureOptions& options = {});
+
+/// Both tools held before the person with nothing near: the start and end of every massage, mirror
+/// images.
+[[nodiscard]] PerArm<JointVector> ready_posture(const ArmTable& table, const RobotMount& mount);
+
+/// Where the linear base has to stand so that each arm reaches all its goals, as dexterous as can
+/// be at the worst of them. Fails with how many goals are reached at best and the first that is
+/// not.
+[[nodiscard]] Result<double> choose_rail(const PerArm<const ArmModel*>& arms,
+                                         const RobotMount& mount,
+                                         const PerArm<std::vector<ContactGoal>>& goals,
+                                         const PerArm<JointVector>& near_rad,
+                                         const PostureOptions& options = {});
+
+}  // namespace tuina::robot
