@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tuina/control/force_target.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tuina::control {
+namespace {
+
+constexpr double touching_n = 0.7;
+constexpr double lost_after_s = 0.010;
+constexpr double lost_matters_n = 3.0;
+constexpr double found_again_n = 1.5;
+constexpr double creep_m_per_s = 10e-3;
+constexpr double most_creep_m = 3e-3;
+
+}  // namespace
+
+double depth_at(const ContactModel& model, double force_n) noexcept {
+  const double force = std::max(force_n, 0.0);
+  return std::atan(force / model.tissue.alpha_n) / model.tissue.beta_per_m +
+         force / model.torso_n_per_m;
+}
+
+double stiffness_at(const ContactModel& model, double force_n) noexcept {
+  const double share = std::max(force_n, 0.0) / model.tissue.alpha_n;
+  const double tissue = model.tissue.alpha_n * model.tissue.beta_per_m * (1.0 + share * share);
+  return 1.0 / (1.0 / tissue + 1.0 / model.torso_n_per_m);
+}
+
+void ForceTarget::begin(const Input& input, double spring_n) noexcept {
+  skin_m_ = 0.0;
+  if (options_.finds_skin) skin_m_ = input.depth_m - depth_at(input.model, input.force_n);
+  set_n_ = std::max(input.force_n, options_.kept_n);
+  const double K = options_.stiffness_n_per_m;
+  const double expected_m = skin_m_ + depth_at(input.model, set_n_);
+  trim_n_ = 0.0;
+  if (options_.finds_skin) trim_n_ = spring_n - set_n_ - K * (expected_m - input.depth_m);
+  trim_n_ = std::clamp(trim_n_, -options_.most_trim_out_n, options_.most_trim_in_n);
+  spring_n_ = spring_n;
+  last_depth_m_ = input.depth_m;
+  tank_j_ = options_.tank_j;
+  without_contact_s_ = 0.0;
+  lost_ = false;
+}
+
+void ForceTarget::watch_contact(const Input& input, double dt_s) noexcept {
+  const bool gone = input.force_n < touching_n && set_n_ > lost_matters_n;
+  without_contact_s_ = gone ? without_contact_s_ + dt_s : 0.0;
+  if (!lost_ && without_contact_s_ > lost_after_s) {
+    lost_ = true;
+    hold_m_ = input.depth_m;
+    crept_m_ = 0.0;
+  } else if (lost_ && input.force_n > found_again_n) {
+    begin(input, spring_n_);
+  }
+}
+
+double ForceTarget::step(const Input& input, double dt_s) noexcept {
+  const double K = options_.stiffness_n_per_m;
+  const double wanted_n = std::max(input.set_force_n, options_.kept_n);
+  const double change_n = options_.fastest_n_per_s * dt_s;
+  const double before_n = set_n_;
+  set_n_ += std::clamp(wanted_n - set_n_, -change_n, change_n);
+  watch_contact(input, dt_s);
+
+  const double contact_n_per_m = stiffness_at(input.model, std::max(input.force_n, 1.0));
+  const double damping_free = 2.0 * options_.free_damping_ratio * std::sqrt(input.mass_kg * K);
+  double damping = damping_free, wanted_speed = input.path_speed_m_per_s, spring_n = 0.0;
+  if (lost_) {
+    // Nothing is under the tool: it stays where it is and feels forward a little, it does not
+    // chase.
+    const double creep_m = crept_m_ < most_creep_m ? creep_m_per_s * dt_s : 0.0;
+    crept_m_ += creep_m;
+    hold_m_ += creep_m;
+    spring_n = K * (hold_m_ - input.depth_m);
+    damping = 2.0 * damping_free;
+  } else {
+    damping = std::clamp(
+        2.0 * options_.contact_damping_ratio * std::sqrt(input.mass_kg * contact_n_per_m),
+        damping_free, options_.most_damping_n_s_per_m);
+    // Only what the model foresees may lead the damping; the trim in it would be a force gain, and
+    // those limit-cycle on bone.
+    wanted_speed += (set_n_ - before_n) / dt_s / stiffness_at(input.model, set_n_);
+    trim_n_ += options_.trim_per_s * (1.0 + K / contact_n_per_m) * (set_n_ - input.force_n) * dt_s;
+    trim_n_ = std::clamp(trim_n_, -options_.most_trim_out_n, options_.most_trim_in_n);
+    const double lasting_n = trim_n_ * std::min(dt_s / options_.skin_follows_s, 1.0);
+    const double skin_m = std::min(skin_m_ + lasting_n / K, options_.most_skin_error_m);
+    trim_n_ -= K * (skin_m - skin_m_);
+    skin_m_ = skin_m;
+    const double expected_m = skin_m_ + depth_at(input.model, set_n_);
+    spring_n = K * (expected_m - input.depth_m) + set_n_ + trim_n_;
+  }
+  spring_n = std::clamp(spring_n, -options_.most_trim_out_n, set_n_ + options_.most_over_set_n);
+
+  // The tank pays for every inward step of the virtual target against the spring, and is filled by
+  // the damping and by what the target gives back: contact can take no more energy than it holds.
+  const double step_m = (spring_n - spring_n_) / K + (input.depth_m - last_depth_m_);
+  const double cost_j = spring_n * step_m;
+  const double relative = input.speed_m_per_s - wanted_speed;
+  if (cost_j > tank_j_) {
+    spring_n = std::min(spring_n, spring_n_ - K * (input.depth_m - last_depth_m_));
+  } else {
+    tank_j_ -= cost_j;
+  }
+  tank_j_ = std::min(tank_j_ + damping * relative * relative * dt_s, options_.tank_j);
+  spring_n_ = spring_n;
+  last_depth_m_ = input.depth_m;
+  return spring_n + std::min(-damping * relative, options_.most_outward_damping_n);
+}
+
+}  // namespace tuina::control
