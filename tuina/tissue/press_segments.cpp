@@ -51,10 +51,6 @@ void PressSegments::add(double time_s, const Press& sample) noexcept {
   if (saturated(sample.force_n)) return;
 
   const double position_m = delayed_position(time_s - options_.force_delay_s);
-  if (!touched_ && position_m < -2.5 * options_.contact_sd_m) {
-    free_air_.force_n += sample.force_n;
-    free_air_.samples += 1.0;
-  }
   if (block_.samples == 0.0) block_start_s_ = time_s;
   block_.time_s += time_s - block_start_s_;
   block_.position_m += position_m;
@@ -93,6 +89,7 @@ void PressSegments::close_block() noexcept {
   const double n = block_.samples;
   const double time_s = block_start_s_ + block_.time_s / n;
   const double position_m = block_.position_m / n;
+  if (!touched_) tare(position_m, block_.force_n / n, n);
   const double force_n = block_.force_n / n - tare_n();
   block_ = Sum{};
   // Force noise must not choose which samples count: the block that shows contact is left out, and
@@ -113,6 +110,21 @@ void PressSegments::close_block() noexcept {
   if (!touched_) first_contact_s_ = time_s;
   touched_ = true;
   if (was_in_contact) append(time_s, position_m, force_n, n);
+}
+
+void PressSegments::tare(double position_m, double force_n, double samples) noexcept {
+  const double clear_m = -2.5 * options_.contact_sd_m;
+  if (!tare_begun_) began_near_ = position_m > clear_m;
+  tare_begun_ = true;
+  // A record that begins close above the skin is believed to begin in free air; the force stays
+  // where it began until the skin is met.
+  const bool as_it_began =
+      began_near_ && position_m < 0.0 &&
+      (free_air_.samples == 0.0 || std::abs(force_n - free_air_.force_n / free_air_.samples) <
+                                       4.0 * options_.force_noise_n / std::sqrt(samples));
+  if (position_m > clear_m && !as_it_began) return;
+  free_air_.force_n += samples * force_n;
+  free_air_.samples += samples;
 }
 
 void PressSegments::follow_press(double time_s, double force_n) noexcept {

@@ -59,6 +59,7 @@ class PressSegments {
   [[nodiscard]] double delayed_position(double time_s) const noexcept;
   [[nodiscard]] bool saturated(double force_n) noexcept;
   void close_block() noexcept;
+  void tare(double position_m, double force_n, double samples) noexcept;
   void follow_press(double time_s, double force_n) noexcept;
   void append(double time_s, double position_m, double force_n, double samples) noexcept;
 
@@ -89,6 +90,7 @@ class PressSegments {
   Sum block_;
   double block_start_s_ = 0.0;
   Sum free_air_;
+  bool tare_begun_ = false, began_near_ = false;
   double last_time_s_ = 0.0, last_force_n_ = 0.0, largest_force_n_ = 0.0;
   int same_force_ = 0;
   bool started_ = false, touched_ = false;

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tuina/tissue/press_record.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tuina::tissue {
+namespace {
+
+constexpr std::size_t saturated_run = 5;
+// Below these a record is a calculation, not a measurement, and weights would become meaningless.
+constexpr double least_force_noise_n = 0.005, least_position_noise_m = 1e-6;
+
+/// The noise seen over neighbours `stride` samples away; `value` reads one signal.
+template <typename Value>
+double noise_at(std::span<const TimedPress> record, std::size_t stride, Value value) {
+  std::vector<double> errors;
+  for (std::size_t i = stride; i + stride < record.size(); ++i) {
+    const TimedPress &before = record[i - stride], &here = record[i], &after = record[i + stride];
+    const double share = (here.time_s - before.time_s) / (after.time_s - before.time_s);
+    if (!(share > 0.2 && share < 0.8)) continue;  // beside a dropout
+    const double line = value(before) + share * (value(after) - value(before));
+    const double factor = 1.0 + share * share + (1.0 - share) * (1.0 - share);
+    errors.push_back(std::abs(value(here) - line) / std::sqrt(factor));
+  }
+  if (errors.empty()) return 0.0;
+  const auto middle = errors.begin() + static_cast<long>(errors.size() / 2);
+  std::nth_element(errors.begin(), middle, errors.end());
+  return 1.4826 * *middle;
+}
+
+}  // namespace
+
+SensorNoise estimate_noise(std::span<const TimedPress> record) {
+  const auto force = [](const TimedPress& s) { return s.press.force_n; };
+  const auto position = [](const TimedPress& s) { return s.press.depth_m; };
+  // A sensor's low-pass makes neighbours alike, so neighbours a little further away are asked too.
+  return {.force_n = std::max(
+              {noise_at(record, 1, force), noise_at(record, 3, force), least_force_noise_n}),
+          .position_m = std::max({noise_at(record, 1, position), noise_at(record, 3, position),
+                                  least_position_noise_m})};
+}
+
+std::vector<TimedPress> without_saturation(std::span<const TimedPress> record) {
+  double largest_n = 0.0;
+  for (const TimedPress& sample : record) largest_n = std::max(largest_n, sample.press.force_n);
+  std::vector<TimedPress> kept;
+  kept.reserve(record.size());
+  for (std::size_t i = 0; i < record.size();) {
+    std::size_t end = i;
+    while (end < record.size() && record[end].press.force_n == record[i].press.force_n) ++end;
+    const bool saturated =
+        end - i >= saturated_run && record[i].press.force_n >= largest_n && largest_n > 1.0;
+    if (!saturated)
+      kept.insert(kept.end(), record.begin() + static_cast<long>(i),
+                  record.begin() + static_cast<long>(end));
+    i = end;
+  }
+  return kept;
+}
+
+}  // namespace tuina::tissue
