@@ -66,15 +66,18 @@ Result<BackChart> BackChart::from(std::span<const Acupoint> acupoints,
   chart.out_ = chart.up_.cross(chart.left_);
 
   const double height_m = (shoulders - gv4).norm();
-  const double width_m = (bl47_l - bl47_r).dot(chart.left_);
+  const std::array<double, 3> widths_m = {(si11_l - si11_r).dot(chart.left_),
+                                          (bl47_l - bl47_r).dot(chart.left_),
+                                          (bl50_l - bl50_r).dot(chart.left_)};
+  const auto [narrowest, widest] = std::minmax_element(widths_m.begin(), widths_m.end());
   // Of adults between 1.45 m and 2.05 m; wide enough for any, tight enough for mixed-up names or
   // units.
-  if (!(height_m > 120_mm && height_m < 500_mm && width_m > 80_mm && width_m < 280_mm)) {
+  if (!(height_m > 120_mm && height_m < 500_mm && *narrowest > 80_mm && *widest < 400_mm)) {
     return fail(
         Fault::bad_input,
         "the acupoints are not those of a back: SI11 lies {:.0f} mm above GV4 (120 to 500), "
-        "BL47_L {:.0f} mm to the left of BL47_R (80 to 280)",
-        to_mm(height_m), to_mm(width_m));
+        "the left points {:.0f} to {:.0f} mm to the left of the right ones (80 to 400)",
+        to_mm(height_m), to_mm(*narrowest), to_mm(*widest));
   }
 
   // Spinous processes where they are known; else the middles between the paired points.
@@ -87,7 +90,8 @@ Result<BackChart> BackChart::from(std::span<const Acupoint> acupoints,
   }
   if (known.size() < 2) {
     chart.midline_ = {{0.0, 0.0}, chart.flat(t12), chart.flat(t9), chart.flat(shoulders)};
-    known = {{9.0, chart.flat(t9).up_m}, {12.0, chart.flat(t12).up_m}, {15.5, 0.0}};
+    // The paired points lie level with the hollow below their vertebra, and so does GV4.
+    known = {{9.5, chart.flat(t9).up_m}, {12.5, chart.flat(t12).up_m}, {15.5, 0.0}};
   }
   std::sort(chart.midline_.begin(), chart.midline_.end(),
             [](const Place& a, const Place& b) { return a.up_m < b.up_m; });

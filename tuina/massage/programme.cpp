@@ -7,10 +7,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 #include <sstream>
 
 #include "tuina/core/file.hpp"
+#include "tuina/core/near_miss.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/massage/contact_path.hpp"
 #include "tuina/massage/tap.hpp"
@@ -43,29 +43,6 @@ const Words& keys_of(Technique technique) {
       {"technique", "points", "side", "order", "together", "force_n", "time_s", "rate_hz"},
   }};
   return keys[static_cast<std::size_t>(technique)];
-}
-
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = std::exchange(row[0], i + 1);
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      const std::size_t change = diagonal + (a[i] == b[j] ? 0 : 1);
-      diagonal = std::exchange(row[j + 1], std::min({change, row[j] + 1, row[j + 1] + 1}));
-    }
-  }
-  return row.back();
-}
-
-/// "is `rate_hz` meant?" when one of the words is close, else the words.
-std::string suggestion(std::string_view given, const Words& words) {
-  const auto nearest = std::min_element(words.begin(), words.end(), [&](auto& a, auto& b) {
-    return edit_distance(a, given) < edit_distance(b, given);
-  });
-  const std::size_t near_miss = 1 + nearest->size() / 3;
-  if (edit_distance(*nearest, given) <= near_miss) return fmt::format("is `{}` meant?", *nearest);
-  return fmt::format("known: {}", fmt::join(words, ", "));
 }
 
 /// Reads the nodes of one file and collects what is wrong.

@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tuina/massage/plan.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include "tests/massage/backs.hpp"
+#include "tuina/massage/contact_path.hpp"
+
+using namespace tuina;
+using namespace tuina::massage;
+
+namespace {
+
+struct Person {
+  explicit Person(double uncertainty_m = 8_mm)
+      : back(test::back_of(test::barrel_y, 0.7_mm)),
+        points(test::seven_points(back, uncertainty_m)) {}
+  body::BackSurface back;
+  std::vector<Acupoint> points;
+};
+
+Programme programme_of(const std::string& parts) {
+  return parse_programme("name = \"test\"\n" + parts, "test.toml").value();
+}
+
+bool noted(const Plan& plan, const char* what) {
+  return std::any_of(plan.notes.begin(), plan.notes.end(),
+                     [&](const std::string& note) { return note.find(what) != std::string::npos; });
+}
+
+}  // namespace
+
+TEST_CASE("every shipped programme fits on a back, with both arms, within its caps and bounds") {
+  const Person person;
+  for (const ShippedProgramme& shipped : shipped_programmes()) {
+    CAPTURE(shipped.name);
+    const Programme programme = load_programme(std::string(shipped.name)).value();
+    const auto plan = massage::plan(person.back, person.points, {}, programme);
+    REQUIRE_MESSAGE(plan.has_value(), plan.error().message);
+    CHECK(plan->duration_s > 40.0);
+    CHECK(plan->duration_s < 150.0);
+    CHECK(plan->min_tool_distance_m >= closest_tools_m);
+    std::set<Arm> arms;
+    const BackChart chart = BackChart::from(person.points, {}).value();
+    const ZoneMap zones(chart, person.points, {});
+    for (const PlannedPath& planned : plan->paths) {
+      CAPTURE(planned.path.name);
+      arms.insert(planned.arm);
+      CHECK(planned.cap_n <= rule_of(planned.zone).cap_n);
+      const ContactPoint* before = nullptr;
+      for (const ContactPoint& point : planned.path.points) {
+        REQUIRE(point.at_in_couch.allFinite());
+        REQUIRE(point.force_n <= planned.cap_n + 1e-9);
+        REQUIRE(point.force_n <= cap_n(zones.at(point.at_in_couch), planned.path.technique) + 1e-9);
+        REQUIRE(std::abs(point.normal_in_couch.norm() - 1.0) < 1e-9);
+        if (before != nullptr) {
+          REQUIRE(std::abs(point.force_n - before->force_n) <= fastest_force_n_per_s * sample_s);
+          REQUIRE((point.at_in_couch - before->at_in_couch).norm() <=
+                  fastest_slide_m_per_s * sample_s + 1e-9);
+          REQUIRE(point.normal_in_couch.dot(before->normal_in_couch) > 0.99);
+        }
+        before = &point;
+      }
+      CHECK(planned.path.duration_s() <= rule_of(planned.zone).longest_s);
+    }
+    CHECK(arms.size() == 2);
+  }
+}
+
+TEST_CASE("the relaxing programme presses all seven points, rubs and strokes") {
+  const Person person;
+  const auto plan = massage::plan(person.back, person.points, {}, load_programme("relax").value());
+  std::set<std::string> pressed;
+  std::set<Technique> techniques;
+  for (const PlannedPath& planned : plan->paths) {
+    techniques.insert(planned.path.technique);
+    if (planned.path.technique == Technique::press) pressed.insert(planned.path.acupoints.at(0));
+  }
+  CHECK(pressed.size() == seven_acupoints.size());
+  CHECK(techniques == std::set<Technique>{Technique::press, Technique::rub, Technique::stroke});
+  CHECK(plan->duration_s > 60.0);
+  CHECK(plan->duration_s < 120.0);
+}
+
+TEST_CASE("one plan is one plan: the same back and programme give the same numbers") {
+  const Person person;
+  const Programme relax = load_programme("relax").value();
+  const auto one = massage::plan(person.back, person.points, {}, relax);
+  const auto two = massage::plan(person.back, person.points, {}, relax);
+  REQUIRE(one->paths.size() == two->paths.size());
+  for (std::size_t i = 0; i < one->paths.size(); ++i) {
+    CHECK(one->paths[i].start_s == two->paths[i].start_s);
+    CHECK(one->paths[i].path.points.back().at_in_couch ==
+          two->paths[i].path.points.back().at_in_couch);
+  }
+}
+
+TEST_CASE(
+    "the two sides are served together by the arm of their side, the middle by one arm alone") {
+  const Person person;
+  const auto plan =
+      massage::plan(person.back, person.points, {}, load_programme("demonstration").value());
+  for (const PlannedPath& planned : plan->paths) {
+    const auto partners =
+        std::count_if(plan->paths.begin(), plan->paths.end(),
+                      [&](const PlannedPath& other) { return other.step == planned.step; });
+    const bool middle = planned.path.acupoints.at(0) == "GV4";
+    CHECK(partners == (middle ? 1 : 2));
+    if (middle) continue;
+    const bool left = planned.path.acupoints.at(0).ends_with("_L");
+    CHECK(planned.arm == (left ? Arm::left : Arm::right));
+  }
+}
+
+TEST_CASE("a person with the head at the other end keeps the arms uncrossed") {
+  Person person;
+  const Transform turned = Transform(Eigen::AngleAxisd(pi, Vector3::UnitZ()));
+  PointCloud cloud = person.back.points();
+  for (Vector3& point : cloud.points) point = turned * point;
+  for (Vector3& normal : cloud.normals) normal = turned * normal;
+  const body::BackSurface back(std::move(cloud), Position::prone, 4_mm);
+  for (Acupoint& point : person.points) point.at_in_couch = turned * point.at_in_couch;
+  const auto plan = massage::plan(back, person.points, {}, load_programme("relax").value());
+  for (const PlannedPath& planned : plan->paths) {
+    const double x = planned.path.points.front().at_in_couch.x();
+    if (std::abs(x) > 20_mm) CHECK((x > 0.0) == (planned.arm == Arm::left));
+  }
+}
+
+TEST_CASE("no arm has two paths at once, and no path begins before the step before has ended") {
+  const Person person;
+  const auto plan =
+      massage::plan(person.back, person.points, {}, load_programme("shoulders").value());
+  for (const PlannedPath& one : plan->paths) {
+    for (const PlannedPath& other : plan->paths) {
+      if (one.step < other.step) CHECK(one.end_s() + Transfers{}.retract_s() <= other.start_s);
+      if (&one != &other && one.step == other.step) CHECK(one.arm != other.arm);
+    }
+  }
+}
+
+TEST_CASE("paths that come too close to each other are done one after the other") {
+  const Person person;
+  const Programme wide =
+      programme_of("[[part]]\ntechnique = \"rub\"\npoints = [\"BL47\"]\nradius_mm = 30\n");
+  // Radius 50 mm around points 80 mm beside the spine: 60 mm between the circles, but the uncertain
+  // spine flattens them. Nearer points cannot be rubbed together.
+  Person slim;
+  for (Acupoint& point : slim.points) {
+    if (point.name.starts_with("BL"))
+      point = {
+          point.name,
+          slim.back
+              .nearest({0.7 * point.at_in_couch.x(), point.at_in_couch.y(), point.at_in_couch.z()})
+              .at_in_couch,
+          Vector3::UnitY(), 0.0};
+    point.uncertainty_m = 0.0;
+  }
+  const auto apart = massage::plan(person.back, person.points, {}, wide);
+  CHECK(apart->paths.at(0).step == apart->paths.at(1).step);
+  const auto close = massage::plan(slim.back, slim.points, {}, wide);
+  REQUIRE(close->paths.size() == 2);
+  CHECK(close->paths[0].step != close->paths[1].step);
+  const auto ordered = massage::plan(
+      person.back, person.points, {},
+      programme_of("[[part]]\ntechnique = \"rub\"\npoints = [\"BL47\"]\ntogether = false\n"));
+  CHECK(ordered->paths.at(0).step != ordered->paths.at(1).step);
+}
+
+TEST_CASE("forces above the cap of a zone are lowered, and the plan says so") {
+  const Person person;
+  const auto plan =
+      massage::plan(person.back, person.points, {},
+                    programme_of("intensity = 5\n[[part]]\ntechnique = \"press\"\npoints = "
+                                 "[\"BL50\", \"GV4\"]\nforce_n = 45\n"));
+  REQUIRE(plan.has_value());
+  CHECK(noted(*plan, "press BL50_L: 63.0 N lowered to 20.0 N (kidney)"));
+  CHECK(noted(*plan, "press GV4: 63.0 N lowered to 10.0 N (GV4)"));
+  CHECK(plan->zones_touched == std::vector<std::string>{"kidney", "GV4"});
+}
+
+TEST_CASE("a configured ceiling lowers every cap, and none raises the ceilings of the zones") {
+  const Person person;
+  const Programme press = programme_of(
+      "[[part]]\ntechnique = \"press\"\npoints = [\"SI11\", \"BL50\"]\nforce_n = 45\n");
+  const auto low = massage::plan(person.back, person.points, {}, press, {.force_ceiling_n = 8.0});
+  for (const PlannedPath& planned : low->paths) CHECK(planned.cap_n == 8.0);
+  const auto high =
+      massage::plan(person.back, person.points, {}, press,
+                    {.force_scale = 10.0, .muscle_cap_n = 1000.0, .force_ceiling_n = 1000.0});
+  for (const PlannedPath& planned : high->paths) CHECK(planned.cap_n <= 45.0);
+}
+
+TEST_CASE(
+    "a circle that would cross the spine is flattened beside it, a tap over the kidneys is left "
+    "out") {
+  Person person;
+  for (Acupoint& point : person.points) {
+    if (point.name.starts_with("BL47")) {
+      point.at_in_couch =
+          person.back.nearest({0.55 * point.at_in_couch.x(), 0.2, point.at_in_couch.z()})
+              .at_in_couch;
+    }
+  }
+  const auto plan = massage::plan(
+      person.back, person.points, {},
+      programme_of("[[part]]\ntechnique = \"rub\"\npoints = [\"BL47\"]\n[[part]]\ntechnique = "
+                   "\"tap\"\npoints = [\"BL50\"]\n"));
+  REQUIRE_MESSAGE(plan.has_value(), plan.error().message);
+  CHECK(noted(*plan, "rub BL47_L: bent by up to"));
+  CHECK(noted(*plan, "tap BL50_R: left out, it may not be done on kidney"));
+  for (const PlannedPath& planned : plan->paths) {
+    for (const ContactPoint& point : planned.path.points)
+      CHECK(std::abs(point.at_in_couch.x()) > 15_mm);
+  }
+}
+
+TEST_CASE("GV4 bears ten seconds, so fewer presses are done than ordered") {
+  const Person person;
+  const auto plan =
+      massage::plan(person.back, person.points, {},
+                    programme_of("[[part]]\ntechnique = \"press\"\npoints = [\"GV4\"]\nrepeats = "
+                                 "9\nrise_s = 5\nhold_s = 10\n"));
+  CHECK(plan->paths.at(0).path.duration_s() <= 10.0);
+  CHECK(noted(*plan, "instead of 9 presses"));
+}
+
+TEST_CASE("what does not belong together is refused") {
+  const Person person;
+  const Programme relax = load_programme("relax").value();
+  auto points = person.points;
+  points[2].at_in_couch.x() = std::numeric_limits<double>::quiet_NaN();
+  CHECK(
+      massage::plan(person.back, points, {}, relax).error().message.find("BL47_L has no finite") !=
+      std::string::npos);
+  points = person.points;
+  for (Acupoint& point : points) point.at_in_couch.y() += 50_mm;
+  CHECK(
+      massage::plan(person.back, points, {}, relax).error().message.find("off the scanned skin") !=
+      std::string::npos);
+  CHECK(massage::plan(person.back, person.points, {},
+                      programme_of("[[part]]\ntechnique = \"press\"\npoints = [\"BL23\"]\n"))
+            .error()
+            .message.find("wants BL23_L") != std::string::npos);
+}

@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tuina/massage/path_layer.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "tuina/core/units.hpp"
+#include "tuina/massage/contact_path.hpp"
+#include "tuina/massage/press.hpp"
+#include "tuina/massage/stroke.hpp"
+#include "tuina/massage/tap.hpp"
+#include "tuina/massage/zone_walk.hpp"
+
+namespace tuina::massage {
+namespace {
+
+constexpr double shortest_stroke_m = 60_mm;
+constexpr double off_skin_m = 20_mm;  // an acupoint further from the scanned skin is not on it
+
+}  // namespace
+
+PathLayer::PathLayer(const body::BackSurface& back, const BackChart& chart, const ZoneMap& zones,
+                     const PlanOptions& options, double force_scale)
+    : back_(back), chart_(chart), zones_(zones), options_(options), force_scale_(force_scale) {}
+
+Result<std::optional<WaitingPath>> PathLayer::lay(const Part& part, const Target& target) {
+  name_ = fmt::format("{} {}", name_of(part.technique), target.name);
+  const bool slides = part.technique == Technique::rub || part.technique == Technique::stroke;
+  auto waiting = slides ? lay_sliding(part, target) : lay_standing(part, target);
+  if (!waiting) {
+    return tl::unexpected(Error{waiting.error().fault, name_ + ": " + waiting.error().message});
+  }
+  if (*waiting) {
+    for (const Acupoint& point : target.points) (*waiting)->path.acupoints.push_back(point.name);
+    (*waiting)->together = part.together;
+  }
+  return waiting;
+}
+
+/// Pressing and tapping: one place, one zone.
+PathLayer::MaybePath PathLayer::lay_standing(const Part& part, const Target& target) {
+  const auto place = on_skin(target.points.front());
+  if (!place) return tl::unexpected(place.error());
+  const Zone zone = zones_.at(place->at_in_couch);
+  const double force_n = allowed_force_n(part, zone);
+  if (force_n <= 0.0) return left_out(zone);
+  touched_.insert(zone);
+  WaitingPath waiting{.path = {},
+                      .zone = zone,
+                      .cap_n = cap_of(part.technique, zone),
+                      .arm = arm_of(place->at_in_couch)};
+  if (part.technique == Technique::press) {
+    waiting.path = pressed(*place, part, zone, force_n);
+  } else {
+    const double most_s = rule_of(zone).longest_s - 2.0 * landing_s;
+    const double time_s = std::min(part.time_s.value_or(4.0), most_s);
+    waiting.path =
+        plan_tap(*place, {.force_n = force_n, .rate_hz = part.rate_hz, .time_s = time_s}, name_);
+  }
+  return waiting;
+}
+
+/// The presses ordered, fewer or shorter where the zone does not bear them for so long.
+ContactPath PathLayer::pressed(const body::SurfacePoint& place, const Part& part, Zone zone,
+                               double force_n) {
+  PressOptions press{.force_n = force_n, .window = {.edge_s = part.rise_s, .hold_s = part.hold_s}};
+  const double cycle_s = press.window.length_s() + press.pause_s;
+  const double in_time = part.time_s.value_or(2.0 * cycle_s) / cycle_s;
+  const int wanted = part.repeats.value_or(std::max(1, static_cast<int>(std::lround(in_time))));
+  press.repeats = wanted;
+  const double longest_s = rule_of(zone).longest_s;
+  ContactPath path = plan_press(place, press, name_);
+  while (path.duration_s() > longest_s) {
+    if (press.repeats > 1) {
+      --press.repeats;
+    } else {
+      press.window.hold_s *= 0.9;
+      press.window.edge_s *= 0.9;
+    }
+    path = plan_press(place, press, name_);
+  }
+  if (press.repeats < wanted) {
+    note("{} instead of {} presses, {} bears {:.0f} s of contact", press.repeats, wanted,
+         name_of(zone), longest_s);
+  }
+  if (press.window.hold_s < part.hold_s) {
+    note("held for {:.1f} s instead of {:.1f} s, {} bears {:.0f} s of contact", press.window.hold_s,
+         part.hold_s, name_of(zone), longest_s);
+  }
+  return path;
+}
+
+/// Rubbing and stroking: a curve through zones, the strictest of which counts for all of it.
+PathLayer::MaybePath PathLayer::lay_sliding(const Part& part, const Target& target) {
+  double bent_m = 0.0;
+  const Bend bend = [&](const Vector3& guide) {
+    const Vector3 moved = zones_.around_denied(guide, target.side);
+    bent_m = std::max(bent_m, (moved - guide).norm());
+    return moved;
+  };
+  const bool rubs = part.technique == Technique::rub;
+  auto curve = rubs ? circle(part, target, bend) : line(part, target, bend);
+  if (!curve) return tl::unexpected(curve.error());
+  if (bent_m > 1_mm) note("bent by up to {:.0f} mm around what must not be touched", to_mm(bent_m));
+
+  ZoneWalk zones = walk(*curve, zones_, part.technique);
+  if (zones.denied != Zone::muscle) {
+    const double kept_m = zones.to_m - zones.from_m;
+    if (rubs || kept_m < shortest_stroke_m) return left_out(zones.denied);
+    note("cut from {:.0f} to {:.0f} mm at {}", to_mm(curve->length_m()), to_mm(kept_m),
+         name_of(zones.denied));
+    curve = stretch_of(*curve, zones.from_m, zones.to_m);
+    zones = walk(*curve, zones_, part.technique);
+    if (zones.denied != Zone::muscle) return left_out(zones.denied);
+  }
+  touched_.insert(zones.touched.begin(), zones.touched.end());
+  const double force_n = allowed_force_n(part, zones.strictest);
+  WaitingPath waiting{.path = {},
+                      .zone = zones.strictest,
+                      .cap_n = cap_of(part.technique, zones.strictest),
+                      .arm = arm_of(curve->at(0.5 * curve->length_m()).at_in_couch)};
+  if (rubs) {
+    const int turns = repeats_of(part, 1.0 / part.rate_hz, zones.strictest);
+    waiting.path =
+        plan_rub(*curve, {.force_n = force_n, .rate_hz = part.rate_hz, .turns = turns}, name_);
+  } else {
+    const double there_and_back_s = 2.0 * (curve->length_m() / part.speed_m_per_s + 0.5);
+    const StrokeOptions stroke{.force_n = force_n,
+                               .speed_m_per_s = part.speed_m_per_s,
+                               .repeats = repeats_of(part, there_and_back_s, zones.strictest)};
+    waiting.path = plan_stroke(*curve, stroke, name_);
+  }
+  return waiting;
+}
+
+int PathLayer::repeats_of(const Part& part, double one_s, Zone zone) {
+  constexpr double usual = 3.0;
+  constexpr double ramps_s = 3.0;  // landing, gaining speed and leaving, at most
+  const double longest_s = rule_of(zone).longest_s;
+  const double most = std::max(1.0, std::floor((longest_s - ramps_s) / one_s));
+  double wanted = usual;
+  if (part.repeats) wanted = *part.repeats;
+  if (part.time_s) wanted = std::max(1.0, std::round(*part.time_s / one_s));
+  if (wanted > most) {
+    note("{:.0f} instead of {:.0f} times, {:.0f} s are allowed at one place", most, wanted,
+         longest_s);
+  }
+  return static_cast<int>(std::min(wanted, most));
+}
+
+Result<SurfaceCurve> PathLayer::circle(const Part& part, const Target& target,
+                                       const Bend& bend) const {
+  const auto centre = on_skin(target.points.front());
+  if (!centre) return tl::unexpected(centre.error());
+  // Both hands begin outside and go round as mirror images of each other.
+  const bool left = target.side >= 0.0;
+  const Vector3 outside = left ? chart_.left() : Vector3(-chart_.left());
+  return circle_on(back_, *centre, part.radius_m, outside, left, bend);
+}
+
+Result<SurfaceCurve> PathLayer::line(const Part& part, const Target& target,
+                                     const Bend& bend) const {
+  std::vector<Vector3> places;
+  for (const Acupoint& point : target.points) places.push_back(point.at_in_couch);
+  if (places.empty()) {
+    for (const Place& place : places_of(part.line, chart_, target.side)) {
+      const Vector3 flat = zones_.around_denied(chart_.in_couch(place), target.side);
+      constexpr double above_m = 250_mm;
+      const auto met = back_.along(flat + above_m * chart_.out(), -chart_.out());
+      if (!met) {
+        return fail(Fault::not_found,
+                    "the scan shows no skin {:.0f} mm beside the spine, {:.0f} mm above GV4",
+                    to_mm(std::abs(place.left_m)), to_mm(place.up_m));
+      }
+      places.push_back(met->at_in_couch);
+    }
+  }
+  return line_through(back_, places, bend);
+}
+
+Result<body::SurfacePoint> PathLayer::on_skin(const Acupoint& point) const {
+  body::SurfacePoint place = back_.nearest(point.at_in_couch);
+  const double off_m = (place.at_in_couch - point.at_in_couch).norm();
+  if (!(off_m <= off_skin_m)) {
+    return fail(Fault::bad_input,
+                "{} lies {:.0f} mm off the scanned skin, {:.0f} allowed; do scan and acupoints "
+                "belong together?",
+                point.name, to_mm(off_m), to_mm(off_skin_m));
+  }
+  // A person lies with the skin, not with the noise of the scan: the normal is that of the disc
+  // which the tool presses on.
+  constexpr double disc_m = 12_mm;
+  Vector3 sum = place.normal_in_couch;
+  const Vector3 first = place.normal_in_couch.unitOrthogonal();
+  const Vector3 second = place.normal_in_couch.cross(first);
+  for (int i = 0; i < 8; ++i) {
+    const double theta = 2.0 * pi * i / 8;
+    const Vector3 beside =
+        place.at_in_couch + disc_m * (std::cos(theta) * first + std::sin(theta) * second);
+    sum += back_.nearest(beside).normal_in_couch;
+  }
+  place.normal_in_couch = sum.normalized();
+  return place;
+}
+
+std::optional<Arm> PathLayer::arm_of(const Vector3& in_couch) const {
+  constexpr double either_m = 15_mm;
+  const double left_m = chart_.place_of(in_couch).left_m;
+  if (std::abs(left_m) < either_m) return std::nullopt;
+  // The left arm stands on the side of the couch's positive x, wherever the person's left is.
+  return left_m * chart_.left().x() > 0.0 ? Arm::left : Arm::right;
+}
+
+double PathLayer::cap_of(Technique technique, Zone zone) const {
+  const double of_zone_n = cap_n(zone, technique);
+  const double of_muscle_n = zone == Zone::muscle ? options_.muscle_cap_n : of_zone_n;
+  return std::min({of_zone_n, of_muscle_n, options_.force_ceiling_n});
+}
+
+double PathLayer::allowed_force_n(const Part& part, Zone zone) {
+  const double wanted_n = part.force_n * force_scale_;
+  const double most_n = cap_of(part.technique, zone);
+  if (most_n > 0.0 && wanted_n > most_n) {
+    note("{:.1f} N lowered to {:.1f} N ({})", wanted_n, most_n, name_of(zone));
+  }
+  return std::min(wanted_n, most_n);
+}
+
+PathLayer::MaybePath PathLayer::left_out(Zone zone) {
+  note("left out, it may not be done on {}", name_of(zone));
+  return std::optional<WaitingPath>{};
+}
+
+template <typename... Args>
+void PathLayer::note(fmt::format_string<Args...> format, Args&&... args) {
+  notes_.push_back(name_ + ": " + fmt::format(format, std::forward<Args>(args)...));
+}
+
+}  // namespace tuina::massage

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "tuina/massage/plan.hpp"
+#include "tuina/massage/rub.hpp"
+#include "tuina/massage/targets.hpp"
+
+namespace tuina::massage {
+
+/// Lays one target after the other onto one person's skin, within what the zones bear, and keeps
+/// account of the zones touched and of everything that could not be done as it was ordered.
+class PathLayer {
+ public:
+  PathLayer(const body::BackSurface& back, const BackChart& chart, const ZoneMap& zones,
+            const PlanOptions& options, double force_scale);
+
+  /// Nothing if the zones leave nothing of it.
+  [[nodiscard]] Result<std::optional<WaitingPath>> lay(const Part& part, const Target& target);
+
+  [[nodiscard]] const std::set<Zone>& touched() const { return touched_; }
+  [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }
+
+ private:
+  using MaybePath = Result<std::optional<WaitingPath>>;
+  [[nodiscard]] MaybePath lay_standing(const Part& part, const Target& target);
+  [[nodiscard]] MaybePath lay_sliding(const Part& part, const Target& target);
+  [[nodiscard]] ContactPath pressed(const body::SurfacePoint& place, const Part& part, Zone zone,
+                                    double force_n);
+  [[nodiscard]] int repeats_of(const Part& part, double one_s, Zone zone);
+
+  [[nodiscard]] Result<SurfaceCurve> circle(const Part& part, const Target& target,
+                                            const Bend& bend) const;
+  [[nodiscard]] Result<SurfaceCurve> line(const Part& part, const Target& target,
+                                          const Bend& bend) const;
+  [[nodiscard]] Result<body::SurfacePoint> on_skin(const Acupoint& point) const;
+  [[nodiscard]] std::optional<Arm> arm_of(const Vector3& in_couch) const;
+  [[nodiscard]] double cap_of(Technique technique, Zone zone) const;
+  [[nodiscard]] double allowed_force_n(const Part& part, Zone zone);
+  [[nodiscard]] MaybePath left_out(Zone zone);
+  template <typename... Args>
+  void note(fmt::format_string<Args...> format, Args&&... args);
+
+  const body::BackSurface& back_;
+  const BackChart& chart_;
+  const ZoneMap& zones_;
+  const PlanOptions& options_;
+  double force_scale_;
+  std::string name_;  // of the path being laid
+  std::set<Zone> touched_;
+  std::vector<std::string> notes_;
+};
+
+}  // namespace tuina::massage

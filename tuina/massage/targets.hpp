@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "tuina/core/acupoint.hpp"
+#include "tuina/core/result.hpp"
+#include "tuina/massage/back_chart.hpp"
+#include "tuina/massage/programme.hpp"
+
+namespace tuina::massage {
+
+/// What one path serves: an acupoint, or the points or the named line that a stroke runs along.
+struct Target {
+  std::string name;              ///< "BL47_L", "SI11_L to BL50_L", "scapula_R"
+  std::vector<Acupoint> points;  ///< empty for a named line
+  double side = 1.0;             ///< where it begins: positive on the person's left
+};
+
+/// The targets of a part in the order in which they are served; the two sides of a point follow
+/// each other. Fails when the map of this back lacks a point.
+[[nodiscard]] Result<std::vector<Target>> targets_of(const Part& part, const BackChart& chart,
+                                                     std::span<const Acupoint> acupoints);
+
+/// Places that a named line of the back runs through, from its beginning.
+[[nodiscard]] std::vector<Place> places_of(const std::string& line, const BackChart& chart,
+                                           double side);
+
+}  // namespace tuina::massage
