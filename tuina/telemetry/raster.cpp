@@ -53,7 +53,7 @@ void Raster::draw(const std::vector<RasterVertex>& vertices, const std::array<in
       if (cover <= 0.F) continue;
       depth[at] = z;
       inside[at] = cover;
-      normal[at] = (u * a.normal + v * b.normal + w * c.normal).normalized();
+      normal[at] = u * a.normal + v * b.normal + w * c.normal;
       albedo[at] = u * a.albedo + v * b.albedo + w * c.albedo;
       skin[at] = 1;
     }

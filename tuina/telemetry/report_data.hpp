@@ -16,22 +16,22 @@ namespace tuina::telemetry {
 /// A point that was found on the person; `error_m` is its distance to the truth, known only in
 /// simulation.
 struct FoundAcupoint {
-  Acupoint acupoint;
-  std::optional<double> error_m;
+  Acupoint acupoint = {};
+  std::optional<double> error_m = {};
 };
 
 /// A path of the plan and when which arm began it, in session time.
 struct PerformedPath {
   Arm arm = Arm::left;
   double begin_s = 0.0;
-  ContactPath path;
+  ContactPath path = {};
 };
 
 /// One row of trace.csv. Rows of the two arms may be interleaved; each arm's times rise.
 struct TraceRow {
   double time_s = 0.0;
   Arm arm = Arm::left;
-  std::optional<Technique> technique;  ///< none while the arm travels or rests
+  std::optional<Technique> technique = {};  ///< none while the arm travels or rests
   double target_n = 0.0;
   double true_force_n = 0.0;      ///< the simulation's
   double measured_force_n = 0.0;  ///< the wrist sensor's
@@ -41,46 +41,54 @@ struct TraceRow {
 
 /// What was felt at one place; `truth` is known only in simulation.
 struct FeltTissue {
-  std::string name;  ///< of the acupoint
+  std::string name = {};  ///< of the acupoint
   Vector3 at_in_couch = Vector3::Zero();
-  TissueEstimate estimate;
-  std::optional<TangentTissue> truth;
-  std::string tissue_class;  ///< "bone", "hard muscle", "soft muscle"; empty when not classified
+  TissueEstimate estimate = {};
+  std::optional<TangentTissue> truth = {};
+  std::string tissue_class =
+      {};  ///< "bone", "hard muscle", "soft muscle"; empty when not classified
   double class_probability = 0.0;
+};
+
+/// Errors of the TRUE contact force (target minus true), over all contact of one technique.
+struct TechniqueForce {
+  Technique technique = Technique::press;
+  double rmse_n = 0.0;
+  double peak_n = 0.0;
 };
 
 struct Stop {
   double time_s = 0.0;
-  std::string cause;  ///< a sentence for people
+  std::string cause = {};  ///< a sentence for people
 };
 
 /// A figure worth a tile on the page: {"scan error", "0.42", "mm", "RMS to the true surface"}.
 struct KeyNumber {
-  std::string label;
-  std::string value;
-  std::string unit;
-  std::string remark;
+  std::string label = {};
+  std::string value = {};
+  std::string unit = {};
+  std::string remark = {};
 };
 
 /// Everything that the report of one session shows. Places are in `couch`, times in session time.
 /// Text may hold anything; the page escapes it.
 struct ReportData {
-  std::string person;  ///< "phantom:medium", "ds01"
+  std::string person = {};  ///< "phantom:medium", "ds01"
   Position position = Position::sitting;
-  std::string programme;
+  std::string programme = {};
   std::uint64_t seed = 0;
   bool simulated = true;
   double duration_s = 0.0;
-  PointCloud scan_in_couch;
-  std::vector<FoundAcupoint> acupoints;
-  std::vector<PerformedPath> paths;
-  std::vector<TraceRow> trace;
-  std::vector<FeltTissue> tissue;
-  std::vector<Stop> stops;
-  std::vector<KeyNumber>
-      numbers;              ///< besides those that the page counts itself from the data above
-  std::string config_toml;  ///< the whole effective configuration
-  std::string version;
+  PointCloud scan_in_couch = {};
+  std::vector<FoundAcupoint> acupoints = {};
+  std::vector<PerformedPath> paths = {};
+  std::vector<TraceRow> trace = {};
+  std::vector<TechniqueForce> forces = {};  ///< only of techniques that were used
+  std::vector<FeltTissue> tissue = {};
+  std::vector<Stop> stops = {};
+  std::vector<KeyNumber> numbers = {};  ///< besides those that the page counts itself
+  std::string config_toml = {};         ///< the whole effective configuration
+  std::string version = {};
 };
 
 }  // namespace tuina::telemetry

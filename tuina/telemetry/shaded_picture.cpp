@@ -202,6 +202,115 @@ float exposed(float light) {
   return light < 0.6F ? light : 0.6F + 0.4F * (1.F - std::exp(-(light - 0.6F) / 0.4F));
 }
 
+/// Turns the samples of a pixel into its colour.
+class Painter {
+ public:
+  Painter(const Scene& scene, const Projection& projection, const Prepared& ready)
+      : px_per_m_(static_cast<float>(projection.px_per_m())),
+        width_(projection.width_px()),
+        shadow_(ready, scene.surface.mesh.triangles, px_per_m_) {
+    Raster coarse(0, projection.width_px(), projection.height_px());
+    for (const auto& triangle : scene.surface.mesh.triangles) coarse.draw(ready.vertices, triangle);
+    hollow_ = hollowness(coarse, px_per_m_);
+    for (const Disc& disc : scene.discs) {
+      const auto light = to_light(disc.colour);
+      discs_.push_back({projection(disc.at).cast<float>(), static_cast<float>(disc.radius_m),
+                        Light(light[0], light[1], light[2])});
+    }
+  }
+
+  /// `raster` holds `samples_per_pixel` squared samples of each pixel.
+  [[nodiscard]] Colour pixel(const Raster& raster, int x, int y) const {
+    constexpr int all = samples_per_pixel * samples_per_pixel;
+    std::array<Sample, all> samples;
+    int seen = 0;
+    int skin = 0;
+    float nearest = no_depth;
+    float farthest = -no_depth;
+    for (int k = 0; k < all; ++k) {
+      const int sx = x * samples_per_pixel + k % samples_per_pixel;
+      const int sy = y * samples_per_pixel + k / samples_per_pixel - raster.top;
+      const std::size_t at = static_cast<std::size_t>(sy) * static_cast<std::size_t>(raster.width) +
+                             static_cast<std::size_t>(sx);
+      if (raster.depth[at] == no_depth) continue;
+      Sample& sample = samples[static_cast<std::size_t>(seen++)];
+      const float column = (static_cast<float>(sx) + 0.5F) / samples_per_pixel;
+      const float row = (static_cast<float>(sy + raster.top) + 0.5F) / samples_per_pixel;
+      sample = {.at = {column, row, raster.depth[at]},
+                .normal = raster.normal[at],
+                .albedo = raster.albedo[at],
+                .cover = raster.inside[at],
+                .skin = raster.skin[at] != 0};
+      if (sample.skin) tint(sample);
+      skin += sample.skin ? 1 : 0;
+      nearest = std::max(nearest, sample.at.z());
+      farthest = std::min(farthest, sample.at.z());
+    }
+    const float hollow = hollow_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
+                                 static_cast<std::size_t>(x)];
+    Light sum = Light::Zero();
+    float covered = 0.F;
+    // Where all samples are one piece of skin the light is worked out once, which is most of the
+    // picture.
+    const bool smooth = skin == all && nearest - farthest < 0.004F;
+    if (smooth) {
+      Sample mean = samples[all / 2];
+      for (const Sample& sample : samples) {
+        if (&sample == &samples[all / 2]) continue;
+        mean.normal += sample.normal;
+        mean.albedo += sample.albedo;
+        covered += sample.cover;
+      }
+      covered += mean.cover;
+      mean.albedo /= all;
+      sum = covered * lit(mean, hollow);
+    }
+    for (int k = 0; k < seen && !smooth; ++k) {
+      const Sample& sample = samples[static_cast<std::size_t>(k)];
+      sum += sample.cover * lit(sample, sample.skin ? hollow : 0.F);
+      covered += sample.cover;
+    }
+    sum = sum / all + Light::Constant(1.F - covered / all);
+    return from_light({sum.x(), sum.y(), sum.z()});
+  }
+
+ private:
+  struct Sample {
+    Eigen::Vector3f at;
+    Eigen::Vector3f normal;
+    Light albedo;
+    float cover = 0.F;
+    bool skin = false;
+  };
+  struct FlatDisc {
+    Eigen::Vector3f at;
+    float radius_m;
+    Light tint;
+  };
+
+  void tint(Sample& sample) const {
+    for (const FlatDisc& disc : discs_) {
+      const Eigen::Vector2f across = (sample.at - disc.at).head<2>() / px_per_m_;
+      if (across.squaredNorm() > disc.radius_m * disc.radius_m) continue;
+      const float d = std::hypot(across.norm(), 0.7F * (sample.at.z() - disc.at.z()));
+      if (d > disc.radius_m) continue;
+      const float share = d > disc.radius_m - 0.0012F ? 0.8F : 0.30F;
+      sample.albedo += share * (disc.tint - sample.albedo);
+    }
+  }
+  [[nodiscard]] Light lit(const Sample& sample, float hollow) const {
+    return lit_colour(sample.normal.normalized(), sample.albedo, sample.skin,
+                      shadow_.lit(sample.at), hollow)
+        .unaryExpr(&exposed);
+  }
+
+  float px_per_m_;
+  int width_;
+  Shadow shadow_;
+  std::vector<float> hollow_;
+  std::vector<FlatDisc> discs_;
+};
+
 }  // namespace
 
 Projection::Projection(const View& view, const std::vector<Vector3>& seen)
@@ -240,79 +349,29 @@ ShadedPicture shade(const Scene& scene, const View& view) {
     if (scene.surface.inside[k] >= 0.5F) seen.push_back(scene.surface.mesh.vertices[k]);
   }
   ShadedPicture picture{.image = {}, .projection = Projection(view, seen)};
-  const Projection& projection = picture.projection;
-  const int width = projection.width_px();
-  const int height = projection.height_px();
-  const auto px_per_m = static_cast<float>(projection.px_per_m());
-  Prepared ready = prepare(scene, projection);
-  const Shadow shadow(ready, scene.surface.mesh.triangles, px_per_m);
-
-  Raster coarse(0, width, height);
-  for (const auto& triangle : scene.surface.mesh.triangles) coarse.draw(ready.vertices, triangle);
-  const std::vector<float> hollow = hollowness(coarse, px_per_m);
-
-  struct FlatDisc {
-    Eigen::Vector3f at;
-    float radius_m;
-    Light tint;
-  };
-  std::vector<FlatDisc> discs;
-  for (const Disc& disc : scene.discs) {
-    const auto light = to_light(disc.colour);
-    discs.push_back({projection(disc.at).cast<float>(), static_cast<float>(disc.radius_m),
-                     Light(light[0], light[1], light[2])});
-  }
+  const int width = picture.projection.width_px();
+  const int height = picture.projection.height_px();
+  const auto& triangles = scene.surface.mesh.triangles;
+  Prepared ready = prepare(scene, picture.projection);
+  const Painter painter(scene, picture.projection, ready);
 
   // The picture is made in strips, so that its many samples never need much memory at once.
   picture.image = Image(width, height, 3);
   constexpr int strip_rows = 64;
-  constexpr auto fine = static_cast<float>(samples_per_pixel);
-  for (auto& vertex : ready.vertices) vertex.at.head<2>() *= fine;
+  for (auto& vertex : ready.vertices) vertex.at.head<2>() *= samples_per_pixel;
   for (auto& ball : ready.balls) {
-    ball.at.head<2>() *= fine;
-    ball.radius_px *= fine;
+    ball.at.head<2>() *= samples_per_pixel;
+    ball.radius_px *= samples_per_pixel;
   }
   for (int top = 0; top < height; top += strip_rows) {
     const int rows = std::min(strip_rows, height - top);
     Raster raster(top * samples_per_pixel, width * samples_per_pixel, rows * samples_per_pixel);
-    for (const auto& triangle : scene.surface.mesh.triangles) raster.draw(ready.vertices, triangle);
+    for (const auto& triangle : triangles) raster.draw(ready.vertices, triangle);
     for (const RasterBall& ball : ready.balls) raster.draw(ball);
-    for (int y = 0; y < rows; ++y) {
-      std::uint8_t* out = picture.image.row(top + y);
+    for (int y = top; y < top + rows; ++y) {
+      std::uint8_t* out = picture.image.row(y);
       for (int x = 0; x < width; ++x) {
-        Light sum = Light::Zero();
-        float covered = 0.F;
-        for (int k = 0; k < samples_per_pixel * samples_per_pixel; ++k) {
-          const int sx = x * samples_per_pixel + k % samples_per_pixel;
-          const int sy = y * samples_per_pixel + k / samples_per_pixel;
-          const std::size_t sample =
-              static_cast<std::size_t>(sy) * static_cast<std::size_t>(raster.width) +
-              static_cast<std::size_t>(sx);
-          if (raster.depth[sample] == no_depth || raster.inside[sample] <= 0.F) continue;
-          const Eigen::Vector3f at((static_cast<float>(sx) + 0.5F) / fine,
-                                   static_cast<float>(top) + (static_cast<float>(sy) + 0.5F) / fine,
-                                   raster.depth[sample]);
-          const bool skin = raster.skin[sample] != 0;
-          Light albedo = raster.albedo[sample];
-          for (const FlatDisc& disc : discs) {
-            if (!skin) continue;
-            const Eigen::Vector2f across = (at - disc.at).head<2>() / px_per_m;
-            const float d = std::hypot(across.norm(), 0.7F * (at.z() - disc.at.z()));
-            if (d > disc.radius_m) continue;
-            const float share = d > disc.radius_m - 0.0012F ? 0.8F : 0.30F;
-            albedo += share * (disc.tint - albedo);
-          }
-          const std::size_t pixel =
-              static_cast<std::size_t>(top + y) * static_cast<std::size_t>(width) +
-              static_cast<std::size_t>(x);
-          const Light light = lit_colour(raster.normal[sample], albedo, skin, shadow.lit(at),
-                                         skin ? hollow[pixel] : 0.F);
-          sum += raster.inside[sample] * light.unaryExpr(&exposed);
-          covered += raster.inside[sample];
-        }
-        const float all = fine * fine;
-        sum = sum / all + Light::Constant(1.F - covered / all);
-        const Colour colour = from_light({sum.x(), sum.y(), sum.z()});
+        const Colour colour = painter.pixel(raster, x, y);
         out[3 * x] = colour.red;
         out[3 * x + 1] = colour.green;
         out[3 * x + 2] = colour.blue;

@@ -21,7 +21,7 @@ struct View {
 
 /// A thread laid on the skin.
 struct Thread {
-  std::vector<Vector3> points;
+  std::vector<Vector3> points = {};
   double radius_m = 0.0015;
   Colour colour;
 };
@@ -43,11 +43,11 @@ struct Disc {
 /// What a picture shows.
 struct Scene {
   PictureMesh surface;
-  std::vector<Colour> colours;  ///< one per vertex, or empty for `colour`
+  std::vector<Colour> colours = {};  ///< one per vertex, or empty for `colour`
   Colour colour = palette::skin;
-  std::vector<Thread> threads;
-  std::vector<Bead> beads;
-  std::vector<Disc> discs;
+  std::vector<Thread> threads = {};
+  std::vector<Bead> beads = {};
+  std::vector<Disc> discs = {};
 };
 
 /// Where a place of the world is in a picture, so that labels find their point.

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tuina/telemetry/report_page.hpp"
+
+#include <doctest/doctest.h>
+
+#include "tests/telemetry/sample_report.hpp"
+#include "tuina/telemetry/report_figures.hpp"
+
+using namespace tuina;
+using namespace tuina::telemetry;
+
+namespace {
+
+bool holds(const std::string& page, std::string_view words) {
+  return page.find(words) != std::string::npos;
+}
+
+std::size_t count(const std::string& page, std::string_view words) {
+  std::size_t times = 0;
+  for (std::size_t at = page.find(words); at != std::string::npos; at = page.find(words, at + 1))
+    ++times;
+  return times;
+}
+
+/// Made once: its pictures take most of the time of this suite.
+const std::string& sample_page() {
+  static const std::string page = report_page(tests::sample_report());
+  return page;
+}
+
+ReportData sample_without_pictures() {
+  ReportData data = tests::sample_report();
+  data.scan_in_couch = {};
+  return data;
+}
+
+}  // namespace
+
+TEST_CASE("the report is one file of less than 3 MB that needs no network and no script") {
+  const std::string& page = sample_page();
+  CHECK(page.size() < 3'000'000);
+  CHECK(page.starts_with("<!doctype html>"));
+  CHECK(page.ends_with("</html>\n"));
+  CHECK_FALSE(holds(page, "<script"));
+  CHECK_FALSE(holds(page, "<link"));
+  CHECK_FALSE(holds(page, "@import"));
+  CHECK_FALSE(holds(page, "src="));
+  CHECK(count(page, "http") == count(page, "http://www.w3.org/2000/svg"));
+  CHECK(count(page, "href=") == count(page, "href=\"data:image/png;base64,"));
+}
+
+TEST_CASE(
+    "the report shows every acupoint, technique, tissue with its truth, and the configuration") {
+  const ReportData data = tests::sample_report();
+  const std::string& page = sample_page();
+  for (const FoundAcupoint& found : data.acupoints) {
+    CHECK(holds(page, figures::spoken(found.acupoint.name)));
+  }
+  for (const char* words : {"Pressing", "Rubbing", "Root mean square error 1.21 N, peak 27.4 N",
+                            "simulation only", "not settled", "hard muscle", "force_n = 25.0",
+                            "had no cause to stop", "Nothing had to be stopped"}) {
+    CAPTURE(words);
+    CHECK(holds(page, words));
+  }
+  CHECK(count(page, "data:image/png;base64,") == 2);
+}
+
+TEST_CASE("a stop is on the page with its time and cause") {
+  ReportData data = sample_without_pictures();
+  data.stops = {{12.345, "contact force 68.4 N above the limit of 60 N"}};
+  const std::string page = report_page(data);
+  CHECK(holds(page, "12.345 s"));
+  CHECK(holds(page,
+              "stopped for safety after 12 seconds: contact force 68.4 N above the limit of 60 N"));
+  CHECK_FALSE(holds(page, "Nothing had to be stopped"));
+}
+
+TEST_CASE("text from outside cannot become markup") {
+  ReportData data = sample_without_pictures();
+  const std::string evil = "<img src=x onerror=alert(1)>\"'&\x01";
+  data.person = data.programme = data.config_toml = data.version = evil;
+  data.acupoints[0].acupoint.name = data.tissue[0].name = data.tissue[0].tissue_class = evil;
+  data.paths[0].path.acupoints = {evil};
+  data.stops = {{1.0, evil}};
+  data.numbers = {{evil, evil, evil, evil}};
+  const std::string page = report_page(data);
+  CHECK_FALSE(holds(page, "<img"));
+  CHECK_FALSE(holds(page, "\x01"));
+  CHECK(holds(page, "&lt;img src=x onerror=alert(1)&gt;&quot;&#39;&amp;"));
+}
+
+TEST_CASE("a session that ended before anything was seen still gives a page that says so") {
+  const std::string page = report_page(ReportData{.person = "nobody"});
+  for (const char* words :
+       {"There is no scan to show", "No acupoint was located", "No path was carried out",
+        "There is no record of forces", "No tissue was estimated"}) {
+    CAPTURE(words);
+    CHECK(holds(page, words));
+  }
+}
+
+TEST_CASE("the same session gives the same page byte for byte") {
+  CHECK(report_page(tests::sample_report()) == sample_page());
+}

@@ -1,0 +1,286 @@
+// SPDX-License-Identifier: Apache-2.0
+// The pictures of the back: rendered surface below, letters and leader lines as vectors above.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "tuina/core/png.hpp"
+#include "tuina/core/units.hpp"
+#include "tuina/telemetry/report_figures.hpp"
+#include "tuina/telemetry/shaded_picture.hpp"
+#include "tuina/telemetry/svg_plot.hpp"
+
+namespace tuina::telemetry::figures {
+namespace {
+
+constexpr double felt_radius_m = 26_mm;  // how far around a press the picture shows what was felt
+
+/// Out of the back and towards the head, from the points if there are any and else from the
+/// position.
+struct Pose {
+  Vector3 out;
+  Vector3 up;
+};
+
+Pose pose_of(const ReportData& data) {
+  const bool sitting = data.position == Position::sitting;
+  Pose pose{.out = sitting ? Vector3(0, 1, 0) : Vector3(0, 0, 1),
+            .up = sitting ? Vector3(0, 0, 1) : Vector3(0, -1, 0)};
+  Vector3 out = Vector3::Zero();
+  Vector3 upper = Vector3::Zero();
+  Vector3 lower = Vector3::Zero();
+  int upper_count = 0;
+  int lower_count = 0;
+  for (const FoundAcupoint& found : data.acupoints) {
+    out += found.acupoint.normal_in_couch;
+    if (found.acupoint.name.starts_with("SI11")) upper += found.acupoint.at_in_couch, ++upper_count;
+    if (found.acupoint.name == "GV4") lower += found.acupoint.at_in_couch, ++lower_count;
+  }
+  if (out.norm() > 1e-6) pose.out = out.normalized();
+  if (upper_count > 0 && lower_count > 0) {
+    const Vector3 up = upper / upper_count - lower / lower_count;
+    if (up.cross(pose.out).norm() > 1e-3) pose.up = up.normalized();
+  }
+  return pose;
+}
+
+View view_of(const Pose& pose) {
+  View view;
+  const Vector3 right = pose.up.cross(pose.out).normalized();
+  // A little from the side and from above, or a back looks flat.
+  view.toward_eye = (pose.out - 0.20 * right + 0.10 * pose.up).normalized();
+  view.up = pose.up;
+  view.width_px = 960;
+  view.height_px = 1080;
+  return view;
+}
+
+std::string base64(const std::string& bytes) {
+  constexpr const char* letters =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve(bytes.size() * 4 / 3 + 4);
+  for (std::size_t k = 0; k < bytes.size(); k += 3) {
+    unsigned int three = 0;
+    for (std::size_t j = 0; j < 3; ++j)
+      three = three << 8 | (k + j < bytes.size() ? static_cast<unsigned char>(bytes[k + j]) : 0U);
+    for (std::size_t j = 0; j < 4; ++j)
+      text += k + j <= bytes.size() ? letters[three >> (18 - 6 * j) & 63] : '=';
+  }
+  return text;
+}
+
+struct Label {
+  Vector2 at;  ///< of the point, in the drawing
+  std::string name;
+  std::string remark;
+  double y = 0.0;  ///< of the text
+};
+
+/// Moves the labels of one side apart, keeping their order, as near to their points as they can be.
+void spread(std::vector<Label>& labels, double top, double bottom) {
+  std::sort(labels.begin(), labels.end(),
+            [](const Label& a, const Label& b) { return a.at.y() < b.at.y(); });
+  const double apart =
+      std::min(38.0, (bottom - top) / std::max<double>(1.0, static_cast<double>(labels.size())));
+  double free_from = top;
+  for (Label& label : labels) {
+    label.y = std::max(free_from, label.at.y());
+    free_from = label.y + apart;
+  }
+  double free_to = bottom;
+  for (auto label = labels.rbegin(); label != labels.rend(); ++label) {
+    label->y = std::min(label->y, free_to);
+    free_to = label->y - apart;
+  }
+}
+
+/// The rendered picture with a column of labels on either side. One unit of the drawing is two
+/// pixels of the picture, so that it stays sharp on fine screens and on paper.
+std::string compose(const ShadedPicture& picture, std::vector<Label> labels,
+                    const std::string& title) {
+  constexpr double side = 92.0;
+  const double width = picture.image.width / 2.0;
+  const double height = picture.image.height / 2.0;
+  std::vector<Label> left;
+  std::vector<Label> right;
+  for (Label& label : labels) {
+    const bool is_left = label.at.x() < 0.497 * width;
+    label.at.x() += side;
+    (is_left ? left : right).push_back(std::move(label));
+  }
+  spread(left, 24, height - 24);
+  spread(right, 24, height - 24);
+
+  std::string svg = fmt::format(
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0:.0f} {1:.0f}\" role=\"img\" "
+      "aria-label=\"{2}\" "
+      "class=\"back\" font-family=\"Inter,system-ui,-apple-system,'Segoe "
+      "UI',Helvetica,Arial,sans-serif\" font-size=\"12.5\" fill=\"{3}\">"
+      "<title>{2}</title><image x=\"{4:.0f}\" width=\"{5:.1f}\" height=\"{6:.1f}\" "
+      "href=\"data:image/png;base64,{7}\"/>",
+      width + 2 * side, height, escaped(title), css(palette::ink), side, width, height,
+      base64(to_png(picture.image)));
+  const auto draw = [&](const Label& label, bool is_left) {
+    const double edge = is_left ? side - 8 : side + width + 8;
+    const char* anchor = is_left ? "end" : "start";
+    const double text_x = is_left ? edge - 4 : edge + 4;
+    svg += fmt::format(
+        "<path d=\"M{:.1f} {:.1f}L{:.1f} {:.1f}\" stroke=\"#fff\" stroke-width=\"2.6\" "
+        "stroke-opacity=\".55\"/>"
+        "<path d=\"M{:.1f} {:.1f}L{:.1f} {:.1f}\" stroke=\"{}\" stroke-width=\".9\"/>",
+        edge, label.y, label.at.x(), label.at.y(), edge, label.y, label.at.x(), label.at.y(),
+        css(palette::ink));
+    svg += fmt::format(
+        "<text class=\"name\" x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\" "
+        "font-weight=\"600\">{}</text>",
+        text_x, label.y + 1, anchor, escaped(label.name));
+    svg += fmt::format(
+        "<text class=\"remark\" x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\" font-size=\"10.5\" "
+        "fill=\"{}\">{}</text>",
+        text_x, label.y + 14, anchor, css(palette::grey), escaped(label.remark));
+  };
+  for (const Label& label : left) draw(label, true);
+  for (const Label& label : right) draw(label, false);
+  return svg + "</svg>";
+}
+
+Vector2 drawn(const Projection& projection, const Vector3& place) {
+  return projection(place).head<2>() / 2.0;
+}
+
+/// "BL47_L" as "BL47 L".
+std::string short_name(std::string name) {
+  std::replace(name.begin(), name.end(), '_', ' ');
+  return name;
+}
+
+/// The places of a path lifted onto the skin, without those that no eye could tell apart.
+std::vector<Vector3> lifted(const ContactPath& path, double by_m) {
+  std::vector<Vector3> places;
+  for (const ContactPoint& point : path.points) {
+    const Vector3 place = point.at_in_couch + by_m * point.normal_in_couch;
+    if (!places.empty() && (place - places.back()).norm() < 1_mm) continue;
+    places.push_back(place);
+  }
+  return places;
+}
+
+bool is_one_of_seven(const std::string& name) {
+  return std::find(seven_acupoints.begin(), seven_acupoints.end(), name) != seven_acupoints.end();
+}
+
+}  // namespace
+
+double stiffness_n_per_mm(const TangentTissue& tissue) {
+  return tissue.alpha_n * tissue.beta_per_m * 1e-3;
+}
+
+std::string spoken(const std::string& acupoint) {
+  if (acupoint.ends_with("_L")) return acupoint.substr(0, acupoint.size() - 2) + " left";
+  if (acupoint.ends_with("_R")) return acupoint.substr(0, acupoint.size() - 2) + " right";
+  return acupoint;
+}
+
+std::string chinese_name(const std::string& acupoint) {
+  // WHO Standard Acupuncture Point Locations in the Western Pacific Region (2008).
+  static const std::map<std::string, std::string> names = {
+      {"SI11", "Tianzong"},   {"BL47", "Hunmen"}, {"BL50", "Weicang"}, {"GV4", "Mingmen"},
+      {"BL13", "Feishu"},     {"BL15", "Xinshu"}, {"BL17", "Geshu"},   {"BL18", "Ganshu"},
+      {"BL20", "Pishu"},      {"BL21", "Weishu"}, {"BL23", "Shenshu"}, {"GV2", "Yaoshu"},
+      {"GV3", "Yaoyangguan"}, {"GV6", "Jizhong"}, {"GV9", "Zhiyang"},  {"GV12", "Shenzhu"},
+      {"GV14", "Dazhui"}};
+  const auto found = names.find(acupoint.substr(0, acupoint.find('_')));
+  return found == names.end() ? "" : found->second;
+}
+
+std::string back(const ReportData& data) {
+  const Pose pose = pose_of(data);
+  Scene scene;
+  scene.surface = mesh_scan(data.scan_in_couch, pose.out);
+  if (scene.surface.mesh.triangles.empty()) return "";
+  for (const PerformedPath& performed : data.paths) {
+    const ContactPath& path = performed.path;
+    if (path.points.empty()) continue;
+    if (path.technique == Technique::press || path.technique == Technique::tap) {
+      const ContactPoint& place = path.points[path.points.size() / 2];
+      const double radius_m = path.technique == Technique::press ? 5.5_mm : 4_mm;
+      scene.beads.push_back(
+          {.at = place.at_in_couch, .radius_m = radius_m, .colour = colour_of(path.technique)});
+    } else {
+      scene.threads.push_back({.points = lifted(path, 1.5_mm),
+                               .radius_m = 1.7_mm,
+                               .colour = colour_of(path.technique)});
+    }
+  }
+  for (const FoundAcupoint& found : data.acupoints) {
+    const Acupoint& point = found.acupoint;
+    scene.discs.push_back(
+        {.at = point.at_in_couch, .radius_m = point.uncertainty_m, .colour = palette::marker});
+    scene.beads.push_back({.at = point.at_in_couch + 4.2_mm * point.normal_in_couch,
+                           .radius_m = 2.2_mm,
+                           .colour = palette::marker});
+  }
+  const ShadedPicture picture = shade(scene, view_of(pose));
+  std::vector<Label> labels;
+  for (const FoundAcupoint& found : data.acupoints) {
+    const Acupoint& point = found.acupoint;
+    if (data.acupoints.size() > 16 && !is_one_of_seven(point.name)) continue;
+    labels.push_back(
+        {.at = drawn(picture.projection, point.at_in_couch + 4_mm * point.normal_in_couch),
+         .name = short_name(point.name),
+         .remark =
+             fmt::format("{} ± {:.0f} mm", chinese_name(point.name), to_mm(point.uncertainty_m))});
+  }
+  return compose(picture, std::move(labels), "The scanned back with acupoints and paths");
+}
+
+std::string tissue(const ReportData& data) {
+  const Pose pose = pose_of(data);
+  Scene scene;
+  scene.surface = mesh_scan(data.scan_in_couch, pose.out);
+  if (scene.surface.mesh.triangles.empty() || data.tissue.empty()) return "";
+  double hardest = 0.0;
+  for (const FeltTissue& felt : data.tissue) {
+    if (felt.estimate.converged)
+      hardest = std::max(hardest, stiffness_n_per_mm(felt.estimate.tissue));
+  }
+  hardest = std::max(hardest, 1e-9);
+  for (const Vector3& vertex : scene.surface.mesh.vertices) {
+    double weights = 0.0;
+    double stiffness = 0.0;
+    for (const FeltTissue& felt : data.tissue) {
+      if (!felt.estimate.converged) continue;
+      const double weight =
+          std::exp(-(vertex - felt.at_in_couch).squaredNorm() / (felt_radius_m * felt_radius_m));
+      weights += weight;
+      stiffness += weight * stiffness_n_per_mm(felt.estimate.tissue);
+    }
+    // Full colour under the finger, fading to plain clay where nothing was felt.
+    const double shown = std::clamp(1.7 * weights, 0.0, 1.0);
+    scene.colours.push_back(
+        mix(palette::clay, hardness_colour(stiffness / std::max(weights, 1e-12) / hardest), shown));
+  }
+  for (const FeltTissue& felt : data.tissue) {
+    scene.beads.push_back({.at = felt.at_in_couch,
+                           .radius_m = 2.6_mm,
+                           .colour = felt.estimate.converged ? palette::marker : palette::grey});
+  }
+  const ShadedPicture picture = shade(scene, view_of(pose));
+  std::vector<Label> labels;
+  for (const FeltTissue& felt : data.tissue) {
+    labels.push_back(
+        {.at = drawn(picture.projection, felt.at_in_couch),
+         .name = short_name(felt.name),
+         .remark = felt.estimate.converged
+                       ? fmt::format("{:.1f} N/mm", stiffness_n_per_mm(felt.estimate.tissue))
+                       : "not settled"});
+  }
+  return compose(picture, std::move(labels),
+                 "The back coloured by the estimated stiffness of its tissue") +
+         hardness_bar_svg(0.0, hardest, "stiffness at first touch, N/mm");
+}
+
+}  // namespace tuina::telemetry::figures

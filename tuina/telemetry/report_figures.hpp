@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "tuina/telemetry/report_data.hpp"
+
+/// The drawings of the report page, each an `<svg>` element; empty when the data hold nothing to
+/// draw.
+namespace tuina::telemetry::figures {
+
+/// The scanned back with acupoints, their uncertainty and every path.
+[[nodiscard]] std::string back(const ReportData& data);
+
+/// The scanned back, coloured where tissue was felt by its stiffness at first touch.
+[[nodiscard]] std::string tissue(const ReportData& data);
+
+[[nodiscard]] std::string timeline(const ReportData& data);
+
+/// Target, true and measured force of one technique over its time in contact.
+[[nodiscard]] std::string force(const ReportData& data, Technique technique);
+
+/// Force and depth of the first press, close up.
+[[nodiscard]] std::string first_press_force(const ReportData& data);
+[[nodiscard]] std::string first_press_depth(const ReportData& data);
+
+/// Stiffness at first touch, the slope alpha beta of the tangent law, in N/mm.
+[[nodiscard]] double stiffness_n_per_mm(const TangentTissue& tissue);
+
+/// "BL47 left", with its Chinese name where it is known: "Hunmen".
+[[nodiscard]] std::string spoken(const std::string& acupoint);
+[[nodiscard]] std::string chinese_name(const std::string& acupoint);
+
+}  // namespace tuina::telemetry::figures
