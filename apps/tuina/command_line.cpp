@@ -32,8 +32,8 @@ Progress progress_bar(const CommonOptions& common, std::string label) {
   };
 }
 
-std::function<std::string(std::string&)> number_between(double low, double high) {
-  return [low, high](std::string& text) -> std::string {
+std::function<std::string(const std::string&)> number_between(double low, double high) {
+  return [low, high](const std::string& text) -> std::string {
     double value = 0.0;
     const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), value);
     if (fault != std::errc{} || end != text.data() + text.size() || !std::isfinite(value) ||

@@ -57,6 +57,7 @@ class Verb {
 [[nodiscard]] Progress progress_bar(const CommonOptions& common, std::string label);
 
 /// Refuses NaN and numbers outside [low, high] as wrong use; for CLI::Option::check.
-[[nodiscard]] std::function<std::string(std::string&)> number_between(double low, double high);
+[[nodiscard]] std::function<std::string(const std::string&)> number_between(double low,
+                                                                            double high);
 
 }  // namespace tuina::app

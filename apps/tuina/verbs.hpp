@@ -12,6 +12,8 @@ namespace tuina::app {
 std::unique_ptr<Verb> make_config_show();
 std::unique_ptr<Verb> make_config_check();
 std::unique_ptr<Verb> make_doctor();
+std::unique_ptr<Verb> make_line();
+std::unique_ptr<Verb> make_scan();
 
 /// In the order of a session, as --help shows them.
 std::vector<std::unique_ptr<Verb>> make_verbs();

@@ -17,6 +17,10 @@ constexpr double least_turn_rad = 2.0_deg;
 // A surface seen this flatly cannot be measured: a pixel then covers many points of it.
 constexpr double least_cosine = 0.1;
 
+// Where the line is so dim that noise moves it this far, at grazing edges mostly, one point in
+// thousands lies centimetres off. Seven times the noise is bright enough.
+constexpr float unsure_px = 0.3F;
+
 // What a calibration from 40 poses of a chessboard leaves (docs/scanner.md): RMS of the range error
 // at a depth.
 double usual_calibration_error_m(double depth_m) {
@@ -61,6 +65,7 @@ ProfileGrid place_in_couch(std::span<const TimedLine> lines, const std::vector<d
                             std::max<double>(1.0, static_cast<double>(after - before));
     for (const LinePoint& seen : lines[i].line.points) {
       if (seen.row < 0 || seen.row >= camera.height_px) continue;
+      if (seen.deviation_px > unsure_px) continue;
       const auto point = triangulate(calibration, static_cast<double>(seen.column_px), seen.row);
       if (!point) continue;
       // On a surface tilted by 75 degrees, neighbours lie four times as far apart as on an upright

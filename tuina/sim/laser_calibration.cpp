@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <Eigen/Eigenvalues>
 #include <cmath>
+#include <optional>
+#include <vector>
 
 #include "tuina/core/random.hpp"
 #include "tuina/core/units.hpp"
@@ -18,21 +20,21 @@ using scanner::ScannerCalibration;
 constexpr double focal_px = 6.25e-3 / 6e-6;
 constexpr double baseline_m = 200.0_mm;
 constexpr double lean_rad = 73.0_deg;
+constexpr double reference_m = 1.1;  // the usual distance of a back
 
 // What is left after calibrating from 40 poses with 0.1 px of corner and line noise
 // (docs/scanner.md).
 constexpr int poses = 40;
-constexpr double focal_error_px = 0.5;
+constexpr double focal_error_px = 0.4;
 constexpr double centre_error_px = 0.7;
 constexpr double distortion_error = 2e-3;
 constexpr double board_depth_error_per_m = 0.13_mm;  // at 1 m; grows with the square of the depth
 constexpr double axis_error_rad = 0.03_deg;
 constexpr double axis_error_m = 0.5_mm;
 constexpr double latency_error_s = 0.002;
-// A flat board on the couch gives height and tilt of the couch; its heading, x and y are the
-// scanner's own.
-constexpr double couch_height_error_m = 0.5_mm;
-constexpr double couch_tilt_error_rad = 0.06_deg;
+// The flat board on the couch and the mark on its middle are laid by hand.
+constexpr double board_height_error_m = 0.3_mm;
+constexpr double board_tilt_error_rad = 0.03_deg;
 
 // The light plane through points on boards, as a calibration finds it: each board is believed too
 // far or too near by the error of the focal length and by the noise of its corners. Weighted by
@@ -75,6 +77,71 @@ void fit_laser_plane(const ScannerCalibration& truth, ScannerCalibration& believ
   believed.laser_distance_m = normal.dot(middle);
 }
 
+// Where the believed calibration sees a true point of the light plane.
+std::optional<Vector3> seen_in_couch(const ScannerCalibration& truth,
+                                     const ScannerCalibration& believed, const Vector3& at_in_couch,
+                                     double yaw_rad) {
+  const Vector2 pixel =
+      scanner::project(truth.camera, truth.couch_from_camera_at(yaw_rad).inverse() * at_in_couch);
+  const auto point = scanner::triangulate(believed, pixel.x(), pixel.y());
+  if (!point) return {};
+  return believed.couch_from_camera_at(yaw_rad) * *point;
+}
+
+// The pose of the scanner over the couch, as a user finds it: a scanned flat board gives height and
+// tilt, and at yaw 0 the line falls on the middle of the couch. Where x and y begin is the
+// scanner's own to say.
+void place_on_couch(const ScannerCalibration& truth, ScannerCalibration& believed, Random& random) {
+  Vector3 sum = Vector3::Zero();
+  Matrix3 sums = Matrix3::Zero();
+  const double tilt_x = std::tan(gaussian(random, board_tilt_error_rad));
+  const double tilt_y = std::tan(gaussian(random, board_tilt_error_rad));
+  const double height_m = gaussian(random, board_height_error_m);
+  for (double yaw_rad = -12.0_deg; yaw_rad <= 12.0_deg; yaw_rad += 2.0_deg) {
+    // Along y, the light plane at this yaw cuts the couch in a line; the board is 0.4 m of it.
+    const Transform couch_from_camera = truth.couch_from_camera_at(yaw_rad);
+    const Vector3 normal = couch_from_camera.linear() * truth.laser_normal_in_camera;
+    const double offset_m = truth.laser_distance_m + normal.dot(couch_from_camera.translation());
+    for (double y = -0.4; y <= 0.0; y += 0.05) {
+      const Vector3 at((offset_m - normal.y() * y) / normal.x(), y, 0.0);
+      const auto seen = seen_in_couch(truth, believed, at, yaw_rad);
+      if (!seen) continue;
+      const Vector3 place(1.0, seen->x(), seen->y());
+      sums += place * place.transpose();
+      sum += place * seen->z();
+    }
+  }
+  const Vector3 plane = sums.inverse() * sum + Vector3(height_m, tilt_x, tilt_y);
+  // Turning by these angles about x and y lays z = plane(0) + plane(1) x + plane(2) y flat.
+  Transform level = Transform::Identity();
+  level.linear() = (Eigen::AngleAxisd(-std::atan(plane(2)), Vector3::UnitX()) *
+                    Eigen::AngleAxisd(std::atan(plane(1)), Vector3::UnitY()))
+                       .toRotationMatrix();
+  level.translation().z() = -plane(0);
+  believed.couch_from_camera = level * believed.couch_from_camera;
+
+  const Vector3 mark_in_camera(
+      truth.laser_distance_m / truth.laser_normal_in_camera.x() -
+          reference_m * truth.laser_normal_in_camera.z() / truth.laser_normal_in_camera.x(),
+      0.0, reference_m);
+  const Vector3 mark = truth.couch_from_camera * mark_in_camera;
+  if (const auto seen = seen_in_couch(truth, believed, mark, 0.0)) {
+    // Someone who sits is looked at along y, so the heading is wrong; someone who lies, from above,
+    // the place.
+    const Vector3 eye = truth.couch_from_camera.translation();
+    const double away_m = eye.y() - mark.y();
+    Transform aside = Transform::Identity();
+    if (std::abs(away_m) > 0.5) {
+      const Eigen::AngleAxisd heading((seen->x() - mark.x()) / -away_m, Vector3::UnitZ());
+      aside.linear() = heading.toRotationMatrix();
+      aside.translation() = eye - aside.linear() * eye;
+    } else {
+      aside.translation().x() = mark.x() - seen->x();
+    }
+    believed.couch_from_camera = aside * believed.couch_from_camera;
+  }
+}
+
 }  // namespace
 
 ScannerMount usual_mount(Position position) {
@@ -103,7 +170,6 @@ ScannerCalibration true_calibration(Position position, const ScannerMount& mount
   // 0 the unit is turned so that the line falls onto the middle of the couch at 1.1 m.
   Matrix3 looking;
   looking << -1.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, -1.0, 0.0;
-  constexpr double reference_m = 1.1;
   const double line_m = baseline_m - reference_m / std::tan(lean_rad) - 0.5 * baseline_m;
   const double turn_rad = std::atan2(line_m, reference_m);
   const Eigen::AngleAxisd turn(turn_rad, truth.axis_direction_in_camera);
@@ -140,12 +206,7 @@ ScannerCalibration believed_calibration(const ScannerCalibration& truth, std::ui
       gaussian(random, axis_error_m) * aside + gaussian(random, axis_error_m) * other;
   believed.latency_s += gaussian(random, latency_error_s);
 
-  const Vector3 tilt(gaussian(random, couch_tilt_error_rad), gaussian(random, couch_tilt_error_rad),
-                     0.0);
-  Transform couch_error = Transform::Identity();
-  couch_error.linear() = Eigen::AngleAxisd(tilt.norm(), tilt.normalized()).toRotationMatrix();
-  couch_error.translation().z() = gaussian(random, couch_height_error_m);
-  believed.couch_from_camera = couch_error * truth.couch_from_camera;
+  place_on_couch(truth, believed, random);
   return believed;
 }
 

@@ -113,7 +113,10 @@ Result<void> LaserScanner::sweep(double from_rad, double to_rad, double rad_per_
   world.readings.clear();
   const double step_s = 1.0 / world.options.readings_per_s;
   double last_s = -1e9;
-  for (double time_s = -run_up_s; time_s < duration_s + run_up_s; time_s += step_s) {
+  // Polling over a serial line is not even; it is as well, for at some speeds an even one would
+  // meet the same two phases of a count again and again, and rounding would not average out.
+  for (double time_s = -run_up_s; time_s < duration_s + run_up_s;
+       time_s += step_s * uniform(world.jitter, 0.7, 1.3)) {
     const double counts = std::round(world.yaw_at(time_s) / count_rad);
     const double stamp_s =
         time_s - world.options.latency_s + gaussian(world.jitter, world.options.yaw_jitter_s);

@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "apps/tuina/verbs.hpp"
+#include "tuina/core/file.hpp"
+#include "tuina/core/png.hpp"
+#include "tuina/scanner/laser_line.hpp"
+
+namespace tuina::app {
+namespace {
+
+using scanner::LaserLine;
+using scanner::LineMethod;
+using scanner::LineOptions;
+using scanner::LinePoint;
+
+// The red of a colour picture, or the grey, as 8 or 16 bits.
+template <typename Sample>
+BasicImage<Sample> red_of(const PngFile& png) {
+  BasicImage<Sample> red(png.image.width, png.image.height);
+  const auto channels = static_cast<std::size_t>(png.image.channels);
+  for (std::size_t i = 0; i < red.data.size(); ++i) {
+    red.data[i] = static_cast<Sample>(png.image.data[i * channels]);
+  }
+  return red;
+}
+
+struct Measured {
+  LaserLine line;
+  double compute_us = 0.0;  // best of five, so that other work on the machine does not count
+};
+
+template <typename Sample>
+Measured measure(const PngFile& png, const std::optional<PngFile>& dark_png,
+                 const LineOptions& options) {
+  const auto image = red_of<Sample>(png);
+  const auto dark = dark_png ? red_of<Sample>(*dark_png) : BasicImage<Sample>();
+  const auto dark_view = dark_png ? BasicImageView<Sample>(dark) : BasicImageView<Sample>();
+  Measured measured{.line = {}, .compute_us = 1e12};
+  for (int run = 0; run < 5; ++run) {
+    const auto start = std::chrono::steady_clock::now();
+    measured.line = find_laser_line(BasicImageView<Sample>(image), options, dark_view);
+    const std::chrono::duration<double, std::micro> took = std::chrono::steady_clock::now() - start;
+    measured.compute_us = std::min(measured.compute_us, took.count());
+  }
+  return measured;
+}
+
+// The picture in grey at half its light, the line in red over it.
+Image draw_over(const PngFile& png, const LaserLine& line) {
+  Image picture(png.image.width, png.image.height, 3);
+  const int channels = png.image.channels;
+  const int divisor = png.bits > 8 ? 257 * 2 : 2;
+  for (int y = 0; y < picture.height; ++y) {
+    const std::uint16_t* from = png.image.row(y);
+    std::uint8_t* to = picture.row(y);
+    for (int x = 0; x < picture.width; ++x) {
+      const auto grey = static_cast<std::uint8_t>(from[x * channels] / divisor);
+      std::fill_n(to + 3 * x, 3, grey);
+    }
+  }
+  for (const LinePoint& point : line.points) {
+    const int x = std::clamp(static_cast<int>(std::lround(point.column_px)), 0, picture.width - 1);
+    std::uint8_t* pixel = picture.row(point.row) + 3 * x;
+    pixel[0] = 255;
+    pixel[1] = 60;
+    pixel[2] = 40;
+  }
+  return picture;
+}
+
+std::string to_csv(const LaserLine& line) {
+  std::string csv = "row,column_px,amplitude_dn\n";
+  for (const LinePoint& point : line.points) {
+    csv += fmt::format("{},{:.4f},{:.2f}\n", point.row, point.column_px, point.amplitude_dn);
+  }
+  return csv;
+}
+
+/// Finds the laser line of one picture.
+class Line final : public Verb {
+ public:
+  [[nodiscard]] const char* name() const override { return "line"; }
+  [[nodiscard]] const char* summary() const override { return "find the laser line in one image"; }
+  [[nodiscard]] const char* example() const override {
+    return "tuina line frame.png --dark dark.png --out line.csv --picture seen.png";
+  }
+  void describe(CLI::App& command) override {
+    command.add_option("image", image_, "PNG, grey or colour (its red is used), 8 or 16 bit")
+        ->required();
+    command.add_option("--dark", dark_, "the same view with the laser off");
+    command.add_option("--method", method_, "centroid, likelihood, or thesis (the plain (4.10))")
+        ->check(CLI::IsMember({"centroid", "likelihood", "thesis"}))
+        ->capture_default_str();
+    command.add_option("--out", out_, "CSV row,column_px,amplitude_dn; else it goes to stdout");
+    command.add_option("--picture", picture_, "PNG with the line drawn over the image");
+  }
+
+  [[nodiscard]] Result<Answer> run(const CommonOptions&) override {
+    const auto png = read_png(image_);
+    if (!png) return tl::unexpected(png.error());
+    std::optional<PngFile> dark;
+    if (!dark_.empty()) {
+      auto read = read_png(dark_);
+      if (!read) return tl::unexpected(read.error());
+      if (read->image.width != png->image.width || read->image.height != png->image.height ||
+          read->bits != png->bits) {
+        return fail(Fault::bad_input,
+                    "{}: {} x {} pixels of {} bits do not belong to an image of {} x {} of {}",
+                    dark_, read->image.width, read->image.height, read->bits, png->image.width,
+                    png->image.height, png->bits);
+      }
+      dark = std::move(*read);
+    }
+    const LineOptions options{.method = method_ == "likelihood" ? LineMethod::likelihood
+                                        : method_ == "thesis"   ? LineMethod::thesis
+                                                                : LineMethod::centroid};
+    const Measured measured = png->bits > 8 ? measure<std::uint16_t>(*png, dark, options)
+                                            : measure<std::uint8_t>(*png, dark, options);
+    const LaserLine& line = measured.line;
+    const std::string csv = to_csv(line);
+    // The drawing first: if it cannot be written, no table is left that looks like a success.
+    if (!picture_.empty()) {
+      if (const auto written = write_file(picture_, to_png(draw_over(*png, line))); !written) {
+        return tl::unexpected(written.error());
+      }
+    }
+    if (!out_.empty()) {
+      if (const auto written = write_file(out_, csv); !written)
+        return tl::unexpected(written.error());
+    }
+    Answer answer;
+    answer.json = nlohmann::json{{"method", method_},
+                                 {"rows", png->image.height},
+                                 {"lit", line.points.size()},
+                                 {"ambiguous_rows", line.ambiguous_rows},
+                                 {"noise_dn", line.noise_dn},
+                                 {"width_px", line.width_px},
+                                 {"compute_us", measured.compute_us}}
+                      .dump(2);
+    answer.text = fmt::format("{} of {} rows lit, {:.0f} us", line.points.size(), png->image.height,
+                              measured.compute_us);
+    if (line.ambiguous_rows > 0) {
+      answer.text +=
+          fmt::format("; {} rows show a second line (a reflection?)", line.ambiguous_rows);
+    }
+    if (out_.empty()) answer.product = csv;
+    return answer;
+  }
+
+ private:
+  std::string image_;
+  std::string dark_;
+  std::string method_ = "centroid";
+  std::string out_;
+  std::string picture_;
+};
+
+}  // namespace
+
+std::unique_ptr<Verb> make_line() {
+  return std::make_unique<Line>();
+}
+
+}  // namespace tuina::app

@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "apps/tuina/verbs.hpp"
+#include "tuina/core/file.hpp"
+#include "tuina/core/surface_file.hpp"
+#include "tuina/core/units.hpp"
+#include "tuina/scanner/recording.hpp"
+#include "tuina/scanner/sweep.hpp"
+#include "tuina/session/config.hpp"
+#include "tuina/sim/laser_scanner.hpp"
+#include "tuina/sim/person.hpp"
+
+namespace tuina::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A path is refused before the work, not after it, when its folder is not there.
+Result<void> check_folder_of(const std::string& path) {
+  if (path.empty()) return {};
+  const fs::path folder = fs::path(path).parent_path();
+  std::error_code error;
+  if (folder.empty() || fs::is_directory(folder, error)) return {};
+  return fail(Fault::file, "{}: there is no folder {}", path, folder.string());
+}
+
+/// One sweep of a simulated or recorded scanner to a cloud.
+class ScanVerb final : public Verb {
+ public:
+  [[nodiscard]] const char* name() const override { return "scan"; }
+  [[nodiscard]] const char* summary() const override { return "one sweep to a cloud in couch"; }
+  [[nodiscard]] const char* example() const override {
+    return "tuina scan --person phantom:medium --record sweep --out scan.ply\n"
+           "  tuina scan --replay sweep --out scan.ply";
+  }
+
+  void describe(CLI::App& command) override {
+    auto* person =
+        command.add_option("--person", person_,
+                           "scan a simulated person: a labelled body FILE.ply, or phantom:slim, "
+                           "phantom:medium, phantom:hefty");
+    auto* replay =
+        command.add_option("--replay", replay_, "a recorded sweep (a folder)")->excludes(person);
+    auto* position =
+        command
+            .add_option("--position", position_, "sitting or prone; a labelled body knows its own")
+            ->check(CLI::IsMember({"sitting", "prone"}))
+            ->excludes(replay);
+    command
+        .add_option("--breathing-mm", breathing_mm_,
+                    "how far the back moves with the breath; 0: it is held")
+        ->check(number_between(0.0, 50.0))
+        ->excludes(replay)
+        ->capture_default_str();
+    command
+        .add_option("--method", method_,
+                    "laser line: centroid, likelihood or thesis; else from the config")
+        ->check(CLI::IsMember({"centroid", "likelihood", "thesis"}));
+    command.add_option("--calibration", calibration_,
+                       "instead of the scanner's own calibration.toml");
+    command.add_option("--record", record_, "keep the sweep in this new folder")->excludes(replay);
+    command.add_option("--out", out_, "the cloud, as PLY");
+    (void)position;
+  }
+
+  [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
+    if (person_.empty() == replay_.empty()) {
+      return fail(Fault::usage,
+                  "scan needs --person (a simulated one) or --replay (a recorded sweep)");
+    }
+    const auto config = effective_config(common);
+    if (!config) return tl::unexpected(config.error());
+    if (const auto good = check_folder_of(out_); !good) return tl::unexpected(good.error());
+    std::optional<scanner::ScannerCalibration> calibration;
+    if (!calibration_.empty()) {
+      const auto read = scanner::read_calibration(calibration_);
+      if (!read) return tl::unexpected(read.error());
+      calibration = *read;
+    }
+    const std::string& method = method_.empty() ? config->scan.method : method_;
+    scanner::SweepOptions options;
+    options.from_rad = from_deg(-0.5 * config->scan.sweep_deg);
+    options.to_rad = -options.from_rad;
+    options.speed_rad_per_s = from_deg(config->scan.sweep_deg) / config->scan.sweep_s;
+    options.method = method == "likelihood" ? scanner::LineMethod::likelihood
+                     : method == "thesis"   ? scanner::LineMethod::thesis
+                                            : scanner::LineMethod::centroid;
+    return replay_.empty() ? simulate(common, *config, calibration, options)
+                           : replay(common, calibration, options);
+  }
+
+ private:
+  Result<Answer> simulate(const CommonOptions& common, const session::Config& config,
+                          const std::optional<scanner::ScannerCalibration>& given,
+                          const scanner::SweepOptions& options) {
+    std::optional<Position> position;
+    if (!position_.empty()) position = position_ == "prone" ? Position::prone : Position::sitting;
+    const auto person = sim::parse_person(person_, position, common.seed);
+    if (!person) return tl::unexpected(person.error());
+    const sim::Breathing breathing{.amplitude_m = from_mm(breathing_mm_),
+                                   .frequency_hz = config.simulation.breathing_hz};
+    sim::LaserScanner simulated(person->skin_in_couch, person->position, breathing, common.seed,
+                                {.room_light_dn = config.simulation.room_light_dn});
+    const auto calibration =
+        given ? *given : sim::believed_calibration(simulated.true_calibration(), common.seed);
+
+    const auto bar = progress_bar(common, "scan");
+    Result<scanner::Scan> scan = tl::unexpected(Error{});
+    if (record_.empty()) {
+      scan = scanner::scan_sweep(simulated, simulated, calibration, options, bar);
+    } else {
+      auto recorder = scanner::Recorder::open(simulated, simulated, record_);
+      if (!recorder) return tl::unexpected(recorder.error());
+      scan = scanner::scan_sweep(*recorder, *recorder, calibration, options, bar);
+      if (scan) {
+        if (const auto kept = recorder->finish(calibration); !kept)
+          return tl::unexpected(kept.error());
+      }
+    }
+    if (!scan) return tl::unexpected(scan.error());
+    const auto truth = sim::compare_with_truth(scan->cloud_in_couch, person->skin_in_couch);
+    return answer(*scan, truth);
+  }
+
+  Result<Answer> replay(const CommonOptions& common,
+                        const std::optional<scanner::ScannerCalibration>& given,
+                        scanner::SweepOptions options) {
+    auto recording = scanner::Recording::open(replay_);
+    if (!recording) return tl::unexpected(recording.error());
+    options.expected_frames = recording->frames();
+    const auto calibration = given ? *given : recording->calibration();
+    const auto scan = scanner::scan_sweep(*recording, *recording, calibration, options,
+                                          progress_bar(common, "replay"));
+    if (!scan) {
+      return tl::unexpected(
+          Error{scan.error().fault, fmt::format("{}: {}", replay_, scan.error().message)});
+    }
+    return answer(*scan, {});
+  }
+
+  Result<Answer> answer(const scanner::Scan& scan, const std::optional<sim::ScanTruth>& truth) {
+    if (!out_.empty()) {
+      if (const auto written = write_file(out_, to_ply(scan.cloud_in_couch)); !written) {
+        return tl::unexpected(written.error());
+      }
+    }
+    nlohmann::json json{{"profiles", scan.profiles},
+                        {"points", scan.cloud_in_couch.size()},
+                        {"rows_lit", scan.rows_lit},
+                        {"ambiguous_rows", scan.ambiguous_rows},
+                        {"sweep_s", scan.sweep_s},
+                        {"compute_ms", scan.compute_ms},
+                        {"expected_error_mm", to_mm(scan.expected_error_m)},
+                        {"rms_error_mm", nullptr}};
+    std::string text = fmt::format(
+        "{} profiles, {} points in {:.1f} s of sweep and {:.0f} ms of computing; "
+        "expected error {:.2f} mm RMS",
+        scan.profiles, scan.cloud_in_couch.size(), scan.sweep_s, scan.compute_ms,
+        to_mm(scan.expected_error_m));
+    if (truth) {
+      json["rms_error_mm"] = to_mm(truth->rms_error_m);
+      json["worst_error_mm"] = to_mm(truth->worst_error_m);
+      text += fmt::format(", true error {:.2f} mm", to_mm(truth->rms_error_m));
+    }
+    return Answer{.json = json.dump(2), .text = text};
+  }
+
+  std::string person_;
+  std::string replay_;
+  std::string position_;
+  double breathing_mm_ = 0.0;
+  std::string method_;
+  std::string calibration_;
+  std::string record_;
+  std::string out_;
+};
+
+}  // namespace
+
+std::unique_ptr<Verb> make_scan() {
+  return std::make_unique<ScanVerb>();
+}
+
+}  // namespace tuina::app
