@@ -11,6 +11,8 @@ namespace tuina::app {
 // One file per verb; a verb that does not exist yet is absent here and so from --help.
 std::unique_ptr<Verb> make_config_show();
 std::unique_ptr<Verb> make_config_check();
+std::unique_ptr<Verb> make_tissue_fit();
+std::unique_ptr<Verb> make_tissue_estimate();
 std::unique_ptr<Verb> make_doctor();
 std::unique_ptr<Verb> make_line();
 std::unique_ptr<Verb> make_scan();

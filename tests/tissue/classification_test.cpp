@@ -64,6 +64,21 @@ TEST_CASE("an estimate that is not converged, or not of this law, is unknown") {
   CHECK(classify(estimate).label == TissueClass::unknown);
 }
 
+TEST_CASE(
+    "every tissue of the thesis' two tables is most likely what the thesis calls it, or a close "
+    "second") {
+  int right = 0;
+  for (const Subject& subject : tables_6_1_and_6_2()) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Classification found = classify(measured(subject.tissue[k]));
+      right += found.label == static_cast<TissueClass>(k);
+      CHECK(found.of[k] > 0.1);
+    }
+  }
+  MESSAGE("Tables 6-1 and 6-2, not left out: " << right << " of 24 named and right");
+  CHECK(right >= 14);
+}
+
 TEST_CASE("a tissue unlike any of the three is not forced into one of them") {
   const Classification found = classify(measured({60.0, 900.0}));
   CHECK(found.label == TissueClass::unknown);

@@ -19,6 +19,9 @@ struct Subject {
   std::array<TangentTissue, 3> tissue;  ///< in the order of TissueClass
 };
 [[nodiscard]] std::span<const Subject, 7> table_6_2() noexcept;
+/// The same with the person of Table 6-1, pressed at other places: its soft muscle is a third
+/// thicker.
+[[nodiscard]] std::span<const Subject, 8> tables_6_1_and_6_2() noexcept;
 
 /// Probabilities of bone, hard and soft, before or after a press; they sum to one.
 using ClassProbabilities = std::array<double, 3>;
@@ -40,16 +43,17 @@ struct KnownPress {
   TangentTissue tissue;
   TissueClass at = TissueClass::bone;
 };
-[[nodiscard]] PersonReference learn_person(std::span<const KnownPress> presses,
-                                           std::span<const Subject> table = table_6_2()) noexcept;
+[[nodiscard]] PersonReference learn_person(
+    std::span<const KnownPress> presses,
+    std::span<const Subject> table = tables_6_1_and_6_2()) noexcept;
 
-/// Which tissue an estimate is, by the spread of Table 6-2 plus the estimate's own interval. People
-/// differ more than their tissues do: without a reference of the person the table itself is told
-/// apart in 71 % only, so a label never comes without its probability. `prior` is what the place on
-/// the body says. Not converged, chi above 4, or no class above 60 %: unknown.
-[[nodiscard]] Classification classify(const TissueEstimate& estimate, double chi = 1.0,
-                                      const ClassProbabilities& prior = nothing_known,
-                                      const PersonReference& person = {},
-                                      std::span<const Subject> table = table_6_2()) noexcept;
+/// Which tissue an estimate is, by the spread of the thesis' tables plus the estimate's own
+/// interval. People differ more than their tissues do: without a reference of the person the table
+/// itself is told apart in 71 % only, so a label never comes without its probability. `prior` is
+/// what the place on the body says. Not converged, chi above 4, or no class above 60 %: unknown.
+[[nodiscard]] Classification classify(
+    const TissueEstimate& estimate, double chi = 1.0,
+    const ClassProbabilities& prior = nothing_known, const PersonReference& person = {},
+    std::span<const Subject> table = tables_6_1_and_6_2()) noexcept;
 
 }  // namespace tuina::tissue

@@ -147,7 +147,7 @@ double correlation_length(std::span<const double> residuals) {
 }  // namespace
 
 Result<CurveFit> fit_curve(std::span<const TimedPress> raw, const SensorNoise& noise) {
-  const std::vector<TimedPress> record = without_saturation(raw);
+  const std::vector<TimedPress> record = without_saturation(raw, noise);
   if (record.size() < fewest_samples) {
     return fail(Fault::bad_input, "{} usable samples, {} needed", record.size(), fewest_samples);
   }

@@ -41,20 +41,19 @@ SensorNoise estimate_noise(std::span<const TimedPress> record) {
                                   least_position_noise_m})};
 }
 
-std::vector<TimedPress> without_saturation(std::span<const TimedPress> record) {
+std::vector<TimedPress> without_saturation(std::span<const TimedPress> record,
+                                           const SensorNoise& noise) {
   double largest_n = 0.0;
   for (const TimedPress& sample : record) largest_n = std::max(largest_n, sample.press.force_n);
+  std::size_t run = 0, longest_run = 0;
+  for (const TimedPress& sample : record) {
+    run = sample.press.force_n == largest_n ? run + 1 : 0;
+    longest_run = std::max(longest_run, run);
+  }
+  if (longest_run < saturated_run) return {record.begin(), record.end()};
   std::vector<TimedPress> kept;
-  kept.reserve(record.size());
-  for (std::size_t i = 0; i < record.size();) {
-    std::size_t end = i;
-    while (end < record.size() && record[end].press.force_n == record[i].press.force_n) ++end;
-    const bool saturated =
-        end - i >= saturated_run && record[i].press.force_n >= largest_n && largest_n > 1.0;
-    if (!saturated)
-      kept.insert(kept.end(), record.begin() + static_cast<long>(i),
-                  record.begin() + static_cast<long>(end));
-    i = end;
+  for (const TimedPress& sample : record) {
+    if (sample.press.force_n < largest_n - 4.0 * noise.force_n) kept.push_back(sample);
   }
   return kept;
 }

@@ -24,7 +24,9 @@ struct SensorNoise {
 /// air. Slowly varying (coloured) errors stay unseen.
 [[nodiscard]] SensorNoise estimate_noise(std::span<const TimedPress> record);
 
-/// The record without the samples in which the force sensor stood at the end of its range.
-[[nodiscard]] std::vector<TimedPress> without_saturation(std::span<const TimedPress> record);
+/// The record without the samples in which the force sensor stood at the end of its range, or so
+/// close below it that noise decided which of them did.
+[[nodiscard]] std::vector<TimedPress> without_saturation(std::span<const TimedPress> record,
+                                                         const SensorNoise& noise);
 
 }  // namespace tuina::tissue

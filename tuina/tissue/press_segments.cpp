@@ -77,11 +77,15 @@ double PressSegments::delayed_position(double time_s) const noexcept {
 
 bool PressSegments::saturated(double force_n) noexcept {
   // A sensor at the end of its range repeats its largest number; the tissue then knows more than it
-  // says.
-  same_force_ = force_n == last_force_n_ ? same_force_ + 1 : 0;
+  // says. Just below, noise decides which samples reach the end, so those are left out with it.
+  if (force_n > saturation_n_) saturation_n_ = std::numeric_limits<double>::infinity();
+  same_force_ = force_n == last_force_n_ ? same_force_ + 1 : 1;
   last_force_n_ = force_n;
   largest_force_n_ = std::max(largest_force_n_, force_n);
-  return same_force_ >= saturated_after && force_n >= largest_force_n_ && force_n > least_force_n;
+  if (same_force_ >= saturated_after && force_n >= largest_force_n_ && force_n > least_force_n) {
+    saturation_n_ = force_n;
+  }
+  return force_n > saturation_n_ - 4.0 * options_.force_noise_n;
 }
 
 void PressSegments::close_block() noexcept {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
 #include "tuina/core/contact.hpp"
 
@@ -92,6 +93,7 @@ class PressSegments {
   Sum free_air_;
   bool tare_begun_ = false, began_near_ = false;
   double last_time_s_ = 0.0, last_force_n_ = 0.0, largest_force_n_ = 0.0;
+  double saturation_n_ = std::numeric_limits<double>::infinity();
   int same_force_ = 0;
   bool started_ = false, touched_ = false;
   double first_contact_s_ = 0.0, last_accepted_s_ = 0.0;

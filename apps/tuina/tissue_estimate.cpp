@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "apps/tuina/press_file.hpp"
+#include "apps/tuina/verbs.hpp"
+#include "tuina/core/file.hpp"
+#include "tuina/core/units.hpp"
+#include "tuina/tissue/classification.hpp"
+#include "tuina/tissue/press_estimator.hpp"
+#include "tuina/tissue/press_segments.hpp"
+#include "tuina/tissue/thesis_estimator.hpp"
+
+namespace tuina::app {
+namespace {
+
+constexpr const char* trace_header =
+    "time_s,alpha_n,beta_per_mm,alpha_ci_n,beta_ci_per_mm,converged\n";
+
+void append_row(std::string& trace, double time_s, const TissueEstimate& e, bool with_interval) {
+  if (with_interval) {
+    fmt::format_to(std::back_inserter(trace), "{},{:.6g},{:.6g},{:.6g},{:.6g},{}\n", time_s,
+                   e.tissue.alpha_n, from_mm(e.tissue.beta_per_m), e.alpha_ci95_n,
+                   from_mm(e.beta_ci95_per_m), e.converged ? 1 : 0);
+  } else {
+    fmt::format_to(std::back_inserter(trace), "{},{:.6g},{:.6g},nan,nan,{}\n", time_s,
+                   e.tissue.alpha_n, from_mm(e.tissue.beta_per_m), e.converged ? 1 : 0);
+  }
+}
+
+/// What an estimator made of a record.
+struct Estimated {
+  TissueEstimate last;
+  double chi = 1.0;
+  std::string trace = trace_header;
+};
+
+Estimated by_tuina(const std::vector<tissue::TimedPress>& record,
+                   const tissue::PressEstimatorOptions& options) {
+  Estimated result;
+  tissue::PressEstimator estimator(options);
+  for (const tissue::TimedPress& sample : record) {
+    estimator.update(sample.time_s, sample.press);
+    append_row(result.trace, sample.time_s, estimator.estimate(), true);
+  }
+  result.last = estimator.estimate();
+  result.chi = estimator.chi();
+  return result;
+}
+
+/// The thesis prints neither intervals nor a rule for convergence; here it has converged once
+/// neither parameter has left a band of 1 % for ten seconds.
+Estimated by_thesis(const std::vector<tissue::TimedPress>& record, double force_noise_n) {
+  constexpr double band = 0.01, settled_s = 10.0;
+  Estimated result;
+  tissue::ThesisEstimator estimator;
+  tissue::PressSegments presses({.force_noise_n = force_noise_n});
+  TangentTissue centre;
+  double since_s = record.front().time_s, before_s = since_s;
+  for (const tissue::TimedPress& sample : record) {
+    estimator.update(sample.press, sample.time_s - before_s);
+    presses.add(sample.time_s, sample.press);
+    before_s = sample.time_s;
+    TissueEstimate& e = result.last;
+    e.tissue = estimator.tissue();
+    e.presses = presses.presses();
+    if (!estimator.valid() || std::abs(e.tissue.alpha_n - centre.alpha_n) > band * centre.alpha_n ||
+        std::abs(e.tissue.beta_per_m - centre.beta_per_m) > band * centre.beta_per_m) {
+      centre = e.tissue;
+      since_s = sample.time_s;
+    }
+    const bool was = e.converged;
+    e.converged =
+        estimator.valid() && presses.ever_touched() && sample.time_s - since_s >= settled_s;
+    if (e.converged && !was) e.converged_after_s = sample.time_s - presses.first_contact_s();
+    append_row(result.trace, sample.time_s, e, false);
+  }
+  return result;
+}
+
+/// The estimate of a record as it grows, sample by sample, as a robot would make it.
+class TissueEstimateVerb final : public Verb {
+ public:
+  [[nodiscard]] const char* name() const override { return "tissue estimate"; }
+  [[nodiscard]] const char* summary() const override {
+    return "estimate alpha and beta from a record, sample by sample";
+  }
+  [[nodiscard]] const char* example() const override {
+    return "tuina tissue estimate press.csv --out trace.csv --json";
+  }
+  void describe(CLI::App& command) override {
+    file_.describe(command);
+    command.add_option("--out", out_, "write the estimate after every sample to this CSV file");
+    command
+        .add_option("--method", method_,
+                    "tuina, or thesis: least squares with forgetting as printed")
+        ->check(CLI::IsMember({"tuina", "thesis"}))
+        ->capture_default_str();
+    command
+        .add_option("--torso-n-per-mm", torso_n_per_mm_,
+                    "stiffness under the tissue that the position holds too")
+        ->check(number_between(0.1, 1e6));
+    command
+        .add_option("--breathing-mm", breathing_mm_,
+                    "how far the skin may move with the breath, peak to peak")
+        ->check(number_between(0.0, 50.0))
+        ->capture_default_str();
+    command
+        .add_option("--contact-sd-mm", contact_sd_mm_,
+                    "how well the skin is known to be at position 0")
+        ->check(number_between(0.01, 50.0))
+        ->capture_default_str();
+    command.add_option("--force-delay-ms", force_delay_ms_, "of the force against the position")
+        ->check(number_between(0.0, 50.0))
+        ->capture_default_str();
+  }
+
+  [[nodiscard]] Result<Answer> run(const CommonOptions&) override {
+    const auto record = file_.read();
+    if (!record) return tl::unexpected(record.error());
+    const tissue::SensorNoise noise = file_.noise_of(*record);
+    const bool ours = method_ == "tuina";
+    const Estimated result =
+        ours ? by_tuina(*record, {.force_noise_n = noise.force_n,
+                                  .position_noise_m = noise.position_m,
+                                  .contact_sd_m = from_mm(contact_sd_mm_),
+                                  .force_delay_s = force_delay_ms_ * 1e-3,
+                                  .torso_n_per_m = torso_n_per_mm_.value_or(0.0) * 1e3,
+                                  .breathing_m = from_mm(breathing_mm_)})
+             : by_thesis(*record, noise.force_n);
+    if (!out_.empty()) {
+      if (const auto written = write_file(out_, result.trace); !written)
+        return tl::unexpected(written.error());
+    }
+    return answer(result, noise, ours);
+  }
+
+ private:
+  static Answer answer(const Estimated& result, const tissue::SensorNoise& noise, bool ours) {
+    const TissueEstimate& e = result.last;
+    const tissue::Classification found = tissue::classify(e, result.chi);
+    const auto number = [](bool there, double value) {
+      return there ? nlohmann::json(value) : nlohmann::json();
+    };
+    Answer answer;
+    answer.json =
+        nlohmann::json{
+            {"alpha_n", e.tissue.alpha_n},
+            {"beta_per_mm", from_mm(e.tissue.beta_per_m)},
+            {"contact_mm", to_mm(e.contact_m)},
+            {"ci95",
+             {{"alpha_n", number(ours, e.alpha_ci95_n)},
+              {"beta_per_mm", number(ours, from_mm(e.beta_ci95_per_m))}}},
+            {"converged", e.converged},
+            {"converged_after_s", number(e.converged, e.converged_after_s)},
+            {"presses", e.presses},
+            {"chi", number(ours, result.chi)},
+            {"class", tissue::name_of(found.label)},
+            {"class_probability", found.probability},
+            {"class_probabilities",
+             {{"bone", found.of[0]}, {"hard", found.of[1]}, {"soft", found.of[2]}}},
+            {"noise", {{"force_n", noise.force_n}, {"position_mm", to_mm(noise.position_m)}}}}
+            .dump(2);
+    answer.text = fmt::format(
+        "{} after {} press{}: alpha {:.3f}{} N, beta {:.4f}{} /mm, {} ({:.0f} %)",
+        e.converged ? "Converged" : "Not converged", e.presses, e.presses == 1 ? "" : "es",
+        e.tissue.alpha_n, ours ? fmt::format(" +- {:.3f}", e.alpha_ci95_n) : "",
+        from_mm(e.tissue.beta_per_m),
+        ours ? fmt::format(" +- {:.4f}", from_mm(e.beta_ci95_per_m)) : "",
+        tissue::name_of(found.label), 100.0 * found.probability);
+    if (e.converged)
+      answer.text += fmt::format(", {:.2f} s after the first contact", e.converged_after_s);
+    return answer;
+  }
+
+  PressFile file_;
+  std::string out_;
+  std::string method_ = "tuina";
+  std::optional<double> torso_n_per_mm_;
+  double breathing_mm_ = 1.0, contact_sd_mm_ = 1.0, force_delay_ms_ = 0.0;
+};
+
+}  // namespace
+
+std::unique_ptr<Verb> make_tissue_estimate() {
+  return std::make_unique<TissueEstimateVerb>();
+}
+
+}  // namespace tuina::app

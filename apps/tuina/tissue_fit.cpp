@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "apps/tuina/press_file.hpp"
+#include "apps/tuina/verbs.hpp"
+#include "tuina/core/units.hpp"
+#include "tuina/tissue/curve_fit.hpp"
+
+namespace tuina::app {
+namespace {
+
+/// The tangent law through a whole record of presses at once.
+class TissueFit final : public Verb {
+ public:
+  [[nodiscard]] const char* name() const override { return "tissue fit"; }
+  [[nodiscard]] const char* summary() const override {
+    return "fit F = alpha tan(beta x) to a record of presses";
+  }
+  [[nodiscard]] const char* example() const override { return "tuina tissue fit press.csv --json"; }
+  void describe(CLI::App& command) override { file_.describe(command); }
+
+  [[nodiscard]] Result<Answer> run(const CommonOptions&) override {
+    const auto record = file_.read();
+    if (!record) return tl::unexpected(record.error());
+    const tissue::SensorNoise noise = file_.noise_of(*record);
+    const auto fit = tissue::fit_curve(*record, noise);
+    if (!fit) return fail(fit.error().fault, "{}: {}", file_.path, fit.error().message);
+    // Per metre to per millimetre is the same factor as metres to millimetres, the other way round.
+    const double beta_per_mm = from_mm(fit->tissue.beta_per_m),
+                 beta_ci = from_mm(fit->beta_ci95_per_m);
+    Answer answer;
+    answer.json =
+        nlohmann::json{
+            {"alpha_n", fit->tissue.alpha_n},
+            {"beta_per_mm", beta_per_mm},
+            {"contact_mm", to_mm(fit->contact_m)},
+            {"force_offset_n", fit->offset_n},
+            {"rmse_n", fit->rmse_n},
+            {"chi", fit->chi},
+            {"peak_force_n", fit->peak_force_n},
+            {"samples", fit->samples},
+            {"noise", {{"force_n", noise.force_n}, {"position_mm", to_mm(noise.position_m)}}},
+            {"ci95",
+             {{"alpha_n", fit->alpha_ci95_n},
+              {"beta_per_mm", beta_ci},
+              {"contact_mm", to_mm(fit->contact_ci95_m)}}}}
+            .dump(2);
+    answer.text = fmt::format(
+        "F = {:.3f} N tan({:.4f}/mm x)\n  alpha {:.3f} +- {:.3f} N, beta {:.4f} +- {:.4f} /mm, "
+        "skin at {:.2f} mm\n"
+        "  force error {:.2f} N (RMS) over {} samples to {:.1f} N",
+        fit->tissue.alpha_n, beta_per_mm, fit->tissue.alpha_n, fit->alpha_ci95_n, beta_per_mm,
+        beta_ci, to_mm(fit->contact_m), fit->rmse_n, fit->samples, fit->peak_force_n);
+    if (fit->alpha_ci95_n > 0.2 * fit->tissue.alpha_n) {
+      answer.text +=
+          "\n  The press was too light to tell alpha from beta; press to two or three times alpha.";
+    }
+    return answer;
+  }
+
+ private:
+  PressFile file_;
+};
+
+}  // namespace
+
+std::unique_ptr<Verb> make_tissue_fit() {
+  return std::make_unique<TissueFit>();
+}
+
+}  // namespace tuina::app
