@@ -18,7 +18,7 @@ constexpr double kidney_inner_m = 40_mm;
 constexpr double kidney_outer_m = 90_mm;
 constexpr double ribs_from_cun = 3.5;  // beside the muscles that cover the angles of the ribs
 constexpr double neck_half_width_m = 60_mm;
-constexpr double slack_m = 1_mm;  // a path guided along a border keeps this beside it
+constexpr double slack_m = 2.5_mm;  // a path guided along a border keeps this beside it
 
 /// `uncertainty_m` holds the point in 95 % of cases in the two directions of the skin; in one
 /// direction 95 % lie within 1.96/2.45 of it.
@@ -93,14 +93,15 @@ ZoneMap::ZoneMap(const BackChart& chart, std::span<const Acupoint> acupoints,
 }
 
 double ZoneMap::half_width_m(double up_m) const {
-  if (up_m <= outline_.front().up_m) return outline_.front().left_m;
+  const double uncertainty_m = std::max(shoulder_uncertainty_m_, loin_uncertainty_m_);
+  if (up_m <= outline_.front().up_m) return outline_.front().left_m - uncertainty_m;
   for (std::size_t i = 1; i < outline_.size(); ++i) {
     if (up_m > outline_[i].up_m) continue;
     const Place& low = outline_[i - 1];
     const double share = (up_m - low.up_m) / std::max(outline_[i].up_m - low.up_m, 1e-6);
-    return low.left_m + share * (outline_[i].left_m - low.left_m);
+    return low.left_m + share * (outline_[i].left_m - low.left_m) - uncertainty_m;
   }
-  return outline_.back().left_m;
+  return outline_.back().left_m - uncertainty_m;
 }
 
 Zone ZoneMap::at(const Place& place) const {
