@@ -70,13 +70,14 @@ class ArmController {
     TurningGains turning = {};
     PostureGains posture = {};
     double friction_share = 0.8;
+    double friction_windup_rad = 0.3e-3;
     ToolMotion::Limits motion = {};
     double approach_m_per_s = 0.05;
     double search_m_per_s = 0.02;
     double search_from_m = 0.012;  ///< above the believed skin
     double search_to_m = 0.015;    ///< beneath it
     double touch_n = 1.5;
-    double touch_pull_n = 10.0;  ///< of the spring during approach
+    double touch_pull_n = 15.0;  ///< of the spring during approach
     double blocked_n = 15.0;     ///< on a tool that should be in the air
     double retract_m_per_s = 0.10;
   };

@@ -27,14 +27,19 @@ class ForceTarget {
  public:
   struct Options {
     double stiffness_n_per_m = 1000.0;
-    double trim_per_s = 12.0;      ///< a fifth of damping over mass at most, or it rings
+    double trim_per_s = 30.0;
+    /// The force gain, as a share of damping / (contact stiffness x sensor lag), where it would ring.
+    double gain_share = 0.2;
+    double most_gain = 2.0;
+    double sensor_lag_s = 4e-3;
+    double most_gain_in_n = 5.0;
     double most_trim_in_n = 10.0;  ///< more would wind up against stiction
     double most_trim_out_n = 30.0;
     double skin_follows_s = 0.7;       ///< a trim that lasts so long is a wrong place of the skin
     double most_skin_error_m = 15e-3;  ///< deeper is never followed
     double most_over_set_n = 14.0;     ///< leash
-    double free_damping_ratio = 0.8;
-    double contact_damping_ratio = 0.4;
+    double free_damping_ratio = 1.3;
+    double contact_damping_ratio = 0.5;
     double most_damping_n_s_per_m = 600.0;
     double most_outward_damping_n = 12.0;  ///< a person who rises is not held down by damping
     double kept_n = 1.0;                   ///< a set force is never lower than this
