@@ -294,7 +294,7 @@ Result<ContactOutcome> run_contact(const ContactExperiment& experiment, const Pr
       if (!verdict.latched) controller.retract(standoff_m);
     }
     if (outcome.stopped && reading.time_s > stopped_s + 1.5) next(Act::done);
-    if (progress && reading.tick % 100 == 0) progress(std::min(reading.time_s / longest_s, 0.99));
+    if (progress && reading.tick % 100 == 0) progress(std::min(reading.time_s / (path.duration_s() + 5.0), 0.99));
   }
   if (progress) progress(1.0);
   if (!errors.empty()) outcome.force = errors.errors();

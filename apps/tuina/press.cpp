@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "apps/tuina/contact_experiment.hpp"
+#include "apps/tuina/verbs.hpp"
+#include "tuina/core/file.hpp"
+#include "tuina/core/units.hpp"
+#include "tuina/session/config.hpp"
+
+namespace tuina::app {
+namespace {
+
+// [thesis] chapter 6: what a robot of seven joints pressed at 20 mm/s.
+const std::map<std::string, TangentTissue> thesis_tissues = {
+    {"bone", {4.559, 263.2}}, {"hard", {9.786, 185.4}}, {"soft", {4.275, 143.6}}};
+const std::map<std::string, control::Law> laws = {{"tuina", control::Law::tuina},
+                                                  {"thesis", control::Law::thesis},
+                                                  {"joint", control::Law::joint}};
+const std::map<std::string, Technique> techniques = {{"press", Technique::press},
+                                                     {"rub", Technique::rub},
+                                                     {"stroke", Technique::stroke},
+                                                     {"tap", Technique::tap}};
+
+CLI::Validator between(double low, double high) {
+  return {number_between(low, high), fmt::format("{} to {}", low, high)};
+}
+
+template <typename Value>
+std::vector<std::string> names(const std::map<std::string, Value>& map) {
+  std::vector<std::string> keys;
+  for (const auto& [key, value] : map) keys.push_back(key);
+  return keys;
+}
+
+std::string to_csv(const std::vector<ContactSample>& trace) {
+  std::string text = "time_s,target_n,true_force_n,measured_force_n,depth_mm\n";
+  for (const ContactSample& sample : trace) {
+    text += fmt::format("{:.3f},{:.4f},{:.4f},{:.4f},{:.4f}\n", sample.time_s, sample.target_n,
+                        sample.true_force_n, sample.measured_force_n, to_mm(sample.depth_m));
+  }
+  return text;
+}
+
+/// One arm on a patch of skin whose truth is hidden from it: how well it holds a force there.
+class Press final : public Verb {
+ public:
+  [[nodiscard]] const char* name() const override { return "press"; }
+  [[nodiscard]] const char* summary() const override {
+    return "one contact experiment: one arm, one technique, a patch of tissue";
+  }
+  [[nodiscard]] const char* example() const override {
+    return "tuina press --tissue hard --force-n 30 --surface-error-mm 3 --out trace.csv";
+  }
+
+  void describe(CLI::App& command) override {
+    auto* tissue =
+        command.add_option("--tissue", tissue_, "bone, hard or soft muscle of the thesis")
+            ->check(CLI::IsMember(names(thesis_tissues)))
+            ->capture_default_str();
+    auto* alpha = command.add_option("--alpha-n", alpha_n_, "hardness of the tissue")
+                      ->check(between(0.5, 50.0))
+                      ->excludes(tissue);
+    auto* beta =
+        command.add_option("--beta-per-mm", beta_per_mm_, "grows as the tissue gets thinner")
+            ->check(between(0.02, 1.0))
+            ->excludes(tissue);
+    alpha->needs(beta);
+    beta->needs(alpha);
+    command.add_option("--force-n", force_n_, "to be held")
+        ->required()
+        ->check(between(1.0, safety::ceiling_of(safety::Zone::bench).set_n));
+    command.add_option("--technique", technique_, "what the arm does there")
+        ->check(CLI::IsMember(names(techniques)))
+        ->capture_default_str();
+    command
+        .add_option("--controller", controller_,
+                    "tuina; the Cartesian law of the thesis (3.5); its joint law (3.9)")
+        ->check(CLI::IsMember(names(laws)))
+        ->capture_default_str();
+    command
+        .add_option("--surface-error-mm", surface_error_mm_,
+                    "the skin is this much deeper than believed")
+        ->check(between(-10.0, 10.0))
+        ->capture_default_str();
+    command.add_option("--surface-tilt-deg", surface_tilt_deg_, "the skin leans this much unknown")
+        ->check(between(-10.0, 10.0))
+        ->capture_default_str();
+    command
+        .add_option("--torso-n-per-mm", torso_, "gives way beneath the tissue: a number or `rigid`")
+        ->check(CLI::Validator(
+            [](std::string& text) {
+              return text == "rigid" ? std::string() : number_between(1.0, 1e4)(text);
+            },
+            "number or rigid"));
+    command.add_option("--friction", friction_, "scale on the joint friction")
+        ->check(between(0.0, 3.0));
+    command.add_option("--breathing-mm", breathing_mm_, "motion of the skin")
+        ->check(between(0.0, 15.0))
+        ->capture_default_str();
+    command.add_option("--breathing-hz", breathing_hz_)
+        ->check(between(0.05, 1.0))
+        ->capture_default_str();
+    command.add_option("--duration-s", duration_s_, "of the technique")
+        ->check(between(3.0, 300.0))
+        ->capture_default_str();
+    command
+        .add_option("--model-error", model_error_,
+                    "scale on what the controller believes wrongly: masses 10 %, friction 20 %, "
+                    "alpha and beta 30 %")
+        ->check(between(0.0, 1.5))
+        ->capture_default_str();
+    command.add_option("--out", out_, "trace of every millisecond, CSV");
+  }
+
+  [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
+    const auto config = effective_config(common);
+    if (!config) return tl::unexpected(config.error());
+    if (const auto folder = std::filesystem::path(out_).parent_path();
+        !folder.empty() && !std::filesystem::is_directory(folder)) {
+      return fail(Fault::file, "--out {}: the folder {} does not exist", out_, folder.string());
+    }
+    ContactExperiment experiment;
+    experiment.tissue =
+        alpha_n_ > 0.0 ? TangentTissue{alpha_n_, 1e3 * beta_per_mm_} : thesis_tissues.at(tissue_);
+    experiment.force_n = force_n_;
+    experiment.technique = techniques.at(technique_);
+    experiment.controller.law = laws.at(controller_);
+    experiment.surface_error_m = from_mm(surface_error_mm_);
+    experiment.surface_tilt_rad = from_deg(surface_tilt_deg_);
+    const double torso_n_per_mm = torso_.empty()      ? config->simulation.torso_n_per_mm
+                                  : torso_ == "rigid" ? 0.0
+                                                      : std::stod(torso_);
+    experiment.torso_n_per_m = torso_ == "rigid" ? sim::rigid : 1e3 * torso_n_per_mm;
+    experiment.friction_scale = friction_ < 0.0 ? config->simulation.friction : friction_;
+    experiment.breathing = {from_mm(breathing_mm_), breathing_hz_};
+    experiment.duration_s = duration_s_;
+    experiment.mass_error *= model_error_;
+    experiment.friction_error *= model_error_;
+    experiment.tissue_error *= model_error_;
+    experiment.seed = common.seed;
+
+    const auto outcome = run_contact(experiment, progress_bar(common, "press"));
+    if (!outcome) return tl::unexpected(outcome.error());
+    if (!out_.empty()) {
+      if (auto written = write_file(out_, to_csv(outcome->trace)); !written) {
+        return tl::unexpected(written.error());
+      }
+    }
+    return answer_of(experiment, *outcome);
+  }
+
+ private:
+  [[nodiscard]] Answer answer_of(const ContactExperiment& experiment,
+                                 const ContactOutcome& outcome) const {
+    const session::ForceErrors& force = outcome.force;
+    const TissueEstimate& estimate = outcome.estimate;
+    nlohmann::json stops = nlohmann::json::array();
+    std::string stopped;
+    for (const ContactStop& stop : outcome.stops) {
+      stops.push_back({{"time_s", stop.time_s}, {"cause", stop.cause}});
+      stopped += fmt::format("\nstopped at {:.3f} s: {}", stop.time_s, stop.cause);
+    }
+    nlohmann::json json = {
+        {"technique", technique_},
+        {"controller", controller_},
+        {"target_n", force_n_},
+        {"force",
+         {{"rmse_n", force.rmse_n}, {"peak_n", force.peak_n}, {"overshoot_n", force.overshoot_n}}},
+        {"estimate",
+         {{"alpha_n", estimate.tissue.alpha_n},
+          {"beta_per_mm", 1e-3 * estimate.tissue.beta_per_m},
+          {"converged", estimate.converged}}},
+        {"true",
+         {{"alpha_n", experiment.tissue.alpha_n},
+          {"beta_per_mm", 1e-3 * experiment.tissue.beta_per_m}}},
+        {"highest_force_n", outcome.highest_n},
+        {"fastest_tool_mm_per_s", to_mm(outcome.fastest_m_per_s)},
+        {"stops", stops}};
+    json["force"]["settled_rmse_n"] =
+        force.settled_rmse_n ? nlohmann::json(*force.settled_rmse_n) : nlohmann::json();
+    json["estimate"]["converged_after_s"] =
+        estimate.converged ? nlohmann::json(estimate.converged_after_s) : nlohmann::json();
+    return {.json = json.dump(2),
+            .text = fmt::format("{} with {:.0f} N, controller {}: force error {:.2f} N rms, peak "
+                                "{:.1f} N, tissue alpha "
+                                "{:.2f} N beta {:.4f} /mm (true {:.2f}, {:.4f}){}",
+                                technique_, force_n_, controller_, force.rmse_n, force.peak_n,
+                                estimate.tissue.alpha_n, 1e-3 * estimate.tissue.beta_per_m,
+                                experiment.tissue.alpha_n, 1e-3 * experiment.tissue.beta_per_m,
+                                stopped),
+            .exit_code = outcome.stopped ? 4 : 0};
+  }
+
+  std::string tissue_ = "hard", technique_ = "press", controller_ = "tuina", torso_, out_;
+  double alpha_n_ = 0.0, beta_per_mm_ = 0.0, force_n_ = 0.0;
+  double surface_error_mm_ = 0.0, surface_tilt_deg_ = 0.0, friction_ = -1.0;
+  double breathing_mm_ = 0.0, breathing_hz_ = 0.25, duration_s_ = 10.0, model_error_ = 1.0;
+};
+
+}  // namespace
+
+std::unique_ptr<Verb> make_press() {
+  return std::make_unique<Press>();
+}
+
+}  // namespace tuina::app
