@@ -26,12 +26,32 @@ double blend(double a, double b, double k) {
 
 Curve::Curve(std::vector<double> x, std::vector<double> y)
     : x_(std::move(x)), y_(std::move(y)), slope_(x_.size(), 0.0) {
-  for (std::size_t i = 1; i + 1 < x_.size(); ++i) {
-    const double before = x_[i] - x_[i - 1];
-    const double after = x_[i + 1] - x_[i];
-    slope_[i] = (after * (y_[i] - y_[i - 1]) / before + before * (y_[i + 1] - y_[i]) / after) /
-                (before + after);
+  // Slopes that make the second derivative continuous, zero at the ends: a tridiagonal system,
+  // solved by one sweep down and one up.
+  const std::size_t n = x_.size();
+  std::vector<double> upper(n, 0.0);
+  for (std::size_t i = 0; i < n; ++i) {
+    double diagonal = 0.0;
+    double right = 0.0;
+    double lower = 0.0;
+    double above = 0.0;
+    if (i > 0) {
+      const double h = x_[i] - x_[i - 1];
+      lower = 1.0 / h;
+      diagonal += 2.0 / h;
+      right += 3.0 * (y_[i] - y_[i - 1]) / (h * h);
+    }
+    if (i + 1 < n) {
+      const double h = x_[i + 1] - x_[i];
+      above = 1.0 / h;
+      diagonal += 2.0 / h;
+      right += 3.0 * (y_[i + 1] - y_[i]) / (h * h);
+    }
+    const double pivot = diagonal - (i > 0 ? lower * upper[i - 1] : 0.0);
+    upper[i] = above / pivot;
+    slope_[i] = (right - (i > 0 ? lower * slope_[i - 1] : 0.0)) / pivot;
   }
+  for (std::size_t i = n - 1; i-- > 0;) slope_[i] -= upper[i] * slope_[i + 1];
 }
 
 double Curve::operator()(double x) const {
@@ -46,24 +66,6 @@ double Curve::operator()(double x) const {
          h * t * s * (s * slope_[i] - t * slope_[i + 1]);
 }
 
-double RoundCone::distance(const Vector3& at) const {
-  // The exact distance to the hull of two balls.
-  const Vector3 axis = to - from;
-  const double l2 = axis.squaredNorm();
-  const double dr = from_radius - to_radius;
-  const double a2 = l2 - dr * dr;
-  const Vector3 p = at - from;
-  const double y = p.dot(axis);
-  const double z = y - l2;
-  const double x2 = (p * l2 - axis * y).squaredNorm();
-  const double y2 = y * y * l2;
-  const double z2 = z * z * l2;
-  const double k = (dr < 0.0 ? -1.0 : 1.0) * dr * dr * x2;
-  if ((z < 0.0 ? -1.0 : 1.0) * a2 * z2 > k) return std::sqrt(x2 + z2) / l2 - to_radius;
-  if ((y < 0.0 ? -1.0 : 1.0) * a2 * y2 < k) return std::sqrt(x2 + y2) / l2 - from_radius;
-  return (std::sqrt(x2 * a2 / l2) + y * dr) / l2 - from_radius;
-}
-
 namespace {
 
 Curve spine_curve(const Proportions& p) {
@@ -76,37 +78,15 @@ Curve spine_curve(const Proportions& p) {
 }  // namespace
 
 PhantomForm::PhantomForm(const Proportions& proportions, const PhantomShape& shape,
-                         const PhantomPose& pose)
-    : length_m_(pose.length_m), spine_(spine_curve(proportions)) {
+                         const PhantomPose& pose, const PartSizes& sizes)
+    : length_m_(pose.length_m),
+      spine_(spine_curve(proportions)),
+      parts_(place_parts(sizes, proportions, shape, pose, spine_(sizes.girdle_z))),
+      neck_blend_m_(sizes.neck_blend * length_m_),
+      skull_blend_m_(sizes.skull_blend * length_m_),
+      girdle_blend_m_(sizes.girdle_blend * length_m_),
+      arm_blend_m_(sizes.arm_blend * length_m_) {
   lay_sections(proportions);
-  const auto& of = proportions.of;
-  const double heavier = (shape.bmi - 22.0) / 10.0;
-  const double woman = shape.woman ? 1.0 : 0.0;
-  const bool up = shape.arms_up && pose.position == Position::prone;
-  neck_ = {.from = length_m_ * Vector3(0.0, -0.108, 0.98),
-           .to = length_m_ * Vector3(pose.head_aside * 0.6, -0.132 + 0.6 * pose.neck, 1.17),
-           .from_radius = length_m_ * (0.106 - 0.010 * woman + 0.010 * heavier),
-           .to_radius = length_m_ * (0.102 - 0.010 * woman + 0.010 * heavier)};
-  const double tilt = pose.position == Position::prone ? 0.015 : 0.0;
-  head_middle_ = length_m_ * Vector3(pose.head_aside, -0.167 + tilt + pose.neck, 1.268 + tilt);
-  head_size_ = length_m_ * Vector3(0.142, 0.185, 0.197);
-  for (const std::size_t side : {0U, 1U}) {
-    const Vector3 outward(side == 0 ? 1.0 : -1.0, 1.0, 1.0);
-    const Vector3 shoulder =
-        length_m_ *
-        outward.cwiseProduct(Vector3(of[acromion_x] + (up ? -0.02 : -0.060), of[acromion_y] + 0.012,
-                                     of[acromion_z] - (up ? 0.085 : 0.100)));
-    const double reach = up ? 0.78 : 0.62;
-    arm_[side] = {.from = shoulder,
-                  .to = shoulder + length_m_ * reach * pose.arm_in_trunk[side],
-                  .from_radius = length_m_ * (0.112 - 0.010 * woman + 0.014 * heavier),
-                  .to_radius = length_m_ * (0.076 - 0.006 * woman + 0.012 * heavier)};
-    girdle_[side] = {
-        .from = length_m_ * outward.cwiseProduct(Vector3(0.12, spine_(0.86) - 0.135, 0.862)),
-        .to = shoulder + length_m_ * Vector3(0.0, 0.0, up ? 0.0 : 0.015),
-        .from_radius = length_m_ * 0.088,
-        .to_radius = length_m_ * (0.098 - 0.006 * woman)};
-  }
 }
 
 void PhantomForm::lay_sections(const Proportions& proportions) {
@@ -175,26 +155,21 @@ double PhantomForm::trunk(const Vector3& at) const {
   return length_m_ * distance;
 }
 
-double PhantomForm::head(const Vector3& at) const {
-  const Vector3 p = at - head_middle_;
-  const double k0 = p.cwiseQuotient(head_size_).norm();
-  const double k1 = p.cwiseQuotient(head_size_.cwiseAbs2()).norm();
-  return k0 < 1e-6 ? -head_size_.minCoeff() : k0 * (k0 - 1.0) / k1;
-}
-
 double PhantomForm::operator()(const Vector3& at) const {
-  const double body = trunk(at);
-  double distance = body;
-  if (at.z() > 0.55 * length_m_ || std::abs(at.x()) > 0.2 * length_m_) {
-    const std::size_t side = at.x() >= 0.0 ? 0 : 1;
-    const double shoulder =
-        blend(girdle_[side].distance(at), arm_[side].distance(at), 0.05 * length_m_);
-    // Under the armpit skin bridges trunk and arm less than over the shoulder.
-    distance = blend(distance, shoulder, 0.07 * length_m_);
+  double distance = trunk(at);
+  const std::size_t side = at.x() >= 0.0 ? 0 : 1;
+  if (at.z() > 0.45 * length_m_ || std::abs(at.x()) > 0.2 * length_m_) {
+    const double arm =
+        std::min(parts_.upper_arm[side].distance(at), parts_.lower_arm[side].distance(at));
+    double shoulder = blend(parts_.girdle[side].distance(at), arm, girdle_blend_m_);
+    if (parts_.raised) shoulder = blend(shoulder, parts_.fold[side].distance(at), 0.08 * length_m_);
+    distance = blend(distance, shoulder, arm_blend_m_);
   }
   if (at.z() > 0.85 * length_m_) {
-    distance = blend(distance, neck_.distance(at), 0.10 * length_m_);
-    distance = blend(distance, head(at), 0.06 * length_m_);
+    double head = blend(parts_.skull.distance(at), parts_.face.distance(at), 0.06 * length_m_);
+    head = blend(head, parts_.ear[side].distance(at), 0.012 * length_m_);
+    distance =
+        blend(distance, blend(parts_.neck.distance(at), head, skull_blend_m_), neck_blend_m_);
   }
   return distance;
 }
@@ -218,19 +193,19 @@ Vector3 PhantomForm::onto_skin(Vector3 at) const {
 }
 
 Box PhantomForm::box() const {
-  Box box{.low = length_m_ * Vector3(-0.45, -0.40, -0.46),
-          .high = length_m_ * Vector3(0.45, 0.25, 1.50)};
-  for (const RoundCone& arm : arm_) {
+  Box box{.low = length_m_ * Vector3(-0.45, -0.40, 0.0),
+          .high = length_m_ * Vector3(0.45, 0.0, 1.50)};
+  for (const RoundCone& arm : parts_.lower_arm) {
     box.low = box.low.cwiseMin(arm.to - Vector3::Constant(1.2 * arm.to_radius));
     box.high = box.high.cwiseMax(arm.to + Vector3::Constant(1.2 * arm.to_radius));
   }
-  box.low.z() = -0.46 * length_m_;
+  box.low.z() = -0.40 * length_m_;
   box.high.y() = 0.25 * length_m_;
   return box;
 }
 
 double PhantomForm::before_elbow(const Vector3& at) const {
-  const RoundCone& arm = arm_[at.x() >= 0.0 ? 0 : 1];
+  const RoundCone& arm = parts_.lower_arm[at.x() >= 0.0 ? 0 : 1];
   const Vector3 beyond = at - arm.to;
   const Vector3 way = (arm.to - arm.from).normalized();
   const double along = beyond.dot(way);

@@ -3,14 +3,12 @@
 
 #include <vector>
 
-#include "tuina/sim/phantom_pose.hpp"
-#include "tuina/sim/phantom_table.hpp"
+#include "tuina/sim/phantom_parts.hpp"
 #include "tuina/sim/polygonise.hpp"
 
 namespace tuina::sim {
 
-/// A smooth curve through points of rising x: cubic pieces whose slope at a point is that of the
-/// parabola through it and its neighbours. Constant beyond the ends.
+/// The natural cubic spline through points of rising x, constant beyond the ends.
 class Curve {
  public:
   Curve(std::vector<double> x, std::vector<double> y);
@@ -20,21 +18,13 @@ class Curve {
   std::vector<double> x_, y_, slope_;
 };
 
-/// A ball that changes its size while it moves from one point to the other.
-struct RoundCone {
-  Vector3 from = Vector3::Zero();
-  Vector3 to = Vector3::UnitZ();
-  double from_radius = 0.1;
-  double to_radius = 0.1;
-  [[nodiscard]] double distance(const Vector3& at) const;
-};
-
 /// The body of a phantom in the frame of its trunk, in metres, as a field: negative inside, about a
 /// distance outside. The trunk is given by its sections; shoulders, arms, neck and head are round
 /// bodies blended into it.
 class PhantomForm {
  public:
-  PhantomForm(const Proportions& proportions, const PhantomShape& shape, const PhantomPose& pose);
+  PhantomForm(const Proportions& proportions, const PhantomShape& shape, const PhantomPose& pose,
+              const PartSizes& sizes = {});
 
   [[nodiscard]] double operator()(const Vector3& at) const;
 
@@ -51,15 +41,13 @@ class PhantomForm {
  private:
   void lay_sections(const Proportions& proportions);
   [[nodiscard]] double trunk(const Vector3& at) const;
-  [[nodiscard]] double head(const Vector3& at) const;
 
   double length_m_;
   Curve spine_;
   std::vector<float> radius_;  ///< over height and angle, in units of the length
   std::vector<float> axis_y_;  ///< over height
-  RoundCone neck_;
-  std::array<RoundCone, 2> girdle_, arm_;
-  Vector3 head_middle_, head_size_;
+  Parts parts_;
+  double neck_blend_m_, skull_blend_m_, girdle_blend_m_, arm_blend_m_;
 };
 
 }  // namespace tuina::sim

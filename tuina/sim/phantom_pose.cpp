@@ -37,16 +37,16 @@ Vector3 arm_direction(const PhantomShape& shape, Position position, double forwa
   if (position == Position::sitting) {
     // The arm hangs by gravity and its support, so it keeps its angle to the vertical when the
     // trunk leans.
-    const double forward = from_deg(33.0 + 13.0 * forward_score) + lean_rad;
-    const double outward = from_deg(11.0 + 4.0 * outward_score);
+    const double forward = from_deg(23.0 + 13.0 * forward_score) + lean_rad;
+    const double outward = from_deg(12.7 + 5.5 * outward_score);
     const double down = std::cos(outward);
     return {std::sin(outward), -down * std::sin(forward), -down * std::cos(forward)};
   }
   if (shape.arms_up) {
-    return Vector3(.82 - .09 * outward_score, -.26 + .09 * forward_score, .47 + .13 * outward_score)
+    return Vector3(.89 - .04 * outward_score, -.28 + .08 * forward_score, .33 + .13 * outward_score)
         .normalized();
   }
-  return Vector3(.21 + .06 * outward_score, -.12 + .06 * forward_score, -.96).normalized();
+  return Vector3(.30 + .08 * outward_score, -.19 + .08 * forward_score, -.92).normalized();
 }
 
 }  // namespace
