@@ -15,6 +15,7 @@
 namespace tuina::telemetry::figures {
 namespace {
 
+constexpr double couch_m = 20_mm;        // below this a point is the couch's, not the person's
 constexpr double felt_radius_m = 26_mm;  // how far around a press the picture shows what was felt
 
 /// Out of the back and towards the head, from the points if there are any and else from the
@@ -44,6 +45,15 @@ Pose pose_of(const ReportData& data) {
     if (up.cross(pose.out).norm() > 1e-3) pose.up = up.normalized();
   }
   return pose;
+}
+
+/// What the scanner saw of the person; the couch would only draw the eye away.
+PictureMesh person_of(const ReportData& data, const Pose& pose) {
+  PointCloud person;
+  for (const Vector3& point : data.scan_in_couch.points) {
+    if (point.z() > couch_m) person.points.push_back(point);
+  }
+  return mesh_scan(person, pose.out);
 }
 
 View view_of(const Pose& pose) {
@@ -101,7 +111,7 @@ void spread(std::vector<Label>& labels, double top, double bottom) {
 /// pixels of the picture, so that it stays sharp on fine screens and on paper.
 std::string compose(const ShadedPicture& picture, std::vector<Label> labels,
                     const std::string& title) {
-  constexpr double side = 92.0;
+  constexpr double side = 122.0;
   const double width = picture.image.width / 2.0;
   const double height = picture.image.height / 2.0;
   std::vector<Label> left;
@@ -168,6 +178,17 @@ std::vector<Vector3> lifted(const ContactPath& path, double by_m) {
   return places;
 }
 
+/// The end of the stiffness scale: a round number at or above everything felt.
+double stiffest_shown(const ReportData& data) {
+  double hardest = 1e-9;
+  for (const FeltTissue& felt : data.tissue) {
+    if (felt.estimate.converged)
+      hardest = std::max(hardest, stiffness_n_per_mm(felt.estimate.tissue));
+  }
+  const auto round_numbers = ticks(0.0, hardest, 4);
+  return round_numbers.back() + (round_numbers.back() < 0.999 * hardest ? round_numbers[1] : 0.0);
+}
+
 bool is_one_of_seven(const std::string& name) {
   return std::find(seven_acupoints.begin(), seven_acupoints.end(), name) != seven_acupoints.end();
 }
@@ -199,7 +220,7 @@ std::string chinese_name(const std::string& acupoint) {
 std::string back(const ReportData& data) {
   const Pose pose = pose_of(data);
   Scene scene;
-  scene.surface = mesh_scan(data.scan_in_couch, pose.out);
+  scene.surface = person_of(data, pose);
   if (scene.surface.mesh.triangles.empty()) return "";
   for (const PerformedPath& performed : data.paths) {
     const ContactPath& path = performed.path;
@@ -237,17 +258,53 @@ std::string back(const ReportData& data) {
   return compose(picture, std::move(labels), "The scanned back with acupoints and paths");
 }
 
+std::string tissue_curves(const ReportData& data) {
+  constexpr double shown_n = 30.0;  // as hard as a massage presses
+  Plot plot{.title = "Force against depth at each point",
+            .x_label = "depth below the skin, mm",
+            .y_label = "force, N"};
+  const double hardest = stiffest_shown(data);
+  const auto curve = [&](const TangentTissue& tissue) {
+    Series series;
+    for (int k = 0; k <= 40 && tissue.alpha_n > 0.0 && tissue.beta_per_m > 0.0; ++k) {
+      const double force_n = shown_n * k / 40.0;
+      series.x.push_back(to_mm(std::atan(force_n / tissue.alpha_n) / tissue.beta_per_m));
+      series.y.push_back(force_n);
+    }
+    return series;
+  };
+  for (const FeltTissue& felt : data.tissue) {
+    if (!felt.estimate.converged) continue;
+    if (felt.truth) {
+      Series truth = curve(*felt.truth);
+      truth.colour = palette::grey;
+      truth.width_px = 1.0;
+      truth.dashed = true;
+      plot.series.push_back(std::move(truth));
+    }
+    Series series = curve(felt.estimate.tissue);
+    series.colour = hardness_colour(
+        // The palest colours of the map could not be seen as lines on paper.
+        std::max(0.15, stiffness_n_per_mm(felt.estimate.tissue) / hardest));
+    series.width_px = 2.2;
+    series.tail = short_name(felt.name);
+    plot.series.push_back(std::move(series));
+  }
+  if (plot.series.empty()) return "";
+  plot.x_low = 0.0;
+  plot.y_low = 0.0;
+  plot.y_high = shown_n;
+  plot.width_px = 400;
+  plot.height_px = 400;
+  return to_svg(plot);
+}
+
 std::string tissue(const ReportData& data) {
   const Pose pose = pose_of(data);
   Scene scene;
-  scene.surface = mesh_scan(data.scan_in_couch, pose.out);
+  scene.surface = person_of(data, pose);
   if (scene.surface.mesh.triangles.empty() || data.tissue.empty()) return "";
-  double hardest = 0.0;
-  for (const FeltTissue& felt : data.tissue) {
-    if (felt.estimate.converged)
-      hardest = std::max(hardest, stiffness_n_per_mm(felt.estimate.tissue));
-  }
-  hardest = std::max(hardest, 1e-9);
+  const double hardest = stiffest_shown(data);
   for (const Vector3& vertex : scene.surface.mesh.vertices) {
     double weights = 0.0;
     double stiffness = 0.0;

@@ -15,6 +15,9 @@ namespace tuina::telemetry::figures {
 /// The scanned back, coloured where tissue was felt by its stiffness at first touch.
 [[nodiscard]] std::string tissue(const ReportData& data);
 
+/// The tangent law at each point: as estimated, and dashed as it is in truth.
+[[nodiscard]] std::string tissue_curves(const ReportData& data);
+
 [[nodiscard]] std::string timeline(const ReportData& data);
 
 /// Target, true and measured force of one technique over its time in contact.

@@ -41,7 +41,7 @@ const char* doing(Technique technique) {
 std::string minutes(double seconds) {
   const auto whole = static_cast<long>(std::lround(std::max(0.0, seconds)));
   if (whole < 60) return fmt::format("{} seconds", whole);
-  return fmt::format("{} min {} s", whole / 60, whole % 60);
+  return fmt::format("{} min {} s", whole / 60, whole % 60);
 }
 
 /// "a, b and c"
@@ -89,11 +89,11 @@ std::string summary(const ReportData& data) {
     for (const FoundAcupoint& found : data.acupoints)
       widest = std::max(widest, found.acupoint.uncertainty_m);
     text += fmt::format(
-        "A laser scan of the back gave the places of {} acupoints, each thought to be right to "
-        "{:.0f} mm or better",
+        "A laser scan of the back gave the places of {} acupoints, each known to "
+        "within {:.0f} mm",
         in_words(data.acupoints.size()), std::ceil(to_mm(widest)));
     if (const auto error = mean_error_m(data))
-      text += fmt::format("; they were {:.0f} mm from their true places on average", to_mm(*error));
+      text += fmt::format("; they were {:.0f} mm from their true places on average", to_mm(*error));
     text += ". ";
   }
   std::vector<std::string> done;
@@ -114,7 +114,7 @@ std::string summary(const ReportData& data) {
   }
   if (!done.empty()) text += fmt::format("Two arms {}. ", listed(done));
   if (!data.trace.empty())
-    text += fmt::format("The firmest touch was {:.0f} N, the weight of {:.1f} kg. ",
+    text += fmt::format("The firmest touch was {:.0f} N, the weight of {:.1f} kg. ",
                         peak_force_n(data), peak_force_n(data) / gravity_m_per_s2);
   const FeltTissue* softest = nullptr;
   const FeltTissue* hardest = nullptr;
@@ -262,9 +262,13 @@ std::string force_section(const ReportData& data) {
   return html + "</section>";
 }
 
+bool has_truth(const ReportData& data) {
+  return std::any_of(data.tissue.begin(), data.tissue.end(),
+                     [](const FeltTissue& f) { return f.truth.has_value(); });
+}
+
 std::string tissue_table(const ReportData& data) {
-  const bool truth = std::any_of(data.tissue.begin(), data.tissue.end(),
-                                 [](const FeltTissue& f) { return f.truth.has_value(); });
+  const bool truth = has_truth(data);
   const bool classes = std::any_of(data.tissue.begin(), data.tissue.end(),
                                    [](const FeltTissue& f) { return !f.tissue_class.empty(); });
   std::string html = "<div class=wide><table><thead><tr><th>Point<th>&alpha;, N";
@@ -309,10 +313,15 @@ std::string tissue_section(const ReportData& data) {
           "</div><div><p class=note>Colour shows where the tissue was felt, and how stiff it is; "
           "plain grey is skin that was not pressed. "
           "A point whose estimate had not settled by the end is left grey and says so.</p>";
+  const std::string curves = figures::tissue_curves(data);
+  if (!curves.empty()) {
+    html += "<h3>Force against depth</h3>" + curves;
+    if (has_truth(data))
+      html += "<p class=note>Lines: as estimated. Dashed: the truth, simulation only.</p>";
+  }
   html += "</div></div>" + tissue_table(data) +
           "<p class=note>± is the half-width of the 95 % interval.";
-  const bool truth = std::any_of(data.tissue.begin(), data.tissue.end(),
-                                 [](const FeltTissue& f) { return f.truth.has_value(); });
+  const bool truth = has_truth(data);
   if (truth)
     html +=
         " The shaded columns are the tissue that the simulated person was given; they exist in "
@@ -344,7 +353,7 @@ std::string report_page(const ReportData& data) {
   if (!data.stops.empty()) html += "<span class=\"badge bad\">stopped</span>";
   html += fmt::format(
       "</div><h1>{}</h1><div class=meta>{}{}seed {}</div><p class=lead>{}</p></header>",
-      escaped(capital(data.person) + ", " + name_of(data.position)),
+      escaped(data.person + ", " + name_of(data.position)),
       data.programme.empty() ? "" : "programme " + escaped(data.programme) + " &ensp;·&ensp; ",
       data.version.empty() ? "" : "tuina " + escaped(data.version) + " &ensp;·&ensp; ", data.seed,
       summary(data));

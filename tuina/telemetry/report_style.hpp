@@ -21,15 +21,15 @@ p{margin:0 0 12px;max-width:46em}
 .badge.bad{border-color:#efb3bb;background:#fdeef0;color:#a3142f}
 .meta{color:var(--soft);font-size:15px}
 .lead{font-size:20px;line-height:1.6;margin:26px 0 34px;max-width:43em}
-.tiles{display:grid;grid-template-columns:repeat(auto-fit,minmax(150px,1fr));gap:1px;background:var(--line);border:1px solid var(--line);border-radius:12px;overflow:hidden;margin:0 0 20px}
-.tile{background:var(--card);padding:16px 18px 14px}
-.tile b{display:block;font-size:28px;line-height:1.15;font-weight:600;letter-spacing:-.02em;white-space:nowrap}
-.tile b small{font-size:15px;font-weight:500;color:var(--soft);letter-spacing:0;margin-left:4px}
+.tiles{display:flex;flex-wrap:wrap;gap:1px;background:var(--line);border:1px solid var(--line);border-radius:12px;overflow:hidden;margin:0 0 20px}
+.tile{background:var(--card);padding:15px 14px 13px 16px;flex:1 1 136px}
+.tile b{display:block;font-size:26px;line-height:1.15;font-weight:600;letter-spacing:-.02em;white-space:nowrap}
+.tile b small{font-size:14px;font-weight:500;color:var(--soft);letter-spacing:0;margin-left:4px}
 .tile .label{display:block;font-size:13px;color:var(--soft);margin-bottom:4px}
 .tile i{display:block;font-style:normal;font-size:12.5px;color:var(--soft);line-height:1.4;margin-top:4px}
 section{background:var(--card);border:1px solid var(--line);border-radius:14px;padding:30px 34px 28px;margin:0 0 22px}
 section>p:first-of-type{color:var(--soft)}
-.two{display:grid;grid-template-columns:minmax(0,1.45fr) minmax(0,1fr);gap:34px;align-items:start}
+.two{display:grid;grid-template-columns:minmax(0,1.6fr) minmax(0,1fr);gap:30px;align-items:start}
 .even{display:grid;grid-template-columns:1fr 1fr;gap:24px}
 svg{max-width:100%;height:auto;display:block}
 svg.back{width:100%}

@@ -97,7 +97,7 @@ std::string path_of(const Series& series, const Frame& frame) {
 std::string axes(const Plot& plot, const Frame& frame) {
   std::string svg;
   const auto y_ticks =
-      ticks(frame.y.low, frame.y.high, std::max(3, static_cast<int>(frame.height / 44)));
+      ticks(frame.y.low, frame.y.high, std::max(3, static_cast<int>(frame.height / 38)));
   const auto x_ticks =
       ticks(frame.x.low, frame.x.high, std::max(3, static_cast<int>(frame.width / 80)));
   for (const double value : y_ticks) {
@@ -214,10 +214,13 @@ std::vector<double> ticks(double low, double high, int wanted) {
 }
 
 std::string to_svg(const Plot& plot) {
+  const bool tails = std::any_of(plot.series.begin(), plot.series.end(),
+                                 [](const Series& series) { return !series.tail.empty(); });
+  const double top = tails ? 84.0 : plot.marks.empty() ? 24.0 : 40.0;
   Frame frame{.left = 46,
-              .top = plot.marks.empty() ? 24.0 : 40.0,
+              .top = top,
               .width = plot.width_px - 46.0 - 12.0,
-              .height = plot.height_px - (plot.marks.empty() ? 24.0 : 40.0) - 40.0,
+              .height = plot.height_px - top - 40.0,
               .x = {},
               .y = {}};
   for (const Series& series : plot.series) {
@@ -269,6 +272,19 @@ std::string to_svg(const Plot& plot) {
                        series.dashed ? " stroke-dasharray=\"5 3\"" : "");
   }
   svg += "</svg>";
+  std::vector<double> taken;
+  for (const Series& series : plot.series) {
+    if (series.tail.empty() || series.x.empty()) continue;
+    double x = frame.px(series.x.back()) + 4;
+    const auto hides = [&](double other) { return std::abs(other - x) < 11.0; };
+    while (std::any_of(taken.begin(), taken.end(), hides)) x += 1.0;
+    taken.push_back(x);
+    svg += fmt::format(
+        "<text transform=\"translate({:.1f} {:.1f}) rotate(-90)\" font-size=\"10.5\" "
+        "fill=\"{}\">{}</text>",
+        x, frame.py(series.y.back()) - 5, css(mix(series.colour, palette::ink, 0.35)),
+        escaped(series.tail));
+  }
   double free_from = 0.0;
   for (const Mark& mark : plot.marks) {
     // A word that would cover its neighbour is left out; the hairline stays.
@@ -347,9 +363,10 @@ std::string hardness_bar_svg(double low, double high, std::string_view label) {
   std::string svg = open_svg(width, 58, label);
   svg += fmt::format("<text x=\"{}\" y=\"11\">{}</text>", left, escaped(label));
   for (int k = 0; k < steps; ++k) {
-    svg += fmt::format("<rect x=\"{:.2f}\" y=\"18\" width=\"{:.2f}\" height=\"14\" fill=\"{}\"/>",
-                       left + bar * k / steps, bar / steps + 0.3,
-                       css(hardness_colour((k + 0.5) / steps)));
+    svg += fmt::format(
+        "<rect x=\"{:.2f}\" y=\"18\" width=\"{:.2f}\" height=\"14\" shape-rendering=\"crispEdges\" "
+        "fill=\"{}\"/>",
+        left + bar * k / steps, bar / steps + 0.3, css(hardness_colour((k + 0.5) / steps)));
   }
   const auto at = ticks(low, std::max(high, low + 1e-9), 4);
   for (const double value : at) {
