@@ -1,0 +1,310 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tuina/session/massage_step.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tuina::session {
+namespace {
+
+constexpr double tick_s = 1e-3;
+
+massage::Plan in_base(massage::Plan plan, const Transform& base_from_couch) {
+  for (massage::PlannedPath& planned : plan.paths) {
+    for (ContactPoint& point : planned.path.points) {
+      point.at_in_couch = base_from_couch * point.at_in_couch;
+      point.normal_in_couch = base_from_couch.linear() * point.normal_in_couch;
+    }
+  }
+  return plan;
+}
+
+/// The path between its even samples, and how the place moves there.
+struct Interpolated {
+  ContactPoint point;
+  Vector3 velocity_m_per_s;
+};
+
+Interpolated interpolate(const ContactPath& path, double time_s) noexcept {
+  const double spacing_s = path.points[1].time_s - path.points[0].time_s;
+  const double at = std::clamp(time_s / spacing_s, 0.0, static_cast<double>(path.points.size() - 2));
+  const auto i = static_cast<std::size_t>(at);
+  const double u = std::min(1.0, time_s / spacing_s - static_cast<double>(i));
+  const ContactPoint& a = path.points[i];
+  const ContactPoint& b = path.points[i + 1];
+  return {.point = {.time_s = time_s,
+                    .at_in_couch = a.at_in_couch + u * (b.at_in_couch - a.at_in_couch),
+                    .normal_in_couch =
+                        (a.normal_in_couch + u * (b.normal_in_couch - a.normal_in_couch)).normalized(),
+                    .force_n = a.force_n + u * (b.force_n - a.force_n)},
+          .velocity_m_per_s = (b.at_in_couch - a.at_in_couch) / spacing_s};
+}
+
+/// What is expected of a place before it was felt: Table 6-2 of [thesis], medium build, by what lies there.
+TangentTissue expected_in(massage::Zone zone) noexcept {
+  switch (zone) {
+    case massage::Zone::scapula_edge:
+    case massage::Zone::ribs:
+    case massage::Zone::iliac_crest:
+    case massage::Zone::gv4:
+    case massage::Zone::spine:
+    case massage::Zone::spine_margin: return {.alpha_n = 4.5, .beta_per_m = 265.0};
+    case massage::Zone::kidney: return {.alpha_n = 4.5, .beta_per_m = 210.0};
+    default: return control::ContactModel{}.tissue;
+  }
+}
+
+safety::Guard::Options guard_options(const robot::ArmModel& model, const MassageOptions& options) {
+  safety::Guard::Options guard;
+  guard.torque_limit_nm = JointVector::Zero(model.joints());
+  for (int i = 0; i < model.joints(); ++i) {
+    guard.torque_limit_nm[i] = model.table().links[static_cast<std::size_t>(i)].torque_limit_nm;
+  }
+  for (safety::ForceLimits& limits : guard.force) {
+    limits.set_n = std::min(limits.set_n, options.force_ceiling_n);
+  }
+  return guard;
+}
+
+tissue::PressEstimatorOptions estimator_options(const MassageOptions& options) {
+  tissue::PressEstimatorOptions estimator;
+  estimator.torso_n_per_m = options.torso_n_per_m;
+  estimator.contact_sd_m = 3e-3;  // the scan, the mapping from scanner to robot and the breath
+  estimator.breathing_m = 3e-3;
+  estimator.force_delay_s = 2.6e-3;  // a sample of delay and the low-pass of the wrist sensor
+  return estimator;
+}
+
+safety::Phase guarded_phase(ArmPhase phase) noexcept {
+  switch (phase) {
+    case ArmPhase::approach: return safety::Phase::approach;
+    case ArmPhase::contact: return safety::Phase::contact;
+    case ArmPhase::retract: return safety::Phase::retract;
+    default: return safety::Phase::free;
+  }
+}
+
+}  // namespace
+
+safety::Zone guarded_zone(massage::Zone zone) noexcept {
+  switch (zone) {
+    case massage::Zone::muscle: return safety::Zone::muscle;
+    case massage::Zone::kidney: return safety::Zone::kidney;
+    case massage::Zone::ribs:
+    case massage::Zone::scapula_edge:
+    case massage::Zone::iliac_crest:
+    case massage::Zone::spine_margin: return safety::Zone::bony;
+    case massage::Zone::gv4: return safety::Zone::mingmen;
+    case massage::Zone::spine: return safety::Zone::spine;
+    default: return safety::Zone::denied;
+  }
+}
+
+MassageStep::Side::Side(const robot::ArmModel& model, const MassageOptions& options)
+    : controller(model, control::ArmController::Options{}),
+      guard(guard_options(model, options)),
+      estimator(estimator_options(options)) {}
+
+MassageStep::MassageStep(const massage::Plan& plan, PerArm<std::vector<ArmJob>> jobs,
+                         const PerArm<robot::ArmModel>& models, const MassageOptions& options)
+    : plan_(in_base(plan, options.base_from_couch)),
+      models_(models),
+      options_(options),
+      sides_{.of = {Side(models_[Arm::left], options), Side(models_[Arm::right], options)}} {
+  for (const Arm arm : both_arms) sides_[arm].jobs = std::move(jobs[arm]);
+  performed_.reserve(plan_.paths.size());
+  stops_.reserve(2);
+}
+
+const ArmJob* MassageStep::job_of(const Side& side) const noexcept {
+  return side.job < side.jobs.size() ? &side.jobs[side.job] : nullptr;
+}
+
+const massage::PlannedPath* MassageStep::path_of(const Side& side) const noexcept {
+  const ArmJob* job = job_of(side);
+  return job != nullptr && job->path >= 0 ? &plan_.paths[static_cast<std::size_t>(job->path)] : nullptr;
+}
+
+robot::RobotCommand MassageStep::step(const robot::RobotReading& reading) noexcept {
+  robot::RobotCommand command{.torque_nm = {}, .rail_m = options_.rail_m};
+  for (const Arm arm : both_arms) {
+    Side& side = sides_[arm];
+    control::ArmController& controller = side.controller;
+    const robot::ArmReading& sensed = reading.arms[arm];
+    const ArmState state = controller.sense(sensed, reading.time_s, reading.rail_m);
+    if (!started_) controller.start(state);
+    conduct(arm, reading.time_s);
+    const JointVector torque_nm = controller.step(state, reading.rail_m, tick_s);
+
+    const robot::ArmDynamics& dynamics = controller.dynamics();
+    const safety::Observation seen{.tick = reading.tick,
+                                   .time_s = reading.time_s,
+                                   .wrench_time_s = sensed.wrench_time_s,
+                                   .q_rad = state.q_rad,
+                                   .dq_rad_per_s = state.dq_rad_per_s,
+                                   .force_in_base_n = state.contact_in_base.force_n,
+                                   .tool_in_base = state.base_from_tool.translation(),
+                                   .tool_velocity_m_per_s = dynamics.jacobian.topRows<3>() * state.dq_rad_per_s,
+                                   .jacobian = dynamics.jacobian.topRows<3>(),
+                                   .gravity_nm = dynamics.gravity_nm};
+    const safety::Verdict verdict = side.guard.check(seen, proposal(side, torque_nm));
+    command.torque_nm[arm] = verdict.allowed_nm;
+    if (verdict.latched && side.phase != ArmPhase::stopped) {
+      if (side.phase == ArmPhase::contact) end_contact(side, arm, reading.time_s);
+      side.phase = ArmPhase::stopped;
+      stops_.push_back({.time_s = reading.time_s, .arm = arm, .cause = verdict.cause});
+      let_go(reading.time_s);
+    }
+    feel(side, reading.time_s, state);
+    const Vector3 foremost = state.base_from_tool.translation() -
+                             models_[arm].table().tool_radius_m * control::tool_normal(state.base_from_tool);
+    view_[arm] = {.phase = side.phase,
+                  .path = path_of(side) != nullptr ? job_of(side)->path : -1,
+                  .target_n = side.phase == ArmPhase::contact ? side.wanted.force_n : 0.0,
+                  .measured_n = controller.status().force_n,
+                  .tool_in_base = foremost};
+  }
+  started_ = true;
+
+  if (stopped_s_ >= 0.0) {
+    constexpr double letting_go_s = 2.0;
+    finished_ = reading.time_s - stopped_s_ > letting_go_s;
+    return command;
+  }
+  const auto beyond_step = [&](const Side& side) {
+    return job_of(side) == nullptr || job_of(side)->step > step_;
+  };
+  if (beyond_step(sides_[Arm::left]) && beyond_step(sides_[Arm::right])) ++step_;
+  finished_ = job_of(sides_[Arm::left]) == nullptr && job_of(sides_[Arm::right]) == nullptr;
+  return command;
+}
+
+void MassageStep::conduct(Arm arm, double time_s) noexcept {
+  Side& side = sides_[arm];
+  control::ArmController& controller = side.controller;
+  const control::ArmStatus& status = controller.status();
+  const ArmJob* job = job_of(side);
+  if (job == nullptr || side.phase == ArmPhase::stopped) return;
+  const massage::PlannedPath* planned = path_of(side);
+
+  switch (side.phase) {
+    case ArmPhase::waiting:
+      if (stopped_s_ >= 0.0 || job->step > step_) return;
+      side.waypoint = 0;
+      side.trouble = control::Trouble::none;
+      controller.keep_posture(job->posture_rad);
+      controller.move_to(job->way_in_base.front());
+      side.phase = ArmPhase::travel;
+      return;
+    case ArmPhase::travel:
+      if (!status.settled) return;
+      if (++side.waypoint < job->way_in_base.size()) {
+        controller.move_to(job->way_in_base[side.waypoint]);
+      } else if (planned == nullptr) {
+        ++side.job;
+        side.phase = ArmPhase::waiting;
+      } else {
+        side.wanted = planned->path.points.front();
+        controller.approach({.at_in_base = side.wanted.at_in_couch,
+                             .normal_in_base = side.wanted.normal_in_couch});
+        side.phase = ArmPhase::approach;
+      }
+      return;
+    case ArmPhase::approach:
+      if (status.trouble != control::Trouble::none) {
+        side.contact_s = time_s;
+        side.trouble = status.trouble;
+        end_contact(side, arm, time_s);
+      } else if (status.doing == control::Doing::contact) {
+        begin_contact(side, time_s);
+      }
+      return;
+    case ArmPhase::contact: {
+      const double in_contact_s = time_s - side.contact_s;
+      if (status.trouble != control::Trouble::none || in_contact_s >= planned->path.duration_s()) {
+        side.trouble = status.trouble;
+        end_contact(side, arm, time_s);
+        return;
+      }
+      const Interpolated now = interpolate(planned->path, in_contact_s);
+      side.wanted = now.point;
+      side.wanted.force_n = std::min(side.wanted.force_n, options_.force_ceiling_n);
+      controller.track({.at_in_base = now.point.at_in_couch,
+                        .velocity_m_per_s = now.velocity_m_per_s,
+                        .normal_in_base = now.point.normal_in_couch,
+                        .force_n = side.wanted.force_n,
+                        .model = {.tissue = side.expected, .torso_n_per_m = options_.torso_n_per_m}});
+      return;
+    }
+    case ArmPhase::retract:
+      if (!status.settled) return;
+      ++side.job;
+      side.phase = ArmPhase::waiting;
+      return;
+    case ArmPhase::stopped: return;
+  }
+}
+
+void MassageStep::begin_contact(Side& side, double time_s) noexcept {
+  side.contact_s = time_s;
+  side.phase = ArmPhase::contact;
+  side.estimator.reset();
+  side.expected = expected_in(path_of(side)->zone);
+}
+
+void MassageStep::end_contact(Side& side, Arm arm, double time_s) noexcept {
+  const massage::PlannedPath& planned = *path_of(side);
+  Performed done{.path = job_of(side)->path,
+                 .arm = arm,
+                 .begin_s = side.contact_s,
+                 .end_s = time_s,
+                 .trouble = side.trouble,
+                 .felt = {}};
+  const bool feels = planned.path.technique == Technique::press;
+  if (feels && time_s > side.contact_s) done.felt = side.estimator.estimate();
+  performed_.push_back(done);
+  side.controller.retract(options_.standoff_m);
+  side.phase = ArmPhase::retract;
+}
+
+void MassageStep::feel(Side& side, double time_s, const ArmState& state) noexcept {
+  const massage::PlannedPath* planned = path_of(side);
+  if (planned == nullptr || planned->path.technique != Technique::press) return;
+  if (side.phase != ArmPhase::contact) return;
+  const Vector3& normal = side.wanted.normal_in_couch;
+  const Vector3 foremost = state.base_from_tool.translation() - tool_radius_m_ * normal;
+  side.estimator.update(time_s, {.depth_m = normal.dot(side.wanted.at_in_couch - foremost),
+                                 .force_n = normal.dot(state.contact_in_base.force_n)});
+  const TissueEstimate& estimate = side.estimator.estimate();
+  if (options_.steer && estimate.converged) side.expected = estimate.tissue;
+}
+
+void MassageStep::let_go(double time_s) noexcept {
+  if (stopped_s_ < 0.0) stopped_s_ = time_s;
+  for (const Arm arm : both_arms) {
+    Side& side = sides_[arm];
+    if (side.phase == ArmPhase::contact || side.phase == ArmPhase::approach) {
+      if (side.phase == ArmPhase::approach) side.contact_s = time_s;
+      end_contact(side, arm, time_s);
+    } else if (side.phase == ArmPhase::travel) {
+      side.controller.hold();
+      side.phase = ArmPhase::waiting;
+    }
+  }
+}
+
+safety::Proposal MassageStep::proposal(const Side& side, const JointVector& torque_nm) const noexcept {
+  const control::ArmStatus& status = side.controller.status();
+  const massage::PlannedPath* planned = path_of(side);
+  const bool near_skin = side.phase == ArmPhase::approach || side.phase == ArmPhase::contact ||
+                         side.phase == ArmPhase::retract;
+  return {.torque_nm = torque_nm,
+          .phase = guarded_phase(side.phase),
+          .zone = near_skin && planned != nullptr ? guarded_zone(planned->zone) : safety::Zone::denied,
+          .set_force_n = side.phase == ArmPhase::contact ? side.wanted.force_n : 0.0,
+          .normal_in_base = status.normal_in_base,
+          .virtual_target_in_base = status.virtual_target_in_base,
+          .stiffness_n_per_m = status.stiffness_n_per_m};
+}
+
+}  // namespace tuina::session

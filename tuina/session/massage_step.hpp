@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "tuina/control/arm_controller.hpp"
+#include "tuina/core/contact.hpp"
+#include "tuina/massage/plan.hpp"
+#include "tuina/robot/arm_model.hpp"
+#include "tuina/robot/robot.hpp"
+#include "tuina/safety/guard.hpp"
+#include "tuina/tissue/press_estimator.hpp"
+
+namespace tuina::session {
+
+/// What one arm is doing; the order is that of one contact.
+enum class ArmPhase : std::uint8_t { waiting, travel, approach, contact, retract, stopped };
+
+/// One arm in one millisecond, for whoever records or draws.
+struct ArmView {
+  ArmPhase phase = ArmPhase::waiting;
+  int path = -1;          ///< index into the plan; -1 while it serves none
+  double target_n = 0.0;  ///< what the technique asks for now; 0 outside of a contact
+  double measured_n = 0.0;
+  Vector3 tool_in_base = Vector3::Zero();  ///< foremost point of the tool
+};
+
+/// How one path of the plan went, in session time.
+struct Performed {
+  int path = 0;
+  Arm arm = Arm::left;
+  double begin_s = 0.0;  ///< of the contact
+  double end_s = 0.0;
+  control::Trouble trouble = control::Trouble::none;  ///< why it was cut short, if it was
+  std::optional<TissueEstimate> felt;                 ///< after its last press; only pressing feels
+};
+
+struct Stop {
+  double time_s = 0.0;
+  Arm arm = Arm::left;
+  safety::Cause cause = safety::Cause::none;
+};
+
+/// A path of the plan made ready for one arm: where the tool goes through the air before it, and the joint
+/// angles by which the arm reaches it. A job without a path only travels.
+struct ArmJob {
+  int path = -1;
+  int step = 0;  ///< jobs of one step run together; the next step waits for all of them
+  std::vector<control::ToolPose> way_in_base;
+  JointVector posture_rad;
+};
+
+struct MassageOptions {
+  Transform base_from_couch = Transform::Identity();  ///< as the session believes it
+  double rail_m = 0.0;
+  double standoff_m = 40e-3;
+  double force_ceiling_n = 45.0;
+  double torso_n_per_m = 35e3;  ///< literature value; this person's own is not known
+  bool steer = true;            ///< the estimate is fed forward as soon as it has converged
+};
+
+/// The massage itself, one millisecond at a time: travel, approach, contact, retract, for both arms, one step
+/// of the plan after the other. What it knows of the world comes in with the readings; what goes out has
+/// passed the guard. Memory is taken in the constructor; `step` is real-time.
+class MassageStep {
+ public:
+  MassageStep(const massage::Plan& plan, PerArm<std::vector<ArmJob>> jobs,
+              const PerArm<robot::ArmModel>& models, const MassageOptions& options);
+
+  [[nodiscard]] robot::RobotCommand step(const robot::RobotReading& reading) noexcept;
+
+  /// True when every job is done, or after a stop when the arms have let go.
+  [[nodiscard]] bool finished() const noexcept { return finished_; }
+  [[nodiscard]] const PerArm<ArmView>& view() const noexcept { return view_; }
+  [[nodiscard]] const std::vector<Performed>& performed() const noexcept { return performed_; }
+  [[nodiscard]] const std::vector<Stop>& stops() const noexcept { return stops_; }
+
+ private:
+  struct Side {
+    Side(const robot::ArmModel& model, const MassageOptions& options);
+    control::ArmController controller;
+    safety::Guard guard;
+    tissue::PressEstimator estimator;
+    std::vector<ArmJob> jobs = {};
+    std::size_t job = 0;
+    std::size_t waypoint = 0;
+    ArmPhase phase = ArmPhase::waiting;
+    double contact_s = 0.0;
+    control::Trouble trouble = control::Trouble::none;
+    TangentTissue expected = {};  ///< fed forward
+    ContactPoint wanted = {};     ///< of the path, now; places in base
+  };
+
+  void conduct(Arm arm, double time_s) noexcept;
+  void begin_contact(Side& side, double time_s) noexcept;
+  void end_contact(Side& side, Arm arm, double time_s) noexcept;
+  void feel(Side& side, double time_s, const ArmState& state) noexcept;
+  void let_go(double time_s) noexcept;
+  [[nodiscard]] const ArmJob* job_of(const Side& side) const noexcept;
+  [[nodiscard]] const massage::PlannedPath* path_of(const Side& side) const noexcept;
+  [[nodiscard]] safety::Proposal proposal(const Side& side, const JointVector& torque_nm) const noexcept;
+
+  massage::Plan plan_;  // its paths in base
+  PerArm<robot::ArmModel> models_;
+  MassageOptions options_;
+  PerArm<Side> sides_;
+  PerArm<ArmView> view_;
+  int step_ = 0;
+  bool started_ = false;
+  bool finished_ = false;
+  double stopped_s_ = -1.0;
+  std::vector<Performed> performed_;
+  std::vector<Stop> stops_;
+};
+
+/// Zones of the plan are finer than the guard's.
+[[nodiscard]] safety::Zone guarded_zone(massage::Zone zone) noexcept;
+
+}  // namespace tuina::session
