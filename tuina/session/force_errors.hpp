@@ -13,8 +13,8 @@ struct ForceErrors {
   std::optional<double> settled_rmse_n;  ///< without the 0.3 s after each change of target
 };
 
-/// Adds up samples of one technique, in time order; a technique lasts from the first to the last sample with
-/// a target above zero, which the caller decides.
+/// Adds up samples of one technique, in time order; a technique lasts from the first to the last
+/// sample with a target above zero, which the caller decides.
 class ForceErrorSum {
  public:
   void add(double time_s, double target_n, double true_force_n) noexcept;

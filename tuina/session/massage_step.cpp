@@ -27,20 +27,23 @@ struct Interpolated {
 
 Interpolated interpolate(const ContactPath& path, double time_s) noexcept {
   const double spacing_s = path.points[1].time_s - path.points[0].time_s;
-  const double at = std::clamp(time_s / spacing_s, 0.0, static_cast<double>(path.points.size() - 2));
+  const double at =
+      std::clamp(time_s / spacing_s, 0.0, static_cast<double>(path.points.size() - 2));
   const auto i = static_cast<std::size_t>(at);
   const double u = std::min(1.0, time_s / spacing_s - static_cast<double>(i));
   const ContactPoint& a = path.points[i];
   const ContactPoint& b = path.points[i + 1];
-  return {.point = {.time_s = time_s,
-                    .at_in_couch = a.at_in_couch + u * (b.at_in_couch - a.at_in_couch),
-                    .normal_in_couch =
-                        (a.normal_in_couch + u * (b.normal_in_couch - a.normal_in_couch)).normalized(),
-                    .force_n = a.force_n + u * (b.force_n - a.force_n)},
-          .velocity_m_per_s = (b.at_in_couch - a.at_in_couch) / spacing_s};
+  return {
+      .point = {.time_s = time_s,
+                .at_in_couch = a.at_in_couch + u * (b.at_in_couch - a.at_in_couch),
+                .normal_in_couch =
+                    (a.normal_in_couch + u * (b.normal_in_couch - a.normal_in_couch)).normalized(),
+                .force_n = a.force_n + u * (b.force_n - a.force_n)},
+      .velocity_m_per_s = (b.at_in_couch - a.at_in_couch) / spacing_s};
 }
 
-/// What is expected of a place before it was felt: Table 6-2 of [thesis], medium build, by what lies there.
+/// What is expected of a place before it was felt: Table 6-2 of [thesis], medium build, by what
+/// lies there.
 TangentTissue expected_in(massage::Zone zone) noexcept {
   switch (zone) {
     case massage::Zone::scapula_edge:
@@ -48,9 +51,12 @@ TangentTissue expected_in(massage::Zone zone) noexcept {
     case massage::Zone::iliac_crest:
     case massage::Zone::gv4:
     case massage::Zone::spine:
-    case massage::Zone::spine_margin: return {.alpha_n = 4.5, .beta_per_m = 265.0};
-    case massage::Zone::kidney: return {.alpha_n = 4.5, .beta_per_m = 210.0};
-    default: return control::ContactModel{}.tissue;
+    case massage::Zone::spine_margin:
+      return {.alpha_n = 4.5, .beta_per_m = 265.0};
+    case massage::Zone::kidney:
+      return {.alpha_n = 4.5, .beta_per_m = 210.0};
+    default:
+      return control::ContactModel{}.tissue;
   }
 }
 
@@ -77,10 +83,14 @@ tissue::PressEstimatorOptions estimator_options(const MassageOptions& options) {
 
 safety::Phase guarded_phase(ArmPhase phase) noexcept {
   switch (phase) {
-    case ArmPhase::approach: return safety::Phase::approach;
-    case ArmPhase::contact: return safety::Phase::contact;
-    case ArmPhase::retract: return safety::Phase::retract;
-    default: return safety::Phase::free;
+    case ArmPhase::approach:
+      return safety::Phase::approach;
+    case ArmPhase::contact:
+      return safety::Phase::contact;
+    case ArmPhase::retract:
+      return safety::Phase::retract;
+    default:
+      return safety::Phase::free;
   }
 }
 
@@ -88,15 +98,21 @@ safety::Phase guarded_phase(ArmPhase phase) noexcept {
 
 safety::Zone guarded_zone(massage::Zone zone) noexcept {
   switch (zone) {
-    case massage::Zone::muscle: return safety::Zone::muscle;
-    case massage::Zone::kidney: return safety::Zone::kidney;
+    case massage::Zone::muscle:
+      return safety::Zone::muscle;
+    case massage::Zone::kidney:
+      return safety::Zone::kidney;
     case massage::Zone::ribs:
     case massage::Zone::scapula_edge:
     case massage::Zone::iliac_crest:
-    case massage::Zone::spine_margin: return safety::Zone::bony;
-    case massage::Zone::gv4: return safety::Zone::mingmen;
-    case massage::Zone::spine: return safety::Zone::spine;
-    default: return safety::Zone::denied;
+    case massage::Zone::spine_margin:
+      return safety::Zone::bony;
+    case massage::Zone::gv4:
+      return safety::Zone::mingmen;
+    case massage::Zone::spine:
+      return safety::Zone::spine;
+    default:
+      return safety::Zone::denied;
   }
 }
 
@@ -112,6 +128,7 @@ MassageStep::MassageStep(const massage::Plan& plan, PerArm<std::vector<ArmJob>> 
       options_(options),
       sides_{.of = {Side(models_[Arm::left], options), Side(models_[Arm::right], options)}} {
   for (const Arm arm : both_arms) sides_[arm].jobs = std::move(jobs[arm]);
+  tool_radius_m_ = models_[Arm::left].table().tool_radius_m;
   performed_.reserve(plan_.paths.size());
   stops_.reserve(2);
 }
@@ -122,7 +139,8 @@ const ArmJob* MassageStep::job_of(const Side& side) const noexcept {
 
 const massage::PlannedPath* MassageStep::path_of(const Side& side) const noexcept {
   const ArmJob* job = job_of(side);
-  return job != nullptr && job->path >= 0 ? &plan_.paths[static_cast<std::size_t>(job->path)] : nullptr;
+  return job != nullptr && job->path >= 0 ? &plan_.paths[static_cast<std::size_t>(job->path)]
+                                          : nullptr;
 }
 
 robot::RobotCommand MassageStep::step(const robot::RobotReading& reading) noexcept {
@@ -137,16 +155,17 @@ robot::RobotCommand MassageStep::step(const robot::RobotReading& reading) noexce
     const JointVector torque_nm = controller.step(state, reading.rail_m, tick_s);
 
     const robot::ArmDynamics& dynamics = controller.dynamics();
-    const safety::Observation seen{.tick = reading.tick,
-                                   .time_s = reading.time_s,
-                                   .wrench_time_s = sensed.wrench_time_s,
-                                   .q_rad = state.q_rad,
-                                   .dq_rad_per_s = state.dq_rad_per_s,
-                                   .force_in_base_n = state.contact_in_base.force_n,
-                                   .tool_in_base = state.base_from_tool.translation(),
-                                   .tool_velocity_m_per_s = dynamics.jacobian.topRows<3>() * state.dq_rad_per_s,
-                                   .jacobian = dynamics.jacobian.topRows<3>(),
-                                   .gravity_nm = dynamics.gravity_nm};
+    const safety::Observation seen{
+        .tick = reading.tick,
+        .time_s = reading.time_s,
+        .wrench_time_s = sensed.wrench_time_s,
+        .q_rad = state.q_rad,
+        .dq_rad_per_s = state.dq_rad_per_s,
+        .force_in_base_n = state.contact_in_base.force_n,
+        .tool_in_base = state.base_from_tool.translation(),
+        .tool_velocity_m_per_s = dynamics.jacobian.topRows<3>() * state.dq_rad_per_s,
+        .jacobian = dynamics.jacobian.topRows<3>(),
+        .gravity_nm = dynamics.gravity_nm};
     const safety::Verdict verdict = side.guard.check(seen, proposal(side, torque_nm));
     command.torque_nm[arm] = verdict.allowed_nm;
     if (verdict.latched && side.phase != ArmPhase::stopped) {
@@ -157,7 +176,7 @@ robot::RobotCommand MassageStep::step(const robot::RobotReading& reading) noexce
     }
     feel(side, reading.time_s, state);
     const Vector3 foremost = state.base_from_tool.translation() -
-                             models_[arm].table().tool_radius_m * control::tool_normal(state.base_from_tool);
+                             tool_radius_m_ * control::tool_normal(state.base_from_tool);
     view_[arm] = {.phase = side.phase,
                   .path = path_of(side) != nullptr ? job_of(side)->path : -1,
                   .target_n = side.phase == ArmPhase::contact ? side.wanted.force_n : 0.0,
@@ -205,8 +224,8 @@ void MassageStep::conduct(Arm arm, double time_s) noexcept {
         side.phase = ArmPhase::waiting;
       } else {
         side.wanted = planned->path.points.front();
-        controller.approach({.at_in_base = side.wanted.at_in_couch,
-                             .normal_in_base = side.wanted.normal_in_couch});
+        controller.approach(
+            {.at_in_base = side.wanted.at_in_couch, .normal_in_base = side.wanted.normal_in_couch});
         side.phase = ArmPhase::approach;
       }
       return;
@@ -229,11 +248,12 @@ void MassageStep::conduct(Arm arm, double time_s) noexcept {
       const Interpolated now = interpolate(planned->path, in_contact_s);
       side.wanted = now.point;
       side.wanted.force_n = std::min(side.wanted.force_n, options_.force_ceiling_n);
-      controller.track({.at_in_base = now.point.at_in_couch,
-                        .velocity_m_per_s = now.velocity_m_per_s,
-                        .normal_in_base = now.point.normal_in_couch,
-                        .force_n = side.wanted.force_n,
-                        .model = {.tissue = side.expected, .torso_n_per_m = options_.torso_n_per_m}});
+      controller.track(
+          {.at_in_base = now.point.at_in_couch,
+           .velocity_m_per_s = now.velocity_m_per_s,
+           .normal_in_base = now.point.normal_in_couch,
+           .force_n = side.wanted.force_n,
+           .model = {.tissue = side.expected, .torso_n_per_m = options_.torso_n_per_m}});
       return;
     }
     case ArmPhase::retract:
@@ -241,7 +261,8 @@ void MassageStep::conduct(Arm arm, double time_s) noexcept {
       ++side.job;
       side.phase = ArmPhase::waiting;
       return;
-    case ArmPhase::stopped: return;
+    case ArmPhase::stopped:
+      return;
   }
 }
 
@@ -293,18 +314,20 @@ void MassageStep::let_go(double time_s) noexcept {
   }
 }
 
-safety::Proposal MassageStep::proposal(const Side& side, const JointVector& torque_nm) const noexcept {
+safety::Proposal MassageStep::proposal(const Side& side,
+                                       const JointVector& torque_nm) const noexcept {
   const control::ArmStatus& status = side.controller.status();
   const massage::PlannedPath* planned = path_of(side);
   const bool near_skin = side.phase == ArmPhase::approach || side.phase == ArmPhase::contact ||
                          side.phase == ArmPhase::retract;
-  return {.torque_nm = torque_nm,
-          .phase = guarded_phase(side.phase),
-          .zone = near_skin && planned != nullptr ? guarded_zone(planned->zone) : safety::Zone::denied,
-          .set_force_n = side.phase == ArmPhase::contact ? side.wanted.force_n : 0.0,
-          .normal_in_base = status.normal_in_base,
-          .virtual_target_in_base = status.virtual_target_in_base,
-          .stiffness_n_per_m = status.stiffness_n_per_m};
+  return {
+      .torque_nm = torque_nm,
+      .phase = guarded_phase(side.phase),
+      .zone = near_skin && planned != nullptr ? guarded_zone(planned->zone) : safety::Zone::denied,
+      .set_force_n = side.phase == ArmPhase::contact ? side.wanted.force_n : 0.0,
+      .normal_in_base = status.normal_in_base,
+      .virtual_target_in_base = status.virtual_target_in_base,
+      .stiffness_n_per_m = status.stiffness_n_per_m};
 }
 
 }  // namespace tuina::session

@@ -43,8 +43,8 @@ struct Stop {
   safety::Cause cause = safety::Cause::none;
 };
 
-/// A path of the plan made ready for one arm: where the tool goes through the air before it, and the joint
-/// angles by which the arm reaches it. A job without a path only travels.
+/// A path of the plan made ready for one arm: where the tool goes through the air before it, and
+/// the joint angles by which the arm reaches it. A job without a path only travels.
 struct ArmJob {
   int path = -1;
   int step = 0;  ///< jobs of one step run together; the next step waits for all of them
@@ -61,9 +61,10 @@ struct MassageOptions {
   bool steer = true;            ///< the estimate is fed forward as soon as it has converged
 };
 
-/// The massage itself, one millisecond at a time: travel, approach, contact, retract, for both arms, one step
-/// of the plan after the other. What it knows of the world comes in with the readings; what goes out has
-/// passed the guard. Memory is taken in the constructor; `step` is real-time.
+/// The massage itself, one millisecond at a time: travel, approach, contact, retract, for both
+/// arms, one step of the plan after the other. What it knows of the world comes in with the
+/// readings; what goes out has passed the guard. Memory is taken in the constructor; `step` is
+/// real-time.
 class MassageStep {
  public:
   MassageStep(const massage::Plan& plan, PerArm<std::vector<ArmJob>> jobs,
@@ -100,7 +101,8 @@ class MassageStep {
   void let_go(double time_s) noexcept;
   [[nodiscard]] const ArmJob* job_of(const Side& side) const noexcept;
   [[nodiscard]] const massage::PlannedPath* path_of(const Side& side) const noexcept;
-  [[nodiscard]] safety::Proposal proposal(const Side& side, const JointVector& torque_nm) const noexcept;
+  [[nodiscard]] safety::Proposal proposal(const Side& side,
+                                          const JointVector& torque_nm) const noexcept;
 
   massage::Plan plan_;  // its paths in base
   PerArm<robot::ArmModel> models_;
@@ -111,6 +113,7 @@ class MassageStep {
   bool started_ = false;
   bool finished_ = false;
   double stopped_s_ = -1.0;
+  double tool_radius_m_ = 0.0;
   std::vector<Performed> performed_;
   std::vector<Stop> stops_;
 };
