@@ -24,8 +24,9 @@ TEST_CASE("the distance of two arms is that of their closest sampled points") {
     for (std::size_t i = 0; i < 6; ++i) {
       for (std::size_t j = 0; j < 6; ++j) {
         const double radii_m = left.table().links[i].radius_m + right.table().links[j].radius_m;
-        for (double u = 0.0; u <= 1.0; u += 0.05) {
-          for (double v = 0.0; v <= 1.0; v += 0.05) {
+        for (int u20 = 0; u20 <= 20; ++u20) {
+          for (int v20 = 0; v20 <= 20; ++v20) {
+            const double u = u20 / 20.0, v = v20 / 20.0;
             const Vector3 p = (1 - u) * one.origins_in_base[i] + u * one.origins_in_base[i + 1];
             const Vector3 q = (1 - v) * other.origins_in_base[j] + v * other.origins_in_base[j + 1];
             sampled_m = std::min(sampled_m, (p - q).norm() - radii_m);
