@@ -62,6 +62,7 @@ class ArmModel {
 
   ArmTable table_;
   std::array<Turn, most_joints> turns_ = {};
+  std::array<bool, most_joints> has_length_ = {};
   Matrix3 base_from_shoulder_turn_;
   Vector3 shoulder_in_base_;
   Vector3 rail_axis_in_base_;

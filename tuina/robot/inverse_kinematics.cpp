@@ -139,12 +139,20 @@ double dexterity_of(const Task& task, const JointVector& q) {
   return std::sqrt(std::max(0.0, eigen.eigenvalues()[1]));
 }
 
-bool within_limits(const ArmTable& table, const JointVector& q, double margin) {
+double limit_room(const ArmTable& table, const JointVector& q) {
+  double room_rad = pi;
   for (int i = 0; i < table.joints; ++i) {
     const Link& link = table.links[static_cast<std::size_t>(i)];
-    if (q[i] < lowest(link, margin) || q[i] > highest(link, margin)) return false;
+    room_rad = std::min({room_rad, q[i] - link.lowest_rad, link.highest_rad - q[i]});
   }
-  return true;
+  return room_rad;
+}
+
+/// How well a posture suits: dexterous, upright, and not so close to the end of a joint that the
+/// next place on the skin may lie beyond it.
+double worth(const ContactPosture& posture) {
+  return posture.dexterity * (1.0 - posture.tilt_rad) *
+         std::min(1.0, posture.limit_room_rad / 15_deg);
 }
 
 ContactPosture descend(const Task& task, JointVector q, double cone_rad) {
@@ -177,13 +185,14 @@ ContactPosture descend(const Task& task, JointVector q, double cone_rad) {
     if (there && state.elbow_height_m > task.options.elbow_clearance_m && (most < 0.01 || n > 20))
       break;
   }
-  ContactPosture posture{.q_rad = q, .tilt_rad = state.tilt_rad};
+  ContactPosture posture{
+      .q_rad = q, .limit_room_rad = limit_room(table, q), .tilt_rad = state.tilt_rad};
   if (state.off_m > position_close_m || state.tilt_rad > cone_rad + direction_close_rad) {
     posture.reach = limited ? Reach::joint_limits : Reach::too_far;
   } else if (state.elbow_height_m < task.options.elbow_clearance_m) {
     posture.reach = Reach::elbow_in_person;
   } else {
-    posture.reach = within_limits(table, q, 0.999 * margin) ? Reach::reached : Reach::joint_limits;
+    posture.reach = Reach::reached;
   }
   if (posture.reach == Reach::reached) posture.dexterity = dexterity_of(task, q);
   return posture;
@@ -232,7 +241,7 @@ ContactPosture find_posture(const ArmModel& arm, double rail_m, const ContactGoa
     best.reach = posture.reach;
     for (int seed = 0; seed < seeds; ++seed) {
       posture = descend(task, seed_posture(arm.table(), seed), cone);
-      if (posture.reach == Reach::reached && posture.dexterity > best.dexterity) best = posture;
+      if (posture.reach == Reach::reached && worth(posture) > worth(best)) best = posture;
     }
     if (best.reach == Reach::reached) return best;
   }
@@ -296,7 +305,7 @@ Result<double> choose_rail(const PerArm<const ArmModel*>& arms, const RobotMount
                            const PerArm<std::vector<ContactGoal>>& goals,
                            const PerArm<JointVector>& near_rad, const PostureOptions& options) {
   constexpr double step_m = 50_mm;
-  double best_rail_m = 0.0, best_dexterity = -1.0;
+  double best_rail_m = 0.0, best_worth = -1.0;
   std::size_t best_reached = 0;
   const std::size_t all = goals[Arm::left].size() + goals[Arm::right].size();
   for (double rail_m = mount.lowest_rail_m; rail_m <= mount.highest_rail_m + 1e-9;
@@ -311,14 +320,12 @@ Result<double> choose_rail(const PerArm<const ArmModel*>& arms, const RobotMount
             find_posture(*arms[arm], rail_m, goal, near_rad[arm], options);
         if (posture.reach != Reach::reached) continue;
         ++reached;
-        // A tilted tool reaches, but an upright one is worth more.
-        worst = std::min(worst, posture.dexterity * (1.0 - posture.tilt_rad));
+        worst = std::min(worst, worth(posture));
       }
     }
-    if (reached > best_reached ||
-        (reached == best_reached && reached > 0 && worst > best_dexterity)) {
+    if (reached > best_reached || (reached == best_reached && reached > 0 && worst > best_worth)) {
       best_rail_m = rail_m;
-      best_dexterity = worst;
+      best_worth = worst;
       best_reached = reached;
     }
   }

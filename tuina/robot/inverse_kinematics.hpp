@@ -24,7 +24,8 @@ enum class Reach : std::uint8_t { reached, too_far, joint_limits, elbow_in_perso
 struct ContactPosture {
   JointVector q_rad;
   Reach reach = Reach::too_far;
-  double tilt_rad = 0.0;  ///< of the tool's axis away from the normal
+  double limit_room_rad = 0.0;  ///< from the joint that is closest to its end
+  double tilt_rad = 0.0;        ///< of the tool's axis away from the normal
   double dexterity =
       0.0;  ///< smallest singular value of the task's Jacobian (0.3 m to the radian), m/rad
 };

@@ -18,7 +18,7 @@ RobotMount mount_for(Position position) noexcept {
   Matrix3 shoulder_turn = upright;
   Vector3 midway_in_couch;
   if (position == Position::sitting) {
-    midway_in_couch = Vector3(0.0, 450_mm, 500_mm);
+    midway_in_couch = Vector3(0.0, 450_mm, 430_mm);
     mount.lowest_rail_m = -300_mm;
     mount.highest_rail_m = 350_mm;
   } else {
