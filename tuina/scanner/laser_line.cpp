@@ -19,6 +19,8 @@ namespace {
 // be looked at, and the fitted amplitude to be believed (of 10^5 rows without a line none passes).
 constexpr float least_pixel_snr = 4.5F;
 constexpr float least_amplitude_snr = 6.5F;
+// However bright, a line clips no more pixels than this and eight widths.
+constexpr float widest_plateau_px = 16.0F;
 // A second line counts as a rival of the first from this share of its height.
 constexpr float rival_share = 0.5F;
 
@@ -78,6 +80,9 @@ Look look_at(const Sample* row, const LineScene& scene) {
   // lies to one side.
   if (static_cast<float>(most) >= scene.saturated_dn) {
     while (right < last && static_cast<float>(row[right + 1]) >= scene.saturated_dn) ++right;
+    if (static_cast<float>(right - left) > widest_plateau_px + 8.0F * scene.width_px) {
+      return {Seen::several, {}};  // a lamp or a white field
+    }
   }
   const int reach = scene.beside_px + (right - left) / 2;
   const int middle = (left + right) / 2;

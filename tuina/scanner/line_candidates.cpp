@@ -139,14 +139,21 @@ void SceneSample::add(const float* row, int y) {
 }
 
 void SceneSample::judge(LineScene& scene, double noise_dn, double width_px) const {
-  scene.background_dn = median_of(medians_);
+  // The darker parts of the image: in them a line can be seen even if a lamp or a white wall fills
+  // the rest.
+  if (!medians_.empty()) {
+    auto sorted = medians_;
+    std::sort(sorted.begin(), sorted.end());
+    scene.background_dn = sorted[sorted.size() / 4];
+  }
   // Rounding to whole numbers alone is a noise of 0.29 DN; a picture without any is not to be
   // believed.
   scene.noise_dn =
       noise_dn > 0.0 ? static_cast<float>(noise_dn) : std::max(0.5F, middle_mean(spreads_));
+  const float usual_dn = median_of(medians_);
   std::vector<float> lit;
   for (std::size_t i = 0; i < widths_.size(); ++i) {
-    if (brightest_[i] > scene.background_dn + 8.0F * scene.noise_dn && widths_[i] > 1.0F) {
+    if (brightest_[i] > usual_dn + 8.0F * scene.noise_dn && widths_[i] > 1.0F) {
       lit.push_back(widths_[i]);
     }
   }

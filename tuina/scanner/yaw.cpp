@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
@@ -65,22 +66,28 @@ bool straight(std::span<const YawReading> readings, const Line& line) {
   return std::sqrt(sum / static_cast<double>(readings.size())) < 0.36 * count_rad;
 }
 
-// A straight line through the readings around one time, near ones counting most; wide enough that
+// A parabola through the readings around one time, near ones counting most; wide enough that
 // several counts pass, or rounding would show.
 double local_yaw(std::span<const YawReading> readings, double time_s) {
-  for (double half_s = 0.4;; half_s *= 1.4) {
+  for (double half_s = 0.5;; half_s *= 1.3) {
     const auto near = between(readings, time_s - half_s, time_s + half_s);
     const bool all = near.size() == readings.size();
     if (near.size() < enough_for_a_fit && !all) continue;
     const double span_rad =
         near.empty() ? 0.0 : std::abs(near.back().yaw_rad - near.front().yaw_rad);
-    if (span_rad < 4.0 * count_rad && half_s < 1.5 && !all) continue;
-    return fit(near,
-               [&](double t) {
-                 const double u = std::min(1.0, std::abs(t - time_s) / half_s);
-                 return std::pow(1.0 - u * u * u, 3) + 1e-6;
-               })
-        .at(time_s);
+    if (span_rad < 4.0 * count_rad && half_s < 0.8 && !all) continue;
+    Matrix3 sums = Matrix3::Zero();
+    Vector3 moments = Vector3::Zero();
+    for (const YawReading& reading : near) {
+      const double u = std::clamp((reading.time_s - time_s) / half_s, -1.0, 1.0);
+      const double weight = std::pow(1.0 - std::abs(u * u * u), 3) + 1e-6;
+      const Vector3 place(1.0, u, u * u);
+      sums += weight * place * place.transpose();
+      moments += weight * reading.yaw_rad * place;
+    }
+    if (near.size() < enough_for_a_fit) sums(2, 2) += 1.0;  // too few for a curve: a straight line
+    sums.diagonal().array() += 1e-9;
+    return sums.ldlt().solve(moments)(0);
   }
 }
 

@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tuina/scanner/recording.hpp"
+
+#include <doctest/doctest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <functional>
+
+#include "tuina/core/file.hpp"
+#include "tuina/core/png.hpp"
+#include "tuina/core/random.hpp"
+#include "tuina/core/units.hpp"
+#include "tuina/scanner/sweep.hpp"
+
+using namespace tuina;
+using namespace tuina::scanner;
+namespace fs = std::filesystem;
+
+namespace {
+
+// A folder that goes with the test.
+struct Folder {
+  fs::path path;
+  Folder() {
+    std::string name = (fs::temp_directory_path() / "tuina_recording_XXXXXX").string();
+    path = ::mkdtemp(name.data());
+  }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+  ~Folder() {
+    std::error_code ignored;
+    fs::remove_all(path, ignored);
+  }
+};
+
+constexpr int frames_of_a_sweep = 24;
+
+// A scanner whose line wanders through small noisy pictures while the motor turns.
+struct Little final : Camera, Turntable {
+  int next = 0;
+  Result<Frame> next_frame() override {
+    if (next == frames_of_a_sweep) return fail(Fault::not_found, "arrived");
+    Random random = make_random(static_cast<std::uint64_t>(next), "little camera");
+    Frame frame{.time_s = next / 30.0, .image = Image(96, 72), .dark = {}};
+    for (int y = 0; y < 72; ++y) {
+      for (int x = 0; x < 96; ++x) {
+        const double u = (x - 40.0 - 0.2 * next) / 2.0;
+        frame.image.row(y)[x] = static_cast<std::uint8_t>(20.0 + 180.0 * std::exp(-0.5 * u * u) +
+                                                          std::abs(gaussian(random, 3.0)));
+      }
+    }
+    ++next;
+    return frame;
+  }
+  Result<void> sweep(double, double, double) override {
+    next = 0;
+    return {};
+  }
+  Result<std::vector<YawReading>> readings() override {
+    std::vector<YawReading> readings;
+    for (int i = -5; i < 60; ++i) {
+      readings.push_back({i * 0.02 + 1.0 / 3.0, from_deg(std::round(0.9 * i) * (300.0 / 1024.0))});
+    }
+    return readings;
+  }
+};
+
+ScannerCalibration little_calibration() {
+  ScannerCalibration calibration;
+  calibration.camera = {.width_px = 96,
+                        .height_px = 72,
+                        .fx_px = 150.0,
+                        .fy_px = 150.0,
+                        .cx_px = 47.5,
+                        .cy_px = 35.5};
+  calibration.laser_normal_in_camera = {std::sin(73.0_deg), 0.0, std::cos(73.0_deg)};
+  calibration.laser_distance_m = 0.19;
+  calibration.axis_point_in_camera = {0.1, 0.0, 0.0};
+  calibration.latency_s = -1.0 / 3.0;
+  return calibration;
+}
+
+void record_into(const fs::path& folder) {
+  Little little;
+  auto recorder = Recorder::open(little, little, folder);
+  REQUIRE(recorder.has_value());
+  REQUIRE(recorder->sweep(0.0, 1.0, 1.0).has_value());
+  while (recorder->next_frame()) {
+  }
+  REQUIRE(recorder->finish(little_calibration()).has_value());
+}
+
+void put(const fs::path& path, const std::string& text) {
+  REQUIRE(write_file(path, text).has_value());
+}
+
+void replace(const fs::path& path, const std::string& from, const std::string& to) {
+  std::string text = read_file(path).value();
+  const auto at = text.find(from);
+  REQUIRE(at != std::string::npos);
+  put(path, text.replace(at, from.size(), to));
+}
+
+}  // namespace
+
+TEST_CASE("a replay sees what was recorded, bit for bit, and makes the same cloud") {
+  const Folder folder;
+  record_into(folder.path / "sweep");
+  Little little;
+  const SweepOptions options{.near_m = 0.3};
+  const auto live = scan_sweep(little, little, little_calibration(), options);
+  REQUIRE(live.has_value());
+  auto recording = Recording::open(folder.path / "sweep");
+  REQUIRE(recording.has_value());
+  CHECK(recording->frames() == frames_of_a_sweep);
+  const auto replayed = scan_sweep(*recording, *recording, recording->calibration(), options);
+  REQUIRE(replayed.has_value());
+  CHECK(live->cloud_in_couch.size() > 500);
+  CHECK(live->cloud_in_couch.points == replayed->cloud_in_couch.points);
+  CHECK(live->cloud_in_couch.normals == replayed->cloud_in_couch.normals);
+  CHECK(live->cloud_in_couch.deviation_m == replayed->cloud_in_couch.deviation_m);
+  CHECK(live->expected_error_m == replayed->expected_error_m);
+  CHECK_FALSE(fs::exists(folder.path / "sweep.part"));
+}
+
+TEST_CASE("what goes wrong with a recording leaves nothing behind") {
+  const Folder folder;
+  Little little;
+  {
+    auto recorder = Recorder::open(little, little, folder.path / "sweep");
+    REQUIRE(recorder.has_value());
+    REQUIRE(recorder->next_frame().has_value());
+  }
+  CHECK(fs::is_empty(folder.path));
+  record_into(folder.path / "sweep");
+  CHECK_FALSE(Recorder::open(little, little, folder.path / "sweep").has_value());
+  CHECK_FALSE(Recorder::open(little, little, "/proc/nowhere/sweep").has_value());
+}
+
+TEST_CASE("colour frames give their red, dark frames are taken off, sixteen bits are rounded") {
+  const Folder folder;
+  const fs::path sweep = folder.path / "sweep";
+  record_into(sweep);
+  Image colour(96, 72, 3);
+  for (std::size_t i = 0; i < colour.data.size(); i += 3) colour.data[i] = 77;
+  put(sweep / "frames" / "000000.png", to_png(colour));
+  fs::create_directory(sweep / "dark");
+  put(sweep / "dark" / "1.png", to_png(Image(96, 72)));
+  auto recording = Recording::open(sweep);
+  REQUIRE(recording.has_value());
+  const auto first = recording->next_frame();
+  REQUIRE(first.has_value());
+  CHECK(first->image.channels == 1);
+  CHECK(first->image.data.front() == 77);
+  CHECK(first->dark.data.empty());
+  CHECK(recording->next_frame()->dark.data.size() == 96 * 72);
+}
+
+TEST_CASE("every broken recording is refused with its cause") {
+  struct Damage {
+    const char* said;
+    std::function<void(const fs::path&)> make;
+  };
+  const Damage damages[] = {
+      {"calibration.toml", [](const fs::path& s) { fs::remove(s / "calibration.toml"); }},
+      {"camera.fx_px",
+       [](const fs::path& s) { replace(s / "calibration.toml", "fx_px = 150.0", "fx_px = nan"); }},
+      {"frames.csv", [](const fs::path& s) { fs::remove(s / "frames.csv"); }},
+      {"yaw.csv", [](const fs::path& s) { fs::remove(s / "yaw.csv"); }},
+      {"frames", [](const fs::path& s) { fs::remove_all(s / "frames"); }},
+      {"frame 3 has no picture",
+       [](const fs::path& s) { fs::remove(s / "frames" / "000003.png"); }},
+      {"does not list it",
+       [](const fs::path& s) {
+         fs::copy(s / "frames" / "000003.png", s / "frames" / "000099.png");
+       }},
+      {"second picture",
+       [](const fs::path& s) { fs::copy(s / "frames" / "000003.png", s / "frames" / "3.png"); }},
+      {"frame number",
+       [](const fs::path& s) { fs::copy(s / "frames" / "000003.png", s / "frames" / "a.png"); }},
+      {"listed twice", [](const fs::path& s) { replace(s / "frames.csv", "\n5,", "\n4,"); }},
+      {"out of order", [](const fs::path& s) { replace(s / "frames.csv", "\n5,0.1", "\n5,0.0"); }},
+      {"not a whole number",
+       [](const fs::path& s) { replace(s / "frames.csv", "\n5,", "\n5.5,"); }},
+      {"frames.csv", [](const fs::path& s) { replace(s / "frames.csv", "\n5,", "\nfive,"); }},
+      {"frames.csv:2: no row", [](const fs::path& s) { put(s / "frames.csv", "frame,time_s\n"); }},
+      {"no frame 70",
+       [](const fs::path& s) {
+         fs::create_directory(s / "dark");
+         fs::copy(s / "frames" / "000003.png", s / "dark" / "000070.png");
+       }},
+      {"outside the yaw readings",
+       [](const fs::path& s) { put(s / "yaw.csv", "time_s,yaw_deg\n5,0\n6,1\n"); }},
+      {"yaw.csv:2: no row", [](const fs::path& s) { put(s / "yaw.csv", "time_s,yaw_deg\n"); }},
+      {"yaw.csv", [](const fs::path& s) { put(s / "yaw.csv", "time_s,angle\n0,0\n1,1\n"); }},
+      {"stalled",
+       [](const fs::path& s) { put(s / "yaw.csv", "time_s,yaw_deg\n-1,3\n0,3\n2,3\n"); }},
+      {"not a PNG", [](const fs::path& s) { put(s / "frames" / "000007.png", "hello"); }},
+      {"000007.png",
+       [](const fs::path& s) {
+         const std::string whole = read_file(s / "frames" / "000007.png").value();
+         put(s / "frames" / "000007.png", whole.substr(0, whole.size() / 2));
+       }},
+      {"does not belong to a calibration",
+       [](const fs::path& s) { put(s / "frames" / "000007.png", to_png(Image(64, 48))); }},
+      {"repeat the one before",
+       [](const fs::path& s) {
+         for (int i = 8; i < 14; ++i) {
+           fs::copy_file(s / "frames" / "000007.png", s / "frames" / fmt::format("{:06}.png", i),
+                         fs::copy_options::overwrite_existing);
+         }
+       }},
+      {"a laser line is seen in 0 of 24 frames",
+       [](const fs::path& s) {
+         for (int i = 0; i < frames_of_a_sweep; ++i) {
+           put(s / "frames" / fmt::format("{:06}.png", i), to_png(Image(96, 72)));
+         }
+       }},
+  };
+  for (const Damage& damage : damages) {
+    const Folder folder;
+    const fs::path sweep = folder.path / "sweep";
+    record_into(sweep);
+    damage.make(sweep);
+    std::string message = "nothing was refused";
+    auto recording = Recording::open(sweep);
+    if (!recording) {
+      message = recording.error().message;
+    } else {
+      const auto scan =
+          scan_sweep(*recording, *recording, recording->calibration(), {.near_m = 0.3});
+      if (!scan) message = scan.error().message;
+    }
+    CAPTURE(damage.said);
+    CHECK_MESSAGE(message.find(damage.said) != std::string::npos, message);
+  }
+  CHECK(Recording::open("/nowhere").error().fault == Fault::file);
+}

@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tuina/scanner/sweep.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "tuina/core/random.hpp"
+#include "tuina/scanner/triangulation.hpp"
+
+using namespace tuina;
+using namespace tuina::scanner;
+
+namespace {
+
+constexpr double count_deg = 300.0 / 1024.0;
+
+std::vector<double> frame_times(int frames) {
+  std::vector<double> times;
+  for (int i = 0; i < frames; ++i) times.push_back(i / 30.0);
+  return times;
+}
+
+// A motor polled about every 20 ms, its clock behind by the latency.
+template <typename Yaw>
+std::vector<YawReading> poll(double from_s, double to_s, double latency_s, std::uint64_t seed,
+                             Yaw&& yaw_deg) {
+  Random random = make_random(seed, "polling");
+  std::vector<YawReading> readings;
+  for (double time_s = from_s; time_s < to_s; time_s += uniform(random, 0.014, 0.026)) {
+    readings.push_back(
+        {time_s - latency_s, from_deg(std::round(yaw_deg(time_s) / count_deg) * count_deg)});
+  }
+  return readings;
+}
+
+double worst_error_deg(const std::vector<double>& times, const std::vector<double>& yaw_rad,
+                       auto&& yaw_deg) {
+  double worst = 0.0;
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    worst = std::max(worst, std::abs(to_deg(yaw_rad[i]) - yaw_deg(times[i])));
+  }
+  return worst;
+}
+
+ScannerCalibration upright_scanner() {
+  ScannerCalibration scanner;
+  scanner.camera = {.width_px = 480,
+                    .height_px = 640,
+                    .fx_px = 1041.67,
+                    .fy_px = 1041.67,
+                    .cx_px = 239.5,
+                    .cy_px = 319.5};
+  scanner.laser_normal_in_camera = {std::sin(73.0_deg), 0.0, std::cos(73.0_deg)};
+  scanner.laser_distance_m = 0.2 * std::sin(73.0_deg);
+  scanner.axis_point_in_camera = {0.1, 0.0, 0.0};
+  scanner.latency_s = 0.12;
+  return scanner;
+}
+
+// The lines that a scanner at the origin sees of a wall n . X = d, exact but for the given noise.
+std::vector<TimedLine> lines_of_wall(const ScannerCalibration& scanner, const Vector3& n, double d,
+                                     double noise_px, int frames, auto&& yaw_deg) {
+  Random random = make_random(9, "wall");
+  std::vector<TimedLine> lines;
+  for (int i = 0; i < frames; ++i) {
+    TimedLine line{.time_s = i / 30.0, .line = {}};
+    const Transform world_from_camera =
+        scanner.couch_from_camera_at(from_deg(yaw_deg(line.time_s)));
+    const Vector3 n_in_camera = world_from_camera.linear().transpose() * n;
+    const double d_in_camera = d - n.dot(world_from_camera.translation());
+    for (int row = 0; row < 640; ++row) {
+      const double y = (row - scanner.camera.cy_px) / scanner.camera.fy_px;
+      // Wall, light plane and row: three planes meet in one point.
+      Matrix3 planes;
+      planes.row(0) = n_in_camera;
+      planes.row(1) = scanner.laser_normal_in_camera;
+      planes.row(2) = Vector3(0.0, 1.0, -y);
+      const Vector3 point = planes.inverse() * Vector3(d_in_camera, scanner.laser_distance_m, 0.0);
+      const double column = project(scanner.camera, point).x() + gaussian(random, noise_px);
+      if (column < 0.0 || column > 479.0) continue;
+      line.line.points.push_back({.row = row,
+                                  .column_px = static_cast<float>(column),
+                                  .amplitude_dn = 200.0F,
+                                  .deviation_px = static_cast<float>(std::max(0.01, noise_px))});
+    }
+    lines.push_back(line);
+  }
+  return lines;
+}
+
+}  // namespace
+
+TEST_CASE("the angle of a frame is known ten times finer than the motor tells it") {
+  const auto times = frame_times(181);
+  const auto even = [](double t) { return -18.0 + 6.0 * t; };
+  const auto yaw = yaw_at(times, poll(-0.3, 6.3, 0.12, 1, even), 0.12);
+  REQUIRE(yaw.has_value());
+  CHECK(worst_error_deg(times, *yaw, even) < 0.1 * count_deg);
+}
+
+TEST_CASE("a motor that speeds up, stands and returns is followed too") {
+  const auto times = frame_times(300);
+  const auto wander = [](double t) { return 15.0 * std::sin(2.0 * pi * t / 11.0); };
+  const auto yaw = yaw_at(times, poll(-0.3, 10.3, -0.05, 2, wander), -0.05);
+  REQUIRE(yaw.has_value());
+  CHECK(worst_error_deg(times, *yaw, wander) < 0.7 * count_deg);
+}
+
+TEST_CASE("a latency that is not known shows as a wrong angle") {
+  const auto times = frame_times(181);
+  const auto even = [](double t) { return -18.0 + 6.0 * t; };
+  const auto yaw = yaw_at(times, poll(-0.3, 6.3, 0.12, 1, even), 0.0);
+  REQUIRE(yaw.has_value());
+  CHECK(worst_error_deg(times, *yaw, even) == doctest::Approx(0.72).epsilon(0.1));
+}
+
+TEST_CASE("readings that cannot give angles are refused") {
+  const auto times = frame_times(30);
+  CHECK_FALSE(yaw_at(times, {}, 0.0).has_value());
+  const std::vector<YawReading> late = {{2.0, 0.0}, {3.0, 0.1}};
+  CHECK(yaw_at(times, late, 0.0).error().message.find("outside") != std::string::npos);
+  const std::vector<YawReading> back = {{0.0, 0.0}, {2.0, 0.1}, {1.0, 0.2}};
+  CHECK_FALSE(yaw_at(times, back, 0.0).has_value());
+  const std::vector<YawReading> broken = {{0.0, 0.0}, {2.0, std::nan("")}};
+  CHECK_FALSE(yaw_at(times, broken, 0.0).has_value());
+}
+
+TEST_CASE("the scan of a wall is a plane, its normals upright to it, its deviation what it is") {
+  const ScannerCalibration scanner = upright_scanner();
+  const auto even = [](double t) { return -18.0 + 6.0 * t; };
+  const Vector3 n = Vector3(0.2, -0.1, 1.0).normalized();
+  const double d = 1.1;
+  for (const double noise_px : {0.0, 0.034}) {
+    const auto lines = lines_of_wall(scanner, n, d, noise_px, 181, even);
+    const auto scan = make_cloud(lines, poll(-0.3, 6.3, 0.12, 1, even), scanner);
+    REQUIRE(scan.has_value());
+    CHECK(scan->profiles == 181);
+    CHECK(scan->cloud_in_couch.size() > 100000);
+    double error2 = 0.0;
+    double worst_cosine = 1.0;
+    double stated2 = 0.0;
+    for (std::size_t i = 0; i < scan->cloud_in_couch.size(); ++i) {
+      error2 += std::pow(n.dot(scan->cloud_in_couch.points[i]) - d, 2);
+      stated2 += std::pow(static_cast<double>(scan->cloud_in_couch.deviation_m[i]), 2);
+      worst_cosine = std::min(worst_cosine, -n.dot(scan->cloud_in_couch.normals[i]));
+    }
+    const auto count = static_cast<double>(scan->cloud_in_couch.size());
+    const double rms_m = std::sqrt(error2 / count);
+    CHECK(rms_m < (noise_px > 0.0 ? 0.26e-3 : 0.12e-3));
+    CHECK(worst_cosine > std::cos(noise_px > 0.0 ? 8.0_deg : 0.5_deg));
+    if (noise_px > 0.0) CHECK(std::sqrt(stated2 / count) == doctest::Approx(rms_m).epsilon(0.25));
+  }
+}
+
+TEST_CASE("points between two surfaces and lone specks are left out") {
+  const ScannerCalibration scanner = upright_scanner();
+  const auto even = [](double t) { return -18.0 + 6.0 * t; };
+  auto lines = lines_of_wall(scanner, Vector3::UnitZ(), 1.1, 0.0, 181, even);
+  // The lower half of the rows sees a wall behind; one row in between sees a mixture of both.
+  const auto behind = lines_of_wall(scanner, Vector3::UnitZ(), 1.4, 0.0, 181, even);
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    auto& points = lines[i].line.points;
+    for (auto& point : points) {
+      if (point.row < 320) continue;
+      for (const auto& far : behind[i].line.points) {
+        if (far.row != point.row) continue;
+        point.column_px =
+            point.row == 320 ? 0.5F * (point.column_px + far.column_px) : far.column_px;
+      }
+    }
+  }
+  const auto scan = make_cloud(lines, poll(-0.3, 6.3, 0.12, 1, even), scanner);
+  REQUIRE(scan.has_value());
+  int between = 0;
+  for (const Vector3& point : scan->cloud_in_couch.points) {
+    between += std::abs(point.z() - 1.1) > 5e-3 && std::abs(point.z() - 1.4) > 5e-3 ? 1 : 0;
+  }
+  CHECK(between == 0);
+  CHECK(scan->cloud_in_couch.size() > 80000);
+}
+
+TEST_CASE("a sweep that cannot be a scan is refused with the cause") {
+  const ScannerCalibration scanner = upright_scanner();
+  const auto even = [](double t) { return -18.0 + 6.0 * t; };
+  const auto stalled = [](double) { return 3.0; };
+  const auto lines = lines_of_wall(scanner, Vector3::UnitZ(), 1.1, 0.0, 181, even);
+  const auto readings = poll(-0.3, 6.3, 0.12, 1, even);
+  CHECK(make_cloud({}, readings, scanner).error().fault == Fault::not_found);
+  CHECK(make_cloud(std::vector<TimedLine>(20), readings, scanner).has_value() == false);
+  const auto still = make_cloud(lines, poll(-0.3, 6.3, 0.12, 1, stalled), scanner);
+  REQUIRE_FALSE(still.has_value());
+  CHECK(still.error().message.find("stalled") != std::string::npos);
+  auto swapped = lines;
+  std::swap(swapped[10].time_s, swapped[11].time_s);
+  CHECK(make_cloud(swapped, readings, scanner).error().fault == Fault::bad_input);
+}

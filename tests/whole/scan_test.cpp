@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <doctest/doctest.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "tests/whole/command.hpp"
+#include "tuina/core/file.hpp"
+#include "tuina/core/image.hpp"
+#include "tuina/core/png.hpp"
+
+using tuina::test::Folder;
+using tuina::test::run_tuina;
+
+namespace {
+
+// A vertical line at column 40.25 in a picture of 96 x 64.
+std::string line_png() {
+  tuina::Image image(96, 64);
+  for (int y = 0; y < 64; ++y) {
+    for (int x = 0; x < 96; ++x) {
+      const double u = (x - 40.25) / 2.0;
+      image.row(y)[x] =
+          static_cast<std::uint8_t>(20.5 + 180.0 * std::exp(-0.5 * u * u) + (7 * x + 3 * y) % 3);
+    }
+  }
+  return tuina::to_png(image);
+}
+
+}  // namespace
+
+TEST_CASE("scan, record and replay give one cloud, and say how good it is") {
+  const Folder folder;
+  const auto live =
+      run_tuina({"scan", "--person", "phantom:medium", "--seed", "3", "--record", folder / "sweep",
+                 "--out", folder / "live.ply", "--json", "--quiet"});
+  REQUIRE_MESSAGE(live.exit_code == 0, live.err);
+  CHECK(live.err.empty());
+  const auto json = nlohmann::json::parse(live.out);
+  CHECK(json["profiles"] > 60);
+  CHECK(json["points"] > 20000);
+  CHECK(json["rows_lit"] >= json["points"]);
+  CHECK(json["sweep_s"] == doctest::Approx(6.0).epsilon(0.1));
+  CHECK(json["rms_error_mm"] < 1.5);
+  CHECK(json["expected_error_mm"] > 0.3);
+  const auto replay =
+      run_tuina({"scan", "--replay", folder / "sweep", "--out", folder / "replay.ply", "--json"});
+  REQUIRE_MESSAGE(replay.exit_code == 0, replay.err);
+  CHECK(nlohmann::json::parse(replay.out)["rms_error_mm"].is_null());
+  CHECK(tuina::read_file(folder / "live.ply").value() ==
+        tuina::read_file(folder / "replay.ply").value());
+
+  // A second recording does not write over the first.
+  const auto again =
+      run_tuina({"scan", "--person", "phantom:medium", "--record", folder / "sweep", "--json"});
+  CHECK(again.exit_code == 2);
+  CHECK(again.out.empty());
+}
+
+TEST_CASE("wrong use of scan is told from bad input, and leaves no file") {
+  const Folder folder;
+  const std::string out = folder / "scan.ply";
+  const std::vector<std::pair<int, std::vector<std::string>>> cases = {
+      {1, {}},
+      {1, {"--person", "phantom:medium", "--replay", folder / "x"}},
+      {1, {"--person", "phantom:medium", "--position", "standing"}},
+      {1, {"--person", "phantom:medium", "--breathing-mm", "nan"}},
+      {1, {"--person", "phantom:medium", "--set", "scan.sweep_s=0"}},
+      {2, {"--person", folder / "nobody.ply"}},
+      {2, {"--person", "phantom:medium", "--calibration", folder / "none.toml"}},
+      {2, {"--replay", folder / "nothing"}},
+      {2, {"--person", "phantom:medium", "--record", "/proc/no/sweep"}}};
+  for (auto [exit_code, arguments] : cases) {
+    arguments.insert(arguments.begin(), "scan");
+    arguments.insert(arguments.end(), {"--json", "--out", out});
+    CAPTURE(arguments);
+    const auto outcome = run_tuina(arguments);
+    CHECK(outcome.exit_code == exit_code);
+    CHECK(outcome.out.empty());
+    CHECK_FALSE(outcome.err.empty());
+    CHECK_FALSE(std::filesystem::exists(out));
+  }
+  const auto nowhere =
+      run_tuina({"scan", "--person", "phantom:slim", "--out", folder / "no/scan.ply"});
+  CHECK(nowhere.exit_code == 2);
+}
+
+TEST_CASE("line writes a table of the rows and draws what it saw") {
+  const Folder folder;
+  const auto image = folder.with("frame.png", line_png());
+  for (const char* method : {"centroid", "likelihood"}) {
+    const auto outcome = run_tuina({"line", image, "--method", method, "--out", folder / "line.csv",
+                                    "--picture", folder / "seen.png", "--json", "--quiet"});
+    REQUIRE_MESSAGE(outcome.exit_code == 0, outcome.err);
+    const auto json = nlohmann::json::parse(outcome.out);
+    CHECK(json["rows"] == 64);
+    CHECK(json["lit"] == 64);
+    CHECK(json["compute_us"] > 0.0);
+    std::istringstream csv(tuina::read_file(folder / "line.csv").value());
+    std::string row;
+    std::getline(csv, row);
+    CHECK(row == "row,column_px,amplitude_dn");
+    int rows = 0;
+    while (std::getline(csv, row)) {
+      const auto comma = row.find(',');
+      CHECK(std::stoi(row) == rows++);
+      CHECK(std::stod(row.substr(comma + 1)) == doctest::Approx(40.25).epsilon(0.002));
+    }
+    CHECK(rows == 64);
+    CHECK(tuina::read_png(folder / "seen.png")->image.channels == 3);
+  }
+  const auto to_stdout = run_tuina({"line", image});
+  CHECK(to_stdout.out.rfind("row,column_px,amplitude_dn\n", 0) == 0);
+}
+
+TEST_CASE("line refuses what is no picture, or not the picture's own dark frame") {
+  const Folder folder;
+  const auto image = folder.with("frame.png", line_png());
+  const auto small = folder.with("small.png", tuina::to_png(tuina::Image(10, 10)));
+  const auto text = folder.with("text.png", "row,column\n");
+  CHECK(run_tuina({"line", folder / "none.png"}).exit_code == 2);
+  CHECK(run_tuina({"line", text}).exit_code == 2);
+  CHECK(run_tuina({"line", image, "--dark", small}).exit_code == 2);
+  CHECK(run_tuina({"line", image, "--method", "guess"}).exit_code == 1);
+  CHECK(run_tuina({"line"}).exit_code == 1);
+  const auto unwritable = run_tuina({"line", image, "--json", "--out", folder / "no/line.csv"});
+  CHECK(unwritable.exit_code == 2);
+  CHECK(unwritable.out.empty());
+}
