@@ -7,6 +7,7 @@ std::vector<std::unique_ptr<Verb>> make_verbs() {
   std::vector<std::unique_ptr<Verb>> verbs;
   verbs.push_back(make_scan());
   verbs.push_back(make_line());
+  verbs.push_back(make_plan());
   verbs.push_back(make_tissue_fit());
   verbs.push_back(make_tissue_estimate());
   verbs.push_back(make_press());

@@ -17,6 +17,7 @@ std::unique_ptr<Verb> make_tissue_estimate();
 std::unique_ptr<Verb> make_doctor();
 std::unique_ptr<Verb> make_line();
 std::unique_ptr<Verb> make_scan();
+std::unique_ptr<Verb> make_plan();
 
 /// In the order of a session, as --help shows them.
 std::vector<std::unique_ptr<Verb>> make_verbs();

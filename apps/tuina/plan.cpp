@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tuina/massage/plan.hpp"
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+
+#include "apps/tuina/verbs.hpp"
+#include "tuina/core/file.hpp"
+#include "tuina/core/png.hpp"
+#include "tuina/core/surface_file.hpp"
+#include "tuina/robot/mount.hpp"
+#include "tuina/session/acupoint_file.hpp"
+#include "tuina/session/config.hpp"
+#include "tuina/session/plan_file.hpp"
+#include "tuina/session/plan_step.hpp"
+#include "tuina/telemetry/shaded_picture.hpp"
+
+namespace tuina::app {
+namespace {
+
+/// The back with pressed points as beads and sliding paths as threads, in the colours of the
+/// report.
+std::string picture_of(const SurfaceFile& scan, const body::BackSurface& back,
+                       const session::MappedBack& map, const massage::Plan& plan) {
+  Vector3 out = Vector3::Zero();
+  Vector3 up = Vector3::Zero();
+  for (const Acupoint& point : map.acupoints) {
+    out += point.normal_in_couch;
+    if (point.name.starts_with("SI11")) up += 0.5 * point.at_in_couch;
+    if (point.name == "GV4") up -= point.at_in_couch;
+  }
+  out.normalize();
+  telemetry::Scene scene;
+  // A cloud is meshed with cells that its points fill; a mesh is shown as it is.
+  scene.surface =
+      scan.triangles.empty()
+          ? telemetry::mesh_scan(back.points(), out, std::max(0.003, 1.2 * back.spacing_m()))
+          : telemetry::mesh_for_picture(
+                {.vertices = scan.cloud.points, .triangles = scan.triangles});
+  for (const massage::PlannedPath& planned : plan.paths) {
+    const telemetry::Colour colour = telemetry::colour_of(planned.path.technique);
+    const auto& points = planned.path.points;
+    if (planned.path.technique == Technique::press || planned.path.technique == Technique::tap) {
+      scene.beads.push_back(
+          {.at = points.front().at_in_couch, .radius_m = 0.006, .colour = colour});
+      continue;
+    }
+    telemetry::Thread thread{.points = {}, .radius_m = 0.002, .colour = colour};
+    for (const ContactPoint& point : points) {
+      const bool moved =
+          thread.points.empty() || (thread.points.back() - point.at_in_couch).norm() > 0.003;
+      if (moved) thread.points.push_back(point.at_in_couch);
+    }
+    scene.threads.push_back(std::move(thread));
+  }
+  telemetry::View view;
+  view.toward_eye = out;
+  view.up = up.normalized();
+  return to_png(telemetry::shade(scene, view).image);
+}
+
+std::string text_of(const session::PlanFile& file) {
+  const massage::Plan& plan = file.plan;
+  std::string text =
+      fmt::format("{}: {} paths, {:.0f} s, {}\n", plan.programme, plan.paths.size(),
+                  plan.duration_s, file.reachable ? "all within reach" : "not all within reach");
+  for (const massage::PlannedPath& planned : plan.paths) {
+    double peak_n = 0.0;
+    for (const ContactPoint& point : planned.path.points) peak_n = std::max(peak_n, point.force_n);
+    text += fmt::format("{:6.1f} s  {:<5}  {:<24} {:5.1f} N  {}\n", planned.start_s,
+                        name_of(planned.arm), planned.path.name, peak_n,
+                        massage::name_of(planned.zone));
+  }
+  for (const std::string& note : plan.notes) text += fmt::format("note: {}\n", note);
+  text +=
+      fmt::format("the arms stay {:.0f} mm apart, their tools {:.0f} mm; planned in {:.0f} ms",
+                  to_mm(file.min_arm_distance_m), to_mm(plan.min_tool_distance_m), file.compute_ms);
+  return text;
+}
+
+class PlanVerb final : public Verb {
+ public:
+  [[nodiscard]] const char* name() const override { return "plan"; }
+  [[nodiscard]] const char* summary() const override {
+    return "lay a programme onto a scanned back, as contact paths of two arms";
+  }
+  [[nodiscard]] const char* example() const override {
+    return "tuina plan scan.ply acupoints.json --programme relax --out plan.json --picture "
+           "plan.png";
+  }
+  void describe(CLI::App& command) override {
+    command.add_option("scan", scan_, "the person's surface: PLY or PCD, metres")->required();
+    command
+        .add_option("acupoints", acupoints_, "acupoints.json of that scan, as `tuina map` writes")
+        ->required();
+    std::string names;
+    for (const massage::ShippedProgramme& shipped : massage::shipped_programmes()) {
+      names += (names.empty() ? "" : ", ") + std::string(shipped.name);
+    }
+    command.add_option("--programme", programme_, "a file, or one of " + names)
+        ->capture_default_str();
+    command.add_option("--picture", picture_, "draw the paths on the back into this PNG file");
+  }
+
+  [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
+    const auto config = effective_config(common);
+    if (!config) return tl::unexpected(config.error());
+    const auto programme = massage::load_programme(programme_);
+    if (!programme) return tl::unexpected(programme.error());
+    const auto map = session::read_acupoints(acupoints_);
+    if (!map) return tl::unexpected(map.error());
+    const auto scan = read_surface(scan_);
+    if (!scan) return tl::unexpected(scan.error());
+
+    const auto start = std::chrono::steady_clock::now();
+    const auto back = body::fit_back(scan->cloud, {.position = map->position});
+    if (!back)
+      return tl::unexpected(Error{back.error().fault, scan_ + ": " + back.error().message});
+    const double standoff_m = from_mm(config->massage.standoff_mm);
+    const massage::PlanOptions options{.force_scale = config->massage.force_scale,
+                                       .force_ceiling_n = config->safety.force_ceiling_n,
+                                       .transfers = {.standoff_m = standoff_m}};
+    auto plan = massage::plan(*back, map->acupoints, map->landmarks, *programme, options);
+    if (!plan) return tl::unexpected(plan.error());
+    const robot::RobotMount mount = robot::mount_for(back->position());
+    const PerArm<robot::ArmModel> arms{
+        .of = {robot::ArmModel(robot::thesis_arm(), mount, Arm::left),
+               robot::ArmModel(robot::thesis_arm(), mount, Arm::right)}};
+    auto ready = session::make_ready(std::move(*plan), *back, mount, arms, mount.base_from_couch,
+                                     standoff_m);
+    if (!ready) return tl::unexpected(ready.error());
+    const std::chrono::duration<double, std::milli> taken =
+        std::chrono::steady_clock::now() - start;
+
+    const session::PlanFile file{.plan = std::move(ready->plan),
+                                 .reachable = ready->reachable,
+                                 .min_arm_distance_m = ready->min_arm_distance_m,
+                                 .rail_m = ready->rail_m,
+                                 .compute_ms = taken.count()};
+    if (!picture_.empty()) {
+      const std::string png = picture_of(*scan, *back, *map, file.plan);
+      if (auto written = write_file(picture_, png); !written)
+        return tl::unexpected(written.error());
+    }
+    return Answer{.json = session::to_json(file), .text = text_of(file)};
+  }
+
+ private:
+  std::string scan_;
+  std::string acupoints_;
+  std::string programme_ = "relax";
+  std::string picture_;
+};
+
+}  // namespace
+
+std::unique_ptr<Verb> make_plan() {
+  return std::make_unique<PlanVerb>();
+}
+
+}  // namespace tuina::app
