@@ -16,7 +16,7 @@ struct PhantomShape {
   double bmi = 22.0;
   bool arms_up = false;                 ///< prone only
   std::array<double, 12> build = {};    ///< scores of the ways in which bodies of one weight differ
-  std::array<double, 12> posture = {};  ///< scores of lean, bend, yaw, ...: phantom_pose.hpp
+  std::array<double, 13> posture = {};  ///< scores of lean, bend, yaw, ...: phantom_pose.hpp
   std::uint64_t seed = 0;               ///< for the name only
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tuina/sim/phantom_points.hpp"
 
+#include <array>
 #include <cmath>
 #include <functional>
 #include <string>
@@ -13,22 +14,33 @@ namespace {
 class Processes {
  public:
   explicit Processes(const Proportions& p)
-      : height_({0, 3, 7, 9, 12, 14, 16, 19},
-                {1.0, p.of[height_t3], p.of[height_t7], p.of[height_t9], p.of[height_t12],
+      : height_({1.0, p.of[height_t3], p.of[height_t7], p.of[height_t9], p.of[height_t12],
                  p.of[height_l2], p.of[height_l4], 0.0}) {}
-  [[nodiscard]] double hollow_below(int process) const { return height_(process + 0.49); }
+  /// The hollow is half way down to the next process.
+  [[nodiscard]] double hollow_below(int process) const {
+    std::size_t i = 0;
+    while (number[i + 1] <= process) ++i;
+    const double part = (process + 0.49 - number[i]) / (number[i + 1] - number[i]);
+    return height_[i] + part * (height_[i + 1] - height_[i]);
+  }
 
  private:
-  Curve height_;
+  static constexpr std::array<int, 8> number = {0, 3, 7, 9, 12, 14, 16, 19};
+  std::array<double, 8> height_;
 };
 
 constexpr int c7 = 0, t3 = 3, t5 = 5, t7 = 7, t9 = 9, t11 = 11, t12 = 12, l2 = 14, l4 = 16;
 
-/// Raised arms draw the skin beside the spine outwards, most at the height of the scapula's tip: up
-/// to 5 mm at 1.5 cun, measured on the people of phantom_table.cpp.
-double drawn_outwards(bool arms_up, double height) {
-  const double from_tip = (height - 0.69) / 0.11;
-  return arms_up ? 0.0098 * std::exp(-0.5 * from_tip * from_tip) : 0.0;
+/// The rules hold for somebody who stands; arms that reach up or forward draw the skin beside the
+/// spine outwards, up to 5 mm at the height of the scapula's tip and 2 mm above it, measured on the
+/// people of phantom_table.cpp.
+double drawn_outwards(Position position, bool arms_up, double height) {
+  const auto around = [&](double middle) {
+    const double off = (height - middle) / 0.11;
+    return std::exp(-0.5 * off * off);
+  };
+  if (position == Position::sitting) return 0.0036 * around(0.80);
+  return arms_up ? 0.0098 * around(0.69) : 0.0;
 }
 
 }  // namespace
@@ -57,15 +69,15 @@ void mark_points(const Proportions& proportions, const PhantomForm& form, const 
   landmark_pair("scapula_root", of[scapula_root_x], of[scapula_root_z]);
   landmark_pair("scapula_spine_mid", of[scapula_spine_mid_x], of[scapula_spine_mid_z]);
   landmark_pair("scapula_inferior_angle", of[inferior_angle_x], of[inferior_angle_z]);
-  landmark_pair("acromial_angle", of[acromial_angle_x], of[acromial_angle_z]);
-  landmark_pair("axillary_fold", of[axillary_fold_x], of[axillary_fold_z]);
-  for (const double side : {1.0, -1.0}) {
-    const std::string suffix = side > 0.0 ? "_L" : "_R";
-    const Vector3 acromion(side * of[acromion_x], of[acromion_y], of[acromion_z]);
-    const Vector3 waist(side * of[waist_x], of[waist_y], of[waist_z]);
-    landmark("acromion" + suffix, form.onto_skin(length_m * acromion));
-    landmark("waist" + suffix, form.onto_skin(length_m * waist));
-  }
+  // Where the surface turns away from somebody behind it, the point is found by depth too.
+  const auto at_side = [&](const std::string& name, double x, double y, double z) {
+    landmark(name + "_L", form.onto_skin(length_m * Vector3(x, y, z)));
+    landmark(name + "_R", form.onto_skin(length_m * Vector3(-x, y, z)));
+  };
+  at_side("acromial_angle", of[acromial_angle_x], of[acromial_angle_y], of[acromial_angle_z]);
+  at_side("axillary_fold", of[axillary_fold_x], of[axillary_fold_y], of[axillary_fold_z]);
+  at_side("acromion", of[acromion_x], of[acromion_y], of[acromion_z]);
+  at_side("waist", of[waist_x], of[waist_y], of[waist_z]);
 
   const auto point = [&](const std::string& name, double x, double z) {
     const Vector3 skin = on_back(x, z);
@@ -75,7 +87,7 @@ void mark_points(const Proportions& proportions, const PhantomForm& form, const 
                                 .normal_in_couch = pose.normal_in_couch(skin, normal)});
   };
   const auto point_pair = [&](const std::string& name, double x, double z) {
-    const double drawn = drawn_outwards(arms_up, z);
+    const double drawn = drawn_outwards(pose.position, arms_up, z);
     point(name + "_L", x + drawn, z);
     point(name + "_R", -x - drawn, z);
   };
@@ -84,8 +96,10 @@ void mark_points(const Proportions& proportions, const PhantomForm& form, const 
   const auto third_down = [&](Measure from, Measure to) {
     return of[from] + (of[to] - of[from]) / 3.0;
   };
-  point_pair("SI11", third_down(scapula_spine_mid_x, inferior_angle_x),
-             third_down(scapula_spine_mid_z, inferior_angle_z));
+  // The skin over the scapula slides 4 mm inwards and 1 mm up when the arms leave the standing
+  // position, too.
+  point_pair("SI11", third_down(scapula_spine_mid_x, inferior_angle_x) - 0.008,
+             third_down(scapula_spine_mid_z, inferior_angle_z) + 0.002);
   point_pair("BL47", 3.0 * cun, processes.hollow_below(t9));
   point_pair("BL50", 3.0 * cun, processes.hollow_below(t12));
   point("GV4", 0.0, processes.hollow_below(l2));

@@ -15,15 +15,44 @@ namespace {
 struct PostureTable {
   double lean_deg, lean_woman_deg, lean_sd_deg;
   double bend_sd_deg, yaw_sd_deg, twist_sd_deg, shoulder_tilt_sd_deg, pelvis_tilt_sd_deg;
-  double side_curve_sd;
-  double neck_sd, head_aside_sd;
-  double sacrum_back_m, sacrum_back_woman_m, sacrum_back_per_10_bmi_m, sacrum_back_sd_m;
-  double sacrum_up_m, sacrum_up_per_10_bmi_m, sacrum_up_sd_m;
+  double side_curve_sd, flex_sd, neck_sd, head_aside_sd;  // in lengths C7-S2
+  double sacrum_back_m, sacrum_back_woman_m, sacrum_back_per_10_bmi_m;
+  double sacrum_up_m, sacrum_up_per_10_bmi_m;
 };
-constexpr PostureTable sitting_table = {18.9, -1.3, 6.3,  3.0,  5.8,  2.5,  2.7,  1.6,  .0054,
-                                        .03,  .012, .061, .018, .040, .014, .169, .022, .013};
-constexpr PostureTable prone_table = {5.1, 2.2,  3.5,  4.3,  1.9,   2.0,  2.9,  1.7,  .0052,
-                                      .02, .012, .222, .021, .0765, .015, .078, .010, .006};
+constexpr PostureTable sitting_table = {.lean_deg = 18.9,
+                                        .lean_woman_deg = -1.3,
+                                        .lean_sd_deg = 6.3,
+                                        .bend_sd_deg = 3.0,
+                                        .yaw_sd_deg = 5.8,
+                                        .twist_sd_deg = 2.5,
+                                        .shoulder_tilt_sd_deg = 2.7,
+                                        .pelvis_tilt_sd_deg = 1.6,
+                                        .side_curve_sd = 0.0054,
+                                        .flex_sd = 0.012,
+                                        .neck_sd = 0.030,
+                                        .head_aside_sd = 0.012,
+                                        .sacrum_back_m = 0.061,
+                                        .sacrum_back_woman_m = 0.018,
+                                        .sacrum_back_per_10_bmi_m = 0.040,
+                                        .sacrum_up_m = 0.169,
+                                        .sacrum_up_per_10_bmi_m = 0.022};
+constexpr PostureTable prone_table = {.lean_deg = 5.1,
+                                      .lean_woman_deg = 2.2,
+                                      .lean_sd_deg = 3.5,
+                                      .bend_sd_deg = 4.3,
+                                      .yaw_sd_deg = 1.9,
+                                      .twist_sd_deg = 2.0,
+                                      .shoulder_tilt_sd_deg = 2.9,
+                                      .pelvis_tilt_sd_deg = 1.7,
+                                      .side_curve_sd = 0.0052,
+                                      .flex_sd = 0.0,
+                                      .neck_sd = 0.020,
+                                      .head_aside_sd = 0.012,
+                                      .sacrum_back_m = 0.222,
+                                      .sacrum_back_woman_m = 0.021,
+                                      .sacrum_back_per_10_bmi_m = 0.0765,
+                                      .sacrum_up_m = 0.078,
+                                      .sacrum_up_per_10_bmi_m = 0.010};
 
 double smooth_step(double x) {
   x = std::clamp(x, 0.0, 1.0);
@@ -68,6 +97,7 @@ PhantomPose pose_of(const PhantomShape& shape, Position position, double length_
   pose.shoulder_tilt_rad = from_deg(t.shoulder_tilt_sd_deg * score[4]);
   pose.pelvis_tilt_rad = from_deg(t.pelvis_tilt_sd_deg * (.6 * score[1] + .8 * score[5]));
   pose.side_curve = t.side_curve_sd * (-.6 * score[1] + .8 * score[6]);
+  pose.flex = t.flex_sd * score[12];
   pose.neck = t.neck_sd * score[7];
   pose.head_aside = t.head_aside_sd * score[8];
   for (const std::size_t side : {0U, 1U}) {
@@ -89,6 +119,10 @@ Vector3 PhantomPose::couch_from_trunk(const Vector3& at) const {
   p.x() += length_m * side_curve * 4.0 * along * (1.0 - along);
   p.z() += at.x() * (std::tan(shoulder_tilt_rad) * smooth_step((u - 0.3) / 0.5) +
                      std::tan(pelvis_tilt_rad) * (1.0 - smooth_step(u / 0.4)));
+  // Rounding: half a wave of the back, which tilts the head and the pelvis straight on beyond its
+  // ends.
+  const double beyond = u < 0.0 ? u : u > 1.0 ? 1.0 - u : 0.0;
+  p.y() += length_m * flex * (std::sin(pi * along) + pi * beyond);
   const Vector3 axis(0.0, -0.1 * length_m, 0.0);
   const Eigen::AngleAxisd twisted(twist_rad * (smooth_step(u) - 0.5), Vector3::UnitZ());
   p = axis + twisted * (p - axis);

@@ -17,6 +17,7 @@ struct PhantomPose {
   double shoulder_tilt_rad = 0.0;
   double pelvis_tilt_rad = 0.0;
   double side_curve = 0.0;  ///< how far the middle of the spine is off the line C7-S2, in lengths
+  double flex = 0.0;        ///< how far the spine is rounded backwards, in lengths
   double neck = 0.0;        ///< how far the head is moved to the back, in lengths
   double head_aside = 0.0;  ///< to the left, in lengths
   std::array<Vector3, 2> arm_in_trunk = {Vector3::UnitX(),
