@@ -4,6 +4,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 using namespace tuina;
@@ -80,10 +81,11 @@ TEST_CASE("the acupoints of a straight phantom obey the rules of the World Healt
     CHECK(at["BL47_L"].z() < at["T9"].z());
     CHECK(at["BL50_L"].z() < at["T12"].z());
     // SI11 lies a third of the way from the middle of the scapula's spine to its tip, both seen
-    // from behind.
-    const double down = at["scapula_spine_mid_L"].x() +
-                        (at["scapula_inferior_angle_L"].x() - at["scapula_spine_mid_L"].x()) / 3.0;
-    CHECK(at["SI11_L"].x() == doctest::Approx(down));
+    // from behind; arms that hang forward draw the skin inwards by a few millimetres.
+    const double third_down =
+        at["scapula_spine_mid_L"].x() +
+        (at["scapula_inferior_angle_L"].x() - at["scapula_spine_mid_L"].x()) / 3.0;
+    CHECK(std::abs(at["SI11_L"].x() - third_down) < 0.006);
   }
 }
 

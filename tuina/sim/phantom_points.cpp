@@ -96,9 +96,10 @@ void mark_points(const Proportions& proportions, const PhantomForm& form, const 
   const auto third_down = [&](Measure from, Measure to) {
     return of[from] + (of[to] - of[from]) / 3.0;
   };
-  // The skin over the scapula slides 4 mm inwards and 1 mm up when the arms leave the standing
-  // position, too.
-  point_pair("SI11", third_down(scapula_spine_mid_x, inferior_angle_x) - 0.008,
+  // When the arms leave the standing position the skin over the scapula slides inwards: 4 mm
+  // forward, 2 mm prone.
+  const double slid = pose.position == Position::sitting ? 0.008 : 0.003;
+  point_pair("SI11", third_down(scapula_spine_mid_x, inferior_angle_x) - slid,
              third_down(scapula_spine_mid_z, inferior_angle_z) + 0.002);
   point_pair("BL47", 3.0 * cun, processes.hollow_below(t9));
   point_pair("BL50", 3.0 * cun, processes.hollow_below(t12));
