@@ -37,10 +37,7 @@ const char* name_of(Trouble trouble) noexcept {
 }
 
 ArmController::ArmController(const robot::ArmModel& model, const Options& options) noexcept
-    : model_(&model),
-      options_(options),
-      sense_(model),
-      friction_(model.table(), options.friction_share, options.friction_windup_rad) {
+    : model_(&model), options_(options), sense_(model), friction_(model.table(), options.friction) {
   if (options_.law != Law::tuina) {
     options_.force.trim_per_s = 0.0;
     options_.force.finds_skin = false;
@@ -59,6 +56,55 @@ void ArmController::start(const ArmState& state) noexcept {
   motion_s_ = 0.0;
   reference_ = motion_.at(0.0);
   status_ = {};
+  move_after_learning_.reset();
+  learning_s_ = -1.0;
+  if (options_.learn_s > 0.0) {
+    learning_s_ = 0.0;
+    learn_rad_ = state.q_rad;
+    learn_nm_ = JointVector();
+    friction_.begin_learning();
+    status_.settled = false;
+  }
+}
+
+// Joint springs carry each joint along a slow sine that swells and fades; all of them at once, out
+// of step, so that the tool hardly travels.
+JointVector ArmController::learning_torque(const ArmState& state, double dt_s) noexcept {
+  constexpr double turn_rad = 0.02, rate = 2.0 * pi * 1.0, edge_s = 0.5;
+  (void)friction_.step(state.q_rad);
+  const auto joints = state.q_rad.size();
+  const double t = learning_s_;
+  const double swell = std::clamp(std::min(t, options_.learn_s - t) / edge_s, 0.0, 1.0);
+  JointVector goal = learn_rad_, speed(joints), acceleration(joints), stiffness(joints);
+  for (Eigen::Index i = 0; i < joints; ++i) {
+    const double a = turn_rad * swell, phase = rate * t + pi * static_cast<double>(i % 2);
+    goal[i] += a * std::sin(phase);
+    speed[i] = a * rate * std::cos(phase);
+    acceleration[i] = -a * rate * rate * std::sin(phase);
+    stiffness[i] = 600.0 * dynamics_.mass_kg_m2(i, i);
+  }
+  if (swell >= 1.0 && learn_nm_.size() == joints) {
+    friction_.learn(learn_nm_ - dynamics_.mass_kg_m2 * acceleration, state.dq_rad_per_s);
+  }
+  learn_nm_ = joint_impedance_torque(dynamics_, state.q_rad, state.dq_rad_per_s, goal, speed,
+                                     acceleration, stiffness, 0.8);
+  learning_s_ += dt_s;
+  if (learning_s_ >= options_.learn_s) {
+    friction_.end_learning();
+    learning_s_ = -1.0;
+    motion_.start({centre_, tool_normal(dynamics_.base_from_tool)});
+    motion_s_ = 0.0;
+    if (move_after_learning_) move_to(*move_after_learning_);
+  }
+  return learn_nm_;
+}
+
+void ArmController::stop_learning() noexcept {
+  if (learning_s_ < 0.0) return;
+  learning_s_ = -1.0;
+  friction_.end_learning();
+  motion_.start({centre_, reference_.pose.normal_in_base});
+  motion_s_ = 0.0;
 }
 
 void ArmController::keep_posture(const JointVector& q_rad) noexcept {
@@ -74,6 +120,7 @@ void ArmController::give_up(Trouble trouble) noexcept {
 // step.
 void ArmController::travel(const Vector3& centre, const Vector3& normal,
                            const ToolMotion::Limits& limits, Doing doing) noexcept {
+  stop_learning();
   if (status_.doing == Doing::contact || status_.doing == Doing::approach) {
     motion_.start(
         {centre_ + shortened(spring_n_, options_.most_pull_n) / options_.stiffness_n_per_m,
@@ -97,6 +144,12 @@ void ArmController::hold() noexcept {
 }
 
 void ArmController::move_to(const ToolPose& foremost) noexcept {
+  if (learning_s_ >= 0.0) {
+    move_after_learning_ = foremost;
+    status_.doing = Doing::move;
+    status_.settled = false;
+    return;
+  }
   const Vector3 normal = foremost.normal_in_base.normalized();
   travel(foremost.at_in_base + model_->table().tool_radius_m * normal, normal, options_.motion,
          Doing::move);
@@ -112,6 +165,7 @@ void ArmController::retract(double distance_m) noexcept {
 void ArmController::approach(const ToolPose& skin) noexcept {
   const Vector3 normal = skin.normal_in_base.normalized();
   if (!normal.allFinite() || !skin.at_in_base.allFinite()) return give_up(Trouble::bad_command);
+  stop_learning();
   sense_.tare();
   target_ = {.at_in_base = skin.at_in_base, .normal_in_base = normal, .model = target_.model};
   reference_ = {.pose = {skin.at_in_base + model_->table().tool_radius_m * normal, normal}};
@@ -185,7 +239,7 @@ double ArmController::approach_force(double depth_m, double speed, double dt_s) 
                         spring_n);
     target_.force_n = options_.touch_n;
     status_.doing = Doing::contact;
-  } else if (search_m_ > options_.search_to_m) {
+  } else if (depth_m > options_.search_to_m) {
     give_up(Trouble::no_skin_found);
   }
   return spring_n + damping * (search_speed_ - speed);
@@ -273,6 +327,12 @@ JointVector ArmController::step(const ArmState& state, double rail_m, double dt_
   const bool touching = status_.doing == Doing::approach || status_.doing == Doing::contact;
   const bool baseline = options_.law == Law::thesis || options_.law == Law::joint;
   JointVector torque_nm;
+  if (learning_s_ >= 0.0) {
+    const JointVector learning_nm = learning_torque(state, dt_s);
+    status_.virtual_target_in_base = centre_;
+    status_.normal_in_base = reference_.pose.normal_in_base;
+    return learning_nm + dynamics_.gravity_nm + dynamics_.coriolis_nm;
+  }
   if (status_.doing == Doing::contact && baseline) {
     torque_nm = baseline_torque(state, dt_s);
   } else {

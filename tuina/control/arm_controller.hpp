@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "tuina/control/arm_sense.hpp"
 #include "tuina/control/cartesian_impedance.hpp"
@@ -69,8 +70,9 @@ class ArmController {
     double most_drag_n = 30.0;  ///< of the springs along the skin
     TurningGains turning = {};
     PostureGains posture = {};
-    double friction_share = 0.8;
-    double friction_windup_rad = 0.3e-3;
+    FrictionCompensation::Options friction = {};
+    double learn_s =
+        3.0;  ///< after `start` every joint is moved to and fro to learn its friction; 0: not
     ToolMotion::Limits motion = {};
     double approach_m_per_s = 0.05;
     double search_m_per_s = 0.02;
@@ -89,7 +91,9 @@ class ArmController {
                                double rail_m) noexcept {
     return sense_.sense(reading, time_s, rail_m);
   }
-  /// Holds where the arm is; its posture becomes the one it keeps to where the task leaves it free.
+  /// Where the arm is, in free air; its posture becomes the one it keeps to where the task leaves
+  /// it free. It learns its joint friction first, within 30 mm of there; a `move_to` waits for
+  /// that.
   void start(const ArmState& state) noexcept;
 
   /// The joint angles the arm keeps to where the task leaves it free, its elbow above all.
@@ -118,9 +122,11 @@ class ArmController {
   [[nodiscard]] Vector3 contact_force(const ArmState& state, double dt_s) noexcept;
   [[nodiscard]] double approach_force(double depth_m, double speed, double dt_s) noexcept;
   [[nodiscard]] JointVector baseline_torque(const ArmState& state, double dt_s) noexcept;
+  [[nodiscard]] JointVector learning_torque(const ArmState& state, double dt_s) noexcept;
   void travel(const Vector3& centre, const Vector3& normal, const ToolMotion::Limits& limits,
               Doing doing) noexcept;
   void give_up(Trouble trouble) noexcept;
+  void stop_learning() noexcept;
 
   const robot::ArmModel* model_;
   Options options_;
@@ -140,6 +146,9 @@ class ArmController {
   double search_m_ = 0.0, search_speed_ = 0.0;
   double quiet_s_ = 0.0, touched_s_ = 0.0, blocked_s_ = 0.0;
   double rail_m_ = 0.0;
+  double learning_s_ = -1.0;  // since it began, negative when it does not learn
+  JointVector learn_rad_, learn_nm_;
+  std::optional<ToolPose> move_after_learning_;
   ArmStatus status_;
 };
 

@@ -89,8 +89,9 @@ double ForceTarget::step(const Input& input, double dt_s) noexcept {
     trim_n_ -= K * (skin_m - skin_m_);
     skin_m_ = skin_m;
     const double expected_m = skin_m_ + depth_at(input.model, set_n_);
-    const double gain = std::min(
-        options_.gain_share * damping / (contact_n_per_m * options_.sensor_lag_s), options_.most_gain);
+    const double gain =
+        std::min(options_.gain_share * damping / (contact_n_per_m * options_.sensor_lag_s),
+                 options_.most_gain);
     const double quick_n = std::clamp(gain * (set_n_ - input.force_n), -options_.most_trim_out_n,
                                       options_.most_gain_in_n);
     spring_n = K * (expected_m - input.depth_m) + set_n_ + trim_n_ + quick_n;

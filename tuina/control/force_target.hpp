@@ -28,7 +28,8 @@ class ForceTarget {
   struct Options {
     double stiffness_n_per_m = 1000.0;
     double trim_per_s = 30.0;
-    /// The force gain, as a share of damping / (contact stiffness x sensor lag), where it would ring.
+    /// The force gain, as a share of damping / (contact stiffness x sensor lag), where it would
+    /// ring.
     double gain_share = 0.2;
     double most_gain = 2.0;
     double sensor_lag_s = 4e-3;

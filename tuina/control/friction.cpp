@@ -5,21 +5,63 @@
 
 namespace tuina::control {
 
+FrictionCompensation::FrictionCompensation(const robot::ArmTable& table,
+                                           const Options& options) noexcept
+    : table_(table), options_(options), coulomb_nm_(table.joints) {
+  for (int i = 0; i < table.joints; ++i) {
+    coulomb_nm_[i] = options.share_of_table * table.links[static_cast<std::size_t>(i)].coulomb_nm;
+  }
+  start(JointVector::Zero(table.joints));
+}
+
 void FrictionCompensation::start(const JointVector& q_rad) noexcept {
   q_rad_ = q_rad;
   wound_ = JointVector::Zero(q_rad.size());
 }
 
 JointVector FrictionCompensation::step(const JointVector& q_rad) noexcept {
-  JointVector torque_nm(q_rad.size());
   for (Eigen::Index i = 0; i < q_rad.size(); ++i) {
-    const double turned = (q_rad[i] - q_rad_[i]) / windup_rad_;
+    const double turned = (q_rad[i] - q_rad_[i]) / options_.windup_rad;
     const double direction = turned > 0.0 ? 1.0 : -1.0;
     wound_[i] = std::clamp(wound_[i] + turned * (1.0 - wound_[i] * direction), -1.0, 1.0);
-    torque_nm[i] = share_ * table_.links[static_cast<std::size_t>(i)].coulomb_nm * wound_[i];
   }
   q_rad_ = q_rad;
-  return torque_nm;
+  return learning_ ? JointVector(JointVector::Zero(q_rad.size()))
+                   : JointVector(coulomb_nm_.cwiseProduct(wound_));
+}
+
+void FrictionCompensation::begin_learning() noexcept {
+  sums_ = {};
+  learning_ = true;
+}
+
+void FrictionCompensation::learn(const JointVector& rest_nm,
+                                 const JointVector& dq_rad_per_s) noexcept {
+  for (Eigen::Index i = 0; i < rest_nm.size(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const double rest = rest_nm[i] - table_.links[k].viscous_nm_s_per_rad * dq_rad_per_s[i];
+    Sums& sums = sums_[k];
+    sums.n += 1.0;
+    sums.w += wound_[i];
+    sums.ww += wound_[i] * wound_[i];
+    sums.r += rest;
+    sums.wr += wound_[i] * rest;
+  }
+}
+
+// Least squares of rest = friction x wound + gravity error; a joint that hardly turned teaches
+// nothing.
+void FrictionCompensation::end_learning() noexcept {
+  learning_ = false;
+  for (Eigen::Index i = 0; i < coulomb_nm_.size(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const Sums& sums = sums_[k];
+    const double spread = sums.n * sums.ww - sums.w * sums.w;
+    if (!(spread > 0.1 * sums.n * sums.n)) continue;
+    const double friction_nm = (sums.n * sums.wr - sums.w * sums.r) / spread;
+    const double most_nm = 4.0 * table_.links[k].coulomb_nm;
+    coulomb_nm_[i] = options_.share * std::clamp(friction_nm, 0.0, most_nm);
+  }
 }
 
 }  // namespace tuina::control
