@@ -6,8 +6,8 @@
 #include <cmath>
 #include <map>
 
-#include "tuina/core/png.hpp"
 #include "tuina/core/units.hpp"
+#include "tuina/telemetry/picture_element.hpp"
 #include "tuina/telemetry/report_figures.hpp"
 #include "tuina/telemetry/shaded_picture.hpp"
 #include "tuina/telemetry/svg_plot.hpp"
@@ -67,21 +67,6 @@ View view_of(const Pose& pose) {
   return view;
 }
 
-std::string base64(const std::string& bytes) {
-  constexpr const char* letters =
-      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve(bytes.size() * 4 / 3 + 4);
-  for (std::size_t k = 0; k < bytes.size(); k += 3) {
-    unsigned int three = 0;
-    for (std::size_t j = 0; j < 3; ++j)
-      three = three << 8 | (k + j < bytes.size() ? static_cast<unsigned char>(bytes[k + j]) : 0U);
-    for (std::size_t j = 0; j < 4; ++j)
-      text += k + j <= bytes.size() ? letters[three >> (18 - 6 * j) & 63] : '=';
-  }
-  return text;
-}
-
 struct Label {
   Vector2 at;  ///< of the point, in the drawing
   std::string name;
@@ -129,10 +114,8 @@ std::string compose(const ShadedPicture& picture, std::vector<Label> labels,
       "aria-label=\"{2}\" "
       "class=\"back\" font-family=\"Inter,system-ui,-apple-system,'Segoe "
       "UI',Helvetica,Arial,sans-serif\" font-size=\"12.5\" fill=\"{3}\">"
-      "<title>{2}</title><image x=\"{4:.0f}\" width=\"{5:.1f}\" height=\"{6:.1f}\" "
-      "href=\"data:image/png;base64,{7}\"/>",
-      width + 2 * side, height, escaped(title), css(palette::ink), side, width, height,
-      base64(to_png(picture.image)));
+      "<title>{2}</title>{4}",
+      width + 2 * side, height, escaped(title), css(palette::ink), picture_element(picture, side));
   const auto draw = [&](const Label& label, bool is_left) {
     const double edge = is_left ? side - 8 : side + width + 8;
     const char* anchor = is_left ? "end" : "start";

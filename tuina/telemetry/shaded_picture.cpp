@@ -51,9 +51,9 @@ Prepared prepare(const Scene& scene, const Projection& projection) {
   for (const Thread& thread : scene.threads) {
     for (std::size_t k = 0; k + 1 < thread.points.size(); ++k) {
       const Vector3 along = thread.points[k + 1] - thread.points[k];
-      // Balls closer than half their radius look like one smooth thread.
-      const int balls =
-          std::clamp(static_cast<int>(along.norm() / (0.5 * thread.radius_m)) + 1, 1, 2000);
+      // Balls as close as this look like one smooth thread, thick or thin.
+      const double apart_m = std::min(0.5 * thread.radius_m, 0.0015);
+      const int balls = std::clamp(static_cast<int>(along.norm() / apart_m) + 1, 1, 2000);
       for (int ball = 0; ball < balls; ++ball) {
         add_ball(thread.points[k] + along * (static_cast<double>(ball) / balls), thread.radius_m,
                  thread.colour);
