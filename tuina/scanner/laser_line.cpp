@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <optional>
 #include <type_traits>
@@ -66,6 +67,14 @@ struct Look {
   Candidate brightest;
 };
 
+const std::uint8_t* where_is(std::uint8_t value, const std::uint8_t* from, const std::uint8_t* to) {
+  return static_cast<const std::uint8_t*>(
+      std::memchr(from, value, static_cast<std::size_t>(to - from)));
+}
+const float* where_is(float value, const float* from, const float* to) {
+  return std::find(from, to, value);
+}
+
 template <typename Sample>
 Look look_at(const Sample* row, const LineScene& scene) {
   const int first = scene.first_column;
@@ -73,7 +82,7 @@ Look look_at(const Sample* row, const LineScene& scene) {
   const auto most = largest(row + first, last - first + 1);
   if (static_cast<float>(most) < scene.background_dn + least_pixel_snr * scene.noise_dn) return {};
 
-  const Sample* at = std::find(row + first, row + last + 1, most);
+  const Sample* at = where_is(most, row + first, row + last + 1);
   int left = static_cast<int>(at - row);
   int right = left;
   // Where the line is clipped its middle is the middle of the plateau; the first of equal pixels

@@ -101,15 +101,10 @@ void SceneSample::add_row(const Sample* row, int y) {
   }
   // The brighter of two neighbours would be a hot pixel; the dimmer one of the brightest pair is
   // the line.
-  int peak = first;
   Sample highest = row[first];
-  for (int x = first; x < last; ++x) {
-    const Sample both = std::min(row[x], row[x + 1]);
-    if (both > highest) {
-      highest = both;
-      peak = x;
-    }
-  }
+  for (int x = first; x < last; ++x) highest = std::max(highest, std::min(row[x], row[x + 1]));
+  int peak = first;
+  while (peak < last && std::min(row[peak], row[peak + 1]) < highest) ++peak;
   const auto most = static_cast<float>(highest);
   float lowest = most;
   for (int x = std::max(first, peak - 40); x <= std::min(last, peak + 40); ++x) {

@@ -76,10 +76,14 @@ std::optional<LinePoint> fit(const Sample* row, float column_px, const LineScene
     for (const int x : used) {
       const double u = (x - x0) / width;
       const double g = std::exp(-0.5 * u * u);
-      const Eigen::Vector4d slope(g, amplitude * g * u / width, 1.0, amplitude * g * u * u / width);
-      normal += slope * slope.transpose();
-      rhs += slope * (static_cast<double>(row[x]) - amplitude * g - background);
+      const double slope[4] = {g, amplitude * g * u / width, 1.0, amplitude * g * u * u / width};
+      const double error = static_cast<double>(row[x]) - amplitude * g - background;
+      for (int i = 0; i < 4; ++i) {
+        rhs(i) += slope[i] * error;
+        for (int j = 0; j <= i; ++j) normal(i, j) += slope[i] * slope[j];
+      }
     }
+    normal.triangularView<Eigen::StrictlyUpper>() = normal.transpose();
     // The flanks of a clipped line tell its height from its width badly. That its width is about
     // the usual one, within a third, keeps the fit in the world.
     const double trust = noise2 / std::pow(0.33 * static_cast<double>(scene.width_px), 2);

@@ -4,6 +4,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdlib>
 
 namespace tuina::scanner {
@@ -56,25 +57,37 @@ bool ProfileGrid::trustworthy(std::size_t profile, std::size_t row) const {
 std::optional<Vector3> ProfileGrid::normal(std::size_t profile, std::size_t row) const {
   // Least squares of point = origin + a i + b j over a 5 x 5 pattern, six rows up and down because
   // rows lie closer than profiles; the normal is upright to a and b.
-  Matrix3 sums = Matrix3::Zero();
-  Matrix3 moments = Matrix3::Zero();
   const Vector3& origin = at(profile, row).point;
-  int used = 0;
+  double n = 0.0, i1 = 0.0, j1 = 0.0, ii = 0.0, ij = 0.0, jj = 0.0;
+  Vector3 p = Vector3::Zero();
+  Vector3 ip = Vector3::Zero();
+  Vector3 jp = Vector3::Zero();
   for (int i = -2; i <= 2; ++i) {
     for (int j = -6; j <= 6; j += 3) {
       const Node* node = i == 0 && j == 0 ? &at(profile, row) : neighbour(profile, row, i, j);
       if (node == nullptr) continue;
-      const Vector3 place(1.0, i, j);
-      sums += place * place.transpose();
-      moments += place * (node->point - origin).transpose();
-      ++used;
+      const Vector3 from_origin = node->point - origin;
+      n += 1.0;
+      i1 += i;
+      j1 += j;
+      ii += i * i;
+      ij += i * j;
+      jj += j * j;
+      p += from_origin;
+      ip += i * from_origin;
+      jp += j * from_origin;
     }
   }
-  if (used < 6) return {};
-  const double spread = sums(1, 1) * sums(2, 2) - sums(1, 2) * sums(1, 2);
+  if (n < 6.0) return {};
+  const double c_ii = ii - i1 * i1 / n;
+  const double c_ij = ij - i1 * j1 / n;
+  const double c_jj = jj - j1 * j1 / n;
+  const double spread = c_ii * c_jj - c_ij * c_ij;
   if (spread < 1.0) return {};
-  const Matrix3 plane = sums.inverse() * moments;
-  const Vector3 normal = plane.row(1).cross(plane.row(2)).transpose();
+  // The common factor 1 / spread of a and b does not turn the normal.
+  const Vector3 along_i = ip - i1 / n * p;
+  const Vector3 along_j = jp - j1 / n * p;
+  const Vector3 normal = (c_jj * along_i - c_ij * along_j).cross(c_ii * along_j - c_ij * along_i);
   const double length = normal.norm();
   if (!(length > 0.0) || !std::isfinite(length)) return {};
   return Vector3(normal / length);

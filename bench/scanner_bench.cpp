@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: Apache-2.0
+// One picture of 640 x 480 with a line of 2.5 px and 4 DN of noise. The limit is reading the
+// picture once; the peers are what a user would write and what the open scanners do, written out
+// plainly.
+#include <benchmark/benchmark.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "tuina/core/random.hpp"
+#include "tuina/core/units.hpp"
+#include "tuina/scanner/laser_line.hpp"
+#include "tuina/scanner/sweep.hpp"
+
+namespace {
+
+using namespace tuina;
+using namespace tuina::scanner;
+
+double true_column(int y) {
+  return 300.0 + 40.0 * std::sin(0.01 * y);
+}
+
+Image draw(double amplitude_dn, double background_dn, std::uint64_t seed) {
+  Random random = make_random(seed, "bench picture");
+  Image image(640, 480);
+  for (int y = 0; y < 480; ++y) {
+    for (int x = 0; x < 640; ++x) {
+      const double u = (x - true_column(y)) / 2.5;
+      const double light =
+          background_dn + amplitude_dn * std::exp(-0.5 * u * u) + gaussian(random, 4.0);
+      image.row(y)[x] = static_cast<std::uint8_t>(std::clamp(std::round(light), 0.0, 255.0));
+    }
+  }
+  return image;
+}
+
+// Amplitude and background from the arguments of the benchmark.
+Image picture_of(const benchmark::State& state) {
+  return draw(static_cast<double>(state.range(0)), static_cast<double>(state.range(1)), 1);
+}
+
+template <typename Columns>
+void report(benchmark::State& state, const Columns& columns) {
+  double bias = 0.0;
+  double rms = 0.0;
+  int lit = 0;
+  for (const auto& [row, column] : columns) {
+    const double error = static_cast<double>(column) - true_column(row);
+    bias += error;
+    rms += error * error;
+    ++lit;
+  }
+  state.counters["lit"] = lit;
+  state.counters["bias_px"] = bias / std::max(1, lit);
+  state.counters["rms_px"] = std::sqrt(rms / std::max(1, lit));
+}
+
+using Columns = std::vector<std::pair<int, double>>;
+
+void sum_of_all_pixels(benchmark::State& state) {
+  const Image image = picture_of(state);
+  for (auto _ : state) {
+    std::uint32_t sum = 0;
+    for (const std::uint8_t pixel : image.data) sum += pixel;
+    benchmark::DoNotOptimize(sum);
+  }
+}
+
+// The limit once more, with the widest instruction for it: no reading of the picture is faster.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__SANITIZE_ADDRESS__)
+__attribute__((target_clones("arch=haswell", "default")))
+#endif
+std::uint64_t
+sum_wide(const std::uint8_t* pixels, std::size_t count) {
+  std::uint64_t sum = 0;
+  for (std::size_t i = 0; i < count; i += 256) {
+    std::uint16_t part = 0;
+    for (std::size_t k = 0; k < 256; ++k) part = static_cast<std::uint16_t>(part + pixels[i + k]);
+    sum += part;
+  }
+  return sum;
+}
+
+void read_limit(benchmark::State& state) {
+  const Image image = picture_of(state);
+  for (auto _ : state) benchmark::DoNotOptimize(sum_wide(image.data.data(), image.data.size()));
+}
+
+void ours(benchmark::State& state, LineMethod method) {
+  const Image image = picture_of(state);
+  // In a sweep the noise of the camera is known after the first frame; here it is estimated every
+  // time.
+  LaserLine line;
+  for (auto _ : state) {
+    line = find_laser_line(image, {.method = method});
+    benchmark::DoNotOptimize(line.points.data());
+  }
+  Columns columns;
+  for (const LinePoint& point : line.points) {
+    columns.emplace_back(point.row, static_cast<double>(point.column_px));
+  }
+  report(state, columns);
+}
+
+void ours_centroid(benchmark::State& state) {
+  ours(state, LineMethod::centroid);
+}
+void ours_likelihood(benchmark::State& state) {
+  ours(state, LineMethod::likelihood);
+}
+void thesis_centroid(benchmark::State& state) {
+  ours(state, LineMethod::thesis);
+}
+
+// Row by row the brightest pixel, then the moments of a window around it: what most users write
+// first.
+void row_maximum_and_moments(benchmark::State& state) {
+  const Image image = picture_of(state);
+  Columns columns;
+  for (auto _ : state) {
+    columns.clear();
+    for (int y = 0; y < image.height; ++y) {
+      const std::uint8_t* row = image.row(y);
+      int best = 0;
+      for (int x = 1; x < image.width; ++x) {
+        if (row[x] > row[best]) best = x;
+      }
+      if (row[best] < 40) continue;
+      double light = 0.0;
+      double moment = 0.0;
+      for (int x = std::max(0, best - 8); x <= std::min(image.width - 1, best + 8); ++x) {
+        light += row[x];
+        moment += static_cast<double>(row[x]) * x;
+      }
+      columns.emplace_back(y, moment / light);
+    }
+    benchmark::DoNotOptimize(columns.data());
+  }
+  report(state, columns);
+}
+
+// The open scanners: laser on minus laser off, a fixed threshold, the centroid of what is left of
+// each row.
+void on_off_difference_threshold(benchmark::State& state) {
+  const Image on = picture_of(state);
+  const Image off = draw(0.0, static_cast<double>(state.range(1)), 2);
+  std::vector<int> difference(static_cast<std::size_t>(on.width));
+  Columns columns;
+  for (auto _ : state) {
+    columns.clear();
+    for (int y = 0; y < on.height; ++y) {
+      int best = 0;
+      for (int x = 0; x < on.width; ++x) {
+        const auto i = static_cast<std::size_t>(x);
+        difference[i] = std::max(0, on.row(y)[x] - off.row(y)[x]);
+        if (difference[i] < 20) difference[i] = 0;
+        if (difference[i] > difference[static_cast<std::size_t>(best)]) best = x;
+      }
+      double light = 0.0;
+      double moment = 0.0;
+      for (int x = std::max(0, best - 10); x <= std::min(on.width - 1, best + 10); ++x) {
+        light += difference[static_cast<std::size_t>(x)];
+        moment += static_cast<double>(difference[static_cast<std::size_t>(x)]) * x;
+      }
+      if (light > 0.0) columns.emplace_back(y, moment / light);
+    }
+    benchmark::DoNotOptimize(columns.data());
+  }
+  report(state, columns);
+}
+
+// 200 lines of 640 rows to a cloud with normals, the lines already found.
+void lines_to_cloud(benchmark::State& state) {
+  ScannerCalibration calibration;
+  calibration.camera = {.width_px = 480,
+                        .height_px = 640,
+                        .fx_px = 1041.67,
+                        .fy_px = 1041.67,
+                        .cx_px = 239.5,
+                        .cy_px = 319.5};
+  calibration.laser_normal_in_camera = {std::sin(73.0_deg), 0.0, std::cos(73.0_deg)};
+  calibration.laser_distance_m = 0.2 * std::sin(73.0_deg);
+  std::vector<TimedLine> lines;
+  std::vector<YawReading> readings;
+  for (int i = 0; i < 200; ++i) {
+    TimedLine line{.time_s = i / 30.0, .line = {}};
+    for (int row = 0; row < 640; ++row) {
+      line.line.points.push_back(
+          {.row = row, .column_px = 110.0F, .amplitude_dn = 200.0F, .deviation_px = 0.03F});
+    }
+    lines.push_back(line);
+    readings.push_back({line.time_s, from_deg(0.2 * i)});
+  }
+  for (auto _ : state) benchmark::DoNotOptimize(make_cloud(lines, readings, calibration));
+}
+
+void pictures(benchmark::internal::Benchmark* bench) {
+  bench->ArgNames({"amplitude", "background"});
+  for (const int amplitude : {200, 60}) bench->Args({amplitude, 20});
+  bench->Args({600, 20});
+  bench->Args({120, 60});
+  bench->Unit(benchmark::kMicrosecond);
+}
+
+}  // namespace
+
+BENCHMARK(sum_of_all_pixels)->Args({200, 20})->Unit(benchmark::kMicrosecond);
+BENCHMARK(read_limit)->Args({200, 20})->Unit(benchmark::kMicrosecond);
+BENCHMARK(ours_centroid)->Apply(pictures);
+BENCHMARK(ours_likelihood)->Apply(pictures);
+BENCHMARK(thesis_centroid)->Apply(pictures);
+BENCHMARK(row_maximum_and_moments)->Apply(pictures);
+BENCHMARK(on_off_difference_threshold)->Apply(pictures);
+BENCHMARK(lines_to_cloud)->Unit(benchmark::kMillisecond);
+
+// Keeps the times, so that their ratios can be printed below them.
+class Reporter : public benchmark::ConsoleReporter {
+ public:
+  void ReportRuns(const std::vector<Run>& runs) override {
+    for (const Run& run : runs) cpu[run.benchmark_name()] = run.GetAdjustedCPUTime();
+    ConsoleReporter::ReportRuns(runs);
+  }
+  std::map<std::string, double> cpu;
+};
+
+int main(int argc, char** argv) {
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
+  Reporter reporter;
+  benchmark::RunSpecifiedBenchmarks(&reporter);
+  if (reporter.cpu.size() < 20) return 0;  // a filter was given
+  const auto us = [&](const char* name) {
+    return reporter.cpu.at(std::string(name) + "/amplitude:200/background:20");
+  };
+  const double sum = reporter.cpu.at("sum_of_all_pixels/200/20");
+  fmt::print(
+      "centroid {:.1f} x, likelihood {:.1f} x the sum of all pixels; row maximum and moments "
+      "{:.1f} x, "
+      "on/off difference {:.1f} x centroid\n",
+      us("ours_centroid") / sum, us("ours_likelihood") / sum,
+      us("row_maximum_and_moments") / us("ours_centroid"),
+      us("on_off_difference_threshold") / us("ours_centroid"));
+  return 0;
+}
