@@ -12,6 +12,7 @@ namespace tuina::session {
 namespace {
 
 constexpr double checked_every_s = 0.1;
+constexpr double rail_goals_m = 20_mm;
 constexpr double press_depth_m =
     8_mm;  // what 30 N press into soft tissue on a torso that gives way
 
@@ -87,8 +88,13 @@ Result<ReadyPlan> make_ready(massage::Plan plan, const body::BackSurface& back,
 
   PerArm<std::vector<robot::ContactGoal>> all_goals;
   for (const massage::PlannedPath& planned : plan.paths) {
+    // The base is placed by where the paths go, not by how often: turns and strokes go there again.
+    std::vector<robot::ContactGoal>& goals = all_goals[planned.arm];
     for (const robot::ContactGoal& goal : goals_of(planned.path, base_from_couch)) {
-      all_goals[planned.arm].push_back(goal);
+      const bool is_near = std::any_of(goals.begin(), goals.end(), [&](const auto& other) {
+        return (other.at_in_base - goal.at_in_base).norm() < rail_goals_m;
+      });
+      if (!is_near) goals.push_back(goal);
     }
   }
   // A plan may hold a path that no place of the base reaches; the others are still worth doing from
