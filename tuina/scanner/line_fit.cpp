@@ -83,12 +83,12 @@ std::optional<LinePoint> fit(const Sample* row, float column_px, const LineScene
         for (int j = 0; j <= i; ++j) normal(i, j) += slope[i] * slope[j];
       }
     }
-    normal.triangularView<Eigen::StrictlyUpper>() = normal.transpose();
     // The flanks of a clipped line tell its height from its width badly. That its width is about
     // the usual one, within a third, keeps the fit in the world.
     const double trust = noise2 / std::pow(0.33 * static_cast<double>(scene.width_px), 2);
     normal(3, 3) += trust;
     rhs(3) += trust * (static_cast<double>(scene.width_px) - width);
+    // Only the lower half of `normal` is filled in; the factorisation reads no other.
     const Eigen::Vector4d move = normal.ldlt().solve(rhs);
     if (!move.allFinite()) return {};
     amplitude = std::clamp(amplitude + move(0), 0.5 * amplitude, 2.0 * amplitude);
@@ -100,7 +100,7 @@ std::optional<LinePoint> fit(const Sample* row, float column_px, const LineScene
   // Half of the line must be in the image, and the fit must have stayed where the line was seen.
   if (x0 < scene.first_column + 0.5 * width || x0 > scene.last_column - 0.5 * width) return {};
   if (std::abs(x0 - 0.5 * (left + right)) > 2.0 + 0.5 * (right - left) + scene.width_px) return {};
-  const Eigen::Matrix4d covariance = normal.inverse() * noise2;
+  const Eigen::Matrix4d covariance = noise2 * normal.ldlt().solve(Eigen::Matrix4d::Identity());
   if (!(covariance(0, 0) > 0.0 && covariance(1, 1) > 0.0)) return {};
   // A narrow fit to a few noisy pixels is high but not sure of its height.
   if (!clipped(left) && amplitude < 5.0 * std::sqrt(covariance(0, 0))) return {};
