@@ -32,6 +32,12 @@ const PerformedPath* path_at(const ReportData& data, const TraceRow& row) {
   return nullptr;
 }
 
+std::string name_of(const ContactPath& path) {
+  if (path.acupoints.empty()) return "";
+  const std::string first = spoken(path.acupoints.front());
+  return path.acupoints.size() == 1 ? first : first + " to " + spoken(path.acupoints.back());
+}
+
 std::vector<Contact> contacts_of(const ReportData& data, Technique technique) {
   std::vector<Contact> contacts;
   for (const Arm arm : both_arms) {
@@ -39,17 +45,17 @@ std::vector<Contact> contacts_of(const ReportData& data, Technique technique) {
     const PerformedPath* path = nullptr;
     for (const TraceRow& row : data.trace) {
       if (row.arm != arm || row.technique != technique) continue;
-      const bool in_path =
-          path != nullptr && row.time_s <= path->begin_s + path->path.duration_s() + 0.01;
-      if (last == nullptr || row.time_s - last->time_s > longest_gap_s ||
-          (path != nullptr && !in_path)) {
-        path = path_at(data, row);
-        std::string name;
-        if (path != nullptr && !path->path.acupoints.empty()) {
-          name = spoken(path->path.acupoints.front());
-          if (path->path.acupoints.size() > 1) name += " to " + spoken(path->path.acupoints.back());
-        }
-        contacts.push_back({.name = std::move(name), .begin_s = row.time_s, .rows = {}});
+      // The rows of an approach may come before their path begins, those of a retreat after it
+      // ends.
+      const PerformedPath* here = path_at(data, row);
+      const bool next_path = path != nullptr && here != nullptr && here != path;
+      if (last == nullptr || row.time_s - last->time_s > longest_gap_s || next_path) {
+        contacts.push_back({.name = "", .begin_s = row.time_s, .rows = {}});
+        path = nullptr;
+      }
+      if (path == nullptr && here != nullptr) {
+        path = here;
+        contacts.back().name = name_of(here->path);
       }
       contacts.back().rows.push_back(&row);
       last = &row;

@@ -75,12 +75,12 @@ std::string path_of(const Series& series, const Frame& frame) {
       ++k;
       continue;
     }
-    const double column = std::floor(2.0 * frame.px(series.x[k]));
+    const double column = std::floor(frame.px(series.x[k]));
     std::size_t end = k;
     std::size_t lowest = k;
     std::size_t highest = k;
     while (end < series.x.size() && std::isfinite(series.x[end]) && std::isfinite(series.y[end]) &&
-           std::floor(2.0 * frame.px(series.x[end])) == column) {
+           std::floor(frame.px(series.x[end])) == column) {
       if (series.y[end] < series.y[lowest]) lowest = end;
       if (series.y[end] > series.y[highest]) highest = end;
       ++end;
