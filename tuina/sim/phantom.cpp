@@ -48,11 +48,15 @@ std::vector<double> seen_from_behind(const Mesh& body, const PhantomForm& form,
   for (std::size_t i = 0; i < seen.size(); ++i) {
     const double facing =
         normals[i].normalized()[back_axis(pose.position)] + slightly_from_the_side;
-    const double above_seat = pose.position == Position::sitting
-                                  ? posed.vertices[i].z() - 0.070
-                                  : std::min(posed.vertices[i].z() - 0.01,
-                                             body.vertices[i].z() + 0.345 * form.length_m());
-    const double ends = std::min(above_seat, form.before_elbow(body.vertices[i]));
+    const Vector3& at = body.vertices[i];
+    // Prone the surface ends above the bed and, rounding off towards the hips, below the buttocks.
+    const double aside = at.x() / form.length_m();
+    const double above_seat =
+        pose.position == Position::sitting
+            ? posed.vertices[i].z() - 70_mm
+            : std::min(posed.vertices[i].z() - 10_mm,
+                       at.z() + form.length_m() * (0.35 - 1.1 * aside * aside));
+    const double ends = std::min(above_seat, form.before_elbow(at));
     seen[i] = std::min(facing * 0.05, ends);
   }
   return seen;
