@@ -14,6 +14,7 @@ std::unique_ptr<Verb> make_config_show();
 std::unique_ptr<Verb> make_config_check();
 std::unique_ptr<Verb> make_tissue_fit();
 std::unique_ptr<Verb> make_tissue_estimate();
+std::unique_ptr<Verb> make_evaluate_tissue();
 std::unique_ptr<Verb> make_doctor();
 std::unique_ptr<Verb> make_line();
 std::unique_ptr<Verb> make_scan();

@@ -18,7 +18,7 @@ constexpr int passes_at_rest = 4;  // Gauss-Newton steps after the last new samp
 // from the tests'.
 constexpr double model_sd_m = 0.05e-3;
 constexpr double skin_walk_m2_per_s = 0.01e-6;
-constexpr double breath_damping = 0.25;
+constexpr double breath_damping = 0.15;
 constexpr double forgetting_per_fold = 0.005;  // of the logarithms
 // At the moment an interval just fits, one estimate in twenty would still be outside: ask for 98 %.
 constexpr double sureness = 2.33 / 1.96;

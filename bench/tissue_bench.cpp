@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+// Cost of one millisecond of estimation, beside the thesis' least squares and a whole batch fit.
+#include <benchmark/benchmark.h>
+
+#include <algorithm>
+#include <chrono>
+#include <vector>
+
+#include "tuina/sim/press_scenarios.hpp"
+#include "tuina/tissue/curve_fit.hpp"
+#include "tuina/tissue/press_estimator.hpp"
+#include "tuina/tissue/thesis_estimator.hpp"
+
+using namespace tuina;
+
+namespace {
+
+const std::vector<tissue::TimedPress>& record() {
+  static const auto presses = [] {
+    Random random = make_random(1, "bench");
+    return sim::simulate_presses(sim::press_scenarios().front(), {9.786, 185.4}, 60.0, random)
+        .record;
+  }();
+  return presses;
+}
+
+void press_estimator_sample(benchmark::State& state) {
+  for (auto _ : state) {
+    tissue::PressEstimator estimator;
+    for (const auto& sample : record()) estimator.update(sample.time_s, sample.press);
+    benchmark::DoNotOptimize(estimator.estimate());
+  }
+  state.SetItemsProcessed(state.iterations() * static_cast<long>(record().size()));
+}
+BENCHMARK(press_estimator_sample);
+
+void thesis_estimator_sample(benchmark::State& state) {
+  for (auto _ : state) {
+    tissue::ThesisEstimator estimator;
+    for (const auto& sample : record()) estimator.update(sample.press, 1e-3);
+    benchmark::DoNotOptimize(estimator.tissue());
+  }
+  state.SetItemsProcessed(state.iterations() * static_cast<long>(record().size()));
+}
+BENCHMARK(thesis_estimator_sample);
+
+/// Not a mean but the slowest tick of a thousand, each timed on its own.
+void press_estimator_slowest_of_1000(benchmark::State& state) {
+  std::vector<double> ticks_us;
+  for (auto _ : state) {
+    tissue::PressEstimator estimator;
+    for (const auto& sample : record()) {
+      const auto start = std::chrono::steady_clock::now();
+      estimator.update(sample.time_s, sample.press);
+      ticks_us.push_back(
+          std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start)
+              .count());
+    }
+  }
+  std::sort(ticks_us.begin(), ticks_us.end());
+  state.counters["tick_999_us"] = ticks_us[ticks_us.size() * 999 / 1000];
+}
+BENCHMARK(press_estimator_slowest_of_1000)->Iterations(50);
+
+void batch_fit_1000_samples(benchmark::State& state) {
+  const std::span<const tissue::TimedPress> press(record().data(), 1000);
+  for (auto _ : state) benchmark::DoNotOptimize(tissue::fit_curve(press, tissue::SensorNoise{}));
+}
+BENCHMARK(batch_fit_1000_samples)->Unit(benchmark::kMillisecond);
+
+}  // namespace
+
+BENCHMARK_MAIN();
