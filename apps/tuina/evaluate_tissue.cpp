@@ -55,6 +55,7 @@ TrialResult worst_of(const std::array<TrialResult, 3>& results) {
 }
 
 std::string cell(double value, double scale, const char* none) {
+  if (std::isnan(value)) return "-";
   return std::isfinite(value) ? fmt::format("{:.{}f}", scale * value, scale == 1.0 ? 2 : 1) : none;
 }
 

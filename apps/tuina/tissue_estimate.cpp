@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "apps/tuina/press_file.hpp"
+#include "apps/tuina/press_plot.hpp"
 #include "apps/tuina/verbs.hpp"
 #include "tuina/core/file.hpp"
 #include "tuina/core/units.hpp"
@@ -35,6 +36,7 @@ struct Estimated {
   TissueEstimate last;
   double chi = 1.0;
   std::string trace = trace_header;
+  std::vector<TimedEstimate> history = {};
 };
 
 Estimated by_tuina(const std::vector<tissue::TimedPress>& record,
@@ -44,6 +46,7 @@ Estimated by_tuina(const std::vector<tissue::TimedPress>& record,
   for (const tissue::TimedPress& sample : record) {
     estimator.update(sample.time_s, sample.press);
     append_row(result.trace, sample.time_s, estimator.estimate(), true);
+    result.history.push_back({sample.time_s, estimator.estimate()});
   }
   result.last = estimator.estimate();
   result.chi = estimator.chi();
@@ -76,6 +79,7 @@ Estimated by_thesis(const std::vector<tissue::TimedPress>& record, double force_
         estimator.valid() && presses.ever_touched() && sample.time_s - since_s >= settled_s;
     if (e.converged && !was) e.converged_after_s = sample.time_s - presses.first_contact_s();
     append_row(result.trace, sample.time_s, e, false);
+    result.history.push_back({sample.time_s, e});
   }
   return result;
 }
@@ -92,6 +96,7 @@ class TissueEstimateVerb final : public Verb {
   }
   void describe(CLI::App& command) override {
     file_.describe(command);
+    command.add_option("--plot", plot_, "draw the estimates over time as SVG");
     command.add_option("--out", out_, "write the estimate after every sample to this CSV file");
     command
         .add_option("--method", method_,
@@ -133,6 +138,10 @@ class TissueEstimateVerb final : public Verb {
     if (!out_.empty()) {
       if (const auto written = write_file(out_, result.trace); !written)
         return tl::unexpected(written.error());
+    }
+    if (!plot_.empty()) {
+      if (const auto drawn = write_file(plot_, plot_estimates(result.history)); !drawn)
+        return tl::unexpected(drawn.error());
     }
     return answer(result, noise, ours);
   }
@@ -177,6 +186,7 @@ class TissueEstimateVerb final : public Verb {
 
   PressFile file_;
   std::string out_;
+  std::string plot_;
   std::string method_ = "tuina";
   std::optional<double> torso_n_per_mm_;
   double breathing_mm_ = 1.0, contact_sd_mm_ = 1.0, force_delay_ms_ = 0.0;

@@ -3,7 +3,9 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/tuina/press_file.hpp"
+#include "apps/tuina/press_plot.hpp"
 #include "apps/tuina/verbs.hpp"
+#include "tuina/core/file.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/tissue/curve_fit.hpp"
 
@@ -18,7 +20,10 @@ class TissueFit final : public Verb {
     return "fit F = alpha tan(beta x) to a record of presses";
   }
   [[nodiscard]] const char* example() const override { return "tuina tissue fit press.csv --json"; }
-  void describe(CLI::App& command) override { file_.describe(command); }
+  void describe(CLI::App& command) override {
+    file_.describe(command);
+    command.add_option("--plot", plot_, "draw force over depth with the fit and its band as SVG");
+  }
 
   [[nodiscard]] Result<Answer> run(const CommonOptions&) override {
     const auto record = file_.read();
@@ -26,6 +31,10 @@ class TissueFit final : public Verb {
     const tissue::SensorNoise noise = file_.noise_of(*record);
     const auto fit = tissue::fit_curve(*record, noise);
     if (!fit) return fail(fit.error().fault, "{}: {}", file_.path, fit.error().message);
+    if (!plot_.empty()) {
+      if (const auto drawn = write_file(plot_, plot_fit(*record, *fit)); !drawn)
+        return tl::unexpected(drawn.error());
+    }
     // Per metre to per millimetre is the same factor as metres to millimetres, the other way round.
     const double beta_per_mm = from_mm(fit->tissue.beta_per_m),
                  beta_ci = from_mm(fit->beta_ci95_per_m);
@@ -61,6 +70,7 @@ class TissueFit final : public Verb {
 
  private:
   PressFile file_;
+  std::string plot_;
 };
 
 }  // namespace

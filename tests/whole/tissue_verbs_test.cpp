@@ -6,6 +6,7 @@
 
 #include "tests/whole/command.hpp"
 #include "tuina/core/csv.hpp"
+#include "tuina/core/file.hpp"
 #include "tuina/sim/press_scenarios.hpp"
 
 using namespace tuina;
@@ -39,8 +40,9 @@ std::string air_csv() {
 TEST_CASE("tissue fit and tissue estimate find the same tissue in a record") {
   const Folder folder;
   const auto path = folder.with("press.csv", press_csv());
-  const auto fit = run_tuina({"tissue", "fit", path, "--json"});
+  const auto fit = run_tuina({"tissue", "fit", path, "--plot", folder / "fit.svg", "--json"});
   REQUIRE(fit.exit_code == 0);
+  CHECK(read_file(folder / "fit.svg").value().rfind("<svg", 0) == 0);
   const auto fitted = nlohmann::json::parse(fit.out);
   CHECK(fitted["alpha_n"].get<double>() == doctest::Approx(9.786).epsilon(0.03));
   CHECK(fitted["beta_per_mm"].get<double>() == doctest::Approx(0.1854).epsilon(0.03));
