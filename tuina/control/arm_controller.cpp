@@ -164,7 +164,8 @@ void ArmController::retract(double distance_m) noexcept {
 
 void ArmController::approach(const ToolPose& skin) noexcept {
   const Vector3 normal = skin.normal_in_base.normalized();
-  if (!normal.allFinite() || !skin.at_in_base.allFinite()) return give_up(Trouble::bad_command);
+  const bool usable = skin.at_in_base.allFinite() && std::abs(normal.norm() - 1.0) < 1e-6;
+  if (!usable) return give_up(Trouble::bad_command);
   stop_learning();
   sense_.tare();
   target_ = {.at_in_base = skin.at_in_base, .normal_in_base = normal, .model = target_.model};
@@ -178,10 +179,7 @@ void ArmController::approach(const ToolPose& skin) noexcept {
 }
 
 void ArmController::track(const ContactTarget& target) noexcept {
-  if (status_.doing != Doing::contact) {
-    if (status_.doing != Doing::hold) give_up(Trouble::bad_command);
-    return;
-  }
+  if (status_.doing != Doing::contact) return;
   const bool usable = target.at_in_base.allFinite() && target.velocity_m_per_s.allFinite() &&
                       std::abs(target.normal_in_base.norm() - 1.0) < 1e-3 &&
                       std::isfinite(target.force_n) && target.model.tissue.alpha_n > 0.0 &&

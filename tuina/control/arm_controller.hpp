@@ -105,7 +105,7 @@ class ArmController {
   /// Down along the normal until the skin is felt, then a light contact is kept. Tares the wrist
   /// sensor first.
   void approach(const ToolPose& skin) noexcept;
-  /// In contact, once per tick. Ignored, with `trouble`, before the skin was felt.
+  /// In contact, once per tick. Before the skin was felt, and after contact, it does nothing.
   void track(const ContactTarget& target) noexcept;
   /// Outward along the normal.
   void retract(double distance_m) noexcept;

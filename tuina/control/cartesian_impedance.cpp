@@ -32,8 +32,9 @@ Turning turning_of(const robot::ArmDynamics& dynamics, const JointVector& dq,
   const Vector3 omega = dynamics.jacobian.bottomRows<3>() * dq;
   // A fist of about 0.03 kg m2, with the rotors behind it, turns on the springs.
   const double damping = 2.0 * gains.damping_ratio * std::sqrt(gains.stiffness_nm_per_rad * 0.05);
-  Vector3 moment =
-      gains.stiffness_nm_per_rad * error + damping * (reference.turning_rad_per_s - omega);
+  Vector3 spring = gains.stiffness_nm_per_rad * error;
+  spring *= std::min(1.0, gains.most_nm / std::max(spring.norm(), 1e-9));
+  Vector3 moment = spring + damping * (reference.turning_rad_per_s - omega);
   moment -= axis * axis.dot(moment);
   turning.moment_nm = moment;
   return turning;

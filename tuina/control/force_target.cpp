@@ -8,8 +8,9 @@ namespace tuina::control {
 namespace {
 
 constexpr double touching_n = 0.7;
-constexpr double lost_after_s = 0.010;
+constexpr double lost_after_s = 0.006;
 constexpr double lost_matters_n = 3.0;
+constexpr double slipping_share = 0.3;
 constexpr double found_again_n = 1.5;
 constexpr double creep_m_per_s = 10e-3;
 constexpr double most_creep_m = 3e-3;
@@ -38,6 +39,7 @@ void ForceTarget::begin(const Input& input, double spring_n) noexcept {
   if (options_.finds_skin) trim_n_ = spring_n - set_n_ - K * (expected_m - input.depth_m);
   trim_n_ = std::clamp(trim_n_, -options_.most_trim_out_n, options_.most_trim_in_n);
   spring_n_ = spring_n;
+  foreseen_m_per_s_ = 0.0;
   last_depth_m_ = input.depth_m;
   tank_j_ = options_.tank_j;
   without_contact_s_ = 0.0;
@@ -56,62 +58,81 @@ void ForceTarget::watch_contact(const Input& input, double dt_s) noexcept {
   }
 }
 
-double ForceTarget::step(const Input& input, double dt_s) noexcept {
+// Where nothing is under the tool it stays where it is and feels forward a little; it does not
+// chase.
+double ForceTarget::spring_without_skin(const Input& input, double dt_s) noexcept {
+  const double creep_m = crept_m_ < most_creep_m ? creep_m_per_s * dt_s : 0.0;
+  crept_m_ += creep_m;
+  hold_m_ += creep_m;
+  return options_.stiffness_n_per_m * (hold_m_ - input.depth_m);
+}
+
+double ForceTarget::spring_on_skin(const Input& input, double contact_n_per_m, double damping,
+                                   double dt_s) noexcept {
   const double K = options_.stiffness_n_per_m;
+  // A force that falls away means that the skin goes, which must not be followed with more force.
+  const bool slips = set_n_ > lost_matters_n && input.force_n < slipping_share * set_n_;
+  const double error_n = slips ? 0.0 : set_n_ - input.force_n;
+  trim_n_ += options_.trim_per_s * (1.0 + K / contact_n_per_m) * error_n * dt_s;
+  trim_n_ = std::clamp(trim_n_, -options_.most_trim_out_n, options_.most_trim_in_n);
+  const double lasting_n = trim_n_ * std::min(dt_s / options_.skin_follows_s, 1.0);
+  const double skin_m =
+      std::clamp(skin_m_ + lasting_n / K, -options_.most_skin_rise_m, options_.most_skin_error_m);
+  trim_n_ -= K * (skin_m - skin_m_);
+  skin_m_ = skin_m;
+
+  const double rings_at = damping / (contact_n_per_m * options_.sensor_lag_s);
+  const double gain = std::min(options_.gain_share * rings_at, options_.most_gain);
+  const double quick_n =
+      std::clamp(gain * error_n, -options_.most_trim_out_n, options_.most_gain_in_n);
+  const double expected_m = skin_m_ + depth_at(input.model, set_n_);
+  return K * (expected_m - input.depth_m) + set_n_ + trim_n_ + quick_n;
+}
+
+// Every inward step of the virtual target against the spring is paid from the tank; an empty tank
+// lets the target go no further. Damping and what the target gives back fill it.
+double ForceTarget::paid_for(double spring_n, const Input& input) noexcept {
+  const double K = options_.stiffness_n_per_m;
+  const double sunk_m = input.depth_m - last_depth_m_;
+  last_depth_m_ = input.depth_m;
+  const double cost_j = spring_n * ((spring_n - spring_n_) / K + sunk_m);
+  if (cost_j > tank_j_) return std::min(spring_n, spring_n_ - K * sunk_m);
+  tank_j_ -= cost_j;
+  return spring_n;
+}
+
+double ForceTarget::step(const Input& input, double dt_s) noexcept {
   const double wanted_n = std::max(input.set_force_n, options_.kept_n);
-  const double change_n = options_.fastest_n_per_s * dt_s;
-  const double before_n = set_n_;
-  set_n_ += std::clamp(wanted_n - set_n_, -change_n, change_n);
+  const double change_n = std::clamp(wanted_n - set_n_, -options_.fastest_n_per_s * dt_s,
+                                     options_.fastest_n_per_s * dt_s);
+  set_n_ += change_n;
   watch_contact(input, dt_s);
 
-  const double contact_n_per_m = stiffness_at(input.model, std::max(input.force_n, 1.0));
-  const double damping_free = 2.0 * options_.free_damping_ratio * std::sqrt(input.mass_kg * K);
-  double damping = damping_free, wanted_speed = input.path_speed_m_per_s, spring_n = 0.0;
-  if (lost_) {
-    // Nothing is under the tool: it stays where it is and feels forward a little, it does not
-    // chase.
-    const double creep_m = crept_m_ < most_creep_m ? creep_m_per_s * dt_s : 0.0;
-    crept_m_ += creep_m;
-    hold_m_ += creep_m;
-    spring_n = K * (hold_m_ - input.depth_m);
-    damping = 2.0 * damping_free;
-  } else {
-    damping = std::clamp(
-        2.0 * options_.contact_damping_ratio * std::sqrt(input.mass_kg * contact_n_per_m),
-        damping_free, options_.most_damping_n_s_per_m);
-    // Only what the model foresees may lead the damping; the trim in it would be a force gain, and
-    // those limit-cycle on bone.
-    wanted_speed += (set_n_ - before_n) / dt_s / stiffness_at(input.model, set_n_);
-    trim_n_ += options_.trim_per_s * (1.0 + K / contact_n_per_m) * (set_n_ - input.force_n) * dt_s;
-    trim_n_ = std::clamp(trim_n_, -options_.most_trim_out_n, options_.most_trim_in_n);
-    const double lasting_n = trim_n_ * std::min(dt_s / options_.skin_follows_s, 1.0);
-    const double skin_m = std::min(skin_m_ + lasting_n / K, options_.most_skin_error_m);
-    trim_n_ -= K * (skin_m - skin_m_);
-    skin_m_ = skin_m;
-    const double expected_m = skin_m_ + depth_at(input.model, set_n_);
-    const double gain =
-        std::min(options_.gain_share * damping / (contact_n_per_m * options_.sensor_lag_s),
-                 options_.most_gain);
-    const double quick_n = std::clamp(gain * (set_n_ - input.force_n), -options_.most_trim_out_n,
-                                      options_.most_gain_in_n);
-    spring_n = K * (expected_m - input.depth_m) + set_n_ + trim_n_ + quick_n;
-  }
-  spring_n = std::clamp(spring_n, -options_.most_trim_out_n, set_n_ + options_.most_over_set_n);
+  // Only what the model foresees may lead the damping and the inertia. The trim in it would be a
+  // force gain that does not know the tissue, and those limit-cycle on bone.
+  const double yielding = lost_ ? 0.0 : change_n / dt_s / stiffness_at(input.model, set_n_);
+  const double foreseen = input.path_speed_m_per_s + yielding;
+  const double acceleration = (foreseen - foreseen_m_per_s_) / options_.foreseen_lag_s;
+  foreseen_m_per_s_ += acceleration * dt_s;
+  const double inertia_n =
+      std::clamp(input.mass_kg * acceleration, -options_.most_inertia_n, options_.most_inertia_n);
 
-  // The tank pays for every inward step of the virtual target against the spring, and is filled by
-  // the damping and by what the target gives back: contact can take no more energy than it holds.
-  const double step_m = (spring_n - spring_n_) / K + (input.depth_m - last_depth_m_);
-  const double cost_j = spring_n * step_m;
-  const double relative = input.speed_m_per_s - wanted_speed;
-  if (cost_j > tank_j_) {
-    spring_n = std::min(spring_n, spring_n_ - K * (input.depth_m - last_depth_m_));
-  } else {
-    tank_j_ -= cost_j;
-  }
+  const double contact_n_per_m = stiffness_at(input.model, std::max(input.force_n, 1.0));
+  const double free_damping =
+      2.0 * options_.free_damping_ratio * std::sqrt(input.mass_kg * options_.stiffness_n_per_m);
+  const double contact_damping =
+      2.0 * options_.contact_damping_ratio * std::sqrt(input.mass_kg * contact_n_per_m);
+  const double damping =
+      lost_ ? 2.0 * free_damping
+            : std::clamp(contact_damping, free_damping, options_.most_damping_n_s_per_m);
+
+  const double spring_n = lost_ ? spring_without_skin(input, dt_s)
+                                : spring_on_skin(input, contact_n_per_m, damping, dt_s);
+  spring_n_ = paid_for(
+      std::clamp(spring_n, -options_.most_trim_out_n, set_n_ + options_.most_over_set_n), input);
+  const double relative = input.speed_m_per_s - foreseen;
   tank_j_ = std::min(tank_j_ + damping * relative * relative * dt_s, options_.tank_j);
-  spring_n_ = spring_n;
-  last_depth_m_ = input.depth_m;
-  return spring_n + std::min(-damping * relative, options_.most_outward_damping_n);
+  return spring_n_ + std::min(inertia_n - damping * relative, options_.most_outward_damping_n);
 }
 
 }  // namespace tuina::control

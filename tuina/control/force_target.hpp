@@ -38,13 +38,16 @@ class ForceTarget {
     double most_trim_out_n = 30.0;
     double skin_follows_s = 0.7;       ///< a trim that lasts so long is a wrong place of the skin
     double most_skin_error_m = 15e-3;  ///< deeper is never followed
-    double most_over_set_n = 14.0;     ///< leash
+    double most_skin_rise_m = 60e-3;
+    double most_over_set_n = 14.0;  ///< leash
     double free_damping_ratio = 1.3;
     double contact_damping_ratio = 0.5;
     double most_damping_n_s_per_m = 600.0;
     double most_outward_damping_n = 12.0;  ///< a person who rises is not held down by damping
     double kept_n = 1.0;                   ///< a set force is never lower than this
     double fastest_n_per_s = 150.0;
+    double foreseen_lag_s = 8e-3;  ///< smooths the speed that the model foresees, for its inertia
+    double most_inertia_n = 4.0;
     double tank_j = 3.0;
     bool finds_skin = true;  ///< the first touch tells where the skin is
   };
@@ -76,11 +79,16 @@ class ForceTarget {
 
  private:
   void watch_contact(const Input& input, double dt_s) noexcept;
+  [[nodiscard]] double spring_without_skin(const Input& input, double dt_s) noexcept;
+  [[nodiscard]] double spring_on_skin(const Input& input, double contact_n_per_m, double damping,
+                                      double dt_s) noexcept;
+  [[nodiscard]] double paid_for(double spring_n, const Input& input) noexcept;
 
   Options options_;
   double skin_m_ = 0.0;  // where the skin is, beneath where it was believed
   double set_n_ = 0.0;
   double trim_n_ = 0.0;
+  double foreseen_m_per_s_ = 0.0;
   double spring_n_ = 0.0;
   double last_depth_m_ = 0.0;
   double tank_j_ = 0.0;

@@ -24,7 +24,7 @@ constexpr double late_freeze_s = 0.1;
 // The guard's own law: soft enough to be safe on any tissue, damped enough to stop a moving arm.
 constexpr double own_stiffness_n_per_m = 800.0;
 constexpr double own_damping_n_s_per_m = 60.0;
-constexpr double own_posture_nm_per_rad = 8.0;
+constexpr double own_posture_nm_per_rad = 4.0;
 constexpr double own_joint_damping = 0.8;  // N m s / rad
 constexpr double retract_m_per_s = 0.1;
 constexpr double retract_m = 0.06;
@@ -101,7 +101,6 @@ void Guard::reset() noexcept {
   spike_times_s_.fill(-1e9);
   suspects_ = too_fast_ = over_cap_ = saturated_ = not_finite_ = pushed_out_ = rising_ = 0;
   frozen_until_s_ = -1e9;
-  retracted_m_ = 0.0;
 }
 
 Verdict Guard::check(const Observation& seen, const Proposal& proposal) noexcept {
@@ -274,14 +273,16 @@ JointVector Guard::own_torque(const Observation& seen, Action action) noexcept {
   if (action == Action::brake) return gravity_nm_;
   if (taken_over_ != action) {
     taken_over_ = action;
-    hold_in_base_ = seen.tool_in_base;
+    hold_in_base_ = taken_over_in_base_ = seen.tool_in_base;
     hold_rad_ = seen.q_rad;
-    retracted_m_ = 0.0;
   }
-  if (action == Action::retract && retracted_m_ < retract_m) {
-    const double step_m = retract_m_per_s * options_.period_s;
-    retracted_m_ += step_m;
-    hold_in_base_ += step_m * normal_in_base_;
+  // Friction and a person who follows may hold the tool back, so the way is counted on the tool
+  // itself.
+  const double way_m = (seen.tool_in_base - taken_over_in_base_).dot(normal_in_base_);
+  const double lead_m = (hold_in_base_ - seen.tool_in_base).dot(normal_in_base_);
+  if (action == Action::retract && way_m < retract_m &&
+      lead_m < most_outward_n / own_stiffness_n_per_m) {
+    hold_in_base_ += retract_m_per_s * options_.period_s * normal_in_base_;
   }
   Vector3 force_n = -own_damping_n_s_per_m * seen.tool_velocity_m_per_s;
   JointVector torque_nm = seen.gravity_nm - own_joint_damping * seen.dq_rad_per_s;

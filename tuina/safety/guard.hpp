@@ -142,7 +142,7 @@ class Guard {
   Action taken_over_ = Action::pass;
   Vector3 hold_in_base_ = Vector3::Zero();
   JointVector hold_rad_;
-  double retracted_m_ = 0.0;
+  Vector3 taken_over_in_base_ = Vector3::Zero();
 };
 
 }  // namespace tuina::safety

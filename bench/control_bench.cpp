@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+// What one millisecond costs: both arms in contact, from readings through the control law and the
+// guard to torques. The limit is 10 us in the median, a hundredth of the tick; 40 us for 99.9 % of
+// a million.
+#include <benchmark/benchmark.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <vector>
+
+#include "tuina/control/arm_controller.hpp"
+#include "tuina/core/random.hpp"
+#include "tuina/safety/guard.hpp"
+
+using namespace tuina;
+
+namespace {
+
+constexpr double limit_us = 10.0, tail_limit_us = 40.0;
+constexpr double dt_s = 1e-3;
+
+struct Side {
+  robot::ArmModel model;
+  control::ArmController controller;
+  safety::Guard guard;
+  robot::ArmReading reading;
+  control::ContactTarget target;
+
+  explicit Side(Arm arm)
+      : model(robot::thesis_arm(), robot::mount_for(Position::sitting), arm),
+        controller(model, {.learn_s = 0.0}),
+        guard({.torque_limit_nm = JointVector::Constant(6, 120.0)}) {
+    reading.q_rad = reading.dq_rad_per_s = JointVector::Zero(6);
+    reading.q_rad << -0.3, -0.2, 0.1, 0.4, 0.1, -0.2;
+    controller.start(controller.sense(reading, 0.0, 0.0));
+    const Transform tool = model.base_from_tool(reading.q_rad, 0.0);
+    const Vector3 normal = control::tool_normal(tool);
+    target = {.at_in_base = tool.translation() - 0.016 * normal,
+              .normal_in_base = normal,
+              .force_n = 20.0};
+    controller.approach({target.at_in_base, normal});
+    reading.wrench_in_tool.force_n = Vector3(-20.0, 0.0, 0.0);
+  }
+
+  const JointVector& tick(std::uint64_t number, double noise) {
+    const double time_s = static_cast<double>(number) * dt_s;
+    reading.dq_rad_per_s.setConstant(1e-3 * noise);
+    reading.wrench_in_tool.force_n.y() = noise;
+    reading.wrench_time_s = time_s;
+    const ArmState state = controller.sense(reading, time_s, 0.0);
+    controller.track(target);
+    const JointVector torque = controller.step(state, 0.0, dt_s);
+    const auto& dynamics = controller.dynamics();
+    const auto& status = controller.status();
+    safety::Observation seen{
+        .tick = number,
+        .time_s = time_s,
+        .wrench_time_s = time_s,
+        .q_rad = state.q_rad,
+        .dq_rad_per_s = state.dq_rad_per_s,
+        .force_in_base_n = state.contact_in_base.force_n,
+        .tool_in_base = dynamics.base_from_tool.translation(),
+        .tool_velocity_m_per_s = dynamics.jacobian.topRows<3>() * state.dq_rad_per_s,
+        .jacobian = dynamics.jacobian.topRows<3>(),
+        .gravity_nm = dynamics.gravity_nm};
+    allowed = guard
+                  .check(seen, {.torque_nm = torque,
+                                .phase = safety::Phase::contact,
+                                .zone = safety::Zone::muscle,
+                                .set_force_n = status.set_force_n,
+                                .normal_in_base = status.normal_in_base,
+                                .virtual_target_in_base = status.virtual_target_in_base,
+                                .stiffness_n_per_m = status.stiffness_n_per_m})
+                  .allowed_nm;
+    return allowed;
+  }
+  JointVector allowed;
+};
+
+double median_us = 0.0, tail_us = 0.0;
+
+void dual_arm_tick(benchmark::State& state) {
+  Random random = make_random(1, "bench noise");
+  std::vector<double> noise(1024);
+  for (double& value : noise) value = gaussian(random, 0.05);
+  constexpr std::size_t ticks = 1'000'000;
+  std::vector<float> took_us(ticks);
+  for (auto _ : state) {
+    Side left(Arm::left), right(Arm::right);
+    for (std::size_t n = 0; n < ticks; ++n) {
+      const auto start = std::chrono::steady_clock::now();
+      benchmark::DoNotOptimize(left.tick(n + 1, noise[n % noise.size()]));
+      benchmark::DoNotOptimize(right.tick(n + 1, noise[(n + 7) % noise.size()]));
+      const auto end = std::chrono::steady_clock::now();
+      took_us[n] = std::chrono::duration<float, std::micro>(end - start).count();
+    }
+  }
+  std::sort(took_us.begin(), took_us.end());
+  median_us = took_us[ticks / 2];
+  tail_us = took_us[ticks - ticks / 1000];
+  state.counters["median_us"] = median_us;
+  state.counters["p99.9_us"] = tail_us;
+  state.SetItemsProcessed(static_cast<std::int64_t>(state.iterations() * ticks));
+}
+BENCHMARK(dual_arm_tick)->Iterations(1)->Unit(benchmark::kMillisecond);
+
+void plan_one_axis(benchmark::State& state) {
+  Random random = make_random(1, "bench motion");
+  const control::MotionLimits limits = {0.25, 1.0, 10.0};
+  std::vector<control::MotionState> starts(256);
+  for (auto& start : starts)
+    start = {uniform(random, -1, 1), uniform(random, -0.2, 0.2), uniform(random, -0.5, 0.5)};
+  control::MotionProfile motion;
+  std::size_t n = 0;
+  for (auto _ : state) {
+    n = (n + 1) % starts.size();
+    benchmark::DoNotOptimize(motion.plan(starts[n], 0.3, limits));
+  }
+}
+BENCHMARK(plan_one_axis);
+
+void plan_tool_motion(benchmark::State& state) {
+  control::ToolMotion motion;
+  motion.start({});
+  for (auto _ : state) {
+    control::ToolMotion next = motion;
+    benchmark::DoNotOptimize(next.plan(0.0, {Vector3(0.1, 0.2, 0.1), Vector3(0.3, 0.0, 1.0)}, {}));
+  }
+}
+BENCHMARK(plan_tool_motion);
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  benchmark::Initialize(&argc, argv);
+  benchmark::RunSpecifiedBenchmarks();
+  fmt::print("dual-arm tick: median {:.2f} us, limit {:.0f}, ratio {:.2f}\n", median_us, limit_us,
+             median_us / limit_us);
+  fmt::print("dual-arm tick: 99.9 % below {:.2f} us, limit {:.0f}, ratio {:.2f}\n", tail_us,
+             tail_limit_us, tail_us / tail_limit_us);
+  return 0;
+}

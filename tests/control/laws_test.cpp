@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <doctest/doctest.h>
+
+#include <limits>
+
+#include "tests/allocation.hpp"
+#include "tuina/control/arm_controller.hpp"
+#include "tuina/core/random.hpp"
+
+using namespace tuina;
+using namespace tuina::control;
+
+namespace {
+
+const robot::ArmModel model(robot::thesis_arm(), robot::mount_for(Position::sitting), Arm::left);
+
+JointVector bent() {
+  JointVector q(6);
+  q << -0.3, -0.2, 0.1, 0.4, 0.1, -0.2;
+  return q;
+}
+
+ArmState at_rest(const JointVector& q) {
+  return {.q_rad = q,
+          .dq_rad_per_s = JointVector::Zero(6),
+          .base_from_tool = model.base_from_tool(q, 0.0)};
+}
+
+ToolPose foremost_of(const JointVector& q) {
+  const Transform tool = model.base_from_tool(q, 0.0);
+  const Vector3 normal = tool_normal(tool);
+  return {tool.translation() - model.table().tool_radius_m * normal, normal};
+}
+
+ArmController still_controller() {
+  ArmController::Options options;
+  options.learn_s = 0.0;
+  ArmController controller(model, options);
+  controller.start(at_rest(bent()));
+  return controller;
+}
+
+}  // namespace
+
+TEST_CASE("an arm at rest where it should be is given its weight and nothing else") {
+  ArmController controller = still_controller();
+  const JointVector torque = controller.step(at_rest(bent()), 0.0, 1e-3);
+  CHECK((torque - model.gravity_nm(bent())).cwiseAbs().maxCoeff() < 1e-9);
+  CHECK(controller.status().doing == Doing::hold);
+}
+
+TEST_CASE("a virtual target pulls the tool's centre with the force of its spring") {
+  const JointVector q = bent();
+  const auto dynamics = model.evaluate(q, JointVector::Zero(6), 0.0);
+  const Vector3 force(3.0, -2.0, 5.0);
+  ToolReference reference;
+  reference.pose.normal_in_base = tool_normal(dynamics.base_from_tool);
+  const JointVector torque =
+      task_torque(dynamics, model.table(), q, JointVector::Zero(6), force, reference, q, {}, {});
+  const JointVector expected = dynamics.jacobian.topRows<3>().transpose() * force;
+  CHECK((torque - expected).norm() < 1e-9);
+}
+
+TEST_CASE("what the posture wants does not accelerate the tool") {
+  const JointVector q = bent();
+  const auto dynamics = model.evaluate(q, JointVector::Zero(6), 0.0);
+  ToolReference reference;
+  reference.pose.normal_in_base = tool_normal(dynamics.base_from_tool);
+  JointVector posture = q;
+  posture[2] += 0.4;
+  const JointVector torque = task_torque(dynamics, model.table(), q, JointVector::Zero(6),
+                                         Vector3::Zero(), reference, posture, {}, {});
+  const JointVector acceleration = dynamics.mass_kg_m2.llt().solve(torque);
+  const Vector3 tool = dynamics.jacobian.topRows<3>() * acceleration;
+  CHECK(acceleration.norm() > 0.5);
+  CHECK(tool.norm() < 0.05 * acceleration.norm());
+}
+
+TEST_CASE("the law of the thesis refuses a mass below the apparent one unless told to take it") {
+  const JointVector q = bent(), still = JointVector::Zero(6);
+  const auto dynamics = model.evaluate(q, still, 0.0);
+  ToolReference reference;
+  reference.pose = {dynamics.base_from_tool.translation() + Vector3(0.0, 0.0, 0.01),
+                    tool_normal(dynamics.base_from_tool)};
+  const auto torque = [&](double mass_kg, bool allow) {
+    return thesis_torque(dynamics, model.table(), q, still, Vector3::Zero(), Vector3(0, 0, 20),
+                         reference, q, {.mass_kg = mass_kg, .below_apparent_mass = allow}, {}, {});
+  };
+  const double apparent = robot::apparent_mass_kg(dynamics, reference.pose.normal_in_base);
+  CHECK((torque(0.1, false) - torque(apparent, false)).norm() < 1e-9);
+  CHECK((torque(0.1, true) - torque(apparent, false)).norm() > 1.0);
+}
+
+TEST_CASE("a target beyond reach and a stretched arm ask for no large torque") {
+  JointVector q = JointVector::Zero(6);
+  q[3] = 60_deg;
+  ArmController controller = still_controller();
+  controller.move_to({Vector3(3.0, 0.5, 0.0), -Vector3::UnitX()});
+  for (int i = 0; i < 30000; ++i) {
+    const JointVector torque = controller.step(at_rest(q), 0.0, 1e-3);
+    REQUIRE(torque.allFinite());
+    REQUIRE(torque.cwiseAbs().maxCoeff() < 50.0);
+  }
+}
+
+TEST_CASE("commands that are no numbers leave the arm where it is and say so") {
+  const double bad = std::numeric_limits<double>::quiet_NaN();
+  ArmController controller = still_controller();
+  controller.move_to({Vector3(bad, 0.0, 0.0), Vector3::UnitX()});
+  CHECK(controller.status().trouble == Trouble::bad_command);
+  controller.approach({Vector3(bad, 0.0, 0.0), Vector3::UnitX()});
+  CHECK(controller.status().trouble == Trouble::bad_command);
+  controller.approach({Vector3::Zero(), Vector3::Zero()});
+  CHECK(controller.status().trouble == Trouble::bad_command);
+  CHECK(controller.step(at_rest(bent()), 0.0, 1e-3).allFinite());
+}
+
+TEST_CASE("the wrist's zero error and the tool's weight are not a contact") {
+  ArmSense sense(model);
+  robot::ArmReading reading{.q_rad = bent(), .dq_rad_per_s = JointVector::Zero(6)};
+  const Matrix3 tool_from_base = model.base_from_tool(bent(), 0.0).linear().transpose();
+  const Vector3 weight(0.0, 0.0, -model.table().tool_mass_kg * gravity_m_per_s2);
+  reading.wrench_in_tool.force_n = tool_from_base * weight + Vector3(0.8, -0.5, 0.3);
+  for (int i = 0; i < 500; ++i) (void)sense.sense(reading, i * 1e-3, 0.0);
+  sense.tare();
+  CHECK(sense.sense(reading, 0.5, 0.0).contact_in_base.force_n.norm() < 1e-9);
+  reading.wrench_in_tool.force_n += tool_from_base * Vector3(0.0, 0.0, 7.0);
+  CHECK((sense.sense(reading, 0.501, 0.0).contact_in_base.force_n - Vector3(0, 0, 7)).norm() <
+        1e-9);
+}
+
+TEST_CASE("one wild sample of the wrist does not reach the law, a lasting one does") {
+  ArmSense sense(model);
+  robot::ArmReading reading{.q_rad = bent(), .dq_rad_per_s = JointVector::Zero(6)};
+  const Vector3 quiet = sense.sense(reading, 0.0, 0.0).contact_in_base.force_n;
+  reading.wrench_in_tool.force_n.x() = 400.0;
+  CHECK((sense.sense(reading, 1e-3, 0.0).contact_in_base.force_n - quiet).norm() < 1e-9);
+  CHECK((sense.sense(reading, 2e-3, 0.0).contact_in_base.force_n - quiet).norm() < 1e-9);
+  CHECK(sense.sense(reading, 3e-3, 0.0).contact_in_base.force_n.norm() > 300.0);
+}
+
+TEST_CASE("friction is learned from an arm moved to and fro, gravity error apart") {
+  FrictionCompensation friction(model.table(), {});
+  friction.start(JointVector::Zero(6));
+  friction.begin_learning();
+  JointVector q = JointVector::Zero(6);
+  const double truth_nm = 1.7, windup_rad = 0.3e-3;
+  double wound = 0.0, last = 0.0;
+  for (int i = 0; i < 2000; ++i) {
+    const double angle = 0.02 * std::sin(2.0 * pi * i * 1e-3);
+    const double turned = (angle - last) / windup_rad;
+    wound = std::clamp(wound + turned * (1.0 - wound * (turned > 0.0 ? 1.0 : -1.0)), -1.0, 1.0);
+    last = angle;
+    q.setConstant(angle);
+    (void)friction.step(q);
+    friction.learn(JointVector::Constant(6, truth_nm * wound + 0.9), JointVector::Zero(6));
+  }
+  friction.end_learning();
+  for (int i = 0; i < 6; ++i) CHECK(friction.coulomb_nm()[i] == doctest::Approx(0.92 * truth_nm));
+}
+
+TEST_CASE("the virtual target never pulls harder than the set force and its leash") {
+  Random random = make_random(3, "leash");
+  ForceTarget::Options options;
+  ForceTarget law(options);
+  law.begin({.force_n = 1.5}, 1.5);
+  double set_n = 1.5;
+  for (int i = 0; i < 20000; ++i) {
+    if (i % 200 == 0) set_n = uniform(random, 0.0, 60.0);
+    const double force = law.step({.depth_m = uniform(random, -0.1, 0.1),
+                                   .force_n = uniform(random, -5.0, 100.0),
+                                   .set_force_n = set_n},
+                                  1e-3);
+    REQUIRE(law.spring_n() <= law.set_n() + options.most_over_set_n + 1e-9);
+    REQUIRE(force <= law.set_n() + options.most_over_set_n + options.most_outward_damping_n + 1e-9);
+    REQUIRE(std::abs(law.skin_error_m()) <= options.most_skin_rise_m);
+  }
+}
+
+TEST_CASE("changes of the target can put in no more energy than the tank holds") {
+  ForceTarget law;
+  law.begin({.force_n = 1.5}, 1.5);
+  // A skin that gives way wherever the tool pushes would take energy for ever.
+  double depth_m = 0.0;
+  for (int i = 0; i < 5000; ++i) {
+    (void)law.step({.depth_m = depth_m, .force_n = 5.0, .set_force_n = 40.0}, 1e-3);
+    depth_m += 1e-4;
+    REQUIRE(law.tank_j() >= 0.0);
+  }
+  CHECK(law.spring_n() < 5.0);
+}
+
+TEST_CASE("a tick of both arms takes no memory from the heap, in any phase") {
+  ArmController controller = still_controller();
+  ArmState state = at_rest(bent());
+  const ToolPose skin = foremost_of(bent());
+  const auto before = test::allocations();
+  for (int i = 0; i < 10; ++i) (void)controller.step(state, 0.0, 1e-3);
+  controller.move_to({skin.at_in_base + 0.05 * skin.normal_in_base, skin.normal_in_base});
+  for (int i = 0; i < 10; ++i) (void)controller.step(state, 0.0, 1e-3);
+  controller.approach(skin);
+  for (int i = 0; i < 10; ++i) (void)controller.step(state, 0.0, 1e-3);
+  state.contact_in_base.force_n = 5.0 * skin.normal_in_base;
+  for (int i = 0; i < 10; ++i) (void)controller.step(state, 0.0, 1e-3);
+  const Doing then = controller.status().doing;
+  for (int i = 0; i < 10; ++i) {
+    controller.track(
+        {.at_in_base = skin.at_in_base, .normal_in_base = skin.normal_in_base, .force_n = 20.0});
+    (void)controller.step(state, 0.0, 1e-3);
+  }
+  controller.retract(0.04);
+  for (int i = 0; i < 10; ++i) (void)controller.step(state, 0.0, 1e-3);
+  const auto after = test::allocations();
+  CHECK(after == before);
+  CHECK(then == Doing::contact);
+}
