@@ -110,7 +110,10 @@ TEST_CASE(
         std::count_if(plan->paths.begin(), plan->paths.end(),
                       [&](const PlannedPath& other) { return other.step == planned.step; });
     const bool middle = planned.path.acupoints.at(0) == "GV4";
-    CHECK(partners == (middle ? 1 : 2));
+    // The circles reach inwards to 100 mm of each other, too close for two arms.
+    const bool alone = middle || (planned.path.technique == Technique::rub &&
+                                  planned.path.acupoints.at(0).starts_with("BL"));
+    CHECK(partners == (alone ? 1 : 2));
     if (middle) continue;
     const bool left = planned.path.acupoints.at(0).ends_with("_L");
     CHECK(planned.arm == (left ? Arm::left : Arm::right));
@@ -147,12 +150,12 @@ TEST_CASE("no arm has two paths at once, and no path begins before the step befo
 TEST_CASE("paths that come too close to each other are done one after the other") {
   const Person person;
   const Programme wide =
-      programme_of("[[part]]\ntechnique = \"rub\"\npoints = [\"BL47\"]\nradius_mm = 30\n");
-  // Radius 50 mm around points 80 mm beside the spine: 60 mm between the circles, but the uncertain
-  // spine flattens them. Nearer points cannot be rubbed together.
+      programme_of("[[part]]\ntechnique = \"rub\"\npoints = [\"SI11\"]\nradius_mm = 30\n");
+  // Circles of 30 mm radius around points 240 mm apart leave 180 mm; 168 mm apart they leave 108
+  // mm.
   Person slim;
   for (Acupoint& point : slim.points) {
-    if (point.name.starts_with("BL"))
+    if (point.name.starts_with("SI"))
       point = {
           point.name,
           slim.back

@@ -50,7 +50,8 @@ struct Transfers {
   [[nodiscard]] double approach_s() const;
 };
 
-inline constexpr double closest_tools_m = 0.060;
+/// Arms of 50 mm radius that press side by side, 25 mm kept between them, rounded up.
+inline constexpr double closest_tools_m = 0.130;
 
 /// Shares the paths among the arms, in their order, two at a time where the tools stay
 /// `closest_tools_m` apart. Bilateral points follow each other in the order and so come together.
