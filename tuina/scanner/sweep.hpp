@@ -27,8 +27,8 @@ struct SweepOptions {
   double from_rad = -18.0_deg;
   double to_rad = 18.0_deg;
   double speed_rad_per_s = 5.994_deg;
-  double near_m = 0.35;  ///< what lies nearer or farther from the camera is not looked for
-  double far_m = 2.0;
+  double near_m = 0.3;  ///< what lies nearer or farther from the camera is not looked for
+  double far_m = 4.0;
   LineMethod method = LineMethod::likelihood;
   int expected_frames = 0;  ///< for the progress; 0: from the duration of the turn, at 30 frames/s
 };
