@@ -10,6 +10,7 @@
 #include "tuina/core/file.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/session/config.hpp"
+#include "tuina/telemetry/svg_plot.hpp"
 
 namespace tuina::app {
 namespace {
@@ -43,6 +44,27 @@ std::string to_csv(const std::vector<ContactSample>& trace) {
                         sample.true_force_n, sample.measured_force_n, to_mm(sample.depth_m));
   }
   return text;
+}
+
+// Target, true and measured force from the first touch on.
+std::string draw(const std::vector<ContactSample>& trace, const std::string& title) {
+  telemetry::Series target{.name = "target", .colour = telemetry::palette::press, .dashed = true};
+  telemetry::Series measured{
+      .name = "measured", .colour = telemetry::palette::grey, .width_px = 1.0};
+  telemetry::Series truth{.name = "true", .colour = telemetry::palette::ink};
+  bool touched = false;
+  for (const ContactSample& sample : trace) {
+    touched = touched || sample.true_force_n > 0.0;
+    if (!touched) continue;
+    for (auto* series : {&target, &measured, &truth}) series->x.push_back(sample.time_s);
+    target.y.push_back(sample.target_n);
+    measured.y.push_back(sample.measured_force_n);
+    truth.y.push_back(sample.true_force_n);
+  }
+  telemetry::Plot plot{.title = title, .x_label = "time, s", .y_label = "force, N"};
+  plot.series = {measured, target, truth};
+  plot.y_low = 0.0;
+  return telemetry::to_svg(plot);
 }
 
 /// One arm on a patch of skin whose truth is hidden from it: how well it holds a force there.
@@ -113,15 +135,19 @@ class Press final : public Verb {
                     "alpha and beta 30 %")
         ->check(between(0.0, 1.5))
         ->capture_default_str();
+    command.add_option("--plot", plot_, "force over time, SVG");
     command.add_option("--out", out_, "trace of every millisecond, CSV");
   }
 
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
     const auto config = effective_config(common);
     if (!config) return tl::unexpected(config.error());
-    if (const auto folder = std::filesystem::path(out_).parent_path();
-        !folder.empty() && !std::filesystem::is_directory(folder)) {
-      return fail(Fault::file, "--out {}: the folder {} does not exist", out_, folder.string());
+    for (const auto& [option, path] : {std::pair{"--out", out_}, std::pair{"--plot", plot_}}) {
+      const auto folder = std::filesystem::path(path).parent_path();
+      if (!folder.empty() && !std::filesystem::is_directory(folder)) {
+        return fail(Fault::file, "{} {}: the folder {} does not exist", option, path,
+                    folder.string());
+      }
     }
     ContactExperiment experiment;
     experiment.tissue =
@@ -147,6 +173,13 @@ class Press final : public Verb {
     if (!outcome) return tl::unexpected(outcome.error());
     if (!out_.empty()) {
       if (auto written = write_file(out_, to_csv(outcome->trace)); !written) {
+        return tl::unexpected(written.error());
+      }
+    }
+    if (!plot_.empty()) {
+      const auto title =
+          fmt::format("{} with {:.0f} N, controller {}", technique_, force_n_, controller_);
+      if (auto written = write_file(plot_, draw(outcome->trace, title)); !written) {
         return tl::unexpected(written.error());
       }
     }
@@ -195,7 +228,7 @@ class Press final : public Verb {
             .exit_code = outcome.stopped ? 4 : 0};
   }
 
-  std::string tissue_ = "hard", technique_ = "press", controller_ = "tuina", torso_, out_;
+  std::string tissue_ = "hard", technique_ = "press", controller_ = "tuina", torso_, out_, plot_;
   double alpha_n_ = 0.0, beta_per_mm_ = 0.0, force_n_ = 0.0;
   double surface_error_mm_ = 0.0, surface_tilt_deg_ = 0.0, friction_ = -1.0;
   double breathing_mm_ = 0.0, breathing_hz_ = 0.25, duration_s_ = 10.0, model_error_ = 1.0;

@@ -40,6 +40,7 @@ ArmController::ArmController(const robot::ArmModel& model, const Options& option
     : model_(&model), options_(options), sense_(model), friction_(model.table(), options.friction) {
   if (options_.law != Law::tuina) {
     options_.force.trim_per_s = 0.0;
+    options_.force.gain_share = 0.0;
     options_.force.finds_skin = false;
   }
   force_target_ = ForceTarget(options_.force);
