@@ -249,7 +249,6 @@ Vector3 ArmController::contact_force(const ArmState& state, double dt_s) noexcep
   const Vector3 error = reference_.pose.at_in_base - centre_;
   const double depth_m = error.dot(normal);
   const double speed = inward(velocity_, normal);
-  status_.force_n = state.contact_in_base.force_n.dot(normal);
   status_.depth_m = depth_m;
 
   double normal_n = 0.0, normal_spring_n = 0.0;
@@ -275,7 +274,6 @@ Vector3 ArmController::contact_force(const ArmState& state, double dt_s) noexcep
     status_.settled = quiet_s_ >= quiet_after_s;
     status_.trouble = force_target_.lost() ? Trouble::contact_lost : Trouble::none;
   }
-  status_.touching = status_.force_n > 0.5 * options_.touch_n;
   status_.stiffness_n_per_m = options_.force.stiffness_n_per_m;
 
   const double K = options_.stiffness_n_per_m;
@@ -322,6 +320,8 @@ JointVector ArmController::step(const ArmState& state, double rail_m, double dt_
   dynamics_ = model_->evaluate(state.q_rad, state.dq_rad_per_s, rail_m);
   centre_ = dynamics_.base_from_tool.translation();
   velocity_ = dynamics_.jacobian.topRows<3>() * state.dq_rad_per_s;
+  status_.force_n = state.contact_in_base.force_n.dot(reference_.pose.normal_in_base);
+  status_.touching = status_.force_n > 0.5 * options_.touch_n;
 
   const bool touching = status_.doing == Doing::approach || status_.doing == Doing::contact;
   const bool baseline = options_.law == Law::thesis || options_.law == Law::joint;
