@@ -99,6 +99,9 @@ BackSurface::BackSurface(BackSurface&&) noexcept = default;
 BackSurface& BackSurface::operator=(BackSurface&&) noexcept = default;
 BackSurface::~BackSurface() = default;
 
+std::size_t BackSurface::closest(const Vector3& place_in_couch) const {
+  return tree_->closest(place_in_couch).first;
+}
 Position BackSurface::position() const {
   return tree_->position;
 }
@@ -153,6 +156,11 @@ std::optional<SurfacePoint> BackSurface::along(const Vector3& origin_in_couch,
       const Vector3 at = origin_in_couch + s * direction;
       if (meets && s >= 0.0 && tree_->closest(at).second < 1.5 * touching) {
         return SurfacePoint{at, plane.normal_in_couch, s};
+      }
+      // A ray that grazes the skin finds no crossing with its planes; where it comes closest is the answer.
+      const SurfacePoint grazed = nearest(origin_in_couch + t * direction);
+      if (grazed.distance_m < 0.7 * touching) {
+        return SurfacePoint{grazed.at_in_couch, grazed.normal_in_couch, t};
       }
       t += touching;
     } else {

@@ -35,6 +35,9 @@ class BackSurface {
   [[nodiscard]] std::optional<SurfacePoint> along(const Vector3& origin_in_couch,
                                                   const Vector3& direction_in_couch) const;
 
+  /// The index of the nearest point of the cloud.
+  [[nodiscard]] std::size_t closest(const Vector3& place_in_couch) const;
+
   [[nodiscard]] Position position() const;
   [[nodiscard]] const PointCloud& points() const;
   [[nodiscard]] double spacing_m() const;  ///< typical distance of neighbouring points

@@ -49,6 +49,27 @@ Result<void> check_units(const std::vector<Vector3>& points) {
   return {};
 }
 
+/// A frame that moves with the cloud when it is shifted or turned about the vertical, so that
+/// thinning finds the same cubes wherever on the couch the person is: the centroid, and the main
+/// axis seen from above. Cubes look alike after a quarter turn, so the four signs of the axes need
+/// no decision.
+Transform own_frame(const std::vector<Vector3>& points) {
+  Vector3 centre = Vector3::Zero();
+  for (const Vector3& p : points) centre += p / static_cast<double>(points.size());
+  centre.z() = 0.0;
+  double xx = 0.0;
+  double xy = 0.0;
+  for (const Vector3& p : points) {
+    const Vector3 d = p - centre;
+    xx += d.x() * d.x() - d.y() * d.y();
+    xy += 2.0 * d.x() * d.y();
+  }
+  Transform own_from_couch = Transform::Identity();
+  own_from_couch.rotate(Eigen::AngleAxisd(-0.5 * std::atan2(xy, xx), Vector3::UnitZ()));
+  own_from_couch.translate(-centre);
+  return own_from_couch;
+}
+
 /// The largest thing above the couch that hangs together, with what lies beside it: the sweep can
 /// lose the skin between head and shoulders or behind a fold.
 Result<std::vector<Vector3>> find_person(const std::vector<Vector3>& above) {
@@ -106,9 +127,8 @@ Result<Position> recognise(const std::vector<Vector3>& person, std::optional<Pos
 /// Evenly thinned points with normals from the 27 cubes around each, turned towards where scanners
 /// are.
 PointCloud thin_with_normals(const std::vector<Vector3>& person, double spacing_m,
-                             Position position) {
+                             const Vector3& out) {
   const Voxels voxels = gather(person, spacing_m);
-  const Vector3 out = position == Position::sitting ? Vector3::UnitY() : Vector3::UnitZ();
   Vector3 centre = Vector3::Zero();
   for (const Vector3& mean : voxels.mean) centre += mean / static_cast<double>(voxels.size());
   const Vector3 eye = centre + 1.5 * out;
@@ -177,6 +197,8 @@ Result<BackSurface> fit_back(const PointCloud& scan_in_couch, const BackOptions&
     return fail(Fault::not_found, "no person found: {} of {} points are above the couch, {} needed",
                 above.size(), finite.size(), enough_points);
   }
+  const Transform own_from_couch = own_frame(above);
+  for (Vector3& p : above) p = own_from_couch * p;
   auto person = find_person(above);
   if (!person) return tl::unexpected(person.error());
   if (person->size() < enough_points) {
@@ -188,7 +210,11 @@ Result<BackSurface> fit_back(const PointCloud& scan_in_couch, const BackOptions&
   if (!position) return tl::unexpected(position.error());
 
   const double spacing_m = std::clamp(1.3 * spacing_of(*person), 6_mm, 15_mm);
-  PointCloud cloud = thin_with_normals(*person, spacing_m, *position);
+  const Vector3 out = *position == Position::sitting ? Vector3::UnitY() : Vector3::UnitZ();
+  PointCloud cloud = thin_with_normals(*person, spacing_m, own_from_couch.linear() * out);
+  const Transform couch_from_own = own_from_couch.inverse();
+  for (Vector3& p : cloud.points) p = couch_from_own * p;
+  for (Vector3& n : cloud.normals) n = couch_from_own.linear() * n;
   const double area = static_cast<double>(cloud.size()) * spacing_m * spacing_m / 1.5;
   if (area < 0.10) {
     return fail(Fault::not_found, "less than a back: {:.2f} square metres of skin, 0.10 needed",

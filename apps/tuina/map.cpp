@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "apps/tuina/atlas_source.hpp"
+#include "apps/tuina/verbs.hpp"
+#include "tuina/body/acupoints.hpp"
+#include "tuina/body/labelled_body.hpp"
+#include "tuina/core/file.hpp"
+#include "tuina/core/surface_file.hpp"
+#include "tuina/core/units.hpp"
+
+namespace tuina::app {
+namespace {
+
+/// Acupoints of a scan, in the scan's frame.
+class MapVerb final : public Verb {
+ public:
+  [[nodiscard]] const char* name() const override { return "map"; }
+  [[nodiscard]] const char* summary() const override { return "acupoints of a scan"; }
+  [[nodiscard]] const char* example() const override { return "tuina map scan.ply --out acupoints.json"; }
+
+  void describe(CLI::App& command) override {
+    command.add_option("scan", scan_, "a cloud or mesh in couch, PLY or PCD, metres")->required();
+    command.add_option("--position", position_, "sitting, prone, or auto: recognised")
+        ->check(CLI::IsMember({"auto", "sitting", "prone"}))
+        ->capture_default_str();
+    command.add_option("--atlas", atlas_, "an atlas file, a labelled body or a folder of them; else the shipped one");
+    command.add_option("--method", method_, "field_morphing (the thesis) or surface")
+        ->check(CLI::IsMember({"field_morphing", "surface"}))
+        ->capture_default_str();
+    command.add_option("--out", out_, "the answer, as acupoints.json");
+  }
+
+  [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
+    namespace fs = std::filesystem;
+    std::error_code fault;
+    if (const fs::path folder = fs::path(out_).parent_path(); !folder.empty() && !fs::is_directory(folder, fault)) {
+      return fail(Fault::file, "{}: there is no folder {}", out_, folder.string());
+    }
+    const auto bar = progress_bar(common, "map");
+    auto scan = read_surface(scan_);
+    if (!scan) return tl::unexpected(scan.error());
+    if (bar) bar(0.3);
+    const auto atlas = open_atlas(atlas_);
+    if (!atlas) return tl::unexpected(atlas.error());
+    if (bar) bar(0.6);
+
+    const auto start = std::chrono::steady_clock::now();
+    body::BackOptions options;
+    if (position_ != "auto") options.position = position_ == "prone" ? Position::prone : Position::sitting;
+    // A mesh says what lies between its vertices.
+    const auto back = scan->triangles.empty()
+                          ? body::fit_back(scan->cloud, options)
+                          : body::fit_back(body::sample({scan->cloud.points, scan->triangles}, 5_mm), options);
+    if (!back) return refused(back.error());
+    const auto mapping = body::locate_acupoints(*back, *atlas, *body::parse_method(method_));
+    if (!mapping) return refused(mapping.error());
+    const double compute_ms =
+        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    if (bar) bar(1.0);
+
+    nlohmann::json acupoints = nlohmann::json::object();
+    for (const auto& point : mapping->acupoints) {
+      acupoints[point.name] = {{"position_m", numbers(point.at_in_couch)},
+                               {"normal", numbers(point.normal_in_couch)},
+                               {"uncertainty_mm", to_mm(point.uncertainty_m)}};
+    }
+    nlohmann::json landmarks = nlohmann::json::object();
+    for (const auto& landmark : mapping->landmarks) landmarks[landmark.name] = numbers(landmark.at_in_couch);
+    const nlohmann::json json{{"method", name_of(mapping->method)},
+                              {"position", name_of(mapping->position)},
+                              {"arms", name_of(mapping->arms)},
+                              {"compute_ms", compute_ms},
+                              {"points", scan->cloud.size()},
+                              {"dropped_points", scan->dropped_points},
+                              {"seen_percent", 100.0 * mapping->seen},
+                              {"acupoints", acupoints},
+                              {"landmarks", landmarks}};
+    const std::string text = json.dump(2);
+    if (!out_.empty()) {
+      if (const auto written = write_file(out_, text + "\n"); !written) return tl::unexpected(written.error());
+    }
+    std::string words = fmt::format("{} points on a {} person, {:.0f} ms", mapping->acupoints.size(),
+                                    name_of(mapping->position), compute_ms);
+    if (scan->dropped_points > 0) words += fmt::format("; {} points were not numbers and are dropped", scan->dropped_points);
+    for (const char* seven : seven_acupoints) {
+      for (const auto& point : mapping->acupoints) {
+        if (point.name != seven) continue;
+        words += fmt::format("\n  {:<8} x {:7.1f}  y {:7.1f}  z {:7.1f} mm, true within {:.0f} mm in 95 of 100", point.name,
+                             to_mm(point.at_in_couch.x()), to_mm(point.at_in_couch.y()), to_mm(point.at_in_couch.z()),
+                             to_mm(point.uncertainty_m));
+      }
+    }
+    return Answer{.json = text, .text = words};
+  }
+
+ private:
+  static std::array<double, 3> numbers(const Vector3& v) { return {v.x(), v.y(), v.z()}; }
+  [[nodiscard]] tl::unexpected<Error> refused(const Error& error) const {
+    return tl::unexpected(Error{error.fault, fmt::format("{}: {}", scan_, error.message)});
+  }
+
+  std::string scan_;
+  std::string position_ = "auto";
+  std::string atlas_;
+  std::string method_ = "surface";
+  std::string out_;
+};
+
+}  // namespace
+
+std::unique_ptr<Verb> make_map() { return std::make_unique<MapVerb>(); }
+
+}  // namespace tuina::app

@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tuina/body/acupoints.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <map>
+
+#include "apps/tuina/labelled_phantom.hpp"
+#include "tuina/core/random.hpp"
+#include "tuina/core/units.hpp"
+
+namespace tuina::body {
+namespace {
+
+const Atlas& shipped() {
+  static const Atlas atlas = [] {
+    auto read = read_atlas(TUINA_MODELS "/atlas.tuina");
+    REQUIRE_MESSAGE(read.has_value(), (read ? "" : read.error().message));
+    return std::move(*read);
+  }();
+  return atlas;
+}
+
+LabelledBody phantom(Position position, std::uint64_t seed = 77) {
+  return app::labelled(sim::make_phantom(sim::draw_phantom(seed), position));
+}
+
+PointCloud scan_of(const LabelledBody& person) { return sample(person.skin_in_couch, 5_mm); }
+
+PointCloud moved(PointCloud cloud, const Transform& motion) {
+  for (Vector3& p : cloud.points) p = motion * p;
+  return cloud;
+}
+
+Transform turn(double angle_rad, const Vector3& shift = Vector3::Zero()) {
+  Transform motion = Transform::Identity();
+  motion.translate(shift);
+  motion.rotate(Eigen::AngleAxisd(angle_rad, Vector3::UnitZ()));
+  return motion;
+}
+
+Result<Mapping> map(const PointCloud& cloud, Method method = Method::surface) {
+  const auto back = fit_back(cloud);
+  if (!back) return tl::unexpected(back.error());
+  return locate_acupoints(*back, shipped(), method);
+}
+
+template <typename Kept>
+PointCloud only(const PointCloud& cloud, const Kept& kept) {
+  PointCloud part;
+  std::copy_if(cloud.points.begin(), cloud.points.end(), std::back_inserter(part.points), kept);
+  return part;
+}
+
+}  // namespace
+
+TEST_CASE("the points of a fresh phantom are found in both positions by both methods") {
+  for (const Position position : {Position::sitting, Position::prone}) {
+    for (const Method method : {Method::surface, Method::field_morphing}) {
+      const LabelledBody person = phantom(position);
+      const auto found = map(scan_of(person), method);
+      REQUIRE_MESSAGE(found.has_value(), (found ? "" : found.error().message));
+      CHECK(found->position == position);
+      double sum_mm = 0.0;
+      for (std::size_t i = 0; i < seven_acupoints.size(); ++i) {
+        REQUIRE(found->acupoints[i].name == seven_acupoints[i]);
+        CHECK(std::abs(found->acupoints[i].normal_in_couch.norm() - 1.0) < 1e-9);
+        CHECK(found->acupoints[i].uncertainty_m > 1_mm);
+        sum_mm += to_mm((found->acupoints[i].at_in_couch - person.acupoints[i].at_in_couch).norm()) / 7.0;
+      }
+      CHECK(sum_mm < (method == Method::surface ? 12.0 : 30.0));
+    }
+  }
+}
+
+TEST_CASE("where on the couch the person is carries no information: the points move with the cloud") {
+  for (const Position position : {Position::sitting, Position::prone}) {
+    const PointCloud cloud = scan_of(phantom(position));
+    const auto here = map(cloud);
+    const Transform motion = turn(12_deg, Vector3(0.08, -0.06, 0.0));
+    const auto there = map(moved(cloud, motion));
+    REQUIRE(here);
+    REQUIRE(there);
+    for (std::size_t i = 0; i < here->acupoints.size(); ++i) {
+      CHECK((motion * here->acupoints[i].at_in_couch - there->acupoints[i].at_in_couch).norm() < 1_mm);
+    }
+  }
+}
+
+TEST_CASE("a lying person may have the head at either end of the bed") {
+  const PointCloud cloud = scan_of(phantom(Position::prone));
+  const auto usual = map(cloud);
+  const Transform half_turn = turn(pi);
+  const auto other = map(moved(cloud, half_turn));
+  REQUIRE(usual);
+  REQUIRE(other);
+  for (std::size_t i = 0; i < usual->acupoints.size(); ++i) {
+    CHECK((half_turn * usual->acupoints[i].at_in_couch - other->acupoints[i].at_in_couch).norm() < 1_mm);
+  }
+}
+
+TEST_CASE("a noisy scan with flying pixels and the couch in view gives the same points") {
+  const LabelledBody person = phantom(Position::sitting);
+  PointCloud cloud = scan_of(person);
+  Random random = make_random(5, "camera");
+  for (Vector3& p : cloud.points) p += Vector3(0.0, gaussian(random, 3_mm), 0.0);
+  for (int i = 0; i < 300; ++i) {
+    cloud.points.emplace_back(uniform(random, -0.4, 0.4), uniform(random, -0.4, 0.4), uniform(random, 0.0, 1.0));
+  }
+  for (int i = 0; i < 8000; ++i) {
+    cloud.points.emplace_back(uniform(random, -0.3, 0.3), uniform(random, -0.3, 0.3), gaussian(random, 3_mm));
+  }
+  const auto clean = map(scan_of(person));
+  const auto noisy = map(cloud);
+  REQUIRE(clean);
+  REQUIRE_MESSAGE(noisy.has_value(), (noisy ? "" : noisy.error().message));
+  for (std::size_t i = 0; i < 7; ++i) {
+    CHECK((clean->acupoints[i].at_in_couch - noisy->acupoints[i].at_in_couch).norm() < 8_mm);
+  }
+}
+
+TEST_CASE("what is no whole back is refused, with the cause") {
+  for (const Position position : {Position::sitting, Position::prone}) {
+    const PointCloud cloud = scan_of(phantom(position));
+    const bool sitting = position == Position::sitting;
+    double head = -1e9;
+    double centre = 0.0;
+    const auto height = [&](const Vector3& p) { return sitting ? p.z() : -p.y(); };
+    for (const Vector3& p : cloud.points) {
+      head = std::max(head, height(p));
+      centre += p.x() / static_cast<double>(cloud.size());
+    }
+    CAPTURE(name_of(position));
+    CHECK_FALSE(map(only(cloud, [&](const Vector3& p) { return p.x() > centre; })));                // half
+    CHECK_FALSE(map(only(cloud, [&](const Vector3& p) { return height(p) < head - 0.50; })));       // loins
+    CHECK_FALSE(map(only(cloud, [&](const Vector3& p) { return height(p) > head - 0.38; })));       // head, shoulders
+    PointCloud large = cloud;
+    for (Vector3& p : large.points) p *= 1000.0;
+    CHECK(map(large).error().message.find("millimetres") != std::string::npos);
+    PointCloud hollow = cloud;
+    for (Vector3& p : hollow.points) {
+      if (sitting) p.y() = -p.y();
+      else p.z() = 0.35 - p.z();
+    }
+    CHECK_FALSE(map(hollow));
+    PointCloud two = cloud;
+    for (const Vector3& p : cloud.points) two.points.push_back(p + Vector3(1.1, 0.0, 0.0));
+    CHECK(map(two).error().message.find("two people") != std::string::npos);
+    PointCloud sunk = cloud;
+    for (Vector3& p : sunk.points) p.z() -= 0.6;
+    CHECK_FALSE(map(sunk));
+  }
+}
+
+TEST_CASE("an atlas survives its file, and a damaged file is refused") {
+  const std::string bytes = to_bytes(shipped());
+  const auto again = parse_atlas(bytes, "atlas");
+  REQUIRE(again);
+  CHECK(to_bytes(*again).size() == bytes.size());
+  CHECK(again->positions.size() == 2);
+  std::string damaged = bytes;
+  damaged[damaged.size() / 2] = static_cast<char>(damaged[damaged.size() / 2] ^ 1);
+  CHECK(parse_atlas(damaged, "atlas").error().message.find("checksum") != std::string::npos);
+  CHECK_FALSE(parse_atlas(bytes.substr(0, bytes.size() - 1), "atlas"));
+  CHECK_FALSE(parse_atlas("ply", "atlas"));
+}
+
+TEST_CASE("one labelled body makes an atlas of one that finds its own points") {
+  const LabelledBody person = phantom(Position::sitting, 5);
+  const auto atlas = learn_atlas({person}, nullptr, {}, nullptr);
+  REQUIRE(atlas);
+  for (const Method method : {Method::surface, Method::field_morphing}) {
+    const auto back = fit_back(scan_of(person));
+    REQUIRE(back);
+    const auto found = locate_acupoints(*back, *atlas, method);
+    REQUIRE(found);
+    for (std::size_t i = 0; i < 7; ++i) {
+      CHECK((found->acupoints[i].at_in_couch - person.acupoints[i].at_in_couch).norm() < 4_mm);
+    }
+  }
+}
+
+}  // namespace tuina::body

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tuina/body/acupoints.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tuina/core/units.hpp"
+
+namespace tuina::body {
+namespace {
+
+constexpr double enough_seen = 0.62;    // of the atlas' back; tuned on phantoms cut in pieces
+constexpr double worst_residual_m = 14_mm;
+
+void add(Mapping& mapping, const ShapeModel& shape, std::size_t label, const SurfacePoint& skin, double radius_m) {
+  if (static_cast<int>(label) < shape.acupoints) {
+    mapping.acupoints.push_back({.name = shape.labels[label],
+                                 .at_in_couch = skin.at_in_couch,
+                                 .normal_in_couch = skin.normal_in_couch,
+                                 .uncertainty_m = radius_m});
+  } else {
+    mapping.landmarks.push_back({shape.labels[label], skin.at_in_couch});
+  }
+}
+
+/// [thesis] 5.4: the mark is warped on the plane of the back, then given its place on the skin. The candidates
+/// of (5.7) are one here: a point is warped, not the pixels of a sticker.
+void morph(Mapping& mapping, const BackSurface& back, const Outline& outline, const PositionAtlas& atlas) {
+  const auto lines = feature_lines(outline);
+  const Transform couch_from_back = outline.back_from_couch.inverse();
+  const Vector3 out = couch_from_back.linear().col(1);
+  for (std::size_t i = 0; i < atlas.shape.labels.size(); ++i) {
+    const Vector2 at = warp(atlas.standard.marks[i], atlas.standard.lines, lines);
+    const Vector3 above = couch_from_back * Vector3(at.x(), 0.6, at.y());
+    const auto hit = back.along(above, -out);
+    const SurfacePoint skin = hit ? *hit : back.nearest(couch_from_back * Vector3(at.x(), 0.0, at.y()));
+    add(mapping, atlas.shape, i, skin, atlas.standard.radius95_m);
+  }
+}
+
+Result<void> fit(Mapping& mapping, const BackSurface& back, const Outline& outline, const ShapeModel& shape) {
+  const LabelEstimate estimate = estimate_labels(shape, back, outline);
+  mapping.seen = estimate.fit.seen;
+  if (estimate.fit.seen < enough_seen) {
+    return fail(Fault::not_found, "less than a back: the scan shows {:.0f} % of it, {:.0f} needed",
+                100.0 * estimate.fit.seen, 100.0 * enough_seen);
+  }
+  if (estimate.fit.residual_m > worst_residual_m) {
+    return fail(Fault::not_found, "this does not look like a back: {:.0f} mm from the nearest back that the atlas knows, {:.0f} allowed",
+                to_mm(estimate.fit.residual_m), to_mm(worst_residual_m));
+  }
+  for (std::size_t i = 0; i < shape.labels.size(); ++i) {
+    const auto column = static_cast<Eigen::Index>(i);
+    const Vector3 place = estimate.at_in_couch.col(column);
+    SurfacePoint skin = back.nearest(place);
+    // Where the scan has a hole the estimate is better than the rim of the hole.
+    if (skin.distance_m > 15_mm) skin.at_in_couch = place;
+    add(mapping, shape, i, skin, std::hypot(estimate.radius95_m[column], skin.distance_m > 15_mm ? skin.distance_m : 0.0));
+  }
+  return {};
+}
+
+}  // namespace
+
+std::optional<Method> parse_method(std::string_view name) {
+  for (const Method method : {Method::field_morphing, Method::surface}) {
+    if (name == name_of(method)) return method;
+  }
+  return std::nullopt;
+}
+
+Result<Mapping> locate_acupoints(const BackSurface& back, const Atlas& atlas, Method method) {
+  const PositionAtlas* known = atlas.of(back.position());
+  if (known == nullptr) {
+    return fail(Fault::not_found, "the person is {}, a position that the atlas does not know", name_of(back.position()));
+  }
+  const auto outline = find_outline(back);
+  if (!outline) return tl::unexpected(outline.error());
+  Mapping mapping;
+  mapping.method = method;
+  mapping.position = back.position();
+  mapping.arms = outline->arms;
+  if (method == Method::field_morphing) {
+    morph(mapping, back, *outline, *known);
+    return mapping;
+  }
+  if (const auto fitted = fit(mapping, back, *outline, known->shape); !fitted) return tl::unexpected(fitted.error());
+  return mapping;
+}
+
+}  // namespace tuina::body

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "tuina/body/atlas.hpp"
+
+namespace tuina::body {
+
+enum class Method : std::uint8_t { field_morphing, surface };
+[[nodiscard]] constexpr const char* name_of(Method method) {
+  return method == Method::field_morphing ? "field_morphing" : "surface";
+}
+[[nodiscard]] std::optional<Method> parse_method(std::string_view name);
+
+/// Where the points are on this person.
+struct Mapping {
+  Method method = Method::surface;
+  Position position = Position::sitting;
+  Arms arms = Arms::unknown;
+  std::vector<Acupoint> acupoints;  ///< the seven first
+  std::vector<Landmark> landmarks;
+  double seen = 1.0;  ///< share of the atlas' back that the scan shows
+};
+
+/// Brings the atlas onto this person. `field_morphing` is the method of [thesis] 5.2-5.4 with one standard
+/// back; `surface` fits the shapes the atlas has learned to the scan. Fails with the cause when the scan does
+/// not show a back that the atlas can answer for.
+[[nodiscard]] Result<Mapping> locate_acupoints(const BackSurface& back, const Atlas& atlas,
+                                               Method method = Method::surface);
+
+}  // namespace tuina::body

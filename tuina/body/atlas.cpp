@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tuina/body/atlas.hpp"
+
+#include <algorithm>
+
+#include "tuina/core/units.hpp"
+
+namespace tuina::body {
+namespace {
+
+Standard make_standard(const Outline& outline, const ShapeModel& shape, const Example& example) {
+  Standard standard;
+  standard.lines = feature_lines(outline);
+  for (std::size_t i = 0; i < shape.labels.size(); ++i) {
+    Vector3 at = outline.back_from_couch.inverse() * shape.model_from_outline.inverse() *
+                 shape.mean.col(shape.skin_points() + static_cast<Eigen::Index>(i));
+    for (const auto& point : example.acupoints) {
+      if (point.name == shape.labels[i]) at = point.at_in_couch;
+    }
+    for (const auto& landmark : example.landmarks) {
+      if (landmark.name == shape.labels[i]) at = landmark.at_in_couch;
+    }
+    standard.marks.push_back(outline.plane(at));
+  }
+  return standard;
+}
+
+}  // namespace
+
+const PositionAtlas* Atlas::of(Position position) const {
+  for (const auto& candidate : positions) {
+    if (candidate.shape.position == position) return &candidate;
+  }
+  return nullptr;
+}
+
+std::vector<FeatureLine> feature_lines(const Outline& outline) {
+  const Vector2 neck = 0.5 * (outline.neck[left] + outline.neck[right]);
+  return {{outline.shoulder[right], outline.shoulder[left]},
+          {neck, outline.bottom},
+          {outline.neck[right], outline.neck[left]},
+          {outline.shoulder[left], outline.trunk[left]},
+          {outline.shoulder[right], outline.trunk[right]},
+          {outline.trunk[right], outline.trunk[left]}};
+}
+
+Result<Atlas> learn_atlas(const std::vector<LabelledBody>& bodies, const Atlas* prior,
+                          const Progress& progress, LearnReport* report) {
+  Atlas atlas;
+  LearnReport learned;
+  double sum_mm = 0.0;
+  double parts = 0.0;
+  for (const Position position : {Position::sitting, Position::prone}) {
+    const auto count = std::count_if(bodies.begin(), bodies.end(),
+                                     [&](const LabelledBody& b) { return b.position == position; });
+    if (count == 0) continue;
+    const double share = static_cast<double>(count) / static_cast<double>(bodies.size());
+    const double from = position == Position::sitting ? 0.0 : 1.0 - share;
+    const auto step = [&](double done) {
+      if (progress) progress(from + share * done);
+    };
+    std::vector<Example> examples;
+    for (const LabelledBody& body : bodies) {
+      if (body.position != position) continue;
+      auto example = make_example(body);
+      if (example) {
+        examples.push_back(std::move(*example));
+      } else {
+        learned.skipped.push_back(example.error().message);
+      }
+      step(0.2 * static_cast<double>(examples.size()) / static_cast<double>(count));
+    }
+    // One body in ten may fail; more, and something is wrong with the folder.
+    if (examples.empty() || 10 * learned.skipped.size() > bodies.size()) {
+      return fail(Fault::bad_input, "{} of {} labelled bodies cannot be learned from, the first: {}", learned.skipped.size(),
+                  bodies.size(), learned.skipped.front());
+    }
+    LearnOptions options;
+    const PositionAtlas* known = prior != nullptr ? prior->of(position) : nullptr;
+    if (known != nullptr) options.prior = &known->shape;
+    Eigen::MatrixXd left_out_mm;
+    auto shape = learn_shape(examples, options, [&](double done) { step(0.2 + 0.8 * done); }, &left_out_mm);
+    if (!shape) return tl::unexpected(shape.error());
+    if (left_out_mm.rows() >= 7) {
+      sum_mm += left_out_mm.topRows(7).mean() * static_cast<double>(count);
+      parts += static_cast<double>(count);
+    }
+    const Example& medium = examples[medium_example(examples, *shape)];
+    PositionAtlas made{make_standard(medium.outline, *shape, medium), std::move(*shape)};
+    learned.bodies += static_cast<int>(examples.size());
+    learned.points = std::max(learned.points, static_cast<int>(made.shape.labels.size()));
+    learned.modes = std::max(learned.modes, static_cast<int>(made.shape.modes.cols()));
+    atlas.positions.push_back(std::move(made));
+  }
+  if (atlas.positions.empty()) return fail(Fault::bad_input, "no labelled body to learn from");
+  if (parts > 0.0) learned.leave_one_out_mm = sum_mm / parts;
+  atlas.made = fmt::format("learned from {} labelled bodies{}", learned.bodies,
+                           prior != nullptr ? ", beginning with a prior" : "");
+  if (report != nullptr) *report = learned;
+  return atlas;
+}
+
+}  // namespace tuina::body

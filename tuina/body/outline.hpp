@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+
+#include "tuina/body/back_surface.hpp"
+
+namespace tuina::body {
+
+enum class Arms : std::uint8_t { up, down, unknown };
+[[nodiscard]] constexpr const char* name_of(Arms arms) {
+  return arms == Arms::up ? "up" : arms == Arms::down ? "down" : "unknown";
+}
+
+/// A place on the person's left or right; index with `left` and `right`.
+using Sides = std::array<Vector2, 2>;
+inline constexpr std::size_t left = 0;
+inline constexpr std::size_t right = 1;
+
+/// What the outline of the back tells ([thesis] 5.3): the cloud is projected on the plane of the
+/// back, which for a lying person is the bed and for a sitting one the inclined plane that the
+/// chair gives the back. The `back` frame stands on that plane: x to the person's left, y out of
+/// the back, z towards the head, its origin half-way between the shoulders. Plane coordinates are
+/// (x, z) of that frame, in metres.
+struct Outline {
+  Transform back_from_couch = Transform::Identity();
+  Sides neck = {};                ///< where the neck runs out into the shoulders
+  Sides shoulder = {};            ///< the corners of the shoulders
+  Sides trunk = {};               ///< the sides two thirds down the midline
+  Vector2 top = Vector2::Zero();  ///< upper end of the midline, on the shoulder line
+  Vector2 bottom =
+      Vector2::Zero();  ///< lower end: 0.1 m above the seat; lying: the top of the buttocks
+  Arms arms = Arms::unknown;
+
+  [[nodiscard]] Vector2 plane(const Vector3& place_in_couch) const {
+    const Vector3 p = back_from_couch * place_in_couch;
+    return {p.x(), p.z()};
+  }
+};
+
+/// Fails with the cause when the outline is not that of a whole back.
+[[nodiscard]] Result<Outline> find_outline(const BackSurface& back);
+
+}  // namespace tuina::body
