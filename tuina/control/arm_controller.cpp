@@ -244,7 +244,7 @@ double ArmController::approach_force(double depth_m, double speed, double dt_s) 
   return spring_n + damping * (search_speed_ - speed);
 }
 
-Vector3 ArmController::contact_force(const ArmState& state, double dt_s) noexcept {
+Vector3 ArmController::contact_force(double dt_s) noexcept {
   const Vector3& normal = reference_.pose.normal_in_base;
   const Vector3 error = reference_.pose.at_in_base - centre_;
   const double depth_m = error.dot(normal);
@@ -290,7 +290,7 @@ Vector3 ArmController::contact_force(const ArmState& state, double dt_s) noexcep
 // yields the set force, and further by what their own spring needs for it.
 JointVector ArmController::baseline_torque(const ArmState& state, double dt_s) noexcept {
   const Vector3& normal = reference_.pose.normal_in_base;
-  (void)contact_force(state, dt_s);  // keeps the set force, its rate, and contact watched
+  (void)contact_force(dt_s);  // keeps the set force, its rate, and contact watched
   const double set_n = force_target_.set_n();
   const double expected_m = depth_at(target_.model, set_n);
   ToolReference reference = reference_;
@@ -335,7 +335,7 @@ JointVector ArmController::step(const ArmState& state, double rail_m, double dt_
   if (status_.doing == Doing::contact && baseline) {
     torque_nm = baseline_torque(state, dt_s);
   } else {
-    const Vector3 force = touching ? contact_force(state, dt_s) : free_force(state, dt_s);
+    const Vector3 force = touching ? contact_force(dt_s) : free_force(state, dt_s);
     torque_nm = task_torque(dynamics_, model_->table(), state.q_rad, state.dq_rad_per_s, force,
                             reference_, posture_rad_, options_.turning, options_.posture);
     follower_.start(state.q_rad);

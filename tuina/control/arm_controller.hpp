@@ -119,7 +119,7 @@ class ArmController {
 
  private:
   [[nodiscard]] Vector3 free_force(const ArmState& state, double dt_s) noexcept;
-  [[nodiscard]] Vector3 contact_force(const ArmState& state, double dt_s) noexcept;
+  [[nodiscard]] Vector3 contact_force(double dt_s) noexcept;
   [[nodiscard]] double approach_force(double depth_m, double speed, double dt_s) noexcept;
   [[nodiscard]] JointVector baseline_torque(const ArmState& state, double dt_s) noexcept;
   [[nodiscard]] JointVector learning_torque(const ArmState& state, double dt_s) noexcept;
