@@ -117,9 +117,8 @@ class Line final : public Verb {
       }
       dark = std::move(*read);
     }
-    const LineOptions options{.method = method_ == "likelihood" ? LineMethod::likelihood
-                                        : method_ == "thesis"   ? LineMethod::thesis
-                                                                : LineMethod::centroid};
+    const LineOptions options{.method =
+                                  scanner::line_method(method_).value_or(LineMethod::centroid)};
     const Measured measured = png->bits > 8 ? measure<std::uint16_t>(*png, dark, options)
                                             : measure<std::uint8_t>(*png, dark, options);
     const LaserLine& line = measured.line;

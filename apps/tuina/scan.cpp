@@ -11,6 +11,7 @@
 #include "tuina/scanner/recording.hpp"
 #include "tuina/scanner/sweep.hpp"
 #include "tuina/session/config.hpp"
+#include "tuina/session/scan_step.hpp"
 #include "tuina/sim/laser_scanner.hpp"
 #include "tuina/sim/person.hpp"
 
@@ -81,14 +82,8 @@ class ScanVerb final : public Verb {
       if (!read) return tl::unexpected(read.error());
       calibration = *read;
     }
-    const std::string& method = method_.empty() ? config->scan.method : method_;
-    scanner::SweepOptions options;
-    options.from_rad = from_deg(-0.5 * config->scan.sweep_deg);
-    options.to_rad = -options.from_rad;
-    options.speed_rad_per_s = from_deg(config->scan.sweep_deg) / config->scan.sweep_s;
-    options.method = method == "likelihood" ? scanner::LineMethod::likelihood
-                     : method == "thesis"   ? scanner::LineMethod::thesis
-                                            : scanner::LineMethod::centroid;
+    auto options = session::sweep_options(*config);
+    if (const auto method = scanner::line_method(method_)) options.method = *method;
     return replay_.empty() ? simulate(common, *config, calibration, options)
                            : replay(common, calibration, options);
   }

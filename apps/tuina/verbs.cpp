@@ -5,6 +5,7 @@ namespace tuina::app {
 
 std::vector<std::unique_ptr<Verb>> make_verbs() {
   std::vector<std::unique_ptr<Verb>> verbs;
+  verbs.push_back(make_massage());
   verbs.push_back(make_scan());
   verbs.push_back(make_line());
   verbs.push_back(make_plan());

@@ -9,6 +9,7 @@
 namespace tuina::app {
 
 // One file per verb; a verb that does not exist yet is absent here and so from --help.
+std::unique_ptr<Verb> make_massage();
 std::unique_ptr<Verb> make_press();
 std::unique_ptr<Verb> make_config_show();
 std::unique_ptr<Verb> make_config_check();

@@ -121,28 +121,6 @@ TEST_CASE("the linear base goes where both arms reach everything, and says when 
   CHECK(none.error().message.find("4 of 5") != std::string::npos);
 }
 
-// [thesis] 2.2: "The maximum output force of the end-effector is about 140N."
-TEST_CASE("the motors press with 140 N anywhere on the patch, the arm's weight included") {
-  double fullest = 0.0;
-  for (int i = 0; i < 6; ++i) {
-    for (int j = 0; j < 8; ++j) {
-      const ContactGoal goal = ahead(0.45, -0.15 + 0.05 * i, -0.25 + 0.05 * j);
-      const auto posture = find_posture(left, 0.0, goal, ready[Arm::left]);
-      REQUIRE(posture.reach == Reach::reached);
-      const auto dynamics = left.evaluate(posture.q_rad, JointVector::Zero(6), 0.0);
-      const JointVector torque_nm =
-          dynamics.gravity_nm + dynamics.jacobian.topRows<3>().transpose() * Vector3(140.0, 0, 0);
-      for (int k = 0; k < 6; ++k) {
-        const Link& link = table.links[static_cast<std::size_t>(k)];
-        fullest =
-            std::max(fullest, (std::abs(torque_nm[k]) + link.coulomb_nm) / link.torque_limit_nm);
-      }
-    }
-  }
-  MESSAGE("at 140 N the fullest motor gives " << 100.0 * fullest << " % of its torque");
-  CHECK(fullest < 1.0);
-}
-
 TEST_CASE("finding a posture takes nothing from the heap, found or not") {
   const auto before = test::allocations();
   const auto near = find_posture(left, 0.0, ahead(0.45), ready[Arm::left]);

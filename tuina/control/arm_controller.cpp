@@ -11,7 +11,9 @@ constexpr double typical_mass_kg = 4.0;  // what the tool of a 9 kg arm shows, w
 constexpr double blocked_after_s = 0.02;
 constexpr double touched_after_s = 0.003;
 constexpr double quiet_after_s = 0.1;
-constexpr double arrived_m = 4e-3;
+constexpr double arrived_m = 3e-3;
+constexpr double settling_per_s = 3.0;
+constexpr double most_settling_n = 15.0;
 constexpr double still_m_per_s = 0.015;
 constexpr double search_acceleration = 0.4;  // m/s2
 
@@ -169,6 +171,7 @@ void ArmController::approach(const ToolPose& skin) noexcept {
   if (!usable) return give_up(Trouble::bad_command);
   stop_learning();
   sense_.tare();
+  settling_n_.setZero();
   target_ = {.at_in_base = skin.at_in_base, .normal_in_base = normal, .model = target_.model};
   reference_ = {.pose = {skin.at_in_base + model_->table().tool_radius_m * normal, normal}};
   const Vector3 above = reference_.pose.at_in_base - centre_;
@@ -202,8 +205,11 @@ Vector3 ArmController::free_force(const ArmState& state, double dt_s) noexcept {
   const double damping =
       2.0 * options_.damping_ratio * std::sqrt(typical_mass_kg * options_.stiffness_n_per_m);
 
-  const bool still = motion_s_ >= motion_.duration_s() && error.norm() < arrived_m &&
-                     velocity_.norm() < still_m_per_s;
+  // What friction and a wrong weight leave over at the goal is worked off slowly, within bounds.
+  const bool over = motion_s_ >= motion_.duration_s();
+  if (over)
+    settling_n_ = shortened(settling_n_ + settling_per_s * dt_s * spring_n_, most_settling_n);
+  const bool still = over && error.norm() < arrived_m && velocity_.norm() < still_m_per_s;
   quiet_s_ = still ? quiet_s_ + dt_s : 0.0;
   status_.settled = quiet_s_ >= quiet_after_s;
   const bool pushed =
@@ -211,7 +217,7 @@ Vector3 ArmController::free_force(const ArmState& state, double dt_s) noexcept {
   blocked_s_ = pushed ? blocked_s_ + dt_s : 0.0;
   if (blocked_s_ > blocked_after_s) give_up(Trouble::blocked);
   status_.stiffness_n_per_m = options_.stiffness_n_per_m;
-  return spring_n_ + damping * velocity_error;
+  return spring_n_ + settling_n_ + damping * velocity_error;
 }
 
 // Down fast while the skin is surely far, slowly where it may be, never further than where it must
@@ -264,6 +270,7 @@ Vector3 ArmController::contact_force(double dt_s) noexcept {
                             .force_n = status_.force_n,
                             .set_force_n = target_.force_n,
                             .mass_kg = robot::apparent_mass_kg(dynamics_, normal),
+                            .most_spring_n = target_.most_spring_n,
                             .model = target_.model},
                            dt_s);
     normal_spring_n = force_target_.spring_n();

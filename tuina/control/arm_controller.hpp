@@ -20,6 +20,9 @@ struct ContactTarget {
   Vector3 velocity_m_per_s = Vector3::Zero();
   Vector3 normal_in_base = Vector3::UnitZ();  ///< unit, out of the body
   double force_n = 0.0;
+  /// The leash: never more force than this from the springs, whatever the sensor says; the zone's
+  /// trip.
+  double most_spring_n = 60.0;
   ContactModel model;  ///< prior or estimate
 };
 
@@ -142,7 +145,8 @@ class ArmController {
   robot::ArmDynamics dynamics_;
   Vector3 centre_ = Vector3::Zero();
   Vector3 velocity_ = Vector3::Zero();
-  Vector3 spring_n_ = Vector3::Zero();  // of the last step, without damping
+  Vector3 spring_n_ = Vector3::Zero();    // of the last step, without damping
+  Vector3 settling_n_ = Vector3::Zero();  // integral of the spring at the goal of a free motion
   double search_m_ = 0.0, search_speed_ = 0.0;
   double quiet_s_ = 0.0, touched_s_ = 0.0, blocked_s_ = 0.0;
   double rail_m_ = 0.0;

@@ -128,8 +128,9 @@ double ForceTarget::step(const Input& input, double dt_s) noexcept {
 
   const double spring_n = lost_ ? spring_without_skin(input, dt_s)
                                 : spring_on_skin(input, contact_n_per_m, damping, dt_s);
-  spring_n_ = paid_for(
-      std::clamp(spring_n, -options_.most_trim_out_n, set_n_ + options_.most_over_set_n), input);
+  spring_n_ = paid_for(std::clamp(spring_n, -options_.most_trim_out_n,
+                                  std::min(set_n_ + options_.most_over_set_n, input.most_spring_n)),
+                       input);
   const double relative = input.speed_m_per_s - foreseen;
   tank_j_ = std::min(tank_j_ + damping * relative * relative * dt_s, options_.tank_j);
   return spring_n_ + std::min(inertia_n - damping * relative, options_.most_outward_damping_n);

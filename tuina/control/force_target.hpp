@@ -58,7 +58,8 @@ class ForceTarget {
     double path_speed_m_per_s = 0.0;  ///< of the believed skin, inward
     double force_n = 0.0;             ///< measured, pressing positive
     double set_force_n = 0.0;
-    double mass_kg = 3.5;  ///< apparent, along the normal
+    double mass_kg = 3.5;         ///< apparent, along the normal
+    double most_spring_n = 60.0;  ///< leash of the zone, besides the one of the options
     ContactModel model;
   };
 

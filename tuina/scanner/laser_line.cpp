@@ -288,4 +288,11 @@ LaserLine find_laser_line(ImageView16 image, const LineOptions& options, ImageVi
   return find(image, options, dark);
 }
 
+std::optional<LineMethod> line_method(std::string_view name) {
+  if (name == "centroid") return LineMethod::centroid;
+  if (name == "likelihood") return LineMethod::likelihood;
+  if (name == "thesis") return LineMethod::thesis;
+  return std::nullopt;
+}
+
 }  // namespace tuina::scanner

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
+#include <string_view>
 #include <vector>
 
 #include "tuina/core/image.hpp"
@@ -13,6 +15,9 @@ enum class LineMethod : std::uint8_t {
   likelihood,  ///< Gauss-Newton steps to the most likely place of a Gaussian line
   thesis,  ///< [thesis] (4.10): centroid of all pixels above a threshold; a baseline for comparison
 };
+
+/// By its name on the command line and in config files; nothing for any other word.
+[[nodiscard]] std::optional<LineMethod> line_method(std::string_view name);
 
 /// Where the laser line crosses one row of the image. Pixel centres are whole numbers.
 struct LinePoint {

@@ -119,4 +119,23 @@ Result<MappedBack> read_acupoints(const std::filesystem::path& file) {
   return parse_acupoints(*text, file.string());
 }
 
+std::string to_json(const MapFile& map) {
+  const auto three = [](const Vector3& v) { return nlohmann::ordered_json{v.x(), v.y(), v.z()}; };
+  nlohmann::ordered_json json = {{"method", map.method},
+                                 {"position", name_of(map.position)},
+                                 {"arms", map.arms},
+                                 {"compute_ms", map.compute_ms},
+                                 {"dropped_points", map.dropped_points}};
+  for (const Acupoint& point : map.acupoints) {
+    json["acupoints"][point.name] = {{"position_m", three(point.at_in_couch)},
+                                     {"normal", three(point.normal_in_couch)},
+                                     {"uncertainty_mm", to_mm(point.uncertainty_m)}};
+  }
+  json["landmarks"] = nlohmann::ordered_json::object();
+  for (const Landmark& landmark : map.landmarks) {
+    json["landmarks"][landmark.name] = three(landmark.at_in_couch);
+  }
+  return json.dump(2);
+}
+
 }  // namespace tuina::session

@@ -24,4 +24,16 @@ struct MappedBack {
 [[nodiscard]] Result<MappedBack> read_acupoints(const std::filesystem::path& file);
 [[nodiscard]] Result<MappedBack> parse_acupoints(std::string_view text, std::string_view name);
 
+/// What `map` answers and acupoints.json holds.
+struct MapFile {
+  std::string method;
+  Position position = Position::sitting;
+  std::string arms = "unknown";  ///< up, down or unknown
+  double compute_ms = 0.0;
+  std::size_t dropped_points = 0;  ///< of the scan, that were not finite
+  std::vector<Acupoint> acupoints;
+  std::vector<Landmark> landmarks;
+};
+[[nodiscard]] std::string to_json(const MapFile& map);
+
 }  // namespace tuina::session

@@ -14,9 +14,9 @@ namespace tuina::session {
 /// else.
 struct Config {
   struct Scan {
-    double sweep_s = 6.0;             ///< time of one sweep
-    double sweep_deg = 44.0;          ///< angle of one sweep, symmetric about straight ahead
-    std::string method = "centroid";  ///< laser line: centroid or likelihood
+    double sweep_s = 6.0;               ///< time of one sweep
+    double sweep_deg = 36.0;            ///< angle of one sweep, symmetric about straight ahead
+    std::string method = "likelihood";  ///< laser line: centroid or likelihood
   } scan;
   struct Massage {
     double standoff_mm = 40.0;  ///< above the skin, where an approach starts and a retract ends

@@ -77,6 +77,8 @@ tissue::PressEstimatorOptions estimator_options(const MassageOptions& options) {
   estimator.torso_n_per_m = options.torso_n_per_m;
   estimator.contact_sd_m = 3e-3;  // the scan, the mapping from scanner to robot and the breath
   estimator.breathing_m = 3e-3;
+  // The estimate is used once its 95 % intervals are within a tenth of it.
+  estimator.converged_alpha = estimator.converged_beta = 0.10;
   estimator.force_delay_s = 2.6e-3;  // a sample of delay and the low-pass of the wrist sensor
   return estimator;
 }
@@ -227,6 +229,8 @@ void MassageStep::conduct(Arm arm, double time_s) noexcept {
         controller.approach(
             {.at_in_base = side.wanted.at_in_couch, .normal_in_base = side.wanted.normal_in_couch});
         side.phase = ArmPhase::approach;
+        side.estimator.reset();
+        side.expected = expected_in(planned->zone);
       }
       return;
     case ArmPhase::approach:
@@ -247,7 +251,8 @@ void MassageStep::conduct(Arm arm, double time_s) noexcept {
       }
       const Interpolated now = interpolate(planned->path, in_contact_s);
       side.wanted = now.point;
-      side.wanted.force_n = std::min(side.wanted.force_n, options_.force_ceiling_n);
+      side.wanted.force_n =
+          std::min({side.wanted.force_n, options_.force_ceiling_n, planned->cap_n});
       controller.track(
           {.at_in_base = now.point.at_in_couch,
            .velocity_m_per_s = now.velocity_m_per_s,
@@ -269,8 +274,6 @@ void MassageStep::conduct(Arm arm, double time_s) noexcept {
 void MassageStep::begin_contact(Side& side, double time_s) noexcept {
   side.contact_s = time_s;
   side.phase = ArmPhase::contact;
-  side.estimator.reset();
-  side.expected = expected_in(path_of(side)->zone);
 }
 
 void MassageStep::end_contact(Side& side, Arm arm, double time_s) noexcept {
@@ -282,7 +285,10 @@ void MassageStep::end_contact(Side& side, Arm arm, double time_s) noexcept {
                  .trouble = side.trouble,
                  .felt = {}};
   const bool feels = planned.path.technique == Technique::press;
-  if (feels && time_s > side.contact_s) done.felt = side.estimator.estimate();
+  if (feels && time_s > side.contact_s) {
+    done.felt = side.estimator.estimate();
+    done.chi = side.estimator.chi();
+  }
   performed_.push_back(done);
   side.controller.retract(options_.standoff_m);
   side.phase = ArmPhase::retract;
@@ -291,7 +297,8 @@ void MassageStep::end_contact(Side& side, Arm arm, double time_s) noexcept {
 void MassageStep::feel(Side& side, double time_s, const ArmState& state) noexcept {
   const massage::PlannedPath* planned = path_of(side);
   if (planned == nullptr || planned->path.technique != Technique::press) return;
-  if (side.phase != ArmPhase::contact) return;
+  // The approach counts too: in the air the estimator learns the zero of the force sensor.
+  if (side.phase != ArmPhase::approach && side.phase != ArmPhase::contact) return;
   const Vector3& normal = side.wanted.normal_in_couch;
   const Vector3 foremost = state.base_from_tool.translation() - tool_radius_m_ * normal;
   side.estimator.update(time_s, {.depth_m = normal.dot(side.wanted.at_in_couch - foremost),

@@ -35,6 +35,7 @@ struct Performed {
   double end_s = 0.0;
   control::Trouble trouble = control::Trouble::none;  ///< why it was cut short, if it was
   std::optional<TissueEstimate> felt;                 ///< after its last press; only pressing feels
+  double chi = 1.0;                                   ///< misfit of what was felt; about 1 is good
 };
 
 struct Stop {

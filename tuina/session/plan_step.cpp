@@ -12,7 +12,9 @@ namespace tuina::session {
 namespace {
 
 constexpr double checked_every_s = 0.1;
+constexpr double closest_arms_m = 60_mm;
 constexpr double rail_goals_m = 20_mm;
+constexpr double lifted_m = 45_mm;  // above the stand-off, on the way to the next contact
 constexpr double press_depth_m =
     8_mm;  // what 30 N press into soft tissue on a torso that gives way
 
@@ -77,114 +79,185 @@ std::vector<control::ToolPose> way_between(const body::BackSurface& back, const 
   return way;
 }
 
-}  // namespace
-
-Result<ReadyPlan> make_ready(massage::Plan plan, const body::BackSurface& back,
-                             const robot::RobotMount& mount, const PerArm<robot::ArmModel>& models,
-                             const Transform& base_from_couch, double standoff_m) {
-  ReadyPlan ready;
-  ready.ready_rad = robot::ready_posture(models[Arm::left].table(), mount);
-  const robot::PostureOptions posture_options{.press_depth_m = press_depth_m};
-
-  PerArm<std::vector<robot::ContactGoal>> all_goals;
+/// Where the base has to stand for: the places of each arm's paths, each once however often a path
+/// goes there, and the places above their ends, lifted for the way from one to the next.
+PerArm<std::vector<robot::ContactGoal>> goals_for_rail(const massage::Plan& plan,
+                                                       const Transform& base_from_couch,
+                                                       double standoff_m) {
+  PerArm<std::vector<robot::ContactGoal>> goals;
   for (const massage::PlannedPath& planned : plan.paths) {
-    // The base is placed by where the paths go, not by how often: turns and strokes go there again.
-    std::vector<robot::ContactGoal>& goals = all_goals[planned.arm];
-    for (const robot::ContactGoal& goal : goals_of(planned.path, base_from_couch)) {
-      const bool is_near = std::any_of(goals.begin(), goals.end(), [&](const auto& other) {
-        return (other.at_in_base - goal.at_in_base).norm() < rail_goals_m;
+    std::vector<robot::ContactGoal>& of_arm = goals[planned.arm];
+    auto places = goals_of(planned.path, base_from_couch);
+    for (const ContactPoint* end : {&planned.path.points.front(), &planned.path.points.back()}) {
+      const Hover hover = hover_over(*end, standoff_m + lifted_m);
+      places.push_back({.at_in_base = base_from_couch * hover.at_in_couch,
+                        .normal_in_base = base_from_couch.linear() * hover.normal_in_couch});
+    }
+    for (const robot::ContactGoal& place : places) {
+      const bool is_near = std::any_of(of_arm.begin(), of_arm.end(), [&](const auto& other) {
+        return (other.at_in_base - place.at_in_base).norm() < rail_goals_m;
       });
-      if (!is_near) goals.push_back(goal);
+      if (!is_near) of_arm.push_back(place);
     }
   }
-  // A plan may hold a path that no place of the base reaches; the others are still worth doing from
-  // zero.
-  const auto rail = robot::choose_rail({.of = {&models[Arm::left], &models[Arm::right]}}, mount,
-                                       all_goals, ready.ready_rad, posture_options);
-  ready.rail_m = rail.value_or(0.0);
+  return goals;
+}
 
+/// Closest the arms come while their paths run side by side from the same moment; an arm without a
+/// path waits at its ready posture.
+double closest_m(const PerArm<robot::ArmModel>& models, const PerArm<const Postures*>& running,
+                 const PerArm<JointVector>& ready_rad, double rail_m) {
+  std::size_t samples = 1;
+  for (const Arm arm : both_arms) {
+    if (running[arm] != nullptr) samples = std::max(samples, running[arm]->size());
+  }
+  const auto pose = [&](Arm arm, std::size_t i) {
+    const Postures* postures = running[arm];
+    return models[arm].kinematics(
+        postures == nullptr ? ready_rad[arm] : (*postures)[std::min(i, postures->size() - 1)].q_rad,
+        rail_m);
+  };
+  double nearest_m = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < samples; ++i) {
+    nearest_m =
+        std::min(nearest_m, robot::distance_between_m(models[Arm::left], pose(Arm::left, i),
+                                                      models[Arm::right], pose(Arm::right, i)));
+  }
+  return nearest_m;
+}
+
+/// Follows every path; those that no posture reaches leave the plan, with a note.
+std::vector<Postures> keep_what_is_reached(ReadyPlan& ready, const PerArm<robot::ArmModel>& models,
+                                           const Transform& base_from_couch,
+                                           const robot::PostureOptions& options) {
   std::vector<massage::PlannedPath> reached;
   std::vector<Postures> postures;
-  for (massage::PlannedPath& planned : plan.paths) {
-    const auto goals = goals_of(planned.path, base_from_couch);
-    auto followed = robot::follow(models[planned.arm], ready.rail_m, goals,
-                                  ready.ready_rad[planned.arm], posture_options);
+  for (massage::PlannedPath& planned : ready.plan.paths) {
+    auto followed =
+        robot::follow(models[planned.arm], ready.rail_m, goals_of(planned.path, base_from_couch),
+                      ready.ready_rad[planned.arm], options);
     if (!followed) {
       ready.reachable = false;
-      plan.notes.push_back(
+      ready.plan.notes.push_back(
           fmt::format("{} is left out: {}", planned.path.name, followed.error().message));
       continue;
     }
     postures.push_back(std::move(*followed));
     reached.push_back(std::move(planned));
   }
-  if (reached.empty())
-    return fail(Fault::not_found, "no path of the plan is within reach of the arms");
-  plan.paths = std::move(reached);
+  ready.plan.paths = std::move(reached);
+  return postures;
+}
 
-  // Paths of one step run together, so their postures are compared at equal times.
+/// Paths of one step whose arms would come too close get steps of their own.
+void part_close_arms(ReadyPlan& ready, const std::vector<Postures>& postures,
+                     const PerArm<robot::ArmModel>& models) {
+  std::vector<massage::PlannedPath>& paths = ready.plan.paths;
   ready.min_arm_distance_m = std::numeric_limits<double>::infinity();
-  const int steps =
-      1 + std::max_element(plan.paths.begin(), plan.paths.end(), [](const auto& a, const auto& b) {
-            return a.step < b.step;
-          })->step;
-  PerArm<Hover> at;
-  PerArm<bool> parked{.of = {true, true}};
+  int inserted = 0;
+  for (std::size_t i = 0; i < paths.size();) {
+    std::size_t end = i;
+    while (end < paths.size() && paths[end].step == paths[i].step) ++end;
+    PerArm<const Postures*> running;
+    for (std::size_t k = i; k < end; ++k) running[paths[k].arm] = &postures[k];
+    const bool two = running[Arm::left] != nullptr && running[Arm::right] != nullptr;
+    double distance_m = closest_m(models, running, ready.ready_rad, ready.rail_m);
+    const bool apart = distance_m >= closest_arms_m || !two;
+    if (!apart) {
+      distance_m = std::numeric_limits<double>::infinity();
+      for (const Arm arm : both_arms) {
+        PerArm<const Postures*> alone;
+        alone[arm] = running[arm];
+        distance_m = std::min(distance_m, closest_m(models, alone, ready.ready_rad, ready.rail_m));
+      }
+      ready.plan.notes.push_back(
+          fmt::format("{} and {} run one after the other: the arms would touch", paths[i].path.name,
+                      paths[end - 1].path.name));
+    }
+    ready.min_arm_distance_m = std::min(ready.min_arm_distance_m, distance_m);
+    const double longest_s = paths[i].path.duration_s();
+    for (std::size_t k = i; k < end; ++k) {
+      if (!apart && k > i) {
+        ++inserted;
+        for (std::size_t later = k; later < paths.size(); ++later)
+          paths[later].start_s += longest_s;
+        ready.plan.duration_s += longest_s;
+      }
+      paths[k].step += inserted;
+    }
+    i = end;
+  }
+}
+
+/// What each arm flies through before each path; an arm with nothing to do in a step keeps out of
+/// the way.
+void lay_jobs(ReadyPlan& ready, const std::vector<Postures>& postures,
+              const body::BackSurface& back, const PerArm<robot::ArmModel>& models,
+              const Transform& base_from_couch, double standoff_m) {
+  PerArm<Hover> home;
   for (const Arm arm : both_arms) {
     const Transform tool = models[arm].base_from_tool(ready.ready_rad[arm], ready.rail_m);
     const Vector3 normal = control::tool_normal(tool);
     const Vector3 foremost = tool.translation() - models[arm].table().tool_radius_m * normal;
-    at[arm] = {.at_in_couch = base_from_couch.inverse() * foremost,
-               .normal_in_couch = base_from_couch.linear().transpose() * normal};
+    home[arm] = {.at_in_couch = base_from_couch.inverse() * foremost,
+                 .normal_in_couch = base_from_couch.linear().transpose() * normal};
   }
-  const PerArm<Hover> home = at;
+  PerArm<Hover> at = home;
+  PerArm<bool> parked{.of = {true, true}};
   const double clear_m = 0.75 * standoff_m;
-  for (int step = 0; step <= steps; ++step) {
-    PerArm<const Postures*> running;
-    for (const Arm arm : both_arms) {
-      bool busy = false;
-      for (std::size_t i = 0; i < plan.paths.size(); ++i) {
-        const massage::PlannedPath& planned = plan.paths[i];
-        if (planned.step != step || planned.arm != arm) continue;
-        const Hover start = hover_over(planned.path.points.front(), standoff_m);
-        ready.jobs[arm].push_back(
-            {.path = static_cast<int>(i),
-             .step = step,
-             .way_in_base = way_between(back, at[arm], start, clear_m, base_from_couch),
-             .posture_rad = postures[i].front().q_rad});
-        at[arm] = hover_over(planned.path.points.back(), standoff_m);
-        running[arm] = &postures[i];
-        busy = true;
-        parked[arm] = false;
-      }
-      // An arm with nothing to do keeps out of the other's way.
-      if (!busy && !parked[arm]) {
-        ready.jobs[arm].push_back(
-            {.path = -1,
-             .step = step,
-             .way_in_base = way_between(back, at[arm], home[arm], clear_m, base_from_couch),
-             .posture_rad = ready.ready_rad[arm]});
-        at[arm] = home[arm];
-        parked[arm] = true;
-      }
+  const int last = ready.plan.paths.back().step + 1;
+  std::size_t next = 0;
+  for (int step = 0; step <= last; ++step) {
+    PerArm<bool> busy;
+    for (; next < ready.plan.paths.size() && ready.plan.paths[next].step == step; ++next) {
+      const massage::PlannedPath& planned = ready.plan.paths[next];
+      const Arm arm = planned.arm;
+      const Hover start = hover_over(planned.path.points.front(), standoff_m);
+      ready.jobs[arm].push_back(
+          {.path = static_cast<int>(next),
+           .step = step,
+           .way_in_base = way_between(back, at[arm], start, clear_m, base_from_couch),
+           .posture_rad = postures[next].front().q_rad});
+      at[arm] = hover_over(planned.path.points.back(), standoff_m);
+      busy[arm] = true;
+      parked[arm] = false;
     }
-    if (step == steps) break;
-    const std::size_t samples = std::max(running[Arm::left] ? running[Arm::left]->size() : 1,
-                                         running[Arm::right] ? running[Arm::right]->size() : 1);
-    const auto pose = [&](Arm arm, std::size_t i) {
-      const JointVector& q = running[arm] == nullptr
-                                 ? ready.ready_rad[arm]
-                                 : (*running[arm])[std::min(i, running[arm]->size() - 1)].q_rad;
-      return models[arm].kinematics(q, ready.rail_m);
-    };
-    for (std::size_t i = 0; i < samples; ++i) {
-      ready.min_arm_distance_m =
-          std::min(ready.min_arm_distance_m,
-                   robot::distance_between_m(models[Arm::left], pose(Arm::left, i),
-                                             models[Arm::right], pose(Arm::right, i)));
+    for (const Arm arm : both_arms) {
+      if (busy[arm] || parked[arm]) continue;
+      ready.jobs[arm].push_back(
+          {.path = -1,
+           .step = step,
+           .way_in_base = way_between(back, at[arm], home[arm], clear_m, base_from_couch),
+           .posture_rad = ready.ready_rad[arm]});
+      at[arm] = home[arm];
+      parked[arm] = true;
     }
   }
-  ready.plan = std::move(plan);
+}
+
+}  // namespace
+
+Result<ReadyPlan> make_ready(massage::Plan plan, const body::BackSurface& back,
+                             const robot::RobotMount& mount, const PerArm<robot::ArmModel>& models,
+                             const Transform& base_from_couch, double standoff_m) {
+  ReadyPlan ready{.plan = std::move(plan)};
+  ready.ready_rad = robot::ready_posture(models[Arm::left].table(), mount);
+  std::stable_sort(ready.plan.paths.begin(), ready.plan.paths.end(),
+                   [](const auto& a, const auto& b) { return a.step < b.step; });
+  const robot::PostureOptions options{.press_depth_m = press_depth_m};
+  // A plan may hold a path that no place of the base reaches; the others are still worth doing from
+  // zero.
+  ready.rail_m = robot::choose_rail({.of = {&models[Arm::left], &models[Arm::right]}}, mount,
+                                    goals_for_rail(ready.plan, base_from_couch, standoff_m),
+                                    ready.ready_rad, options)
+                     .value_or(0.0);
+  const std::vector<Postures> postures =
+      keep_what_is_reached(ready, models, base_from_couch, options);
+  if (ready.plan.paths.empty()) {
+    return fail(Fault::not_found, "no path of the plan is within reach of the arms");
+  }
+  part_close_arms(ready, postures, models);
+  lay_jobs(ready, postures, back, models, base_from_couch, standoff_m);
   return ready;
 }
 

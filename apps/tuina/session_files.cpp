@@ -1,0 +1,265 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/tuina/session_files.hpp"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "tuina/core/file.hpp"
+#include "tuina/core/surface_file.hpp"
+#include "tuina/core/units.hpp"
+#include "tuina/session/acupoint_file.hpp"
+#include "tuina/session/plan_file.hpp"
+#include "tuina/telemetry/report_page.hpp"
+#include "tuina/tissue/classification.hpp"
+
+namespace tuina::app {
+namespace {
+
+using nlohmann::ordered_json;
+
+ordered_json three(const Vector3& v) {
+  return {v.x(), v.y(), v.z()};
+}
+
+/// Mean and largest error over the seven points of the thesis.
+std::pair<double, double> error_of_seven_m(const SessionResult& result) {
+  double sum_m = 0.0, most_m = 0.0;
+  for (std::size_t i = 0; i < result.located.acupoints.size(); ++i) {
+    for (const char* name : seven_acupoints) {
+      if (result.located.acupoints[i].name != name) continue;
+      sum_m += result.acupoint_errors_m[i];
+      most_m = std::max(most_m, result.acupoint_errors_m[i]);
+    }
+  }
+  return {sum_m / static_cast<double>(seven_acupoints.size()), most_m};
+}
+
+/// One pressed acupoint: what was felt there, what is there, and what kind of tissue that makes it.
+struct Felt {
+  const massage::PlannedPath* planned;
+  TissueEstimate estimate;
+  TangentTissue truth;
+  tissue::Classification classified;
+};
+
+std::vector<Felt> felt_in(const SessionResult& result) {
+  std::vector<Felt> felt;
+  for (std::size_t i = 0; i < result.performed.size(); ++i) {
+    const session::Performed& done = result.performed[i];
+    if (!done.felt) continue;
+    felt.push_back({.planned = &result.ready.plan.paths[static_cast<std::size_t>(done.path)],
+                    .estimate = *done.felt,
+                    .truth = result.pressed_tissue[i],
+                    .classified = tissue::classify(*done.felt, done.chi)});
+  }
+  return felt;
+}
+
+std::string csv_of(const std::vector<telemetry::TraceRow>& trace) {
+  std::string text =
+      "time_s,arm,technique,target_n,true_force_n,measured_force_n,depth_mm,x_m,y_m,z_m\n";
+  text.reserve(90 * trace.size());
+  for (const telemetry::TraceRow& row : trace) {
+    fmt::format_to(std::back_inserter(text),
+                   "{:.3f},{},{},{:.4f},{:.4f},{:.4f},{:.4f},{:.5f},{:.5f},{:.5f}\n", row.time_s,
+                   name_of(row.arm), row.technique ? name_of(*row.technique) : "none", row.target_n,
+                   row.true_force_n, row.measured_force_n, to_mm(row.depth_m),
+                   row.tool_in_couch.x(), row.tool_in_couch.y(), row.tool_in_couch.z());
+  }
+  return text;
+}
+
+std::string cause_of(const session::Stop& stop) {
+  return fmt::format("{} arm: {}", name_of(stop.arm), safety::name_of(stop.cause));
+}
+
+session::PlanFile plan_file_of(const SessionResult& result) {
+  return {.plan = result.ready.plan,
+          .reachable = result.ready.reachable,
+          .min_arm_distance_m = result.ready.min_arm_distance_m,
+          .rail_m = result.ready.rail_m,
+          .compute_ms = result.plan_ms};
+}
+
+}  // namespace
+
+std::string session_json(const SessionResult& result, std::uint64_t seed) {
+  const auto [mean_error_m, max_error_m] = error_of_seven_m(result);
+  ordered_json points = ordered_json::array();
+  for (std::size_t i = 0; i < result.located.acupoints.size(); ++i) {
+    const Acupoint& acupoint = result.located.acupoints[i];
+    const double error_m = result.acupoint_errors_m[i];
+    points.push_back(
+        {{"name", acupoint.name},
+         {"position_m", three(acupoint.at_in_couch)},
+         {"normal", three(acupoint.normal_in_couch)},
+         {"uncertainty_mm", to_mm(acupoint.uncertainty_m)},
+         {"error_mm", std::isfinite(error_m) ? ordered_json(to_mm(error_m)) : ordered_json()}});
+  }
+  ordered_json techniques = ordered_json::object();
+  for (const auto& [technique, errors] : result.techniques) {
+    techniques[name_of(technique)] = {{"rmse_n", errors.rmse_n}, {"peak_n", errors.peak_n}};
+  }
+  ordered_json tissue = ordered_json::array();
+  for (const Felt& felt : felt_in(result)) {
+    const TissueEstimate& estimate = felt.estimate;
+    tissue.push_back(
+        {{"name", felt.planned->path.acupoints.front()},
+         {"alpha_n", estimate.tissue.alpha_n},
+         {"beta_per_mm", 1e-3 * estimate.tissue.beta_per_m},
+         {"ci95",
+          {{"alpha_n", estimate.alpha_ci95_n}, {"beta_per_mm", 1e-3 * estimate.beta_ci95_per_m}}},
+         {"true_alpha_n", felt.truth.alpha_n},
+         {"true_beta_per_mm", 1e-3 * felt.truth.beta_per_m},
+         {"presses", estimate.presses},
+         {"converged", estimate.converged},
+         {"converged_after_s",
+          estimate.converged ? ordered_json(estimate.converged_after_s) : ordered_json()},
+         {"class", tissue::name_of(felt.classified.label)},
+         {"class_probability", felt.classified.probability}});
+  }
+  ordered_json performed = ordered_json::array();
+  for (const session::Performed& done : result.performed) {
+    performed.push_back(
+        {{"name", result.ready.plan.paths[static_cast<std::size_t>(done.path)].path.name},
+         {"arm", name_of(done.arm)},
+         {"begin_s", done.begin_s},
+         {"end_s", done.end_s},
+         {"trouble", control::name_of(done.trouble)}});
+  }
+  ordered_json stops = ordered_json::array();
+  for (const session::Stop& stop : result.stops) {
+    stops.push_back({{"time_s", stop.time_s}, {"cause", cause_of(stop)}});
+  }
+  const ordered_json json = {{"seed", seed},
+                             {"person", result.person.name},
+                             {"position", name_of(result.located.position)},
+                             {"scan",
+                              {{"profiles", result.scan.profiles},
+                               {"points", result.scan.cloud_in_couch.size()},
+                               {"sweep_s", result.scan.sweep_s},
+                               {"rms_error_mm", to_mm(result.scan_error_m)},
+                               {"compute_ms", result.scan.compute_ms}}},
+                             {"acupoints",
+                              {{"method", name_of(result.located.method)},
+                               {"compute_ms", result.locate_ms},
+                               {"mean_error_mm", to_mm(mean_error_m)},
+                               {"max_error_mm", to_mm(max_error_m)},
+                               {"points", points}}},
+                             {"plan",
+                              {{"compute_ms", result.plan_ms},
+                               {"paths", result.ready.plan.paths.size()},
+                               {"duration_s", result.ready.plan.duration_s},
+                               {"reachable", result.ready.reachable},
+                               {"min_arm_distance_mm", to_mm(result.ready.min_arm_distance_m)},
+                               {"zones_touched", result.ready.plan.zones_touched},
+                               {"notes", result.ready.plan.notes}}},
+                             {"massage",
+                              {{"duration_s", result.massage_s},
+                               {"real_time_factor", result.real_time_factor},
+                               {"force",
+                                {{"rmse_n", result.force.rmse_n},
+                                 {"peak_n", result.force.peak_n},
+                                 {"overshoot_n", result.force.overshoot_n}}},
+                               {"techniques", techniques},
+                               {"performed", performed}}},
+                             {"tissue", tissue},
+                             {"stops", stops}};
+  return json.dump(2);
+}
+
+telemetry::ReportData report_data(const SessionResult& result, const SessionOrder& order,
+                                  const session::Config& config, std::uint64_t seed) {
+  telemetry::ReportData data{.person = result.person.name,
+                             .position = result.located.position,
+                             .programme = order.programme,
+                             .seed = seed,
+                             .duration_s = result.massage_s,
+                             .scan_in_couch = result.scan.cloud_in_couch,
+                             .trace = result.trace,
+                             .config_toml = session::to_toml(config),
+                             .version = TUINA_VERSION};
+  for (std::size_t i = 0; i < result.located.acupoints.size(); ++i) {
+    const double error_m = result.acupoint_errors_m[i];
+    data.acupoints.push_back(
+        {.acupoint = result.located.acupoints[i],
+         .error_m = std::isfinite(error_m) ? std::optional(error_m) : std::nullopt});
+  }
+  for (const session::Performed& done : result.performed) {
+    data.paths.push_back(
+        {.arm = done.arm,
+         .begin_s = done.begin_s,
+         .path = result.ready.plan.paths[static_cast<std::size_t>(done.path)].path});
+  }
+  for (const auto& [technique, errors] : result.techniques) {
+    data.forces.push_back(
+        {.technique = technique, .rmse_n = errors.rmse_n, .peak_n = errors.peak_n});
+  }
+  for (const Felt& felt : felt_in(result)) {
+    data.tissue.push_back({.name = felt.planned->path.acupoints.front(),
+                           .at_in_couch = felt.planned->path.points.front().at_in_couch,
+                           .estimate = felt.estimate,
+                           .truth = felt.truth,
+                           .tissue_class = tissue::name_of(felt.classified.label),
+                           .class_probability = felt.classified.probability});
+  }
+  for (const session::Stop& stop : result.stops) {
+    data.stops.push_back({.time_s = stop.time_s, .cause = cause_of(stop)});
+  }
+  data.numbers = {
+      {"scan error", fmt::format("{:.2f}", to_mm(result.scan_error_m)), "mm",
+       "RMS distance of the scan from the true surface"},
+      {"scan to plan",
+       fmt::format("{:.2f}", 1e-3 * (result.scan.compute_ms + result.locate_ms + result.plan_ms)),
+       "s", "computing time, the sweep itself not counted"},
+      {"simulation", fmt::format("{:.0f}", result.real_time_factor), "times real time",
+       "two arms at 1 kHz, physics at 4 kHz"}};
+  return data;
+}
+
+Result<void> write_session(const SessionResult& result, const telemetry::ReportData& report,
+                           const std::string& json, const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) return fail(Fault::file, "{}: cannot be made: {}", folder.string(), error.message());
+  const session::MapFile map{.method = name_of(result.located.method),
+                             .position = result.located.position,
+                             .arms = name_of(result.located.arms),
+                             .compute_ms = result.locate_ms,
+                             .acupoints = result.located.acupoints,
+                             .landmarks = result.located.landmarks};
+  const std::pair<const char*, std::string> files[] = {
+      {"session.json", json + "\n"},
+      {"scan.ply", to_ply(result.scan.cloud_in_couch)},
+      {"acupoints.json", session::to_json(map) + "\n"},
+      {"plan.json", session::to_json(plan_file_of(result)) + "\n"},
+      {"trace.csv", csv_of(result.trace)},
+      {"report.html", telemetry::report_page(report)}};
+  for (const auto& [name, content] : files) {
+    if (auto written = write_file(folder / name, content); !written) return written;
+  }
+  return {};
+}
+
+std::string session_text(const SessionResult& result) {
+  const auto [mean_error_m, max_error_m] = error_of_seven_m(result);
+  std::string text = fmt::format(
+      "{} ({}): {} points scanned, acupoints within {:.1f} mm (largest error {:.1f} mm)\n"
+      "{} paths in {:.0f} s, force error {:.2f} N RMS, peak {:.1f} N, {:.0f} times real time",
+      result.person.name, name_of(result.located.position), result.scan.cloud_in_couch.size(),
+      to_mm(mean_error_m), to_mm(max_error_m), result.performed.size(), result.massage_s,
+      result.force.rmse_n, result.force.peak_n, result.real_time_factor);
+  for (const session::Performed& done : result.performed) {
+    if (done.trouble == control::Trouble::none) continue;
+    text += fmt::format("\n{}: {}",
+                        result.ready.plan.paths[static_cast<std::size_t>(done.path)].path.name,
+                        control::name_of(done.trouble));
+  }
+  for (const std::string& note : result.ready.plan.notes) text += "\n" + note;
+  for (const session::Stop& stop : result.stops) {
+    text += fmt::format("\nstopped at {:.2f} s, {}", stop.time_s, cause_of(stop));
+  }
+  return text;
+}
+
+}  // namespace tuina::app

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "apps/tuina/simulated_session.hpp"
+
+namespace tuina::app {
+
+/// The JSON object of `massage`.
+[[nodiscard]] std::string session_json(const SessionResult& result, std::uint64_t seed);
+
+/// What the report shows of a session.
+[[nodiscard]] telemetry::ReportData report_data(const SessionResult& result,
+                                                const SessionOrder& order,
+                                                const session::Config& config, std::uint64_t seed);
+
+/// session.json, scan.ply, acupoints.json, plan.json, trace.csv and report.html, into a folder that
+/// is made if it is not there.
+[[nodiscard]] Result<void> write_session(const SessionResult& result,
+                                         const telemetry::ReportData& report,
+                                         const std::string& json,
+                                         const std::filesystem::path& folder);
+
+/// What happened, in a few lines for people.
+[[nodiscard]] std::string session_text(const SessionResult& result);
+
+}  // namespace tuina::app

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "apps/tuina/command_line.hpp"
+#include "tuina/body/acupoints.hpp"
+#include "tuina/massage/programme.hpp"
+#include "tuina/scanner/sweep.hpp"
+#include "tuina/session/config.hpp"
+#include "tuina/session/force_errors.hpp"
+#include "tuina/session/plan_step.hpp"
+#include "tuina/sim/person.hpp"
+#include "tuina/telemetry/report_data.hpp"
+
+namespace tuina::app {
+
+struct SessionOrder {
+  std::string person = "phantom:medium";
+  std::optional<Position> position;
+  std::string programme = "relax";
+  body::Method method = body::Method::surface;
+  std::string atlas;  ///< a file or a labelled body; empty: the shipped one
+  bool real_time = false;
+};
+
+/// All that a simulated session was and did, for its JSON, its files and its report.
+struct SessionResult {
+  sim::Person person;
+  scanner::Scan scan;
+  double scan_error_m = 0.0;  ///< RMS distance from the true surface
+  body::Mapping located;
+  std::vector<double> acupoint_errors_m;  ///< per point of `located`, against the truth
+  double locate_ms = 0.0;
+  session::ReadyPlan ready;
+  double plan_ms = 0.0;
+
+  std::vector<session::Performed> performed;
+  std::vector<session::Stop> stops;
+  std::vector<TangentTissue> pressed_tissue;  ///< per performed path: the truth under the tool
+  session::ForceErrors force;
+  std::map<Technique, session::ForceErrors> techniques;
+  std::vector<telemetry::TraceRow> trace;
+  double massage_s = 0.0;
+  double real_time_factor = 0.0;
+  std::string device_fault;
+};
+
+/// Scan, map, plan, massage: the whole method in the simulated world, with the errors in what the
+/// session knows of it drawn by the seed.
+[[nodiscard]] Result<SessionResult> run_simulated_session(const SessionOrder& order,
+                                                          const session::Config& config,
+                                                          const CommonOptions& common);
+
+}  // namespace tuina::app
