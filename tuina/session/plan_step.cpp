@@ -126,6 +126,22 @@ double closest_m(const PerArm<robot::ArmModel>& models, const PerArm<const Postu
   return nearest_m;
 }
 
+/// Follows a path without a jump, from the first posture that leads through: one like the ready
+/// posture, else one that suits its middle or its end, where the arm may have had to swing round.
+Result<Postures> follow_path(const robot::ArmModel& model, double rail_m,
+                             const std::vector<robot::ContactGoal>& goals,
+                             const JointVector& ready_rad, const robot::PostureOptions& options) {
+  auto followed = robot::follow(model, rail_m, goals, ready_rad, options);
+  for (const std::size_t place : {goals.size() / 2, goals.size() - 1, goals.size() / 4}) {
+    if (followed) break;
+    const auto there = robot::find_posture(model, rail_m, goals[place], ready_rad, options);
+    if (there.reach != robot::Reach::reached) continue;
+    if (auto other = robot::follow(model, rail_m, goals, there.q_rad, options))
+      followed = std::move(other);
+  }
+  return followed;
+}
+
 /// Follows every path; those that no posture reaches leave the plan, with a note.
 std::vector<Postures> keep_what_is_reached(ReadyPlan& ready, const PerArm<robot::ArmModel>& models,
                                            const Transform& base_from_couch,
@@ -134,8 +150,8 @@ std::vector<Postures> keep_what_is_reached(ReadyPlan& ready, const PerArm<robot:
   std::vector<Postures> postures;
   for (massage::PlannedPath& planned : ready.plan.paths) {
     auto followed =
-        robot::follow(models[planned.arm], ready.rail_m, goals_of(planned.path, base_from_couch),
-                      ready.ready_rad[planned.arm], options);
+        follow_path(models[planned.arm], ready.rail_m, goals_of(planned.path, base_from_couch),
+                    ready.ready_rad[planned.arm], options);
     if (!followed) {
       ready.reachable = false;
       ready.plan.notes.push_back(
