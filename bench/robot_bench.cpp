@@ -31,7 +31,8 @@ struct States {
   States() {
     Random random = make_random(1, "bench states");
     for (std::size_t n = 0; n < q.size(); ++n) {
-      q[n] = dq[n] = JointVector::Zero(6);
+      q[n].resize(6);
+      dq[n].resize(6);
       for (int i = 0; i < 6; ++i) {
         q[n][i] = uniform(random, -pi, pi);
         dq[n][i] = uniform(random, -2.0, 2.0);

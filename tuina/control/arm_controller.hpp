@@ -22,7 +22,7 @@ struct ContactTarget {
   double force_n = 0.0;
   /// The leash: never more force than this from the springs, whatever the sensor says; the zone's
   /// trip.
-  double most_spring_n = 60.0;
+  double most_spring_n = 90.0;
   ContactModel model;  ///< prior or estimate
 };
 

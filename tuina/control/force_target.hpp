@@ -59,7 +59,7 @@ class ForceTarget {
     double force_n = 0.0;             ///< measured, pressing positive
     double set_force_n = 0.0;
     double mass_kg = 3.5;         ///< apparent, along the normal
-    double most_spring_n = 60.0;  ///< leash of the zone, besides the one of the options
+    double most_spring_n = 90.0;  ///< leash of the zone, besides the one of the options
     ContactModel model;
   };
 
