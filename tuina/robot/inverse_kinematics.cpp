@@ -114,15 +114,21 @@ JointVector wish(const Task& task, const TaskState& state, const JointVector& q)
     const double from_middle = (q[i] - 0.5 * (link.highest_rad + link.lowest_rad)) / half;
     wish[i] = -0.05 * from_middle;
   }
-  const double missing_m = 2.0 * task.options.elbow_clearance_m - state.elbow_height_m;
-  if (missing_m > 0.0) {
-    const int elbow = elbow_origin(table);
-    const auto& origins = state.kinematics.origins_in_base;
-    for (int i = 0; i < elbow; ++i) {
-      const Vector3 axis = state.kinematics.jacobian.col(i).tail<3>();
-      const Vector3 velocity = axis.cross(origins[static_cast<std::size_t>(elbow)] -
-                                          origins[static_cast<std::size_t>(i)]);
-      wish[i] += 20.0 * missing_m * velocity.dot(-task.press_in_base);
+  const auto elbow = static_cast<std::size_t>(elbow_origin(table));
+  const auto& origins = state.kinematics.origins_in_base;
+  // The base's origin is midway between the shoulders.
+  const Vector3 outward = task.arm.shoulder_in_base(0.0).normalized();
+  const double low_m = 2.0 * task.options.elbow_clearance_m - state.elbow_height_m;
+  const double inward_m = task.options.elbow_outward_m > 0.0
+                              ? task.options.elbow_outward_m - origins[elbow].dot(outward)
+                              : 0.0;
+  const Vector3 pull_m =
+      std::max(low_m, 0.0) * -task.press_in_base + std::max(inward_m, 0.0) * outward;
+  if (!pull_m.isZero()) {
+    for (std::size_t i = 0; i < elbow; ++i) {
+      const Vector3 axis = state.kinematics.jacobian.col(static_cast<Eigen::Index>(i)).tail<3>();
+      const Vector3 velocity = axis.cross(origins[elbow] - origins[i]);
+      wish[static_cast<Eigen::Index>(i)] += 20.0 * velocity.dot(pull_m);
     }
   }
   const Vector3 axis = state.kinematics.base_from_tool.linear().col(0);

@@ -34,7 +34,10 @@ struct PostureOptions {
   double largest_tilt_rad = 20_deg;
   double limit_margin_rad = 3_deg;   ///< kept from the end of every joint
   double elbow_clearance_m = 80_mm;  ///< of the elbow above the tangent plane of the skin
-  double press_depth_m = 0.0;        ///< the sphere's foremost point is so deep in the skin
+  /// The elbow is drawn outward, away from the other arm, until it is so far from the middle
+  /// between the shoulders; softly, the task comes first. Zero: not at all.
+  double elbow_outward_m = 0.0;
+  double press_depth_m = 0.0;  ///< the sphere's foremost point is so deep in the skin
 };
 
 /// Joint angles that put the sphere on the skin with the tool's axis against the normal, or tilted

@@ -126,18 +126,24 @@ double closest_m(const PerArm<robot::ArmModel>& models, const PerArm<const Postu
   return nearest_m;
 }
 
-/// Follows a path without a jump, from the first posture that leads through: one like the ready
-/// posture, else one that suits its middle or its end, where the arm may have had to swing round.
+/// Follows a path without a jump, the elbow as far outward as the path allows: from a posture like
+/// the ready one, else from one that suits its middle or end, where the arm may have had to swing
+/// round.
 Result<Postures> follow_path(const robot::ArmModel& model, double rail_m,
                              const std::vector<robot::ContactGoal>& goals,
-                             const JointVector& ready_rad, const robot::PostureOptions& options) {
-  auto followed = robot::follow(model, rail_m, goals, ready_rad, options);
-  for (const std::size_t place : {goals.size() / 2, goals.size() - 1, goals.size() / 4}) {
-    if (followed) break;
-    const auto there = robot::find_posture(model, rail_m, goals[place], ready_rad, options);
-    if (there.reach != robot::Reach::reached) continue;
-    if (auto other = robot::follow(model, rail_m, goals, there.q_rad, options))
-      followed = std::move(other);
+                             const JointVector& ready_rad, robot::PostureOptions options) {
+  Result<Postures> followed;
+  for (const double elbow_outward_m : {250_mm, 150_mm, 0_mm}) {
+    options.elbow_outward_m = elbow_outward_m;
+    followed = robot::follow(model, rail_m, goals, ready_rad, options);
+    for (const std::size_t place : {goals.size() / 2, goals.size() - 1}) {
+      if (followed) return followed;
+      const auto there = robot::find_posture(model, rail_m, goals[place], ready_rad, options);
+      if (there.reach == robot::Reach::reached) {
+        followed = robot::follow(model, rail_m, goals, there.q_rad, options);
+      }
+    }
+    if (followed) return followed;
   }
   return followed;
 }
