@@ -42,15 +42,30 @@ struct Felt {
   tissue::Classification classified;
 };
 
+/// What lies under a zone before it is felt.
+tissue::ClassProbabilities prior_of(massage::Zone zone) {
+  switch (zone) {
+    case massage::Zone::muscle:
+      return {0.2, 0.5, 0.3};
+    case massage::Zone::kidney:
+      return {0.1, 0.35, 0.55};
+    default:
+      return {0.6, 0.25, 0.15};
+  }
+}
+
 std::vector<Felt> felt_in(const SessionResult& result) {
   std::vector<Felt> felt;
   for (std::size_t i = 0; i < result.performed.size(); ++i) {
     const session::Performed& done = result.performed[i];
     if (!done.felt) continue;
-    felt.push_back({.planned = &result.ready.plan.paths[static_cast<std::size_t>(done.path)],
-                    .estimate = *done.felt,
-                    .truth = result.pressed_tissue[i],
-                    .classified = tissue::classify(*done.felt, done.chi)});
+    felt.push_back(
+        {.planned = &result.ready.plan.paths[static_cast<std::size_t>(done.path)],
+         .estimate = *done.felt,
+         .truth = result.pressed_tissue[i],
+         .classified = tissue::classify(
+             *done.felt, done.chi,
+             prior_of(result.ready.plan.paths[static_cast<std::size_t>(done.path)].zone))});
   }
   return felt;
 }
@@ -157,6 +172,7 @@ std::string session_json(const SessionResult& result, std::uint64_t seed) {
                              {"massage",
                               {{"duration_s", result.massage_s},
                                {"real_time_factor", result.real_time_factor},
+                               {"min_arm_distance_mm", to_mm(result.min_arm_distance_m)},
                                {"force",
                                 {{"rmse_n", result.force.rmse_n},
                                  {"peak_n", result.force.peak_n},

@@ -8,6 +8,7 @@
 #include "apps/tuina/atlas_source.hpp"
 #include "tuina/core/random.hpp"
 #include "tuina/core/units.hpp"
+#include "tuina/robot/clearance.hpp"
 #include "tuina/session/massage_step.hpp"
 #include "tuina/session/scan_step.hpp"
 #include "tuina/sim/back_contact.hpp"
@@ -62,12 +63,21 @@ std::vector<double> errors_of(const std::vector<Acupoint>& found, const sim::Per
 /// Watches the massage from outside: what the session does, beside what only the simulation knows.
 class Witness {
  public:
-  Witness(const massage::Plan& plan, const Transform& couch_from_base)
-      : plan_(plan), couch_from_base_(couch_from_base) {}
+  Witness(const massage::Plan& plan, const PerArm<robot::ArmModel>& models,
+          const Transform& couch_from_base)
+      : plan_(plan), models_(models), couch_from_base_(couch_from_base) {}
 
   void watch(double time_s, const PerArm<session::ArmView>& view, const sim::PlantTruth& truth) {
     constexpr int rows_every_ticks = 5;
     const bool row = ticks_++ % rows_every_ticks == 0;
+    if (row) {
+      const auto pose = [&](Arm arm) {
+        return models_[arm].kinematics(truth.arms[arm].q_rad, truth.rail_m);
+      };
+      min_arm_distance_m = std::min(
+          min_arm_distance_m, robot::distance_between_m(models_[Arm::left], pose(Arm::left),
+                                                        models_[Arm::right], pose(Arm::right)));
+    }
     for (const Arm arm : both_arms) {
       const session::ArmView& seen = view[arm];
       const sim::ContactTruth& contact = truth.arms[arm].contact;
@@ -94,6 +104,7 @@ class Witness {
   }
   [[nodiscard]] const TangentTissue& pressed(Arm arm) const { return pressed_[arm]; }
 
+  double min_arm_distance_m = std::numeric_limits<double>::infinity();
   std::vector<telemetry::TraceRow> trace;
   session::ForceErrorSum all;
   std::map<Technique, session::ForceErrorSum> by_technique;
@@ -109,6 +120,7 @@ class Witness {
   }
 
   const massage::Plan& plan_;
+  const PerArm<robot::ArmModel>& models_;
   Transform couch_from_base_;
   long ticks_ = 0;
   PerArm<int> last_path_{.of = {-1, -1}};
@@ -144,7 +156,7 @@ Result<void> massage_person(SessionResult& result, const robot::RobotMount& moun
                                 .standoff_m = from_mm(config.massage.standoff_mm),
                                 .force_ceiling_n = config.safety.force_ceiling_n,
                                 .steer = config.massage.steer});
-  Witness witness(result.ready.plan, base_from_couch.inverse());
+  Witness witness(result.ready.plan, models, base_from_couch.inverse());
   const Progress bar = progress_bar(common, "massage");
   // A contact that never ends is a fault of ours, not of the person; it must not hold anyone here.
   const double longest_s = 3.0 * result.ready.plan.duration_s + 60.0;
@@ -175,6 +187,7 @@ Result<void> massage_person(SessionResult& result, const robot::RobotMount& moun
   result.real_time_factor = time_s / watch.seconds();
   result.performed = massage.performed();
   result.stops = massage.stops();
+  result.min_arm_distance_m = witness.min_arm_distance_m;
   result.force = witness.all.errors();
   for (const auto& [technique, sum] : witness.by_technique)
     result.techniques[technique] = sum.errors();

@@ -100,25 +100,17 @@ safety::Phase guarded_phase(ArmPhase phase) noexcept {
 
 }  // namespace
 
-safety::Zone guarded_zone(massage::Zone zone) noexcept {
-  switch (zone) {
-    case massage::Zone::muscle:
-      return safety::Zone::muscle;
-    case massage::Zone::kidney:
-      return safety::Zone::kidney;
-    case massage::Zone::ribs:
-    case massage::Zone::scapula_edge:
-    case massage::Zone::iliac_crest:
-    case massage::Zone::spine_margin:
-      return safety::Zone::bony;
-    case massage::Zone::gv4:
-      return safety::Zone::mingmen;
-    case massage::Zone::spine:
-      return safety::Zone::spine;
-    default:
-      return safety::Zone::denied;
+// What a plan may ask for, the guard lets through, and both give way at the same force.
+consteval bool rules_agree() {
+  for (std::size_t i = 0; i < massage::zone_rules.size(); ++i) {
+    const massage::ZoneRule& rule = massage::zone_rules[i];
+    const safety::ForceLimits limits =
+        safety::ceiling_of(guarded_zone(static_cast<massage::Zone>(i)));
+    if (rule.cap_n != limits.set_n || rule.trip_n != limits.trip_n) return false;
   }
+  return true;
 }
+static_assert(rules_agree());
 
 MassageStep::Side::Side(const robot::ArmModel& model, const MassageOptions& options)
     : controller(model, control::ArmController::Options{}),

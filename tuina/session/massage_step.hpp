@@ -120,6 +120,26 @@ class MassageStep {
 };
 
 /// Zones of the plan are finer than the guard's.
-[[nodiscard]] safety::Zone guarded_zone(massage::Zone zone) noexcept;
+[[nodiscard]] constexpr safety::Zone guarded_zone(massage::Zone zone) noexcept {
+  switch (zone) {
+    case massage::Zone::muscle:
+      return safety::Zone::muscle;
+    case massage::Zone::kidney:
+      return safety::Zone::kidney;
+    case massage::Zone::ribs:
+    case massage::Zone::scapula_edge:
+    case massage::Zone::iliac_crest:
+    case massage::Zone::spine_margin:
+      return safety::Zone::bony;
+    case massage::Zone::gv4:
+      return safety::Zone::mingmen;
+    case massage::Zone::spine:
+      return safety::Zone::spine;
+    case massage::Zone::neck:
+    case massage::Zone::outside:
+      return safety::Zone::denied;
+  }
+  return safety::Zone::denied;
+}
 
 }  // namespace tuina::session
