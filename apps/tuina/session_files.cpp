@@ -250,6 +250,7 @@ Result<void> write_session(const SessionResult& result, const telemetry::ReportD
       {"acupoints.json", session::to_json(map) + "\n"},
       {"plan.json", session::to_json(plan_file_of(result)) + "\n"},
       {"trace.csv", csv_of(result.trace)},
+      {"back.svg", telemetry::back_picture(report)},
       {"report.html", telemetry::report_page(report)}};
   for (const auto& [name, content] : files) {
     if (auto written = write_file(folder / name, content); !written) return written;
