@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+// The massage of both arms on a phantom, one millisecond at a time: what it takes from the heap,
+// and what it does when the person jumps.
+#include <doctest/doctest.h>
+#include <fmt/format.h>
+
+#include "tests/allocation.hpp"
+#include "tuina/session/massage_step.hpp"
+#include "tuina/session/plan_step.hpp"
+#include "tuina/sim/plant.hpp"
+#include "tuina/sim/tissue_map.hpp"
+
+using namespace tuina;
+
+namespace {
+
+/// A phantom, a robot, and a plan on the phantom's true back.
+struct Room {
+  sim::Person person;
+  PerArm<robot::ArmModel> models;
+  session::ReadyPlan plan;
+  sim::BackContact contact;
+  std::unique_ptr<sim::Plant> plant;
+  session::MassageStep massage;
+};
+
+std::unique_ptr<Room> enter(Position position) {
+  constexpr std::uint64_t seed = 3;
+  auto person = sim::parse_person("phantom:medium", position, seed);
+  REQUIRE(person.has_value());
+  PointCloud skin_in_couch;
+  skin_in_couch.points = person->skin_in_couch.vertices;
+  const auto back = body::fit_back(skin_in_couch, {.position = position});
+  REQUIRE(back.has_value());
+  const auto programme = massage::load_programme("relax");
+  REQUIRE(programme.has_value());
+  auto paths = massage::plan(*back, person->acupoints, person->landmarks, *programme);
+  REQUIRE(paths.has_value());
+
+  const robot::RobotMount mount = robot::mount_for(position);
+  const robot::ArmTable table = robot::thesis_arm();
+  const PerArm<robot::ArmModel> models{
+      .of = {robot::ArmModel(table, mount, Arm::left), robot::ArmModel(table, mount, Arm::right)}};
+  constexpr double standoff_m = 40e-3;
+  auto ready = session::make_ready(std::move(*paths), *back, mount, models, mount.base_from_couch,
+                                   standoff_m);
+  REQUIRE(ready.has_value());
+  sim::BackContact contact(person->skin_in_couch, sim::lay_tissue(*person, seed));
+  session::MassageStep massage(ready->plan, ready->jobs, models,
+                               {.base_from_couch = mount.base_from_couch, .rail_m = ready->rail_m});
+  auto room = std::make_unique<Room>(Room{std::move(*person), models, std::move(*ready),
+                                          std::move(contact), nullptr, std::move(massage)});
+  auto plant = sim::Plant::make(mount, {.of = {table, table}},
+                                {.q_rad = room->plan.ready_rad, .rail_m = room->plan.rail_m},
+                                &room->contact, {.seed = seed});
+  REQUIRE(plant.has_value());
+  room->plant = std::move(*plant);
+  return room;
+}
+
+/// One millisecond; the time it is.
+double live(Room& room) noexcept {
+  const robot::RobotReading reading = room.plant->read();
+  room.plant->apply(room.massage.step(reading));
+  return reading.time_s;
+}
+
+double force_n(const Room& room, Arm arm) {
+  return room.plant->truth().arms[arm].contact.force_n;
+}
+
+}  // namespace
+
+TEST_CASE("twenty seconds of massage by two arms take nothing from the heap") {
+  for (const Position position : {Position::sitting, Position::prone}) {
+    const auto room = enter(position);
+    PerArm<double> highest_n;
+    const auto before = test::allocations();
+    for (int ms = 0; ms < 20'000; ++ms) {
+      const robot::RobotReading reading = room->plant->read();
+      room->plant->apply(room->massage.step(reading));
+      for (const Arm arm : both_arms)
+        highest_n[arm] = std::max(highest_n[arm], force_n(*room, arm));
+    }
+    CHECK(test::allocations() == before);
+    CHECK(room->massage.stops().empty());
+    // They were at work, and not only on their way.
+    CHECK(highest_n[Arm::left] > 10.0);
+    CHECK(highest_n[Arm::right] > 10.0);
+    CHECK(room->massage.performed().size() >= 2);
+  }
+}
+
+TEST_CASE("a person who jumps up stops the massage: the cause is told, and both arms let go") {
+  const auto room = enter(Position::prone);
+  double time_s = 0.0;
+  while (time_s < 60.0 && (force_n(*room, Arm::left) < 15.0 || force_n(*room, Arm::right) < 15.0)) {
+    time_s = live(*room);
+  }
+  REQUIRE(room->massage.stops().empty());
+  REQUIRE(time_s < 60.0);
+
+  const double jump_s = time_s;
+  room->contact.add_shift({.start_s = jump_s,
+                           .by_in_couch = 60e-3 * room->contact.mean_normal_in_couch(),
+                           .speed_m_per_s = 0.4});
+  double highest_n = 0.0;
+  while (!room->massage.finished() && time_s < jump_s + 10.0) {
+    time_s = live(*room);
+    for (const Arm arm : both_arms) highest_n = std::max(highest_n, force_n(*room, arm));
+  }
+  REQUIRE(room->massage.finished());
+  REQUIRE_FALSE(room->massage.stops().empty());
+  const session::Stop& stop = room->massage.stops().front();
+  MESSAGE(fmt::format("{} arm: {}, {:.3f} s after the jump; {:.0f} N at most", name_of(stop.arm),
+                      safety::name_of(stop.cause), stop.time_s - jump_s, highest_n));
+  CHECK(stop.cause != safety::Cause::none);
+  CHECK(stop.time_s > jump_s);
+  CHECK(stop.time_s < jump_s + 0.2);
+  for (const Arm arm : both_arms) {
+    CAPTURE(name_of(arm));
+    CHECK(force_n(*room, arm) == 0.0);
+    CHECK(room->plant->truth().arms[arm].contact.gap_m > 0.0);
+  }
+}
