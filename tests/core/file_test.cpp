@@ -3,14 +3,16 @@
 
 #include <doctest/doctest.h>
 
+#include "tests/folder.hpp"
+
 using namespace tuina;
 
 TEST_CASE("what is written to a file is read back, and nothing is left beside it") {
-  const auto path = std::filesystem::temp_directory_path() / "tuina_file_test.txt";
+  const test::Folder folder;
+  const auto path = folder.path() / "points.txt";
   REQUIRE(write_file(path, "acupoint\n").has_value());
   CHECK(read_file(path).value() == "acupoint\n");
   CHECK_FALSE(std::filesystem::exists(path.string() + ".part"));
-  std::filesystem::remove(path);
 }
 
 TEST_CASE("a file that is not there gives an error with its path") {

@@ -3,8 +3,7 @@
 
 #include <mujoco/mujoco.h>
 
-#include <filesystem>
-#include <fstream>
+#include <cstring>
 #include <kdl/chain.hpp>
 #include <memory>
 #include <stdexcept>
@@ -54,14 +53,15 @@ struct MujocoFree {
 
 /// MuJoCo's model of the robot. Friction is taken out: it is no part of M, C and G.
 inline std::unique_ptr<mjModel, MujocoFree> mujoco_model(const std::string& mjcf) {
-  const auto path =
-      std::filesystem::temp_directory_path() /
-      ("tuina_oracle_" + std::to_string(reinterpret_cast<std::uintptr_t>(&mjcf)) + ".xml");
-  std::ofstream(path) << mjcf;
+  const auto files = std::make_unique<mjVFS>();  // in memory, and large for a stack
+  mj_defaultVFS(files.get());
+  if (mj_makeEmptyFileVFS(files.get(), "robot.xml", static_cast<int>(mjcf.size())) != 0)
+    throw std::runtime_error("MuJoCo takes no file of this size");
+  std::memcpy(files->filedata[mj_findFileVFS(files.get(), "robot.xml")], mjcf.data(), mjcf.size());
   char error[500] = "";
   std::unique_ptr<mjModel, MujocoFree> model(
-      mj_loadXML(path.c_str(), nullptr, error, sizeof error));
-  std::filesystem::remove(path);
+      mj_loadXML("robot.xml", files.get(), error, sizeof error));
+  mj_deleteVFS(files.get());
   if (!model) throw std::runtime_error(error);
   for (int i = 0; i < model->nv; ++i) model->dof_damping[i] = model->dof_frictionloss[i] = 0.0;
   return model;

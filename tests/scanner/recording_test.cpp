@@ -2,12 +2,12 @@
 #include "tuina/scanner/recording.hpp"
 
 #include <doctest/doctest.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <filesystem>
 #include <functional>
 
+#include "tests/folder.hpp"
 #include "tuina/core/file.hpp"
 #include "tuina/core/png.hpp"
 #include "tuina/core/random.hpp"
@@ -16,24 +16,10 @@
 
 using namespace tuina;
 using namespace tuina::scanner;
+using tuina::test::Folder;
 namespace fs = std::filesystem;
 
 namespace {
-
-// A folder that goes with the test.
-struct Folder {
-  fs::path path;
-  Folder() {
-    std::string name = (fs::temp_directory_path() / "tuina_recording_XXXXXX").string();
-    path = ::mkdtemp(name.data());
-  }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-  ~Folder() {
-    std::error_code ignored;
-    fs::remove_all(path, ignored);
-  }
-};
 
 constexpr int frames_of_a_sweep = 24;
 
@@ -107,12 +93,12 @@ void replace(const fs::path& path, const std::string& from, const std::string& t
 
 TEST_CASE("a replay sees what was recorded, bit for bit, and makes the same cloud") {
   const Folder folder;
-  record_into(folder.path / "sweep");
+  record_into(folder.path() / "sweep");
   Little little;
   const SweepOptions options{.near_m = 0.3};
   const auto live = scan_sweep(little, little, little_calibration(), options);
   REQUIRE(live.has_value());
-  auto recording = Recording::open(folder.path / "sweep");
+  auto recording = Recording::open(folder.path() / "sweep");
   REQUIRE(recording.has_value());
   CHECK(recording->frames() == frames_of_a_sweep);
   const auto replayed = scan_sweep(*recording, *recording, recording->calibration(), options);
@@ -122,26 +108,26 @@ TEST_CASE("a replay sees what was recorded, bit for bit, and makes the same clou
   CHECK(live->cloud_in_couch.normals == replayed->cloud_in_couch.normals);
   CHECK(live->cloud_in_couch.deviation_m == replayed->cloud_in_couch.deviation_m);
   CHECK(live->expected_error_m == replayed->expected_error_m);
-  CHECK_FALSE(fs::exists(folder.path / "sweep.part"));
+  CHECK_FALSE(fs::exists(folder.path() / "sweep.part"));
 }
 
 TEST_CASE("what goes wrong with a recording leaves nothing behind") {
   const Folder folder;
   Little little;
   {
-    auto recorder = Recorder::open(little, little, folder.path / "sweep");
+    auto recorder = Recorder::open(little, little, folder.path() / "sweep");
     REQUIRE(recorder.has_value());
     REQUIRE(recorder->next_frame().has_value());
   }
-  CHECK(fs::is_empty(folder.path));
-  record_into(folder.path / "sweep");
-  CHECK_FALSE(Recorder::open(little, little, folder.path / "sweep").has_value());
+  CHECK(fs::is_empty(folder.path()));
+  record_into(folder.path() / "sweep");
+  CHECK_FALSE(Recorder::open(little, little, folder.path() / "sweep").has_value());
   CHECK_FALSE(Recorder::open(little, little, "/proc/nowhere/sweep").has_value());
 }
 
 TEST_CASE("colour frames give their red, dark frames are taken off, sixteen bits are rounded") {
   const Folder folder;
-  const fs::path sweep = folder.path / "sweep";
+  const fs::path sweep = folder.path() / "sweep";
   record_into(sweep);
   Image colour(96, 72, 3);
   for (std::size_t i = 0; i < colour.data.size(); i += 3) colour.data[i] = 77;
@@ -221,7 +207,7 @@ TEST_CASE("every broken recording is refused with its cause") {
   };
   for (const Damage& damage : damages) {
     const Folder folder;
-    const fs::path sweep = folder.path / "sweep";
+    const fs::path sweep = folder.path() / "sweep";
     record_into(sweep);
     damage.make(sweep);
     std::string message = "nothing was refused";

@@ -3,29 +3,20 @@
 
 #include <doctest/doctest.h>
 
+#include "tests/folder.hpp"
 #include "tuina/core/file.hpp"
 #include "tuina/sim/phantom.hpp"
 
 using namespace tuina;
 using namespace tuina::sim;
-
-namespace {
-
-std::filesystem::path fresh_folder() {
-  const auto folder = std::filesystem::temp_directory_path() / "tuina_person_test";
-  std::filesystem::remove_all(folder);
-  std::filesystem::create_directories(folder);
-  return folder;
-}
-
-}  // namespace
+using tuina::test::Folder;
 
 TEST_CASE("a phantom that is written as a labelled body is read back as the same person") {
-  const auto folder = fresh_folder();
+  const Folder folder;
   for (const Position position : {Position::sitting, Position::prone}) {
     const Person person = make_phantom(draw_phantom(BodyType::medium, 3), position);
-    REQUIRE(write_person(person, folder).has_value());
-    const auto read = load_person(folder / (person.name + ".ply"));
+    REQUIRE(write_person(person, folder.path()).has_value());
+    const auto read = load_person(folder.path() / (person.name + ".ply"));
     REQUIRE_MESSAGE(read.has_value(), (read ? "" : read.error().message));
     CHECK(read->position == position);
     CHECK(read->body_type == BodyType::medium);
@@ -42,21 +33,21 @@ TEST_CASE("a phantom that is written as a labelled body is read back as the same
 }
 
 TEST_CASE("a surface without its truth beside it is refused with the name of the missing file") {
-  const auto folder = fresh_folder();
+  const Folder folder;
   const Person person = make_phantom(draw_phantom(BodyType::slim, 1), Position::sitting);
-  REQUIRE(write_person(person, folder).has_value());
-  std::filesystem::remove(folder / (person.name + ".json"));
-  const auto read = load_person(folder / (person.name + ".ply"));
+  REQUIRE(write_person(person, folder.path()).has_value());
+  std::filesystem::remove(folder.path() / (person.name + ".json"));
+  const auto read = load_person(folder.path() / (person.name + ".ply"));
   REQUIRE_FALSE(read.has_value());
   CHECK(read.error().fault == Fault::file);
   CHECK(read.error().message.find(person.name + ".json") != std::string::npos);
 }
 
 TEST_CASE("a truth that is no truth is refused with its file and the cause") {
-  const auto folder = fresh_folder();
+  const Folder folder;
   const Person person = make_phantom(draw_phantom(BodyType::slim, 1), Position::sitting);
-  REQUIRE(write_person(person, folder).has_value());
-  const auto json = folder / (person.name + ".json");
+  REQUIRE(write_person(person, folder.path()).has_value());
+  const auto json = folder.path() / (person.name + ".json");
   const std::string good = read_file(json).value();
   const auto replaced = [&](const std::string& from, const std::string& to) {
     std::string text = good;
@@ -69,7 +60,7 @@ TEST_CASE("a truth that is no truth is refused with its file and the cause") {
                                     {replaced("\"landmarks\"", "\"marks\""), "landmarks"},
                                     {replaced("\"C7\": [", "\"C7\": [0.0,"), "three numbers"}}) {
     REQUIRE(write_file(json, text).has_value());
-    const auto read = load_person(folder / (person.name + ".ply"));
+    const auto read = load_person(folder.path() / (person.name + ".ply"));
     REQUIRE_FALSE(read.has_value());
     CHECK(read.error().fault == Fault::bad_input);
     CHECK_MESSAGE(read.error().message.find(cause) != std::string::npos, read.error().message);
@@ -91,10 +82,10 @@ TEST_CASE("the words after --person mean a phantom or a file, and nothing else")
 }
 
 TEST_CASE("a position that contradicts the file is refused, the file's own is accepted") {
-  const auto folder = fresh_folder();
+  const Folder folder;
   const Person person = make_phantom(draw_phantom(BodyType::slim, 1), Position::prone);
-  REQUIRE(write_person(person, folder).has_value());
-  const std::string ply = folder / (person.name + ".ply");
+  REQUIRE(write_person(person, folder.path()).has_value());
+  const std::string ply = folder.path() / (person.name + ".ply");
   CHECK(parse_person(ply, Position::prone, 1).has_value());
   CHECK(parse_person(ply, {}, 1)->position == Position::prone);
   const auto refused = parse_person(ply, Position::sitting, 1);

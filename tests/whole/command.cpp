@@ -2,10 +2,9 @@
 #include "tests/whole/command.hpp"
 
 #include <sys/wait.h>
-#include <unistd.h>
 
-#include <array>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <sstream>
 
@@ -36,23 +35,6 @@ Outcome run_tuina(const std::vector<std::string>& arguments) {
   return {.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1,
           .out = content_of(folder / "out"),
           .err = content_of(folder / "err")};
-}
-
-Folder::Folder() {
-  std::string name = std::filesystem::temp_directory_path() / "tuina_test_XXXXXX";
-  path_ = ::mkdtemp(name.data());
-}
-
-Folder::~Folder() {
-  std::error_code ignored;
-  std::filesystem::remove_all(path_, ignored);
-}
-
-std::string Folder::with(const std::string& name, const std::string& content) const {
-  const std::filesystem::path path = path_ / name;
-  std::filesystem::create_directories(path.parent_path());
-  std::ofstream(path, std::ios::binary) << content;
-  return path;
 }
 
 }  // namespace tuina::test
