@@ -390,7 +390,8 @@ TEST_CASE("whatever bytes come in, what goes out is finite, within limits and no
           scene.seen.tick = random();
           break;
         case 6:
-          scene.proposal.torque_nm[joint] = wild();
+          // An earlier spoiling may have left a torque of fewer joints.
+          if (joint < scene.proposal.torque_nm.size()) scene.proposal.torque_nm[joint] = wild();
           break;
         case 7:
           scene.proposal.normal_in_base[joint % 3] = wild();
