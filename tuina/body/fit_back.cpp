@@ -124,14 +124,9 @@ Result<Position> recognise(const std::vector<Vector3>& person, std::optional<Pos
   return seen;
 }
 
-/// Evenly thinned points with normals from the 27 cubes around each, turned towards where scanners
-/// are.
-PointCloud thin_with_normals(const std::vector<Vector3>& person, double spacing_m,
-                             const Vector3& out) {
+/// Evenly thinned points with normals, of either sign, from the 27 cubes around each.
+PointCloud thin_with_normals(const std::vector<Vector3>& person, double spacing_m) {
   const Voxels voxels = gather(person, spacing_m);
-  Vector3 centre = Vector3::Zero();
-  for (const Vector3& mean : voxels.mean) centre += mean / static_cast<double>(voxels.size());
-  const Vector3 eye = centre + 1.5 * out;
 
   PointCloud cloud;
   for (std::size_t i = 0; i < voxels.size(); ++i) {
@@ -157,12 +152,21 @@ PointCloud thin_with_normals(const std::vector<Vector3>& person, double spacing_
     }
     Eigen::SelfAdjointEigenSolver<Matrix3> eigen;
     eigen.computeDirect(scatter);
-    Vector3 normal = eigen.eigenvectors().col(0);
-    if (normal.dot(eye - voxels.mean[i]) < 0.0) normal = -normal;
     cloud.points.push_back(voxels.mean[i]);
-    cloud.normals.push_back(normal);
+    cloud.normals.push_back(eigen.eigenvectors().col(0));
   }
   return cloud;
+}
+
+/// Normals point to where scanners are, which turns with the person.
+void turn_normals_out(PointCloud& cloud, Position position) {
+  Vector3 eye = Vector3::Zero();
+  for (const Vector3& p : cloud.points) eye += p / static_cast<double>(cloud.size());
+  const Vector3 out = position == Position::prone ? Vector3::UnitZ() : Vector3::UnitY();
+  eye += 1.5 * (Eigen::AngleAxisd(heading(cloud, position), Vector3::UnitZ()) * out);
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    if (cloud.normals[i].dot(eye - cloud.points[i]) < 0.0) cloud.normals[i] = -cloud.normals[i];
+  }
 }
 
 /// The distance of neighbouring points, from how many fall on the area of the cubes they fill.
@@ -175,6 +179,31 @@ double spacing_of(const std::vector<Vector3>& points) {
 }
 
 }  // namespace
+
+double heading(const PointCloud& back_in_couch, Position position) {
+  if (position == Position::prone) {
+    // The main axis seen from above; a lying person is long.
+    const Transform own_from_couch = own_frame(back_in_couch.points);
+    const double axis =
+        std::atan2(-own_from_couch(0, 1), own_from_couch(0, 0));  // of the long axis against x
+    return std::remainder(-axis - 0.5 * pi, pi);
+  }
+  // Where the skin looks: the mean horizontal normal, weighted by how far it looks that way, until
+  // it is its own mean.
+  double angle = 0.0;
+  for (int round = 0; round < 60; ++round) {
+    const Vector2 out(-std::sin(angle), std::cos(angle));
+    Vector2 sum = Vector2::Zero();
+    for (const Vector3& n : back_in_couch.normals) {
+      const double towards = out.dot(n.head<2>());
+      sum += towards * std::abs(towards) * std::abs(towards) * n.head<2>();
+    }
+    const double next = std::atan2(-sum.x(), sum.y());
+    if (std::abs(std::remainder(next - angle, 2.0 * pi)) < 1e-12) return next;
+    angle = next;
+  }
+  return angle;
+}
 
 Result<BackSurface> fit_back(const PointCloud& scan_in_couch, const BackOptions& options) {
   std::vector<Vector3> finite;
@@ -210,11 +239,11 @@ Result<BackSurface> fit_back(const PointCloud& scan_in_couch, const BackOptions&
   if (!position) return tl::unexpected(position.error());
 
   const double spacing_m = std::clamp(1.3 * spacing_of(*person), 6_mm, 15_mm);
-  const Vector3 out = *position == Position::sitting ? Vector3::UnitY() : Vector3::UnitZ();
-  PointCloud cloud = thin_with_normals(*person, spacing_m, own_from_couch.linear() * out);
+  PointCloud cloud = thin_with_normals(*person, spacing_m);
   const Transform couch_from_own = own_from_couch.inverse();
   for (Vector3& p : cloud.points) p = couch_from_own * p;
   for (Vector3& n : cloud.normals) n = couch_from_own.linear() * n;
+  turn_normals_out(cloud, *position);
   const double area = static_cast<double>(cloud.size()) * spacing_m * spacing_m / 1.5;
   if (area < 0.10) {
     return fail(Fault::not_found, "less than a back: {:.2f} square metres of skin, 0.10 needed",

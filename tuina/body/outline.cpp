@@ -17,12 +17,16 @@ constexpr double shoulders_begin_m =
     0.27;  // wider than any head, narrower than any pair of shoulders
 constexpr double neck_spread_m =
     60_mm;  // the neck ends where the outline is this much wider than it
-// The sacrum's height above the seat is this share of the trunk's width: more flesh lies under a wide one.
+constexpr double narrowest_neck_m = 85_mm;
+// The sacrum's height above the seat is this share of the trunk's width: more flesh lies under a
+// wide one.
 constexpr double sacrum_per_width = 0.55;
 constexpr double widest_half_shoulder_m = 0.30;  // beyond it the contour is a raised arm
+constexpr double sure_head_m = 0.15;  // thighs end nearer to the hips than a head to the shoulders
 constexpr int rounds = 14;
-constexpr double hollow_m = 10_mm;        // sides of a back lie some 40 mm behind its middle
-constexpr double most_turn_rad = 35_deg;  // 15 allowed on the couch, and people sit turned by up to 12 themselves
+constexpr double hollow_m = 10_mm;  // sides of a back lie some 40 mm behind its middle
+constexpr double most_turn_rad =
+    35_deg;  // 15 allowed on the couch, and people sit turned by up to 12 themselves
 
 struct Run {
   double low = 0.0;
@@ -126,6 +130,7 @@ struct Look {
   Vector2 lower_trunk;
   Sides trunk;
   double bottom = 0.0;  ///< height of the lower end of the midline
+  double head = 0.0;    ///< what lies above the shoulders
   Arms arms = Arms::unknown;
 };
 
@@ -220,10 +225,12 @@ Result<Look> look(const std::vector<Vector3>& in_back, double spacing_m,
                 "no neck found: {:.0f} mm of the scan are above the shoulders, 50 needed",
                 to_mm(silhouette.height(top) - silhouette.height(wide)));
   }
+  Look seen;
+  seen.head = silhouette.height(top) - silhouette.height(wide);
+  // Where the laser lost the sides of head or neck, no row is taken for narrower than a neck.
   double narrowest = 1.0;
   for (int row = wide; row <= std::min(top, wide + 32); ++row)
-    narrowest = std::min(narrowest, width(row));
-  Look seen;
+    narrowest = std::min(narrowest, std::max(width(row), narrowest_neck_m));
   int base = wide;
   while (base < top && width(base) > narrowest + neck_spread_m) ++base;
   const auto& neck = *runs[static_cast<std::size_t>(base)];
@@ -234,7 +241,8 @@ Result<Look> look(const std::vector<Vector3>& in_back, double spacing_m,
   const double neck_height = silhouette.height(base) - over * cell_m;
   seen.neck = {Vector2(neck.high, neck_height), Vector2(neck.low, neck_height)};
 
-  // The trunk where it is narrowest, which no arm can hide. The lowest rows are the ragged rim of the scan.
+  // The trunk where it is narrowest, which no arm can hide. The lowest rows are the ragged rim of
+  // the scan.
   const int loins = silhouette.row_of(std::max(silhouette.height(0) + 40_mm, neck_height - 0.50));
   double slim = 1.0;
   for (int row = loins; row <= silhouette.row_of(neck_height - 0.27); ++row) {
@@ -249,7 +257,8 @@ Result<Look> look(const std::vector<Vector3>& in_back, double spacing_m,
                                   : middle_of_neck;
   if (position == Position::sitting) {
     // Down the plane of the back until the height above the seat is the reference.
-    seen.bottom = (std::clamp(sacrum_per_width * slim, 0.09, 0.25) - couch_height_of_origin) / couch_up_in_back.z();
+    seen.bottom = (std::clamp(sacrum_per_width * slim, 0.09, 0.25) - couch_height_of_origin) /
+                  couch_up_in_back.z();
   } else {
     seen.bottom = buttocks(in_back, lower_middle, neck_height);
   }
@@ -271,22 +280,27 @@ Result<Look> look(const std::vector<Vector3>& in_back, double spacing_m,
     sum += w * Vector2(run->middle(), silhouette.height(row));
     weight += w;
   }
-  if (weight <= 0.0) return fail(Fault::not_found, "less than a back: no trunk {:.0f} mm below the neck", 680.0 * length);
+  if (weight <= 0.0)
+    return fail(Fault::not_found, "less than a back: no trunk {:.0f} mm below the neck",
+                680.0 * length);
   seen.lower_trunk = sum / weight;
 
-  // The sides of the trunk, mean over some rows so that single cells do not matter. An arm against the trunk is
-  // cut off where the trunk cannot be any wider.
+  // The sides of the trunk, mean over some rows so that single cells do not matter. An arm against
+  // the trunk is cut off where the trunk cannot be any wider.
   const double trunk_height = neck_height - 0.68 * length;
   Run trunk;
   int count = 0;
-  for (int row = silhouette.row_of(trunk_height - 25_mm); row <= silhouette.row_of(trunk_height + 25_mm); ++row) {
+  for (int row = silhouette.row_of(trunk_height - 25_mm);
+       row <= silhouette.row_of(trunk_height + 25_mm); ++row) {
     const auto& run = runs[static_cast<std::size_t>(row)];
     if (!run) continue;
     trunk.low += std::max(run->low, seen.lower_trunk.x() - 0.62 * slim);
     trunk.high += std::min(run->high, seen.lower_trunk.x() + 0.62 * slim);
     ++count;
   }
-  if (count == 0) return fail(Fault::not_found, "less than a back: no trunk {:.0f} mm below the neck", 680.0 * length);
+  if (count == 0)
+    return fail(Fault::not_found, "less than a back: no trunk {:.0f} mm below the neck",
+                680.0 * length);
   trunk = {trunk.low / count, trunk.high / count};
   seen.trunk = {Vector2(trunk.high, trunk_height), Vector2(trunk.low, trunk_height)};
 
@@ -322,8 +336,8 @@ Result<Look> look(const std::vector<Vector3>& in_back, double spacing_m,
   return seen;
 }
 
-/// The plane of the back's middle, y = a + b x + c z, by robust least squares; a lying back is given the bed's
-/// direction, b = c = 0.
+/// The plane of the back's middle, y = a + b x + c z, by robust least squares; a lying back is
+/// given the bed's direction, b = c = 0.
 Vector3 plane_of(const std::vector<Vector3>& in_back, const Look& seen, bool sitting) {
   const double half_width = 0.28 * (seen.shoulder[left].x() - seen.shoulder[right].x());
   const Vector2 upper = 0.5 * (seen.neck[left] + seen.neck[right]);
@@ -351,7 +365,8 @@ Vector3 plane_of(const std::vector<Vector3>& in_back, const Look& seen, bool sit
   return solution;
 }
 
-/// A back bulges towards the one who looks at it. One that is mirrored along the line of sight is hollow.
+/// A back bulges towards the one who looks at it. One that is mirrored along the line of sight is
+/// hollow.
 Result<void> check_bulge(const std::vector<Vector3>& points, const Outline& outline) {
   const double half_width = 0.5 * (outline.trunk[left].x() - outline.trunk[right].x());
   double middle = 0.0;
@@ -367,25 +382,16 @@ Result<void> check_bulge(const std::vector<Vector3>& points, const Outline& outl
     (aside < 0.3 ? middle_count : sides_count) += aside < 0.3 || aside > 0.75 ? 1.0 : 0.0;
   }
   if (middle_count < 20.0 || sides_count < 20.0) {
-    return fail(Fault::not_found, "less than a back: {:.0f} points in the middle of it, {:.0f} at its sides, 20 needed",
-                middle_count, sides_count);
+    return fail(
+        Fault::not_found,
+        "less than a back: {:.0f} points in the middle of it, {:.0f} at its sides, 20 needed",
+        middle_count, sides_count);
   }
   const double hollow = sides / sides_count - middle / middle_count;
   if (hollow > hollow_m) {
-    return fail(Fault::bad_input, "the back is hollow by {:.0f} mm: the cloud is mirrored along the line of sight",
+    return fail(Fault::bad_input,
+                "the back is hollow by {:.0f} mm: the cloud is mirrored along the line of sight",
                 to_mm(hollow));
-  }
-  return {};
-}
-
-/// How far the person is turned about the vertical from the usual pose on the couch.
-Result<void> check_turn(const Outline& outline, const Matrix3& usual) {
-  const Matrix3 couch_from_back = outline.back_from_couch.linear().transpose();
-  const Matrix3 turn = couch_from_back * usual;
-  const double angle = std::atan2(turn(1, 0) - turn(0, 1), turn(0, 0) + turn(1, 1));
-  if (std::abs(angle) > most_turn_rad) {
-    return fail(Fault::not_found, "the person is turned by {:.0f} degrees, the atlas knows up to {:.0f}",
-                to_deg(std::abs(angle)), to_deg(most_turn_rad));
   }
   return {};
 }
@@ -418,7 +424,8 @@ Result<Outline> find_outline_from(const BackSurface& back, const Matrix3& start)
                .bottom = Vector2(seen->lower_trunk.x() +
                                      along.x() / along.y() * (seen->bottom - seen->lower_trunk.y()),
                                  seen->bottom),
-               .arms = seen->arms};
+               .arms = seen->arms,
+               .head_m = seen->head};
     outline.back_from_couch.linear() = rotation;
     outline.back_from_couch.translation() = -rotation * origin;
 
@@ -436,7 +443,6 @@ Result<Outline> find_outline_from(const BackSurface& back, const Matrix3& start)
     rotation = Eigen::Quaterniond(rotation).normalized().toRotationMatrix();
     if (middle.norm() < 1e-5 && (upright * square - Matrix3::Identity()).norm() < 1e-5) break;
   }
-  if (const auto turned = check_turn(outline, start); !turned) return tl::unexpected(turned.error());
   if (const auto bulge = check_bulge(points, outline); !bulge) return tl::unexpected(bulge.error());
   return outline;
 }
@@ -462,14 +468,24 @@ double head_width(const BackSurface& back, const Matrix3& rotation) {
 }  // namespace
 
 Result<Outline> find_outline(const BackSurface& back) {
-  const Matrix3 usual = nominal(back.position(), false);
+  // The search begins in a frame that turns with the person, so that where on the couch the person
+  // is carries no information.
+  const double turned_rad = heading(back.points(), back.position());
+  if (std::abs(turned_rad) > most_turn_rad) {
+    return fail(Fault::not_found,
+                "the person is turned by {:.0f} degrees, the atlas knows up to {:.0f}",
+                to_deg(std::abs(turned_rad)), to_deg(most_turn_rad));
+  }
+  const Matrix3 ahead = Eigen::AngleAxisd(-turned_rad, Vector3::UnitZ()).toRotationMatrix();
+  const Matrix3 usual = nominal(back.position(), false) * ahead;
   if (back.position() == Position::sitting) return find_outline_from(back, usual);
-  const Matrix3 other = nominal(back.position(), true);
+  const Matrix3 other = nominal(back.position(), true) * ahead;
   const bool usual_first = head_width(back, usual) <= head_width(back, other);
   auto first = find_outline_from(back, usual_first ? usual : other);
-  if (first) return first;
+  if (first && first->head_m > sure_head_m) return first;
   auto second = find_outline_from(back, usual_first ? other : usual);
-  return second ? second : first;
+  if (!first || !second) return second ? second : first;
+  return second->head_m > first->head_m ? second : first;
 }
 
 }  // namespace tuina::body

@@ -31,6 +31,7 @@ struct Outline {
   Vector2 bottom =
       Vector2::Zero();  ///< lower end: 0.1 m above the seat; lying: the top of the buttocks
   Arms arms = Arms::unknown;
+  double head_m = 0.0;  ///< how much of the scan lies above the shoulders
 
   [[nodiscard]] Vector2 plane(const Vector3& place_in_couch) const {
     const Vector3 p = back_from_couch * place_in_couch;

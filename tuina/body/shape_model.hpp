@@ -49,9 +49,14 @@ struct ShapeFit {
   Eigen::VectorXd label_var_m2;  ///< what the scan leaves open of each label, mean over the axes
   double seen = 0.0;             ///< share of the skin points that the scan answers
   double residual_m = 0.0;       ///< RMS over those, along the normals
+  /// Mean square of the weights: about 1 or less for a back like those learned from.
+  [[nodiscard]] double strangeness() const {
+    return weights.size() > 0 ? weights.squaredNorm() / static_cast<double>(weights.size()) : 0.0;
+  }
 };
 
-/// Fits pose and modes to the visible part, robustly; `model_in_couch` is where to begin.
+/// Fits pose and modes to the visible part, robustly; `couch_from_model` is about where to begin. Starts
+/// shifted along the spine and turned are tried as well, and the one that explains the scan best goes on.
 [[nodiscard]] ShapeFit fit_shape(const ShapeModel& model, const BackSurface& back,
                                  const Transform& couch_from_model, const FitOptions& options = {});
 
