@@ -30,7 +30,6 @@ const std::vector<std::vector<std::string>> readers = {
     {"massage", "--person", "FILE", "--out", "OUT"},
     {"massage", "--programme", "FILE", "--out", "OUT"},
     {"massage", "--atlas", "FILE", "--out", "OUT"},
-    {"massage", "--out", "FILE/report"},
     {"evaluate", "acupoints", "--bodies", "FILE"},
     {"evaluate", "acupoints", "--atlas", "FILE"}};
 
@@ -81,6 +80,12 @@ TEST_CASE("a full disk behind stdout is an error and not an abort") {
     CHECK(WIFEXITED(status));
     CHECK(WEXITSTATUS(status) == 2);
   }
+}
+
+TEST_CASE("a report folder that cannot be made is refused before the massage") {
+  const auto outcome = run_tuina({"massage", "--out", "/dev/null/report", "--json"});
+  CHECK(outcome.exit_code == 2);
+  CHECK(outcome.err.find("scan") == std::string::npos);
 }
 
 TEST_CASE("when the drawing of an estimate cannot be written, no trace is left") {
