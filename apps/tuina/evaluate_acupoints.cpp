@@ -89,6 +89,13 @@ class EvaluateAcupoints final : public Verb {
   }
 
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
+    // One atlas for all is judged before anyone is drawn or read.
+    std::optional<body::Atlas> one;
+    if (folds_ == 0) {
+      auto given = atlas_for({}, 0);
+      if (!given) return tl::unexpected(given.error());
+      one = std::move(*given);
+    }
     auto bodies = people(common);
     if (!bodies) return tl::unexpected(bodies.error());
     const auto bar = progress_bar(common, "evaluate");
@@ -96,7 +103,7 @@ class EvaluateAcupoints final : public Verb {
     std::map<std::string, Score> scores;
     std::size_t done = 0;
     for (std::size_t fold = 0; fold < folds; ++fold) {
-      const auto atlas = atlas_for(*bodies, fold);
+      const auto atlas = one ? Result<body::Atlas>(*one) : atlas_for(*bodies, fold);
       if (!atlas) return tl::unexpected(atlas.error());
       for (std::size_t i = 0; i < bodies->size(); ++i) {
         if (folds_ > 0 && i % folds != fold) continue;

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <CLI/CLI.hpp>
+#include <cerrno>
+#include <charconv>
 #include <cstdio>
+#include <cstring>
 #include <map>
 
 #include "apps/tuina/command_line.hpp"
@@ -25,6 +28,14 @@ int exit_code_of(Fault fault) {
   }
 }
 
+// The parser alone would take a number that does not fit as the largest one that does.
+std::string whole_number(const std::string& text) {
+  std::uint64_t value = 0;
+  const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (fault == std::errc{} && end == text.data() + text.size()) return {};
+  return fmt::format("'{}' is not a whole number from 0 to {}", text, UINT64_MAX);
+}
+
 void add_common_options(CLI::App& command, CommonOptions& common, std::string& out) {
   if (command.get_option_no_throw("--out") == nullptr) {
     command.add_option("--out", out, "write the JSON object to this file");
@@ -32,7 +43,7 @@ void add_common_options(CLI::App& command, CommonOptions& common, std::string& o
   command.add_flag("--json", common.json, "write one JSON object to stdout and nothing else there");
   command.add_flag("--quiet", common.quiet, "no text and no progress bar");
   command.add_option("--seed", common.seed, "same seed, same result")
-      ->check(CLI::NonNegativeNumber)
+      ->check(whole_number)
       ->capture_default_str();
   command.add_option("--config", common.config_file, "a TOML file; see `tuina config show`");
   command.add_option("--set", common.settings, "section.key=value, over the file")
@@ -44,17 +55,34 @@ int explain(const Error& error) {
   return exit_code_of(error.fault);
 }
 
+// A full disk behind stdout shows itself only when the buffer is flushed.
+Result<void> print(const std::string& text) {
+  if (text.empty()) return {};
+  const bool put = std::fwrite(text.data(), 1, text.size(), stdout) == text.size();
+  if (std::fflush(stdout) == 0 && put) return {};
+  return fail(Fault::file, "stdout: cannot be written: {}", std::strerror(errno));
+}
+
+// What a verb could not foresee, memory first of all, still ends in one line.
+Result<Answer> run(Verb& verb, const CommonOptions& common) {
+  try {
+    return verb.run(common);
+  } catch (const std::bad_alloc&) {
+    return fail(Fault::bad_input, "{}: there is not enough memory for this input", verb.name());
+  } catch (const std::exception& error) {
+    return fail(Fault::bad_input, "{}: {}", verb.name(), error.what());
+  }
+}
+
 int show(const Result<Answer>& answer, const CommonOptions& common, const std::string& out) {
   if (!answer) return explain(answer.error());
   if (!out.empty()) {
     if (const auto written = write_file(out, answer->json + "\n"); !written)
       return explain(written.error());
   }
-  if (common.json) {
-    fmt::print("{}\n", answer->json);
-  } else if (!common.quiet) {
-    fmt::print("{}", answer->product);
-  }
+  std::string product = common.quiet ? std::string() : answer->product;
+  if (common.json) product = answer->json + "\n";
+  if (const auto told = print(product); !told) return explain(told.error());
   if (!common.quiet && !answer->text.empty()) fmt::print(stderr, "{}\n", answer->text);
   return answer->exit_code;
 }
@@ -114,5 +142,5 @@ int main(int argc, char** argv) {
     fmt::print(stderr, "{}", chosen->help());
     return 1;
   }
-  return show(found->second->run(common), common, out);
+  return show(run(*found->second, common), common, out);
 }

@@ -51,8 +51,17 @@ class Massage final : public Verb {
     if (position_ == "prone") order_.position = Position::prone;
     order_.method = body::parse_method(method_).value_or(order_.method);
     order_.real_time = pace_ == "real";
+    // Before the work, not after it: the folder is made, and an empty one goes again.
+    std::error_code fault;
+    const bool made = std::filesystem::create_directories(out_, fault);
+    if (!std::filesystem::is_directory(out_)) {
+      return fail(Fault::file, "--out {}: the folder cannot be made: {}", out_, fault.message());
+    }
     const auto result = run_simulated_session(order_, *config, common);
-    if (!result) return tl::unexpected(result.error());
+    if (!result) {
+      if (made) std::filesystem::remove(out_, fault);
+      return tl::unexpected(result.error());
+    }
 
     Answer answer{.json = session_json(*result, common.seed),
                   .text = session_text(*result),

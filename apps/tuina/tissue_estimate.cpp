@@ -135,13 +135,14 @@ class TissueEstimateVerb final : public Verb {
                                   .torso_n_per_m = torso_n_per_mm_.value_or(0.0) * 1e3,
                                   .breathing_m = from_mm(breathing_mm_)})
              : by_thesis(*record, noise.force_n);
-    if (!out_.empty()) {
-      if (const auto written = write_file(out_, result.trace); !written)
-        return tl::unexpected(written.error());
-    }
+    // The drawing first: if it cannot be written, no trace is left that looks like a success.
     if (!plot_.empty()) {
       if (const auto drawn = write_file(plot_, plot_estimates(result.history)); !drawn)
         return tl::unexpected(drawn.error());
+    }
+    if (!out_.empty()) {
+      if (const auto written = write_file(out_, result.trace); !written)
+        return tl::unexpected(written.error());
     }
     return answer(result, noise, ours);
   }

@@ -124,6 +124,9 @@ TEST_CASE("readings that cannot give angles are refused") {
   CHECK_FALSE(yaw_at(times, back, 0.0).has_value());
   const std::vector<YawReading> broken = {{0.0, 0.0}, {2.0, std::nan("")}};
   CHECK_FALSE(yaw_at(times, broken, 0.0).has_value());
+  // A reading that no motor could have turned to: 60 degrees within 20 ms.
+  const std::vector<YawReading> torn = {{-0.5, 0.0}, {0.5, 0.05}, {0.52, 1.05}, {2.0, 0.1}};
+  CHECK(yaw_at(times, torn, 0.0).error().message.find("yaw reading 2") != std::string::npos);
 }
 
 TEST_CASE("the scan of a wall is a plane, its normals upright to it, its deviation what it is") {

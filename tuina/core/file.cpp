@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 
@@ -33,6 +34,9 @@ Result<std::string> read_file(const std::filesystem::path& path, std::size_t lim
     return fail(Fault::bad_input, "{}: {} bytes, at most {} are read", path.string(),
                 status.st_size, limit_bytes);
   }
+  // What tells no size (a pipe, a device) grows by doubling, so it may only become this large.
+  constexpr std::size_t most_without_size = std::size_t{128} << 20;
+  if (!S_ISREG(status.st_mode)) limit_bytes = std::min(limit_bytes, most_without_size);
   std::string content;
   std::size_t size = 0;
   content.resize(static_cast<std::size_t>(status.st_size) + 1);
@@ -46,7 +50,7 @@ Result<std::string> read_file(const std::filesystem::path& path, std::size_t lim
     if (size > limit_bytes) {
       return fail(Fault::bad_input, "{}: larger than {} bytes", path.string(), limit_bytes);
     }
-    if (size == content.size()) content.resize(2 * content.size());
+    if (size == content.size()) content.resize(std::min(2 * content.size(), limit_bytes + 1));
   }
   content.resize(size);
   return content;

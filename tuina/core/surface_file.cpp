@@ -161,7 +161,7 @@ SurfaceFile PointGatherer::take() {
 
 namespace {
 
-constexpr std::size_t largest_surface_bytes = std::size_t{512} << 20;
+constexpr std::size_t largest_surface_bytes = std::size_t{384} << 20;
 
 void append(std::string& content, double value) {
   const auto bytes = std::bit_cast<std::array<char, 4>>(static_cast<float>(value));

@@ -32,7 +32,7 @@ class Reader {
     const toml::node* node = file_.get(section);
     table_ = node != nullptr ? node->as_table() : nullptr;
     if (table_ == nullptr) {
-      faults_.push_back(fmt::format("{}: section [{}] is missing", name_, section));
+      missing_ += fmt::format("{}[{}]", missing_.empty() ? "" : ", ", section);
       return;
     }
     for (const auto& [key, value] : *table_) refuse_unknown(key, value, known, "key");
@@ -109,7 +109,11 @@ class Reader {
       refuse(*node, key, why);
   }
 
-  [[nodiscard]] const std::vector<std::string>& faults() const { return faults_; }
+  [[nodiscard]] std::vector<std::string> faults() const {
+    auto all = faults_;
+    if (!missing_.empty()) all.push_back(fmt::format("{}: missing: {}", name_, missing_));
+    return all;
+  }
 
  private:
   const toml::node* find(std::string_view key) {
@@ -166,6 +170,7 @@ class Reader {
   std::string_view section_;
   const toml::table* table_ = nullptr;
   std::vector<std::string> faults_;
+  std::string missing_;  // sections
 };
 
 template <typename Numbers>

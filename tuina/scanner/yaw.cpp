@@ -12,6 +12,9 @@ namespace {
 constexpr double count_rad = from_deg(300.0 / 1024.0);  // the AX-12A tells its angle no finer
 constexpr double slack_s = 0.15;  // a frame may be this far outside the readings
 constexpr std::size_t enough_for_a_fit = 8;
+constexpr double farthest_rad = from_deg(360.0);
+constexpr double fastest_rad_per_s = from_deg(6.0 * 114.0);  // no AX-12A turns faster than 114 rpm
+constexpr double jitter_s = 0.01;                            // of the time stamps, and a few counts
 
 struct Line {
   double at_s = 0.0;
@@ -105,6 +108,23 @@ Result<std::vector<double>> yaw_at(std::span<const double> frame_times_s,
     if (i > 0 && readings[i].time_s < readings[i - 1].time_s) {
       return fail(Fault::bad_input, "yaw reading {} at {:.4f} s comes after one at {:.4f} s", i,
                   readings[i].time_s, readings[i - 1].time_s);
+    }
+    if (std::abs(readings[i].yaw_rad) > farthest_rad) {
+      return fail(Fault::bad_input, "yaw reading {} at {:.4f} s is {:.4g} deg; up to {:.0f} can be",
+                  i, readings[i].time_s, to_deg(readings[i].yaw_rad), to_deg(farthest_rad));
+    }
+    // A byte lost on the wire makes a reading that no motor could have turned to; it would bend the
+    // cloud unnoticed.
+    if (i == 0) continue;
+    const double turned_rad = std::abs(readings[i].yaw_rad - readings[i - 1].yaw_rad);
+    const double most_rad =
+        fastest_rad_per_s * (readings[i].time_s - readings[i - 1].time_s + jitter_s);
+    if (turned_rad > most_rad) {
+      return fail(
+          Fault::bad_input,
+          "yaw reading {} at {:.4f} s is {:.2f} deg from the one before; the motor turns at "
+          "most {:.2f} in that time",
+          i, readings[i].time_s, to_deg(turned_rad), to_deg(most_rad));
     }
   }
   if (frame_times_s.empty()) return std::vector<double>{};
