@@ -75,6 +75,22 @@ TEST_CASE("a stop is on the page with its time and cause") {
   CHECK_FALSE(holds(page, "Nothing had to be stopped"));
 }
 
+TEST_CASE("a path that was not carried out as planned is named with its trouble") {
+  ReportData data = sample_without_pictures();
+  CHECK_FALSE(holds(report_page(data), "Not carried out as planned"));
+  data.paths[2].trouble = "no skin found";
+  CHECK(holds(report_page(data), "right arm, press SI11_R: no skin found"));
+}
+
+TEST_CASE("the mean error is that of the seven points, whatever further ones were found") {
+  ReportData data = sample_without_pictures();
+  data.acupoints.push_back({{.name = "BL13_L"}, 0.1});
+  data.acupoints.push_back({{.name = "BL13_R"}, std::nullopt});
+  const std::string page = report_page(data);
+  CHECK(holds(page, "<b>4.0<small>mm</small></b><i>mean distance of 7 to the truth</i>"));
+  CHECK(holds(page, "the main seven were 4"));
+}
+
 TEST_CASE("text from outside cannot become markup") {
   ReportData data = sample_without_pictures();
   const std::string evil = "<img src=x onerror=alert(1)>\"'&\x01";

@@ -172,6 +172,20 @@ double stiffest_shown(const ReportData& data) {
   return round_numbers.back() + (round_numbers.back() < 0.999 * hardest ? round_numbers[1] : 0.0);
 }
 
+/// The last that was felt at each point.
+std::vector<FeltTissue> last_felt(const ReportData& data) {
+  std::vector<FeltTissue> last;
+  for (const FeltTissue& felt : data.tissue) {
+    const auto same = std::find_if(
+        last.begin(), last.end(), [&](const FeltTissue& other) { return other.name == felt.name; });
+    if (same == last.end())
+      last.push_back(felt);
+    else
+      *same = felt;
+  }
+  return last;
+}
+
 bool is_one_of_seven(const std::string& name) {
   return std::find(seven_acupoints.begin(), seven_acupoints.end(), name) != seven_acupoints.end();
 }
@@ -247,6 +261,7 @@ std::string tissue_curves(const ReportData& data) {
             .x_label = "depth below the skin, mm",
             .y_label = "force, N"};
   const double hardest = stiffest_shown(data);
+  const std::vector<FeltTissue> all_felt = last_felt(data);
   const auto curve = [&](const TangentTissue& tissue) {
     Series series;
     for (int k = 0; k <= 40 && tissue.alpha_n > 0.0 && tissue.beta_per_m > 0.0; ++k) {
@@ -256,7 +271,7 @@ std::string tissue_curves(const ReportData& data) {
     }
     return series;
   };
-  for (const FeltTissue& felt : data.tissue) {
+  for (const FeltTissue& felt : all_felt) {
     if (!felt.estimate.converged) continue;
     if (felt.truth) {
       Series truth = curve(*felt.truth);
@@ -288,10 +303,11 @@ std::string tissue(const ReportData& data) {
   scene.surface = person_of(data, pose);
   if (scene.surface.mesh.triangles.empty() || data.tissue.empty()) return "";
   const double hardest = stiffest_shown(data);
+  const std::vector<FeltTissue> all_felt = last_felt(data);
   for (const Vector3& vertex : scene.surface.mesh.vertices) {
     double weights = 0.0;
     double stiffness = 0.0;
-    for (const FeltTissue& felt : data.tissue) {
+    for (const FeltTissue& felt : all_felt) {
       if (!felt.estimate.converged) continue;
       const double weight =
           std::exp(-(vertex - felt.at_in_couch).squaredNorm() / (felt_radius_m * felt_radius_m));
@@ -303,14 +319,14 @@ std::string tissue(const ReportData& data) {
     scene.colours.push_back(
         mix(palette::clay, hardness_colour(stiffness / std::max(weights, 1e-12) / hardest), shown));
   }
-  for (const FeltTissue& felt : data.tissue) {
+  for (const FeltTissue& felt : all_felt) {
     scene.beads.push_back({.at = felt.at_in_couch,
                            .radius_m = 2.6_mm,
                            .colour = felt.estimate.converged ? palette::marker : palette::grey});
   }
   const ShadedPicture picture = shade(scene, view_of(pose));
   std::vector<Label> labels;
-  for (const FeltTissue& felt : data.tissue) {
+  for (const FeltTissue& felt : all_felt) {
     labels.push_back(
         {.at = drawn(picture.projection, felt.at_in_couch),
          .name = short_name(felt.name),

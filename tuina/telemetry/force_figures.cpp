@@ -23,10 +23,10 @@ struct Contact {
 };
 
 const PerformedPath* path_at(const ReportData& data, const TraceRow& row) {
+  constexpr double slack_s = 0.01;
   for (const PerformedPath& performed : data.paths) {
-    const double into_s = row.time_s - performed.begin_s;
-    if (performed.arm == row.arm && performed.path.technique == row.technique && into_s >= -0.01 &&
-        into_s <= performed.path.duration_s() + 0.01)
+    if (performed.arm != row.arm || performed.path.technique != row.technique) continue;
+    if (row.time_s >= performed.begin_s - slack_s && row.time_s <= performed.ended_s() + slack_s)
       return &performed;
   }
   return nullptr;
@@ -152,7 +152,7 @@ std::string timeline(const ReportData& data) {
     TimelineRow row{.name = fmt::format("{} arm", name_of(arm))};
     for (const PerformedPath& performed : data.paths) {
       if (performed.arm != arm) continue;
-      const double end_s = performed.begin_s + performed.path.duration_s();
+      const double end_s = performed.ended_s();
       std::string text =
           performed.path.acupoints.empty() ? performed.path.name : performed.path.acupoints.front();
       std::replace(text.begin(), text.end(), '_', ' ');

@@ -20,11 +20,15 @@ struct FoundAcupoint {
   std::optional<double> error_m = {};
 };
 
-/// A path of the plan and when which arm began it, in session time.
+/// A path of the plan, and which arm carried it out when, in session time.
 struct PerformedPath {
   Arm arm = Arm::left;
   double begin_s = 0.0;
   ContactPath path = {};
+  std::optional<double> end_s = {};  ///< when the arm had left it, if that is known
+  std::string trouble = {};          ///< why it was not carried out as planned; empty when it was
+
+  [[nodiscard]] double ended_s() const { return end_s.value_or(begin_s + path.duration_s()); }
 };
 
 /// One row of trace.csv. Rows of the two arms may be interleaved; each arm's times rise.
@@ -39,7 +43,8 @@ struct TraceRow {
   Vector3 tool_in_couch = Vector3::Zero();
 };
 
-/// What was felt at one place; `truth` is known only in simulation.
+/// What was felt at one place; `truth` is known only in simulation. Of several for one name the
+/// last is drawn.
 struct FeltTissue {
   std::string name = {};  ///< of the acupoint
   Vector3 at_in_couch = Vector3::Zero();

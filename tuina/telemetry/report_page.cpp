@@ -61,14 +61,30 @@ std::string in_words(std::size_t count) {
   return count < words.size() ? words[count] : fmt::format("{}", count);
 }
 
-std::optional<double> mean_error_m(const ReportData& data) {
-  double sum = 0.0;
+/// Over the seven points of the thesis, as session.json counts it; over all if none of those is
+/// there.
+struct MeanError {
+  double mean_m = 0.0;
+  std::size_t points = 0;
+};
+
+std::optional<MeanError> mean_error(const ReportData& data) {
+  MeanError seven;
+  MeanError all;
   for (const FoundAcupoint& found : data.acupoints) {
-    if (!found.error_m) return std::nullopt;
-    sum += *found.error_m;
+    if (!found.error_m) continue;
+    const bool one_of_seven = std::find(seven_acupoints.begin(), seven_acupoints.end(),
+                                        found.acupoint.name) != seven_acupoints.end();
+    for (MeanError* mean : {&seven, &all}) {
+      if (mean == &seven && !one_of_seven) continue;
+      mean->mean_m += *found.error_m;
+      ++mean->points;
+    }
   }
-  return data.acupoints.empty() ? std::nullopt
-                                : std::optional(sum / static_cast<double>(data.acupoints.size()));
+  MeanError& chosen = seven.points > 0 ? seven : all;
+  if (chosen.points == 0) return std::nullopt;
+  chosen.mean_m /= static_cast<double>(chosen.points);
+  return chosen;
 }
 
 double peak_force_n(const ReportData& data) {
@@ -92,8 +108,12 @@ std::string summary(const ReportData& data) {
         "A laser scan of the back gave the places of {} acupoints, each known to "
         "within {:.0f} mm",
         in_words(data.acupoints.size()), std::ceil(to_mm(widest)));
-    if (const auto error = mean_error_m(data))
-      text += fmt::format("; they were {:.0f} mm from their true places on average", to_mm(*error));
+    if (const auto error = mean_error(data)) {
+      text += fmt::format(
+          "; {} were {:.0f} mm from their true places on average",
+          error->points == data.acupoints.size() ? "they" : "the main " + in_words(error->points),
+          to_mm(error->mean_m));
+    }
     text += ". ";
   }
   std::vector<std::string> done;
@@ -150,9 +170,9 @@ std::string tiles(const ReportData& data) {
   html += tile("Massage", fmt::format("{}:{:02}", whole / 60, whole % 60), "min",
                fmt::format("{} paths of two arms", data.paths.size()));
   if (!data.acupoints.empty()) {
-    const auto error = mean_error_m(data);
-    html += error ? tile("Acupoints", fmt::format("{:.1f}", to_mm(*error)), "mm",
-                         fmt::format("mean distance of {} to the truth", data.acupoints.size()))
+    const auto error = mean_error(data);
+    html += error ? tile("Acupoints", fmt::format("{:.1f}", to_mm(error->mean_m)), "mm",
+                         fmt::format("mean distance of {} to the truth", error->points))
                   : tile("Acupoints", fmt::format("{}", data.acupoints.size()), "", "found");
   }
   if (!data.trace.empty())
@@ -217,7 +237,7 @@ std::string back_section(const ReportData& data) {
         acupoint_table(data) +
         "<p class=note>The pale ring around a point, and the column <i>within</i>, is the radius "
         "that holds the true point in 95 of 100 cases. Left and right are the person’s own.";
-    if (mean_error_m(data))
+    if (mean_error(data))
       html +=
           " The last column compares with the simulated person’s true points, which only a "
           "simulation knows.";
@@ -336,6 +356,13 @@ std::string stops_section(const ReportData& data) {
   for (const Stop& stop : data.stops)
     html +=
         fmt::format("<p class=stop><b>{:.3f} s</b> &ensp;{}</p>", stop.time_s, escaped(stop.cause));
+  std::string troubles;
+  for (const PerformedPath& performed : data.paths) {
+    if (performed.trouble.empty()) continue;
+    troubles += fmt::format("<li>{} arm, {}: {}</li>", name_of(performed.arm),
+                            escaped(performed.path.name), escaped(performed.trouble));
+  }
+  if (!troubles.empty()) html += "<h3>Not carried out as planned</h3><ul>" + troubles + "</ul>";
   return html + "</section>";
 }
 
