@@ -111,9 +111,15 @@ std::string session_json(const SessionResult& result, std::uint64_t seed) {
          {"uncertainty_mm", to_mm(acupoint.uncertainty_m)},
          {"error_mm", std::isfinite(error_m) ? ordered_json(to_mm(error_m)) : ordered_json()}});
   }
+  // Every technique has its key; one that the programme does not use has no errors.
   ordered_json techniques = ordered_json::object();
-  for (const auto& [technique, errors] : result.techniques) {
-    techniques[name_of(technique)] = {{"rmse_n", errors.rmse_n}, {"peak_n", errors.peak_n}};
+  for (const Technique technique :
+       {Technique::press, Technique::rub, Technique::stroke, Technique::tap}) {
+    const auto found = result.techniques.find(technique);
+    const bool used = found != result.techniques.end();
+    techniques[name_of(technique)] = {
+        {"rmse_n", used ? ordered_json(found->second.rmse_n) : ordered_json()},
+        {"peak_n", used ? ordered_json(found->second.peak_n) : ordered_json()}};
   }
   ordered_json tissue = ordered_json::array();
   for (const Felt& felt : felt_in(result)) {
