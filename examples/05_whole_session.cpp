@@ -39,8 +39,7 @@ int main() {
   const auto programme = massage::load_programme("lower_back").value();
   const auto mount = robot::mount_for(back.position());
   const robot::ArmTable table = robot::thesis_arm();
-  const PerArm<robot::ArmModel> arms{
-      .of = {robot::ArmModel(table, mount, Arm::left), robot::ArmModel(table, mount, Arm::right)}};
+  const PerArm<robot::ArmModel> arms = robot::both_models(table, mount);
   auto paths = massage::plan(back, map.acupoints, map.landmarks, programme).value();
   const auto plan =
       session::make_ready(std::move(paths), back, mount, arms, mount.base_from_couch, 40_mm)

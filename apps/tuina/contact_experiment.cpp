@@ -109,16 +109,7 @@ struct GuardedArm {
   ArmState state;
 
   GuardedArm(const robot::ArmModel& model, const control::ArmController::Options& options)
-      : controller(model, options), guard(guard_options(model)) {}
-
-  static safety::Guard::Options guard_options(const robot::ArmModel& model) {
-    safety::Guard::Options options;
-    options.torque_limit_nm.resize(model.joints());
-    for (int i = 0; i < model.joints(); ++i) {
-      options.torque_limit_nm[i] = model.table().links[static_cast<std::size_t>(i)].torque_limit_nm;
-    }
-    return options;
-  }
+      : controller(model, options), guard({.torque_limit_nm = model.table().torque_limits_nm()}) {}
 
   void sense(const robot::RobotReading& reading, Arm arm) noexcept {
     state = controller.sense(reading.arms[arm], reading.time_s, reading.rail_m);
@@ -294,7 +285,8 @@ Result<ContactOutcome> run_contact(const ContactExperiment& experiment, const Pr
       if (!verdict.latched) controller.retract(standoff_m);
     }
     if (outcome.stopped && reading.time_s > stopped_s + 1.5) next(Act::done);
-    if (progress && reading.tick % 100 == 0) progress(std::min(reading.time_s / (path.duration_s() + 5.0), 0.99));
+    if (progress && reading.tick % 100 == 0)
+      progress(std::min(reading.time_s / (path.duration_s() + 5.0), 0.99));
   }
   if (progress) progress(1.0);
   if (!errors.empty()) outcome.force = errors.errors();

@@ -123,9 +123,7 @@ class PlanVerb final : public Verb {
     auto plan = massage::plan(*back, map->acupoints, map->landmarks, *programme, options);
     if (!plan) return tl::unexpected(plan.error());
     const robot::RobotMount mount = robot::mount_for(back->position());
-    const PerArm<robot::ArmModel> arms{
-        .of = {robot::ArmModel(robot::thesis_arm(), mount, Arm::left),
-               robot::ArmModel(robot::thesis_arm(), mount, Arm::right)}};
+    const PerArm<robot::ArmModel> arms = robot::both_models(robot::thesis_arm(), mount);
     auto ready = session::make_ready(std::move(*plan), *back, mount, arms, mount.base_from_couch,
                                      standoff_m);
     if (!ready) return tl::unexpected(ready.error());

@@ -211,7 +211,9 @@ telemetry::ReportData report_data(const SessionResult& result, const SessionOrde
     data.paths.push_back(
         {.arm = done.arm,
          .begin_s = done.begin_s,
-         .path = result.ready.plan.paths[static_cast<std::size_t>(done.path)].path});
+         .path = result.ready.plan.paths[static_cast<std::size_t>(done.path)].path,
+         .end_s = done.end_s,
+         .trouble = done.trouble == control::Trouble::none ? "" : control::name_of(done.trouble)});
   }
   for (const auto& [technique, errors] : result.techniques) {
     data.forces.push_back(

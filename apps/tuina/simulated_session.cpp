@@ -147,9 +147,7 @@ Result<void> massage_person(SessionResult& result, const robot::RobotMount& moun
                                 &contact, {.seed = common.seed});
   if (!plant) return tl::unexpected(plant.error());
 
-  const PerArm<robot::ArmModel> models{
-      .of = {robot::ArmModel(robot::thesis_arm(), mount, Arm::left),
-             robot::ArmModel(robot::thesis_arm(), mount, Arm::right)}};
+  const PerArm<robot::ArmModel> models = robot::both_models(robot::thesis_arm(), mount);
   session::MassageStep massage(result.ready.plan, result.ready.jobs, models,
                                {.base_from_couch = base_from_couch,
                                 .rail_m = result.ready.rail_m,
@@ -240,9 +238,7 @@ Result<SessionResult> run_simulated_session(const SessionOrder& order,
   if (!plan) return tl::unexpected(plan.error());
   const robot::RobotMount mount = robot::mount_for(back->position());
   const Transform base_from_couch = believed_pose(mount.base_from_couch, common.seed);
-  const PerArm<robot::ArmModel> models{
-      .of = {robot::ArmModel(robot::thesis_arm(), mount, Arm::left),
-             robot::ArmModel(robot::thesis_arm(), mount, Arm::right)}};
+  const PerArm<robot::ArmModel> models = robot::both_models(robot::thesis_arm(), mount);
   auto ready = session::make_ready(std::move(*plan), *back, mount, models, base_from_couch,
                                    from_mm(config.massage.standoff_mm));
   if (!ready) return tl::unexpected(ready.error());

@@ -39,8 +39,7 @@ std::unique_ptr<Room> enter(Position position) {
 
   const robot::RobotMount mount = robot::mount_for(position);
   const robot::ArmTable table = robot::thesis_arm();
-  const PerArm<robot::ArmModel> models{
-      .of = {robot::ArmModel(table, mount, Arm::left), robot::ArmModel(table, mount, Arm::right)}};
+  const PerArm<robot::ArmModel> models = robot::both_models(table, mount);
   constexpr double standoff_m = 40e-3;
   auto ready = session::make_ready(std::move(*paths), *back, mount, models, mount.base_from_couch,
                                    standoff_m);

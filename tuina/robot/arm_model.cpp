@@ -238,6 +238,10 @@ JointVector ArmModel::gravity_nm(const JointVector& q_rad) const noexcept {
   return evaluate(q_rad, JointVector::Zero(table_.joints), 0.0).gravity_nm;
 }
 
+PerArm<ArmModel> both_models(const ArmTable& table, const RobotMount& mount) noexcept {
+  return {.of = {ArmModel(table, mount, Arm::left), ArmModel(table, mount, Arm::right)}};
+}
+
 Matrix6 tool_mobility(const ArmDynamics& dynamics) noexcept {
   const Eigen::LLT<JointMatrix> factor(dynamics.mass_kg_m2);
   Eigen::Matrix<double, Eigen::Dynamic, 6, 0, most_joints, 6> half = dynamics.jacobian.transpose();

@@ -69,6 +69,9 @@ class ArmModel {
   double reach_m_ = 0.0;
 };
 
+/// The models of both arms of one robot.
+[[nodiscard]] PerArm<ArmModel> both_models(const ArmTable& table, const RobotMount& mount) noexcept;
+
 /// Inverse of the inertia that the tool shows to a force: J M^-1 J^T, [thesis] chapter 3. Always
 /// defined.
 [[nodiscard]] Matrix6 tool_mobility(const ArmDynamics& dynamics) noexcept;

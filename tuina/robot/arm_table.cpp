@@ -112,6 +112,12 @@ ArmTable thesis_arm() noexcept {
   return table;
 }
 
+JointVector ArmTable::torque_limits_nm() const noexcept {
+  JointVector limits = JointVector::Zero(joints);
+  for (int i = 0; i < joints; ++i) limits[i] = links[static_cast<std::size_t>(i)].torque_limit_nm;
+  return limits;
+}
+
 JointVector mirrored(const ArmTable& table, const JointVector& q_rad) noexcept {
   // A joint whose axis stands on the mirror plane at q = 0 turns alike in the mirror, one whose
   // axis lies in the plane turns the other way. The axes follow from the table: each next one is

@@ -46,6 +46,8 @@ struct ArmTable {
   double tool_radius_m = 17_mm;
   double tool_mass_kg =
       0.0;  ///< beyond the wrist sensor, at the sphere's centre; part of the last link's mass
+
+  [[nodiscard]] JointVector torque_limits_nm() const noexcept;
 };
 
 /// The six-joint arm of the thesis: Tables 2-1 and 2-3 as corrected in docs/robot.md.

@@ -6,11 +6,11 @@
 #include <toml++/toml.h>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <sstream>
 #include <vector>
 
 #include "tuina/core/file.hpp"
+#include "tuina/core/near_miss.hpp"
 
 namespace tuina::session {
 namespace {
@@ -35,19 +35,6 @@ void each_key(ConfigType& config, Visitor& visit) {
 }
 
 using Choices = std::vector<std::string>;
-
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = std::exchange(row[0], i + 1);
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      const std::size_t change = diagonal + (a[i] == b[j] ? 0 : 1);
-      diagonal = std::exchange(row[j + 1], std::min({change, row[j] + 1, row[j + 1] + 1}));
-    }
-  }
-  return row.back();
-}
 
 /// Looks the keys up in a parsed table, checks their values and collects what is wrong.
 struct Reader {
@@ -113,14 +100,7 @@ struct Reader {
     }
   }
   [[nodiscard]] std::string unknown(const std::string& key) const {
-    const auto nearest =
-        std::min_element(known.begin(), known.end(), [&](const auto& a, const auto& b) {
-          return edit_distance(a, key) < edit_distance(b, key);
-        });
-    constexpr std::size_t near_miss = 4;
-    return edit_distance(*nearest, key) <= near_miss
-               ? fmt::format("is unknown; is `{}` meant?", *nearest)
-               : "is unknown; `tuina config show` lists the keys";
+    return "is unknown; " + suggestion(key, known);
   }
 };
 

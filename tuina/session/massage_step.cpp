@@ -61,11 +61,7 @@ TangentTissue expected_in(massage::Zone zone) noexcept {
 }
 
 safety::Guard::Options guard_options(const robot::ArmModel& model, const MassageOptions& options) {
-  safety::Guard::Options guard;
-  guard.torque_limit_nm = JointVector::Zero(model.joints());
-  for (int i = 0; i < model.joints(); ++i) {
-    guard.torque_limit_nm[i] = model.table().links[static_cast<std::size_t>(i)].torque_limit_nm;
-  }
+  safety::Guard::Options guard{.torque_limit_nm = model.table().torque_limits_nm()};
   for (safety::ForceLimits& limits : guard.force) {
     limits.set_n = std::min(limits.set_n, options.force_ceiling_n);
   }
