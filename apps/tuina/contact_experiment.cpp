@@ -209,6 +209,7 @@ Result<ContactOutcome> run_contact(const ContactExperiment& experiment, const Pr
   errors.begin();
   enum class Act { settle, move, approach, track, retract, done } act = Act::settle;
   double act_s = 0.0, stopped_s = 0.0;
+  bool left_skin = false;
   const double longest_s = path.duration_s() + 30.0;
   Arm arm = Arm::left;
   control::ArmController& controller = guarded[arm].controller;
@@ -272,6 +273,9 @@ Result<ContactOutcome> run_contact(const ContactExperiment& experiment, const Pr
       outcome.fastest_m_per_s = std::max(outcome.fastest_m_per_s, truth.velocity_in_couch.norm());
     }
     outcome.highest_n = std::max(outcome.highest_n, truth.contact.force_n);
+    left_skin = left_skin || (act >= Act::track && truth.contact.force_n == 0.0);
+    if (left_skin)
+      outcome.second_impact_n = std::max(outcome.second_impact_n, truth.contact.force_n);
     outcome.trace.push_back({reading.time_s, target_n, truth.contact.force_n, status.force_n,
                              truth.contact.depth_m, truth.velocity_in_couch.norm()});
     // After a stop the guard drives; a second and a half shows where that ends.

@@ -31,7 +31,7 @@ struct ContactExperiment {
   double tissue_error = 0.3;  ///< alpha and beta believed wrong by this share, signs by the seed
   double mass_error = 0.1;    ///< every link heavier or lighter by up to this share
   double friction_error = 0.2;
-  bool steer = true;               ///< a converged estimate replaces the believed tissue
+  bool steer = true;                    ///< a converged estimate replaces the believed tissue
   std::vector<sim::Shift> shifts = {};  ///< times count from the start of the technique
   std::uint64_t seed = 1;
 };
@@ -51,7 +51,7 @@ struct ContactOutcome {
   TissueEstimate estimate;
   double highest_n = 0.0;        ///< true force anywhere in the run
   double fastest_m_per_s = 0.0;  ///< of the tool, during the technique
-  double tank_lowest_j = 0.0;
+  double second_impact_n = 0.0;  ///< true force after contact was lost for the first time
   std::vector<ContactStop> stops;
   bool stopped = false;
 };

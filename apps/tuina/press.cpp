@@ -40,7 +40,8 @@ std::vector<std::string> names(const std::map<std::string, Value>& map) {
 std::string to_csv(const std::vector<ContactSample>& trace) {
   std::string text = "time_s,target_n,true_force_n,measured_force_n,depth_mm\n";
   for (const ContactSample& sample : trace) {
-    text += fmt::format("{:.3f},{:.4f},{:.4f},{:.4f},{:.4f}\n", sample.time_s, sample.target_n,
+    // Six digits, so that whoever adds the errors up from here finds what the answer says.
+    text += fmt::format("{:.3f},{:.6g},{:.6g},{:.6g},{:.6g}\n", sample.time_s, sample.target_n,
                         sample.true_force_n, sample.measured_force_n, to_mm(sample.depth_m));
   }
   return text;
@@ -135,6 +136,23 @@ class Press final : public Verb {
                     "alpha and beta 30 %")
         ->check(between(0.0, 1.5))
         ->capture_default_str();
+    command
+        .add_option("--rise-mm", rise_mm_,
+                    "the person comes so far towards the tool; negative: goes away from it")
+        ->check(between(-100.0, 100.0));
+    command.add_option("--slide-mm", slide_mm_, "the person slides so far sideways")
+        ->check(between(-100.0, 100.0));
+    command.add_option("--shift-mm-per-s", shift_mm_per_s_, "speed of rise and slide")
+        ->check(between(1.0, 2000.0))
+        ->capture_default_str();
+    command
+        .add_option("--shift-m-per-s2", shift_m_per_s2_,
+                    "acceleration up to that speed; 0: it jumps, which no body can do")
+        ->check(between(0.0, 100.0))
+        ->capture_default_str();
+    command.add_option("--shift-at-s", shift_at_s_, "after the start of the technique")
+        ->check(between(0.0, 300.0))
+        ->capture_default_str();
     command.add_option("--plot", plot_, "force over time, SVG");
     command.add_option("--out", out_, "trace of every millisecond, CSV");
   }
@@ -168,6 +186,14 @@ class Press final : public Verb {
     experiment.friction_error *= model_error_;
     experiment.tissue_error *= model_error_;
     experiment.seed = common.seed;
+    for (const Vector3& by_mm : {Vector3(0.0, rise_mm_, 0.0), Vector3(slide_mm_, 0.0, 0.0)}) {
+      if (by_mm.isZero()) continue;
+      sim::Shift shift{.start_s = shift_at_s_,
+                       .by_in_couch = 1e-3 * by_mm,
+                       .speed_m_per_s = from_mm(shift_mm_per_s_)};
+      if (shift_m_per_s2_ > 0.0) shift.acceleration_m_per_s2 = shift_m_per_s2_;
+      experiment.shifts.push_back(shift);
+    }
 
     const auto outcome = run_contact(experiment, progress_bar(common, "press"));
     if (!outcome) return tl::unexpected(outcome.error());
@@ -211,6 +237,7 @@ class Press final : public Verb {
          {{"alpha_n", experiment.tissue.alpha_n},
           {"beta_per_mm", 1e-3 * experiment.tissue.beta_per_m}}},
         {"highest_force_n", outcome.highest_n},
+        {"second_impact_n", outcome.second_impact_n},
         {"fastest_tool_mm_per_s", to_mm(outcome.fastest_m_per_s)},
         {"stops", stops}};
     json["force"]["settled_rmse_n"] =
@@ -231,6 +258,8 @@ class Press final : public Verb {
   std::string tissue_ = "hard", technique_ = "press", controller_ = "tuina", torso_, out_, plot_;
   double alpha_n_ = 0.0, beta_per_mm_ = 0.0, force_n_ = 0.0;
   double surface_error_mm_ = 0.0, surface_tilt_deg_ = 0.0, friction_ = -1.0;
+  double rise_mm_ = 0.0, slide_mm_ = 0.0, shift_mm_per_s_ = 100.0;
+  double shift_m_per_s2_ = 0.0, shift_at_s_ = 2.0;
   double breathing_mm_ = 0.0, breathing_hz_ = 0.25, duration_s_ = 10.0, model_error_ = 1.0;
 };
 

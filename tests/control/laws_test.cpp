@@ -177,6 +177,29 @@ TEST_CASE("the virtual target never pulls harder than the set force and its leas
   }
 }
 
+TEST_CASE("a force that leaps above the set one is answered outward at once, a slow one is not") {
+  ForceTarget law;
+  law.begin({.force_n = 1.5}, 1.5);
+  double force_n = 1.5;
+  for (int i = 0; i < 4000; ++i) {  // a press up to 30 N, five of which are the controller's own
+    force_n = std::min(30.0, 1.5 + 25e-3 * i);
+    (void)law.step({.depth_m = 4e-3, .force_n = force_n + 5.0, .set_force_n = force_n}, 1e-3);
+    REQUIRE_FALSE(law.lost());
+  }
+  int ticks = 0;
+  double push_n = 0.0;
+  for (; push_n >= 0.0 && ticks < 100; ++ticks) {
+    force_n += 2.0;
+    push_n = law.step({.depth_m = 4e-3, .force_n = force_n, .set_force_n = 30.0}, 1e-3);
+  }
+  CHECK(ticks <= 3);
+  CHECK(push_n == doctest::Approx(-ForceTarget::Options().push_out_n));
+  for (; force_n > 0.0; force_n -= 2.0)
+    push_n = law.step({.depth_m = 4e-3, .force_n = force_n, .set_force_n = 30.0}, 1e-3);
+  CHECK(law.pushed_away());
+  CHECK(std::abs(push_n) < 5.0);
+}
+
 TEST_CASE("changes of the target can put in no more energy than the tank holds") {
   ForceTarget law;
   law.begin({.force_n = 1.5}, 1.5);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace tuina::control {
 namespace {
@@ -34,7 +35,8 @@ const char* name_of(Doing doing) noexcept {
 }
 
 const char* name_of(Trouble trouble) noexcept {
-  constexpr std::array names = {"none", "no skin found", "contact lost", "blocked", "bad command"};
+  constexpr std::array names = {"none",        "no skin found", "contact lost",
+                                "pushed away", "blocked",       "bad command"};
   return names[static_cast<std::size_t>(trouble)];
 }
 
@@ -44,6 +46,7 @@ ArmController::ArmController(const robot::ArmModel& model, const Options& option
     options_.force.trim_per_s = 0.0;
     options_.force.gain_share = 0.0;
     options_.force.finds_skin = false;
+    options_.force.startle_n = std::numeric_limits<double>::infinity();
   }
   force_target_ = ForceTarget(options_.force);
 }
@@ -279,7 +282,9 @@ Vector3 ArmController::contact_force(double dt_s) noexcept {
     const bool quiet = std::abs(status_.force_n - status_.set_force_n) < 1.0;
     quiet_s_ = quiet ? quiet_s_ + dt_s : 0.0;
     status_.settled = quiet_s_ >= quiet_after_s;
-    status_.trouble = force_target_.lost() ? Trouble::contact_lost : Trouble::none;
+    status_.trouble = force_target_.pushed_away() ? Trouble::pushed_away
+                      : force_target_.lost()      ? Trouble::contact_lost
+                                                  : Trouble::none;
   }
   status_.stiffness_n_per_m = options_.force.stiffness_n_per_m;
 

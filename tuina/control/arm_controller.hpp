@@ -32,7 +32,14 @@ enum class Doing : std::uint8_t { hold, move, approach, contact, retract };
 [[nodiscard]] const char* name_of(Doing doing) noexcept;
 
 /// Why a command could not be done; the arm then holds where it is.
-enum class Trouble : std::uint8_t { none, no_skin_found, contact_lost, blocked, bad_command };
+enum class Trouble : std::uint8_t {
+  none,
+  no_skin_found,
+  contact_lost,
+  pushed_away,
+  blocked,
+  bad_command
+};
 [[nodiscard]] const char* name_of(Trouble trouble) noexcept;
 
 enum class Law : std::uint8_t {

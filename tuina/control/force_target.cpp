@@ -43,7 +43,8 @@ void ForceTarget::begin(const Input& input, double spring_n) noexcept {
   last_depth_m_ = input.depth_m;
   tank_j_ = options_.tank_j;
   without_contact_s_ = 0.0;
-  lost_ = false;
+  lost_ = startled_ = pushing_out_ = false;
+  last_force_n_ = input.force_n;
 }
 
 void ForceTarget::watch_contact(const Input& input, double dt_s) noexcept {
@@ -53,9 +54,14 @@ void ForceTarget::watch_contact(const Input& input, double dt_s) noexcept {
     lost_ = true;
     hold_m_ = input.depth_m;
     crept_m_ = 0.0;
-  } else if (lost_ && input.force_n > found_again_n) {
+  } else if (lost_ && !startled_ && input.force_n > found_again_n) {
     begin(input, spring_n_);
   }
+}
+
+// A force that falls away means that the skin goes, which must not be followed with more force.
+bool ForceTarget::slips(const Input& input) const noexcept {
+  return set_n_ > lost_matters_n && input.force_n < slipping_share * set_n_;
 }
 
 // Where nothing is under the tool it stays where it is and feels forward a little; it does not
@@ -70,9 +76,7 @@ double ForceTarget::spring_without_skin(const Input& input, double dt_s) noexcep
 double ForceTarget::spring_on_skin(const Input& input, double contact_n_per_m, double damping,
                                    double dt_s) noexcept {
   const double K = options_.stiffness_n_per_m;
-  // A force that falls away means that the skin goes, which must not be followed with more force.
-  const bool slips = set_n_ > lost_matters_n && input.force_n < slipping_share * set_n_;
-  const double error_n = slips ? 0.0 : set_n_ - input.force_n;
+  const double error_n = slips(input) ? 0.0 : set_n_ - input.force_n;
   trim_n_ += options_.trim_per_s * (1.0 + K / contact_n_per_m) * error_n * dt_s;
   trim_n_ = std::clamp(trim_n_, -options_.most_trim_out_n, options_.most_trim_in_n);
   const double lasting_n = trim_n_ * std::min(dt_s / options_.skin_follows_s, 1.0);
@@ -101,7 +105,28 @@ double ForceTarget::paid_for(double spring_n, const Input& input) noexcept {
   return spring_n;
 }
 
+// The tissue is through before a gentle law has answered, so here the whole of the arm's strength
+// goes outward at once and nothing brakes it, until the person hardly touches it any more.
+double ForceTarget::push_out(const Input& input, double soon_n) noexcept {
+  if (soon_n < options_.kept_n) {
+    pushing_out_ = false;
+    lost_ = true;
+    hold_m_ = input.depth_m;
+    crept_m_ = most_creep_m;
+  }
+  last_depth_m_ = input.depth_m;
+  spring_n_ = -options_.push_out_n;
+  return spring_n_;
+}
+
 double ForceTarget::step(const Input& input, double dt_s) noexcept {
+  // What the sensor will say when its lag is over.
+  const double soon_n =
+      input.force_n + options_.sensor_lag_s * (input.force_n - last_force_n_) / dt_s;
+  last_force_n_ = input.force_n;
+  if (!startled_ && soon_n > set_n_ + options_.startle_n) startled_ = pushing_out_ = true;
+  if (pushing_out_) return push_out(input, soon_n);
+
   const double wanted_n = std::max(input.set_force_n, options_.kept_n);
   const double change_n = std::clamp(wanted_n - set_n_, -options_.fastest_n_per_s * dt_s,
                                      options_.fastest_n_per_s * dt_s);
@@ -128,9 +153,12 @@ double ForceTarget::step(const Input& input, double dt_s) noexcept {
 
   const double spring_n = lost_ ? spring_without_skin(input, dt_s)
                                 : spring_on_skin(input, contact_n_per_m, damping, dt_s);
-  spring_n_ = paid_for(std::clamp(spring_n, -options_.most_trim_out_n,
-                                  std::min(set_n_ + options_.most_over_set_n, input.most_spring_n)),
-                       input);
+  // What the skin no longer bears must not accelerate the tool.
+  const double borne_n = slips(input) ? std::max(input.force_n, 0.0) : set_n_;
+  spring_n_ =
+      paid_for(std::clamp(spring_n, -options_.most_trim_out_n,
+                          std::min(borne_n + options_.most_over_set_n, input.most_spring_n)),
+               input);
   const double relative = input.speed_m_per_s - foreseen;
   tank_j_ = std::min(tank_j_ + damping * relative * relative * dt_s, options_.tank_j);
   return spring_n_ + std::min(inertia_n - damping * relative, options_.most_outward_damping_n);

@@ -49,7 +49,9 @@ class ForceTarget {
     double foreseen_lag_s = 8e-3;  ///< smooths the speed that the model foresees, for its inertia
     double most_inertia_n = 4.0;
     double tank_j = 3.0;
-    bool finds_skin = true;  ///< the first touch tells where the skin is
+    double startle_n = 8.0;     ///< so far above the set force somebody comes closer,
+    double push_out_n = 100.0;  ///< and the arm pushes itself away with so much
+    bool finds_skin = true;     ///< the first touch tells where the skin is
   };
 
   struct Input {
@@ -73,6 +75,8 @@ class ForceTarget {
   [[nodiscard]] double step(const Input& input, double dt_s) noexcept;
 
   [[nodiscard]] bool lost() const noexcept { return lost_; }  ///< contact went away
+  /// The person came closer than the set force allows, and was let go.
+  [[nodiscard]] bool pushed_away() const noexcept { return lost_ && startled_; }
   [[nodiscard]] double spring_n() const noexcept { return spring_n_; }
   [[nodiscard]] double set_n() const noexcept { return set_n_; }
   [[nodiscard]] double skin_error_m() const noexcept { return skin_m_; }
@@ -80,6 +84,8 @@ class ForceTarget {
 
  private:
   void watch_contact(const Input& input, double dt_s) noexcept;
+  [[nodiscard]] double push_out(const Input& input, double soon_n) noexcept;
+  [[nodiscard]] bool slips(const Input& input) const noexcept;
   [[nodiscard]] double spring_without_skin(const Input& input, double dt_s) noexcept;
   [[nodiscard]] double spring_on_skin(const Input& input, double contact_n_per_m, double damping,
                                       double dt_s) noexcept;
@@ -91,10 +97,12 @@ class ForceTarget {
   double trim_n_ = 0.0;
   double foreseen_m_per_s_ = 0.0;
   double spring_n_ = 0.0;
+  double last_force_n_ = 0.0;
   double last_depth_m_ = 0.0;
   double tank_j_ = 0.0;
   double without_contact_s_ = 0.0;
   bool lost_ = false;
+  bool startled_ = false, pushing_out_ = false;
   double hold_m_ = 0.0, crept_m_ = 0.0;
 };
 

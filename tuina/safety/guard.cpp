@@ -30,7 +30,11 @@ constexpr double retract_m_per_s = 0.1;
 constexpr double retract_m = 0.06;
 constexpr double most_inward_n = 5.0;
 constexpr double most_outward_n = 40.0;
-constexpr double own_rate_factor = 4.0;  // leaving may be more sudden than pressing
+constexpr double pressed_n = 5.0;  // from here the person is still in the way of leaving
+constexpr double push_out_n = 80.0;
+constexpr double push_out_m_per_s = 0.25;
+constexpr double mostly = 0.9;
+constexpr double own_rate_factor = 10.0;  // leaving may be more sudden than pressing
 
 double median(double a, double b, double c) {
   return std::max(std::min(a, b), std::min(std::max(a, b), c));
@@ -154,6 +158,8 @@ Verdict Guard::check(const Observation& seen, const Proposal& proposal) noexcept
     rate *= own_rate_factor;
   } else {
     taken_over_ = Action::pass;
+    if (proposal.phase == Phase::contact && proposal_fits && pushes_outward(seen, torque_nm))
+      rate *= own_rate_factor;
   }
   allowed_nm_ = limited(torque_nm, rate, finding);
   return {allowed_nm_, finding.action, finding.cause, latched_ != Action::pass};
@@ -284,7 +290,12 @@ JointVector Guard::own_torque(const Observation& seen, Action action) noexcept {
       lead_m < most_outward_n / own_stiffness_n_per_m) {
     hold_in_base_ += retract_m_per_s * options_.period_s * normal_in_base_;
   }
-  Vector3 force_n = -own_damping_n_s_per_m * seen.tool_velocity_m_per_s;
+  // A person who comes after the tool is met by nothing that holds it in place.
+  const double outward_m_per_s = seen.tool_velocity_m_per_s.dot(normal_in_base_);
+  const bool pressed = medians_n_.back() > pressed_n && way_m < retract_m;
+  const double spared_m_per_s = pressed ? std::max(outward_m_per_s, 0.0) : 0.0;
+  const Vector3 braked_m_per_s = seen.tool_velocity_m_per_s - spared_m_per_s * normal_in_base_;
+  Vector3 force_n = -own_damping_n_s_per_m * braked_m_per_s;
   JointVector torque_nm = seen.gravity_nm - own_joint_damping * seen.dq_rad_per_s;
   if (action != Action::comply) {
     Vector3 spring_n = own_stiffness_n_per_m * (hold_in_base_ - seen.tool_in_base);
@@ -292,9 +303,18 @@ JointVector Guard::own_torque(const Observation& seen, Action action) noexcept {
     spring_n +=
         (std::clamp(outward_n, -most_inward_n, most_outward_n) - outward_n) * normal_in_base_;
     force_n += spring_n;
+    if (action == Action::retract && pressed && outward_m_per_s < push_out_m_per_s)
+      force_n += (push_out_n - force_n.dot(normal_in_base_)) * normal_in_base_;
     torque_nm += own_posture_nm_per_rad * (hold_rad_ - seen.q_rad);
   }
   return torque_nm + seen.jacobian.transpose() * force_n;
+}
+
+// A change of torque that is nearly all a force along the outward normal is somebody letting go.
+bool Guard::pushes_outward(const Observation& seen, const JointVector& torque_nm) const noexcept {
+  const JointVector change_nm = torque_nm - allowed_nm_;
+  const JointVector outward = seen.jacobian.transpose() * normal_in_base_;
+  return outward.dot(change_nm) > mostly * outward.norm() * change_nm.norm();
 }
 
 JointVector Guard::limited(const JointVector& torque_nm, double rate_nm_per_s,

@@ -117,6 +117,8 @@ class Guard {
   [[nodiscard]] JointVector own_torque(const Observation& seen, Action action) noexcept;
   [[nodiscard]] JointVector limited(const JointVector& torque_nm, double rate_nm_per_s,
                                     Finding& finding) const noexcept;
+  [[nodiscard]] bool pushes_outward(const Observation& seen,
+                                    const JointVector& torque_nm) const noexcept;
 
   Options options_;
   bool started_ = false;

@@ -45,8 +45,18 @@ std::vector<bool> rim_of(const Mesh& mesh) {
   return rim;
 }
 
-double duration_s(const Shift& shift) {
-  return shift.by_in_couch.norm() / shift.speed_m_per_s;
+struct Way {
+  double at_m = 0.0, speed_m_per_s = 0.0;
+};
+
+Way way_of(const Shift& shift, double time_s) {
+  const double since_s = time_s - shift.start_s, length_m = shift.by_in_couch.norm();
+  if (since_s <= 0.0 || length_m == 0.0) return {};
+  const double v = shift.speed_m_per_s, a = shift.acceleration_m_per_s2;
+  const double starting_s = v / a;  // zero where the speed jumps
+  const Way way = since_s < starting_s ? Way{0.5 * a * since_s * since_s, a * since_s}
+                                       : Way{v * (since_s - 0.5 * starting_s), v};
+  return way.at_m < length_m ? way : Way{length_m, 0.0};
 }
 
 }  // namespace
@@ -69,8 +79,7 @@ Vector3 BackContact::moved_in_couch(double time_s) const noexcept {
   Vector3 moved = mean_normal_ * (breath.amplitude_m *
                                   (1.0 - std::cos(2.0 * pi * breath.frequency_hz * time_s)) / 2.0);
   for (const Shift& shift : options_.shifts) {
-    if (time_s <= shift.start_s) continue;
-    moved += shift.by_in_couch * std::min(1.0, (time_s - shift.start_s) / duration_s(shift));
+    moved += way_of(shift, time_s).at_m * shift.by_in_couch.stableNormalized();
   }
   return moved;
 }
@@ -80,9 +89,7 @@ Vector3 BackContact::moving_m_per_s(double time_s) const noexcept {
   const double rate = 2.0 * pi * breath.frequency_hz;
   Vector3 moving = mean_normal_ * (breath.amplitude_m * rate * std::sin(rate * time_s) / 2.0);
   for (const Shift& shift : options_.shifts) {
-    const double since_s = time_s - shift.start_s;
-    if (since_s > 0.0 && since_s < duration_s(shift))
-      moving += shift.by_in_couch / duration_s(shift);
+    moving += way_of(shift, time_s).speed_m_per_s * shift.by_in_couch.stableNormalized();
   }
   return moving;
 }

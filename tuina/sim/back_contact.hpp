@@ -14,11 +14,13 @@ namespace tuina::sim {
 
 inline constexpr double rigid = std::numeric_limits<double>::infinity();
 
-/// The whole person moves by `by_in_couch` at a constant speed, from a time on.
+/// The whole person moves by `by_in_couch`, from a time on: with a constant acceleration up to a
+/// constant speed. The speed may jump, which no body can do and is the hardest test.
 struct Shift {
   double start_s = 0.0;
   Vector3 by_in_couch = Vector3::Zero();
   double speed_m_per_s = 0.1;
+  double acceleration_m_per_s2 = std::numeric_limits<double>::infinity();
 };
 
 struct ContactOptions {
