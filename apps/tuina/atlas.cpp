@@ -21,7 +21,7 @@ class AtlasLearn final : public Verb {
   [[nodiscard]] const char* example() const override {
     return "tuina atlas learn people/ --out people.tuina\n"
            "  tuina atlas learn my_patients/ --prior default --out mine.tuina\n"
-           "  tuina atlas learn --phantoms 100 --seed 1 --out models/atlas.tuina   (how the shipped one is made)";
+           "  tuina atlas learn --phantoms 40 --seed 1 --out models/atlas.tuina   (how the shipped one is made)";
   }
   void describe(CLI::App& command) override {
     command.add_option("bodies", places_, "folders of labelled bodies, or NAME.ply with NAME.json beside it");

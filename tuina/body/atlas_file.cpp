@@ -7,15 +7,18 @@
 
 #include "tuina/body/atlas.hpp"
 #include "tuina/core/file.hpp"
+#include "tuina/core/units.hpp"
 
 namespace tuina::body {
 namespace {
 
 // The layout, all little-endian (docs/acupoints.md): 8 bytes "TUINAATL", u32 version, u64 length of the rest,
-// u64 FNV-1a of the rest, the rest. Numbers are f32; modes are i16 with one f32 scale a column.
+// u64 FNV-1a of the rest, the rest. Numbers are f32; modes have one f32 scale a column and whole numbers of one
+// byte, of two where a byte would round to more than 0.04 mm.
 static_assert(std::endian::native == std::endian::little);
 constexpr std::string_view magic = "TUINAATL";
-constexpr std::uint32_t version = 1;
+constexpr std::uint32_t version = 2;
+constexpr double most_in_a_byte_m = 10_mm;
 constexpr std::uint32_t most_entries = 1U << 22;
 
 std::uint64_t fnv1a(std::string_view bytes) {
@@ -49,10 +52,18 @@ class Writer {
     count(static_cast<std::size_t>(m.rows()));
     count(static_cast<std::size_t>(m.cols()));
     for (Eigen::Index j = 0; j < m.cols(); ++j) {
-      const float scale = static_cast<float>(std::max(1e-12, m.col(j).cwiseAbs().maxCoeff()) / 32767.0);
+      const double most = std::max(1e-12, m.col(j).cwiseAbs().maxCoeff());
+      const bool two = most > most_in_a_byte_m;
+      const auto scale = static_cast<float>(most / (two ? 32766.0 : 127.0));
+      plain(static_cast<std::uint8_t>(two ? 2 : 1));
       plain(scale);
       for (Eigen::Index i = 0; i < m.rows(); ++i) {
-        plain(static_cast<std::int16_t>(std::lround(m(i, j) / static_cast<double>(scale) * 0.99999)));
+        const auto whole = std::lround(m(i, j) / static_cast<double>(scale));
+        if (two) {
+          plain(static_cast<std::int16_t>(whole));
+        } else {
+          plain(static_cast<std::int8_t>(whole));
+        }
       }
     }
   }
@@ -96,11 +107,15 @@ class Reader {
   }
   Eigen::MatrixXd quantised() {
     const auto rows = static_cast<Eigen::Index>(count(0));
-    const auto cols = static_cast<Eigen::Index>(count(2 * static_cast<std::size_t>(rows) + 4));
+    const auto cols = static_cast<Eigen::Index>(count(static_cast<std::size_t>(rows) + 5));
     Eigen::MatrixXd m(rows, cols);
     for (Eigen::Index j = 0; j < cols; ++j) {
+      const auto bytes_each = plain<std::uint8_t>();
+      if (bytes_each != 1 && bytes_each != 2) throw std::runtime_error("a number of bytes is unknown");
       const double scale = number();
-      for (Eigen::Index i = 0; i < rows; ++i) m(i, j) = scale * plain<std::int16_t>();
+      for (Eigen::Index i = 0; i < rows; ++i) {
+        m(i, j) = scale * (bytes_each == 2 ? plain<std::int16_t>() : plain<std::int8_t>());
+      }
     }
     return m;
   }

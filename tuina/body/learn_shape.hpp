@@ -22,7 +22,7 @@ struct Example {
 [[nodiscard]] Example mirrored(const Example& example);
 
 struct LearnOptions {
-  int modes = 40;
+  int modes = 60;
   bool mirror = true;     ///< every person also counts as seen in a mirror
   int folds = 8;          ///< for the correction and the uncertainty
   double smooth_m = 10e-3;  ///< standard deviation of a free smooth deformation on top of what was seen
