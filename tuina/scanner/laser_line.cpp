@@ -9,6 +9,7 @@
 #include <optional>
 #include <type_traits>
 
+#include "tuina/scanner/clear_lines.hpp"
 #include "tuina/scanner/line_candidates.hpp"
 #include "tuina/scanner/line_fit.hpp"
 #include "tuina/scanner/line_kernel.hpp"
@@ -16,14 +17,10 @@
 namespace tuina::scanner {
 namespace {
 
-// A line must stand this many standard deviations above the noise: the brightest pixel of a row to
-// be looked at, and the fitted amplitude to be believed (of 10^5 rows without a line none passes).
-constexpr float least_pixel_snr = 4.5F;
-constexpr float least_amplitude_snr = 6.5F;
 // However bright, a line clips no more pixels than this and eight widths.
 constexpr float widest_plateau_px = 16.0F;
-// A second line counts as a rival of the first from this share of its height.
-constexpr float rival_share = 0.5F;
+// So many rows tell noise and width of the line well enough.
+constexpr int sampled_rows = 20;
 
 // Gives the rows of an image as samples: as they are, or as float when a dark frame is taken off or
 // the samples have 16 bits. Clipped pixels keep the value of saturation, so they are known as such.
@@ -35,6 +32,8 @@ class Rows {
         dark_(dark),
         saturated_(saturated),
         row_(static_cast<std::size_t>(image.width)) {}
+
+  [[nodiscard]] const BasicImageView<Pixel>& image() const { return image_; }
 
   template <typename Sample>
   [[nodiscard]] const Sample* samples(int y) {
@@ -132,10 +131,20 @@ Look look_at(const Sample* row, const LineScene& scene) {
   return start >= scene.first_column && start + LineKernel::taps <= scene.last_column + 1;
 }
 
+// The kernels of the slow rows weigh floats.
+const float* window(const float* samples, std::array<float, LineKernel::taps>&) {
+  return samples;
+}
+const float* window(const std::uint8_t* samples, std::array<float, LineKernel::taps>& room) {
+  std::copy_n(samples, LineKernel::taps, room.begin());
+  return room.data();
+}
+
 // Three steps of the kernel from a pixel near the line; nothing when they do not lead to a line.
 template <typename Sample>
 std::optional<LinePoint> weigh_line(const Sample* row, float column_px, const LineKernel& kernel,
                                     const LineScene& scene) {
+  std::array<float, LineKernel::taps> room;
   float column = column_px;
   float height = 0.0F;
   for (int step = 0; step < 3; ++step) {
@@ -144,10 +153,11 @@ std::optional<LinePoint> weigh_line(const Sample* row, float column_px, const Li
     const int start = static_cast<int>(nearest) - LineKernel::before;
     const float part = column - nearest + 0.5F;
     const int phase = std::min(static_cast<int>(part * LineKernel::phases), LineKernel::phases - 1);
-    const LineStep sums = weigh(row + start, kernel.of_phase[static_cast<std::size_t>(phase)]);
+    const LineStep sums =
+        weigh(window(row + start, room), kernel.of_phase[static_cast<std::size_t>(phase)]);
     if (sums.height <= 0.0F) return {};
     height = sums.height;
-    const float middle = nearest + (static_cast<float>(phase) + 0.5F) / LineKernel::phases - 0.5F;
+    const float middle = nearest + LineKernel::centre_of(phase);
     const float move = sums.offset / sums.height;
     if (std::abs(move) > 4.0F) return {};
     const bool settled = std::abs(middle + move - column) < 0.02F && step > 0;
@@ -191,7 +201,7 @@ LaserLine find_in(Rows<Pixel>& rows, int height, const LineScene& scene,
   line.width_px = scene.width_px;
   line.points.reserve(static_cast<std::size_t>(height));
   std::vector<CandidateRow> unclear;
-  for (int y = 0; y < height; ++y) {
+  const auto look_closely = [&](int y) {
     const auto* row = rows.template samples<Sample>(y);
     const Look look = look_at(row, scene);
     if (look.seen == Seen::one_line) {
@@ -201,7 +211,19 @@ LaserLine find_in(Rows<Pixel>& rows, int height, const LineScene& scene,
       auto found = find_candidates(row, scene);
       if (!found.empty()) unclear.push_back({y, std::move(found)});
     }
+  };
+  std::vector<int> in_doubt;
+  int looked_at = 0;
+  if constexpr (std::is_same_v<Sample, std::uint8_t>) {
+    if (scene.width_px <= static_cast<float>(widest_kernel_px)) {
+      find_clear_lines(rows.image(), scene, kernel, options.method, line.points, in_doubt);
+      looked_at = height;
+      for (const int y : in_doubt) look_closely(y);
+    }
   }
+  for (int y = looked_at; y < height; ++y) look_closely(y);
+  const auto by_row = [](const LinePoint& a, const LinePoint& b) { return a.row < b.row; };
+  if (!in_doubt.empty()) std::sort(line.points.begin(), line.points.end(), by_row);
   if (unclear.empty()) return line;
 
   for (const CandidateRow& row : unclear) line.ambiguous_rows += row.candidates.size() > 1 ? 1 : 0;
@@ -212,8 +234,7 @@ LaserLine find_in(Rows<Pixel>& rows, int height, const LineScene& scene,
       line.points.push_back(*point);
     }
   }
-  std::sort(line.points.begin(), line.points.end(),
-            [](const LinePoint& a, const LinePoint& b) { return a.row < b.row; });
+  std::sort(line.points.begin(), line.points.end(), by_row);
   return line;
 }
 
@@ -263,7 +284,7 @@ LaserLine find(BasicImageView<Pixel> image, const LineOptions& options,
                             : std::clamp(options.last_column, scene.first_column, image.width - 1);
     scene.saturated_dn = saturated;
     SceneSample sample(scene);
-    const int step = std::max(1, image.height / 48);
+    const int step = std::max(1, image.height / sampled_rows);
     for (int y = step / 2; y < image.height; y += step) {
       sample.add(rows.template samples<Sample>(y), y);
     }

@@ -4,11 +4,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
+
+#include "tuina/scanner/line_kernel.hpp"
 
 namespace tuina::scanner {
 namespace {
 
 constexpr int segment = 16;
+constexpr int lag = 4;
+constexpr float mean_difference_per_deviation = 1.1284F;  // of two equal Gaussian noises
 constexpr std::size_t most_candidates = 4;
 constexpr float least_snr = 5.0F;
 
@@ -28,6 +33,24 @@ float middle_mean(std::vector<float> values) {
   float sum = 0.0F;
   for (std::size_t i = from; i < to; ++i) sum += values[i];
   return sum / static_cast<float>(to - from);
+}
+
+// From the median to the 84th percentile.
+template <typename Sample>
+float upper_spread(const Sample* pixels) {
+  std::array<float, segment> values;
+  std::copy_n(pixels, segment, values.begin());
+  std::sort(values.begin(), values.end());
+  return values[13] - 0.5F * (values[7] + values[8]);
+}
+
+const std::uint8_t* brightest_of(const std::uint8_t* row, int first, int last) {
+  const int count = last - first + 1;
+  return static_cast<const std::uint8_t*>(
+      std::memchr(row + first, largest(row + first, count), static_cast<std::size_t>(count)));
+}
+const float* brightest_of(const float* row, int first, int last) {
+  return std::find(row + first, row + last, largest(row + first, last - first + 1));
 }
 
 template <typename Sample>
@@ -89,23 +112,39 @@ template <typename Sample>
 void SceneSample::add_row(const Sample* row, int y) {
   const int first = scene_.first_column;
   const int last = scene_.last_column;
-  if (last - first + 1 >= segment) {
-    // The place of the segment wanders with the row, so that no column is preferred.
-    const int start = first + (y * 211) % (last - first - segment + 2);
-    std::array<float, segment> values;
-    for (int i = 0; i < segment; ++i)
-      values[static_cast<std::size_t>(i)] = static_cast<float>(row[start + i]);
-    std::sort(values.begin(), values.end());
-    medians_.push_back(0.5F * (values[7] + values[8]));
-    spreads_.push_back(values[13] - medians_.back());
+  if (last - first + 1 >= segment + lag) {
+    // The place of the segment wanders with the row, so that no column is preferred. Differences of
+    // pixels a few columns apart tell noise from the slope of the room light, also where a camera
+    // blends neighbours.
+    const int start = first + (y * 211) % (last - first - segment - lag + 2);
+    float sum = 0.0F;
+    float differences = 0.0F;
+    int black = 0;
+    for (int i = 0; i < segment; ++i) {
+      const auto here = static_cast<float>(row[start + i]);
+      sum += here;
+      differences += std::abs(here - static_cast<float>(row[start + i + lag]));
+      black += row[start + i] == Sample{} ? 1 : 0;
+    }
+    means_.push_back(sum / segment);
+    spreads_.push_back(differences / (segment * mean_difference_per_deviation));
+    // Of a row that is black half the noise is cut off; the brighter half still tells it.
+    if (black > segment / 8) spreads_.back() = upper_spread(row + start);
   }
-  // The brighter of two neighbours would be a hot pixel; the dimmer one of the brightest pair is
-  // the line.
-  Sample highest = row[first];
-  for (int x = first; x < last; ++x) highest = std::max(highest, std::min(row[x], row[x + 1]));
-  int peak = first;
-  while (peak < last && std::min(row[peak], row[peak + 1]) < highest) ++peak;
-  const auto most = static_cast<float>(highest);
+  const Sample* brightest = brightest_of(row, first, last);
+  int peak = static_cast<int>(brightest - row);
+  auto most = static_cast<float>(*brightest);
+  const auto value = [&](int x) { return static_cast<float>(row[std::clamp(x, first, last)]); };
+  if (std::max(value(peak - 1), value(peak + 1)) < 0.5F * most) {
+    // A hot pixel, it seems. The dimmer one of the brightest pair is the line.
+    most = 0.0F;
+    for (int x = first; x < last; ++x) {
+      const float dimmer = std::min(value(x), value(x + 1));
+      if (dimmer <= most) continue;
+      most = dimmer;
+      peak = x;
+    }
+  }
   float lowest = most;
   for (int x = std::max(first, peak - 40); x <= std::min(last, peak + 40); ++x) {
     lowest = std::min(lowest, static_cast<float>(row[x]));
@@ -136,8 +175,8 @@ void SceneSample::add(const float* row, int y) {
 void SceneSample::judge(LineScene& scene, double noise_dn, double width_px) const {
   // The darker parts of the image: in them a line can be seen even if a lamp or a white wall fills
   // the rest.
-  if (!medians_.empty()) {
-    auto sorted = medians_;
+  if (!means_.empty()) {
+    auto sorted = means_;
     std::sort(sorted.begin(), sorted.end());
     scene.background_dn = sorted[sorted.size() / 4];
   }
@@ -145,7 +184,7 @@ void SceneSample::judge(LineScene& scene, double noise_dn, double width_px) cons
   // believed.
   scene.noise_dn =
       noise_dn > 0.0 ? static_cast<float>(noise_dn) : std::max(0.5F, middle_mean(spreads_));
-  const float usual_dn = median_of(medians_);
+  const float usual_dn = median_of(means_);
   std::vector<float> lit;
   for (std::size_t i = 0; i < widths_.size(); ++i) {
     if (brightest_[i] > usual_dn + 8.0F * scene.noise_dn && widths_[i] > 1.0F) {

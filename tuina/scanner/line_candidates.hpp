@@ -20,6 +20,13 @@ struct LineScene {
   int beside_px = 9;           ///< from here on a pixel beside the line shows background
 };
 
+/// A line must stand this many standard deviations above the noise: the brightest pixel of a row to
+/// be looked at, and the fitted amplitude to be believed (of 10^5 rows without a line none passes).
+inline constexpr float least_pixel_snr = 4.5F;
+inline constexpr float least_amplitude_snr = 6.5F;
+/// A second line counts as a rival of the first from this share of its height.
+inline constexpr float rival_share = 0.5F;
+
 /// Learns noise, background and width of the line from a few rows of the image.
 class SceneSample {
  public:
@@ -34,8 +41,8 @@ class SceneSample {
   void add_row(const Sample* row, int y);
 
   LineScene scene_;
-  std::vector<float> medians_;    ///< of short segments
-  std::vector<float> spreads_;    ///< from the median to the 84th percentile of the same segments
+  std::vector<float> means_;      ///< of short segments
+  std::vector<float> spreads_;    ///< standard deviation of the noise in the same segments
   std::vector<float> brightest_;  ///< of each row
   std::vector<float> widths_;     ///< of each row at half the height of its brightest place
 };

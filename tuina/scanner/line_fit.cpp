@@ -17,14 +17,9 @@ bool spike_at(const Sample* row, int x, float least_dn, const LineScene& scene) 
   return here - std::max(left, right) > least_dn;
 }
 
-// On a line of width w the step from one pixel to the next is at most 0.61 / w of its height.
-float least_spike(float height_dn, const LineScene& scene) {
-  return 8.0F * scene.noise_dn + height_dn * std::min(0.8F, 0.61F / scene.width_px);
-}
-
 template <typename Sample>
 bool spike_near(const Sample* row, int column, float height_dn, const LineScene& scene) {
-  const float least = least_spike(height_dn, scene);
+  const float least = least_spike_over_noise * scene.noise_dn + height_dn * spike_share(scene);
   const int from = std::max(scene.first_column, column - scene.beside_px);
   const int to = std::min(scene.last_column, column + scene.beside_px);
   for (int x = from; x <= to; ++x) {
@@ -49,7 +44,8 @@ std::optional<LinePoint> fit(const Sample* row, float column_px, const LineScene
   std::vector<int> used;
   double lowest = scene.saturated_dn;
   double highest = 0.0;
-  const float least = least_spike(static_cast<float>(row[left]), scene);
+  const float least =
+      least_spike_over_noise * scene.noise_dn + static_cast<float>(row[left]) * spike_share(scene);
   for (int x = from; x <= to; ++x) {
     if (clipped(x) || (left == right && spike_at(row, x, least, scene))) continue;
     used.push_back(x);
@@ -111,6 +107,10 @@ std::optional<LinePoint> fit(const Sample* row, float column_px, const LineScene
 }
 
 }  // namespace
+
+float spike_share(const LineScene& scene) {
+  return std::min(0.8F, 0.61F / scene.width_px);
+}
 
 bool has_spike(const std::uint8_t* row, int column, float height_dn, const LineScene& scene) {
   return spike_near(row, column, height_dn, scene);

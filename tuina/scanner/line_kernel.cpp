@@ -26,7 +26,43 @@ constexpr double width_step_px = 0.25;
 constexpr int widths = static_cast<int>((widest_kernel_px - narrowest_px) / width_step_px) + 1;
 
 double centre_of(int phase) {
-  return (phase + 0.5) / LineKernel::phases - 0.5;
+  return static_cast<double>(LineKernel::centre_of(phase));
+}
+
+using Taps = std::array<float, LineKernel::taps>;
+using WholeTaps = std::array<std::int16_t, LineKernel::taps>;
+
+// Rounded so that the error of each weight is carried to the next: the weights still add up to
+// nothing, or the background would count.
+WholeTaps rounded(const Taps& weights, double unit) {
+  WholeTaps whole;
+  double carried = 0.0;
+  for (std::size_t i = 0; i < weights.size(); ++i) {
+    carried += static_cast<double>(weights[i]) / unit;
+    const double nearest = std::round(carried);
+    whole[i] = static_cast<std::int16_t>(nearest);
+    carried -= nearest;
+  }
+  return whole;
+}
+
+void add_whole_weights(LineKernel& kernel) {
+  constexpr double most = 32000.0;  // of 32767, the rest for what is carried
+  double offset_unit = 0.0;
+  double height_unit = 0.0;
+  for (const auto& weights : kernel.of_phase) {
+    for (const float w : weights.offset) offset_unit = std::max(offset_unit, std::abs(double{w}));
+    for (const float w : weights.height) height_unit = std::max(height_unit, std::abs(double{w}));
+  }
+  offset_unit /= most;
+  height_unit /= most;
+  for (std::size_t phase = 0; phase < LineKernel::phases; ++phase) {
+    const auto& weights = kernel.of_phase[phase];
+    kernel.whole_of_phase[phase] = {.offset = rounded(weights.offset, offset_unit),
+                                    .height = rounded(weights.height, height_unit)};
+  }
+  kernel.whole_offset = static_cast<float>(offset_unit / height_unit);
+  kernel.whole_height = static_cast<float>(height_unit);
 }
 
 // Least squares of amplitude A, shift and background b in A g(u) + (A shift) g(u) u / width^2 + b:
@@ -94,7 +130,10 @@ LineKernel make_centroid(double width_px) {
 
 std::vector<LineKernel> make_all(LineKernel (*make)(double)) {
   std::vector<LineKernel> kernels;
-  for (int i = 0; i < widths; ++i) kernels.push_back(make(narrowest_px + i * width_step_px));
+  for (int i = 0; i < widths; ++i) {
+    kernels.push_back(make(narrowest_px + i * width_step_px));
+    add_whole_weights(kernels.back());
+  }
   return kernels;
 }
 
@@ -105,17 +144,15 @@ std::size_t index_of(double width_px) {
 
 // Eight sums side by side, as wide as a vector register, so the order of the additions is fixed
 // here and not by the compiler.
-template <typename Sample>
-[[gnu::always_inline]] inline LineStep weigh_all(const Sample* samples,
+[[gnu::always_inline]] inline LineStep weigh_all(const float* samples,
                                                  const LineKernel::Weights& weights) noexcept {
   constexpr std::size_t lanes = 8;
   std::array<float, lanes> offset = {};
   std::array<float, lanes> height = {};
   for (std::size_t i = 0; i < LineKernel::taps; i += lanes) {
     for (std::size_t lane = 0; lane < lanes; ++lane) {
-      const auto sample = static_cast<float>(samples[i + lane]);
-      offset[lane] += sample * weights.offset[i + lane];
-      height[lane] += sample * weights.height[i + lane];
+      offset[lane] += samples[i + lane] * weights.offset[i + lane];
+      height[lane] += samples[i + lane] * weights.height[i + lane];
     }
   }
   const auto sum = [](const std::array<float, lanes>& a) {
@@ -134,11 +171,6 @@ const LineKernel& gaussian_kernel(double width_px) {
 const LineKernel& centroid_kernel(double width_px) {
   static const std::vector<LineKernel> kernels = make_all(make_centroid);
   return kernels[index_of(width_px)];
-}
-
-TUINA_TWICE LineStep weigh(const std::uint8_t* samples,
-                           const LineKernel::Weights& weights) noexcept {
-  return weigh_all(samples, weights);
 }
 
 TUINA_TWICE LineStep weigh(const float* samples, const LineKernel::Weights& weights) noexcept {

@@ -19,7 +19,21 @@ struct LineKernel {
     alignas(64) std::array<float, taps> offset;
     alignas(64) std::array<float, taps> height;
   };
+  /// The same weights as whole numbers, for whole pixels: offset over height, times
+  /// `whole_offset`, is the step; height times `whole_height` the height.
+  struct WholeWeights {
+    alignas(64) std::array<std::int16_t, taps> offset;
+    alignas(64) std::array<std::int16_t, taps> height;
+  };
+  /// Where in its pixel the centre of a phase is.
+  [[nodiscard]] static constexpr float centre_of(int phase) {
+    return (static_cast<float>(phase) + 0.5F) / phases - 0.5F;
+  }
+
   std::array<Weights, phases> of_phase;
+  std::array<WholeWeights, phases> whole_of_phase;
+  float whole_offset;
+  float whole_height;
   float deviation_factor;  ///< deviation of the centre is this times noise over amplitude
   float height_factor;     ///< deviation of the amplitude is this times the noise
 };
@@ -35,9 +49,7 @@ struct LineStep {
   float height;
 };
 
-/// The two weighted sums over 32 samples; AVX2 where the processor has it.
-[[nodiscard]] LineStep weigh(const std::uint8_t* samples,
-                             const LineKernel::Weights& weights) noexcept;
+/// The two weighted sums over 32 samples.
 [[nodiscard]] LineStep weigh(const float* samples, const LineKernel::Weights& weights) noexcept;
 
 /// The largest of `count` samples.
