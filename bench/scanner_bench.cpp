@@ -216,8 +216,7 @@ void on_off_difference_threshold(benchmark::State& state) {
   report(state, columns);
 }
 
-// 200 lines of 640 rows to a cloud with normals, the lines already found.
-void lines_to_cloud(benchmark::State& state) {
+ScannerCalibration upright_scanner() {
   ScannerCalibration calibration;
   calibration.camera = {.width_px = 480,
                         .height_px = 640,
@@ -227,8 +226,19 @@ void lines_to_cloud(benchmark::State& state) {
                         .cy_px = 319.5};
   calibration.laser_normal_in_camera = {std::sin(73.0_deg), 0.0, std::cos(73.0_deg)};
   calibration.laser_distance_m = 0.2 * std::sin(73.0_deg);
-  std::vector<TimedLine> lines;
+  return calibration;
+}
+
+std::vector<YawReading> even_turn(int frames) {
   std::vector<YawReading> readings;
+  for (int i = 0; i < frames; ++i) readings.push_back({i / 30.0, from_deg(0.2 * i)});
+  return readings;
+}
+
+// 200 lines of 640 rows to a cloud with normals, the lines already found.
+void lines_to_cloud(benchmark::State& state) {
+  const ScannerCalibration calibration = upright_scanner();
+  std::vector<TimedLine> lines;
   for (int i = 0; i < 200; ++i) {
     TimedLine line{.time_s = i / 30.0, .line = {}};
     for (int row = 0; row < 640; ++row) {
@@ -236,9 +246,51 @@ void lines_to_cloud(benchmark::State& state) {
           {.row = row, .column_px = 110.0F, .amplitude_dn = 200.0F, .deviation_px = 0.03F});
     }
     lines.push_back(line);
-    readings.push_back({line.time_s, from_deg(0.2 * i)});
   }
+  const auto readings = even_turn(200);
   for (auto _ : state) benchmark::DoNotOptimize(make_cloud(lines, readings, calibration));
+}
+
+// The whole of it: 200 frames in memory (61 MB) to a cloud with normals.
+void frames_to_cloud(benchmark::State& state, LineMethod method) {
+  const ScannerCalibration calibration = upright_scanner();
+  Random random = make_random(1, "bench frames");
+  Image noise(480, 640);
+  for (auto& pixel : noise.data) {
+    pixel = static_cast<std::uint8_t>(std::max(0.0, 20.5 + gaussian(random, 4.0)));
+  }
+  std::vector<Image> frames(200, noise);
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    std::rotate(frames[i].data.begin(),
+                frames[i].data.begin() + static_cast<std::ptrdiff_t>(1237 * i),
+                frames[i].data.end());
+    for (int y = 0; y < 640; ++y) {
+      const double middle = 110.0 + 10.0 * std::sin(0.01 * y);
+      for (int x = 90; x < 130; ++x) {
+        const double u = (x - middle) / 2.5;
+        auto& pixel = frames[i].row(y)[x];
+        pixel = static_cast<std::uint8_t>(pixel + 200.0 * std::exp(-0.5 * u * u));
+      }
+    }
+  }
+  const auto readings = even_turn(200);
+  std::size_t points = 0;
+  for (auto _ : state) {
+    std::vector<TimedLine> lines;
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      lines.push_back({readings[i].time_s, find_laser_line(frames[i], {.method = method})});
+    }
+    const auto scan = make_cloud(lines, readings, calibration);
+    if (scan) points = scan->cloud_in_couch.size();
+  }
+  state.counters["points"] = static_cast<double>(points);
+}
+
+void frames_to_cloud_centroid(benchmark::State& state) {
+  frames_to_cloud(state, LineMethod::centroid);
+}
+void frames_to_cloud_likelihood(benchmark::State& state) {
+  frames_to_cloud(state, LineMethod::likelihood);
 }
 
 void pictures(benchmark::internal::Benchmark* bench) {
@@ -262,6 +314,8 @@ BENCHMARK(opencv_maximum_and_moments)->Apply(pictures);
 #endif
 BENCHMARK(on_off_difference_threshold)->Apply(pictures);
 BENCHMARK(lines_to_cloud)->Unit(benchmark::kMillisecond);
+BENCHMARK(frames_to_cloud_centroid)->Unit(benchmark::kMillisecond);
+BENCHMARK(frames_to_cloud_likelihood)->Unit(benchmark::kMillisecond);
 
 // Keeps the times, so that their ratios can be printed below them.
 class Reporter : public benchmark::ConsoleReporter {

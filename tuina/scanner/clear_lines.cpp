@@ -98,7 +98,17 @@ void find_clear_lines(ImageView image, const LineScene& scene, const LineKernel&
                       std::vector<int>& in_doubt) {
   ClearRows rows(scene, kernel, method);
   constexpr int batch = rows_at_once;
+  // A picture that comes from main memory is asked for a few rows ahead, or the sums would wait.
+  const auto fetch = [&](int from, int count) {
+    for (int y = from; y < std::min(image.height, from + count); ++y) {
+      for (int x = scene.first_column; x <= scene.last_column; x += 64) {
+        __builtin_prefetch(image.row(y) + x);
+      }
+    }
+  };
+  fetch(0, 2 * batch);
   for (int y = 0; y < image.height; y += batch) {
+    fetch(y + 2 * batch, batch);
     rows.take(image, y, std::min(batch, image.height - y), points, in_doubt);
   }
 }

@@ -1,96 +1,225 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tuina/scanner/profile_grid.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdlib>
+#include <cstdint>
+#include <cstring>
 
 namespace tuina::scanner {
+namespace {
 
-// The lit neighbour so many profiles and rows on, if it lies near enough to be on the same surface.
-const ProfileGrid::Node* ProfileGrid::neighbour(std::size_t profile, std::size_t row,
-                                                int profiles_on, int rows_on) const {
-  const auto i = static_cast<std::ptrdiff_t>(profile) + profiles_on;
-  const auto j = static_cast<std::ptrdiff_t>(row) + rows_on;
-  if (i < 0 || j < 0 || i >= static_cast<std::ptrdiff_t>(profiles_) ||
-      j >= static_cast<std::ptrdiff_t>(rows_)) {
-    return nullptr;
-  }
-  const Node& here = at(profile, row);
-  const Node& there = at(static_cast<std::size_t>(i), static_cast<std::size_t>(j));
-  if (!there.lit) return nullptr;
-  const float reach = here.reach_profiles_m * static_cast<float>(std::abs(profiles_on)) +
-                      here.reach_rows_m * static_cast<float>(std::abs(rows_on));
-  const double distance2 = (there.point - here.point).squaredNorm();
-  return distance2 <= static_cast<double>(reach) * static_cast<double>(reach) ? &there : nullptr;
+// Four rows at a time, in vectors of the compiler that every processor has.
+constexpr std::size_t lanes = 4;
+using Floats [[gnu::vector_size(4 * lanes)]] = float;
+using Wholes [[gnu::vector_size(4 * lanes)]] = std::int32_t;
+
+[[gnu::always_inline]] inline Floats load(const float* from) {
+  Floats values;
+  std::memcpy(&values, from, sizeof values);
+  return values;
 }
 
-bool ProfileGrid::trustworthy(std::size_t profile, std::size_t row) const {
-  const Node& here = at(profile, row);
-  std::array<float, 12> amplitudes;
-  std::size_t near = 0;
-  int in_rows = 0;
-  int in_profiles = 0;
-  for (const int rows_on : {-3, -2, -1, 1, 2, 3}) {
-    if (const Node* node = neighbour(profile, row, 0, rows_on)) {
-      amplitudes[near++] = node->amplitude_dn;
-      ++in_rows;
-    }
+[[gnu::always_inline]] inline void store(float* to, const Floats& values) {
+  std::memcpy(to, &values, sizeof values);
+}
+
+// One where true, else zero.
+[[gnu::always_inline]] inline Floats one_if(const Wholes& claim) {
+  return claim ? Floats{} + 1.0F : Floats{};
+}
+
+std::size_t whole_vectors(std::size_t rows) {
+  return (rows + lanes - 1) / lanes * lanes;
+}
+
+}  // namespace
+
+ProfileGrid::ProfileGrid(std::size_t profiles, std::size_t rows)
+    : profiles_(profiles), rows_(rows), stride_(whole_vectors(rows) + 2 * margin_rows) {
+  const std::size_t count = (profiles + 2 * margin_profiles) * stride_;
+  for (const Plane plane : {x, y, z}) plane_[plane].assign(count, unlit_m);
+  for (const Plane plane : {amplitude, deviation, reach_rows, reach_profiles}) {
+    plane_[plane].assign(count, 0.0F);
   }
-  for (const int profiles_on : {-1, 1}) {
-    for (const int rows_on : {-1, 0, 1}) {
-      if (const Node* node = neighbour(profile, row, profiles_on, rows_on)) {
-        amplitudes[near++] = node->amplitude_dn;
-        ++in_profiles;
+}
+
+void ProfileGrid::light(std::size_t profile, std::size_t row, const Node& node) {
+  const std::size_t i = place(profile, row);
+  plane_[x][i] = static_cast<float>(node.point.x());
+  plane_[y][i] = static_cast<float>(node.point.y());
+  plane_[z][i] = static_cast<float>(node.point.z());
+  plane_[amplitude][i] = node.amplitude_dn;
+  plane_[deviation][i] = node.deviation_m;
+  plane_[reach_rows][i] = node.reach_rows_m;
+  plane_[reach_profiles][i] = node.reach_profiles_m;
+}
+
+NeighbourJudge::NeighbourJudge(const ProfileGrid& grid) : grid_(grid) {
+  const std::size_t rows = whole_vectors(grid.rows());
+  for (Sums& sums_of : near_) {
+    for (auto& sum : sums_of) sum.assign(rows, 0.0F);
+  }
+  verdict_.trusted.assign(rows, 0.0F);
+  for (auto& component : verdict_.normal) component.assign(rows, 0.0F);
+  for (std::ptrdiff_t profile = 0; profile < profiles_near; ++profile) add_up_rows(profile);
+}
+
+const NeighbourJudge::Verdict& NeighbourJudge::next() {
+  ++profile_;
+  add_up_rows(profile_ + profiles_near);
+  fit_planes();
+  compare_amplitudes();
+  return verdict_;
+}
+
+// Up to six rows up and down, every third one: rows lie closer than profiles.
+void NeighbourJudge::add_up_rows(std::ptrdiff_t profile) {
+  Sums& to = near_[static_cast<std::size_t>(profile) % window];
+  if (profile >= static_cast<std::ptrdiff_t>(grid_.profiles())) {
+    for (auto& sum : to) std::fill(sum.begin(), sum.end(), 0.0F);
+    return;
+  }
+  const std::size_t begin = grid_.place(static_cast<std::size_t>(profile), 0);
+  const float* const at[3] = {grid_.plane_[ProfileGrid::x].data() + begin,
+                              grid_.plane_[ProfileGrid::y].data() + begin,
+                              grid_.plane_[ProfileGrid::z].data() + begin};
+  const float* reach = grid_.plane_[ProfileGrid::reach_rows].data() + begin;
+  for (std::size_t row = 0; row < to[n].size(); row += lanes) {
+    const Floats x = load(at[0] + row);
+    const Floats y = load(at[1] + row);
+    const Floats z = load(at[2] + row);
+    const Floats reach_m = load(reach + row);
+    Floats sum[sums] = {};
+    sum[n] += 1.0F;
+    for (const int j : {-6, -3, 3, 6}) {
+      const auto on = static_cast<std::ptrdiff_t>(row) + j;
+      Floats dx = load(at[0] + on) - x;
+      Floats dy = load(at[1] + on) - y;
+      Floats dz = load(at[2] + on) - z;
+      const auto step = static_cast<float>(j);
+      const Floats far = reach_m * step;
+      const Floats near = one_if(dx * dx + dy * dy + dz * dz <= far * far);
+      dx *= near;
+      dy *= near;
+      dz *= near;
+      sum[n] += near;
+      sum[j1] += step * near;
+      sum[jj] += step * step * near;
+      sum[px] += dx;
+      sum[py] += dy;
+      sum[pz] += dz;
+      sum[jx] += step * dx;
+      sum[jy] += step * dy;
+      sum[jz] += step * dz;
+    }
+    for (std::size_t k = 0; k < sums; ++k) store(to[k].data() + row, sum[k]);
+  }
+}
+
+// Least squares of point = origin + a i + b j over the profiles i and rows j near each point; the
+// normal is upright to a and b.
+void NeighbourJudge::fit_planes() {
+  const std::size_t begin = grid_.place(static_cast<std::size_t>(profile_), 0);
+  const auto stride = static_cast<std::ptrdiff_t>(grid_.stride_);
+  const float* const at[3] = {grid_.plane_[ProfileGrid::x].data() + begin,
+                              grid_.plane_[ProfileGrid::y].data() + begin,
+                              grid_.plane_[ProfileGrid::z].data() + begin};
+  const float* reach = grid_.plane_[ProfileGrid::reach_profiles].data() + begin;
+  for (std::size_t row = 0; row < verdict_.trusted.size(); row += lanes) {
+    const Floats origin[3] = {load(at[0] + row), load(at[1] + row), load(at[2] + row)};
+    const Floats reach_m = load(reach + row);
+    Floats count = {}, i1 = {}, j_1 = {}, ii = {}, ij = {}, j_j = {};
+    Floats p[3] = {}, ip[3] = {}, jp[3] = {};
+    for (std::ptrdiff_t i = -profiles_near; i <= profiles_near; ++i) {
+      if (profile_ + i < 0) continue;
+      const Sums& from = near_[static_cast<std::size_t>(profile_ + i) % window];
+      const auto on = static_cast<std::ptrdiff_t>(row) + i * stride;
+      const auto step = static_cast<float>(i);
+      Floats away[3];
+      for (int k = 0; k < 3; ++k) away[k] = load(at[k] + on) - origin[k];
+      const Floats far = reach_m * step;
+      const Floats near =
+          one_if(away[0] * away[0] + away[1] * away[1] + away[2] * away[2] <= far * far);
+      const Floats here = load(from[n].data() + row) * near;
+      const Floats rows_here = load(from[j1].data() + row) * near;
+      count += here;
+      i1 += step * here;
+      ii += step * step * here;
+      j_1 += rows_here;
+      ij += step * rows_here;
+      j_j += load(from[jj].data() + row) * near;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Floats place = load(from[px + k].data() + row) * near + here * away[k];
+        p[k] += place;
+        ip[k] += step * place;
+        jp[k] += load(from[jx + k].data() + row) * near + rows_here * away[k];
       }
     }
-  }
-  if (in_rows < 3 || (in_profiles < 2 && profiles_ > 2)) return false;
-  const auto middle = amplitudes.begin() + static_cast<std::ptrdiff_t>(near / 2);
-  std::nth_element(amplitudes.begin(), middle,
-                   amplitudes.begin() + static_cast<std::ptrdiff_t>(near));
-  return here.amplitude_dn > 0.6F * *middle;
-}
-
-std::optional<Vector3> ProfileGrid::normal(std::size_t profile, std::size_t row) const {
-  // Least squares of point = origin + a i + b j over a 5 x 5 pattern, six rows up and down because
-  // rows lie closer than profiles; the normal is upright to a and b.
-  const Vector3& origin = at(profile, row).point;
-  double n = 0.0, i1 = 0.0, j1 = 0.0, ii = 0.0, ij = 0.0, jj = 0.0;
-  Vector3 p = Vector3::Zero();
-  Vector3 ip = Vector3::Zero();
-  Vector3 jp = Vector3::Zero();
-  for (int i = -2; i <= 2; ++i) {
-    for (int j = -6; j <= 6; j += 3) {
-      const Node* node = i == 0 && j == 0 ? &at(profile, row) : neighbour(profile, row, i, j);
-      if (node == nullptr) continue;
-      const Vector3 from_origin = node->point - origin;
-      n += 1.0;
-      i1 += i;
-      j1 += j;
-      ii += i * i;
-      ij += i * j;
-      jj += j * j;
-      p += from_origin;
-      ip += i * from_origin;
-      jp += j * from_origin;
+    const Floats share = 1.0F / (count > 1.0F ? count : Floats{} + 1.0F);
+    const Floats c_ii = ii - i1 * i1 * share;
+    const Floats c_ij = ij - i1 * j_1 * share;
+    const Floats c_jj = j_j - j_1 * j_1 * share;
+    // The common factor 1 / spread of a and b does not turn the normal.
+    Floats a[3], b[3];
+    for (int k = 0; k < 3; ++k) {
+      const Floats along_i = ip[k] - i1 * share * p[k];
+      const Floats along_j = jp[k] - j_1 * share * p[k];
+      a[k] = c_jj * along_i - c_ij * along_j;
+      b[k] = c_ii * along_j - c_ij * along_i;
+    }
+    Floats normal[3];
+    for (int k = 0; k < 3; ++k) {
+      normal[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
+    }
+    const Floats length2 = normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2];
+    Floats length;
+    for (std::size_t k = 0; k < lanes; ++k) length[k] = std::sqrt(length2[k]);
+    const Floats known =
+        one_if((count >= 6.0F) & (c_ii * c_jj - c_ij * c_ij >= 1.0F) & (length > 1e-12F));
+    store(verdict_.trusted.data() + row, known);
+    for (std::size_t k = 0; k < 3; ++k) {
+      store(verdict_.normal[k].data() + row, normal[k] / (length + 1e-30F));
     }
   }
-  if (n < 6.0) return {};
-  const double c_ii = ii - i1 * i1 / n;
-  const double c_ij = ij - i1 * j1 / n;
-  const double c_jj = jj - j1 * j1 / n;
-  const double spread = c_ii * c_jj - c_ij * c_ij;
-  if (spread < 1.0) return {};
-  // The common factor 1 / spread of a and b does not turn the normal.
-  const Vector3 along_i = ip - i1 / n * p;
-  const Vector3 along_j = jp - j1 / n * p;
-  const Vector3 normal = (c_jj * along_i - c_ij * along_j).cross(c_ii * along_j - c_ij * along_i);
-  const double length = normal.norm();
-  if (!(length > 0.0) || !std::isfinite(length)) return {};
-  return Vector3(normal / length);
+}
+
+// A point needs three neighbours along its profile and, if there are more profiles, two on the next
+// ones, and must not be much dimmer than the middle one of them all.
+void NeighbourJudge::compare_amplitudes() {
+  constexpr float dim = 0.6F;
+  const std::size_t begin = grid_.place(static_cast<std::size_t>(profile_), 0);
+  const auto stride = static_cast<std::ptrdiff_t>(grid_.stride_);
+  const auto plane = [&](ProfileGrid::Plane name) { return grid_.plane_[name].data() + begin; };
+  const float* const at[3] = {plane(ProfileGrid::x), plane(ProfileGrid::y), plane(ProfileGrid::z)};
+  const float* light = plane(ProfileGrid::amplitude);
+  const float needed = grid_.profiles() > 2 ? 2.0F : 0.0F;
+  for (std::size_t row = 0; row < verdict_.trusted.size(); row += lanes) {
+    const Floats origin[3] = {load(at[0] + row), load(at[1] + row), load(at[2] + row)};
+    const Floats reach_rows = load(plane(ProfileGrid::reach_rows) + row);
+    const Floats reach_profiles = load(plane(ProfileGrid::reach_profiles) + row);
+    const Floats amplitude = load(light + row);
+    Floats in_rows = {}, in_profiles = {}, brighter = {};
+    const auto meet = [&](std::ptrdiff_t i, std::ptrdiff_t j) {
+      const auto on = static_cast<std::ptrdiff_t>(row) + i * stride + j;
+      Floats distance2 = {};
+      for (int k = 0; k < 3; ++k) {
+        const Floats away = load(at[k] + on) - origin[k];
+        distance2 += away * away;
+      }
+      const Floats far = reach_profiles * static_cast<float>(i * i) +
+                         reach_rows * static_cast<float>(j < 0 ? -j : j);
+      const Floats near = one_if(distance2 <= far * far);
+      brighter += near * one_if(dim * load(light + on) >= amplitude);
+      return near;
+    };
+    for (const int j : {-3, -2, -1, 1, 2, 3}) in_rows += meet(0, j);
+    for (const int j : {-1, 0, 1}) in_profiles += meet(-1, j) + meet(1, j);
+    // Less than half of them outshine it: then the middle one does not.
+    const Floats trusted = one_if((in_rows >= 3.0F) & (in_profiles >= needed) &
+                                  (2.0F * brighter < in_rows + in_profiles));
+    store(verdict_.trusted.data() + row, load(verdict_.trusted.data() + row) * trusted);
+  }
 }
 
 }  // namespace tuina::scanner

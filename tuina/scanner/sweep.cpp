@@ -24,7 +24,7 @@ constexpr float unsure_px = 0.3F;
 // What a calibration from 40 poses of a chessboard leaves (docs/scanner.md): RMS of the range error
 // at a depth.
 double usual_calibration_error_m(double depth_m) {
-  return 0.56e-3 * std::pow(depth_m, 1.12);
+  return 0.56e-3 * static_cast<double>(std::pow(static_cast<float>(depth_m), 1.12F));
 }
 
 Result<void> check(std::span<const TimedLine> lines, const std::vector<double>& yaw_rad) {
@@ -74,13 +74,14 @@ ProfileGrid place_in_couch(std::span<const TimedLine> lines, const std::vector<d
       const double range_m = point->norm();
       const double deviation_m =
           static_cast<double>(seen.deviation_px) * range_m_per_px(calibration, *point);
-      ProfileGrid::Node& node = grid.at(i, static_cast<std::size_t>(seen.row));
-      node.point = couch_from_camera * *point;
-      node.amplitude_dn = seen.amplitude_dn;
-      node.deviation_m = static_cast<float>(deviation_m);
-      node.reach_rows_m = static_cast<float>(steepest * range_m / camera.fy_px + 3.0 * deviation_m);
-      node.reach_profiles_m = static_cast<float>(steepest * range_m * step_rad + 3.0 * deviation_m);
-      node.lit = true;
+      grid.light(i, static_cast<std::size_t>(seen.row),
+                 {.point = couch_from_camera * *point,
+                  .amplitude_dn = seen.amplitude_dn,
+                  .deviation_m = static_cast<float>(deviation_m),
+                  .reach_rows_m =
+                      static_cast<float>(steepest * range_m / camera.fy_px + 3.0 * deviation_m),
+                  .reach_profiles_m =
+                      static_cast<float>(steepest * range_m * step_rad + 3.0 * deviation_m)});
     }
   }
   return grid;
@@ -101,29 +102,38 @@ Result<Scan> make_cloud(std::span<const TimedLine> lines, std::span<const YawRea
   scan.sweep_s = times_s.back() - times_s.front();
   const ProfileGrid grid = place_in_couch(lines, *yaw_rad, calibration);
   PointCloud& cloud = scan.cloud_in_couch;
+  std::size_t rows_seen = 0;
+  for (const TimedLine& line : lines) rows_seen += line.line.points.size();
+  cloud.points.reserve(rows_seen);
+  cloud.normals.reserve(rows_seen);
+  cloud.amplitude.reserve(rows_seen);
+  cloud.deviation_m.reserve(rows_seen);
   double error2 = 0.0;
+  NeighbourJudge neighbours(grid);
   for (std::size_t i = 0; i < grid.profiles(); ++i) {
     const Transform couch_from_camera = calibration.couch_from_camera_at((*yaw_rad)[i]);
     const Vector3 eye = couch_from_camera.translation();
     const Vector3 forward = couch_from_camera.linear().col(2);
+    const NeighbourJudge::Verdict& verdict = neighbours.next();
     int lit = 0;
     for (std::size_t row = 0; row < grid.rows(); ++row) {
-      const ProfileGrid::Node& node = grid.at(i, row);
-      if (!node.lit) continue;
+      if (!grid.lit(i, row)) continue;
       ++lit;
-      if (!grid.trustworthy(i, row)) continue;
-      const auto normal = grid.normal(i, row);
-      if (!normal) continue;
-      const Vector3 to_eye = (eye - node.point).normalized();
-      const double cosine = normal->dot(to_eye);
+      if (verdict.trusted[row] == 0.0F) continue;
+      const Vector3 point = grid.point(i, row);
+      const Vector3 normal =
+          Eigen::Vector3f(verdict.normal[0][row], verdict.normal[1][row], verdict.normal[2][row])
+              .cast<double>();
+      const Vector3 to_eye = (eye - point).normalized();
+      const double cosine = normal.dot(to_eye);
       if (std::abs(cosine) < least_cosine) continue;
-      cloud.points.push_back(node.point);
-      cloud.normals.push_back(cosine > 0.0 ? *normal : Vector3(-*normal));
-      cloud.amplitude.push_back(node.amplitude_dn);
-      cloud.deviation_m.push_back(node.deviation_m);
+      cloud.points.push_back(point);
+      cloud.normals.push_back(cosine > 0.0 ? normal : Vector3(-normal));
+      cloud.amplitude.push_back(grid.amplitude_dn(i, row));
+      cloud.deviation_m.push_back(grid.deviation_m(i, row));
       // An error along the ray moves the surface by its share along the normal.
-      const double calibration_m = usual_calibration_error_m((node.point - eye).dot(forward));
-      const auto noise_m = static_cast<double>(node.deviation_m);
+      const double calibration_m = usual_calibration_error_m((point - eye).dot(forward));
+      const auto noise_m = static_cast<double>(cloud.deviation_m.back());
       error2 += (noise_m * noise_m + calibration_m * calibration_m) * cosine * cosine;
     }
     scan.rows_lit += lit;

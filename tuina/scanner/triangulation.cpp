@@ -51,10 +51,9 @@ std::optional<Vector3> triangulate(const ScannerCalibration& calibration, double
 double range_m_per_px(const ScannerCalibration& calibration, const Vector3& point_in_camera) {
   // The ray r = (x/z, y/z, 1) meets the plane at t = d / (n . r), so dt/du = -t^2 n_x / (d fx);
   // with the thesis' upright laser this is D^2 / (f L), (4.3). The point moves along r.
-  const double z = point_in_camera.z();
-  const double depth_per_px = z * z * calibration.laser_normal_in_camera.x() /
-                              (calibration.laser_distance_m * calibration.camera.fx_px);
-  return std::abs(depth_per_px) * point_in_camera.norm() / z;
+  return std::abs(calibration.laser_normal_in_camera.x() /
+                  (calibration.laser_distance_m * calibration.camera.fx_px)) *
+         point_in_camera.z() * point_in_camera.norm();
 }
 
 std::pair<int, int> columns_between(const ScannerCalibration& calibration, double near_m,
