@@ -29,7 +29,8 @@ ContactPath path_of(const ContactExperiment& experiment) {
                                     .normal_in_couch = normal_in_couch};
   switch (experiment.technique) {
     case Technique::press: {
-      massage::PressOptions options{.force_n = experiment.force_n, .repeats = 1};
+      massage::PressOptions options{
+          .force_n = experiment.force_n, .repeats = 1, .window = experiment.window};
       while (options.repeats < 1000) {
         options.repeats += 1;
         if (massage::plan_press(place, options, "").duration_s() > experiment.duration_s) break;
@@ -199,11 +200,7 @@ Result<ContactOutcome> run_contact(const ContactExperiment& experiment, const Pr
 
   PerArm<GuardedArm> guarded = {
       {GuardedArm(models[0], experiment.controller), GuardedArm(models[1], {})}};
-  tissue::PressEstimator estimator({.force_noise_n = 0.05,
-                                    .position_noise_m = 0.05_mm,
-                                    .contact_sd_m = 3_mm,
-                                    .force_delay_s = 2.6e-3,
-                                    .torso_n_per_m = 35'000.0});
+  tissue::PressEstimator estimator(tissue::pressed_by_robot(35'000.0, believed.tool_mass_kg));
   ContactOutcome outcome;
   session::ForceErrorSum errors;
   errors.begin();
@@ -264,8 +261,11 @@ Result<ContactOutcome> run_contact(const ContactExperiment& experiment, const Pr
     (*plant)->apply(command);
 
     const sim::ArmTruth& truth = (*plant)->truth().arms[arm];
-    if (status.doing == control::Doing::contact) {
-      estimator.update(reading.time_s, {.depth_m = status.depth_m, .force_n = status.force_n});
+    // The approach counts too: in the air the estimator learns the zero of the force sensor.
+    if (status.doing == control::Doing::approach || status.doing == control::Doing::contact) {
+      const Press sample = {.depth_m = status.depth_m, .force_n = status.force_n};
+      estimator.update(reading.time_s, sample);
+      outcome.felt.push_back({reading.time_s, sample});
     }
     const bool pressing = target_n > 0.0;
     if (pressing) {

@@ -8,9 +8,11 @@
 #include "tuina/control/arm_controller.hpp"
 #include "tuina/core/progress.hpp"
 #include "tuina/core/result.hpp"
+#include "tuina/massage/press.hpp"
 #include "tuina/safety/guard.hpp"
 #include "tuina/session/force_errors.hpp"
 #include "tuina/sim/back_contact.hpp"
+#include "tuina/tissue/press_record.hpp"
 
 namespace tuina::app {
 
@@ -20,6 +22,7 @@ struct ContactExperiment {
   TangentTissue tissue = {9.786, 185.4};  ///< true; hard muscle of [thesis] chapter 6
   double force_n = 30.0;
   Technique technique = Technique::press;
+  massage::PressWindow window = {};  ///< of one press
   control::ArmController::Options controller = {};
   double surface_error_m = 0.0;   ///< the true skin lies this much deeper than believed
   double surface_tilt_rad = 0.0;  ///< the believed normal leans this much, along the path
@@ -46,7 +49,8 @@ struct ContactStop {
 };
 
 struct ContactOutcome {
-  std::vector<ContactSample> trace;  ///< 1 kHz, the whole run
+  std::vector<ContactSample> trace;      ///< 1 kHz, the whole run
+  std::vector<tissue::TimedPress> felt;  ///< what the estimator was given
   session::ForceErrors force;
   TissueEstimate estimate;
   double highest_n = 0.0;        ///< true force anywhere in the run

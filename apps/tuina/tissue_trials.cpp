@@ -44,15 +44,14 @@ double first_press_ends_s(const sim::PressScenario& s) {
 }
 
 Run run_tuina(const sim::PressScenario& s, const sim::SimulatedPresses& presses) {
-  tissue::PressEstimatorOptions options{.force_noise_n = s.force_noise_n,
-                                        .position_noise_m = s.position_noise_m,
-                                        .contact_sd_m = s.contact_sd_m};
+  tissue::PressEstimatorOptions options;
   if (by_robot(s)) {
+    options = tissue::pressed_by_robot(s.torso_n_per_m, 0.0);
     options.force_delay_s = s.force_delay_s;
-    options.torso_n_per_m = s.torso_n_per_m;
-    options.breathing_m = 3_mm;
-    options.converged_alpha = 0.08;
   }
+  options.force_noise_n = s.force_noise_n;
+  options.position_noise_m = s.position_noise_m;
+  options.contact_sd_m = s.contact_sd_m;
   tissue::PressEstimator estimator(options);
   Run run;
   run.within_s = 0.0;

@@ -170,3 +170,23 @@ TEST_CASE("the same seed gives the same force bit for bit") {
     return a.true_force_n == b.true_force_n && a.measured_force_n == b.measured_force_n;
   }));
 }
+
+TEST_CASE(
+    "two presses of a second by a breathing torso's arm know the tissue, or say they do not") {
+  for (const TangentTissue& tissue : {bone, hard, soft}) {
+    for (const std::uint64_t seed : {3, 4}) {
+      const auto outcome = run({.tissue = tissue,
+                                .force_n = 25.0,
+                                .window = {.edge_s = 0.4, .hold_s = 0.05},
+                                .breathing = {3_mm, 0.25},
+                                .duration_s = 4.0,
+                                .seed = seed});
+      const TissueEstimate& estimate = outcome.estimate;
+      CAPTURE(tissue.alpha_n);
+      CHECK(estimate.presses >= 2);
+      CHECK(estimate.converged);
+      CHECK(estimate.tissue.alpha_n == doctest::Approx(tissue.alpha_n).epsilon(0.08));
+      CHECK(estimate.tissue.beta_per_m == doctest::Approx(tissue.beta_per_m).epsilon(0.05));
+    }
+  }
+}

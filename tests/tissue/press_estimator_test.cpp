@@ -105,3 +105,24 @@ TEST_CASE("a breath of three millimetres and a yielding torso are not mistaken f
     CHECK(estimate.tissue.beta_per_m == doctest::Approx(tissue.beta_per_m).epsilon(0.05));
   }
 }
+
+TEST_CASE("a tool that is heavy beyond its force sensor does not make the tissue look softer") {
+  // Four presses of a second out of free air; the sensor feels 1 kg accelerated.
+  const auto felt = [](double tool_mass_kg) {
+    PressEstimatorOptions options = pressed_by_robot(0.0, tool_mass_kg);
+    options.force_delay_s = 0.0;
+    PressEstimator estimator(options);
+    Random random = make_random(8, "inertia");
+    const auto depth_m = [](double t) { return 4_mm - 5.5_mm * std::cos(2.0 * pi * t); };
+    for (double t = 0.0; t < 4.0; t += 1e-3) {
+      const double acceleration = 5.5_mm * 4.0 * pi * pi * std::cos(2.0 * pi * t);
+      const double force_n = force_at_depth(soft, depth_m(t));
+      estimator.update(t, {.depth_m = depth_m(t) + gaussian(random, 0.003_mm),
+                           .force_n = force_n + 1.0 * acceleration + gaussian(random, 0.05)});
+    }
+    return estimator.estimate().tissue;
+  };
+  CHECK(felt(1.0).alpha_n == doctest::Approx(soft.alpha_n).epsilon(0.02));
+  CHECK(felt(1.0).beta_per_m == doctest::Approx(soft.beta_per_m).epsilon(0.02));
+  CHECK(std::abs(felt(0.0).alpha_n / soft.alpha_n - 1.0) > 0.04);
+}

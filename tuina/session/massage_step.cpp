@@ -68,19 +68,6 @@ safety::Guard::Options guard_options(const robot::ArmModel& model, const Massage
   return guard;
 }
 
-tissue::PressEstimatorOptions estimator_options(const MassageOptions& options) {
-  tissue::PressEstimatorOptions estimator;
-  estimator.torso_n_per_m = options.torso_n_per_m;
-  estimator.contact_sd_m = 3e-3;  // the scan, the mapping from scanner to robot and the breath
-  estimator.breathing_m = 3e-3;
-  // An unknown torso leaves more room than the estimate's own error; two presses of 20 N reach
-  // this.
-  estimator.converged_alpha = 0.15;
-  estimator.converged_beta = 0.12;
-  estimator.force_delay_s = 2.6e-3;  // a sample of delay and the low-pass of the wrist sensor
-  return estimator;
-}
-
 safety::Phase guarded_phase(ArmPhase phase) noexcept {
   switch (phase) {
     case ArmPhase::approach:
@@ -111,7 +98,7 @@ static_assert(rules_agree());
 MassageStep::Side::Side(const robot::ArmModel& model, const MassageOptions& options)
     : controller(model, control::ArmController::Options{}),
       guard(guard_options(model, options)),
-      estimator(estimator_options(options)) {}
+      estimator(tissue::pressed_by_robot(options.torso_n_per_m, model.table().tool_mass_kg)) {}
 
 MassageStep::MassageStep(const massage::Plan& plan, PerArm<std::vector<ArmJob>> jobs,
                          const PerArm<robot::ArmModel>& models, const MassageOptions& options)

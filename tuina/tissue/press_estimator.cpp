@@ -13,12 +13,7 @@ namespace {
 constexpr std::size_t fold_at = 96;  // segments in the window before its older half becomes prior
 // Early in the first press answers are wanted fast and passes are short.
 constexpr std::size_t short_pass = 40;
-constexpr int passes_at_rest = 4;  // Gauss-Newton steps after the last new sample
-// A floor per segment for what the law leaves out; tuned on the scenarios N0 to N6, seeds apart
-// from the tests'.
-constexpr double model_sd_m = 0.05e-3;
-constexpr double skin_walk_m2_per_s = 0.01e-6;
-constexpr double breath_damping = 0.15;
+constexpr int passes_at_rest = 4;              // Gauss-Newton steps after the last new sample
 constexpr double forgetting_per_fold = 0.005;  // of the logarithms
 // At the moment an interval just fits, one estimate in twenty would still be outside: ask for 98 %.
 constexpr double sureness = 2.33 / 1.96;
@@ -27,8 +22,7 @@ constexpr double tare_sd_n = 0.02;    // and its drift since
 constexpr double robust_limit = 4.0;  // Huber's bend, in standard deviations
 
 /// Exact transition of (b, b') over dt for b'' + 2 zeta omega b' + omega^2 b = noise.
-Eigen::Matrix2d breath_transition(double omega, double dt_s) noexcept {
-  constexpr double zeta = breath_damping;
+Eigen::Matrix2d breath_transition(double omega, double zeta, double dt_s) noexcept {
   Eigen::Matrix2d phi;
   const double x = omega * dt_s;
   double c, s;  // e^(-zeta x) cos(r x) and e^(-zeta x) sin(r x) / r with r^2 = 1 - zeta^2
@@ -50,21 +44,38 @@ Eigen::Matrix2d breath_transition(double omega, double dt_s) noexcept {
   return phi;
 }
 
+SegmentOptions segment_options(const PressEstimatorOptions& options) noexcept {
+  return {.force_noise_n = options.force_noise_n,
+          .contact_sd_m = options.contact_sd_m,
+          .force_delay_s = options.force_delay_s,
+          .tool_mass_kg = options.tool_mass_kg};
+}
+
 }  // namespace
 
+PressEstimatorOptions pressed_by_robot(double torso_n_per_m, double tool_mass_kg) noexcept {
+  return {.force_noise_n = 0.05,
+          .position_noise_m = 0.01e-3,
+          .contact_sd_m = 3e-3,
+          .force_delay_s = 2.6e-3,  // a sample and the low-pass of the wrist sensor
+          .tool_mass_kg = tool_mass_kg,
+          .torso_n_per_m = torso_n_per_m,
+          .breathing_m = 3e-3,
+          .breath_damping = 0.07,
+          .skin_wander_m = 0.02e-3,
+          .model_sd_m = 0.01e-3,
+          .converged_alpha = 0.08,
+          .converged_beta = 0.05};
+}
+
 PressEstimator::PressEstimator(const PressEstimatorOptions& options) noexcept
-    : options_(options),
-      segments_({.force_noise_n = options.force_noise_n,
-                 .contact_sd_m = options.contact_sd_m,
-                 .force_delay_s = options.force_delay_s}) {
+    : options_(options), segments_(segment_options(options)) {
   reset();
 }
 
 void PressEstimator::reset() noexcept {
   const auto square = [](double x) { return x * x; };
-  segments_ = PressSegments({.force_noise_n = options_.force_noise_n,
-                             .contact_sd_m = options_.contact_sd_m,
-                             .force_delay_s = options_.force_delay_s});
+  segments_ = PressSegments(segment_options(options_));
   const bool rigid = !(options_.torso_n_per_m > 0.0) || !std::isfinite(options_.torso_n_per_m);
   const double torso_m_per_n = rigid ? 0.0 : 1.0 / options_.torso_n_per_m;
   // A sinusoid of peak-to-peak A has the variance A^2 / 8.
@@ -127,9 +138,9 @@ void PressEstimator::advance(double time_s) noexcept {
   const double variance = options_.breathing_m * options_.breathing_m / 8.0;
   // Bounded, so an hour of hovering is no worse than a minute: nothing winds up.
   const double skin_limit_m2 = options_.contact_sd_m * options_.contact_sd_m;
-  P(skin, skin) += std::min(skin_walk_m2_per_s * dt_s, skin_limit_m2);
+  P(skin, skin) += std::min(options_.skin_wander_m * options_.skin_wander_m * dt_s, skin_limit_m2);
 
-  const Eigen::Matrix2d phi = breath_transition(omega, dt_s);
+  const Eigen::Matrix2d phi = breath_transition(omega, options_.breath_damping, dt_s);
   pass_.mean.tail<2>() = (phi * pass_.mean.tail<2>()).eval();
   // Stationary: what the decay takes from the variance, the noise gives back.
   Eigen::Matrix2d rest = Eigen::Matrix2d::Zero();
@@ -160,7 +171,7 @@ void PressEstimator::learn(const PressSegment& segment) noexcept {
   H << -slope, -a / beta, -slope * v / m, segment.force_n, -depth_per_n, 1.0, 1.0, 0.0;
   // Errors in both variables: force noise enters as the depth it stands for.
   const double sx = options_.position_noise_m, sf = options_.force_noise_n * depth_per_n;
-  double R = (sx * sx + sf * sf) / segment.samples + model_sd_m * model_sd_m;
+  double R = (sx * sx + sf * sf) / segment.samples + options_.model_sd_m * options_.model_sd_m;
 
   State linearised = pass_.mean;
   linearised.head<3>() -= state_.head<3>();

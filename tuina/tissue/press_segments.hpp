@@ -26,12 +26,13 @@ struct SegmentOptions {
   double force_noise_n = 0.2;    ///< one standard deviation of one sample
   double contact_sd_m = 0.5e-3;  ///< how well the place of the skin is known beforehand
   double force_delay_s = 0.0;    ///< the force is this much older than the position beside it
+  double tool_mass_kg = 0.0;     ///< beyond the force sensor, which feels it being accelerated
 };
 
 /// Turns samples into segments: delays the position like the force, tares the force before the
-/// first contact, averages, and counts presses. Any input is survived: samples that are not finite,
-/// repeat or go back in time, or sit at the end of the sensor's range are left out. Nothing
-/// allocates.
+/// first contact, takes the tool's inertia off, averages, and counts presses. Any input is
+/// survived: samples that are not finite, repeat or go back in time, or sit at the end of the
+/// sensor's range are left out. Nothing allocates.
 class PressSegments {
  public:
   static constexpr std::size_t capacity = 128;
@@ -57,9 +58,16 @@ class PressSegments {
   [[nodiscard]] long accepted_blocks() const noexcept { return blocks_; }
 
  private:
+  struct Sum {
+    double time_s = 0.0, position_m = 0.0, force_n = 0.0, samples = 0.0;
+  };
+  using Block = Sum;  // with means instead of sums
+
   [[nodiscard]] double delayed_position(double time_s) const noexcept;
   [[nodiscard]] bool saturated(double force_n) noexcept;
   void close_block() noexcept;
+  void take_inertia_off(const Block& newest) noexcept;
+  void accept(const Block& block) noexcept;
   void tare(double position_m, double force_n, double samples) noexcept;
   void follow_press(double time_s, double force_n) noexcept;
   void append(double time_s, double position_m, double force_n, double samples) noexcept;
@@ -67,9 +75,6 @@ class PressSegments {
   void remember_air(double time_s, double position_m, double force_n, double samples) noexcept;
   void push(const PressSegment& segment) noexcept;
 
-  struct Sum {
-    double time_s = 0.0, position_m = 0.0, force_n = 0.0, samples = 0.0;
-  };
   struct Timed {
     double time_s = 0.0, position_m = 0.0;
   };
@@ -87,6 +92,9 @@ class PressSegments {
 
   std::array<Timed, 64> history_{};  // positions of the last samples, for the delay
   std::size_t history_size_ = 0, history_next_ = 0;
+
+  std::array<Block, 5> recent_{};  // the middle one waits until its acceleration is known
+  std::size_t recent_size_ = 0;
 
   Sum block_;
   double block_start_s_ = 0.0;
