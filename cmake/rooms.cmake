@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 # The table of rooms: which room may include which. It is written here and nowhere else; tuina_room links
 # by it and the `layering` test reads the #include lines of the sources against it.
-set(TUINA_ROOMS core telemetry scanner body massage tissue robot safety control session sim)
+set(TUINA_ROOMS core telemetry scanner calibration body massage tissue robot safety control session sim)
 set(TUINA_MAY_INCLUDE_core "")
 set(TUINA_MAY_INCLUDE_telemetry core)
 set(TUINA_MAY_INCLUDE_scanner core)
+set(TUINA_MAY_INCLUDE_calibration core scanner)
 set(TUINA_MAY_INCLUDE_body core)
 set(TUINA_MAY_INCLUDE_massage core body)
 set(TUINA_MAY_INCLUDE_tissue core)

@@ -8,6 +8,9 @@ std::vector<std::unique_ptr<Verb>> make_verbs() {
   verbs.push_back(make_massage());
   verbs.push_back(make_scan());
   verbs.push_back(make_line());
+#ifdef TUINA_CALIBRATION
+  verbs.push_back(make_calibrate());
+#endif
   verbs.push_back(make_plan());
   verbs.push_back(make_map());
   verbs.push_back(make_atlas_learn());

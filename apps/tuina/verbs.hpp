@@ -22,6 +22,7 @@ std::unique_ptr<Verb> make_atlas_show();
 std::unique_ptr<Verb> make_evaluate_acupoints();
 std::unique_ptr<Verb> make_doctor();
 std::unique_ptr<Verb> make_line();
+std::unique_ptr<Verb> make_calibrate();  // only where its room is built
 std::unique_ptr<Verb> make_scan();
 std::unique_ptr<Verb> make_plan();
 

@@ -21,19 +21,6 @@ namespace fs = std::filesystem;
 
 constexpr double degrees_per_count = 300.0 / 1024.0;
 
-// 8 bits a sample, grey or the red of a colour picture; 16-bit pictures are rounded to 8.
-Result<Image> read_picture(const fs::path& path) {
-  const auto png = read_png(path);
-  if (!png) return tl::unexpected(png.error());
-  const auto channels = static_cast<std::size_t>(png->image.channels);
-  const int shift = png->bits > 8 ? 257 : 1;
-  Image grey(png->image.width, png->image.height);
-  for (std::size_t i = 0; i < grey.data.size(); ++i) {
-    grey.data[i] = static_cast<std::uint8_t>((png->image.data[i * channels] + shift / 2) / shift);
-  }
-  return grey;
-}
-
 // The pictures of a folder by the number in their names.
 Result<std::map<long, fs::path>> numbered_pictures(const fs::path& folder) {
   std::map<long, fs::path> pictures;
@@ -61,6 +48,18 @@ std::string picture_name(std::size_t index) {
 }
 
 }  // namespace
+
+Result<Image> read_picture(const fs::path& path) {
+  const auto png = read_png(path);
+  if (!png) return tl::unexpected(png.error());
+  const auto channels = static_cast<std::size_t>(png->image.channels);
+  const int shift = png->bits > 8 ? 257 : 1;
+  Image grey(png->image.width, png->image.height);
+  for (std::size_t i = 0; i < grey.data.size(); ++i) {
+    grey.data[i] = static_cast<std::uint8_t>((png->image.data[i * channels] + shift / 2) / shift);
+  }
+  return grey;
+}
 
 Result<Recording> Recording::open(const fs::path& folder) {
   std::error_code error;

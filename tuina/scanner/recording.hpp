@@ -10,6 +10,9 @@
 
 namespace tuina::scanner {
 
+/// A picture as 8-bit grey: the red of a colour picture, 16 bits rounded to 8.
+[[nodiscard]] Result<Image> read_picture(const std::filesystem::path& path);
+
 /// A recorded sweep (frames/, dark/, frames.csv, yaw.csv, calibration.toml) behind the doors of a
 /// camera and a turntable. Opening it checks everything but the pictures, which are read one by
 /// one; a picture that is missing, broken or of the wrong size fails when its turn comes.

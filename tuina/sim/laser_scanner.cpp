@@ -76,17 +76,26 @@ LaserScanner::LaserScanner(const Mesh& skin_in_couch, Position position, Breathi
 
 LaserScanner::LaserScanner(const Mesh& skin_in_couch, Position position, Breathing breathing,
                            std::uint64_t seed, const LaserScannerOptions& options,
-                           const ScannerMount& mount) {
-  const auto truth = sim::true_calibration(position, mount, options.latency_s);
+                           const ScannerMount& mount)
+    : LaserScanner(skin_in_couch, couch_mesh(position),
+                   sim::true_calibration(position, mount, options.latency_s), seed, options) {
+  world_->breath_direction = out_of_back(position);
+  world_->breathing = breathing;
+}
+
+LaserScanner::LaserScanner(const Mesh& scene_in_couch, const Mesh& couch,
+                           const scanner::ScannerCalibration& truth, std::uint64_t seed,
+                           const LaserScannerOptions& options) {
   world_ = std::make_unique<World>(
       World{.truth = truth,
             .options = options,
-            .renderer = LineRenderer(skin_in_couch, couch_mesh(position), truth, options, seed),
-            .breath_direction = out_of_back(position),
-            .breathing = breathing,
+            .renderer = LineRenderer(scene_in_couch, couch, truth, options, seed),
+            .breath_direction = Vector3::Zero(),
+            .breathing = {},
             .jitter = make_random(seed, "yaw clock"),
             .ahead = {},
             .readings = {}});
+  world_->options.latency_s = truth.latency_s;
 }
 
 LaserScanner::~LaserScanner() = default;

@@ -63,6 +63,10 @@ class LaserScanner final : public scanner::Camera, public scanner::Turntable {
                std::uint64_t seed, const LaserScannerOptions& options = {});
   LaserScanner(const Mesh& skin_in_couch, Position position, Breathing breathing,
                std::uint64_t seed, const LaserScannerOptions& options, const ScannerMount& mount);
+  /// Any scanner before any still scene.
+  LaserScanner(const Mesh& scene_in_couch, const Mesh& couch,
+               const scanner::ScannerCalibration& truth, std::uint64_t seed,
+               const LaserScannerOptions& options);
   ~LaserScanner() override;
 
   [[nodiscard]] Result<scanner::Frame> next_frame() override;

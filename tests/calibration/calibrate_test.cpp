@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tuina/calibration/calibrate.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "tests/calibration/range_truth.hpp"
+#include "tests/folder.hpp"
+#include "tuina/core/units.hpp"
+#include "tuina/sim/rehearsal.hpp"
+
+using namespace tuina;
+using namespace tuina::calibration;
+using tuina::test::Folder;
+using tuina::test::range_error_m;
+
+TEST_CASE("a scanner that nobody has measured is known after one rehearsed set") {
+  const Folder folder;
+  const auto truth = sim::built_scanner(3);
+  const auto written = sim::rehearse_calibration(truth, 3, folder.path() / "shots",
+                                                 {.poses = 14, .standing_poses = 2});
+  REQUIRE_MESSAGE(written.has_value(), written.error().message);
+  Views views;
+  const auto result = calibrate_folder(folder.path() / "shots", views);
+  REQUIRE_MESSAGE(result.has_value(), result.error().message);
+  const auto& found = result->calibration;
+  CHECK(result->poses == 14);
+  CHECK(result->reprojection_px < 0.06);
+
+  CHECK(found.camera.fx_px == doctest::Approx(truth.camera.fx_px).epsilon(0.002));
+  CHECK(range_error_m(truth, found, 0.65) < 0.5_mm);
+  CHECK(range_error_m(truth, found, 1.0) < 0.8_mm);
+  CHECK(range_error_m(truth, found, 1.75) < 1.5_mm);
+
+  const double tilt = found.axis_direction_in_camera.cross(truth.axis_direction_in_camera).norm();
+  CHECK(tilt < 0.05_deg);
+  CHECK(found.axis_direction_in_camera.dot(truth.axis_direction_in_camera) > 0.0);
+  const double apart_m = (found.axis_point_in_camera - truth.axis_point_in_camera)
+                             .cross(truth.axis_direction_in_camera)
+                             .norm();
+  CHECK(apart_m < 2.0_mm);
+
+  REQUIRE(result->latency.has_value());
+  CHECK(std::abs(found.latency_s - truth.latency_s) < 3e-3);
+
+  REQUIRE(result->couch.has_value());
+  const Vector3 up = Vector3::UnitZ();
+  const Vector3 up_found = found.couch_from_camera.linear().transpose() * up;
+  const Vector3 up_true = truth.couch_from_camera.linear().transpose() * up;
+  CHECK(up_found.cross(up_true).norm() < 0.15_deg);
+  CHECK(std::abs(found.couch_from_camera.translation().z() -
+                 truth.couch_from_camera.translation().z()) < 2.0_mm);
+
+  // It says itself about how good it is.
+  REQUIRE(result->expected[1].has_value());
+  CHECK(result->expected[1]->systematic_m < 1.0_mm);
+  CHECK(result->expected[1]->systematic_m > 0.05_mm);
+}

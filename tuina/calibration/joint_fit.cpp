@@ -1,0 +1,482 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tuina/calibration/joint_fit.hpp"
+
+#include <ceres/ceres.h>
+#include <ceres/rotation.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <optional>
+
+#include "tuina/core/units.hpp"
+#include "tuina/scanner/triangulation.hpp"
+
+namespace tuina::calibration {
+namespace {
+
+// The AX-12A rounds to counts of 0.293 degrees, 0.085 RMS, and has a little play.
+constexpr double yaw_deviation_rad = 0.1_deg;
+// What lenses of webcams have; without it a few boards would find distortion in their noise.
+constexpr std::array<double, 4> usual_distortion = {0.5, 1.0, 0.01, 0.01};
+// What even clean pictures leave of a line: rounding to grey levels, a surface not quite even.
+constexpr double least_line_px = 0.03;
+constexpr double robust_from = 2.5;  // standard deviations
+constexpr double left_out_from = 4.0;
+
+constexpr int camera_size = 8;
+constexpr int light_size = 3;
+constexpr int axis_size = 4;
+
+template <typename T>
+using Vec3 = Eigen::Matrix<T, 3, 1>;
+
+// The lens of OpenCV (k1, k2, p1, p2), on coordinates of the ray.
+template <typename T>
+void bend(const T* camera, const T& x, const T& y, T& bent_x, T& bent_y) {
+  const T r2 = x * x + y * y;
+  const T radial = T(1.0) + r2 * (camera[4] + r2 * camera[5]);
+  bent_x = x * radial + T(2.0) * camera[6] * x * y + camera[7] * (r2 + T(2.0) * x * x);
+  bent_y = y * radial + camera[6] * (r2 + T(2.0) * y * y) + T(2.0) * camera[7] * x * y;
+}
+
+// The ray of a pixel; the lens is undone by fixed-point steps, each ten times better than the last.
+template <typename T>
+Vec3<T> ray_of(const T* camera, double column, double row) {
+  const T x = (column - camera[2]) / camera[0];
+  const T y = (row - camera[3]) / camera[1];
+  T straight_x = x;
+  T straight_y = y;
+  for (int i = 0; i < 6; ++i) {
+    T bent_x;
+    T bent_y;
+    bend(camera, straight_x, straight_y, bent_x, bent_y);
+    straight_x += x - bent_x;
+    straight_y += y - bent_y;
+  }
+  return {straight_x, straight_y, T(1.0)};
+}
+
+template <typename T>
+Vec3<T> placed(const T* pose, const Vec3<T>& at) {
+  Vec3<T> moved;
+  ceres::AngleAxisRotatePoint(pose, at.data(), moved.data());
+  return moved + Vec3<T>(pose[3], pose[4], pose[5]);
+}
+
+struct CornerOfBoard {
+  Vector2 seen_px;
+  Vector3 at;
+  double deviation_px;
+
+  template <typename T>
+  void compare(const T* camera, const Vec3<T>& in_camera, T* residual) const {
+    T x;
+    T y;
+    bend(camera, T(in_camera.x() / in_camera.z()), T(in_camera.y() / in_camera.z()), x, y);
+    residual[0] = (camera[0] * x + camera[2] - seen_px.x()) / deviation_px;
+    residual[1] = (camera[1] * y + camera[3] - seen_px.y()) / deviation_px;
+  }
+  template <typename T>
+  bool operator()(const T* camera, const T* pose, T* residual) const {
+    compare(camera, placed<T>(pose, at.cast<T>()), residual);
+    return true;
+  }
+};
+
+// A corner of a standing board after the unit has turned on by yaw[0] - first_yaw[0].
+struct CornerOfStandingBoard : CornerOfBoard {
+  Vector3 direction, point, aside_1, aside_2;
+
+  template <typename T>
+  bool operator()(const T* camera, const T* pose, const T* axis, const T* first_yaw, const T* yaw,
+                  T* residual) const {
+    const Vec3<T> along =
+        (direction.cast<T>() + axis[0] * aside_1.cast<T>() + axis[1] * aside_2.cast<T>())
+            .normalized();
+    const Vec3<T> on_axis =
+        point.cast<T>() + axis[2] * aside_1.cast<T>() + axis[3] * aside_2.cast<T>();
+    const Vec3<T> turn = (first_yaw[0] - yaw[0]) * along;
+    const Vec3<T> before = placed<T>(pose, at.cast<T>()) - on_axis;
+    Vec3<T> after;
+    ceres::AngleAxisRotatePoint(turn.data(), before.data(), after.data());
+    compare(camera, Vec3<T>(after + on_axis), residual);
+    return true;
+  }
+};
+
+// Where the ray of a line point meets the board it must lie on the light plane; the distance counts
+// in pixels across the line.
+struct PointOfLine {
+  double column_px, row_px;
+  double per_px;  ///< change of normal . X / distance for one pixel of line
+  double deviation_px;
+
+  template <typename T>
+  bool operator()(const T* camera, const T* pose, const T* light, T* residual) const {
+    const Vec3<T> ray = ray_of(camera, column_px, row_px);
+    const Vec3<T> z(T(0.0), T(0.0), T(1.0));
+    Vec3<T> normal;
+    ceres::AngleAxisRotatePoint(pose, z.data(), normal.data());
+    const T range = normal.dot(Vec3<T>(pose[3], pose[4], pose[5])) / normal.dot(ray);
+    const T value = (light[0] * ray.x() + light[1] * ray.y() + light[2] * ray.z()) * range;
+    residual[0] = (value - T(1.0)) / (per_px * deviation_px);
+    return true;
+  }
+};
+
+struct Near {
+  double value, deviation;
+  template <typename T>
+  bool operator()(const T* parameter, T* residual) const {
+    residual[0] = (parameter[0] - value) / deviation;
+    return true;
+  }
+};
+
+struct NearUsualLens {
+  template <typename T>
+  bool operator()(const T* camera, T* residual) const {
+    for (std::size_t i = 0; i < usual_distortion.size(); ++i) {
+      residual[i] = camera[4 + i] / usual_distortion[i];
+    }
+    return true;
+  }
+};
+
+double median_of(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// The standard deviation of Gaussian errors some of which are not.
+double robust_deviation(const std::vector<double>& sizes) {
+  return sizes.empty() ? 1.0 : 1.4826 * median_of(sizes);
+}
+
+// One least-squares problem with its parameters. It is solved twice: first with a robust loss, to
+// learn how large errors are and which do not belong; then without.
+class Problem {
+ public:
+  Problem(const Views& views, const Geometry& start) : views_(views), start_(start) {
+    const auto& camera = start.camera;
+    camera_ = {camera.fx_px,         camera.fy_px,         camera.cx_px,
+               camera.cy_px,         camera.distortion[0], camera.distortion[1],
+               camera.distortion[2], camera.distortion[3]};
+    const Vector3 light = start.light.normal / start.light.distance_m;
+    light_ = {light.x(), light.y(), light.z()};
+    aside_1_ = start.axis.direction_in_camera.unitOrthogonal();
+    aside_2_ = start.axis.direction_in_camera.cross(aside_1_);
+    std::map<int, std::size_t> first;
+    for (std::size_t i = 0; i < views.views.size(); ++i) {
+      const std::size_t reference = first.emplace(views.views[i].pose, i).first->second;
+      reference_.push_back(reference);
+      standing_.push_back(reference != i);
+      if (reference != i) standing_[reference] = true;
+      yaw_.push_back(views.views[i].yaw_rad);
+      const Eigen::AngleAxisd turn(start.camera_from_board[i].linear());
+      const Vector3 rotation = turn.angle() * turn.axis();
+      const Vector3 place = start.camera_from_board[i].translation();
+      pose_.push_back({rotation.x(), rotation.y(), rotation.z(), place.x(), place.y(), place.z()});
+      corner_good_.emplace_back(views.views[i].corners_px.size(), true);
+      const Geometry now = geometry();
+      line_.push_back(line_on_board(views.views[i], views.board, now.camera, pose_of(i)));
+      if (line_.back().size() < least_line_points) line_.back().clear();
+    }
+  }
+
+  [[nodiscard]] bool solve(bool robust) {
+    ceres::Problem problem;
+    build(problem, robust);
+    ceres::Solver::Options options;
+    options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
+    options.max_num_iterations = 100;
+    options.function_tolerance = 1e-10;
+    options.num_threads = 1;
+    options.logging_type = ceres::SILENT;
+    ceres::Solver::Summary summary;
+    ceres::Solve(options, &problem, &summary);
+    return summary.IsSolutionUsable();
+  }
+
+  // How large errors are, and which are too large to be errors.
+  void judge() {
+    std::vector<double> corner_sizes;
+    std::vector<double> line_sizes;
+    for (std::size_t i = 0; i < views_.views.size(); ++i) {
+      for (const Vector2& error : corner_errors(i)) {
+        corner_sizes.push_back(std::abs(error.x()));
+        corner_sizes.push_back(std::abs(error.y()));
+      }
+      for (std::size_t k = 0; k < line_[i].size(); ++k) {
+        line_sizes.push_back(std::abs(line_error(i, k)) / believed_deviation(line_[i][k]));
+      }
+    }
+    const double freedom = 1.0 + 3.0 * static_cast<double>(views_.views.size()) /
+                                     static_cast<double>(corner_sizes.size());
+    corner_px_ = std::max(1e-3, freedom * robust_deviation(corner_sizes));
+    line_factor_ = std::max(0.2, robust_deviation(line_sizes));
+    for (std::size_t i = 0; i < views_.views.size(); ++i) {
+      const auto errors = corner_errors(i);
+      for (std::size_t k = 0; k < errors.size(); ++k) {
+        corner_good_[i][k] = errors[k].norm() < left_out_from * 1.5 * corner_px_;
+      }
+      Line kept;
+      for (std::size_t k = 0; k < line_[i].size(); ++k) {
+        const double allowed = left_out_from * line_factor_ * believed_deviation(line_[i][k]);
+        if (std::abs(line_error(i, k)) < allowed) kept.push_back(line_[i][k]);
+      }
+      line_[i] = std::move(kept);
+    }
+  }
+
+  // The inverse of the information about camera, light and axis that is left when the poses and
+  // angles are unknown as well.
+  [[nodiscard]] std::optional<Covariance> covariance() {
+    ceres::Problem problem;
+    build(problem, false);
+    ceres::Problem::EvaluateOptions options;
+    std::vector<double*> blocks;
+    problem.GetParameterBlocks(&blocks);
+    const auto shared = [this](const double* block) {
+      return block == camera_.data() || block == light_.data() || block == axis_.data();
+    };
+    options.parameter_blocks = {camera_.data(), light_.data(), axis_.data()};
+    for (double* block : blocks) {
+      if (!shared(block)) options.parameter_blocks.push_back(block);
+    }
+    ceres::CRSMatrix jacobian;
+    problem.Evaluate(options, nullptr, nullptr, nullptr, &jacobian);
+    Eigen::MatrixXd information = Eigen::MatrixXd::Zero(jacobian.num_cols, jacobian.num_cols);
+    for (int row = 0; row < jacobian.num_rows; ++row) {
+      const auto begin = static_cast<std::size_t>(jacobian.rows[static_cast<std::size_t>(row)]);
+      const auto end = static_cast<std::size_t>(jacobian.rows[static_cast<std::size_t>(row) + 1]);
+      for (std::size_t a = begin; a < end; ++a) {
+        for (std::size_t b = begin; b < end; ++b) {
+          information(jacobian.cols[a], jacobian.cols[b]) +=
+              jacobian.values[a] * jacobian.values[b];
+        }
+      }
+    }
+    // Focal lengths are thousands, tilts thousandths: scaled to one, so that what is undetermined
+    // shows.
+    const Eigen::VectorXd scale = information.diagonal().cwiseMax(1e-300).cwiseSqrt();
+    const Eigen::VectorXd unit = scale.cwiseInverse();
+    const Eigen::MatrixXd scaled = unit.asDiagonal() * information * unit.asDiagonal();
+    const Eigen::LLT<Eigen::MatrixXd> cholesky(scaled);
+    if (cholesky.info() != Eigen::Success) return std::nullopt;
+    const Eigen::MatrixXd inverse =
+        cholesky.solve(Eigen::MatrixXd::Identity(scaled.rows(), scaled.cols()))
+            .topLeftCorner<parameters, parameters>();
+    const Covariance result =
+        unit.head<parameters>().asDiagonal() * inverse * unit.head<parameters>().asDiagonal();
+    if (!result.allFinite()) return std::nullopt;
+    return result;
+  }
+
+  [[nodiscard]] Geometry geometry() const {
+    Geometry result = start_;
+    auto& camera = result.camera;
+    camera.fx_px = camera_[0];
+    camera.fy_px = camera_[1];
+    camera.cx_px = camera_[2];
+    camera.cy_px = camera_[3];
+    camera.distortion = {camera_[4], camera_[5], camera_[6], camera_[7], 0.0};
+    const Vector3 light(light_[0], light_[1], light_[2]);
+    result.light = {.normal = light.normalized(), .distance_m = 1.0 / light.norm()};
+    // The sign of the normal is as it was found first: along the columns.
+    if (start_.light.distance_m < 0.0) {
+      result.light = {.normal = -result.light.normal, .distance_m = -result.light.distance_m};
+    }
+    result.axis.direction_in_camera =
+        (start_.axis.direction_in_camera + axis_[0] * aside_1_ + axis_[1] * aside_2_).normalized();
+    result.axis.point_in_camera =
+        start_.axis.point_in_camera + axis_[2] * aside_1_ + axis_[3] * aside_2_;
+    for (std::size_t i = 0; i < pose_.size(); ++i) result.camera_from_board[i] = pose_of(i);
+    return result;
+  }
+
+  [[nodiscard]] JointFit result() {
+    JointFit fit{.geometry = geometry(), .corner_px = corner_px_, .line_factor = line_factor_};
+    for (std::size_t i = 0; i < views_.views.size(); ++i) {
+      ViewResidual residual{.line_points = static_cast<int>(line_[i].size())};
+      double sum2 = 0.0;
+      const auto errors = corner_errors(i);
+      for (const Vector2& error : errors) sum2 += error.squaredNorm();
+      residual.reprojection_px = std::sqrt(sum2 / static_cast<double>(errors.size()));
+      double line2 = 0.0;
+      double distance2 = 0.0;
+      for (std::size_t k = 0; k < line_[i].size(); ++k) {
+        const double error_px = line_error(i, k);
+        const double error_m =
+            error_px * line_scale(i, k) * std::abs(fit.geometry.light.distance_m);
+        line2 += error_px * error_px;
+        distance2 += error_m * error_m;
+      }
+      if (!line_[i].empty()) {
+        residual.line_px = std::sqrt(line2 / static_cast<double>(line_[i].size()));
+        residual.line_m = std::sqrt(distance2 / static_cast<double>(line_[i].size()));
+      }
+      fit.residuals.push_back(residual);
+    }
+    return fit;
+  }
+
+ private:
+  using Line = std::vector<LineOnBoard>;
+
+  static double believed_deviation(const LineOnBoard& point) {
+    return std::hypot(point.deviation_px, least_line_px);
+  }
+
+  [[nodiscard]] Vector3 corner(std::size_t k) const {
+    const auto columns = static_cast<std::size_t>(views_.board.columns);
+    return views_.board.square_m *
+           Vector3(static_cast<double>(k % columns), static_cast<double>(k / columns), 0.0);
+  }
+
+  // Where the board of a view stands, by the pose of the board and the turn of the unit.
+  [[nodiscard]] Transform pose_of(std::size_t i) const {
+    const auto& pose = pose_[reference_[i]];
+    const Vector3 rotation(pose[0], pose[1], pose[2]);
+    Transform camera_from_board = Transform::Identity();
+    if (rotation.norm() > 0.0) {
+      camera_from_board.linear() =
+          Eigen::AngleAxisd(rotation.norm(), rotation.normalized()).toRotationMatrix();
+    }
+    camera_from_board.translation() = Vector3(pose[3], pose[4], pose[5]);
+    if (reference_[i] == i) return camera_from_board;
+    const Vector3 along =
+        (start_.axis.direction_in_camera + axis_[0] * aside_1_ + axis_[1] * aside_2_).normalized();
+    const Vector3 on_axis = start_.axis.point_in_camera + axis_[2] * aside_1_ + axis_[3] * aside_2_;
+    Transform back = Transform::Identity();
+    back.linear() = Eigen::AngleAxisd(yaw_[reference_[i]] - yaw_[i], along).toRotationMatrix();
+    back.translation() = on_axis - back.linear() * on_axis;
+    return back * camera_from_board;
+  }
+
+  [[nodiscard]] std::vector<Vector2> corner_errors(std::size_t i) const {
+    const auto camera = geometry().camera;
+    const Transform camera_from_board = pose_of(i);
+    std::vector<Vector2> errors;
+    for (std::size_t k = 0; k < views_.views[i].corners_px.size(); ++k) {
+      errors.push_back(scanner::project(camera, camera_from_board * corner(k)) -
+                       views_.views[i].corners_px[k]);
+    }
+    return errors;
+  }
+
+  [[nodiscard]] double light_value(const Transform& camera_from_board, double column_px,
+                                   double row_px) const {
+    const Vector3 ray = ray_of(camera_.data(), column_px, row_px);
+    const Vector3 normal = camera_from_board.linear().col(2);
+    const double range = normal.dot(camera_from_board.translation()) / normal.dot(ray);
+    return range * Vector3(light_[0], light_[1], light_[2]).dot(ray);
+  }
+  // Change of light_value for one pixel across the line.
+  [[nodiscard]] double line_scale(std::size_t i, std::size_t k) const {
+    const LineOnBoard& point = line_[i][k];
+    const Transform pose = pose_of(i);
+    return 0.5 * (light_value(pose, point.column_px + 1.0, point.row_px) -
+                  light_value(pose, point.column_px - 1.0, point.row_px));
+  }
+  [[nodiscard]] double line_error(std::size_t i, std::size_t k) const {
+    const LineOnBoard& point = line_[i][k];
+    return (light_value(pose_of(i), point.column_px, point.row_px) - 1.0) / line_scale(i, k);
+  }
+
+  void build(ceres::Problem& problem, bool robust) {
+    const auto loss = [robust]() -> ceres::LossFunction* {
+      return robust ? new ceres::HuberLoss(robust_from) : nullptr;
+    };
+    problem.AddResidualBlock(
+        new ceres::AutoDiffCostFunction<NearUsualLens, 4, camera_size>(new NearUsualLens), nullptr,
+        camera_.data());
+    for (std::size_t i = 0; i < views_.views.size(); ++i) {
+      add_corners(problem, i, loss);
+      if (reference_[i] == i) add_line(problem, i, loss);
+      if (standing_[i]) {
+        problem.AddResidualBlock(new ceres::AutoDiffCostFunction<Near, 1, 1>(
+                                     new Near{views_.views[i].yaw_rad, yaw_deviation_rad}),
+                                 nullptr, &yaw_[i]);
+      }
+    }
+  }
+
+  template <typename Loss>
+  void add_corners(ceres::Problem& problem, std::size_t i, const Loss& loss) {
+    const auto& corners = views_.views[i].corners_px;
+    const std::size_t reference = reference_[i];
+    for (std::size_t k = 0; k < corners.size(); ++k) {
+      if (!corner_good_[i][k]) continue;
+      const CornerOfBoard seen{.seen_px = corners[k], .at = corner(k), .deviation_px = corner_px_};
+      if (reference == i) {
+        problem.AddResidualBlock(new ceres::AutoDiffCostFunction<CornerOfBoard, 2, camera_size, 6>(
+                                     new CornerOfBoard(seen)),
+                                 loss(), camera_.data(), pose_[i].data());
+        continue;
+      }
+      problem.AddResidualBlock(
+          new ceres::AutoDiffCostFunction<CornerOfStandingBoard, 2, camera_size, 6, axis_size, 1,
+                                          1>(
+              new CornerOfStandingBoard{seen, start_.axis.direction_in_camera,
+                                        start_.axis.point_in_camera, aside_1_, aside_2_}),
+          loss(), camera_.data(), pose_[reference].data(), axis_.data(), &yaw_[reference],
+          &yaw_[i]);
+    }
+  }
+
+  template <typename Loss>
+  void add_line(ceres::Problem& problem, std::size_t i, const Loss& loss) {
+    for (std::size_t k = 0; k < line_[i].size(); ++k) {
+      const LineOnBoard& point = line_[i][k];
+      auto* cost = new ceres::AutoDiffCostFunction<PointOfLine, 1, camera_size, 6, light_size>(
+          new PointOfLine{.column_px = point.column_px,
+                          .row_px = point.row_px,
+                          .per_px = line_scale(i, k),
+                          .deviation_px = line_factor_ * believed_deviation(point)});
+      problem.AddResidualBlock(cost, loss(), camera_.data(), pose_[i].data(), light_.data());
+    }
+  }
+
+  const Views& views_;
+  const Geometry& start_;
+  Vector3 aside_1_, aside_2_;
+  std::array<double, camera_size> camera_{};
+  std::array<double, light_size> light_{};
+  std::array<double, axis_size> axis_{};
+  std::vector<std::array<double, 6>> pose_;
+  std::vector<double> yaw_;
+  std::vector<std::size_t> reference_;  ///< the first view of the same pose
+  std::vector<bool> standing_;          ///< whether its pose is seen at several yaws
+  std::vector<std::vector<bool>> corner_good_;
+  std::vector<Line> line_;
+  double corner_px_ = 0.1;
+  double line_factor_ = 2.0;
+};
+
+}  // namespace
+
+Result<JointFit> fit_jointly(const Views& views, const Geometry& start) {
+  Problem problem(views, start);
+  const auto undetermined = [] {
+    return fail(Fault::bad_input,
+                "these pictures do not determine camera, light plane and axis: hold the board at "
+                "more distances and tilts");
+  };
+  if (!problem.solve(true)) return undetermined();
+  problem.judge();
+  if (!problem.solve(false)) return undetermined();
+  problem.judge();
+  if (!problem.solve(false)) return undetermined();
+  const auto covariance = problem.covariance();
+  if (!covariance) return undetermined();
+  JointFit fit = problem.result();
+  fit.covariance = *covariance;
+  return fit;
+}
+
+}  // namespace tuina::calibration

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <vector>
+
+#include "tuina/core/progress.hpp"
+#include "tuina/core/result.hpp"
+#include "tuina/scanner/sweep.hpp"
+
+namespace tuina::calibration {
+
+/// One recorded sweep as lines and readings.
+struct Sweep {
+  std::vector<scanner::TimedLine> lines;
+  std::vector<scanner::YawReading> readings;
+  scanner::ScannerCalibration nominal;  ///< the calibration.toml that lies with it
+};
+[[nodiscard]] Result<Sweep> read_sweep(const std::filesystem::path& folder,
+                                       const Progress& progress = {});
+
+struct Latency {
+  double latency_s = 0.0;
+  double deviation_s = 0.0;
+};
+
+/// The time to add to a yaw reading to compare it with a frame, from two sweeps of one still scene:
+/// at the same yaw every row of the image must show the same, whichever way the unit turned. No
+/// other calibration has a part in it. Fails when a sweep turns the wrong way or the scene is too
+/// flat to tell.
+[[nodiscard]] Result<Latency> find_latency(const Sweep& falling, const Sweep& rising);
+
+}  // namespace tuina::calibration

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "tuina/core/result.hpp"
+
+namespace tuina::calibration {
+
+/// A chessboard: how many inner corners it has along x and y, and how far apart they are.
+struct Board {
+  int columns = 0;
+  int rows = 0;
+  double square_m = 0.0;
+  [[nodiscard]] int corners() const { return columns * rows; }
+};
+
+/// One picture of a set: the bare board, or the same with the laser on.
+struct Shot {
+  int frame = 0;
+  bool laser = false;
+  int pose = 0;
+  double yaw_rad = 0.0;
+  std::filesystem::path picture;
+};
+
+/// A folder of calibration shots, its tables read and every picture that they name found.
+struct Shots {
+  std::filesystem::path folder;
+  Board board;
+  std::vector<Shot> shots;
+};
+
+/// Reads board.toml and frames.csv. Refuses, with file and line, what departs from the format,
+/// names a picture that is not there, or cannot be a board.
+[[nodiscard]] Result<Shots> read_shots(const std::filesystem::path& folder);
+
+}  // namespace tuina::calibration

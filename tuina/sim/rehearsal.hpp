@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+
+#include "tuina/core/progress.hpp"
+#include "tuina/core/result.hpp"
+#include "tuina/scanner/calibration.hpp"
+#include "tuina/sim/board_renderer.hpp"
+
+namespace tuina::sim {
+
+/// A scanner as somebody built it: over the couch, looking down, every part a little off its
+/// drawing.
+[[nodiscard]] scanner::ScannerCalibration built_scanner(std::uint64_t seed);
+
+struct RehearsalOptions {
+  Chessboard board;
+  int poses = 40;          ///< of a board held in the hand, each with and without laser
+  int standing_poses = 4;  ///< of a board that stands while the unit turns
+  double nearest_m = 0.5;
+  double farthest_m = 1.75;
+  bool sweeps = true;  ///< sweep_left, sweep_right and couch as well
+  int threads = 2;
+};
+
+/// Photographs a whole set of calibration shots with that scanner into a new folder, as `tuina
+/// calibrate` reads it. What is true of the scanner is not in it. The folder appears when it is
+/// whole.
+[[nodiscard]] Result<void> rehearse_calibration(const scanner::ScannerCalibration& truth,
+                                                std::uint64_t seed,
+                                                const std::filesystem::path& folder,
+                                                const RehearsalOptions& options = {},
+                                                const Progress& progress = {});
+
+}  // namespace tuina::sim
