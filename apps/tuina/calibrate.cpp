@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "apps/tuina/calibration_report.hpp"
 #include "apps/tuina/verbs.hpp"
 #include "tuina/core/file.hpp"
 #include "tuina/core/units.hpp"
@@ -86,10 +87,10 @@ nlohmann::json json_of(const Calibrated& result, const Views& views) {
           {"standard_deviations", deviations_of(result)},
           {"couch_measured", result.couch.has_value()},
           {"residuals", residuals},
-          {"remarks", result.remarks}};
+          {"remarks", advice(result, views)}};
 }
 
-std::string text_of(const Calibrated& result) {
+std::string text_of(const Calibrated& result, const Views& views) {
   std::string text =
       fmt::format("{} poses, corners {:.3f} px, laser line {:.2f} mm, axis {:.2f} mm", result.poses,
                   result.reprojection_px, to_mm(result.laser_rms_m), to_mm(result.axis_rms_m));
@@ -103,7 +104,7 @@ std::string text_of(const Calibrated& result) {
     text += fmt::format(" {:.2f} mm at {} m{}", to_mm(result.expected[i]->total_m()),
                         calibration::told_depths_m[i], i + 1 < result.expected.size() ? "," : "");
   }
-  for (const std::string& remark : result.remarks) text += "\n" + remark;
+  for (const std::string& sentence : advice(result, views)) text += "\n" + sentence;
   return text;
 }
 
@@ -121,6 +122,10 @@ class Calibrate final : public Verb {
   void describe(CLI::App& command) override {
     auto* shots = command.add_option("shots", shots_, "the folder with the pictures");
     auto* out = command.add_option("--out", out_, "the calibration, as TOML");
+    command
+        .add_option("--report", report_,
+                    "an HTML page: boards seen, how well each agrees, what to improve next")
+        ->needs(out);
     command
         .add_option("--rehearse", rehearse_,
                     "photograph such a set with the simulated scanner into this new folder")
@@ -146,7 +151,13 @@ class Calibrate final : public Verb {
     if (const auto written = write_file(out_, scanner::to_toml(result->calibration)); !written) {
       return tl::unexpected(written.error());
     }
-    return Answer{.json = json_of(*result, views).dump(2), .text = text_of(*result)};
+    if (!report_.empty()) {
+      const auto page = calibration_report(*result, views, shots_);
+      if (const auto written = write_file(report_, page); !written) {
+        return tl::unexpected(written.error());
+      }
+    }
+    return Answer{.json = json_of(*result, views).dump(2), .text = text_of(*result, views)};
   }
 
  private:
@@ -163,6 +174,7 @@ class Calibrate final : public Verb {
 
   std::string shots_;
   std::string out_;
+  std::string report_;
   std::string rehearse_;
 };
 

@@ -21,8 +21,8 @@ namespace {
 constexpr double yaw_deviation_rad = 0.1_deg;
 // What lenses of webcams have; without it a few boards would find distortion in their noise.
 constexpr std::array<double, 4> usual_distortion = {0.5, 1.0, 0.01, 0.01};
-// What even clean pictures leave of a line: rounding to grey levels, a surface not quite even.
-constexpr double least_line_px = 0.03;
+// What the image noise does not know of: speckle, paper not quite even.
+constexpr double least_line_px = 0.1;
 constexpr double robust_from = 2.5;  // standard deviations
 constexpr double left_out_from = 4.0;
 

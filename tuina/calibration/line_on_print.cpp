@@ -22,9 +22,11 @@ constexpr std::size_t least_points = 12;
 constexpr double window_widths = 4.0;
 constexpr double least_height = 5.0;  // of the line, in standard deviations of it
 constexpr double converged_px = 1e-3;
+constexpr int clipped_dn = 254;  // the flanks of a line that is too bright tell its place as well
 // What printed black adds to the light of the line, as a share of what white does beyond what it
 // shows of the room's light. A camera with a black level, or a line as bright on black, need it.
 constexpr std::array<double, 7> shares = {0.0, 0.05, 0.1, 0.25, 0.5, 1.0, 100.0};
+constexpr std::array<double, 8> width_factors = {0.5, 0.6, 0.7, 0.78, 0.86, 0.93, 1.08, 1.16};
 
 // The four outer corners of the board, from its inner ones.
 std::array<Vector2, 4> outline(std::span<const Vector2> corners, const Board& shape) {
@@ -107,7 +109,11 @@ std::optional<Course> find_course(const std::vector<Vector2>& points) {
 class Fit {
  public:
   Fit(ImageView laser, ImageView board, double width_px, double noise_dn)
-      : laser_(laser), board_(board), width_px_(width_px), noise_dn_(std::max(0.5, noise_dn)) {}
+      : laser_(laser),
+        board_(board),
+        width_px_(width_px),
+        window_px_(window_widths * width_px),
+        noise_dn_(std::max(0.5, noise_dn)) {}
 
   // How the board without laser shows in the laser picture, which is darker: scale and offset, from
   // places beside the line.
@@ -128,6 +134,9 @@ class Fit {
     background_ = sums.ldlt().solve(moments);
   }
 
+  void set_width(double width_px) { width_px_ = width_px; }
+  [[nodiscard]] int rows() const { return laser_.height; }
+
   struct Row {
     double column_px = 0.0;
     double deviation_px = 0.0;
@@ -139,8 +148,8 @@ class Fit {
   // board shows it.
   [[nodiscard]] std::optional<Row> fit(int row, double column_px, double share) const {
     const double start_px = column_px;
-    const int first = static_cast<int>(std::ceil(column_px - window_widths * width_px_));
-    const int last = static_cast<int>(std::floor(column_px + window_widths * width_px_));
+    const int first = static_cast<int>(std::ceil(column_px - window_px_));
+    const int last = static_cast<int>(std::floor(column_px + window_px_));
     if (first < 0 || last >= laser_.width) return std::nullopt;
     double height = 0.0;
     double offset = 0.0;
@@ -149,6 +158,7 @@ class Fit {
       Vector3 moments = Vector3::Zero();
       double misfit = 0.0;
       for (int x = first; x <= last; ++x) {
+        if (laser_.row(row)[x] >= clipped_dn) continue;
         const double u = (x - column_px) / width_px_;
         const double shown = board_.row(row)[x];
         const double paper = (shown / brightest_ + share) / (1.0 + share);
@@ -184,10 +194,34 @@ class Fit {
   ImageView laser_;
   ImageView board_;
   double width_px_;
+  double window_px_;  // the same for every width, so that what is left can be compared
   double noise_dn_;
   double brightest_ = 1.0;
   Vector2 background_ = Vector2::Zero();
 };
+
+struct FittedLine {
+  std::vector<LinePoint> points;
+  double misfit = 0.0;
+};
+
+FittedLine fit_rows(const Fit& fit, const Course& course, const std::array<Vector2, 4>& corners,
+                    double share) {
+  FittedLine line;
+  for (int row = 0; row < fit.rows(); ++row) {
+    const double column_px = course.column_at(row);
+    if (!inside(corners, {column_px, row})) continue;
+    const auto fitted = fit.fit(row, column_px, share);
+    // A row that cannot be fitted leaves as much as three that can.
+    line.misfit += fitted ? std::min(fitted->misfit, 200.0) : 100.0;
+    if (!fitted) continue;
+    line.points.push_back({.row = row,
+                           .column_px = static_cast<float>(fitted->column_px),
+                           .amplitude_dn = static_cast<float>(fitted->height_dn),
+                           .deviation_px = static_cast<float>(fitted->deviation_px)});
+  }
+  return line;
+}
 
 }  // namespace
 
@@ -204,31 +238,22 @@ std::vector<LinePoint> line_on_print(ImageView laser, ImageView board,
   if (!course) return {};
   Fit fit(laser, board, std::max(1.0, found.width_px), found.noise_dn);
   fit.learn_board(*course, corners);
-
-  // One share for the whole board: the one that leaves least.
-  std::vector<LinePoint> best;
-  double least = 0.0;
-  for (const double share : shares) {
-    std::vector<LinePoint> line;
-    double misfit = 0.0;
-    for (int row = 0; row < laser.height; ++row) {
-      const double column_px = course->column_at(row);
-      if (!inside(corners, {column_px, row})) continue;
-      const auto fitted = fit.fit(row, column_px, share);
-      // A row that cannot be fitted leaves as much as three that can.
-      misfit += fitted ? std::min(fitted->misfit, 200.0) : 100.0;
-      if (!fitted) continue;
-      line.push_back({.row = row,
-                      .column_px = static_cast<float>(fitted->column_px),
-                      .amplitude_dn = static_cast<float>(fitted->height_dn),
-                      .deviation_px = static_cast<float>(fitted->deviation_px)});
-    }
-    if (best.empty() || misfit < least) {
-      least = misfit;
-      best = std::move(line);
-    }
+  // One share and one width for the whole board: those that leave least. A clipped line looks wider
+  // than it is, so the width is tried as well.
+  FittedLine best = fit_rows(fit, *course, corners, shares.front());
+  double share = shares.front();
+  for (const double other : shares) {
+    FittedLine line = fit_rows(fit, *course, corners, other);
+    if (line.misfit >= best.misfit) continue;
+    share = other;
+    best = std::move(line);
   }
-  return best;
+  for (const double factor : width_factors) {
+    fit.set_width(factor * std::max(1.0, found.width_px));
+    FittedLine line = fit_rows(fit, *course, corners, share);
+    if (line.misfit < best.misfit) best = std::move(line);
+  }
+  return best.points;
 }
 
 }  // namespace tuina::calibration
