@@ -58,6 +58,19 @@ TEST_CASE("scan, record and replay give one cloud, and say how good it is") {
   CHECK(again.out.empty());
 }
 
+TEST_CASE("evaluate scanner answers for the parts that were asked for, with a page") {
+  const Folder folder;
+  const auto outcome = run_tuina({"evaluate", "scanner", "--only", "bodies", "--page",
+                                  folder / "page.html", "--json", "--quiet"});
+  REQUIRE_MESSAGE(outcome.exit_code == 0, outcome.err);
+  const auto json = nlohmann::json::parse(outcome.out)["scanner"];
+  CHECK(json["box"]["edges_mm"].size() == 3);
+  CHECK(json["sphere"]["radius_mm"] == doctest::Approx(75.0).epsilon(0.01));
+  CHECK_FALSE(json.contains("curves"));
+  CHECK(tuina::read_file(folder / "page.html").value().find("</html>") != std::string::npos);
+  CHECK(run_tuina({"evaluate", "scanner", "--only", "moon"}).exit_code == 1);
+}
+
 TEST_CASE("wrong use of scan is told from bad input, and leaves no file") {
   const Folder folder;
   const std::string out = folder / "scan.ply";

@@ -53,8 +53,8 @@ void fit_laser_plane(const ScannerCalibration& truth, ScannerCalibration& believ
     for (int row = 20; row < truth.camera.height_px; row += 40) {
       const double y = (row - truth.camera.cy_px) / truth.camera.fy_px * depth_m;
       const double z = depth_m + tilt * y;
-      const double x = (truth.laser_distance_m - truth.laser_normal_in_camera.z() * z) /
-                       truth.laser_normal_in_camera.x();
+      const Vector3& normal = truth.laser_normal_in_camera;
+      const double x = (truth.laser_distance_m - normal.y() * y - normal.z() * z) / normal.x();
       const Vector2 pixel = scanner::project(truth.camera, {x, y, z});
       const Vector3 ray =
           scanner::ray_through(believed.camera, pixel.x() + gaussian(random, 0.1), pixel.y());

@@ -40,6 +40,9 @@ struct LaserScanner::World {
   std::size_t frames = 0;
   std::size_t given = 0;
   std::vector<Image> ahead;  // rendered and not yet given
+  std::vector<Image> dark_ahead;
+  std::size_t visible_rows = 0;
+  Random drops;
   std::vector<scanner::YawReading> readings;
 
   [[nodiscard]] double yaw_at(double time_s) const {
@@ -54,19 +57,24 @@ struct LaserScanner::World {
   void render_ahead() {
     const std::size_t count = std::min(frames_at_once, frames - given);
     ahead.assign(count, {});
-    const auto work = [this, count](std::size_t first, std::size_t step) {
+    if (options.dark_frames) dark_ahead.assign(count, {});
+    std::vector<std::size_t> visible(count);
+    const auto work = [this, count, &visible](std::size_t first, std::size_t step) {
       for (std::size_t i = first; i < count; i += step) {
         const std::size_t frame = given + i;
         const double time_s = time_of(frame);
         const double breath_m = 0.5 * breathing.amplitude_m *
                                 (1.0 - std::cos(2.0 * pi * breathing.frequency_hz * time_s));
-        ahead[i] = renderer.render(yaw_at(time_s), breath_m * breath_direction, frame);
+        ahead[i] = renderer.render(yaw_at(time_s), breath_m * breath_direction, frame, &visible[i]);
+        if (options.dark_frames) dark_ahead[i] = renderer.render_dark(frame);
       }
     };
     const auto threads = static_cast<std::size_t>(std::max(1, options.threads));
     std::vector<std::jthread> others;
     for (std::size_t i = 1; i < threads; ++i) others.emplace_back(work, i, threads);
     work(0, threads);
+    others.clear();
+    for (const std::size_t rows : visible) visible_rows += rows;
   }
 };
 
@@ -94,6 +102,8 @@ LaserScanner::LaserScanner(const Mesh& scene_in_couch, const Mesh& couch,
             .breathing = {},
             .jitter = make_random(seed, "yaw clock"),
             .ahead = {},
+            .dark_ahead = {},
+            .drops = make_random(seed, "dropped frames"),
             .readings = {}});
   world_->options.latency_s = truth.latency_s;
 }
@@ -119,6 +129,7 @@ Result<void> LaserScanner::sweep(double from_rad, double to_rad, double rad_per_
   world.frames = static_cast<std::size_t>(duration_s * world.options.frames_per_s + 1e-9) + 1;
   world.given = 0;
   world.ahead.clear();
+  world.visible_rows = 0;
   world.readings.clear();
   const double step_s = 1.0 / world.options.readings_per_s;
   double last_s = -1e9;
@@ -141,14 +152,23 @@ Result<std::vector<scanner::YawReading>> LaserScanner::readings() {
 
 Result<scanner::Frame> LaserScanner::next_frame() {
   World& world = *world_;
-  if (world.given == world.frames)
-    return fail(Fault::not_found, "the unit has arrived; no more frames");
-  const std::size_t place = world.given % frames_at_once;
-  if (place == 0) world.render_ahead();
-  scanner::Frame frame{
-      .time_s = world.time_of(world.given), .image = std::move(world.ahead[place]), .dark = {}};
-  ++world.given;
-  return frame;
+  for (;;) {
+    if (world.given == world.frames)
+      return fail(Fault::not_found, "the unit has arrived; no more frames");
+    const std::size_t place = world.given % frames_at_once;
+    if (place == 0) world.render_ahead();
+    scanner::Frame frame{
+        .time_s = world.time_of(world.given), .image = std::move(world.ahead[place]), .dark = {}};
+    if (world.options.dark_frames) frame.dark = std::move(world.dark_ahead[place]);
+    ++world.given;
+    const double share = world.options.dropped_share;
+    if (share > 0.0 && uniform(world.drops, 0.0, 1.0) < share) continue;
+    return frame;
+  }
+}
+
+std::size_t LaserScanner::visible_rows() const {
+  return world_->visible_rows;
 }
 
 }  // namespace tuina::sim

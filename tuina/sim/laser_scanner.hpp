@@ -36,6 +36,9 @@ struct LaserScannerOptions {
   double readings_per_s = 50.0;
   double yaw_jitter_s = 0.001;  ///< standard deviation of the time stamps of the motor
   double latency_s = 0.12;      ///< the thesis' scanner: motor clock behind camera clock
+  double speckle_px = 0.0;      ///< by which coherent light displaces the line, from row to row
+  double dropped_share = 0.0;   ///< of the frames, lost on their way
+  bool dark_frames = false;     ///< each frame comes with one taken with the laser off
   int threads = 2;
 };
 
@@ -74,6 +77,8 @@ class LaserScanner final : public scanner::Camera, public scanner::Turntable {
   [[nodiscard]] Result<std::vector<scanner::YawReading>> readings() override;
 
   [[nodiscard]] const scanner::ScannerCalibration& true_calibration() const;
+  /// In how many rows of all frames of the last sweep laser and camera both see something.
+  [[nodiscard]] std::size_t visible_rows() const;
 
  private:
   struct World;
@@ -88,6 +93,7 @@ struct ScanTruth {
   double rms_error_m = 0.0;
   double worst_error_m = 0.0;
   std::size_t points = 0;  ///< of the person; points of the couch (below 15 mm) are left out
+  std::size_t outliers = 0;  ///< of these, farther than 5 mm from the surface
 };
 [[nodiscard]] ScanTruth compare_with_truth(const PointCloud& cloud_in_couch,
                                            const Mesh& skin_in_couch);

@@ -22,6 +22,7 @@ constexpr double sheet_deviation_m = 0.7_mm;  // half the 1/e^2 width of a cheap
 constexpr std::array<double, 3> sheet_aside = {-1.7320508, 0.0, 1.7320508};
 constexpr std::array<double, 3> sheet_share = {1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0};
 constexpr std::size_t noise_samples = std::size_t{1} << 19;
+constexpr std::size_t speckle_rows = std::size_t{1} << 16;
 
 // Light of one fan ray per pixel of line, from a surface that shines alike in all directions
 // (Lambert): what reaches the lens falls with the square of the distance and the cosine of the
@@ -62,6 +63,26 @@ LineRenderer::LineRenderer(const Mesh& skin_in_couch, const Mesh& couch,
   noise_.reserve(noise_samples);
   for (std::size_t i = 0; i < noise_samples; ++i) {
     noise_.push_back(static_cast<float>(gaussian(random, options_.noise_dn)));
+  }
+  if (options_.speckle_px <= 0.0) return;
+  // Grains of about three rows: a moving sum of Gaussian draws, weighted 1, 2, 1.
+  Random grains = make_random(seed, "speckle");
+  double before[2] = {gaussian(grains, 1.0), gaussian(grains, 1.0)};
+  for (std::size_t i = 0; i < speckle_rows; ++i) {
+    const double next_one = gaussian(grains, 1.0);
+    const double sum = before[0] + 2.0 * before[1] + next_one;
+    speckle_.push_back(static_cast<float>(options_.speckle_px * sum / std::sqrt(6.0)));
+    before[0] = before[1];
+    before[1] = next_one;
+  }
+}
+
+void LineRenderer::displace(Strokes& strokes, std::uint64_t state) const {
+  if (speckle_.empty()) return;
+  const float* by_px = speckle_.data() + next(state) % (speckle_.size() - strokes.size());
+  for (auto& row : strokes) {
+    for (Stroke& stroke : row) stroke.column_px += *by_px;
+    ++by_px;
   }
 }
 
@@ -137,19 +158,46 @@ void LineRenderer::draw_sheet(const Transform& couch_from_camera, const Vector3&
   }
 }
 
-Image LineRenderer::render(double yaw_rad, const Vector3& skin_shift_in_couch,
-                           std::uint64_t frame) const {
+Image LineRenderer::render(double yaw_rad, const Vector3& skin_shift_in_couch, std::uint64_t frame,
+                           std::size_t* visible_rows) const {
   const Transform couch_from_camera = truth_.couch_from_camera_at(yaw_rad);
+  Strokes strokes(static_cast<std::size_t>(truth_.camera.height_px));
+  const auto row_sees = [this](const std::vector<Stroke>& row) {
+    return std::any_of(row.begin(), row.end(), [this](const Stroke& stroke) {
+      return stroke.column_px >= 0.0F &&
+             stroke.column_px <= static_cast<float>(truth_.camera.width_px - 1);
+    });
+  };
+  for (std::size_t i = 0; i < sheet_aside.size(); ++i) {
+    const Vector3& shift = skin_shift_in_couch;
+    const double aside_m = sheet_aside[i] * sheet_deviation_m;
+    // A row sees the line when it sees the middle of it.
+    if (visible_rows != nullptr && aside_m == 0.0) {
+      Strokes middle(strokes.size());
+      draw_sheet(couch_from_camera, shift, aside_m, sheet_share[i], middle);
+      *visible_rows =
+          static_cast<std::size_t>(std::count_if(middle.begin(), middle.end(), row_sees));
+      for (std::size_t row = 0; row < strokes.size(); ++row) {
+        strokes[row].insert(strokes[row].end(), middle[row].begin(), middle[row].end());
+      }
+    } else {
+      draw_sheet(couch_from_camera, shift, aside_m, sheet_share[i], strokes);
+    }
+  }
+  const std::uint64_t state = seed_ * 0xD1342543DE82EF95ULL + frame * 0x2545F4914F6CDD1DULL;
+  displace(strokes, state ^ 0x5BECC1EULL);
+  return expose(strokes, state);
+}
+
+Image LineRenderer::render_dark(std::uint64_t frame) const {
+  const Strokes none(static_cast<std::size_t>(truth_.camera.height_px));
+  return expose(none, ~seed_ * 0xD1342543DE82EF95ULL + frame * 0x2545F4914F6CDD1DULL);
+}
+
+Image LineRenderer::expose(const Strokes& strokes, std::uint64_t state) const {
   const int width = truth_.camera.width_px;
   const int height = truth_.camera.height_px;
-  Strokes strokes(static_cast<std::size_t>(height));
-  for (std::size_t i = 0; i < sheet_aside.size(); ++i) {
-    draw_sheet(couch_from_camera, skin_shift_in_couch, sheet_aside[i] * sheet_deviation_m,
-               sheet_share[i], strokes);
-  }
-
   Image image(width, height);
-  std::uint64_t state = seed_ * 0xD1342543DE82EF95ULL + frame * 0x2545F4914F6CDD1DULL;
   const auto room = static_cast<float>(options_.room_light_dn);
   std::vector<float> light(static_cast<std::size_t>(width));
   for (int y = 0; y < height; ++y) {

@@ -20,9 +20,11 @@ class LineRenderer {
                std::uint64_t seed);
 
   /// `skin_shift_in_couch` is how far breathing has moved the person. The same `frame` gives the
-  /// same noise.
+  /// same noise. `visible_rows`, if wanted, counts the rows in which there is a line.
   [[nodiscard]] Image render(double yaw_rad, const Vector3& skin_shift_in_couch,
-                             std::uint64_t frame) const;
+                             std::uint64_t frame, std::size_t* visible_rows = nullptr) const;
+  /// The same moment with the laser off, with noise of its own.
+  [[nodiscard]] Image render_dark(std::uint64_t frame) const;
 
  private:
   // A short piece of the line as a row of the image sees it.
@@ -45,6 +47,8 @@ class LineRenderer {
                            const Transform& camera_from_couch, const Vector3& shift) const;
   void draw_sheet(const Transform& couch_from_camera, const Vector3& shift, double aside_m,
                   double share, Strokes& strokes) const;
+  [[nodiscard]] Image expose(const Strokes& strokes, std::uint64_t state) const;
+  void displace(Strokes& strokes, std::uint64_t state) const;
   void join(const Spot& a, const Spot& b, double share, Strokes& strokes) const;
 
   RayScene skin_;
@@ -55,6 +59,7 @@ class LineRenderer {
   double light_at_reference_;
   double spot_width_px_;
   std::vector<float> noise_;
+  std::vector<float> speckle_;  // a line displaced from row to row; empty when there is none
 };
 
 }  // namespace tuina::sim

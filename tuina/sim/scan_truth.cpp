@@ -10,6 +10,7 @@ namespace tuina::sim {
 
 ScanTruth compare_with_truth(const PointCloud& cloud_in_couch, const Mesh& skin_in_couch) {
   constexpr double couch_top_m = 15.0_mm;
+  constexpr double outlier_m = 5.0_mm;
   const RayScene skin(skin_in_couch);
   ScanTruth truth;
   double sum2 = 0.0;
@@ -19,6 +20,7 @@ ScanTruth compare_with_truth(const PointCloud& cloud_in_couch, const Mesh& skin_
     sum2 += distance_m * distance_m;
     truth.worst_error_m = std::max(truth.worst_error_m, distance_m);
     ++truth.points;
+    truth.outliers += distance_m > outlier_m ? 1U : 0U;
   }
   if (truth.points > 0) truth.rms_error_m = std::sqrt(sum2 / static_cast<double>(truth.points));
   return truth;
