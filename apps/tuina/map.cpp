@@ -78,6 +78,8 @@ class MapVerb final : public Verb {
                               {"points", scan->cloud.size()},
                               {"dropped_points", scan->dropped_points},
                               {"seen_percent", 100.0 * mapping->seen},
+                              {"misfit_mm", to_mm(mapping->misfit_m)},
+                              {"strangeness", mapping->strangeness},
                               {"acupoints", acupoints},
                               {"landmarks", landmarks}};
     const std::string text = json.dump(2);

@@ -4,15 +4,21 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tuina/body/correction.hpp"
 #include "tuina/core/units.hpp"
 
 namespace tuina::body {
 namespace {
 
-constexpr double enough_seen = 0.62;    // of the atlas' back; tuned on phantoms cut in pieces
+constexpr double enough_seen = 0.66;  // of the atlas' back; tuned on phantoms cut in pieces
 constexpr double worst_residual_m = 14_mm;
+constexpr double most_turn_rad =
+    35_deg;  // 15 allowed on the couch, and people sit turned by up to 16 themselves
+constexpr double strangest =
+    1.6;  // people of another modeller reach 1.4; half a back, squeezed into a whole one, 1.7
 
-void add(Mapping& mapping, const ShapeModel& shape, std::size_t label, const SurfacePoint& skin, double radius_m) {
+void add(Mapping& mapping, const ShapeModel& shape, std::size_t label, const SurfacePoint& skin,
+         double radius_m) {
   if (static_cast<int>(label) < shape.acupoints) {
     mapping.acupoints.push_back({.name = shape.labels[label],
                                  .at_in_couch = skin.at_in_couch,
@@ -23,9 +29,10 @@ void add(Mapping& mapping, const ShapeModel& shape, std::size_t label, const Sur
   }
 }
 
-/// [thesis] 5.4: the mark is warped on the plane of the back, then given its place on the skin. The candidates
-/// of (5.7) are one here: a point is warped, not the pixels of a sticker.
-void morph(Mapping& mapping, const BackSurface& back, const Outline& outline, const PositionAtlas& atlas) {
+/// [thesis] 5.4: the mark is warped on the plane of the back, then given its place on the skin. The
+/// candidates of (5.7) are one here: a point is warped, not the pixels of a sticker.
+void morph(Mapping& mapping, const BackSurface& back, const Outline& outline,
+           const PositionAtlas& atlas) {
   const auto lines = feature_lines(outline);
   const Transform couch_from_back = outline.back_from_couch.inverse();
   const Vector3 out = couch_from_back.linear().col(1);
@@ -33,29 +40,63 @@ void morph(Mapping& mapping, const BackSurface& back, const Outline& outline, co
     const Vector2 at = warp(atlas.standard.marks[i], atlas.standard.lines, lines);
     const Vector3 above = couch_from_back * Vector3(at.x(), 0.6, at.y());
     const auto hit = back.along(above, -out);
-    const SurfacePoint skin = hit ? *hit : back.nearest(couch_from_back * Vector3(at.x(), 0.0, at.y()));
+    const SurfacePoint skin =
+        hit ? *hit : back.nearest(couch_from_back * Vector3(at.x(), 0.0, at.y()));
     add(mapping, atlas.shape, i, skin, atlas.standard.radius95_m);
   }
 }
 
-Result<void> fit(Mapping& mapping, const BackSurface& back, const Outline& outline, const ShapeModel& shape) {
-  const LabelEstimate estimate = estimate_labels(shape, back, outline);
+Result<void> check_turn(double turned_rad) {
+  if (std::abs(turned_rad) <= most_turn_rad) return {};
+  return fail(Fault::not_found,
+              "the person is turned by {:.0f} degrees, the atlas knows up to {:.0f}",
+              to_deg(std::abs(turned_rad)), to_deg(most_turn_rad));
+}
+
+/// How far a fitted person is turned about the vertical; one who lies, from the nearer end of the
+/// bed.
+double turn_of(const ShapeFit& fit, Position position) {
+  const Vector3 along = fit.couch_from_model.linear().col(position == Position::sitting ? 1 : 2);
+  const double angle = std::atan2(-along.x(), along.y());
+  return position == Position::sitting ? angle : std::remainder(angle, pi);
+}
+
+Result<void> fit(Mapping& mapping, const BackSurface& back, const ShapeModel& shape) {
+  const LabelEstimate estimate = estimate_labels(shape, back);
   mapping.seen = estimate.fit.seen;
+  mapping.misfit_m = estimate.fit.residual_m;
+  mapping.strangeness = estimate.fit.strangeness();
   if (estimate.fit.seen < enough_seen) {
-    return fail(Fault::not_found, "less than a back: the scan shows {:.0f} % of it, {:.0f} needed",
+    const double turned_rad = std::abs(heading(back.points(), back.position()));
+    return fail(Fault::not_found,
+                "less than a back{}: the scan shows {:.0f} % of it, {:.0f} needed",
+                turned_rad > most_turn_rad
+                    ? fmt::format(", or turned by {:.0f} degrees", to_deg(turned_rad))
+                    : "",
                 100.0 * estimate.fit.seen, 100.0 * enough_seen);
   }
   if (estimate.fit.residual_m > worst_residual_m) {
-    return fail(Fault::not_found, "this does not look like a back: {:.0f} mm from the nearest back that the atlas knows, {:.0f} allowed",
+    return fail(Fault::not_found,
+                "this does not look like a back: {:.0f} mm from the nearest back that the atlas "
+                "knows, {:.0f} allowed",
                 to_mm(estimate.fit.residual_m), to_mm(worst_residual_m));
   }
+  if (estimate.fit.strangeness() > strangest) {
+    return fail(Fault::not_found,
+                "no whole back that the atlas knows: its shape would have to be {:.1f} times as "
+                "unusual as people "
+                "usually are, {:.1f} allowed",
+                estimate.fit.strangeness(), strangest);
+  }
+  if (auto turned = check_turn(turn_of(estimate.fit, back.position())); !turned) return turned;
   for (std::size_t i = 0; i < shape.labels.size(); ++i) {
     const auto column = static_cast<Eigen::Index>(i);
     const Vector3 place = estimate.at_in_couch.col(column);
     SurfacePoint skin = back.nearest(place);
     // Where the scan has a hole the estimate is better than the rim of the hole.
     if (skin.distance_m > 15_mm) skin.at_in_couch = place;
-    add(mapping, shape, i, skin, std::hypot(estimate.radius95_m[column], skin.distance_m > 15_mm ? skin.distance_m : 0.0));
+    add(mapping, shape, i, skin,
+        std::hypot(estimate.radius95_m[column], skin.distance_m > 15_mm ? skin.distance_m : 0.0));
   }
   return {};
 }
@@ -72,19 +113,27 @@ std::optional<Method> parse_method(std::string_view name) {
 Result<Mapping> locate_acupoints(const BackSurface& back, const Atlas& atlas, Method method) {
   const PositionAtlas* known = atlas.of(back.position());
   if (known == nullptr) {
-    return fail(Fault::not_found, "the person is {}, a position that the atlas does not know", name_of(back.position()));
+    return fail(Fault::not_found, "the person is {}, a position that the atlas does not know",
+                name_of(back.position()));
   }
   const auto outline = find_outline(back);
-  if (!outline) return tl::unexpected(outline.error());
   Mapping mapping;
   mapping.method = method;
   mapping.position = back.position();
-  mapping.arms = outline->arms;
+  mapping.arms = outline ? outline->arms : Arms::unknown;
   if (method == Method::field_morphing) {
+    if (const auto turned = check_turn(heading(back.points(), back.position())); !turned) {
+      return tl::unexpected(turned.error());
+    }
+    if (!outline) return tl::unexpected(outline.error());
     morph(mapping, back, *outline, *known);
     return mapping;
   }
-  if (const auto fitted = fit(mapping, back, *outline, known->shape); !fitted) return tl::unexpected(fitted.error());
+  if (const auto fitted = fit(mapping, back, known->shape); !fitted) {
+    // What is mirrored is fitted badly too; the outline knows the cause.
+    const bool known_better = !outline && outline.error().fault == Fault::bad_input;
+    return tl::unexpected(known_better ? outline.error() : fitted.error());
+  }
   return mapping;
 }
 

@@ -22,12 +22,15 @@ struct Mapping {
   Arms arms = Arms::unknown;
   std::vector<Acupoint> acupoints;  ///< the seven first
   std::vector<Landmark> landmarks;
-  double seen = 1.0;  ///< share of the atlas' back that the scan shows
+  double seen = 1.0;      ///< share of the atlas' back that the scan shows
+  double misfit_m = 0.0;  ///< RMS distance of the scan from the fitted back; `surface` only
+  double strangeness =
+      0.0;  ///< about 1 or less for a back like those the atlas has learned from; `surface` only
 };
 
-/// Brings the atlas onto this person. `field_morphing` is the method of [thesis] 5.2-5.4 with one standard
-/// back; `surface` fits the shapes the atlas has learned to the scan. Fails with the cause when the scan does
-/// not show a back that the atlas can answer for.
+/// Brings the atlas onto this person. `field_morphing` is the method of [thesis] 5.2-5.4 with one
+/// standard back; `surface` fits the shapes the atlas has learned to the scan. Fails with the cause
+/// when the scan does not show a back that the atlas can answer for.
 [[nodiscard]] Result<Mapping> locate_acupoints(const BackSurface& back, const Atlas& atlas,
                                                Method method = Method::surface);
 

@@ -3,26 +3,66 @@
 
 #include <algorithm>
 
-#include "tuina/core/units.hpp"
+#include "tuina/body/learn_shape.hpp"
 
 namespace tuina::body {
 namespace {
 
-Standard make_standard(const Outline& outline, const ShapeModel& shape, const Example& example) {
-  Standard standard;
-  standard.lines = feature_lines(outline);
-  for (std::size_t i = 0; i < shape.labels.size(); ++i) {
-    Vector3 at = outline.back_from_couch.inverse() * shape.model_from_outline.inverse() *
-                 shape.mean.col(shape.skin_points() + static_cast<Eigen::Index>(i));
-    for (const auto& point : example.acupoints) {
-      if (point.name == shape.labels[i]) at = point.at_in_couch;
+/// The labels of the model that every example has.
+std::vector<std::string> shared_names(const std::vector<Example>& examples,
+                                      const ShapeModel& shape) {
+  std::vector<std::string> names;
+  for (const auto& name : shape.labels) {
+    if (std::all_of(examples.begin(), examples.end(),
+                    [&](const Example& e) { return labels_of(e).contains(name); })) {
+      names.push_back(name);
     }
-    for (const auto& landmark : example.landmarks) {
-      if (landmark.name == shape.labels[i]) at = landmark.at_in_couch;
-    }
-    standard.marks.push_back(outline.plane(at));
   }
-  return standard;
+  return names;
+}
+
+/// Where the model's mean lies on an example, by the labels that both have.
+Transform example_pose(const Example& example, const ShapeModel& shape) {
+  const auto labels = labels_of(example);
+  std::vector<Vector3> from;
+  std::vector<Vector3> to;
+  for (std::size_t i = 0; i < shape.labels.size(); ++i) {
+    const auto own = labels.find(shape.labels[i]);
+    if (own == labels.end()) continue;
+    from.emplace_back(shape.mean.col(shape.skin_points() + static_cast<Eigen::Index>(i)));
+    to.push_back(own->second);
+  }
+  const auto count = static_cast<Eigen::Index>(from.size());
+  return align(Eigen::Map<const Places>(from.front().data(), 3, count),
+               Eigen::Map<const Places>(to.front().data(), 3, count));
+}
+
+/// The standard model of the thesis: the medium back; the next where that has no usable outline.
+Result<Standard> make_standard(std::vector<Example>& examples, const ShapeModel& shape) {
+  while (!examples.empty()) {
+    const auto medium =
+        static_cast<std::ptrdiff_t>(medium_of(examples, shared_names(examples, shape)));
+    const Example& example = examples[static_cast<std::size_t>(medium)];
+    const auto outline = find_outline(example.back);
+    if (!outline) {
+      examples.erase(examples.begin() + medium);
+      continue;
+    }
+    Standard standard;
+    standard.lines = feature_lines(*outline);
+    const Transform couch_from_model = example_pose(example, shape);
+    const auto labels = labels_of(example);
+    for (std::size_t i = 0; i < shape.labels.size(); ++i) {
+      const auto own = labels.find(shape.labels[i]);
+      const Vector3 at = own != labels.end()
+                             ? own->second
+                             : couch_from_model * shape.mean.col(shape.skin_points() +
+                                                                 static_cast<Eigen::Index>(i));
+      standard.marks.push_back(outline->plane(at));
+    }
+    return standard;
+  }
+  return fail(Fault::bad_input, "no labelled body shows the outline of a whole back");
 }
 
 }  // namespace
@@ -72,22 +112,25 @@ Result<Atlas> learn_atlas(const std::vector<LabelledBody>& bodies, const Atlas* 
     }
     // One body in ten may fail; more, and something is wrong with the folder.
     if (examples.empty() || 10 * learned.skipped.size() > bodies.size()) {
-      return fail(Fault::bad_input, "{} of {} labelled bodies cannot be learned from, the first: {}", learned.skipped.size(),
-                  bodies.size(), learned.skipped.front());
+      return fail(Fault::bad_input,
+                  "{} of {} labelled bodies cannot be learned from, the first: {}",
+                  learned.skipped.size(), bodies.size(), learned.skipped.front());
     }
     LearnOptions options;
     const PositionAtlas* known = prior != nullptr ? prior->of(position) : nullptr;
-    if (known != nullptr) options.prior = &known->shape;
+    if (known != nullptr) options.statistics.prior = &known->shape;
     Eigen::MatrixXd left_out_mm;
-    auto shape = learn_shape(examples, options, [&](double done) { step(0.2 + 0.8 * done); }, &left_out_mm);
+    auto shape = learn_shape(
+        examples, options, [&](double done) { step(0.2 + 0.8 * done); }, &left_out_mm);
     if (!shape) return tl::unexpected(shape.error());
     if (left_out_mm.rows() >= 7) {
       sum_mm += left_out_mm.topRows(7).mean() * static_cast<double>(count);
       parts += static_cast<double>(count);
     }
-    const Example& medium = examples[medium_example(examples, *shape)];
-    PositionAtlas made{make_standard(medium.outline, *shape, medium), std::move(*shape)};
     learned.bodies += static_cast<int>(examples.size());
+    auto standard = make_standard(examples, *shape);
+    if (!standard) return tl::unexpected(standard.error());
+    PositionAtlas made{std::move(*standard), std::move(*shape)};
     learned.points = std::max(learned.points, static_cast<int>(made.shape.labels.size()));
     learned.modes = std::max(learned.modes, static_cast<int>(made.shape.modes.cols()));
     atlas.positions.push_back(std::move(made));

@@ -7,7 +7,9 @@
 #include <vector>
 
 #include "tuina/body/field_morphing.hpp"
-#include "tuina/body/learn_shape.hpp"
+#include "tuina/body/labelled_body.hpp"
+#include "tuina/body/outline.hpp"
+#include "tuina/body/shape_model.hpp"
 #include "tuina/core/progress.hpp"
 
 namespace tuina::body {

@@ -17,7 +17,7 @@ namespace {
 // byte, of two where a byte would round to more than 0.04 mm.
 static_assert(std::endian::native == std::endian::little);
 constexpr std::string_view magic = "TUINAATL";
-constexpr std::uint32_t version = 2;
+constexpr std::uint32_t version = 3;
 constexpr double most_in_a_byte_m = 10_mm;
 constexpr std::uint32_t most_entries = 1U << 22;
 
@@ -138,11 +138,12 @@ void write(Writer& out, const PositionAtlas& atlas) {
   for (const auto& label : shape.labels) out.text(label);
   out.matrix(shape.mean);
   out.matrix(shape.normals);
-  out.matrix(shape.model_from_outline.matrix());
+  out.matrix(shape.person_from_model.matrix());
   out.quantised(shape.modes);
   out.matrix(shape.correction);
   out.matrix(shape.radius95_m);
   out.matrix(shape.nominal_var_m2 * 1e6);
+  out.plain(static_cast<float>(shape.usual_residual_m));
   out.count(atlas.standard.lines.size());
   for (const auto& line : atlas.standard.lines) {
     out.matrix(line.p);
@@ -173,13 +174,14 @@ PositionAtlas read(Reader& in) {
          "a table has the wrong size");
   shape.mean = mean;
   shape.normals = normals;
-  shape.model_from_outline.matrix() = start;
-  shape.model_from_outline.linear() =
+  shape.person_from_model.matrix() = start;
+  shape.person_from_model.linear() =
       Eigen::Quaterniond(Matrix3(start.topLeftCorner<3, 3>())).normalized().toRotationMatrix();
   shape.modes = in.quantised();
   shape.correction = in.matrix();
   shape.radius95_m = in.matrix();
   shape.nominal_var_m2 = in.matrix() * 1e-6;
+  shape.usual_residual_m = in.number();
   expect(shape.modes.rows() == 3 * mean.cols() && shape.radius95_m.size() == count && shape.nominal_var_m2.size() == count &&
              (shape.correction.size() == 0 ||
               (shape.correction.rows() == 3 * count && shape.correction.cols() == shape.modes.cols() + 1)),

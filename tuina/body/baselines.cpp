@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tuina/body/baselines.hpp"
 
+#include "tuina/body/fit_shape.hpp"
+
 namespace tuina::body {
 namespace {
 
 Result<const PositionAtlas*> model_for(const BackSurface& back, const Atlas& atlas) {
   const PositionAtlas* known = atlas.of(back.position());
   if (known == nullptr) {
-    return fail(Fault::not_found, "the person is {}, a position that the atlas does not know", name_of(back.position()));
+    return fail(Fault::not_found, "the person is {}, a position that the atlas does not know",
+                name_of(back.position()));
   }
   return known;
 }
@@ -25,11 +28,8 @@ void add(Mapping& mapping, const ShapeModel& shape, std::size_t label, const Sur
 Result<Mapping> rigid_icp(const BackSurface& back, const Atlas& atlas) {
   const auto known = model_for(back, atlas);
   if (!known) return tl::unexpected(known.error());
-  const auto outline = find_outline(back);
-  if (!outline) return tl::unexpected(outline.error());
   const ShapeModel& shape = (*known)->shape;
-  const auto fit =
-      fit_shape(shape, back, outline->back_from_couch.inverse() * shape.model_from_outline.inverse(), {.modes = 0});
+  const auto fit = fit_shape(shape, back, {.modes = 0});
   Mapping mapping;
   mapping.position = back.position();
   for (std::size_t i = 0; i < shape.labels.size(); ++i) {
@@ -54,8 +54,10 @@ Result<Mapping> scale_axes(const BackSurface& back, const Atlas& atlas) {
   for (std::size_t i = 0; i < standard.marks.size(); ++i) {
     const Vector2 from_neck = standard.marks[i] - standard.lines[1].p;
     const Vector2 at = lines[1].p + Vector2(wide * from_neck.x(), tall * from_neck.y());
-    const auto hit = back.along(couch_from_back * Vector3(at.x(), 0.6, at.y()), -couch_from_back.linear().col(1));
-    add(mapping, (*known)->shape, i, hit ? *hit : back.nearest(couch_from_back * Vector3(at.x(), 0.0, at.y())));
+    const auto hit = back.along(couch_from_back * Vector3(at.x(), 0.6, at.y()),
+                                -couch_from_back.linear().col(1));
+    add(mapping, (*known)->shape, i,
+        hit ? *hit : back.nearest(couch_from_back * Vector3(at.x(), 0.0, at.y())));
   }
   return mapping;
 }

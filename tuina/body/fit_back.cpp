@@ -15,6 +15,7 @@ constexpr int enough_points = 2000;
 constexpr double couch_m = 25_mm;        // z = 0 holds to 10 mm, a depth camera adds 3 mm of noise
 constexpr double gap_m = 30_mm;          // what is farther apart does not hang together
 constexpr double widest_cloud_m = 12.0;  // a room; a person in centimetres spans 60 and more
+constexpr double shortest_lying_m = 0.60;  // crown to buttocks is 0.75 and more
 constexpr double sitting_height_m = 0.50;  // shoulders of the smallest sitting person are above it
 
 double quantile(std::vector<double> values, double fraction) {
@@ -94,6 +95,17 @@ Result<std::vector<Vector3>> find_person(const std::vector<Vector3>& above) {
     const double apart = (low[part] - high[largest]).cwiseMax(low[largest] - high[part]).maxCoeff();
     if (part != largest && cells[part] > 0.4 * cells[largest] &&
         (high[part] - low[part]).maxCoeff() > 0.35) {
+      // People are beside each other. A couch that hangs over a person has been turned inside out
+      // with them.
+      const Vector3 shared = high[part].cwiseMin(high[largest]) - low[part].cwiseMax(low[largest]);
+      const Vector3 own = (high[part] - low[part]).cwiseMin(high[largest] - low[largest]);
+      if (shared.x() > 0.7 * own.x() && shared.y() > 0.7 * own.y()) {
+        return fail(Fault::bad_input,
+                    "two large things of {} and {} patches of 3 cm lie over each other: the cloud "
+                    "is mirrored "
+                    "along the line of sight",
+                    cells[largest], cells[part]);
+      }
       return fail(Fault::bad_input,
                   "two people or a second large thing on the couch: {} and {} patches of 3 cm that "
                   "do not hang together",
@@ -122,6 +134,31 @@ Result<Position> recognise(const std::vector<Vector3>& person, std::optional<Pos
         *wanted == Position::sitting ? "above" : "below", to_mm(sitting_height_m));
   }
   return seen;
+}
+
+/// What lies is long, and its top is round. The points are in their own frame, the long axis along
+/// x or y.
+Result<void> check_lying(const std::vector<Vector3>& person) {
+  double longest = 0.0;
+  for (int axis = 0; axis < 2; ++axis) {
+    longest = std::max(longest,
+                       quantile_along(person, axis, 0.995) - quantile_along(person, axis, 0.005));
+  }
+  if (longest < shortest_lying_m) {
+    return fail(Fault::not_found, "less than a back: {:.0f} mm of a lying person, {:.0f} needed",
+                to_mm(longest), to_mm(shortest_lying_m));
+  }
+  const double top = quantile_along(person, 2, 0.995);
+  const auto flat = std::count_if(person.begin(), person.end(),
+                                  [&](const Vector3& p) { return p.z() > top - 8_mm; });
+  if (static_cast<double>(flat) > 0.10 * static_cast<double>(person.size())) {
+    return fail(Fault::bad_input,
+                "the top is flat: {} of {} points are within 8 mm of it; the cloud is mirrored "
+                "along the line of "
+                "sight and the couch hangs over the person",
+                flat, person.size());
+  }
+  return {};
 }
 
 /// Evenly thinned points with normals, of either sign, from the 27 cubes around each.
@@ -237,6 +274,10 @@ Result<BackSurface> fit_back(const PointCloud& scan_in_couch, const BackOptions&
   }
   const auto position = recognise(*person, options.position);
   if (!position) return tl::unexpected(position.error());
+
+  if (*position == Position::prone) {
+    if (auto whole = check_lying(*person); !whole) return tl::unexpected(whole.error());
+  }
 
   const double spacing_m = std::clamp(1.3 * spacing_of(*person), 6_mm, 15_mm);
   PointCloud cloud = thin_with_normals(*person, spacing_m);

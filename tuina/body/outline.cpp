@@ -25,8 +25,7 @@ constexpr double widest_half_shoulder_m = 0.30;  // beyond it the contour is a r
 constexpr double sure_head_m = 0.15;  // thighs end nearer to the hips than a head to the shoulders
 constexpr int rounds = 14;
 constexpr double hollow_m = 10_mm;  // sides of a back lie some 40 mm behind its middle
-constexpr double most_turn_rad =
-    35_deg;  // 15 allowed on the couch, and people sit turned by up to 12 themselves
+constexpr double most_search_turn_rad = 60_deg;
 
 struct Run {
   double low = 0.0;
@@ -443,6 +442,14 @@ Result<Outline> find_outline_from(const BackSurface& back, const Matrix3& start)
     rotation = Eigen::Quaterniond(rotation).normalized().toRotationMatrix();
     if (middle.norm() < 1e-5 && (upright * square - Matrix3::Identity()).norm() < 1e-5) break;
   }
+  // Looked at from the feet, the outline of raised arms can pass for one and turn the search round.
+  const double up =
+      (rotation.transpose() * Vector3::UnitZ()).dot(start.transpose() * Vector3::UnitZ());
+  if (up < std::cos(most_search_turn_rad)) {
+    return fail(Fault::not_found,
+                "no outline of a back: the search for it turned by {:.0f} degrees",
+                to_deg(std::acos(std::clamp(up, -1.0, 1.0))));
+  }
   if (const auto bulge = check_bulge(points, outline); !bulge) return tl::unexpected(bulge.error());
   return outline;
 }
@@ -471,11 +478,6 @@ Result<Outline> find_outline(const BackSurface& back) {
   // The search begins in a frame that turns with the person, so that where on the couch the person
   // is carries no information.
   const double turned_rad = heading(back.points(), back.position());
-  if (std::abs(turned_rad) > most_turn_rad) {
-    return fail(Fault::not_found,
-                "the person is turned by {:.0f} degrees, the atlas knows up to {:.0f}",
-                to_deg(std::abs(turned_rad)), to_deg(most_turn_rad));
-  }
   const Matrix3 ahead = Eigen::AngleAxisd(-turned_rad, Vector3::UnitZ()).toRotationMatrix();
   const Matrix3 usual = nominal(back.position(), false) * ahead;
   if (back.position() == Position::sitting) return find_outline_from(back, usual);

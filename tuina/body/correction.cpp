@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tuina/body/correction.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "tuina/core/units.hpp"
+
+namespace tuina::body {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double misfit_power = 2.0;
+constexpr double most_widening = 3.0;
+
+/// Ridge regression with the penalty that leaves one person out best; an unpenalised constant comes
+/// last.
+MatrixXd ridge(const MatrixXd& features, const MatrixXd& targets, Index views, MatrixXd& left_out) {
+  const Index rows = features.cols();
+  MatrixXd x(features.rows() + 1, rows);
+  x << features, VectorXd::Ones(rows).transpose();
+  double best = std::numeric_limits<double>::max();
+  MatrixXd best_weights;
+  for (const double lambda : {3.0, 10.0, 30.0, 100.0, 300.0, 1000.0, 3000.0}) {
+    MatrixXd normal = x * x.transpose();
+    normal.diagonal().head(features.rows()).array() += lambda;
+    const Eigen::LDLT<MatrixXd> solver(normal);
+    const MatrixXd weights = solver.solve(x * targets.transpose()).transpose();
+    const MatrixXd influence = solver.solve(x);
+    MatrixXd residual = targets - weights * x;
+    // A person and the mirrored twin leave together; the two share an error.
+    for (Index i = 0; i < rows; i += views) {
+      const MatrixXd hat = x.middleCols(i, views).transpose() * influence.middleCols(i, views);
+      const MatrixXd rest = MatrixXd::Identity(views, views) * 1.02 - hat;
+      residual.middleCols(i, views) = residual.middleCols(i, views) * rest.inverse();
+    }
+    const double loss = residual.squaredNorm();
+    if (loss < best) {
+      best = loss;
+      best_weights = weights;
+      left_out = residual;
+    }
+  }
+  return best_weights;
+}
+
+double quantile95(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  return values[static_cast<std::size_t>(
+      std::min<double>(static_cast<double>(values.size()) - 1.0,
+                       std::ceil(0.95 * static_cast<double>(values.size()))))];
+}
+
+}  // namespace
+
+MatrixXd learn_correction(const LeftOut& left_out, ShapeModel& model) {
+  MatrixXd wrong_mm;
+  model.correction = ridge(left_out.features, left_out.targets_mm, left_out.views, wrong_mm);
+  model.nominal_var_m2 = left_out.variance_m2.rowwise().mean();
+  std::vector<double> misfits(left_out.residual_m.begin(), left_out.residual_m.end());
+  std::nth_element(misfits.begin(), misfits.begin() + misfits.size() / 2, misfits.end());
+  model.usual_residual_m = misfits[misfits.size() / 2];
+  const auto persons = static_cast<double>(wrong_mm.cols() / left_out.views);
+  for (Index l = 0; l < model.radius95_m.size(); ++l) {
+    std::vector<double> errors;
+    for (Index i = 0; i < wrong_mm.cols(); ++i) {
+      errors.push_back(1e-3 * wrong_mm.block<3, 1>(3 * l, i).norm());
+    }
+    // The largest error of a few people says little about the next.
+    model.radius95_m[l] = (1.0 + 2.0 / persons) * quantile95(errors);
+  }
+  return wrong_mm;
+}
+
+LabelEstimate estimate_labels(const ShapeModel& model, const BackSurface& back) {
+  LabelEstimate estimate;
+  estimate.fit = fit_shape(model, back);
+  const ShapeFit& fit = estimate.fit;
+  estimate.at_in_couch = fit.labels_in_couch;
+  if (model.correction.size() > 0) {
+    const Transform model_from_couch =
+        align(fit.skin_in_couch, model.mean.leftCols(model.skin_points()));
+    const VectorXd features = skin_features(model, model_from_couch * fit.skin_in_couch);
+    const VectorXd off = 1e-3 * (model.correction.leftCols(features.size()) * features +
+                                 model.correction.rightCols<1>());
+    estimate.at_in_couch += model_from_couch.linear().transpose() *
+                            Eigen::Map<const Places>(off.data(), 3, off.size() / 3);
+  }
+  // Wider where the scan leaves a label more open than a whole back does, and for a back that is
+  // fitted worse than those which the model has learned from.
+  const double misfit = fit.residual_m / std::max(1e-6, model.usual_residual_m);
+  estimate.radius95_m = model.radius95_m.array() *
+                        (fit.label_var_m2.array() / model.nominal_var_m2.array()).sqrt().max(1.0) *
+                        std::clamp(std::pow(misfit, misfit_power), 1.0, most_widening);
+  estimate.radius95_m = estimate.radius95_m.cwiseMax(fit.label_doubt_m);
+  return estimate;
+}
+
+}  // namespace tuina::body
