@@ -177,9 +177,9 @@ TEST_CASE(
     for (const std::uint64_t seed : {3, 4}) {
       const auto outcome = run({.tissue = tissue,
                                 .force_n = 25.0,
-                                .window = {.edge_s = 0.4, .hold_s = 0.05},
+                                .window = {.edge_s = 0.4, .hold_s = 0.05, .steepness = 4.0},
                                 .breathing = {3_mm, 0.25},
-                                .duration_s = 4.0,
+                                .duration_s = 3.3,
                                 .seed = seed});
       const TissueEstimate& estimate = outcome.estimate;
       CAPTURE(tissue.alpha_n);

@@ -139,6 +139,7 @@ SimulatedPresses simulate_presses(const PressScenario& s, const TangentTissue& n
                   nominal.beta_per_m * std::exp(gaussian(random, 0.08 * s.tissue_spread))};
   const double contact_m = gaussian(random, s.contact_sd_m),
                bias_n = gaussian(random, s.force_bias_sd_n);
+  result.skin_m = contact_m;
   const double phase = uniform(random, 0.0, 2.0 * pi);
   peak_n = s.force_share < 0.0 ? -s.force_share * result.truth.alpha_n : s.force_share * peak_n;
   const double peak_m = tissue::depth_at_force(result.truth, peak_n);

@@ -43,6 +43,7 @@ struct SimulatedPresses {
   TangentTissue truth;
   std::vector<tissue::TimedPress> record;
   double first_contact_s = 0.0;
+  double skin_m = 0.0;  ///< where the skin is at the start
 };
 
 /// `peak_n`: the force at the deepest point. Samples at 1 kHz.

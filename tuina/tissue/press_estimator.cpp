@@ -11,15 +11,18 @@ namespace tuina::tissue {
 namespace {
 
 constexpr std::size_t fold_at = 96;  // segments in the window before its older half becomes prior
+constexpr std::size_t fold_at_last = 120;
 // Early in the first press answers are wanted fast and passes are short.
 constexpr std::size_t short_pass = 40;
 constexpr int passes_at_rest = 4;              // Gauss-Newton steps after the last new sample
 constexpr double forgetting_per_fold = 0.005;  // of the logarithms
 // At the moment an interval just fits, one estimate in twenty would still be outside: ask for 98 %.
 constexpr double sureness = 2.33 / 1.96;
-constexpr double untared_sd_n = 0.3;  // the zero of a sensor that was never seen in free air
-constexpr double tare_sd_n = 0.02;    // and its drift since
-constexpr double robust_limit = 4.0;  // Huber's bend, in standard deviations
+constexpr double largest_step = 0.5, smallest_step = 0.02, settled_step = 0.05;  // of logarithms
+constexpr double untared_sd_n = 0.3;     // the zero of a sensor that was never seen in free air
+constexpr double tare_sd_n = 0.02;       // and its drift since
+constexpr double unknown_inertia = 0.3;  // share of the tool's inertia that is taken off wrongly
+constexpr double robust_limit = 4.0;     // Huber's bend, in standard deviations
 
 /// Exact transition of (b, b') over dt for b'' + 2 zeta omega b' + omega^2 b = noise.
 Eigen::Matrix2d breath_transition(double omega, double zeta, double dt_s) noexcept {
@@ -58,6 +61,7 @@ PressEstimatorOptions pressed_by_robot(double torso_n_per_m, double tool_mass_kg
           .position_noise_m = 0.01e-3,
           .contact_sd_m = 3e-3,
           .force_delay_s = 2.6e-3,  // a sample and the low-pass of the wrist sensor
+          .timing_sd_s = 0.3e-3,
           .tool_mass_kg = tool_mass_kg,
           .torso_n_per_m = torso_n_per_m,
           .breathing_m = 3e-3,
@@ -95,7 +99,10 @@ void PressEstimator::reset() noexcept {
   next_ = pass_size_ = 0;
   idle_passes_ = passes_at_rest;
   seen_blocks_ = 0;
-  chi_ = folded_chi_ = 1.0;
+  chi_ = 1.0;
+  step_limit_ = largest_step;
+  last_step_.setZero();
+  settled_ = false;
   estimate_ = TissueEstimate{};
   publish();
 }
@@ -171,7 +178,10 @@ void PressEstimator::learn(const PressSegment& segment) noexcept {
   H << -slope, -a / beta, -slope * v / m, segment.force_n, -depth_per_n, 1.0, 1.0, 0.0;
   // Errors in both variables: force noise enters as the depth it stands for.
   const double sx = options_.position_noise_m, sf = options_.force_noise_n * depth_per_n;
-  double R = (sx * sx + sf * sf) / segment.samples + options_.model_sd_m * options_.model_sd_m;
+  const double late_m = options_.timing_sd_s * v;
+  const double jolt_m = unknown_inertia * segment.inertia_n * depth_per_n;
+  double R = (sx * sx + sf * sf) / segment.samples + options_.model_sd_m * options_.model_sd_m +
+             late_m * late_m + jolt_m * jolt_m;
 
   State linearised = pass_.mean;
   linearised.head<3>() -= state_.head<3>();
@@ -207,15 +217,24 @@ void PressEstimator::finish_pass() noexcept {
     return;
   }
   State step = pass_.mean - state_;
-  step(log_alpha) = std::clamp(step(log_alpha), -0.5, 0.5);
-  step(log_beta) = std::clamp(step(log_beta), -0.5, 0.5);
+  // A pass that turns back on the one before has gone too far: while the tissue was only touched,
+  // Gauss and Newton may jump to and fro across the answer for ever.
+  if (step.head<2>().dot(last_step_) < 0.0)
+    step_limit_ = std::max(smallest_step, 0.5 * step_limit_);
+  else
+    step_limit_ = std::min(largest_step, 1.5 * step_limit_);
+  const double longest = step.head<2>().cwiseAbs().maxCoeff();
+  settled_ = longest < settled_step;
+  if (longest > step_limit_) step *= step_limit_ / longest;
+  last_step_ = step.head<2>();
   state_ += step;
   state_(log_alpha) = std::clamp(state_(log_alpha), std::log(0.1), std::log(200.0));
   state_(log_beta) = std::clamp(state_(log_beta), std::log(10.0), std::log(5000.0));
   covariance_ = pass_.covariance;
   chi_ = count_ > 8.0 ? std::max(1.0, sum_nis_ / count_) : 1.0;
 
-  if (segments_.size() >= fold_at) {
+  // What is folded is never linearised again, so it waits for a settled answer while it can.
+  if (segments_.size() >= fold_at && (settled_ || segments_.size() >= fold_at_last)) {
     prior_ = fold_;
     prior_.covariance *= chi_;
     prior_.covariance(log_alpha, log_alpha) += forgetting_per_fold * forgetting_per_fold;

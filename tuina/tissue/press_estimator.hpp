@@ -17,6 +17,7 @@ struct PressEstimatorOptions {
   double contact_sd_m =
       0.5e-3;  ///< how well the place of the skin is known: it is expected at position 0
   double force_delay_s = 0.0;  ///< of the force sensor against the position
+  double timing_sd_s = 0.0;    ///< how well that delay is known
   double tool_mass_kg = 0.0;   ///< beyond the force sensor, which feels it being accelerated
   double torso_n_per_m = 0.0;  ///< stiffness in series with the tissue; 0 or infinity is rigid
   double torso_sd = 0.12;      ///< relative
@@ -102,7 +103,10 @@ class PressEstimator {
   State state_;   // result of the last pass; linearisation of the next
   Covariance covariance_;
   double alpha_ = 0.0, beta_ = 0.0;  // of the linearisation
-  double sum_nis_ = 0.0, count_ = 0.0, folded_chi_ = 1.0;
+  double sum_nis_ = 0.0, count_ = 0.0;
+  Eigen::Vector2d last_step_;  // of ln alpha and ln beta
+  double step_limit_ = 0.0;
+  bool settled_ = false;
   std::size_t next_ = 0, pass_size_ = 0;
   int idle_passes_ = 0;
   long seen_blocks_ = 0;

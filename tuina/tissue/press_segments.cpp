@@ -93,7 +93,7 @@ void PressSegments::close_block() noexcept {
   if (block_.samples == 0.0) return;
   const double n = block_.samples;
   const Block block = {block_start_s_ + block_.time_s / n, block_.position_m / n,
-                       block_.force_n / n, n};
+                       block_.force_n / n, n, 0.0};
   block_ = Sum{};
   if (options_.tool_mass_kg > 0.0)
     take_inertia_off(block);
@@ -115,7 +115,8 @@ void PressSegments::take_inertia_off(const Block& newest) noexcept {
   const double after = (c.position_m - b.position_m) / (c.time_s - b.time_s);
   const double acceleration = 2.0 * (after - before) / (c.time_s - a.time_s);
   Block block = b;
-  block.force_n -= options_.tool_mass_kg * acceleration;
+  block.inertia_n = options_.tool_mass_kg * acceleration;
+  block.force_n -= block.inertia_n;
   accept(block);
 }
 
@@ -140,7 +141,7 @@ void PressSegments::accept(const Block& block) noexcept {
   }
   if (!touched_) first_contact_s_ = time_s;
   touched_ = true;
-  if (was_in_contact) append(time_s, position_m, force_n, n);
+  if (was_in_contact) append({time_s, position_m, force_n, n, block.inertia_n});
 }
 
 void PressSegments::tare(double position_m, double force_n, double samples) noexcept {
@@ -183,8 +184,8 @@ void PressSegments::follow_press(double time_s, double force_n) noexcept {
   }
 }
 
-void PressSegments::append(double time_s, double position_m, double force_n,
-                           double samples) noexcept {
+void PressSegments::append(const Block& block) noexcept {
+  const auto& [time_s, position_m, force_n, samples, inertia_n] = block;
   ++blocks_;
   const double root = std::sqrt(std::max(0.0, force_n));
   const double noise_n = options_.force_noise_n / std::sqrt(samples);
@@ -202,9 +203,10 @@ void PressSegments::append(double time_s, double position_m, double force_n,
     segment.position_m += share * (position_m - segment.position_m);
     segment.force_n += share * (force_n - segment.force_n);
     segment.samples += samples;
+    segment.inertia_n = std::max(segment.inertia_n, std::abs(inertia_n));
     return;
   }
-  push({time_s, position_m, force_n, 0.0, samples, true});
+  push({time_s, position_m, force_n, 0.0, samples, std::abs(inertia_n), true});
   open_ = true;
   opened_s_ = time_s;
   opened_root_ = root;
@@ -240,7 +242,7 @@ void PressSegments::remember_air(double time_s, double position_m, double force_
     std::copy(air_.begin() + 1, air_.end(), air_.begin());
     --air_size_;
   }
-  air_[air_size_++] = {time_s, position_m, force_n, 0.0, samples, false};
+  air_[air_size_++] = {time_s, position_m, force_n, 0.0, samples, 0.0, false};
 }
 
 void PressSegments::push(const PressSegment& segment) noexcept {

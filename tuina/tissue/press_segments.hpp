@@ -18,6 +18,7 @@ struct PressSegment {
   double force_n = 0.0;
   double speed_m_per_s = 0.0;  ///< of the tool, into the body
   double samples = 0.0;
+  double inertia_n = 0.0;  ///< of the tool: taken off the force, largest of the stretch
   bool contact =
       true;  ///< else free air as far as the force tells: it says where the sensor's zero is
 };
@@ -59,7 +60,7 @@ class PressSegments {
 
  private:
   struct Sum {
-    double time_s = 0.0, position_m = 0.0, force_n = 0.0, samples = 0.0;
+    double time_s = 0.0, position_m = 0.0, force_n = 0.0, samples = 0.0, inertia_n = 0.0;
   };
   using Block = Sum;  // with means instead of sums
 
@@ -70,8 +71,7 @@ class PressSegments {
   void accept(const Block& block) noexcept;
   void tare(double position_m, double force_n, double samples) noexcept;
   void follow_press(double time_s, double force_n) noexcept;
-  void append(double time_s, double position_m, double force_n, double samples) noexcept;
-
+  void append(const Block& block) noexcept;
   void remember_air(double time_s, double position_m, double force_n, double samples) noexcept;
   void push(const PressSegment& segment) noexcept;
 
