@@ -87,6 +87,21 @@ int show(const Result<Answer>& answer, const CommonOptions& common, const std::s
   return answer->exit_code;
 }
 
+/// The deepest verb or group that the command line named.
+const CLI::App& chosen_by(const CLI::App& tuina) {
+  const CLI::App* chosen = &tuina;
+  while (!chosen->get_subcommands().empty()) chosen = chosen->get_subcommands().front();
+  return *chosen;
+}
+
+std::string help_of(const CLI::App& command) {
+  std::string before;
+  for (const CLI::App* parent = command.get_parent(); parent; parent = parent->get_parent()) {
+    before = parent->get_name() + (before.empty() ? "" : " ") + before;
+  }
+  return command.help(before);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -107,7 +122,7 @@ int main(int argc, char** argv) {
       const std::string group = name.substr(0, space);
       CLI::App*& known = groups[group];
       if (known == nullptr) {
-        known = tuina.add_subcommand(group, fmt::format("see `tuina {} --help`", group));
+        known = tuina.add_subcommand(group, summary_of_group(group));
         known->require_subcommand(0, 1);
       }
       parent = known;
@@ -123,9 +138,7 @@ int main(int argc, char** argv) {
   try {
     tuina.parse(argc, argv);
   } catch (const CLI::CallForHelp&) {
-    const CLI::App* deepest = &tuina;
-    while (!deepest->get_subcommands().empty()) deepest = deepest->get_subcommands().front();
-    fmt::print("{}", deepest->help());
+    fmt::print("{}", help_of(chosen_by(tuina)));
     return 0;
   } catch (const CLI::CallForVersion&) {
     fmt::print("tuina {}\n", TUINA_VERSION);
@@ -135,11 +148,10 @@ int main(int argc, char** argv) {
     return 1;
   }
 
-  const CLI::App* chosen = &tuina;
-  while (!chosen->get_subcommands().empty()) chosen = chosen->get_subcommands().front();
-  const auto found = verb_of.find(chosen);
+  const CLI::App& chosen = chosen_by(tuina);
+  const auto found = verb_of.find(&chosen);
   if (found == verb_of.end()) {
-    fmt::print(stderr, "{}", chosen->help());
+    fmt::print(stderr, "{}", help_of(chosen));
     return 1;
   }
   return show(run(*found->second, common), common, out);

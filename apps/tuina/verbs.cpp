@@ -1,7 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/tuina/verbs.hpp"
 
+#include <fmt/format.h>
+
 namespace tuina::app {
+
+std::string summary_of_group(std::string_view group) {
+  if (group == "atlas") return "labelled backs: learn a file from them, look at it";
+  if (group == "tissue") return "what a record of presses says about the tissue";
+  if (group == "evaluate") return "the tables of the documentation, judged against the truth";
+  if (group == "config") return "the settings, their limits and a file of them";
+  return fmt::format("see `tuina {} --help`", group);
+}
 
 std::vector<std::unique_ptr<Verb>> make_verbs() {
   std::vector<std::unique_ptr<Verb>> verbs;

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <memory>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "apps/tuina/command_line.hpp"
@@ -26,6 +28,9 @@ std::unique_ptr<Verb> make_line();
 std::unique_ptr<Verb> make_calibrate();  // only where its room is built
 std::unique_ptr<Verb> make_scan();
 std::unique_ptr<Verb> make_plan();
+
+/// One line for --help about the verbs that begin with the same word.
+std::string summary_of_group(std::string_view group);
 
 /// In the order of a session, as --help shows them.
 std::vector<std::unique_ptr<Verb>> make_verbs();
