@@ -4,10 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/tuina/guarded_arm.hpp"
+#include "apps/tuina/patch_path.hpp"
 #include "tuina/massage/contact_path.hpp"
-#include "tuina/massage/press.hpp"
-#include "tuina/massage/tap.hpp"
-#include "tuina/sim/plant.hpp"
 #include "tuina/tissue/press_estimator.hpp"
 
 namespace tuina::app {
@@ -15,61 +14,45 @@ namespace {
 
 constexpr double dt_s = 1e-3;
 constexpr double standoff_m = 40_mm;
-constexpr double rub_radius_m = 30_mm;
-constexpr double rub_hz = 0.5;
-constexpr double stroke_m_per_s = 0.05;
-constexpr double stroke_m = 0.25;
-const Vector3 patch_in_couch(0.165, 0.03, 0.42);
-const Vector3 normal_in_couch = Vector3::UnitY();
 
-// The techniques on a plane: what they are on a person, room `massage` works out from its surface.
-ContactPath path_of(const ContactExperiment& experiment) {
-  const Vector3 along = Vector3::UnitZ(), across = Vector3::UnitX();
-  const body::SurfacePoint place = {.at_in_couch = patch_in_couch,
-                                    .normal_in_couch = normal_in_couch};
-  switch (experiment.technique) {
-    case Technique::press: {
-      massage::PressOptions options{
-          .force_n = experiment.force_n, .repeats = 1, .window = experiment.window};
-      while (options.repeats < 1000) {
-        options.repeats += 1;
-        if (massage::plan_press(place, options, "").duration_s() > experiment.duration_s) break;
-      }
-      options.repeats -= 1;
-      return massage::plan_press(place, options, "press");
+/// Torques on their way to the drives.
+class Delay {
+ public:
+  explicit Delay(int ticks) : ticks_(static_cast<std::size_t>(std::max(ticks, 0))) {}
+  const robot::RobotCommand& pass(const robot::RobotCommand& command) {
+    if (queue_.size() <= ticks_) {
+      queue_.push_back(command);
+      return queue_.front();
     }
-    case Technique::tap: {
-      const double time_s = std::max(experiment.duration_s - 2.0 * massage::landing_s, 1.0);
-      return massage::plan_tap(place, {.force_n = experiment.force_n, .time_s = time_s}, "tap");
-    }
-    default:
-      break;
+    std::rotate(queue_.begin(), queue_.begin() + 1, queue_.end());
+    queue_.back() = command;
+    return queue_.front();
   }
-  const bool rub = experiment.technique == Technique::rub;
-  const double ramp_s = massage::force_ramp_s(experiment.force_n, 0.9);
-  // Standing and pressing first, then moving, then standing again until the force is gone.
-  massage::Slide slide{.length_m = stroke_m, .speed_m_per_s = stroke_m_per_s};
-  const double moving_s =
-      rub ? std::max(experiment.duration_s - 2.0 * ramp_s, 2.0 / rub_hz) : slide.duration_s();
-  if (rub) {
-    slide.speed_m_per_s = 2.0 * pi * rub_radius_m * rub_hz;
-    slide.length_m = slide.speed_m_per_s * (moving_s - slide.ramp_s);
+
+ private:
+  std::size_t ticks_;
+  std::vector<robot::RobotCommand> queue_;
+};
+
+/// How much the true force trembles while its target stands still.
+class Ripple {
+ public:
+  void add(double target_n, double true_n) noexcept {
+    still_s_ = std::abs(target_n - target_n_) < 1e-9 && target_n > 0.0 ? still_s_ + dt_s : 0.0;
+    target_n_ = target_n;
+    mean_n_ += (true_n - mean_n_) * dt_s / 0.08;
+    if (still_s_ < 0.5) return;
+    squares_ += (true_n - mean_n_) * (true_n - mean_n_);
+    ++samples_;
   }
-  const double duration_s = moving_s + 2.0 * ramp_s;
-  return massage::sampled(
-      name_of(experiment.technique), experiment.technique, duration_s, [&](double t) {
-        const double way_m = slide.way_m(std::clamp(t - ramp_s, 0.0, slide.duration_s()));
-        const double angle = way_m / rub_radius_m;
-        const Vector3 offset = rub ? Vector3(rub_radius_m * ((std::cos(angle) - 1.0) * across +
-                                                             std::sin(angle) * along))
-                                   : Vector3((0.5 * stroke_m - way_m) * along);
-        const double share = massage::smooth_step(t, ramp_s) -
-                             massage::smooth_step(t - (duration_s - ramp_s), ramp_s);
-        return ContactPoint{.at_in_couch = patch_in_couch + offset,
-                            .normal_in_couch = normal_in_couch,
-                            .force_n = experiment.force_n * share};
-      });
-}
+  [[nodiscard]] double rms_n() const {
+    return samples_ > 0 ? std::sqrt(squares_ / static_cast<double>(samples_)) : 0.0;
+  }
+
+ private:
+  double target_n_ = 0.0, still_s_ = 0.0, mean_n_ = 0.0, squares_ = 0.0;
+  long samples_ = 0;
+};
 
 // Between the samples of a path, in the frame the controller speaks.
 control::ContactTarget target_at(const ContactPath& path, const Transform& base_from_couch,
@@ -102,50 +85,6 @@ JointVector posture_for(const robot::ArmModel& model, const control::ToolPose& f
   return q;
 }
 
-// One arm with its gate, as every session drives it.
-struct GuardedArm {
-  control::ArmController controller;
-  safety::Guard guard;
-  safety::Verdict verdict;
-  ArmState state;
-
-  GuardedArm(const robot::ArmModel& model, const control::ArmController::Options& options)
-      : controller(model, options), guard({.torque_limit_nm = model.table().torque_limits_nm()}) {}
-
-  void sense(const robot::RobotReading& reading, Arm arm) noexcept {
-    state = controller.sense(reading.arms[arm], reading.time_s, reading.rail_m);
-  }
-
-  const JointVector& step(const robot::RobotReading& reading, Arm arm) noexcept {
-    const JointVector torque = controller.step(state, reading.rail_m, dt_s);
-    const control::ArmStatus& status = controller.status();
-    const robot::ArmDynamics& dynamics = controller.dynamics();
-    const Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, most_joints> jacobian =
-        dynamics.jacobian.topRows<3>();
-    constexpr std::array phase_of = {safety::Phase::free, safety::Phase::free,
-                                     safety::Phase::approach, safety::Phase::contact,
-                                     safety::Phase::retract};
-    verdict = guard.check({.tick = reading.tick,
-                           .time_s = reading.time_s,
-                           .wrench_time_s = reading.arms[arm].wrench_time_s,
-                           .q_rad = state.q_rad,
-                           .dq_rad_per_s = state.dq_rad_per_s,
-                           .force_in_base_n = state.contact_in_base.force_n,
-                           .tool_in_base = dynamics.base_from_tool.translation(),
-                           .tool_velocity_m_per_s = jacobian * state.dq_rad_per_s,
-                           .jacobian = jacobian,
-                           .gravity_nm = dynamics.gravity_nm},
-                          {.torque_nm = torque,
-                           .phase = phase_of[static_cast<std::size_t>(status.doing)],
-                           .zone = safety::Zone::bench,
-                           .set_force_n = status.set_force_n,
-                           .normal_in_base = status.normal_in_base,
-                           .virtual_target_in_base = status.virtual_target_in_base,
-                           .stiffness_n_per_m = status.stiffness_n_per_m});
-    return verdict.allowed_nm;
-  }
-};
-
 }  // namespace
 
 Result<ContactOutcome> run_contact(const ContactExperiment& experiment, const Progress& progress) {
@@ -157,12 +96,20 @@ Result<ContactOutcome> run_contact(const ContactExperiment& experiment, const Pr
     arms[arm] = sim::draw_arm(believed,
                               {.mass_spread = experiment.mass_error,
                                .friction_spread = experiment.friction_error,
+                               .mass_scale = experiment.mass_scale,
                                .friction_scale = experiment.friction_scale},
                               random);
   }
 
   // The truth: where the skin is, what it is made of, how it moves.
-  const ContactPath path = path_of(experiment);
+  const BelievedPatch patch = {.bend_radius_m = experiment.believed_bend_radius_m};
+  const Vector3 &patch_in_couch = patch.centre_in_couch, &normal_in_couch = patch.normal_in_couch;
+  const ContactPath path = path_on(patch, {.technique = experiment.technique,
+                                           .force_n = experiment.force_n,
+                                           .duration_s = experiment.duration_s,
+                                           .window = experiment.window,
+                                           .stroke_across = experiment.stroke_across,
+                                           .tap_hz = experiment.tap_hz});
   sim::ContactOptions contact_options{.torso_n_per_m = experiment.torso_n_per_m,
                                       .breathing = experiment.breathing};
   Mesh skin = sim::make_patch(
@@ -195,7 +142,9 @@ Result<ContactOutcome> run_contact(const ContactExperiment& experiment, const Pr
   const sim::Plant::Start start = {
       .q_rad = {.of = {posture_for(models[0], pose_above(2.0 * standoff_m)),
                        posture_for(models[1], aside)}}};
-  auto plant = sim::Plant::make(mount, arms, start, &person, {.seed = experiment.seed});
+  sim::PlantOptions devices = experiment.devices;
+  devices.seed = experiment.seed;
+  auto plant = sim::Plant::make(mount, arms, start, &person, devices);
   if (!plant) return tl::unexpected(plant.error());
 
   PerArm<GuardedArm> guarded = {
@@ -207,6 +156,8 @@ Result<ContactOutcome> run_contact(const ContactExperiment& experiment, const Pr
   enum class Act { settle, move, approach, track, retract, done } act = Act::settle;
   double act_s = 0.0, stopped_s = 0.0;
   bool left_skin = false;
+  Delay delay(experiment.late_ticks);
+  Ripple ripple;
   const double longest_s = path.duration_s() + 30.0;
   Arm arm = Arm::left;
   control::ArmController& controller = guarded[arm].controller;
@@ -258,7 +209,7 @@ Result<ContactOutcome> run_contact(const ContactExperiment& experiment, const Pr
 
     robot::RobotCommand command;
     for (const Arm side : both_arms) command.torque_nm[side] = guarded[side].step(reading, side);
-    (*plant)->apply(command);
+    (*plant)->apply(delay.pass(command));
 
     const sim::ArmTruth& truth = (*plant)->truth().arms[arm];
     // The approach counts too: in the air the estimator learns the zero of the force sensor.
@@ -269,11 +220,13 @@ Result<ContactOutcome> run_contact(const ContactExperiment& experiment, const Pr
     }
     const bool pressing = target_n > 0.0;
     if (pressing) {
+      ripple.add(target_n, truth.contact.force_n);
       errors.add(reading.time_s, target_n, truth.contact.force_n);
       outcome.fastest_m_per_s = std::max(outcome.fastest_m_per_s, truth.velocity_in_couch.norm());
     }
     outcome.highest_n = std::max(outcome.highest_n, truth.contact.force_n);
-    left_skin = left_skin || (act >= Act::track && truth.contact.force_n == 0.0);
+    left_skin =
+        left_skin || (outcome.highest_n > 0.5 * experiment.force_n && truth.contact.force_n == 0.0);
     if (left_skin)
       outcome.second_impact_n = std::max(outcome.second_impact_n, truth.contact.force_n);
     outcome.trace.push_back({reading.time_s, target_n, truth.contact.force_n, status.force_n,
@@ -294,6 +247,7 @@ Result<ContactOutcome> run_contact(const ContactExperiment& experiment, const Pr
   }
   if (progress) progress(1.0);
   if (!errors.empty()) outcome.force = errors.errors();
+  outcome.ripple_n = ripple.rms_n();
   outcome.estimate = estimator.estimate();
   return outcome;
 }

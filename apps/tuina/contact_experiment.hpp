@@ -12,6 +12,7 @@
 #include "tuina/safety/guard.hpp"
 #include "tuina/session/force_errors.hpp"
 #include "tuina/sim/back_contact.hpp"
+#include "tuina/sim/plant.hpp"
 #include "tuina/tissue/press_record.hpp"
 
 namespace tuina::app {
@@ -27,15 +28,21 @@ struct ContactExperiment {
   double surface_error_m = 0.0;   ///< the true skin lies this much deeper than believed
   double surface_tilt_rad = 0.0;  ///< the believed normal leans this much, along the path
   double torso_n_per_m = 35'000.0;
-  double bend_radius_m = 0.3;   ///< of the back, unknown to the path
+  double bend_radius_m = 0.3;  ///< of the back
+  double believed_bend_radius_m = std::numeric_limits<double>::infinity();
+  bool stroke_across = false;  ///< over the bend instead of along it
+  double tap_hz = 3.0;
   double friction_scale = 1.0;  ///< of the joints
   sim::Breathing breathing = {0.0, 0.25};
   double duration_s = 10.0;   ///< of the technique
   double tissue_error = 0.3;  ///< alpha and beta believed wrong by this share, signs by the seed
   double mass_error = 0.1;    ///< every link heavier or lighter by up to this share
+  double mass_scale = 1.0;    ///< all links heavier than believed, on top
   double friction_error = 0.2;
   bool steer = true;                    ///< a converged estimate replaces the believed tissue
   std::vector<sim::Shift> shifts = {};  ///< times count from the start of the technique
+  sim::PlantOptions devices = {};       ///< sensors and drives; their seed is the one below
+  int late_ticks = 0;                   ///< torques reach the drives so many milliseconds late
   std::uint64_t seed = 1;
 };
 
@@ -55,6 +62,7 @@ struct ContactOutcome {
   TissueEstimate estimate;
   double highest_n = 0.0;        ///< true force anywhere in the run
   double fastest_m_per_s = 0.0;  ///< of the tool, during the technique
+  double ripple_n = 0.0;  ///< of the true force while the target stands still, faster than 2 Hz
   double second_impact_n = 0.0;  ///< true force after contact was lost for the first time
   std::vector<ContactStop> stops;
   bool stopped = false;

@@ -94,7 +94,7 @@ TEST_CASE("what a body would not bear is refused before anyone moves") {
       "slides with 126 mm/s, 80 allowed"));
   CHECK(says(
       fault_of("[[part]]\ntechnique = \"tap\"\npoints = [\"BL47\"]\nrate_hz = 5\nforce_n = 20\n"),
-      "at this rate 9.4 N are allowed"));
+      "at this rate 7.5 N are allowed"));
 }
 
 TEST_CASE("what is missing or contradicts itself is refused") {

@@ -44,7 +44,8 @@ void ForceTarget::begin(const Input& input, double spring_n) noexcept {
   tank_j_ = options_.tank_j;
   without_contact_s_ = 0.0;
   lost_ = startled_ = pushing_out_ = false;
-  last_force_n_ = input.force_n;
+  last_forces_n_.fill(input.force_n);
+  since_touch_s_ = 0.0;
 }
 
 void ForceTarget::watch_contact(const Input& input, double dt_s) noexcept {
@@ -105,6 +106,13 @@ double ForceTarget::paid_for(double spring_n, const Input& input) noexcept {
   return spring_n;
 }
 
+// What the sensor will say when its lag is over, from the slope of three ticks: one would be noise.
+double ForceTarget::force_soon_n(const Input& input, double dt_s) noexcept {
+  const double slope = (input.force_n - last_forces_n_.back()) / (3.0 * dt_s);
+  last_forces_n_ = {input.force_n, last_forces_n_[0], last_forces_n_[1]};
+  return input.force_n + options_.sensor_lag_s * slope;
+}
+
 // The tissue is through before a gentle law has answered, so here the whole of the arm's strength
 // goes outward at once and nothing brakes it, until the person hardly touches it any more.
 double ForceTarget::push_out(const Input& input, double soon_n) noexcept {
@@ -120,16 +128,16 @@ double ForceTarget::push_out(const Input& input, double soon_n) noexcept {
 }
 
 double ForceTarget::step(const Input& input, double dt_s) noexcept {
-  // What the sensor will say when its lag is over.
-  const double soon_n =
-      input.force_n + options_.sensor_lag_s * (input.force_n - last_force_n_) / dt_s;
-  last_force_n_ = input.force_n;
+  const double soon_n = force_soon_n(input, dt_s);
   if (!startled_ && soon_n > set_n_ + options_.startle_n) startled_ = pushing_out_ = true;
   if (pushing_out_) return push_out(input, soon_n);
 
   const double wanted_n = std::max(input.set_force_n, options_.kept_n);
-  const double change_n = std::clamp(wanted_n - set_n_, -options_.fastest_n_per_s * dt_s,
-                                     options_.fastest_n_per_s * dt_s);
+  // Light contact is soft: a quick change of a small force would throw the tool off the skin.
+  since_touch_s_ += dt_s;
+  const double fastest =
+      since_touch_s_ < options_.landing_s ? options_.landing_n_per_s : options_.fastest_n_per_s;
+  const double change_n = std::clamp(wanted_n - set_n_, -fastest * dt_s, fastest * dt_s);
   set_n_ += change_n;
   watch_contact(input, dt_s);
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
+
 #include "tuina/core/contact.hpp"
 
 namespace tuina::control {
@@ -46,6 +48,8 @@ class ForceTarget {
     double most_outward_damping_n = 12.0;  ///< a person who rises is not held down by damping
     double kept_n = 1.0;                   ///< a set force is never lower than this
     double fastest_n_per_s = 150.0;
+    double landing_s = 0.3;  ///< after the touch the set force changes by `landing_n_per_s` at most
+    double landing_n_per_s = 15.0;
     double foreseen_lag_s = 8e-3;  ///< smooths the speed that the model foresees, for its inertia
     double most_inertia_n = 4.0;
     double tank_j = 3.0;
@@ -84,6 +88,7 @@ class ForceTarget {
 
  private:
   void watch_contact(const Input& input, double dt_s) noexcept;
+  [[nodiscard]] double force_soon_n(const Input& input, double dt_s) noexcept;
   [[nodiscard]] double push_out(const Input& input, double soon_n) noexcept;
   [[nodiscard]] bool slips(const Input& input) const noexcept;
   [[nodiscard]] double spring_without_skin(const Input& input, double dt_s) noexcept;
@@ -97,7 +102,8 @@ class ForceTarget {
   double trim_n_ = 0.0;
   double foreseen_m_per_s_ = 0.0;
   double spring_n_ = 0.0;
-  double last_force_n_ = 0.0;
+  std::array<double, 3> last_forces_n_ = {};  // newest first
+  double since_touch_s_ = 0.0;
   double last_depth_m_ = 0.0;
   double tank_j_ = 0.0;
   double without_contact_s_ = 0.0;

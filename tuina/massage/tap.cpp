@@ -10,7 +10,7 @@
 namespace tuina::massage {
 
 double strongest_tap_n(double rate_hz) {
-  return kept_force_n + fastest_force_n_per_s / (pi * rate_hz);
+  return kept_force_n + fastest_tap_n_per_s / (pi * rate_hz);
 }
 
 ContactPath plan_tap(const body::SurfacePoint& place, const TapOptions& options, std::string name) {
