@@ -28,9 +28,9 @@ struct GuardedArm {
     const robot::ArmDynamics& dynamics = controller.dynamics();
     const Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, most_joints> jacobian =
         dynamics.jacobian.topRows<3>();
-    constexpr std::array phase_of = {safety::Phase::free, safety::Phase::free,
+    constexpr std::array phase_of = {safety::Phase::free,     safety::Phase::free,
                                      safety::Phase::approach, safety::Phase::contact,
-                                     safety::Phase::retract};
+                                     safety::Phase::retract,  safety::Phase::free};
     verdict = guard.check({.tick = reading.tick,
                            .time_s = reading.time_s,
                            .wrench_time_s = reading.arms[arm].wrench_time_s,

@@ -103,6 +103,41 @@ TEST_CASE("a target beyond reach and a stretched arm ask for no large torque") {
   }
 }
 
+TEST_CASE(
+    "an arm that is led by a hand follows it, stays where it was left, and then obeys again") {
+  ArmController::Options options;
+  options.learn_s = 0.0;
+  options.friction.share_of_table = 0.0;  // this arm has none
+  ArmController controller(model, options);
+  ArmState state = at_rest(bent());
+  controller.start(state);
+  controller.lead();
+  const Vector3 start = state.base_from_tool.translation(), hand_n(0.0, 6.0, -8.0);
+  Vector3 released = start;
+  const auto live = [&](int ticks, const Vector3& push_n) {
+    for (int i = 0; i < ticks; ++i) {
+      const auto dynamics = model.evaluate(state.q_rad, state.dq_rad_per_s, 0.0);
+      const JointVector torque = controller.step(state, 0.0, 1e-3) - dynamics.gravity_nm -
+                                 dynamics.coriolis_nm +
+                                 dynamics.jacobian.topRows<3>().transpose() * push_n;
+      state.dq_rad_per_s += 1e-3 * dynamics.mass_kg_m2.llt().solve(torque);
+      state.q_rad += 1e-3 * state.dq_rad_per_s;
+      state.base_from_tool = model.base_from_tool(state.q_rad, 0.0);
+    }
+  };
+  live(600, hand_n);
+  released = state.base_from_tool.translation();
+  CHECK((released - start).dot(hand_n.normalized()) > 0.05);
+  live(1500, Vector3::Zero());
+  const Vector3 left = state.base_from_tool.translation();
+  CHECK((left - released).dot(hand_n) > 0.0);  // it coasts on a little and does not come back
+  CHECK((state.dq_rad_per_s).cwiseAbs().maxCoeff() < 0.02);
+  controller.hold();
+  live(1000, Vector3::Zero());
+  CHECK((state.base_from_tool.translation() - left).norm() < 5e-3);
+  CHECK(controller.status().doing == Doing::hold);
+}
+
 TEST_CASE("commands that are no numbers leave the arm where it is and say so") {
   const double bad = std::numeric_limits<double>::quiet_NaN();
   ArmController controller = still_controller();

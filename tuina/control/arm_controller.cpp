@@ -6,31 +6,8 @@
 #include <limits>
 
 namespace tuina::control {
-namespace {
-
-constexpr double typical_mass_kg = 4.0;  // what the tool of a 9 kg arm shows, with its rotors
-constexpr double blocked_after_s = 0.02;
-constexpr double touched_after_s = 0.003;
-constexpr double quiet_after_s = 0.1;
-constexpr double arrived_m = 3e-3;
-constexpr double settling_per_s = 3.0;
-constexpr double most_settling_n = 15.0;
-constexpr double still_m_per_s = 0.015;
-constexpr double search_acceleration = 0.4;  // m/s2
-
-Vector3 shortened(const Vector3& vector, double most) {
-  const double length = vector.norm();
-  return length > most ? Vector3(vector * (most / length)) : vector;
-}
-
-double inward(const Vector3& vector, const Vector3& normal) {
-  return -vector.dot(normal);
-}
-
-}  // namespace
-
 const char* name_of(Doing doing) noexcept {
-  constexpr std::array names = {"hold", "move", "approach", "contact", "retract"};
+  constexpr std::array names = {"hold", "move", "approach", "contact", "retract", "lead"};
   return names[static_cast<std::size_t>(doing)];
 }
 
@@ -73,38 +50,6 @@ void ArmController::start(const ArmState& state) noexcept {
   }
 }
 
-// Joint springs carry each joint along a slow sine that swells and fades; all of them at once, out
-// of step, so that the tool hardly travels.
-JointVector ArmController::learning_torque(const ArmState& state, double dt_s) noexcept {
-  constexpr double turn_rad = 0.02, rate = 2.0 * pi * 1.0, edge_s = 0.5;
-  (void)friction_.step(state.q_rad);
-  const auto joints = state.q_rad.size();
-  const double t = learning_s_;
-  const double swell = std::clamp(std::min(t, options_.learn_s - t) / edge_s, 0.0, 1.0);
-  JointVector goal = learn_rad_, speed(joints), acceleration(joints), stiffness(joints);
-  for (Eigen::Index i = 0; i < joints; ++i) {
-    const double a = turn_rad * swell, phase = rate * t + pi * static_cast<double>(i % 2);
-    goal[i] += a * std::sin(phase);
-    speed[i] = a * rate * std::cos(phase);
-    acceleration[i] = -a * rate * rate * std::sin(phase);
-    stiffness[i] = 600.0 * dynamics_.mass_kg_m2(i, i);
-  }
-  if (swell >= 1.0 && learn_nm_.size() == joints) {
-    friction_.learn(learn_nm_ - dynamics_.mass_kg_m2 * acceleration, state.dq_rad_per_s);
-  }
-  learn_nm_ = joint_impedance_torque(dynamics_, state.q_rad, state.dq_rad_per_s, goal, speed,
-                                     acceleration, stiffness, 0.8);
-  learning_s_ += dt_s;
-  if (learning_s_ >= options_.learn_s) {
-    friction_.end_learning();
-    learning_s_ = -1.0;
-    motion_.start({centre_, tool_normal(dynamics_.base_from_tool)});
-    motion_s_ = 0.0;
-    if (move_after_learning_) move_to(*move_after_learning_);
-  }
-  return learn_nm_;
-}
-
 void ArmController::stop_learning() noexcept {
   if (learning_s_ < 0.0) return;
   learning_s_ = -1.0;
@@ -133,6 +78,10 @@ void ArmController::travel(const Vector3& centre, const Vector3& normal,
          reference_.pose.normal_in_base});
     motion_s_ = 0.0;
   }
+  if (status_.doing == Doing::lead) {
+    motion_.start({centre_, tool_normal(dynamics_.base_from_tool)});
+    motion_s_ = 0.0;
+  }
   status_.trouble = Trouble::none;
   if (motion_.plan(motion_s_, {centre, normal}, limits)) {
     motion_s_ = 0.0;
@@ -146,7 +95,9 @@ void ArmController::travel(const Vector3& centre, const Vector3& normal,
 }
 
 void ArmController::hold() noexcept {
-  travel(centre_, reference_.pose.normal_in_base, options_.motion, Doing::hold);
+  const bool led = status_.doing == Doing::lead;
+  travel(centre_, led ? tool_normal(dynamics_.base_from_tool) : reference_.pose.normal_in_base,
+         options_.motion, Doing::hold);
 }
 
 void ArmController::move_to(const ToolPose& foremost) noexcept {
@@ -168,6 +119,14 @@ void ArmController::retract(double distance_m) noexcept {
   travel(centre_ + distance_m * normal, normal, limits, Doing::retract);
 }
 
+void ArmController::lead() noexcept {
+  stop_learning();
+  status_.doing = Doing::lead;
+  status_.trouble = Trouble::none;
+  status_.settled = true;
+  spring_n_.setZero();
+}
+
 void ArmController::approach(const ToolPose& skin) noexcept {
   const Vector3 normal = skin.normal_in_base.normalized();
   const bool usable = skin.at_in_base.allFinite() && std::abs(normal.norm() - 1.0) < 1e-6;
@@ -179,7 +138,7 @@ void ArmController::approach(const ToolPose& skin) noexcept {
   reference_ = {.pose = {skin.at_in_base + model_->table().tool_radius_m * normal, normal}};
   const Vector3 above = reference_.pose.at_in_base - centre_;
   // The search starts where the spring already is, at rest.
-  search_m_ = above.dot(normal) + inward(spring_n_, normal) / options_.force.stiffness_n_per_m;
+  search_m_ = above.dot(normal) - spring_n_.dot(normal) / options_.force.stiffness_n_per_m;
   search_speed_ = 0.0;
   touched_s_ = quiet_s_ = 0.0;
   status_ = {.doing = Doing::approach, .settled = false, .normal_in_base = normal};
@@ -197,164 +156,6 @@ void ArmController::track(const ContactTarget& target) noexcept {
   reference_ = {
       .pose = {target.at_in_base + radius_m * target.normal_in_base, target.normal_in_base},
       .velocity_m_per_s = target.velocity_m_per_s};
-}
-
-Vector3 ArmController::free_force(const ArmState& state, double dt_s) noexcept {
-  motion_s_ += dt_s;
-  reference_ = motion_.at(motion_s_);
-  const Vector3 error = reference_.pose.at_in_base - centre_;
-  const Vector3 velocity_error = reference_.velocity_m_per_s - velocity_;
-  spring_n_ = shortened(options_.stiffness_n_per_m * error, options_.most_pull_n);
-  const double damping =
-      2.0 * options_.damping_ratio * std::sqrt(typical_mass_kg * options_.stiffness_n_per_m);
-
-  // What friction and a wrong weight leave over at the goal is worked off slowly, within bounds.
-  const bool over = motion_s_ >= motion_.duration_s();
-  if (over)
-    settling_n_ = shortened(settling_n_ + settling_per_s * dt_s * spring_n_, most_settling_n);
-  const bool still = over && error.norm() < arrived_m && velocity_.norm() < still_m_per_s;
-  quiet_s_ = still ? quiet_s_ + dt_s : 0.0;
-  status_.settled = quiet_s_ >= quiet_after_s;
-  const bool pushed =
-      status_.doing == Doing::move && state.contact_in_base.force_n.norm() > options_.blocked_n;
-  blocked_s_ = pushed ? blocked_s_ + dt_s : 0.0;
-  if (blocked_s_ > blocked_after_s) give_up(Trouble::blocked);
-  status_.stiffness_n_per_m = options_.stiffness_n_per_m;
-  return spring_n_ + settling_n_ + damping * velocity_error;
-}
-
-// Down fast while the skin is surely far, slowly where it may be, never further than where it must
-// be.
-double ArmController::approach_force(double depth_m, double speed, double dt_s) noexcept {
-  const double goal_speed =
-      search_m_ < -options_.search_from_m ? options_.approach_m_per_s : options_.search_m_per_s;
-  // The speed at which the slow stretch can still be met with the permitted deceleration.
-  const double left_m = std::max(-options_.search_from_m - search_m_, 0.0);
-  const double most_speed = std::sqrt(options_.search_m_per_s * options_.search_m_per_s +
-                                      2.0 * search_acceleration * left_m);
-  const double change = search_acceleration * dt_s;
-  search_speed_ += std::clamp(std::min(goal_speed, most_speed) - search_speed_, -change, change);
-  const double K = options_.force.stiffness_n_per_m;
-  // The search waits for a tool that cannot follow instead of winding up its spring.
-  const double most_m = depth_m + options_.touch_pull_n / K;
-  search_m_ = std::min(search_m_ + search_speed_ * dt_s, std::max(most_m, search_m_));
-  const double spring_n = std::min(K * (search_m_ - depth_m), options_.touch_pull_n);
-  const double damping = 2.0 * options_.damping_ratio * std::sqrt(typical_mass_kg * K);
-
-  touched_s_ = status_.force_n > options_.touch_n ? touched_s_ + dt_s : 0.0;
-  if (touched_s_ > touched_after_s) {
-    force_target_.begin({.depth_m = depth_m, .force_n = status_.force_n, .model = target_.model},
-                        spring_n);
-    target_.force_n = options_.touch_n;
-    status_.doing = Doing::contact;
-  } else if (depth_m > options_.search_to_m) {
-    give_up(Trouble::no_skin_found);
-  }
-  return spring_n + damping * (search_speed_ - speed);
-}
-
-Vector3 ArmController::contact_force(double dt_s) noexcept {
-  const Vector3& normal = reference_.pose.normal_in_base;
-  const Vector3 error = reference_.pose.at_in_base - centre_;
-  const double depth_m = error.dot(normal);
-  const double speed = inward(velocity_, normal);
-  status_.depth_m = depth_m;
-
-  double normal_n = 0.0, normal_spring_n = 0.0;
-  if (status_.doing == Doing::approach) {
-    normal_n = approach_force(depth_m, speed, dt_s);
-    normal_spring_n =
-        std::min(options_.force.stiffness_n_per_m * (search_m_ - depth_m), options_.touch_pull_n);
-  } else {
-    normal_n =
-        force_target_.step({.depth_m = depth_m,
-                            .speed_m_per_s = speed,
-                            .path_speed_m_per_s = inward(reference_.velocity_m_per_s, normal),
-                            .force_n = status_.force_n,
-                            .set_force_n = target_.force_n,
-                            .mass_kg = robot::apparent_mass_kg(dynamics_, normal),
-                            .most_spring_n = target_.most_spring_n,
-                            .model = target_.model},
-                           dt_s);
-    normal_spring_n = force_target_.spring_n();
-    status_.set_force_n = force_target_.set_n();
-    status_.skin_error_m = force_target_.skin_error_m();
-    const bool quiet = std::abs(status_.force_n - status_.set_force_n) < 1.0;
-    quiet_s_ = quiet ? quiet_s_ + dt_s : 0.0;
-    status_.settled = quiet_s_ >= quiet_after_s;
-    status_.trouble = force_target_.pushed_away() ? Trouble::pushed_away
-                      : force_target_.lost()      ? Trouble::contact_lost
-                                                  : Trouble::none;
-  }
-  status_.stiffness_n_per_m = options_.force.stiffness_n_per_m;
-
-  const double K = options_.stiffness_n_per_m;
-  const double damping = 2.0 * options_.damping_ratio * std::sqrt(typical_mass_kg * K);
-  const Vector3 along_error = error - error.dot(normal) * normal;
-  const Vector3 velocity_error = reference_.velocity_m_per_s - velocity_;
-  const Vector3 drag_spring_n = shortened(K * along_error, options_.most_drag_n);
-  spring_n_ = drag_spring_n - normal_spring_n * normal;
-  return drag_spring_n + damping * (velocity_error - velocity_error.dot(normal) * normal) -
-         normal_n * normal;
-}
-
-// The laws of the thesis get the same virtual target as a reference: where the model says the skin
-// yields the set force, and further by what their own spring needs for it.
-JointVector ArmController::baseline_torque(const ArmState& state, double dt_s) noexcept {
-  const Vector3& normal = reference_.pose.normal_in_base;
-  (void)contact_force(dt_s);  // keeps the set force, its rate, and contact watched
-  const double set_n = force_target_.set_n();
-  const double expected_m = depth_at(target_.model, set_n);
-  ToolReference reference = reference_;
-  reference.pose.at_in_base -= expected_m * normal;
-  if (options_.law == Law::thesis) {
-    const double K = options_.thesis.stiffness_n_per_m;
-    reference.pose.at_in_base -= set_n / K * normal;
-    status_.virtual_target_in_base = reference.pose.at_in_base;
-    status_.stiffness_n_per_m = K;
-    return thesis_torque(dynamics_, model_->table(), state.q_rad, state.dq_rad_per_s, velocity_,
-                         state.contact_in_base.force_n, reference, posture_rad_, options_.thesis,
-                         options_.turning, options_.posture);
-  }
-  const auto joints = state.q_rad.size();
-  const JointVector stiffness = JointVector::Constant(joints, options_.joint_stiffness_nm_per_rad);
-  const Vector3 push_n = -set_n * normal;
-  JointVector goal = follower_.step(*model_, rail_m_, reference.pose, posture_rad_);
-  goal +=
-      dynamics_.jacobian.topRows<3>().transpose() * push_n / options_.joint_stiffness_nm_per_rad;
-  const JointVector still = JointVector::Zero(joints);
-  return joint_impedance_torque(dynamics_, state.q_rad, state.dq_rad_per_s, goal, still, still,
-                                stiffness, 0.8);
-}
-
-JointVector ArmController::step(const ArmState& state, double rail_m, double dt_s) noexcept {
-  rail_m_ = rail_m;
-  dynamics_ = model_->evaluate(state.q_rad, state.dq_rad_per_s, rail_m);
-  centre_ = dynamics_.base_from_tool.translation();
-  velocity_ = dynamics_.jacobian.topRows<3>() * state.dq_rad_per_s;
-  status_.force_n = state.contact_in_base.force_n.dot(reference_.pose.normal_in_base);
-  status_.touching = status_.force_n > 0.5 * options_.touch_n;
-
-  const bool touching = status_.doing == Doing::approach || status_.doing == Doing::contact;
-  const bool baseline = options_.law == Law::thesis || options_.law == Law::joint;
-  JointVector torque_nm;
-  if (learning_s_ >= 0.0) {
-    const JointVector learning_nm = learning_torque(state, dt_s);
-    status_.virtual_target_in_base = centre_;
-    status_.normal_in_base = reference_.pose.normal_in_base;
-    return learning_nm + dynamics_.gravity_nm + dynamics_.coriolis_nm;
-  }
-  if (status_.doing == Doing::contact && baseline) {
-    torque_nm = baseline_torque(state, dt_s);
-  } else {
-    const Vector3 force = touching ? contact_force(dt_s) : free_force(state, dt_s);
-    torque_nm = task_torque(dynamics_, model_->table(), state.q_rad, state.dq_rad_per_s, force,
-                            reference_, posture_rad_, options_.turning, options_.posture);
-    follower_.start(state.q_rad);
-    status_.virtual_target_in_base = centre_ + spring_n_ / status_.stiffness_n_per_m;
-  }
-  status_.normal_in_base = reference_.pose.normal_in_base;
-  return torque_nm + dynamics_.gravity_nm + dynamics_.coriolis_nm + friction_.step(state.q_rad);
 }
 
 }  // namespace tuina::control

@@ -28,7 +28,7 @@ struct ContactTarget {
 
 /// What an arm does. Commands change it; the controller itself goes from approach to contact and
 /// back.
-enum class Doing : std::uint8_t { hold, move, approach, contact, retract };
+enum class Doing : std::uint8_t { hold, move, approach, contact, retract, lead };
 [[nodiscard]] const char* name_of(Doing doing) noexcept;
 
 /// Why a command could not be done; the arm then holds where it is.
@@ -92,6 +92,7 @@ class ArmController {
     double touch_pull_n = 15.0;  ///< of the spring during approach
     double blocked_n = 15.0;     ///< on a tool that should be in the air
     double retract_m_per_s = 0.10;
+    double lead_damping_nm_s_per_rad = 4.0;  ///< so that a led arm does not coast
   };
 
   ArmController(const robot::ArmModel& model, const Options& options) noexcept;
@@ -117,6 +118,9 @@ class ArmController {
   void approach(const ToolPose& skin) noexcept;
   /// In contact, once per tick. Before the skin was felt, and after contact, it does nothing.
   void track(const ContactTarget& target) noexcept;
+  /// Lead-through, [thesis] 3.2: the arm carries its weight and most of its friction and gives way
+  /// to a hand, to be taught by it. Any other command ends it.
+  void lead() noexcept;
   /// Outward along the normal.
   void retract(double distance_m) noexcept;
 

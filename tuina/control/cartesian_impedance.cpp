@@ -87,6 +87,12 @@ JointVector task_torque(const robot::ArmDynamics& dynamics, const robot::ArmTabl
          beside_task(dynamics, turn, rest);
 }
 
+JointVector lead_through_torque(const robot::ArmTable& table, const JointVector& q_rad,
+                                const JointVector& dq_rad_per_s,
+                                const PostureGains& gains) noexcept {
+  return posture_torque(table, q_rad, dq_rad_per_s, JointVector::Zero(0), gains);
+}
+
 // With Lambda = (J M^-1 J^T)^-1 of the tool's centre, (3.5) reads tau = J^T Lambda {M_e^-1 [F - D
 // x~' - K x~]
 // - J' q'} + C + G - J^T F, and the damping of the inverse is the one on J M^-1 J^T.

@@ -12,6 +12,12 @@ namespace tuina::control {
   return -base_from_tool.linear().col(0);
 }
 
+/// A spring's pull that is bounded keeps its direction.
+[[nodiscard]] inline Vector3 shortened(const Vector3& vector, double most) {
+  const double length = vector.norm();
+  return length > most ? Vector3(vector * (most / length)) : vector;
+}
+
 /// What the springs of the last joints and the elbow do besides the task.
 struct PostureGains {
   double stiffness_nm_per_rad = 6.0;
@@ -36,6 +42,12 @@ struct TurningGains {
                                       const ToolReference& reference,
                                       const JointVector& posture_rad, const TurningGains& turning,
                                       const PostureGains& posture) noexcept;
+
+/// Nothing but damping, and springs at the ends of the joints: for an arm that is led by hand.
+[[nodiscard]] JointVector lead_through_torque(const robot::ArmTable& table,
+                                              const JointVector& q_rad,
+                                              const JointVector& dq_rad_per_s,
+                                              const PostureGains& gains) noexcept;
 
 /// Target impedance of [thesis] (3.2), alike in all directions.
 struct ThesisImpedance {
