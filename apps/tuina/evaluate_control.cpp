@@ -36,6 +36,9 @@ class EvaluateControl final : public Verb {
   }
   void describe(CLI::App& command) override {
     command.add_flag("--full", full_, "every combination, four seeds: many minutes");
+    std::vector<std::string> names;
+    for (const ControlTable& table : control_tables(false, 1)) names.push_back(table.name);
+    command.add_option("--table", table_, "one only")->check(CLI::IsMember(names));
     command.add_option("--html", html_, "a page with tables and figures");
     command.add_option("--figures", figures_, "the figures as SVG files into this folder");
   }
@@ -48,6 +51,8 @@ class EvaluateControl final : public Verb {
     }
     ControlReport report{.full = full_, .seed = common.seed};
     report.tables = control_tables(full_, common.seed);
+    if (!table_.empty())
+      std::erase_if(report.tables, [&](const auto& table) { return table.name != table_; });
     const unsigned threads = std::clamp(std::thread::hardware_concurrency(), 1U, 8U);
     if (auto done = run_tables(report.tables, threads, progress_bar(common, "control")); !done)
       return tl::unexpected(done.error());
@@ -85,7 +90,7 @@ class EvaluateControl final : public Verb {
   }
 
   bool full_ = false;
-  std::string html_, figures_;
+  std::string table_, html_, figures_;
 };
 
 }  // namespace

@@ -34,6 +34,8 @@ std::vector<std::unique_ptr<Verb>> make_verbs() {
   verbs.push_back(make_evaluate_control());
   verbs.push_back(make_config_show());
   verbs.push_back(make_config_check());
+  verbs.push_back(make_export_urdf());
+  verbs.push_back(make_export_mjcf());
   verbs.push_back(make_doctor());
   return verbs;
 }

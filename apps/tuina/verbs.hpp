@@ -25,6 +25,8 @@ std::unique_ptr<Verb> make_atlas_learn();
 std::unique_ptr<Verb> make_atlas_show();
 std::unique_ptr<Verb> make_evaluate_acupoints();
 std::unique_ptr<Verb> make_doctor();
+std::unique_ptr<Verb> make_export_urdf();
+std::unique_ptr<Verb> make_export_mjcf();
 std::unique_ptr<Verb> make_line();
 std::unique_ptr<Verb> make_calibrate();  // only where its room is built
 std::unique_ptr<Verb> make_scan();

@@ -6,16 +6,6 @@
 namespace tuina::robot {
 namespace {
 
-std::string vector_text(const Vector3& v) {
-  return fmt::format("{} {} {}", v.x(), v.y(), v.z());
-}
-
-std::string pose_text(const Transform& pose) {
-  const Eigen::Quaterniond turn(pose.linear());
-  return fmt::format(R"(pos="{}" quat="{} {} {} {}")", vector_text(pose.translation()), turn.w(),
-                     turn.x(), turn.y(), turn.z());
-}
-
 /// From DH frame i (at the end of the link) to the joint frame i of the same link: [thesis] (2.2)
 /// without the turn about z, which the joint makes.
 Transform joint_from_end(const Link& link) {
@@ -23,61 +13,78 @@ Transform joint_from_end(const Link& link) {
          Transform(Eigen::AngleAxisd(link.alpha_rad, Vector3::UnitX()));
 }
 
-void add_arm(std::string& xml, std::string& motors, const ArmTable& table, const char* side,
-             const Transform& base_from_shoulder) {
-  Transform parent_from_here = base_from_shoulder;
-  for (int i = 0; i < table.joints; ++i) {
-    const Link& link = table.links[static_cast<std::size_t>(i)];
-    const std::string name = fmt::format("{}_{}", side, link.name);
-    parent_from_here = parent_from_here * Eigen::AngleAxisd(link.offset_rad, Vector3::UnitZ());
-    xml += fmt::format(R"(<body name="{}" {}>)", name, pose_text(parent_from_here));
-    xml += fmt::format(
-        R"(<joint name="{}" type="hinge" axis="0 0 1" range="{} {}" armature="{}" frictionloss="{}" damping="{}"/>)",
-        name, link.lowest_rad, link.highest_rad, link.rotor_inertia_kg_m2, link.coulomb_nm,
-        link.viscous_nm_s_per_rad);
-    xml +=
-        fmt::format(R"(<inertial pos="{} {} {}" mass="{}" diaginertia="{} {} {}"/>)",
-                    link.com_in_joint[0], link.com_in_joint[1], link.com_in_joint[2], link.mass_kg,
-                    link.inertia_kg_m2[0], link.inertia_kg_m2[1], link.inertia_kg_m2[2]);
-    motors += fmt::format(R"(<motor name="{}" joint="{}" ctrllimited="true" ctrlrange="{} {}"/>)",
-                          name, name, -link.torque_limit_nm, link.torque_limit_nm);
-    const Transform end = joint_from_end(link);
-    const Vector3 to_end = end.translation();
-    if (to_end.norm() > link.radius_m) {
-      xml += fmt::format(R"(<geom type="capsule" size="{}" fromto="0 0 0 {}"/>)", link.radius_m,
-                         vector_text(to_end * (1.0 - link.radius_m / to_end.norm())));
-    }
-    parent_from_here = end;
-  }
-  xml += fmt::format(R"(<site name="{}_tool" {}/>)", side, pose_text(parent_from_here));
-  xml += fmt::format(R"(<geom type="sphere" size="{}" {}/>)", table.tool_radius_m,
-                     pose_text(parent_from_here));
-  for (int i = 0; i < table.joints; ++i) xml += "</body>";
-  xml += '\n';
+/// A capsule between two places.
+Solid capsule(const Vector3& from, const Vector3& to, double radius_m) {
+  Solid solid{.radius_m = radius_m, .length_m = (to - from).norm()};
+  solid.part_from_solid = Transform(Eigen::Translation3d(0.5 * (from + to))) *
+                          Eigen::Quaterniond::FromTwoVectors(Vector3::UnitZ(), to - from);
+  return solid;
 }
 
 }  // namespace
 
-std::string to_mjcf(const RobotMount& mount, const PerArm<ArmTable>& tables, double timestep_s,
-                    double column_kg) {
-  std::string motors;
-  std::string xml = fmt::format(
-      R"(<mujoco model="tuina">
-<compiler angle="radian" inertiafromgeom="false" boundmass="0" boundinertia="0"/>
-<option timestep="{}" gravity="0 0 {}" integrator="Euler"><flag contact="disable"/></option>
-<default><joint limited="true"/><geom contype="0" conaffinity="0" mass="0"/></default>
-<worldbody>
-<body name="rail"><joint name="rail" type="slide" axis="{}" range="{} {}"/>
-<inertial pos="0 0 0" mass="{}" diaginertia="1 1 1"/>
-)",
-      timestep_s, -gravity_m_per_s2, vector_text(mount.rail_axis_in_base), mount.lowest_rail_m,
-      mount.highest_rail_m, column_kg);
-  for (const Arm arm : both_arms) {
-    add_arm(xml, motors, tables[arm], name_of(arm), mount.base_from_shoulder[arm]);
+void add_arm(Description& robot, const ArmTable& table, const std::string& side, int parent,
+             const Transform& parent_from_shoulder) {
+  Transform parent_from_here = parent_from_shoulder;
+  for (int i = 0; i < table.joints; ++i) {
+    const Link& link = table.links[static_cast<std::size_t>(i)];
+    Part part{.name = fmt::format("{}_{}", side, link.name),
+              .parent = parent,
+              .lowest = link.lowest_rad,
+              .highest = link.highest_rad,
+              .effort_limit = link.torque_limit_nm,
+              .speed_limit = link.speed_limit_rad_per_s,
+              .rotor_inertia_kg_m2 = link.rotor_inertia_kg_m2,
+              .coulomb = link.coulomb_nm,
+              .viscous = link.viscous_nm_s_per_rad,
+              .mass_kg = link.mass_kg,
+              .com = link.com_in_joint,
+              .inertia_kg_m2 = link.inertia_kg_m2};
+    part.parent_from_part = parent_from_here * Eigen::AngleAxisd(link.offset_rad, Vector3::UnitZ());
+    const Transform end = joint_from_end(link);
+    const Vector3 to_end = end.translation();
+    if (to_end.norm() > link.radius_m) {
+      const Vector3 last = to_end * (1.0 - link.radius_m / to_end.norm());
+      part.solids.push_back(capsule(Vector3::Zero(), last, link.radius_m));
+    }
+    parent = static_cast<int>(robot.parts.size());
+    parent_from_here = end;
+    robot.parts.push_back(std::move(part));
   }
-  xml += "</body>\n</worldbody>\n<actuator>";
-  xml += R"(<motor name="rail" joint="rail"/>)" + motors + "</actuator>\n</mujoco>\n";
-  return xml;
+  robot.parts.back().solids.push_back({.shape = Solid::Shape::sphere,
+                                       .part_from_solid = parent_from_here,
+                                       .radius_m = table.tool_radius_m});
+  robot.markers.push_back({side + "_tool", parent, parent_from_here});
+}
+
+Description describe(const RobotMount& mount, const PerArm<ArmTable>& tables, double column_kg) {
+  Description robot{.name = "tuina", .parts = {}, .markers = {}};
+  robot.parts.push_back({.name = "rail",
+                         .motion = Part::Motion::slide,
+                         .axis = mount.rail_axis_in_base,
+                         .lowest = mount.lowest_rail_m,
+                         .highest = mount.highest_rail_m,
+                         .effort_limit = 2000.0,
+                         .speed_limit = 0.1,
+                         .mass_kg = column_kg,
+                         .inertia_kg_m2 = {1.0, 1.0, 1.0}});
+  for (const Arm arm : both_arms)
+    add_arm(robot, tables[arm], name_of(arm), 0, mount.base_from_shoulder[arm]);
+  return robot;
+}
+
+std::vector<Transform> base_from_parts(const Description& robot, const std::vector<double>& q) {
+  std::vector<Transform> poses;
+  for (std::size_t i = 0; i < robot.parts.size(); ++i) {
+    const Part& part = robot.parts[i];
+    Transform pose =
+        part.parent < 0 ? Transform::Identity() : poses[static_cast<std::size_t>(part.parent)];
+    pose = pose * part.parent_from_part;
+    if (part.motion == Part::Motion::hinge) pose = pose * Eigen::AngleAxisd(q[i], part.axis);
+    if (part.motion == Part::Motion::slide) pose = pose * Eigen::Translation3d(q[i] * part.axis);
+    poses.push_back(pose);
+  }
+  return poses;
 }
 
 }  // namespace tuina::robot

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "apps/tuina/verbs.hpp"
+#include "tuina/core/file.hpp"
+#include "tuina/robot/successor.hpp"
+
+namespace tuina::app {
+namespace {
+
+/// A robot as other programs read it: `export urdf` and `export mjcf`.
+class Export final : public Verb {
+ public:
+  explicit Export(bool urdf) : urdf_(urdf) {}
+  [[nodiscard]] const char* name() const override { return urdf_ ? "export urdf" : "export mjcf"; }
+  [[nodiscard]] const char* summary() const override {
+    return urdf_ ? "the robot for ROS, as URDF" : "the robot for MuJoCo, as MJCF";
+  }
+  [[nodiscard]] const char* example() const override {
+    return urdf_ ? "tuina export urdf --robot successor --out robot.urdf"
+                 : "tuina export mjcf --out robot.xml";
+  }
+  void describe(CLI::App& command) override {
+    command
+        .add_option("--robot", robot_,
+                    "thesis: linear base, arms of six joints; successor: "
+                    "omnidirectional base, waist, head, arms of seven")
+        ->check(CLI::IsMember({"thesis", "successor"}))
+        ->capture_default_str();
+    command.add_option("--position", position_, "how the thesis' arms hang")
+        ->check(CLI::IsMember({"sitting", "prone"}))
+        ->capture_default_str();
+    command.add_option("--out", out_, "the file; else it goes to stdout");
+  }
+  [[nodiscard]] Result<Answer> run(const CommonOptions&) override {
+    const robot::ArmTable arm = robot::thesis_arm();
+    const Position position = position_ == "prone" ? Position::prone : Position::sitting;
+    const robot::Description robot =
+        robot_ == "successor" ? robot::successor_robot()
+                              : robot::describe(robot::mount_for(position), {.of = {arm, arm}});
+    const std::string text = urdf_ ? robot::to_urdf(robot) : robot::to_mjcf(robot, 1e-3);
+    if (!out_.empty()) {
+      if (auto written = write_file(out_, text); !written) return tl::unexpected(written.error());
+    }
+    std::size_t joints = 0;
+    double mass_kg = 0.0;
+    for (const robot::Part& part : robot.parts) {
+      joints += part.motion != robot::Part::Motion::fixed ? 1 : 0;
+      mass_kg += part.mass_kg;
+    }
+    nlohmann::json json = {{"robot", robot_}, {"joints", joints}, {"mass_kg", mass_kg}};
+    if (out_.empty()) json["text"] = text;
+    return Answer{.json = json.dump(2),
+                  .text = fmt::format("{}: {} joints, {:.1f} kg", robot_, joints, mass_kg),
+                  .product = out_.empty() ? text : std::string()};
+  }
+
+ private:
+  bool urdf_;
+  std::string robot_ = "thesis", position_ = "sitting", out_;
+};
+
+}  // namespace
+
+std::unique_ptr<Verb> make_export_urdf() {
+  return std::make_unique<Export>(true);
+}
+
+std::unique_ptr<Verb> make_export_mjcf() {
+  return std::make_unique<Export>(false);
+}
+
+}  // namespace tuina::app
