@@ -20,6 +20,7 @@ std::vector<std::unique_ptr<Verb>> make_verbs() {
   verbs.push_back(make_line());
 #ifdef TUINA_CALIBRATION
   verbs.push_back(make_calibrate());
+  verbs.push_back(make_evaluate_calibration());
 #endif
   verbs.push_back(make_plan());
   verbs.push_back(make_map());

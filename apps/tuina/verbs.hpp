@@ -28,7 +28,8 @@ std::unique_ptr<Verb> make_doctor();
 std::unique_ptr<Verb> make_export_urdf();
 std::unique_ptr<Verb> make_export_mjcf();
 std::unique_ptr<Verb> make_line();
-std::unique_ptr<Verb> make_calibrate();  // only where its room is built
+std::unique_ptr<Verb> make_calibrate();  // these two only where their room is built
+std::unique_ptr<Verb> make_evaluate_calibration();
 std::unique_ptr<Verb> make_scan();
 std::unique_ptr<Verb> make_plan();
 

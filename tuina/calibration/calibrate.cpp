@@ -60,13 +60,16 @@ double depth_m(const Transform& camera_from_board, const Board& board) {
 }
 
 // Zhang's method cannot tell focal length from distance when all boards are parallel; a light plane
-// known at one distance is not known at others.
+// known at one distance is not known at others. Only boards with a line count.
 Result<void> check_spread(const Views& views, const std::vector<Transform>& camera_from_board) {
   std::vector<double> depths;
+  std::vector<Vector3> normals;
   Vector3 mean_normal = Vector3::Zero();
-  for (const Transform& pose : camera_from_board) {
-    depths.push_back(depth_m(pose, views.board));
-    mean_normal += pose.linear().col(2);
+  for (std::size_t i = 0; i < views.views.size(); ++i) {
+    if (views.views[i].line.size() < least_line_points) continue;
+    depths.push_back(depth_m(camera_from_board[i], views.board));
+    normals.push_back(camera_from_board[i].linear().col(2));
+    mean_normal += normals.back();
   }
   mean_normal.normalize();
   std::sort(depths.begin(), depths.end());
@@ -79,8 +82,8 @@ Result<void> check_spread(const Views& views, const std::vector<Transform>& came
                 depths.front(), depths.back(), middle, views.board.square_m);
   }
   std::vector<double> tilts;
-  for (const Transform& pose : camera_from_board) {
-    tilts.push_back(std::acos(std::clamp(pose.linear().col(2).dot(mean_normal), -1.0, 1.0)));
+  for (const Vector3& normal : normals) {
+    tilts.push_back(std::acos(std::clamp(normal.dot(mean_normal), -1.0, 1.0)));
   }
   std::sort(tilts.begin(), tilts.end());
   const double often_rad = tilts[tilts.size() * 3 / 4];

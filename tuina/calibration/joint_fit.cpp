@@ -193,8 +193,8 @@ class Problem {
     build(problem, robust);
     ceres::Solver::Options options;
     options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
-    options.max_num_iterations = 100;
-    options.function_tolerance = 1e-10;
+    options.max_num_iterations = 50;
+    options.function_tolerance = robust ? 1e-5 : 1e-9;
     options.num_threads = 1;
     options.logging_type = ceres::SILENT;
     ceres::Solver::Summary summary;

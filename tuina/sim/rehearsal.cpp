@@ -33,12 +33,7 @@ constexpr double sweep_rad = 12.0_deg;
 constexpr double sweep_rad_per_s = 5.994_deg;
 constexpr double couch_board_m = 12.0_mm;  // its thickness; its upper face is z = 0
 
-struct Picture {
-  bool laser = false;
-  int pose = 0;
-  double yaw_rad = 0.0;  ///< as the motor tells it
-  Transform camera_from_board = Transform::Identity();
-};
+using Picture = RehearsalPicture;
 
 Transform about(const Vector3& centre, const Matrix3& rotation, const Chessboard& board) {
   Transform pose = Transform::Identity();
@@ -96,25 +91,6 @@ std::vector<Picture> stand_board(const ScannerCalibration& truth, const Rehearsa
     }
     if (pictures.size() >= least_standing_views) return pictures;
   }
-}
-
-std::vector<Picture> all_pictures(const ScannerCalibration& truth, const RehearsalOptions& options,
-                                  Random& random) {
-  std::vector<Picture> pictures;
-  for (int pose = 0; pose < options.poses; ++pose) {
-    // The same number of boards in each part of the range.
-    const double part = (pose + uniform(random, 0.0, 1.0)) / options.poses;
-    const double depth_m = options.nearest_m + part * (options.farthest_m - options.nearest_m);
-    const Transform seen = hold_board(truth, options, depth_m, random);
-    pictures.push_back({.pose = pose, .camera_from_board = seen});
-    pictures.push_back({.laser = true, .pose = pose, .camera_from_board = seen});
-  }
-  for (int i = 0; i < options.standing_poses; ++i) {
-    const double depth_m = 1.0 + 0.6 * i / std::max(1, options.standing_poses - 1);
-    const auto views = stand_board(truth, options, options.poses + i, depth_m, random);
-    pictures.insert(pictures.end(), views.begin(), views.end());
-  }
-  return pictures;
 }
 
 Result<void> take(const ScannerCalibration& truth, std::uint64_t seed, const fs::path& folder,
@@ -225,8 +201,7 @@ Result<void> record_sweeps(const ScannerCalibration& truth, std::uint64_t seed,
 
 Result<void> write_set(const ScannerCalibration& truth, std::uint64_t seed, const fs::path& folder,
                        const RehearsalOptions& options, const Progress& progress) {
-  Random random = make_random(seed, "calibration poses");
-  const auto pictures = all_pictures(truth, options, random);
+  const auto pictures = rehearsal_pictures(truth, seed, options);
   std::error_code error;
   fs::create_directories(folder / "frames", error);
   if (error) return fail(Fault::file, "{}: {}", folder.string(), error.message());
@@ -275,6 +250,27 @@ ScannerCalibration built_scanner(std::uint64_t seed) {
   off.translation().z() = gaussian(random, 8.0_mm);
   built.couch_from_camera = off * built.couch_from_camera;
   return built;
+}
+
+std::vector<RehearsalPicture> rehearsal_pictures(const ScannerCalibration& truth,
+                                                 std::uint64_t seed,
+                                                 const RehearsalOptions& options) {
+  Random random = make_random(seed, "calibration poses");
+  std::vector<Picture> pictures;
+  for (int pose = 0; pose < options.poses; ++pose) {
+    // The same number of boards in each part of the range.
+    const double part = (pose + uniform(random, 0.0, 1.0)) / options.poses;
+    const double depth_m = options.nearest_m + part * (options.farthest_m - options.nearest_m);
+    const Transform seen = hold_board(truth, options, depth_m, random);
+    pictures.push_back({.pose = pose, .camera_from_board = seen});
+    pictures.push_back({.laser = true, .pose = pose, .camera_from_board = seen});
+  }
+  for (int i = 0; i < options.standing_poses; ++i) {
+    const double depth_m = 1.0 + 0.6 * i / std::max(1, options.standing_poses - 1);
+    const auto views = stand_board(truth, options, options.poses + i, depth_m, random);
+    pictures.insert(pictures.end(), views.begin(), views.end());
+  }
+  return pictures;
 }
 
 Result<void> rehearse_calibration(const ScannerCalibration& truth, std::uint64_t seed,

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <vector>
 
 #include "tuina/core/progress.hpp"
 #include "tuina/core/result.hpp"
@@ -24,6 +25,17 @@ struct RehearsalOptions {
   bool sweeps = true;  ///< sweep_left, sweep_right and couch as well
   int threads = 2;
 };
+
+/// One picture of a set: what is in it, and where the board truly is.
+struct RehearsalPicture {
+  bool laser = false;
+  int pose = 0;
+  double yaw_rad = 0.0;  ///< as the motor tells it, in its counts
+  Transform camera_from_board = Transform::Identity();
+};
+[[nodiscard]] std::vector<RehearsalPicture> rehearsal_pictures(
+    const scanner::ScannerCalibration& truth, std::uint64_t seed,
+    const RehearsalOptions& options = {});
 
 /// Photographs a whole set of calibration shots with that scanner into a new folder, as `tuina
 /// calibrate` reads it. What is true of the scanner is not in it. The folder appears when it is

@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: Apache-2.0
+// Sets of pictures that a newcomer takes, and what is said about them. None gives a calibration.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "tests/calibration/range_truth.hpp"
+#include "tests/calibration/seen_boards.hpp"
+#include "tuina/calibration/calibrate.hpp"
+#include "tuina/core/units.hpp"
+
+using namespace tuina;
+using namespace tuina::calibration;
+using tuina::test::seen_boards;
+
+namespace {
+
+constexpr int held = 16;
+const sim::RehearsalOptions usual{.poses = held, .standing_poses = 2};
+
+Views good_views(std::uint64_t seed = 1) {
+  return seen_boards(sim::built_scanner(seed), seed, usual);
+}
+
+void refused_saying(Views views, const std::string& cause) {
+  const auto result = calibrate(views);
+  CAPTURE(cause);
+  REQUIRE_FALSE(result.has_value());
+  CHECK(result.error().fault == Fault::bad_input);
+  CHECK_MESSAGE(result.error().message.find(cause) != std::string::npos, result.error().message);
+}
+
+void mirror(View& view, int width_px) {
+  for (Vector2& corner : view.corners_px) corner.x() = width_px - 1 - corner.x();
+  for (auto& point : view.line) {
+    point.column_px = static_cast<float>(width_px - 1) - point.column_px;
+  }
+}
+
+View& of_pose(Views& views, int pose) {
+  return *std::find_if(views.views.begin(), views.views.end(),
+                       [pose](const View& view) { return view.pose == pose; });
+}
+
+}  // namespace
+
+TEST_CASE("the set that the others spoil is a good one") {
+  for (const std::uint64_t seed : {1U, 2U}) {
+    Views views = good_views(seed);
+    const auto result = calibrate(views);
+    REQUIRE_MESSAGE(result.has_value(), result.error().message);
+    const auto truth = sim::built_scanner(seed);
+    CHECK(test::range_error_m(truth, result->calibration, 1.0) < 1.0_mm);
+  }
+}
+
+TEST_CASE("fewer than eight poses with board and laser") {
+  Views views = good_views();
+  std::erase_if(views.views, [](const View& view) { return view.pose >= 7 && view.pose < held; });
+  refused_saying(views, "8 with both are needed");
+}
+
+TEST_CASE("laser pictures missing") {
+  Views views = good_views();
+  for (View& view : views.views) {
+    view.laser_on = view.laser_on && view.pose < 5;
+    if (!view.laser_on) view.line.clear();
+  }
+  refused_saying(views, "5 of them have a laser picture");
+}
+
+TEST_CASE("a laser that was off") {
+  Views views = good_views();
+  for (View& view : views.views) {
+    if (view.pose > 3) view.line.clear();
+  }
+  refused_saying(views, "is the laser on");
+}
+
+TEST_CASE("laser pictures of two poses exchanged") {
+  for (const auto& [one, other] : {std::pair{2, 12}, {6, 15}}) {
+    Views views = good_views(5);
+    std::swap(of_pose(views, one).line, of_pose(views, other).line);
+    CAPTURE(one);
+    refused_saying(views, "swapped between poses");
+  }
+}
+
+TEST_CASE("every laser picture one pose too late") {
+  Views views = good_views();
+  for (int pose = 0; pose + 1 < held; ++pose) {
+    std::swap(of_pose(views, pose).line, of_pose(views, pose + 1).line);
+  }
+  refused_saying(views, "swapped between poses");
+}
+
+TEST_CASE("half of the pictures mirrored") {
+  Views views = good_views(2);
+  for (View& view : views.views) {
+    if (view.pose % 2 == 1) mirror(view, views.width_px);
+  }
+  refused_saying(views, "mirrored");
+}
+
+TEST_CASE("one mirrored picture among good ones") {
+  Views views = good_views(2);
+  mirror(of_pose(views, 7), views.width_px);
+  refused_saying(views, "mirrored");
+}
+
+TEST_CASE("all boards at one distance") {
+  sim::RehearsalOptions options = usual;
+  options.nearest_m = 0.98;
+  options.farthest_m = 1.02;
+  auto pictures = sim::rehearsal_pictures(sim::built_scanner(1), 1, options);
+  refused_saying(seen_boards(sim::built_scanner(1), pictures, options.board, 1),
+                 "about one distance");
+}
+
+TEST_CASE("all boards parallel") {
+  const auto truth = sim::built_scanner(1);
+  auto pictures = sim::rehearsal_pictures(truth, 1, usual);
+  for (auto& picture : pictures) {
+    if (picture.pose < held) picture.camera_from_board.linear().setIdentity();
+  }
+  refused_saying(seen_boards(truth, pictures, usual.board, 1), "parallel");
+}
+
+TEST_CASE("a square size in the wrong unit") {
+  for (const double factor : {10.0, 0.1}) {
+    Views views = good_views();
+    views.board.square_m *= factor;
+    refused_saying(views, "square_m");
+  }
+}
+
+TEST_CASE("a laser that shines almost through the camera") {
+  auto truth = sim::built_scanner(1);
+  truth.laser_distance_m = 6.0_mm;
+  truth.laser_normal_in_camera = Vector3(1.0, 0.0, 0.02).normalized();
+  refused_saying(seen_boards(truth, 1, usual), "almost through");
+}
+
+TEST_CASE("no board that stood while the unit turned, or hardly any turn") {
+  Views views = good_views();
+  Views none = views;
+  std::erase_if(none.views, [](const View& view) { return view.pose >= held; });
+  refused_saying(none, "several yaw angles");
+  std::erase_if(views.views, [](const View& view) {
+    return view.pose >= held && std::abs(view.yaw_rad) > 2.0_deg;
+  });
+  const auto result = calibrate(views);
+  CHECK_FALSE(result.has_value());
+}
+
+TEST_CASE("the yaw of one standing board with the wrong sign") {
+  Views views = good_views();
+  for (View& view : views.views) {
+    if (view.pose == held + 1) view.yaw_rad = -view.yaw_rad;
+  }
+  refused_saying(views, "yaw_deg says");
+}
+
+TEST_CASE("a standing board that was moved") {
+  Views views = good_views();
+  int seen = 0;
+  for (View& view : views.views) {
+    if (view.pose == held && seen++ == 2) view.yaw_rad += 8.0_deg;
+  }
+  refused_saying(views, "yaw_deg says");
+}
+
+TEST_CASE("corners counted from the other end are the same board") {
+  Views views = good_views();
+  int seen = 0;
+  for (View& view : views.views) {
+    if (seen++ % 2 == 0) std::reverse(view.corners_px.begin(), view.corners_px.end());
+  }
+  const auto turned = calibrate(views);
+  REQUIRE_MESSAGE(turned.has_value(), turned.error().message);
+  Views straight = good_views();
+  const auto same = calibrate(straight);
+  REQUIRE(same.has_value());
+  CHECK(turned->calibration.camera.fx_px ==
+        doctest::Approx(same->calibration.camera.fx_px).epsilon(1e-4));
+  CHECK(turned->calibration.axis_direction_in_camera.isApprox(
+      same->calibration.axis_direction_in_camera, 1e-4));
+}
+
+TEST_CASE("what is stated is what is true, over scanners and sets") {
+  double true2 = 0.0;
+  double stated2 = 0.0;
+  double axis2 = 0.0;
+  double axis_stated2 = 0.0;
+  constexpr int sets = 8;
+  for (std::uint64_t seed = 1; seed <= sets; ++seed) {
+    const auto truth = sim::built_scanner(seed);
+    Views views = seen_boards(truth, seed, {.poses = 20, .standing_poses = 3}, 0.1);
+    const auto result = calibrate(views);
+    REQUIRE_MESSAGE(result.has_value(), result.error().message);
+    true2 += std::pow(test::range_error_m(truth, result->calibration, 1.0), 2);
+    stated2 += std::pow(result->expected[1]->systematic_m, 2);
+    const auto& covariance = result->fit.covariance;
+    axis2 += result->calibration.axis_direction_in_camera.cross(truth.axis_direction_in_camera)
+                 .squaredNorm();
+    axis_stated2 += covariance(axis_tilt_1, axis_tilt_1) + covariance(axis_tilt_2, axis_tilt_2);
+  }
+  MESSAGE("range at 1 m: true ", 1e3 * std::sqrt(true2 / sets), " mm, stated ",
+          1e3 * std::sqrt(stated2 / sets), " mm");
+  // Eight sets know their own spread to 25 %.
+  CHECK(std::sqrt(true2 / stated2) > 0.6);
+  CHECK(std::sqrt(true2 / stated2) < 1.5);
+  CHECK(std::sqrt(axis2 / axis_stated2) > 0.6);
+  CHECK(std::sqrt(axis2 / axis_stated2) < 1.5);
+}
