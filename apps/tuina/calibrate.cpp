@@ -148,14 +148,15 @@ class Calibrate final : public Verb {
     const auto result =
         calibration::calibrate_folder(shots_, views, progress_bar(common, "calibrate"));
     if (!result) return tl::unexpected(result.error());
-    if (const auto written = write_file(out_, scanner::to_toml(result->calibration)); !written) {
-      return tl::unexpected(written.error());
-    }
     if (!report_.empty()) {
       const auto page = calibration_report(*result, views, shots_);
       if (const auto written = write_file(report_, page); !written) {
         return tl::unexpected(written.error());
       }
+    }
+    // Last, so that no calibration is left behind a failure.
+    if (const auto written = write_file(out_, scanner::to_toml(result->calibration)); !written) {
+      return tl::unexpected(written.error());
     }
     return Answer{.json = json_of(*result, views).dump(2), .text = text_of(*result, views)};
   }

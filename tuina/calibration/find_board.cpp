@@ -98,7 +98,10 @@ std::optional<std::vector<Vector2>> find_corners(ImageView image, const Board& b
   std::vector<cv::Point2f> corners;
   int window = 0;
   try {
-    if (!cv::findChessboardCornersSB(grey, pattern, corners, cv::CALIB_CB_NORMALIZE_IMAGE)) {
+    constexpr int quick = cv::CALIB_CB_NORMALIZE_IMAGE;
+    constexpr int thorough = quick | cv::CALIB_CB_EXHAUSTIVE;
+    if (!cv::findChessboardCornersSB(grey, pattern, corners, quick) &&
+        !cv::findChessboardCornersSB(grey, pattern, corners, thorough)) {
       return std::nullopt;
     }
     // The corners of findChessboardCornersSB (OpenCV 4.6) are off by 0.01 to 0.03 px even in clean
