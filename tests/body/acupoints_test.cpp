@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "apps/tuina/labelled_phantom.hpp"
+#include "tuina/body/baselines.hpp"
 #include "tuina/core/random.hpp"
 #include "tuina/core/units.hpp"
 
@@ -225,6 +226,28 @@ TEST_CASE("one labelled body makes an atlas of one that finds its own points") {
     for (std::size_t i = 0; i < 7; ++i) {
       CHECK((found->acupoints[i].at_in_couch - person.acupoints[i].at_in_couch).norm() < 4_mm);
     }
+  }
+}
+
+TEST_CASE("simpler methods find the seven points of a phantom, less well than the surface does") {
+  const LabelledBody person = phantom(Position::sitting, 31);
+  const auto back = fit_back(scan_of(person));
+  REQUIRE(back);
+  const auto error_mm = [&](const Result<Mapping>& found) {
+    REQUIRE_MESSAGE(found.has_value(), (found ? "" : found.error().message));
+    double sum = 0.0;
+    for (std::size_t i = 0; i < seven_acupoints.size(); ++i) {
+      REQUIRE(found->acupoints[i].name == seven_acupoints[i]);
+      sum += to_mm((found->acupoints[i].at_in_couch - person.acupoints[i].at_in_couch).norm());
+    }
+    return sum / 7.0;
+  };
+  const double surface = error_mm(locate_acupoints(*back, shipped()));
+  for (const double simpler :
+       {error_mm(rigid_icp(*back, shipped())), error_mm(scale_axes(*back, shipped())),
+        error_mm(cun_rule(*back, shipped()))}) {
+    CHECK(simpler < 50.0);
+    CHECK(simpler > surface);
   }
 }
 

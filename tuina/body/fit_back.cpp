@@ -2,6 +2,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 #include "tuina/body/back_surface.hpp"
@@ -16,6 +17,7 @@ constexpr double couch_m = 25_mm;        // z = 0 holds to 10 mm, a depth camera
 constexpr double gap_m = 30_mm;          // what is farther apart does not hang together
 constexpr double widest_cloud_m = 12.0;  // a room; a person in centimetres spans 60 and more
 constexpr double shortest_lying_m = 0.60;  // crown to buttocks is 0.75 and more
+constexpr double widest_top_m = 0.45;      // of what is level with the highest place
 constexpr double sitting_height_m = 0.50;  // shoulders of the smallest sitting person are above it
 
 double quantile(std::vector<double> values, double fraction) {
@@ -148,15 +150,21 @@ Result<void> check_lying(const std::vector<Vector3>& person) {
     return fail(Fault::not_found, "less than a back: {:.0f} mm of a lying person, {:.0f} needed",
                 to_mm(longest), to_mm(shortest_lying_m));
   }
+  // A bed is wide and flat; of a person only a narrow ridge is within a few millimetres of the top.
   const double top = quantile_along(person, 2, 0.995);
-  const auto flat = std::count_if(person.begin(), person.end(),
-                                  [&](const Vector3& p) { return p.z() > top - 8_mm; });
-  if (static_cast<double>(flat) > 0.10 * static_cast<double>(person.size())) {
+  std::vector<Vector3> layer;
+  std::copy_if(person.begin(), person.end(), std::back_inserter(layer),
+               [&](const Vector3& p) { return p.z() > top - 8_mm; });
+  double narrow = std::numeric_limits<double>::max();
+  for (int axis = 0; axis < 2; ++axis) {
+    narrow =
+        std::min(narrow, quantile_along(layer, axis, 0.95) - quantile_along(layer, axis, 0.05));
+  }
+  if (narrow > widest_top_m) {
     return fail(Fault::bad_input,
-                "the top is flat: {} of {} points are within 8 mm of it; the cloud is mirrored "
-                "along the line of "
-                "sight and the couch hangs over the person",
-                flat, person.size());
+                "the top is flat over {:.0f} mm, {:.0f} allowed: the cloud is mirrored along the "
+                "line of sight and the couch hangs over the person",
+                to_mm(narrow), to_mm(widest_top_m));
   }
   return {};
 }

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "tuina/body/acupoints.hpp"
+#include "tuina/body/labelled_body.hpp"
+
+namespace tuina::app {
+
+inline constexpr std::array<const char*, 5> acupoint_methods = {
+    "field_morphing", "surface", "rigid_icp", "axis_scaling", "cun_rule"};
+
+/// One acupoint of one person found by one method.
+struct Finding {
+  std::size_t person = 0;
+  std::string type, position, arms, point;
+  Vector3 found_in_couch, true_in_couch;
+  double error_mm = 0.0;
+  double uncertainty_mm = 0.0;
+  bool of_the_seven = false;
+};
+
+/// What one method did on everybody.
+struct Score {
+  std::vector<Finding> findings;
+  std::vector<double> compute_ms;
+  std::vector<std::string> failures;
+};
+
+/// One labelled person as a scan shows them, and how long scanning took.
+struct Seen {
+  PointCloud cloud_in_couch;
+  double sweep_s = 0.0;
+  double compute_ms = 0.0;
+};
+[[nodiscard]] Result<Seen> see(const body::LabelledBody& person, bool laser, std::uint64_t seed);
+
+/// Seconds from the person on the couch to the plan, [thesis] 5.5.
+struct Times {
+  std::vector<double> scan_s, map_s, plan_s;
+};
+
+/// Judges every method on one person, number `index`. `marks` are the places to be found: the
+/// truth, or what a therapist marked.
+void judge(const body::LabelledBody& person, std::size_t index, const Result<Seen>& seen,
+           const body::Atlas& atlas, const std::vector<Acupoint>& marks,
+           std::map<std::string, Score>& scores, Times& times);
+
+/// The true points as a therapist would mark them: each off in the skin by a Gaussian whose
+/// distance has this RMS.
+[[nodiscard]] std::vector<Acupoint> marked(const std::vector<Acupoint>& points, double scatter_mm,
+                                           std::uint64_t seed);
+
+}  // namespace tuina::app
