@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -61,6 +62,10 @@ class ScanVerb final : public Verb {
         .add_option("--method", method_,
                     "laser line: centroid, likelihood or thesis; else from the config")
         ->check(CLI::IsMember({"centroid", "likelihood", "thesis"}));
+    command
+        .add_flag("--both-ways", both_ways_,
+                  "turn forth and back: finds the latency again, and takes the breath off")
+        ->excludes(replay);
     command.add_option("--calibration", calibration_,
                        "instead of the scanner's own calibration.toml");
     command.add_option("--record", record_, "keep the sweep in this new folder")->excludes(replay);
@@ -84,6 +89,7 @@ class ScanVerb final : public Verb {
     }
     auto options = session::sweep_options(*config);
     if (const auto method = scanner::line_method(method_)) options.method = *method;
+    options.both_ways = both_ways_;
     return replay_.empty() ? simulate(common, *config, calibration, options)
                            : replay(common, calibration, options);
   }
@@ -156,6 +162,25 @@ class ScanVerb final : public Verb {
         "expected error {:.2f} mm RMS",
         scan.profiles, scan.cloud_in_couch.size(), scan.sweep_s, scan.compute_ms,
         to_mm(scan.expected_error_m));
+    if (scan.ways) {
+      const scanner::WaysCompared& ways = *scan.ways;
+      json["both_ways"] = {{"latency_error_ms", 1e3 * ways.latency_error_s},
+                           {"latency_deviation_ms", 1e3 * ways.latency_deviation_s},
+                           {"breath_mm", to_mm(ways.breath_m)},
+                           {"breath_hz", ways.breath_hz},
+                           {"disagreement_mm", to_mm(ways.disagreement_m)},
+                           {"remaining_mm", to_mm(ways.remaining_m)}};
+      if (ways.breath_m > 0.0) {
+        text += fmt::format(", breath of {:.1f} mm at {:.2f} Hz taken off", to_mm(ways.breath_m),
+                            ways.breath_hz);
+      }
+      constexpr double agreed_s = 5e-3;
+      if (std::abs(ways.latency_error_s) > agreed_s) {
+        text += fmt::format(
+            ", the latency is {:.0f} ms {} than the calibration says (taken off; calibrate again)",
+            1e3 * std::abs(ways.latency_error_s), ways.latency_error_s > 0.0 ? "more" : "less");
+      }
+    }
     if (truth) {
       json["rms_error_mm"] = to_mm(truth->rms_error_m);
       json["worst_error_mm"] = to_mm(truth->worst_error_m);
@@ -168,6 +193,7 @@ class ScanVerb final : public Verb {
   std::string replay_;
   std::string position_;
   double breathing_mm_ = 0.0;
+  bool both_ways_ = false;
   std::string method_;
   std::string calibration_;
   std::string record_;

@@ -52,6 +52,7 @@ std::string walls_section(const ScannerProof& proof) {
   Plot near{.title = "Depth error over distance",
             .x_label = "distance of the wall, m",
             .y_label = "error, mm RMS",
+            .x_high = 1.8,
             .y_low = 0.0,
             .y_high = 8.0,
             .height_px = 330};

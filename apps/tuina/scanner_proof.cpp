@@ -46,7 +46,10 @@ std::vector<CurvePlan> curve_plans() {
       {{"speckle", "speckle, px", {0, 0.05, 0.1, 0.15, 0.2}},
        [](ScanConditions& c, double x) { c.options.speckle_px = x; }},
       {{"dropped_frames", "frames dropped, %", {0, 1, 5, 10, 20, 30}},
-       [](ScanConditions& c, double x) { c.options.dropped_share = 0.01 * x; }},
+       [](ScanConditions& c, double x) {
+         c.options.dropped_share = 0.01 * x;
+         c.sweep.most_lost_share = 1.0;  // else refused from 5 %
+       }},
       {{"yaw_jitter", "jitter of the motor's clock, ms", {0, 1, 3, 6, 10}},
        [](ScanConditions& c, double x) { c.options.yaw_jitter_s = 1e-3 * x; }},
       {{"latency_error", "latency wrong by, ms", {0, 20, 40, 80, 120}},
@@ -54,6 +57,16 @@ std::vector<CurvePlan> curve_plans() {
       {{"breathing", "breathing at 0.25 Hz, mm", {0, 3, 6, 12}},
        [](ScanConditions& c, double x) {
          c.breathing = {.amplitude_m = from_mm(x), .frequency_hz = 0.25};
+       }},
+      {{"breathing_both_ways", "breathing at 0.25 Hz, scanned both ways, mm", {0, 3, 6, 12}},
+       [](ScanConditions& c, double x) {
+         c.breathing = {.amplitude_m = from_mm(x), .frequency_hz = 0.25};
+         c.sweep.both_ways = true;
+       }},
+      {{"latency_error_both_ways", "latency wrong by, scanned both ways, ms", {0, 20, 40, 80, 120}},
+       [](ScanConditions& c, double x) {
+         c.latency_error_s = 1e-3 * x;
+         c.sweep.both_ways = true;
        }},
   };
 }

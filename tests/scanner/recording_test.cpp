@@ -89,6 +89,14 @@ void replace(const fs::path& path, const std::string& from, const std::string& t
   put(path, text.replace(at, from.size(), to));
 }
 
+Image to_bytes(const PngFile& png) {
+  Image image(png.image.width, png.image.height);
+  for (std::size_t i = 0; i < image.data.size(); ++i) {
+    image.data[i] = static_cast<std::uint8_t>(png.image.data[i]);
+  }
+  return image;
+}
+
 }  // namespace
 
 TEST_CASE("a replay sees what was recorded, bit for bit, and makes the same cloud") {
@@ -196,6 +204,15 @@ TEST_CASE("every broken recording is refused with its cause") {
          for (int i = 8; i < 14; ++i) {
            fs::copy_file(s / "frames" / "000007.png", s / "frames" / fmt::format("{:06}.png", i),
                          fs::copy_options::overwrite_existing);
+         }
+       }},
+      {"frames are cut",
+       [](const fs::path& s) {
+         for (int i = 8; i < 14; ++i) {
+           const fs::path path = s / "frames" / fmt::format("{:06}.png", i);
+           Image image = to_bytes(read_png(path).value());
+           std::fill(image.row(40), image.row(71) + 96, std::uint8_t{128});
+           put(path, to_png(image));
          }
        }},
       {"a laser line is seen in 0 of 24 frames",

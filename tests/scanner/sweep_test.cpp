@@ -183,6 +183,81 @@ TEST_CASE("points between two surfaces and lone specks are left out") {
   CHECK(scan->cloud_in_couch.size() > 80000);
 }
 
+TEST_CASE("forth and back over a still roof, the latency that was wrong is found to 3 ms") {
+  ScannerCalibration scanner = upright_scanner();
+  // 36 degrees forth in 6 s, then back in 4.5 s.
+  const auto both = [](double t) { return t < 6.3 ? -18.0 + 6.0 * t : 19.8 - 8.0 * (t - 6.3); };
+  // The upper half of the rows sees one side of it, the lower half the other.
+  auto lines = lines_of_wall(scanner, Vector3(0.4, 0.0, 1.0).normalized(), 1.1, 0.034, 320, both);
+  const auto other =
+      lines_of_wall(scanner, Vector3(-0.4, 0.0, 1.0).normalized(), 1.1, 0.034, 320, both);
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    std::erase_if(lines[i].line.points, [](const LinePoint& point) { return point.row >= 320; });
+    for (const LinePoint& point : other[i].line.points) {
+      if (point.row >= 320) lines[i].line.points.push_back(point);
+    }
+  }
+  std::erase_if(lines, [](const TimedLine& line) {
+    return line.time_s > 6.01 && line.time_s < 6.53;  // between the ways no frame is taken
+  });
+  const auto readings = poll(-0.3, 10.9, 0.12, 1, both);
+  for (const double wrong_s : {0.0, 0.03, -0.08}) {
+    scanner.latency_s = 0.12 + wrong_s;
+    const auto scan = make_cloud(lines, readings, scanner);
+    REQUIRE_MESSAGE(scan.has_value(), scan.error().message);
+    REQUIRE(scan->ways.has_value());
+    CHECK(std::abs(scan->ways->latency_error_s + wrong_s) < 3e-3);
+    CHECK(scan->ways->breath_m == 0.0);
+  }
+}
+
+TEST_CASE("before a flat wall, where a turn and a step look alike, no latency is claimed") {
+  ScannerCalibration scanner = upright_scanner();
+  const auto both = [](double t) { return t < 6.3 ? -18.0 + 6.0 * t : 19.8 - 8.0 * (t - 6.3); };
+  auto lines = lines_of_wall(scanner, Vector3(0.3, 0.1, 1.0).normalized(), 1.1, 0.034, 320, both);
+  std::erase_if(lines,
+                [](const TimedLine& line) { return line.time_s > 6.01 && line.time_s < 6.53; });
+  scanner.latency_s += 0.03;
+  const auto scan = make_cloud(lines, poll(-0.3, 10.9, 0.12, 1, both), scanner);
+  REQUIRE(scan.has_value());
+  REQUIRE(scan->ways.has_value());
+  CHECK(scan->ways->latency_error_s == 0.0);
+  CHECK(scan->ways->breath_m == 0.0);
+}
+
+TEST_CASE("frames that are lost or stand in the wrong order, and a motor that sticks, are named") {
+  const ScannerCalibration scanner = upright_scanner();
+  const auto even = [](double t) { return -18.0 + 6.0 * t; };
+  const auto readings = poll(-0.3, 6.3, 0.12, 1, even);
+  const auto lines =
+      lines_of_wall(scanner, Vector3(0.4, 0.0, 1.0).normalized(), 1.1, 0.03, 181, even);
+  const auto refusal = [&](const std::vector<TimedLine>& seen,
+                           const std::vector<YawReading>& told) -> std::string {
+    const auto scan = make_cloud(seen, told, scanner);
+    return scan ? "nothing is refused" : scan.error().message;
+  };
+  CHECK(refusal(lines, readings) == "nothing is refused");
+
+  auto lost = lines;
+  for (std::size_t i = 170; i > 10; i -= 10) lost.erase(lost.begin() + static_cast<long>(i));
+  CHECK(refusal(lost, readings).find("16 of 181 frames are lost") != std::string::npos);
+  auto few = lines;
+  few.erase(few.begin() + 50, few.begin() + 55);
+  CHECK(refusal(few, readings) == "nothing is refused");
+
+  auto swapped = lines;
+  for (std::size_t i = 0; i + 1 < swapped.size(); i += 4) {
+    std::swap(swapped[i].line, swapped[i + 1].line);
+  }
+  CHECK(refusal(swapped, readings).find("not in the order") != std::string::npos);
+
+  const auto sticks = [](double t) {
+    return -18.0 + 6.0 * (t < 3.0 ? t : t < 4.2 ? 3.0 : t - 1.2);
+  };
+  CHECK(refusal(lines, poll(-0.3, 6.3, 0.12, 1, sticks)).find("motor stood still at -0") !=
+        std::string::npos);
+}
+
 TEST_CASE("a sweep that cannot be a scan is refused with the cause") {
   const ScannerCalibration scanner = upright_scanner();
   const auto even = [](double t) { return -18.0 + 6.0 * t; };

@@ -58,6 +58,24 @@ TEST_CASE("scan, record and replay give one cloud, and say how good it is") {
   CHECK(again.out.empty());
 }
 
+TEST_CASE("a scan both ways finds the breath, and its recording replays to the same cloud") {
+  const Folder folder;
+  const auto live =
+      run_tuina({"scan", "--person", "phantom:medium", "--breathing-mm", "6", "--both-ways",
+                 "--record", folder / "sweep", "--out", folder / "live.ply", "--json", "--quiet"});
+  REQUIRE_MESSAGE(live.exit_code == 0, live.err);
+  const auto json = nlohmann::json::parse(live.out);
+  CHECK(json["both_ways"]["breath_mm"] == doctest::Approx(6.0).epsilon(0.3));
+  CHECK(json["both_ways"]["remaining_mm"] < 0.3);
+  CHECK(json["rms_error_mm"] < 2.0);
+  const auto replay =
+      run_tuina({"scan", "--replay", folder / "sweep", "--out", folder / "replay.ply", "--json"});
+  REQUIRE_MESSAGE(replay.exit_code == 0, replay.err);
+  CHECK(nlohmann::json::parse(replay.out)["both_ways"] == json["both_ways"]);
+  CHECK(tuina::read_file(folder / "live.ply").value() ==
+        tuina::read_file(folder / "replay.ply").value());
+}
+
 TEST_CASE("evaluate scanner answers for the parts that were asked for, with a page") {
   const Folder folder;
   const auto outcome = run_tuina({"evaluate", "scanner", "--only", "bodies", "--page",

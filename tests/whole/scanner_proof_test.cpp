@@ -43,10 +43,20 @@ TEST_CASE("a back survives room light, clipping and lost frames, but not a wrong
   CHECK(calm.covered_points == 1.0);
   CHECK(back_trial({.options = {.room_light_dn = 60.0}}, 2, 1).rms_m < 0.8_mm);
   CHECK(back_trial({.options = {.amplitude_dn = 600.0}}, 2, 1).rms_m < 0.8_mm);
-  const BackTrial dropped = back_trial({.options = {.dropped_share = 0.1}}, 2, 1);
-  CHECK(dropped.rms_m < 0.8_mm);
-  CHECK(dropped.seen_share < 0.95);
+  CHECK(back_trial({.options = {.dropped_share = 0.02}}, 2, 1).rms_m < 0.8_mm);
+  CHECK(back_trial({.options = {.dropped_share = 0.15}}, 1, 1).refused);
   CHECK(back_trial({.latency_error_s = 0.12}, 2, 1).rms_m > 5.0 * calm.rms_m);
+}
+
+TEST_CASE("both ways take most of the breath and of a wrong latency off") {
+  const sim::Breathing breathing{.amplitude_m = 6.0_mm, .frequency_hz = 0.25};
+  const BackTrial one_way = back_trial({.breathing = breathing, .latency_error_s = 0.02}, 2, 1);
+  const BackTrial both = back_trial(
+      {.breathing = breathing, .latency_error_s = 0.02, .sweep = {.both_ways = true}}, 2, 1);
+  CHECK(one_way.rms_m > 3.0_mm);
+  CHECK(both.rms_m < 0.5 * one_way.rms_m);
+  const BackTrial still = back_trial({.latency_error_s = 0.12, .sweep = {.both_ways = true}}, 2, 1);
+  CHECK(still.rms_m < 0.8_mm);
 }
 
 TEST_CASE("a box has the size and the angles of a box, a sphere is round") {

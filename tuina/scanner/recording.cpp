@@ -173,7 +173,8 @@ Recorder::Recorder(Recorder&& other) noexcept
       turntable_(other.turntable_),
       folder_(std::move(other.folder_)),
       part_(std::exchange(other.part_, {})),
-      times_s_(std::move(other.times_s_)) {}
+      times_s_(std::move(other.times_s_)),
+      readings_(std::move(other.readings_)) {}
 
 Recorder::~Recorder() {
   std::error_code ignored;  // a destructor has nobody to tell
@@ -215,6 +216,12 @@ Result<Frame> Recorder::next_frame() {
 }
 
 Result<void> Recorder::sweep(double from_rad, double to_rad, double rad_per_s) {
+  if (!times_s_.empty()) {
+    // The way back of a scan both ways: what the motor told on the way forth is kept.
+    const auto so_far = turntable_->readings();
+    if (!so_far) return tl::unexpected(so_far.error());
+    readings_.insert(readings_.end(), so_far->begin(), so_far->end());
+  }
   return turntable_->sweep(from_rad, to_rad, rad_per_s);
 }
 
@@ -223,15 +230,17 @@ Result<std::vector<YawReading>> Recorder::readings() {
 }
 
 Result<void> Recorder::finish(const ScannerCalibration& calibration) {
-  const auto readings = turntable_->readings();
-  if (!readings) return tl::unexpected(readings.error());
+  const auto last = turntable_->readings();
+  if (!last) return tl::unexpected(last.error());
+  std::vector<YawReading> readings = readings_;
+  readings.insert(readings.end(), last->begin(), last->end());
   // Both tables are written with as many digits as a double needs, so a replay sees the same
   // numbers.
   std::string frames = "frame,time_s\n";
   for (std::size_t i = 0; i < times_s_.size(); ++i)
     frames += fmt::format("{},{}\n", i, times_s_[i]);
   std::string yaw = "time_s,yaw_deg\n";
-  for (const YawReading& reading : *readings) {
+  for (const YawReading& reading : readings) {
     const double counts = std::round(to_deg(reading.yaw_rad) / degrees_per_count);
     yaw += fmt::format("{},{}\n", reading.time_s, counts * degrees_per_count);
   }

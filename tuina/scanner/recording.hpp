@@ -68,6 +68,7 @@ class Recorder final : public Camera, public Turntable {
   std::filesystem::path
       part_;  ///< where it is written until it is whole; empty when nothing is to be removed
   std::vector<double> times_s_;
+  std::vector<YawReading> readings_;  ///< of the turns before this one
 };
 
 }  // namespace tuina::scanner

@@ -32,63 +32,119 @@ Result<void> check_size(const Image& image, const CameraModel& camera, const cha
               image.width, image.height, camera.width_px, camera.height_px);
 }
 
-}  // namespace
+// A frame of which the transfer broke off ends in rows of one value; a sensor's own rows have
+// noise.
+bool half_missing(const Image& image) {
+  const int rows = image.height / 8;
+  if (rows == 0 || image.width < 2) return false;
+  const std::uint8_t* from = image.row(image.height - rows);
+  const auto count = static_cast<std::ptrdiff_t>(rows) * image.width;
+  // Black clips the noise away, so all of a dark picture is even; only a part is a fault.
+  const auto even = [](const std::uint8_t* pixels, std::ptrdiff_t n) {
+    return std::all_of(pixels, pixels + n, [pixels](std::uint8_t p) { return p == *pixels; });
+  };
+  return even(from, count) && !even(image.row(0), count);
+}
 
-Result<Scan> scan_sweep(Camera& camera, Turntable& turntable, const ScannerCalibration& calibration,
-                        const SweepOptions& options, const Progress& progress) {
-  const auto started = turntable.sweep(options.from_rad, options.to_rad, options.speed_rad_per_s);
-  if (!started) return tl::unexpected(started.error());
+// The way back is faster: at one speed each place would be seen twice at times that mirror each
+// other, and half of any motion, the part that is even about the turn, would never show.
+constexpr double back_speed = 4.0 / 3.0;
 
+// What a scan knows while frames come in.
+struct Intake {
+  std::vector<TimedLine> lines;
+  std::vector<YawReading> readings;
+  Image before;
+  int repeated = 0;
+  int torn = 0;
+  double compute_ms = 0.0;
+};
+
+// One turn of the unit from door to lines.
+Result<void> take_turn(Camera& camera, Turntable& turntable, double from_rad, double to_rad,
+                       double rad_per_s, const ScannerCalibration& calibration,
+                       const SweepOptions& options, double expected_frames,
+                       const Progress& progress, Intake& intake) {
+  const auto started = turntable.sweep(from_rad, to_rad, rad_per_s);
+  if (!started) return started;
   const auto [first_column, last_column] =
       columns_between(calibration, options.near_m, options.far_m);
   const LineOptions line_options{
       .method = options.method, .first_column = first_column, .last_column = last_column};
-  const double frames =
-      options.expected_frames > 0
-          ? options.expected_frames
-          : 30.0 * std::abs(options.to_rad - options.from_rad) / options.speed_rad_per_s;
-  std::vector<TimedLine> lines;
-  Image before;
-  int repeated = 0;
-  double compute_ms = 0.0;
   for (;;) {
     auto frame = camera.next_frame();
     if (!frame && frame.error().fault == Fault::not_found) break;
     if (!frame) return tl::unexpected(frame.error());
     const auto start = Clock::now();
-    if (const auto good = check_size(frame->image, calibration.camera, "frame"); !good) {
-      return tl::unexpected(good.error());
-    }
+    if (const auto good = check_size(frame->image, calibration.camera, "frame"); !good) return good;
     const bool has_dark = !frame->dark.data.empty();
     if (has_dark) {
-      if (const auto good = check_size(frame->dark, calibration.camera, "dark frame"); !good) {
-        return tl::unexpected(good.error());
-      }
+      const auto good = check_size(frame->dark, calibration.camera, "dark frame");
+      if (!good) return good;
     }
     keep_red(frame->image);
     keep_red(frame->dark);
-    lines.push_back(
+    intake.lines.push_back(
         {frame->time_s, find_laser_line(frame->image, line_options,
                                         has_dark ? ImageView(frame->dark) : ImageView())});
     // Sensor noise makes every picture a new one; the same picture twice is a camera that hangs.
-    if (!lines.back().line.points.empty() && frame->image.data == before.data) ++repeated;
-    before = std::move(frame->image);
-    compute_ms += ms_since(start);
-    if (progress) progress(std::min(0.99, static_cast<double>(lines.size()) / frames));
-  }
-  if (lines.empty()) return fail(Fault::not_found, "the camera gave no frame");
-  if (20 * repeated > static_cast<int>(lines.size())) {
-    return fail(Fault::bad_input,
-                "{} of {} frames repeat the one before bit for bit: the camera hangs", repeated,
-                lines.size());
+    if (!intake.lines.back().line.points.empty()) {
+      intake.repeated += frame->image.data == intake.before.data ? 1 : 0;
+      intake.torn += half_missing(frame->image) ? 1 : 0;
+    }
+    intake.before = std::move(frame->image);
+    intake.compute_ms += ms_since(start);
+    if (progress) {
+      progress(std::min(0.99, static_cast<double>(intake.lines.size()) / expected_frames));
+    }
   }
   const auto readings = turntable.readings();
   if (!readings) return tl::unexpected(readings.error());
+  intake.readings.insert(intake.readings.end(), readings->begin(), readings->end());
+  return {};
+}
+
+Result<void> check(const Intake& intake) {
+  const auto count = static_cast<int>(intake.lines.size());
+  if (count == 0) return fail(Fault::not_found, "the camera gave no frame");
+  if (20 * intake.repeated > count) {
+    return fail(Fault::bad_input,
+                "{} of {} frames repeat the one before bit for bit: the camera hangs",
+                intake.repeated, count);
+  }
+  if (20 * intake.torn > count) {
+    return fail(Fault::bad_input,
+                "{} of {} frames are cut: from some row on they are one even grey; is the cable or "
+                "the USB bus overloaded?",
+                intake.torn, count);
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<Scan> scan_sweep(Camera& camera, Turntable& turntable, const ScannerCalibration& calibration,
+                        const SweepOptions& options, const Progress& progress) {
+  const double ways = options.both_ways ? 1.0 + 1.0 / back_speed : 1.0;
+  const double frames =
+      options.expected_frames > 0
+          ? options.expected_frames
+          : ways * 30.0 * std::abs(options.to_rad - options.from_rad) / options.speed_rad_per_s;
+  Intake intake;
+  auto taken = take_turn(camera, turntable, options.from_rad, options.to_rad,
+                         options.speed_rad_per_s, calibration, options, frames, progress, intake);
+  if (taken && options.both_ways) {
+    taken = take_turn(camera, turntable, options.to_rad, options.from_rad,
+                      back_speed * options.speed_rad_per_s, calibration, options, frames, progress,
+                      intake);
+  }
+  if (!taken) return tl::unexpected(taken.error());
+  if (const auto good = check(intake); !good) return tl::unexpected(good.error());
 
   const auto start = Clock::now();
-  auto scan = make_cloud(lines, *readings, calibration);
+  auto scan = make_cloud(intake.lines, intake.readings, calibration, options.most_lost_share);
   if (!scan) return tl::unexpected(scan.error());
-  scan->compute_ms = compute_ms + ms_since(start);
+  scan->compute_ms = intake.compute_ms + ms_since(start);
   if (progress) progress(1.0);
   return scan;
 }

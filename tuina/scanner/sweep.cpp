@@ -6,7 +6,9 @@
 #include <cmath>
 
 #include "tuina/scanner/profile_grid.hpp"
+#include "tuina/scanner/sweep_faults.hpp"
 #include "tuina/scanner/triangulation.hpp"
+#include "tuina/scanner/two_way.hpp"
 
 namespace tuina::scanner {
 namespace {
@@ -52,7 +54,7 @@ Result<void> check(std::span<const TimedLine> lines, const std::vector<double>& 
 }
 
 // Every line into the light plane, turned by its yaw.
-ProfileGrid place_in_couch(std::span<const TimedLine> lines, const std::vector<double>& yaw_rad,
+ProfileGrid place_in_couch(std::span<const TimedLine> lines, std::span<const double> yaw_rad,
                            const ScannerCalibration& calibration) {
   const CameraModel& camera = calibration.camera;
   ProfileGrid grid(lines.size(), static_cast<std::size_t>(camera.height_px));
@@ -89,31 +91,23 @@ ProfileGrid place_in_couch(std::span<const TimedLine> lines, const std::vector<d
 
 }  // namespace
 
-Result<Scan> make_cloud(std::span<const TimedLine> lines, std::span<const YawReading> readings,
-                        const ScannerCalibration& calibration) {
-  std::vector<double> times_s;
-  times_s.reserve(lines.size());
-  for (const TimedLine& line : lines) times_s.push_back(line.time_s);
-  const auto yaw_rad = yaw_at(times_s, readings, calibration.latency_s);
-  if (!yaw_rad) return tl::unexpected(yaw_rad.error());
-  if (const auto good = check(lines, *yaw_rad); !good) return tl::unexpected(good.error());
+namespace {
 
-  Scan scan;
-  scan.sweep_s = times_s.back() - times_s.front();
-  const ProfileGrid grid = place_in_couch(lines, *yaw_rad, calibration);
+// One way of the unit over the scene, as a grid of its own, added to the scan.
+void add_way(std::span<const TimedLine> lines, std::span<const double> yaw_rad,
+             std::span<const double> breath_m, const ScannerCalibration& calibration,
+             double& error2, Scan& scan) {
+  const ProfileGrid grid = place_in_couch(lines, yaw_rad, calibration);
   PointCloud& cloud = scan.cloud_in_couch;
-  std::size_t rows_seen = 0;
-  for (const TimedLine& line : lines) rows_seen += line.line.points.size();
-  cloud.points.reserve(rows_seen);
-  cloud.normals.reserve(rows_seen);
-  cloud.amplitude.reserve(rows_seen);
-  cloud.deviation_m.reserve(rows_seen);
-  double error2 = 0.0;
   NeighbourJudge neighbours(grid);
+  // The breath moves the whole person along the middle line of sight.
+  const Vector3 away =
+      calibration.couch_from_camera_at(0.5 * (yaw_rad.front() + yaw_rad.back())).linear().col(2);
   for (std::size_t i = 0; i < grid.profiles(); ++i) {
-    const Transform couch_from_camera = calibration.couch_from_camera_at((*yaw_rad)[i]);
+    const Transform couch_from_camera = calibration.couch_from_camera_at(yaw_rad[i]);
     const Vector3 eye = couch_from_camera.translation();
     const Vector3 forward = couch_from_camera.linear().col(2);
+    const Vector3 breath = breath_m.empty() ? Vector3::Zero() : Vector3(breath_m[i] * away);
     const NeighbourJudge::Verdict& verdict = neighbours.next();
     int lit = 0;
     for (std::size_t row = 0; row < grid.rows(); ++row) {
@@ -127,7 +121,7 @@ Result<Scan> make_cloud(std::span<const TimedLine> lines, std::span<const YawRea
       const Vector3 to_eye = (eye - point).normalized();
       const double cosine = normal.dot(to_eye);
       if (std::abs(cosine) < least_cosine) continue;
-      cloud.points.push_back(point);
+      cloud.points.push_back(point.z() < breathing_from_m ? point : Vector3(point + breath));
       cloud.normals.push_back(cosine > 0.0 ? normal : Vector3(-normal));
       cloud.amplitude.push_back(grid.amplitude_dn(i, row));
       cloud.deviation_m.push_back(grid.deviation_m(i, row));
@@ -139,6 +133,56 @@ Result<Scan> make_cloud(std::span<const TimedLine> lines, std::span<const YawRea
     scan.rows_lit += lit;
     scan.profiles += lit > 0 ? 1 : 0;
     scan.ambiguous_rows += lines[i].line.ambiguous_rows;
+  }
+}
+
+}  // namespace
+
+Result<Scan> make_cloud(std::span<const TimedLine> lines, std::span<const YawReading> readings,
+                        const ScannerCalibration& calibration, double most_lost_share) {
+  std::vector<double> times_s;
+  times_s.reserve(lines.size());
+  for (const TimedLine& line : lines) times_s.push_back(line.time_s);
+  auto yaw_rad = yaw_at(times_s, readings, calibration.latency_s);
+  if (!yaw_rad) return tl::unexpected(yaw_rad.error());
+  if (const auto good = check(lines, *yaw_rad); !good) return tl::unexpected(good.error());
+  const auto whole = check_sequence(lines, readings, *yaw_rad, most_lost_share);
+  if (!whole) return tl::unexpected(whole.error());
+
+  Scan scan;
+  scan.sweep_s = times_s.back() - times_s.front();
+  std::size_t rows_seen = 0;
+  for (const TimedLine& line : lines) rows_seen += line.line.points.size();
+  PointCloud& cloud = scan.cloud_in_couch;
+  cloud.points.reserve(rows_seen);
+  cloud.normals.reserve(rows_seen);
+  cloud.amplitude.reserve(rows_seen);
+  cloud.deviation_m.reserve(rows_seen);
+
+  double error2 = 0.0;
+  const auto turn = turning_point(lines, *yaw_rad);
+  if (turn) {
+    // Noise of the slopes makes each look see too little of the latency, so what is found is taken
+    // off and looked for again.
+    TwoWay two;
+    double latency_error_s = 0.0;
+    constexpr double settled_s = 1e-4;
+    for (int look = 0; look < 6; ++look) {
+      two = compare_ways(lines, *yaw_rad, *turn, calibration);
+      latency_error_s += two.compared.latency_error_s;
+      yaw_rad = yaw_at(times_s, readings, calibration.latency_s + latency_error_s);
+      if (!yaw_rad) return tl::unexpected(yaw_rad.error());
+      if (std::abs(two.compared.latency_error_s) < settled_s) break;
+    }
+    two.compared.latency_error_s = latency_error_s;
+    scan.ways = two.compared;
+    const std::span<const double> yaw = *yaw_rad;
+    const std::span<const double> breath = two.breath_at_m;
+    add_way(lines.first(*turn), yaw.first(*turn), breath.first(*turn), calibration, error2, scan);
+    add_way(lines.subspan(*turn), yaw.subspan(*turn), breath.subspan(*turn), calibration, error2,
+            scan);
+  } else {
+    add_way(lines, *yaw_rad, {}, calibration, error2, scan);
   }
   if (cloud.points.empty()) {
     return fail(Fault::not_found, "{} rows are lit, but no surface lies under them", scan.rows_lit);

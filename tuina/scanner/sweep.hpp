@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -30,7 +31,20 @@ struct SweepOptions {
   double near_m = 0.3;  ///< what lies nearer or farther from the camera is not looked for
   double far_m = 4.0;
   LineMethod method = LineMethod::likelihood;
+  bool both_ways = false;         ///< turn back over the same scene, too
+  double most_lost_share = 0.05;  ///< a sweep that lost more of its frames is refused
   int expected_frames = 0;  ///< for the progress; 0: from the duration of the turn, at 30 frames/s
+};
+
+/// What the way forth and the way back, seen beside each other, tell. The cloud has the latency
+/// error and the breath taken off.
+struct WaysCompared {
+  double latency_error_s = 0.0;      ///< to be added to the latency of the calibration
+  double latency_deviation_s = 0.0;  ///< standard deviation of that
+  double breath_m = 0.0;  ///< how far the person moves to and fro; 0 when no breath was found
+  double breath_hz = 0.0;
+  double disagreement_m = 0.0;  ///< RMS of one way against the other, along the sight
+  double remaining_m = 0.0;     ///< the same once latency and breath are taken off
 };
 
 struct Scan {
@@ -43,6 +57,7 @@ struct Scan {
       0.0;  ///< finding lines and making the cloud; waiting for the doors not counted
   double expected_error_m =
       0.0;  ///< RMS of the range error that noise and a usual calibration cause
+  std::optional<WaysCompared> ways;  ///< when the unit turned forth and back
 };
 
 /// Yaw at the times of frames, from coarse readings on a clock that lags by the latency of the
@@ -54,11 +69,12 @@ struct Scan {
                                                  double latency_s);
 
 /// Lines and readings to a cloud in `couch`. The grid of profiles and rows gives normals and tells
-/// the mixed points at depth edges, which are left out; holes stay holes. Leaves `compute_ms` to
-/// the caller.
+/// the mixed points at depth edges, which are left out; holes stay holes. When the unit turned
+/// forth and back, both ways are compared first. Leaves `compute_ms` to the caller.
 [[nodiscard]] Result<Scan> make_cloud(std::span<const TimedLine> lines,
                                       std::span<const YawReading> readings,
-                                      const ScannerCalibration& calibration);
+                                      const ScannerCalibration& calibration,
+                                      double most_lost_share = SweepOptions{}.most_lost_share);
 
 /// Turns the unit once and makes the cloud of what it saw. Fails when a door fails, when the frames
 /// do not belong to the calibration, when the unit did not turn, and when hardly any line is seen.

@@ -2,6 +2,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "tuina/core/units.hpp"
 #include "tuina/scanner/sweep.hpp"
@@ -94,6 +95,44 @@ double local_yaw(std::span<const YawReading> readings, double time_s) {
   }
 }
 
+// An even turn, or the way forth and the way back of one, each straight; else nothing.
+struct EvenTurn {
+  double until_s = 0.0;
+  Line line;
+};
+
+std::vector<EvenTurn> even_turns(std::span<const YawReading> readings) {
+  if (readings.size() < enough_for_a_fit) return {};
+  constexpr double forever_s = std::numeric_limits<double>::infinity();
+  const auto alike = [](double) { return 1.0; };
+  const Line whole = fit(readings, alike);
+  if (straight(readings, whole)) return {{forever_s, whole}};
+  const auto farthest = std::max_element(readings.begin(), readings.end(),
+                                         [&](const YawReading& a, const YawReading& b) {
+                                           return std::abs(a.yaw_rad - readings.front().yaw_rad) <
+                                                  std::abs(b.yaw_rad - readings.front().yaw_rad);
+                                         });
+  // At the turn itself the motor may slow down; there the readings of a count's breadth do not
+  // count.
+  const auto near_turn = [&](const YawReading& reading) {
+    return std::abs(reading.yaw_rad - farthest->yaw_rad) < 1.5 * count_rad;
+  };
+  std::vector<YawReading> forth;
+  std::vector<YawReading> back;
+  for (const YawReading& reading : readings) {
+    if (near_turn(reading)) continue;
+    (reading.time_s < farthest->time_s ? forth : back).push_back(reading);
+  }
+  if (forth.size() < enough_for_a_fit || back.size() < enough_for_a_fit) return {};
+  const Line there = fit(forth, alike);
+  const Line here = fit(back, alike);
+  if (!straight(forth, there) || !straight(back, here)) return {};
+  const double meet_s = there.rad_per_s == here.rad_per_s
+                            ? farthest->time_s
+                            : (here.at(0.0) - there.at(0.0)) / (there.rad_per_s - here.rad_per_s);
+  return {{meet_s, there}, {forever_s, here}};
+}
+
 }  // namespace
 
 Result<std::vector<double>> yaw_at(std::span<const double> frame_times_s,
@@ -143,16 +182,15 @@ Result<std::vector<double>> yaw_at(std::span<const double> frame_times_s,
 
   const auto [earliest, latest] = std::minmax_element(frame_times_s.begin(), frame_times_s.end());
   const auto turning = between(readings, *earliest - latency_s - 1e-9, *latest - latency_s + 1e-9);
+  const std::vector<EvenTurn> turns = even_turns(turning);
   std::vector<double> yaw;
   yaw.reserve(frame_times_s.size());
-  if (turning.size() >= enough_for_a_fit) {
-    const Line line = fit(turning, [](double) { return 1.0; });
-    if (straight(turning, line)) {
-      for (const double time_s : frame_times_s) yaw.push_back(line.at(time_s - latency_s));
-      return yaw;
-    }
+  for (const double time_s : frame_times_s) {
+    const double motor_s = time_s - latency_s;
+    const auto turn = std::find_if(turns.begin(), turns.end(),
+                                   [motor_s](const EvenTurn& t) { return motor_s <= t.until_s; });
+    yaw.push_back(turn != turns.end() ? turn->line.at(motor_s) : local_yaw(readings, motor_s));
   }
-  for (const double time_s : frame_times_s) yaw.push_back(local_yaw(readings, time_s - latency_s));
   return yaw;
 }
 

@@ -37,6 +37,9 @@ struct LaserScanner::World {
 
   double from_rad = 0.0;
   double rad_per_s = 0.0;
+  double start_s = 0.0;  // of this turn, on the clock of the camera
+  double end_s = 0.0;    // of this turn and its run-down
+  std::size_t turns = 0;
   std::size_t frames = 0;
   std::size_t given = 0;
   std::vector<Image> ahead;  // rendered and not yet given
@@ -46,11 +49,11 @@ struct LaserScanner::World {
   std::vector<scanner::YawReading> readings;
 
   [[nodiscard]] double yaw_at(double time_s) const {
-    const double even = from_rad + rad_per_s * time_s;
+    const double even = from_rad + rad_per_s * (time_s - start_s);
     return even + ripple_rad * std::sin(2.0 * pi * even / ripple_period_rad);
   }
   [[nodiscard]] double time_of(std::size_t frame) const {
-    return static_cast<double>(frame) / options.frames_per_s;
+    return start_s + static_cast<double>(frame) / options.frames_per_s;
   }
 
   // The next frames, shared out among threads; each depends on its number only.
@@ -61,8 +64,9 @@ struct LaserScanner::World {
     std::vector<std::size_t> visible(count);
     const auto work = [this, count, &visible](std::size_t first, std::size_t step) {
       for (std::size_t i = first; i < count; i += step) {
-        const std::size_t frame = given + i;
-        const double time_s = time_of(frame);
+        const std::size_t number = given + i;
+        const double time_s = time_of(number);
+        const std::uint64_t frame = number + turns * 1000003;  // for noise of its own
         const double breath_m = 0.5 * breathing.amplitude_m *
                                 (1.0 - std::cos(2.0 * pi * breathing.frequency_hz * time_s));
         ahead[i] = renderer.render(yaw_at(time_s), breath_m * breath_direction, frame, &visible[i]);
@@ -128,6 +132,12 @@ Result<void> LaserScanner::sweep(double from_rad, double to_rad, double rad_per_
   const double duration_s = (to_rad - from_rad) / world.rad_per_s;
   world.frames = static_cast<std::size_t>(duration_s * world.options.frames_per_s + 1e-9) + 1;
   world.given = 0;
+  if (world.end_s > 0.0) {
+    // The clock goes on, and with it the breath.
+    world.start_s = world.end_s + run_up_s;
+    ++world.turns;
+  }
+  world.end_s = world.start_s + duration_s + run_up_s;
   world.ahead.clear();
   world.visible_rows = 0;
   world.readings.clear();
@@ -135,7 +145,7 @@ Result<void> LaserScanner::sweep(double from_rad, double to_rad, double rad_per_
   double last_s = -1e9;
   // Polling over a serial line is not even; it is as well, for at some speeds an even one would
   // meet the same two phases of a count again and again, and rounding would not average out.
-  for (double time_s = -run_up_s; time_s < duration_s + run_up_s;
+  for (double time_s = world.start_s - run_up_s; time_s < world.end_s;
        time_s += step_s * uniform(world.jitter, 0.7, 1.3)) {
     const double counts = std::round(world.yaw_at(time_s) / count_rad);
     const double stamp_s =
