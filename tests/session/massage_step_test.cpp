@@ -4,6 +4,8 @@
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
+#include <functional>
+
 #include "tests/allocation.hpp"
 #include "tuina/session/massage_step.hpp"
 #include "tuina/session/plan_step.hpp"
@@ -24,7 +26,9 @@ struct Room {
   session::MassageStep massage;
 };
 
-std::unique_ptr<Room> enter(Position position) {
+/// `spoil` may change what the session believes to be ready.
+std::unique_ptr<Room> enter(Position position,
+                            const std::function<void(session::ReadyPlan&)>& spoil = {}) {
   constexpr std::uint64_t seed = 3;
   auto person = sim::parse_person("phantom:medium", position, seed);
   REQUIRE(person.has_value());
@@ -44,6 +48,7 @@ std::unique_ptr<Room> enter(Position position) {
   auto ready = session::make_ready(std::move(*paths), *back, mount, models, mount.base_from_couch,
                                    standoff_m);
   REQUIRE(ready.has_value());
+  if (spoil) spoil(*ready);
   sim::BackContact contact(person->skin_in_couch, sim::lay_tissue(*person, seed));
   session::MassageStep massage(ready->plan, ready->jobs, models,
                                {.base_from_couch = mount.base_from_couch, .rail_m = ready->rail_m});
@@ -121,4 +126,25 @@ TEST_CASE("a person who jumps up stops the massage: the cause is told, and both 
     CHECK(force_n(*room, arm) == 0.0);
     CHECK(room->plant->truth().arms[arm].contact.gap_m > 0.0);
   }
+}
+
+TEST_CASE("arms that are sent into each other stop before they touch, and nobody is pressed") {
+  // The right arm is sent to where the left one works, as if nobody had planned for two.
+  const auto room = enter(Position::prone, [](session::ReadyPlan& ready) {
+    for (session::ArmJob& job : ready.jobs[Arm::right]) {
+      job.path = -1;
+      job.way_in_base = {ready.jobs[Arm::left].front().way_in_base.back()};
+    }
+  });
+  double time_s = 0.0, nearest_m = 1.0;
+  while (!room->massage.finished() && time_s < 60.0) {
+    time_s = live(*room);
+    nearest_m = std::min(nearest_m, room->massage.arm_distance_m());
+  }
+  REQUIRE_FALSE(room->massage.stops().empty());
+  CHECK(room->massage.stops().front().cause == safety::Cause::arms_too_close);
+  MESSAGE(fmt::format("{:.1f} mm at least, stopped at {:.1f} s", 1e3 * nearest_m,
+                      room->massage.stops().front().time_s));
+  CHECK(nearest_m > 0.010);
+  for (const Arm arm : both_arms) CHECK(force_n(*room, arm) == 0.0);
 }

@@ -100,6 +100,10 @@ void ArmController::hold() noexcept {
          options_.motion, Doing::hold);
 }
 
+void ArmController::halt() noexcept {
+  travel(centre_, reference_.pose.normal_in_base, options_.halting, Doing::hold);
+}
+
 void ArmController::move_to(const ToolPose& foremost) noexcept {
   if (learning_s_ >= 0.0) {
     move_after_learning_ = foremost;

@@ -84,6 +84,7 @@ class ArmController {
     double learn_s =
         3.0;  ///< after `start` every joint is moved to and fro to learn its friction; 0: not
     ToolMotion::Limits motion = {};
+    ToolMotion::Limits halting = {.travel = {0.30, 3.0, 100.0}, .turning = {1.2, 12.0, 400.0}};
     double approach_m_per_s = 0.05;
     double search_m_per_s = 0.02;
     double search_from_m = 0.012;  ///< above the believed skin
@@ -110,6 +111,8 @@ class ArmController {
   /// The joint angles the arm keeps to where the task leaves it free, its elbow above all.
   void keep_posture(const JointVector& q_rad) noexcept;
   void hold() noexcept;
+  /// As `hold`, at once: for an arm that must not go on.
+  void halt() noexcept;
   /// The tool's foremost point to a place in the air, its shaft along the normal, in a straight
   /// line.
   void move_to(const ToolPose& foremost) noexcept;

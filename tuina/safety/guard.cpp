@@ -66,7 +66,8 @@ const char* name_of(Cause cause) noexcept {
                                 "force over the zone's ceiling",
                                 "force over the trip",
                                 "set force over the zone's ceiling",
-                                "joint state not finite"};
+                                "joint state not finite",
+                                "arms too close"};
   return names[static_cast<std::size_t>(cause)];
 }
 

@@ -40,6 +40,7 @@ enum class Cause : std::uint8_t {
   force_over_trip,
   set_force_too_high,
   state_not_finite,
+  arms_too_close,  ///< found by who knows both arms, not by the guard of one
 };
 [[nodiscard]] const char* name_of(Cause cause) noexcept;
 

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tuina/robot/clearance.hpp"
+
 namespace tuina::session {
 namespace {
 
@@ -109,7 +111,7 @@ MassageStep::MassageStep(const massage::Plan& plan, PerArm<std::vector<ArmJob>> 
   for (const Arm arm : both_arms) sides_[arm].jobs = std::move(jobs[arm]);
   tool_radius_m_ = models_[Arm::left].table().tool_radius_m;
   performed_.reserve(plan_.paths.size());
-  stops_.reserve(2);
+  stops_.reserve(4);
 }
 
 const ArmJob* MassageStep::job_of(const Side& side) const noexcept {
@@ -163,6 +165,7 @@ robot::RobotCommand MassageStep::step(const robot::RobotReading& reading) noexce
                   .tool_in_base = foremost};
   }
   started_ = true;
+  keep_arms_apart(reading);
 
   if (stopped_s_ >= 0.0) {
     constexpr double letting_go_s = 2.0;
@@ -175,6 +178,30 @@ robot::RobotCommand MassageStep::step(const robot::RobotReading& reading) noexce
   if (beyond_step(sides_[Arm::left]) && beyond_step(sides_[Arm::right])) ++step_;
   finished_ = job_of(sides_[Arm::left]) == nullptr && job_of(sides_[Arm::right]) == nullptr;
   return command;
+}
+
+/// The plan keeps the arms apart; this is for an arm that somebody pushes, or that is not where its
+/// plan has it.
+void MassageStep::keep_arms_apart(const robot::RobotReading& reading) noexcept {
+  const auto pose = [&](Arm arm) {
+    return models_[arm].kinematics(reading.arms[arm].q_rad, reading.rail_m);
+  };
+  const double before_m = arm_distance_m_;
+  arm_distance_m_ = robot::distance_between_m(models_[Arm::left], pose(Arm::left),
+                                              models_[Arm::right], pose(Arm::right));
+  constexpr double smoothing = tick_s / 20e-3;  // encoders are coarse
+  if (before_m > 0.0) {
+    closing_m_per_s_ += smoothing * ((before_m - arm_distance_m_) / tick_s - closing_m_per_s_);
+  }
+  const double closing_m_per_s = std::max(closing_m_per_s_, 0.0);
+  const double halted_m =
+      arm_distance_m_ - closing_m_per_s * closing_m_per_s / (2.0 * halting_m_per_s2);
+  if (halted_m >= stopping_arm_distance_m || stopped_s_ >= 0.0) return;
+  for (const Arm arm : both_arms) {
+    const bool moves = sides_[arm].phase != ArmPhase::waiting;
+    if (moves) stops_.push_back({reading.time_s, arm, safety::Cause::arms_too_close});
+  }
+  let_go(reading.time_s);
 }
 
 void MassageStep::conduct(Arm arm, double time_s) noexcept {
@@ -292,7 +319,7 @@ void MassageStep::let_go(double time_s) noexcept {
       if (side.phase == ArmPhase::approach) side.contact_s = time_s;
       end_contact(side, arm, time_s);
     } else if (side.phase == ArmPhase::travel) {
-      side.controller.hold();
+      side.controller.halt();
       side.phase = ArmPhase::waiting;
     }
   }

@@ -53,6 +53,10 @@ struct ArmJob {
   JointVector posture_rad;
 };
 
+/// Arms that come nearer to each other than this, or that could not be halted before, stop.
+inline constexpr double stopping_arm_distance_m = 25e-3;
+inline constexpr double halting_m_per_s2 = 2.0;
+
 struct MassageOptions {
   Transform base_from_couch = Transform::Identity();  ///< as the session believes it
   double rail_m = 0.0;
@@ -78,6 +82,8 @@ class MassageStep {
   [[nodiscard]] const PerArm<ArmView>& view() const noexcept { return view_; }
   [[nodiscard]] const std::vector<Performed>& performed() const noexcept { return performed_; }
   [[nodiscard]] const std::vector<Stop>& stops() const noexcept { return stops_; }
+  /// Between the surfaces of the arms as measured, in the last millisecond.
+  [[nodiscard]] double arm_distance_m() const noexcept { return arm_distance_m_; }
 
  private:
   struct Side {
@@ -100,6 +106,7 @@ class MassageStep {
   void end_contact(Side& side, Arm arm, double time_s) noexcept;
   void feel(Side& side, double time_s, const ArmState& state) noexcept;
   void let_go(double time_s) noexcept;
+  void keep_arms_apart(const robot::RobotReading& reading) noexcept;
   [[nodiscard]] const ArmJob* job_of(const Side& side) const noexcept;
   [[nodiscard]] const massage::PlannedPath* path_of(const Side& side) const noexcept;
   [[nodiscard]] safety::Proposal proposal(const Side& side,
@@ -115,6 +122,7 @@ class MassageStep {
   bool finished_ = false;
   double stopped_s_ = -1.0;
   double tool_radius_m_ = 0.0;
+  double arm_distance_m_ = 0.0, closing_m_per_s_ = 0.0;
   std::vector<Performed> performed_;
   std::vector<Stop> stops_;
 };

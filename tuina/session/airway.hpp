@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "tuina/body/back_surface.hpp"
+#include "tuina/control/tool_motion.hpp"
+#include "tuina/core/contact.hpp"
+
+namespace tuina::session {
+
+/// A place in the air above the skin, and which way the tool looks there.
+struct Hover {
+  Vector3 at_in_couch = Vector3::Zero();
+  Vector3 normal_in_couch = Vector3::UnitZ();
+};
+
+[[nodiscard]] inline Hover hover_over(const ContactPoint& point, double standoff_m) {
+  return {.at_in_couch = point.at_in_couch + standoff_m * point.normal_in_couch,
+          .normal_in_couch = point.normal_in_couch};
+}
+
+/// Straight through the air where that stays clear of the back; else up, over and down, just high
+/// enough.
+[[nodiscard]] std::vector<control::ToolPose> way_between(const body::BackSurface& back,
+                                                         const Hover& from, const Hover& to,
+                                                         double clear_m,
+                                                         const Transform& base_from_couch);
+
+/// How long the tool is on its way, from rest to rest at every waypoint.
+[[nodiscard]] double time_of_way_s(const control::ToolPose& from,
+                                   const std::vector<control::ToolPose>& way);
+
+}  // namespace tuina::session

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+
+#include "tuina/body/back_surface.hpp"
+#include "tuina/core/result.hpp"
+#include "tuina/robot/arm_model.hpp"
+#include "tuina/session/airway.hpp"
+#include "tuina/session/rehearsal.hpp"
+
+namespace tuina::session {
+
+/// What 30 N press into soft tissue on a torso that gives way.
+inline constexpr double press_depth_m = 8e-3;
+
+/// What the moves of both arms have in common.
+struct Stage {
+  std::reference_wrapper<const body::BackSurface> back;
+  std::reference_wrapper<const PerArm<robot::ArmModel>> models;
+  Transform base_from_couch = Transform::Identity();
+  double rail_m = 0.0;
+  double standoff_m = 40e-3;
+  PerArm<JointVector> ready_rad;
+};
+
+/// Where an arm is between two contacts.
+struct ArmRest {
+  Hover over;
+  JointVector q_rad;
+  bool parked = true;
+  Passage stay;  ///< of its one posture
+};
+[[nodiscard]] ArmRest rest_at_ready(const Stage& stage, Arm arm);
+
+/// One way through the air and, unless the arm parks, one contact at its end.
+struct ArmMove {
+  int path = -1;
+  std::vector<control::ToolPose> way_in_base;
+  JointVector posture_rad;
+  Passage air, skin;  ///< skin: from above the place down, along the path, and up again
+  double air_s = 0.0;
+  ArmRest above;  ///< after the way, before the contact
+  ArmRest after;
+};
+
+[[nodiscard]] ArmMove move_home(const Stage& stage, Arm arm, const ArmRest& from);
+
+/// Of the postures that the path can be followed in, one that the way really leads to and that
+/// keeps the arm on its own side, if there is such a one. Fails when no posture follows the path.
+[[nodiscard]] Result<ArmMove> move_to_path(const Stage& stage, Arm arm, const ArmRest& from,
+                                           const ContactPath& path, int index);
+
+/// Places of a path, each no nearer than a millimetre to the one before.
+[[nodiscard]] std::vector<robot::ContactGoal> goals_of(const ContactPath& path,
+                                                       const Transform& base_from_couch);
+
+}  // namespace tuina::session
