@@ -30,6 +30,10 @@ class Massage final : public Verb {
         ->capture_default_str();
     command.add_option("--programme", order_.programme, "a shipped programme or a TOML file")
         ->capture_default_str();
+    command.add_option("--no-go", order_.no_go, "a TOML file with what must not be touched");
+    command.add_option("--consent", order_.consent,
+                       "a TOML file with the answers to the health questions; without it the "
+                       "simulated person answers");
     command.add_option("--method", method_, "of finding acupoints")
         ->check(CLI::IsMember({"field_morphing", "surface"}));
     command.add_option("--atlas", order_.atlas,

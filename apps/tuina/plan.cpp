@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <chrono>
 
+#include "apps/tuina/simulated_session.hpp"
 #include "apps/tuina/verbs.hpp"
 #include "tuina/core/file.hpp"
 #include "tuina/core/png.hpp"
@@ -99,6 +100,7 @@ class PlanVerb final : public Verb {
     }
     command.add_option("--programme", programme_, "a file, or one of " + names)
         ->capture_default_str();
+    command.add_option("--no-go", no_go_, "a TOML file with what must not be touched");
     command.add_option("--picture", picture_, "draw the paths on the back into this PNG file");
   }
 
@@ -107,6 +109,8 @@ class PlanVerb final : public Verb {
     if (!config) return tl::unexpected(config.error());
     const auto programme = massage::load_programme(programme_);
     if (!programme) return tl::unexpected(programme.error());
+    const auto options = plan_options(*config, no_go_);
+    if (!options) return tl::unexpected(options.error());
     const auto map = session::read_acupoints(acupoints_);
     if (!map) return tl::unexpected(map.error());
     const auto scan = read_surface(scan_);
@@ -117,10 +121,7 @@ class PlanVerb final : public Verb {
     if (!back)
       return tl::unexpected(Error{back.error().fault, scan_ + ": " + back.error().message});
     const double standoff_m = from_mm(config->massage.standoff_mm);
-    const massage::PlanOptions options{.force_scale = config->massage.force_scale,
-                                       .force_ceiling_n = config->safety.force_ceiling_n,
-                                       .transfers = {.standoff_m = standoff_m}};
-    auto plan = massage::plan(*back, map->acupoints, map->landmarks, *programme, options);
+    auto plan = massage::plan(*back, map->acupoints, map->landmarks, *programme, *options);
     if (!plan) return tl::unexpected(plan.error());
     const robot::RobotMount mount = robot::mount_for(back->position());
     const PerArm<robot::ArmModel> arms = robot::both_models(robot::thesis_arm(), mount);
@@ -147,6 +148,7 @@ class PlanVerb final : public Verb {
   std::string scan_;
   std::string acupoints_;
   std::string programme_ = "relax";
+  std::string no_go_;
   std::string picture_;
 };
 

@@ -185,6 +185,10 @@ std::string session_json(const SessionResult& result, std::uint64_t seed) {
                                  {"overshoot_n", result.force.overshoot_n}}},
                                {"techniques", techniques},
                                {"performed", performed}}},
+                             {"consent",
+                              {{"answered_by", result.consent.answered_by},
+                               {"questions", session::health_questions.size()},
+                               {"reasons_against", 0}}},
                              {"tissue", tissue},
                              {"stops", stops}};
   return json.dump(2);
@@ -254,6 +258,7 @@ Result<void> write_session(const SessionResult& result, const telemetry::ReportD
                              .landmarks = result.located.landmarks};
   const std::pair<const char*, std::string> files[] = {
       {"session.json", json + "\n"},
+      {"consent.toml", result.consent_toml},
       {"scan.ply", to_ply(result.scan.cloud_in_couch)},
       {"acupoints.json", session::to_json(map) + "\n"},
       {"plan.json", session::to_json(plan_file_of(result)) + "\n"},

@@ -16,8 +16,8 @@ namespace tuina::app {
                                                 const SessionOrder& order,
                                                 const session::Config& config, std::uint64_t seed);
 
-/// session.json, scan.ply, acupoints.json, plan.json, trace.csv, back.svg and report.html, into a folder that
-/// is made if it is not there.
+/// session.json, consent.toml, scan.ply, acupoints.json, plan.json, trace.csv, back.svg and
+/// report.html, into a folder that is made if it is not there.
 [[nodiscard]] Result<void> write_session(const SessionResult& result,
                                          const telemetry::ReportData& report,
                                          const std::string& json,

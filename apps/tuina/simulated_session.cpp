@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "apps/tuina/atlas_source.hpp"
+#include "tuina/core/file.hpp"
 #include "tuina/core/random.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/robot/clearance.hpp"
@@ -195,15 +196,41 @@ Result<void> massage_person(SessionResult& result, const robot::RobotMount& moun
 
 }  // namespace
 
+Result<massage::PlanOptions> plan_options(const session::Config& config,
+                                          const std::string& no_go_file) {
+  massage::PlanOptions options{.force_scale = config.massage.force_scale,
+                               .force_ceiling_n = config.safety.force_ceiling_n,
+                               .transfers = {.standoff_m = from_mm(config.massage.standoff_mm)}};
+  if (no_go_file.empty()) return options;
+  auto no_go = massage::read_no_go(no_go_file);
+  if (!no_go) return tl::unexpected(no_go.error());
+  options.no_go = std::move(*no_go);
+  return options;
+}
+
 Result<SessionResult> run_simulated_session(const SessionOrder& order,
                                             const session::Config& config,
                                             const CommonOptions& common) {
   SessionResult result;
+  // Nothing is done, not even a scan, before the questions are answered.
+  result.consent_toml = session::consent_form("the simulated person", "no");
+  if (!order.consent.empty()) {
+    constexpr std::size_t largest_bytes = 1 << 20;
+    auto text = read_file(order.consent, largest_bytes);
+    if (!text) return tl::unexpected(text.error());
+    result.consent_toml = std::move(*text);
+  }
+  const auto consent = session::parse_consent(
+      result.consent_toml, order.consent.empty() ? "the simulated person" : order.consent);
+  if (!consent) return tl::unexpected(consent.error());
+  result.consent = *consent;
   auto person = sim::parse_person(order.person, order.position, common.seed);
   if (!person) return tl::unexpected(person.error());
   result.person = std::move(*person);
   const auto programme = massage::load_programme(order.programme);
   if (!programme) return tl::unexpected(programme.error());
+  const auto options = plan_options(config, order.no_go);
+  if (!options) return tl::unexpected(options.error());
   const auto atlas = open_atlas(order.atlas);
   if (!atlas) return tl::unexpected(atlas.error());
 
@@ -232,9 +259,7 @@ Result<SessionResult> run_simulated_session(const SessionOrder& order,
 
   const Stopwatch plan_watch;
   auto plan = massage::plan(*back, result.located.acupoints, result.located.landmarks, *programme,
-                            {.force_scale = config.massage.force_scale,
-                             .force_ceiling_n = config.safety.force_ceiling_n,
-                             .transfers = {.standoff_m = from_mm(config.massage.standoff_mm)}});
+                            *options);
   if (!plan) return tl::unexpected(plan.error());
   const robot::RobotMount mount = robot::mount_for(back->position());
   const Transform base_from_couch = believed_pose(mount.base_from_couch, common.seed);

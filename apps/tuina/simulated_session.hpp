@@ -11,6 +11,7 @@
 #include "tuina/massage/programme.hpp"
 #include "tuina/scanner/sweep.hpp"
 #include "tuina/session/config.hpp"
+#include "tuina/session/consent.hpp"
 #include "tuina/session/force_errors.hpp"
 #include "tuina/session/plan_step.hpp"
 #include "tuina/sim/person.hpp"
@@ -23,12 +24,16 @@ struct SessionOrder {
   std::optional<Position> position;
   std::string programme = "relax";
   body::Method method = body::Method::surface;
-  std::string atlas;  ///< a file or a labelled body; empty: the shipped one
+  std::string atlas;    ///< a file or a labelled body; empty: the shipped one
+  std::string no_go;    ///< a file with what the therapist rules out; empty: nothing
+  std::string consent;  ///< a file with answers; empty: the simulated person answers
   bool real_time = false;
 };
 
 /// All that a simulated session was and did, for its JSON, its files and its report.
 struct SessionResult {
+  session::Consent consent;
+  std::string consent_toml;  ///< as it was answered
   sim::Person person;
   scanner::Scan scan;
   double scan_error_m = 0.0;  ///< RMS distance from the true surface
@@ -49,6 +54,10 @@ struct SessionResult {
   double min_arm_distance_m = 0.0;  ///< that the arms truly had, surface to surface
   std::string device_fault;
 };
+
+/// How the config and the therapist want a plan.
+[[nodiscard]] Result<massage::PlanOptions> plan_options(const session::Config& config,
+                                                        const std::string& no_go_file);
 
 /// Scan, map, plan, massage: the whole method in the simulated world, with the errors in what the
 /// session knows of it drawn by the seed.

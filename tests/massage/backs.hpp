@@ -52,4 +52,21 @@ inline std::vector<Acupoint> seven_points(const body::BackSurface& back,
   return points;
 }
 
+/// The paired points 1.5 cun beside the spine that a map adds to the seven.
+inline std::vector<Acupoint> inner_points(const body::BackSurface& back,
+                                          double uncertainty_m = 0.0) {
+  const std::vector<std::pair<const char*, double>> heights = {
+      {"BL13", 0.57}, {"BL15", 0.52},  {"BL17", 0.48}, {"BL18", 0.43},
+      {"BL20", 0.37}, {"BL21", 0.345}, {"BL23", 0.28}};
+  std::vector<Acupoint> points;
+  for (const auto& [name, z] : heights) {
+    for (const double side : {1.0, -1.0}) {
+      const auto met = back.along({side * 0.042, 1.0, z}, -Vector3::UnitY());
+      points.push_back({std::string(name) + (side > 0.0 ? "_L" : "_R"), met->at_in_couch,
+                        met->normal_in_couch, uncertainty_m});
+    }
+  }
+  return points;
+}
+
 }  // namespace tuina::test

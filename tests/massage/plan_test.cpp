@@ -40,10 +40,13 @@ TEST_CASE("every shipped programme fits on a back, with both arms, within its ca
   for (const ShippedProgramme& shipped : shipped_programmes()) {
     CAPTURE(shipped.name);
     const Programme programme = load_programme(std::string(shipped.name)).value();
-    const auto plan = massage::plan(person.back, person.points, {}, programme);
+    std::vector<Acupoint> points = person.points;
+    for (const Acupoint& point : test::inner_points(person.back, 8_mm)) points.push_back(point);
+    const auto plan = massage::plan(person.back, points, {}, programme);
     REQUIRE_MESSAGE(plan.has_value(), plan.error().message);
-    CHECK(plan->duration_s > 40.0);
-    CHECK(plan->duration_s < 150.0);
+    const bool whole_back = shipped.name == "full_back_20min";
+    CHECK(plan->duration_s > (whole_back ? 900.0 : 40.0));
+    CHECK(plan->duration_s < (whole_back ? 1400.0 : 150.0));
     CHECK(plan->min_tool_distance_m >= closest_tools_m);
     std::set<Arm> arms;
     const BackChart chart = BackChart::from(person.points, {}).value();
@@ -250,4 +253,38 @@ TEST_CASE("what does not belong together is refused") {
                       programme_of("[[part]]\ntechnique = \"press\"\npoints = [\"BL23\"]\n"))
             .error()
             .message.find("wants BL23_L") != std::string::npos);
+}
+
+TEST_CASE(
+    "what the therapist rules out is not touched: points fall out, strokes are cut short of it") {
+  const Person person;
+  // 60 mm around BL47_L.
+  NoGo bruise{.name = "bruise", .corners_in_couch = {}};
+  for (const auto& [dx, dz] :
+       {std::pair{-0.03, -0.03}, {0.03, -0.03}, {0.03, 0.03}, {-0.03, 0.03}}) {
+    bruise.corners_in_couch.push_back(person.points[2].at_in_couch + Vector3(dx, 0.0, dz));
+  }
+  const Programme programme = programme_of(
+      "[[part]]\ntechnique = \"press\"\npoints = [\"BL47\"]\n[[part]]\ntechnique = \"rub\"\npoints "
+      "= "
+      "[\"BL50\"]\n[[part]]\ntechnique = \"stroke\"\npoints = [\"SI11\", \"BL47\", \"BL50\"]\n");
+  const auto all = massage::plan(person.back, person.points, {}, programme);
+  const auto careful =
+      massage::plan(person.back, person.points, {}, programme, {.no_go = {bruise}});
+  REQUIRE(all.has_value());
+  REQUIRE_MESSAGE(careful.has_value(), careful.error().message);
+  CHECK(noted(*careful, "press BL47_L: left out, it may not be done on no_go"));
+  CHECK(noted(*careful, "stroke SI11_L to BL50_L: cut from"));
+  CHECK(careful->paths.size() < all->paths.size());
+  constexpr double tool_m = 17_mm;
+  for (const PlannedPath& planned : careful->paths) {
+    CAPTURE(planned.path.name);
+    for (const ContactPoint& point : planned.path.points) {
+      const Vector3 from_middle = point.at_in_couch - person.points[2].at_in_couch;
+      const bool beside = std::abs(from_middle.x()) > 0.03 || std::abs(from_middle.z()) > 0.03;
+      REQUIRE(beside);
+      REQUIRE(std::hypot(std::max(std::abs(from_middle.x()) - 0.03, 0.0),
+                         std::max(std::abs(from_middle.z()) - 0.03, 0.0)) > 0.8 * tool_m);
+    }
+  }
 }

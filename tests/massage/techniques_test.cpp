@@ -241,3 +241,31 @@ TEST_CASE("a path that leaves the scanned back is refused with the distance") {
   REQUIRE_FALSE(circle.has_value());
   CHECK(circle.error().message.find("leaves the scanned back") != std::string::npos);
 }
+
+TEST_CASE("a spiral winds outwards at even distance, smooth, and rubs out and in again") {
+  const body::BackSurface back = test::wall();
+  const auto centre = back.nearest({0.08, 0.1, 0.4});
+  const auto spiral = spiral_on(back, centre, 35_mm, Vector3::UnitX(), false);
+  REQUIRE(spiral.has_value());
+  // The length of an Archimedean spiral whose windings are 9 mm apart, from 6 to 35 mm.
+  const double expected_m = pi * (35_mm * 35_mm - 6_mm * 6_mm) / 9_mm;
+  CHECK(spiral->length_m() == doctest::Approx(expected_m).epsilon(0.05));
+  double before_m = 0.0;
+  for (double way_m = 0.0; way_m < spiral->length_m(); way_m += 20_mm) {
+    const double radius_m = (spiral->at(way_m).at_in_couch - centre.at_in_couch).norm();
+    CHECK(radius_m > before_m);
+    before_m = radius_m;
+  }
+  const ContactPath path =
+      plan_rub(*spiral, {.force_n = 12.0, .rate_hz = 0.3, .turns = 2, .radius_m = 35_mm}, "rub");
+  const Vector3 first = path.points.front().at_in_couch, last = path.points.back().at_in_couch;
+  CHECK((first - last).norm() < 1_mm);
+  double fastest_m_per_s = 0.0;
+  for (std::size_t i = 1; i < path.points.size(); ++i) {
+    const double moved_m = (path.points[i].at_in_couch - path.points[i - 1].at_in_couch).norm();
+    fastest_m_per_s = std::max(fastest_m_per_s, moved_m / sample_s);
+    CHECK(std::abs(path.points[i].force_n - path.points[i - 1].force_n) / sample_s <=
+          1.001 * fastest_force_n_per_s);
+  }
+  CHECK(fastest_m_per_s < 1.01 * 2.0 * pi * 35_mm * 0.3);
+}

@@ -172,3 +172,25 @@ TEST_CASE("points that cannot be those of a back are refused with the reason") {
   std::swap(spine[1].at_in_couch, spine[4].at_in_couch);  // T3 and T12
   CHECK_FALSE(BackChart::from(man.points, spine).has_value());
 }
+
+TEST_CASE("a no-go file says what is ruled out, or every line that is wrong with it") {
+  const auto good = parse_no_go(
+      "[[no_go]]\nname = \"bruise\"\ncorners_m = [[0.05, 0.1, 0.3], [0.1, 0.1, 0.3], [0.1, 0.1, "
+      "0.4]]\n",
+      "no_go.toml");
+  REQUIRE_MESSAGE(good.has_value(), good.error().message);
+  CHECK(good->front().name == "bruise");
+  CHECK(good->front().corners_in_couch.size() == 3);
+
+  const auto bad = parse_no_go(
+      "[[no_go]]\nname = \"a\"\ncorners_m = [[50, 100, 300], [0, 0, 0], [0, 0]]\n[[no_go]]\n"
+      "corner = 1\n",
+      "no_go.toml");
+  REQUIRE_FALSE(bad.has_value());
+  CAPTURE(bad.error().message);
+  for (const char* what : {"no_go.toml:3: a corner", "no_go.toml:4: a no_go needs a name",
+                           "no_go.toml:5: no_go has no `corner`"}) {
+    CHECK(bad.error().message.find(what) != std::string::npos);
+  }
+  CHECK_FALSE(parse_no_go("", "no_go.toml").has_value());
+}

@@ -121,9 +121,13 @@ PathLayer::MaybePath PathLayer::lay_sliding(const Part& part, const Target& targ
                       .cap_n = cap_of(part.technique, zones.strictest),
                       .arm = arm_of(curve->at(0.5 * curve->length_m()).at_in_couch)};
   if (rubs) {
-    const int turns = repeats_of(part, 1.0 / part.rate_hz, zones.strictest);
-    waiting.path =
-        plan_rub(*curve, {.force_n = force_n, .rate_hz = part.rate_hz, .turns = turns}, name_);
+    const double round_m = std::min(2.0 * pi * part.radius_m * part.rate_hz, fastest_slide_m_per_s);
+    const double one_s = part.spiral ? curve->length_m() / round_m + 1.0 : 1.0 / part.rate_hz;
+    const int turns = repeats_of(part, one_s, zones.strictest);
+    waiting.path = plan_rub(
+        *curve,
+        {.force_n = force_n, .rate_hz = part.rate_hz, .turns = turns, .radius_m = part.radius_m},
+        name_);
   } else {
     const double there_and_back_s = 2.0 * (curve->length_m() / part.speed_m_per_s + 0.5);
     const StrokeOptions stroke{.force_n = force_n,
@@ -156,7 +160,8 @@ Result<SurfaceCurve> PathLayer::circle(const Part& part, const Target& target,
   // Both hands begin outside and go round as mirror images of each other.
   const bool left = target.side >= 0.0;
   const Vector3 outside = left ? chart_.left() : Vector3(-chart_.left());
-  return circle_on(back_, *centre, part.radius_m, outside, left, bend);
+  const auto curve_on = part.spiral ? spiral_on : circle_on;
+  return curve_on(back_, *centre, part.radius_m, outside, left, bend);
 }
 
 Result<SurfaceCurve> PathLayer::line(const Part& part, const Target& target,

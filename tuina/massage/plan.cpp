@@ -49,7 +49,7 @@ Result<Plan> plan(const body::BackSurface& back, std::span<const Acupoint> acupo
   }
   const auto chart = BackChart::from(acupoints, landmarks);
   if (!chart) return tl::unexpected(chart.error());
-  const ZoneMap zones(*chart, acupoints, landmarks);
+  const ZoneMap zones(*chart, acupoints, landmarks, options.no_go);
   PathLayer layer(back, *chart, zones, options,
                   options.force_scale * force_scale_of(programme.intensity));
   std::vector<WaitingPath> waiting;

@@ -28,6 +28,7 @@ struct PlanOptions {
   double muscle_cap_n = 30.0;     ///< at most the ceiling of the zone
   double force_ceiling_n = 45.0;  ///< everywhere
   Transfers transfers = {};
+  std::vector<NoGo> no_go = {};  ///< ruled out by the therapist
 };
 
 /// Lays a programme onto one person's back. Forces are lowered to the cap of the strictest zone

@@ -37,7 +37,7 @@ const Words& keys_of(Technique technique) {
       {"technique", "points", "side", "order", "together", "force_n", "repeats", "time_s", "hold_s",
        "rise_s"},
       {"technique", "points", "side", "order", "together", "force_n", "repeats", "time_s",
-       "rate_hz", "radius_mm"},
+       "rate_hz", "radius_mm", "spiral"},
       {"technique", "points", "line", "side", "together", "force_n", "repeats", "time_s",
        "speed_mm_per_s"},
       {"technique", "points", "side", "order", "together", "force_n", "time_s", "rate_hz"},
@@ -218,6 +218,7 @@ std::optional<Part> read_part(Reader& reader, const toml::table& table) {
   part.rise_s = reader.number(table, "rise_s", 0.3, 5.0).value_or(part.rise_s);
   part.radius_m =
       from_mm(reader.number(table, "radius_mm", 10.0, 50.0).value_or(to_mm(part.radius_m)));
+  part.spiral = reader.flag(table, "spiral").value_or(part.spiral);
   part.speed_m_per_s =
       from_mm(reader.number(table, "speed_mm_per_s", 10.0, to_mm(fastest_slide_m_per_s))
                   .value_or(to_mm(part.speed_m_per_s)));

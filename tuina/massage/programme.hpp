@@ -34,6 +34,7 @@ struct Part {
   double hold_s = 2.0;           ///< pressing
   double rise_s = 0.9;           ///< pressing
   double radius_m = 0.030;       ///< rubbing
+  bool spiral = false;           ///< rubbing: out to the radius and in again, instead of a circle
   double rate_hz = 0.35;         ///< rubbing: turns, tapping: taps
   double speed_m_per_s = 0.060;  ///< stroking
 };

@@ -38,11 +38,31 @@ double distance_m(const Place& place, const std::vector<Place>& line) {
   return nearest;
 }
 
+/// Whether a ray from the place crosses the closed line an odd number of times.
+bool is_within(const Place& place, const std::vector<Place>& line) {
+  bool within = false;
+  for (std::size_t i = 1; i < line.size(); ++i) {
+    const Place &a = line[i - 1], &b = line[i];
+    if ((a.up_m > place.up_m) == (b.up_m > place.up_m)) continue;
+    const double crossing_m =
+        a.left_m + (place.up_m - a.up_m) / (b.up_m - a.up_m) * (b.left_m - a.left_m);
+    if (place.left_m < crossing_m) within = !within;
+  }
+  return within;
+}
+
 }  // namespace
 
 ZoneMap::ZoneMap(const BackChart& chart, std::span<const Acupoint> acupoints,
-                 std::span<const Landmark> landmarks)
+                 std::span<const Landmark> landmarks, std::span<const NoGo> no_go)
     : chart_(chart) {
+  for (const NoGo& entry : no_go) {
+    std::vector<Place>& corners = no_go_.emplace_back();
+    for (const Vector3& corner : entry.corners_in_couch) {
+      corners.push_back(chart_.place_of(corner));
+    }
+    corners.push_back(corners.front());
+  }
   const auto uncertainty = [&](std::string_view prefix) {
     double largest = 0.0;
     for (const Acupoint& point : acupoints) {
@@ -108,6 +128,11 @@ Zone ZoneMap::at(const Place& place) const {
   const double beside_m = std::abs(place.left_m);
   const double up_m = place.up_m;
   const std::size_t side = place.left_m >= 0.0 ? 0 : 1;
+  for (const std::vector<Place>& corners : no_go_) {
+    if (is_within(place, corners) || distance_m(place, corners) < contact_radius_m) {
+      return Zone::no_go;
+    }
+  }
 
   const double c7_m = chart_.up_of(Level::C7);
   const double neck_from_m = c7_m - 10_mm - shoulder_uncertainty_m_;

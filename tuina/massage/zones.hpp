@@ -8,6 +8,7 @@
 
 #include "tuina/core/contact.hpp"
 #include "tuina/massage/back_chart.hpp"
+#include "tuina/massage/no_go.hpp"
 
 namespace tuina::massage {
 
@@ -23,6 +24,7 @@ enum class Zone : std::uint8_t {
   spine,         ///< spinous processes
   neck,          ///< and head
   outside,       ///< beyond the outline of the back: arms, flanks, below the sacrum
+  no_go,         ///< ruled out by the therapist, the tool's contact radius around it
 };
 
 /// What a zone bears. These are compiled ceilings, starting values that a therapist must confirm;
@@ -35,7 +37,7 @@ struct ZoneRule {
   bool tapping;      ///< tapping allowed
   double longest_s;  ///< of contact at one place
 };
-inline constexpr std::array<ZoneRule, 10> zone_rules = {{
+inline constexpr std::array<ZoneRule, 11> zone_rules = {{
     {"muscle", 45.0, 60.0, true, true, 60.0},
     {"kidney", 20.0, 30.0, true, false, 60.0},
     {"ribs", 15.0, 25.0, true, false, 60.0},
@@ -46,6 +48,7 @@ inline constexpr std::array<ZoneRule, 10> zone_rules = {{
     {"spine", 0.0, 10.0, false, false, 0.0},
     {"neck", 0.0, 10.0, false, false, 0.0},
     {"outside", 0.0, 10.0, false, false, 0.0},
+    {"no_go", 0.0, 10.0, false, false, 0.0},
 }};
 [[nodiscard]] constexpr const ZoneRule& rule_of(Zone zone) {
   return zone_rules[static_cast<std::size_t>(zone)];
@@ -66,7 +69,7 @@ inline constexpr std::array<ZoneRule, 10> zone_rules = {{
 class ZoneMap {
  public:
   ZoneMap(const BackChart& chart, std::span<const Acupoint> acupoints,
-          std::span<const Landmark> landmarks);
+          std::span<const Landmark> landmarks, std::span<const NoGo> no_go = {});
 
   [[nodiscard]] Zone at(const Vector3& in_couch) const { return at(chart_.place_of(in_couch)); }
   [[nodiscard]] Zone at(const Place& place) const;
@@ -84,6 +87,7 @@ class ZoneMap {
   double shoulder_uncertainty_m_ = 0.0;
   double loin_uncertainty_m_ = 0.0;
   std::array<std::vector<Place>, 2> scapula_border_, scapula_spine_, iliac_crest_;  // left, right
+  std::vector<std::vector<Place>> no_go_;                                           // corners
   std::vector<Place> outline_;  // half width over height, from low to high
 };
 

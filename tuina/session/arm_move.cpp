@@ -62,8 +62,7 @@ double badness(const Stage& stage, Arm arm, const ArmMove& move) {
   const robot::ArmModel& model = stage.models.get()[arm];
   const double inward_m = std::max(move.air.inward_m(model, arm), move.skin.inward_m(model, arm));
   const double missed_rad = (move.above.q_rad - move.posture_rad).cwiseAbs().maxCoeff();
-  const double off_m = std::max(move.air.off_m, move.skin.off_m);
-  return inward_m + (missed_rad > way_missed_rad ? 1.0 : 0.0) + (off_m > off_path_m ? 10.0 : 0.0);
+  return inward_m + (missed_rad > way_missed_rad ? 1.0 : 0.0);
 }
 
 }  // namespace
@@ -118,6 +117,14 @@ Result<ArmMove> move_to_path(const Stage& stage, Arm arm, const ArmRest& from,
     }
     ArmMove move{.path = index, .way_in_base = way, .posture_rad = followed->front().q_rad};
     rehearse(stage, arm, from, move, goals, above, after);
+    const double off_m = std::max(move.air.off_m, move.skin.off_m);
+    if (off_m > off_path_m) {
+      if (!best) {
+        best = fail(Fault::not_found, "on the way to it the arm gets stuck, {:.0f} mm off",
+                    to_mm(off_m));
+      }
+      return;
+    }
     const double bad = badness(stage, arm, move);
     if (bad >= least_bad) return;
     least_bad = bad;
@@ -126,11 +133,13 @@ Result<ArmMove> move_to_path(const Stage& stage, Arm arm, const ArmRest& from,
 
   // The elbow as far outward as the path allows: from a posture like the ready one, from the one
   // in which the way arrives, else from one that suits the middle or the end of the path.
+  Rehearsal arrival(model, stage.rail_m, from.q_rad, 0.05);
+  Passage flown;
+  for (const control::ToolPose& pose : way) arrival.fly(pose, stage.ready_rad[arm], flown);
   for (const double elbow_outward_m : {250_mm, 150_mm, 0_mm}) {
     const robot::PostureOptions options{.elbow_outward_m = elbow_outward_m,
                                         .press_depth_m = press_depth_m};
-    std::vector<JointVector> starts = {stage.ready_rad[arm]};
-    if (best) starts.push_back(best->above.q_rad);
+    std::vector<JointVector> starts = {stage.ready_rad[arm], arrival.q_rad()};
     for (const std::size_t place : {goals.size() / 2, goals.size() - 1}) {
       const auto there =
           robot::find_posture(model, stage.rail_m, goals[place], stage.ready_rad[arm], options);

@@ -117,6 +117,12 @@ bool Choreography::dance_together(const PerArm<Planned>& both) {
 void Choreography::dance_alone(Arm arm, const massage::PlannedPath& planned) {
   const Arm idle = other(arm);
   auto move = plan_move(arm, planned);
+  const bool both_parked = rest_[arm].parked && rest_[idle].parked;
+  if (!move && !both_parked) {
+    // From home it may be reached.
+    finish();
+    return dance_alone(arm, planned);
+  }
   if (!move) {
     all_reached = false;
     notes.push_back(fmt::format("{} is left out: {}", planned.path.name, move.error().message));
@@ -147,7 +153,7 @@ void Choreography::dance_alone(Arm arm, const massage::PlannedPath& planned) {
   } else {
     apart = beside_m(rest_[idle].stay);
   }
-  if (apart < wanted_arm_distance_m && !(rest_[arm].parked && rest_[idle].parked)) {
+  if (apart < wanted_arm_distance_m && !both_parked) {
     finish();
     return dance_alone(arm, planned);
   }

@@ -10,6 +10,7 @@ namespace tuina::session {
 namespace {
 
 constexpr double tick_s = 1e-3;
+constexpr double longest_leg_s = 15.0;  // of a way through the air; no leg takes a third of it
 
 massage::Plan in_base(massage::Plan plan, const Transform& base_from_couch) {
   for (massage::PlannedPath& planned : plan.paths) {
@@ -219,12 +220,24 @@ void MassageStep::conduct(Arm arm, double time_s) noexcept {
       side.trouble = control::Trouble::none;
       controller.keep_posture(job->posture_rad);
       controller.move_to(job->way_in_base.front());
+      side.leg_s = time_s;
       side.phase = ArmPhase::travel;
       return;
     case ArmPhase::travel:
-      if (!status.settled) return;
-      if (++side.waypoint < job->way_in_base.size()) {
+      if (!status.settled && time_s - side.leg_s < longest_leg_s) return;
+      if (!status.settled) {
+        // Something holds the arm. It goes no further there; what comes next may be reached.
+        if (planned != nullptr) {
+          side.contact_s = time_s;
+          side.trouble = control::Trouble::blocked;
+          end_contact(side, arm, time_s);
+        } else {
+          ++side.job;
+          side.phase = ArmPhase::waiting;
+        }
+      } else if (++side.waypoint < job->way_in_base.size()) {
         controller.move_to(job->way_in_base[side.waypoint]);
+        side.leg_s = time_s;
       } else if (planned == nullptr) {
         ++side.job;
         side.phase = ArmPhase::waiting;

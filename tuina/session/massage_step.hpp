@@ -94,6 +94,7 @@ class MassageStep {
     std::vector<ArmJob> jobs = {};
     std::size_t job = 0;
     std::size_t waypoint = 0;
+    double leg_s = 0.0;  ///< when the present leg of the way began
     ArmPhase phase = ArmPhase::waiting;
     double contact_s = 0.0;
     control::Trouble trouble = control::Trouble::none;
@@ -145,6 +146,7 @@ class MassageStep {
       return safety::Zone::spine;
     case massage::Zone::neck:
     case massage::Zone::outside:
+    case massage::Zone::no_go:
       return safety::Zone::denied;
   }
   return safety::Zone::denied;
