@@ -2,6 +2,7 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 
+#include "apps/tuina/keyboard.hpp"
 #include "apps/tuina/session_files.hpp"
 #include "apps/tuina/simulated_session.hpp"
 #include "apps/tuina/verbs.hpp"
@@ -34,6 +35,12 @@ class Massage final : public Verb {
     command.add_option("--consent", order_.consent,
                        "a TOML file with the answers to the health questions; without it the "
                        "simulated person answers");
+    command
+        .add_option("--adaptive", adaptive_,
+                    "on: what the presses feel decides how hard they may be; off: as planned")
+        ->check(CLI::IsMember({"on", "off"}))
+        ->capture_default_str();
+    command.add_flag("--keys", order_.keys, fmt::format("live, at real pace: {}", key_help));
     command.add_option("--method", method_, "of finding acupoints")
         ->check(CLI::IsMember({"field_morphing", "surface"}));
     command.add_option("--atlas", order_.atlas,
@@ -54,7 +61,8 @@ class Massage final : public Verb {
     if (position_ == "sitting") order_.position = Position::sitting;
     if (position_ == "prone") order_.position = Position::prone;
     order_.method = body::parse_method(method_).value_or(order_.method);
-    order_.real_time = pace_ == "real";
+    order_.real_time = pace_ == "real" || order_.keys;
+    order_.adaptive = adaptive_ == "on";
     // Before the work, not after it: the folder is made, and an empty one goes again.
     std::error_code fault;
     const bool made = std::filesystem::create_directories(out_, fault);
@@ -84,6 +92,7 @@ class Massage final : public Verb {
   std::string position_ = "auto";
   std::string method_;
   std::string pace_ = "max";
+  std::string adaptive_ = "on";
   std::string out_ = "massage-report";
 };
 

@@ -139,6 +139,21 @@ std::string session_json(const SessionResult& result, std::uint64_t seed) {
          {"class", tissue::name_of(felt.classified.label)},
          {"class_probability", felt.classified.probability}});
   }
+  ordered_json commands = ordered_json::array();
+  for (const auto& [time_s, command] : result.commands) {
+    commands.push_back({{"time_s", time_s}, {"command", session::name_of(command)}});
+  }
+  ordered_json decisions = ordered_json::array();
+  for (const session::Decision& made : result.decisions) {
+    decisions.push_back(
+        {{"time_s", made.time_s},
+         {"arm", name_of(made.arm)},
+         {"path", result.ready.plan.paths[static_cast<std::size_t>(made.path)].path.name},
+         {"rule", made.rule},
+         {"reason", made.reason},
+         {"from_n", made.from_n},
+         {"to_n", made.to_n}});
+  }
   ordered_json performed = ordered_json::array();
   for (const session::Performed& done : result.performed) {
     performed.push_back(
@@ -189,6 +204,8 @@ std::string session_json(const SessionResult& result, std::uint64_t seed) {
                               {{"answered_by", result.consent.answered_by},
                                {"questions", session::health_questions.size()},
                                {"reasons_against", 0}}},
+                             {"commands", commands},
+                             {"decisions", decisions},
                              {"tissue", tissue},
                              {"stops", stops}};
   return json.dump(2);

@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "apps/tuina/atlas_source.hpp"
+#include "apps/tuina/keyboard.hpp"
 #include "tuina/core/file.hpp"
 #include "tuina/core/random.hpp"
 #include "tuina/core/units.hpp"
@@ -154,16 +155,26 @@ Result<void> massage_person(SessionResult& result, const robot::RobotMount& moun
                                 .rail_m = result.ready.rail_m,
                                 .standoff_m = from_mm(config.massage.standoff_mm),
                                 .force_ceiling_n = config.safety.force_ceiling_n,
-                                .steer = config.massage.steer});
+                                .steer = config.massage.steer,
+                                .adaptive = order.adaptive});
   Witness witness(result.ready.plan, models, base_from_couch.inverse());
   const Progress bar = progress_bar(common, "massage");
   // A contact that never ends is a fault of ours, not of the person; it must not hold anyone here.
   const double longest_s = 3.0 * result.ready.plan.duration_s + 60.0;
+  std::optional<Keyboard> keyboard;
+  if (order.keys) keyboard.emplace();
   const Stopwatch watch;
   double time_s = 0.0;
   while (!massage.finished() && time_s < longest_s) {
     const robot::RobotReading reading = (*plant)->read();
     time_s = reading.time_s;
+    constexpr std::uint64_t keys_every_ticks = 10;
+    const auto command =
+        keyboard && reading.tick % keys_every_ticks == 0 ? keyboard->read() : std::nullopt;
+    if (command) {
+      massage.obey(*command);
+      result.commands.emplace_back(time_s, *command);
+    }
     (*plant)->apply(massage.step(reading));
     if ((*plant)->fault() != nullptr) break;
     while (result.pressed_tissue.size() < massage.performed().size()) {
@@ -185,6 +196,7 @@ Result<void> massage_person(SessionResult& result, const robot::RobotMount& moun
   result.massage_s = time_s;
   result.real_time_factor = time_s / watch.seconds();
   result.performed = massage.performed();
+  result.decisions = massage.decisions();
   result.stops = massage.stops();
   result.min_arm_distance_m = witness.min_arm_distance_m;
   result.force = witness.all.errors();

@@ -27,6 +27,8 @@ struct SessionOrder {
   std::string atlas;    ///< a file or a labelled body; empty: the shipped one
   std::string no_go;    ///< a file with what the therapist rules out; empty: nothing
   std::string consent;  ///< a file with answers; empty: the simulated person answers
+  bool adaptive = true;
+  bool keys = false;  ///< live commands from standard input
   bool real_time = false;
 };
 
@@ -44,6 +46,8 @@ struct SessionResult {
   double plan_ms = 0.0;
 
   std::vector<session::Performed> performed;
+  std::vector<session::Decision> decisions;
+  std::vector<std::pair<double, session::LiveCommand>> commands;  ///< when what was asked for
   std::vector<session::Stop> stops;
   std::vector<TangentTissue> pressed_tissue;  ///< per performed path: the truth under the tool
   session::ForceErrors force;

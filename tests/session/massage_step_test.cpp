@@ -4,7 +4,10 @@
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <functional>
+#include <string>
 
 #include "tests/allocation.hpp"
 #include "tuina/session/massage_step.hpp"
@@ -147,4 +150,128 @@ TEST_CASE("arms that are sent into each other stop before they touch, and nobody
                       room->massage.stops().front().time_s));
   CHECK(nearest_m > 0.010);
   for (const Arm arm : both_arms) CHECK(force_n(*room, arm) == 0.0);
+}
+
+namespace {
+
+/// Until both arms press; the time it is.
+double until_pressing(Room& room) {
+  double time_s = 0.0;
+  const auto presses = [&](Arm arm) {
+    return room.massage.view()[arm].target_n > 9.0 &&
+           room.massage.view()[arm].phase == session::ArmPhase::contact;
+  };
+  while (time_s < 60.0 && !(presses(Arm::left) && presses(Arm::right))) time_s = live(room);
+  REQUIRE(time_s < 60.0);
+  return time_s;
+}
+
+void live_for(Room& room, double duration_s) {
+  for (int ms = 0; ms < static_cast<int>(1e3 * duration_s); ++ms) (void)live(room);
+}
+
+double target_n(const Room& room, Arm arm) {
+  return room.massage.view()[arm].target_n;
+}
+
+}  // namespace
+
+TEST_CASE("each live command shows within 100 ms, and no force jumps") {
+  using session::LiveCommand;
+  for (const LiveCommand command : {LiveCommand::pause, LiveCommand::skip, LiveCommand::softer,
+                                    LiveCommand::firmer, LiveCommand::stop}) {
+    CAPTURE(session::name_of(command));
+    const auto asked = enter(Position::prone), left_alone = enter(Position::prone);
+    until_pressing(*asked);
+    until_pressing(*left_alone);
+    asked->massage.obey(command);
+    double steepest_n_per_s = 0.0, before_n = target_n(*asked, Arm::left);
+    for (int ms = 0; ms < 100; ++ms) {
+      (void)live(*asked);
+      (void)live(*left_alone);
+      if (command != LiveCommand::stop) {
+        const double now_n = target_n(*asked, Arm::left);
+        steepest_n_per_s = std::max(steepest_n_per_s, std::abs(now_n - before_n) / 1e-3);
+        before_n = now_n;
+      }
+    }
+    const double change_n = target_n(*asked, Arm::left) - target_n(*left_alone, Arm::left);
+    if (command == LiveCommand::firmer) {
+      CHECK(change_n > 0.1);
+    } else {
+      CHECK(change_n < -0.1);
+    }
+    CHECK(steepest_n_per_s < 250.0);
+    CHECK(asked->massage.stops().empty() == (command != LiveCommand::stop));
+  }
+}
+
+TEST_CASE("a pause keeps a light touch where the tools are, and resume goes on") {
+  const auto room = enter(Position::prone);
+  until_pressing(*room);
+  room->massage.obey(session::LiveCommand::pause);
+  live_for(*room, 1.5);
+  const Vector3 there = room->massage.view()[Arm::left].tool_in_base;
+  live_for(*room, 5.0);
+  for (const Arm arm : both_arms) {
+    CHECK(target_n(*room, arm) == doctest::Approx(3.0).epsilon(0.05));
+    CHECK(force_n(*room, arm) < 5.0);
+  }
+  CHECK((room->massage.view()[Arm::left].tool_in_base - there).norm() < 3e-3);
+  CHECK(room->massage.performed().empty());
+  room->massage.obey(session::LiveCommand::resume);
+  until_pressing(*room);
+  CHECK(room->massage.stops().empty());
+}
+
+TEST_CASE("skip leaves a path for the next one, repeat does it once more") {
+  const auto skipped = enter(Position::prone);
+  const double began_s = until_pressing(*skipped);
+  skipped->massage.obey(session::LiveCommand::skip);
+  live_for(*skipped, 1.5);
+  REQUIRE(skipped->massage.performed().size() == 2);
+  CHECK(skipped->massage.performed().front().end_s < began_s + 1.0);
+  CHECK(skipped->massage.performed().front().trouble == control::Trouble::none);
+
+  const auto repeated = enter(Position::prone);
+  until_pressing(*repeated);
+  repeated->massage.obey(session::LiveCommand::repeat);
+  double time_s = 0.0;
+  while (time_s < 120.0 && repeated->massage.performed().size() < 4) time_s = live(*repeated);
+  REQUIRE(repeated->massage.performed().size() == 4);
+  std::array<int, 4> paths{};
+  for (std::size_t i = 0; i < 4; ++i) paths[i] = repeated->massage.performed()[i].path;
+  std::sort(paths.begin(), paths.end());
+  CHECK(paths[0] == paths[1]);
+  CHECK(paths[2] == paths[3]);
+  CHECK(repeated->massage.stops().empty());
+}
+
+TEST_CASE("a person who lies 20 mm higher than scanned is let go, and a new scan is asked for") {
+  const auto room = enter(Position::prone);
+  room->contact.add_shift({.start_s = 0.0,
+                           .by_in_couch = 20e-3 * room->contact.mean_normal_in_couch(),
+                           .speed_m_per_s = 0.2});
+  double time_s = 0.0;
+  while (!room->massage.finished() && time_s < 60.0) time_s = live(*room);
+  CHECK(room->massage.wants_scan());
+  REQUIRE_FALSE(room->massage.stops().empty());
+  CHECK(room->massage.stops().front().cause == safety::Cause::person_moved);
+  for (const Arm arm : both_arms) CHECK(force_n(*room, arm) == 0.0);
+}
+
+TEST_CASE(
+    "what the presses feel lowers the force where the plan asks for more than the tissue bears") {
+  const auto room = enter(Position::prone);
+  double time_s = 0.0;
+  while (time_s < 30.0 && room->massage.performed().size() < 2) time_s = live(*room);
+  REQUIRE(room->massage.performed().size() >= 2);
+  REQUIRE_FALSE(room->massage.decisions().empty());
+  const session::Decision& first = room->massage.decisions().front();
+  CHECK(std::string(first.rule) == "A1");
+  const massage::PlannedPath& planned = room->plan.plan.paths[static_cast<std::size_t>(first.path)];
+  CHECK(first.to_n <= 0.5 * planned.cap_n + 1e-9);
+  for (const session::Decision& made : room->massage.decisions()) {
+    CHECK(made.to_n <= room->plan.plan.paths[static_cast<std::size_t>(made.path)].cap_n + 1e-9);
+  }
 }

@@ -67,7 +67,9 @@ const char* name_of(Cause cause) noexcept {
                                 "force over the trip",
                                 "set force over the zone's ceiling",
                                 "joint state not finite",
-                                "arms too close"};
+                                "arms too close",
+                                "asked to stop",
+                                "person moved, a new scan is needed"};
   return names[static_cast<std::size_t>(cause)];
 }
 

@@ -41,6 +41,8 @@ enum class Cause : std::uint8_t {
   set_force_too_high,
   state_not_finite,
   arms_too_close,  ///< found by who knows both arms, not by the guard of one
+  asked_to,        ///< somebody asked to stop
+  person_moved,    ///< the skin is not where it was scanned
 };
 [[nodiscard]] const char* name_of(Cause cause) noexcept;
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tuina/massage/contact_path.hpp"
 #include "tuina/robot/clearance.hpp"
 
 namespace tuina::session {
@@ -99,19 +100,21 @@ consteval bool rules_agree() {
 static_assert(rules_agree());
 
 MassageStep::Side::Side(const robot::ArmModel& model, const MassageOptions& options)
-    : controller(model, control::ArmController::Options{}),
-      guard(guard_options(model, options)),
-      estimator(tissue::pressed_by_robot(options.torso_n_per_m, model.table().tool_mass_kg)) {}
+    : controller(model, control::ArmController::Options{}), guard(guard_options(model, options)) {}
 
 MassageStep::MassageStep(const massage::Plan& plan, PerArm<std::vector<ArmJob>> jobs,
                          const PerArm<robot::ArmModel>& models, const MassageOptions& options)
     : plan_(in_base(plan, options.base_from_couch)),
       models_(models),
       options_(options),
-      sides_{.of = {Side(models_[Arm::left], options), Side(models_[Arm::right], options)}} {
+      sides_{.of = {Side(models_[Arm::left], options), Side(models_[Arm::right], options)}},
+      steering_(
+          plan,
+          tissue::pressed_by_robot(options.torso_n_per_m, models_[Arm::left].table().tool_mass_kg),
+          options.adaptive) {
   for (const Arm arm : both_arms) sides_[arm].jobs = std::move(jobs[arm]);
   tool_radius_m_ = models_[Arm::left].table().tool_radius_m;
-  performed_.reserve(plan_.paths.size());
+  performed_.reserve(4 * plan_.paths.size() + 16);  // some are asked for again
   stops_.reserve(4);
 }
 
@@ -156,7 +159,7 @@ robot::RobotCommand MassageStep::step(const robot::RobotReading& reading) noexce
       stops_.push_back({.time_s = reading.time_s, .arm = arm, .cause = verdict.cause});
       let_go(reading.time_s);
     }
-    feel(side, reading.time_s, state);
+    feel(side, arm, reading.time_s, state);
     const Vector3 foremost = state.base_from_tool.translation() -
                              tool_radius_m_ * control::tool_normal(state.base_from_tool);
     view_[arm] = {.phase = side.phase,
@@ -167,6 +170,10 @@ robot::RobotCommand MassageStep::step(const robot::RobotReading& reading) noexce
   }
   started_ = true;
   keep_arms_apart(reading);
+  if (stop_asked_ && stopped_s_ < 0.0) {
+    stops_.push_back({reading.time_s, Arm::left, safety::Cause::asked_to});
+    let_go(reading.time_s);
+  }
 
   if (stopped_s_ >= 0.0) {
     constexpr double letting_go_s = 2.0;
@@ -176,7 +183,10 @@ robot::RobotCommand MassageStep::step(const robot::RobotReading& reading) noexce
   const auto beyond_step = [&](const Side& side) {
     return job_of(side) == nullptr || job_of(side)->step > step_;
   };
-  if (beyond_step(sides_[Arm::left]) && beyond_step(sides_[Arm::right])) ++step_;
+  if (beyond_step(sides_[Arm::left]) && beyond_step(sides_[Arm::right])) {
+    ++step_;
+    shift_in_base_ = next_shift_in_base_;  // never under a tool in contact
+  }
   finished_ = job_of(sides_[Arm::left]) == nullptr && job_of(sides_[Arm::right]) == nullptr;
   return command;
 }
@@ -205,92 +215,214 @@ void MassageStep::keep_arms_apart(const robot::RobotReading& reading) noexcept {
   let_go(reading.time_s);
 }
 
+void MassageStep::obey(LiveCommand command) noexcept {
+  constexpr double one_step = 1.15, softest = 0.5, firmest = 1.4;
+  switch (command) {
+    case LiveCommand::pause:
+    case LiveCommand::resume:
+      paused_ = command == LiveCommand::pause;
+      for (Side& side : sides_.of) {
+        side.playback.pause(paused_);
+        if (side.phase != ArmPhase::travel) continue;
+        const int leg = side.detour_at;
+        if (paused_) {
+          side.controller.hold();
+        } else {
+          side.controller.move_to(leg >= 0 ? side.detour[static_cast<std::size_t>(leg)]
+                                           : job_of(side)->way_in_base[side.waypoint]);
+          side.leg_s = -1.0;
+        }
+      }
+      return;
+    case LiveCommand::stop:
+      stop_asked_ = true;
+      return;
+    case LiveCommand::skip:
+    case LiveCommand::repeat:
+      for (Side& side : sides_.of) {
+        if (path_of(side) == nullptr || side.phase == ArmPhase::waiting) continue;
+        side.skip = side.skip || command == LiveCommand::skip;
+        side.again = command == LiveCommand::repeat;
+      }
+      return;
+    case LiveCommand::softer:
+    case LiveCommand::firmer:
+      intensity_ *= command == LiveCommand::firmer ? one_step : 1.0 / one_step;
+      intensity_ = std::clamp(intensity_, softest, firmest);
+      for (Side& side : sides_.of) side.playback.scale(intensity_);
+      return;
+  }
+}
+
 void MassageStep::conduct(Arm arm, double time_s) noexcept {
   Side& side = sides_[arm];
-  control::ArmController& controller = side.controller;
-  const control::ArmStatus& status = controller.status();
+  const control::ArmStatus& status = side.controller.status();
   const ArmJob* job = job_of(side);
   if (job == nullptr || side.phase == ArmPhase::stopped) return;
-  const massage::PlannedPath* planned = path_of(side);
+  side.playback.step(tick_s);
 
   switch (side.phase) {
     case ArmPhase::waiting:
-      if (stopped_s_ >= 0.0 || job->step > step_) return;
+      if (stopped_s_ >= 0.0 || job->step > step_ || paused_) return;
       side.waypoint = 0;
       side.trouble = control::Trouble::none;
-      controller.keep_posture(job->posture_rad);
-      controller.move_to(job->way_in_base.front());
+      side.skip = side.again = side.cut_short = false;
+      side.controller.keep_posture(job->posture_rad);
+      side.controller.move_to(job->way_in_base.front());
       side.leg_s = time_s;
       side.phase = ArmPhase::travel;
       return;
     case ArmPhase::travel:
-      if (!status.settled && time_s - side.leg_s < longest_leg_s) return;
-      if (!status.settled) {
-        // Something holds the arm. It goes no further there; what comes next may be reached.
-        if (planned != nullptr) {
-          side.contact_s = time_s;
-          side.trouble = control::Trouble::blocked;
-          end_contact(side, arm, time_s);
-        } else {
-          ++side.job;
-          side.phase = ArmPhase::waiting;
-        }
-      } else if (++side.waypoint < job->way_in_base.size()) {
-        controller.move_to(job->way_in_base[side.waypoint]);
-        side.leg_s = time_s;
-      } else if (planned == nullptr) {
-        ++side.job;
-        side.phase = ArmPhase::waiting;
-      } else {
-        side.wanted = planned->path.points.front();
-        controller.approach(
-            {.at_in_base = side.wanted.at_in_couch, .normal_in_base = side.wanted.normal_in_couch});
-        side.phase = ArmPhase::approach;
-        side.estimator.reset();
-        side.expected = expected_in(planned->zone);
-      }
+      if (side.leg_s < 0.0) side.leg_s = time_s;
+      if (paused_) return;
+      if (status.settled || time_s - side.leg_s > longest_leg_s) end_travel(side, arm, time_s);
       return;
     case ArmPhase::approach:
-      if (status.trouble != control::Trouble::none) {
+      if (status.trouble != control::Trouble::none || side.skip) {
         side.contact_s = time_s;
         side.trouble = status.trouble;
         end_contact(side, arm, time_s);
       } else if (status.doing == control::Doing::contact) {
-        begin_contact(side, time_s);
+        begin_contact(side, arm, time_s);
       }
       return;
-    case ArmPhase::contact: {
-      const double in_contact_s = time_s - side.contact_s;
-      if (status.trouble != control::Trouble::none || in_contact_s >= planned->path.duration_s()) {
-        side.trouble = status.trouble;
-        end_contact(side, arm, time_s);
-        return;
-      }
-      const Interpolated now = interpolate(planned->path, in_contact_s);
-      side.wanted = now.point;
-      side.wanted.force_n =
-          std::min({side.wanted.force_n, options_.force_ceiling_n, planned->cap_n});
-      controller.track(
-          {.at_in_base = now.point.at_in_couch,
-           .velocity_m_per_s = now.velocity_m_per_s,
-           .normal_in_base = now.point.normal_in_couch,
-           .force_n = side.wanted.force_n,
-           .model = {.tissue = side.expected, .torso_n_per_m = options_.torso_n_per_m}});
+    case ArmPhase::contact:
+      press_on(side, arm, time_s);
       return;
-    }
     case ArmPhase::retract:
-      if (!status.settled) return;
-      ++side.job;
-      side.phase = ArmPhase::waiting;
+      if (status.settled) end_retract(side, time_s);
       return;
     case ArmPhase::stopped:
       return;
   }
 }
 
-void MassageStep::begin_contact(Side& side, double time_s) noexcept {
+void MassageStep::next_job(Side& side) noexcept {
+  ++side.job;
+  side.phase = ArmPhase::waiting;
+}
+
+/// One leg is flown, or something holds the arm: then it goes no further there, and what comes next
+/// may be reached.
+void MassageStep::end_travel(Side& side, Arm arm, double time_s) noexcept {
+  const ArmJob& job = *job_of(side);
+  const bool arrived = side.controller.status().settled;
+  side.leg_s = time_s;
+  if (side.detour_at >= 0) {
+    if (arrived && ++side.detour_at < side.detour_legs) {
+      side.controller.move_to(side.detour[static_cast<std::size_t>(side.detour_at)]);
+      return;
+    }
+    side.detour_at = -1;
+    if (!arrived || !side.again) return next_job(side);
+    return begin_approach(side, arm, time_s);
+  }
+  if (!arrived && job.path >= 0) {
+    side.contact_s = time_s;
+    side.trouble = control::Trouble::blocked;
+    return end_contact(side, arm, time_s);
+  }
+  if (!arrived) return next_job(side);
+  if (++side.waypoint < job.way_in_base.size()) {
+    side.controller.move_to(job.way_in_base[side.waypoint]);
+  } else if (job.path < 0) {
+    next_job(side);
+  } else {
+    begin_approach(side, arm, time_s);
+  }
+}
+
+void MassageStep::begin_approach(Side& side, Arm arm, double time_s) noexcept {
+  const massage::PlannedPath& planned = *path_of(side);
+  side.again = side.cut_short = false;
+  side.wanted = planned.path.points.front();
+  side.wanted.at_in_couch += shift_in_base_;
+  side.controller.approach(
+      {.at_in_base = side.wanted.at_in_couch, .normal_in_base = side.wanted.normal_in_couch});
+  side.phase = ArmPhase::approach;
+  side.expected = expected_in(planned.zone);
+  steering_.begin(arm, job_of(side)->path, time_s);
+}
+
+void MassageStep::begin_contact(Side& side, Arm arm, double time_s) noexcept {
   side.contact_s = time_s;
   side.phase = ArmPhase::contact;
+  steering_.touch(arm, time_s);
+  // After probing the tool already is on the skin, with the light touch that a path begins with.
+  side.playback.begin(steering_.probing(arm) ? massage::landing_s : 0.0);
+}
+
+/// One millisecond of a contact.
+void MassageStep::press_on(Side& side, Arm arm, double time_s) noexcept {
+  const massage::PlannedPath& planned = *path_of(side);
+  const control::ArmStatus& status = side.controller.status();
+  if (steering_.probing(arm)) side.playback.begin(massage::landing_s);
+  const bool leaves = side.skip || steering_.alarmed(arm);
+  if (leaves && !side.playback.fading()) {
+    side.playback.fade();
+    side.cut_short = true;
+  }
+  if (status.trouble != control::Trouble::none || side.playback.faded() ||
+      side.playback.path_s() >= planned.path.duration_s()) {
+    side.trouble = status.trouble;
+    side.cut_short = side.cut_short || status.trouble != control::Trouble::none;
+    return end_contact(side, arm, time_s);
+  }
+  register_skin(side, arm, time_s);
+  if (side.phase != ArmPhase::contact) return;
+  const Interpolated now = interpolate(planned.path, side.playback.path_s());
+  side.wanted = now.point;
+  side.wanted.at_in_couch += shift_in_base_;
+  const double planned_n = steering_.probing(arm) && !paused_
+                               ? steering_.probe_force_n(arm, time_s)
+                               : steering_.steered_n(arm, now.point.force_n);
+  side.wanted.force_n =
+      std::min({side.playback.force_n(planned_n), options_.force_ceiling_n, planned.cap_n});
+  side.controller.track(
+      {.at_in_base = side.wanted.at_in_couch,
+       .velocity_m_per_s = side.playback.rate() * now.velocity_m_per_s,
+       .normal_in_base = now.point.normal_in_couch,
+       .force_n = side.wanted.force_n,
+       .model = {.tissue = side.expected, .torso_n_per_m = options_.torso_n_per_m}});
+}
+
+/// Where the tool found the skin tells how the person has shifted since the scan, along the normal
+/// that was touched. Breath moves it by a few millimetres to either side, so each contact counts
+/// for a part only, once.
+void MassageStep::register_skin(Side& side, Arm arm, double time_s) noexcept {
+  constexpr double after_s = 0.4, share = 0.3;
+  const double in_contact_s = time_s - side.contact_s;
+  if (in_contact_s < after_s || in_contact_s >= after_s + tick_s) return;
+  const double deeper_m = side.controller.status().skin_error_m;
+  if (std::abs(deeper_m) > options_.most_shift_m) {
+    wants_scan_ = true;
+    stops_.push_back({time_s, arm, safety::Cause::person_moved});
+    return let_go(time_s);
+  }
+  next_shift_in_base_ -= share * deeper_m * side.wanted.normal_in_couch;
+}
+
+/// After a whole path the tool is where the next way begins. After one that was cut short, or that
+/// shall be done again, it flies there, lifted over what lies between.
+void MassageStep::end_retract(Side& side, double time_s) noexcept {
+  const massage::PlannedPath* planned = path_of(side);
+  if (planned == nullptr || stopped_s_ >= 0.0 || !(side.cut_short || side.again)) {
+    return next_job(side);
+  }
+  constexpr double lifted_m = 80e-3;
+  const auto above = [&](const ContactPoint& point, double more_m) {
+    return control::ToolPose{
+        .at_in_base = point.at_in_couch + (options_.standoff_m + more_m) * point.normal_in_couch,
+        .normal_in_base = point.normal_in_couch};
+  };
+  const auto& points = planned->path.points;
+  const ContactPoint& goal = side.again ? points.front() : points.back();
+  side.detour = {above(side.wanted, lifted_m), above(goal, lifted_m), above(goal, 0.0)};
+  side.detour_legs = 3;
+  side.detour_at = 0;
+  side.leg_s = time_s;
+  side.controller.move_to(side.detour.front());
+  side.phase = ArmPhase::travel;
 }
 
 void MassageStep::end_contact(Side& side, Arm arm, double time_s) noexcept {
@@ -303,24 +435,25 @@ void MassageStep::end_contact(Side& side, Arm arm, double time_s) noexcept {
                  .felt = {}};
   const bool feels = planned.path.technique == Technique::press;
   if (feels && time_s > side.contact_s) {
-    done.felt = side.estimator.estimate();
-    done.chi = side.estimator.chi();
+    done.felt = steering_.estimate(arm);
+    done.chi = steering_.chi(arm);
   }
-  performed_.push_back(done);
+  steering_.end(arm);
+  if (performed_.size() < performed_.capacity()) performed_.push_back(done);
+  side.skip = false;
   side.controller.retract(options_.standoff_m);
   side.phase = ArmPhase::retract;
 }
 
-void MassageStep::feel(Side& side, double time_s, const ArmState& state) noexcept {
-  const massage::PlannedPath* planned = path_of(side);
-  if (planned == nullptr || planned->path.technique != Technique::press) return;
+void MassageStep::feel(Side& side, Arm arm, double time_s, const ArmState& state) noexcept {
   // The approach counts too: in the air the estimator learns the zero of the force sensor.
   if (side.phase != ArmPhase::approach && side.phase != ArmPhase::contact) return;
   const Vector3& normal = side.wanted.normal_in_couch;
   const Vector3 foremost = state.base_from_tool.translation() - tool_radius_m_ * normal;
-  side.estimator.update(time_s, {.depth_m = normal.dot(side.wanted.at_in_couch - foremost),
-                                 .force_n = normal.dot(state.contact_in_base.force_n)});
-  const TissueEstimate& estimate = side.estimator.estimate();
+  steering_.feel(arm, time_s,
+                 {.depth_m = normal.dot(side.wanted.at_in_couch - foremost),
+                  .force_n = normal.dot(state.contact_in_base.force_n)});
+  const TissueEstimate& estimate = steering_.estimate(arm);
   if (options_.steer && estimate.converged) side.expected = estimate.tissue;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -11,7 +12,9 @@
 #include "tuina/robot/arm_model.hpp"
 #include "tuina/robot/robot.hpp"
 #include "tuina/safety/guard.hpp"
-#include "tuina/tissue/press_estimator.hpp"
+#include "tuina/session/live_command.hpp"
+#include "tuina/session/playback.hpp"
+#include "tuina/session/steering.hpp"
 
 namespace tuina::session {
 
@@ -64,6 +67,8 @@ struct MassageOptions {
   double force_ceiling_n = 45.0;
   double torso_n_per_m = 35e3;  ///< literature value; this person's own is not known
   bool steer = true;            ///< the estimate is fed forward as soon as it has converged
+  bool adaptive = true;         ///< what is felt decides how hard the presses may be
+  double most_shift_m = 10e-3;  ///< of the skin against the scan; beyond, a new scan is needed
 };
 
 /// The massage itself, one millisecond at a time: travel, approach, contact, retract, for both
@@ -77,11 +82,21 @@ class MassageStep {
 
   [[nodiscard]] robot::RobotCommand step(const robot::RobotReading& reading) noexcept;
 
+  /// Takes effect in the next step, and shows within 100 ms. Call it between two steps.
+  void obey(LiveCommand command) noexcept;
+
   /// True when every job is done, or after a stop when the arms have let go.
   [[nodiscard]] bool finished() const noexcept { return finished_; }
   [[nodiscard]] const PerArm<ArmView>& view() const noexcept { return view_; }
   [[nodiscard]] const std::vector<Performed>& performed() const noexcept { return performed_; }
   [[nodiscard]] const std::vector<Stop>& stops() const noexcept { return stops_; }
+  [[nodiscard]] const std::vector<Decision>& decisions() const noexcept {
+    return steering_.decisions();
+  }
+  /// The person lies elsewhere than scanned: the arms have let go, and a new scan is needed.
+  [[nodiscard]] bool wants_scan() const noexcept { return wants_scan_; }
+  /// How far the skin was found from the scan, from the contacts so far.
+  [[nodiscard]] const Vector3& shift_in_base() const noexcept { return shift_in_base_; }
   /// Between the surfaces of the arms as measured, in the last millisecond.
   [[nodiscard]] double arm_distance_m() const noexcept { return arm_distance_m_; }
 
@@ -90,22 +105,31 @@ class MassageStep {
     Side(const robot::ArmModel& model, const MassageOptions& options);
     control::ArmController controller;
     safety::Guard guard;
-    tissue::PressEstimator estimator;
     std::vector<ArmJob> jobs = {};
     std::size_t job = 0;
     std::size_t waypoint = 0;
     double leg_s = 0.0;  ///< when the present leg of the way began
     ArmPhase phase = ArmPhase::waiting;
     double contact_s = 0.0;
+    Playback playback = {};
+    bool skip = false, again = false, cut_short = false;
+    std::array<control::ToolPose, 3> detour = {};  ///< to where the next way begins
+    int detour_at = -1, detour_legs = 0;
     control::Trouble trouble = control::Trouble::none;
     TangentTissue expected = {};  ///< fed forward
     ContactPoint wanted = {};     ///< of the path, now; places in base
   };
 
   void conduct(Arm arm, double time_s) noexcept;
-  void begin_contact(Side& side, double time_s) noexcept;
+  void begin_approach(Side& side, Arm arm, double time_s) noexcept;
+  void begin_contact(Side& side, Arm arm, double time_s) noexcept;
+  void press_on(Side& side, Arm arm, double time_s) noexcept;
+  void end_travel(Side& side, Arm arm, double time_s) noexcept;
+  void end_retract(Side& side, double time_s) noexcept;
+  void next_job(Side& side) noexcept;
+  void register_skin(Side& side, Arm arm, double time_s) noexcept;
   void end_contact(Side& side, Arm arm, double time_s) noexcept;
-  void feel(Side& side, double time_s, const ArmState& state) noexcept;
+  void feel(Side& side, Arm arm, double time_s, const ArmState& state) noexcept;
   void let_go(double time_s) noexcept;
   void keep_arms_apart(const robot::RobotReading& reading) noexcept;
   [[nodiscard]] const ArmJob* job_of(const Side& side) const noexcept;
@@ -117,8 +141,12 @@ class MassageStep {
   PerArm<robot::ArmModel> models_;
   MassageOptions options_;
   PerArm<Side> sides_;
+  Steering steering_;
   PerArm<ArmView> view_;
   int step_ = 0;
+  double intensity_ = 1.0;
+  bool paused_ = false, stop_asked_ = false, wants_scan_ = false;
+  Vector3 shift_in_base_ = Vector3::Zero(), next_shift_in_base_ = Vector3::Zero();
   bool started_ = false;
   bool finished_ = false;
   double stopped_s_ = -1.0;

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "tuina/massage/plan.hpp"
+#include "tuina/tissue/press_estimator.hpp"
+
+namespace tuina::session {
+
+/// One thing that the tissue decided, for the record. The rules are those of tissue/steering.hpp.
+struct Decision {
+  double time_s = 0.0;
+  Arm arm = Arm::left;
+  int path = 0;
+  const char* rule = "";    ///< "A3"
+  const char* reason = "";  ///< a sentence for people
+  double from_n = 0.0;      ///< the force before and after
+  double to_n = 0.0;
+};
+
+/// Lets what the presses feel decide how hard they may be: probing presses first, a cap from the
+/// estimate, less on a thin layer over bone, letting go when the person tenses. It only lowers what
+/// the plan and its zones allow, but for the fifth that a hard place gets. Real-time after
+/// construction.
+class Steering {
+ public:
+  Steering(const massage::Plan& plan, const tissue::PressEstimatorOptions& presses, bool on);
+
+  /// An arm goes down for a path: in the air the estimators learn the zero of the force sensor.
+  void begin(Arm arm, int path, double time_s) noexcept;
+  /// It has touched the skin.
+  void touch(Arm arm, double time_s) noexcept { sides_[arm].probe_s = time_s; }
+  /// The contact is over; what it has felt is kept for the place.
+  void end(Arm arm) noexcept;
+  /// One sample, in contact; `depth_m` beneath the believed skin.
+  void feel(Arm arm, double time_s, const Press& press) noexcept;
+
+  /// While a new place is probed: the force for it. Nothing when it is known well enough.
+  [[nodiscard]] bool probing(Arm arm) const noexcept { return sides_[arm].probing; }
+  [[nodiscard]] double probe_force_n(Arm arm, double time_s) noexcept;
+  /// What becomes of a force of the plan, times its intensity.
+  [[nodiscard]] double steered_n(Arm arm, double planned_n) const noexcept;
+  /// The person tenses or has moved: the path should end.
+  [[nodiscard]] bool alarmed(Arm arm) const noexcept { return sides_[arm].alarmed; }
+  /// Fed forward, if it may be.
+  [[nodiscard]] const TissueEstimate& estimate(Arm arm) const noexcept {
+    return sides_[arm].whole.estimate();
+  }
+  [[nodiscard]] double chi(Arm arm) const noexcept { return sides_[arm].whole.chi(); }
+  [[nodiscard]] const std::vector<Decision>& decisions() const noexcept { return decisions_; }
+
+ private:
+  struct Place {
+    bool felt = false;
+    TissueEstimate estimate = {};
+    double chi = 1.0;
+  };
+  struct Side {
+    explicit Side(const tissue::PressEstimatorOptions& options) : whole(options), last(options) {}
+    tissue::PressEstimator whole, last;  ///< all presses of this contact; the last one alone
+    int path = -1;
+    bool presses = false, probing = false, alarmed = false, known = false;
+    double probe_s = 0.0, peak_n = 0.0;
+    double reference_n = 0.0;  ///< the strongest force of the path as planned
+    double cap_n = 0.0, scale = 1.0;
+    int compared = 0;  ///< presses that have been compared with the first ones
+    TissueEstimate reference = {};
+  };
+
+  void judge(Arm arm, double time_s) noexcept;
+  void watch(Arm arm, double time_s) noexcept;
+  void decide(Arm arm, double time_s, const char* rule, const char* reason, double from_n,
+              double to_n) noexcept;
+
+  bool on_;
+  PerArm<Side> sides_;
+  std::vector<massage::PlannedPath> paths_;  // names and caps only
+  std::vector<double> strongest_n_;
+  std::vector<int> place_of_path_;
+  std::vector<Place> places_;
+  std::vector<double> betas_;  // of the places felt, for their median
+  double sum_log_stiffness_ = 0.0;
+  std::vector<Decision> decisions_;
+};
+
+}  // namespace tuina::session
