@@ -45,6 +45,8 @@ void rehearse(const Stage& stage, Arm arm, const ArmRest& from, ArmMove& move,
     for (const control::ToolPose& pose : move.way_in_base) {
       rehearsal.fly(pose, move.posture_rad, move.air);
     }
+    // What it lags behind on the way it makes up before it goes down.
+    move.air.off_m = std::max(move.air.off_m, rehearsal.off_m());
     move.above = move.after = rest(stage, arm, above, rehearsal.q_rad());
     if (goals.empty()) continue;
     rehearsal.slide(goals, move.posture_rad, move.skin);

@@ -10,6 +10,7 @@
 namespace tuina::session {
 namespace {
 
+constexpr std::size_t most_rehearsed = 90;  // paths: planning is to end within a second
 constexpr double rail_goals_m = 20_mm;
 constexpr double lifted_m = 45_mm;  // above the stand-off, on the way to the next contact
 
@@ -69,6 +70,7 @@ Result<ReadyPlan> make_ready(massage::Plan plan, const body::BackSurface& back,
           .value_or(0.0);
   // Where the tools are most dexterous the arms may be in each other's way; then the base moves.
   std::optional<Choreography> best;
+  std::size_t tries = 0;
   for (const double aside_m : {0_mm, -50_mm, 50_mm, -100_mm, 100_mm, -150_mm, 150_mm}) {
     const double rail_m = dexterous_m + aside_m;
     if (rail_m < mount.lowest_rail_m || rail_m > mount.highest_rail_m) continue;
@@ -79,10 +81,11 @@ Result<ReadyPlan> make_ready(massage::Plan plan, const body::BackSurface& back,
                                       .standoff_m = standoff_m,
                                       .ready_rad = ready.ready_rad},
                                      ready.plan.paths);
-    if (best && tried.paths.size() <= best->paths.size()) continue;
-    best = std::move(tried);
-    ready.rail_m = rail_m;
-    if (best->all_reached) break;
+    if (!best || tried.paths.size() > best->paths.size()) {
+      best = std::move(tried);
+      ready.rail_m = rail_m;
+    }
+    if (best->all_reached || ++tries * ready.plan.paths.size() > most_rehearsed) break;
   }
   if (!best || best->paths.empty()) {
     return fail(Fault::not_found, "no path of the plan is within reach of the arms");

@@ -70,8 +70,7 @@ void Rehearsal::step_to(const Vector3& centre_in_base, const Vector3& normal_in_
     }
     now = model_->kinematics(q_rad_, rail_m_);
   }
-  passage.off_m =
-      std::max(passage.off_m, (centre_in_base - now.base_from_tool.translation()).norm());
+  off_m_ = (centre_in_base - now.base_from_tool.translation()).norm();
   const bool known = std::any_of(passage.q_rad.begin(), passage.q_rad.end(), [&](const auto& q) {
     return (q - q_rad_).cwiseAbs().maxCoeff() < thinned_rad;
   });
@@ -102,6 +101,7 @@ void Rehearsal::slide(std::span<const robot::ContactGoal> places, const JointVec
   for (const robot::ContactGoal& place : places) {
     step_to(place.at_in_base + radius_m * place.normal_in_base, place.normal_in_base, posture_rad,
             passage);
+    passage.off_m = std::max(passage.off_m, off_m_);
   }
 }
 

@@ -14,7 +14,7 @@ namespace tuina::session {
 struct Passage {
   std::vector<JointVector> q_rad;
   std::vector<robot::ArmModel::Kinematics> poses;
-  double off_m = 0.0;  ///< the most that the tool was from where it should be
+  double off_m = 0.0;  ///< of the tool from where it should be: after a way, at worst on the skin
 
   /// Farthest over the plane midway between the shoulders, towards the other arm; negative when
   /// the arm stays on its own side. Two arms cannot come nearer than minus the sum of theirs.
@@ -36,6 +36,8 @@ class Rehearsal {
              Passage& passage);
 
   [[nodiscard]] const JointVector& q_rad() const noexcept { return q_rad_; }
+  /// Of the tool, from where it should be now: an arm that got stuck stays off.
+  [[nodiscard]] double off_m() const noexcept { return off_m_; }
 
  private:
   void step_to(const Vector3& centre_in_base, const Vector3& normal_in_base,
@@ -45,6 +47,7 @@ class Rehearsal {
   double rail_m_;
   JointVector q_rad_;
   double posture_share_;
+  double off_m_ = 0.0;
 };
 
 /// The smallest distance between the surfaces of two arms, whatever the one does while the other
