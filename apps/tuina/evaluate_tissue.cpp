@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "apps/tuina/thesis_tissue.hpp"
 #include "apps/tuina/tissue_page.hpp"
 #include "apps/tuina/tissue_trials.hpp"
 #include "apps/tuina/verbs.hpp"
@@ -122,13 +123,17 @@ class EvaluateTissue final : public Verb {
     std::vector<std::string> names;
     for (const auto& scenario : sim::press_scenarios()) names.push_back(scenario.name);
     for (const auto& scenario : loop_scenarios()) names.push_back(scenario.name);
-    command.add_option("--scenario", scenario_, "one only")->check(CLI::IsMember(names));
+    auto* scenario =
+        command.add_option("--scenario", scenario_, "one only")->check(CLI::IsMember(names));
+    command.add_flag("--thesis", thesis_, "chapter 6 of the thesis, claim by claim")
+        ->excludes(scenario);
     command.add_option("--out", out_, "the tables and curves as one HTML page");
   }
 
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
     common_ = &common;
     const Progress progress = progress_bar(common, "tissue");
+    if (thesis_) return thesis(progress);
     const unsigned threads = std::clamp(std::thread::hardware_concurrency(), 1U, 8U);
     const std::uint64_t seed = common.seed * 1000003ULL;
     std::vector<sim::PressScenario> scenarios;
@@ -194,6 +199,18 @@ class EvaluateTissue final : public Verb {
     }
   }
 
+  [[nodiscard]] Result<Answer> thesis(const Progress& progress) const {
+    ThesisTissue found = redo_thesis_tissue(common_->seed, progress);
+    if (!out_.empty()) {
+      if (auto written = write_file(out_, found.html); !written)
+        return tl::unexpected(written.error());
+    }
+    Answer answer;
+    answer.json = std::move(found.json);
+    answer.text = std::move(found.text);
+    return answer;
+  }
+
   [[nodiscard]] Result<Answer> answer() {
     page_.runs = runs_;
     page_.arm_runs = arm_runs_;
@@ -227,6 +244,7 @@ class EvaluateTissue final : public Verb {
 
   const CommonOptions* common_ = nullptr;
   int runs_ = 200, arm_runs_ = 24;
+  bool thesis_ = false;
   std::string scenario_, out_;
   nlohmann::json table_;
   TissuePage page_;

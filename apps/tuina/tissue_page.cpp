@@ -33,7 +33,7 @@ std::string curves_of(const TissuePage& page, const std::string& scenario,
                        .y_label = "error, %",
                        .y_low = 0.0,
                        .y_high = top_percent,
-                       .width_px = 520};
+                       .width_px = 400};
   telemetry::Series five{.name = "5 %", .colour = telemetry::palette::hairline, .dashed = true};
   for (const TissueCurve& curve : page.curves) {
     if (curve.scenario != scenario || curve.tissue != tissue || curve.worse_q95.empty()) continue;
@@ -108,7 +108,7 @@ std::string to_html(const TissuePage& page) {
     html += fmt::format(
         "<section><h2>{}</h2><p>{} The worse error of &alpha; and &beta;, below which 95 % of the "
         "runs are; lines at the upper edge are beyond it.</p><div "
-        "class=\"even\">{}</div></section>",
+        "style=\"display:grid;grid-template-columns:repeat(3,1fr);gap:20px\">{}</div></section>",
         title, about, plots);
   }
   html +=

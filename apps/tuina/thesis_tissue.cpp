@@ -1,0 +1,378 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/tuina/thesis_tissue.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "apps/tuina/tissue_trials.hpp"
+#include "tuina/core/units.hpp"
+#include "tuina/telemetry/report_style.hpp"
+#include "tuina/telemetry/svg_plot.hpp"
+#include "tuina/tissue/classification.hpp"
+#include "tuina/tissue/model_fits.hpp"
+#include "tuina/tissue/press_estimator.hpp"
+#include "tuina/tissue/tangent_model.hpp"
+#include "tuina/tissue/thesis_estimator.hpp"
+
+namespace tuina::app {
+namespace {
+
+using Record = std::vector<tissue::TimedPress>;
+namespace palette = telemetry::palette;
+
+constexpr double pressed_to_n = 20.0;
+
+/// A row is its cells; the same rows go to the terminal, the page and the JSON.
+struct Table {
+  std::string title, note;
+  std::vector<std::string> heads;
+  std::vector<std::vector<std::string>> rows;
+};
+
+std::string to_text(const Table& table) {
+  std::string text = table.title + "\n";
+  std::vector<std::size_t> widths(table.heads.size());
+  const auto measure = [&](const std::vector<std::string>& cells) {
+    for (std::size_t i = 0; i < cells.size(); ++i) widths[i] = std::max(widths[i], cells[i].size());
+  };
+  measure(table.heads);
+  for (const auto& row : table.rows) measure(row);
+  const auto add = [&](const std::vector<std::string>& cells) {
+    for (std::size_t i = 0; i < cells.size(); ++i)
+      text += fmt::format("  {:<{}}", cells[i], widths[i]);
+    text.erase(text.find_last_not_of(' ') + 1);
+    text += "\n";
+  };
+  add(table.heads);
+  for (const auto& row : table.rows) add(row);
+  return text + "  " + table.note + "\n\n";
+}
+
+std::string to_html(const Table& table, const std::string& figures) {
+  std::string html =
+      fmt::format("<section><h2>{}</h2><p>{}</p>{}<div class=\"wide\"><table><thead><tr>",
+                  table.title, table.note, figures);
+  for (const auto& head : table.heads) html += fmt::format("<th>{}</th>", head);
+  html += "</tr></thead><tbody>";
+  for (const auto& row : table.rows) {
+    html += "<tr>";
+    for (const auto& cell : row) html += fmt::format("<td>{}</td>", telemetry::escaped(cell));
+    html += "</tr>";
+  }
+  return html + "</tbody></table></div></section>";
+}
+
+nlohmann::json to_json(const Table& table) {
+  nlohmann::json rows = nlohmann::json::array();
+  for (const auto& row : table.rows) {
+    nlohmann::json object;
+    for (std::size_t i = 0; i < row.size(); ++i) object[table.heads[i]] = row[i];
+    rows.push_back(object);
+  }
+  return rows;
+}
+
+/// 6.1.1: down and up at a constant speed; sensors as good as a wrist sensor's.
+template <typename Law>
+Record press_at(const Law& law, double deepest_m, double speed, Random& random) {
+  Record record;
+  const double half_s = (deepest_m + 1_mm) / speed;
+  const double step_s = std::min(1e-3, half_s / 300.0);
+  for (double t = 0.0; t < 2.0 * half_s; t += step_s) {
+    const double x = deepest_m - speed * std::abs(t - half_s);
+    const double force_n = x > 0.0 ? law(x, t < half_s ? speed : -speed) : 0.0;
+    record.push_back({t, {x + gaussian(random, 0.02_mm), force_n + gaussian(random, 0.2)}});
+  }
+  return record;
+}
+
+Table table_6_1(Random& random, std::string& figures) {
+  Table table{
+      "6.1: Table 6-1, pressed at 5, 20 and 40 mm/s",
+      "Simulated tissue that follows the tangent, force noise 0.2 N, so this shows that the "
+      "procedure finds what is there and that an error of 0.2 N is the sensor's; it does "
+      "not show that people follow the law.",
+      {"tissue", "speed mm/s", "printed alpha N", "alpha N", "printed beta /mm", "beta /mm",
+       "printed RMSE N", "RMSE N"},
+      {}};
+  constexpr std::array printed_rmse_n = {0.1896, 0.2343, 0.3936};
+  for (std::size_t k = 0; k < trial_tissues.size(); ++k) {
+    const TangentTissue& truth = trial_tissues[k].tissue;
+    for (const double speed : {5_mm, 20_mm, 40_mm}) {
+      const Record record =
+          press_at([&](double x, double) { return tissue::force_at_depth(truth, x); },
+                   tissue::depth_at_force(truth, pressed_to_n), speed, random);
+      const tissue::LawFit fit = tissue::fit_law(record, tissue::TissueLaw::tangent);
+      table.rows.push_back(
+          {trial_tissues[k].name, fmt::format("{:.0f}", to_mm(speed)),
+           fmt::format("{:.3f}", truth.alpha_n), fmt::format("{:.3f}", fit.parameters[0]),
+           fmt::format("{:.4f}", from_mm(truth.beta_per_m)),
+           fmt::format("{:.4f}", from_mm(fit.parameters[1])),
+           fmt::format("{:.4f}", printed_rmse_n[k]), fmt::format("{:.4f}", fit.rmse_n)});
+      if (speed != 20_mm) continue;
+      telemetry::Series dots{.name = "pressed", .colour = palette::grey, .dots = true};
+      telemetry::Series curve{.name = "fit", .colour = palette::press};
+      for (std::size_t i = 0; i < record.size(); i += 4) {
+        dots.x.push_back(to_mm(record[i].press.depth_m));
+        dots.y.push_back(record[i].press.force_n);
+      }
+      for (double x = 0.0; x < tissue::depth_at_force(truth, pressed_to_n); x += 0.05_mm) {
+        curve.x.push_back(to_mm(x));
+        curve.y.push_back(
+            tissue::force_at_depth({fit.parameters[0], fit.parameters[1]}, x - fit.contact_m));
+      }
+      telemetry::Plot plot{.title = trial_tissues[k].name,
+                           .x_label = "depth, mm",
+                           .y_label = "force, N",
+                           .series = {dots, curve},
+                           .width_px = 400,
+                           .height_px = 240};
+      figures +=
+          fmt::format("<div><h3>{}</h3>{}</div>", trial_tissues[k].name, telemetry::to_svg(plot));
+    }
+  }
+  figures = "<div style=\"display:grid;grid-template-columns:repeat(3,1fr);gap:20px\">" + figures +
+            "</div>";
+  return table;
+}
+
+Table table_of_laws(Random& random) {
+  Table table{"6.1: when is the tangent the right law?",
+              "Presses to 20 N at 20 mm/s on tissue of the law at the left; by how much the "
+              "criterion of Akaike of each fitted law exceeds the best one's. Below 10 two laws "
+              "cannot be told apart. The place of the skin is fitted with every law.",
+              {"truth"},
+              {}};
+  for (const auto law : tissue::tissue_laws) table.heads.emplace_back(tissue::name_of(law));
+  const TangentTissue hard = trial_tissues[1].tissue;
+  const double deepest_m = tissue::depth_at_force(hard, pressed_to_n);
+  const auto row = [&](const std::string& name, double to_m, const auto& law) {
+    const Record record = press_at(law, to_m, 20_mm, random);
+    std::vector<double> aic;
+    for (const auto fitted : tissue::tissue_laws) aic.push_back(fit_law(record, fitted).aic);
+    const double best = *std::min_element(aic.begin(), aic.end());
+    std::vector<std::string> cells = {name};
+    for (const double value : aic) cells.push_back(fmt::format("{:.0f}", value - best));
+    table.rows.push_back(cells);
+  };
+  const auto tangent = [&](double x, double) { return tissue::force_at_depth(hard, x); };
+  row("tangent, to 2 alpha", deepest_m, tangent);
+  row("tangent, to 1 alpha", tissue::depth_at_force(hard, hard.alpha_n), tangent);
+  row("tangent, to alpha/2", tissue::depth_at_force(hard, 0.5 * hard.alpha_n), tangent);
+  const double peak_n = pressed_to_n;
+  const auto share = [deepest_m](double x) { return x / deepest_m; };
+  row("quadratic", deepest_m, [=](double x, double) { return peak_n * std::pow(share(x), 2); });
+  row("Hertz", deepest_m, [=](double x, double) { return peak_n * std::pow(share(x), 1.5); });
+  row("exponential", deepest_m,
+      [=](double x, double) { return peak_n * std::expm1(3.0 * share(x)) / std::expm1(3.0); });
+  row("Kelvin-Voigt", deepest_m, [=](double x, double v) { return peak_n * share(x) + 60.0 * v; });
+  row("Hunt-Crossley", deepest_m,
+      [=](double x, double v) { return peak_n * std::pow(share(x), 1.8) * (1.0 + 5.0 * v); });
+  row("tangent, damped", deepest_m,
+      [=](double x, double v) { return tissue::force_at_depth(hard, x) * (1.0 + 5.0 * v); });
+  return table;
+}
+
+struct Convergence {
+  double within_5_s = 0.0, within_1_s = 0.0, last = 1.0;
+  telemetry::Series alpha, beta;  // relative to the truth
+};
+
+Convergence converge(const tissue::ThesisEstimatorOptions& options, const TangentTissue& truth,
+                     double noise_n, double late_m, double deeper, std::uint64_t seed) {
+  Random random = make_random(seed, "6.3.1");
+  tissue::ThesisEstimator estimator(options);
+  Convergence result;
+  int i = 0;
+  for (tissue::TimedPress sample : sim::simulate_thesis_presses(truth, 45.0)) {
+    sample.press.depth_m *= deeper;
+    sample.press.force_n = deeper == 1.0
+                               ? sample.press.force_n
+                               : tissue::force_at_depth(truth, std::max(0.0, sample.press.depth_m));
+    sample.press.depth_m -= late_m;
+    sample.press.force_n += gaussian(random, noise_n);
+    estimator.update(sample.press, 1e-3);
+    const TangentTissue found = estimator.tissue();
+    const double a = found.alpha_n / truth.alpha_n, b = found.beta_per_m / truth.beta_per_m;
+    result.last = estimator.valid() ? std::max(std::abs(a - 1.0), std::abs(b - 1.0)) : INFINITY;
+    if (!(result.last <= 0.05)) result.within_5_s = sample.time_s;
+    if (!(result.last <= 0.01)) result.within_1_s = sample.time_s;
+    if (i++ % 100 != 0) continue;
+    result.alpha.x.push_back(sample.time_s);
+    result.alpha.y.push_back(std::clamp(a, 0.0, 2.0));
+    result.beta.x.push_back(sample.time_s);
+    result.beta.y.push_back(std::clamp(b, 0.0, 2.0));
+  }
+  return result;
+}
+
+Table table_6_3_1(std::uint64_t seed, std::string& figures) {
+  const tissue::ThesisEstimatorOptions r1{
+      .gain_per_s = 0.2, .initial_covariance = 1000.0, .normalised = false};
+  const tissue::ThesisEstimatorOptions r2{.gain_per_s = 5.0, .unit_m = 1.0};
+  Table table{"6.3.1: Fig. 6-7, the simulated convergence",
+              "Printed: bone in 10 s, both muscles in 20 s, with a gain of 5. Two readings of what "
+              "is not printed come close: R1, millimetres, gain 0.2, P(0) = 1000, judged at 1 %; "
+              "R2, metres, gain 5, P(0) = 1, normalised, judged at 5 %. Below them the same with "
+              "what every sensor has.",
+              {"configuration", "bone s", "hard s", "soft s", "error at 45 s, bone/hard/soft %"},
+              {}};
+  struct Case {
+    const char* name;
+    tissue::ThesisEstimatorOptions options;
+    bool at_one_percent;
+    double noise_n, late_m, deeper;
+  };
+  const std::array cases = {Case{"R1", r1, true, 0.0, 0.0, 1.0},
+                            Case{"R2", r2, false, 0.0, 0.0, 1.0},
+                            Case{"R1, 0.01 N of noise", r1, true, 0.01, 0.0, 1.0},
+                            Case{"R2, 0.01 N of noise", r2, false, 0.01, 0.0, 1.0},
+                            Case{"R1, skin 0.1 mm off", r1, true, 0.0, 0.1_mm, 1.0},
+                            Case{"R2, skin 0.1 mm off", r2, false, 0.0, 0.1_mm, 1.0},
+                            Case{"R1, pressed four times as deep", r1, true, 0.0, 0.0, 4.0},
+                            Case{"R2, pressed four times as deep", r2, false, 0.0, 0.0, 4.0}};
+  const auto seconds = [](double s) {
+    return s > 44.9 ? std::string("never") : fmt::format("{:.1f}", s);
+  };
+  const auto percent = [](double e) {
+    return std::isfinite(e) ? fmt::format("{:.1f}", 100.0 * e) : std::string("no root");
+  };
+  for (const Case& c : cases) {
+    std::array<Convergence, 3> found;
+    for (std::size_t k = 0; k < 3; ++k)
+      found[k] = converge(c.options, trial_tissues[k].tissue, c.noise_n, c.late_m, c.deeper, seed);
+    const auto time_of = [&](const Convergence& f) {
+      return seconds(c.at_one_percent ? f.within_1_s : f.within_5_s);
+    };
+    table.rows.push_back({c.name, time_of(found[0]), time_of(found[1]), time_of(found[2]),
+                          fmt::format("{}/{}/{}", percent(found[0].last), percent(found[1].last),
+                                      percent(found[2].last))});
+    if (c.noise_n + c.late_m > 0.0 || c.deeper > 1.0) continue;
+    for (std::size_t k = 0; k < 3; ++k) {
+      found[k].alpha.name = "alpha";
+      found[k].alpha.colour = palette::press;
+      found[k].beta.name = "beta";
+      found[k].beta.colour = palette::rub;
+      telemetry::Plot plot{.title = c.name,
+                           .x_label = "time, s",
+                           .y_label = "found / true",
+                           .series = {found[k].alpha, found[k].beta},
+                           .y_low = 0.0,
+                           .y_high = 2.0,
+                           .width_px = 400,
+                           .height_px = 200};
+      figures += fmt::format("<div><h3>{}, {}</h3>{}</div>", c.name, trial_tissues[k].name,
+                             telemetry::to_svg(plot));
+    }
+  }
+  figures = "<div style=\"display:grid;grid-template-columns:repeat(3,1fr);gap:20px\">" + figures +
+            "</div>";
+  return table;
+}
+
+Table table_6_3_2(std::uint64_t seed, const Progress& progress, std::string& figures) {
+  Table table{
+      "6.3.2: the seven subjects of Table 6-2, pressed for a minute",
+      "Simulated bodies with the printed alpha and beta; a press in two seconds under force "
+      "control to 25-30 N, breath 3 mm, torso 35 N/mm known to 20 %. The thesis' least "
+      "squares (gain 0.1) is told where the skin is and holds in the air. Errors are the "
+      "worse one of alpha and beta.",
+      {"subject", "tissue", "alpha N", "beta /mm", "thesis after 60 s %", "ours after 60 s %",
+       "ours converged s", "error then %"},
+      {}};
+  sim::PressScenario scenario;
+  for (const auto& known : sim::press_scenarios()) {
+    if (known.name == "L3") scenario = known;
+  }
+  scenario.tissue_spread = 0.0;
+  scenario.duration_s = 60.0;
+  telemetry::Plot map{.title = "alpha and beta of the seven",
+                      .x_label = "alpha, N",
+                      .y_label = "beta, 1/mm",
+                      .height_px = 320};
+  telemetry::Series truth{.name = "printed", .colour = palette::ink, .dots = true};
+  constexpr std::array colours = {palette::press, palette::rub, palette::stroke};
+  std::array<telemetry::Series, 3> felt;
+  for (std::size_t k = 0; k < 3; ++k)
+    felt[k] = {.name = trial_tissues[k].name, .colour = colours[k], .dots = true};
+  const auto subjects = tissue::table_6_2();
+  for (std::size_t s = 0; s < subjects.size(); ++s) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      Random random = make_random(seed + s, trial_tissues[k].name);
+      const auto presses = sim::simulate_presses(scenario, subjects[s].tissue[k],
+                                                 trial_tissues[k].robot_peak_n, random);
+      auto options = tissue::pressed_by_robot(scenario.torso_n_per_m, 0.0);
+      options.position_noise_m = scenario.position_noise_m;
+      tissue::PressEstimator ours(options);
+      tissue::ThesisEstimator theirs({.initial_covariance = 1e3, .only_in_contact = true});
+      const auto error = [&](const TangentTissue& found) {
+        return 100.0 * std::max(std::abs(found.alpha_n / presses.truth.alpha_n - 1.0),
+                                std::abs(found.beta_per_m / presses.truth.beta_per_m - 1.0));
+      };
+      std::optional<double> converged_s, error_then;
+      for (const auto& sample : presses.record) {
+        ours.update(sample.time_s, sample.press);
+        theirs.update({sample.press.depth_m - presses.skin_m, sample.press.force_n}, 1e-3);
+        if (ours.estimate().converged && !converged_s) {
+          converged_s = ours.estimate().converged_after_s;
+          error_then = error(ours.estimate().tissue);
+        }
+      }
+      const double theirs_error = error(theirs.tissue());
+      const TangentTissue found = ours.estimate().tissue;
+      const auto or_never = [](const std::optional<double>& value, const char* never) {
+        return value ? fmt::format("{:.1f}", *value) : std::string(never);
+      };
+      table.rows.push_back(
+          {fmt::format("{} {} {}", s + 1, subjects[s].build, subjects[s].female ? "f" : "m"),
+           trial_tissues[k].name, fmt::format("{:.2f}", presses.truth.alpha_n),
+           fmt::format("{:.3f}", from_mm(presses.truth.beta_per_m)),
+           theirs_error < 1000.0 ? fmt::format("{:.0f}", theirs_error) : std::string(">999"),
+           fmt::format("{:.1f}", error(found)), or_never(converged_s, "never"),
+           or_never(error_then, "-")});
+      truth.x.push_back(presses.truth.alpha_n);
+      truth.y.push_back(from_mm(presses.truth.beta_per_m));
+      felt[k].x.push_back(found.alpha_n);
+      felt[k].y.push_back(from_mm(found.beta_per_m));
+    }
+    if (progress) progress(static_cast<double>(s + 1) / 7.0);
+  }
+  map.series = {truth, felt[0], felt[1], felt[2]};
+  figures = telemetry::to_svg(map);
+  return table;
+}
+
+}  // namespace
+
+ThesisTissue redo_thesis_tissue(std::uint64_t seed, const Progress& progress) {
+  Random random = make_random(seed, "thesis chapter 6");
+  std::string fits, curves, subjects;
+  const Table t1 = table_6_1(random, fits), t2 = table_of_laws(random);
+  const Table t3 = table_6_3_1(seed, curves), t4 = table_6_3_2(seed, progress, subjects);
+  ThesisTissue result;
+  result.text = to_text(t1) + to_text(t2) + to_text(t3) + to_text(t4) +
+                "Simulation only: nothing here was shown on living tissue.";
+  result.json = nlohmann::json{
+      {"seed", seed},
+      {"table_6_1", to_json(t1)},
+      {"laws", to_json(t2)},
+      {"figure_6_7", to_json(t3)},
+      {"subjects",
+       to_json(t4)}}.dump(2);
+  result.html = fmt::format(
+      "<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\"><title>Chapter 6 "
+      "again</title><style>{}</style></head><body><main><div class=\"over\"><span>tuina "
+      "evaluate tissue --thesis</span><span class=\"badge\">simulation</span></div>"
+      "<h1>Chapter 6 of the thesis, again</h1><p class=\"lead\">Soft tissue as F = "
+      "&alpha; tan(&beta; x): what is printed, and what comes out when it is done "
+      "again. Nothing here was shown on living tissue.</p>{}{}{}{}</main></body></html>\n",
+      telemetry::report_style, to_html(t1, fits), to_html(t2, ""), to_html(t3, curves),
+      to_html(t4, subjects));
+  return result;
+}
+
+}  // namespace tuina::app

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tuina/tissue/stiffness_map.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "tuina/core/random.hpp"
+#include "tuina/core/units.hpp"
+#include "tuina/tissue/body_condition.hpp"
+
+using namespace tuina;
+using namespace tuina::tissue;
+
+namespace {
+
+/// Pressed every 30 mm over a back of 300 mm by 300 mm, stiffer to the right.
+std::vector<FeltPlace> pressed(double softer, std::uint64_t seed, double sd = 0.01) {
+  Random random = make_random(seed, "map");
+  std::vector<FeltPlace> places;
+  for (int i = 0; i <= 10; ++i) {
+    for (int j = 0; j <= 10; ++j) {
+      const Vector3 at(30_mm * i, 0.0, 30_mm * j);
+      places.push_back({at, 1.0 + 2.0 * at.x() - softer + gaussian(random, sd), sd});
+    }
+  }
+  return places;
+}
+
+}  // namespace
+
+TEST_CASE("between pressed places the map is smooth and right, with an honest interval") {
+  const StiffnessMap map(pressed(0.0, 1));
+  int inside = 0, all = 0;
+  for (double x = 15_mm; x < 290_mm; x += 30_mm) {
+    for (double z = 15_mm; z < 290_mm; z += 30_mm) {
+      const auto value = map.at({x, 0.0, z});
+      REQUIRE(value.has_value());
+      CHECK(value->log_stiffness == doctest::Approx(1.0 + 2.0 * x).epsilon(0.02));
+      inside += std::abs(value->log_stiffness - 1.0 - 2.0 * x) < 1.96 * value->sd;
+      ++all;
+    }
+  }
+  CHECK(inside >= 0.9 * all);
+}
+
+TEST_CASE("where nothing was pressed the map is blank") {
+  const StiffnessMap map(pressed(0.0, 2));
+  CHECK_FALSE(map.at({0.5, 0.0, 0.15}).has_value());
+  CHECK_FALSE(StiffnessMap({}).at(Vector3::Zero()).has_value());
+  CHECK_FALSE(change_at(map, StiffnessMap({}), {0.15, 0.0, 0.15}).has_value());
+}
+
+TEST_CASE("a tenth of softening is told, the same back pressed twice is no detectable change") {
+  const StiffnessMap before(pressed(0.0, 3)), same(pressed(0.0, 4)), softer(pressed(0.1, 5));
+  int falsely = 0, rightly = 0, all = 0;
+  for (double x = 0.0; x <= 300_mm; x += 30_mm) {
+    for (double z = 0.0; z <= 300_mm; z += 30_mm) {
+      const Vector3 point(x, 0.0, z);
+      falsely += change_at(before, same, point)->told;
+      const auto change = change_at(before, softer, point);
+      rightly += change->told && change->log_change < 0.0;
+      ++all;
+    }
+  }
+  CHECK(falsely <= 0.08 * all);
+  CHECK(rightly >= 0.98 * all);
+}
+
+TEST_CASE("slim and hefty people of Table 6-2 are told apart by the other six") {
+  const auto table = table_6_2();
+  int right = 0, opposite = 0;
+  for (std::size_t left_out = 0; left_out < table.size(); ++left_out) {
+    std::vector<Subject> others;
+    for (std::size_t i = 0; i < table.size(); ++i) {
+      if (i != left_out) others.push_back(table[i]);
+    }
+    std::vector<KnownPress> presses;
+    for (std::size_t k = 0; k < 3; ++k)
+      presses.push_back({table[left_out].tissue[k], static_cast<TissueClass>(k)});
+    const BodyCondition found = find_body_condition(presses, {}, others);
+    CHECK(found.slim + found.medium + found.hefty == doctest::Approx(1.0));
+    const std::string build = table[left_out].build;
+    const double best = std::max({found.slim, found.medium, found.hefty});
+    right += (build == "slim" ? found.slim : build == "hefty" ? found.hefty : found.medium) == best;
+    opposite +=
+        (build == "slim" && found.hefty == best) || (build == "hefty" && found.slim == best);
+  }
+  MESSAGE("build, one person left out: " << right << " of 7");
+  CHECK(right >= 4);
+  CHECK(opposite == 0);
+}
+
+TEST_CASE("a body mass index is used when given, and nothing known stays nothing known") {
+  const BodyCondition nothing = find_body_condition({});
+  CHECK(nothing.slim == doctest::Approx(1.0 / 3.0));
+  CHECK(nothing.female == doctest::Approx(0.5));
+  CHECK(find_body_condition({}, 31.0).hefty > 0.9);
+  CHECK(find_body_condition({}, 18.5).slim > 0.8);
+}

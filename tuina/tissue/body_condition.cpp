@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tuina/tissue/body_condition.hpp"
+
+#include <Eigen/Dense>
+#include <array>
+#include <cmath>
+#include <string_view>
+
+namespace tuina::tissue {
+namespace {
+
+constexpr std::array<std::string_view, 3> builds = {"slim", "medium", "hefty"};
+constexpr std::array<double, 3> index_of = {19.5, 23.0, 29.0}, index_sd = {1.5, 2.0, 3.0};
+// With two or three people to a build its spread is not known from them: nothing finer than this
+// share of the whole table's is believed.
+constexpr double least_spread_share = 0.6;
+
+Eigen::Vector2d logs(const TangentTissue& tissue) {
+  return {std::log(tissue.alpha_n), std::log(tissue.beta_per_m)};
+}
+
+/// How likely the presses are on people of this group; the log, up to what all groups share.
+template <typename InGroup>
+double log_likelihood(std::span<const KnownPress> presses, std::span<const Subject> table,
+                      const InGroup& in_group) {
+  double sum = 0.0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    Eigen::Vector2d all = Eigen::Vector2d::Zero(), group = all, square = all, felt = all;
+    double people = 0.0, count = 0.0;
+    for (const Subject& subject : table) {
+      all += logs(subject.tissue[k]) / static_cast<double>(table.size());
+      if (!in_group(subject)) continue;
+      group += logs(subject.tissue[k]);
+      people += 1.0;
+    }
+    for (const Subject& subject : table)
+      square += (logs(subject.tissue[k]) - all).cwiseAbs2() / static_cast<double>(table.size());
+    for (const KnownPress& press : presses) {
+      if (press.at != static_cast<TissueClass>(k)) continue;
+      felt += logs(press.tissue);
+      count += 1.0;
+    }
+    if (people == 0.0 || count == 0.0) continue;
+    // The presses of one person at one tissue are one observation of that person.
+    const Eigen::Vector2d off = felt / count - group / people;
+    const Eigen::Vector2d variance =
+        square * (least_spread_share * least_spread_share * (1.0 + 1.0 / people));
+    sum -= 0.5 * (off.cwiseAbs2().cwiseQuotient(variance).sum() + std::log(variance.prod()));
+  }
+  return sum;
+}
+
+}  // namespace
+
+BodyCondition find_body_condition(std::span<const KnownPress> presses,
+                                  std::optional<double> body_mass_index,
+                                  std::span<const Subject> table) {
+  std::array<double, 3> weight = {};
+  double sum = 0.0;
+  for (std::size_t b = 0; b < builds.size(); ++b) {
+    double log_weight = log_likelihood(
+        presses, table, [&](const Subject& subject) { return subject.build == builds[b]; });
+    if (body_mass_index) {
+      const double off = (*body_mass_index - index_of[b]) / index_sd[b];
+      log_weight -= 0.5 * off * off + std::log(index_sd[b]);
+    }
+    sum += weight[b] = std::exp(log_weight);
+  }
+  BodyCondition condition;
+  if (std::isfinite(sum) && sum > 0.0) {
+    condition.slim = weight[0] / sum;
+    condition.medium = weight[1] / sum;
+    condition.hefty = weight[2] / sum;
+  }
+  const double woman =
+      log_likelihood(presses, table, [](const Subject& subject) { return subject.female; });
+  const double man =
+      log_likelihood(presses, table, [](const Subject& subject) { return !subject.female; });
+  if (std::isfinite(woman) && std::isfinite(man))
+    condition.female = 1.0 / (1.0 + std::exp(man - woman));
+  return condition;
+}
+
+}  // namespace tuina::tissue

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tuina/tissue/stiffness_map.hpp"
+
+#include <cmath>
+
+namespace tuina::tissue {
+namespace {
+
+double alike(const Vector3& a, const Vector3& b, const StiffnessMapOptions& options) {
+  const double far = (a - b).norm() / options.reach_m;
+  return options.spread * options.spread * std::exp(-0.5 * far * far);
+}
+
+}  // namespace
+
+StiffnessMap::StiffnessMap(std::span<const FeltPlace> places, const StiffnessMapOptions& options)
+    : options_(options) {
+  const auto n = static_cast<Eigen::Index>(places.size());
+  if (n == 0) return;
+  for (const FeltPlace& place : places) {
+    places_.push_back(place.at_in_couch);
+    mean_ += place.log_stiffness / static_cast<double>(n);
+  }
+  Eigen::MatrixXd K(n, n);
+  Eigen::VectorXd off(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const FeltPlace& place = places[static_cast<std::size_t>(i)];
+    off(i) = place.log_stiffness - mean_;
+    for (Eigen::Index j = 0; j < n; ++j)
+      K(i, j) = alike(place.at_in_couch, places_[static_cast<std::size_t>(j)], options_);
+    // The floor keeps two presses on one place apart from a singular matrix.
+    K(i, i) += place.sd * place.sd + 1e-8;
+  }
+  covariance_.compute(K);
+  weights_ = covariance_.solve(off);
+}
+
+std::optional<StiffnessMap::Value> StiffnessMap::at(const Vector3& point_in_couch) const {
+  if (places_.empty()) return std::nullopt;
+  Eigen::VectorXd k(static_cast<Eigen::Index>(places_.size()));
+  for (Eigen::Index i = 0; i < k.size(); ++i)
+    k(i) = alike(point_in_couch, places_[static_cast<std::size_t>(i)], options_);
+  const double left = options_.spread * options_.spread - k.dot(covariance_.solve(k));
+  const double sd = std::sqrt(std::max(0.0, left));
+  if (sd > options_.blank_share * options_.spread) return std::nullopt;
+  return Value{mean_ + k.dot(weights_), sd};
+}
+
+std::optional<StiffnessChange> change_at(const StiffnessMap& before, const StiffnessMap& after,
+                                         const Vector3& point_in_couch) {
+  const auto was = before.at(point_in_couch), is = after.at(point_in_couch);
+  if (!was || !is) return std::nullopt;
+  StiffnessChange change{.log_change = is->log_stiffness - was->log_stiffness,
+                         .detectable = 1.96 * std::hypot(was->sd, is->sd)};
+  change.told = std::abs(change.log_change) > change.detectable;
+  return change;
+}
+
+}  // namespace tuina::tissue

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "tuina/core/geometry.hpp"
+
+namespace tuina::tissue {
+
+/// One place that was pressed: the logarithm of its tangent stiffness at a force that is the same
+/// for all places, and the standard deviation of that.
+struct FeltPlace {
+  Vector3 at_in_couch = Vector3::Zero();
+  double log_stiffness = 0.0;
+  double sd = 0.0;
+};
+
+struct StiffnessMapOptions {
+  double reach_m = 40e-3;     ///< over which neighbouring places are alike: a muscle's width
+  double spread = 0.4;        ///< of the logarithm over a back: Table 6-2 at 10 N
+  double blank_share = 0.85;  ///< no answer where nearly all of that spread is left
+};
+
+/// A Gaussian process over the back: smooth where it was pressed, blank where it was not. Distances
+/// are straight; within the reach a back hardly bends.
+class StiffnessMap {
+ public:
+  struct Value {
+    double log_stiffness = 0.0;
+    double sd = 0.0;
+  };
+  explicit StiffnessMap(std::span<const FeltPlace> places, const StiffnessMapOptions& options = {});
+
+  /// Nothing if no place near enough was pressed.
+  [[nodiscard]] std::optional<Value> at(const Vector3& point_in_couch) const;
+
+ private:
+  StiffnessMapOptions options_;
+  std::vector<Vector3> places_;
+  double mean_ = 0.0;
+  Eigen::LLT<Eigen::MatrixXd> covariance_;
+  Eigen::VectorXd weights_;
+};
+
+/// How a place differs between two maps; `detectable` is the smallest change that can be told from
+/// noise at 95 %. Not `told` means "no detectable change", which is an answer.
+struct StiffnessChange {
+  double log_change = 0.0;
+  double detectable = 0.0;
+  bool told = false;
+};
+/// Nothing where either map is blank.
+[[nodiscard]] std::optional<StiffnessChange> change_at(const StiffnessMap& before,
+                                                       const StiffnessMap& after,
+                                                       const Vector3& point_in_couch);
+
+}  // namespace tuina::tissue
