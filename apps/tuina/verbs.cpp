@@ -9,6 +9,7 @@ std::string summary_of_group(std::string_view group) {
   if (group == "atlas") return "labelled backs: learn a file from them, look at it";
   if (group == "tissue") return "what a record of presses says about the tissue";
   if (group == "evaluate") return "the tables of the documentation, judged against the truth";
+  if (group == "export") return "the robot for other programs: URDF, MJCF";
   if (group == "config") return "the settings, their limits and a file of them";
   return fmt::format("see `tuina {} --help`", group);
 }
