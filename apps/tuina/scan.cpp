@@ -9,6 +9,7 @@
 #include "tuina/core/file.hpp"
 #include "tuina/core/surface_file.hpp"
 #include "tuina/core/units.hpp"
+#include "tuina/scanner/check_sphere.hpp"
 #include "tuina/scanner/recording.hpp"
 #include "tuina/scanner/sweep.hpp"
 #include "tuina/session/config.hpp"
@@ -68,6 +69,11 @@ class ScanVerb final : public Verb {
         ->excludes(replay);
     command.add_option("--calibration", calibration_,
                        "instead of the scanner's own calibration.toml");
+    command
+        .add_option("--check-sphere", check_sphere_mm_,
+                    "a ball of this diameter in mm is in the scene; refuse a scan that shows it "
+                    "hollow or of another size")
+        ->check(number_between(20.0, 1000.0));
     command.add_option("--record", record_, "keep the sweep in this new folder")->excludes(replay);
     command.add_option("--out", out_, "the cloud, as PLY");
     (void)position;
@@ -144,6 +150,12 @@ class ScanVerb final : public Verb {
   }
 
   Result<Answer> answer(const scanner::Scan& scan, const std::optional<sim::ScanTruth>& truth) {
+    std::optional<scanner::FoundSphere> ball;
+    if (check_sphere_mm_ > 0.0) {
+      const auto checked = scanner::check_sphere(scan.cloud_in_couch, from_mm(check_sphere_mm_));
+      if (!checked) return tl::unexpected(checked.error());
+      ball = *checked;
+    }
     if (!out_.empty()) {
       if (const auto written = write_file(out_, to_ply(scan.cloud_in_couch)); !written) {
         return tl::unexpected(written.error());
@@ -186,6 +198,13 @@ class ScanVerb final : public Verb {
       json["worst_error_mm"] = to_mm(truth->worst_error_m);
       text += fmt::format(", true error {:.2f} mm", to_mm(truth->rms_error_m));
     }
+    if (ball) {
+      json["sphere"] = {{"diameter_mm", to_mm(ball->diameter_m)},
+                        {"rms_mm", to_mm(ball->rms_m)},
+                        {"points", ball->points}};
+      text += fmt::format("; the ball of {} mm measures {:.2f} mm", check_sphere_mm_,
+                          to_mm(ball->diameter_m));
+    }
     return Answer{.json = json.dump(2), .text = text};
   }
 
@@ -194,6 +213,7 @@ class ScanVerb final : public Verb {
   std::string position_;
   double breathing_mm_ = 0.0;
   bool both_ways_ = false;
+  double check_sphere_mm_ = 0.0;
   std::string method_;
   std::string calibration_;
   std::string record_;
