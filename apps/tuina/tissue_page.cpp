@@ -34,10 +34,10 @@ std::string curves_of(const TissuePage& page, const std::string& scenario,
                        .y_low = 0.0,
                        .y_high = top_percent,
                        .width_px = 400};
-  telemetry::Series five{.name = "5 %", .colour = telemetry::palette::hairline, .dashed = true};
+  telemetry::Series five{.colour = telemetry::palette::hairline, .dashed = true};
   for (const TissueCurve& curve : page.curves) {
     if (curve.scenario != scenario || curve.tissue != tissue || curve.worse_q95.empty()) continue;
-    telemetry::Series series{.name = curve.method,
+    telemetry::Series series{.name = curve.method == "thesis_tuned" ? "tuned" : curve.method,
                              .colour = colour_of(curve.method),
                              .width_px = curve.method == "tuina" ? 2.4 : 1.4};
     for (std::size_t k = 0; k < curve.worse_q95.size(); ++k) {
@@ -107,7 +107,7 @@ std::string to_html(const TissuePage& page) {
     if (plots.empty()) continue;
     html += fmt::format(
         "<section><h2>{}</h2><p>{} The worse error of &alpha; and &beta;, below which 95 % of the "
-        "runs are; lines at the upper edge are beyond it.</p><div "
+        "runs are; dashed 5 %, lines at the upper edge are beyond it.</p><div "
         "style=\"display:grid;grid-template-columns:repeat(3,1fr);gap:20px\">{}</div></section>",
         title, about, plots);
   }
