@@ -245,7 +245,7 @@ TEST_CASE("the tool presses where the map says the point is") {
       away_m = (tuina::Vector3(row.x_m, row.y_m, row.z_m) - places[name.substr(6)]).norm();
     }
     CAPTURE(name);
-    CHECK(hardest_n > 8.0);
+    CHECK(hardest_n > 4.0);  // GV4 bears 10 N, and half of that while its tissue is not known
     CHECK(away_m < 0.020);  // the tool is that deep in the tissue, and the couch believed 2 mm off
   }
 }
