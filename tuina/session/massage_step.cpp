@@ -192,21 +192,33 @@ robot::RobotCommand MassageStep::step(const robot::RobotReading& reading) noexce
 }
 
 /// The plan keeps the arms apart; this is for an arm that somebody pushes, or that is not where its
-/// plan has it.
+/// plan has it. Each arm brakes for itself, so each one's share in the closing counts for itself.
 void MassageStep::keep_arms_apart(const robot::RobotReading& reading) noexcept {
-  const auto pose = [&](Arm arm) {
-    return models_[arm].kinematics(reading.arms[arm].q_rad, reading.rail_m);
-  };
-  const double before_m = arm_distance_m_;
-  arm_distance_m_ = robot::distance_between_m(models_[Arm::left], pose(Arm::left),
-                                              models_[Arm::right], pose(Arm::right));
-  constexpr double smoothing = tick_s / 20e-3;  // encoders are coarse
-  if (before_m > 0.0) {
-    closing_m_per_s_ += smoothing * ((before_m - arm_distance_m_) / tick_s - closing_m_per_s_);
+  PerArm<robot::ArmModel::Kinematics> poses;
+  for (const Arm arm : both_arms) {
+    poses[arm] = models_[arm].kinematics(reading.arms[arm].q_rad, reading.rail_m);
   }
-  const double closing_m_per_s = std::max(closing_m_per_s_, 0.0);
-  const double halted_m =
-      arm_distance_m_ - closing_m_per_s * closing_m_per_s / (2.0 * halting_m_per_s2);
+  const auto apart_m = [&](const robot::ArmModel::Kinematics& left,
+                           const robot::ArmModel::Kinematics& right) {
+    return robot::distance_between_m(models_[Arm::left], left, models_[Arm::right], right);
+  };
+  arm_distance_m_ = apart_m(poses[Arm::left], poses[Arm::right]);
+  if (watching_) {
+    constexpr double smoothing = tick_s / 20e-3;  // encoders are coarse
+    const PerArm<double> before_m = {.of = {apart_m(poses_before_[Arm::left], poses[Arm::right]),
+                                            apart_m(poses[Arm::left], poses_before_[Arm::right])}};
+    for (const Arm arm : both_arms) {
+      closing_m_per_s_[arm] +=
+          smoothing * ((before_m[arm] - arm_distance_m_) / tick_s - closing_m_per_s_[arm]);
+    }
+  }
+  watching_ = true;
+  poses_before_ = poses;
+  double halted_m = arm_distance_m_;
+  for (const Arm arm : both_arms) {
+    const double closing_m_per_s = std::max(closing_m_per_s_[arm], 0.0);
+    halted_m -= closing_m_per_s * closing_m_per_s / (2.0 * halting_m_per_s2);
+  }
   if (halted_m >= stopping_arm_distance_m || stopped_s_ >= 0.0) return;
   for (const Arm arm : both_arms) {
     const bool moves = sides_[arm].phase != ArmPhase::waiting;

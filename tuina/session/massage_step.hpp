@@ -56,7 +56,8 @@ struct ArmJob {
   JointVector posture_rad;
 };
 
-/// Arms that come nearer to each other than this, or that could not be halted before, stop.
+/// Arms that come nearer to each other than this, or that could not be halted before, stop; the
+/// deceleration is that of one arm.
 inline constexpr double stopping_arm_distance_m = 25e-3;
 inline constexpr double halting_m_per_s2 = 2.0;
 
@@ -151,7 +152,10 @@ class MassageStep {
   bool finished_ = false;
   double stopped_s_ = -1.0;
   double tool_radius_m_ = 0.0;
-  double arm_distance_m_ = 0.0, closing_m_per_s_ = 0.0;
+  double arm_distance_m_ = 0.0;
+  bool watching_ = false;
+  PerArm<robot::ArmModel::Kinematics> poses_before_ = {};  ///< a millisecond ago
+  PerArm<double> closing_m_per_s_ = {};  ///< how fast each comes nearer to the other
   std::vector<Performed> performed_;
   std::vector<Stop> stops_;
 };
