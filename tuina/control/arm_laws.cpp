@@ -13,6 +13,8 @@ constexpr double blocked_after_s = 0.02;
 constexpr double touched_after_s = 0.003;
 constexpr double quiet_after_s = 0.1;
 constexpr double arrived_m = 3e-3;
+constexpr double nearly_arrived_m = 10e-3;  // is enough for a tool that comes no closer
+constexpr double patience_s = 2.0;
 constexpr double settling_per_s = 3.0;
 constexpr double most_settling_n = 15.0;
 constexpr double still_m_per_s = 0.015;
@@ -69,7 +71,9 @@ Vector3 ArmController::free_force(const ArmState& state, double dt_s) noexcept {
   const bool over = motion_s_ >= motion_.duration_s();
   if (over)
     settling_n_ = shortened(settling_n_ + settling_per_s * dt_s * spring_n_, most_settling_n);
-  const bool still = over && error.norm() < arrived_m && velocity_.norm() < still_m_per_s;
+  const bool patient = motion_s_ < motion_.duration_s() + patience_s;
+  const double near_m = patient ? arrived_m : nearly_arrived_m;
+  const bool still = over && error.norm() < near_m && velocity_.norm() < still_m_per_s;
   quiet_s_ = still ? quiet_s_ + dt_s : 0.0;
   status_.settled = quiet_s_ >= quiet_after_s;
   const bool pushed =

@@ -12,6 +12,7 @@ namespace {
 constexpr double checked_every_s = 0.1;
 constexpr double own_side_m = 30_mm;     // half of what two arms keep between them
 constexpr double way_missed_rad = 0.35;  // so far from its posture an arm came round another way
+constexpr double strain_rad = 1_deg;
 constexpr double off_path_m = 5_mm;
 
 ArmRest rest(const Stage& stage, Arm arm, const Hover& over, const JointVector& q_rad) {
@@ -44,9 +45,9 @@ void rehearse(const Stage& stage, Arm arm, const ArmRest& from, ArmMove& move,
     Rehearsal rehearsal(stage.models.get()[arm], stage.rail_m, from.q_rad, posture_share);
     for (const control::ToolPose& pose : move.way_in_base) {
       rehearsal.fly(pose, move.posture_rad, move.air);
+      // What it lags behind on a leg it makes up at its end, unless it is stuck.
+      move.air.off_m = std::max(move.air.off_m, rehearsal.off_m());
     }
-    // What it lags behind on the way it makes up before it goes down.
-    move.air.off_m = std::max(move.air.off_m, rehearsal.off_m());
     move.above = move.after = rest(stage, arm, above, rehearsal.q_rad());
     if (goals.empty()) continue;
     rehearsal.slide(goals, move.posture_rad, move.skin);
@@ -59,12 +60,15 @@ double clear_m(const Stage& stage) {
   return 0.75 * stage.standoff_m;
 }
 
-/// How much a move is to be avoided: over the middle, or another way round than it was planned.
+/// How much a move is to be avoided: over the middle, another way round than it was planned, or
+/// with a joint at its end, where an arm may stay behind.
 double badness(const Stage& stage, Arm arm, const ArmMove& move) {
   const robot::ArmModel& model = stage.models.get()[arm];
   const double inward_m = std::max(move.air.inward_m(model, arm), move.skin.inward_m(model, arm));
   const double missed_rad = (move.above.q_rad - move.posture_rad).cwiseAbs().maxCoeff();
-  return inward_m + (missed_rad > way_missed_rad ? 1.0 : 0.0);
+  const double strained_rad = std::max(move.air.strained_rad, move.skin.strained_rad);
+  return inward_m + (missed_rad > way_missed_rad ? 1.0 : 0.0) +
+         (strained_rad > strain_rad ? 0.5 : 0.0);
 }
 
 }  // namespace

@@ -14,7 +14,8 @@ namespace {
 
 constexpr double air_step_m = 15_mm;
 constexpr double air_step_rad = 6_deg;
-constexpr double thinned_rad = 2.5_deg;  // a posture so close to one of before is not kept
+constexpr double limit_margin_rad = 1_deg;  // an arm at the end of a joint may not come on
+constexpr double thinned_rad = 2.5_deg;     // a posture so close to one of before is not kept
 
 /// How far one arm's links reach over the plane midway between the shoulders.
 double inward_of(const robot::ArmModel& model, Arm arm,
@@ -66,7 +67,10 @@ void Rehearsal::step_to(const Vector3& centre_in_base, const Vector3& normal_in_
     q_rad_ += step.cwiseMax(-longest_step_rad).cwiseMin(longest_step_rad);
     for (int i = 0; i < model_->joints(); ++i) {
       const robot::Link& link = model_->table().links[static_cast<std::size_t>(i)];
-      q_rad_[i] = std::clamp(q_rad_[i], link.lowest_rad, link.highest_rad);
+      const double inside = std::clamp(q_rad_[i], link.lowest_rad + limit_margin_rad,
+                                       link.highest_rad - limit_margin_rad);
+      passage.strained_rad = std::max(passage.strained_rad, std::abs(q_rad_[i] - inside));
+      q_rad_[i] = inside;
     }
     now = model_->kinematics(q_rad_, rail_m_);
   }

@@ -14,7 +14,8 @@ namespace tuina::session {
 struct Passage {
   std::vector<JointVector> q_rad;
   std::vector<robot::ArmModel::Kinematics> poses;
-  double off_m = 0.0;  ///< of the tool from where it should be: after a way, at worst on the skin
+  double off_m = 0.0;  ///< of the tool from where it should be: after a leg, at worst on the skin
+  double strained_rad = 0.0;  ///< how far a joint was pushed against its end
 
   /// Farthest over the plane midway between the shoulders, towards the other arm; negative when
   /// the arm stays on its own side. Two arms cannot come nearer than minus the sum of theirs.
