@@ -60,6 +60,23 @@ double clear_m(const Stage& stage) {
   return 0.75 * stage.standoff_m;
 }
 
+/// The posture of a path in which a joint is nearest to its end.
+const JointVector& tightest(const robot::ArmModel& model,
+                            const std::vector<robot::ContactPosture>& path) {
+  const auto room_rad = [&](const robot::ContactPosture& posture) {
+    double least_rad = std::numeric_limits<double>::infinity();
+    for (int i = 0; i < model.joints(); ++i) {
+      const robot::Link& link = model.table().links[static_cast<std::size_t>(i)];
+      least_rad = std::min(
+          {least_rad, posture.q_rad[i] - link.lowest_rad, link.highest_rad - posture.q_rad[i]});
+    }
+    return least_rad;
+  };
+  return std::min_element(path.begin(), path.end(),
+                          [&](const auto& a, const auto& b) { return room_rad(a) < room_rad(b); })
+      ->q_rad;
+}
+
 /// How much a move is to be avoided: over the middle, another way round than it was planned, or
 /// with a joint at its end, where an arm may stay behind.
 double badness(const Stage& stage, Arm arm, const ArmMove& move) {
@@ -116,12 +133,8 @@ Result<ArmMove> move_to_path(const Stage& stage, Arm arm, const ArmRest& from,
 
   Result<ArmMove> best = tl::unexpected(Error{});
   double least_bad = std::numeric_limits<double>::infinity();
-  const auto consider = [&](const Result<std::vector<robot::ContactPosture>>& followed) {
-    if (!followed) {
-      if (!best) best = tl::unexpected(followed.error());
-      return;
-    }
-    ArmMove move{.path = index, .way_in_base = way, .posture_rad = followed->front().q_rad};
+  const auto consider = [&](const JointVector& posture_rad) {
+    ArmMove move{.path = index, .way_in_base = way, .posture_rad = posture_rad};
     rehearse(stage, arm, from, move, goals, above, after);
     const double off_m = std::max(move.air.off_m, move.skin.off_m);
     if (off_m > off_path_m) {
@@ -152,7 +165,13 @@ Result<ArmMove> move_to_path(const Stage& stage, Arm arm, const ArmRest& from,
       if (!best && there.reach == robot::Reach::reached) starts.push_back(there.q_rad);
     }
     for (const JointVector& start : starts) {
-      consider(robot::follow(model, stage.rail_m, goals, start, options));
+      const auto followed = robot::follow(model, stage.rail_m, goals, start, options);
+      if (!followed) {
+        if (!best) best = tl::unexpected(followed.error());
+        continue;
+      }
+      consider(followed->front().q_rad);
+      if (least_bad > -own_side_m) consider(tightest(model, *followed));
       if (least_bad <= -own_side_m) break;
     }
     if (least_bad <= -own_side_m) break;

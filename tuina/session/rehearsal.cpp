@@ -43,6 +43,21 @@ Rehearsal::Rehearsal(const robot::ArmModel& model, double rail_m, const JointVec
                      double posture_share)
     : model_(&model), rail_m_(rail_m), q_rad_(q_rad), posture_share_(posture_share) {}
 
+/// How far the posture springs, and those at the ends of the joints, would take the arm.
+JointVector Rehearsal::drawn_to(const JointVector& posture_rad) const {
+  const control::PostureGains gains;
+  const double share_at_limit =
+      std::min(1.0, posture_share_ * gains.limit_stiffness_nm_per_rad / gains.stiffness_nm_per_rad);
+  JointVector drift = posture_share_ * (posture_rad - q_rad_);
+  for (int i = 0; i < model_->joints(); ++i) {
+    const robot::Link& link = model_->table().links[static_cast<std::size_t>(i)];
+    const double inside = std::clamp(q_rad_[i], link.lowest_rad + gains.limit_margin_rad,
+                                     link.highest_rad - gains.limit_margin_rad);
+    drift[i] += share_at_limit * (inside - q_rad_[i]);
+  }
+  return drift;
+}
+
 void Rehearsal::step_to(const Vector3& centre_in_base, const Vector3& normal_in_base,
                         const JointVector& posture_rad, Passage& passage) {
   using Task = Eigen::Matrix<double, 5, Eigen::Dynamic, 0, 5, most_joints>;
@@ -59,7 +74,7 @@ void Rehearsal::step_to(const Vector3& centre_in_base, const Vector3& normal_in_
     J.row(4) = over.transpose() * now.jacobian.bottomRows<3>();
     Eigen::Matrix<double, 5, 1> error;
     error << centre_in_base - now.base_from_tool.translation(), turn.dot(across), turn.dot(over);
-    const JointVector drift = (n == 0 ? posture_share_ : 0.0) * (posture_rad - q_rad_);
+    const JointVector drift = n == 0 ? drawn_to(posture_rad) : JointVector::Zero(q_rad_.size());
     const Eigen::Matrix<double, 5, 5> square =
         J * J.transpose() + damping * damping * Eigen::Matrix<double, 5, 5>::Identity();
     const Eigen::Matrix<double, 5, 1> rest = error - J * drift;

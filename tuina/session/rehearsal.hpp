@@ -43,6 +43,7 @@ class Rehearsal {
  private:
   void step_to(const Vector3& centre_in_base, const Vector3& normal_in_base,
                const JointVector& posture_rad, Passage& passage);
+  [[nodiscard]] JointVector drawn_to(const JointVector& posture_rad) const;
 
   const robot::ArmModel* model_;
   double rail_m_;
