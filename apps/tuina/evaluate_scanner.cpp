@@ -57,15 +57,16 @@ json to_json(const ScannerProof& proof) {
     }
   }
   if (proof.box) {
-    for (const double edge_m : proof.box->edges_m) all["box"]["edges_mm"].push_back(to_mm(edge_m));
-    for (const double angle : proof.box->angles_rad) {
+    for (const double edge_m : proof.box->found.edges_m)
+      all["box"]["edges_mm"].push_back(to_mm(edge_m));
+    for (const double angle : proof.box->found.angles_rad) {
       all["box"]["angles_deg"].push_back(to_deg(angle));
     }
-    all["box"]["flatness_mm"] = to_mm(proof.box->flatness_m);
+    all["box"]["flatness_mm"] = to_mm(proof.box->found.flatness_m);
   }
   if (proof.sphere) {
-    all["sphere"] = {{"radius_mm", to_mm(proof.sphere->radius_m)},
-                     {"rms_mm", to_mm(proof.sphere->rms_m)}};
+    all["sphere"] = {{"radius_mm", to_mm(0.5 * proof.sphere->found.diameter_m)},
+                     {"rms_mm", to_mm(proof.sphere->found.rms_m)}};
   }
   return all;
 }
@@ -103,13 +104,15 @@ std::string text_of(const ScannerProof& proof) {
     text += fmt::format(
         "box 150 x 150 x 200 mm: edges {:.2f}, {:.2f}, {:.2f} mm; angles {:.2f}, {:.2f}, {:.2f} "
         "degrees; faces flat to {:.2f} mm\n",
-        to_mm(proof.box->edges_m[0]), to_mm(proof.box->edges_m[1]), to_mm(proof.box->edges_m[2]),
-        to_deg(proof.box->angles_rad[0]), to_deg(proof.box->angles_rad[1]),
-        to_deg(proof.box->angles_rad[2]), to_mm(proof.box->flatness_m));
+        to_mm(proof.box->found.edges_m[0]), to_mm(proof.box->found.edges_m[1]),
+        to_mm(proof.box->found.edges_m[2]), to_deg(proof.box->found.angles_rad[0]),
+        to_deg(proof.box->found.angles_rad[1]), to_deg(proof.box->found.angles_rad[2]),
+        to_mm(proof.box->found.flatness_m));
   }
   if (proof.sphere) {
-    text += fmt::format("sphere of radius 75 mm: {:.2f} mm, round to {:.2f} mm\n",
-                        to_mm(proof.sphere->radius_m), to_mm(proof.sphere->rms_m));
+    text +=
+        fmt::format("sphere of radius 75 mm: {:.2f} mm, round to {:.2f} mm\n",
+                    to_mm(0.5 * proof.sphere->found.diameter_m), to_mm(proof.sphere->found.rms_m));
   }
   text.pop_back();
   return text;

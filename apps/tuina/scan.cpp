@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <CLI/CLI.hpp>
+#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -9,6 +10,7 @@
 #include "tuina/core/file.hpp"
 #include "tuina/core/surface_file.hpp"
 #include "tuina/core/units.hpp"
+#include "tuina/scanner/check_box.hpp"
 #include "tuina/scanner/check_sphere.hpp"
 #include "tuina/scanner/recording.hpp"
 #include "tuina/scanner/sweep.hpp"
@@ -29,6 +31,37 @@ Result<void> check_folder_of(const std::string& path) {
   std::error_code error;
   if (folder.empty() || fs::is_directory(folder, error)) return {};
   return fail(Fault::file, "{}: there is no folder {}", path, folder.string());
+}
+
+// "150x150x200mm" or "150x150x200", millimetres in both cases.
+Result<Vector3> box_size(const std::string& text) {
+  Vector3 size_m = Vector3::Zero();
+  const char* at = text.data();
+  const char* end = at + text.size();
+  bool good = true;
+  for (Eigen::Index k = 0; good && k < 3; ++k) {
+    if (k > 0) good = at != end && *at++ == 'x';
+    double edge_mm = 0.0;
+    const auto read = std::from_chars(at, end, edge_mm);
+    good = good && read.ec == std::errc() && edge_mm >= 20.0 && edge_mm <= 1000.0;
+    size_m(k) = from_mm(edge_mm);
+    at = read.ptr;
+  }
+  if (!good || !(at == end || std::string_view(at, end) == "mm")) {
+    return fail(Fault::usage,
+                "--check-box {}: three edges from 20 to 1000 mm are needed, as 150x150x200mm",
+                text);
+  }
+  return size_m;
+}
+
+nlohmann::json json_of(const scanner::FoundBox& box) {
+  nlohmann::json json{{"flatness_mm", to_mm(box.flatness_m)},
+                      {"border_mm", to_mm(box.border_m)},
+                      {"points", box.points}};
+  for (const double edge_m : box.edges_m) json["edges_mm"].push_back(to_mm(edge_m));
+  for (const double angle_rad : box.angles_rad) json["angles_deg"].push_back(to_deg(angle_rad));
+  return json;
 }
 
 /// One sweep of a simulated or recorded scanner to a cloud.
@@ -74,6 +107,10 @@ class ScanVerb final : public Verb {
                     "a ball of this diameter in mm is in the scene; refuse a scan that shows it "
                     "hollow or of another size")
         ->check(number_between(20.0, 1000.0));
+    command.add_option(
+        "--check-box", check_box_,
+        "a box of this size, as 150x150x200mm, is in the scene, two or three faces in view; refuse "
+        "a scan that shows it of another size or askew");
     command.add_option("--record", record_, "keep the sweep in this new folder")->excludes(replay);
     command.add_option("--out", out_, "the cloud, as PLY");
     (void)position;
@@ -87,6 +124,11 @@ class ScanVerb final : public Verb {
     const auto config = effective_config(common);
     if (!config) return tl::unexpected(config.error());
     if (const auto good = check_folder_of(out_); !good) return tl::unexpected(good.error());
+    if (!check_box_.empty()) {
+      const auto size_m = box_size(check_box_);
+      if (!size_m) return tl::unexpected(size_m.error());
+      box_size_m_ = *size_m;
+    }
     std::optional<scanner::ScannerCalibration> calibration;
     if (!calibration_.empty()) {
       const auto read = scanner::read_calibration(calibration_);
@@ -156,6 +198,12 @@ class ScanVerb final : public Verb {
       if (!checked) return tl::unexpected(checked.error());
       ball = *checked;
     }
+    std::optional<scanner::FoundBox> box;
+    if (!check_box_.empty()) {
+      const auto checked = scanner::check_box(scan.cloud_in_couch, box_size_m_);
+      if (!checked) return tl::unexpected(checked.error());
+      box = *checked;
+    }
     if (!out_.empty()) {
       if (const auto written = write_file(out_, to_ply(scan.cloud_in_couch)); !written) {
         return tl::unexpected(written.error());
@@ -205,6 +253,11 @@ class ScanVerb final : public Verb {
       text += fmt::format("; the ball of {} mm measures {:.2f} mm", check_sphere_mm_,
                           to_mm(ball->diameter_m));
     }
+    if (box) {
+      json["box"] = json_of(*box);
+      text += fmt::format("; the box of {} measures {:.1f} x {:.1f} x {:.1f} mm", check_box_,
+                          to_mm(box->edges_m[0]), to_mm(box->edges_m[1]), to_mm(box->edges_m[2]));
+    }
     return Answer{.json = json.dump(2), .text = text};
   }
 
@@ -214,6 +267,8 @@ class ScanVerb final : public Verb {
   double breathing_mm_ = 0.0;
   bool both_ways_ = false;
   double check_sphere_mm_ = 0.0;
+  std::string check_box_;
+  Vector3 box_size_m_ = Vector3::Zero();
   std::string method_;
   std::string calibration_;
   std::string record_;

@@ -164,26 +164,26 @@ std::string bodies_section(const ScannerProof& proof) {
   }
   const Vector3 from_behind(0.25, 1.0, 0.3);
   const auto& box = *proof.box;
-  std::string content = "<div class=\"even\"><div>" +
-                        picture(box.cloud, from_behind.normalized(), 0.003, 420) +
-                        fmt::format(
-                            "<p class=\"note\">The box of the thesis, 150 x 150 x 200 mm, a "
-                            "corner towards the scanner at 1 m: edges {:.1f}, {:.1f} and "
-                            "{:.1f} mm, angles {:.1f}, {:.1f} and {:.1f} degrees, faces flat "
-                            "to {:.2f} mm.</p></div><div>",
-                            to_mm(box.edges_m[0]), to_mm(box.edges_m[1]), to_mm(box.edges_m[2]),
-                            to_deg(box.angles_rad[0]), to_deg(box.angles_rad[1]),
-                            to_deg(box.angles_rad[2]), to_mm(box.flatness_m)) +
-                        picture(proof.sphere->cloud, Vector3::UnitY(), 0.003, 420) +
-                        fmt::format(
-                            "<p class=\"note\">A sphere of 75 mm radius at 1 m: radius "
-                            "{:.2f} mm, round to {:.2f} mm.</p></div></div>",
-                            to_mm(proof.sphere->radius_m), to_mm(proof.sphere->rms_m)) +
-                        picture(person, Vector3::UnitY(), 0.003, 620) +
-                        fmt::format(
-                            "<p class=\"note\">The back of a phantom who sits, from 1.1 m: "
-                            "{} points of one sweep of six seconds.</p>",
-                            person.size());
+  std::string content =
+      "<div class=\"even\"><div>" + picture(box.cloud, from_behind.normalized(), 0.003, 420) +
+      fmt::format(
+          "<p class=\"note\">The box of the thesis, 150 x 150 x 200 mm, a "
+          "corner towards the scanner at 1 m: edges {:.1f}, {:.1f} and "
+          "{:.1f} mm, angles {:.1f}, {:.1f} and {:.1f} degrees, faces flat "
+          "to {:.2f} mm.</p></div><div>",
+          to_mm(box.found.edges_m[0]), to_mm(box.found.edges_m[1]), to_mm(box.found.edges_m[2]),
+          to_deg(box.found.angles_rad[0]), to_deg(box.found.angles_rad[1]),
+          to_deg(box.found.angles_rad[2]), to_mm(box.found.flatness_m)) +
+      picture(proof.sphere->cloud, Vector3::UnitY(), 0.003, 420) +
+      fmt::format(
+          "<p class=\"note\">A sphere of 75 mm radius at 1 m: radius "
+          "{:.2f} mm, round to {:.2f} mm.</p></div></div>",
+          to_mm(0.5 * proof.sphere->found.diameter_m), to_mm(proof.sphere->found.rms_m)) +
+      picture(person, Vector3::UnitY(), 0.003, 620) +
+      fmt::format(
+          "<p class=\"note\">The back of a phantom who sits, from 1.1 m: "
+          "{} points of one sweep of six seconds.</p>",
+          person.size());
   return section(
       "A box, a sphere, a back",
       "Clouds of single sweeps with a calibration from 40 poses, meshed to be looked at.", content);

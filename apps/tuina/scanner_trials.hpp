@@ -6,6 +6,8 @@
 
 #include "tuina/core/result.hpp"
 #include "tuina/core/surface.hpp"
+#include "tuina/scanner/check_box.hpp"
+#include "tuina/scanner/check_sphere.hpp"
 #include "tuina/scanner/sweep.hpp"
 #include "tuina/sim/laser_scanner.hpp"
 
@@ -61,20 +63,18 @@ struct BackTrial {
                                               const sim::LaserScannerOptions& options,
                                               std::uint64_t seed);
 
-/// The box of the thesis, a corner towards the scanner.
+/// The box of the thesis, 150 x 150 x 200 mm, a corner towards the scanner.
 struct BoxTrial {
   PointCloud cloud;
-  std::vector<double> edges_m;     ///< measured; true ones are 150, 150 and 200 mm
-  std::vector<double> angles_rad;  ///< between its three faces
-  double flatness_m = 0.0;         ///< RMS of the points about the planes of their faces
+  scanner::FoundBox found;
 };
 [[nodiscard]] Result<BoxTrial> box_trial(const sim::LaserScannerOptions& options,
                                          std::uint64_t seed);
 
+/// A ball of 150 mm.
 struct SphereTrial {
   PointCloud cloud;
-  double radius_m = 0.0;  ///< fitted; the true one is 75 mm
-  double rms_m = 0.0;     ///< of the points about the fitted sphere
+  scanner::FoundSphere found;
 };
 [[nodiscard]] Result<SphereTrial> sphere_trial(const sim::LaserScannerOptions& options,
                                                std::uint64_t seed);

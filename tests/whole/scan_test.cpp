@@ -4,11 +4,16 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <tuple>
 
 #include "tests/whole/command.hpp"
 #include "tuina/core/file.hpp"
 #include "tuina/core/image.hpp"
 #include "tuina/core/png.hpp"
+#include "tuina/scanner/recording.hpp"
+#include "tuina/scanner/sweep.hpp"
+#include "tuina/sim/laser_scanner.hpp"
+#include "tuina/sim/solids.hpp"
 
 using tuina::test::Folder;
 using tuina::test::run_tuina;
@@ -26,6 +31,18 @@ std::string line_png() {
     }
   }
   return tuina::to_png(image);
+}
+
+// A sweep over the box of the thesis, a corner towards the scanner at 1 m.
+void record_box(const std::string& folder) {
+  using namespace tuina;
+  const Mesh box = sim::box_mesh({0.0, 0.13, 0.41}, sim::corner_towards_y(), {0.15, 0.15, 0.2});
+  sim::LaserScanner unit(box, sim::couch_mesh(Position::sitting),
+                         sim::true_calibration(Position::sitting), 1, {});
+  auto recorder = scanner::Recorder::open(unit, unit, folder);
+  REQUIRE(recorder.has_value());
+  REQUIRE(scanner::scan_sweep(*recorder, *recorder, unit.true_calibration()).has_value());
+  REQUIRE(recorder->finish(unit.true_calibration()).has_value());
 }
 
 }  // namespace
@@ -74,6 +91,35 @@ TEST_CASE("a scan both ways finds the breath, and its recording replays to the s
   CHECK(nlohmann::json::parse(replay.out)["both_ways"] == json["both_ways"]);
   CHECK(tuina::read_file(folder / "live.ply").value() ==
         tuina::read_file(folder / "replay.ply").value());
+}
+
+TEST_CASE("a box of known size confirms a scan, and refuses it when it has another size") {
+  const Folder folder;
+  record_box(folder / "sweep");
+  const auto check = [&](const std::string& size) {
+    return run_tuina({"scan", "--replay", folder / "sweep", "--check-box", size, "--out",
+                      folder / "box.ply", "--json", "--quiet"});
+  };
+  const auto good = check("200x150x150mm");
+  REQUIRE_MESSAGE(good.exit_code == 0, good.err);
+  const auto box = nlohmann::json::parse(good.out)["box"];
+  CHECK(box["edges_mm"][0] == doctest::Approx(200.0).epsilon(0.02));
+  CHECK(box["edges_mm"][1] == doctest::Approx(150.0).epsilon(0.02));
+  CHECK(box["angles_deg"].size() == 3);
+  std::filesystem::remove(folder / "box.ply");
+
+  const std::vector<std::tuple<std::string, int, std::string>> refused = {
+      {"210x150x150mm", 2, "scale"},      {"400x400x400mm", 2, "no box"},
+      {"200x150", 1, "three edges"},      {"200x150x150cm", 1, "three edges"},
+      {"-200x150x150", 1, "three edges"}, {"nanx150x150", 1, "three edges"}};
+  for (const auto& [size, exit_code, cause] : refused) {
+    CAPTURE(size);
+    const auto outcome = check(size);
+    CHECK(outcome.exit_code == exit_code);
+    CHECK(outcome.out.empty());
+    CHECK(outcome.err.find(cause) != std::string::npos);
+    CHECK_FALSE(std::filesystem::exists(folder / "box.ply"));
+  }
 }
 
 TEST_CASE("evaluate scanner answers for the parts that were asked for, with a page") {

@@ -62,13 +62,13 @@ TEST_CASE("both ways take most of the breath and of a wrong latency off") {
 TEST_CASE("a box has the size and the angles of a box, a sphere is round") {
   const auto box = box_trial({}, 1);
   REQUIRE(box.has_value());
-  CHECK(box->edges_m[0] == doctest::Approx(0.150).epsilon(0.02));
-  CHECK(box->edges_m[1] == doctest::Approx(0.150).epsilon(0.02));
-  CHECK(box->edges_m[2] == doctest::Approx(0.200).epsilon(0.02));
-  for (const double angle : box->angles_rad) CHECK(std::abs(to_deg(angle) - 90.0) < 0.6);
-  CHECK(box->flatness_m < 0.4_mm);
+  CHECK(std::abs(box->found.edges_m[0] - 150.0_mm) < 2.0_mm);
+  CHECK(std::abs(box->found.edges_m[1] - 150.0_mm) < 2.0_mm);
+  CHECK(std::abs(box->found.edges_m[2] - 200.0_mm) < 2.0_mm);
+  for (const double angle : box->found.angles_rad) CHECK(std::abs(to_deg(angle) - 90.0) < 0.6);
+  CHECK(box->found.flatness_m < 0.4_mm);
   const auto sphere = sphere_trial({}, 1);
   REQUIRE(sphere.has_value());
-  CHECK(std::abs(sphere->radius_m - 75.0_mm) < 0.5_mm);
-  CHECK(sphere->rms_m < 0.4_mm);
+  CHECK(std::abs(sphere->found.diameter_m - 150.0_mm) < 1.0_mm);
+  CHECK(sphere->found.rms_m < 0.4_mm);
 }

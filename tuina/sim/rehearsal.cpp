@@ -16,6 +16,7 @@
 #include "tuina/scanner/recording.hpp"
 #include "tuina/scanner/triangulation.hpp"
 #include "tuina/sim/laser_scanner.hpp"
+#include "tuina/sim/solids.hpp"
 
 namespace tuina::sim {
 namespace {
@@ -165,28 +166,17 @@ Mesh flat_board() {
 // A ball of 150 mm lying on the couch.
 Mesh ball() {
   constexpr double radius_m = 75.0_mm;
-  constexpr int around = 120;
-  constexpr int over = 60;
-  Mesh mesh;
-  for (int i = 0; i <= over; ++i) {
-    const double polar = pi * i / over;
-    for (int k = 0; k < around; ++k) {
-      const double turn = 2.0 * pi * k / around;
-      mesh.vertices.push_back(Vector3(0.0, -0.34, radius_m) +
-                              radius_m * Vector3(std::sin(polar) * std::cos(turn),
-                                                 std::sin(polar) * std::sin(turn),
-                                                 std::cos(polar)));
-    }
-  }
-  for (int i = 0; i < over; ++i) {
-    for (int k = 0; k < around; ++k) {
-      const int here = i * around + k;
-      const int beside = i * around + (k + 1) % around;
-      mesh.triangles.push_back({here, here + around, beside});
-      mesh.triangles.push_back({beside, here + around, beside + around});
-    }
-  }
-  return mesh;
+  return ball_mesh({0.0, -0.34, radius_m}, radius_m);
+}
+
+// The box of the thesis, propped up so that a corner points at the scanner.
+Mesh box() {
+  const Vector3 size_m(150.0_mm, 150.0_mm, 200.0_mm);
+  const Matrix3 turned = Eigen::AngleAxisd(90.0_deg, Vector3::UnitX()) * corner_towards_y();
+  Mesh mesh = box_mesh({0.0, -0.34, 0.0}, turned, size_m);
+  double lowest_m = 0.0;
+  for (const Vector3& vertex : mesh.vertices) lowest_m = std::min(lowest_m, vertex.z());
+  return lowered(std::move(mesh), lowest_m);
 }
 
 Result<void> record(const Mesh& scene, const Mesh& couch, const ScannerCalibration& truth,
@@ -216,12 +206,13 @@ Result<void> record_sweeps(const ScannerCalibration& truth, std::uint64_t seed,
   const Part parts[] = {{"sweep_left", still_scene(), sweep_rad},
                         {"sweep_right", still_scene(), -sweep_rad},
                         {"couch", flat_board(), -sweep_rad},
-                        {"ball", ball(), -sweep_rad}};
+                        {"ball", ball(), -sweep_rad},
+                        {"box", box(), -sweep_rad}};
   double done = 0.0;
   for (const Part& part : parts) {
     const auto recorded = record(part.scene, bed, truth, ++seed, part.from_rad, folder / part.name);
     if (!recorded) return recorded;
-    done += 1.0 / 4.0;
+    done += 1.0 / static_cast<double>(std::size(parts));
     if (progress) progress(done);
   }
   return {};

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "tuina/core/geometry.hpp"
+#include "tuina/core/surface.hpp"
+
+namespace tuina::scanner {
+
+/// A flat piece of a scan.
+struct Face {
+  Vector3 normal = Vector3::UnitZ();  ///< towards the scanner
+  double offset_m = 0.0;              ///< its points satisfy normal . p = offset
+  Vector3 middle = Vector3::Zero();
+  std::vector<Vector3> points;
+  double rms_m = 0.0;
+
+  [[nodiscard]] double out_m(const Vector3& point) const { return normal.dot(point) - offset_m; }
+};
+
+/// The flat pieces of a scan (with normals) that are no wider than `widest_m`, largest first.
+[[nodiscard]] std::vector<Face> find_faces(const PointCloud& cloud, double widest_m);
+
+}  // namespace tuina::scanner
