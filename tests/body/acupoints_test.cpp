@@ -127,7 +127,7 @@ TEST_CASE("a noisy scan with flying pixels and the couch in view gives the same 
   REQUIRE(clean);
   REQUIRE_MESSAGE(noisy.has_value(), (noisy ? "" : noisy.error().message));
   for (std::size_t i = 0; i < 7; ++i) {
-    CHECK((clean->acupoints[i].at_in_couch - noisy->acupoints[i].at_in_couch).norm() < 10_mm);
+    CHECK((clean->acupoints[i].at_in_couch - noisy->acupoints[i].at_in_couch).norm() < 8_mm);
   }
 }
 

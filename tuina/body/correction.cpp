@@ -16,8 +16,15 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double misfit_power = 2.0;
 constexpr double most_widening = 3.0;
+
+/// Wider where the scan leaves a label more open than a whole back does, and for a back that is
+/// fitted worse than those which the model has learned from.
+VectorXd widening(const ShapeModel& model, const VectorXd& variance_m2, double residual_m) {
+  const double misfit = residual_m / std::max(1e-6, model.usual_residual_m);
+  return (variance_m2.array() / model.nominal_var_m2.array()).sqrt().max(1.0) *
+         std::clamp(misfit, 1.0, most_widening);
+}
 
 /// Ridge regression with the penalty that leaves one person out best; an unpenalised constant comes
 /// last.
@@ -67,13 +74,19 @@ MatrixXd learn_correction(const LeftOut& left_out, ShapeModel& model) {
   std::nth_element(misfits.begin(), misfits.begin() + misfits.size() / 2, misfits.end());
   model.usual_residual_m = misfits[misfits.size() / 2];
   const auto persons = static_cast<double>(wrong_mm.cols() / left_out.views);
-  for (Index l = 0; l < model.radius95_m.size(); ++l) {
-    std::vector<double> errors;
-    for (Index i = 0; i < wrong_mm.cols(); ++i) {
-      errors.push_back(1e-3 * wrong_mm.block<3, 1>(3 * l, i).norm());
+  // A radius holds 95 % when it is widened as it will be.
+  std::vector<std::vector<double>> errors_m(static_cast<std::size_t>(model.radius95_m.size()));
+  for (Index i = 0; i < wrong_mm.cols(); ++i) {
+    const VectorXd wider = widening(model, left_out.variance_m2.col(i), left_out.residual_m[i]);
+    for (Index l = 0; l < wider.size(); ++l) {
+      errors_m[static_cast<std::size_t>(l)].push_back(
+          1e-3 * wrong_mm.block<3, 1>(3 * l, i).norm() / wider[l]);
     }
+  }
+  for (Index l = 0; l < model.radius95_m.size(); ++l) {
     // The largest error of a few people says little about the next.
-    model.radius95_m[l] = (1.0 + 2.0 / persons) * quantile95(errors);
+    model.radius95_m[l] =
+        (1.0 + 2.0 / persons) * quantile95(std::move(errors_m[static_cast<std::size_t>(l)]));
   }
   return wrong_mm;
 }
@@ -92,12 +105,8 @@ LabelEstimate estimate_labels(const ShapeModel& model, const BackSurface& back) 
     estimate.at_in_couch += model_from_couch.linear().transpose() *
                             Eigen::Map<const Places>(off.data(), 3, off.size() / 3);
   }
-  // Wider where the scan leaves a label more open than a whole back does, and for a back that is
-  // fitted worse than those which the model has learned from.
-  const double misfit = fit.residual_m / std::max(1e-6, model.usual_residual_m);
-  estimate.radius95_m = model.radius95_m.array() *
-                        (fit.label_var_m2.array() / model.nominal_var_m2.array()).sqrt().max(1.0) *
-                        std::clamp(std::pow(misfit, misfit_power), 1.0, most_widening);
+  estimate.radius95_m =
+      model.radius95_m.cwiseProduct(widening(model, fit.label_var_m2, fit.residual_m));
   estimate.radius95_m = estimate.radius95_m.cwiseMax(fit.label_doubt_m);
   return estimate;
 }

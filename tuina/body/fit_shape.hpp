@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
+
 #include "tuina/body/shape_model.hpp"
 
 namespace tuina::body {
@@ -22,9 +24,13 @@ struct ShapeFit {
       label_doubt_m;  ///< how far off each is in another solution that is nearly as good; usually 0
   double seen = 0.0;  ///< share of the skin points that the scan answers
   double residual_m = 0.0;  ///< RMS over those, along the normals
-  /// Mean square of the weights: about 1 or less for a back like those learned from.
+  /// Mean square of the weights of the ten strongest modes: 1 or less for a back like those
+  /// learned from.
   [[nodiscard]] double strangeness() const {
-    return weights.size() > 0 ? weights.squaredNorm() / static_cast<double>(weights.size()) : 0.0;
+    const Eigen::Index strongest = std::min<Eigen::Index>(10, weights.size());
+    return strongest > 0
+               ? weights.head(strongest).squaredNorm() / static_cast<double>(strongest)
+               : 0.0;
   }
 };
 
