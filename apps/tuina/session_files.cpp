@@ -17,6 +17,11 @@ namespace {
 
 using nlohmann::ordered_json;
 
+/// What is not finite has no number in JSON.
+ordered_json number(double value) {
+  return std::isfinite(value) ? ordered_json(value) : ordered_json();
+}
+
 ordered_json three(const Vector3& v) {
   return {v.x(), v.y(), v.z()};
 }
@@ -62,7 +67,7 @@ std::vector<Felt> felt_in(const SessionResult& result) {
     felt.push_back(
         {.planned = &result.ready.plan.paths[static_cast<std::size_t>(done.path)],
          .estimate = *done.felt,
-         .truth = result.pressed_tissue[i],
+         .truth = result.touched[i].tissue,
          .classified = tissue::classify(
              *done.felt, done.chi,
              prior_of(result.ready.plan.paths[static_cast<std::size_t>(done.path)].zone))});
@@ -104,12 +109,11 @@ std::string session_json(const SessionResult& result, std::uint64_t seed) {
   for (std::size_t i = 0; i < result.located.acupoints.size(); ++i) {
     const Acupoint& acupoint = result.located.acupoints[i];
     const double error_m = result.acupoint_errors_m[i];
-    points.push_back(
-        {{"name", acupoint.name},
-         {"position_m", three(acupoint.at_in_couch)},
-         {"normal", three(acupoint.normal_in_couch)},
-         {"uncertainty_mm", to_mm(acupoint.uncertainty_m)},
-         {"error_mm", std::isfinite(error_m) ? ordered_json(to_mm(error_m)) : ordered_json()}});
+    points.push_back({{"name", acupoint.name},
+                      {"position_m", three(acupoint.at_in_couch)},
+                      {"normal", three(acupoint.normal_in_couch)},
+                      {"uncertainty_mm", to_mm(acupoint.uncertainty_m)},
+                      {"error_mm", number(to_mm(error_m))}});
   }
   // Every technique has its key; one that the programme does not use has no errors.
   ordered_json techniques = ordered_json::object();
@@ -155,13 +159,18 @@ std::string session_json(const SessionResult& result, std::uint64_t seed) {
          {"to_n", made.to_n}});
   }
   ordered_json performed = ordered_json::array();
-  for (const session::Performed& done : result.performed) {
+  for (std::size_t i = 0; i < result.performed.size(); ++i) {
+    const session::Performed& done = result.performed[i];
     performed.push_back(
         {{"name", result.ready.plan.paths[static_cast<std::size_t>(done.path)].path.name},
          {"arm", name_of(done.arm)},
          {"begin_s", done.begin_s},
          {"end_s", done.end_s},
-         {"trouble", control::name_of(done.trouble)}});
+         {"trouble", control::name_of(done.trouble)},
+         {"true_peak_n", result.touched[i].peak_n},
+         {"true_over_trip_n", number(result.touched[i].over_trip_n)}});
+    if (const auto off_m = tool_to_acupoint_m(result, i))
+      performed.back()["tool_to_acupoint_mm"] = to_mm(*off_m);
   }
   ordered_json stops = ordered_json::array();
   for (const session::Stop& stop : result.stops) {
@@ -193,6 +202,7 @@ std::string session_json(const SessionResult& result, std::uint64_t seed) {
                              {"massage",
                               {{"duration_s", result.massage_s},
                                {"real_time_factor", result.real_time_factor},
+                               {"scan_to_touch_s", scan_to_touch_s(result)},
                                {"min_arm_distance_mm", to_mm(result.min_arm_distance_m)},
                                {"force",
                                 {{"rmse_n", result.force.rmse_n},

@@ -66,8 +66,11 @@ std::vector<double> errors_of(const std::vector<Acupoint>& found, const sim::Per
 class Witness {
  public:
   Witness(const massage::Plan& plan, const PerArm<robot::ArmModel>& models,
-          const Transform& couch_from_base)
-      : plan_(plan), models_(models), couch_from_base_(couch_from_base) {}
+          const Transform& couch_from_base, massage::ZoneMap true_zones)
+      : plan_(plan),
+        models_(models),
+        couch_from_base_(couch_from_base),
+        true_zones_(std::move(true_zones)) {}
 
   void watch(double time_s, const PerArm<session::ArmView>& view, const sim::PlantTruth& truth) {
     constexpr int rows_every_ticks = 5;
@@ -87,11 +90,11 @@ class Witness {
       std::optional<Technique> technique;
       if (in_contact) technique = plan_.paths[static_cast<std::size_t>(seen.path)].path.technique;
       if (in_contact && seen.target_n > 0.0) count(time_s, arm, seen, contact, *technique);
-      if (in_contact && contact.force_n > peak_n_[arm]) {
-        peak_n_[arm] = contact.force_n;
-        pressed_[arm] = contact.tissue;
+      if (in_contact) {
+        if (!touching_[arm]) touched_[arm] = {};
+        feel(touched_[arm], contact, row);
       }
-      if (!in_contact) peak_n_[arm] = 0.0;
+      touching_[arm] = in_contact;
       if (row) {
         trace.push_back({.time_s = time_s,
                          .arm = arm,
@@ -104,7 +107,8 @@ class Witness {
       }
     }
   }
-  [[nodiscard]] const TangentTissue& pressed(Arm arm) const { return pressed_[arm]; }
+  /// In the present contact of an arm, or its last one.
+  [[nodiscard]] const Touched& touched(Arm arm) const { return touched_[arm]; }
 
   double min_arm_distance_m = std::numeric_limits<double>::infinity();
   std::vector<telemetry::TraceRow> trace;
@@ -121,13 +125,28 @@ class Witness {
     all.add(time_s, seen.target_n, contact.force_n);
   }
 
+  void feel(Touched& touched, const sim::ContactTruth& contact, bool row) const {
+    if (contact.force_n > touched.peak_n) {
+      touched.peak_n = contact.force_n;
+      touched.tissue = contact.tissue;
+      touched.at_in_couch = contact.at_in_couch;
+    }
+    if (!row || contact.force_n <= 0.0) return;
+    const massage::Zone zone = true_zones_.at(contact.at_in_couch);
+    if (contact.force_n == touched.peak_n) touched.zone = zone;
+    const massage::ZoneRule& rule = massage::rule_of(zone);
+    touched.over_cap_n = std::max(touched.over_cap_n, contact.force_n - rule.cap_n);
+    touched.over_trip_n = std::max(touched.over_trip_n, contact.force_n - rule.trip_n);
+  }
+
   const massage::Plan& plan_;
   const PerArm<robot::ArmModel>& models_;
   Transform couch_from_base_;
+  massage::ZoneMap true_zones_;
   long ticks_ = 0;
   PerArm<int> last_path_{.of = {-1, -1}};
-  PerArm<double> peak_n_;
-  PerArm<TangentTissue> pressed_;
+  PerArm<bool> touching_ = {};
+  PerArm<Touched> touched_;
 };
 
 Result<void> massage_person(SessionResult& result, const robot::RobotMount& mount,
@@ -157,7 +176,11 @@ Result<void> massage_person(SessionResult& result, const robot::RobotMount& moun
                                 .force_ceiling_n = config.safety.force_ceiling_n,
                                 .steer = config.massage.steer,
                                 .adaptive = order.adaptive});
-  Witness witness(result.ready.plan, models, base_from_couch.inverse());
+  const auto true_chart =
+      massage::BackChart::from(result.person.acupoints, result.person.landmarks);
+  if (!true_chart) return tl::unexpected(true_chart.error());
+  Witness witness(result.ready.plan, models, base_from_couch.inverse(),
+                  massage::ZoneMap(*true_chart, result.person.acupoints, result.person.landmarks));
   const Progress bar = progress_bar(common, "massage");
   // A contact that never ends is a fault of ours, not of the person; it must not hold anyone here.
   const double longest_s = 3.0 * result.ready.plan.duration_s + 60.0;
@@ -177,9 +200,8 @@ Result<void> massage_person(SessionResult& result, const robot::RobotMount& moun
     }
     (*plant)->apply(massage.step(reading));
     if ((*plant)->fault() != nullptr) break;
-    while (result.pressed_tissue.size() < massage.performed().size()) {
-      result.pressed_tissue.push_back(
-          witness.pressed(massage.performed()[result.pressed_tissue.size()].arm));
+    while (result.touched.size() < massage.performed().size()) {
+      result.touched.push_back(witness.touched(massage.performed()[result.touched.size()].arm));
     }
     witness.watch(time_s, massage.view(), (*plant)->truth());
     if (bar && reading.tick % 500 == 0) bar(std::min(0.999, time_s / result.ready.plan.duration_s));
@@ -207,6 +229,25 @@ Result<void> massage_person(SessionResult& result, const robot::RobotMount& moun
 }
 
 }  // namespace
+
+std::optional<double> tool_to_acupoint_m(const SessionResult& result, std::size_t performed) {
+  const auto& path =
+      result.ready.plan.paths[static_cast<std::size_t>(result.performed[performed].path)].path;
+  const Touched& touched = result.touched[performed];
+  if (path.technique != Technique::press || touched.peak_n <= 0.0) return std::nullopt;
+  for (const Acupoint& truth : result.person.acupoints) {
+    if (truth.name == path.acupoints.front())
+      return (touched.at_in_couch - truth.at_in_couch).norm();
+  }
+  return std::nullopt;
+}
+
+double scan_to_touch_s(const SessionResult& result) {
+  double first_s = result.massage_s;
+  for (const session::Performed& done : result.performed) first_s = std::min(first_s, done.begin_s);
+  const double compute_ms = result.scan.compute_ms + result.locate_ms + result.plan_ms;
+  return result.scan.sweep_s + 1e-3 * compute_ms + first_s;
+}
 
 Result<massage::PlanOptions> plan_options(const session::Config& config,
                                           const std::string& no_go_file) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string>
@@ -9,6 +10,7 @@
 #include "apps/tuina/command_line.hpp"
 #include "tuina/body/acupoints.hpp"
 #include "tuina/massage/programme.hpp"
+#include "tuina/massage/zones.hpp"
 #include "tuina/scanner/sweep.hpp"
 #include "tuina/session/config.hpp"
 #include "tuina/session/consent.hpp"
@@ -32,6 +34,18 @@ struct SessionOrder {
   bool real_time = false;
 };
 
+/// What only the simulation knows of one contact.
+struct Touched {
+  TangentTissue tissue;                        ///< where the force was highest
+  Vector3 at_in_couch = Vector3::Zero();       ///< the skin there
+  massage::Zone zone = massage::Zone::muscle;  ///< that it truly lies in
+  double peak_n = 0.0;
+  /// Largest force beyond what the true zone bears: beyond what may be asked for there, and beyond
+  /// where an arm has to give way. Negative when it stayed below.
+  double over_cap_n = -std::numeric_limits<double>::infinity();
+  double over_trip_n = -std::numeric_limits<double>::infinity();
+};
+
 /// All that a simulated session was and did, for its JSON, its files and its report.
 struct SessionResult {
   session::Consent consent;
@@ -49,7 +63,7 @@ struct SessionResult {
   std::vector<session::Decision> decisions;
   std::vector<std::pair<double, session::LiveCommand>> commands;  ///< when what was asked for
   std::vector<session::Stop> stops;
-  std::vector<TangentTissue> pressed_tissue;  ///< per performed path: the truth under the tool
+  std::vector<Touched> touched;  ///< per performed path
   session::ForceErrors force;
   std::map<Technique, session::ForceErrors> techniques;
   std::vector<telemetry::TraceRow> trace;
@@ -58,6 +72,13 @@ struct SessionResult {
   double min_arm_distance_m = 0.0;  ///< that the arms truly had, surface to surface
   std::string device_fault;
 };
+
+/// From the tool's place at its hardest to the true acupoint, for a press of an acupoint; else
+/// nothing.
+[[nodiscard]] std::optional<double> tool_to_acupoint_m(const SessionResult& result,
+                                                       std::size_t performed);
+/// From the beginning of the scan to the first touch, computing included.
+[[nodiscard]] double scan_to_touch_s(const SessionResult& result);
 
 /// How the config and the therapist want a plan.
 [[nodiscard]] Result<massage::PlanOptions> plan_options(const session::Config& config,

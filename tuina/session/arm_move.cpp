@@ -51,6 +51,7 @@ void rehearse(const Stage& stage, Arm arm, const ArmRest& from, ArmMove& move,
     move.above = move.after = rest(stage, arm, above, rehearsal.q_rad());
     if (goals.empty()) continue;
     rehearsal.slide(goals, move.posture_rad, move.skin);
+    rehearsal.stay(move.posture_rad, move.skin);
     rehearsal.fly(pose_of(stage, after), move.posture_rad, move.skin);
     move.after = rest(stage, arm, after, rehearsal.q_rad());
   }

@@ -114,6 +114,14 @@ void Rehearsal::fly(const control::ToolPose& foremost, const JointVector& postur
   }
 }
 
+void Rehearsal::stay(const JointVector& posture_rad, Passage& passage) {
+  constexpr int steps = 10;
+  const Transform tool = model_->base_from_tool(q_rad_, rail_m_);
+  for (int i = 0; i < steps; ++i) {
+    step_to(tool.translation(), control::tool_normal(tool), posture_rad, passage);
+  }
+}
+
 void Rehearsal::slide(std::span<const robot::ContactGoal> places, const JointVector& posture_rad,
                       Passage& passage) {
   const double radius_m = model_->table().tool_radius_m;

@@ -32,6 +32,8 @@ class Rehearsal {
 
   /// Through the air in a straight line, the normal turning evenly.
   void fly(const control::ToolPose& foremost, const JointVector& posture_rad, Passage& passage);
+  /// Where it is, for as long as its posture changes.
+  void stay(const JointVector& posture_rad, Passage& passage);
   /// Along the skin.
   void slide(std::span<const robot::ContactGoal> places, const JointVector& posture_rad,
              Passage& passage);

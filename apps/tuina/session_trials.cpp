@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/tuina/session_trials.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "tuina/core/parallel.hpp"
+#include "tuina/session/massage_step.hpp"
+
+namespace tuina::app {
+namespace {
+
+bool bony(massage::Zone zone) {
+  return session::guarded_zone(zone) == safety::Zone::bony;
+}
+
+bool of_the_seven(const std::string& name) {
+  return std::find(seven_acupoints.begin(), seven_acupoints.end(), name) != seven_acupoints.end();
+}
+
+}  // namespace
+
+SessionOutcome run_session_trial(const SessionTrial& trial, const session::Config& config) {
+  SessionOutcome outcome;
+  const auto done = run_simulated_session(trial.order, config, {.quiet = true, .seed = trial.seed});
+  if (!done) {
+    outcome.refused = done.error().message;
+    return outcome;
+  }
+  outcome.position = done->located.position;
+  outcome.duration_s = done->massage_s;
+  outcome.rmse_n = done->force.rmse_n;
+  outcome.overshoot_n = done->force.overshoot_n;
+  outcome.arm_distance_m = done->min_arm_distance_m;
+  outcome.scan_to_touch_s = scan_to_touch_s(*done);
+  outcome.plan_ms = done->plan_ms;
+  outcome.real_time_factor = done->real_time_factor;
+  for (const session::Stop& stop : done->stops) {
+    outcome.stops.push_back(
+        fmt::format("{} arm: {}", name_of(stop.arm), safety::name_of(stop.cause)));
+  }
+  for (const std::string& note : done->ready.plan.notes) {
+    if (note.find("left out") != std::string::npos) outcome.left_out.push_back(note);
+  }
+  outcome.over_cap_n = outcome.over_trip_n = -std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < done->performed.size(); ++i) {
+    const session::Performed& performed = done->performed[i];
+    const auto& path = done->ready.plan.paths[static_cast<std::size_t>(performed.path)].path;
+    const Touched& touched = done->touched[i];
+    if (performed.trouble != control::Trouble::none) {
+      outcome.troubles.push_back(
+          fmt::format("{}: {}", path.name, control::name_of(performed.trouble)));
+    }
+    if (bony(touched.zone)) outcome.bony_peak_n = std::max(outcome.bony_peak_n, touched.peak_n);
+    outcome.over_cap_n = std::max(outcome.over_cap_n, touched.over_cap_n);
+    outcome.over_trip_n = std::max(outcome.over_trip_n, touched.over_trip_n);
+    const auto off_m = tool_to_acupoint_m(*done, i);
+    if (off_m && of_the_seven(path.acupoints.front())) outcome.tool_to_acupoint_m.push_back(*off_m);
+  }
+  return outcome;
+}
+
+std::vector<SessionOutcome> run_session_trials(const std::vector<SessionTrial>& trials,
+                                               const session::Config& config,
+                                               const Progress& progress) {
+  std::vector<SessionOutcome> outcomes(trials.size());
+  for_each_in_parallel(
+      trials.size(), [&](std::size_t i) { outcomes[i] = run_session_trial(trials[i], config); },
+      progress);
+  return outcomes;
+}
+
+SessionSummary summarise(const std::vector<const SessionOutcome*>& outcomes) {
+  SessionSummary sum{.sessions = outcomes.size(),
+                     .least_arm_distance_m = std::numeric_limits<double>::infinity()};
+  sum.most_over_cap_n = sum.most_over_trip_n = -std::numeric_limits<double>::infinity();
+  std::vector<double> factors;
+  std::size_t presses = 0;
+  for (const SessionOutcome* one : outcomes) {
+    if (!one->refused.empty()) {
+      ++sum.refused;
+      continue;
+    }
+    sum.stopped += one->stops.empty() ? 0 : 1;
+    sum.troubled += one->troubles.empty() ? 0 : 1;
+    sum.paths_left_out += one->left_out.size();
+    sum.worst_rmse_n = std::max(sum.worst_rmse_n, one->rmse_n);
+    sum.mean_rmse_n += one->rmse_n;
+    sum.worst_overshoot_n = std::max(sum.worst_overshoot_n, one->overshoot_n);
+    sum.most_over_cap_n = std::max(sum.most_over_cap_n, one->over_cap_n);
+    sum.most_over_trip_n = std::max(sum.most_over_trip_n, one->over_trip_n);
+    sum.bony_peak_n = std::max(sum.bony_peak_n, one->bony_peak_n);
+    sum.least_arm_distance_m = std::min(sum.least_arm_distance_m, one->arm_distance_m);
+    sum.worst_scan_to_touch_s = std::max(sum.worst_scan_to_touch_s, one->scan_to_touch_s);
+    sum.worst_plan_ms = std::max(sum.worst_plan_ms, one->plan_ms);
+    sum.mean_duration_s += one->duration_s;
+    factors.push_back(one->real_time_factor);
+    for (const double off_m : one->tool_to_acupoint_m) {
+      sum.mean_tool_to_acupoint_m += off_m;
+      sum.most_tool_to_acupoint_m = std::max(sum.most_tool_to_acupoint_m, off_m);
+      ++presses;
+    }
+  }
+  if (factors.empty()) return sum;
+  sum.mean_rmse_n /= static_cast<double>(factors.size());
+  sum.mean_duration_s /= static_cast<double>(factors.size());
+  sum.mean_tool_to_acupoint_m /= static_cast<double>(std::max<std::size_t>(presses, 1));
+  std::nth_element(factors.begin(), factors.begin() + static_cast<long>(factors.size() / 2),
+                   factors.end());
+  sum.median_real_time_factor = factors[factors.size() / 2];
+  return sum;
+}
+
+}  // namespace tuina::app

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include "tuina/core/progress.hpp"
+
+namespace tuina {
+
+/// Calls `work(i)` for every i below `count`, on all cores, in any order. `work` must not throw and
+/// must write only to what belongs to its i. Progress is told from one thread at a time.
+template <class Work>
+void for_each_in_parallel(std::size_t count, const Work& work, const Progress& progress = {}) {
+  std::atomic<std::size_t> next = 0;
+  std::size_t done = 0;
+  std::mutex telling;
+  const auto run = [&] {
+    for (std::size_t i = next++; i < count; i = next++) {
+      work(i);
+      const std::lock_guard lock(telling);
+      ++done;
+      if (progress) progress(static_cast<double>(done) / static_cast<double>(count));
+    }
+  };
+  std::vector<std::thread> team;
+  for (unsigned i = 1; i < std::thread::hardware_concurrency() && i < count; ++i)
+    team.emplace_back(run);
+  run();
+  for (std::thread& thread : team) thread.join();
+}
+
+}  // namespace tuina
