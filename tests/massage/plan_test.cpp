@@ -236,6 +236,19 @@ TEST_CASE("GV4 bears ten seconds, so fewer presses are done than ordered") {
   CHECK(noted(*plan, "instead of 9 presses"));
 }
 
+TEST_CASE("a point whose place is hardly known is left out, and the plan says so") {
+  Person person;
+  const Programme programme =
+      programme_of("[[part]]\ntechnique = \"press\"\npoints = [\"GV4\", \"BL50\"]\nforce_n = 10\n");
+  for (Acupoint& point : person.points) {
+    if (point.name == "GV4") point.uncertainty_m = 51_mm;
+  }
+  const auto plan = massage::plan(person.back, person.points, {}, programme);
+  REQUIRE(plan.has_value());
+  for (const PlannedPath& planned : plan->paths) CHECK(planned.path.name != "press GV4");
+  CHECK(noted(*plan, "the place of GV4 is known to 51 mm only"));
+}
+
 TEST_CASE("what does not belong together is refused") {
   const Person person;
   const Programme relax = load_programme("relax").value();

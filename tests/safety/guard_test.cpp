@@ -214,6 +214,17 @@ TEST_CASE("an encoder that jumps makes the arm comply") {
   CHECK(scene.verdict.action == Action::comply);
 }
 
+TEST_CASE("an elbow that swings makes the arm comply, however still the tool is") {
+  Scene scene;
+  scene.tick(100);
+  scene.seen.dq_rad_per_s[2] = -0.99 * ceilings.joint_speed_rad_per_s;
+  CHECK(scene.tick(20).action == Action::pass);
+  scene.seen.dq_rad_per_s[2] = -1.01 * ceilings.joint_speed_rad_per_s;
+  CHECK(scene.tick(2).action == Action::pass);
+  CHECK(scene.tick().action == Action::comply);
+  CHECK(scene.verdict.cause == Cause::joint_too_fast);
+}
+
 TEST_CASE("each phase has its speed, and noise of two milliseconds is not speed") {
   for (int phase = 0; phase < 4; ++phase) {
     Scene scene;

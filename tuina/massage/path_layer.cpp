@@ -16,6 +16,7 @@ namespace tuina::massage {
 namespace {
 
 constexpr double shortest_stroke_m = 60_mm;
+constexpr double most_uncertainty_m = 50_mm;  // beyond, the tool may come down anywhere
 constexpr double off_skin_m = 20_mm;  // an acupoint further from the scanned skin is not on it
 
 }  // namespace
@@ -26,6 +27,12 @@ PathLayer::PathLayer(const body::BackSurface& back, const BackChart& chart, cons
 
 Result<std::optional<WaitingPath>> PathLayer::lay(const Part& part, const Target& target) {
   name_ = fmt::format("{} {}", name_of(part.technique), target.name);
+  for (const Acupoint& point : target.points) {
+    if (point.uncertainty_m <= most_uncertainty_m) continue;
+    note("left out, the place of {} is known to {:.0f} mm only, {:.0f} mm at most are allowed",
+         point.name, to_mm(point.uncertainty_m), to_mm(most_uncertainty_m));
+    return std::optional<WaitingPath>{};
+  }
   const bool slides = part.technique == Technique::rub || part.technique == Technique::stroke;
   auto waiting = slides ? lay_sliding(part, target) : lay_standing(part, target);
   if (!waiting) {

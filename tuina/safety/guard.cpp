@@ -55,6 +55,7 @@ const char* name_of(Cause cause) noexcept {
                                 "force spike",
                                 "force sensor stale",
                                 "encoder jump",
+                                "joint too fast",
                                 "tool too fast",
                                 "torque saturated",
                                 "tool pushed out",
@@ -90,6 +91,7 @@ Guard::Guard(const Options& options) noexcept : options_(options) {
   lower(limits.over_cap_n, ceilings.over_cap_n);
   lower(limits.torque_rate_nm_per_s, ceilings.torque_rate_nm_per_s);
   lower(limits.encoder_jump_rad, ceilings.encoder_jump_rad);
+  lower(limits.joint_speed_rad_per_s, ceilings.joint_speed_rad_per_s);
   lower(limits.stale_freeze_s, ceilings.stale_freeze_s);
   lower(limits.stale_retract_s, ceilings.stale_retract_s);
   reset();
@@ -106,7 +108,8 @@ void Guard::reset() noexcept {
   samples_n_ = {};
   medians_n_ = {};
   spike_times_s_.fill(-1e9);
-  suspects_ = too_fast_ = over_cap_ = saturated_ = not_finite_ = pushed_out_ = rising_ = 0;
+  suspects_ = too_fast_ = swinging_ = over_cap_ = saturated_ = not_finite_ = pushed_out_ = rising_ =
+      0;
   frozen_until_s_ = -1e9;
 }
 
@@ -186,6 +189,9 @@ void Guard::judge_joints(const Observation& seen, Finding& finding) noexcept {
   q_rad_ = seen.q_rad;
   if (jump > options_.limits.encoder_jump_rad)
     finding.add(Action::comply, Cause::encoder_jump, true);
+  const double joint_speed = seen.dq_rad_per_s.cwiseAbs().maxCoeff();
+  swinging_ = joint_speed > options_.limits.joint_speed_rad_per_s ? swinging_ + 1 : 0;
+  if (swinging_ >= fast_ticks) finding.add(Action::comply, Cause::joint_too_fast, true);
 }
 
 void Guard::judge_force(const Observation& seen, const Proposal& proposal,

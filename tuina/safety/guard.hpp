@@ -28,6 +28,7 @@ enum class Cause : std::uint8_t {
   force_spike,
   force_stale,
   encoder_jump,
+  joint_too_fast,
   tool_too_fast,
   torque_saturated,
   pushed_out,
@@ -139,7 +140,8 @@ class Guard {
   std::array<double, 5> spike_times_s_ = {};
 
   // Checks that need several milliseconds count them here.
-  int too_fast_ = 0, over_cap_ = 0, saturated_ = 0, not_finite_ = 0, pushed_out_ = 0, rising_ = 0;
+  int too_fast_ = 0, swinging_ = 0, over_cap_ = 0, saturated_ = 0, not_finite_ = 0, pushed_out_ = 0,
+      rising_ = 0;
   double frozen_until_s_ = 0.0;
 
   Action latched_ = Action::pass;

@@ -124,6 +124,14 @@ ArmMove move_home(const Stage& stage, Arm arm, const ArmRest& from) {
   return move;
 }
 
+/// Home is a posture, not only a place: an arm that gets there with its wrist turned over would
+/// swing round when the springs of the posture find their way.
+bool finds_home(const Stage& stage, Arm arm, const ArmRest& from) {
+  const ArmMove home = move_home(stage, arm, from);
+  const double missed_rad = (home.after.q_rad - stage.ready_rad[arm]).cwiseAbs().maxCoeff();
+  return home.air.off_m <= off_path_m && missed_rad <= way_missed_rad;
+}
+
 Result<ArmMove> move_to_path(const Stage& stage, Arm arm, const ArmRest& from,
                              const ContactPath& path, int index) {
   const robot::ArmModel& model = stage.models.get()[arm];
@@ -147,6 +155,10 @@ Result<ArmMove> move_to_path(const Stage& stage, Arm arm, const ArmRest& from,
     }
     const double bad = badness(stage, arm, move);
     if (bad >= least_bad) return;
+    if (!finds_home(stage, arm, move.after)) {
+      if (!best) best = fail(Fault::not_found, "from there the arm does not find its way home");
+      return;
+    }
     least_bad = bad;
     best = std::move(move);
   };
