@@ -21,7 +21,7 @@ namespace tuina::control {
 /// What the springs of the last joints and the elbow do besides the task.
 struct PostureGains {
   double stiffness_nm_per_rad = 6.0;
-  double damping_nm_s_per_rad = 2.5;
+  double damping_nm_s_per_rad = 4.0;
   double limit_margin_rad = 0.15;  ///< from here on a joint limit pushes back
   double limit_stiffness_nm_per_rad = 60.0;
 };
