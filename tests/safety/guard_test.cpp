@@ -217,6 +217,7 @@ TEST_CASE("an encoder that jumps makes the arm comply") {
 TEST_CASE("an elbow that swings makes the arm comply, however still the tool is") {
   Scene scene;
   scene.tick(100);
+  scene.seen.dq_rad_per_s[5] = 10.0;  // a hand that turns
   scene.seen.dq_rad_per_s[2] = -0.99 * ceilings.joint_speed_rad_per_s;
   CHECK(scene.tick(20).action == Action::pass);
   scene.seen.dq_rad_per_s[2] = -1.01 * ceilings.joint_speed_rad_per_s;

@@ -189,7 +189,9 @@ void Guard::judge_joints(const Observation& seen, Finding& finding) noexcept {
   q_rad_ = seen.q_rad;
   if (jump > options_.limits.encoder_jump_rad)
     finding.add(Action::comply, Cause::encoder_jump, true);
-  const double joint_speed = seen.dq_rad_per_s.cwiseAbs().maxCoeff();
+  constexpr Eigen::Index hand_joints = 2;
+  const auto carrying = seen.dq_rad_per_s.head(seen.dq_rad_per_s.size() - hand_joints);
+  const double joint_speed = carrying.cwiseAbs().maxCoeff();
   swinging_ = joint_speed > options_.limits.joint_speed_rad_per_s ? swinging_ + 1 : 0;
   if (swinging_ >= fast_ticks) finding.add(Action::comply, Cause::joint_too_fast, true);
 }

@@ -50,9 +50,10 @@ struct Ceilings {
   double force_rate_n_per_s = 2000.0;
   double over_cap_n = 10.0;  ///< this much above the set ceiling is borne for 100 ms only
   double torque_rate_nm_per_s = 1000.0;
-  double encoder_jump_rad = 5e-3;      ///< in one millisecond
-  double joint_speed_rad_per_s = 2.5;  ///< of an elbow that swings while the tool stays
-  double stale_freeze_s = 3e-3;        ///< age of the wrist sensor's sample
+  double encoder_jump_rad = 5e-3;  ///< in one millisecond
+  /// Of an elbow that swings while the tool stays; the last two joints turn the hand only.
+  double joint_speed_rad_per_s = 3.0;
+  double stale_freeze_s = 3e-3;  ///< age of the wrist sensor's sample
   double stale_retract_s = 5e-3;
 };
 inline constexpr Ceilings ceilings;
