@@ -190,7 +190,8 @@ void Guard::judge_joints(const Observation& seen, Finding& finding) noexcept {
   if (jump > options_.limits.encoder_jump_rad)
     finding.add(Action::comply, Cause::encoder_jump, true);
   constexpr Eigen::Index hand_joints = 2;
-  const auto carrying = seen.dq_rad_per_s.head(seen.dq_rad_per_s.size() - hand_joints);
+  const auto carrying =
+      seen.dq_rad_per_s.head(std::max<Eigen::Index>(seen.q_rad.size() - hand_joints, 1));
   const double joint_speed = carrying.cwiseAbs().maxCoeff();
   swinging_ = joint_speed > options_.limits.joint_speed_rad_per_s ? swinging_ + 1 : 0;
   if (swinging_ >= fast_ticks) finding.add(Action::comply, Cause::joint_too_fast, true);
