@@ -7,6 +7,8 @@
 #include <bit>
 
 #include "tests/core/mutation.hpp"
+#include "tests/folder.hpp"
+#include "tuina/core/file.hpp"
 
 using namespace tuina;
 
@@ -76,6 +78,38 @@ TEST_CASE("a cloud written as PLY comes back with its normals, amplitudes and de
   CHECK(file.cloud.normals[3].isApprox(cloud.normals[3], 1e-6));
   CHECK(file.cloud.amplitude == cloud.amplitude);
   CHECK(file.cloud.deviation_m == cloud.deviation_m);
+}
+
+TEST_CASE("a cloud written in any format comes back, and nothing is left of one that cannot be") {
+  const test::Folder folder;
+  Random random = make_random(4, "cloud formats");
+  PointCloud cloud;
+  for (int k = 0; k < 40000; ++k) {  // more than one piece
+    const auto number = [&] { return static_cast<float>(gaussian(random, 0.3)); };
+    cloud.points.emplace_back(number(), number(), number());
+    cloud.amplitude.push_back(number());
+  }
+  for (const char* name : {"ply", "ply-ascii", "ply-big-endian", "pcd", "pcd-ascii"}) {
+    CAPTURE(name);
+    const auto format = cloud_format(name);
+    REQUIRE(format.has_value());
+    const auto path = folder / name;
+    REQUIRE(write_cloud(path, cloud, *format).has_value());
+    const auto file = read_surface(path);
+    REQUIRE_MESSAGE(file.has_value(), file.error().message);
+    REQUIRE(file->cloud.size() == cloud.size());
+    // Words are read as double, which the digits of a float give to a part in ten million.
+    double worst_m = 0.0;
+    for (std::size_t k = 0; k < cloud.size(); ++k) {
+      worst_m = std::max(worst_m, (file->cloud.points[k] - cloud.points[k]).norm());
+    }
+    CHECK(worst_m < 2e-7);
+    CHECK(file->cloud.amplitude == cloud.amplitude);
+    CHECK(file->cloud.normals.empty());
+  }
+  CHECK(read_file(folder / "ply").value() == to_ply(cloud));
+  CHECK_FALSE(cloud_format("stl").has_value());
+  CHECK(write_cloud(folder / "no/cloud.ply", cloud).error().fault == Fault::file);
 }
 
 TEST_CASE("a mesh written as PLY comes back, and a polygon is read as a fan of triangles") {

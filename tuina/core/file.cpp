@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <utility>
 
 namespace tuina {
 namespace {
@@ -56,34 +57,62 @@ Result<std::string> read_file(const std::filesystem::path& path, std::size_t lim
   return content;
 }
 
-Result<void> write_file(const std::filesystem::path& path, std::string_view content) {
+FileWriter::FileWriter(std::filesystem::path path, std::string written_to, int descriptor)
+    : path_(std::move(path)), written_to_(std::move(written_to)), descriptor_(descriptor) {}
+
+FileWriter::FileWriter(FileWriter&& other) noexcept
+    : path_(std::move(other.path_)),
+      written_to_(std::move(other.written_to_)),
+      descriptor_(std::exchange(other.descriptor_, -1)) {}
+
+FileWriter::~FileWriter() {
+  if (descriptor_ < 0) return;
+  close();
+  if (!in_place()) ::unlink(written_to_.c_str());
+}
+
+void FileWriter::close() {
+  ::close(std::exchange(descriptor_, -1));
+}
+
+Result<FileWriter> FileWriter::open(const std::filesystem::path& path) {
   // A device or a pipe (/dev/stdout) is written in place: there is nothing to rename over.
   std::error_code ignored;
   const auto status = std::filesystem::status(path, ignored);
   const bool in_place =
       std::filesystem::exists(status) && !std::filesystem::is_regular_file(status);
-  const std::string beside = in_place ? path.string() : path.string() + ".part";
-  {
-    const Descriptor file{::open(beside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644)};
-    if (file.fd < 0) {
-      return fail(Fault::file, "{}: cannot be written: {}", path.string(), std::strerror(errno));
-    }
-    while (!content.empty()) {
-      const ssize_t put = ::write(file.fd, content.data(), content.size());
-      if (put < 0) {
-        const int cause = errno;
-        if (!in_place) ::unlink(beside.c_str());
-        return fail(Fault::file, "{}: cannot be written: {}", path.string(), std::strerror(cause));
-      }
-      content.remove_prefix(static_cast<std::size_t>(put));
-    }
+  std::string written_to = in_place ? path.string() : path.string() + ".part";
+  const int descriptor = ::open(written_to.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
+  if (descriptor < 0) {
+    return fail(Fault::file, "{}: cannot be written: {}", path.string(), std::strerror(errno));
   }
-  if (!in_place && ::rename(beside.c_str(), path.c_str()) != 0) {
-    const int cause = errno;
-    ::unlink(beside.c_str());
-    return fail(Fault::file, "{}: cannot be written: {}", path.string(), std::strerror(cause));
+  return FileWriter(path, std::move(written_to), descriptor);
+}
+
+Result<void> FileWriter::append(std::string_view content) {
+  while (!content.empty()) {
+    const ssize_t put = ::write(descriptor_, content.data(), content.size());
+    if (put < 0) {
+      return fail(Fault::file, "{}: cannot be written: {}", path_.string(), std::strerror(errno));
+    }
+    content.remove_prefix(static_cast<std::size_t>(put));
   }
   return {};
+}
+
+Result<void> FileWriter::finish() {
+  close();
+  if (in_place() || ::rename(written_to_.c_str(), path_.c_str()) == 0) return {};
+  const int cause = errno;
+  ::unlink(written_to_.c_str());
+  return fail(Fault::file, "{}: cannot be written: {}", path_.string(), std::strerror(cause));
+}
+
+Result<void> write_file(const std::filesystem::path& path, std::string_view content) {
+  auto file = FileWriter::open(path);
+  if (!file) return tl::unexpected(file.error());
+  if (const auto written = file->append(content); !written) return written;
+  return file->finish();
 }
 
 }  // namespace tuina

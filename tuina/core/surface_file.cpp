@@ -172,15 +172,6 @@ void append(std::string& content, const Vector3& value) {
   for (int k = 0; k < 3; ++k) append(content, value[k]);
 }
 
-std::string ply_header(std::size_t points, std::string_view more) {
-  static_assert(std::endian::native == std::endian::little,
-                "the numbers are written as they lie in memory");
-  return fmt::format(
-      "ply\nformat binary_little_endian 1.0\ncomment metres\nelement vertex {}\n"
-      "property float x\nproperty float y\nproperty float z\n{}end_header\n",
-      points, more);
-}
-
 }  // namespace
 
 Result<SurfaceFile> parse_surface(std::string_view content, std::string_view name) {
@@ -207,25 +198,14 @@ Result<SurfaceFile> read_surface(const std::filesystem::path& path) {
   return parse_surface(*content, path.string());
 }
 
-std::string to_ply(const PointCloud& cloud) {
-  std::string more;
-  if (!cloud.normals.empty()) more += "property float nx\nproperty float ny\nproperty float nz\n";
-  if (!cloud.amplitude.empty()) more += "property float amplitude_dn\n";
-  if (!cloud.deviation_m.empty()) more += "property float deviation_m\n";
-  std::string content = ply_header(cloud.size(), more);
-  for (std::size_t k = 0; k < cloud.size(); ++k) {
-    append(content, cloud.points[k]);
-    if (!cloud.normals.empty()) append(content, cloud.normals[k]);
-    if (!cloud.amplitude.empty()) append(content, cloud.amplitude[k]);
-    if (!cloud.deviation_m.empty()) append(content, cloud.deviation_m[k]);
-  }
-  return content;
-}
-
 std::string to_ply(const Mesh& mesh) {
-  std::string content = ply_header(
-      mesh.vertices.size(), fmt::format("element face {}\nproperty list uchar int vertex_indices\n",
-                                        mesh.triangles.size()));
+  static_assert(std::endian::native == std::endian::little,
+                "the numbers are written as they lie in memory");
+  std::string content = fmt::format(
+      "ply\nformat binary_little_endian 1.0\ncomment metres\nelement vertex {}\n"
+      "property float x\nproperty float y\nproperty float z\n"
+      "element face {}\nproperty list uchar int vertex_indices\nend_header\n",
+      mesh.vertices.size(), mesh.triangles.size());
   for (const Vector3& vertex : mesh.vertices) append(content, vertex);
   for (const auto& triangle : mesh.triangles) {
     content += '\3';

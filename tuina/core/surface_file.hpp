@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -27,5 +28,14 @@ struct SurfaceFile {
 /// them.
 [[nodiscard]] std::string to_ply(const PointCloud& cloud);
 [[nodiscard]] std::string to_ply(const Mesh& mesh);
+
+enum class CloudFormat { ply_ascii, ply_binary, ply_big_endian, pcd_ascii, pcd_binary };
+/// "ply", "ply-ascii", "ply-big-endian", "pcd", "pcd-ascii".
+[[nodiscard]] std::optional<CloudFormat> cloud_format(std::string_view name);
+
+/// Writes a cloud as `to_ply` does, or in another format, in pieces: however many points there are,
+/// little memory is taken.
+[[nodiscard]] Result<void> write_cloud(const std::filesystem::path& path, const PointCloud& cloud,
+                                       CloudFormat format = CloudFormat::ply_binary);
 
 }  // namespace tuina
