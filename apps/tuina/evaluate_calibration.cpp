@@ -13,7 +13,7 @@
 #include "tuina/calibration/calibrate.hpp"
 #include "tuina/core/random.hpp"
 #include "tuina/core/units.hpp"
-#include "tuina/scanner/triangulation.hpp"
+#include "tuina/sim/laser_scanner.hpp"
 #include "tuina/sim/rehearsal.hpp"
 
 namespace tuina::app {
@@ -23,25 +23,6 @@ namespace fs = std::filesystem;
 using namespace calibration;
 
 constexpr double added_px = 0.1;
-
-/// RMS over the rows of the image of the range that is told wrongly at a depth.
-double true_range_error_m(const scanner::ScannerCalibration& truth,
-                          const scanner::ScannerCalibration& found, double depth_m) {
-  double sum2 = 0.0;
-  int rows = 0;
-  for (int row = 0; row < truth.camera.height_px; row += 8) {
-    const double y = (row - truth.camera.cy_px) / truth.camera.fy_px * depth_m;
-    const Vector3& normal = truth.laser_normal_in_camera;
-    const double x = (truth.laser_distance_m - normal.y() * y - normal.z() * depth_m) / normal.x();
-    const Vector3 point(x, y, depth_m);
-    const Vector2 pixel = scanner::project(truth.camera, point);
-    const auto told = scanner::triangulate(found, pixel.x(), pixel.y());
-    if (!told) return INFINITY;
-    sum2 += std::pow(told->norm() - point.norm(), 2);
-    ++rows;
-  }
-  return std::sqrt(sum2 / rows);
-}
 
 /// A true error and what was stated of it, over many sets.
 struct Errors {
@@ -186,7 +167,7 @@ class EvaluateCalibration final : public Verb {
     for (std::size_t i = 0; i < result.expected.size(); ++i) {
       if (!result.expected[i]) continue;
       quantities[fmt::format("range at {:.2f} m, mm", told_depths_m[i])].add(
-          to_mm(true_range_error_m(truth, found, told_depths_m[i])),
+          to_mm(sim::range_error_m(truth, found, told_depths_m[i])),
           to_mm(result.expected[i]->systematic_m));
     }
     quantities["focal length, px"].add(std::abs(found.camera.fx_px - truth.camera.fx_px),

@@ -7,7 +7,6 @@
 #include <optional>
 
 #include "apps/tuina/verbs.hpp"
-#include "tuina/core/file.hpp"
 #include "tuina/core/surface_file.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/scanner/check_box.hpp"
@@ -81,6 +80,11 @@ class ScanVerb final : public Verb {
                            "phantom:medium, phantom:hefty");
     auto* replay =
         command.add_option("--replay", replay_, "a recorded sweep (a folder)")->excludes(person);
+    auto* stop_and_shoot =
+        command
+            .add_flag("--stop-and-shoot", stop_and_shoot_,
+                      "stand still for every frame, in steps of 0.29 degrees, as the thesis did")
+            ->excludes(replay);
     auto* position =
         command
             .add_option("--position", position_, "sitting or prone; a labelled body knows its own")
@@ -99,7 +103,8 @@ class ScanVerb final : public Verb {
     command
         .add_flag("--both-ways", both_ways_,
                   "turn forth and back: finds the latency again, and takes the breath off")
-        ->excludes(replay);
+        ->excludes(replay)
+        ->excludes(stop_and_shoot);
     command.add_option("--calibration", calibration_,
                        "instead of the scanner's own calibration.toml");
     command
@@ -112,7 +117,9 @@ class ScanVerb final : public Verb {
         "a box of this size, as 150x150x200mm, is in the scene, two or three faces in view; refuse "
         "a scan that shows it of another size or askew");
     command.add_option("--record", record_, "keep the sweep in this new folder")->excludes(replay);
-    command.add_option("--out", out_, "the cloud, as PLY");
+    command.add_option("--out", out_, "the cloud; as PCD when the name ends so, else as PLY");
+    command.add_option("--format", format_, "of --out, when its name does not tell")
+        ->check(CLI::IsMember({"ply", "ply-ascii", "ply-big-endian", "pcd", "pcd-ascii"}));
     (void)position;
   }
 
@@ -138,6 +145,7 @@ class ScanVerb final : public Verb {
     auto options = session::sweep_options(*config);
     if (const auto method = scanner::line_method(method_)) options.method = *method;
     options.both_ways = both_ways_;
+    if (stop_and_shoot_) options.step_rad = from_deg(300.0 / 1024.0);
     return replay_.empty() ? simulate(common, *config, calibration, options)
                            : replay(common, calibration, options);
   }
@@ -205,9 +213,10 @@ class ScanVerb final : public Verb {
       box = *checked;
     }
     if (!out_.empty()) {
-      if (const auto written = write_file(out_, to_ply(scan.cloud_in_couch)); !written) {
-        return tl::unexpected(written.error());
-      }
+      const bool pcd = format_.empty() && fs::path(out_).extension() == ".pcd";
+      const auto format = cloud_format(pcd ? "pcd" : format_).value_or(CloudFormat::ply_binary);
+      const auto written = write_cloud(out_, scan.cloud_in_couch, format);
+      if (!written) return tl::unexpected(written.error());
     }
     nlohmann::json json{{"profiles", scan.profiles},
                         {"points", scan.cloud_in_couch.size()},
@@ -266,6 +275,8 @@ class ScanVerb final : public Verb {
   std::string position_;
   double breathing_mm_ = 0.0;
   bool both_ways_ = false;
+  bool stop_and_shoot_ = false;
+  std::string format_;
   double check_sphere_mm_ = 0.0;
   std::string check_box_;
   Vector3 box_size_m_ = Vector3::Zero();

@@ -5,15 +5,15 @@
 
 #include <cmath>
 
-#include "tests/calibration/range_truth.hpp"
 #include "tests/folder.hpp"
 #include "tuina/core/units.hpp"
+#include "tuina/sim/laser_scanner.hpp"
 #include "tuina/sim/rehearsal.hpp"
 
 using namespace tuina;
 using namespace tuina::calibration;
+using tuina::sim::range_error_m;
 using tuina::test::Folder;
-using tuina::test::range_error_m;
 
 TEST_CASE("a scanner that nobody has measured is known after one rehearsed set") {
   const Folder folder;

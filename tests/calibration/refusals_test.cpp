@@ -6,10 +6,10 @@
 #include <cmath>
 #include <string>
 
-#include "tests/calibration/range_truth.hpp"
 #include "tests/calibration/seen_boards.hpp"
 #include "tuina/calibration/calibrate.hpp"
 #include "tuina/core/units.hpp"
+#include "tuina/sim/laser_scanner.hpp"
 
 using namespace tuina;
 using namespace tuina::calibration;
@@ -52,7 +52,7 @@ TEST_CASE("the set that the others spoil is a good one") {
     const auto result = calibrate(views);
     REQUIRE_MESSAGE(result.has_value(), result.error().message);
     const auto truth = sim::built_scanner(seed);
-    CHECK(test::range_error_m(truth, result->calibration, 1.0) < 1.0_mm);
+    CHECK(sim::range_error_m(truth, result->calibration, 1.0) < 1.0_mm);
   }
 }
 
@@ -200,7 +200,7 @@ TEST_CASE("what is stated is what is true, over scanners and sets") {
     Views views = seen_boards(truth, seed, {.poses = 20, .standing_poses = 3}, 0.1);
     const auto result = calibrate(views);
     REQUIRE_MESSAGE(result.has_value(), result.error().message);
-    true2 += std::pow(test::range_error_m(truth, result->calibration, 1.0), 2);
+    true2 += std::pow(sim::range_error_m(truth, result->calibration, 1.0), 2);
     stated2 += std::pow(result->expected[1]->systematic_m, 2);
     const auto& covariance = result->fit.covariance;
     axis2 += result->calibration.axis_direction_in_camera.cross(truth.axis_direction_in_camera)

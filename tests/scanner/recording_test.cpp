@@ -44,7 +44,10 @@ struct Little final : Camera, Turntable {
     next = 0;
     return {};
   }
-  Result<std::vector<YawReading>> readings() override {
+  Result<void> step(double from_rad, double to_rad, double step_rad) override {
+    return sweep(from_rad, to_rad, step_rad);
+  }
+  Result<std::vector<YawReading>> readings() const override {
     std::vector<YawReading> readings;
     for (int i = -5; i < 60; ++i) {
       readings.push_back({i * 0.02 + 1.0 / 3.0, from_deg(std::round(0.9 * i) * (300.0 / 1024.0))});

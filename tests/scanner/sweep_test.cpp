@@ -107,6 +107,22 @@ TEST_CASE("a motor that speeds up, stands and returns is followed too") {
   CHECK(worst_error_deg(times, *yaw, wander) < 0.7 * count_deg);
 }
 
+TEST_CASE(
+    "a unit that stands still for every frame is where the motor says, however late it shoots") {
+  // A step of two counts every 0.2 s, 60 ms of it turning; the frame is taken just before the next.
+  constexpr double step_s = 0.2;
+  const auto steps = [](double t) {
+    const double begun = std::floor(t / step_s);
+    const double on_the_way = std::min(1.0, (t / step_s - begun) * step_s / 0.06);
+    return -10.0 * count_deg + 2.0 * count_deg * std::clamp(begun - 1.0 + on_the_way, 0.0, 39.0);
+  };
+  std::vector<double> times;
+  for (int i = 0; i < 40; ++i) times.push_back((i + 1.83) * step_s);
+  const auto yaw = yaw_at(times, poll(-0.3, 9.0, 0.1, 6, steps), 0.1);
+  REQUIRE(yaw.has_value());
+  CHECK(worst_error_deg(times, *yaw, steps) < 1e-9);
+}
+
 TEST_CASE("a latency that is not known shows as a wrong angle") {
   const auto times = frame_times(181);
   const auto even = [](double t) { return -18.0 + 6.0 * t; };

@@ -81,6 +81,32 @@ TEST_CASE("a flat wall at 1.1 m comes back flat within 0.3 mm, in its place") {
   CHECK(truth.worst_error_m < 3e-3);
 }
 
+TEST_CASE("stop and shoot sees the same wall, in more time, and each profile is told as it comes") {
+  const Mesh mesh = wall(-0.3, 0.3, 0.1, 0.7, 0.03);
+  LaserScanner scanner(mesh, Position::sitting, {}, 1);
+  scanner::SweepOptions options{.step_rad = 2.0 * 300.0_deg / 1024.0};
+  std::vector<scanner::LiveProfile> live;
+  options.on_profile = [&](const scanner::LiveProfile& profile) { live.push_back(profile); };
+  const auto scan = scanner::scan_sweep(scanner, scanner, scanner.true_calibration(), options);
+  REQUIRE_MESSAGE(scan.has_value(), scan.error().message);
+  // 62 frames of 0.586 degrees, 117 ms each.
+  CHECK(scan->sweep_s == doctest::Approx(61 * 0.117));
+  CHECK(compare_with_truth(scan->cloud_in_couch, mesh).rms_error_m < 0.3e-3);
+
+  REQUIRE(live.size() == 62);
+  std::size_t points = 0;
+  double worst_m = 0.0;
+  for (std::size_t i = 0; i < live.size(); ++i) {
+    CHECK(live[i].number == static_cast<int>(i) + 1);
+    points += live[i].points_in_couch.size();
+    for (const Vector3& point : live[i].points_in_couch) {
+      if (point.z() > 0.11) worst_m = std::max(worst_m, std::abs(point.y() - 0.03));
+    }
+  }
+  CHECK(points > scan->cloud_in_couch.size() / 5);
+  CHECK(worst_m < 10e-3);
+}
+
 TEST_CASE("a post hides what is behind it from the laser or from the camera") {
   const Mesh back = wall(-0.3, 0.3, 0.1, 0.7, -0.2);
   const Mesh post = wall(-0.02, 0.02, 0.1, 0.7, 0.3);
@@ -220,4 +246,35 @@ TEST_CASE("the distance to a surface is the distance to its nearest place") {
   CHECK(scene.distance_to({0.2, 0.3, 0.5}) == doctest::Approx(0.3));
   CHECK(scene.distance_to({2.0, 0.0, 0.5}) == doctest::Approx(1.0));
   CHECK(scene.distance_to({2.0, 1.0, 2.0}) == doctest::Approx(std::sqrt(3.0)));
+}
+
+TEST_CASE("what the simulated user believes to know of a calibration is as good as is said of it") {
+  const auto truth = true_calibration(Position::sitting);
+  double axis2 = 0.0;
+  double point2 = 0.0;
+  double latency2 = 0.0;
+  constexpr int calibrations = 60;
+  for (const double depth_m : {0.5, 0.65, 1.0, 1.75}) {
+    double true2 = 0.0;
+    double stated_m = 0.0;
+    axis2 = point2 = latency2 = 0.0;
+    for (int seed = 1; seed <= calibrations; ++seed) {
+      const auto believed = believed_calibration(truth, static_cast<std::uint64_t>(seed));
+      REQUIRE(believed.errors.has_value());
+      const double error_m = range_error_m(truth, believed, depth_m);
+      true2 += error_m * error_m / calibrations;
+      stated_m = believed.errors->range_at_m(depth_m);
+      const Vector3& axis = truth.axis_direction_in_camera;
+      axis2 += believed.axis_direction_in_camera.cross(axis).squaredNorm() / calibrations;
+      point2 +=
+          (believed.axis_point_in_camera - truth.axis_point_in_camera).squaredNorm() / calibrations;
+      latency2 += std::pow(believed.latency_s - truth.latency_s, 2) / calibrations;
+    }
+    CAPTURE(depth_m);
+    CHECK(stated_m == doctest::Approx(std::sqrt(true2)).epsilon(0.25));
+  }
+  const auto stated = *believed_calibration(truth, 1).errors;
+  CHECK(stated.axis_direction_rad == doctest::Approx(std::sqrt(0.5 * axis2)).epsilon(0.25));
+  CHECK(stated.axis_point_m == doctest::Approx(std::sqrt(0.5 * point2)).epsilon(0.25));
+  CHECK(stated.latency_s == doctest::Approx(std::sqrt(latency2)).epsilon(0.25));
 }

@@ -3,6 +3,7 @@
 
 #include <toml++/toml.h>
 #include <Eigen/SVD>
+#include <algorithm>
 #include <cmath>
 #include <initializer_list>
 #include <vector>
@@ -16,6 +17,7 @@ namespace {
 // mistake.
 constexpr double typed_tolerance = 2e-3;
 constexpr double exact = 1e-12;
+constexpr std::size_t most_listed = 100;
 
 // Reads one section and collects every fault, so that a user corrects the file once and not ten
 // times.
@@ -75,6 +77,25 @@ class Reader {
       return;
     }
     value = std::abs(length - 1.0) > exact ? Vector3(found / length) : found;
+  }
+
+  [[nodiscard]] bool has(std::string_view section) const { return file_.contains(section); }
+
+  // As many numbers as there are, in rising order or not.
+  void list(std::string_view key, double high, std::vector<double>& value) {
+    const toml::node* node = find(key);
+    if (node == nullptr) return;
+    const auto* array = node->as_array();
+    std::vector<double> found;
+    for (std::size_t i = 0; array != nullptr && i < std::min(array->size(), most_listed); ++i) {
+      const auto number = number_in(*array->get(i));
+      if (number && *number > 0.0 && *number <= high) found.push_back(*number);
+    }
+    if (array == nullptr || found.empty() || found.size() != array->size()) {
+      refuse(*node, key, fmt::format("is not 1 to {} numbers up to {}", most_listed, high));
+      return;
+    }
+    value = found;
   }
 
   void rotation(std::string_view key, Matrix3& value) {
@@ -190,6 +211,47 @@ Transform ScannerCalibration::couch_from_camera_at(double yaw_rad) const {
   return couch_from_camera * turned;
 }
 
+double CalibrationErrors::range_at_m(double at_m) const {
+  if (depth_m.size() < 2) return range_m.front() * std::pow(at_m / depth_m.front(), 2);
+  // A straight line between logarithms, also beyond the ends: errors grow like a power of depth.
+  std::size_t i = 1;
+  while (i + 1 < depth_m.size() && depth_m[i] < at_m) ++i;
+  const double power =
+      std::log(range_m[i] / range_m[i - 1]) / std::log(depth_m[i] / depth_m[i - 1]);
+  return range_m[i] * std::pow(std::max(at_m, 1e-3) / depth_m[i], power);
+}
+
+namespace {
+
+CalibrationErrors read_errors(Reader& read) {
+  CalibrationErrors errors;
+  read.section("standard_deviations",
+               {"depth_m", "range_m", "axis_direction_rad", "axis_point_m", "latency_s"});
+  read.list("depth_m", 100.0, errors.depth_m);
+  read.list("range_m", 10.0, errors.range_m);
+  const bool rising = std::is_sorted(errors.depth_m.begin(), errors.depth_m.end(),
+                                     [](double a, double b) { return a <= b; });
+  if (!rising) read.refuse("depth_m", "does not rise from number to number");
+  if (errors.depth_m.size() != errors.range_m.size()) {
+    read.refuse("range_m", "does not have one number for each of depth_m");
+  }
+  read.number("axis_direction_rad", 0.0, 10.0, errors.axis_direction_rad);
+  read.number("axis_point_m", 0.0, 10.0, errors.axis_point_m);
+  read.number("latency_s", 0.0, 5.0, errors.latency_s);
+  return errors;
+}
+
+std::string to_toml(const CalibrationErrors& errors) {
+  return fmt::format(
+      "\n[standard_deviations]\n"
+      "depth_m = {}\nrange_m = {}  # of the range at these depths, RMS over the image\n"
+      "axis_direction_rad = {:#}\naxis_point_m = {:#}\nlatency_s = {:#}\n",
+      list_of(errors.depth_m), list_of(errors.range_m), errors.axis_direction_rad,
+      errors.axis_point_m, errors.latency_s);
+}
+
+}  // namespace
+
 Result<ScannerCalibration> parse_calibration(std::string_view text, std::string_view name) {
   toml::table file;
   try {
@@ -204,7 +266,7 @@ Result<ScannerCalibration> parse_calibration(std::string_view text, std::string_
   Vector3 translation = Vector3::Zero();
 
   Reader read(file, name);
-  read.only_sections({"camera", "laser", "yaw_axis", "couch_from_camera"});
+  read.only_sections({"camera", "laser", "yaw_axis", "couch_from_camera", "standard_deviations"});
   read.section("camera",
                {"width_px", "height_px", "fx_px", "fy_px", "cx_px", "cy_px", "distortion"});
   read.count("width_px", 16, 16384, camera.width_px);
@@ -227,6 +289,7 @@ Result<ScannerCalibration> parse_calibration(std::string_view text, std::string_
   read.section("couch_from_camera", {"rotation", "translation_m"});
   read.rotation("rotation", rotation);
   read.numbers("translation_m", 100.0, translation);
+  if (read.has("standard_deviations")) result.errors = read_errors(read);
   if (!read.faults().empty()) {
     return fail(Fault::bad_input, "{}", fmt::join(read.faults(), "\n"));
   }
@@ -247,20 +310,23 @@ std::string to_toml(const ScannerCalibration& calibration) {
   const Matrix3 rotation = calibration.couch_from_camera.linear();
   const Vector3 translation = calibration.couch_from_camera.translation();
   return fmt::format(
-      "[camera]\nwidth_px = {}\nheight_px = {}\nfx_px = {:#}\nfy_px = {:#}\ncx_px = {:#}\ncy_px = "
-      "{:#}\n"
-      "distortion = {}\n\n"
-      "[laser]  # points X of the light plane in the camera frame satisfy normal . X = distance_m\n"
-      "normal = {}\ndistance_m = {:#}\n\n"
-      "[yaw_axis]\npoint_in_camera_m = {}\ndirection_in_camera = {}\n"
-      "latency_s = {:#}  # added to a yaw time to compare it with a frame time\n\n"
-      "[couch_from_camera]  # at yaw 0\nrotation = [{}, {}, {}]\ntranslation_m = {}\n",
-      camera.width_px, camera.height_px, camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px,
-      list_of(camera.distortion), list_of(calibration.laser_normal_in_camera),
-      calibration.laser_distance_m, list_of(calibration.axis_point_in_camera),
-      list_of(calibration.axis_direction_in_camera), calibration.latency_s,
-      list_of(Vector3(rotation.row(0))), list_of(Vector3(rotation.row(1))),
-      list_of(Vector3(rotation.row(2))), list_of(translation));
+             "[camera]\nwidth_px = {}\nheight_px = {}\nfx_px = {:#}\nfy_px = {:#}\ncx_px = "
+             "{:#}\ncy_px = "
+             "{:#}\n"
+             "distortion = {}\n\n"
+             "[laser]  # points X of the light plane in the camera frame satisfy normal . X = "
+             "distance_m\n"
+             "normal = {}\ndistance_m = {:#}\n\n"
+             "[yaw_axis]\npoint_in_camera_m = {}\ndirection_in_camera = {}\n"
+             "latency_s = {:#}  # added to a yaw time to compare it with a frame time\n\n"
+             "[couch_from_camera]  # at yaw 0\nrotation = [{}, {}, {}]\ntranslation_m = {}\n",
+             camera.width_px, camera.height_px, camera.fx_px, camera.fy_px, camera.cx_px,
+             camera.cy_px, list_of(camera.distortion), list_of(calibration.laser_normal_in_camera),
+             calibration.laser_distance_m, list_of(calibration.axis_point_in_camera),
+             list_of(calibration.axis_direction_in_camera), calibration.latency_s,
+             list_of(Vector3(rotation.row(0))), list_of(Vector3(rotation.row(1))),
+             list_of(Vector3(rotation.row(2))), list_of(translation)) +
+         (calibration.errors ? to_toml(*calibration.errors) : std::string());
 }
 
 }  // namespace tuina::scanner

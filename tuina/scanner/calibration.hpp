@@ -3,8 +3,10 @@
 
 #include <array>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "tuina/core/geometry.hpp"
 #include "tuina/core/result.hpp"
@@ -23,6 +25,19 @@ struct CameraModel {
   std::array<double, 5> distortion = {};
 };
 
+/// How far off a calibration is to be expected, one standard deviation each. The defaults are what
+/// 40 poses of a chessboard with 0.1 px of noise leave (docs/scanner.md).
+struct CalibrationErrors {
+  /// Of the range, RMS over the image, by camera and light plane together, at increasing depths.
+  std::vector<double> depth_m = {0.65, 1.0, 1.75};
+  std::vector<double> range_m = {0.35e-3, 0.56e-3, 1.06e-3};
+  double axis_direction_rad = 0.5e-3;  ///< about each of two directions upright to it
+  double axis_point_m = 0.5e-3;        ///< along each of them
+  double latency_s = 2e-3;
+
+  [[nodiscard]] double range_at_m(double depth_m) const;
+};
+
 /// All that is known of one scanner, as calibration.toml holds it.
 struct ScannerCalibration {
   CameraModel camera;
@@ -34,14 +49,15 @@ struct ScannerCalibration {
   Vector3 axis_direction_in_camera = -Vector3::UnitY();
   double latency_s = 0.0;  ///< added to a yaw time to compare it with a frame time
   Transform couch_from_camera = Transform::Identity();  ///< at yaw 0
+  std::optional<CalibrationErrors> errors;              ///< when the file tells them
 
   /// The pose of the camera after the unit has turned by `yaw_rad` from its pose at yaw 0.
   [[nodiscard]] Transform couch_from_camera_at(double yaw_rad) const;
 };
 
-/// Reads calibration.toml. Unknown, missing and malformed keys, numbers that are not finite,
-/// normals that are not unit and rotations that are none are refused together, each with file and
-/// line.
+/// Reads calibration.toml; only [standard_deviations] may be missing. Unknown, missing and
+/// malformed keys, numbers that are not finite, normals that are not unit and rotations that are
+/// none are refused together, each with file and line.
 [[nodiscard]] Result<ScannerCalibration> read_calibration(const std::filesystem::path& path);
 [[nodiscard]] Result<ScannerCalibration> parse_calibration(std::string_view text,
                                                            std::string_view name);

@@ -162,6 +162,11 @@ Result<void> Recording::sweep(double, double, double) {
   return {};
 }
 
+Result<void> Recording::step(double, double, double) {
+  next_ = 0;
+  return {};
+}
+
 Recorder::Recorder(Camera& camera, Turntable& turntable, fs::path folder)
     : camera_(&camera),
       turntable_(&turntable),
@@ -215,17 +220,26 @@ Result<Frame> Recorder::next_frame() {
   return frame;
 }
 
+// Before the way back of a scan both ways: what the motor told on the way forth is kept.
+Result<void> Recorder::keep_readings() {
+  if (times_s_.empty()) return {};
+  const auto so_far = turntable_->readings();
+  if (!so_far) return tl::unexpected(so_far.error());
+  readings_.insert(readings_.end(), so_far->begin(), so_far->end());
+  return {};
+}
+
 Result<void> Recorder::sweep(double from_rad, double to_rad, double rad_per_s) {
-  if (!times_s_.empty()) {
-    // The way back of a scan both ways: what the motor told on the way forth is kept.
-    const auto so_far = turntable_->readings();
-    if (!so_far) return tl::unexpected(so_far.error());
-    readings_.insert(readings_.end(), so_far->begin(), so_far->end());
-  }
+  if (const auto kept = keep_readings(); !kept) return kept;
   return turntable_->sweep(from_rad, to_rad, rad_per_s);
 }
 
-Result<std::vector<YawReading>> Recorder::readings() {
+Result<void> Recorder::step(double from_rad, double to_rad, double step_rad) {
+  if (const auto kept = keep_readings(); !kept) return kept;
+  return turntable_->step(from_rad, to_rad, step_rad);
+}
+
+Result<std::vector<YawReading>> Recorder::readings() const {
   return turntable_->readings();
 }
 

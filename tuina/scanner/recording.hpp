@@ -22,7 +22,8 @@ class Recording final : public Camera, public Turntable {
 
   [[nodiscard]] Result<Frame> next_frame() override;
   [[nodiscard]] Result<void> sweep(double from_rad, double to_rad, double rad_per_s) override;
-  [[nodiscard]] Result<std::vector<YawReading>> readings() override { return readings_; }
+  [[nodiscard]] Result<void> step(double from_rad, double to_rad, double step_rad) override;
+  [[nodiscard]] Result<std::vector<YawReading>> readings() const override { return readings_; }
 
   [[nodiscard]] const ScannerCalibration& calibration() const { return calibration_; }
   [[nodiscard]] int frames() const { return static_cast<int>(frames_.size()); }
@@ -56,11 +57,13 @@ class Recorder final : public Camera, public Turntable {
 
   [[nodiscard]] Result<Frame> next_frame() override;
   [[nodiscard]] Result<void> sweep(double from_rad, double to_rad, double rad_per_s) override;
-  [[nodiscard]] Result<std::vector<YawReading>> readings() override;
+  [[nodiscard]] Result<void> step(double from_rad, double to_rad, double step_rad) override;
+  [[nodiscard]] Result<std::vector<YawReading>> readings() const override;
   [[nodiscard]] Result<void> finish(const ScannerCalibration& calibration);
 
  private:
   Recorder(Camera& camera, Turntable& turntable, std::filesystem::path folder);
+  [[nodiscard]] Result<void> keep_readings();
 
   Camera* camera_;
   Turntable* turntable_;

@@ -60,12 +60,31 @@ struct Intake {
   double compute_ms = 0.0;
 };
 
+// Where the newest line lies, as well as can be told while the unit turns.
+void tell(const Turntable& turntable, const TimedLine& line, int number,
+          const ScannerCalibration& calibration, const SweepOptions& options) {
+  if (!options.on_profile) return;
+  const auto readings = turntable.readings();
+  if (!readings) return;
+  const auto yaw = yaw_at(std::span(&line.time_s, 1), *readings, calibration.latency_s);
+  if (!yaw) return;
+  LiveProfile profile{.number = number, .yaw_rad = yaw->front(), .points_in_couch = {}};
+  const Transform couch_from_camera = calibration.couch_from_camera_at(profile.yaw_rad);
+  for (const LinePoint& seen : line.line.points) {
+    if (seen.row % 4 != 0) continue;
+    const auto point = triangulate(calibration, static_cast<double>(seen.column_px), seen.row);
+    if (point) profile.points_in_couch.push_back(couch_from_camera * *point);
+  }
+  options.on_profile(profile);
+}
+
 // One turn of the unit from door to lines.
 Result<void> take_turn(Camera& camera, Turntable& turntable, double from_rad, double to_rad,
                        double rad_per_s, const ScannerCalibration& calibration,
                        const SweepOptions& options, double expected_frames,
                        const Progress& progress, Intake& intake) {
-  const auto started = turntable.sweep(from_rad, to_rad, rad_per_s);
+  const auto started = options.step_rad > 0.0 ? turntable.step(from_rad, to_rad, options.step_rad)
+                                              : turntable.sweep(from_rad, to_rad, rad_per_s);
   if (!started) return started;
   const auto [first_column, last_column] =
       columns_between(calibration, options.near_m, options.far_m);
@@ -94,6 +113,8 @@ Result<void> take_turn(Camera& camera, Turntable& turntable, double from_rad, do
     }
     intake.before = std::move(frame->image);
     intake.compute_ms += ms_since(start);
+    tell(turntable, intake.lines.back(), static_cast<int>(intake.lines.size()), calibration,
+         options);
     if (progress) {
       progress(std::min(0.99, static_cast<double>(intake.lines.size()) / expected_frames));
     }
@@ -126,10 +147,10 @@ Result<void> check(const Intake& intake) {
 Result<Scan> scan_sweep(Camera& camera, Turntable& turntable, const ScannerCalibration& calibration,
                         const SweepOptions& options, const Progress& progress) {
   const double ways = options.both_ways ? 1.0 + 1.0 / back_speed : 1.0;
-  const double frames =
-      options.expected_frames > 0
-          ? options.expected_frames
-          : ways * 30.0 * std::abs(options.to_rad - options.from_rad) / options.speed_rad_per_s;
+  const double turn_rad = std::abs(options.to_rad - options.from_rad);
+  const double frames = options.expected_frames > 0 ? options.expected_frames
+                        : options.step_rad > 0.0    ? ways * turn_rad / options.step_rad
+                                                 : ways * 30.0 * turn_rad / options.speed_rad_per_s;
   Intake intake;
   auto taken = take_turn(camera, turntable, options.from_rad, options.to_rad,
                          options.speed_rad_per_s, calibration, options, frames, progress, intake);

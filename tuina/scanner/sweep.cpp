@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "tuina/scanner/expected_error.hpp"
 #include "tuina/scanner/profile_grid.hpp"
 #include "tuina/scanner/sweep_faults.hpp"
 #include "tuina/scanner/triangulation.hpp"
@@ -22,12 +23,6 @@ constexpr double least_cosine = 0.1;
 // Where the line is so dim that noise moves it this far, at grazing edges mostly, one point in
 // thousands lies centimetres off. Seven times the noise is bright enough.
 constexpr float unsure_px = 0.3F;
-
-// What a calibration from 40 poses of a chessboard leaves (docs/scanner.md): RMS of the range error
-// at a depth.
-double usual_calibration_error_m(double depth_m) {
-  return 0.56e-3 * static_cast<double>(std::pow(static_cast<float>(depth_m), 1.12F));
-}
 
 Result<void> check(std::span<const TimedLine> lines, const std::vector<double>& yaw_rad) {
   std::size_t lit = 0;
@@ -89,24 +84,29 @@ ProfileGrid place_in_couch(std::span<const TimedLine> lines, std::span<const dou
   return grid;
 }
 
-}  // namespace
+constexpr std::size_t error_row_step = 8;  // the expected error is asked of every eighth row
 
-namespace {
+// Sums over the points that were asked for their expected error.
+struct ErrorSum {
+  double variance_m2 = 0.0;
+  double points = 0.0;
+};
 
 // One way of the unit over the scene, as a grid of its own, added to the scan.
 void add_way(std::span<const TimedLine> lines, std::span<const double> yaw_rad,
              std::span<const double> breath_m, const ScannerCalibration& calibration,
-             double& error2, Scan& scan) {
+             ErrorSum& errors, Scan& scan) {
   const ProfileGrid grid = place_in_couch(lines, yaw_rad, calibration);
   PointCloud& cloud = scan.cloud_in_couch;
   NeighbourJudge neighbours(grid);
+  const double turn_s = lines.back().time_s - lines.front().time_s;
+  const double rad_per_s = turn_s > 0.0 ? (yaw_rad.back() - yaw_rad.front()) / turn_s : 0.0;
   // The breath moves the whole person along the middle line of sight.
   const Vector3 away =
       calibration.couch_from_camera_at(0.5 * (yaw_rad.front() + yaw_rad.back())).linear().col(2);
   for (std::size_t i = 0; i < grid.profiles(); ++i) {
-    const Transform couch_from_camera = calibration.couch_from_camera_at(yaw_rad[i]);
-    const Vector3 eye = couch_from_camera.translation();
-    const Vector3 forward = couch_from_camera.linear().col(2);
+    const Vector3 eye = calibration.couch_from_camera_at(yaw_rad[i]).translation();
+    const ExpectedError expected(calibration, yaw_rad[i], rad_per_s);
     const Vector3 breath = breath_m.empty() ? Vector3::Zero() : Vector3(breath_m[i] * away);
     const NeighbourJudge::Verdict& verdict = neighbours.next();
     int lit = 0;
@@ -125,10 +125,11 @@ void add_way(std::span<const TimedLine> lines, std::span<const double> yaw_rad,
       cloud.normals.push_back(cosine > 0.0 ? normal : Vector3(-normal));
       cloud.amplitude.push_back(grid.amplitude_dn(i, row));
       cloud.deviation_m.push_back(grid.deviation_m(i, row));
-      // An error along the ray moves the surface by its share along the normal.
-      const double calibration_m = usual_calibration_error_m((point - eye).dot(forward));
-      const auto noise_m = static_cast<double>(cloud.deviation_m.back());
-      error2 += (noise_m * noise_m + calibration_m * calibration_m) * cosine * cosine;
+      if (row % error_row_step == 0) {
+        errors.variance_m2 +=
+            expected.variance_m2(point, normal, static_cast<double>(cloud.deviation_m.back()));
+        errors.points += 1.0;
+      }
     }
     scan.rows_lit += lit;
     scan.profiles += lit > 0 ? 1 : 0;
@@ -159,7 +160,7 @@ Result<Scan> make_cloud(std::span<const TimedLine> lines, std::span<const YawRea
   cloud.amplitude.reserve(rows_seen);
   cloud.deviation_m.reserve(rows_seen);
 
-  double error2 = 0.0;
+  ErrorSum errors;
   const auto turn = turning_point(lines, *yaw_rad);
   if (turn) {
     // Noise of the slopes makes each look see too little of the latency, so what is found is taken
@@ -178,16 +179,16 @@ Result<Scan> make_cloud(std::span<const TimedLine> lines, std::span<const YawRea
     scan.ways = two.compared;
     const std::span<const double> yaw = *yaw_rad;
     const std::span<const double> breath = two.breath_at_m;
-    add_way(lines.first(*turn), yaw.first(*turn), breath.first(*turn), calibration, error2, scan);
-    add_way(lines.subspan(*turn), yaw.subspan(*turn), breath.subspan(*turn), calibration, error2,
+    add_way(lines.first(*turn), yaw.first(*turn), breath.first(*turn), calibration, errors, scan);
+    add_way(lines.subspan(*turn), yaw.subspan(*turn), breath.subspan(*turn), calibration, errors,
             scan);
   } else {
-    add_way(lines, *yaw_rad, {}, calibration, error2, scan);
+    add_way(lines, *yaw_rad, {}, calibration, errors, scan);
   }
   if (cloud.points.empty()) {
     return fail(Fault::not_found, "{} rows are lit, but no surface lies under them", scan.rows_lit);
   }
-  scan.expected_error_m = std::sqrt(error2 / static_cast<double>(cloud.size()));
+  scan.expected_error_m = std::sqrt(errors.variance_m2 / std::max(1.0, errors.points));
   return scan;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
@@ -22,6 +23,15 @@ struct TimedLine {
   LaserLine line;
 };
 
+/// The newest profile of a scan that goes on, for those who draw the cloud while it grows. Its
+/// place is to a few millimetres: noise is not judged yet, and the motor has not told all of its
+/// turn.
+struct LiveProfile {
+  int number = 0;
+  double yaw_rad = 0.0;
+  std::vector<Vector3> points_in_couch;  ///< of every fourth row
+};
+
 struct SweepOptions {
   // 36 degrees see 0.70 m across at 1.1 m; speed step 9 of the AX-12A (0.111 rpm each) turns them
   // in 6 s.
@@ -32,8 +42,10 @@ struct SweepOptions {
   double far_m = 4.0;
   LineMethod method = LineMethod::likelihood;
   bool both_ways = false;         ///< turn back over the same scene, too
+  double step_rad = 0.0;          ///< stop and shoot in such steps; 0: one even turn
   double most_lost_share = 0.05;  ///< a sweep that lost more of its frames is refused
   int expected_frames = 0;  ///< for the progress; 0: from the duration of the turn, at 30 frames/s
+  std::function<void(const LiveProfile&)> on_profile;  ///< called from within the scan
 };
 
 /// What the way forth and the way back, seen beside each other, tell. The cloud has the latency
@@ -55,15 +67,16 @@ struct Scan {
   double sweep_s = 0.0;  ///< from the first frame to the last
   double compute_ms =
       0.0;  ///< finding lines and making the cloud; waiting for the doors not counted
-  double expected_error_m =
-      0.0;  ///< RMS of the range error that noise and a usual calibration cause
+  /// RMS along the normal of what noise and the errors of the calibration cause; of a usual one
+  /// where it does not tell them.
+  double expected_error_m = 0.0;
   std::optional<WaysCompared> ways;  ///< when the unit turned forth and back
 };
 
 /// Yaw at the times of frames, from coarse readings on a clock that lags by the latency of the
-/// calibration. A straight line over the whole turn where the readings allow it, else a local one;
-/// in both cases a hundred readings together know the angle far better than one count of the motor
-/// (0.29 degrees).
+/// calibration. Where the unit stood still for every frame, what the motor told then. Else a
+/// straight line over the whole turn where the readings allow it, or a local one; in both cases a
+/// hundred readings together know the angle far better than one count of the motor (0.29 degrees).
 [[nodiscard]] Result<std::vector<double>> yaw_at(std::span<const double> frame_times_s,
                                                  std::span<const YawReading> readings,
                                                  double latency_s);

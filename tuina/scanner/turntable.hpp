@@ -20,8 +20,11 @@ class Turntable {
   virtual ~Turntable() = default;
   /// Starts one continuous turn; frames of the camera belong to it until it has arrived.
   [[nodiscard]] virtual Result<void> sweep(double from_rad, double to_rad, double rad_per_s) = 0;
+  /// Starts a turn in steps, the unit standing still while each frame is taken ("stop and shoot",
+  /// [thesis] chapter 4); frames of the camera belong to it until it has arrived.
+  [[nodiscard]] virtual Result<void> step(double from_rad, double to_rad, double step_rad) = 0;
   /// All readings since the turn began, oldest first.
-  [[nodiscard]] virtual Result<std::vector<YawReading>> readings() = 0;
+  [[nodiscard]] virtual Result<std::vector<YawReading>> readings() const = 0;
 
  protected:
   Turntable() = default;

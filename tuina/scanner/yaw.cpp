@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "tuina/core/units.hpp"
 #include "tuina/scanner/sweep.hpp"
@@ -133,6 +134,29 @@ std::vector<EvenTurn> even_turns(std::span<const YawReading> readings) {
   return {{meet_s, there}, {forever_s, here}};
 }
 
+// Stop and shoot: around every frame the motor tells one angle, and another around the next. Even
+// turns are not like that: a fast one changes within the window, a slow one has many frames for
+// each count. A few frames may be taken too early or twice.
+std::optional<std::vector<double>> at_rest(std::span<const double> frame_times_s,
+                                           std::span<const YawReading> readings, double latency_s) {
+  constexpr double window_s = 0.03;
+  constexpr double most_share = 0.05;
+  const double most = most_share * static_cast<double>(frame_times_s.size());
+  std::vector<double> yaw;
+  int restless = 0;
+  int stayed = 0;
+  for (const double time_s : frame_times_s) {
+    const double motor_s = time_s - latency_s;
+    const auto near = between(readings, motor_s - window_s, motor_s + window_s);
+    const bool rests = near.size() >= 2 && near.front().yaw_rad == near.back().yaw_rad;
+    restless += rests ? 0 : 1;
+    if (!yaw.empty() && rests) stayed += near.front().yaw_rad == yaw.back() ? 1 : 0;
+    if (restless > most || stayed > most) return {};
+    yaw.push_back(rests ? near[near.size() / 2].yaw_rad : local_yaw(readings, motor_s));
+  }
+  return yaw;
+}
+
 }  // namespace
 
 Result<std::vector<double>> yaw_at(std::span<const double> frame_times_s,
@@ -182,6 +206,7 @@ Result<std::vector<double>> yaw_at(std::span<const double> frame_times_s,
 
   const auto [earliest, latest] = std::minmax_element(frame_times_s.begin(), frame_times_s.end());
   const auto turning = between(readings, *earliest - latency_s - 1e-9, *latest - latency_s + 1e-9);
+  if (auto resting = at_rest(frame_times_s, readings, latency_s)) return *resting;
   const std::vector<EvenTurn> turns = even_turns(turning);
   std::vector<double> yaw;
   yaw.reserve(frame_times_s.size());

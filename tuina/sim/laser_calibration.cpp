@@ -207,6 +207,11 @@ ScannerCalibration believed_calibration(const ScannerCalibration& truth, std::ui
   believed.latency_s += gaussian(random, latency_error_s);
 
   place_on_couch(truth, believed, random);
+  believed.errors = scanner::CalibrationErrors{.depth_m = {0.5, 1.0, 1.75},
+                                               .range_m = {0.1e-3, 0.2e-3, 0.5e-3},
+                                               .axis_direction_rad = axis_error_rad,
+                                               .axis_point_m = axis_error_m,
+                                               .latency_s = latency_error_s};
   return believed;
 }
 

@@ -18,7 +18,9 @@ constexpr double most_rad = 150.0_deg;
 // The gear of a 40-dollar servo does not turn quite evenly.
 constexpr double ripple_rad = 0.02_deg;
 constexpr double ripple_period_rad = 7.0_deg;
-constexpr double run_up_s = 0.3;  // readings begin before the first frame and end after the last
+constexpr double run_up_s = 0.3;     // readings begin before the first frame and end after the last
+constexpr double step_s = 0.117;     // [thesis] chapter 4: 400 ms per degree in steps of 0.29 degrees
+constexpr double rest_share = 0.35;  // of a step, before and after its frame
 constexpr std::size_t frames_at_once = 16;
 
 Vector3 out_of_back(Position position) {
@@ -37,8 +39,9 @@ struct LaserScanner::World {
 
   double from_rad = 0.0;
   double rad_per_s = 0.0;
-  double start_s = 0.0;  // of this turn, on the clock of the camera
-  double end_s = 0.0;    // of this turn and its run-down
+  double step_rad = 0.0;  // of stop and shoot; else 0
+  double start_s = 0.0;   // of this turn, on the clock of the camera
+  double end_s = 0.0;     // of this turn and its run-down
   std::size_t turns = 0;
   std::size_t frames = 0;
   std::size_t given = 0;
@@ -49,11 +52,46 @@ struct LaserScanner::World {
   std::vector<scanner::YawReading> readings;
 
   [[nodiscard]] double yaw_at(double time_s) const {
-    const double even = from_rad + rad_per_s * (time_s - start_s);
+    double even = from_rad + rad_per_s * (time_s - start_s);
+    if (step_rad != 0.0) {
+      // Each frame is taken in the middle of a rest; between rests the unit turns on.
+      const double steps = (time_s - start_s) / step_s;
+      const double rest = std::round(steps);
+      const double on_the_way = std::max(0.0, std::abs(steps - rest) - rest_share) /
+                                (0.5 - rest_share) * (steps > rest ? 0.5 : -0.5);
+      even = from_rad +
+             step_rad * std::clamp(rest + on_the_way, 0.0, static_cast<double>(frames) - 1.0);
+    }
     return even + ripple_rad * std::sin(2.0 * pi * even / ripple_period_rad);
   }
   [[nodiscard]] double time_of(std::size_t frame) const {
-    return start_s + static_cast<double>(frame) / options.frames_per_s;
+    const double per_frame_s = step_rad != 0.0 ? step_s : 1.0 / options.frames_per_s;
+    return start_s + static_cast<double>(frame) * per_frame_s;
+  }
+
+  // A new turn: clock, frames and readings of the motor.
+  void begin(double duration_s) {
+    given = 0;
+    if (end_s > 0.0) {
+      // The clock goes on, and with it the breath.
+      start_s = end_s + run_up_s;
+      ++turns;
+    }
+    end_s = start_s + duration_s + run_up_s;
+    ahead.clear();
+    visible_rows = 0;
+    readings.clear();
+    const double poll_s = 1.0 / options.readings_per_s;
+    double last_s = -1e9;
+    // Polling over a serial line is not even; it is as well, for at some speeds an even one would
+    // meet the same two phases of a count again and again, and rounding would not average out.
+    for (double time_s = start_s - run_up_s; time_s < end_s;
+         time_s += poll_s * uniform(jitter, 0.7, 1.3)) {
+      const double counts = std::round(yaw_at(time_s) / count_rad);
+      const double stamp_s = time_s - options.latency_s + gaussian(jitter, options.yaw_jitter_s);
+      last_s = std::max(stamp_s, last_s + 1e-6);
+      readings.push_back({last_s, from_deg(counts * (300.0 / 1024.0))});
+    }
   }
 
   // The next frames, shared out among threads; each depends on its number only.
@@ -128,35 +166,32 @@ Result<void> LaserScanner::sweep(double from_rad, double to_rad, double rad_per_
   World& world = *world_;
   const double steps = std::max(1.0, std::round(rad_per_s / speed_step_rad_per_s));
   world.rad_per_s = std::copysign(steps * speed_step_rad_per_s, to_rad - from_rad);
+  world.step_rad = 0.0;
   world.from_rad = from_rad;
   const double duration_s = (to_rad - from_rad) / world.rad_per_s;
   world.frames = static_cast<std::size_t>(duration_s * world.options.frames_per_s + 1e-9) + 1;
-  world.given = 0;
-  if (world.end_s > 0.0) {
-    // The clock goes on, and with it the breath.
-    world.start_s = world.end_s + run_up_s;
-    ++world.turns;
-  }
-  world.end_s = world.start_s + duration_s + run_up_s;
-  world.ahead.clear();
-  world.visible_rows = 0;
-  world.readings.clear();
-  const double step_s = 1.0 / world.options.readings_per_s;
-  double last_s = -1e9;
-  // Polling over a serial line is not even; it is as well, for at some speeds an even one would
-  // meet the same two phases of a count again and again, and rounding would not average out.
-  for (double time_s = world.start_s - run_up_s; time_s < world.end_s;
-       time_s += step_s * uniform(world.jitter, 0.7, 1.3)) {
-    const double counts = std::round(world.yaw_at(time_s) / count_rad);
-    const double stamp_s =
-        time_s - world.options.latency_s + gaussian(world.jitter, world.options.yaw_jitter_s);
-    last_s = std::max(stamp_s, last_s + 1e-6);
-    world.readings.push_back({last_s, from_deg(counts * (300.0 / 1024.0))});
-  }
+  world.begin(duration_s);
   return {};
 }
 
-Result<std::vector<scanner::YawReading>> LaserScanner::readings() {
+Result<void> LaserScanner::step(double from_rad, double to_rad, double step_rad) {
+  if (!(std::abs(from_rad) <= most_rad && std::abs(to_rad) <= most_rad && step_rad > 0.0)) {
+    return fail(Fault::device,
+                "the motor steps from -150 to 150 degrees, not from {:.1f} to {:.1f} by {:.2f}",
+                to_deg(from_rad), to_deg(to_rad), to_deg(step_rad));
+  }
+  World& world = *world_;
+  const double counts = std::max(1.0, std::round(step_rad / count_rad));
+  world.rad_per_s = 0.0;
+  world.step_rad = std::copysign(counts * count_rad, to_rad - from_rad);
+  world.from_rad = count_rad * std::round(from_rad / count_rad);
+  const double wanted = (to_rad - from_rad) / world.step_rad;
+  world.frames = static_cast<std::size_t>(wanted + 1e-9) + 1;
+  world.begin(static_cast<double>(world.frames - 1) * step_s);
+  return {};
+}
+
+Result<std::vector<scanner::YawReading>> LaserScanner::readings() const {
   return world_->readings;
 }
 

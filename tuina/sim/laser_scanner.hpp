@@ -74,7 +74,9 @@ class LaserScanner final : public scanner::Camera, public scanner::Turntable {
 
   [[nodiscard]] Result<scanner::Frame> next_frame() override;
   [[nodiscard]] Result<void> sweep(double from_rad, double to_rad, double rad_per_s) override;
-  [[nodiscard]] Result<std::vector<scanner::YawReading>> readings() override;
+  /// In whole counts of the motor, 117 ms each ([thesis] chapter 4: 0.29 degrees, 400 ms per degree).
+  [[nodiscard]] Result<void> step(double from_rad, double to_rad, double step_rad) override;
+  [[nodiscard]] Result<std::vector<scanner::YawReading>> readings() const override;
 
   [[nodiscard]] const scanner::ScannerCalibration& true_calibration() const;
   /// In how many rows of all frames of the last sweep laser and camera both see something.
@@ -92,10 +94,15 @@ class LaserScanner final : public scanner::Camera, public scanner::Turntable {
 struct ScanTruth {
   double rms_error_m = 0.0;
   double worst_error_m = 0.0;
-  std::size_t points = 0;  ///< of the person; points of the couch (below 15 mm) are left out
+  std::size_t points = 0;    ///< of the person; points of the couch (below 15 mm) are left out
   std::size_t outliers = 0;  ///< of these, farther than 5 mm from the surface
 };
 [[nodiscard]] ScanTruth compare_with_truth(const PointCloud& cloud_in_couch,
                                            const Mesh& skin_in_couch);
+
+/// RMS over the rows of the image of the range that a calibration tells wrongly at a depth, for
+/// places of the light plane that the camera of the true scanner sees.
+[[nodiscard]] double range_error_m(const scanner::ScannerCalibration& truth,
+                                   const scanner::ScannerCalibration& believed, double depth_m);
 
 }  // namespace tuina::sim

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "tuina/core/units.hpp"
+#include "tuina/scanner/triangulation.hpp"
 #include "tuina/sim/laser_scanner.hpp"
 #include "tuina/sim/ray_scene.hpp"
 
@@ -24,6 +25,25 @@ ScanTruth compare_with_truth(const PointCloud& cloud_in_couch, const Mesh& skin_
   }
   if (truth.points > 0) truth.rms_error_m = std::sqrt(sum2 / static_cast<double>(truth.points));
   return truth;
+}
+
+double range_error_m(const scanner::ScannerCalibration& truth,
+                     const scanner::ScannerCalibration& believed, double depth_m) {
+  double sum2 = 0.0;
+  int rows = 0;
+  for (int row = 0; row < truth.camera.height_px; row += 8) {
+    const double y = (row - truth.camera.cy_px) / truth.camera.fy_px * depth_m;
+    const Vector3& normal = truth.laser_normal_in_camera;
+    const double x = (truth.laser_distance_m - normal.y() * y - normal.z() * depth_m) / normal.x();
+    const Vector3 point(x, y, depth_m);
+    const Vector2 pixel = scanner::project(truth.camera, point);
+    if (pixel.x() < 0.0 || pixel.x() > truth.camera.width_px - 1.0) continue;
+    const auto seen = scanner::triangulate(believed, pixel.x(), pixel.y());
+    if (!seen) return INFINITY;
+    sum2 += std::pow(seen->norm() - point.norm(), 2);
+    ++rows;
+  }
+  return rows > 0 ? std::sqrt(sum2 / rows) : INFINITY;
 }
 
 }  // namespace tuina::sim

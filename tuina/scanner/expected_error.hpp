@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "tuina/scanner/calibration.hpp"
+
+namespace tuina::scanner {
+
+/// What a calibration and the noise of the line are expected to do to the points of one profile.
+class ExpectedError {
+ public:
+  /// `yaw_rad_per_s`: how fast the unit turned then.
+  ExpectedError(const ScannerCalibration& calibration, double yaw_rad, double yaw_rad_per_s);
+
+  /// Variance of the error along the normal, of a point with this deviation of its range.
+  [[nodiscard]] double variance_m2(const Vector3& at_in_couch, const Vector3& normal,
+                                   double deviation_m) const;
+
+ private:
+  CalibrationErrors errors_;
+  double yaw_rad_;
+  double yaw_rad_per_s_;
+  Vector3 eye_, forward_, axis_point_, axis_;  // in couch
+};
+
+}  // namespace tuina::scanner
