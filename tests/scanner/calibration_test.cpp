@@ -63,6 +63,39 @@ TEST_CASE("what is written is read back bit for bit") {
   }
 }
 
+TEST_CASE("errors of a calibration may be left out, are kept bit for bit, and small ones too") {
+  auto one = *parse_calibration(good, "calibration.toml");
+  CHECK_FALSE(one.errors.has_value());
+  one.latency_s = 5e-6;
+  one.errors = CalibrationErrors{
+      .depth_m = {0.5, 2.0}, .range_m = {1e-4, 16e-4}, .axis_point_m = 5e-6, .latency_s = 1e-9};
+  const auto read = parse_calibration(to_toml(one), "written");
+  REQUIRE_MESSAGE(read.has_value(), read.error().message);
+  REQUIRE(read->errors.has_value());
+  CHECK(read->latency_s == 5e-6);
+  CHECK(read->errors->axis_point_m == 5e-6);
+  CHECK(read->errors->latency_s == 1e-9);
+  CHECK(read->errors->range_m == one.errors->range_m);
+  // Between and beyond the depths that are told, the error grows like a power of the depth.
+  CHECK(read->errors->range_at_m(1.0) == doctest::Approx(4e-4));
+  CHECK(read->errors->range_at_m(4.0) == doctest::Approx(64e-4));
+
+  const std::string section =
+      "[standard_deviations]\ndepth_m = [0.5, 1.0]\nrange_m = [1e-4, 2e-4]\n"
+      "axis_direction_rad = 1e-4\naxis_point_m = 1e-3\nlatency_s = 1e-3\n";
+  CHECK(parse_calibration(good + section, "cal.toml").has_value());
+  const std::pair<std::string, std::string> mistakes[] = {
+      {"[0.5, 1.0]", "[1.0, 0.5]"}, {"[0.5, 1.0]", "[0.5]"},       {"[0.5, 1.0]", "[]"},
+      {"[0.5, 1.0]", "0.5"},        {"[1e-4, 2e-4]", "[1e-4, 0]"}, {"[1e-4, 2e-4]", "[1e-4, nan]"},
+      {"latency_s = 1e-3\n", ""}};
+  for (const auto& [from, to] : mistakes) {
+    std::string text = section;
+    text.replace(text.find(from), from.size(), to);
+    CAPTURE(text);
+    CHECK_FALSE(parse_calibration(good + text, "cal.toml").has_value());
+  }
+}
+
 TEST_CASE("every mistake in a calibration is refused with its line") {
   struct Mistake {
     std::string from, to, said;

@@ -194,6 +194,13 @@ class Reader {
   std::string missing_;  // sections
 };
 
+// A float of TOML has a point or an exponent, not a point before the exponent.
+std::string float_of(double number) {
+  std::string text = fmt::format("{}", number);
+  if (text.find_first_of(".e") == std::string::npos) text += ".0";
+  return text;
+}
+
 template <typename Numbers>
 std::string list_of(const Numbers& numbers) {
   std::string text;
@@ -245,9 +252,9 @@ std::string to_toml(const CalibrationErrors& errors) {
   return fmt::format(
       "\n[standard_deviations]\n"
       "depth_m = {}\nrange_m = {}  # of the range at these depths, RMS over the image\n"
-      "axis_direction_rad = {:#}\naxis_point_m = {:#}\nlatency_s = {:#}\n",
-      list_of(errors.depth_m), list_of(errors.range_m), errors.axis_direction_rad,
-      errors.axis_point_m, errors.latency_s);
+      "axis_direction_rad = {}\naxis_point_m = {}\nlatency_s = {}\n",
+      list_of(errors.depth_m), list_of(errors.range_m), float_of(errors.axis_direction_rad),
+      float_of(errors.axis_point_m), float_of(errors.latency_s));
 }
 
 }  // namespace
@@ -310,20 +317,21 @@ std::string to_toml(const ScannerCalibration& calibration) {
   const Matrix3 rotation = calibration.couch_from_camera.linear();
   const Vector3 translation = calibration.couch_from_camera.translation();
   return fmt::format(
-             "[camera]\nwidth_px = {}\nheight_px = {}\nfx_px = {:#}\nfy_px = {:#}\ncx_px = "
-             "{:#}\ncy_px = "
-             "{:#}\n"
+             "[camera]\nwidth_px = {}\nheight_px = {}\nfx_px = {}\nfy_px = {}\ncx_px = "
+             "{}\ncy_px = "
+             "{}\n"
              "distortion = {}\n\n"
              "[laser]  # points X of the light plane in the camera frame satisfy normal . X = "
              "distance_m\n"
-             "normal = {}\ndistance_m = {:#}\n\n"
+             "normal = {}\ndistance_m = {}\n\n"
              "[yaw_axis]\npoint_in_camera_m = {}\ndirection_in_camera = {}\n"
-             "latency_s = {:#}  # added to a yaw time to compare it with a frame time\n\n"
+             "latency_s = {}  # added to a yaw time to compare it with a frame time\n\n"
              "[couch_from_camera]  # at yaw 0\nrotation = [{}, {}, {}]\ntranslation_m = {}\n",
-             camera.width_px, camera.height_px, camera.fx_px, camera.fy_px, camera.cx_px,
-             camera.cy_px, list_of(camera.distortion), list_of(calibration.laser_normal_in_camera),
-             calibration.laser_distance_m, list_of(calibration.axis_point_in_camera),
-             list_of(calibration.axis_direction_in_camera), calibration.latency_s,
+             camera.width_px, camera.height_px, float_of(camera.fx_px), float_of(camera.fy_px),
+             float_of(camera.cx_px), float_of(camera.cy_px), list_of(camera.distortion),
+             list_of(calibration.laser_normal_in_camera), float_of(calibration.laser_distance_m),
+             list_of(calibration.axis_point_in_camera),
+             list_of(calibration.axis_direction_in_camera), float_of(calibration.latency_s),
              list_of(Vector3(rotation.row(0))), list_of(Vector3(rotation.row(1))),
              list_of(Vector3(rotation.row(2))), list_of(translation)) +
          (calibration.errors ? to_toml(*calibration.errors) : std::string());
