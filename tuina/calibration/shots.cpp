@@ -72,19 +72,6 @@ class BoardFile {
   std::string name_;
 };
 
-Result<Board> read_board(const fs::path& path) {
-  const auto text = read_file(path, most_bytes);
-  if (!text) return tl::unexpected(text.error());
-  toml::table file;
-  try {
-    file = toml::parse(*text, path.string());
-  } catch (const toml::parse_error& error) {
-    return fail(Fault::bad_input, "{}:{}: {}", path.string(), error.source().begin.line,
-                error.description());
-  }
-  return BoardFile(file, path.string()).read();
-}
-
 constexpr std::array<std::string_view, 5> columns = {"frame", "kind", "pose", "time_s", "yaw_deg"};
 
 std::vector<std::string_view> split(std::string_view line) {
@@ -188,16 +175,34 @@ class FramesFile {
 
 }  // namespace
 
+Result<Board> parse_board(std::string_view text, const std::string& name) {
+  toml::table file;
+  try {
+    file = toml::parse(text, name);
+  } catch (const toml::parse_error& error) {
+    return fail(Fault::bad_input, "{}:{}: {}", name, error.source().begin.line,
+                error.description());
+  }
+  return BoardFile(file, name).read();
+}
+
+Result<std::vector<Shot>> parse_frames(std::string text, const fs::path& folder) {
+  return FramesFile(std::move(text), folder).read();
+}
+
 Result<Shots> read_shots(const fs::path& folder) {
   std::error_code error;
   if (!fs::is_directory(folder, error)) {
     return fail(Fault::file, "{}: there is no such folder", folder.string());
   }
-  const auto board = read_board(folder / "board.toml");
+  const fs::path board_path = folder / "board.toml";
+  const auto board_text = read_file(board_path, most_bytes);
+  if (!board_text) return tl::unexpected(board_text.error());
+  const auto board = parse_board(*board_text, board_path.string());
   if (!board) return tl::unexpected(board.error());
   auto text = read_file(folder / "frames.csv", most_bytes);
   if (!text) return tl::unexpected(text.error());
-  auto shots = FramesFile(std::move(*text), folder).read();
+  auto shots = parse_frames(std::move(*text), folder);
   if (!shots) return tl::unexpected(shots.error());
   return Shots{.folder = folder, .board = *board, .shots = std::move(*shots)};
 }

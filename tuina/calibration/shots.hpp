@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "tuina/core/result.hpp"
@@ -35,5 +37,10 @@ struct Shots {
 /// Reads board.toml and frames.csv. Refuses, with file and line, what departs from the format,
 /// names a picture that is not there, or cannot be a board.
 [[nodiscard]] Result<Shots> read_shots(const std::filesystem::path& folder);
+
+/// The same on text already in memory; `name` is what errors call it, `folder` has the pictures.
+[[nodiscard]] Result<Board> parse_board(std::string_view text, const std::string& name);
+[[nodiscard]] Result<std::vector<Shot>> parse_frames(std::string text,
+                                                     const std::filesystem::path& folder);
 
 }  // namespace tuina::calibration
