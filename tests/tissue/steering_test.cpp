@@ -44,8 +44,12 @@ const sim::PressScenario& scenario(const std::string& name) {
   return sim::press_scenarios().front();
 }
 
-TissueEstimate felt(const std::vector<TimedPress>& record, double until_s) {
-  PressEstimator estimator;
+/// By an estimator that is told how good the sensors are.
+TissueEstimate felt(const std::vector<TimedPress>& record, double until_s,
+                    const sim::PressScenario& by = {}) {
+  PressEstimator estimator({.force_noise_n = by.force_noise_n,
+                            .position_noise_m = by.position_noise_m,
+                            .contact_sd_m = by.contact_sd_m});
   for (const TimedPress& sample : record) {
     if (sample.time_s < until_s) estimator.update(sample.time_s, sample.press);
   }
@@ -68,7 +72,7 @@ TEST_CASE("A1: probing ends within two and a half seconds and never above the re
           time_s += 1.0;
           const auto presses = sim::simulate_presses(scenario(name), tissue, peak_n, random);
           // Seen by the next press: what the tissue is, after as many presses as were made.
-          estimate = felt(presses.record, time_s);
+          estimate = felt(presses.record, time_s, scenario(name));
         }
         CHECK(time_s <= 2.5);
       }

@@ -211,18 +211,20 @@ void PressSegments::append(const Block& block) noexcept {
   opened_s_ = time_s;
   opened_root_ = root;
   opened_m_ = position_m;
-  // The speed of a segment is the slope between its neighbours; the ends have one neighbour only.
+  // The speed of a segment is the slope between its neighbours; the first and the last of a press
+  // have one neighbour only.
+  const auto joined = [this](std::size_t a, std::size_t b) {
+    return segments_[a].contact &&
+           segments_[b].time_s - segments_[a].time_s < 3.0 * longest_segment_s;
+  };
   const auto slope = [this](std::size_t a, std::size_t b) {
     const double dt_s = segments_[b].time_s - segments_[a].time_s;
-    return segments_[a].contact && dt_s > 0.0 && dt_s < 3.0 * longest_segment_s
-               ? (segments_[b].position_m - segments_[a].position_m) / dt_s
-               : 0.0;
+    return dt_s > 0.0 ? (segments_[b].position_m - segments_[a].position_m) / dt_s : 0.0;
   };
-  if (size_ >= 2) segments_[size_ - 1].speed_m_per_s = slope(size_ - 2, size_ - 1);
-  if (size_ >= 3)
-    segments_[size_ - 2].speed_m_per_s = slope(size_ - 3, size_ - 1);
-  else if (size_ == 2)
-    segments_[0].speed_m_per_s = segments_[1].speed_m_per_s;
+  if (size_ < 2 || !joined(size_ - 2, size_ - 1)) return;
+  segments_[size_ - 1].speed_m_per_s = slope(size_ - 2, size_ - 1);
+  const bool middle = size_ >= 3 && joined(size_ - 3, size_ - 1);
+  segments_[size_ - 2].speed_m_per_s = slope(size_ - (middle ? 3 : 2), size_ - 1);
 }
 
 void PressSegments::remember_air(double time_s, double position_m, double force_n,
