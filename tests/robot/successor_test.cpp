@@ -4,10 +4,6 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
-#include <kdl/chaindynparam.hpp>
-#include <kdl/chainfksolverpos_recursive.hpp>
-#include <kdl/chainjnttojacdotsolver.hpp>
-#include <kdl/chainjnttojacsolver.hpp>
 
 #include "tests/robot/oracles.hpp"
 #include "tuina/core/random.hpp"
@@ -73,45 +69,6 @@ WholeState draw(const Description& robot, Random& random) {
 }
 
 }  // namespace
-
-TEST_CASE("the arm of seven joints agrees with KDL in everything on 10^4 states") {
-  RobotMount mount = mount_for(Position::prone);
-  mount.base_from_shoulder[Arm::left].rotate(Eigen::AngleAxisd(0.4, Vector3(1, 2, 3).normalized()));
-  const ArmTable table = successor_arm();
-  const ArmModel model(table, mount, Arm::left);
-  const KDL::Chain chain = kdl_chain(table, mount.base_from_shoulder_at(Arm::left, 0.0));
-  KDL::ChainFkSolverPos_recursive forward(chain);
-  KDL::ChainJntToJacSolver jacobian_solver(chain);
-  KDL::ChainJntToJacDotSolver jacobian_dot_solver(chain);
-  KDL::ChainDynParam dynamics(chain, KDL::Vector(0, 0, -gravity_m_per_s2));
-  Random random = make_random(1, "seven joints");
-  double worst = 0.0;
-  for (int n = 0; n < 10'000; ++n) {
-    KDL::JntArray q(7), dq(7), coriolis(7), gravity(7);
-    q.data = draw(random, pi);
-    dq.data = draw(random, 3.0);
-    const ArmDynamics ours = model.evaluate(q.data, dq.data, 0.0);
-    KDL::Frame pose;
-    KDL::Jacobian jacobian(7);
-    KDL::Twist bias;
-    KDL::JntSpaceInertiaMatrix mass(7);
-    REQUIRE(forward.JntToCart(q, pose) >= 0);
-    REQUIRE(jacobian_solver.JntToJac(q, jacobian) >= 0);
-    REQUIRE(jacobian_dot_solver.JntToJacDot(KDL::JntArrayVel(q, dq), bias) >= 0);
-    REQUIRE(dynamics.JntToMass(q, mass) >= 0);
-    REQUIRE(dynamics.JntToCoriolis(q, dq, coriolis) >= 0);
-    REQUIRE(dynamics.JntToGravity(q, gravity) >= 0);
-    Vector6 bias_vector;
-    bias_vector << bias.vel.x(), bias.vel.y(), bias.vel.z(), bias.rot.x(), bias.rot.y(),
-        bias.rot.z();
-    worst = std::max(
-        {worst, (ours.base_from_tool.translation() - Vector3(pose.p.data)).norm(),
-         largest(ours.jacobian - jacobian.data), largest(ours.jacobian_dot_dq - bias_vector),
-         largest(ours.mass_kg_m2 - mass.data), largest(ours.coriolis_nm - coriolis.data),
-         largest(ours.gravity_nm - gravity.data)});
-  }
-  CHECK(worst < agreement);
-}
 
 TEST_CASE("in the whole successor, however it stands, MuJoCo finds arms and parts where we do") {
   const Description robot = successor_robot();
