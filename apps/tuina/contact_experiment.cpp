@@ -109,6 +109,7 @@ Result<ContactOutcome> run_contact(const ContactExperiment& experiment, const Pr
                                            .duration_s = experiment.duration_s,
                                            .window = experiment.window,
                                            .stroke_across = experiment.stroke_across,
+                                           .rub_shape = experiment.rub_shape,
                                            .tap_hz = experiment.tap_hz});
   sim::ContactOptions contact_options{.torso_n_per_m = experiment.torso_n_per_m,
                                       .breathing = experiment.breathing};

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/tuina/patch_path.hpp"
 #include "tuina/control/arm_controller.hpp"
 #include "tuina/core/progress.hpp"
 #include "tuina/core/result.hpp"
@@ -31,6 +32,7 @@ struct ContactExperiment {
   double bend_radius_m = 0.3;  ///< of the back
   double believed_bend_radius_m = std::numeric_limits<double>::infinity();
   bool stroke_across = false;  ///< over the bend instead of along it
+  RubShape rub_shape = RubShape::circle;
   double tap_hz = 3.0;
   double friction_scale = 1.0;  ///< of the joints
   sim::Breathing breathing = {0.0, 0.25};

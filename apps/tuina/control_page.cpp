@@ -51,18 +51,27 @@ std::string trace_plot(const std::vector<ControlTrace>& traces, const char* titl
   return telemetry::to_svg(plot);
 }
 
+/// One result over a label that is a number, from the rows whose label `key` says `wanted`.
+Series over(const ControlTable& table, const char* number, double ControlResult::*value,
+            const char* key, const std::string& wanted) {
+  Series series;
+  for (const ControlRow& row : table.rows) {
+    if (row.label(key) != wanted) continue;
+    series.x.push_back(std::stod(row.label(number)));
+    series.y.push_back(row.result.*value);
+  }
+  return series;
+}
+
 std::string error_plot(const ControlTable& controllers) {
   Plot plot{.title = "error of each controller by force",
             .x_label = "target, N",
             .y_label = "worst error of the true force, N rms"};
   const ControlTable groups = grouped(controllers, {"controller", "force_n"});
   for (const ControllerChoice& choice : controller_choices()) {
-    Series series{.name = choice.name, .colour = colour_of(choice.name)};
-    for (const ControlRow& row : groups.rows) {
-      if (row.label("controller") != choice.name) continue;
-      series.x.push_back(std::stod(row.label("force_n")));
-      series.y.push_back(row.result.rmse_n);
-    }
+    Series series = over(groups, "force_n", &ControlResult::rmse_n, "controller", choice.name);
+    series.name = choice.name;
+    series.colour = colour_of(choice.name);
     plot.series.push_back(std::move(series));
   }
   plot.y_low = 0.0;
@@ -86,12 +95,10 @@ std::string stiffness_plot(const ControlTable& stiffness) {
       {"rises, without trim", "excess when a person rises, without trim",
        &ControlResult::overshoot_n, palette::rub, true}};
   for (const Line& line : lines) {
-    Series series{.name = line.name, .colour = line.colour, .dashed = line.dashed};
-    for (const ControlRow& row : stiffness.rows) {
-      if (row.label("what") != line.what) continue;
-      series.x.push_back(std::stod(row.label("stiffness_n_per_m")));
-      series.y.push_back(row.result.*line.value);
-    }
+    Series series = over(stiffness, "stiffness_n_per_m", line.value, "what", line.what);
+    series.name = line.name;
+    series.colour = line.colour;
+    series.dashed = line.dashed;
     plot.series.push_back(std::move(series));
   }
   plot.y_low = 0.0;

@@ -150,11 +150,15 @@ ControlTable curved(bool full, std::uint64_t seed) {
     const char* name;
     Technique technique;
     double force_n;
-    bool across;
+    bool across = false;
+    RubShape shape = RubShape::circle;
   };
-  constexpr std::array<Motion, 3> motions = {{{"rub", Technique::rub, 30.0, false},
-                                              {"stroke along", Technique::stroke, 15.0, false},
-                                              {"stroke across", Technique::stroke, 15.0, true}}};
+  constexpr std::array<Motion, 5> motions = {
+      {{"rub, circle", Technique::rub, 30.0},
+       {"rub, ellipse", Technique::rub, 30.0, false, RubShape::ellipse},
+       {"rub, spiral", Technique::rub, 30.0, false, RubShape::spiral},
+       {"stroke along", Technique::stroke, 15.0},
+       {"stroke across", Technique::stroke, 15.0, true}}};
   const std::vector<double> radii_m = full ? std::vector{0.2, 0.3, 0.6} : std::vector{0.3};
   const std::vector<double> breaths_m = full ? std::vector{0.0, 3_mm, 12_mm} : std::vector{12_mm};
   for (const Motion& motion : motions)
@@ -164,6 +168,7 @@ ControlTable curved(bool full, std::uint64_t seed) {
           ControlRow row = on_all_tissues(motion.name, motion.force_n, 1, seed, [&](auto& run) {
             run.technique = motion.technique;
             run.stroke_across = motion.across;
+            run.rub_shape = motion.shape;
             run.duration_s = 8.0;
             run.bend_radius_m = radius_m;
             run.believed_bend_radius_m = 0.4;

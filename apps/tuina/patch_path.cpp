@@ -5,13 +5,12 @@
 #include <cmath>
 
 #include "tuina/massage/contact_path.hpp"
+#include "tuina/massage/surface_curve.hpp"
 #include "tuina/massage/tap.hpp"
 
 namespace tuina::app {
 namespace {
 
-constexpr double rub_radius_m = 30_mm;
-constexpr double rub_hz = 0.5;
 constexpr double stroke_m_per_s = 0.05;
 constexpr double stroke_m = 0.25;
 
@@ -43,6 +42,32 @@ body::SurfacePoint place_on(const BelievedPatch& patch, double across_m, double 
           .normal_in_couch = normal};
 }
 
+struct Rub {
+  massage::SurfaceCurve curve;
+  double speed_m_per_s;
+};
+
+/// Each shape begins at the centre of the patch and comes back to it.
+Rub rub_on(const BelievedPatch& patch, RubShape shape) {
+  constexpr double radius_m = 30_mm;
+  constexpr double long_m = 45_mm, short_m = 20_mm;             // half axes of the ellipse
+  constexpr double innermost_m = 6_mm, turns_out_and_in = 6.0;  // of the spiral
+  const bool spiral = shape == RubShape::spiral;
+  const double end = 2.0 * pi * (spiral ? turns_out_and_in : 1.0), step = spiral ? 0.1 : 0.05;
+  std::vector<body::SurfacePoint> points;
+  for (double angle = 0.0; angle < end - 0.5 * step; angle += step) {
+    const double radius =
+        innermost_m + (radius_m - innermost_m) * 0.5 * (1.0 - std::cos(angle / turns_out_and_in));
+    const double along_m = spiral ? radius : shape == RubShape::ellipse ? long_m : radius_m;
+    const double across_m = shape == RubShape::ellipse ? short_m : along_m;
+    const double centre_m = spiral ? innermost_m : across_m;
+    points.push_back(
+        place_on(patch, centre_m - across_m * std::cos(angle), along_m * std::sin(angle)));
+  }
+  const double rate_hz = shape == RubShape::circle ? 0.5 : 0.35;
+  return {massage::SurfaceCurve(points, true), 2.0 * pi * radius_m * rate_hz};
+}
+
 }  // namespace
 
 ContactPath path_on(const BelievedPatch& patch, const PatchTask& task) {
@@ -51,20 +76,20 @@ ContactPath path_on(const BelievedPatch& patch, const PatchTask& task) {
 
   const bool rub = task.technique == Technique::rub;
   const double ramp_s = massage::force_ramp_s(task.force_n, 0.9);
+  const Rub rubbed = rub_on(patch, task.rub_shape);
   // Standing and pressing first, then moving, then standing again until the force is gone.
   massage::Slide slide{.length_m = stroke_m, .speed_m_per_s = stroke_m_per_s};
-  const double moving_s =
-      rub ? std::max(task.duration_s - 2.0 * ramp_s, 2.0 / rub_hz) : slide.duration_s();
   if (rub) {
-    slide.speed_m_per_s = 2.0 * pi * rub_radius_m * rub_hz;
-    slide.length_m = slide.speed_m_per_s * (moving_s - slide.ramp_s);
+    constexpr double shortest_s = 4.0;
+    slide.speed_m_per_s = rubbed.speed_m_per_s;
+    slide.length_m =
+        slide.speed_m_per_s * (std::max(task.duration_s - 2.0 * ramp_s, shortest_s) - slide.ramp_s);
   }
-  const double duration_s = moving_s + 2.0 * ramp_s;
+  const double duration_s = slide.duration_s() + 2.0 * ramp_s;
   return massage::sampled(name_of(task.technique), task.technique, duration_s, [&](double t) {
     const double way_m = slide.way_m(std::clamp(t - ramp_s, 0.0, slide.duration_s()));
-    const double angle = way_m / rub_radius_m, stroked_m = 0.5 * stroke_m - way_m;
-    const body::SurfacePoint place = rub ? place_on(patch, rub_radius_m * (1.0 - std::cos(angle)),
-                                                    rub_radius_m * std::sin(angle))
+    const double stroked_m = 0.5 * stroke_m - way_m;
+    const body::SurfacePoint place = rub ? rubbed.curve.at(way_m)
                                          : place_on(patch, task.stroke_across ? stroked_m : 0.0,
                                                     task.stroke_across ? 0.0 : stroked_m);
     const double share =

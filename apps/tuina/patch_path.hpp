@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <limits>
 
 #include "tuina/core/contact.hpp"
@@ -18,14 +19,19 @@ struct BelievedPatch {
   double bend_radius_m = std::numeric_limits<double>::infinity();
 };
 
-/// What is done there. A rub is a circle of 30 mm at 0.5 Hz, a stroke 250 mm at 50 mm/s. What the
-/// techniques are on a person, room `massage` works out from its surface.
+/// The way of a rub: a circle of 30 mm at 0.5 Hz; an ellipse of 90 by 40 mm, or a spiral from 6 mm
+/// to 30 mm and in again, both at 66 mm/s.
+enum class RubShape : std::uint8_t { circle, ellipse, spiral };
+
+/// What is done there. A stroke is 250 mm at 50 mm/s. What the techniques are on a person, room
+/// `massage` works out from its surface.
 struct PatchTask {
   Technique technique = Technique::press;
   double force_n = 30.0;
   double duration_s = 10.0;  ///< a stroke takes as long as its way
   massage::PressWindow window = {};
   bool stroke_across = false;  ///< over the bend instead of along it
+  RubShape rub_shape = RubShape::circle;
   double tap_hz = 3.0;
 };
 

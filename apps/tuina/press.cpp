@@ -25,6 +25,8 @@ const std::map<std::string, Technique> techniques = {{"press", Technique::press}
                                                      {"rub", Technique::rub},
                                                      {"stroke", Technique::stroke},
                                                      {"tap", Technique::tap}};
+const std::map<std::string, RubShape> rub_shapes = {
+    {"circle", RubShape::circle}, {"ellipse", RubShape::ellipse}, {"spiral", RubShape::spiral}};
 
 CLI::Validator between(double low, double high) {
   return {number_between(low, high), fmt::format("{} to {}", low, high)};
@@ -99,6 +101,9 @@ class Press final : public Verb {
     command.add_option("--technique", technique_, "what the arm does there")
         ->check(CLI::IsMember(names(techniques)))
         ->capture_default_str();
+    command.add_option("--rub-shape", rub_shape_, "way of a rub")
+        ->check(CLI::IsMember(names(rub_shapes)))
+        ->capture_default_str();
     command
         .add_option("--controller", controller_,
                     "tuina; the Cartesian law of the thesis (3.5); its joint law (3.9)")
@@ -172,6 +177,7 @@ class Press final : public Verb {
         alpha_n_ > 0.0 ? TangentTissue{alpha_n_, 1e3 * beta_per_mm_} : thesis_tissues.at(tissue_);
     experiment.force_n = force_n_;
     experiment.technique = techniques.at(technique_);
+    experiment.rub_shape = rub_shapes.at(rub_shape_);
     experiment.controller.law = laws.at(controller_);
     experiment.surface_error_m = from_mm(surface_error_mm_);
     experiment.surface_tilt_rad = from_deg(surface_tilt_deg_);
@@ -255,7 +261,8 @@ class Press final : public Verb {
             .exit_code = outcome.stopped ? 4 : 0};
   }
 
-  std::string tissue_ = "hard", technique_ = "press", controller_ = "tuina", torso_, out_, plot_;
+  std::string tissue_ = "hard", technique_ = "press", rub_shape_ = "circle";
+  std::string controller_ = "tuina", torso_, out_, plot_;
   double alpha_n_ = 0.0, beta_per_mm_ = 0.0, force_n_ = 0.0;
   double surface_error_mm_ = 0.0, surface_tilt_deg_ = 0.0, friction_ = -1.0;
   double rise_mm_ = 0.0, slide_mm_ = 0.0, shift_mm_per_s_ = 100.0;
