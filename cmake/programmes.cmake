@@ -1,8 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 # Builds the programmes of config/programmes into the massage room, so they are found by name wherever
 # the binary stands. The file's stem is the name.
-set(TUINA_PROGRAMMES relax demonstration shoulders lower_back
-  full_back_20min)
+set(TUINA_PROGRAMMES
+  relax
+  before_and_after
+  demonstration
+  shoulders
+  lower_back
+  full_back_20min
+)
 set(TUINA_SHIPPED_PROGRAMMES "")
 foreach(programme IN LISTS TUINA_PROGRAMMES)
   set(file ${PROJECT_SOURCE_DIR}/config/programmes/${programme}.toml)

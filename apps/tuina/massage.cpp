@@ -41,6 +41,10 @@ class Massage final : public Verb {
         ->check(CLI::IsMember({"on", "off"}))
         ->capture_default_str();
     command.add_flag("--keys", order_.keys, fmt::format("live, at real pace: {}", key_help));
+    command
+        .add_option("--body-mass-index", body_mass_index_,
+                    "of the person, kg/m^2, if known: a help in telling the body condition")
+        ->check(CLI::Range(10.0, 80.0));
     command.add_option("--method", method_, "of finding acupoints")
         ->check(CLI::IsMember({"field_morphing", "surface"}));
     command.add_option("--atlas", order_.atlas,
@@ -75,10 +79,11 @@ class Massage final : public Verb {
       return tl::unexpected(result.error());
     }
 
-    Answer answer{.json = session_json(*result, common.seed),
+    const FeltBack felt = felt_back(*result, body_mass_index_);
+    Answer answer{.json = session_json(*result, felt, common.seed),
                   .text = session_text(*result),
                   .exit_code = result->stops.empty() ? 0 : 4};
-    const auto report = report_data(*result, order_, *config, common.seed);
+    const auto report = report_data(*result, felt, order_, *config, common.seed);
     if (const auto written = write_session(*result, report, answer.json, out_); !written) {
       return tl::unexpected(written.error());
     }
@@ -91,6 +96,7 @@ class Massage final : public Verb {
   SessionOrder order_;
   std::string position_ = "auto";
   std::string method_;
+  std::optional<double> body_mass_index_;
   std::string pace_ = "max";
   std::string adaptive_ = "on";
   std::string out_ = "massage-report";

@@ -10,7 +10,6 @@
 #include "tuina/session/acupoint_file.hpp"
 #include "tuina/session/plan_file.hpp"
 #include "tuina/telemetry/report_page.hpp"
-#include "tuina/tissue/classification.hpp"
 
 namespace tuina::app {
 namespace {
@@ -39,40 +38,40 @@ std::pair<double, double> error_of_seven_m(const SessionResult& result) {
   return {sum_m / static_cast<double>(seven_acupoints.size()), most_m};
 }
 
-/// One pressed acupoint: what was felt there, what is there, and what kind of tissue that makes it.
-struct Felt {
-  const massage::PlannedPath* planned;
-  TissueEstimate estimate;
-  TangentTissue truth;
-  tissue::Classification classified;
-};
-
-/// What lies under a zone before it is felt.
-tissue::ClassProbabilities prior_of(massage::Zone zone) {
-  switch (zone) {
-    case massage::Zone::muscle:
-      return {0.2, 0.5, 0.3};
-    case massage::Zone::kidney:
-      return {0.1, 0.35, 0.55};
-    default:
-      return {0.6, 0.25, 0.15};
-  }
+/// Stiffness as people read it, from the logarithm of N/m; half-widths of 95 % intervals.
+double to_n_per_mm(double log_stiffness) {
+  return 1e-3 * std::exp(log_stiffness);
+}
+double ci95_n_per_mm(const tissue::FeltPlace& place) {
+  return 1.96 * place.sd * to_n_per_mm(place.log_stiffness);
 }
 
-std::vector<Felt> felt_in(const SessionResult& result) {
-  std::vector<Felt> felt;
-  for (std::size_t i = 0; i < result.performed.size(); ++i) {
-    const session::Performed& done = result.performed[i];
-    if (!done.felt) continue;
-    felt.push_back(
-        {.planned = &result.ready.plan.paths[static_cast<std::size_t>(done.path)],
-         .estimate = *done.felt,
-         .truth = result.touched[i].tissue,
-         .classified = tissue::classify(
-             *done.felt, done.chi,
-             prior_of(result.ready.plan.paths[static_cast<std::size_t>(done.path)].zone))});
+ordered_json stiffness_json(const FeltBack& felt) {
+  ordered_json places = ordered_json::array(), changes = ordered_json::array();
+  for (const FeltPoint& point : felt.points) {
+    places.push_back({{"name", point.planned->path.acupoints.front()},
+                      {"position_m", three(point.place.at_in_couch)},
+                      {"stiffness_n_per_mm", to_n_per_mm(point.place.log_stiffness)},
+                      {"ci95_n_per_mm", ci95_n_per_mm(point.place)}});
   }
-  return felt;
+  for (const tissue::ComparedVisits& place : felt.twice) {
+    changes.push_back({{"name", place.name},
+                       {"before_n_per_mm", to_n_per_mm(place.before.log_stiffness)},
+                       {"after_n_per_mm", to_n_per_mm(place.after.log_stiffness)},
+                       {"change_percent", 100.0 * std::expm1(place.change.log_change)},
+                       {"detectable_percent", 100.0 * std::expm1(place.change.detectable)},
+                       {"detected", place.change.told}});
+  }
+  return {{"force_n", session::reference_force_n}, {"places", places}, {"changes", changes}};
+}
+
+ordered_json condition_json(const FeltBack& felt) {
+  return {{"slim", felt.condition.slim},
+          {"medium", felt.condition.medium},
+          {"hefty", felt.condition.hefty},
+          {"female", felt.condition.female},
+          {"presses", felt.condition_presses},
+          {"caution", "by the seven people of the thesis' Table 6-2, one of them a woman"}};
 }
 
 std::string csv_of(const std::vector<telemetry::TraceRow>& trace) {
@@ -103,7 +102,8 @@ session::PlanFile plan_file_of(const SessionResult& result) {
 
 }  // namespace
 
-std::string session_json(const SessionResult& result, std::uint64_t seed) {
+std::string session_json(const SessionResult& result, const FeltBack& felt_back,
+                         std::uint64_t seed) {
   const auto [mean_error_m, max_error_m] = error_of_seven_m(result);
   ordered_json points = ordered_json::array();
   for (std::size_t i = 0; i < result.located.acupoints.size(); ++i) {
@@ -126,7 +126,7 @@ std::string session_json(const SessionResult& result, std::uint64_t seed) {
         {"peak_n", used ? ordered_json(found->second.peak_n) : ordered_json()}};
   }
   ordered_json tissue = ordered_json::array();
-  for (const Felt& felt : felt_in(result)) {
+  for (const FeltPoint& felt : felt_back.points) {
     const TissueEstimate& estimate = felt.estimate;
     tissue.push_back(
         {{"name", felt.planned->path.acupoints.front()},
@@ -217,12 +217,15 @@ std::string session_json(const SessionResult& result, std::uint64_t seed) {
                              {"commands", commands},
                              {"decisions", decisions},
                              {"tissue", tissue},
+                             {"stiffness", stiffness_json(felt_back)},
+                             {"body_condition", condition_json(felt_back)},
                              {"stops", stops}};
   return json.dump(2);
 }
 
-telemetry::ReportData report_data(const SessionResult& result, const SessionOrder& order,
-                                  const session::Config& config, std::uint64_t seed) {
+telemetry::ReportData report_data(const SessionResult& result, const FeltBack& felt_back,
+                                  const SessionOrder& order, const session::Config& config,
+                                  std::uint64_t seed) {
   telemetry::ReportData data{.person = result.person.name,
                              .position = result.located.position,
                              .programme = order.programme,
@@ -250,13 +253,36 @@ telemetry::ReportData report_data(const SessionResult& result, const SessionOrde
     data.forces.push_back(
         {.technique = technique, .rmse_n = errors.rmse_n, .peak_n = errors.peak_n});
   }
-  for (const Felt& felt : felt_in(result)) {
+  for (const FeltPoint& felt : felt_back.points) {
     data.tissue.push_back({.name = felt.planned->path.acupoints.front(),
                            .at_in_couch = felt.planned->path.points.front().at_in_couch,
                            .estimate = felt.estimate,
                            .truth = felt.truth,
                            .tissue_class = tissue::name_of(felt.classified.label),
-                           .class_probability = felt.classified.probability});
+                           .class_probability = felt.classified.probability,
+                           .stiffness_n_per_mm = to_n_per_mm(felt.place.log_stiffness),
+                           .stiffness_ci95_n_per_mm = ci95_n_per_mm(felt.place)});
+  }
+  data.stiffness_force_n = session::reference_force_n;
+  data.stiffness_at = [map = felt_back.map](const Vector3& at_in_couch) {
+    const auto value = map.at(at_in_couch);
+    return value ? std::optional(
+                       telemetry::MappedStiffness{to_n_per_mm(value->log_stiffness), value->sd})
+                 : std::nullopt;
+  };
+  for (const tissue::ComparedVisits& place : felt_back.twice) {
+    data.changes.push_back({.name = place.name,
+                            .before_n_per_mm = to_n_per_mm(place.before.log_stiffness),
+                            .after_n_per_mm = to_n_per_mm(place.after.log_stiffness),
+                            .detectable = std::expm1(place.change.detectable),
+                            .detected = place.change.told});
+  }
+  if (felt_back.condition_presses > 0) {
+    const tissue::BodyCondition& condition = felt_back.condition;
+    data.condition = {{.slim = condition.slim,
+                       .medium = condition.medium,
+                       .hefty = condition.hefty,
+                       .female = condition.female}};
   }
   for (const session::Stop& stop : result.stops) {
     data.stops.push_back({.time_s = stop.time_s, .cause = cause_of(stop)});

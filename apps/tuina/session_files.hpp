@@ -4,15 +4,18 @@
 #include <filesystem>
 #include <string>
 
+#include "apps/tuina/felt_back.hpp"
 #include "apps/tuina/simulated_session.hpp"
 
 namespace tuina::app {
 
 /// The JSON object of `massage`.
-[[nodiscard]] std::string session_json(const SessionResult& result, std::uint64_t seed);
+[[nodiscard]] std::string session_json(const SessionResult& result, const FeltBack& felt_back,
+                                       std::uint64_t seed);
 
 /// What the report shows of a session.
 [[nodiscard]] telemetry::ReportData report_data(const SessionResult& result,
+                                                const FeltBack& felt_back,
                                                 const SessionOrder& order,
                                                 const session::Config& config, std::uint64_t seed);
 

@@ -65,6 +65,23 @@ TEST_CASE(
   CHECK(count(page, "data:image/png;base64,") == 2);
 }
 
+TEST_CASE("before and after shows what changed, and that a change too small to tell is none") {
+  const std::string& page = sample_page();
+  CHECK(holds(page, "SI11 left<td>3.00<td>2.70<td>-10.0 %<td>4.0 %<td class=l>softer"));
+  CHECK(holds(page, "SI11 right<td>3.00<td>2.95<td>-1.7 %<td>4.0 %<td class=l>no detectable"));
+  ReportData once = sample_without_pictures();
+  once.changes.clear();
+  CHECK_FALSE(holds(report_page(once), "Before and after"));
+}
+
+TEST_CASE("the body condition is shown as probabilities with a caution, or not at all") {
+  CHECK(holds(sample_page(), "medium build with 62 %"));
+  CHECK(holds(sample_page(), "With caution"));
+  ReportData data = sample_without_pictures();
+  data.condition.reset();
+  CHECK_FALSE(holds(report_page(data), "Body condition"));
+}
+
 TEST_CASE("a stop is on the page with its time and cause") {
   ReportData data = sample_without_pictures();
   data.stops = {{12.345, "contact force 68.4 N above the limit of 60 N"}};

@@ -72,8 +72,17 @@ inline telemetry::ReportData sample_report() {
                                         .converged_after_s = 2.0},
                            .truth = TangentTissue{tissue.alpha_n * 1.02, tissue.beta_per_m * 0.98},
                            .tissue_class = "hard muscle",
-                           .class_probability = 0.9});
+                           .class_probability = 0.9,
+                           .stiffness_n_per_mm = 2.0 + 0.5 * static_cast<double>(k),
+                           .stiffness_ci95_n_per_mm = 0.1});
   }
+  // Stiffer to one side, and blank low down on the back.
+  data.stiffness_at = [](const Vector3& at) {
+    return at.z() < 0.1 ? std::nullopt
+                        : std::optional(telemetry::MappedStiffness{3.0 + 5.0 * at.x(), 0.05});
+  };
+  data.changes = {{"SI11_L", 3.0, 2.7, 0.04, true}, {"SI11_R", 3.0, 2.95, 0.04, false}};
+  data.condition = {{.slim = 0.07, .medium = 0.62, .hefty = 0.31, .female = 0.44}};
   data.forces = {{Technique::press, 1.21, 27.4}, {Technique::rub, 0.83, 16.2}};
   data.numbers = {{"scan error", "0.42", "mm", "root mean square to the true surface"}};
   data.config_toml = "[press]\nforce_n = 25.0\n";

@@ -8,6 +8,8 @@
 #include "tuina/core/random.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/tissue/body_condition.hpp"
+#include "tuina/tissue/press_estimator.hpp"
+#include "tuina/tissue/tangent_model.hpp"
 
 using namespace tuina;
 using namespace tuina::tissue;
@@ -65,6 +67,56 @@ TEST_CASE("a tenth of softening is told, the same back pressed twice is no detec
   }
   CHECK(falsely <= 0.08 * all);
   CHECK(rightly >= 0.98 * all);
+}
+
+TEST_CASE("what is compared is the first and the last visit of a place, if there were two") {
+  const auto visit = [](const char* name, double x, double log_stiffness) {
+    return Visit{name, {.at_in_couch = {x, 0.0, 0.0}, .log_stiffness = log_stiffness, .sd = 0.01}};
+  };
+  const std::vector<Visit> visits = {visit("a", 0.0, 1.0), visit("b", 0.3, 1.2),
+                                     visit("a", 0.0, 5.0), visit("c", 0.6, 1.0),
+                                     visit("a", 0.0, 0.8), visit("c", 0.6, 1.01)};
+  CHECK(last_visits(visits).size() == 3);
+  const auto compared = compare_visits(visits);
+  REQUIRE(compared.size() == 2);
+  CHECK(compared[0].name == "a");
+  CHECK(compared[0].change.told);
+  CHECK(compared[0].change.log_change == doctest::Approx(-0.2).epsilon(0.01));
+  CHECK(compared[1].name == "c");
+  CHECK_FALSE(compared[1].change.told);
+  CHECK(compare_visits(std::span(visits).first(2)).empty());
+}
+
+TEST_CASE("the stiffness of a press is known as well as repeated presses show") {
+  // Three tissues, pressed anew 60 times each: the spread of what was found is what was said.
+  Random random = make_random(6, "stiffness of presses");
+  for (const TangentTissue truth : {TangentTissue{4.559, 263.2}, {9.786, 185.4}, {4.275, 143.6}}) {
+    const double peak_m = depth_at_force(truth, 3.0 * truth.alpha_n);
+    double sum = 0.0, squares = 0.0, said = 0.0;
+    constexpr int runs = 60;
+    for (int run = 0; run < runs; ++run) {
+      PressEstimator estimator;
+      for (int k = 0; k < 2500; ++k) {
+        const double time_s = 1e-3 * k;
+        const double depth_m = (peak_m + 2_mm) * std::abs(std::sin(pi * time_s)) - 2_mm;
+        const double force_n = force_at_depth(truth, depth_m);
+        estimator.update(time_s,
+                         {depth_m + gaussian(random, 0.05_mm), force_n + gaussian(random, 0.2)});
+      }
+      const double off =
+          std::log(estimator.stiffness_n_per_m(10.0) / stiffness_at_force(truth, 10.0));
+      sum += off;
+      squares += off * off;
+      said += estimator.stiffness_sd(10.0) / runs;
+    }
+    const double spread = std::sqrt(squares / runs);
+    CAPTURE(truth.alpha_n);
+    CAPTURE(spread);
+    CAPTURE(said);
+    CHECK(std::abs(sum / runs) < 0.01);
+    CHECK(spread < 1.3 * said);
+    CHECK(said < 0.06);
+  }
 }
 
 TEST_CASE("slim and hefty people of Table 6-2 are told apart by the other six") {

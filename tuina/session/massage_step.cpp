@@ -449,6 +449,7 @@ void MassageStep::end_contact(Side& side, Arm arm, double time_s) noexcept {
   if (feels && time_s > side.contact_s) {
     done.felt = steering_.estimate(arm);
     done.chi = steering_.chi(arm);
+    done.stiffness_sd = steering_.stiffness_sd(arm);
   }
   steering_.end(arm);
   if (performed_.size() < performed_.capacity()) performed_.push_back(done);

@@ -39,6 +39,7 @@ struct Performed {
   control::Trouble trouble = control::Trouble::none;  ///< why it was cut short, if it was
   std::optional<TissueEstimate> felt;                 ///< after its last press; only pressing feels
   double chi = 1.0;                                   ///< misfit of what was felt; about 1 is good
+  double stiffness_sd = 0.0;  ///< relative, of its tangent stiffness at `reference_force_n`
 };
 
 struct Stop {

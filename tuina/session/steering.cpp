@@ -16,7 +16,6 @@ namespace {
 constexpr double probe_press_s = 1.0;
 constexpr double probe_period_s = 1.2;  // a press and a rest in which its end is noticed
 constexpr int most_probes = 3;
-constexpr double reference_force_n = 10.0;  // at which places are compared with each other
 constexpr std::size_t most_decisions = 4096;
 
 double log_stiffness(const TangentTissue& tissue) noexcept {

@@ -8,6 +8,10 @@
 
 namespace tuina::session {
 
+/// Under which places are compared with each other, and with themselves later: as much as a light
+/// press, and enough to know most tissues.
+inline constexpr double reference_force_n = 10.0;
+
 /// One thing that the tissue decided, for the record. The rules are those of tissue/steering.hpp.
 struct Decision {
   double time_s = 0.0;
@@ -48,6 +52,9 @@ class Steering {
     return sides_[arm].whole.estimate();
   }
   [[nodiscard]] double chi(Arm arm) const noexcept { return sides_[arm].whole.chi(); }
+  [[nodiscard]] double stiffness_sd(Arm arm) const noexcept {
+    return sides_[arm].whole.stiffness_sd(reference_force_n);
+  }
   [[nodiscard]] const std::vector<Decision>& decisions() const noexcept { return decisions_; }
 
  private:

@@ -15,8 +15,7 @@
 namespace tuina::telemetry::figures {
 namespace {
 
-constexpr double couch_m = 20_mm;        // below this a point is the couch's, not the person's
-constexpr double felt_radius_m = 26_mm;  // how far around a press the picture shows what was felt
+constexpr double couch_m = 20_mm;  // below this a point is the couch's, not the person's
 
 /// Out of the back and towards the head, from the points if there are any and else from the
 /// position.
@@ -164,10 +163,7 @@ std::vector<Vector3> lifted(const ContactPath& path, double by_m) {
 /// The end of the stiffness scale: a round number at or above everything felt.
 double stiffest_shown(const ReportData& data) {
   double hardest = 1e-9;
-  for (const FeltTissue& felt : data.tissue) {
-    if (felt.estimate.converged)
-      hardest = std::max(hardest, stiffness_n_per_mm(felt.estimate.tissue));
-  }
+  for (const FeltTissue& felt : data.tissue) hardest = std::max(hardest, felt.stiffness_n_per_mm);
   const auto round_numbers = ticks(0.0, hardest, 4);
   return round_numbers.back() + (round_numbers.back() < 0.999 * hardest ? round_numbers[1] : 0.0);
 }
@@ -191,10 +187,6 @@ bool is_one_of_seven(const std::string& name) {
 }
 
 }  // namespace
-
-double stiffness_n_per_mm(const TangentTissue& tissue) {
-  return tissue.alpha_n * tissue.beta_per_m * 1e-3;
-}
 
 std::string spoken(const std::string& acupoint) {
   if (acupoint.ends_with("_L")) return acupoint.substr(0, acupoint.size() - 2) + " left";
@@ -283,7 +275,7 @@ std::string tissue_curves(const ReportData& data) {
     Series series = curve(felt.estimate.tissue);
     series.colour = hardness_colour(
         // The palest colours of the map could not be seen as lines on paper.
-        std::max(0.15, stiffness_n_per_mm(felt.estimate.tissue) / hardest));
+        std::max(0.15, felt.stiffness_n_per_mm / hardest));
     series.width_px = 2.2;
     series.tail = short_name(felt.name);
     plot.series.push_back(std::move(series));
@@ -305,19 +297,11 @@ std::string tissue(const ReportData& data) {
   const double hardest = stiffest_shown(data);
   const std::vector<FeltTissue> all_felt = last_felt(data);
   for (const Vector3& vertex : scene.surface.mesh.vertices) {
-    double weights = 0.0;
-    double stiffness = 0.0;
-    for (const FeltTissue& felt : all_felt) {
-      if (!felt.estimate.converged) continue;
-      const double weight =
-          std::exp(-(vertex - felt.at_in_couch).squaredNorm() / (felt_radius_m * felt_radius_m));
-      weights += weight;
-      stiffness += weight * stiffness_n_per_mm(felt.estimate.tissue);
-    }
-    // Full colour under the finger, fading to plain clay where nothing was felt.
-    const double shown = std::clamp(1.7 * weights, 0.0, 1.0);
+    const auto value = data.stiffness_at ? data.stiffness_at(vertex) : std::nullopt;
+    // Full colour where it is known to a tenth, plain clay where it is not.
+    const double shown = value ? std::clamp(1.4 - 4.0 * value->log_sd, 0.0, 1.0) : 0.0;
     scene.colours.push_back(
-        mix(palette::clay, hardness_colour(stiffness / std::max(weights, 1e-12) / hardest), shown));
+        mix(palette::clay, hardness_colour(value ? value->n_per_mm / hardest : 0.0), shown));
   }
   for (const FeltTissue& felt : all_felt) {
     scene.beads.push_back({.at = felt.at_in_couch,
@@ -327,16 +311,15 @@ std::string tissue(const ReportData& data) {
   const ShadedPicture picture = shade(scene, view_of(pose));
   std::vector<Label> labels;
   for (const FeltTissue& felt : all_felt) {
-    labels.push_back(
-        {.at = drawn(picture.projection, felt.at_in_couch),
-         .name = short_name(felt.name),
-         .remark = felt.estimate.converged
-                       ? fmt::format("{:.1f} N/mm", stiffness_n_per_mm(felt.estimate.tissue))
-                       : "not settled"});
+    labels.push_back({.at = drawn(picture.projection, felt.at_in_couch),
+                      .name = short_name(felt.name),
+                      .remark = fmt::format("{:.1f} ± {:.1f} N/mm", felt.stiffness_n_per_mm,
+                                            felt.stiffness_ci95_n_per_mm)});
   }
   return compose(picture, std::move(labels),
                  "The back coloured by the estimated stiffness of its tissue") +
-         hardness_bar_svg(0.0, hardest, "stiffness at first touch, N/mm");
+         hardness_bar_svg(0.0, hardest,
+                          fmt::format("stiffness under {:.0f} N, N/mm", data.stiffness_force_n));
 }
 
 }  // namespace tuina::telemetry::figures

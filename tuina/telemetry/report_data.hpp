@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -53,6 +54,29 @@ struct FeltTissue {
   std::string tissue_class =
       {};  ///< "bone", "hard muscle", "soft muscle"; empty when not classified
   double class_probability = 0.0;
+  double stiffness_n_per_mm = 0.0;  ///< tangent stiffness at `ReportData::stiffness_force_n`
+  double stiffness_ci95_n_per_mm = 0.0;
+};
+
+/// Between the places that were pressed: the stiffness and the standard deviation of its logarithm.
+struct MappedStiffness {
+  double n_per_mm = 0.0;
+  double log_sd = 0.0;
+};
+
+/// One place pressed at the beginning of a session and again at its end.
+struct StiffnessChange {
+  std::string name = {};  ///< of the acupoint
+  double before_n_per_mm = 0.0;
+  double after_n_per_mm = 0.0;
+  double detectable = 0.0;  ///< the smallest relative change that can be told at 95 %
+  bool detected = false;
+};
+
+/// Probabilities that the presses leave, by the people of [thesis] Table 6-2.
+struct BodyCondition {
+  double slim = 0.0, medium = 0.0, hefty = 0.0;
+  double female = 0.0;
 };
 
 /// Errors of the TRUE contact force (target minus true), over all contact of one technique.
@@ -90,6 +114,11 @@ struct ReportData {
   std::vector<TraceRow> trace = {};
   std::vector<TechniqueForce> forces = {};  ///< only of techniques that were used
   std::vector<FeltTissue> tissue = {};
+  double stiffness_force_n = 10.0;
+  /// Nothing where no press was near enough. Empty: there is no map.
+  std::function<std::optional<MappedStiffness>(const Vector3&)> stiffness_at = {};
+  std::vector<StiffnessChange> changes = {};
+  std::optional<BodyCondition> condition = {};
   std::vector<Stop> stops = {};
   std::vector<KeyNumber> numbers = {};  ///< besides those that the page counts itself
   std::string config_toml = {};         ///< the whole effective configuration

@@ -12,7 +12,7 @@ namespace tuina::telemetry::figures {
 /// The scanned back with acupoints, their uncertainty and every path.
 [[nodiscard]] std::string back(const ReportData& data);
 
-/// The scanned back, coloured where tissue was felt by its stiffness at first touch.
+/// The scanned back, coloured by the stiffness map, plain where it is blank.
 [[nodiscard]] std::string tissue(const ReportData& data);
 
 /// The tangent law at each point: as estimated, and dashed as it is in truth.
@@ -26,9 +26,6 @@ namespace tuina::telemetry::figures {
 /// Force and depth of the first press, close up.
 [[nodiscard]] std::string first_press_force(const ReportData& data);
 [[nodiscard]] std::string first_press_depth(const ReportData& data);
-
-/// Stiffness at first touch, the slope alpha beta of the tangent law, in N/mm.
-[[nodiscard]] double stiffness_n_per_mm(const TangentTissue& tissue);
 
 /// "BL47 left", with its Chinese name where it is known: "Hunmen".
 [[nodiscard]] std::string spoken(const std::string& acupoint);

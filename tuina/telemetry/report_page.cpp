@@ -9,6 +9,7 @@
 
 #include "tuina/core/units.hpp"
 #include "tuina/telemetry/report_figures.hpp"
+#include "tuina/telemetry/report_tissue.hpp"
 #include "tuina/telemetry/report_style.hpp"
 #include "tuina/telemetry/svg_plot.hpp"
 
@@ -140,11 +141,9 @@ std::string summary(const ReportData& data) {
   const FeltTissue* hardest = nullptr;
   for (const FeltTissue& felt : data.tissue) {
     if (!felt.estimate.converged) continue;
-    const auto stiffness = [](const FeltTissue& f) {
-      return figures::stiffness_n_per_mm(f.estimate.tissue);
-    };
-    if (softest == nullptr || stiffness(felt) < stiffness(*softest)) softest = &felt;
-    if (hardest == nullptr || stiffness(felt) > stiffness(*hardest)) hardest = &felt;
+    const double stiffness = felt.stiffness_n_per_mm;
+    if (softest == nullptr || stiffness < softest->stiffness_n_per_mm) softest = &felt;
+    if (hardest == nullptr || stiffness > hardest->stiffness_n_per_mm) hardest = &felt;
   }
   if (softest != hardest)
     text += fmt::format("The tissue felt hardest at {} and softest at {}. ",
@@ -280,73 +279,6 @@ std::string force_section(const ReportData& data) {
   }
   if (!any) html += "<p class=note>There is no record of forces.</p>";
   return html + "</section>";
-}
-
-bool has_truth(const ReportData& data) {
-  return std::any_of(data.tissue.begin(), data.tissue.end(),
-                     [](const FeltTissue& f) { return f.truth.has_value(); });
-}
-
-std::string tissue_table(const ReportData& data) {
-  const bool truth = has_truth(data);
-  const bool classes = std::any_of(data.tissue.begin(), data.tissue.end(),
-                                   [](const FeltTissue& f) { return !f.tissue_class.empty(); });
-  std::string html = "<div class=wide><table><thead><tr><th>Point<th>&alpha;, N";
-  if (truth) html += "<th class=sim>true &alpha;<br>(simulation only)";
-  html += "<th>&beta;, 1/mm";
-  if (truth) html += "<th class=sim>true &beta;<br>(simulation only)";
-  html += "<th>stiffness<br>N/mm<th>presses<th>settled<br>after, s";
-  if (classes) html += "<th class=l>felt like";
-  html += "</thead><tbody>";
-  for (const FeltTissue& felt : data.tissue) {
-    const TissueEstimate& e = felt.estimate;
-    html += fmt::format("<tr><td>{}<td>{:.1f}<em>± {:.1f}</em>",
-                        escaped(figures::spoken(felt.name)), e.tissue.alpha_n, e.alpha_ci95_n);
-    if (truth)
-      html +=
-          felt.truth ? fmt::format("<td class=sim>{:.1f}", felt.truth->alpha_n) : "<td class=sim>";
-    html += fmt::format("<td>{:.3f}<em>± {:.3f}</em>", e.tissue.beta_per_m * 1e-3,
-                        e.beta_ci95_per_m * 1e-3);
-    if (truth)
-      html += felt.truth ? fmt::format("<td class=sim>{:.3f}", felt.truth->beta_per_m * 1e-3)
-                         : "<td class=sim>";
-    html += fmt::format("<td>{:.1f}<td>{}", figures::stiffness_n_per_mm(e.tissue), e.presses);
-    html += e.converged ? fmt::format("<td>{:.1f}", e.converged_after_s) : "<td>not settled";
-    if (classes)
-      html += felt.tissue_class.empty()
-                  ? "<td>"
-                  : fmt::format("<td class=l>{}<em>{:.0f} %</em>", escaped(felt.tissue_class),
-                                100.0 * felt.class_probability);
-  }
-  return html + "</tbody></table></div>";
-}
-
-std::string tissue_section(const ReportData& data) {
-  std::string html =
-      "<section class=long><h2>What was felt</h2><p>From depth and force of each press the tissue "
-      "under it is estimated: <i>F</i> = &alpha; tan(&beta; <i>x</i>). "
-      "&alpha; is its hardness; &beta; is larger where the layer over the bone is thinner; their "
-      "product is the stiffness at first touch.</p>";
-  if (data.tissue.empty()) return html + "<p class=note>No tissue was estimated.</p></section>";
-  const std::string figure = figures::tissue(data);
-  html += "<div class=two><div>" + figure +
-          "</div><div><p class=note>Colour shows where the tissue was felt, and how stiff it is; "
-          "plain grey is skin that was not pressed. "
-          "A point whose estimate had not settled by the end is left grey and says so.</p>";
-  const std::string curves = figures::tissue_curves(data);
-  if (!curves.empty()) {
-    html += "<h3>Force against depth</h3>" + curves;
-    if (has_truth(data))
-      html += "<p class=note>Lines: as estimated. Dashed: the truth, simulation only.</p>";
-  }
-  html += "</div></div>" + tissue_table(data) +
-          "<p class=note>± is the half-width of the 95 % interval.";
-  const bool truth = has_truth(data);
-  if (truth)
-    html +=
-        " The shaded columns are the tissue that the simulated person was given; they exist in "
-        "simulation only and no part of tuina reads them.";
-  return html + "</p></section>";
 }
 
 std::string stops_section(const ReportData& data) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tuina/tissue/stiffness_map.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace tuina::tissue {
@@ -54,6 +55,37 @@ std::optional<StiffnessChange> change_at(const StiffnessMap& before, const Stiff
                          .detectable = 1.96 * std::hypot(was->sd, is->sd)};
   change.told = std::abs(change.log_change) > change.detectable;
   return change;
+}
+
+std::vector<Visit> last_visits(std::span<const Visit> visits) {
+  std::vector<Visit> last;
+  for (const Visit& visit : visits) {
+    const auto same = std::find_if(last.begin(), last.end(),
+                                   [&](const Visit& other) { return other.name == visit.name; });
+    if (same == last.end())
+      last.push_back(visit);
+    else
+      *same = visit;
+  }
+  return last;
+}
+
+std::vector<ComparedVisits> compare_visits(std::span<const Visit> visits) {
+  std::vector<ComparedVisits> compared;
+  std::vector<FeltPlace> before, after;
+  for (const Visit& last : last_visits(visits)) {
+    const auto same = [&](const Visit& visit) { return visit.name == last.name; };
+    if (std::count_if(visits.begin(), visits.end(), same) < 2) continue;
+    const Visit& first = *std::find_if(visits.begin(), visits.end(), same);
+    before.push_back(first.felt);
+    after.push_back(last.felt);
+    compared.push_back({last.name, first.felt, last.felt, {}});
+  }
+  // Maps of these places only: one that was felt once would count as unchanged around it.
+  const StiffnessMap was(before), is(after);
+  for (ComparedVisits& place : compared)
+    place.change = change_at(was, is, place.before.at_in_couch).value_or(StiffnessChange{});
+  return compared;
 }
 
 }  // namespace tuina::tissue

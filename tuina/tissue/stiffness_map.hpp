@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "tuina/core/geometry.hpp"
@@ -57,5 +58,21 @@ struct StiffnessChange {
 [[nodiscard]] std::optional<StiffnessChange> change_at(const StiffnessMap& before,
                                                        const StiffnessMap& after,
                                                        const Vector3& point_in_couch);
+
+/// What was felt when a place was pressed; in the order of time, a place may come again.
+struct Visit {
+  std::string name;
+  FeltPlace felt;
+};
+/// The last visit of each place.
+[[nodiscard]] std::vector<Visit> last_visits(std::span<const Visit> visits);
+
+/// The first and the last visit of each place that was visited twice or more: before and after.
+struct ComparedVisits {
+  std::string name;
+  FeltPlace before, after;
+  StiffnessChange change;
+};
+[[nodiscard]] std::vector<ComparedVisits> compare_visits(std::span<const Visit> visits);
 
 }  // namespace tuina::tissue
