@@ -51,6 +51,27 @@ Result<Seen> see(const body::LabelledBody& person, bool laser, std::uint64_t see
               .compute_ms = scan->compute_ms};
 }
 
+void add_findings(const body::LabelledBody& person, std::size_t index, const body::Mapping& found,
+                  const std::vector<Acupoint>& marks, Score& score) {
+  for (const Acupoint& mark : marks) {
+    const bool seven = std::find(seven_acupoints.begin(), seven_acupoints.end(), mark.name) !=
+                       seven_acupoints.end();
+    for (const Acupoint& point : found.acupoints) {
+      if (point.name != mark.name) continue;
+      score.findings.push_back({.person = index,
+                                .type = person.body_type,
+                                .position = name_of(person.position),
+                                .arms = name_of(found.arms),
+                                .point = mark.name,
+                                .found_in_couch = point.at_in_couch,
+                                .true_in_couch = mark.at_in_couch,
+                                .error_mm = to_mm((point.at_in_couch - mark.at_in_couch).norm()),
+                                .uncertainty_mm = to_mm(point.uncertainty_m),
+                                .of_the_seven = seven});
+    }
+  }
+}
+
 void judge(const body::LabelledBody& person, std::size_t index, const Result<Seen>& seen,
            const body::Atlas& atlas, const std::vector<Acupoint>& marks,
            std::map<std::string, Score>& scores, Times& times) {
@@ -72,23 +93,7 @@ void judge(const body::LabelledBody& person, std::size_t index, const Result<See
       times.map_s.push_back(taken_s);
       time_the_plan(*back, *found, times);
     }
-    for (const Acupoint& mark : marks) {
-      for (const Acupoint& point : found->acupoints) {
-        if (point.name != mark.name) continue;
-        const bool seven = std::find(seven_acupoints.begin(), seven_acupoints.end(), mark.name) !=
-                           seven_acupoints.end();
-        score.findings.push_back({.person = index,
-                                  .type = person.body_type,
-                                  .position = name_of(person.position),
-                                  .arms = name_of(found->arms),
-                                  .point = mark.name,
-                                  .found_in_couch = point.at_in_couch,
-                                  .true_in_couch = mark.at_in_couch,
-                                  .error_mm = to_mm((point.at_in_couch - mark.at_in_couch).norm()),
-                                  .uncertainty_mm = to_mm(point.uncertainty_m),
-                                  .of_the_seven = seven});
-      }
-    }
+    add_findings(person, index, *found, marks, score);
   }
 }
 

@@ -44,6 +44,10 @@ struct Times {
   std::vector<double> scan_s, map_s, plan_s;
 };
 
+/// How far the found points of one person, number `index`, are from the marks.
+void add_findings(const body::LabelledBody& person, std::size_t index, const body::Mapping& found,
+                  const std::vector<Acupoint>& marks, Score& score);
+
 /// Judges every method on one person, number `index`. `marks` are the places to be found: the
 /// truth, or what a therapist marked.
 void judge(const body::LabelledBody& person, std::size_t index, const Result<Seen>& seen,

@@ -28,6 +28,7 @@ std::vector<std::unique_ptr<Verb>> make_verbs() {
   verbs.push_back(make_atlas_learn());
   verbs.push_back(make_atlas_show());
   verbs.push_back(make_evaluate_acupoints());
+  verbs.push_back(make_evaluate_atlas());
   verbs.push_back(make_tissue_fit());
   verbs.push_back(make_tissue_estimate());
   verbs.push_back(make_evaluate_tissue());

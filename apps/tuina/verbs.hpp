@@ -25,6 +25,7 @@ std::unique_ptr<Verb> make_map();
 std::unique_ptr<Verb> make_atlas_learn();
 std::unique_ptr<Verb> make_atlas_show();
 std::unique_ptr<Verb> make_evaluate_acupoints();
+std::unique_ptr<Verb> make_evaluate_atlas();
 std::unique_ptr<Verb> make_doctor();
 std::unique_ptr<Verb> make_export_urdf();
 std::unique_ptr<Verb> make_export_mjcf();

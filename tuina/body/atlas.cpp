@@ -85,7 +85,7 @@ std::vector<FeatureLine> feature_lines(const Outline& outline) {
 }
 
 Result<Atlas> learn_atlas(const std::vector<LabelledBody>& bodies, const Atlas* prior,
-                          const Progress& progress, LearnReport* report) {
+                          const Progress& progress, LearnReport* report, Reach reach) {
   Atlas atlas;
   LearnReport learned;
   double sum_mm = 0.0;
@@ -118,7 +118,8 @@ Result<Atlas> learn_atlas(const std::vector<LabelledBody>& bodies, const Atlas* 
     }
     LearnOptions options;
     const PositionAtlas* known = prior != nullptr ? prior->of(position) : nullptr;
-    if (known != nullptr) options.statistics.prior = &known->shape;
+    options.reach = reach;
+    if (known != nullptr) options.prior = &known->shape;
     Eigen::MatrixXd left_out_mm;
     auto shape = learn_shape(
         examples, options, [&](double done) { step(0.2 + 0.8 * done); }, &left_out_mm);

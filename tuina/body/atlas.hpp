@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "tuina/body/correspondence.hpp"
 #include "tuina/body/field_morphing.hpp"
 #include "tuina/body/labelled_body.hpp"
 #include "tuina/body/outline.hpp"
@@ -46,7 +47,8 @@ struct LearnReport {
 /// Learns from labelled bodies of one or both positions; deterministic. With a `prior`, a few bodies adapt
 /// it; without, one body gives an atlas of one. `report` may be null.
 [[nodiscard]] Result<Atlas> learn_atlas(const std::vector<LabelledBody>& bodies, const Atlas* prior,
-                                        const Progress& progress, LearnReport* report);
+                                        const Progress& progress, LearnReport* report,
+                                        Reach reach = Reach::labels);
 
 /// The file: docs/acupoints.md. A wrong version, length or checksum is refused.
 [[nodiscard]] std::string to_bytes(const Atlas& atlas);

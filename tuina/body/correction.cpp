@@ -17,6 +17,8 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double most_widening = 3.0;
+constexpr Index enough_to_choose = 10;       // people
+constexpr double people_known_before = 3.0;  // that a correction learned elsewhere counts as
 
 /// Wider where the scan leaves a label more open than a whole back does, and for a back that is
 /// fitted worse than those which the model has learned from.
@@ -26,17 +28,24 @@ VectorXd widening(const ShapeModel& model, const VectorXd& variance_m2, double r
          std::clamp(misfit, 1.0, most_widening);
 }
 
-/// Ridge regression with the penalty that leaves one person out best; an unpenalised constant comes
-/// last.
-MatrixXd ridge(const MatrixXd& features, const MatrixXd& targets, Index views, MatrixXd& left_out) {
+/// Ridge regression with the penalty that leaves one person out best; a constant with a penalty of
+/// its own comes last.
+MatrixXd ridge(const MatrixXd& features, const MatrixXd& targets, Index views,
+               double constant_penalty, MatrixXd& left_out) {
   const Index rows = features.cols();
   MatrixXd x(features.rows() + 1, rows);
   x << features, VectorXd::Ones(rows).transpose();
   double best = std::numeric_limits<double>::max();
   MatrixXd best_weights;
-  for (const double lambda : {3.0, 10.0, 30.0, 100.0, 300.0, 1000.0, 3000.0}) {
+  // Who leaves a few people says little about the penalty: they move the constant only.
+  const bool few = rows < enough_to_choose * views;
+  const std::vector<double> penalties =
+      few ? std::vector<double>{1e6}
+          : std::vector<double>{3.0, 10.0, 30.0, 100.0, 300.0, 1000.0, 3000.0, 1e5};
+  for (const double lambda : penalties) {
     MatrixXd normal = x * x.transpose();
     normal.diagonal().head(features.rows()).array() += lambda;
+    normal.diagonal()[features.rows()] += constant_penalty;
     const Eigen::LDLT<MatrixXd> solver(normal);
     const MatrixXd weights = solver.solve(x * targets.transpose()).transpose();
     const MatrixXd influence = solver.solve(x);
@@ -44,7 +53,7 @@ MatrixXd ridge(const MatrixXd& features, const MatrixXd& targets, Index views, M
     // A person and the mirrored twin leave together; the two share an error.
     for (Index i = 0; i < rows; i += views) {
       const MatrixXd hat = x.middleCols(i, views).transpose() * influence.middleCols(i, views);
-      const MatrixXd rest = MatrixXd::Identity(views, views) * 1.02 - hat;
+      const MatrixXd rest = MatrixXd::Identity(views, views) - hat;
       residual.middleCols(i, views) = residual.middleCols(i, views) * rest.inverse();
     }
     const double loss = residual.squaredNorm();
@@ -68,7 +77,16 @@ double quantile95(std::vector<double> values) {
 
 MatrixXd learn_correction(const LeftOut& left_out, ShapeModel& model) {
   MatrixXd wrong_mm;
-  model.correction = ridge(left_out.features, left_out.targets_mm, left_out.views, wrong_mm);
+  if (model.correction.size() > 0) {
+    const Index features = left_out.features.rows();
+    const MatrixXd still_wrong_mm =
+        (left_out.targets_mm - model.correction.leftCols(features) * left_out.features).colwise() -
+        model.correction.col(features);
+    model.correction += ridge(left_out.features, still_wrong_mm, left_out.views,
+                              people_known_before * static_cast<double>(left_out.views), wrong_mm);
+  } else {
+    model.correction = ridge(left_out.features, left_out.targets_mm, left_out.views, 0.0, wrong_mm);
+  }
   model.nominal_var_m2 = left_out.variance_m2.rowwise().mean();
   std::vector<double> misfits(left_out.residual_m.begin(), left_out.residual_m.end());
   std::nth_element(misfits.begin(), misfits.begin() + misfits.size() / 2, misfits.end());
@@ -79,8 +97,8 @@ MatrixXd learn_correction(const LeftOut& left_out, ShapeModel& model) {
   for (Index i = 0; i < wrong_mm.cols(); ++i) {
     const VectorXd wider = widening(model, left_out.variance_m2.col(i), left_out.residual_m[i]);
     for (Index l = 0; l < wider.size(); ++l) {
-      errors_m[static_cast<std::size_t>(l)].push_back(
-          1e-3 * wrong_mm.block<3, 1>(3 * l, i).norm() / wider[l]);
+      errors_m[static_cast<std::size_t>(l)].push_back(1e-3 * wrong_mm.block<3, 1>(3 * l, i).norm() /
+                                                      wider[l]);
     }
   }
   for (Index l = 0; l < model.radius95_m.size(); ++l) {

@@ -16,7 +16,8 @@ struct LeftOut {
 };
 
 /// Learns the correction, the radii and what is usual from backs left out, and returns what is
-/// wrong with the labels of each when it is corrected by the others, in millimetres.
+/// wrong with the labels of each when it is corrected by the others, in millimetres. A correction
+/// that the model already has is kept as far as the backs do not contradict it.
 Eigen::MatrixXd learn_correction(const LeftOut& left_out, ShapeModel& model);
 
 /// Fit, correction and uncertainty of every label: the method `surface`.

@@ -16,10 +16,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double skin_spacing_m = 13_mm;
-// The model's skin ends this far beyond its acupoints: arms and shoulders vary with how a person holds
-// them and mislead more than they tell (on laser scans of 80 of the people of docs/bodies.md, who sat,
-// the points were 11.3 mm off with 65 mm beyond all labels, 8.3 mm with this).
-constexpr double skin_reach_m = 65_mm;
+constexpr double skin_reach_m = 65_mm;  // the model's skin ends this far beyond its labels
 
 /// The smooth map that carries labels onto labels: affine plus |r| splines in space, the 3D sibling
 /// of the thin plate.
@@ -82,19 +79,24 @@ Matrix3 back_axes(Position position) {
 
 }  // namespace
 
-Template make_template(const Example& example, const std::vector<std::string>& names) {
+Template make_template(const Example& example, const std::vector<std::string>& names, Reach reach) {
   Transform back_from_couch = Transform::Identity();
   back_from_couch.linear() = back_axes(example.back.position());
   const Transform couch_from_back = back_from_couch.inverse();
   Template made;
   made.labels = back_from_couch * labels_in_couch(example, names);
   std::vector<Vector3> near;
-  const double reach_m = example.acupoints.size() < 20 ? 2.0 * skin_reach_m : skin_reach_m;
+  const double reach_m = names.size() < 20 ? 2.0 * skin_reach_m : skin_reach_m;
+  Places marks = made.labels;
+  if (reach == Reach::acupoints) {
+    marks.resize(3, static_cast<Index>(example.acupoints.size()));
+    for (Index i = 0; i < marks.cols(); ++i) {
+      marks.col(i) = back_from_couch * example.acupoints[static_cast<std::size_t>(i)].at_in_couch;
+    }
+  }
   for (const Vector3& p : example.back.points().points) {
-    const bool reached = std::any_of(
-        example.acupoints.begin(), example.acupoints.end(),
-        [&](const Acupoint& acupoint) { return (acupoint.at_in_couch - p).norm() < reach_m; });
-    if (reached) near.emplace_back(back_from_couch * p);
+    const Vector3 q = back_from_couch * p;
+    if ((marks.colwise() - q).colwise().norm().minCoeff() < reach_m) near.push_back(q);
   }
   const Voxels thinned = gather(near, skin_spacing_m);
   made.skin.resize(3, static_cast<Index>(thinned.size()));
@@ -105,16 +107,6 @@ Template make_template(const Example& example, const std::vector<std::string>& n
     made.skin.col(i) = back_from_couch * found.at_in_couch;
     made.normals.col(i) = back_from_couch.linear() * found.normal_in_couch;
   }
-  find_neighbours(made);
-  return made;
-}
-
-Template template_of(const ShapeModel& prior) {
-  Template made;
-  const Index n = prior.skin_points();
-  made.skin = prior.mean.leftCols(n);
-  made.normals = prior.normals;
-  made.labels = prior.mean.rightCols(prior.mean.cols() - n);
   find_neighbours(made);
   return made;
 }

@@ -12,8 +12,11 @@ struct Template {
   Places labels;
   std::vector<std::vector<Eigen::Index>> neighbours;  ///< of each skin point, the nearest eight
 };
-[[nodiscard]] Template make_template(const Example& example, const std::vector<std::string>& names);
-[[nodiscard]] Template template_of(const ShapeModel& prior);
+/// How far the template's skin goes: beyond all labels, or beyond the acupoints, which leaves
+/// shoulders and arms out.
+enum class Reach : std::uint8_t { labels, acupoints };
+[[nodiscard]] Template make_template(const Example& example, const std::vector<std::string>& names,
+                                     Reach reach = Reach::labels);
 
 /// The template's skin and labels on another back, in couch: carried by the shared labels, then
 /// laid onto the skin along its normals.

@@ -16,6 +16,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr std::size_t enough_to_correct = 4;  // bodies
+constexpr std::size_t enough_to_learn = 8;    // without a prior that is there
 
 /// What is learned: the labels of the prior, else those that every body has, acupoints first.
 struct Names {
@@ -40,12 +41,17 @@ Names names_of(const std::vector<Example>& examples, const ShapeModel* prior) {
   return names;
 }
 
-/// Everybody registered, each followed by the mirrored twin when there are two views.
-struct Register {
+/// Who is learned from; with two views, each is followed by the mirrored twin.
+struct People {
   const std::vector<Example>& examples;
-  const Names& names;
+  Names names;
+  std::size_t views = 1;
+};
+
+/// Everybody registered.
+struct Register {
+  const People& people;
   Template standard;
-  std::size_t views;
   std::vector<Registered> backs;
 
   /// The model of everybody, or of everybody but one fold.
@@ -54,14 +60,14 @@ struct Register {
     std::vector<const Registered*> chosen;
     int persons = 0;
     for (std::size_t i = 0; i < backs.size(); ++i) {
-      if (folds > 0 && i / views % folds == fold) continue;
+      if (folds > 0 && i / people.views % folds == fold) continue;
       chosen.push_back(&backs[i]);
-      persons += i % views == 0 ? 1 : 0;
+      persons += i % people.views == 0 ? 1 : 0;
     }
     ShapeModel made = model_of(chosen, standard, persons, options.statistics);
-    made.position = examples.front().back.position();
-    made.acupoints = names.acupoints;
-    made.labels = names.all;
+    made.position = people.examples.front().back.position();
+    made.acupoints = people.names.acupoints;
+    made.labels = people.names.all;
     return made;
   }
 };
@@ -79,35 +85,36 @@ Places labels_or(const Example& example, const std::vector<std::string>& names,
   return places;
 }
 
-/// Every back fitted by a model that has not seen it.
-LeftOut leave_out(const Register& all, const ShapeModel& model, const LearnOptions& options,
-                  const Progress& progress) {
-  const auto columns = static_cast<Index>(all.backs.size());
-  const auto labels = static_cast<Index>(all.names.all.size());
+/// Every back fitted by a model that has not seen it: `others_of` a fold of the people.
+template <typename OthersOf>
+LeftOut leave_out(const People& people, const ShapeModel& model, std::size_t folds,
+                  const OthersOf& others_of, const Progress& progress) {
+  const auto columns = static_cast<Index>(people.views * people.examples.size());
+  const auto labels = static_cast<Index>(people.names.all.size());
   LeftOut left{.features = MatrixXd(model.modes.cols(), columns),
                .targets_mm = MatrixXd(3 * labels, columns),
                .variance_m2 = MatrixXd(labels, columns),
                .residual_m = VectorXd(columns),
-               .views = static_cast<Index>(all.views)};
-  const auto folds = std::min(static_cast<std::size_t>(options.folds), all.examples.size());
+               .views = static_cast<Index>(people.views)};
   for (std::size_t fold = 0; fold < folds; ++fold) {
-    const ShapeModel others = all.model(options, fold, folds);
-    for (std::size_t i = 0; i < all.backs.size(); ++i) {
-      if (i / all.views % folds != fold) continue;
-      const Example* example = &all.examples[i / all.views];
+    const ShapeModel others = others_of(fold);
+    for (Index column = 0; column < columns; ++column) {
+      const auto i = static_cast<std::size_t>(column);
+      if (i / people.views % folds != fold) continue;
+      const Example* example = &people.examples[i / people.views];
       std::optional<Example> twin;
-      if (i % all.views == 1) {
+      if (i % people.views == 1) {
         twin.emplace(mirrored(*example));
         example = &*twin;
       }
-      const auto column = static_cast<Index>(i);
       const ShapeFit fit = fit_shape(others, example->back);
       const Transform model_from_couch =
           align(fit.skin_in_couch, model.mean.leftCols(model.skin_points()));
       left.features.col(column) = skin_features(model, model_from_couch * fit.skin_in_couch);
       const Places off =
-          1e3 * (model_from_couch.linear() *
-                 (labels_or(*example, all.names.all, fit.labels_in_couch) - fit.labels_in_couch));
+          1e3 *
+          (model_from_couch.linear() *
+           (labels_or(*example, people.names.all, fit.labels_in_couch) - fit.labels_in_couch));
       left.targets_mm.col(column) = Eigen::Map<const VectorXd>(off.data(), off.size());
       left.variance_m2.col(column) = fit.label_var_m2;
       left.residual_m[column] = fit.residual_m;
@@ -117,52 +124,107 @@ LeftOut leave_out(const Register& all, const ShapeModel& model, const LearnOptio
   return left;
 }
 
-}  // namespace
+/// A model, and how far each acupoint (row) of each back (column) is off when its person is left
+/// out; empty where there were too few to tell.
+struct Learned {
+  ShapeModel model;
+  MatrixXd out_of_fold_mm;
+};
 
-Result<ShapeModel> learn_shape(const std::vector<Example>& examples, const LearnOptions& options,
-                               const Progress& progress, MatrixXd* out_of_fold_mm) {
-  if (examples.empty()) return fail(Fault::bad_input, "no body to learn from");
-  const ShapeModel* prior = options.statistics.prior;
-  const Names names = names_of(examples, prior);
-  Register all{.examples = examples,
-               .names = names,
-               .standard = prior != nullptr
-                               ? template_of(*prior)
-                               : make_template(examples[medium_of(examples, names.all)], names.all),
-               .views = options.mirror && examples.size() > 1 ? 2U : 1U,
-               .backs = {}};
+MatrixXd acupoint_errors(const MatrixXd& wrong_mm, int acupoints) {
+  MatrixXd errors_mm(acupoints, wrong_mm.cols());
+  for (Index i = 0; i < wrong_mm.cols(); ++i) {
+    for (Index l = 0; l < acupoints; ++l) errors_mm(l, i) = wrong_mm.block<3, 1>(3 * l, i).norm();
+  }
+  return errors_mm;
+}
+
+/// Mean and modes of these people.
+Learned learned_shape(const People& people, const LearnOptions& options, const Progress& progress) {
+  const auto& examples = people.examples;
+  const auto& names = people.names;
+  Register all{
+      .people = people,
+      .standard = make_template(examples[medium_of(examples, names.all)], names.all, options.reach),
+      .backs = {}};
   for (const Example& example : examples) {
     all.backs.push_back(registered(all.standard, example, names.all));
-    if (all.views == 2) all.backs.push_back(registered(all.standard, mirrored(example), names.all));
+    if (people.views == 2) {
+      all.backs.push_back(registered(all.standard, mirrored(example), names.all));
+    }
     if (progress) {
       progress(0.4 * static_cast<double>(all.backs.size()) /
-               static_cast<double>(all.views * examples.size()));
+               static_cast<double>(people.views * examples.size()));
     }
   }
-  ShapeModel model = all.model(options);
-  const auto label_count = static_cast<Index>(names.all.size());
+  Learned learned{.model = all.model(options), .out_of_fold_mm = {}};
+  ShapeModel& model = learned.model;
   if (examples.size() < enough_to_correct) {
     const ShapeFit own = fit_shape(model, examples.front().back);
     model.nominal_var_m2 = own.label_var_m2;
     model.usual_residual_m = own.residual_m;
     // A sphere holds 95 % of a round Gaussian within 2.8 standard deviations.
     model.radius95_m = 2.8 * own.label_var_m2.cwiseSqrt();
-    return model;
+    return learned;
   }
-  model.radius95_m = VectorXd::Zero(label_count);
-  const LeftOut left = leave_out(all, model, options, [&](double done) {
-    if (progress) progress(0.4 + 0.6 * done);
-  });
-  const MatrixXd wrong_mm = learn_correction(left, model);
-  if (out_of_fold_mm != nullptr) {
-    out_of_fold_mm->resize(names.acupoints, wrong_mm.cols());
-    for (Index i = 0; i < wrong_mm.cols(); ++i) {
-      for (Index l = 0; l < names.acupoints; ++l) {
-        (*out_of_fold_mm)(l, i) = wrong_mm.block<3, 1>(3 * l, i).norm();
-      }
+  model.radius95_m = VectorXd::Zero(static_cast<Index>(names.all.size()));
+  const auto folds = std::min(static_cast<std::size_t>(options.folds), examples.size());
+  const LeftOut left = leave_out(
+      people, model, folds, [&](std::size_t fold) { return all.model(options, fold, folds); },
+      [&](double done) {
+        if (progress) progress(0.4 + 0.6 * done);
+      });
+  learned.out_of_fold_mm = acupoint_errors(learn_correction(left, model), names.acupoints);
+  return learned;
+}
+
+/// The prior as it is, with a correction that these people have taught: they are too few to say how
+/// backs differ.
+Learned adapted_shape(const People& people, const ShapeModel& prior, const Progress& progress) {
+  const LeftOut left = leave_out(
+      people, prior, 1, [&](std::size_t) { return prior; }, progress);
+  Learned learned{.model = prior, .out_of_fold_mm = {}};
+  learned.model.bodies += static_cast<int>(people.examples.size());
+  const MatrixXd wrong_mm = learn_correction(left, learned.model);
+  if (people.examples.size() < enough_to_correct) {
+    learned.model.radius95_m = prior.radius95_m;
+    learned.model.nominal_var_m2 = prior.nominal_var_m2;
+    learned.model.usual_residual_m = prior.usual_residual_m;
+  } else {
+    learned.out_of_fold_mm = acupoint_errors(wrong_mm, people.names.acupoints);
+  }
+  return learned;
+}
+
+}  // namespace
+
+Result<ShapeModel> learn_shape(const std::vector<Example>& examples, const LearnOptions& options,
+                               const Progress& progress, MatrixXd* out_of_fold_mm) {
+  if (examples.empty()) return fail(Fault::bad_input, "no body to learn from");
+  const ShapeModel* prior = options.prior;
+  const std::size_t views = options.mirror && (examples.size() > 1 || prior != nullptr) ? 2U : 1U;
+  const People people{.examples = examples, .names = names_of(examples, nullptr), .views = views};
+  const People known{.examples = examples, .names = names_of(examples, prior), .views = views};
+  const double share = prior != nullptr ? 0.2 : 0.0;
+  Learned learned;
+  if (prior != nullptr) {
+    learned = adapted_shape(known, *prior, [&](double done) {
+      if (progress) progress(share * done);
+    });
+  }
+  const bool as_many_points = people.names.all.size() >= known.names.all.size();
+  if (prior == nullptr || (as_many_points && examples.size() >= enough_to_learn)) {
+    Learned anew = learned_shape(people, options, [&](double done) {
+      if (progress) progress(share + (1.0 - share) * done);
+    });
+    if (prior == nullptr || anew.out_of_fold_mm.mean() < learned.out_of_fold_mm.mean()) {
+      learned = std::move(anew);
     }
   }
-  return model;
+  if (out_of_fold_mm != nullptr && learned.out_of_fold_mm.size() > 0) {
+    *out_of_fold_mm = std::move(learned.out_of_fold_mm);
+  }
+  return std::move(learned.model);
 }
 
 }  // namespace tuina::body

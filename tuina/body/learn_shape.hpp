@@ -9,6 +9,10 @@ namespace tuina::body {
 
 struct LearnOptions {
   StatisticsOptions statistics;
+  Reach reach = Reach::labels;
+  /// What is known beforehand: an atlas of other people. A few bodies teach it another correction;
+  /// enough to be better on bodies left out are learned from on their own.
+  const ShapeModel* prior = nullptr;
   bool mirror = true;  ///< every person also counts as seen in a mirror
   int folds = 8;       ///< for the correction and the uncertainty
 };

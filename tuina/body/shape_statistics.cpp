@@ -95,35 +95,23 @@ ShapeModel model_of(const std::vector<const Registered*>& backs, const Template&
       aligned[i] = align(backs[i]->shape_in_couch, model.mean) * backs[i]->shape_in_couch;
       sum += aligned[i] / static_cast<double>(backs.size());
     }
-    if (options.prior != nullptr) {
-      const double counted = options.prior_mean_bodies / (options.prior_mean_bodies + persons);
-      sum =
-          counted * options.prior->mean + (1.0 - counted) * (align(sum, options.prior->mean) * sum);
-    }
     model.mean = sum;
   }
   model.person_from_model = mean_pose(backs, model.mean);
   model.normals = align(standard.skin, model.mean.leftCols(n)).linear() * standard.normals;
 
   const MatrixXd coarse = smooth_modes(
-      model.mean,
-      (options.prior != nullptr ? 0.3 : 1.0) * coarse_m / std::sqrt(static_cast<double>(persons)),
-      coarse_length_m, 40);
+      model.mean, coarse_m / std::sqrt(static_cast<double>(persons)), coarse_length_m, 40);
   const MatrixXd fine = smooth_modes(model.mean, options.smooth_m, fine_length_m, 70);
   const auto seen = static_cast<Index>(backs.size() > 1 ? backs.size() : 0);
-  const bool prior = options.prior != nullptr;
-  const Index known = prior ? options.prior->modes.cols() : 0;
-  const double bodies = persons + (prior ? options.prior_modes_bodies : 0.0);
-  MatrixXd factor(3 * model.mean.cols(), seen + coarse.cols() + fine.cols() + known);
-  if (prior)
-    factor.rightCols(known) = std::sqrt(options.prior_modes_bodies / bodies) * options.prior->modes;
+  MatrixXd factor(3 * model.mean.cols(), seen + coarse.cols() + fine.cols());
   for (Index i = 0; i < seen; ++i) {
     const Places offset = aligned[static_cast<std::size_t>(i)] - model.mean;
     factor.col(i) = Eigen::Map<const VectorXd>(offset.data(), offset.size()) *
-                    std::sqrt(persons / bodies / static_cast<double>(seen));
+                    std::sqrt(1.0 / static_cast<double>(seen));
   }
   factor.middleCols(seen, coarse.cols()) = coarse;
-  factor.middleCols(seen + coarse.cols(), fine.cols()) = fine;
+  factor.rightCols(fine.cols()) = fine;
   const MatrixXd gram = factor.transpose() * factor;
   const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(gram);
   const Index kept = std::min<Index>(options.modes, gram.cols());

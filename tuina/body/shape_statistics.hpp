@@ -19,11 +19,6 @@ struct StatisticsOptions {
   int modes = 60;
   double smooth_m =
       10e-3;  ///< standard deviation of a free smooth deformation on top of what was seen
-  /// What is known of backs beforehand: an atlas of other people, whose modes say how backs differ.
-  /// A few labelled bodies then move its mean and add to its modes.
-  const ShapeModel* prior = nullptr;
-  double prior_mean_bodies = 0.3;    ///< the prior's mean counts as so many bodies
-  double prior_modes_bodies = 10.0;  ///< and its modes
 };
 
 /// Mean and modes of backs, of `persons` different people: a Gaussian over skin points and labels
