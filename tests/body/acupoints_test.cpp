@@ -229,6 +229,33 @@ TEST_CASE("one labelled body makes an atlas of one that finds its own points") {
   }
 }
 
+TEST_CASE("a few labelled people teach the shipped atlas what a therapist marks differently") {
+  // This therapist marks everything 12 mm nearer to the head.
+  const auto marked = [](std::uint64_t seed) {
+    LabelledBody person = phantom(Position::sitting, seed);
+    for (Acupoint& point : person.acupoints) point.at_in_couch.z() += 12_mm;
+    return person;
+  };
+  std::vector<LabelledBody> people;
+  for (std::uint64_t seed = 400; seed < 405; ++seed) people.push_back(marked(seed));
+  const auto adapted = learn_atlas(people, &shipped(), {}, nullptr);
+  REQUIRE(adapted);
+  const LabelledBody another = marked(77);
+  const auto back = fit_back(scan_of(another));
+  REQUIRE(back);
+  const auto error_mm = [&](const Atlas& atlas) {
+    const auto found = locate_acupoints(*back, atlas);
+    REQUIRE(found);
+    double sum = 0.0;
+    for (std::size_t i = 0; i < 7; ++i) {
+      sum += to_mm((found->acupoints[i].at_in_couch - another.acupoints[i].at_in_couch).norm());
+    }
+    return sum / 7.0;
+  };
+  CHECK(error_mm(*adapted) < 0.7 * error_mm(shipped()));
+  CHECK(adapted->of(Position::sitting)->shape.bodies == 45);
+}
+
 TEST_CASE("simpler methods find the seven points of a phantom, less well than the surface does") {
   const LabelledBody person = phantom(Position::sitting, 31);
   const auto back = fit_back(scan_of(person));
