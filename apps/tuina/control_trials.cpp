@@ -2,9 +2,9 @@
 #include "apps/tuina/control_trials.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <mutex>
-#include <thread>
+
+#include "tuina/core/parallel.hpp"
 
 namespace tuina::app {
 
@@ -58,26 +58,18 @@ Result<void> run_tables(std::vector<ControlTable>& tables, unsigned threads,
       for (const ContactExperiment& experiment : row.runs) jobs.push_back({&row, &experiment});
     }
   }
-  std::atomic<std::size_t> next = 0, done = 0;
   std::mutex guard;  // of the rows and of the first failure
   std::optional<Error> failure;
-  const auto work = [&] {
-    for (std::size_t k = next++; k < jobs.size(); k = next++) {
-      const auto outcome = run_contact(*jobs[k].experiment);
-      const std::lock_guard lock(guard);
-      if (outcome) {
-        jobs[k].row->result.add(*outcome);
-      } else if (!failure) {
-        failure = outcome.error();
-      }
-      ++done;
-      if (progress) progress(static_cast<double>(done) / static_cast<double>(jobs.size()));
+  const auto work = [&](std::size_t k) {
+    const auto outcome = run_contact(*jobs[k].experiment);
+    const std::lock_guard lock(guard);
+    if (outcome) {
+      jobs[k].row->result.add(*outcome);
+    } else if (!failure) {
+      failure = outcome.error();
     }
   };
-  std::vector<std::thread> helpers;
-  for (unsigned i = 1; i < threads; ++i) helpers.emplace_back(work);
-  work();
-  for (std::thread& helper : helpers) helper.join();
+  for_each_in_parallel(jobs.size(), work, progress, threads);
   if (failure) return tl::unexpected(*failure);
   return {};
 }

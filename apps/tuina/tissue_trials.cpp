@@ -2,15 +2,13 @@
 #include "apps/tuina/tissue_trials.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <mutex>
 #include <optional>
-#include <thread>
 
 #include "apps/tuina/contact_experiment.hpp"
+#include "tuina/core/parallel.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/tissue/curve_fit.hpp"
 #include "tuina/tissue/kalman_estimator.hpp"
@@ -213,23 +211,14 @@ TrialResults run_all(int runs, unsigned threads, const Progress& progress,
                      const std::function<Trial(std::size_t)>& make) {
   std::vector<std::array<std::optional<Run>, trial_methods.size()>> all(
       static_cast<std::size_t>(runs));
-  std::atomic<std::size_t> next = 0, done = 0;
-  std::mutex telling;
-  const auto work = [&] {
-    for (std::size_t i = next++; i < all.size(); i = next++) {
-      const Trial trial = make(i);
-      for (std::size_t m = 0; m < trial_methods.size() && !trial.record.empty(); ++m) {
-        if (trial_methods[m] == TrialMethod::batch && i % one_batch_in != 0) continue;
-        all[i][m] = run_method(trial_methods[m], trial);
-      }
-      const std::lock_guard lock(telling);
-      if (progress) progress(static_cast<double>(++done) / static_cast<double>(runs));
+  const auto try_all = [&](std::size_t i) {
+    const Trial trial = make(i);
+    for (std::size_t m = 0; m < trial_methods.size() && !trial.record.empty(); ++m) {
+      if (trial_methods[m] == TrialMethod::batch && i % one_batch_in != 0) continue;
+      all[i][m] = run_method(trial_methods[m], trial);
     }
   };
-  std::vector<std::thread> team;
-  for (unsigned i = 1; i < threads; ++i) team.emplace_back(work);
-  work();
-  for (std::thread& thread : team) thread.join();
+  for_each_in_parallel(all.size(), try_all, progress, threads);
   TrialResults results;
   for (std::size_t m = 0; m < trial_methods.size(); ++m) {
     std::vector<Run> done_runs;

@@ -246,7 +246,7 @@ TEST_CASE("the tool presses where the map says the point is") {
     }
     CAPTURE(name);
     CHECK(hardest_n > 4.0);  // GV4 bears 10 N, and half of that while its tissue is not known
-    CHECK(away_m < 0.020);  // the tool is that deep in the tissue, and the couch believed 2 mm off
+    CHECK(away_m < 0.020);   // the tool is that deep in the tissue, and the couch believed 2 mm off
   }
 }
 
@@ -326,4 +326,29 @@ TEST_CASE("a folder that cannot be made is a fault of the path, and nothing is p
   CHECK(outcome.out.empty());
   CHECK(outcome.err.find(file) != std::string::npos);
   CHECK(tuina::read_file(file).value() == "not a folder");
+}
+
+TEST_CASE("evaluate massage judges sessions with steering and without, and says what went wrong") {
+  const Folder folder;
+  const auto outcome =
+      run_tuina({"evaluate", "massage", "--sessions", "2", "--programmes", "shoulders",
+                 "--adaptive", "both", "--json", "--quiet", "--html", folder / "massages.html"});
+  REQUIRE_MESSAGE(outcome.exit_code == 0, outcome.err);
+  const json answer = json::parse(outcome.out);
+  const json& all = answer["massages"]["all"];
+  CHECK(all["sessions"] == 2);
+  CHECK(all["stopped"] == 0);
+  CHECK(all["refused"] == 0);
+  CHECK(all["force_rmse_n"]["worst"] < 1.5);
+  CHECK(all["over_zone_trip_n"] < 0.0);
+  CHECK(all["min_arm_distance_mm"] > 25.0);
+  CHECK(all["tool_to_acupoint_mm"]["max"] < 17.0);
+  CHECK(all["scan_to_touch_s"] < 20.0);
+  CHECK(answer["adaptive"]["steered"]["sessions"] == 2);
+  // What is not known yet gets half of what its zone bears, so steering shows in time and force.
+  CHECK(answer["adaptive"]["steered"]["duration_s"] >
+        answer["adaptive"]["as planned"]["duration_s"]);
+  CHECK(tuina::read_file(folder / "massages.html").value().ends_with("</html>\n"));
+  CHECK(run_tuina({"evaluate", "massage", "--programmes", "shoulder"}).exit_code == 2);
+  CHECK(run_tuina({"evaluate", "massage", "--bodies", folder / "."}).exit_code == 2);
 }

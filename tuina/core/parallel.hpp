@@ -11,10 +11,12 @@
 
 namespace tuina {
 
-/// Calls `work(i)` for every i below `count`, on all cores, in any order. `work` must not throw and
-/// must write only to what belongs to its i. Progress is told from one thread at a time.
+/// Calls `work(i)` for every i below `count`, on so many threads (0: one a core), in any order.
+/// `work` must not throw and must write only to what belongs to its i. Progress is told from one
+/// thread at a time.
 template <class Work>
-void for_each_in_parallel(std::size_t count, const Work& work, const Progress& progress = {}) {
+void for_each_in_parallel(std::size_t count, const Work& work, const Progress& progress = {},
+                          unsigned threads = 0) {
   std::atomic<std::size_t> next = 0;
   std::size_t done = 0;
   std::mutex telling;
@@ -26,9 +28,9 @@ void for_each_in_parallel(std::size_t count, const Work& work, const Progress& p
       if (progress) progress(static_cast<double>(done) / static_cast<double>(count));
     }
   };
+  if (threads == 0) threads = std::thread::hardware_concurrency();
   std::vector<std::thread> team;
-  for (unsigned i = 1; i < std::thread::hardware_concurrency() && i < count; ++i)
-    team.emplace_back(run);
+  for (unsigned i = 1; i < threads && i < count; ++i) team.emplace_back(run);
   run();
   for (std::thread& thread : team) thread.join();
 }
