@@ -198,7 +198,11 @@ class EvaluateMassage final : public Verb {
     ordered_json json{{"massages", programmes}, {"incidents", incidents}};
     if (!adaptive.empty()) json["adaptive"] = steering;
     if (!html_.empty()) {
-      const auto written = write_file(html_, session_page(rows, adaptive, outcomes, incidents));
+      std::vector<SessionOutcome> judged;
+      for (std::size_t i = 0; i < trials.size(); ++i) {
+        if (trials[i].order.adaptive == steered) judged.push_back(outcomes[i]);
+      }
+      const auto written = write_file(html_, session_page(rows, adaptive, judged, incidents));
       if (!written) return tl::unexpected(written.error());
     }
     std::string text = text_of(rows);
