@@ -284,6 +284,18 @@ telemetry::ReportData report_data(const SessionResult& result, const FeltBack& f
                        .hefty = condition.hefty,
                        .female = condition.female}};
   }
+  for (const session::Decision& made : result.decisions) {
+    data.decisions.push_back(
+        {.time_s = made.time_s,
+         .arm = made.arm,
+         .path = result.ready.plan.paths[static_cast<std::size_t>(made.path)].path.name,
+         .rule = made.rule,
+         .reason = made.reason,
+         .from_n = made.from_n,
+         .to_n = made.to_n});
+  }
+  data.distances = result.distances;
+  data.stopping_distance_m = session::stopping_arm_distance_m;
   for (const session::Stop& stop : result.stops) {
     data.stops.push_back({.time_s = stop.time_s, .cause = cause_of(stop)});
   }

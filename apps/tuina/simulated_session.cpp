@@ -79,9 +79,12 @@ class Witness {
       const auto pose = [&](Arm arm) {
         return models_[arm].kinematics(truth.arms[arm].q_rad, truth.rail_m);
       };
-      min_arm_distance_m = std::min(
-          min_arm_distance_m, robot::distance_between_m(models_[Arm::left], pose(Arm::left),
-                                                        models_[Arm::right], pose(Arm::right)));
+      const double apart_m = robot::distance_between_m(models_[Arm::left], pose(Arm::left),
+                                                       models_[Arm::right], pose(Arm::right));
+      min_arm_distance_m = std::min(min_arm_distance_m, apart_m);
+      constexpr double distances_every_s = 0.1;
+      if (distances.empty() || time_s - distances.back().time_s >= distances_every_s)
+        distances.push_back({time_s, apart_m});
     }
     for (const Arm arm : both_arms) {
       const session::ArmView& seen = view[arm];
@@ -111,6 +114,7 @@ class Witness {
   [[nodiscard]] const Touched& touched(Arm arm) const { return touched_[arm]; }
 
   double min_arm_distance_m = std::numeric_limits<double>::infinity();
+  std::vector<telemetry::ArmDistance> distances;
   std::vector<telemetry::TraceRow> trace;
   session::ForceErrorSum all;
   std::map<Technique, session::ForceErrorSum> by_technique;
@@ -221,6 +225,7 @@ Result<void> massage_person(SessionResult& result, const robot::RobotMount& moun
   result.decisions = massage.decisions();
   result.stops = massage.stops();
   result.min_arm_distance_m = witness.min_arm_distance_m;
+  result.distances = std::move(witness.distances);
   result.force = witness.all.errors();
   for (const auto& [technique, sum] : witness.by_technique)
     result.techniques[technique] = sum.errors();

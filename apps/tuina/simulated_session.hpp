@@ -69,6 +69,7 @@ struct SessionResult {
   std::vector<telemetry::TraceRow> trace;
   double massage_s = 0.0;
   double real_time_factor = 0.0;
+  std::vector<telemetry::ArmDistance> distances;
   double min_arm_distance_m = 0.0;  ///< that the arms truly had, surface to surface
   std::string device_fault;
 };

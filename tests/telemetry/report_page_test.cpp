@@ -135,3 +135,22 @@ TEST_CASE("a session that ended before anything was seen still gives a page that
 TEST_CASE("the same session gives the same page byte for byte") {
   CHECK(report_page(tests::sample_report()) == sample_page());
 }
+
+TEST_CASE("the report shows what the tissue decided and how far the arms stayed apart") {
+  ReportData data = sample_without_pictures();
+  CHECK_FALSE(holds(report_page(data), "What the tissue decided"));
+  data.decisions = {{.time_s = 9.8,
+                     .arm = Arm::right,
+                     .path = "press GV4 <b>",
+                     .rule = "A3",
+                     .reason = "hard enough",
+                     .from_n = 22.0,
+                     .to_n = 17.5}};
+  data.distances = {{0.0, 0.2}, {1.0, 0.08}, {2.0, 0.2}};
+  data.stopping_distance_m = 0.025;
+  const std::string page = report_page(data);
+  CHECK(holds(page, "What the tissue decided"));
+  CHECK(holds(page, "press GV4 &lt;b&gt;"));
+  CHECK(holds(page, "hard enough"));
+  CHECK(holds(page, "arms apart, mm"));
+}

@@ -79,6 +79,23 @@ struct BodyCondition {
   double female = 0.0;
 };
 
+/// One thing that the tissue decided; the rules are described in docs/tissue.md.
+struct SteeringDecision {
+  double time_s = 0.0;
+  Arm arm = Arm::left;
+  std::string path = {};  ///< its name
+  std::string rule = {};  ///< "A3"
+  std::string reason = {};
+  double from_n = 0.0;
+  double to_n = 0.0;
+};
+
+/// Between the surfaces of the two arms.
+struct ArmDistance {
+  double time_s = 0.0;
+  double apart_m = 0.0;
+};
+
 /// Errors of the TRUE contact force (target minus true), over all contact of one technique.
 struct TechniqueForce {
   Technique technique = Technique::press;
@@ -119,6 +136,9 @@ struct ReportData {
   std::function<std::optional<MappedStiffness>(const Vector3&)> stiffness_at = {};
   std::vector<StiffnessChange> changes = {};
   std::optional<BodyCondition> condition = {};
+  std::vector<SteeringDecision> decisions = {};
+  std::vector<ArmDistance> distances = {};
+  double stopping_distance_m = 0.0;  ///< arms nearer than this stop
   std::vector<Stop> stops = {};
   std::vector<KeyNumber> numbers = {};  ///< besides those that the page counts itself
   std::string config_toml = {};         ///< the whole effective configuration

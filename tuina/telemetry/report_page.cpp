@@ -8,9 +8,10 @@
 #include <set>
 
 #include "tuina/core/units.hpp"
+#include "tuina/telemetry/report_conduct.hpp"
 #include "tuina/telemetry/report_figures.hpp"
-#include "tuina/telemetry/report_tissue.hpp"
 #include "tuina/telemetry/report_style.hpp"
+#include "tuina/telemetry/report_tissue.hpp"
 #include "tuina/telemetry/svg_plot.hpp"
 
 namespace tuina::telemetry {
@@ -252,6 +253,8 @@ std::string force_section(const ReportData& data) {
   const std::string timeline = figures::timeline(data);
   html += timeline.empty() ? "<p class=note>No path was carried out.</p>"
                            : "<div class=wide>" + timeline + "</div>" + technique_key(data);
+  const std::string distance = distance_figure(data);
+  if (!distance.empty()) html += "<div class=wide>" + distance + "</div>";
   html +=
       "</section><section class=long><h2>The force on the skin</h2><p>What was asked for, what the "
       "person truly felt, and what the sensor at the wrist said. Contacts stand one behind the "
@@ -317,7 +320,7 @@ std::string report_page(const ReportData& data) {
       data.version.empty() ? "" : "tuina " + escaped(data.version) + " &ensp;·&ensp; ", data.seed,
       summary(data));
   html += tiles(data) + back_section(data) + force_section(data) + tissue_section(data) +
-          stops_section(data);
+          decisions_section(data) + stops_section(data);
   if (!data.config_toml.empty()) {
     html +=
         "<section class=long><h2>Configuration</h2><details><summary>Every setting of this "

@@ -301,7 +301,7 @@ std::string to_svg(const Plot& plot) {
 std::string to_svg(const Timeline& timeline) {
   constexpr double row_px = 34;
   constexpr double bar_px = 22;
-  constexpr double left = 64;
+  constexpr double left = 76;
   const double width = timeline.width_px - left - 14.0;
   const double top = timeline.marks.empty() ? 8.0 : 24.0;
   const double bottom = top + row_px * static_cast<double>(timeline.rows.size());
