@@ -245,6 +245,19 @@ std::string page_of(const ControlReport& report) {
   }
   body += section("Beyond reach", "The target walks 0.2 m beyond the stretched arm.",
                   pulls + "</table>");
+  std::string bounds =
+      "<table><tr><th class=\"l\">tissue</th><th>held, N</th><th>answer after, ms</th><th>push, "
+      "N</th><th>highest force, N</th></tr>";
+  for (const ReflexBound& bound : report.reflex_bounds) {
+    bounds += fmt::format(
+        "<tr><td "
+        "class=\"l\">{}</td><td>{:.0f}</td><td>{:.1f}</td><td>{:.0f}</td><td>{:.0f}</td></tr>",
+        bound.tissue, bound.force_n, bound.after_ms, bound.push_n, bound.highest_n);
+  }
+  body += section("What no reflex can do better",
+                  "A person on a rigid torso rises at 0.1 m/s; the arm pushes itself away after a "
+                  "time, at once and with nothing in its way.",
+                  bounds + "</table>");
   body += section(
       "The thesis' 140 N",
       fmt::format("On a seated person's back the drives hold {:.0f} N at the weakest of {} places "

@@ -69,6 +69,13 @@ std::string to_json(const ControlReport& report) {
                                                {"fastest_rad_per_s", pull.fastest_rad_per_s},
                                                {"survived", pull.survived}});
   }
+  for (const ReflexBound& bound : report.reflex_bounds) {
+    json["control"]["reflex_bound"].push_back({{"tissue", bound.tissue},
+                                               {"force_n", bound.force_n},
+                                               {"after_ms", bound.after_ms},
+                                               {"push_n", bound.push_n},
+                                               {"highest_n", bound.highest_n}});
+  }
   const ForceAtTool& force = report.force_at_tool;
   json["control"]["force_at_tool"] = {{"places", force.places},
                                       {"reached", force.reached},
@@ -93,6 +100,13 @@ std::string to_text(const ControlReport& report) {
   for (const BeyondReach& pull : report.beyond_reach) {
     text += fmt::format("{:<52} {:.3g} Nm, {:.3g} rad/s{}\n", pull.law, pull.highest_torque_nm,
                         pull.fastest_rad_per_s, pull.survived ? "" : ", diverges");
+  }
+  text += "\nA person on a rigid torso rises at 0.1 m/s against an arm that pushes itself away:\n";
+  for (const ReflexBound& bound : report.reflex_bounds) {
+    text += fmt::format("{:<52} {:6.0f} N\n",
+                        fmt::format("{}, {:.0f} N, after {:.1f} ms with {:.0f} N", bound.tissue,
+                                    bound.force_n, bound.after_ms, bound.push_n),
+                        bound.highest_n);
   }
   text += fmt::format(
       "\nForce that the drives hold on a seated back, {} of {} places reached: {:.0f} N at the "

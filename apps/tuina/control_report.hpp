@@ -7,6 +7,7 @@
 
 #include "apps/tuina/control_trials.hpp"
 #include "apps/tuina/reach_trials.hpp"
+#include "apps/tuina/reflex_bound.hpp"
 
 namespace tuina::app {
 
@@ -24,6 +25,7 @@ struct ControlReport {
   std::vector<ControlTrace> presses;  ///< 30 N on soft muscle over a rigid torso
   std::vector<ControlTrace> rises;    ///< under 40 N on hard muscle a person rises
   std::vector<BeyondReach> beyond_reach;
+  std::vector<ReflexBound> reflex_bounds;
   ForceAtTool force_at_tool;
 
   [[nodiscard]] const ControlTable* table(const std::string& name) const;

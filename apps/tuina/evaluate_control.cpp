@@ -71,6 +71,7 @@ class EvaluateControl final : public Verb {
     report.presses = std::move(*presses);
     report.rises = std::move(*rises);
     report.beyond_reach = pull_beyond_reach();
+    report.reflex_bounds = reflex_bounds();
     report.force_at_tool = force_at_tool();
     if (auto written = write(report); !written) return tl::unexpected(written.error());
     return Answer{.json = to_json(report), .text = to_text(report)};

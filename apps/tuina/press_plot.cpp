@@ -61,7 +61,8 @@ std::string plot_fit(const std::vector<tissue::TimedPress>& record, const tissue
   return telemetry::to_svg(plot);
 }
 
-std::string plot_estimates(const std::vector<TimedEstimate>& estimates) {
+std::string plot_estimates(const std::vector<TimedEstimate>& estimates,
+                           const std::optional<TangentTissue>& truth) {
   Plot alpha{.title = "alpha over time", .x_label = "time, s", .y_label = "alpha, N", .y_low = 0.0};
   Plot beta{.title = "beta over time", .x_label = "time, s", .y_label = "beta, 1/mm", .y_low = 0.0};
   Series alphas{.name = "alpha", .colour = palette::press},
@@ -96,6 +97,19 @@ std::string plot_estimates(const std::vector<TimedEstimate>& estimates) {
   alpha.series = {std::move(alphas)};
   beta.bands = {std::move(beta_band)};
   beta.series = {std::move(betas)};
+  if (truth && !estimates.empty()) {
+    const double begin_s = estimates.front().time_s, end_s = estimates.back().time_s;
+    const auto level = [&](double value) {
+      return Series{.name = "truth",
+                    .x = {begin_s, end_s},
+                    .y = {value, value},
+                    .colour = palette::ink,
+                    .width_px = 1.2,
+                    .dashed = true};
+    };
+    alpha.series.push_back(level(truth->alpha_n));
+    beta.series.push_back(level(from_mm(truth->beta_per_m)));
+  }
   return fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} "
       "{1}\">\n{2}\n"

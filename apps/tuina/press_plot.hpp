@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,7 +19,9 @@ struct TimedEstimate {
   TissueEstimate estimate;
 };
 
-/// Alpha and beta over time with their intervals, one drawing above the other.
-[[nodiscard]] std::string plot_estimates(const std::vector<TimedEstimate>& estimates);
+/// Alpha and beta over time with their intervals, one drawing above the other; dashed beside them
+/// the truth, if it is known.
+[[nodiscard]] std::string plot_estimates(const std::vector<TimedEstimate>& estimates,
+                                         const std::optional<TangentTissue>& truth);
 
 }  // namespace tuina::app

@@ -97,6 +97,14 @@ class TissueEstimateVerb final : public Verb {
   void describe(CLI::App& command) override {
     file_.describe(command);
     command.add_option("--plot", plot_, "draw the estimates over time as SVG");
+    auto* alpha = command
+                      .add_option("--true-alpha-n", true_alpha_n_,
+                                  "of a simulated record: drawn beside the estimate, no more")
+                      ->check(number_between(0.01, 1e3));
+    auto* beta = command.add_option("--true-beta-per-mm", true_beta_per_mm_, "likewise")
+                     ->check(number_between(1e-3, 10.0))
+                     ->needs(alpha);
+    alpha->needs(beta);
     command.add_option("--out", out_, "write the estimate after every sample to this CSV file");
     command
         .add_option("--method", method_,
@@ -137,7 +145,7 @@ class TissueEstimateVerb final : public Verb {
              : by_thesis(*record, noise.force_n);
     // The drawing first: if it cannot be written, no trace is left that looks like a success.
     if (!plot_.empty()) {
-      if (const auto drawn = write_file(plot_, plot_estimates(result.history)); !drawn)
+      if (const auto drawn = write_file(plot_, plot_estimates(result.history, truth())); !drawn)
         return tl::unexpected(drawn.error());
     }
     if (!out_.empty()) {
@@ -148,6 +156,11 @@ class TissueEstimateVerb final : public Verb {
   }
 
  private:
+  [[nodiscard]] std::optional<TangentTissue> truth() const {
+    if (!true_alpha_n_) return std::nullopt;
+    return TangentTissue{*true_alpha_n_, 1e3 * *true_beta_per_mm_};
+  }
+
   static Answer answer(const Estimated& result, const tissue::SensorNoise& noise, bool ours) {
     const TissueEstimate& e = result.last;
     const tissue::Classification found = tissue::classify(e, result.chi);
@@ -189,7 +202,7 @@ class TissueEstimateVerb final : public Verb {
   std::string out_;
   std::string plot_;
   std::string method_ = "tuina";
-  std::optional<double> torso_n_per_mm_;
+  std::optional<double> torso_n_per_mm_, true_alpha_n_, true_beta_per_mm_;
   double breathing_mm_ = 1.0, contact_sd_mm_ = 1.0, force_delay_ms_ = 0.0;
 };
 

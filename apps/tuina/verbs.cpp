@@ -35,6 +35,7 @@ std::vector<std::unique_ptr<Verb>> make_verbs() {
   verbs.push_back(make_evaluate_scanner());
   verbs.push_back(make_press());
   verbs.push_back(make_evaluate_control());
+  verbs.push_back(make_evaluate_all());
   verbs.push_back(make_evaluate_massage());
   verbs.push_back(make_config_show());
   verbs.push_back(make_config_check());

@@ -20,6 +20,7 @@ std::unique_ptr<Verb> make_tissue_estimate();
 std::unique_ptr<Verb> make_evaluate_tissue();
 std::unique_ptr<Verb> make_evaluate_scanner();
 std::unique_ptr<Verb> make_evaluate_control();
+std::unique_ptr<Verb> make_evaluate_all();
 std::unique_ptr<Verb> make_evaluate_massage();
 std::unique_ptr<Verb> make_map();
 std::unique_ptr<Verb> make_atlas_learn();
