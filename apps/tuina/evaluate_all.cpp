@@ -14,7 +14,7 @@ class EvaluateAll final : public Verb {
  public:
   [[nodiscard]] const char* name() const override { return "evaluate all"; }
   [[nodiscard]] const char* summary() const override {
-    return "every table, one after the other; half an hour on a small machine";
+    return "every table, one after the other, each by default; this takes long";
   }
   [[nodiscard]] const char* example() const override {
     return "tuina evaluate all --json > tables.json";
