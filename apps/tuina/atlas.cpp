@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "apps/tuina/atlas_picture.hpp"
 #include "apps/tuina/atlas_source.hpp"
 #include "apps/tuina/labelled_phantom.hpp"
 #include "apps/tuina/verbs.hpp"
@@ -96,13 +97,18 @@ class AtlasShow final : public Verb {
  public:
   [[nodiscard]] const char* name() const override { return "atlas show"; }
   [[nodiscard]] const char* summary() const override { return "what an atlas knows"; }
-  [[nodiscard]] const char* example() const override { return "tuina atlas show models/atlas.tuina"; }
+  [[nodiscard]] const char* example() const override { return "tuina atlas show models/atlas.tuina --picture atlas.svg"; }
   void describe(CLI::App& command) override {
     command.add_option("atlas", atlas_, "an atlas file; else the shipped one");
+    command.add_option("--picture", picture_, "the mean back and its first modes, as SVG");
   }
   [[nodiscard]] Result<Answer> run(const CommonOptions&) override {
     const auto atlas = open_atlas(atlas_);
     if (!atlas) return tl::unexpected(atlas.error());
+    if (!picture_.empty()) {
+      const auto written = write_file(picture_, atlas_picture(*atlas));
+      if (!written) return tl::unexpected(written.error());
+    }
     nlohmann::json positions = nlohmann::json::array();
     std::string text = atlas->made;
     int bodies = 0;
@@ -129,6 +135,7 @@ class AtlasShow final : public Verb {
 
  private:
   std::string atlas_;
+  std::string picture_;
 };
 
 }  // namespace

@@ -33,10 +33,10 @@ struct Curve {
   telemetry::Colour colour;
 };
 constexpr std::array<Curve, 4> curves = {
-    {{"sitting, shipped atlas adapted", true, Position::sitting, palette::press},
-     {"lying, shipped atlas adapted", true, Position::prone, palette::rub},
-     {"sitting, learned from them alone", false, Position::sitting, palette::press},
-     {"lying, learned from them alone", false, Position::prone, palette::rub}}};
+    {{"sitting, adapted", true, Position::sitting, palette::press},
+     {"lying, adapted", true, Position::prone, palette::rub},
+     {"sitting, alone", false, Position::sitting, palette::press},
+     {"lying, alone", false, Position::prone, palette::rub}}};
 
 /// How the error falls with the number of labelled people that an atlas learns from.
 class EvaluateAtlas final : public Verb {

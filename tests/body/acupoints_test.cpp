@@ -201,6 +201,51 @@ TEST_CASE("what is no whole back is refused, with the cause") {
   }
 }
 
+TEST_CASE("a rucksack, long hair or an arm across the back is refused or said in the radius") {
+  for (const Position position : {Position::sitting, Position::prone}) {
+    const LabelledBody person = phantom(position);
+    const bool sitting = position == Position::sitting;
+    std::map<std::string, Vector3> at;
+    for (const Landmark& landmark : person.landmarks) at[landmark.name] = landmark.at_in_couch;
+    const Vector3 along = (at["C7"] - at["sacrum_S2"]).normalized();
+    const Vector3 across = (at["scapula_root_L"] - at["scapula_root_R"]).normalized();
+    const Vector3 out = sitting ? Vector3::UnitY() : Vector3::UnitZ();
+    // What lies on the skin hides it: the points there are seen nearer to the scanner.
+    const auto covered = [&](const Vector3& middle, double half_wide_m, double half_high_m,
+                             double thick_m) {
+      PointCloud cloud = scan_of(person);
+      for (Vector3& p : cloud.points) {
+        const Vector3 off = p - middle;
+        if (std::abs(off.dot(across)) > half_wide_m || std::abs(off.dot(along)) > half_high_m)
+          continue;
+        p += thick_m * out;
+      }
+      return cloud;
+    };
+    const std::map<std::string, PointCloud> scans = {
+        {"rucksack", covered(at["T7"], 0.14, 0.2, 0.12)},
+        {"hair", covered(at["C7"] + 0.05 * along, 0.11, 0.15, 0.03)},
+        {"arm across", covered(at["T12"], 0.4, 0.045, 0.07)}};
+    for (const auto& [what, cloud] : scans) {
+      const auto found = map(cloud);
+      CAPTURE(what);
+      CAPTURE(name_of(position));
+      if (!found) {
+        CHECK_MESSAGE(found.error().message.find_first_of("0123456789") != std::string::npos,
+                      found.error().message);
+        continue;
+      }
+      for (std::size_t i = 0; i < seven_acupoints.size(); ++i) {
+        // Of what covers a point only the height is wrong: the place on the back counts.
+        Vector3 off = found->acupoints[i].at_in_couch - person.acupoints[i].at_in_couch;
+        off -= off.dot(out) * out;
+        CAPTURE(seven_acupoints[i]);
+        CHECK(off.norm() < 3.0 * found->acupoints[i].uncertainty_m);
+      }
+    }
+  }
+}
+
 TEST_CASE("an atlas survives its file, and a damaged file is refused") {
   const std::string bytes = to_bytes(shipped());
   const auto again = parse_atlas(bytes, "atlas");

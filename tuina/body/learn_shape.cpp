@@ -16,7 +16,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr std::size_t enough_to_correct = 4;  // bodies
-constexpr std::size_t enough_to_learn = 8;    // without a prior that is there
+constexpr std::size_t enough_to_learn = 16;   // fewer refuse whom they are not like
 
 /// What is learned: the labels of the prior, else those that every body has, acupoints first.
 struct Names {
