@@ -155,6 +155,18 @@ TEST_CASE("the JSON of a massage has every key that was promised, also in sessio
              "class class_probability");
     CHECK(tissue["converged_after_s"].is_null() != tissue["converged"].get<bool>());
   }
+  has_keys(session["stiffness"], "force_n places changes");
+  CHECK(session["stiffness"]["places"].size() == session["tissue"].size());
+  for (const json& place : session["stiffness"]["places"]) {
+    has_keys(place, "name position_m stiffness_n_per_mm ci95_n_per_mm");
+    CHECK(place["stiffness_n_per_mm"].get<double>() > place["ci95_n_per_mm"].get<double>());
+  }
+  CHECK(session["stiffness"]["changes"].empty());  // relax presses each place once
+  const json& condition = session["body_condition"];
+  has_keys(condition, "slim medium hefty female presses caution");
+  CHECK(condition["slim"].get<double>() + condition["medium"].get<double>() +
+            condition["hefty"].get<double>() ==
+        doctest::Approx(1.0));
   CHECK(json::parse(massage.file("session.json")) == session);
 }
 

@@ -80,6 +80,14 @@ TEST_CASE("every option of press is heard") {
     REQUIRE_MESSAGE(outcome.exit_code == 0, outcome.err);
     CHECK(json::parse(outcome.out)["force"] != plain["force"]);
   }
+  json ways = json::array();
+  for (const char* shape : {"circle", "ellipse", "spiral"}) {
+    ways.push_back(json::parse(
+        run_tuina(press({"--technique", "rub", "--rub-shape", shape, "--force-n", "20"})).out));
+    CHECK(ways.back()["force"]["rmse_n"] < 2.0);
+  }
+  CHECK(ways[0]["force"] != ways[1]["force"]);
+  CHECK(ways[1]["force"] != ways[2]["force"]);
 }
 
 TEST_CASE("press tells what happens when the person moves") {

@@ -49,8 +49,10 @@ TEST_CASE("tissue fit and tissue estimate find the same tissue in a record") {
   CHECK(fitted["ci95"]["alpha_n"].get<double>() > 0.0);
   CHECK(fitted["rmse_n"].get<double>() > 0.0);
 
-  const auto estimate =
-      run_tuina({"tissue", "estimate", path, "--out", folder / "trace.csv", "--json"});
+  const auto estimate = run_tuina({"tissue", "estimate", path, "--out", folder / "trace.csv",
+                                   "--json", "--plot", folder / "estimate.svg", "--true-alpha-n",
+                                   "9.786", "--true-beta-per-mm", "0.1854"});
+  CHECK(read_file(folder / "estimate.svg").value().find("truth") != std::string::npos);
   REQUIRE(estimate.exit_code == 0);
   const auto estimated = nlohmann::json::parse(estimate.out);
   CHECK(estimated["converged"] == true);
