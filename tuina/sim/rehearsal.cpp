@@ -28,7 +28,10 @@ constexpr double count_rad = from_deg(300.0 / 1024.0);
 constexpr double middle_m = 1.0;
 constexpr double most_tilt_rad = 40.0_deg;
 constexpr double most_roll_rad = 30.0_deg;
-constexpr double standing_step_rad = 3.0_deg;
+constexpr double standing_step_rad = 2.0_deg;
+// Near boards show the axis best: depth is known with the square of the distance.
+constexpr double nearest_standing_m = 0.75;
+constexpr double farthest_standing_m = 1.25;
 constexpr std::size_t least_standing_views = 5;
 constexpr double sweep_rad = 12.0_deg;
 constexpr double sweep_rad_per_s = 5.994_deg;
@@ -285,7 +288,8 @@ std::vector<RehearsalPicture> rehearsal_pictures(const ScannerCalibration& truth
     pictures.push_back({.laser = true, .pose = pose, .camera_from_board = seen});
   }
   for (int i = 0; i < options.standing_poses; ++i) {
-    const double depth_m = 1.0 + 0.6 * i / std::max(1, options.standing_poses - 1);
+    const double part = static_cast<double>(i) / std::max(1, options.standing_poses - 1);
+    const double depth_m = nearest_standing_m + part * (farthest_standing_m - nearest_standing_m);
     const auto views = stand_board(truth, options, options.poses + i, depth_m, random);
     pictures.insert(pictures.end(), views.begin(), views.end());
   }

@@ -19,7 +19,7 @@ namespace tuina::sim {
 struct RehearsalOptions {
   Chessboard board;
   int poses = 40;          ///< of a board held in the hand, each with and without laser
-  int standing_poses = 6;  ///< of a board that stands while the unit turns
+  int standing_poses = 8;  ///< of a board that stands while the unit turns
   double nearest_m = 0.5;
   double farthest_m = 1.75;
   bool sweeps = true;  ///< sweep_left, sweep_right and couch as well

@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: Apache-2.0
+// Folders of calibration shots as a newcomer spoils them. None gives a calibration.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "tests/whole/command.hpp"
+#include "tuina/core/file.hpp"
+#include "tuina/core/png.hpp"
+#include "tuina/sim/rehearsal.hpp"
+
+namespace fs = std::filesystem;
+using tuina::test::Folder;
+using tuina::test::run_tuina;
+
+namespace {
+
+constexpr int poses = 9;
+
+void rehearse(const fs::path& folder, double nearest_m = 0.5) {
+  const auto written = tuina::sim::rehearse_calibration(tuina::sim::built_scanner(2), 2, folder,
+                                                        {.poses = poses,
+                                                         .standing_poses = 1,
+                                                         .nearest_m = nearest_m,
+                                                         .farthest_m = 1.4,
+                                                         .sweeps = false});
+  REQUIRE_MESSAGE(written.has_value(), written.error().message);
+}
+
+std::string text_of(const fs::path& path) {
+  return tuina::read_file(path).value();
+}
+
+void put(const fs::path& path, const std::string& text) {
+  REQUIRE(tuina::write_file(path, text).has_value());
+}
+
+void replace(const fs::path& path, const std::string& from, const std::string& to) {
+  std::string text = text_of(path);
+  const auto at = text.find(from);
+  REQUIRE(at != std::string::npos);
+  put(path, text.replace(at, from.size(), to));
+}
+
+// The rows of frames.csv, each as it is or changed or, when empty, left out.
+template <typename Change>
+void edit_rows(const fs::path& folder, Change&& change) {
+  std::istringstream in(text_of(folder / "frames.csv"));
+  std::string row;
+  std::getline(in, row);
+  std::string out = row + "\n";
+  while (std::getline(in, row)) {
+    int frame = 0;
+    int pose = 0;
+    char kind[8] = {};
+    double time_s = 0.0;
+    double yaw_deg = 0.0;
+    REQUIRE(std::sscanf(row.c_str(), "%d,%5[a-z],%d,%lf,%lf", &frame, kind, &pose, &time_s,
+                        &yaw_deg) == 5);
+    const std::string changed = change(row, frame, std::string(kind), pose, yaw_deg);
+    if (!changed.empty()) out += changed + "\n";
+  }
+  put(folder / "frames.csv", out);
+}
+
+void mirror(const fs::path& picture) {
+  const auto png = tuina::read_png(picture).value();
+  tuina::Image image(png.image.width, png.image.height);
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      image.row(y)[x] = static_cast<std::uint8_t>(png.image.row(y)[png.image.width - 1 - x]);
+    }
+  }
+  put(picture, tuina::to_png(image));
+}
+
+// Copies the shots, spoils the copy, and says what tuina says of it.
+template <typename Spoil>
+std::string refusal(const fs::path& shots, const Folder& folder, Spoil&& spoil) {
+  const fs::path copy = folder / "copy";
+  fs::remove_all(copy);
+  fs::copy(shots, copy, fs::copy_options::recursive);
+  spoil(copy);
+  const std::string out = folder / "calibration.toml";
+  const auto outcome = run_tuina({"calibrate", copy.string(), "--out", out, "--report",
+                                  folder / "report.html", "--json", "--quiet"});
+  CHECK(outcome.exit_code == 2);
+  CHECK(outcome.out.empty());
+  CHECK_FALSE(fs::exists(out));
+  CHECK_FALSE(fs::exists(folder / "report.html"));
+  return outcome.err;
+}
+
+bool says(const std::string& message, std::string_view words) {
+  INFO(message);
+  return message.find(words) != std::string::npos;
+}
+
+}  // namespace
+
+TEST_CASE("what a newcomer does wrong with calibration shots is refused with its cause") {
+  const Folder folder;
+  const fs::path shots = folder.path() / "shots";
+  rehearse(shots);
+  const auto said = [&](auto&& spoil) { return refusal(shots, folder, spoil); };
+
+  CHECK(says(said([](const fs::path& f) { fs::remove(f / "board.toml"); }), "board.toml"));
+  CHECK(says(said([](const fs::path& f) { fs::remove(f / "frames.csv"); }), "frames.csv"));
+  CHECK(says(said([](const fs::path& f) { fs::remove(f / "frames/000003.png"); }), "000003.png"));
+  CHECK(says(said([](const fs::path& f) { put(f / "frames/000003.png", "no picture"); }),
+             "000003.png"));
+  CHECK(
+      says(said([](const fs::path& f) { replace(f / "board.toml", "columns = 7", "columns = 6"); }),
+           "is found in 0 of"));
+  CHECK(says(said([](const fs::path& f) {
+               edit_rows(f, [](auto row, int, auto, int pose, double) {
+                 return pose < 4 || pose >= poses ? row : std::string();
+               });
+             }),
+             "8 with both are needed"));
+  CHECK(says(said([](const fs::path& f) {
+               edit_rows(f, [](auto row, int, auto kind, int, double) {
+                 return kind == "board" ? row : std::string();
+               });
+             }),
+             "0 of them have a laser picture"));
+  CHECK(says(said([](const fs::path& f) {
+               replace(f / "board.toml", "square_m = 0.025", "square_m = 0.25");
+             }),
+             "square_m"));
+  CHECK(says(said([](const fs::path& f) {
+               // The laser pictures of poses 2 and 6 change places.
+               edit_rows(f, [](auto row, int frame, auto kind, int pose, double yaw_deg) {
+                 if (kind != "laser" || (pose != 2 && pose != 6)) return row;
+                 return fmt::format("{},laser,{},{},{}", frame, 8 - pose, 2 * frame, yaw_deg);
+               });
+             }),
+             "swapped"));
+  CHECK(says(said([](const fs::path& f) {
+               for (int frame = 0; frame < poses; ++frame) {
+                 mirror(f / fmt::format("frames/{:06}.png", frame));
+               }
+             }),
+             "mirrored"));
+  CHECK(says(said([](const fs::path& f) {
+               // To the other side the motor counts backwards.
+               edit_rows(f, [](auto, int frame, auto kind, int pose, double yaw_deg) {
+                 const double told_deg = -std::abs(yaw_deg);
+                 return fmt::format("{},{},{},{},{}", frame, kind, pose, 2 * frame, told_deg);
+               });
+             }),
+             "yaw_deg says"));
+  CHECK(says(said([](const fs::path& f) {
+               edit_rows(f, [](auto row, int, auto, int pose, double) {
+                 return pose < poses ? row : std::string();
+               });
+             }),
+             "yaw axis is unknown"));
+  CHECK(says(said([](const fs::path& f) { fs::create_directory(f / "sweep_left"); }),
+             "without sweep_right"));
+  CHECK(says(said([](const fs::path& f) { fs::create_directory(f / "couch"); }), "couch"));
+
+  // What was spoilt each time is good as it was.
+  const auto good =
+      run_tuina({"calibrate", shots.string(), "--out", folder / "good.toml", "--json", "--quiet"});
+  REQUIRE_MESSAGE(good.exit_code == 0, good.err);
+  CHECK(nlohmann::json::parse(good.out)["poses"] == poses);
+  CHECK(says(text_of(folder / "good.toml"), "[standard_deviations]"));
+}
+
+TEST_CASE("boards at one distance are refused") {
+  const Folder folder;
+  const fs::path shots = folder.path() / "shots";
+  rehearse(shots, 1.35);
+  CHECK(says(refusal(shots, folder, [](const fs::path&) {}), "one distance"));
+}
+
+TEST_CASE("wrong use of calibrate is told") {
+  const Folder folder;
+  CHECK(run_tuina({"calibrate"}).exit_code == 1);
+  CHECK(run_tuina({"calibrate", folder.path().string()}).exit_code == 1);
+  CHECK(run_tuina({"calibrate", "--rehearse", folder / "a", "--out", folder / "b"}).exit_code == 1);
+  CHECK(run_tuina({"calibrate", folder / "none", "--out", folder / "c.toml"}).exit_code == 2);
+  CHECK(run_tuina({"calibrate", folder / "none", "--out", folder / "no/c.toml"}).exit_code == 2);
+}
