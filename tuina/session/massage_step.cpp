@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "tuina/massage/contact_path.hpp"
-#include "tuina/robot/clearance.hpp"
 
 namespace tuina::session {
 namespace {
@@ -21,29 +20,6 @@ massage::Plan in_base(massage::Plan plan, const Transform& base_from_couch) {
     }
   }
   return plan;
-}
-
-/// The path between its even samples, and how the place moves there.
-struct Interpolated {
-  ContactPoint point;
-  Vector3 velocity_m_per_s;
-};
-
-Interpolated interpolate(const ContactPath& path, double time_s) noexcept {
-  const double spacing_s = path.points[1].time_s - path.points[0].time_s;
-  const double at =
-      std::clamp(time_s / spacing_s, 0.0, static_cast<double>(path.points.size() - 2));
-  const auto i = static_cast<std::size_t>(at);
-  const double u = std::min(1.0, time_s / spacing_s - static_cast<double>(i));
-  const ContactPoint& a = path.points[i];
-  const ContactPoint& b = path.points[i + 1];
-  return {
-      .point = {.time_s = time_s,
-                .at_in_couch = a.at_in_couch + u * (b.at_in_couch - a.at_in_couch),
-                .normal_in_couch =
-                    (a.normal_in_couch + u * (b.normal_in_couch - a.normal_in_couch)).normalized(),
-                .force_n = a.force_n + u * (b.force_n - a.force_n)},
-      .velocity_m_per_s = (b.at_in_couch - a.at_in_couch) / spacing_s};
 }
 
 /// What is expected of a place before it was felt: Table 6-2 of [thesis], medium build, by what
@@ -106,6 +82,7 @@ MassageStep::MassageStep(const massage::Plan& plan, PerArm<std::vector<ArmJob>> 
                          const PerArm<robot::ArmModel>& models, const MassageOptions& options)
     : plan_(in_base(plan, options.base_from_couch)),
       models_(models),
+      separation_(models),
       options_(options),
       sides_{.of = {Side(models_[Arm::left], options), Side(models_[Arm::right], options)}},
       steering_(
@@ -169,7 +146,7 @@ robot::RobotCommand MassageStep::step(const robot::RobotReading& reading) noexce
                   .tool_in_base = foremost};
   }
   started_ = true;
-  keep_arms_apart(reading);
+  if (!separation_.keeps(reading) && stopped_s_ < 0.0) part_arms(reading.time_s);
   if (stop_asked_ && stopped_s_ < 0.0) {
     stops_.push_back({reading.time_s, Arm::left, safety::Cause::asked_to});
     let_go(reading.time_s);
@@ -191,40 +168,12 @@ robot::RobotCommand MassageStep::step(const robot::RobotReading& reading) noexce
   return command;
 }
 
-/// The plan keeps the arms apart; this is for an arm that somebody pushes, or that is not where its
-/// plan has it. Each arm brakes for itself, so each one's share in the closing counts for itself.
-void MassageStep::keep_arms_apart(const robot::RobotReading& reading) noexcept {
-  PerArm<robot::ArmModel::Kinematics> poses;
-  for (const Arm arm : both_arms) {
-    poses[arm] = models_[arm].kinematics(reading.arms[arm].q_rad, reading.rail_m);
-  }
-  const auto apart_m = [&](const robot::ArmModel::Kinematics& left,
-                           const robot::ArmModel::Kinematics& right) {
-    return robot::distance_between_m(models_[Arm::left], left, models_[Arm::right], right);
-  };
-  arm_distance_m_ = apart_m(poses[Arm::left], poses[Arm::right]);
-  if (watching_) {
-    constexpr double smoothing = tick_s / 20e-3;  // encoders are coarse
-    const PerArm<double> before_m = {.of = {apart_m(poses_before_[Arm::left], poses[Arm::right]),
-                                            apart_m(poses[Arm::left], poses_before_[Arm::right])}};
-    for (const Arm arm : both_arms) {
-      closing_m_per_s_[arm] +=
-          smoothing * ((before_m[arm] - arm_distance_m_) / tick_s - closing_m_per_s_[arm]);
-    }
-  }
-  watching_ = true;
-  poses_before_ = poses;
-  double halted_m = arm_distance_m_;
-  for (const Arm arm : both_arms) {
-    const double closing_m_per_s = std::max(closing_m_per_s_[arm], 0.0);
-    halted_m -= closing_m_per_s * closing_m_per_s / (2.0 * halting_m_per_s2);
-  }
-  if (halted_m >= stopping_arm_distance_m || stopped_s_ >= 0.0) return;
+void MassageStep::part_arms(double time_s) noexcept {
   for (const Arm arm : both_arms) {
     const bool moves = sides_[arm].phase != ArmPhase::waiting;
-    if (moves) stops_.push_back({reading.time_s, arm, safety::Cause::arms_too_close});
+    if (moves) stops_.push_back({time_s, arm, safety::Cause::arms_too_close});
   }
-  let_go(reading.time_s);
+  let_go(time_s);
 }
 
 void MassageStep::obey(LiveCommand command) noexcept {
@@ -382,7 +331,7 @@ void MassageStep::press_on(Side& side, Arm arm, double time_s) noexcept {
   }
   register_skin(side, arm, time_s);
   if (side.phase != ArmPhase::contact) return;
-  const Interpolated now = interpolate(planned.path, side.playback.path_s());
+  const massage::PathPlace now = massage::place_at(planned.path, side.playback.path_s());
   side.wanted = now.point;
   side.wanted.at_in_couch += shift_in_base_;
   const double planned_n = steering_.probing(arm) && !paused_

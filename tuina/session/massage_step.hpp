@@ -12,6 +12,7 @@
 #include "tuina/robot/arm_model.hpp"
 #include "tuina/robot/robot.hpp"
 #include "tuina/safety/guard.hpp"
+#include "tuina/session/arm_separation.hpp"
 #include "tuina/session/live_command.hpp"
 #include "tuina/session/playback.hpp"
 #include "tuina/session/steering.hpp"
@@ -57,11 +58,6 @@ struct ArmJob {
   JointVector posture_rad;
 };
 
-/// Arms that come nearer to each other than this, or that could not be halted before, stop; the
-/// deceleration is that of one arm.
-inline constexpr double stopping_arm_distance_m = 25e-3;
-inline constexpr double halting_m_per_s2 = 2.0;
-
 struct MassageOptions {
   Transform base_from_couch = Transform::Identity();  ///< as the session believes it
   double rail_m = 0.0;
@@ -100,7 +96,7 @@ class MassageStep {
   /// How far the skin was found from the scan, from the contacts so far.
   [[nodiscard]] const Vector3& shift_in_base() const noexcept { return shift_in_base_; }
   /// Between the surfaces of the arms as measured, in the last millisecond.
-  [[nodiscard]] double arm_distance_m() const noexcept { return arm_distance_m_; }
+  [[nodiscard]] double arm_distance_m() const noexcept { return separation_.apart_m(); }
 
  private:
   struct Side {
@@ -133,7 +129,7 @@ class MassageStep {
   void end_contact(Side& side, Arm arm, double time_s) noexcept;
   void feel(Side& side, Arm arm, double time_s, const ArmState& state) noexcept;
   void let_go(double time_s) noexcept;
-  void keep_arms_apart(const robot::RobotReading& reading) noexcept;
+  void part_arms(double time_s) noexcept;
   [[nodiscard]] const ArmJob* job_of(const Side& side) const noexcept;
   [[nodiscard]] const massage::PlannedPath* path_of(const Side& side) const noexcept;
   [[nodiscard]] safety::Proposal proposal(const Side& side,
@@ -141,6 +137,7 @@ class MassageStep {
 
   massage::Plan plan_;  // its paths in base
   PerArm<robot::ArmModel> models_;
+  ArmSeparation separation_;
   MassageOptions options_;
   PerArm<Side> sides_;
   Steering steering_;
@@ -153,10 +150,6 @@ class MassageStep {
   bool finished_ = false;
   double stopped_s_ = -1.0;
   double tool_radius_m_ = 0.0;
-  double arm_distance_m_ = 0.0;
-  bool watching_ = false;
-  PerArm<robot::ArmModel::Kinematics> poses_before_ = {};  ///< a millisecond ago
-  PerArm<double> closing_m_per_s_ = {};  ///< how fast each comes nearer to the other
   std::vector<Performed> performed_;
   std::vector<Stop> stops_;
 };
