@@ -48,6 +48,16 @@ safety::Guard::Options guard_options(const robot::ArmModel& model, const Massage
   return guard;
 }
 
+control::ToolPose foremost_of(const Transform& base_from_tool, double radius_m) noexcept {
+  const Vector3 normal = control::tool_normal(base_from_tool);
+  return {.at_in_base = base_from_tool.translation() - radius_m * normal, .normal_in_base = normal};
+}
+
+control::ToolPose above(const control::ToolPose& pose, double more_m) noexcept {
+  return {.at_in_base = pose.at_in_base + more_m * pose.normal_in_base,
+          .normal_in_base = pose.normal_in_base};
+}
+
 safety::Phase guarded_phase(ArmPhase phase) noexcept {
   switch (phase) {
     case ArmPhase::approach:
@@ -112,7 +122,11 @@ robot::RobotCommand MassageStep::step(const robot::RobotReading& reading) noexce
     control::ArmController& controller = side.controller;
     const robot::ArmReading& sensed = reading.arms[arm];
     const ArmState state = controller.sense(sensed, reading.time_s, reading.rail_m);
-    if (!started_) controller.start(state);
+    if (!started_) {
+      controller.start(state);
+      side.home = foremost_of(state.base_from_tool, tool_radius_m_);
+      side.home_rad = state.q_rad;
+    }
     conduct(arm, reading.time_s);
     const JointVector torque_nm = controller.step(state, reading.rail_m, tick_s);
 
@@ -137,13 +151,11 @@ robot::RobotCommand MassageStep::step(const robot::RobotReading& reading) noexce
       let_go(reading.time_s);
     }
     feel(side, arm, reading.time_s, state);
-    const Vector3 foremost = state.base_from_tool.translation() -
-                             tool_radius_m_ * control::tool_normal(state.base_from_tool);
     view_[arm] = {.phase = side.phase,
                   .path = path_of(side) != nullptr ? job_of(side)->path : -1,
                   .target_n = side.phase == ArmPhase::contact ? side.wanted.force_n : 0.0,
                   .measured_n = controller.status().force_n,
-                  .tool_in_base = foremost};
+                  .tool_in_base = foremost_of(state.base_from_tool, tool_radius_m_).at_in_base};
   }
   started_ = true;
   if (!separation_.keeps(reading) && stopped_s_ < 0.0) part_arms(reading.time_s);
@@ -275,6 +287,11 @@ void MassageStep::end_travel(Side& side, Arm arm, double time_s) noexcept {
       return;
     }
     side.detour_at = -1;
+    if (wants_scan_) {
+      side.job = side.jobs.size();
+      side.phase = ArmPhase::waiting;
+      return;
+    }
     if (!arrived || !side.again) return next_job(side);
     return begin_approach(side, arm, time_s);
   }
@@ -329,7 +346,7 @@ void MassageStep::press_on(Side& side, Arm arm, double time_s) noexcept {
     side.cut_short = side.cut_short || status.trouble != control::Trouble::none;
     return end_contact(side, arm, time_s);
   }
-  register_skin(side, arm, time_s);
+  register_skin(side, time_s);
   if (side.phase != ArmPhase::contact) return;
   const massage::PathPlace now = massage::place_at(planned.path, side.playback.path_s());
   side.wanted = now.point;
@@ -350,16 +367,12 @@ void MassageStep::press_on(Side& side, Arm arm, double time_s) noexcept {
 /// Where the tool found the skin tells how the person has shifted since the scan, along the normal
 /// that was touched. Breath moves it by a few millimetres to either side, so each contact counts
 /// for a part only, once.
-void MassageStep::register_skin(Side& side, Arm arm, double time_s) noexcept {
+void MassageStep::register_skin(Side& side, double time_s) noexcept {
   constexpr double after_s = 0.4, share = 0.3;
   const double in_contact_s = time_s - side.contact_s;
   if (in_contact_s < after_s || in_contact_s >= after_s + tick_s) return;
   const double deeper_m = side.controller.status().skin_error_m;
-  if (std::abs(deeper_m) > options_.most_shift_m) {
-    wants_scan_ = true;
-    stops_.push_back({time_s, arm, safety::Cause::person_moved});
-    return let_go(time_s);
-  }
+  if (std::abs(deeper_m) > options_.most_shift_m) return leave(time_s);
   next_shift_in_base_ -= share * deeper_m * side.wanted.normal_in_couch;
 }
 
@@ -367,23 +380,58 @@ void MassageStep::register_skin(Side& side, Arm arm, double time_s) noexcept {
 /// shall be done again, it flies there, lifted over what lies between.
 void MassageStep::end_retract(Side& side, double time_s) noexcept {
   const massage::PlannedPath* planned = path_of(side);
+  if (wants_scan_) return fly_home(side, time_s);
   if (planned == nullptr || stopped_s_ >= 0.0 || !(side.cut_short || side.again)) {
     return next_job(side);
   }
-  constexpr double lifted_m = 80e-3;
-  const auto above = [&](const ContactPoint& point, double more_m) {
-    return control::ToolPose{
-        .at_in_base = point.at_in_couch + (options_.standoff_m + more_m) * point.normal_in_couch,
-        .normal_in_base = point.normal_in_couch};
-  };
   const auto& points = planned->path.points;
   const ContactPoint& goal = side.again ? points.front() : points.back();
-  side.detour = {above(side.wanted, lifted_m), above(goal, lifted_m), above(goal, 0.0)};
-  side.detour_legs = 3;
+  detour(side,
+         above({.at_in_base = goal.at_in_couch, .normal_in_base = goal.normal_in_couch},
+               options_.standoff_m),
+         true, time_s);
+}
+
+/// To a place lifted over what may lie between, and down on it from above if it is on the back.
+void MassageStep::detour(Side& side, const control::ToolPose& goal, bool from_above,
+                         double time_s) noexcept {
+  constexpr double lifted_m = 80e-3;
+  const control::ToolPose here =
+      foremost_of(side.controller.dynamics().base_from_tool, tool_radius_m_);
+  side.detour = {above(here, lifted_m), from_above ? above(goal, lifted_m) : goal, goal};
+  side.detour_legs = from_above ? 3 : 2;
   side.detour_at = 0;
   side.leg_s = time_s;
   side.controller.move_to(side.detour.front());
   side.phase = ArmPhase::travel;
+}
+
+void MassageStep::fly_home(Side& side, double time_s) noexcept {
+  constexpr double at_home_m = 20e-3;
+  const control::ToolPose here =
+      foremost_of(side.controller.dynamics().base_from_tool, tool_radius_m_);
+  if ((here.at_in_base - side.home.at_in_base).norm() < at_home_m) {
+    side.job = side.jobs.size();
+    side.phase = ArmPhase::waiting;
+    return;
+  }
+  side.controller.keep_posture(side.home_rad);
+  detour(side, side.home, false, time_s);
+}
+
+/// The person has moved: contacts end, and every arm goes home.
+void MassageStep::leave(double time_s) noexcept {
+  wants_scan_ = true;
+  for (const Arm arm : both_arms) {
+    Side& side = sides_[arm];
+    if (side.phase == ArmPhase::contact || side.phase == ArmPhase::approach) {
+      if (side.phase == ArmPhase::approach) side.contact_s = time_s;
+      side.cut_short = true;
+      end_contact(side, arm, time_s);
+    } else if (side.phase == ArmPhase::travel || side.phase == ArmPhase::waiting) {
+      fly_home(side, time_s);
+    }
+  }
 }
 
 void MassageStep::end_contact(Side& side, Arm arm, double time_s) noexcept {
@@ -393,6 +441,7 @@ void MassageStep::end_contact(Side& side, Arm arm, double time_s) noexcept {
                  .begin_s = side.contact_s,
                  .end_s = time_s,
                  .trouble = side.trouble,
+                 .whole = !side.cut_short,
                  .felt = {}};
   const bool feels = planned.path.technique == Technique::press;
   if (feels && time_s > side.contact_s) {

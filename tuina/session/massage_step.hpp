@@ -38,6 +38,7 @@ struct Performed {
   double begin_s = 0.0;  ///< of the contact
   double end_s = 0.0;
   control::Trouble trouble = control::Trouble::none;  ///< why it was cut short, if it was
+  bool whole = true;                                  ///< from its first point to its last
   std::optional<TissueEstimate> felt;                 ///< after its last press; only pressing feels
   double chi = 1.0;                                   ///< misfit of what was felt; about 1 is good
   double stiffness_sd = 0.0;  ///< relative, of its tangent stiffness at `reference_force_n`
@@ -91,7 +92,8 @@ class MassageStep {
   [[nodiscard]] const std::vector<Decision>& decisions() const noexcept {
     return steering_.decisions();
   }
-  /// The person lies elsewhere than scanned: the arms have let go, and a new scan is needed.
+  /// The person lies elsewhere than scanned: the arms let go, fly to where they started, and a new
+  /// scan is needed.
   [[nodiscard]] bool wants_scan() const noexcept { return wants_scan_; }
   /// How far the skin was found from the scan, from the contacts so far.
   [[nodiscard]] const Vector3& shift_in_base() const noexcept { return shift_in_base_; }
@@ -111,11 +113,13 @@ class MassageStep {
     double contact_s = 0.0;
     Playback playback = {};
     bool skip = false, again = false, cut_short = false;
-    std::array<control::ToolPose, 3> detour = {};  ///< to where the next way begins
+    std::array<control::ToolPose, 3> detour = {};  ///< to where the next way begins, or home
     int detour_at = -1, detour_legs = 0;
     control::Trouble trouble = control::Trouble::none;
     TangentTissue expected = {};  ///< fed forward
     ContactPoint wanted = {};     ///< of the path, now; places in base
+    control::ToolPose home = {};  ///< where the session began
+    JointVector home_rad = {};
   };
 
   void conduct(Arm arm, double time_s) noexcept;
@@ -125,10 +129,13 @@ class MassageStep {
   void end_travel(Side& side, Arm arm, double time_s) noexcept;
   void end_retract(Side& side, double time_s) noexcept;
   void next_job(Side& side) noexcept;
-  void register_skin(Side& side, Arm arm, double time_s) noexcept;
+  void register_skin(Side& side, double time_s) noexcept;
   void end_contact(Side& side, Arm arm, double time_s) noexcept;
   void feel(Side& side, Arm arm, double time_s, const ArmState& state) noexcept;
   void let_go(double time_s) noexcept;
+  void leave(double time_s) noexcept;
+  void detour(Side& side, const control::ToolPose& goal, bool from_above, double time_s) noexcept;
+  void fly_home(Side& side, double time_s) noexcept;
   void part_arms(double time_s) noexcept;
   [[nodiscard]] const ArmJob* job_of(const Side& side) const noexcept;
   [[nodiscard]] const massage::PlannedPath* path_of(const Side& side) const noexcept;
