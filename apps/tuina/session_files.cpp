@@ -201,8 +201,7 @@ std::string session_json(const SessionResult& result, const FeltBack& felt_back,
                                {"notes", result.ready.plan.notes}}},
                              {"massage",
                               {{"duration_s", result.massage_s},
-                               {"real_time_factor", result.real_time_factor},
-                               {"scan_to_touch_s", scan_to_touch_s(result)},
+                               {"real_time_factor", result.real_time_factor()},
                                {"min_arm_distance_mm", to_mm(result.min_arm_distance_m)},
                                {"force",
                                 {{"rmse_n", result.force.rmse_n},
@@ -214,6 +213,7 @@ std::string session_json(const SessionResult& result, const FeltBack& felt_back,
                               {{"answered_by", result.consent.answered_by},
                                {"questions", session::health_questions.size()},
                                {"reasons_against", 0}}},
+                             {"rescans_s", result.rescans_s},
                              {"commands", commands},
                              {"decisions", decisions},
                              {"tissue", tissue},
@@ -305,7 +305,7 @@ telemetry::ReportData report_data(const SessionResult& result, const FeltBack& f
       {"scan to plan",
        fmt::format("{:.2f}", 1e-3 * (result.scan.compute_ms + result.locate_ms + result.plan_ms)),
        "s", "computing time, the sweep itself not counted"},
-      {"simulation", fmt::format("{:.0f}", result.real_time_factor), "times real time",
+      {"simulation", fmt::format("{:.0f}", result.real_time_factor()), "times real time",
        "two arms at 1 kHz, physics at 4 kHz"}};
   return data;
 }
@@ -343,7 +343,7 @@ std::string session_text(const SessionResult& result) {
       "{} paths in {:.0f} s, force error {:.2f} N RMS, peak {:.1f} N, {:.0f} times real time",
       result.person.name, name_of(result.located.position), result.scan.cloud_in_couch.size(),
       to_mm(mean_error_m), to_mm(max_error_m), result.performed.size(), result.massage_s,
-      result.force.rmse_n, result.force.peak_n, result.real_time_factor);
+      result.force.rmse_n, result.force.peak_n, result.real_time_factor());
   for (const session::Performed& done : result.performed) {
     if (done.trouble == control::Trouble::none) continue;
     text += fmt::format("\n{}: {}",

@@ -34,7 +34,7 @@ SessionOutcome run_session_trial(const SessionTrial& trial, const session::Confi
   outcome.arm_distance_m = done->min_arm_distance_m;
   outcome.scan_to_touch_s = scan_to_touch_s(*done);
   outcome.plan_ms = done->plan_ms;
-  outcome.real_time_factor = done->real_time_factor;
+  outcome.real_time_factor = done->real_time_factor();
   for (const session::Stop& stop : done->stops) {
     outcome.stops.push_back(
         fmt::format("{} arm: {}", name_of(stop.arm), safety::name_of(stop.cause)));

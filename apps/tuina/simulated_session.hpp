@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "apps/tuina/command_line.hpp"
+#include "apps/tuina/session_preparation.hpp"
 #include "tuina/body/acupoints.hpp"
 #include "tuina/massage/programme.hpp"
 #include "tuina/massage/zones.hpp"
@@ -20,19 +20,6 @@
 #include "tuina/telemetry/report_data.hpp"
 
 namespace tuina::app {
-
-struct SessionOrder {
-  std::string person = "phantom:medium";
-  std::optional<Position> position;
-  std::string programme = "relax";
-  body::Method method = body::Method::surface;
-  std::string atlas;    ///< a file or a labelled body; empty: the shipped one
-  std::string no_go;    ///< a file with what the therapist rules out; empty: nothing
-  std::string consent;  ///< a file with answers; empty: the simulated person answers
-  bool adaptive = true;
-  bool keys = false;  ///< live commands from standard input
-  bool real_time = false;
-};
 
 /// What only the simulation knows of one contact.
 struct Touched {
@@ -47,28 +34,23 @@ struct Touched {
 };
 
 /// All that a simulated session was and did, for its JSON, its files and its report.
-struct SessionResult {
+struct SessionResult : Preparation {
   session::Consent consent;
   std::string consent_toml;  ///< as it was answered
   sim::Person person;
-  scanner::Scan scan;
-  double scan_error_m = 0.0;  ///< RMS distance from the true surface
-  body::Mapping located;
-  std::vector<double> acupoint_errors_m;  ///< per point of `located`, against the truth
-  double locate_ms = 0.0;
-  session::ReadyPlan ready;
-  double plan_ms = 0.0;
 
   std::vector<session::Performed> performed;
   std::vector<session::Decision> decisions;
   std::vector<std::pair<double, session::LiveCommand>> commands;  ///< when what was asked for
   std::vector<session::Stop> stops;
-  std::vector<Touched> touched;  ///< per performed path
+  std::vector<double> rescans_s;  ///< when the person had moved and a new scan was taken
+  std::vector<Touched> touched;   ///< per performed path
   session::ForceErrors force;
   std::map<Technique, session::ForceErrors> techniques;
   std::vector<telemetry::TraceRow> trace;
   double massage_s = 0.0;
-  double real_time_factor = 0.0;
+  double compute_s = 0.0;  ///< of the massage
+  [[nodiscard]] double real_time_factor() const { return massage_s / compute_s; }
   std::vector<telemetry::ArmDistance> distances;
   double min_arm_distance_m = 0.0;  ///< that the arms truly had, surface to surface
   std::string device_fault;
@@ -80,10 +62,6 @@ struct SessionResult {
                                                        std::size_t performed);
 /// From the beginning of the scan to the first touch, computing included.
 [[nodiscard]] double scan_to_touch_s(const SessionResult& result);
-
-/// How the config and the therapist want a plan.
-[[nodiscard]] Result<massage::PlanOptions> plan_options(const session::Config& config,
-                                                        const std::string& no_go_file);
 
 /// Scan, map, plan, massage: the whole method in the simulated world, with the errors in what the
 /// session knows of it drawn by the seed.

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <sstream>
 
 #include "tests/whole/command.hpp"
@@ -363,4 +364,43 @@ TEST_CASE("evaluate massage judges sessions with steering and without, and says 
   CHECK(tuina::read_file(folder / "massages.html").value().ends_with("</html>\n"));
   CHECK(run_tuina({"evaluate", "massage", "--programmes", "shoulder"}).exit_code == 2);
   CHECK(run_tuina({"evaluate", "massage", "--bodies", folder / "."}).exit_code == 2);
+}
+
+TEST_CASE(
+    "a person who moves towards the arms by 20 mm is scanned again, and it goes on from there") {
+  const Folder folder;
+  const auto outcome =
+      run_tuina({"massage", "--set", "simulation.shift_mm=20", "--set", "simulation.shift_at_s=25",
+                 "--json", "--quiet", "--out", folder / "out"});
+  REQUIRE_MESSAGE(outcome.exit_code == 0, outcome.err);
+  const json session = json::parse(outcome.out);
+  REQUIRE(session["rescans_s"].size() == 1);
+  CHECK(session["stops"].empty());
+  CHECK(session["massage"]["force"]["peak_n"] < 45.0);
+  CHECK(session["acupoints"]["mean_error_mm"] < 15.0);
+  std::map<std::string, int> presses;
+  for (const json& path : session["massage"]["performed"]) {
+    const std::string name = path["name"];
+    if (!name.starts_with("press")) continue;
+    ++presses[name];
+    CHECK(path["tool_to_acupoint_mm"] < 17.0);
+  }
+  CHECK(presses.size() == 7);
+  CHECK(presses["press SI11_L"] == 1);  // was done before
+}
+
+TEST_CASE("a person who leans away by 60 mm is looked for once more, and found") {
+  const Folder folder;
+  const auto outcome =
+      run_tuina({"massage", "--set", "simulation.shift_mm=-60", "--set", "simulation.shift_at_s=25",
+                 "--json", "--quiet", "--out", folder / "out"});
+  REQUIRE_MESSAGE(outcome.exit_code == 0, outcome.err);
+  const json session = json::parse(outcome.out);
+  CHECK(session["rescans_s"].size() == 1);
+  CHECK(session["massage"]["force"]["peak_n"] < 45.0);
+  std::set<std::string> pressed;
+  for (const json& path : session["massage"]["performed"]) {
+    if (path.contains("tool_to_acupoint_mm")) pressed.insert(path["name"]);
+  }
+  CHECK(pressed.size() == 7);
 }

@@ -32,6 +32,8 @@ void each_key(ConfigType& config, Visitor& visit) {
   visit.number("simulation.torso_n_per_mm", config.simulation.torso_n_per_mm, 5.0, 1000.0, "");
   visit.number("simulation.friction", config.simulation.friction, 0.0, 3.0, "");
   visit.number("simulation.room_light_dn", config.simulation.room_light_dn, 0.0, 150.0, "");
+  visit.number("simulation.shift_mm", config.simulation.shift_mm, -200.0, 200.0, "");
+  visit.number("simulation.shift_at_s", config.simulation.shift_at_s, 0.0, 3600.0, "");
 }
 
 using Choices = std::vector<std::string>;

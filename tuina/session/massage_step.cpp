@@ -255,6 +255,7 @@ void MassageStep::conduct(Arm arm, double time_s) noexcept {
         side.contact_s = time_s;
         side.trouble = status.trouble;
         end_contact(side, arm, time_s);
+        if (side.trouble == control::Trouble::no_skin_found) leave(time_s);
       } else if (status.doing == control::Doing::contact) {
         begin_contact(side, arm, time_s);
       }
@@ -344,7 +345,9 @@ void MassageStep::press_on(Side& side, Arm arm, double time_s) noexcept {
       side.playback.path_s() >= planned.path.duration_s()) {
     side.trouble = status.trouble;
     side.cut_short = side.cut_short || status.trouble != control::Trouble::none;
-    return end_contact(side, arm, time_s);
+    end_contact(side, arm, time_s);
+    if (side.trouble == control::Trouble::contact_lost) leave(time_s);
+    return;
   }
   register_skin(side, time_s);
   if (side.phase != ArmPhase::contact) return;
@@ -419,7 +422,7 @@ void MassageStep::fly_home(Side& side, double time_s) noexcept {
   detour(side, side.home, false, time_s);
 }
 
-/// The person has moved: contacts end, and every arm goes home.
+/// The person has moved, or gone: contacts end, and every arm goes home.
 void MassageStep::leave(double time_s) noexcept {
   wants_scan_ = true;
   for (const Arm arm : both_arms) {

@@ -56,7 +56,8 @@ Choreography choreograph(const Stage& stage, const std::vector<massage::PlannedP
 
 Result<ReadyPlan> make_ready(massage::Plan plan, const body::BackSurface& back,
                              const robot::RobotMount& mount, const PerArm<robot::ArmModel>& models,
-                             const Transform& base_from_couch, double standoff_m) {
+                             const Transform& base_from_couch, double standoff_m,
+                             std::optional<double> rail_m) {
   ReadyPlan ready{.plan = std::move(plan)};
   ready.ready_rad = robot::ready_posture(models[Arm::left].table(), mount);
   std::stable_sort(ready.plan.paths.begin(), ready.plan.paths.end(),
@@ -72,20 +73,20 @@ Result<ReadyPlan> make_ready(massage::Plan plan, const body::BackSurface& back,
   std::optional<Choreography> best;
   std::size_t tries = 0;
   for (const double aside_m : {0_mm, -50_mm, 50_mm, -100_mm, 100_mm, -150_mm, 150_mm}) {
-    const double rail_m = dexterous_m + aside_m;
-    if (rail_m < mount.lowest_rail_m || rail_m > mount.highest_rail_m) continue;
+    const double at_m = rail_m.value_or(dexterous_m + aside_m);
+    if (at_m < mount.lowest_rail_m || at_m > mount.highest_rail_m) continue;
     Choreography tried = choreograph({.back = back,
                                       .models = models,
                                       .base_from_couch = base_from_couch,
-                                      .rail_m = rail_m,
+                                      .rail_m = at_m,
                                       .standoff_m = standoff_m,
                                       .ready_rad = ready.ready_rad},
                                      ready.plan.paths);
     if (!best || tried.paths.size() > best->paths.size()) {
       best = std::move(tried);
-      ready.rail_m = rail_m;
+      ready.rail_m = at_m;
     }
-    if (best->all_reached || ++tries * ready.plan.paths.size() > most_rehearsed) break;
+    if (rail_m || best->all_reached || ++tries * ready.plan.paths.size() > most_rehearsed) break;
   }
   if (!best || best->paths.empty()) {
     return fail(Fault::not_found, "no path of the plan is within reach of the arms");

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,10 +27,11 @@ struct ReadyPlan {
 
 /// Makes a plan ready for a robot: the linear base is placed, every path followed by inverse
 /// kinematics, and the way through the air before each contact lifted clear of the back. Fails when
-/// no path can be reached.
+/// no path can be reached. A base that stands already stays at `rail_m`.
 [[nodiscard]] Result<ReadyPlan> make_ready(massage::Plan plan, const body::BackSurface& back,
                                            const robot::RobotMount& mount,
                                            const PerArm<robot::ArmModel>& models,
-                                           const Transform& base_from_couch, double standoff_m);
+                                           const Transform& base_from_couch, double standoff_m,
+                                           std::optional<double> rail_m = std::nullopt);
 
 }  // namespace tuina::session

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/tuina/command_line.hpp"
+#include "tuina/body/acupoints.hpp"
+#include "tuina/body/atlas.hpp"
+#include "tuina/massage/plan.hpp"
+#include "tuina/massage/programme.hpp"
+#include "tuina/robot/mount.hpp"
+#include "tuina/scanner/sweep.hpp"
+#include "tuina/session/config.hpp"
+#include "tuina/session/plan_step.hpp"
+#include "tuina/sim/person.hpp"
+
+namespace tuina::app {
+
+struct SessionOrder {
+  std::string person = "phantom:medium";
+  std::optional<Position> position;
+  std::string programme = "relax";
+  body::Method method = body::Method::surface;
+  std::string atlas;    ///< a file or a labelled body; empty: the shipped one
+  std::string no_go;    ///< a file with what the therapist rules out; empty: nothing
+  std::string consent;  ///< a file with answers; empty: the simulated person answers
+  bool adaptive = true;
+  bool keys = false;  ///< live commands from standard input
+  bool real_time = false;
+};
+
+/// How the config and the therapist want a plan.
+[[nodiscard]] Result<massage::PlanOptions> plan_options(const session::Config& config,
+                                                        const std::string& no_go_file);
+
+/// What a session is given, read and judged before anyone is touched.
+struct SessionSetting {
+  SessionOrder order;
+  session::Config config;
+  CommonOptions common;
+  massage::Programme programme;
+  massage::PlanOptions plan_options;
+  body::Atlas atlas;
+};
+[[nodiscard]] Result<SessionSetting> read_setting(const SessionOrder& order,
+                                                  const session::Config& config,
+                                                  const CommonOptions& common);
+
+/// From the person on the couch to a plan that two arms can carry out.
+struct Preparation {
+  scanner::Scan scan;
+  double scan_error_m = 0.0;  ///< RMS distance from the true surface
+  body::Mapping located;
+  std::vector<double> acupoint_errors_m;  ///< per point of `located`, against the truth
+  double locate_ms = 0.0;
+  session::ReadyPlan ready;
+  double plan_ms = 0.0;
+};
+
+/// What a massage that was broken off has left: where the base stands, and the names of the paths
+/// that are done.
+struct Resumed {
+  double rail_m = 0.0;
+  std::vector<std::string> done;
+};
+
+/// Scan, map, plan, for a person who lies where `person` says.
+[[nodiscard]] Result<Preparation> prepare(const SessionSetting& setting, const sim::Person& person,
+                                          const std::optional<Resumed>& resumed = std::nullopt);
+
+/// Where the session believes the couch to be: the scanner-to-robot calibration leaves 2 mm and 0.3
+/// degrees.
+[[nodiscard]] Transform believed_base_from_couch(const robot::RobotMount& mount,
+                                                 std::uint64_t seed);
+
+}  // namespace tuina::app
