@@ -55,6 +55,10 @@ std::string text_of(const std::vector<SessionRow>& rows) {
 /// simulated people drawn at random.
 class EvaluateMassage final : public Verb {
  public:
+  EvaluateMassage() {
+    for (const auto& programme : massage::shipped_programmes())
+      programmes_.emplace_back(programme.name);
+  }
   [[nodiscard]] const char* name() const override { return "evaluate massage"; }
   [[nodiscard]] const char* summary() const override {
     return "whole sessions judged: forces, distances, points, stops";
@@ -76,10 +80,6 @@ class EvaluateMassage final : public Verb {
         ->check(number_between(1, 100000))
         ->excludes(bodies)
         ->capture_default_str();
-    std::vector<std::string> shipped;
-    for (const auto& programme : massage::shipped_programmes())
-      shipped.emplace_back(programme.name);
-    programmes_ = shipped;
     command.add_option("--programmes", programmes_, "shipped ones or files")
         ->delimiter(',')
         ->capture_default_str();
