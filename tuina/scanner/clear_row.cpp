@@ -10,57 +10,66 @@
 namespace tuina::scanner {
 namespace {
 
-int brightest(const std::uint8_t* pixels, int count) {
-  std::uint8_t most = 0;
-  for (int i = 0; i < count; ++i) most = std::max(most, pixels[i]);
-  return most;
-}
-
-int sum_of_eight(const std::uint8_t* pixels) {
+float sum_of_eight(const std::uint8_t* pixels) {
   int sum = 0;
   for (int i = 0; i < 8; ++i) sum += pixels[i];
-  return sum;
+  return static_cast<float>(sum);
 }
 
-RowFacts facts_of(const std::uint8_t* row, const RowSpan& span) {
-  RowFacts facts;
-  const int count = span.last - span.first + 1;
-  facts.most = brightest(row + span.first, count);
-  const void* found = std::memchr(row + span.first, facts.most, static_cast<std::size_t>(count));
-  facts.at = static_cast<int>(static_cast<const std::uint8_t*>(found) - row);
-  if (facts.most < span.least_dn || !span.has_margin(facts.at)) return facts;
-  const std::uint8_t* peak = row + facts.at;
-  facts.left_sum = sum_of_eight(peak - span.beside_px - 7);
-  facts.right_sum = sum_of_eight(peak + span.beside_px);
-  facts.neighbour = std::max(peak[-1], peak[1]);
-  facts.rival =
-      std::max(brightest(row + span.first, facts.at - span.beside_px - span.first + 1),
-               brightest(peak + span.beside_px, span.last - facts.at - span.beside_px + 1));
+// Around the brightest pixel of a row, which has margin.
+RowFacts<float> facts_of(const std::uint8_t* row, int at, const RowRule& rule) {
+  const std::uint8_t* peak = row + at;
+  const auto rival = std::max(largest(row + rule.first, at - rule.beside_px - rule.first + 1),
+                              largest(peak + rule.beside_px, rule.last - at - rule.beside_px + 1));
+  int spike = 0;
   for (int i = -LineKernel::before; i < LineKernel::taps - LineKernel::before; ++i) {
-    facts.spike = std::max(facts.spike, peak[i] - std::max(peak[i - 1], peak[i + 1]));
+    spike = std::max(spike, peak[i] - std::max(peak[i - 1], peak[i + 1]));
   }
-  return facts;
+  return {.most = static_cast<float>(*peak),
+          .neighbour = static_cast<float>(std::max(peak[-1], peak[1])),
+          .beside_sum = std::max(sum_of_eight(peak - rule.beside_px - 7),
+                                 sum_of_eight(peak + rule.beside_px)),
+          .rival = static_cast<float>(rival),
+          .spike = static_cast<float>(spike)};
 }
 
-LineSums weigh(const std::uint8_t* pixels, const LineKernel::WholeWeights& weights) {
-  LineSums sums;
-  for (std::size_t i = 0; i < LineKernel::taps; ++i) {
-    sums.offset += pixels[i] * weights.offset[i];
-    sums.height += pixels[i] * weights.height[i];
+void look(const RowBatch& rows, const RowRule& rule, int /*hint*/, BatchView& seen) noexcept {
+  const int count = rule.last - rule.first + 1;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const std::uint8_t* begin = rows[i] + rule.first;
+    const std::uint8_t most = largest(begin, count);
+    const auto* found =
+        static_cast<const std::uint8_t*>(std::memchr(begin, most, static_cast<std::size_t>(count)));
+    seen.brightest[i] = static_cast<int>(found - rows[i]);
+    bool clear = false;
+    if (most >= rule.least_dn && rule.has_margin(seen.brightest[i])) {
+      judge(facts_of(rows[i], seen.brightest[i], rule), rule, clear);
+    }
+    seen.view[i] = clear                  ? RowView::one_line
+                   : most < rule.least_dn ? RowView::dark
+                                          : RowView::in_doubt;
   }
-  return sums;
 }
 
-void read(const RowBatch& rows, const RowSpan& span, int /*hint*/,
-          std::array<RowFacts, rows_at_once>& facts) noexcept {
-  for (std::size_t i = 0; i < rows.size(); ++i) facts[i] = facts_of(rows[i], span);
+void weigh(const std::uint8_t* const* rows, const Wholes& first, const Wholes& phase,
+           const LineKernel& kernel, Wholes& offset, Wholes& height) {
+  offset = Wholes{};
+  height = Wholes{};
+  for (std::size_t k = 0; k < group; ++k) {
+    const std::uint8_t* pixels = rows[k] + first[k];
+    const auto& weights = kernel.whole_of_phase[static_cast<std::size_t>(phase[k])];
+    for (std::size_t i = 0; i < LineKernel::taps; ++i) {
+      offset[k] += pixels[i] * weights.offset[i];
+      height[k] += pixels[i] * weights.height[i];
+    }
+  }
 }
 
 void walk(const RowBatch& rows, const LineKernel& kernel, int steps, LineWalk& walk) noexcept {
   walk_with(weigh, rows, kernel, steps, walk);
 }
 
-constexpr RowReader plain = {read, walk};
+constexpr RowReader plain = {look, walk};
 
 }  // namespace
 

@@ -9,30 +9,20 @@
 
 namespace tuina::scanner {
 
-/// What one pass over a row of 8-bit pixels tells of its brightest place. Of a row that is nowhere
-/// as bright as a line only `most` is told; where too little of the row is left beside that place
-/// (RowSpan::has_margin), only `most` and `at`.
-struct RowFacts {
-  int most = 0;       ///< of the brightest pixel
-  int at = 0;         ///< column of the first pixel as bright
-  int left_sum = 0;   ///< of the eight pixels that end `beside_px` to the left of it
-  int right_sum = 0;  ///< of the eight that begin as far to the right
-  int rival = 0;      ///< of the brightest pixel at least `beside_px` away
-  int neighbour = 0;  ///< of the brighter pixel next to it
-  int spike = 0;      ///< by how much a pixel of the kernel's window outshines both its neighbours
-};
-
 /// A walk that leads farther from the brightest pixel was not led by a line.
 inline constexpr float farthest_walk_px = 4.0F;
 
-/// The columns that are looked at, from where on a pixel beside the line shows background, and how
-/// bright a line is at least.
-struct RowSpan {
-  int first = 0;
+/// When a row of 8-bit pixels shows one clear line and nothing else.
+struct RowRule {
+  int first = 0;  ///< of the columns that are looked at
   int last = 0;
-  int beside_px = 9;
-  int least_dn = 0;
-  /// The brightest pixel must lie so far from either end for the facts beside it to exist, and for
+  int beside_px = 9;             ///< from here on a pixel beside the line shows background
+  int least_dn = 0;              ///< of the brightest pixel of a row with a line
+  float least_height_dn = 0.0F;  ///< of a line, or of a rival, above what is beside it
+  float saturated_dn = 255.0F;   ///< pixels at or above it are clipped
+  float least_spike_dn = 0.0F;   ///< a hot pixel outshines its neighbours by so much,
+  float spike_share = 0.0F;      ///< and this share of the line's height
+  /// The brightest pixel must lie so far from either end for the pixels beside it to exist, and for
   /// a kernel to walk from it.
   [[nodiscard]] int margin_px() const {
     const int window_px = LineKernel::taps / 2 + static_cast<int>(farthest_walk_px) + 1;
@@ -44,13 +34,23 @@ struct RowSpan {
 };
 
 /// Rows are handled so many at once: one row alone is a chain of steps that wait for each other.
-inline constexpr std::size_t rows_at_once = 8;
+inline constexpr std::size_t rows_at_once = 16;
 using RowBatch = std::array<const std::uint8_t*, rows_at_once>;
+
+/// What a row shows: nothing as bright as a line, one clear line, or something else.
+enum class RowView : std::uint8_t { dark, one_line, in_doubt };
+
+/// What each row of a batch shows, and the first of its brightest columns; that of a dark row means
+/// nothing.
+struct BatchView {
+  std::array<RowView, rows_at_once> view;
+  std::array<int, rows_at_once> brightest;
+};
 
 /// Lines on their way to where they are, one of each row of a batch.
 struct LineWalk {
-  alignas(32) std::array<float, rows_at_once> column_px;  ///< from where, and where to
-  alignas(32) std::array<float, rows_at_once> height_dn;  ///< not positive where no line led
+  alignas(64) std::array<float, rows_at_once> column_px;  ///< from where, and where to
+  alignas(64) std::array<float, rows_at_once> height_dn;  ///< not positive where no line led
 };
 
 /// The two functions that touch every pixel, in the version for this processor. The sums are of
@@ -58,8 +58,7 @@ struct LineWalk {
 /// are not needed repeat another.
 struct RowReader {
   /// `hint` is a column near which the lines may be; it only saves time.
-  void (*read)(const RowBatch& rows, const RowSpan& span, int hint,
-               std::array<RowFacts, rows_at_once>& facts) noexcept;
+  void (*look)(const RowBatch& rows, const RowRule& rule, int hint, BatchView& seen) noexcept;
   void (*walk)(const RowBatch& rows, const LineKernel& kernel, int steps, LineWalk& walk) noexcept;
 };
 

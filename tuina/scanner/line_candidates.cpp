@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <type_traits>
 
 #include "tuina/scanner/line_kernel.hpp"
 
@@ -51,6 +52,13 @@ const std::uint8_t* brightest_of(const std::uint8_t* row, int first, int last) {
 }
 const float* brightest_of(const float* row, int first, int last) {
   return std::find(row + first, row + last, largest(row + first, last - first + 1));
+}
+
+template <typename Sample>
+Sample smallest(const Sample* samples, int count) {
+  Sample least = samples[0];
+  for (int i = 1; i < count; ++i) least = samples[i] < least ? samples[i] : least;
+  return least;
 }
 
 template <typename Sample>
@@ -117,17 +125,18 @@ void SceneSample::add_row(const Sample* row, int y) {
     // pixels a few columns apart tell noise from the slope of the room light, also where a camera
     // blends neighbours.
     const int start = first + (y * 211) % (last - first - segment - lag + 2);
-    float sum = 0.0F;
-    float differences = 0.0F;
+    // Whole numbers add up exactly in any order, so the compiler may take several at once.
+    using Sum = std::conditional_t<std::is_floating_point_v<Sample>, float, int>;
+    Sum sum = 0;
+    Sum differences = 0;
     int black = 0;
-    for (int i = 0; i < segment; ++i) {
-      const auto here = static_cast<float>(row[start + i]);
-      sum += here;
-      differences += std::abs(here - static_cast<float>(row[start + i + lag]));
-      black += row[start + i] == Sample{} ? 1 : 0;
+    for (int i = start; i < start + segment; ++i) {
+      sum += row[i];
+      differences += row[i] > row[i + lag] ? row[i] - row[i + lag] : row[i + lag] - row[i];
+      black += row[i] == Sample{} ? 1 : 0;
     }
-    means_.push_back(sum / segment);
-    spreads_.push_back(differences / (segment * mean_difference_per_deviation));
+    means_.push_back(static_cast<float>(sum) / segment);
+    spreads_.push_back(static_cast<float>(differences) / (segment * mean_difference_per_deviation));
     // Of a row that is black half the noise is cut off; the brighter half still tells it.
     if (black > segment / 8) spreads_.back() = upper_spread(row + start);
   }
@@ -145,11 +154,9 @@ void SceneSample::add_row(const Sample* row, int y) {
       peak = x;
     }
   }
-  float lowest = most;
-  for (int x = std::max(first, peak - 40); x <= std::min(last, peak + 40); ++x) {
-    lowest = std::min(lowest, static_cast<float>(row[x]));
-  }
-  const float half = 0.5F * (most + lowest);
+  const int from = std::max(first, peak - 40);
+  const Sample lowest = smallest(row + from, std::min(last, peak + 40) - from + 1);
+  const float half = 0.5F * (most + std::min(most, static_cast<float>(lowest)));
   int left = peak;
   int right = peak;
   while (left > first && static_cast<float>(row[left]) > half) --left;
@@ -159,10 +166,15 @@ void SceneSample::add_row(const Sample* row, int y) {
     const auto high = static_cast<float>(row[inside]);
     return high > low ? (half - low) / (high - low) : 0.5F;
   };
+  if (first_peak_ < 0) first_peak_ = peak;
   brightest_.push_back(most);
   widths_.push_back(right - left < 2 ? 0.0F
                                      : static_cast<float>(right - left) - crossing(left, left + 1) -
                                            crossing(right, right - 1));
+}
+
+SceneSample::SceneSample(const LineScene& scene, std::size_t rows) : scene_(scene) {
+  for (auto* values : {&means_, &spreads_, &brightest_, &widths_}) values->reserve(rows);
 }
 
 void SceneSample::add(const std::uint8_t* row, int y) {
@@ -197,6 +209,7 @@ void SceneSample::judge(LineScene& scene, double noise_dn, double width_px) cons
   } else if (!lit.empty()) {
     scene.width_px = std::clamp(median_of(lit) / full_width_per_deviation, 0.5F, 12.0F);
   }
+  scene.hint_column = std::max(0, first_peak_);
   scene.beside_px = static_cast<int>(std::ceil(3.2F * scene.width_px)) + 1;
 }
 

@@ -18,6 +18,7 @@ struct LineScene {
   float background_dn = 0.0F;  ///< of a usual pixel
   float width_px = 2.5F;       ///< standard deviation across the line
   int beside_px = 9;           ///< from here on a pixel beside the line shows background
+  int hint_column = 0;         ///< where the line may begin; it only saves time
 };
 
 /// A line must stand this many standard deviations above the noise: the brightest pixel of a row to
@@ -30,7 +31,7 @@ inline constexpr float rival_share = 0.5F;
 /// Learns noise, background and width of the line from a few rows of the image.
 class SceneSample {
  public:
-  explicit SceneSample(const LineScene& scene) : scene_(scene) {}
+  SceneSample(const LineScene& scene, std::size_t rows);
   void add(const std::uint8_t* row, int y);
   void add(const float* row, int y);
   /// Fills in the scene; values above zero are taken instead of estimates.
@@ -41,6 +42,7 @@ class SceneSample {
   void add_row(const Sample* row, int y);
 
   LineScene scene_;
+  int first_peak_ = -1;
   std::vector<float> means_;      ///< of short segments
   std::vector<float> spreads_;    ///< standard deviation of the noise in the same segments
   std::vector<float> brightest_;  ///< of each row
