@@ -22,7 +22,7 @@ tissue::ClassProbabilities prior_of(massage::Zone zone) {
 
 }  // namespace
 
-FeltBack felt_back(const SessionResult& result, std::optional<double> body_mass_index) {
+FeltBack felt_back(const SessionResult& result, const tissue::BodyFacts& facts) {
   constexpr double largest_chi = 4.0;  // beyond, the press does not follow the law
   FeltBack felt;
   std::vector<tissue::Visit> visits;
@@ -51,7 +51,7 @@ FeltBack felt_back(const SessionResult& result, std::optional<double> body_mass_
   felt.twice = tissue::compare_visits(visits);
   std::erase_if(presses,
                 [](const auto& press) { return press.at == tissue::TissueClass::unknown; });
-  felt.condition = tissue::find_body_condition(presses, body_mass_index);
+  felt.condition = tissue::find_body_condition(presses, facts);
   felt.condition_presses = static_cast<int>(presses.size());
   return felt;
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <optional>
 #include <vector>
 
 #include "apps/tuina/simulated_session.hpp"
@@ -30,7 +29,6 @@ struct FeltBack {
 };
 
 /// Points into `result`, which has to outlive it.
-[[nodiscard]] FeltBack felt_back(const SessionResult& result,
-                                 std::optional<double> body_mass_index);
+[[nodiscard]] FeltBack felt_back(const SessionResult& result, const tissue::BodyFacts& facts);
 
 }  // namespace tuina::app

@@ -42,9 +42,11 @@ class Massage final : public Verb {
         ->capture_default_str();
     command.add_flag("--keys", order_.keys, fmt::format("live, at real pace: {}", key_help));
     command
-        .add_option("--body-mass-index", body_mass_index_,
+        .add_option("--body-mass-index", facts_.mass_index,
                     "of the person, kg/m^2, if known: a help in telling the body condition")
         ->check(CLI::Range(10.0, 80.0));
+    command.add_option("--body-fat-percent", facts_.fat_percent, "likewise")
+        ->check(CLI::Range(2.0, 70.0));
     command.add_option("--method", method_, "of finding acupoints")
         ->check(CLI::IsMember({"field_morphing", "surface"}));
     command.add_option("--atlas", order_.atlas,
@@ -79,7 +81,7 @@ class Massage final : public Verb {
       return tl::unexpected(result.error());
     }
 
-    const FeltBack felt = felt_back(*result, body_mass_index_);
+    const FeltBack felt = felt_back(*result, facts_);
     Answer answer{.json = session_json(*result, felt, common.seed),
                   .text = session_text(*result),
                   .exit_code = result->stops.empty() ? 0 : 4};
@@ -96,7 +98,7 @@ class Massage final : public Verb {
   SessionOrder order_;
   std::string position_ = "auto";
   std::string method_;
-  std::optional<double> body_mass_index_;
+  tissue::BodyFacts facts_;
   std::string pace_ = "max";
   std::string adaptive_ = "on";
   std::string out_ = "massage-report";

@@ -143,10 +143,17 @@ TEST_CASE("slim and hefty people of Table 6-2 are told apart by the other six") 
   CHECK(opposite == 0);
 }
 
-TEST_CASE("a body mass index is used when given, and nothing known stays nothing known") {
+TEST_CASE(
+    "body mass index and body fat are used when given, and nothing known stays nothing known") {
   const BodyCondition nothing = find_body_condition({});
   CHECK(nothing.slim == doctest::Approx(1.0 / 3.0));
   CHECK(nothing.female == doctest::Approx(0.5));
-  CHECK(find_body_condition({}, 31.0).hefty > 0.9);
-  CHECK(find_body_condition({}, 18.5).slim > 0.8);
+  CHECK(find_body_condition({}, {.mass_index = 31.0}).hefty > 0.9);
+  CHECK(find_body_condition({}, {.mass_index = 18.5}).slim > 0.8);
+  CHECK(find_body_condition({}, {.fat_percent = 8.0}).slim > 0.8);
+  // A quarter of fat is much in a man and usual in a woman.
+  const BodyCondition either = find_body_condition({}, {.fat_percent = 24.0});
+  CHECK(either.hefty > 0.4);
+  CHECK(either.medium > 0.3);
+  CHECK(either.slim < 0.1);
 }

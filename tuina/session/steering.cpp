@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <utility>
 
 #include "tuina/core/units.hpp"
 #include "tuina/massage/contact_path.hpp"
@@ -78,6 +79,9 @@ void Steering::begin(Arm arm, int path, double time_s) noexcept {
   side.peak_n = 0.0;
   const int place = place_of_path_[index];
   const bool felt = place >= 0 && places_[static_cast<std::size_t>(place)].felt;
+  // Tissue is compared with what it was here, never with that of the place before.
+  side.reference = felt ? places_[static_cast<std::size_t>(place)].estimate : TissueEstimate{};
+  side.elsewhen = felt;
   side.probing = on_ && side.presses && !felt && side.reference_n > massage::kept_force_n;
   if (on_ && felt) judge(arm, time_s);
 }
@@ -114,6 +118,7 @@ double Steering::probe_force_n(Arm arm, double time_s) noexcept {
       side.probing = false;
       side.compared = estimate.presses;
       side.reference = estimate;
+      side.elsewhen = false;
       side.last.reset();
       judge(arm, time_s);
       return massage::kept_force_n;
@@ -190,9 +195,11 @@ void Steering::watch(Arm arm, double time_s) noexcept {
   if (!side.known && tissue::may_steer(side.whole.estimate(), side.whole.chi())) {
     // What the probing presses could not tell, a full one has.
     side.reference = side.whole.estimate();
+    side.elsewhen = false;
     return judge(arm, time_s);
   }
   if (!tissue::may_steer(side.reference, side.whole.chi())) return;
+  if (std::exchange(side.elsewhen, false)) side.reference.contact_m = now.contact_m;
   const tissue::Alarm alarm = tissue::compare(side.reference, now, reference_force_n);
   if (alarm == tissue::Alarm::none) return;
   side.alarmed = true;

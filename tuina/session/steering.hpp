@@ -73,6 +73,7 @@ class Steering {
     double cap_n = 0.0, scale = 1.0;
     int compared = 0;  ///< presses that have been compared with the first ones
     TissueEstimate reference = {};
+    bool elsewhen = false;  ///< the reference is of a contact before, when the skin lay elsewhere
   };
 
   void judge(Arm arm, double time_s) noexcept;

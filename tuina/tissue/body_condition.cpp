@@ -11,12 +11,20 @@ namespace {
 
 constexpr std::array<std::string_view, 3> builds = {"slim", "medium", "hefty"};
 constexpr std::array<double, 3> index_of = {19.5, 23.0, 29.0}, index_sd = {1.5, 2.0, 3.0};
+// Per cent: the means of the men of Table 6-2; its one woman, of medium build, has so much more.
+constexpr std::array<double, 3> fat_of_men = {11.0, 17.15, 23.7};
+constexpr double more_in_women = 6.75, fat_sd = 3.0;
 // With two or three people to a build its spread is not known from them: nothing finer than this
 // share of the whole table's is believed.
 constexpr double least_spread_share = 0.6;
 // ln alpha and ln beta differ so much between places that are called by one name: Table 6-1 against
 // the men of medium build in Table 6-2, root mean square of the three tissues.
 constexpr double place_alpha_sd = 0.1, place_beta_sd = 0.25;
+
+double log_density(double value, double mean, double sd) {
+  const double off = (value - mean) / sd;
+  return -0.5 * off * off - std::log(sd);
+}
 
 Eigen::Vector2d logs(const TangentTissue& tissue) {
   return {std::log(tissue.alpha_n), std::log(tissue.beta_per_m)};
@@ -57,17 +65,18 @@ double log_likelihood(std::span<const KnownPress> presses, std::span<const Subje
 
 }  // namespace
 
-BodyCondition find_body_condition(std::span<const KnownPress> presses,
-                                  std::optional<double> body_mass_index,
+BodyCondition find_body_condition(std::span<const KnownPress> presses, const BodyFacts& facts,
                                   std::span<const Subject> table) {
   std::array<double, 3> weight = {};
   double sum = 0.0;
   for (std::size_t b = 0; b < builds.size(); ++b) {
     double log_weight = log_likelihood(
         presses, table, [&](const Subject& subject) { return subject.build == builds[b]; });
-    if (body_mass_index) {
-      const double off = (*body_mass_index - index_of[b]) / index_sd[b];
-      log_weight -= 0.5 * off * off + std::log(index_sd[b]);
+    if (facts.mass_index) log_weight += log_density(*facts.mass_index, index_of[b], index_sd[b]);
+    if (facts.fat_percent) {
+      const double man = log_density(*facts.fat_percent, fat_of_men[b], fat_sd);
+      const double woman = log_density(*facts.fat_percent, fat_of_men[b] + more_in_women, fat_sd);
+      log_weight += std::log(std::exp(man) + std::exp(woman));
     }
     sum += weight[b] = std::exp(log_weight);
   }

@@ -16,11 +16,17 @@ struct BodyCondition {
   double female = 0.5;
 };
 
-/// From presses at known tissues of one person; presses at `unknown` are passed over. A body mass
-/// index, if given, counts as the independent evidence it is (kg/m^2; slim about 19.5, medium 23,
-/// hefty 29). Without presses and index nothing is known, and that is the answer.
+/// What may be known of a person without touching them.
+struct BodyFacts {
+  std::optional<double> mass_index;   ///< kg/m^2; slim about 19.5, medium 23, hefty 29
+  std::optional<double> fat_percent;  ///< of a man slim about 11, medium 17, hefty 24
+};
+
+/// From presses at known tissues of one person; presses at `unknown` are passed over. Facts, if
+/// given, count as the further evidence they are. Without presses and facts nothing is known, and
+/// that is the answer.
 [[nodiscard]] BodyCondition find_body_condition(std::span<const KnownPress> presses,
-                                                std::optional<double> body_mass_index = {},
+                                                const BodyFacts& facts = {},
                                                 std::span<const Subject> table = table_6_2());
 
 }  // namespace tuina::tissue

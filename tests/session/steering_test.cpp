@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tuina/session/steering.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "tuina/core/units.hpp"
+#include "tuina/massage/contact_path.hpp"
+#include "tuina/tissue/tangent_model.hpp"
+
+using namespace tuina;
+
+namespace {
+
+massage::PlannedPath press_at(const std::string& acupoint) {
+  massage::PlannedPath planned;
+  planned.path = {.name = "press " + acupoint,
+                  .technique = Technique::press,
+                  .acupoints = {acupoint},
+                  .points = {ContactPoint{.force_n = 25.0}}};
+  planned.cap_n = 30.0;
+  return planned;
+}
+
+// One contact of the left arm: air, then so many presses of a second. The probe, if the place asks
+// for one, is what the first two of them are.
+void visit(session::Steering& steering, int path, double& time_s, int presses,
+           const TangentTissue& tissue) {
+  constexpr double dt_s = 1e-3;
+  steering.begin(Arm::left, path, time_s);
+  const auto feel = [&](double force_n) {
+    const double depth_m = force_n > 0.0 ? tissue::depth_at_force(tissue, force_n) : -2e-3;
+    steering.feel(Arm::left, time_s, {.depth_m = depth_m, .force_n = force_n});
+    time_s += dt_s;
+  };
+  for (int i = 0; i < 300; ++i) feel(0.0);
+  steering.touch(Arm::left, time_s);
+  for (int i = 0; i < 300; ++i) feel(massage::kept_force_n * i / 300.0);
+  const double end_s = time_s + 10.0;
+  while (steering.probing(Arm::left) && time_s < end_s) {
+    feel(steering.probe_force_n(Arm::left, time_s));
+  }
+  for (int i = 0; i < 1000 * presses; ++i) {
+    feel(massage::kept_force_n + 10.0 * (1.0 - std::cos(2.0 * pi * dt_s * i)));
+  }
+  steering.end(Arm::left);
+}
+
+bool let_go(const session::Steering& steering) {
+  return std::any_of(steering.decisions().begin(), steering.decisions().end(),
+                     [](const session::Decision& d) { return std::string(d.rule) == "A9"; });
+}
+
+struct ThreeVisits {
+  massage::Plan plan{.paths = {press_at("BL50_L"), press_at("BL47_L"), press_at("BL50_L")}};
+  session::Steering steering{plan, tissue::pressed_by_robot(1e6, 0.2), true};
+  double time_s = 0.0;
+};
+
+constexpr TangentTissue soft{5.0, 210.0};
+constexpr TangentTissue hard{11.0, 216.0};
+
+}  // namespace
+
+TEST_CASE("a place that is pressed again is compared with itself, not with the place before") {
+  ThreeVisits room;
+  visit(room.steering, 1, room.time_s, 4, hard);
+  visit(room.steering, 0, room.time_s, 4, soft);
+  visit(room.steering, 1, room.time_s, 4, hard);
+  visit(room.steering, 2, room.time_s, 4, soft);
+  CHECK_FALSE(let_go(room.steering));
+}
+
+TEST_CASE("a place that has become half as hard again since the first visit is let go") {
+  ThreeVisits room;
+  visit(room.steering, 0, room.time_s, 4, soft);
+  visit(room.steering, 1, room.time_s, 4, hard);
+  CHECK_FALSE(let_go(room.steering));
+  visit(room.steering, 2, room.time_s, 4, {1.5 * soft.alpha_n, soft.beta_per_m});
+  CHECK(let_go(room.steering));
+}
