@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "apps/tuina/calibrate_robot.hpp"
 #include "apps/tuina/calibration_report.hpp"
 #include "apps/tuina/verbs.hpp"
 #include "tuina/core/file.hpp"
@@ -113,32 +114,48 @@ class Calibrate final : public Verb {
  public:
   [[nodiscard]] const char* name() const override { return "calibrate"; }
   [[nodiscard]] const char* summary() const override {
-    return "camera, laser plane, yaw axis and latency of a scanner, from pictures of a board";
+    return "camera, laser plane, yaw axis and latency of a scanner, from pictures of a board; "
+           "or where the robot stands, from spots that it touched";
   }
   [[nodiscard]] const char* example() const override {
     return "tuina calibrate --rehearse shots        # photographs a board in simulation\n"
-           "  tuina calibrate shots --out calibration.toml";
+           "  tuina calibrate shots --out calibration.toml\n"
+           "  tuina calibrate --robot --rehearse touches      # a simulated robot touches a board\n"
+           "  tuina calibrate touches --robot --out robot.toml";
   }
   void describe(CLI::App& command) override {
-    auto* shots = command.add_option("shots", shots_, "the folder with the pictures");
-    auto* out = command.add_option("--out", out_, "the calibration, as TOML");
+    auto* shots =
+        command.add_option("shots", shots_, "the folder with the pictures, or with the touches");
+    auto* out = command.add_option("--out", out_, "what is found, as TOML");
+    auto* report =
+        command.add_option("--report", report_,
+                           "an HTML page: boards seen, how well each agrees, what to improve next");
+    report->needs(out);
+    auto* robot = command.add_flag(
+        "--robot", robot_, "the place of the robot instead, from touches.csv in the folder");
+    robot->excludes(report);
     command
-        .add_option("--report", report_,
-                    "an HTML page: boards seen, how well each agrees, what to improve next")
-        ->needs(out);
+        .add_option("--position", position_, "with --robot: of the person for whom it stands there")
+        ->check(CLI::IsMember({"sitting", "prone"}))
+        ->capture_default_str()
+        ->needs(robot);
     command
         .add_option("--rehearse", rehearse_,
-                    "photograph such a set with the simulated scanner into this new folder")
+                    "make such a set with the simulated scanner or robot, in this new folder")
         ->excludes(shots)
         ->excludes(out);
   }
 
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
-    if (!rehearse_.empty()) return rehearse(common);
+    const Position position = position_ == "prone" ? Position::prone : Position::sitting;
+    if (!rehearse_.empty()) {
+      return robot_ ? rehearse_robot(rehearse_, position, common.seed) : rehearse(common);
+    }
     if (shots_.empty() || out_.empty()) {
       return fail(Fault::usage,
                   "calibrate needs a folder of pictures and --out, or --rehearse to make one");
     }
+    if (robot_) return calibrate_robot(shots_, position, out_);
     const fs::path folder = fs::path(out_).parent_path();
     std::error_code error;
     if (!folder.empty() && !fs::is_directory(folder, error)) {
@@ -177,6 +194,8 @@ class Calibrate final : public Verb {
   std::string out_;
   std::string report_;
   std::string rehearse_;
+  std::string position_ = "sitting";
+  bool robot_ = false;
 };
 
 }  // namespace

@@ -35,6 +35,10 @@ class Massage final : public Verb {
     command.add_option("--consent", order_.consent,
                        "a TOML file with the answers to the health questions; without it the "
                        "simulated person answers");
+    command.add_option(
+        "--robot-pose", order_.robot_pose,
+        "where the robot stands: a file of `tuina calibrate --robot`; without it the "
+        "simulated robot was measured as well");
     command
         .add_option("--adaptive", adaptive_,
                     "on: what the presses feel decides how hard they may be; off: as planned")

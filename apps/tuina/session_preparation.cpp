@@ -38,9 +38,10 @@ void drop_done(massage::Plan& plan, std::vector<std::string> done) {
 
 }  // namespace
 
-Transform believed_base_from_couch(const robot::RobotMount& mount, std::uint64_t seed) {
+Transform believed_base_from_couch(const SessionSetting& setting, const robot::RobotMount& mount) {
+  if (setting.robot) return setting.robot->base_from_couch;
   constexpr double place_sd_m = 2_mm, turn_sd_rad = 0.3_deg;
-  Random random = make_random(seed, "scanner to robot");
+  Random random = make_random(setting.common.seed, "scanner to robot");
   const auto drawn = [&](double sd) {
     const double each = sd / std::sqrt(3.0);
     const double x = gaussian(random, each), y = gaussian(random, each), z = gaussian(random, each);
@@ -74,8 +75,14 @@ Result<SessionSetting> read_setting(const SessionOrder& order, const session::Co
   if (!options) return tl::unexpected(options.error());
   auto atlas = open_atlas(order.atlas);
   if (!atlas) return tl::unexpected(atlas.error());
+  std::optional<session::PlacedRobot> robot;
+  if (!order.robot_pose.empty()) {
+    const auto read = session::read_robot_pose(order.robot_pose);
+    if (!read) return tl::unexpected(read.error());
+    robot = *read;
+  }
   return SessionSetting{
-      order, config, common, std::move(*programme), std::move(*options), std::move(*atlas)};
+      order, config, common, std::move(*programme), std::move(*options), std::move(*atlas), robot};
 }
 
 Result<Preparation> prepare(const SessionSetting& setting, const sim::Person& person,
@@ -112,10 +119,15 @@ Result<Preparation> prepare(const SessionSetting& setting, const sim::Person& pe
                             setting.programme, setting.plan_options);
   if (!plan) return tl::unexpected(plan.error());
   if (resumed) drop_done(*plan, resumed->done);
+  if (setting.robot && setting.robot->position != back->position()) {
+    return fail(Fault::config, "{}: the robot stands there for a person {}, and this one is {}",
+                setting.order.robot_pose, name_of(setting.robot->position),
+                name_of(back->position()));
+  }
   const robot::RobotMount mount = robot::mount_for(back->position());
   auto ready = session::make_ready(
       std::move(*plan), *back, mount, robot::both_models(robot::thesis_arm(), mount),
-      believed_base_from_couch(mount, seed), from_mm(config.massage.standoff_mm),
+      believed_base_from_couch(setting, mount), from_mm(config.massage.standoff_mm),
       resumed ? std::optional(resumed->rail_m) : std::nullopt);
   if (!ready) return tl::unexpected(ready.error());
   result.ready = std::move(*ready);

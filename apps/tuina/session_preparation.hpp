@@ -14,6 +14,7 @@
 #include "tuina/scanner/sweep.hpp"
 #include "tuina/session/config.hpp"
 #include "tuina/session/plan_step.hpp"
+#include "tuina/session/robot_pose.hpp"
 #include "tuina/sim/person.hpp"
 
 namespace tuina::app {
@@ -23,9 +24,10 @@ struct SessionOrder {
   std::optional<Position> position;
   std::string programme = "relax";
   body::Method method = body::Method::surface;
-  std::string atlas;    ///< a file or a labelled body; empty: the shipped one
-  std::string no_go;    ///< a file with what the therapist rules out; empty: nothing
-  std::string consent;  ///< a file with answers; empty: the simulated person answers
+  std::string atlas;       ///< a file or a labelled body; empty: the shipped one
+  std::string no_go;       ///< a file with what the therapist rules out; empty: nothing
+  std::string consent;     ///< a file with answers; empty: the simulated person answers
+  std::string robot_pose;  ///< a file of `calibrate --robot`; empty: as good a one
   bool adaptive = true;
   bool keys = false;  ///< live commands from standard input
   bool real_time = false;
@@ -43,6 +45,7 @@ struct SessionSetting {
   massage::Programme programme;
   massage::PlanOptions plan_options;
   body::Atlas atlas;
+  std::optional<session::PlacedRobot> robot;  ///< as measured
 };
 [[nodiscard]] Result<SessionSetting> read_setting(const SessionOrder& order,
                                                   const session::Config& config,
@@ -70,9 +73,9 @@ struct Resumed {
 [[nodiscard]] Result<Preparation> prepare(const SessionSetting& setting, const sim::Person& person,
                                           const std::optional<Resumed>& resumed = std::nullopt);
 
-/// Where the session believes the couch to be: the scanner-to-robot calibration leaves 2 mm and 0.3
-/// degrees.
-[[nodiscard]] Transform believed_base_from_couch(const robot::RobotMount& mount,
-                                                 std::uint64_t seed);
+/// Where the session believes the couch to be: as the robot was measured, or else 2 mm and 0.3
+/// degrees from the truth.
+[[nodiscard]] Transform believed_base_from_couch(const SessionSetting& setting,
+                                                 const robot::RobotMount& mount);
 
 }  // namespace tuina::app

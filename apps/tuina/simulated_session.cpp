@@ -165,7 +165,7 @@ class Room {
  private:
   Room(const SessionSetting& setting, const sim::Person& person, const robot::RobotMount& mount,
        massage::ZoneMap true_zones)
-      : witness(models_, believed_base_from_couch(mount, setting.common.seed).inverse(),
+      : witness(models_, believed_base_from_couch(setting, mount).inverse(),
                 std::move(true_zones)),
         setting_(setting),
         mount_(mount),
@@ -198,7 +198,7 @@ Result<void> Room::carry_out(const session::ReadyPlan& ready, double rest_s,
   const SessionOrder& order = setting_.order;
   session::MassageStep massage(
       ready.plan, ready.jobs, models_,
-      {.base_from_couch = believed_base_from_couch(mount_, setting_.common.seed),
+      {.base_from_couch = believed_base_from_couch(setting_, mount_),
        .rail_m = ready.rail_m,
        .standoff_m = from_mm(config.massage.standoff_mm),
        .force_ceiling_n = config.safety.force_ceiling_n,

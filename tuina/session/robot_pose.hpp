@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tuina/core/acupoint.hpp"
+#include "tuina/core/result.hpp"
+#include "tuina/robot/arm_model.hpp"
+#include "tuina/robot/touch.hpp"
+
+namespace tuina::session {
+
+/// Where the robot stands for the scanner, from spots that its tool has touched. The thesis
+/// measures this with a tape and a camera (5.5).
+struct RobotPose {
+  Transform base_from_couch = Transform::Identity();
+  Vector3 middle_in_couch = Vector3::Zero();       ///< of the spots: here the pose is known best
+  Matrix3 turn_covariance_rad2 = Matrix3::Zero();  ///< about `middle_in_couch`, axes of the couch
+  Matrix3 place_covariance_m2 = Matrix3::Zero();   ///< of `middle_in_couch`, axes of the couch
+  std::vector<double> residual_m;  ///< of each touch: from the spot to where the arm says it is
+
+  /// Root mean square of the error that is to be expected of a place on the back.
+  [[nodiscard]] double expected_error_m(const Vector3& place_in_couch) const;
+};
+
+/// Rigid motion by least squares over the centres of the sphere (Arun 1987, Umeyama 1991). The
+/// scatter of one touch is estimated from the residuals, together with 1.5 mm believed beforehand
+/// as if six more residuals had told it. Refused, naming the touch or the cause: fewer than three
+/// spots, spots near one line, distances between spots that differ from those the arm measures,
+/// one touch that the others contradict, a robot that leans or is on the wrong side of the surface.
+[[nodiscard]] Result<RobotPose> locate_robot(std::span<const robot::Touch> touches,
+                                             const PerArm<robot::ArmModel>& arms);
+
+/// The columns of touches.csv: arm (0 left, 1 right), rail_mm, q1_deg ..., x_mm, y_mm, z_mm,
+/// normal_x, normal_y, normal_z. One row a touch, so touch i stands in line i + 2.
+[[nodiscard]] Result<std::vector<robot::Touch>> read_touches(const std::filesystem::path& file,
+                                                             const robot::ArmTable& table);
+[[nodiscard]] std::string to_csv(std::span<const robot::Touch> touches);
+
+/// What robot.toml tells: for people in which position the robot stands so, and where.
+struct PlacedRobot {
+  Position position = Position::sitting;
+  Transform base_from_couch = Transform::Identity();
+};
+[[nodiscard]] std::string to_toml(const PlacedRobot& robot);
+/// Unknown, missing and malformed keys are refused together, each with its line.
+[[nodiscard]] Result<PlacedRobot> parse_robot_pose(std::string_view text, std::string_view name);
+[[nodiscard]] Result<PlacedRobot> read_robot_pose(const std::filesystem::path& file);
+
+}  // namespace tuina::session
