@@ -3,9 +3,11 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "apps/tuina/sticker_words.hpp"
 #include "apps/tuina/verbs.hpp"
 #include "tuina/core/surface_file.hpp"
 #include "tuina/core/units.hpp"
@@ -116,7 +118,14 @@ class ScanVerb final : public Verb {
         "--check-box", check_box_,
         "a box of this size, as 150x150x200mm, is in the scene, two or three faces in view; refuse "
         "a scan that shows it of another size or askew");
-    command.add_option("--record", record_, "keep the sweep in this new folder")->excludes(replay);
+    auto* record = command.add_option("--record", record_, "keep the sweep in this new folder")
+                       ->excludes(replay);
+    command
+        .add_option("--stickers", stickers_,
+                    "coloured stickers on true points of the simulated person, frames in colour: "
+                    "blue=SI11,BL47,BL50 green=GV4; see `tuina atlas record --help`")
+        ->excludes(replay)
+        ->needs(record);
     command.add_option("--out", out_, "the cloud; as PCD when the name ends so, else as PLY");
     command.add_option("--format", format_, "of --out, when its name does not tell")
         ->check(CLI::IsMember({"ply", "ply-ascii", "ply-big-endian", "pcd", "pcd-ascii"}));
@@ -151,6 +160,25 @@ class ScanVerb final : public Verb {
   }
 
  private:
+  [[nodiscard]] Result<std::vector<sim::SkinSticker>> stickers_on(const sim::Person& person) const {
+    std::map<std::string, Vector3> places;
+    for (const auto& point : person.acupoints) places[point.name] = point.at_in_couch;
+    for (const auto& landmark : person.landmarks) places[landmark.name] = landmark.at_in_couch;
+    std::vector<std::string> names;
+    for (const auto& [name, place] : places) names.push_back(name);
+    const auto groups = parse_stickers(stickers_, names, "--stickers");
+    if (!groups) return tl::unexpected(groups.error());
+    std::vector<sim::SkinSticker> stickers;
+    for (const StickerGroup& group : *groups) {
+      for (const auto& level : group.levels) {
+        for (const auto& point : level) {
+          stickers.push_back({.at_in_couch = places.at(point), .colour = group.colour});
+        }
+      }
+    }
+    return stickers;
+  }
+
   Result<Answer> simulate(const CommonOptions& common, const session::Config& config,
                           const std::optional<scanner::ScannerCalibration>& given,
                           const scanner::SweepOptions& options) {
@@ -160,8 +188,11 @@ class ScanVerb final : public Verb {
     if (!person) return tl::unexpected(person.error());
     const sim::Breathing breathing{.amplitude_m = from_mm(breathing_mm_),
                                    .frequency_hz = config.simulation.breathing_hz};
-    sim::LaserScanner simulated(person->skin_in_couch, person->position, breathing, common.seed,
-                                {.room_light_dn = config.simulation.room_light_dn});
+    const auto stickers = stickers_on(*person);
+    if (!stickers) return tl::unexpected(stickers.error());
+    sim::LaserScanner simulated(
+        person->skin_in_couch, person->position, breathing, common.seed,
+        {.room_light_dn = config.simulation.room_light_dn, .stickers = *stickers});
     const auto calibration =
         given ? *given : sim::believed_calibration(simulated.true_calibration(), common.seed);
 
@@ -283,6 +314,7 @@ class ScanVerb final : public Verb {
   std::string method_;
   std::string calibration_;
   std::string record_;
+  std::vector<std::string> stickers_;
   std::string out_;
 };
 

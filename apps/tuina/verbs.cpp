@@ -6,7 +6,7 @@
 namespace tuina::app {
 
 std::string summary_of_group(std::string_view group) {
-  if (group == "atlas") return "labelled backs: learn a file from them, look at it";
+  if (group == "atlas") return "labelled backs: record them, learn a file from them, look at it";
   if (group == "tissue") return "what a record of presses says about the tissue";
   if (group == "evaluate") return "the tables of the documentation, judged against the truth";
   if (group == "export") return "the robot for other programs: URDF, MJCF";
@@ -25,6 +25,7 @@ std::vector<std::unique_ptr<Verb>> make_verbs() {
 #endif
   verbs.push_back(make_plan());
   verbs.push_back(make_map());
+  verbs.push_back(make_atlas_record());
   verbs.push_back(make_atlas_learn());
   verbs.push_back(make_atlas_show());
   verbs.push_back(make_evaluate_acupoints());

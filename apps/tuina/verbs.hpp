@@ -24,6 +24,7 @@ std::unique_ptr<Verb> make_evaluate_all();
 std::unique_ptr<Verb> make_evaluate_massage();
 std::unique_ptr<Verb> make_map();
 std::unique_ptr<Verb> make_atlas_learn();
+std::unique_ptr<Verb> make_atlas_record();
 std::unique_ptr<Verb> make_atlas_show();
 std::unique_ptr<Verb> make_evaluate_acupoints();
 std::unique_ptr<Verb> make_evaluate_atlas();

@@ -63,7 +63,8 @@ Result<LabelledBody> read_labelled_body(const std::filesystem::path& ply) {
       add_acupoints(object.at("more_acupoints"), body.acupoints);
     if (object.contains("landmarks")) {
       for (const auto& [name, place] : object.at("landmarks").items()) {
-        // A landmark may lie a little outside the cropped skin, but one that is nowhere near it marks nothing.
+        // A landmark may lie a little outside the cropped skin, but one that is nowhere near it
+        // marks nothing.
         const Vector3 at = vector_of(place);
         if (at.cwiseAbs().maxCoeff() < farthest_landmark_m) body.landmarks.push_back({name, at});
       }
@@ -73,6 +74,31 @@ Result<LabelledBody> read_labelled_body(const std::filesystem::path& ply) {
                 fault.what());
   }
   return body;
+}
+
+Result<void> write_labelled_body(const LabelledBody& body, const std::filesystem::path& ply) {
+  const auto numbers = [](const Vector3& v) { return json{v.x(), v.y(), v.z()}; };
+  json labels{{"id", body.id},
+              {"body_type", body.body_type},
+              {"position", name_of(body.position)},
+              {"units", "m"},
+              {"frame", body.position == Position::sitting
+                            ? "z up; x to the left of the subject; y out of the back"
+                            : "z up; x to the left of the subject; y towards the feet"},
+              {"vertices", body.skin_in_couch.vertices.size()},
+              {"triangles", body.skin_in_couch.triangles.size()},
+              {"landmarks", json::object()}};
+  for (const Landmark& landmark : body.landmarks) {
+    labels["landmarks"][landmark.name] = numbers(landmark.at_in_couch);
+  }
+  for (const Acupoint& point : body.acupoints) {
+    const bool seven = std::find(seven_acupoints.begin(), seven_acupoints.end(), point.name) !=
+                       seven_acupoints.end();
+    labels[seven ? "acupoints" : "more_acupoints"][point.name] = {
+        {"position", numbers(point.at_in_couch)}, {"normal", numbers(point.normal_in_couch)}};
+  }
+  if (auto written = write_file(ply, to_ply(body.skin_in_couch)); !written) return written;
+  return write_file(std::filesystem::path(ply).replace_extension(".json"), labels.dump(1) + "\n");
 }
 
 Result<std::vector<std::filesystem::path>> list_labelled_bodies(

@@ -18,11 +18,16 @@ struct LabelledBody {
   std::string body_type;  ///< slim, medium or hefty
   Position position = Position::sitting;
   Mesh skin_in_couch;
+  PointCloud scan_in_couch;  ///< the same person as a scanner sees them; empty: as the skin is
   std::vector<Acupoint> acupoints;  ///< the seven first, then the further ones, each group by name
   std::vector<Landmark> landmarks;
 };
 
 [[nodiscard]] Result<LabelledBody> read_labelled_body(const std::filesystem::path& ply);
+
+/// Writes both files; the .json of `ply` gets its name.
+[[nodiscard]] Result<void> write_labelled_body(const LabelledBody& body,
+                                               const std::filesystem::path& ply);
 
 /// One body, or all `*.ply` of a folder that have a .json beside them, by name.
 [[nodiscard]] Result<std::vector<std::filesystem::path>> list_labelled_bodies(

@@ -43,6 +43,18 @@ Result<std::map<long, fs::path>> numbered_pictures(const fs::path& folder) {
   return pictures;
 }
 
+/// A picture in its own channels, 16 bits rounded to 8.
+Result<Image> read_frame(const fs::path& path) {
+  const auto png = read_png(path);
+  if (!png) return tl::unexpected(png.error());
+  const int shift = png->bits > 8 ? 257 : 1;
+  Image image(png->image.width, png->image.height, png->image.channels);
+  for (std::size_t i = 0; i < image.data.size(); ++i) {
+    image.data[i] = static_cast<std::uint8_t>((png->image.data[i] + shift / 2) / shift);
+  }
+  return image;
+}
+
 std::string picture_name(std::size_t index) {
   return fmt::format("{:06}.png", index);
 }
@@ -50,22 +62,20 @@ std::string picture_name(std::size_t index) {
 }  // namespace
 
 Result<Image> read_picture(const fs::path& path) {
-  const auto png = read_png(path);
-  if (!png) return tl::unexpected(png.error());
-  const auto channels = static_cast<std::size_t>(png->image.channels);
-  const int shift = png->bits > 8 ? 257 : 1;
-  Image grey(png->image.width, png->image.height);
-  for (std::size_t i = 0; i < grey.data.size(); ++i) {
-    grey.data[i] = static_cast<std::uint8_t>((png->image.data[i * channels] + shift / 2) / shift);
-  }
-  return grey;
+  auto image = read_frame(path);
+  if (!image || image->channels == 1) return image;
+  const auto channels = static_cast<std::size_t>(image->channels);
+  Image red(image->width, image->height);
+  for (std::size_t i = 0; i < red.data.size(); ++i) red.data[i] = image->data[i * channels];
+  return red;
 }
 
-Result<Recording> Recording::open(const fs::path& folder) {
+Result<Recording> Recording::open(const fs::path& folder, Frames kind) {
   std::error_code error;
   if (!fs::is_directory(folder, error))
     return fail(Fault::file, "{}: there is no such folder", folder.string());
   Recording recording;
+  recording.kind_ = kind;
   auto calibration = read_calibration(folder / "calibration.toml");
   if (!calibration) return tl::unexpected(calibration.error());
   recording.calibration_ = *calibration;
@@ -146,11 +156,12 @@ Result<Frame> Recording::next_frame() {
   Frame frame{.time_s = entry.time_s, .image = {}, .dark = {}};
   // A picture that is not there any more is a broken recording, not the end of it: every error is
   // passed on.
-  auto image = read_picture(entry.picture);
+  const auto read = kind_ == Frames::grey ? read_picture : read_frame;
+  auto image = read(entry.picture);
   if (!image) return tl::unexpected(image.error());
   frame.image = std::move(*image);
   if (!entry.dark.empty()) {
-    auto dark = read_picture(entry.dark);
+    auto dark = read(entry.dark);
     if (!dark) return tl::unexpected(dark.error());
     frame.dark = std::move(*dark);
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <vector>
 
@@ -18,7 +19,10 @@ namespace tuina::scanner {
 /// one; a picture that is missing, broken or of the wrong size fails when its turn comes.
 class Recording final : public Camera, public Turntable {
  public:
-  [[nodiscard]] static Result<Recording> open(const std::filesystem::path& folder);
+  /// Frames come in grey, the red of colour ones, or as they are.
+  enum class Frames : std::uint8_t { grey, as_recorded };
+  [[nodiscard]] static Result<Recording> open(const std::filesystem::path& folder,
+                                              Frames frames = Frames::grey);
 
   [[nodiscard]] Result<Frame> next_frame() override;
   [[nodiscard]] Result<void> sweep(double from_rad, double to_rad, double rad_per_s) override;
@@ -35,6 +39,7 @@ class Recording final : public Camera, public Turntable {
     std::filesystem::path dark;  ///< empty when there is none
   };
 
+  Frames kind_ = Frames::grey;
   std::vector<Entry> frames_;
   std::vector<YawReading> readings_;
   ScannerCalibration calibration_;

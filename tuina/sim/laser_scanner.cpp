@@ -107,8 +107,10 @@ struct LaserScanner::World {
         const std::uint64_t frame = number + turns * 1000003;  // for noise of its own
         const double breath_m = 0.5 * breathing.amplitude_m *
                                 (1.0 - std::cos(2.0 * pi * breathing.frequency_hz * time_s));
-        ahead[i] = renderer.render(yaw_at(time_s), breath_m * breath_direction, frame, &visible[i]);
-        if (options.dark_frames) dark_ahead[i] = renderer.render_dark(frame);
+        const Vector3 shift = breath_m * breath_direction;
+        const RoomPicture room = renderer.room(yaw_at(time_s), shift);
+        ahead[i] = renderer.render(yaw_at(time_s), shift, frame, &visible[i], room);
+        if (options.dark_frames) dark_ahead[i] = renderer.render_dark(frame, room);
       }
     };
     const auto threads = static_cast<std::size_t>(std::max(1, options.threads));
@@ -148,6 +150,7 @@ LaserScanner::LaserScanner(const Mesh& scene_in_couch, const Mesh& couch,
             .drops = make_random(seed, "dropped frames"),
             .readings = {}});
   world_->options.latency_s = truth.latency_s;
+  if (!options.stickers.empty()) world_->options.dark_frames = true;
 }
 
 LaserScanner::~LaserScanner() = default;

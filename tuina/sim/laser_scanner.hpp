@@ -11,6 +11,7 @@
 #include "tuina/scanner/camera.hpp"
 #include "tuina/scanner/turntable.hpp"
 #include "tuina/sim/person.hpp"
+#include "tuina/sim/room_light.hpp"
 
 namespace tuina::sim {
 
@@ -39,6 +40,10 @@ struct LaserScannerOptions {
   double speckle_px = 0.0;      ///< by which coherent light displaces the line, from row to row
   double dropped_share = 0.0;   ///< of the frames, lost on their way
   bool dark_frames = false;     ///< each frame comes with one taken with the laser off
+  /// With stickers on the skin, frames are in colour and the lights of the room are on; the laser line
+  /// is told from what they show by dark frames.
+  std::vector<SkinSticker> stickers = {};
+  double room_white_dn = 90.0;  ///< of a white wall, in colour frames
   int threads = 2;
 };
 

@@ -22,6 +22,7 @@ constexpr double sheet_deviation_m = 0.7_mm;  // half the 1/e^2 width of a cheap
 constexpr std::array<double, 3> sheet_aside = {-1.7320508, 0.0, 1.7320508};
 constexpr std::array<double, 3> sheet_share = {1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0};
 constexpr std::size_t noise_samples = std::size_t{1} << 19;
+constexpr float leak = 0.04F;
 constexpr std::size_t speckle_rows = std::size_t{1} << 16;
 
 // Light of one fan ray per pixel of line, from a surface that shines alike in all directions
@@ -46,6 +47,7 @@ LineRenderer::LineRenderer(const Mesh& skin_in_couch, const Mesh& couch,
                            const scanner::ScannerCalibration& truth,
                            const LaserScannerOptions& options, std::uint64_t seed)
     : skin_(skin_in_couch), couch_(couch), truth_(truth), options_(options), seed_(seed) {
+  if (!options_.stickers.empty()) room_light_.emplace(options_.stickers, options_.room_white_dn);
   // A white wall upright to the camera at the reference: its line has the amplitude that the
   // options name.
   const Vector3& normal = truth_.laser_normal_in_camera;
@@ -92,7 +94,8 @@ LineRenderer::Spot LineRenderer::trace(const Vector3& laser, const Vector3& dire
   // The person moves with the breath; instead, the light is moved the other way.
   auto hit = skin_.first_hit(laser - shift, direction);
   const auto on_couch = couch_.first_hit(laser, direction);
-  if (on_couch && (!hit || on_couch->distance_m < hit->distance_m)) hit = on_couch;
+  const bool on_skin = hit && (!on_couch || hit->distance_m <= on_couch->distance_m);
+  if (!on_skin) hit = on_couch;
   if (!hit || hit->normal.dot(direction) >= 0.0) return {};
   Spot spot;
   spot.point = laser + hit->distance_m * direction;
@@ -106,6 +109,7 @@ LineRenderer::Spot LineRenderer::trace(const Vector3& laser, const Vector3& dire
   if (point_in_camera.z() < 0.05) return {};
   spot.pixel = scanner::project(truth_.camera, point_in_camera);
   spot.light = light_of(cosine, distance_m);
+  if (room_light_ && on_skin) spot.light *= room_light_->laser_share(spot.point - shift);
   spot.visible = true;
   return spot;
 }
@@ -159,7 +163,7 @@ void LineRenderer::draw_sheet(const Transform& couch_from_camera, const Vector3&
 }
 
 Image LineRenderer::render(double yaw_rad, const Vector3& skin_shift_in_couch, std::uint64_t frame,
-                           std::size_t* visible_rows) const {
+                           std::size_t* visible_rows, const RoomPicture& room) const {
   const Transform couch_from_camera = truth_.couch_from_camera_at(yaw_rad);
   Strokes strokes(static_cast<std::size_t>(truth_.camera.height_px));
   const auto row_sees = [this](const std::vector<Stroke>& row) {
@@ -186,37 +190,70 @@ Image LineRenderer::render(double yaw_rad, const Vector3& skin_shift_in_couch, s
   }
   const std::uint64_t state = seed_ * 0xD1342543DE82EF95ULL + frame * 0x2545F4914F6CDD1DULL;
   displace(strokes, state ^ 0x5BECC1EULL);
-  return expose(strokes, state);
+  return expose(strokes, room, state);
 }
 
-Image LineRenderer::render_dark(std::uint64_t frame) const {
+Image LineRenderer::render_dark(std::uint64_t frame, const RoomPicture& room) const {
   const Strokes none(static_cast<std::size_t>(truth_.camera.height_px));
-  return expose(none, ~seed_ * 0xD1342543DE82EF95ULL + frame * 0x2545F4914F6CDD1DULL);
+  return expose(none, room, ~seed_ * 0xD1342543DE82EF95ULL + frame * 0x2545F4914F6CDD1DULL);
 }
 
-Image LineRenderer::expose(const Strokes& strokes, std::uint64_t state) const {
+RoomPicture LineRenderer::room(double yaw_rad, const Vector3& skin_shift_in_couch) const {
+  if (!room_light_) return {};
+  return room_light_->render(skin_, couch_, truth_.camera, truth_.couch_from_camera_at(yaw_rad),
+                             skin_shift_in_couch);
+}
+
+void LineRenderer::add_line(const std::vector<Stroke>& strokes, float share,
+                            std::vector<float>& light) const {
   const int width = truth_.camera.width_px;
-  const int height = truth_.camera.height_px;
-  Image image(width, height);
-  const auto room = static_cast<float>(options_.room_light_dn);
-  std::vector<float> light(static_cast<std::size_t>(width));
-  for (int y = 0; y < height; ++y) {
-    std::fill(light.begin(), light.end(), room);
-    for (const Stroke& stroke : strokes[static_cast<std::size_t>(y)]) {
-      const float reach = 5.0F * stroke.width_px;
-      const int from = std::max(0, static_cast<int>(std::ceil(stroke.column_px - reach)));
-      const int to = std::min(width - 1, static_cast<int>(std::floor(stroke.column_px + reach)));
-      for (int x = from; x <= to; ++x) {
-        const float u = (static_cast<float>(x) - stroke.column_px) / stroke.width_px;
-        light[static_cast<std::size_t>(x)] += stroke.amplitude_dn * std::exp(-0.5F * u * u);
-      }
+  for (const Stroke& stroke : strokes) {
+    const float reach = 5.0F * stroke.width_px;
+    const int from = std::max(0, static_cast<int>(std::ceil(stroke.column_px - reach)));
+    const int to = std::min(width - 1, static_cast<int>(std::floor(stroke.column_px + reach)));
+    for (int x = from; x <= to; ++x) {
+      const float u = (static_cast<float>(x) - stroke.column_px) / stroke.width_px;
+      light[static_cast<std::size_t>(x)] += share * stroke.amplitude_dn * std::exp(-0.5F * u * u);
     }
-    const float* noise =
-        noise_.data() + next(state) % (noise_samples - static_cast<std::size_t>(width));
-    std::uint8_t* row = image.row(y);
-    for (int x = 0; x < width; ++x) {
-      const float value = light[static_cast<std::size_t>(x)] + noise[x] + 0.5F;
-      row[x] = static_cast<std::uint8_t>(std::clamp(value, 0.0F, 255.0F));
+  }
+}
+
+void LineRenderer::add_noise(const std::vector<float>& light, std::uint64_t& state,
+                             std::uint8_t* pixels, int stride) const {
+  const float* noise = noise_.data() + next(state) % (noise_samples - light.size());
+  for (std::size_t x = 0; x < light.size(); ++x) {
+    const float value = light[x] + noise[x] + 0.5F;
+    pixels[x * static_cast<std::size_t>(stride)] =
+        static_cast<std::uint8_t>(std::clamp(value, 0.0F, 255.0F));
+  }
+}
+
+Image LineRenderer::expose(const Strokes& strokes, const RoomPicture& room,
+                           std::uint64_t state) const {
+  if (!room.empty()) return expose_colour(strokes, room, state);
+  Image image(truth_.camera.width_px, truth_.camera.height_px);
+  const auto dark = static_cast<float>(options_.room_light_dn);
+  std::vector<float> light(static_cast<std::size_t>(image.width));
+  for (int y = 0; y < image.height; ++y) {
+    std::fill(light.begin(), light.end(), dark);
+    add_line(strokes[static_cast<std::size_t>(y)], 1.0F, light);
+    add_noise(light, state, image.row(y), 1);
+  }
+  return image;
+}
+
+Image LineRenderer::expose_colour(const Strokes& strokes, const RoomPicture& room,
+                                  std::uint64_t state) const {
+  Image image(truth_.camera.width_px, truth_.camera.height_px, 3);
+  const auto width = static_cast<std::size_t>(image.width);
+  std::vector<float> light(width);
+  for (int y = 0; y < image.height; ++y) {
+    const Rgb* behind = room.data() + static_cast<std::size_t>(y) * width;
+    for (std::size_t channel = 0; channel < 3; ++channel) {
+      for (std::size_t x = 0; x < width; ++x) light[x] = behind[x][channel];
+      // The green and blue filters of a sensor let a little of the red laser through.
+      add_line(strokes[static_cast<std::size_t>(y)], channel == 0 ? 1.0F : leak, light);
+      add_noise(light, state, image.row(y) + channel, 3);
     }
   }
   return image;

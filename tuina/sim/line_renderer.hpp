@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "tuina/core/image.hpp"
@@ -22,9 +23,13 @@ class LineRenderer {
   /// `skin_shift_in_couch` is how far breathing has moved the person. The same `frame` gives the
   /// same noise. `visible_rows`, if wanted, counts the rows in which there is a line.
   [[nodiscard]] Image render(double yaw_rad, const Vector3& skin_shift_in_couch,
-                             std::uint64_t frame, std::size_t* visible_rows = nullptr) const;
+                             std::uint64_t frame, std::size_t* visible_rows = nullptr,
+                             const RoomPicture& room = {}) const;
   /// The same moment with the laser off, with noise of its own.
-  [[nodiscard]] Image render_dark(std::uint64_t frame) const;
+  [[nodiscard]] Image render_dark(std::uint64_t frame, const RoomPicture& room = {}) const;
+  /// What the light of the room shows at that moment, for the two above: they are in colour then.
+  /// Empty without stickers.
+  [[nodiscard]] RoomPicture room(double yaw_rad, const Vector3& skin_shift_in_couch) const;
 
  private:
   // A short piece of the line as a row of the image sees it.
@@ -47,7 +52,14 @@ class LineRenderer {
                            const Transform& camera_from_couch, const Vector3& shift) const;
   void draw_sheet(const Transform& couch_from_camera, const Vector3& shift, double aside_m,
                   double share, Strokes& strokes) const;
-  [[nodiscard]] Image expose(const Strokes& strokes, std::uint64_t state) const;
+  [[nodiscard]] Image expose(const Strokes& strokes, const RoomPicture& room,
+                             std::uint64_t state) const;
+  /// The same in colour, with the light of the room behind the line.
+  [[nodiscard]] Image expose_colour(const Strokes& strokes, const RoomPicture& room,
+                                    std::uint64_t state) const;
+  void add_line(const std::vector<Stroke>& strokes, float share, std::vector<float>& light) const;
+  void add_noise(const std::vector<float>& light, std::uint64_t& state, std::uint8_t* pixels,
+                 int stride) const;
   void displace(Strokes& strokes, std::uint64_t state) const;
   void join(const Spot& a, const Spot& b, double share, Strokes& strokes) const;
 
@@ -55,6 +67,7 @@ class LineRenderer {
   RayScene couch_;
   scanner::ScannerCalibration truth_;
   LaserScannerOptions options_;
+  std::optional<RoomLight> room_light_;  // with stickers: frames in colour
   std::uint64_t seed_;
   double light_at_reference_;
   double spot_width_px_;
