@@ -51,6 +51,18 @@ Result<Seen> see(const body::LabelledBody& person, bool laser, std::uint64_t see
               .compute_ms = scan->compute_ms};
 }
 
+void scan_everybody(std::vector<body::LabelledBody>& people, std::uint64_t seed,
+                    const Progress& progress) {
+  for (std::size_t i = 0; i < people.size(); ++i) {
+    body::LabelledBody& person = people[i];
+    if (person.skin_in_couch.triangles.empty()) continue;
+    auto seen = see(person, true, seed + i);
+    // Whom the scanner cannot see is learned from as the skin is.
+    if (seen) person.scan_in_couch = std::move(seen->cloud_in_couch);
+    if (progress) progress(static_cast<double>(i + 1) / static_cast<double>(people.size()));
+  }
+}
+
 void add_findings(const body::LabelledBody& person, std::size_t index, const body::Mapping& found,
                   const std::vector<Acupoint>& marks, Score& score) {
   for (const Acupoint& mark : marks) {

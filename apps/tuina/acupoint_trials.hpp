@@ -8,6 +8,7 @@
 
 #include "tuina/body/acupoints.hpp"
 #include "tuina/body/labelled_body.hpp"
+#include "tuina/core/progress.hpp"
 
 namespace tuina::app {
 
@@ -38,6 +39,11 @@ struct Seen {
   double compute_ms = 0.0;
 };
 [[nodiscard]] Result<Seen> see(const body::LabelledBody& person, bool laser, std::uint64_t seed);
+
+/// Everybody scanned by the simulated scanner, so that an atlas learns what a scan leaves open. Who is
+/// a cloud already stays as they are.
+void scan_everybody(std::vector<body::LabelledBody>& people, std::uint64_t seed,
+                    const Progress& progress);
 
 /// Seconds from the person on the couch to the plan, [thesis] 5.5.
 struct Times {

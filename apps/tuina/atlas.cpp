@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "apps/tuina/acupoint_trials.hpp"
 #include "apps/tuina/atlas_picture.hpp"
 #include "apps/tuina/atlas_source.hpp"
 #include "apps/tuina/labelled_phantom.hpp"
@@ -27,13 +28,19 @@ class AtlasLearn final : public Verb {
   [[nodiscard]] const char* example() const override {
     return "tuina atlas learn people/ --out people.tuina\n"
            "  tuina atlas learn my_patients/ --prior default --out mine.tuina\n"
-           "  tuina atlas learn --phantoms 40 --seed 1 --out models/atlas.tuina   (how the shipped one is made)";
+           "  tuina atlas learn --phantoms 40 --seed 1 --scan ideal --out models/atlas.tuina   (how the shipped one is made)";
   }
   void describe(CLI::App& command) override {
     command.add_option("bodies", places_, "folders of labelled bodies, or NAME.ply with NAME.json beside it");
     command.add_option("--phantoms", phantoms_, "so many drawn persons in each position, by --seed")
         ->check(number_between(1, 10000));
     command.add_option("--prior", prior_, "`default` or an atlas file that a few bodies then adapt");
+    command
+        .add_option("--scan", scan_,
+                    "what the points are found from while learning: ideal surfaces, or laser: each body "
+                    "through the simulated scanner and its calibration errors")
+        ->check(CLI::IsMember({"ideal", "laser"}))
+        ->capture_default_str();
     command.add_option("--out", out_, "the atlas")->required();
   }
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
@@ -56,6 +63,7 @@ class AtlasLearn final : public Verb {
         bodies->push_back(labelled(sim::make_phantom(shape, position)));
       }
     }
+    if (scan_ == "laser") scan_everybody(*bodies, common.seed, progress_bar(common, "scan"));
     std::optional<body::Atlas> prior;
     if (!prior_.empty()) {
       auto read = prior_ == "default" ? open_atlas("") : body::read_atlas(prior_);
@@ -89,6 +97,7 @@ class AtlasLearn final : public Verb {
   std::vector<std::string> places_;
   int phantoms_ = 0;
   std::string prior_;
+  std::string scan_ = "laser";
   std::string out_;
 };
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/tuina/atlas_source.hpp"
 
+#include "apps/tuina/acupoint_trials.hpp"
+
 namespace tuina::app {
 
 namespace fs = std::filesystem;
@@ -31,8 +33,9 @@ Result<body::Atlas> open_atlas(const std::string& words) {
   std::error_code fault;
   if (!fs::exists(words, fault)) return fail(Fault::file, "{}: there is no such atlas", words);
   if (!fs::is_directory(words, fault) && fs::path(words).extension() != ".ply") return body::read_atlas(words);
-  const auto bodies = read_labelled({words});
+  auto bodies = read_labelled({words});
   if (!bodies) return tl::unexpected(bodies.error());
+  scan_everybody(*bodies, 1, {});
   const auto shipped = body::read_atlas(default_atlas_path());
   if (!shipped) return tl::unexpected(shipped.error());
   return body::learn_atlas(*bodies, &*shipped, {}, nullptr);

@@ -61,19 +61,20 @@ class EvaluateAcupoints final : public Verb {
     // One atlas for all is judged before anyone is drawn or read.
     std::optional<body::Atlas> one;
     if (folds_ == 0) {
-      auto given = atlas_for({}, 0);
+      auto given = atlas_for({}, 0, common);
       if (!given) return tl::unexpected(given.error());
       one = std::move(*given);
     }
     auto bodies = people(common);
     if (!bodies) return tl::unexpected(bodies.error());
+    if (folds_ > 0) scan_everybody(*bodies, learning_seed(common), progress_bar(common, "scan"));
     const auto bar = progress_bar(common, "evaluate");
     const std::size_t folds = folds_ > 0 ? static_cast<std::size_t>(folds_) : 1;
     std::map<std::string, Score> scores;
     Times times;
     std::size_t done = 0;
     for (std::size_t fold = 0; fold < folds; ++fold) {
-      const auto atlas = one ? Result<body::Atlas>(*one) : atlas_for(*bodies, fold);
+      const auto atlas = one ? Result<body::Atlas>(*one) : atlas_for(*bodies, fold, common);
       if (!atlas) return tl::unexpected(atlas.error());
       for (std::size_t i = 0; i < bodies->size(); ++i) {
         if (folds_ > 0 && i % folds != fold) continue;
@@ -103,6 +104,11 @@ class EvaluateAcupoints final : public Verb {
   }
 
  private:
+  /// Nobody is judged on a scan that was learned from.
+  [[nodiscard]] static std::uint64_t learning_seed(const CommonOptions& common) {
+    return common.seed + 1000003;
+  }
+
   [[nodiscard]] Result<std::vector<body::LabelledBody>> people(const CommonOptions& common) const {
     if (!bodies_.empty()) return read_labelled({bodies_});
     std::vector<body::LabelledBody> drawn;
@@ -118,10 +124,11 @@ class EvaluateAcupoints final : public Verb {
   }
 
   [[nodiscard]] Result<body::Atlas> atlas_for(const std::vector<body::LabelledBody>& bodies,
-                                              std::size_t fold) const {
+                                              std::size_t fold, const CommonOptions& common) const {
     if (!train_.empty()) {
-      const auto others = read_labelled({train_});
+      auto others = read_labelled({train_});
       if (!others) return tl::unexpected(others.error());
+      scan_everybody(*others, learning_seed(common), progress_bar(common, "scan"));
       return body::learn_atlas(*others, nullptr, {}, nullptr);
     }
     if (folds_ == 0) return open_atlas(atlas_);

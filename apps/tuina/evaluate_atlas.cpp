@@ -75,8 +75,9 @@ class EvaluateAtlas final : public Verb {
     }
     const auto shipped = open_atlas("");
     if (!shipped) return tl::unexpected(shipped.error());
-    const auto train = read_labelled({train_});
+    auto train = read_labelled({train_});
     if (!train) return tl::unexpected(train.error());
+    scan_everybody(*train, common.seed + 1000003, progress_bar(common, "scan"));
     const auto people = read_labelled({bodies_});
     if (!people) return tl::unexpected(people.error());
     std::vector<Judged> judged;

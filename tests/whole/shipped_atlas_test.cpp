@@ -11,8 +11,8 @@ using tuina::test::run_tuina;
 
 TEST_CASE("the documented command makes the shipped atlas again, byte for byte") {
   const Folder folder;
-  const auto learned = run_tuina({"atlas", "learn", "--phantoms", "40", "--seed", "1", "--out",
-                                  folder / "atlas.tuina", "--json", "--quiet"});
+  const auto learned = run_tuina({"atlas", "learn", "--phantoms", "40", "--seed", "1", "--scan",
+                                  "ideal", "--out", folder / "atlas.tuina", "--json", "--quiet"});
   REQUIRE_MESSAGE(learned.exit_code == 0, learned.err);
   CHECK(nlohmann::json::parse(learned.out)["leave_one_out_mm"] < 6.0);
   const std::string shipped = tuina::read_file(TUINA_MODELS "/atlas.tuina").value();

@@ -17,7 +17,7 @@ namespace {
 // byte, of two where a byte would round to more than 0.04 mm.
 static_assert(std::endian::native == std::endian::little);
 constexpr std::string_view magic = "TUINAATL";
-constexpr std::uint32_t version = 3;
+constexpr std::uint32_t version = 4;
 constexpr double most_in_a_byte_m = 10_mm;
 constexpr std::uint32_t most_entries = 1U << 22;
 
@@ -144,6 +144,7 @@ void write(Writer& out, const PositionAtlas& atlas) {
   out.matrix(shape.radius95_m);
   out.matrix(shape.nominal_var_m2 * 1e6);
   out.plain(static_cast<float>(shape.usual_residual_m));
+  out.plain(static_cast<float>(shape.most_unusual));
   out.count(atlas.standard.lines.size());
   for (const auto& line : atlas.standard.lines) {
     out.matrix(line.p);
@@ -182,6 +183,7 @@ PositionAtlas read(Reader& in) {
   shape.radius95_m = in.matrix();
   shape.nominal_var_m2 = in.matrix() * 1e-6;
   shape.usual_residual_m = in.number();
+  shape.most_unusual = in.number();
   expect(shape.modes.rows() == 3 * mean.cols() && shape.radius95_m.size() == count && shape.nominal_var_m2.size() == count &&
              (shape.correction.size() == 0 ||
               (shape.correction.rows() == 3 * count && shape.correction.cols() == shape.modes.cols() + 1)),

@@ -91,6 +91,7 @@ MatrixXd learn_correction(const LeftOut& left_out, ShapeModel& model) {
   std::vector<double> misfits(left_out.residual_m.begin(), left_out.residual_m.end());
   std::nth_element(misfits.begin(), misfits.begin() + misfits.size() / 2, misfits.end());
   model.usual_residual_m = misfits[misfits.size() / 2];
+  model.most_unusual = std::max(model.most_unusual, left_out.most_unusual);
   const auto persons = static_cast<double>(wrong_mm.cols() / left_out.views);
   // A radius holds 95 % when it is widened as it will be.
   std::vector<std::vector<double>> errors_m(static_cast<std::size_t>(model.radius95_m.size()));

@@ -12,6 +12,7 @@ struct LeftOut {
   Eigen::MatrixXd targets_mm;   ///< three rows for each label, in the frame of the model
   Eigen::MatrixXd variance_m2;  ///< of each label, that the fit leaves
   Eigen::VectorXd residual_m;
+  double most_unusual = 0.0;  ///< of all of them
   Eigen::Index views = 1;  ///< columns that are one person
 };
 

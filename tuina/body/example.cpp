@@ -14,21 +14,32 @@ std::string other_side(const std::string& name) {
   return name;
 }
 
+const Vector3 flip(-1.0, 1.0, 1.0);
+
+BackSurface mirrored(const BackSurface& back) {
+  PointCloud cloud = back.points();
+  for (Vector3& p : cloud.points) p = p.cwiseProduct(flip);
+  for (Vector3& n : cloud.normals) n = n.cwiseProduct(flip);
+  return {std::move(cloud), back.position(), back.spacing_m()};
+}
+
 }  // namespace
 
 Result<Example> make_example(const LabelledBody& body) {
   auto back = fit_back(sample(body.skin_in_couch, 4_mm), {.position = body.position});
   if (!back) return fail(back.error().fault, "{}: {}", body.id, back.error().message);
-  return Example{std::move(*back), body.acupoints, body.landmarks};
+  Example example{std::move(*back), body.acupoints, body.landmarks, {}};
+  if (body.scan_in_couch.size() > 0) {
+    auto scanned = fit_back(body.scan_in_couch, {.position = body.position});
+    if (!scanned) return fail(scanned.error().fault, "{}: {}", body.id, scanned.error().message);
+    example.scanned = std::move(*scanned);
+  }
+  return example;
 }
 
 Example mirrored(const Example& example) {
-  const Vector3 flip(-1.0, 1.0, 1.0);
-  PointCloud cloud = example.back.points();
-  for (Vector3& p : cloud.points) p = p.cwiseProduct(flip);
-  for (Vector3& n : cloud.normals) n = n.cwiseProduct(flip);
-  Example twin{BackSurface(std::move(cloud), example.back.position(), example.back.spacing_m()),
-               example.acupoints, example.landmarks};
+  Example twin{mirrored(example.back), example.acupoints, example.landmarks, {}};
+  if (example.scanned) twin.scanned = mirrored(*example.scanned);
   for (auto& point : twin.acupoints) {
     point.name = other_side(point.name);
     point.at_in_couch = point.at_in_couch.cwiseProduct(flip);

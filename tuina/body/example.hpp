@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,10 @@ struct Example {
   BackSurface back;
   std::vector<Acupoint> acupoints;
   std::vector<Landmark> landmarks;
+  std::optional<BackSurface> scanned;  ///< with holes and noise, when somebody scanned the person
+
+  /// What a model will be shown of a person like this.
+  [[nodiscard]] const BackSurface& shown() const { return scanned ? *scanned : back; }
 };
 [[nodiscard]] Result<Example> make_example(const LabelledBody& body);
 /// The same person seen in a mirror, left and right exchanged.

@@ -28,10 +28,12 @@ struct ShapeFit {
   /// learned from.
   [[nodiscard]] double strangeness() const {
     const Eigen::Index strongest = std::min<Eigen::Index>(10, weights.size());
-    return strongest > 0
-               ? weights.head(strongest).squaredNorm() / static_cast<double>(strongest)
-               : 0.0;
+    return strongest > 0 ? weights.head(strongest).squaredNorm() / static_cast<double>(strongest)
+                         : 0.0;
   }
+  /// Strangeness, and what is unseen. A model squeezed onto half a back is strange or sees little
+  /// of itself.
+  [[nodiscard]] double unusualness() const { return strangeness() + 4.0 * (1.0 - seen); }
 };
 
 /// Frames that turn and move with the person on the couch, axes as of `couch` for the usual pose, z

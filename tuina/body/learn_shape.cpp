@@ -107,7 +107,7 @@ LeftOut leave_out(const People& people, const ShapeModel& model, std::size_t fol
         twin.emplace(mirrored(*example));
         example = &*twin;
       }
-      const ShapeFit fit = fit_shape(others, example->back);
+      const ShapeFit fit = fit_shape(others, example->shown());
       const Transform model_from_couch =
           align(fit.skin_in_couch, model.mean.leftCols(model.skin_points()));
       left.features.col(column) = skin_features(model, model_from_couch * fit.skin_in_couch);
@@ -118,6 +118,7 @@ LeftOut leave_out(const People& people, const ShapeModel& model, std::size_t fol
       left.targets_mm.col(column) = Eigen::Map<const VectorXd>(off.data(), off.size());
       left.variance_m2.col(column) = fit.label_var_m2;
       left.residual_m[column] = fit.residual_m;
+      left.most_unusual = std::max(left.most_unusual, fit.unusualness());
     }
     if (progress) progress(static_cast<double>(fold + 1) / static_cast<double>(folds));
   }
@@ -160,7 +161,7 @@ Learned learned_shape(const People& people, const LearnOptions& options, const P
   Learned learned{.model = all.model(options), .out_of_fold_mm = {}};
   ShapeModel& model = learned.model;
   if (examples.size() < enough_to_correct) {
-    const ShapeFit own = fit_shape(model, examples.front().back);
+    const ShapeFit own = fit_shape(model, examples.front().shown());
     model.nominal_var_m2 = own.label_var_m2;
     model.usual_residual_m = own.residual_m;
     // A sphere holds 95 % of a round Gaussian within 2.8 standard deviations.
@@ -190,6 +191,7 @@ Learned adapted_shape(const People& people, const ShapeModel& prior, const Progr
     learned.model.radius95_m = prior.radius95_m;
     learned.model.nominal_var_m2 = prior.nominal_var_m2;
     learned.model.usual_residual_m = prior.usual_residual_m;
+    learned.model.most_unusual = prior.most_unusual;
   } else {
     learned.out_of_fold_mm = acupoint_errors(wrong_mm, people.names.acupoints);
   }

@@ -32,6 +32,7 @@ struct ShapeModel {
   Eigen::VectorXd
       nominal_var_m2;             ///< of each label, the variance that a fit to a whole back leaves
   double usual_residual_m = 0.0;  ///< RMS misfit of the skin on bodies left out, median
+  double most_unusual = 0.0;      ///< largest ShapeFit::unusualness of bodies left out
 
   [[nodiscard]] Eigen::Index skin_points() const {
     return mean.cols() - static_cast<Eigen::Index>(labels.size());
