@@ -4,6 +4,7 @@
 
 #include "apps/tuina/keyboard.hpp"
 #include "apps/tuina/session_files.hpp"
+#include "apps/tuina/session_replay.hpp"
 #include "apps/tuina/simulated_session.hpp"
 #include "apps/tuina/verbs.hpp"
 
@@ -22,6 +23,9 @@ class Massage final : public Verb {
            "my-report";
   }
   void describe(CLI::App& command) override {
+    auto* replay = command.add_option(
+        "--replay", replay_,
+        "the folder of a session: the same once more, with its seed and live commands, compared");
     command
         .add_option("--person", order_.person,
                     "phantom:slim, phantom:medium, phantom:hefty, or a labelled body FILE.ply")
@@ -46,10 +50,10 @@ class Massage final : public Verb {
         ->capture_default_str();
     command.add_flag("--keys", order_.keys, fmt::format("live, at real pace: {}", key_help));
     command
-        .add_option("--body-mass-index", facts_.mass_index,
+        .add_option("--body-mass-index", order_.facts.mass_index,
                     "of the person, kg/m^2, if known: a help in telling the body condition")
         ->check(CLI::Range(10.0, 80.0));
-    command.add_option("--body-fat-percent", facts_.fat_percent, "likewise")
+    command.add_option("--body-fat-percent", order_.facts.fat_percent, "likewise")
         ->check(CLI::Range(2.0, 70.0));
     command.add_option("--method", method_, "of finding acupoints")
         ->check(CLI::IsMember({"field_morphing", "surface"}));
@@ -61,18 +65,45 @@ class Massage final : public Verb {
     command
         .add_option(
             "--out", out_,
-            "folder for session.json, scan.ply, acupoints.json, plan.json, trace.csv, report.html")
+            "folder for session.json, scan.ply, acupoints.json, plan.json, trace.csv, joints.csv, "
+            "report.html")
         ->capture_default_str();
+    // What a recorded session tells by itself.
+    for (const char* recorded :
+         {"--person", "--position", "--programme", "--no-go", "--consent", "--robot-pose", "--keys",
+          "--method", "--atlas", "--adaptive", "--body-mass-index", "--body-fat-percent"}) {
+      replay->excludes(command.get_option(recorded));
+    }
   }
 
-  [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
-    const auto config = effective_config(common);
+  [[nodiscard]] Result<Answer> run(const CommonOptions& given) override {
+    CommonOptions common = given;
+    auto config = effective_config(common);
     if (!config) return tl::unexpected(config.error());
     if (position_ == "sitting") order_.position = Position::sitting;
     if (position_ == "prone") order_.position = Position::prone;
     order_.method = body::parse_method(method_).value_or(order_.method);
     order_.real_time = pace_ == "real" || order_.keys;
     order_.adaptive = adaptive_ == "on";
+    std::string recorded;
+    if (!replay_.empty()) {
+      auto session = read_session(replay_);
+      if (!session) return tl::unexpected(session.error());
+      const CommonOptions usual;
+      if (!given.config_file.empty() || !given.settings.empty() || given.seed != usual.seed) {
+        return fail(Fault::usage, "--replay: the session has its own seed and configuration");
+      }
+      std::error_code same;
+      if (std::filesystem::equivalent(replay_, out_, same)) {
+        return fail(Fault::usage, "--out {}: is the session that is given once more", out_);
+      }
+      const bool real_time = order_.real_time;
+      order_ = std::move(session->order);
+      order_.real_time = real_time;
+      *config = session->config;
+      common.seed = session->seed;
+      recorded = std::move(session->json);
+    }
     // Before the work, not after it: the folder is made, and an empty one goes again.
     std::error_code fault;
     const bool made = std::filesystem::create_directories(out_, fault);
@@ -85,13 +116,19 @@ class Massage final : public Verb {
       return tl::unexpected(result.error());
     }
 
-    const FeltBack felt = felt_back(*result, facts_);
-    Answer answer{.json = session_json(*result, felt, common.seed),
+    const FeltBack felt = felt_back(*result, order_.facts);
+    Answer answer{.json = session_json(*result, felt, order_, common.seed),
                   .text = session_text(*result),
                   .exit_code = result->stops.empty() ? 0 : 4};
     const auto report = report_data(*result, felt, order_, *config, common.seed);
     if (const auto written = write_session(*result, report, answer.json, out_); !written) {
       return tl::unexpected(written.error());
+    }
+    if (!recorded.empty()) {
+      const auto differ = differences(recorded, answer.json);
+      answer.text += differ.empty() ? "\nas recorded"
+                                    : fmt::format("\n{} values differ from the record, first {}",
+                                                  differ.size(), differ.front());
     }
     answer.text +=
         fmt::format("\nreport: {}", (std::filesystem::path(out_) / "report.html").string());
@@ -100,9 +137,9 @@ class Massage final : public Verb {
 
  private:
   SessionOrder order_;
+  std::string replay_;
   std::string position_ = "auto";
   std::string method_;
-  tissue::BodyFacts facts_;
   std::string pace_ = "max";
   std::string adaptive_ = "on";
   std::string out_ = "massage-report";

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "apps/tuina/session_replay.hpp"
 #include "tuina/core/file.hpp"
 #include "tuina/core/surface_file.hpp"
 #include "tuina/core/units.hpp"
@@ -88,6 +89,29 @@ std::string csv_of(const std::vector<telemetry::TraceRow>& trace) {
   return text;
 }
 
+std::string csv_of(const std::vector<JointRow>& joints) {
+  std::string text = "time_s,rail_mm";
+  const auto count = joints.empty() ? 0 : joints.front().q_rad[Arm::left].size();
+  for (const Arm arm : both_arms) {
+    for (const char* what : {"q{}_deg", "torque{}_nm"}) {
+      for (int j = 1; j <= count; ++j) {
+        text += fmt::format(",{}_{}", name_of(arm), fmt::format(fmt::runtime(what), j));
+      }
+    }
+  }
+  text += "\n";
+  const auto out = std::back_inserter(text);
+  for (const JointRow& row : joints) {
+    fmt::format_to(out, "{:.3f},{:.2f}", row.time_s, to_mm(row.rail_m));
+    for (const Arm arm : both_arms) {
+      for (const double q : row.q_rad[arm]) fmt::format_to(out, ",{:.4f}", to_deg(q));
+      for (const double torque : row.torque_nm[arm]) fmt::format_to(out, ",{:.3f}", torque);
+    }
+    text += "\n";
+  }
+  return text;
+}
+
 std::string cause_of(const session::Stop& stop) {
   return fmt::format("{} arm: {}", name_of(stop.arm), safety::name_of(stop.cause));
 }
@@ -103,7 +127,7 @@ session::PlanFile plan_file_of(const SessionResult& result) {
 }  // namespace
 
 std::string session_json(const SessionResult& result, const FeltBack& felt_back,
-                         std::uint64_t seed) {
+                         const SessionOrder& order, std::uint64_t seed) {
   const auto [mean_error_m, max_error_m] = error_of_seven_m(result);
   ordered_json points = ordered_json::array();
   for (std::size_t i = 0; i < result.located.acupoints.size(); ++i) {
@@ -179,6 +203,7 @@ std::string session_json(const SessionResult& result, const FeltBack& felt_back,
   const ordered_json json = {{"seed", seed},
                              {"person", result.person.name},
                              {"position", name_of(result.located.position)},
+                             {"order", order_json(order)},
                              {"scan",
                               {{"profiles", result.scan.profiles},
                                {"points", result.scan.cloud_in_couch.size()},
@@ -323,11 +348,13 @@ Result<void> write_session(const SessionResult& result, const telemetry::ReportD
                              .landmarks = result.located.landmarks};
   const std::pair<const char*, std::string> files[] = {
       {"session.json", json + "\n"},
+      {"config.toml", report.config_toml},
       {"consent.toml", result.consent_toml},
       {"scan.ply", to_ply(result.scan.cloud_in_couch)},
       {"acupoints.json", session::to_json(map) + "\n"},
       {"plan.json", session::to_json(plan_file_of(result)) + "\n"},
       {"trace.csv", csv_of(result.trace)},
+      {"joints.csv", csv_of(result.joints)},
       {"back.svg", telemetry::back_picture(report)},
       {"report.html", telemetry::report_page(report)}};
   for (const auto& [name, content] : files) {

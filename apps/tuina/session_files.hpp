@@ -11,7 +11,7 @@ namespace tuina::app {
 
 /// The JSON object of `massage`.
 [[nodiscard]] std::string session_json(const SessionResult& result, const FeltBack& felt_back,
-                                       std::uint64_t seed);
+                                       const SessionOrder& order, std::uint64_t seed);
 
 /// What the report shows of a session.
 [[nodiscard]] telemetry::ReportData report_data(const SessionResult& result,
@@ -19,8 +19,8 @@ namespace tuina::app {
                                                 const SessionOrder& order,
                                                 const session::Config& config, std::uint64_t seed);
 
-/// session.json, consent.toml, scan.ply, acupoints.json, plan.json, trace.csv, back.svg and
-/// report.html, into a folder that is made if it is not there.
+/// session.json, config.toml, consent.toml, scan.ply, acupoints.json, plan.json, trace.csv,
+/// joints.csv, back.svg and report.html, into a folder that is made if it is not there.
 [[nodiscard]] Result<void> write_session(const SessionResult& result,
                                          const telemetry::ReportData& report,
                                          const std::string& json,

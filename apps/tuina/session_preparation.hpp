@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "apps/tuina/command_line.hpp"
@@ -13,9 +14,11 @@
 #include "tuina/robot/mount.hpp"
 #include "tuina/scanner/sweep.hpp"
 #include "tuina/session/config.hpp"
+#include "tuina/session/live_command.hpp"
 #include "tuina/session/plan_step.hpp"
 #include "tuina/session/robot_pose.hpp"
 #include "tuina/sim/person.hpp"
+#include "tuina/tissue/body_condition.hpp"
 
 namespace tuina::app {
 
@@ -29,7 +32,10 @@ struct SessionOrder {
   std::string consent;     ///< a file with answers; empty: the simulated person answers
   std::string robot_pose;  ///< a file of `calibrate --robot`; empty: as good a one
   bool adaptive = true;
+  tissue::BodyFacts facts;
   bool keys = false;  ///< live commands from standard input
+  /// Commands as they were given in a session before, and when; instead of keys.
+  std::vector<std::pair<double, session::LiveCommand>> commands;
   bool real_time = false;
 };
 

@@ -165,8 +165,7 @@ class Room {
  private:
   Room(const SessionSetting& setting, const sim::Person& person, const robot::RobotMount& mount,
        massage::ZoneMap true_zones)
-      : witness(models_, believed_base_from_couch(setting, mount).inverse(),
-                std::move(true_zones)),
+      : witness(models_, believed_base_from_couch(setting, mount).inverse(), std::move(true_zones)),
         setting_(setting),
         mount_(mount),
         models_(robot::both_models(robot::thesis_arm(), mount_)),
@@ -196,14 +195,13 @@ Result<void> Room::carry_out(const session::ReadyPlan& ready, double rest_s,
                              SessionResult& result) {
   const session::Config& config = setting_.config;
   const SessionOrder& order = setting_.order;
-  session::MassageStep massage(
-      ready.plan, ready.jobs, models_,
-      {.base_from_couch = believed_base_from_couch(setting_, mount_),
-       .rail_m = ready.rail_m,
-       .standoff_m = from_mm(config.massage.standoff_mm),
-       .force_ceiling_n = config.safety.force_ceiling_n,
-       .steer = config.massage.steer,
-       .adaptive = order.adaptive});
+  session::MassageStep massage(ready.plan, ready.jobs, models_,
+                               {.base_from_couch = believed_base_from_couch(setting_, mount_),
+                                .rail_m = ready.rail_m,
+                                .standoff_m = from_mm(config.massage.standoff_mm),
+                                .force_ceiling_n = config.safety.force_ceiling_n,
+                                .steer = config.massage.steer,
+                                .adaptive = order.adaptive});
   witness.follow(ready.plan);
   const Progress bar = progress_bar(setting_.common, "massage");
   // A contact that never ends is a fault of ours, not of the person; it must not hold anyone here.
@@ -217,13 +215,27 @@ Result<void> Room::carry_out(const session::ReadyPlan& ready, double rest_s,
     const robot::RobotReading reading = plant_->read();
     time_s_ = reading.time_s;
     constexpr std::uint64_t keys_every_ticks = 10;
-    const auto command =
-        keyboard && reading.tick % keys_every_ticks == 0 ? keyboard->read() : std::nullopt;
-    if (command) {
-      massage.obey(*command);
-      result.commands.emplace_back(time_s_, *command);
+    const auto obey = [&](session::LiveCommand command) {
+      massage.obey(command);
+      result.commands.emplace_back(time_s_, command);
+    };
+    const std::size_t given = result.commands.size();
+    if (given < order.commands.size() && time_s_ >= order.commands[given].first) {
+      obey(order.commands[given].second);
     }
-    plant_->apply(massage.step(reading));
+    if (keyboard && reading.tick % keys_every_ticks == 0) {
+      if (const auto command = keyboard->read()) obey(*command);
+    }
+    const robot::RobotCommand torques = massage.step(reading);
+    constexpr std::uint64_t joints_every_ticks = 50;
+    if (reading.tick % joints_every_ticks == 0) {
+      result.joints.push_back(
+          {.time_s = time_s_,
+           .rail_m = reading.rail_m,
+           .q_rad = {.of = {reading.arms[Arm::left].q_rad, reading.arms[Arm::right].q_rad}},
+           .torque_nm = torques.torque_nm});
+    }
+    plant_->apply(torques);
     if (plant_->fault() != nullptr) return fail(Fault::device, "the robot: {}", plant_->fault());
     while (result.touched.size() - performed_before < massage.performed().size()) {
       const auto next = result.touched.size() - performed_before;

@@ -33,6 +33,14 @@ struct Touched {
   double over_trip_n = -std::numeric_limits<double>::infinity();
 };
 
+/// Every joint at one moment.
+struct JointRow {
+  double time_s = 0.0;
+  double rail_m = 0.0;
+  PerArm<JointVector> q_rad;
+  PerArm<JointVector> torque_nm;  ///< that the motors were told
+};
+
 /// All that a simulated session was and did, for its JSON, its files and its report.
 struct SessionResult : Preparation {
   session::Consent consent;
@@ -48,6 +56,7 @@ struct SessionResult : Preparation {
   session::ForceErrors force;
   std::map<Technique, session::ForceErrors> techniques;
   std::vector<telemetry::TraceRow> trace;
+  std::vector<JointRow> joints;  ///< twenty times a second
   double massage_s = 0.0;
   double compute_s = 0.0;  ///< of the massage
   [[nodiscard]] double real_time_factor() const { return massage_s / compute_s; }

@@ -301,6 +301,35 @@ TEST_CASE("the same seed gives the same massage, and another seed another one") 
   CHECK(once.session["acupoints"]["points"] != other.session["acupoints"]["points"]);
 }
 
+TEST_CASE("a session given once more from its record is the same in every number") {
+  const Folder folder;
+  const std::string brief = folder.with(
+      "brief.toml", "name = \"brief\"\n[[part]]\ntechnique = \"press\"\npoints = [\"BL47\"]\n");
+  const Given first({"--person", "phantom:hefty", "--programme", brief, "--seed", "6", "--set",
+                     "massage.force_scale=0.8"});
+  REQUIRE_MESSAGE(first.outcome.exit_code == 0, first.outcome.err);
+  const std::string out = folder / "again";
+  const auto again = run_tuina({"massage", "--replay", first.out, "--out", out});
+  REQUIRE_MESSAGE(again.exit_code == 0, again.err);
+  CHECK(again.err.find("as recorded") != std::string::npos);
+  for (const char* name : {"trace.csv", "joints.csv", "config.toml"}) {
+    CHECK(tuina::read_file(std::filesystem::path(out) / name).value() == first.file(name));
+  }
+
+  // What was recorded cannot be changed on the way, and a record that is none is named.
+  CHECK(run_tuina({"massage", "--replay", first.out, "--seed", "7"}).exit_code == 1);
+  CHECK(run_tuina({"massage", "--replay", first.out, "--programme", "relax"}).exit_code == 1);
+  CHECK(run_tuina({"massage", "--replay", first.out, "--out", first.out}).exit_code == 1);
+  const std::string session = first.file("session.json");
+  REQUIRE(tuina::write_file(std::filesystem::path(out) / "session.json",
+                            session.substr(0, session.find("\"order\"")) + "\"x\": 1}")
+              .has_value());
+  const auto none = run_tuina({"massage", "--replay", out, "--out", folder / "third"});
+  CHECK(none.exit_code == 2);
+  CHECK(none.err.find("session.json: is no session to give once more: key 'order' not found") !=
+        std::string::npos);
+}
+
 TEST_CASE("massage refuses what it cannot use, with the right exit code and an empty stdout") {
   const Folder folder;
   auto person = tuina::sim::parse_person("phantom:slim", tuina::Position::sitting, 1).value();
