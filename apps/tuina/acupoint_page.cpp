@@ -24,6 +24,16 @@ std::string cell(const json& group, const char* key = "mean_mm") {
              : "<td>-</td>";
 }
 
+constexpr const char* spread_heads =
+    "<th>mean</th><th>SD</th><th>95 %</th><th>max</th><th>x RMSE</th><th>y RMSE</th><th>z "
+    "RMSE</th>";
+
+std::string spread_cells(const json& group) {
+  const json rmse = group.is_object() ? group.value("rmse_mm", json()) : json();
+  return cell(group) + cell(group, "sd_mm") + cell(group, "p95_mm") + cell(group, "max_mm") +
+         cell(rmse, "x") + cell(rmse, "y") + cell(rmse, "z");
+}
+
 std::string place_table(const json& methods) {
   std::string table =
       "<table><tr><th>mean, mm</th><th>sitting</th><th>slim</th><th>medium</th><th>hefty</th>"
@@ -43,15 +53,13 @@ std::string place_table(const json& methods) {
 }
 
 std::string spread_table(const json& methods) {
-  std::string table =
-      "<table><tr><th>mm</th><th>mean</th><th>SD</th><th>95 %</th><th>max</th><th>x RMSE</th>"
-      "<th>y RMSE</th><th>z RMSE</th><th>within the radius</th><th>failures</th><th>ms</th></tr>";
+  std::string table = fmt::format(
+      "<table><tr><th>mm</th>{}<th>within the radius</th><th>failures</th>"
+      "<th>ms</th></tr>",
+      spread_heads);
   for (const char* method : acupoint_methods) {
     const json& row = methods.at(method);
-    const json rmse = row.value("rmse_mm", json());
-    table += fmt::format("<tr><td>{}</td>", method) + cell(row) + cell(row, "sd_mm") +
-             cell(row, "p95_mm") + cell(row, "max_mm") + cell(rmse, "x") + cell(rmse, "y") +
-             cell(rmse, "z");
+    table += fmt::format("<tr><td>{}</td>", method) + spread_cells(row);
     table += row["coverage"].is_null()
                  ? "<td>-</td>"
                  : fmt::format("<td>{:.0f} %</td>", 100.0 * row["coverage"].get<double>());
@@ -62,15 +70,9 @@ std::string spread_table(const json& methods) {
 }
 
 std::string point_table(const json& row) {
-  std::string table =
-      "<table><tr><th>point</th><th>mean</th><th>SD</th><th>95 %</th><th>max</th>"
-      "<th>x RMSE</th><th>y RMSE</th><th>z RMSE</th></tr>";
+  std::string table = fmt::format("<table><tr><th>point</th>{}</tr>", spread_heads);
   for (const char* point : seven_acupoints) {
-    const json& of = row["by_point"][point];
-    const json rmse = of.is_object() ? of["rmse_mm"] : json();
-    table += fmt::format("<tr><td>{}</td>", point) + cell(of) + cell(of, "sd_mm") +
-             cell(of, "p95_mm") + cell(of, "max_mm") + cell(rmse, "x") + cell(rmse, "y") +
-             cell(rmse, "z") + "</tr>";
+    table += fmt::format("<tr><td>{}</td>", point) + spread_cells(row["by_point"][point]) + "</tr>";
   }
   return table + "</table>";
 }

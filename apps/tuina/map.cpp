@@ -8,6 +8,7 @@
 #include "apps/tuina/atlas_source.hpp"
 #include "apps/tuina/verbs.hpp"
 #include "tuina/body/acupoints.hpp"
+#include "tuina/body/board_plane.hpp"
 #include "tuina/body/labelled_body.hpp"
 #include "tuina/core/file.hpp"
 #include "tuina/core/surface_file.hpp"
@@ -32,6 +33,9 @@ class MapVerb final : public Verb {
     command.add_option("--method", method_, "field_morphing (the thesis) or surface")
         ->check(CLI::IsMember({"field_morphing", "surface"}))
         ->capture_default_str();
+    command.add_option("--board", board_,
+                       "for field_morphing: the scan of a flat board that lay where the back is, which "
+                       "gives the plane of the projection; else the back itself gives it");
     command.add_option("--out", out_, "the answer, as acupoints.json");
   }
 
@@ -41,7 +45,12 @@ class MapVerb final : public Verb {
     if (const fs::path folder = fs::path(out_).parent_path(); !folder.empty() && !fs::is_directory(folder, fault)) {
       return fail(Fault::file, "{}: there is no folder {}", out_, folder.string());
     }
+    if (!board_.empty() && method_ != "field_morphing") {
+      return fail(Fault::usage, "--board is for --method field_morphing; surface needs no plane");
+    }
     const auto bar = progress_bar(common, "map");
+    const auto board_normal = read_board();
+    if (!board_normal) return tl::unexpected(board_normal.error());
     auto scan = read_surface(scan_);
     if (!scan) return tl::unexpected(scan.error());
     if (bar) bar(0.3);
@@ -57,7 +66,7 @@ class MapVerb final : public Verb {
                           ? body::fit_back(scan->cloud, options)
                           : body::fit_back(body::sample({scan->cloud.points, scan->triangles}, 5_mm), options);
     if (!back) return refused(back.error());
-    const auto mapping = body::locate_acupoints(*back, *atlas, *body::parse_method(method_));
+    const auto mapping = body::locate_acupoints(*back, *atlas, *body::parse_method(method_), *board_normal);
     if (!mapping) return refused(mapping.error());
     const double compute_ms =
         std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
@@ -101,6 +110,16 @@ class MapVerb final : public Verb {
   }
 
  private:
+  /// Three points of a board on the couch, [thesis] 5.3.
+  [[nodiscard]] Result<std::optional<Vector3>> read_board() const {
+    if (board_.empty()) return std::optional<Vector3>();
+    const auto scan = read_surface(board_);
+    if (!scan) return tl::unexpected(scan.error());
+    const auto places = body::three_places_of(scan->cloud);
+    if (!places) return fail(places.error().fault, "{}: {}", board_, places.error().message);
+    return std::optional(body::plane_normal(*places));
+  }
+
   static std::array<double, 3> numbers(const Vector3& v) { return {v.x(), v.y(), v.z()}; }
   [[nodiscard]] tl::unexpected<Error> refused(const Error& error) const {
     return tl::unexpected(Error{error.fault, fmt::format("{}: {}", scan_, error.message)});
@@ -110,6 +129,7 @@ class MapVerb final : public Verb {
   std::string position_ = "auto";
   std::string atlas_;
   std::string method_ = "surface";
+  std::string board_;
   std::string out_;
 };
 

@@ -38,14 +38,14 @@ void add(Mapping& mapping, const ShapeModel& shape, std::size_t label, const Sur
 }
 
 /// [thesis] 5.4: the mark is warped on the plane of the back, then given its place on the skin. The
-/// candidates of (5.7) are one here: a point is warped, not the pixels of a sticker.
+/// candidates of (5.7) are one here: a point is warped to where the picture would show its sticker.
 void morph(Mapping& mapping, const BackSurface& back, const Outline& outline,
            const PositionAtlas& atlas) {
   const auto lines = feature_lines(outline);
   const Transform couch_from_back = outline.back_from_couch.inverse();
   const Vector3 out = couch_from_back.linear().col(1);
   for (std::size_t i = 0; i < atlas.shape.labels.size(); ++i) {
-    const Vector2 at = warp(atlas.standard.marks[i], atlas.standard.lines, lines);
+    const Vector2 at = carry(atlas.standard.marks[i], lines, atlas.standard.lines);
     const Vector3 above = couch_from_back * Vector3(at.x(), 0.6, at.y());
     const auto hit = back.along(above, -out);
     const SurfacePoint skin =
@@ -91,11 +91,11 @@ Result<void> fit(Mapping& mapping, const BackSurface& back, const ShapeModel& sh
   }
   const double unusual = estimate.fit.unusualness();
   if (unusual > unusual_allowed(shape)) {
-    return fail(Fault::not_found,
-                "no whole back that the atlas knows: {:.0f} % of it is seen, and its shape would be "
-                "{:.1f} times as unusual as people usually are; together {:.1f}, {:.1f} allowed",
-                100.0 * estimate.fit.seen, estimate.fit.strangeness(), unusual,
-                unusual_allowed(shape));
+    return fail(
+        Fault::not_found,
+        "no whole back that the atlas knows: {:.0f} % of it is seen, and its shape would be "
+        "{:.1f} times as unusual as people usually are; together {:.1f}, {:.1f} allowed",
+        100.0 * estimate.fit.seen, estimate.fit.strangeness(), unusual, unusual_allowed(shape));
   }
   if (auto turned = check_turn(turn_of(estimate.fit, back.position())); !turned) return turned;
   for (std::size_t i = 0; i < shape.labels.size(); ++i) {
@@ -119,13 +119,14 @@ std::optional<Method> parse_method(std::string_view name) {
   return std::nullopt;
 }
 
-Result<Mapping> locate_acupoints(const BackSurface& back, const Atlas& atlas, Method method) {
+Result<Mapping> locate_acupoints(const BackSurface& back, const Atlas& atlas, Method method,
+                                 const std::optional<Vector3>& board_normal) {
   const PositionAtlas* known = atlas.of(back.position());
   if (known == nullptr) {
     return fail(Fault::not_found, "the person is {}, a position that the atlas does not know",
                 name_of(back.position()));
   }
-  const auto outline = find_outline(back);
+  const auto outline = find_outline(back, board_normal);
   Mapping mapping;
   mapping.method = method;
   mapping.position = back.position();

@@ -30,8 +30,10 @@ struct Mapping {
 
 /// Brings the atlas onto this person. `field_morphing` is the method of [thesis] 5.2-5.4 with one
 /// standard back; `surface` fits the shapes the atlas has learned to the scan. Fails with the cause
-/// when the scan does not show a back that the atlas can answer for.
+/// when the scan does not show a back that the atlas can answer for. `board_normal` is for
+/// `field_morphing`: the plane of the projection, where a board has shown it (board_plane.hpp).
 [[nodiscard]] Result<Mapping> locate_acupoints(const BackSurface& back, const Atlas& atlas,
-                                               Method method = Method::surface);
+                                               Method method = Method::surface,
+                                               const std::optional<Vector3>& board_normal = {});
 
 }  // namespace tuina::body

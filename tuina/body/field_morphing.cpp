@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tuina/body/field_morphing.hpp"
 
+#include <Eigen/LU>
 #include <cassert>
 #include <cmath>
 
@@ -38,6 +39,35 @@ Vector2 warp(const Vector2& x, const std::vector<FeatureLine>& destination,
     weight_sum += weight;
   }
   return x + d_sum / weight_sum;
+}
+
+Vector2 carry(const Vector2& mark, const std::vector<FeatureLine>& destination,
+              const std::vector<FeatureLine>& source, const FieldWeights& weights) {
+  constexpr double enough_m = 1e-7;
+  constexpr double step_m = 1e-5;
+  constexpr double longest_m = 50e-3;
+  // With the roles of the lines exchanged, (5.3) gives a first place near the right one.
+  Vector2 best = warp(mark, source, destination, weights);
+  double best_off = (warp(best, destination, source, weights) - mark).norm();
+  Vector2 x = best;
+  for (int round = 0; round < 30 && best_off > enough_m; ++round) {
+    const Vector2 here = warp(x, destination, source, weights);
+    Eigen::Matrix2d slope;
+    for (Eigen::Index axis = 0; axis < 2; ++axis) {
+      const Vector2 aside = x + step_m * Vector2::Unit(axis);
+      slope.col(axis) = (warp(aside, destination, source, weights) - here) / step_m;
+    }
+    if (std::abs(slope.determinant()) < 1e-3) break;
+    Vector2 step = slope.inverse() * (mark - here);
+    if (step.norm() > longest_m) step *= longest_m / step.norm();
+    x += step;
+    const double off = (warp(x, destination, source, weights) - mark).norm();
+    if (off < best_off) {
+      best_off = off;
+      best = x;
+    }
+  }
+  return best;
 }
 
 }  // namespace tuina::body

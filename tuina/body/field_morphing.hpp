@@ -24,11 +24,17 @@ struct FieldWeights {
 
 /// Field warping of one point, [thesis] (5.1)-(5.5) and Algorithm 2, [beier1992]: `destination[i]`
 /// corresponds to `source[i]`; a point of the destination picture is answered by its place in the
-/// source picture. The acupoints of a standard travel to a person with the standard's lines as
-/// `destination` and the person's as `source`. Equally many lines, at least one, none of zero
+/// source picture. Equally many lines, at least one, none of zero
 /// length.
 [[nodiscard]] Vector2 warp(const Vector2& x, const std::vector<FeatureLine>& destination,
                            const std::vector<FeatureLine>& source,
                            const FieldWeights& weights = {});
+
+/// Where the picture way would put a mark of the source: the place of the destination picture that
+/// `warp` answers with `mark`. The lines of the person are `destination` here, those of the
+/// standard `source`. A few Newton steps; where the warp folds, the nearest they come.
+[[nodiscard]] Vector2 carry(const Vector2& mark, const std::vector<FeatureLine>& destination,
+                            const std::vector<FeatureLine>& source,
+                            const FieldWeights& weights = {});
 
 }  // namespace tuina::body

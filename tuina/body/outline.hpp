@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 
 #include "tuina/body/back_surface.hpp"
 
@@ -39,7 +40,10 @@ struct Outline {
   }
 };
 
-/// Fails with the cause when the outline is not that of a whole back.
-[[nodiscard]] Result<Outline> find_outline(const BackSurface& back);
+/// Fails with the cause when the outline is not that of a whole back. The plane of the back is
+/// found from the back itself, or is that of a board that lay on the couch before
+/// (board_plane.hpp), given by its normal, as in the thesis.
+[[nodiscard]] Result<Outline> find_outline(const BackSurface& back,
+                                           const std::optional<Vector3>& board_normal = {});
 
 }  // namespace tuina::body

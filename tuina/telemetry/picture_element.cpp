@@ -25,10 +25,14 @@ std::string base64(const std::string& bytes) {
 
 }  // namespace
 
-std::string picture_element(const ShadedPicture& picture, double x) {
+std::string picture_element(const Image& image, double x, double width, double height) {
   return fmt::format(
       "<image x=\"{:.0f}\" width=\"{:.1f}\" height=\"{:.1f}\" href=\"data:image/png;base64,{}\"/>",
-      x, picture.image.width / 2.0, picture.image.height / 2.0, base64(to_png(picture.image)));
+      x, width, height, base64(to_png(image)));
+}
+
+std::string picture_element(const ShadedPicture& picture, double x) {
+  return picture_element(picture.image, x, picture.image.width / 2.0, picture.image.height / 2.0);
 }
 
 }  // namespace tuina::telemetry

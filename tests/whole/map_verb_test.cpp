@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <doctest/doctest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/whole/command.hpp"
+#include "tuina/core/random.hpp"
+#include "tuina/core/surface_file.hpp"
+#include "tuina/core/units.hpp"
+#include "tuina/sim/phantom.hpp"
+
+namespace tuina {
+namespace {
+
+using test::Folder;
+using test::run_tuina;
+
+/// A person on the chair and a board that lay there before, as files of a folder.
+void put_scene(const Folder& folder) {
+  const auto person =
+      sim::make_phantom(sim::draw_phantom(sim::BodyType::medium, 3), Position::sitting);
+  REQUIRE(write_cloud(folder / "person.ply", {.points = person.skin_in_couch.vertices}));
+  PointCloud board;
+  Random random = make_random(1, "board");
+  for (int i = 0; i < 4000; ++i) {
+    const double up = uniform(random, 0.1, 0.7);
+    board.points.emplace_back(uniform(random, -0.2, 0.2), -0.1 * up, up);
+  }
+  REQUIRE(write_cloud(folder / "board.ply", board));
+}
+
+}  // namespace
+
+TEST_CASE("map takes the plane of the thesis from the scan of a board") {
+  const Folder folder;
+  put_scene(folder);
+  const auto map = [&](std::vector<std::string> more) {
+    std::vector<std::string> words = {"map", folder / "person.ply", "--json", "--quiet"};
+    words.insert(words.end(), more.begin(), more.end());
+    return run_tuina(words);
+  };
+  const auto own = map({"--method", "field_morphing"});
+  const auto board = map({"--method", "field_morphing", "--board", folder / "board.ply"});
+  REQUIRE_MESSAGE(own.exit_code == 0, own.err);
+  REQUIRE_MESSAGE(board.exit_code == 0, board.err);
+  const auto place = [](const test::Outcome& answer) {
+    const auto xyz = nlohmann::json::parse(answer.out)["acupoints"]["GV4"]["position_m"];
+    return Vector3(xyz[0].get<double>(), xyz[1].get<double>(), xyz[2].get<double>());
+  };
+  // The back leans a little against the board, so the two planes see it a little differently.
+  CHECK((place(own) - place(board)).norm() < 60_mm);
+  CHECK((place(own) - place(board)).norm() > 0.01_mm);
+  CHECK(map({"--board", folder / "board.ply"}).exit_code == 1);
+  CHECK(map({"--method", "field_morphing", "--board", folder / "person.ply"}).exit_code == 2);
+  CHECK(map({"--method", "field_morphing", "--board", folder / "none.ply"}).exit_code == 2);
+}
+
+}  // namespace tuina

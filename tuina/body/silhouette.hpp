@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "tuina/core/geometry.hpp"
+
+namespace tuina::body {
+
+/// A stretch of one row of the silhouette.
+struct Run {
+  double low = 0.0;
+  double high = 0.0;
+  [[nodiscard]] double width() const { return high - low; }
+  [[nodiscard]] double middle() const { return 0.5 * (low + high); }
+};
+
+/// The silhouette of a back in rows of cells of 5 mm, on the plane (x, z) of the frame that its
+/// points are in; row 0 is the lowest.
+class Silhouette {
+ public:
+  static constexpr double cell_m = 5e-3;
+
+  Silhouette(const std::vector<Vector3>& in_back, double spacing_m);
+
+  [[nodiscard]] int rows() const { return rows_; }
+  [[nodiscard]] double height(int row) const { return low_.z() + (row + 0.5) * cell_m; }
+  [[nodiscard]] int row_of(double height) const;
+
+  /// The stretch of a row that holds `x`, or the nearest one to it.
+  [[nodiscard]] std::optional<Run> run(int row, double x) const;
+
+ private:
+  [[nodiscard]] bool at(int row, int column) const {
+    return filled_[static_cast<std::size_t>(row * columns_ + column)];
+  }
+  Vector3 low_;
+  Vector3 high_;
+  int columns_ = 0;
+  int rows_ = 0;
+  std::vector<bool> filled_;
+};
+
+}  // namespace tuina::body
