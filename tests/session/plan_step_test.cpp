@@ -48,6 +48,16 @@ TEST_CASE("whatever the timing, the arms are planned at least 45 mm apart, trave
   }
 }
 
+TEST_CASE("the whole back is worked on, nothing left out because of the other arm") {
+  for (const Position position : {Position::sitting, Position::prone}) {
+    const session::ReadyPlan ready = ready_for("phantom:medium", position, "full_back_20min", 5);
+    CAPTURE(name_of(position));
+    CHECK(ready.reachable);
+    CHECK(ready.min_arm_distance_m >= 55e-3);
+    CHECK(ready.plan.paths.size() >= 40);
+  }
+}
+
 TEST_CASE("both arms end where they began, and their steps run in one order") {
   const session::ReadyPlan ready = ready_for("phantom:medium", Position::prone, "relax", 5);
   for (const Arm arm : both_arms) {

@@ -34,7 +34,7 @@ void ArmController::start(const ArmState& state) noexcept {
   spring_n_.setZero();
   friction_.start(state.q_rad);
   follower_.start(state.q_rad);
-  posture_rad_ = state.q_rad;
+  posture_rad_ = here_rad_ = state.q_rad;
   motion_.start({centre_, tool_normal(state.base_from_tool)});
   motion_s_ = 0.0;
   reference_ = motion_.at(0.0);
@@ -100,8 +100,13 @@ void ArmController::hold() noexcept {
          options_.motion, Doing::hold);
 }
 
+// Where the arm is, not where it was to be by now: a reference that runs ahead would pull it on for
+// a tenth of a second. The elbow halts with the tool.
 void ArmController::halt() noexcept {
-  travel(centre_, reference_.pose.normal_in_base, options_.halting, Doing::hold);
+  posture_rad_ = here_rad_;
+  motion_.start({centre_, tool_normal(dynamics_.base_from_tool)});
+  motion_s_ = 0.0;
+  travel(centre_, motion_.goal().normal_in_base, options_.motion, Doing::hold);
 }
 
 void ArmController::move_to(const ToolPose& foremost) noexcept {

@@ -84,7 +84,6 @@ class ArmController {
     double learn_s =
         3.0;  ///< after `start` every joint is moved to and fro to learn its friction; 0: not
     ToolMotion::Limits motion = {};
-    ToolMotion::Limits halting = {.travel = {0.30, 3.0, 100.0}, .turning = {1.2, 12.0, 400.0}};
     double approach_m_per_s = 0.05;
     double search_m_per_s = 0.02;
     double search_from_m = 0.012;  ///< above the believed skin
@@ -155,7 +154,7 @@ class ArmController {
   double motion_s_ = 0.0;
   ContactTarget target_;
   ToolReference reference_;  // of the tool's centre
-  JointVector posture_rad_;
+  JointVector posture_rad_, here_rad_;
   robot::ArmDynamics dynamics_;
   Vector3 centre_ = Vector3::Zero();
   Vector3 velocity_ = Vector3::Zero();

@@ -190,6 +190,7 @@ JointVector ArmController::baseline_torque(const ArmState& state, double dt_s) n
 
 JointVector ArmController::step(const ArmState& state, double rail_m, double dt_s) noexcept {
   rail_m_ = rail_m;
+  here_rad_ = state.q_rad;
   dynamics_ = model_->evaluate(state.q_rad, state.dq_rad_per_s, rail_m);
   centre_ = dynamics_.base_from_tool.translation();
   velocity_ = dynamics_.jacobian.topRows<3>() * state.dq_rad_per_s;

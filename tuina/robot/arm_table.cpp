@@ -118,6 +118,14 @@ JointVector ArmTable::torque_limits_nm() const noexcept {
   return limits;
 }
 
+int elbow_origin(const ArmTable& table) noexcept {
+  for (int i = 0; i < table.joints; ++i) {
+    const Link& link = table.links[static_cast<std::size_t>(i)];
+    if (std::abs(link.d_m) + std::abs(link.a_m) > 0.0) return i + 1;
+  }
+  return table.joints;
+}
+
 JointVector mirrored(const ArmTable& table, const JointVector& q_rad) noexcept {
   // A joint whose axis stands on the mirror plane at q = 0 turns alike in the mirror, one whose
   // axis lies in the plane turns the other way. The axes follow from the table: each next one is

@@ -50,6 +50,9 @@ struct ArmTable {
   [[nodiscard]] JointVector torque_limits_nm() const noexcept;
 };
 
+/// Number of the DH frame whose origin is the elbow: the first that is not the shoulder's.
+[[nodiscard]] int elbow_origin(const ArmTable& table) noexcept;
+
 /// The six-joint arm of the thesis: Tables 2-1 and 2-3 as corrected in docs/robot.md.
 [[nodiscard]] ArmTable thesis_arm() noexcept;
 

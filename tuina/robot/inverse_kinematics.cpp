@@ -65,15 +65,6 @@ struct TaskState {
   double off_m, tilt_rad, elbow_height_m;
 };
 
-int elbow_origin(const ArmTable& table) {
-  // The first origin that leaves the shoulder is the elbow.
-  for (int i = 0; i < table.joints; ++i) {
-    const Link& link = table.links[static_cast<std::size_t>(i)];
-    if (std::abs(link.d_m) + std::abs(link.a_m) > 0.0) return i + 1;
-  }
-  return table.joints;
-}
-
 TaskState look(const Task& task, const JointVector& q, double cone_rad) {
   TaskState state;
   state.kinematics = task.arm.kinematics(q, task.rail_m);
@@ -137,23 +128,6 @@ JointVector wish(const Task& task, const TaskState& state, const JointVector& q)
   return wish;
 }
 
-double dexterity_of(const Task& task, const JointVector& q) {
-  const TaskState state = look(task, q, -1.0);
-  // The turn about the tool's axis is no part of the task: of the six eigenvalues its zero comes
-  // first.
-  const Eigen::SelfAdjointEigenSolver<Matrix6> eigen(state.weighted, Eigen::EigenvaluesOnly);
-  return std::sqrt(std::max(0.0, eigen.eigenvalues()[1]));
-}
-
-double limit_room(const ArmTable& table, const JointVector& q) {
-  double room_rad = pi;
-  for (int i = 0; i < table.joints; ++i) {
-    const Link& link = table.links[static_cast<std::size_t>(i)];
-    room_rad = std::min({room_rad, q[i] - link.lowest_rad, link.highest_rad - q[i]});
-  }
-  return room_rad;
-}
-
 /// How well a posture suits: dexterous, upright, and not so close to the end of a joint that the
 /// next place on the skin may lie beyond it.
 double worth(const ContactPosture& posture) {
@@ -192,7 +166,7 @@ ContactPosture descend(const Task& task, JointVector q, double cone_rad) {
       break;
   }
   ContactPosture posture{
-      .q_rad = q, .limit_room_rad = limit_room(table, q), .tilt_rad = state.tilt_rad};
+      .q_rad = q, .limit_room_rad = limit_room_rad(table, q), .tilt_rad = state.tilt_rad};
   if (state.off_m > position_close_m || state.tilt_rad > cone_rad + direction_close_rad) {
     posture.reach = limited ? Reach::joint_limits : Reach::too_far;
   } else if (state.elbow_height_m < task.options.elbow_clearance_m) {
@@ -200,7 +174,8 @@ ContactPosture descend(const Task& task, JointVector q, double cone_rad) {
   } else {
     posture.reach = Reach::reached;
   }
-  if (posture.reach == Reach::reached) posture.dexterity = dexterity_of(task, q);
+  if (posture.reach == Reach::reached)
+    posture.dexterity = robot::dexterity(task.arm.kinematics(q, task.rail_m));
   return posture;
 }
 
@@ -221,6 +196,28 @@ bool out_of_reach(const Task& task) {
 }
 
 }  // namespace
+
+double dexterity(const ArmModel::Kinematics& pose) noexcept {
+  const Vector3 axis = pose.base_from_tool.linear().col(0);
+  const Vector3 across = axis.unitOrthogonal(), over = axis.cross(across);
+  Eigen::Matrix<double, 5, Eigen::Dynamic, 0, 5, most_joints> J(5, pose.jacobian.cols());
+  J.topRows<3>() = pose.jacobian.topRows<3>();
+  J.row(3) = radian_m * across.transpose() * pose.jacobian.bottomRows<3>();
+  J.row(4) = radian_m * over.transpose() * pose.jacobian.bottomRows<3>();
+  const Eigen::Matrix<double, 5, 5> square = J * J.transpose();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 5, 5>> eigen(square,
+                                                                         Eigen::EigenvaluesOnly);
+  return std::sqrt(std::max(0.0, eigen.eigenvalues()[0]));
+}
+
+double limit_room_rad(const ArmTable& table, const JointVector& q_rad) noexcept {
+  double room_rad = pi;
+  for (int i = 0; i < table.joints; ++i) {
+    const Link& link = table.links[static_cast<std::size_t>(i)];
+    room_rad = std::min({room_rad, q_rad[i] - link.lowest_rad, link.highest_rad - q_rad[i]});
+  }
+  return room_rad;
+}
 
 const char* explain(Reach reach) noexcept {
   switch (reach) {
@@ -299,11 +296,11 @@ PerArm<JointVector> ready_posture(const ArmTable& table, const RobotMount& mount
   const Matrix3 shoulder = mount.base_from_shoulder[Arm::left].linear();
   const Vector3 down = shoulder.col(0), ahead = shoulder.col(1);
   // 0.28 m ahead is 0.15 m off a back at 0.45 m; a little below the shoulders the elbow is well
-  // bent.
+  // bent. It stands outward: from there it leads to the postures that keep off the other arm.
   const ContactGoal goal{.at_in_base = left.shoulder_in_base(0.0) + 280_mm * ahead + 60_mm * down,
                          .normal_in_base = -ahead};
   const JointVector near = JointVector::Zero(table.joints);
-  const JointVector q = find_posture(left, 0.0, goal, near).q_rad;
+  const JointVector q = find_posture(left, 0.0, goal, near, {.elbow_outward_m = 420_mm}).q_rad;
   return {.of = {q, mirrored(table, q)}};
 }
 

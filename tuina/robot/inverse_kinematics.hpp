@@ -26,8 +26,7 @@ struct ContactPosture {
   Reach reach = Reach::too_far;
   double limit_room_rad = 0.0;  ///< from the joint that is closest to its end
   double tilt_rad = 0.0;        ///< of the tool's axis away from the normal
-  double dexterity =
-      0.0;  ///< smallest singular value of the task's Jacobian (0.3 m to the radian), m/rad
+  double dexterity = 0.0;       ///< m/rad
 };
 
 struct PostureOptions {
@@ -39,6 +38,13 @@ struct PostureOptions {
   double elbow_outward_m = 0.0;
   double press_depth_m = 0.0;  ///< the sphere's foremost point is so deep in the skin
 };
+
+/// Smallest singular value of the Jacobian of the tool's tip and axis, 0.3 m to the radian of the
+/// axis, m/rad: where it is small, a small way of the tool needs a large one of the joints.
+[[nodiscard]] double dexterity(const ArmModel::Kinematics& pose) noexcept;
+
+/// From the joint that is closest to its end.
+[[nodiscard]] double limit_room_rad(const ArmTable& table, const JointVector& q_rad) noexcept;
 
 /// Joint angles that put the sphere on the skin with the tool's axis against the normal, or tilted
 /// as little as needed. Damped least squares from `near_rad`, then from seeds spread over the

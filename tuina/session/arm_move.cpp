@@ -5,15 +5,16 @@
 #include <limits>
 
 #include "tuina/control/cartesian_impedance.hpp"
+#include "tuina/session/posture_choice.hpp"
 
 namespace tuina::session {
 namespace {
 
 constexpr double checked_every_s = 0.1;
-constexpr double own_side_m = 30_mm;     // half of what two arms keep between them
 constexpr double way_missed_rad = 0.35;  // so far from its posture an arm came round another way
 constexpr double strain_rad = 1_deg;
 constexpr double off_path_m = 5_mm;
+constexpr double elbow_off_m = 60_mm;  // of the skin
 
 ArmRest rest(const Stage& stage, Arm arm, const Hover& over, const JointVector& q_rad) {
   ArmRest rest{.over = over, .q_rad = q_rad, .parked = false, .stay = {}};
@@ -61,31 +62,18 @@ double clear_m(const Stage& stage) {
   return 0.75 * stage.standoff_m;
 }
 
-/// The posture of a path in which a joint is nearest to its end.
-const JointVector& tightest(const robot::ArmModel& model,
-                            const std::vector<robot::ContactPosture>& path) {
-  const auto room_rad = [&](const robot::ContactPosture& posture) {
-    double least_rad = std::numeric_limits<double>::infinity();
-    for (int i = 0; i < model.joints(); ++i) {
-      const robot::Link& link = model.table().links[static_cast<std::size_t>(i)];
-      least_rad = std::min(
-          {least_rad, posture.q_rad[i] - link.lowest_rad, link.highest_rad - posture.q_rad[i]});
-    }
-    return least_rad;
-  };
-  return std::min_element(path.begin(), path.end(),
-                          [&](const auto& a, const auto& b) { return room_rad(a) < room_rad(b); })
-      ->q_rad;
-}
-
 /// How much a move is to be avoided: over the middle, another way round than it was planned, or
 /// with a joint at its end, where an arm may stay behind.
 double badness(const Stage& stage, Arm arm, const ArmMove& move) {
   const robot::ArmModel& model = stage.models.get()[arm];
   const double inward_m = std::max(move.air.inward_m(model, arm), move.skin.inward_m(model, arm));
-  const double missed_rad = (move.above.q_rad - move.posture_rad).cwiseAbs().maxCoeff();
+  double missed_rad = (move.above.q_rad - move.posture_rad).cwiseAbs().maxCoeff();
+  for (const JointVector& q_rad : move.skin.q_rad)
+    missed_rad = std::min(missed_rad, (q_rad - move.posture_rad).cwiseAbs().maxCoeff());
   const double strained_rad = std::max(move.air.strained_rad, move.skin.strained_rad);
-  return inward_m + (missed_rad > way_missed_rad ? 1.0 : 0.0) +
+  double clumsy_m = 0.0;
+  for (const auto& pose : move.skin.poses) clumsy_m = std::max(clumsy_m, clumsiness_m(pose));
+  return std::max(inward_m, -own_side_m) + clumsy_m + (missed_rad > way_missed_rad ? 1.0 : 0.0) +
          (strained_rad > strain_rad ? 0.5 : 0.0);
 }
 
@@ -134,60 +122,45 @@ bool finds_home(const Stage& stage, Arm arm, const ArmRest& from) {
 
 Result<ArmMove> move_to_path(const Stage& stage, Arm arm, const ArmRest& from,
                              const ContactPath& path, int index) {
+  constexpr std::size_t most_rehearsed = 12;
+  constexpr double good_enough_m = 15_mm;
   const robot::ArmModel& model = stage.models.get()[arm];
   const auto goals = goals_of(path, stage.base_from_couch);
   const Hover above = hover_over(path.points.front(), stage.standoff_m);
   const Hover after = hover_over(path.points.back(), stage.standoff_m);
   const auto way = way_between(stage.back, from.over, above, clear_m(stage), stage.base_from_couch);
 
-  Result<ArmMove> best = tl::unexpected(Error{});
-  double least_bad = std::numeric_limits<double>::infinity();
-  const auto consider = [&](const JointVector& posture_rad) {
-    ArmMove move{.path = index, .way_in_base = way, .posture_rad = posture_rad};
-    rehearse(stage, arm, from, move, goals, above, after);
-    const double off_m = std::max(move.air.off_m, move.skin.off_m);
-    if (off_m > off_path_m) {
-      if (!best) {
-        best = fail(Fault::not_found, "on the way to it the arm gets stuck, {:.0f} mm off",
-                    to_mm(off_m));
-      }
-      return;
-    }
-    const double bad = badness(stage, arm, move);
-    if (bad >= least_bad) return;
-    if (!finds_home(stage, arm, move.after)) {
-      if (!best) best = fail(Fault::not_found, "from there the arm does not find its way home");
-      return;
-    }
-    least_bad = bad;
-    best = std::move(move);
-  };
-
-  // The elbow as far outward as the path allows: from a posture like the ready one, from the one
-  // in which the way arrives, else from one that suits the middle or the end of the path.
   Rehearsal arrival(model, stage.rail_m, from.q_rad, 0.05);
   Passage flown;
   for (const control::ToolPose& pose : way) arrival.fly(pose, stage.ready_rad[arm], flown);
-  for (const double elbow_outward_m : {250_mm, 150_mm, 0_mm}) {
-    const robot::PostureOptions options{.elbow_outward_m = elbow_outward_m,
-                                        .press_depth_m = press_depth_m};
-    std::vector<JointVector> starts = {stage.ready_rad[arm], arrival.q_rad()};
-    for (const std::size_t place : {goals.size() / 2, goals.size() - 1}) {
-      const auto there =
-          robot::find_posture(model, stage.rail_m, goals[place], stage.ready_rad[arm], options);
-      if (!best && there.reach == robot::Reach::reached) starts.push_back(there.q_rad);
+  const PostureChoice choice =
+      postures_for(model, arm, stage.rail_m, goals, stage.ready_rad[arm], arrival.q_rad());
+
+  Result<ArmMove> best = fail(Fault::not_found, "no posture of the arm suits it");
+  double least_bad = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < std::min(choice.postures_rad.size(), most_rehearsed); ++i) {
+    ArmMove move{.path = index, .way_in_base = way, .posture_rad = choice.postures_rad[i]};
+    rehearse(stage, arm, from, move, goals, above, after);
+    const double off_m = std::max(move.air.off_m, move.skin.off_m);
+    const char* wrong =
+        off_m > off_path_m                       ? "on the way to it the arm gets stuck"
+        : move.skin.elbow_height_m < elbow_off_m ? "the elbow would be in the person"
+        : !finds_home(stage, arm, move.after)    ? "from there the arm does not find its way home"
+                                                 : nullptr;
+    const double bad = badness(stage, arm, move);
+    if (wrong != nullptr) {
+      if (!best) best = fail(Fault::not_found, "{}", wrong);
+      continue;
     }
-    for (const JointVector& start : starts) {
-      const auto followed = robot::follow(model, stage.rail_m, goals, start, options);
-      if (!followed) {
-        if (!best) best = tl::unexpected(followed.error());
-        continue;
-      }
-      consider(followed->front().q_rad);
-      if (least_bad > -own_side_m) consider(tightest(model, *followed));
-      if (least_bad <= -own_side_m) break;
-    }
-    if (least_bad <= -own_side_m) break;
+    if (bad >= least_bad) continue;
+    least_bad = bad;
+    best = std::move(move);
+    if (least_bad <= choice.least_bad_m + good_enough_m) break;
+  }
+  if (!best) {
+    const auto followed = robot::follow(model, stage.rail_m, goals, stage.ready_rad[arm],
+                                        {.press_depth_m = press_depth_m});
+    if (!followed) return tl::unexpected(followed.error());
   }
   if (best) best->air_s = time_of_way_s(pose_of(stage, from.over), way);
   return best;

@@ -11,9 +11,6 @@
 
 namespace tuina::session {
 
-/// What 30 N press into soft tissue on a torso that gives way.
-inline constexpr double press_depth_m = 8e-3;
-
 /// What the moves of both arms have in common.
 struct Stage {
   std::reference_wrapper<const body::BackSurface> back;

@@ -124,7 +124,7 @@ void Choreography::dance_alone(Arm arm, const massage::PlannedPath& planned) {
     return dance_alone(arm, planned);
   }
   if (!move) {
-    all_reached = false;
+    ++left_out;
     notes.push_back(fmt::format("{} is left out: {}", planned.path.name, move.error().message));
     return;
   }
@@ -158,7 +158,7 @@ void Choreography::dance_alone(Arm arm, const massage::PlannedPath& planned) {
     return dance_alone(arm, planned);
   }
   if (apart < closest_arm_distance_m) {
-    all_reached = false;
+    ++left_out;
     notes.push_back(fmt::format("{} is left out: the arms would come within {:.0f} mm",
                                 planned.path.name, to_mm(apart)));
     return;

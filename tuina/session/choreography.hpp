@@ -31,7 +31,7 @@ class Choreography {
   std::vector<std::string> notes;
   double min_arm_distance_m;  ///< whatever the timing within a step
   double end_s;               ///< of the last job, if all goes to plan
-  bool all_reached = true;
+  std::size_t left_out = 0;
 
  private:
   using Moves = PerArm<const ArmMove*>;

@@ -6,11 +6,11 @@
 
 #include "tuina/robot/inverse_kinematics.hpp"
 #include "tuina/session/choreography.hpp"
+#include "tuina/session/posture_choice.hpp"
 
 namespace tuina::session {
 namespace {
 
-constexpr std::size_t most_rehearsed = 90;  // paths: planning is to end within a second
 constexpr double rail_goals_m = 20_mm;
 constexpr double lifted_m = 45_mm;  // above the stand-off, on the way to the next contact
 
@@ -39,10 +39,11 @@ PerArm<std::vector<robot::ContactGoal>> goals_for_rail(const massage::Plan& plan
 }
 
 /// The paths in the order of their steps, as far as the arms can do them from where the base
-/// stands.
-Choreography choreograph(const Stage& stage, const std::vector<massage::PlannedPath>& paths) {
+/// stands; given up once `hopeless` of them are left out.
+Choreography choreograph(const Stage& stage, const std::vector<massage::PlannedPath>& paths,
+                         std::size_t hopeless) {
   Choreography choreography(stage);
-  for (std::size_t i = 0; i < paths.size();) {
+  for (std::size_t i = 0; i < paths.size() && choreography.left_out < hopeless;) {
     const int step = paths[i].step;
     PerArm<const massage::PlannedPath*> together;
     for (; i < paths.size() && paths[i].step == step; ++i) together[paths[i].arm] = &paths[i];
@@ -71,8 +72,9 @@ Result<ReadyPlan> make_ready(massage::Plan plan, const body::BackSurface& back,
           .value_or(0.0);
   // Where the tools are most dexterous the arms may be in each other's way; then the base moves.
   std::optional<Choreography> best;
-  std::size_t tries = 0;
-  for (const double aside_m : {0_mm, -50_mm, 50_mm, -100_mm, 100_mm, -150_mm, 150_mm}) {
+  std::size_t hopeless = ready.plan.paths.size() + 1;
+  for (const double aside_m :
+       {0_mm, -100_mm, 100_mm, -200_mm, 200_mm, -50_mm, 50_mm, -150_mm, 150_mm}) {
     const double at_m = rail_m.value_or(dexterous_m + aside_m);
     if (at_m < mount.lowest_rail_m || at_m > mount.highest_rail_m) continue;
     Choreography tried = choreograph({.back = back,
@@ -81,12 +83,12 @@ Result<ReadyPlan> make_ready(massage::Plan plan, const body::BackSurface& back,
                                       .rail_m = at_m,
                                       .standoff_m = standoff_m,
                                       .ready_rad = ready.ready_rad},
-                                     ready.plan.paths);
-    if (!best || tried.paths.size() > best->paths.size()) {
-      best = std::move(tried);
-      ready.rail_m = at_m;
-    }
-    if (rail_m || best->all_reached || ++tries * ready.plan.paths.size() > most_rehearsed) break;
+                                     ready.plan.paths, hopeless);
+    if (tried.left_out >= hopeless) continue;
+    hopeless = tried.left_out;
+    best = std::move(tried);
+    ready.rail_m = at_m;
+    if (rail_m || hopeless == 0) break;
   }
   if (!best || best->paths.empty()) {
     return fail(Fault::not_found, "no path of the plan is within reach of the arms");
@@ -96,7 +98,7 @@ Result<ReadyPlan> make_ready(massage::Plan plan, const body::BackSurface& back,
   for (std::string& note : best->notes) ready.plan.notes.push_back(std::move(note));
   ready.jobs = std::move(best->jobs);
   ready.min_arm_distance_m = best->min_arm_distance_m;
-  ready.reachable = best->all_reached;
+  ready.reachable = best->left_out == 0;
   return ready;
 }
 

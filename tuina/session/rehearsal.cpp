@@ -17,25 +17,24 @@ constexpr double air_step_rad = 6_deg;
 constexpr double limit_margin_rad = 1_deg;  // an arm at the end of a joint may not come on
 constexpr double thinned_rad = 2.5_deg;     // a posture so close to one of before is not kept
 
-/// How far one arm's links reach over the plane midway between the shoulders.
-double inward_of(const robot::ArmModel& model, Arm arm,
-                 const robot::ArmModel::Kinematics& pose) noexcept {
+}  // namespace
+
+double inward_m(const robot::ArmModel& model, Arm arm,
+                const robot::ArmModel::Kinematics& pose) noexcept {
   const double side = arm == Arm::left ? 1.0 : -1.0;
-  double inward_m = -std::numeric_limits<double>::infinity();
+  double most_m = -std::numeric_limits<double>::infinity();
   for (int i = 0; i < model.joints(); ++i) {
     const auto k = static_cast<std::size_t>(i);
     const double beside_m =
         std::min(side * pose.origins_in_base[k].y(), side * pose.origins_in_base[k + 1].y());
-    inward_m = std::max(inward_m, model.table().links[k].radius_m - beside_m);
+    most_m = std::max(most_m, model.table().links[k].radius_m - beside_m);
   }
-  return inward_m;
+  return most_m;
 }
-
-}  // namespace
 
 double Passage::inward_m(const robot::ArmModel& model, Arm arm) const noexcept {
   double most_m = -std::numeric_limits<double>::infinity();
-  for (const auto& pose : poses) most_m = std::max(most_m, inward_of(model, arm, pose));
+  for (const auto& pose : poses) most_m = std::max(most_m, session::inward_m(model, arm, pose));
   return most_m;
 }
 
@@ -129,6 +128,10 @@ void Rehearsal::slide(std::span<const robot::ContactGoal> places, const JointVec
     step_to(place.at_in_base + radius_m * place.normal_in_base, place.normal_in_base, posture_rad,
             passage);
     passage.off_m = std::max(passage.off_m, off_m_);
+    const auto elbow = static_cast<std::size_t>(robot::elbow_origin(model_->table()));
+    const Vector3 at = model_->kinematics(q_rad_, rail_m_).origins_in_base[elbow];
+    passage.elbow_height_m =
+        std::min(passage.elbow_height_m, (at - place.at_in_base).dot(place.normal_in_base));
   }
 }
 
@@ -137,7 +140,7 @@ double distance_between_m(const PerArm<robot::ArmModel>& models,
   const auto inward = [&](Arm arm) {
     std::vector<double> each_m;
     for (const auto& pose : passages[arm]->poses) {
-      each_m.push_back(inward_of(models[arm], arm, pose));
+      each_m.push_back(session::inward_m(models[arm], arm, pose));
     }
     return each_m;
   };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -16,11 +17,16 @@ struct Passage {
   std::vector<robot::ArmModel::Kinematics> poses;
   double off_m = 0.0;  ///< of the tool from where it should be: after a leg, at worst on the skin
   double strained_rad = 0.0;  ///< how far a joint was pushed against its end
+  /// Of the elbow over the plane of the skin that is touched, at its lowest.
+  double elbow_height_m = std::numeric_limits<double>::infinity();
 
   /// Farthest over the plane midway between the shoulders, towards the other arm; negative when
   /// the arm stays on its own side. Two arms cannot come nearer than minus the sum of theirs.
   [[nodiscard]] double inward_m(const robot::ArmModel& model, Arm arm) const noexcept;
 };
+/// The same of one posture.
+[[nodiscard]] double inward_m(const robot::ArmModel& model, Arm arm,
+                              const robot::ArmModel::Kinematics& pose) noexcept;
 
 /// Follows one arm through a massage before it moves: the tool goes where the controller will lead
 /// it, what the task leaves free is drawn to a posture as the controller's posture springs do.
