@@ -139,11 +139,18 @@ class Calibrate final : public Verb {
         ->check(CLI::IsMember({"sitting", "prone"}))
         ->capture_default_str()
         ->needs(robot);
+    auto* rehearse = command.add_option(
+        "--rehearse", rehearse_,
+        "make such a set with the simulated scanner or robot, in this new folder");
+    rehearse->excludes(shots)->excludes(out);
     command
-        .add_option("--rehearse", rehearse_,
-                    "make such a set with the simulated scanner or robot, in this new folder")
-        ->excludes(shots)
-        ->excludes(out);
+        .add_option("--board", board_,
+                    "with --rehearse: what is photographed, chessboard or charuco (a board with "
+                    "markers, of which a part in view is enough)")
+        ->check(CLI::IsMember({"chessboard", "charuco"}))
+        ->capture_default_str()
+        ->needs(rehearse)
+        ->excludes(robot);
   }
 
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
@@ -180,8 +187,11 @@ class Calibrate final : public Verb {
 
  private:
   Result<Answer> rehearse(const CommonOptions& common) {
-    const auto done = sim::rehearse_calibration(sim::built_scanner(common.seed), common.seed,
-                                                rehearse_, {}, progress_bar(common, "rehearse"));
+    sim::RehearsalOptions options;
+    if (board_ == "charuco") options.board = sim::charuco_board();
+    const auto done =
+        sim::rehearse_calibration(sim::built_scanner(common.seed), common.seed, rehearse_, options,
+                                  progress_bar(common, "rehearse"));
     if (!done) return tl::unexpected(done.error());
     return Answer{
         .json = nlohmann::json{{"folder", rehearse_}}.dump(2),
@@ -195,6 +205,7 @@ class Calibrate final : public Verb {
   std::string report_;
   std::string rehearse_;
   std::string position_ = "sitting";
+  std::string board_ = "chessboard";
   bool robot_ = false;
 };
 

@@ -15,13 +15,11 @@ namespace tuina::test {
 /// are, with noise.
 inline calibration::Views seen_boards(const scanner::ScannerCalibration& truth,
                                       const std::vector<sim::RehearsalPicture>& pictures,
-                                      const sim::Chessboard& board, std::uint64_t seed,
+                                      const scanner::Board& board, std::uint64_t seed,
                                       double noise_px = 0.05) {
   Random random = make_random(seed, "seen boards");
   calibration::Views views{
-      .board = {.columns = board.columns, .rows = board.rows, .square_m = board.square_m},
-      .width_px = truth.camera.width_px,
-      .height_px = truth.camera.height_px};
+      .board = board, .width_px = truth.camera.width_px, .height_px = truth.camera.height_px};
   for (const sim::RehearsalPicture& picture : pictures) {
     const Transform& pose = picture.camera_from_board;
     if (picture.laser) {

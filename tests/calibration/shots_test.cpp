@@ -87,6 +87,28 @@ TEST_CASE("what departs from the format is refused with file and line") {
   says(board("[board]", "[board"), "board.toml:1");
 }
 
+TEST_CASE("a board with markers says how large they are and which") {
+  const std::string good =
+      "[board]\nkind = \"charuco\"\ncolumns = 4\nrows = 6\nsquare_m = 0.035\nmarker_m = 0.026\n"
+      "dictionary = \"DICT_5X5_100\"\n";
+  const auto board = parse_board(good, "board.toml");
+  REQUIRE_MESSAGE(board.has_value(), board.error().message);
+  CHECK(board->has_markers());
+  CHECK(board->marker_m == 0.026);
+  CHECK(board->marker_cells == 5);
+  const auto refused = [&](const std::string& from, const std::string& to) {
+    std::string text = good;
+    const auto bad = parse_board(text.replace(text.find(from), from.size(), to), "board.toml");
+    return bad ? "nothing was refused" : bad.error().message;
+  };
+  says(refused("marker_m = 0.026\n", ""), "board.toml:1: board.marker_m");
+  says(refused("0.026", "0.035"), "board.toml:6: board.marker_m");
+  says(refused("0.026", "nan"), "board.toml:6: board.marker_m");
+  says(refused("DICT_5X5_100", "DICT_7X7_50"), "board.toml:7: board.dictionary");
+  says(refused("DICT_5X5_100", "5X5_100"), "board.dictionary must be OpenCV's name");
+  says(refused("columns = 4", "columns = 20"), "50 at most are known");
+}
+
 TEST_CASE("a folder that is not there") {
   CHECK(read_shots("/nowhere/shots").error().fault == Fault::file);
 }

@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// The only file that knows OpenCV.
+// With find_charuco.cpp the only file that knows OpenCV.
 #include "tuina/calibration/find_board.hpp"
 
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+
+#include "tuina/calibration/find_charuco.hpp"
+#include "tuina/calibration/refine_corner.hpp"
 
 namespace tuina::calibration {
 namespace {
@@ -33,49 +36,28 @@ double shortest_side_px(const std::vector<cv::Point2f>& corners, const Board& bo
   return shortest;
 }
 
-// cornerSubPix reads gradients between pixels and is off by 0.02 px for it, a different way at each
-// fraction of a pixel. At whole pixels the same condition - every gradient is upright to the way to
-// the corner - is solved without that error.
-Vector2 refined(ImageView image, Vector2 corner, int window) {
-  const double reach = 0.6 * window;
-  for (int step = 0; step < 20; ++step) {
-    const auto x0 = static_cast<int>(std::lround(corner.x()));
-    const auto y0 = static_cast<int>(std::lround(corner.y()));
-    if (x0 - window < 1 || y0 - window < 1 || x0 + window > image.width - 2 ||
-        y0 + window > image.height - 2) {
-      break;
-    }
-    Eigen::Matrix2d sums = Eigen::Matrix2d::Zero();
-    Vector2 moments = Vector2::Zero();
-    for (int y = y0 - window; y <= y0 + window; ++y) {
-      const std::uint8_t* row = image.row(y);
-      for (int x = x0 - window; x <= x0 + window; ++x) {
-        const Vector2 slope(row[x + 1] - row[x - 1], image.row(y + 1)[x] - image.row(y - 1)[x]);
-        const Vector2 at(x, y);
-        const double weight = std::exp(-0.5 * (at - corner).squaredNorm() / (reach * reach));
-        sums += weight * slope * slope.transpose();
-        moments += weight * slope * slope.dot(at);
-      }
-    }
-    const Vector2 next = sums.ldlt().solve(moments);
-    // A corner that runs away was none that this can refine.
-    if (!((next - corner).norm() < 1.0)) break;
-    const bool settled = (next - corner).norm() < 1e-5;
-    corner = next;
-    if (settled) break;
-  }
-  return corner;
-}
-
-std::vector<cv::Point3f> corners_on(const Board& board) {
+std::vector<cv::Point3f> places_of(const View& view, const Board& board) {
   std::vector<cv::Point3f> points;
-  for (int y = 0; y < board.rows; ++y) {
-    for (int x = 0; x < board.columns; ++x) {
-      points.emplace_back(static_cast<float>(x * board.square_m),
-                          static_cast<float>(y * board.square_m), 0.0F);
-    }
+  for (std::size_t k = 0; k < view.corners_px.size(); ++k) {
+    const Vector3 at = corner_on(board, view.corner(k));
+    points.emplace_back(static_cast<float>(at.x()), static_cast<float>(at.y()), 0.0F);
   }
   return points;
+}
+
+// The four outer corners of the board, from its inner ones.
+std::array<Vector2, 4> outline(const std::vector<Vector2>& corners, const Board& board) {
+  const auto at = [&](int x, int y) {
+    return corners[static_cast<std::size_t>(y * board.columns + x)];
+  };
+  const int right = board.columns - 1;
+  const int below = board.rows - 1;
+  const auto beyond = [&](int x, int y, int inner_x, int inner_y) -> Vector2 {
+    const Vector2 corner = at(x, y);
+    return corner + rim_squares * ((corner - at(inner_x, y)) + (corner - at(x, inner_y)));
+  };
+  return {beyond(0, 0, 1, 1), beyond(right, 0, right - 1, 1),
+          beyond(right, below, right - 1, below - 1), beyond(0, below, 1, below - 1)};
 }
 
 Transform transform_of(const cv::Mat& rotation, const cv::Mat& translation) {
@@ -91,7 +73,8 @@ Transform transform_of(const cv::Mat& rotation, const cv::Mat& translation) {
 
 }  // namespace
 
-std::optional<std::vector<Vector2>> find_corners(ImageView image, const Board& board) {
+std::optional<SeenBoard> find_board(ImageView image, const Board& board) {
+  if (board.has_markers()) return find_charuco(image, board);
   const cv::Mat grey(image.height, image.width, CV_8UC1, const_cast<std::uint8_t*>(image.data),
                      static_cast<std::size_t>(image.stride));
   const cv::Size pattern(board.columns, board.rows);
@@ -113,18 +96,20 @@ std::optional<std::vector<Vector2>> find_corners(ImageView image, const Board& b
   } catch (const cv::Exception&) {
     return std::nullopt;
   }
-  std::vector<Vector2> found;
-  found.reserve(corners.size());
+  SeenBoard found;
   for (const cv::Point2f& corner : corners) {
-    found.push_back(refined(image, {corner.x, corner.y}, window));
+    const Vector2 near(corner.x, corner.y);
+    found.corners_px.push_back(refine_corner(image, near, window).value_or(near));
   }
+  found.outline_px = outline(found.corners_px, board);
   return found;
 }
 
 Result<FirstCamera> calibrate_camera(const Views& views) {
-  const std::vector<std::vector<cv::Point3f>> boards(views.views.size(), corners_on(views.board));
+  std::vector<std::vector<cv::Point3f>> boards;
   std::vector<std::vector<cv::Point2f>> pictures;
   for (const View& view : views.views) {
+    boards.push_back(places_of(view, views.board));
     auto& corners = pictures.emplace_back();
     for (const Vector2& corner : view.corners_px) {
       corners.emplace_back(static_cast<float>(corner.x()), static_cast<float>(corner.y()));

@@ -12,9 +12,10 @@
 
 namespace tuina::calibration {
 
-/// The inner corners of a chessboard, row by row, to a few hundredths of a pixel; nothing when the
-/// whole board is not seen. Which of its corners is the first a plain chessboard does not tell.
-[[nodiscard]] std::optional<std::vector<Vector2>> find_corners(ImageView image, const Board& board);
+/// The inner corners of a board to a few hundredths of a pixel. Nothing when it is not seen: of a
+/// chessboard all of it, of a board with markers a handful of corners. Which of its corners is the
+/// first a plain chessboard does not tell.
+[[nodiscard]] std::optional<SeenBoard> find_board(ImageView image, const Board& board);
 
 /// The camera and where each board stood, by Zhang's method [zhang2000]: the start of the joint
 /// fit.

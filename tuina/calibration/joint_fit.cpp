@@ -157,6 +157,29 @@ double robust_deviation(const std::vector<double>& sizes) {
   return sizes.empty() ? 1.0 : 1.4826 * median_of(sizes);
 }
 
+// How many neighbouring rows of a line err alike, as over the border of a black square or in a
+// grain of speckle: so many of them are worth one. 1 + 2 times the sum of the correlations, up to
+// where they vanish.
+double rows_alike(const std::vector<std::vector<double>>& errors, double left_out) {
+  constexpr std::size_t farthest = 30;
+  constexpr double vanished = 0.03;
+  double alike = 1.0;
+  for (std::size_t lag = 1; lag <= farthest; ++lag) {
+    double product = 0.0;
+    double square = 1e-12;
+    for (const auto& line : errors) {
+      for (std::size_t k = lag; k < line.size(); ++k) {
+        if (std::abs(line[k]) > left_out || std::abs(line[k - lag]) > left_out) continue;
+        product += line[k] * line[k - lag];
+        square += 0.5 * (line[k] * line[k] + line[k - lag] * line[k - lag]);
+      }
+    }
+    if (product < vanished * square) break;
+    alike += 2.0 * product / square;
+  }
+  return alike;
+}
+
 // One least-squares problem with its parameters. It is solved twice: first with a robust loss, to
 // learn how large errors are and which do not belong; then without.
 class Problem {
@@ -185,6 +208,7 @@ class Problem {
       const Geometry now = geometry();
       line_.push_back(line_on_board(views.views[i], views.board, now.camera, pose_of(i)));
       if (line_.back().size() < least_line_points) line_.back().clear();
+      view_factor_.push_back(line_factor_);
     }
   }
 
@@ -206,19 +230,27 @@ class Problem {
   void judge() {
     std::vector<double> corner_sizes;
     std::vector<double> line_sizes;
+    std::vector<std::vector<double>> line_errors;  // in units of what is believed, by view
     for (std::size_t i = 0; i < views_.views.size(); ++i) {
       for (const Vector2& error : corner_errors(i)) {
         corner_sizes.push_back(std::abs(error.x()));
         corner_sizes.push_back(std::abs(error.y()));
       }
+      auto& errors = line_errors.emplace_back();
       for (std::size_t k = 0; k < line_[i].size(); ++k) {
-        line_sizes.push_back(std::abs(line_error(i, k)) / believed_deviation(line_[i][k]));
+        errors.push_back(line_error(i, k) / believed_deviation(line_[i][k]));
+        line_sizes.push_back(std::abs(errors.back()));
       }
     }
     const double freedom = 1.0 + 3.0 * static_cast<double>(views_.views.size()) /
                                      static_cast<double>(corner_sizes.size());
     corner_px_ = std::max(1e-3, freedom * robust_deviation(corner_sizes));
     line_factor_ = std::max(0.2, robust_deviation(line_sizes));
+    alike_rows_ = rows_alike(line_errors, left_out_from * line_factor_);
+    for (std::size_t i = 0; i < line_errors.size(); ++i) {
+      for (double& error : line_errors[i]) error = std::abs(error);
+      view_factor_[i] = std::max(line_factor_, robust_deviation(line_errors[i]));
+    }
     for (std::size_t i = 0; i < views_.views.size(); ++i) {
       const auto errors = corner_errors(i);
       for (std::size_t k = 0; k < errors.size(); ++k) {
@@ -226,7 +258,7 @@ class Problem {
       }
       Line kept;
       for (std::size_t k = 0; k < line_[i].size(); ++k) {
-        const double allowed = left_out_from * line_factor_ * believed_deviation(line_[i][k]);
+        const double allowed = left_out_from * view_factor_[i] * believed_deviation(line_[i][k]);
         if (std::abs(line_error(i, k)) < allowed) kept.push_back(line_[i][k]);
       }
       line_[i] = std::move(kept);
@@ -332,10 +364,8 @@ class Problem {
     return std::hypot(point.deviation_px, least_line_px);
   }
 
-  [[nodiscard]] Vector3 corner(std::size_t k) const {
-    const auto columns = static_cast<std::size_t>(views_.board.columns);
-    return views_.board.square_m *
-           Vector3(static_cast<double>(k % columns), static_cast<double>(k / columns), 0.0);
+  [[nodiscard]] Vector3 corner(std::size_t i, std::size_t k) const {
+    return corner_on(views_.board, views_.views[i].corner(k));
   }
 
   // Where the board of a view stands, by the pose of the board and the turn of the unit.
@@ -363,7 +393,7 @@ class Problem {
     const Transform camera_from_board = pose_of(i);
     std::vector<Vector2> errors;
     for (std::size_t k = 0; k < views_.views[i].corners_px.size(); ++k) {
-      errors.push_back(scanner::project(camera, camera_from_board * corner(k)) -
+      errors.push_back(scanner::project(camera, camera_from_board * corner(i, k)) -
                        views_.views[i].corners_px[k]);
     }
     return errors;
@@ -412,7 +442,8 @@ class Problem {
     const std::size_t reference = reference_[i];
     for (std::size_t k = 0; k < corners.size(); ++k) {
       if (!corner_good_[i][k]) continue;
-      const CornerOfBoard seen{.seen_px = corners[k], .at = corner(k), .deviation_px = corner_px_};
+      const CornerOfBoard seen{
+          .seen_px = corners[k], .at = corner(i, k), .deviation_px = corner_px_};
       if (reference == i) {
         problem.AddResidualBlock(new ceres::AutoDiffCostFunction<CornerOfBoard, 2, camera_size, 6>(
                                      new CornerOfBoard(seen)),
@@ -437,7 +468,8 @@ class Problem {
           new PointOfLine{.column_px = point.column_px,
                           .row_px = point.row_px,
                           .per_px = line_scale(i, k),
-                          .deviation_px = line_factor_ * believed_deviation(point)});
+                          .deviation_px = std::sqrt(alike_rows_) * view_factor_[i] *
+                                          believed_deviation(point)});
       problem.AddResidualBlock(cost, loss(), camera_.data(), pose_[i].data(), light_.data());
     }
   }
@@ -456,6 +488,8 @@ class Problem {
   std::vector<Line> line_;
   double corner_px_ = 0.1;
   double line_factor_ = 2.0;
+  double alike_rows_ = 1.0;
+  std::vector<double> view_factor_;  ///< line_factor_, or more where a line is worse than most
 };
 
 }  // namespace

@@ -12,7 +12,6 @@
 namespace tuina::calibration {
 namespace {
 
-constexpr double rim_squares = 0.8;  // the board ends one square beyond its inner corners
 constexpr int tries = 400;
 // How far the line may lie from the plane at 1 m, growing with the square of the range: what a few
 // tenths of a pixel of corners and line do before the joint fit.

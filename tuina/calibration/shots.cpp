@@ -27,6 +27,9 @@ constexpr int most_corners = 100;
 // metres are meant fall outside.
 constexpr double smallest_square_m = 2e-3;
 constexpr double largest_square_m = 0.5;
+// Of a square: a marker keeps away from the borders of its square.
+constexpr double smallest_marker = 0.3;
+constexpr double largest_marker = 0.9;
 
 class BoardFile {
  public:
@@ -36,10 +39,11 @@ class BoardFile {
     const toml::table* table = file_["board"].as_table();
     if (table == nullptr)
       return fail(Fault::bad_input, "{}: the section [board] is missing", name_);
-    const toml::node* kind = table->get("kind");
-    if (kind == nullptr || kind->value<std::string>() != "chessboard") {
-      return fail(Fault::bad_input, "{}:{}: board.kind must be \"chessboard\"", name_,
-                  line_of(kind, *table));
+    const toml::node* kind_node = table->get("kind");
+    const auto kind = kind_node != nullptr ? kind_node->value<std::string>() : std::nullopt;
+    if (kind != "chessboard" && kind != "charuco") {
+      return fail(Fault::bad_input, "{}:{}: board.kind must be \"chessboard\" or \"charuco\"",
+                  name_, line_of(kind_node, *table));
     }
     Board board;
     for (auto [key, count] : {std::pair{"columns", &board.columns}, {"rows", &board.rows}}) {
@@ -53,18 +57,57 @@ class BoardFile {
       *count = static_cast<int>(*value);
     }
     const toml::node* square = table->get("square_m");
-    const auto value =
-        square != nullptr && square->is_number() ? square->value<double>() : std::nullopt;
-    if (!value || !(*value >= smallest_square_m && *value <= largest_square_m)) {
+    const auto side = number(square);
+    if (!side || !(*side >= smallest_square_m && *side <= largest_square_m)) {
       return fail(Fault::bad_input,
                   "{}:{}: board.square_m must be the side of one square in metres, {} to {}", name_,
                   line_of(square, *table), smallest_square_m, largest_square_m);
     }
-    board.square_m = *value;
+    board.square_m = *side;
+    if (kind == "charuco") return with_markers(board, *table);
     return board;
   }
 
  private:
+  Result<Board> with_markers(Board board, const toml::table& table) const {
+    const toml::node* marker = table.get("marker_m");
+    const auto side = number(marker);
+    if (!side ||
+        !(*side >= smallest_marker * board.square_m && *side <= largest_marker * board.square_m)) {
+      return fail(Fault::bad_input,
+                  "{}:{}: board.marker_m must be the side of one marker in metres, {} to {} of "
+                  "square_m",
+                  name_, line_of(marker, table), smallest_marker, largest_marker);
+    }
+    board.marker_m = *side;
+    const toml::node* dictionary = table.get("dictionary");
+    const auto written = dictionary != nullptr ? dictionary->value<std::string>() : std::nullopt;
+    const std::string cells = written && written->starts_with("DICT_") ? written->substr(5) : "";
+    board.marker_cells = 0;
+    for (const int n : {4, 5, 6}) {
+      for (const int size : {50, 100, 250, 1000}) {
+        if (cells == fmt::format("{}X{}_{}", n, n, size)) board.marker_cells = n;
+      }
+    }
+    if (board.marker_cells == 0) {
+      return fail(Fault::bad_input,
+                  "{}:{}: board.dictionary must be OpenCV's name of one, DICT_4X4_50 to "
+                  "DICT_6X6_1000 (4, 5 or 6 cells; 50, 100, 250 or 1000 markers)",
+                  name_, line_of(dictionary, table));
+    }
+    if (scanner::marker_count(board) > scanner::most_markers) {
+      return fail(Fault::bad_input,
+                  "{}:{}: {} x {} inner corners have {} markers, {} at most are known: print fewer "
+                  "and larger squares",
+                  name_, line_of(table.get("columns"), table), board.columns, board.rows,
+                  scanner::marker_count(board), scanner::most_markers);
+    }
+    return board;
+  }
+
+  static std::optional<double> number(const toml::node* node) {
+    return node != nullptr && node->is_number() ? node->value<double>() : std::nullopt;
+  }
   static std::size_t line_of(const toml::node* node, const toml::table& table) {
     return node != nullptr ? node->source().begin.line : table.source().begin.line;
   }

@@ -7,16 +7,11 @@
 #include <vector>
 
 #include "tuina/core/result.hpp"
+#include "tuina/scanner/board.hpp"
 
 namespace tuina::calibration {
 
-/// A chessboard: how many inner corners it has along x and y, and how far apart they are.
-struct Board {
-  int columns = 0;
-  int rows = 0;
-  double square_m = 0.0;
-  [[nodiscard]] int corners() const { return columns * rows; }
-};
+using scanner::Board;
 
 /// One picture of a set: the bare board, or the same with the laser on.
 struct Shot {

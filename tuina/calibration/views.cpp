@@ -23,18 +23,18 @@ constexpr double same_yaw_rad = 0.35_deg;  // a little more than one count of th
 // What one picture showed.
 struct Seen {
   Image image;
-  std::optional<std::vector<Vector2>> corners;
+  std::optional<SeenBoard> board;
   scanner::LaserLine line;
 };
 
 Result<Seen> look(const Shot& shot, const Board& board) {
   auto image = scanner::read_picture(shot.picture);
   if (!image) return tl::unexpected(image.error());
-  Seen seen{.image = std::move(*image), .corners = {}, .line = {}};
+  Seen seen{.image = std::move(*image), .board = {}, .line = {}};
   if (shot.laser) {
     seen.line = scanner::find_laser_line(seen.image, {.method = scanner::LineMethod::likelihood});
   } else {
-    seen.corners = find_corners(seen.image, board);
+    seen.board = find_board(seen.image, board);
   }
   return seen;
 }
@@ -106,31 +106,35 @@ Result<Views> look_at(const Shots& shots, const Progress& progress, int threads)
     const Shot& shot = shots.shots[i];
     if (shot.laser) continue;
     ++result.board_pictures;
-    if (!(*seen)[i].corners) continue;
+    const auto& found_board = (*seen)[i].board;
+    if (!found_board) continue;
     views[shot.frame] = {.frame = shot.frame,
                          .pose = shot.pose,
                          .yaw_rad = shot.yaw_rad,
-                         .corners_px = *(*seen)[i].corners,
+                         .corners_px = found_board->corners_px,
+                         .which = found_board->which,
                          .line = {}};
   }
   const auto found = static_cast<double>(views.size());
   if (found < least_share_found * result.board_pictures || views.empty()) {
-    return fail(Fault::bad_input,
-                "{}: a board with {} x {} inner corners is found in {} of {} pictures of it; count "
-                "the corners between squares, show the whole board, sharp and evenly lit",
-                shots.folder.string(), shots.board.columns, shots.board.rows, views.size(),
-                result.board_pictures);
+    return fail(
+        Fault::bad_input,
+        "{}: a board with {} x {} inner corners{} is found in {} of {} pictures of it; count "
+        "the corners between squares, show {} board, sharp and evenly lit",
+        shots.folder.string(), shots.board.columns, shots.board.rows,
+        shots.board.has_markers() ? " and such markers" : "", views.size(), result.board_pictures,
+        shots.board.has_markers() ? "most of the" : "the whole");
   }
   for (std::size_t i = 0; i < seen->size(); ++i) {
     if (!shots.shots[i].laser) continue;
     const auto of = board_of(shots.shots[i], shots.shots);
     if (!of) return tl::unexpected(of.error());
     const Seen& board = (*seen)[*of];
-    if (!board.corners) continue;
+    if (!board.board) continue;
     View& view = views[shots.shots[*of].frame];
     view.laser_on = true;
     const auto line =
-        line_on_print((*seen)[i].image, board.image, *board.corners, shots.board, (*seen)[i].line);
+        line_on_print((*seen)[i].image, board.image, board.board->outline_px, (*seen)[i].line);
     view.line.insert(view.line.end(), line.begin(), line.end());
   }
   for (auto& [frame, view] : views) result.views.push_back(std::move(view));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "tuina/calibration/shots.hpp"
@@ -11,6 +12,16 @@
 
 namespace tuina::calibration {
 
+/// How far the paper reaches beyond the inner corners, at least.
+inline constexpr double rim_squares = 0.8;
+
+/// The board in one picture.
+struct SeenBoard {
+  std::vector<Vector2> corners_px;
+  std::vector<int> which;  ///< of its inner corners, counted row by row; empty: all of them
+  std::array<Vector2, 4> outline_px;  ///< of the paper, one corner after the other
+};
+
 /// What one look at a board gave: its inner corners, row by row, and the laser line in the picture
 /// that was taken of the same pose with the laser on, if one was.
 struct View {
@@ -18,9 +29,18 @@ struct View {
   int pose = 0;
   double yaw_rad = 0.0;  ///< as the motor told it
   std::vector<Vector2> corners_px;
+  std::vector<int> which = {};  ///< as in SeenBoard
   bool laser_on = false;
   std::vector<scanner::LinePoint> line;
+  [[nodiscard]] int corner(std::size_t k) const {
+    return which.empty() ? static_cast<int>(k) : which[k];
+  }
 };
+
+/// Where an inner corner is in the frame of the board.
+[[nodiscard]] inline Vector3 corner_on(const Board& board, int corner) {
+  return board.square_m * Vector3(corner % board.columns, corner / board.columns, 0.0);
+}
 
 /// All that the fit needs to know of a set of pictures.
 struct Views {

@@ -51,7 +51,8 @@ std::vector<Turn> turns_of(Views& views, std::vector<Transform>& camera_from_boa
     const Matrix3 seen_before = camera_from_board[reference].linear();
     // No unit turns by 90 degrees and still sees the board, but counted from the other end the
     // board has turned by 180.
-    if (logarithm(seen_before * camera_from_board[i].linear().transpose()).norm() > 0.5 * pi) {
+    if (!views.board.has_markers() &&
+        logarithm(seen_before * camera_from_board[i].linear().transpose()).norm() > 0.5 * pi) {
       count_from_other_end(view, camera_from_board[i], views.board);
     }
     Turn turn{.pose = view.pose, .yaw_rad = view.yaw_rad - views.views[reference].yaw_rad};

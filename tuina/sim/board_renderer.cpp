@@ -40,9 +40,15 @@ double stripes(double x, int corners, double blur) {
 
 class Scene {
  public:
-  Scene(const scanner::ScannerCalibration& truth, const Chessboard& board,
+  Scene(const scanner::ScannerCalibration& truth, const scanner::Board& board,
         const Transform& camera_from_board)
-      : truth_(truth), board_(board), board_from_camera_(camera_from_board.inverse()) {}
+      : truth_(truth), board_(board), board_from_camera_(camera_from_board.inverse()) {
+    if (!board.has_markers()) return;
+    black_cells_.resize(static_cast<std::size_t>((board.columns + 1) * (board.rows + 1)));
+    for (const scanner::Marker& marker : scanner::markers_of(board)) {
+      black_cells_[square_at(marker.column, marker.row)] = ~marker.cells;
+    }
+  }
 
   [[nodiscard]] Vector2 on_board(double column_px, double row_px) const {
     const Vector3 ray =
@@ -58,7 +64,9 @@ class Scene {
   [[nodiscard]] double white(const Place& place) const {
     const double colour = stripes(place.at.x(), board_.columns, place.blur.x()) *
                           stripes(place.at.y(), board_.rows, place.blur.y());
-    return 1.0 - within(place, 1.0) * 0.5 * (1.0 - colour);
+    // A chessboard begins with a white square, a board with markers with a black one.
+    const double black = 0.5 * (board_.has_markers() ? 1.0 + colour : 1.0 - colour);
+    return (1.0 - within(place, 1.0) * black) * (1.0 - marker(place));
   }
 
   // The column in which a row sees the light plane on the board or on the wall behind it.
@@ -85,6 +93,39 @@ class Scene {
            between(place.at.y() + squares, board_.rows - 1 + 2.0 * squares, place.blur.y());
   }
 
+  [[nodiscard]] std::size_t square_at(int column, int row) const {
+    return static_cast<std::size_t>(row * (board_.columns + 1) + column);
+  }
+
+  // How black the marker of this square is here: the sum of its black cells and its frame.
+  [[nodiscard]] double marker(const Place& place) const {
+    if (!board_.has_markers()) return 0.0;
+    const auto column = static_cast<int>(std::floor(place.at.x())) + 1;
+    const auto row = static_cast<int>(std::floor(place.at.y())) + 1;
+    if (column < 0 || column > board_.columns || row < 0 || row > board_.rows) return 0.0;
+    const std::uint64_t black = black_cells_[square_at(column, row)];
+    if (black == 0) return 0.0;
+    const int cells = board_.marker_cells + 2;
+    const double scale = cells * board_.square_m / board_.marker_m;
+    const Vector2 at =
+        scale * (place.at - Vector2(column - 0.5, row - 0.5)) + 0.5 * cells * Vector2::Ones();
+    const Vector2 blur = scale * place.blur;
+    const auto share = [](double x, double width) {
+      return 0.5 * (edge(x, width) - edge(x - 1.0, width));
+    };
+    double sum = 0.0;
+    for (int y = 0; y < cells; ++y) {
+      const double share_y = share(at.y() - y, blur.y());
+      if (share_y == 0.0) continue;
+      for (int x = 0; x < cells; ++x) {
+        const bool frame = x == 0 || y == 0 || x == cells - 1 || y == cells - 1;
+        const int bit = board_.marker_cells * (cells - 2 - y) + cells - 2 - x;
+        if (frame || ((black >> bit) & 1U) != 0U) sum += share_y * share(at.x() - x, blur.x());
+      }
+    }
+    return sum;
+  }
+
   // A plane as the n with n . X = 1.
   [[nodiscard]] Vector3 board_plane() const {
     const Vector3 normal = board_from_camera_.linear().row(2);
@@ -109,13 +150,14 @@ class Scene {
   }
 
   const scanner::ScannerCalibration& truth_;
-  const Chessboard& board_;
+  const scanner::Board& board_;
   Transform board_from_camera_;
+  std::vector<std::uint64_t> black_cells_;  ///< of the marker in each square; 0: none
 };
 
 }  // namespace
 
-Image photograph(const scanner::ScannerCalibration& truth, const Chessboard& board,
+Image photograph(const scanner::ScannerCalibration& truth, const scanner::Board& board,
                  const Transform& camera_from_board, const BoardLight& light, Random& random) {
   const Scene scene(truth, board, camera_from_board);
   const int width = truth.camera.width_px;
@@ -154,20 +196,31 @@ Image photograph(const scanner::ScannerCalibration& truth, const Chessboard& boa
   return image;
 }
 
-bool in_view(const scanner::CameraModel& camera, const Chessboard& board,
+bool in_view(const scanner::CameraModel& camera, const scanner::Board& board,
              const Transform& camera_from_board) {
   constexpr double margin_px = 4.0;
+  const auto seen = [&](double x, double y) {
+    const Vector3 at = camera_from_board * Vector3(x * board.square_m, y * board.square_m, 0.0);
+    if (at.z() < 0.2) return false;
+    const Vector2 pixel = scanner::project(camera, at);
+    return pixel.x() > margin_px && pixel.x() < camera.width_px - 1 - margin_px &&
+           pixel.y() > margin_px && pixel.y() < camera.height_px - 1 - margin_px;
+  };
+  if (camera_from_board.linear().col(2).dot(camera_from_board.translation()) <= 0.0) return false;
+  if (board.has_markers()) {
+    int corners = 0;
+    for (int i = 0; i < board.corners(); ++i) {
+      corners += seen(i % board.columns, i / board.columns) ? 1 : 0;
+    }
+    return 3 * corners >= 2 * board.corners();
+  }
   const double rim = 1.0 + rim_squares;
   for (const double x : {-rim, board.columns - 1 + rim}) {
     for (const double y : {-rim, board.rows - 1 + rim}) {
-      const Vector3 at = camera_from_board * Vector3(x * board.square_m, y * board.square_m, 0.0);
-      if (at.z() < 0.2) return false;
-      const Vector2 pixel = scanner::project(camera, at);
-      if (pixel.x() < margin_px || pixel.x() > camera.width_px - 1 - margin_px) return false;
-      if (pixel.y() < margin_px || pixel.y() > camera.height_px - 1 - margin_px) return false;
+      if (!seen(x, y)) return false;
     }
   }
-  return (camera_from_board.linear().col(2)).dot(camera_from_board.translation()) > 0.0;
+  return true;
 }
 
 }  // namespace tuina::sim

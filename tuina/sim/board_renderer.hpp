@@ -4,17 +4,10 @@
 #include "tuina/core/geometry.hpp"
 #include "tuina/core/image.hpp"
 #include "tuina/core/random.hpp"
+#include "tuina/scanner/board.hpp"
 #include "tuina/scanner/calibration.hpp"
 
 namespace tuina::sim {
-
-/// A printed chessboard, by its inner corners. Board frame: x along the columns, y along the rows,
-/// z into the board as the camera sees it, the origin at the first inner corner.
-struct Chessboard {
-  int columns = 7;
-  int rows = 10;
-  double square_m = 0.025;
-};
 
 /// How a picture of a board is taken.
 struct BoardLight {
@@ -36,12 +29,13 @@ struct BoardLight {
 
 /// What the camera of the scanner sees of a board before a wall: blurred by lens and pixels, lit
 /// from one side, with the laser line on board and wall.
-[[nodiscard]] Image photograph(const scanner::ScannerCalibration& truth, const Chessboard& board,
-                               const Transform& camera_from_board, const BoardLight& light,
-                               Random& random);
+[[nodiscard]] Image photograph(const scanner::ScannerCalibration& truth,
+                               const scanner::Board& board, const Transform& camera_from_board,
+                               const BoardLight& light, Random& random);
 
-/// Whether the whole board, with its white rim, is in the picture and faces the camera.
-[[nodiscard]] bool in_view(const scanner::CameraModel& camera, const Chessboard& board,
+/// Whether the whole board, with its white rim, is in the picture and faces the camera. Of a board
+/// with markers two thirds of the corners are enough.
+[[nodiscard]] bool in_view(const scanner::CameraModel& camera, const scanner::Board& board,
                            const Transform& camera_from_board);
 
 }  // namespace tuina::sim

@@ -39,7 +39,7 @@ constexpr double couch_board_m = 12.0_mm;  // its thickness; its upper face is z
 
 using Picture = RehearsalPicture;
 
-Transform about(const Vector3& centre, const Matrix3& rotation, const Chessboard& board) {
+Transform about(const Vector3& centre, const Matrix3& rotation, const scanner::Board& board) {
   Transform pose = Transform::Identity();
   pose.linear() = rotation;
   pose.translation() =
@@ -130,6 +130,17 @@ std::string frames_csv(const std::vector<Picture>& pictures) {
     const Picture& picture = pictures[i];
     text += fmt::format("{},{},{},{},{:.4f}\n", i, picture.laser ? "laser" : "board", picture.pose,
                         2 * i, to_deg(picture.yaw_rad));
+  }
+  return text;
+}
+
+std::string board_toml(const scanner::Board& board) {
+  std::string text = fmt::format(
+      "[board]\nkind = \"{}\"\ncolumns = {}  # inner corners\nrows = {}\nsquare_m = {}\n",
+      board.has_markers() ? "charuco" : "chessboard", board.columns, board.rows, board.square_m);
+  if (board.has_markers()) {
+    text += fmt::format("marker_m = {}\ndictionary = \"DICT_{}X{}_{}\"\n", board.marker_m,
+                        board.marker_cells, board.marker_cells, scanner::most_markers);
   }
   return text;
 }
@@ -234,9 +245,7 @@ Result<void> write_set(const ScannerCalibration& truth, std::uint64_t seed, cons
   };
   const auto taken = take(truth, seed, folder / "frames", options, pictures, some(0.0, share));
   if (!taken) return taken;
-  const auto board = fmt::format(
-      "[board]\nkind = \"chessboard\"\ncolumns = {}  # inner corners\nrows = {}\nsquare_m = {}\n",
-      options.board.columns, options.board.rows, options.board.square_m);
+  const std::string board = board_toml(options.board);
   if (const auto written = write_file(folder / "board.toml", board); !written) return written;
   if (const auto written = write_file(folder / "frames.csv", frames_csv(pictures)); !written) {
     return written;

@@ -16,8 +16,13 @@ namespace tuina::sim {
 /// drawing.
 [[nodiscard]] scanner::ScannerCalibration built_scanner(std::uint64_t seed);
 
+/// A ChArUco board that fits a sheet of A4, 5 x 7 squares of OpenCV's DICT_4X4_50.
+[[nodiscard]] inline scanner::Board charuco_board() {
+  return {.columns = 4, .rows = 6, .square_m = 0.035, .marker_m = 0.026};
+}
+
 struct RehearsalOptions {
-  Chessboard board;
+  scanner::Board board;
   int poses = 40;          ///< of a board held in the hand, each with and without laser
   int standing_poses = 8;  ///< of a board that stands while the unit turns
   double nearest_m = 0.5;
