@@ -25,12 +25,25 @@ struct GuardedArm {
   const JointVector& step(const robot::RobotReading& reading, Arm arm) noexcept {
     const JointVector torque = controller.step(state, reading.rail_m, 1e-3);
     const control::ArmStatus& status = controller.status();
-    const robot::ArmDynamics& dynamics = controller.dynamics();
-    const Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, most_joints> jacobian =
-        dynamics.jacobian.topRows<3>();
     constexpr std::array phase_of = {safety::Phase::free,     safety::Phase::free,
                                      safety::Phase::approach, safety::Phase::contact,
                                      safety::Phase::retract,  safety::Phase::free};
+    return allow(reading, arm, controller.dynamics(),
+                 {.torque_nm = torque,
+                  .phase = phase_of[static_cast<std::size_t>(status.doing)],
+                  .zone = safety::Zone::bench,
+                  .set_force_n = status.set_force_n,
+                  .normal_in_base = status.normal_in_base,
+                  .virtual_target_in_base = status.virtual_target_in_base,
+                  .stiffness_n_per_m = status.stiffness_n_per_m});
+  }
+
+  /// What the gate makes of somebody's proposal for this tick.
+  const JointVector& allow(const robot::RobotReading& reading, Arm arm,
+                           const robot::ArmDynamics& dynamics,
+                           const safety::Proposal& proposal) noexcept {
+    const Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, most_joints> jacobian =
+        dynamics.jacobian.topRows<3>();
     verdict = guard.check({.tick = reading.tick,
                            .time_s = reading.time_s,
                            .wrench_time_s = reading.arms[arm].wrench_time_s,
@@ -41,13 +54,7 @@ struct GuardedArm {
                            .tool_velocity_m_per_s = jacobian * state.dq_rad_per_s,
                            .jacobian = jacobian,
                            .gravity_nm = dynamics.gravity_nm},
-                          {.torque_nm = torque,
-                           .phase = phase_of[static_cast<std::size_t>(status.doing)],
-                           .zone = safety::Zone::bench,
-                           .set_force_n = status.set_force_n,
-                           .normal_in_base = status.normal_in_base,
-                           .virtual_target_in_base = status.virtual_target_in_base,
-                           .stiffness_n_per_m = status.stiffness_n_per_m});
+                          proposal);
     return verdict.allowed_nm;
   }
 };

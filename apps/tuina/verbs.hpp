@@ -36,6 +36,9 @@ std::unique_ptr<Verb> make_calibrate();  // these two only where their room is b
 std::unique_ptr<Verb> make_evaluate_calibration();
 std::unique_ptr<Verb> make_scan();
 std::unique_ptr<Verb> make_plan();
+std::unique_ptr<Verb> make_teach_record();
+std::unique_ptr<Verb> make_teach_play();
+std::unique_ptr<Verb> make_teach_show();
 
 /// One line for --help about the verbs that begin with the same word.
 std::string summary_of_group(std::string_view group);

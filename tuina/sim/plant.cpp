@@ -86,6 +86,7 @@ struct Plant::World {
   int substeps = 4;
   double step_s = 0.0;
   PerArm<ArmDevices> arms;
+  PerArm<Wrench> hands;
   double rail_wanted_m = 0.0, rail_now_m = 0.0, rail_speed = 0.0;
   double moving_kg = 0.0;
   std::uint64_t tick = 0;
@@ -191,6 +192,9 @@ Plant::Plant(std::unique_ptr<World> world) : world_(std::move(world)) {}
 Plant::~Plant() = default;
 const char* Plant::fault() const noexcept {
   return world_->broken;
+}
+void Plant::push(Arm arm, const Wrench& hand_in_base) noexcept {
+  world_->hands[arm] = hand_in_base;
 }
 const PlantTruth& Plant::truth() const noexcept {
   return world_->truth;
@@ -301,6 +305,9 @@ void Plant::World::touch(Arm side) noexcept {
                  data->qfrc_applied);
     }
   }
+  const Wrench& hand = hands[side];
+  mj_applyFT(model.get(), data.get(), hand.force_n.data(), hand.torque_nm.data(), at_in_base.data(),
+             arm.tool_body, data->qfrc_applied);
   // The sensor carries the tool: it feels the contact, the tool's weight, and what it takes to move
   // the tool.
   const Vector3 acceleration = (velocity_in_base - arm.last_velocity) / step_s;

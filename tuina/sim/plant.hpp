@@ -78,6 +78,10 @@ class Plant final : public robot::Robot {
   void apply(const robot::RobotCommand& command) noexcept override;
   [[nodiscard]] const char* fault() const noexcept override;
 
+  /// A hand that leads the arm, at the tool's centre but above the wrist sensor, which does not
+  /// feel it; it lasts until it is changed.
+  void push(Arm arm, const Wrench& hand_in_base) noexcept;
+
   /// As of the last `read`.
   [[nodiscard]] const PlantTruth& truth() const noexcept;
 

@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "apps/tuina/teaching.hpp"
+#include "apps/tuina/verbs.hpp"
+#include "tuina/core/file.hpp"
+#include "tuina/core/units.hpp"
+#include "tuina/telemetry/svg_plot.hpp"
+
+namespace tuina::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::map<std::string, Technique> techniques = {
+    {"press", Technique::press}, {"rub", Technique::rub}, {"stroke", Technique::stroke}};
+
+double contact_s(const session::TaughtMotion& motion) {
+  double sum_s = 0.0;
+  for (std::size_t i = 1; i < motion.samples.size(); ++i) {
+    if (motion.samples[i].force_n > 1.0)
+      sum_s += motion.samples[i].time_s - motion.samples[i - 1].time_s;
+  }
+  return sum_s;
+}
+
+double peak_n(const session::TaughtMotion& motion) {
+  double most_n = 0.0;
+  for (const auto& sample : motion.samples) most_n = std::max(most_n, sample.force_n);
+  return most_n;
+}
+
+nlohmann::json json_of(const session::TaughtMotion& motion) {
+  return {{"name", motion.name},
+          {"position", name_of(motion.position)},
+          {"arm", name_of(motion.arm)},
+          {"duration_s", motion.duration_s()},
+          {"contact_s", contact_s(motion)},
+          {"peak_n", peak_n(motion)}};
+}
+
+/// Force over time, and the joints below it.
+std::string draw(const session::TaughtMotion& motion, const PlayedMotion* played) {
+  using telemetry::Series;
+  namespace palette = telemetry::palette;
+  telemetry::Plot plot{.title = motion.name, .x_label = "time, s", .y_label = "force, N"};
+  Series taught{.name = played != nullptr ? "taught" : "", .colour = palette::press};
+  for (const auto& sample : motion.samples) {
+    taught.x.push_back(sample.time_s);
+    taught.y.push_back(sample.force_n);
+  }
+  plot.series.push_back(std::move(taught));
+  if (played != nullptr) {
+    Series now{.name = "played, true", .colour = palette::ink};
+    for (const TeachRow& row : played->truth) {
+      now.x.push_back(row.time_s);
+      now.y.push_back(row.true_force_n);
+    }
+    plot.series.push_back(std::move(now));
+  }
+  return telemetry::to_svg(plot);
+}
+
+std::string draw_joints(const session::TaughtMotion& motion) {
+  namespace palette = telemetry::palette;
+  constexpr std::array colours = {palette::press, palette::rub,  palette::stroke,  palette::tap,
+                                  palette::ink,   palette::grey, palette::hairline};
+  telemetry::Plot plot{.title = "joints", .x_label = "time, s", .y_label = "angle, degrees"};
+  const auto joints = motion.samples.front().q_rad.size();
+  for (Eigen::Index j = 0; j < joints; ++j) {
+    telemetry::Series series{.name = fmt::format("joint {}", j + 1),
+                             .colour = colours[static_cast<std::size_t>(j)]};
+    for (const auto& sample : motion.samples) {
+      series.x.push_back(sample.time_s);
+      series.y.push_back(to_deg(sample.q_rad(j)));
+    }
+    plot.series.push_back(std::move(series));
+  }
+  return telemetry::to_svg(plot);
+}
+
+class TeachRecord final : public Verb {
+ public:
+  [[nodiscard]] const char* name() const override { return "teach record"; }
+  [[nodiscard]] const char* summary() const override {
+    return "a simulated hand leads an arm over a back; what the joints did is kept";
+  }
+  [[nodiscard]] const char* example() const override {
+    return "tuina teach record --technique stroke --arm left --out stroke.toml";
+  }
+  void describe(CLI::App& command) override {
+    command
+        .add_option("--person", order_.person,
+                    "phantom:slim, phantom:medium, phantom:hefty, or a labelled body FILE.ply")
+        ->capture_default_str();
+    command.add_option("--position", position_, "of the person")
+        ->check(CLI::IsMember({"sitting", "prone"}))
+        ->capture_default_str();
+    command.add_option("--technique", technique_, "what the hand shows: as in the programme relax")
+        ->check(CLI::IsMember({"press", "rub", "stroke"}))
+        ->capture_default_str();
+    command.add_option("--arm", arm_, "that is led")
+        ->check(CLI::IsMember({"left", "right"}))
+        ->capture_default_str();
+    command.add_option("--out", out_, "FILE.toml; the samples go to FILE.csv beside it")
+        ->required();
+  }
+  [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
+    const auto config = effective_config(common);
+    if (!config) return tl::unexpected(config.error());
+    if (fs::path(out_).extension() != ".toml")
+      return fail(Fault::usage, "--out {}: the name must end in .toml", out_);
+    std::error_code fault;
+    const fs::path folder = fs::path(out_).parent_path();
+    if (!folder.empty() && !fs::is_directory(folder, fault))
+      return fail(Fault::file, "{}: there is no folder {}", out_, folder.string());
+    order_.position = position_ == "prone" ? Position::prone : Position::sitting;
+    order_.technique = techniques.at(technique_);
+    order_.arm = arm_ == "left" ? Arm::left : Arm::right;
+    const auto taught = record_by_hand(order_, *config, common);
+    if (!taught) return tl::unexpected(taught.error());
+    if (const auto written = session::write_taught(taught->motion, out_); !written)
+      return tl::unexpected(written.error());
+    nlohmann::json json = json_of(taught->motion);
+    json["peak_hand_n"] = taught->peak_hand_n;
+    return Answer{.json = json.dump(2),
+                  .text = fmt::format(
+                      "{}: {:.1f} s, of these {:.1f} s on the skin with up to {:.1f} "
+                      "N; the hand needed {:.0f} N at most\nnow: tuina teach play {}",
+                      taught->motion.name, taught->motion.duration_s(), contact_s(taught->motion),
+                      peak_n(taught->motion), taught->peak_hand_n, out_)};
+  }
+
+ private:
+  TeachOrder order_;
+  std::string position_ = "sitting", technique_ = "stroke", arm_ = "left", out_;
+};
+
+class TeachPlay final : public Verb {
+ public:
+  [[nodiscard]] const char* name() const override { return "teach play"; }
+  [[nodiscard]] const char* summary() const override {
+    return "plays a taught motion to a simulated person by joint impedance, under the guard";
+  }
+  [[nodiscard]] const char* example() const override {
+    return "tuina teach play stroke.toml --plot played.svg";
+  }
+  void describe(CLI::App& command) override {
+    command.add_option("file", file_, "of `tuina teach record`")->required();
+    command
+        .add_option("--person", person_,
+                    "phantom:slim, phantom:medium, phantom:hefty, or a labelled body FILE.ply")
+        ->capture_default_str();
+    command.add_option("--plot", plot_, "force over time, taught and played, as SVG");
+  }
+  [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
+    const auto config = effective_config(common);
+    if (!config) return tl::unexpected(config.error());
+    const auto motion = session::read_taught(file_, robot::thesis_arm());
+    if (!motion) return tl::unexpected(motion.error());
+    const auto played = play_motion(*motion, person_, *config, common);
+    if (!played) return tl::unexpected(played.error());
+    if (!plot_.empty()) {
+      if (const auto written = write_file(plot_, draw(*motion, &*played)); !written)
+        return tl::unexpected(written.error());
+    }
+    nlohmann::json stops = nlohmann::json::array();
+    if (played->stop) stops.push_back({{"cause", *played->stop}});
+    return Answer{
+        .json = nlohmann::json{{"name", motion->name},
+                               {"duration_s", motion->duration_s()},
+                               {"tracking_rms_mm", to_mm(played->tracking_rms_m)},
+                               {"force",
+                                {{"rmse_n", played->force_rmse_n}, {"peak_n", played->peak_n}}},
+                               {"stops", stops}}
+                    .dump(2),
+        .text = fmt::format(
+            "{}: {:.1f} s, the tool within {:.1f} mm RMS of where it was led, force "
+            "{:.1f} N RMS from what was taught, {:.1f} N at most{}",
+            motion->name, motion->duration_s(), to_mm(played->tracking_rms_m), played->force_rmse_n,
+            played->peak_n, played->stop ? "\nstopped: " + *played->stop : ""),
+        .exit_code = played->stop ? 4 : 0};
+  }
+
+ private:
+  std::string file_, plot_, person_ = "phantom:medium";
+};
+
+class TeachShow final : public Verb {
+ public:
+  [[nodiscard]] const char* name() const override { return "teach show"; }
+  [[nodiscard]] const char* summary() const override { return "what a taught motion is"; }
+  [[nodiscard]] const char* example() const override {
+    return "tuina teach show stroke.toml --plot stroke.svg --joints joints.svg";
+  }
+  void describe(CLI::App& command) override {
+    command.add_option("file", file_, "of `tuina teach record`")->required();
+    command.add_option("--plot", plot_, "force over time as SVG");
+    command.add_option("--joints", joints_, "joint angles over time as SVG");
+  }
+  [[nodiscard]] Result<Answer> run(const CommonOptions&) override {
+    const auto motion = session::read_taught(file_, robot::thesis_arm());
+    if (!motion) return tl::unexpected(motion.error());
+    if (!plot_.empty()) {
+      if (const auto written = write_file(plot_, draw(*motion, nullptr)); !written)
+        return tl::unexpected(written.error());
+    }
+    if (!joints_.empty()) {
+      if (const auto written = write_file(joints_, draw_joints(*motion)); !written)
+        return tl::unexpected(written.error());
+    }
+    return Answer{.json = json_of(*motion).dump(2),
+                  .text = fmt::format("{} by the {} arm to a person {}: {:.1f} s, {:.1f} s on the "
+                                      "skin, {:.1f} N at most, {} samples",
+                                      motion->name, name_of(motion->arm), name_of(motion->position),
+                                      motion->duration_s(), contact_s(*motion), peak_n(*motion),
+                                      motion->samples.size())};
+  }
+
+ private:
+  std::string file_, plot_, joints_;
+};
+
+}  // namespace
+
+std::unique_ptr<Verb> make_teach_record() {
+  return std::make_unique<TeachRecord>();
+}
+std::unique_ptr<Verb> make_teach_play() {
+  return std::make_unique<TeachPlay>();
+}
+std::unique_ptr<Verb> make_teach_show() {
+  return std::make_unique<TeachShow>();
+}
+
+}  // namespace tuina::app

@@ -1,0 +1,421 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/tuina/teaching.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "apps/tuina/guarded_arm.hpp"
+#include "tuina/body/back_surface.hpp"
+#include "tuina/control/cartesian_impedance.hpp"
+#include "tuina/control/friction.hpp"
+#include "tuina/core/units.hpp"
+#include "tuina/massage/plan.hpp"
+#include "tuina/massage/programme.hpp"
+#include "tuina/massage/zones.hpp"
+#include "tuina/robot/inverse_kinematics.hpp"
+#include "tuina/session/arm_separation.hpp"
+#include "tuina/session/plan_step.hpp"
+#include "tuina/sim/person.hpp"
+#include "tuina/sim/plant.hpp"
+#include "tuina/sim/tissue_map.hpp"
+
+namespace tuina::app {
+namespace {
+
+using control::ToolPose;
+
+constexpr double tick_s = 1e-3;
+
+/// A robot before a person, with the errors between it and its table that the seed draws.
+struct Stage {
+  robot::RobotMount mount;
+  PerArm<robot::ArmModel> models;
+  sim::BackContact person;
+  std::unique_ptr<sim::Plant> plant;
+  session::ArmSeparation separation;
+  PerArm<GuardedArm> arms;  // they look at `models`
+
+  Stage(const sim::Person& who, const session::Config& config, std::uint64_t seed)
+      : mount(robot::mount_for(who.position)),
+        models(robot::both_models(robot::thesis_arm(), mount)),
+        person(who.skin_in_couch, sim::lay_tissue(who, seed),
+               {.torso_n_per_m = 1e3 * config.simulation.torso_n_per_mm,
+                .breathing = {.amplitude_m = from_mm(config.simulation.breathing_mm),
+                              .frequency_hz = config.simulation.breathing_hz}}),
+        separation(models),
+        arms{.of = {GuardedArm(models[Arm::left], {}), GuardedArm(models[Arm::right], {})}} {}
+  Stage(const Stage&) = delete;
+  Stage& operator=(const Stage&) = delete;
+
+  [[nodiscard]] static Result<std::unique_ptr<Stage>> make(const sim::Person& who,
+                                                           const sim::Plant::Start& start,
+                                                           const session::Config& config,
+                                                           std::uint64_t seed) {
+    auto stage = std::make_unique<Stage>(who, config, seed);
+    Random errors = make_random(seed, "true arms");
+    PerArm<robot::ArmTable> tables;
+    for (const Arm arm : both_arms) {
+      tables[arm] = sim::draw_arm(robot::thesis_arm(),
+                                  {.friction_scale = config.simulation.friction}, errors);
+    }
+    auto plant = sim::Plant::make(stage->mount, tables, start, &stage->person, {.seed = seed});
+    if (!plant) return tl::unexpected(plant.error());
+    stage->plant = std::move(*plant);
+    return stage;
+  }
+
+  [[nodiscard]] TeachRow row(Arm arm, double time_s) const {
+    const sim::ArmTruth& truth = plant->truth().arms[arm];
+    const Vector3 ahead = truth.couch_from_tool.linear().col(0);
+    return {.time_s = time_s,
+            .tool_in_couch =
+                truth.couch_from_tool.translation() + models[arm].table().tool_radius_m * ahead,
+            .true_force_n = truth.contact.force_n};
+  }
+};
+
+/// Where the hand has the tool at a time, and how hard it presses; smooth from leg to leg.
+class HandMotion {
+ public:
+  struct Now {
+    ToolPose foremost;
+    Vector3 velocity = Vector3::Zero();
+    double press_n = 0.0;  ///< 0 in the air
+  };
+
+  explicit HandMotion(const ToolPose& from) : last_(from) {}
+
+  void go(const ToolPose& to, double speed_m_per_s) {
+    const double way_m = (to.at_in_base - last_.at_in_base).norm();
+    const double turn_rad =
+        std::acos(std::clamp(to.normal_in_base.dot(last_.normal_in_base), -1.0, 1.0));
+    const double duration_s = std::max({way_m / speed_m_per_s, turn_rad / 0.4, 0.2});
+    legs_.push_back({.begin_s = end_s_, .end_s = end_s_ + duration_s, .from = last_, .to = to});
+    end_s_ = legs_.back().end_s;
+    last_ = to;
+  }
+  void press(const ContactPath& path, const Transform& base_from_couch) {
+    legs_.push_back({.begin_s = end_s_, .end_s = end_s_ + path.duration_s(), .path = &path});
+    base_from_couch_ = base_from_couch;
+    end_s_ = legs_.back().end_s;
+    last_ = pose(path.points.back());
+  }
+  [[nodiscard]] double duration_s() const { return end_s_; }
+
+  [[nodiscard]] Now at(double time_s) const {
+    const auto next = std::find_if(legs_.begin(), legs_.end(),
+                                   [&](const Leg& leg) { return time_s < leg.end_s; });
+    const Leg& leg = next == legs_.end() ? legs_.back() : *next;
+    const double length_s = leg.end_s - leg.begin_s;
+    const double u = std::clamp((time_s - leg.begin_s) / length_s, 0.0, 1.0);
+    if (leg.path != nullptr) return along(*leg.path, u * length_s);
+    // The straight way with the least jerk (Flash and Hogan 1985).
+    const double s = u * u * u * (10.0 + u * (6.0 * u - 15.0));
+    const double ds = 30.0 * u * u * (1.0 - u) * (1.0 - u) / length_s;
+    const Vector3 way = leg.to.at_in_base - leg.from.at_in_base;
+    return {.foremost =
+                {leg.from.at_in_base + s * way,
+                 ((1.0 - s) * leg.from.normal_in_base + s * leg.to.normal_in_base).normalized()},
+            .velocity = ds * way};
+  }
+
+ private:
+  struct Leg {
+    double begin_s, end_s;
+    ToolPose from = {}, to = {};
+    const ContactPath* path = nullptr;
+  };
+  [[nodiscard]] ToolPose pose(const ContactPoint& point) const {
+    return {base_from_couch_ * point.at_in_couch,
+            base_from_couch_.linear() * point.normal_in_couch};
+  }
+  [[nodiscard]] Now along(const ContactPath& path, double path_s) const {
+    const double step_s = path.points[1].time_s - path.points[0].time_s;
+    const auto last = static_cast<double>(path.points.size() - 1);
+    const double place = std::clamp(path_s / step_s, 0.0, last - 1e-6);
+    const auto k = static_cast<std::size_t>(place);
+    const double u = place - static_cast<double>(k);
+    const ToolPose a = pose(path.points[k]), b = pose(path.points[k + 1]);
+    return {.foremost = {(1.0 - u) * a.at_in_base + u * b.at_in_base,
+                         ((1.0 - u) * a.normal_in_base + u * b.normal_in_base).normalized()},
+            .velocity = (b.at_in_base - a.at_in_base) / step_s,
+            .press_n = (1.0 - u) * path.points[k].force_n + u * path.points[k + 1].force_n};
+  }
+
+  std::vector<Leg> legs_;
+  Transform base_from_couch_ = Transform::Identity();
+  ToolPose last_;
+  double end_s_ = 0.0;
+};
+
+/// The push of a hand that wants the tool somewhere: a spring and a damper across, and on the skin
+/// the force it feels there brought to the one it wants, within a second.
+class Hand {
+ public:
+  [[nodiscard]] Wrench push(const HandMotion::Now& wanted, const Transform& base_from_tool,
+                            const Vector3& velocity, double felt_n, double radius_m) {
+    constexpr double stiffness = 1500.0, damping = 60.0, most_n = 60.0;
+    constexpr double turn_stiffness = 10.0, turn_damping = 0.5, force_per_s = 3.0;
+    const Vector3& normal = wanted.foremost.normal_in_base;
+    const Vector3 centre = wanted.foremost.at_in_base + radius_m * normal;
+    Vector3 force = stiffness * (centre - base_from_tool.translation()) +
+                    damping * (wanted.velocity - velocity);
+    if (wanted.press_n > 0.0) {
+      force -= force.dot(normal) * normal;
+      leaning_n_ += tick_s * force_per_s * (wanted.press_n - felt_n);
+      force -= (wanted.press_n + leaning_n_ + damping * velocity.dot(normal)) * normal;
+    } else {
+      leaning_n_ = 0.0;
+    }
+    const Vector3 axis = control::tool_normal(base_from_tool);
+    const Vector3 turning =
+        last_axis_.isZero() ? Vector3::Zero() : Vector3((axis - last_axis_) / tick_s);
+    last_axis_ = axis;
+    return {.force_n = control::shortened(force, most_n),
+            .torque_nm = turn_stiffness * axis.cross(normal) - turn_damping * axis.cross(turning)};
+  }
+
+ private:
+  double leaning_n_ = 0.0;
+  Vector3 last_axis_ = Vector3::Zero();
+};
+
+safety::Zone guarded_zone(const massage::PlannedPath& planned) {
+  for (const safety::Zone zone : {safety::Zone::muscle, safety::Zone::kidney}) {
+    if (safety::ceiling_of(zone).set_n <= massage::rule_of(planned.zone).cap_n) return zone;
+  }
+  return safety::Zone::bony;
+}
+
+/// The first path of this technique on this side of the true back, and how the arm gets there.
+Result<session::ReadyPlan> plan_for(const sim::Person& person, const TeachOrder& order) {
+  PointCloud skin;
+  skin.points = person.skin_in_couch.vertices;
+  const auto back = body::fit_back(skin, {.position = order.position});
+  if (!back) return tl::unexpected(back.error());
+  const auto programme = massage::load_programme("relax");
+  if (!programme) return tl::unexpected(programme.error());
+  auto plan = massage::plan(*back, person.acupoints, person.landmarks, *programme);
+  if (!plan) return tl::unexpected(plan.error());
+  const auto wanted = std::find_if(
+      plan->paths.begin(), plan->paths.end(), [&](const massage::PlannedPath& planned) {
+        return planned.path.technique == order.technique && planned.arm == order.arm;
+      });
+  if (wanted == plan->paths.end()) {
+    return fail(Fault::usage, "the programme `relax` has no {} for the {} arm",
+                name_of(order.technique), name_of(order.arm));
+  }
+  plan->paths = {massage::PlannedPath(*wanted)};
+  plan->paths.front().step = 0;
+  const robot::RobotMount mount = robot::mount_for(order.position);
+  constexpr double standoff_m = 40_mm;
+  return session::make_ready(std::move(*plan), *back, mount,
+                             robot::both_models(robot::thesis_arm(), mount), mount.base_from_couch,
+                             standoff_m);
+}
+
+HandMotion hand_motion(const session::ReadyPlan& ready, const ToolPose& home, Arm arm,
+                       const Transform& base_from_couch) {
+  const ContactPath& path = ready.plan.paths.front().path;
+  const auto& way = ready.jobs[arm].front().way_in_base;
+  const auto over = [&](const ContactPoint& point, double height_m) {
+    const Vector3 normal = base_from_couch.linear() * point.normal_in_couch;
+    return ToolPose{base_from_couch * point.at_in_couch + height_m * normal, normal};
+  };
+  HandMotion motion(home);
+  for (const ToolPose& pose : way) motion.go(pose, 0.10);
+  motion.go(over(path.points.front(), -2_mm), 0.04);
+  motion.press(path, base_from_couch);
+  motion.go(over(path.points.back(), 60_mm), 0.04);
+  for (auto pose = way.rbegin(); pose != way.rend(); ++pose) motion.go(*pose, 0.10);
+  motion.go(home, 0.10);
+  return motion;
+}
+
+}  // namespace
+
+Result<TaughtByHand> record_by_hand(const TeachOrder& order, const session::Config& config,
+                                    const CommonOptions& common) {
+  const auto person = sim::parse_person(order.person, order.position, common.seed);
+  if (!person) return tl::unexpected(person.error());
+  const auto ready = plan_for(*person, order);
+  if (!ready) return tl::unexpected(ready.error());
+  auto made = Stage::make(*person, {.q_rad = ready->ready_rad, .rail_m = ready->rail_m}, config,
+                          common.seed);
+  if (!made) return tl::unexpected(made.error());
+  Stage& stage = **made;
+  const Arm arm = order.arm;
+  const robot::ArmModel& model = stage.models[arm];
+  const double radius_m = model.table().tool_radius_m;
+  const Transform home = model.base_from_tool(ready->ready_rad[arm], ready->rail_m);
+  const HandMotion wanted = hand_motion(
+      *ready,
+      {home.translation() - radius_m * control::tool_normal(home), control::tool_normal(home)}, arm,
+      stage.mount.base_from_couch);
+
+  const massage::PlannedPath& planned = ready->plan.paths.front();
+  TaughtByHand taught{.motion = {.name = planned.path.name,
+                                 .position = order.position,
+                                 .arm = arm,
+                                 .rail_m = ready->rail_m,
+                                 .zone = guarded_zone(planned)}};
+  Hand hand;
+  constexpr double learning_s = 3.5;  // the arm learns its friction before it is led
+  const double end_s = learning_s + wanted.duration_s() + 0.5;
+  const Progress bar = progress_bar(common, "teach");
+  for (;;) {
+    const robot::RobotReading reading = stage.plant->read();
+    if (const char* fault = stage.plant->fault())
+      return fail(Fault::device, "the robot: {}", fault);
+    const double time_s = reading.time_s - learning_s;
+    if (reading.time_s > end_s) break;
+    if (bar && reading.tick % 100 == 0) bar(reading.time_s / end_s);
+    for (const Arm side : both_arms) stage.arms[side].sense(reading, side);
+    GuardedArm& led = stage.arms[arm];
+    if (reading.tick == 0) {
+      for (const Arm side : both_arms) stage.arms[side].controller.start(stage.arms[side].state);
+    } else if (time_s >= 0.0 && led.controller.status().doing != control::Doing::lead) {
+      led.controller.lead();
+    }
+    robot::RobotCommand command{.rail_m = ready->rail_m};
+    for (const Arm side : both_arms) {
+      GuardedArm& one = stage.arms[side];
+      const JointVector torque = one.controller.step(one.state, reading.rail_m, tick_s);
+      const robot::ArmDynamics& dynamics = one.controller.dynamics();
+      const bool skin = side == arm && one.state.contact_in_base.force_n.norm() > 1.5;
+      command.torque_nm[side] =
+          one.allow(reading, side, dynamics,
+                    {.torque_nm = torque,
+                     .phase = skin ? safety::Phase::contact : safety::Phase::free,
+                     .zone = side == arm ? taught.motion.zone : safety::Zone::denied,
+                     .normal_in_base = control::tool_normal(dynamics.base_from_tool),
+                     .virtual_target_in_base = dynamics.base_from_tool.translation()});
+      if (one.verdict.latched) {
+        return fail(Fault::stopped, "the {} arm stopped while it was led: {}", name_of(side),
+                    safety::name_of(one.verdict.cause));
+      }
+    }
+    if (!stage.separation.keeps(reading)) {
+      return fail(Fault::stopped, "the arm was led too near to the other one");
+    }
+    stage.plant->apply(command);
+    if (time_s < 0.0) continue;
+
+    const sim::ArmTruth& truth = stage.plant->truth().arms[arm];
+    const Transform base_from_tool = stage.mount.base_from_couch * truth.couch_from_tool;
+    const Wrench push = hand.push(wanted.at(time_s), base_from_tool,
+                                  stage.mount.base_from_couch.linear() * truth.velocity_in_couch,
+                                  truth.contact.force_n, radius_m);
+    stage.plant->push(arm, push);
+    taught.peak_hand_n = std::max(taught.peak_hand_n, push.force_n.norm());
+    taught.truth.push_back(stage.row(arm, time_s));
+    const Vector3 out = control::tool_normal(led.state.base_from_tool);
+    taught.motion.samples.push_back(
+        {.time_s = static_cast<double>(taught.motion.samples.size()) * tick_s,
+         .q_rad = led.state.q_rad,
+         .force_n = led.state.contact_in_base.force_n.dot(out)});
+  }
+  if (bar) bar(1.0);
+  taught.motion = session::smoothed(taught.motion);
+  return taught;
+}
+
+Result<PlayedMotion> play_motion(const session::TaughtMotion& motion, const std::string& name,
+                                 const session::Config& config, const CommonOptions& common) {
+  const auto person = sim::parse_person(name, motion.position, common.seed);
+  if (!person) return tl::unexpected(person.error());
+  const robot::ArmTable table = robot::thesis_arm();
+  sim::Plant::Start start{.q_rad = robot::ready_posture(table, robot::mount_for(motion.position)),
+                          .rail_m = motion.rail_m};
+  start.q_rad[motion.arm] = motion.samples.front().q_rad;
+  auto made = Stage::make(*person, start, config, common.seed);
+  if (!made) return tl::unexpected(made.error());
+  Stage& stage = **made;
+  const robot::ArmModel& model = stage.models[motion.arm];
+  const JointVector stiffness = JointVector::Constant(model.joints(), 200.0);
+  const JointVector still = JointVector::Zero(model.joints());
+  control::FrictionCompensation friction(table, {});
+  friction.start(start.q_rad[motion.arm]);
+
+  const double cap_n = safety::ceiling_of(motion.zone).set_n;
+  PlayedMotion played;
+  double way2 = 0.0, force2 = 0.0;
+  constexpr double settle_s = 0.5;
+  double stopped_s = -1.0;
+  const Progress bar = progress_bar(common, "play");
+  for (;;) {
+    const robot::RobotReading reading = stage.plant->read();
+    if (const char* fault = stage.plant->fault())
+      return fail(Fault::device, "the robot: {}", fault);
+    const double time_s = reading.time_s - settle_s;
+    if (time_s > motion.duration_s() + 0.5) break;
+    if (stopped_s >= 0.0 && reading.time_s > stopped_s + 1.5) break;
+    if (bar && reading.tick % 100 == 0) bar(std::clamp(time_s / motion.duration_s(), 0.0, 1.0));
+    robot::RobotCommand command{.rail_m = motion.rail_m};
+    for (const Arm side : both_arms) {
+      GuardedArm& one = stage.arms[side];
+      one.sense(reading, side);
+      if (side != motion.arm) {
+        if (reading.tick == 0) one.controller.start(one.state);
+        command.torque_nm[side] = one.step(reading, side);
+        continue;
+      }
+      const auto wanted = motion.at(time_s);
+      const robot::ArmDynamics dynamics =
+          model.evaluate(one.state.q_rad, one.state.dq_rad_per_s, reading.rail_m);
+      const Vector3 out = control::tool_normal(dynamics.base_from_tool);
+      const JointVector lever = dynamics.jacobian.topRows<3>().transpose() * out;
+      // Where the skin has pushed back, the joints alone would press too little: what was felt is
+      // given along.
+      const double press_n = std::clamp(wanted.force_n, 0.0, cap_n);
+      const JointVector torque = control::joint_impedance_torque(
+                                     dynamics, one.state.q_rad, one.state.dq_rad_per_s,
+                                     wanted.q_rad, wanted.dq_rad_per_s, still, stiffness, 0.8) -
+                                 press_n * lever + dynamics.gravity_nm + dynamics.coriolis_nm +
+                                 friction.step(one.state.q_rad);
+      // What the springs of the joints are along the tool's axis.
+      const double n_per_m = 1.0 / lever.cwiseAbs2().cwiseQuotient(stiffness).sum();
+      const bool skin = wanted.force_n > 0.5 || one.state.contact_in_base.force_n.norm() > 1.5;
+      command.torque_nm[side] =
+          one.allow(reading, side, dynamics,
+                    {.torque_nm = torque,
+                     .phase = skin ? safety::Phase::contact : safety::Phase::free,
+                     .zone = motion.zone,
+                     .set_force_n = press_n,
+                     .normal_in_base = out,
+                     .virtual_target_in_base =
+                         model.base_from_tool(wanted.q_rad, reading.rail_m).translation(),
+                     .stiffness_n_per_m = n_per_m});
+      if (time_s < 0.0) continue;
+      TeachRow row = stage.row(side, time_s);
+      const Transform there = model.base_from_tool(wanted.q_rad, motion.rail_m);
+      const Vector3 led_to =
+          stage.mount.base_from_couch.inverse() *
+          (there.translation() - model.table().tool_radius_m * control::tool_normal(there));
+      way2 += (row.tool_in_couch - led_to).squaredNorm();
+      if (wanted.force_n > 0.5) {
+        force2 += std::pow(row.true_force_n - wanted.force_n, 2);
+        played.contact_s += tick_s;
+      }
+      played.peak_n = std::max(played.peak_n, row.true_force_n);
+      played.truth.push_back(row);
+    }
+    const bool apart = stage.separation.keeps(reading);
+    for (const Arm side : both_arms) {
+      const safety::Verdict& verdict = stage.arms[side].verdict;
+      if (stopped_s >= 0.0 || (apart && !verdict.latched)) continue;
+      stopped_s = reading.time_s;
+      played.stop = safety::name_of(apart ? verdict.cause : safety::Cause::arms_too_close);
+    }
+    stage.plant->apply(command);
+  }
+  if (bar) bar(1.0);
+  const auto rms = [](double sum, double count) { return std::sqrt(sum / std::max(1.0, count)); };
+  played.tracking_rms_m = rms(way2, static_cast<double>(played.truth.size()));
+  played.force_rmse_n = rms(force2, played.contact_s / tick_s);
+  return played;
+}
+
+}  // namespace tuina::app

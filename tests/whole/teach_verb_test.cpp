@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <doctest/doctest.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "tests/whole/command.hpp"
+#include "tuina/core/file.hpp"
+
+using nlohmann::json;
+using tuina::test::Folder;
+using tuina::test::run_tuina;
+
+TEST_CASE("what a hand has shown is played to the same person, and not to one of another build") {
+  const Folder folder;
+  const std::string file = folder / "stroke.toml";
+  const auto taught = run_tuina({"teach", "record", "--out", file, "--json", "--quiet"});
+  REQUIRE_MESSAGE(taught.exit_code == 0, taught.err);
+  const json shown = json::parse(taught.out);
+  CHECK(shown["contact_s"].get<double>() > 5.0);
+  CHECK(shown["peak_n"].get<double>() > 8.0);
+  CHECK(shown["peak_hand_n"].get<double>() < 45.0);
+
+  const std::string plot = folder / "played.svg";
+  const auto played = run_tuina({"teach", "play", file, "--plot", plot, "--json", "--quiet"});
+  REQUIRE_MESSAGE(played.exit_code == 0, played.err);
+  const json same = json::parse(played.out);
+  CHECK(same["stops"].empty());
+  CHECK(same["tracking_rms_mm"].get<double>() < 6.0);
+  CHECK(same["force"]["rmse_n"].get<double>() < 4.0);
+  CHECK(tuina::read_file(plot).value().find("<svg") != std::string::npos);
+
+  // In joint space it knows nothing of the person: on a broader back the guard has to end it.
+  const auto other =
+      run_tuina({"teach", "play", file, "--person", "phantom:hefty", "--json", "--quiet"});
+  CHECK(other.exit_code == 4);
+  const json stopped = json::parse(other.out);
+  CHECK(stopped["stops"].size() == 1);
+  CHECK(stopped["force"]["peak_n"].get<double>() < 45.0);
+
+  const auto seen = run_tuina({"teach", "show", file, "--json"});
+  CHECK(seen.exit_code == 0);
+  CHECK(json::parse(seen.out)["name"] == shown["name"]);
+}
+
+TEST_CASE("teach refuses what it cannot use") {
+  const Folder folder;
+  CHECK(run_tuina({"teach", "record", "--out", folder / "stroke.csv"}).exit_code == 1);
+  CHECK(run_tuina({"teach", "record", "--out", folder / "no/stroke.toml"}).exit_code == 2);
+  CHECK(
+      run_tuina({"teach", "record", "--technique", "tap", "--out", folder / "a.toml"}).exit_code ==
+      1);
+  CHECK(run_tuina({"teach", "play", folder / "nothing.toml"}).exit_code == 2);
+  CHECK(run_tuina({"teach", "show"}).exit_code == 1);
+}

@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tuina/session/taught_motion.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <toml++/toml.h>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "tuina/core/csv.hpp"
+#include "tuina/core/file.hpp"
+#include "tuina/core/near_miss.hpp"
+#include "tuina/core/units.hpp"
+
+namespace tuina::session {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double fastest_rad_per_s = 1.5;
+constexpr std::array taught_zones = {safety::Zone::muscle, safety::Zone::kidney,
+                                     safety::Zone::bony};
+const std::vector<std::string> keys = {"name", "position", "arm", "rail_mm", "zone", "samples"};
+
+std::vector<std::string> columns_of(int joints) {
+  std::vector<std::string> columns = {"time_s"};
+  for (int j = 1; j <= joints; ++j) columns.push_back(fmt::format("q{}_deg", j));
+  columns.emplace_back("force_n");
+  return columns;
+}
+
+Result<std::vector<TaughtSample>> read_samples(const fs::path& file, const robot::ArmTable& table,
+                                               safety::Zone zone) {
+  const auto csv = read_csv(file, columns_of(table.joints));
+  if (!csv) return tl::unexpected(csv.error());
+  constexpr std::size_t least_rows = 50;
+  const std::size_t rows = csv->rows();
+  const auto at = [&](std::size_t column, std::size_t row) { return csv->columns[column][row]; };
+  const auto refuse = [&](std::size_t row, const std::string& why) {
+    return fail(Fault::bad_input, "{}:{}: {}", file.string(), row + 2, why);
+  };
+  if (rows < least_rows) {
+    return fail(Fault::bad_input, "{}: {} samples are no motion; at least {} are needed",
+                file.string(), rows, least_rows);
+  }
+  const double step_s = at(0, 1) - at(0, 0);
+  if (at(0, 0) != 0.0) return refuse(0, fmt::format("time_s begins at {}; it must be 0", at(0, 0)));
+  if (!(step_s > 0.0) || step_s > 0.05) {
+    return refuse(1, fmt::format("{} s from sample to sample; up to 0.05 are usable", step_s));
+  }
+  const auto joints = static_cast<std::size_t>(table.joints);
+  const double most_n = safety::ceiling_of(zone).trip_n;
+  std::vector<TaughtSample> samples(rows);
+  for (std::size_t row = 0; row < rows; ++row) {
+    const double time_s = static_cast<double>(row) * step_s;
+    if (std::abs(at(0, row) - time_s) > 0.1 * step_s) {
+      return refuse(row,
+                    fmt::format("time_s is {} where {:.4f} would be even", at(0, row), time_s));
+    }
+    TaughtSample& sample = samples[row];
+    sample.time_s = time_s;
+    sample.q_rad.resize(table.joints);
+    for (std::size_t j = 0; j < joints; ++j) {
+      const double q_rad = from_deg(at(1 + j, row));
+      const robot::Link& link = table.links[j];
+      if (q_rad < link.lowest_rad || q_rad > link.highest_rad) {
+        return refuse(
+            row, fmt::format("q{}_deg is {:.1f}; this joint goes from {:.0f} to {:.0f}", j + 1,
+                             at(1 + j, row), to_deg(link.lowest_rad), to_deg(link.highest_rad)));
+      }
+      const auto k = static_cast<Eigen::Index>(j);
+      sample.q_rad(k) = q_rad;
+      const double speed = row > 0 ? std::abs(q_rad - samples[row - 1].q_rad(k)) / step_s : 0.0;
+      if (speed > fastest_rad_per_s) {
+        return refuse(row, fmt::format("joint {} moves at {:.1f} rad/s; at most {} are played",
+                                       j + 1, speed, fastest_rad_per_s));
+      }
+    }
+    sample.force_n = at(1 + joints, row);
+    if (sample.force_n > most_n) {
+      return refuse(row, fmt::format("{:.1f} N; the zone `{}` bears {:.0f}", sample.force_n,
+                                     safety::name_of(zone), most_n));
+    }
+  }
+  return samples;
+}
+
+}  // namespace
+
+TaughtMotion::Moment TaughtMotion::at(double time_s) const noexcept {
+  const double step_s = samples[1].time_s - samples[0].time_s;
+  const double place = std::clamp(time_s / step_s, 0.0, static_cast<double>(samples.size() - 1));
+  const std::size_t k = std::min(static_cast<std::size_t>(place), samples.size() - 2);
+  const double u = place - static_cast<double>(k);
+  const TaughtSample &a = samples[k], &b = samples[k + 1];
+  const auto slope = [&](std::size_t i) -> JointVector {  // per step
+    if (i == 0 || i + 1 == samples.size()) return JointVector::Zero(a.q_rad.size());
+    return 0.5 * (samples[i + 1].q_rad - samples[i - 1].q_rad);
+  };
+  const JointVector from = slope(k), to = slope(k + 1);
+  Moment moment;
+  moment.q_rad = (1.0 + 2.0 * u) * (1.0 - u) * (1.0 - u) * a.q_rad +
+                 u * (1.0 - u) * (1.0 - u) * from + u * u * (3.0 - 2.0 * u) * b.q_rad +
+                 u * u * (u - 1.0) * to;
+  const bool moves = time_s > 0.0 && time_s < samples.back().time_s;
+  moment.dq_rad_per_s = (moves ? 1.0 / step_s : 0.0) *
+                        (6.0 * u * (u - 1.0) * (a.q_rad - b.q_rad) +
+                         (3.0 * u - 1.0) * (u - 1.0) * from + u * (3.0 * u - 2.0) * to);
+  moment.force_n = (1.0 - u) * a.force_n + u * b.force_n;
+  return moment;
+}
+
+TaughtMotion smoothed(const TaughtMotion& motion, double sd_s, double step_s) {
+  TaughtMotion smooth = motion;
+  smooth.samples.clear();
+  const auto& raw = motion.samples;
+  if (raw.size() < 2) return motion;
+  const double raw_step_s = raw[1].time_s - raw[0].time_s;
+  const auto reach = static_cast<std::ptrdiff_t>(std::ceil(4.0 * sd_s / raw_step_s));
+  const auto last = static_cast<std::ptrdiff_t>(raw.size()) - 1;
+  const auto count = static_cast<std::size_t>(motion.duration_s() / step_s + 1e-9) + 1;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double time_s = static_cast<double>(i) * step_s;
+    const auto middle = static_cast<std::ptrdiff_t>(std::lround(time_s / raw_step_s));
+    TaughtSample sample{.time_s = time_s, .q_rad = JointVector::Zero(raw[0].q_rad.size())};
+    double sum = 0.0;
+    for (std::ptrdiff_t k = middle - reach; k <= middle + reach; ++k) {
+      // Beyond its ends the arm rested.
+      const TaughtSample& near =
+          raw[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(k, 0, last))];
+      const double off_s = static_cast<double>(k) * raw_step_s - time_s;
+      const double weight = std::exp(-0.5 * off_s * off_s / (sd_s * sd_s));
+      sum += weight;
+      sample.q_rad += weight * near.q_rad;
+      sample.force_n += weight * near.force_n;
+    }
+    sample.q_rad /= sum;
+    sample.force_n /= sum;
+    smooth.samples.push_back(std::move(sample));
+  }
+  return smooth;
+}
+
+Result<void> write_taught(const TaughtMotion& motion, const fs::path& file) {
+  fs::path samples = file;
+  samples.replace_extension(".csv");
+  const int joints = motion.samples.empty() ? 0 : static_cast<int>(motion.samples[0].q_rad.size());
+  std::string csv = fmt::format("{}\n", fmt::join(columns_of(joints), ","));
+  for (const TaughtSample& sample : motion.samples) {
+    csv += fmt::format("{:.4f}", sample.time_s);
+    for (const double q : sample.q_rad) csv += fmt::format(",{:.5f}", to_deg(q));
+    csv += fmt::format(",{:.3f}\n", sample.force_n);
+  }
+  if (auto written = write_file(samples, csv); !written) return written;
+  return write_file(
+      file,
+      fmt::format("name = \"{}\"\nposition = \"{}\"\narm = \"{}\"\n"
+                  "rail_mm = {}\nzone = \"{}\"  # the most delicate it touches\n"
+                  "samples = \"{}\"\n",
+                  motion.name, name_of(motion.position), name_of(motion.arm), to_mm(motion.rail_m),
+                  safety::name_of(motion.zone), samples.filename().string()));
+}
+
+Result<TaughtMotion> read_taught(const fs::path& file, const robot::ArmTable& table) {
+  constexpr std::size_t largest_bytes = 1 << 20;
+  const auto text = read_file(file, largest_bytes);
+  if (!text) return tl::unexpected(text.error());
+  try {
+    const toml::table taught = toml::parse(*text, file.string());
+    const auto refuse = [&](const toml::node& node, const std::string& why) {
+      return fail(Fault::bad_input, "{}:{}: {}", file.string(), node.source().begin.line, why);
+    };
+    for (const auto& [key, node] : taught) {
+      if (std::find(keys.begin(), keys.end(), key.str()) == keys.end())
+        return refuse(node,
+                      fmt::format("`{}` is unknown; {}", key.str(), suggestion(key.str(), keys)));
+    }
+    const auto word = [&](const char* key) { return taught[key].value_or<std::string>(""); };
+    TaughtMotion motion;
+    motion.name = word("name");
+    if (motion.name.empty()) return refuse(taught, "a taught motion needs a name");
+    if (word("position") != "sitting" && word("position") != "prone")
+      return refuse(taught, "position needs \"sitting\" or \"prone\"");
+    motion.position = word("position") == "prone" ? Position::prone : Position::sitting;
+    if (word("arm") != "left" && word("arm") != "right")
+      return refuse(taught, "arm needs \"left\" or \"right\"");
+    motion.arm = word("arm") == "left" ? Arm::left : Arm::right;
+    const auto rail_mm = taught["rail_mm"].value<double>();
+    if (!rail_mm || !(std::abs(*rail_mm) <= 2000.0))
+      return refuse(taught, "rail_mm needs a number from -2000 to 2000");
+    motion.rail_m = from_mm(*rail_mm);
+    const auto zone = std::find_if(taught_zones.begin(), taught_zones.end(), [&](safety::Zone z) {
+      return word("zone") == safety::name_of(z);
+    });
+    if (zone == taught_zones.end())
+      return refuse(taught, "zone needs \"muscle\", \"kidney\" or \"bony\"");
+    motion.zone = *zone;
+    if (word("samples").empty()) return refuse(taught, "samples needs the name of a CSV file");
+    auto samples = read_samples(file.parent_path() / word("samples"), table, motion.zone);
+    if (!samples) return tl::unexpected(samples.error());
+    motion.samples = std::move(*samples);
+    return motion;
+  } catch (const toml::parse_error& error) {
+    return fail(Fault::bad_input, "{}:{}: {}", file.string(), error.source().begin.line,
+                error.description());
+  }
+}
+
+}  // namespace tuina::session
