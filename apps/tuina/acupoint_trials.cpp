@@ -58,7 +58,7 @@ void scan_everybody(std::vector<body::LabelledBody>& people, std::uint64_t seed,
     if (person.skin_in_couch.triangles.empty()) continue;
     auto seen = see(person, true, seed + i);
     // Whom the scanner cannot see is learned from as the skin is.
-    if (seen) person.scan_in_couch = std::move(seen->cloud_in_couch);
+    if (seen) person.scan_in_couch.points = std::move(seen->cloud_in_couch.points);
     if (progress) progress(static_cast<double>(i + 1) / static_cast<double>(people.size()));
   }
 }

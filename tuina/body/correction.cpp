@@ -4,8 +4,10 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include "tuina/core/units.hpp"
 
@@ -17,8 +19,11 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double most_widening = 3.0;
-constexpr Index enough_to_choose = 10;       // people
-constexpr double people_known_before = 3.0;  // that a correction learned elsewhere counts as
+constexpr Index enough_to_choose = 10;  // people
+// So many people what is known elsewhere may count as; who leaves people out chooses. The first is
+// for many people, who need no other knowledge.
+constexpr std::array<double, 5> people_known_before = {0.0, 1.0, 3.0, 10.0, 100.0};
+constexpr Index enough_to_leave_out = 4;  // people
 
 /// Wider where the scan leaves a label more open than a whole back does, and for a back that is
 /// fitted worse than those which the model has learned from.
@@ -28,10 +33,10 @@ VectorXd widening(const ShapeModel& model, const VectorXd& variance_m2, double r
          std::clamp(misfit, 1.0, most_widening);
 }
 
-/// Ridge regression with the penalty that leaves one person out best; a constant with a penalty of
+/// Ridge regression with the penalties that leave one person out best; a constant with a penalty of
 /// its own comes last.
 MatrixXd ridge(const MatrixXd& features, const MatrixXd& targets, Index views,
-               double constant_penalty, MatrixXd& left_out) {
+               std::span<const double> constant_penalties, MatrixXd& left_out) {
   const Index rows = features.cols();
   MatrixXd x(features.rows() + 1, rows);
   x << features, VectorXd::Ones(rows).transpose();
@@ -43,24 +48,26 @@ MatrixXd ridge(const MatrixXd& features, const MatrixXd& targets, Index views,
       few ? std::vector<double>{1e6}
           : std::vector<double>{3.0, 10.0, 30.0, 100.0, 300.0, 1000.0, 3000.0, 1e5};
   for (const double lambda : penalties) {
-    MatrixXd normal = x * x.transpose();
-    normal.diagonal().head(features.rows()).array() += lambda;
-    normal.diagonal()[features.rows()] += constant_penalty;
-    const Eigen::LDLT<MatrixXd> solver(normal);
-    const MatrixXd weights = solver.solve(x * targets.transpose()).transpose();
-    const MatrixXd influence = solver.solve(x);
-    MatrixXd residual = targets - weights * x;
-    // A person and the mirrored twin leave together; the two share an error.
-    for (Index i = 0; i < rows; i += views) {
-      const MatrixXd hat = x.middleCols(i, views).transpose() * influence.middleCols(i, views);
-      const MatrixXd rest = MatrixXd::Identity(views, views) - hat;
-      residual.middleCols(i, views) = residual.middleCols(i, views) * rest.inverse();
-    }
-    const double loss = residual.squaredNorm();
-    if (loss < best) {
-      best = loss;
-      best_weights = weights;
-      left_out = residual;
+    for (const double constant_penalty : constant_penalties) {
+      MatrixXd normal = x * x.transpose();
+      normal.diagonal().head(features.rows()).array() += lambda;
+      normal.diagonal()[features.rows()] += constant_penalty * static_cast<double>(views);
+      const Eigen::LDLT<MatrixXd> solver(normal);
+      const MatrixXd weights = solver.solve(x * targets.transpose()).transpose();
+      const MatrixXd influence = solver.solve(x);
+      MatrixXd residual = targets - weights * x;
+      // A person and the mirrored twin leave together; the two share an error.
+      for (Index i = 0; i < rows; i += views) {
+        const MatrixXd hat = x.middleCols(i, views).transpose() * influence.middleCols(i, views);
+        const MatrixXd rest = MatrixXd::Identity(views, views) - hat;
+        residual.middleCols(i, views) = residual.middleCols(i, views) * rest.inverse();
+      }
+      const double loss = residual.squaredNorm();
+      if (loss < best) {
+        best = loss;
+        best_weights = weights;
+        left_out = residual;
+      }
     }
   }
   return best_weights;
@@ -77,22 +84,26 @@ double quantile95(std::vector<double> values) {
 
 MatrixXd learn_correction(const LeftOut& left_out, ShapeModel& model) {
   MatrixXd wrong_mm;
+  const auto known = std::span(people_known_before);
+  const Index persons = left_out.features.cols() / left_out.views;
   if (model.correction.size() > 0) {
     const Index features = left_out.features.rows();
     const MatrixXd still_wrong_mm =
         (left_out.targets_mm - model.correction.leftCols(features) * left_out.features).colwise() -
         model.correction.col(features);
-    model.correction += ridge(left_out.features, still_wrong_mm, left_out.views,
-                              people_known_before * static_cast<double>(left_out.views), wrong_mm);
+    // Too few to leave somebody out: they hardly move it.
+    model.correction +=
+        ridge(left_out.features, still_wrong_mm, left_out.views,
+              persons < enough_to_leave_out ? known.last(1) : known.subspan(1), wrong_mm);
   } else {
-    model.correction = ridge(left_out.features, left_out.targets_mm, left_out.views, 0.0, wrong_mm);
+    model.correction = ridge(left_out.features, left_out.targets_mm, left_out.views,
+                             persons < enough_to_choose ? known : known.first(1), wrong_mm);
   }
   model.nominal_var_m2 = left_out.variance_m2.rowwise().mean();
   std::vector<double> misfits(left_out.residual_m.begin(), left_out.residual_m.end());
   std::nth_element(misfits.begin(), misfits.begin() + misfits.size() / 2, misfits.end());
   model.usual_residual_m = misfits[misfits.size() / 2];
   model.most_unusual = std::max(model.most_unusual, left_out.most_unusual);
-  const auto persons = static_cast<double>(wrong_mm.cols() / left_out.views);
   // A radius holds 95 % when it is widened as it will be.
   std::vector<std::vector<double>> errors_m(static_cast<std::size_t>(model.radius95_m.size()));
   for (Index i = 0; i < wrong_mm.cols(); ++i) {
@@ -104,8 +115,8 @@ MatrixXd learn_correction(const LeftOut& left_out, ShapeModel& model) {
   }
   for (Index l = 0; l < model.radius95_m.size(); ++l) {
     // The largest error of a few people says little about the next.
-    model.radius95_m[l] =
-        (1.0 + 2.0 / persons) * quantile95(std::move(errors_m[static_cast<std::size_t>(l)]));
+    model.radius95_m[l] = (1.0 + 2.0 / static_cast<double>(persons)) *
+                          quantile95(std::move(errors_m[static_cast<std::size_t>(l)]));
   }
   return wrong_mm;
 }

@@ -13,7 +13,7 @@ struct LeftOut {
   Eigen::MatrixXd variance_m2;  ///< of each label, that the fit leaves
   Eigen::VectorXd residual_m;
   double most_unusual = 0.0;  ///< of all of them
-  Eigen::Index views = 1;  ///< columns that are one person
+  Eigen::Index views = 1;     ///< columns that are one person
 };
 
 /// Learns the correction, the radii and what is usual from backs left out, and returns what is

@@ -111,6 +111,16 @@ Template make_template(const Example& example, const std::vector<std::string>& n
   return made;
 }
 
+Template template_of(const ShapeModel& model) {
+  const Index n = model.skin_points();
+  Template made{.skin = model.mean.leftCols(n),
+                .normals = model.normals,
+                .labels = model.mean.rightCols(model.mean.cols() - n),
+                .neighbours = {}};
+  find_neighbours(made);
+  return made;
+}
+
 Places correspond(const Template& standard, const Example& example,
                   const std::vector<std::string>& names) {
   const auto known = labels_of(example);

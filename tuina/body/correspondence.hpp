@@ -18,6 +18,9 @@ enum class Reach : std::uint8_t { labels, acupoints };
 [[nodiscard]] Template make_template(const Example& example, const std::vector<std::string>& names,
                                      Reach reach = Reach::labels);
 
+/// The mean back of a model as a template.
+[[nodiscard]] Template template_of(const ShapeModel& model);
+
 /// The template's skin and labels on another back, in couch: carried by the shared labels, then
 /// laid onto the skin along its normals.
 [[nodiscard]] Places correspond(const Template& standard, const Example& example,

@@ -140,14 +140,17 @@ MatrixXd acupoint_errors(const MatrixXd& wrong_mm, int acupoints) {
   return errors_mm;
 }
 
-/// Mean and modes of these people.
+/// Mean and modes of these people, with what a prior in the statistics knows.
 Learned learned_shape(const People& people, const LearnOptions& options, const Progress& progress) {
   const auto& examples = people.examples;
   const auto& names = people.names;
-  Register all{
-      .people = people,
-      .standard = make_template(examples[medium_of(examples, names.all)], names.all, options.reach),
-      .backs = {}};
+  const ShapeModel* prior = options.statistics.prior;
+  Register all{.people = people,
+               .standard = prior != nullptr
+                               ? template_of(*prior)
+                               : make_template(examples[medium_of(examples, names.all)], names.all,
+                                               options.reach),
+               .backs = {}};
   for (const Example& example : examples) {
     all.backs.push_back(registered(all.standard, example, names.all));
     if (people.views == 2) {
@@ -207,22 +210,33 @@ Result<ShapeModel> learn_shape(const std::vector<Example>& examples, const Learn
   const std::size_t views = options.mirror && (examples.size() > 1 || prior != nullptr) ? 2U : 1U;
   const People people{.examples = examples, .names = names_of(examples, nullptr), .views = views};
   const People known{.examples = examples, .names = names_of(examples, prior), .views = views};
-  const double share = prior != nullptr ? 0.2 : 0.0;
-  Learned learned;
-  if (prior != nullptr) {
-    learned = adapted_shape(known, *prior, [&](double done) {
-      if (progress) progress(share * done);
-    });
-  }
+  // Every way that is open is gone; the one that errs least on people left out is kept.
+  const bool few = examples.size() < enough_to_correct;
   const bool as_many_points = people.names.all.size() >= known.names.all.size();
-  if (prior == nullptr || (as_many_points && examples.size() >= enough_to_learn)) {
-    Learned anew = learned_shape(people, options, [&](double done) {
-      if (progress) progress(share + (1.0 - share) * done);
-    });
-    if (prior == nullptr || anew.out_of_fold_mm.mean() < learned.out_of_fold_mm.mean()) {
-      learned = std::move(anew);
-    }
+  const bool alone = prior == nullptr || (as_many_points && examples.size() >= enough_to_learn);
+  const bool pooled = prior != nullptr && !few;
+  const double ways = (prior != nullptr ? 0.2 : 0.0) + (pooled ? 1.0 : 0.0) + (alone ? 1.0 : 0.0);
+  double gone = 0.0;
+  const auto part_of = [&](double share) {
+    const double from = gone;
+    gone += share / ways;
+    return [&progress, from, share, ways](double done) {
+      if (progress) progress(from + share / ways * done);
+    };
+  };
+  Learned learned;
+  if (prior != nullptr) learned = adapted_shape(known, *prior, part_of(0.2));
+  const auto consider = [&](Learned&& other) {
+    const bool better = learned.out_of_fold_mm.size() == 0 ||
+                        other.out_of_fold_mm.mean() < learned.out_of_fold_mm.mean();
+    if (better) learned = std::move(other);
+  };
+  if (pooled) {
+    LearnOptions with_prior = options;
+    with_prior.statistics.prior = prior;
+    consider(learned_shape(known, with_prior, part_of(1.0)));
   }
+  if (alone) consider(learned_shape(people, options, part_of(1.0)));
   if (out_of_fold_mm != nullptr && learned.out_of_fold_mm.size() > 0) {
     *out_of_fold_mm = std::move(learned.out_of_fold_mm);
   }

@@ -97,21 +97,40 @@ ShapeModel model_of(const std::vector<const Registered*>& backs, const Template&
     }
     model.mean = sum;
   }
+  // Of a prior, how backs differ counts for more than their mean.
+  MatrixXd known(3 * model.mean.cols(), 0);
+  double share = 0.0;
+  if (options.prior != nullptr) {
+    share = options.prior_people / (options.prior_people + persons);
+    const Transform model_from_prior = align(options.prior->mean, model.mean);
+    const double of_mean =
+        options.prior_people_for_mean / (options.prior_people_for_mean + persons);
+    model.mean += of_mean * (model_from_prior * options.prior->mean - model.mean);
+    known.resize(Eigen::NoChange, options.prior->modes.cols());
+    for (Index k = 0; k < known.cols(); ++k) {
+      const Eigen::Map<const Places> mode(options.prior->modes.col(k).data(), 3, model.mean.cols());
+      Eigen::Map<Places>(known.col(k).data(), 3, model.mean.cols()) =
+          std::sqrt(share) * (model_from_prior.linear() * mode);
+    }
+  }
   model.person_from_model = mean_pose(backs, model.mean);
   model.normals = align(standard.skin, model.mean.leftCols(n)).linear() * standard.normals;
 
   const MatrixXd coarse = smooth_modes(
-      model.mean, coarse_m / std::sqrt(static_cast<double>(persons)), coarse_length_m, 40);
+      model.mean,
+      coarse_m / std::sqrt(persons + (options.prior != nullptr ? options.prior_people : 0.0)),
+      coarse_length_m, 40);
   const MatrixXd fine = smooth_modes(model.mean, options.smooth_m, fine_length_m, 70);
   const auto seen = static_cast<Index>(backs.size() > 1 ? backs.size() : 0);
-  MatrixXd factor(3 * model.mean.cols(), seen + coarse.cols() + fine.cols());
+  MatrixXd factor(3 * model.mean.cols(), seen + coarse.cols() + fine.cols() + known.cols());
   for (Index i = 0; i < seen; ++i) {
     const Places offset = aligned[static_cast<std::size_t>(i)] - model.mean;
     factor.col(i) = Eigen::Map<const VectorXd>(offset.data(), offset.size()) *
-                    std::sqrt(1.0 / static_cast<double>(seen));
+                    std::sqrt((1.0 - share) / static_cast<double>(seen));
   }
   factor.middleCols(seen, coarse.cols()) = coarse;
-  factor.rightCols(fine.cols()) = fine;
+  factor.middleCols(seen + coarse.cols(), fine.cols()) = fine;
+  factor.rightCols(known.cols()) = known;
   const MatrixXd gram = factor.transpose() * factor;
   const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(gram);
   const Index kept = std::min<Index>(options.modes, gram.cols());

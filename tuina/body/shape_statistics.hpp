@@ -19,6 +19,10 @@ struct StatisticsOptions {
   int modes = 60;
   double smooth_m =
       10e-3;  ///< standard deviation of a free smooth deformation on top of what was seen
+  /// What is known of how backs differ, on the same template; counts as so many people.
+  const ShapeModel* prior = nullptr;
+  double prior_people = 10.0;
+  double prior_people_for_mean = 1.0;
 };
 
 /// Mean and modes of backs, of `persons` different people: a Gaussian over skin points and labels

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <doctest/doctest.h>
+
+#include <algorithm>
+
+#include "apps/tuina/labelled_phantom.hpp"
+#include "tuina/body/acupoints.hpp"
+#include "tuina/core/random.hpp"
+#include "tuina/core/units.hpp"
+
+namespace tuina::body {
+namespace {
+
+const Atlas& shipped() {
+  static const Atlas atlas = *read_atlas(TUINA_MODELS "/atlas.tuina");
+  return atlas;
+}
+
+LabelledBody phantom(Position position) {
+  return app::labelled(sim::make_phantom(sim::draw_phantom(78), position));
+}
+
+Result<Mapping> map(const PointCloud& cloud) {
+  const auto back = fit_back(cloud);
+  if (!back) return tl::unexpected(back.error());
+  return locate_acupoints(*back, shipped());
+}
+
+/// Chair or bed in view.
+PointCloud couch(Position position) {
+  PointCloud cloud;
+  Random random = make_random(4, "couch");
+  const double half_m = position == Position::sitting ? 0.3 : 0.95;
+  for (int i = 0; i < 20000; ++i) {
+    cloud.points.emplace_back(uniform(random, -0.35, 0.35), uniform(random, -half_m, half_m),
+                              gaussian(random, 3_mm));
+  }
+  return cloud;
+}
+
+/// The top and sides of a box that stands on the couch.
+void add_box(PointCloud& cloud, const Vector3& middle, const Vector3& half) {
+  Random random = make_random(6, "box");
+  for (int i = 0; i < 4000; ++i) {
+    Vector3 p(uniform(random, -1.0, 1.0), uniform(random, -1.0, 1.0), uniform(random, -1.0, 1.0));
+    p[i % 3] = i % 2 == 0 ? 1.0 : -1.0;
+    cloud.points.push_back(middle + half.cwiseProduct(p));
+  }
+}
+
+double farthest_mm(const Mapping& a, const Mapping& b) {
+  double far = 0.0;
+  for (std::size_t i = 0; i < seven_acupoints.size(); ++i) {
+    far = std::max(far, (a.acupoints[i].at_in_couch - b.acupoints[i].at_in_couch).norm());
+  }
+  return to_mm(far);
+}
+
+}  // namespace
+
+TEST_CASE("an empty couch is refused, with how much stands on it") {
+  for (const Position position : {Position::sitting, Position::prone}) {
+    const auto found = map(couch(position));
+    REQUIRE_FALSE(found);
+    CHECK(found.error().message.find("0 of 20000 points are above the couch") != std::string::npos);
+  }
+}
+
+TEST_CASE("another thing on the couch beside the person changes nothing") {
+  for (const Position position : {Position::sitting, Position::prone}) {
+    CAPTURE(name_of(position));
+    PointCloud cloud = sample(phantom(position).skin_in_couch, 5_mm);
+    const auto alone = map(cloud);
+    REQUIRE(alone);
+    double rim = 0.0;
+    for (const Vector3& p : cloud.points) rim = std::min(rim, p.x());
+    add_box(cloud, {rim - 0.2, -0.1, 0.10}, {0.08, 0.12, 0.06});
+    const auto beside = map(cloud);
+    REQUIRE_MESSAGE(beside.has_value(), (beside ? "" : beside.error().message));
+    CHECK(farthest_mm(*alone, *beside) < 3.0);
+  }
+}
+
+TEST_CASE("ten thousand points or a million of one person give the same answer") {
+  for (const Position position : {Position::sitting, Position::prone}) {
+    const LabelledBody person = phantom(position);
+    PointCloud many = sample(person.skin_in_couch, 1_mm);
+    Random random = make_random(7, "camera");
+    PointCloud few;
+    const double share = 1e4 / static_cast<double>(many.size());
+    for (Vector3& p : many.points) {
+      if (uniform(random, 0.0, 1.0) < share) few.points.push_back(p);
+      for (Eigen::Index k = 0; k < 3; ++k) p[k] += gaussian(random, 1.7_mm);  // 3 mm in all
+    }
+    REQUIRE(many.size() > 500'000);
+    const auto from_many = map(many);
+    const auto from_few = map(few);
+    REQUIRE_MESSAGE(from_many.has_value(), (from_many ? "" : from_many.error().message));
+    REQUIRE_MESSAGE(from_few.has_value(), (from_few ? "" : from_few.error().message));
+    CHECK(farthest_mm(*from_many, *from_few) < 8.0);
+    for (std::size_t i = 0; i < seven_acupoints.size(); ++i) {
+      CHECK((from_many->acupoints[i].at_in_couch - person.acupoints[i].at_in_couch).norm() <
+            from_many->acupoints[i].uncertainty_m + 2_mm);
+    }
+  }
+}
+
+}  // namespace tuina::body
