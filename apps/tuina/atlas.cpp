@@ -133,7 +133,8 @@ class AtlasShow final : public Verb {
         radii[shape.labels[i]] = to_mm(shape.radius95_m[static_cast<Eigen::Index>(i)]);
       }
       positions.push_back({{"position", name_of(shape.position)}, {"bodies", shape.bodies},
-                           {"skin_points", shape.skin_points()}, {"radius95_mm", radii}});
+                           {"skin_points", shape.skin_points()}, {"most_unusual", shape.most_unusual},
+                           {"radius95_mm", radii}});
       text += fmt::format("\n{}: {} bodies, {} skin points, {} labels ({} acupoints), {} modes", name_of(shape.position),
                           shape.bodies, shape.skin_points(), shape.labels.size(), shape.acupoints, shape.modes.cols());
     }
