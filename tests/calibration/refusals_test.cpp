@@ -8,6 +8,7 @@
 
 #include "tests/calibration/seen_boards.hpp"
 #include "tuina/calibration/calibrate.hpp"
+#include "tuina/calibration/residual_statistics.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/sim/laser_scanner.hpp"
 
@@ -187,6 +188,23 @@ TEST_CASE("corners counted from the other end are the same board") {
         doctest::Approx(same->calibration.camera.fx_px).epsilon(1e-4));
   CHECK(turned->calibration.axis_direction_in_camera.isApprox(
       same->calibration.axis_direction_in_camera, 1e-4));
+}
+
+TEST_CASE("rows of a line that err alike count as one") {
+  Random random = make_random(1, "alike");
+  std::vector<std::vector<double>> alone(20);
+  std::vector<std::vector<double>> in_fours(20);
+  for (std::size_t line = 0; line < alone.size(); ++line) {
+    double grain = 0.0;
+    for (int row = 0; row < 300; ++row) {
+      if (row % 4 == 0) grain = gaussian(random, 1.0);
+      alone[line].push_back(gaussian(random, 1.0));
+      in_fours[line].push_back(grain);
+    }
+  }
+  CHECK(rows_alike(alone, 5.0) == doctest::Approx(1.0).epsilon(0.1));
+  CHECK(rows_alike(in_fours, 5.0) == doctest::Approx(4.0).epsilon(0.1));
+  CHECK(robust_deviation({0.2, 0.5, 0.6745, 1.0, 90.0}) == doctest::Approx(1.0).epsilon(0.01));
 }
 
 TEST_CASE("what is stated is what is true, over scanners and sets") {

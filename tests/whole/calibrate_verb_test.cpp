@@ -12,9 +12,14 @@
 #include "tests/whole/command.hpp"
 #include "tuina/core/file.hpp"
 #include "tuina/core/png.hpp"
+#include "tuina/core/units.hpp"
+#include "tuina/scanner/recording.hpp"
+#include "tuina/sim/laser_scanner.hpp"
 #include "tuina/sim/rehearsal.hpp"
 
 namespace fs = std::filesystem;
+using namespace tuina::units;
+using tuina::scanner::ScannerCalibration;
 using tuina::test::Folder;
 using tuina::test::run_tuina;
 
@@ -22,8 +27,9 @@ namespace {
 
 constexpr int poses = 9;
 
-void rehearse(const fs::path& folder, double nearest_m = 0.5) {
-  const auto written = tuina::sim::rehearse_calibration(tuina::sim::built_scanner(2), 2, folder,
+void rehearse(const fs::path& folder, double nearest_m = 0.5,
+              const ScannerCalibration& truth = tuina::sim::built_scanner(2)) {
+  const auto written = tuina::sim::rehearse_calibration(truth, 2, folder,
                                                         {.poses = poses,
                                                          .standing_poses = 1,
                                                          .nearest_m = nearest_m,
@@ -96,9 +102,24 @@ std::string refusal(const fs::path& shots, const Folder& folder, Spoil&& spoil) 
   return outcome.err;
 }
 
+// A sweep that shows nothing: all there is lies above the scanner.
+void record(const fs::path& folder, double from_rad) {
+  const auto truth = tuina::sim::built_scanner(2);
+  tuina::Mesh scene;
+  scene.vertices = {{0.0, 0.0, 9.0}, {0.1, 0.0, 9.0}, {0.0, 0.1, 9.0}};
+  scene.triangles = {{0, 1, 2}};
+  tuina::sim::LaserScanner unit(scene, scene, truth, 1, {});
+  auto recorder = tuina::scanner::Recorder::open(unit, unit, folder);
+  REQUIRE(recorder.has_value());
+  REQUIRE(recorder->sweep(from_rad, -from_rad, 6.0_deg).has_value());
+  while (recorder->next_frame()) continue;
+  REQUIRE(recorder->finish(tuina::sim::true_calibration(tuina::Position::prone)).has_value());
+}
+
 bool says(const std::string& message, std::string_view words) {
-  INFO(message);
-  return message.find(words) != std::string::npos;
+  const bool said = message.find(words) != std::string::npos;
+  if (!said) MESSAGE(message);
+  return said;
 }
 
 }  // namespace
@@ -171,6 +192,70 @@ TEST_CASE("what a newcomer does wrong with calibration shots is refused with its
   REQUIRE_MESSAGE(good.exit_code == 0, good.err);
   CHECK(nlohmann::json::parse(good.out)["poses"] == poses);
   CHECK(says(text_of(folder / "good.toml"), "[standard_deviations]"));
+}
+
+TEST_CASE("sweeps that show nothing, turn alike or contradict the boards are refused") {
+  const Folder folder;
+  const fs::path shots = folder.path() / "shots";
+  rehearse(shots);
+  record(shots / "sweep_left", 6.0_deg);
+  record(shots / "sweep_right", -6.0_deg);
+  const auto said = [&](auto&& spoil) { return refusal(shots, folder, spoil); };
+  CHECK(says(said([](const fs::path&) {}), "sweep the same still scene both ways"));
+  CHECK(says(said([](const fs::path& f) {
+               fs::remove_all(f / "sweep_right");
+               fs::copy(f / "sweep_left", f / "sweep_right", fs::copy_options::recursive);
+             }),
+             "must fall"));
+  CHECK(says(said([](const fs::path& f) {
+               // Every yaw of the boards negated, which the boards alone cannot show.
+               edit_rows(f, [](auto, int frame, auto kind, int pose, double yaw_deg) {
+                 return fmt::format("{},{},{},{},{}", frame, kind, pose, 2 * frame, -yaw_deg);
+               });
+             }),
+             "the other way than the nominal"));
+  // Without sweeps it is said that nothing was checked.
+  const auto alone = [&] {
+    fs::remove_all(shots / "sweep_left");
+    fs::remove_all(shots / "sweep_right");
+    return run_tuina({"calibrate", shots.string(), "--out", folder / "a.toml", "--json"});
+  }();
+  REQUIRE_MESSAGE(alone.exit_code == 0, alone.err);
+  CHECK(says(alone.out, "Whether left is left"));
+}
+
+TEST_CASE("a light plane almost through the camera is refused") {
+  const Folder folder;
+  auto truth = tuina::sim::built_scanner(2);
+  truth.laser_distance_m = 6.0_mm;
+  truth.laser_normal_in_camera = tuina::Vector3(1.0, 0.0, 0.02).normalized();
+  rehearse(folder.path() / "shots", 0.5, truth);
+  CHECK(says(refusal(folder.path() / "shots", folder, [](const fs::path&) {}), "almost through"));
+}
+
+TEST_CASE("boards that are all held alike are refused") {
+  const Folder folder;
+  const fs::path shots = folder.path() / "shots";
+  rehearse(shots);
+  // The held boards once more, all upright to the line of sight.
+  const auto truth = tuina::sim::built_scanner(2);
+  const tuina::scanner::Board board;
+  for (int pose = 0; pose < poses; ++pose) {
+    tuina::Transform held = tuina::Transform::Identity();
+    const double away_m = 0.6 + 0.1 * pose;
+    const double x_m = truth.laser_distance_m / truth.laser_normal_in_camera.x() -
+                       truth.laser_normal_in_camera.z() / truth.laser_normal_in_camera.x() * away_m;
+    held.translation() = tuina::Vector3(x_m - 0.075, -0.1125, away_m);
+    for (const bool laser : {false, true}) {
+      tuina::Random random = tuina::make_random(1, "held alike");
+      const auto image = tuina::sim::photograph(
+          truth, board, held, laser ? tuina::sim::laser_exposure() : tuina::sim::board_exposure(),
+          random);
+      put(shots / fmt::format("frames/{:06}.png", 2 * pose + (laser ? 1 : 0)),
+          tuina::to_png(image));
+    }
+  }
+  CHECK(says(refusal(shots, folder, [](const fs::path&) {}), "parallel"));
 }
 
 TEST_CASE("boards at one distance are refused") {

@@ -207,6 +207,18 @@ scanner::CalibrationErrors errors_of(const JointFit& fit) {
   return errors;
 }
 
+// No picture of a board tells left from right, nor on which side an angle counts as positive; the
+// nominal calibration that lies with a sweep does.
+Result<void> check_turn(const fs::path& folder, const Sweep& sweep, const Calibrated& result) {
+  const Vector3& nominal = sweep.nominal.axis_direction_in_camera;
+  if (nominal.dot(result.calibration.axis_direction_in_camera) > 0.0) return {};
+  return fail(
+      Fault::bad_input,
+      "{}: the boards show the unit turning the other way than the nominal calibration.toml "
+      "here says: the pictures are mirrored, or yaw_deg in frames.csv has the wrong sign",
+      folder.string());
+}
+
 Result<void> add_latency(const fs::path& folder, Calibrated& result, const Progress& progress) {
   std::error_code error;
   const bool left = fs::exists(folder / "sweep_left", error);
@@ -224,6 +236,7 @@ Result<void> add_latency(const fs::path& folder, Calibrated& result, const Progr
   }
   const auto falling = read_sweep(folder / "sweep_left", part_of(progress, 0.0, 0.5));
   if (!falling) return tl::unexpected(falling.error());
+  if (const auto good = check_turn(folder / "sweep_left", *falling, result); !good) return good;
   const auto rising = read_sweep(folder / "sweep_right", part_of(progress, 0.5, 1.0));
   if (!rising) return tl::unexpected(rising.error());
   const auto latency = find_latency(*falling, *rising);
@@ -245,6 +258,7 @@ Result<void> add_couch(const fs::path& folder, Calibrated& result, const Progres
   }
   const auto sweep = read_sweep(folder / "couch", progress);
   if (!sweep) return tl::unexpected(sweep.error());
+  if (const auto good = check_turn(folder / "couch", *sweep, result); !good) return good;
   const auto pose = find_couch(*sweep, result.calibration);
   if (!pose) return in_folder(folder / "couch", pose);
   result.couch = *pose;
@@ -296,6 +310,11 @@ Result<Calibrated> calibrate_folder(const fs::path& folder, Views& views,
   }
   if (const auto good = add_couch(folder, *result, part_of(progress, 0.8, 1.0)); !good) {
     return tl::unexpected(good.error());
+  }
+  if (!result->latency && !result->couch) {
+    result->remarks.emplace_back(
+        "Whether left is left and the yaw has the right sign was not checked: boards do not show "
+        "it, a sweep with its nominal calibration.toml does.");
   }
   if (progress) progress(1.0);
   return result;

@@ -128,12 +128,6 @@ Plane find_board(const std::vector<Vector3>& points) {
 Result<void> check_against_nominal(const scanner::ScannerCalibration& nominal,
                                    const scanner::ScannerCalibration& measured,
                                    const Plane& board) {
-  const double along = nominal.axis_direction_in_camera.dot(measured.axis_direction_in_camera);
-  if (along < 0.0) {
-    return fail(Fault::bad_input,
-                "the unit turns the other way than its nominal calibration in couch/ says: the "
-                "pictures are mirrored, or the yaw has the wrong sign");
-  }
   const double light = std::abs(measured.laser_distance_m / nominal.laser_distance_m);
   const double height = board.distance_m / std::abs(nominal.couch_from_camera.translation().z());
   const auto wrong = [](double ratio) {

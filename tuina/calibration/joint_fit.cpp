@@ -2,7 +2,6 @@
 #include "tuina/calibration/joint_fit.hpp"
 
 #include <ceres/ceres.h>
-#include <ceres/rotation.h>
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -11,6 +10,8 @@
 #include <map>
 #include <optional>
 
+#include "tuina/calibration/joint_residuals.hpp"
+#include "tuina/calibration/residual_statistics.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/scanner/triangulation.hpp"
 
@@ -19,165 +20,37 @@ namespace {
 
 // The AX-12A rounds to counts of 0.293 degrees, 0.085 RMS, and has a little play.
 constexpr double yaw_deviation_rad = 0.1_deg;
-// What lenses of webcams have; without it a few boards would find distortion in their noise.
-constexpr std::array<double, 4> usual_distortion = {0.5, 1.0, 0.01, 0.01};
 // What the image noise does not know of: speckle, paper not quite even.
 constexpr double least_line_px = 0.1;
 constexpr double robust_from = 2.5;  // standard deviations
 constexpr double left_out_from = 4.0;
 
-constexpr int camera_size = 8;
-constexpr int light_size = 3;
-constexpr int axis_size = 4;
-
-template <typename T>
-using Vec3 = Eigen::Matrix<T, 3, 1>;
-
-// The lens of OpenCV (k1, k2, p1, p2), on coordinates of the ray.
-template <typename T>
-void bend(const T* camera, const T& x, const T& y, T& bent_x, T& bent_y) {
-  const T r2 = x * x + y * y;
-  const T radial = T(1.0) + r2 * (camera[4] + r2 * camera[5]);
-  bent_x = x * radial + T(2.0) * camera[6] * x * y + camera[7] * (r2 + T(2.0) * x * x);
-  bent_y = y * radial + camera[6] * (r2 + T(2.0) * y * y) + T(2.0) * camera[7] * x * y;
-}
-
-// The ray of a pixel; the lens is undone by fixed-point steps, each ten times better than the last.
-template <typename T>
-Vec3<T> ray_of(const T* camera, double column, double row) {
-  const T x = (column - camera[2]) / camera[0];
-  const T y = (row - camera[3]) / camera[1];
-  T straight_x = x;
-  T straight_y = y;
-  for (int i = 0; i < 6; ++i) {
-    T bent_x;
-    T bent_y;
-    bend(camera, straight_x, straight_y, bent_x, bent_y);
-    straight_x += x - bent_x;
-    straight_y += y - bent_y;
-  }
-  return {straight_x, straight_y, T(1.0)};
-}
-
-template <typename T>
-Vec3<T> placed(const T* pose, const Vec3<T>& at) {
-  Vec3<T> moved;
-  ceres::AngleAxisRotatePoint(pose, at.data(), moved.data());
-  return moved + Vec3<T>(pose[3], pose[4], pose[5]);
-}
-
-struct CornerOfBoard {
-  Vector2 seen_px;
-  Vector3 at;
-  double deviation_px;
-
-  template <typename T>
-  void compare(const T* camera, const Vec3<T>& in_camera, T* residual) const {
-    T x;
-    T y;
-    bend(camera, T(in_camera.x() / in_camera.z()), T(in_camera.y() / in_camera.z()), x, y);
-    residual[0] = (camera[0] * x + camera[2] - seen_px.x()) / deviation_px;
-    residual[1] = (camera[1] * y + camera[3] - seen_px.y()) / deviation_px;
-  }
-  template <typename T>
-  bool operator()(const T* camera, const T* pose, T* residual) const {
-    compare(camera, placed<T>(pose, at.cast<T>()), residual);
-    return true;
-  }
-};
-
-// A corner of a standing board after the unit has turned on by yaw[0] - first_yaw[0].
-struct CornerOfStandingBoard : CornerOfBoard {
-  Vector3 direction, point, aside_1, aside_2;
-
-  template <typename T>
-  bool operator()(const T* camera, const T* pose, const T* axis, const T* first_yaw, const T* yaw,
-                  T* residual) const {
-    const Vec3<T> along =
-        (direction.cast<T>() + axis[0] * aside_1.cast<T>() + axis[1] * aside_2.cast<T>())
-            .normalized();
-    const Vec3<T> on_axis =
-        point.cast<T>() + axis[2] * aside_1.cast<T>() + axis[3] * aside_2.cast<T>();
-    const Vec3<T> turn = (first_yaw[0] - yaw[0]) * along;
-    const Vec3<T> before = placed<T>(pose, at.cast<T>()) - on_axis;
-    Vec3<T> after;
-    ceres::AngleAxisRotatePoint(turn.data(), before.data(), after.data());
-    compare(camera, Vec3<T>(after + on_axis), residual);
-    return true;
-  }
-};
-
-// Where the ray of a line point meets the board it must lie on the light plane; the distance counts
-// in pixels across the line.
-struct PointOfLine {
-  double column_px, row_px;
-  double per_px;  ///< change of normal . X / distance for one pixel of line
-  double deviation_px;
-
-  template <typename T>
-  bool operator()(const T* camera, const T* pose, const T* light, T* residual) const {
-    const Vec3<T> ray = ray_of(camera, column_px, row_px);
-    const Vec3<T> z(T(0.0), T(0.0), T(1.0));
-    Vec3<T> normal;
-    ceres::AngleAxisRotatePoint(pose, z.data(), normal.data());
-    const T range = normal.dot(Vec3<T>(pose[3], pose[4], pose[5])) / normal.dot(ray);
-    const T value = (light[0] * ray.x() + light[1] * ray.y() + light[2] * ray.z()) * range;
-    residual[0] = (value - T(1.0)) / (per_px * deviation_px);
-    return true;
-  }
-};
-
-struct Near {
-  double value, deviation;
-  template <typename T>
-  bool operator()(const T* parameter, T* residual) const {
-    residual[0] = (parameter[0] - value) / deviation;
-    return true;
-  }
-};
-
-struct NearUsualLens {
-  template <typename T>
-  bool operator()(const T* camera, T* residual) const {
-    for (std::size_t i = 0; i < usual_distortion.size(); ++i) {
-      residual[i] = camera[4 + i] / usual_distortion[i];
-    }
-    return true;
-  }
-};
-
-double median_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-// The standard deviation of Gaussian errors some of which are not.
-double robust_deviation(const std::vector<double>& sizes) {
-  return sizes.empty() ? 1.0 : 1.4826 * median_of(sizes);
-}
-
-// How many neighbouring rows of a line err alike, as over the border of a black square or in a
-// grain of speckle: so many of them are worth one. 1 + 2 times the sum of the correlations, up to
-// where they vanish.
-double rows_alike(const std::vector<std::vector<double>>& errors, double left_out) {
-  constexpr std::size_t farthest = 30;
-  constexpr double vanished = 0.03;
-  double alike = 1.0;
-  for (std::size_t lag = 1; lag <= farthest; ++lag) {
-    double product = 0.0;
-    double square = 1e-12;
-    for (const auto& line : errors) {
-      for (std::size_t k = lag; k < line.size(); ++k) {
-        if (std::abs(line[k]) > left_out || std::abs(line[k - lag]) > left_out) continue;
-        product += line[k] * line[k - lag];
-        square += 0.5 * (line[k] * line[k] + line[k - lag] * line[k - lag]);
+// The block of camera, light and axis of the inverse of J^T J.
+std::optional<Covariance> inverse_information(const ceres::CRSMatrix& jacobian) {
+  Eigen::MatrixXd information = Eigen::MatrixXd::Zero(jacobian.num_cols, jacobian.num_cols);
+  for (int row = 0; row < jacobian.num_rows; ++row) {
+    const auto begin = static_cast<std::size_t>(jacobian.rows[static_cast<std::size_t>(row)]);
+    const auto end = static_cast<std::size_t>(jacobian.rows[static_cast<std::size_t>(row) + 1]);
+    for (std::size_t a = begin; a < end; ++a) {
+      for (std::size_t b = begin; b < end; ++b) {
+        information(jacobian.cols[a], jacobian.cols[b]) += jacobian.values[a] * jacobian.values[b];
       }
     }
-    if (product < vanished * square) break;
-    alike += 2.0 * product / square;
   }
-  return alike;
+  // Focal lengths are thousands, tilts thousandths: scaled to one, so that what is undetermined
+  // shows.
+  const Eigen::VectorXd scale = information.diagonal().cwiseMax(1e-300).cwiseSqrt();
+  const Eigen::VectorXd unit = scale.cwiseInverse();
+  const Eigen::MatrixXd scaled = unit.asDiagonal() * information * unit.asDiagonal();
+  const Eigen::LLT<Eigen::MatrixXd> cholesky(scaled);
+  if (cholesky.info() != Eigen::Success) return std::nullopt;
+  const Eigen::MatrixXd inverse =
+      cholesky.solve(Eigen::MatrixXd::Identity(scaled.rows(), scaled.cols()))
+          .topLeftCorner<parameters, parameters>();
+  const Covariance result =
+      unit.head<parameters>().asDiagonal() * inverse * unit.head<parameters>().asDiagonal();
+  if (!result.allFinite()) return std::nullopt;
+  return result;
 }
 
 // One least-squares problem with its parameters. It is solved twice: first with a robust loss, to
@@ -282,31 +155,7 @@ class Problem {
     }
     ceres::CRSMatrix jacobian;
     problem.Evaluate(options, nullptr, nullptr, nullptr, &jacobian);
-    Eigen::MatrixXd information = Eigen::MatrixXd::Zero(jacobian.num_cols, jacobian.num_cols);
-    for (int row = 0; row < jacobian.num_rows; ++row) {
-      const auto begin = static_cast<std::size_t>(jacobian.rows[static_cast<std::size_t>(row)]);
-      const auto end = static_cast<std::size_t>(jacobian.rows[static_cast<std::size_t>(row) + 1]);
-      for (std::size_t a = begin; a < end; ++a) {
-        for (std::size_t b = begin; b < end; ++b) {
-          information(jacobian.cols[a], jacobian.cols[b]) +=
-              jacobian.values[a] * jacobian.values[b];
-        }
-      }
-    }
-    // Focal lengths are thousands, tilts thousandths: scaled to one, so that what is undetermined
-    // shows.
-    const Eigen::VectorXd scale = information.diagonal().cwiseMax(1e-300).cwiseSqrt();
-    const Eigen::VectorXd unit = scale.cwiseInverse();
-    const Eigen::MatrixXd scaled = unit.asDiagonal() * information * unit.asDiagonal();
-    const Eigen::LLT<Eigen::MatrixXd> cholesky(scaled);
-    if (cholesky.info() != Eigen::Success) return std::nullopt;
-    const Eigen::MatrixXd inverse =
-        cholesky.solve(Eigen::MatrixXd::Identity(scaled.rows(), scaled.cols()))
-            .topLeftCorner<parameters, parameters>();
-    const Covariance result =
-        unit.head<parameters>().asDiagonal() * inverse * unit.head<parameters>().asDiagonal();
-    if (!result.allFinite()) return std::nullopt;
-    return result;
+    return inverse_information(jacobian);
   }
 
   [[nodiscard]] Geometry geometry() const {
@@ -399,39 +248,33 @@ class Problem {
     return errors;
   }
 
-  [[nodiscard]] double light_value(const Transform& camera_from_board, double column_px,
-                                   double row_px) const {
-    const Vector3 ray = ray_of(camera_.data(), column_px, row_px);
-    const Vector3 normal = camera_from_board.linear().col(2);
-    const double range = normal.dot(camera_from_board.translation()) / normal.dot(ray);
-    return range * Vector3(light_[0], light_[1], light_[2]).dot(ray);
+  [[nodiscard]] double light_at(const Transform& camera_from_board, double column_px,
+                                double row_px) const {
+    return light_value(camera_.data(), light_.data(), camera_from_board, column_px, row_px);
   }
-  // Change of light_value for one pixel across the line.
+  // Change of light_at for one pixel across the line.
   [[nodiscard]] double line_scale(std::size_t i, std::size_t k) const {
     const LineOnBoard& point = line_[i][k];
     const Transform pose = pose_of(i);
-    return 0.5 * (light_value(pose, point.column_px + 1.0, point.row_px) -
-                  light_value(pose, point.column_px - 1.0, point.row_px));
+    return 0.5 * (light_at(pose, point.column_px + 1.0, point.row_px) -
+                  light_at(pose, point.column_px - 1.0, point.row_px));
   }
   [[nodiscard]] double line_error(std::size_t i, std::size_t k) const {
     const LineOnBoard& point = line_[i][k];
-    return (light_value(pose_of(i), point.column_px, point.row_px) - 1.0) / line_scale(i, k);
+    return (light_at(pose_of(i), point.column_px, point.row_px) - 1.0) / line_scale(i, k);
   }
 
   void build(ceres::Problem& problem, bool robust) {
     const auto loss = [robust]() -> ceres::LossFunction* {
       return robust ? new ceres::HuberLoss(robust_from) : nullptr;
     };
-    problem.AddResidualBlock(
-        new ceres::AutoDiffCostFunction<NearUsualLens, 4, camera_size>(new NearUsualLens), nullptr,
-        camera_.data());
+    problem.AddResidualBlock(near_usual_lens(), nullptr, camera_.data());
     for (std::size_t i = 0; i < views_.views.size(); ++i) {
       add_corners(problem, i, loss);
       if (reference_[i] == i) add_line(problem, i, loss);
       if (standing_[i]) {
-        problem.AddResidualBlock(new ceres::AutoDiffCostFunction<Near, 1, 1>(
-                                     new Near{views_.views[i].yaw_rad, yaw_deviation_rad}),
-                                 nullptr, &yaw_[i]);
+        problem.AddResidualBlock(near_value(views_.views[i].yaw_rad, yaw_deviation_rad), nullptr,
+                                 &yaw_[i]);
       }
     }
   }
@@ -442,21 +285,17 @@ class Problem {
     const std::size_t reference = reference_[i];
     for (std::size_t k = 0; k < corners.size(); ++k) {
       if (!corner_good_[i][k]) continue;
-      const CornerOfBoard seen{
-          .seen_px = corners[k], .at = corner(i, k), .deviation_px = corner_px_};
+      const SeenCorner seen{.seen_px = corners[k], .at = corner(i, k), .deviation_px = corner_px_};
       if (reference == i) {
-        problem.AddResidualBlock(new ceres::AutoDiffCostFunction<CornerOfBoard, 2, camera_size, 6>(
-                                     new CornerOfBoard(seen)),
-                                 loss(), camera_.data(), pose_[i].data());
+        problem.AddResidualBlock(corner_of_board(seen), loss(), camera_.data(), pose_[i].data());
         continue;
       }
-      problem.AddResidualBlock(
-          new ceres::AutoDiffCostFunction<CornerOfStandingBoard, 2, camera_size, 6, axis_size, 1,
-                                          1>(
-              new CornerOfStandingBoard{seen, start_.axis.direction_in_camera,
-                                        start_.axis.point_in_camera, aside_1_, aside_2_}),
-          loss(), camera_.data(), pose_[reference].data(), axis_.data(), &yaw_[reference],
-          &yaw_[i]);
+      const FirstAxis axis{.direction = start_.axis.direction_in_camera,
+                           .point = start_.axis.point_in_camera,
+                           .aside_1 = aside_1_,
+                           .aside_2 = aside_2_};
+      problem.AddResidualBlock(corner_of_standing_board(seen, axis), loss(), camera_.data(),
+                               pose_[reference].data(), axis_.data(), &yaw_[reference], &yaw_[i]);
     }
   }
 
@@ -464,12 +303,11 @@ class Problem {
   void add_line(ceres::Problem& problem, std::size_t i, const Loss& loss) {
     for (std::size_t k = 0; k < line_[i].size(); ++k) {
       const LineOnBoard& point = line_[i][k];
-      auto* cost = new ceres::AutoDiffCostFunction<PointOfLine, 1, camera_size, 6, light_size>(
-          new PointOfLine{.column_px = point.column_px,
-                          .row_px = point.row_px,
-                          .per_px = line_scale(i, k),
-                          .deviation_px = std::sqrt(alike_rows_) * view_factor_[i] *
-                                          believed_deviation(point)});
+      auto* cost = point_of_line(
+          {.column_px = point.column_px,
+           .row_px = point.row_px,
+           .per_px = line_scale(i, k),
+           .deviation_px = std::sqrt(alike_rows_) * view_factor_[i] * believed_deviation(point)});
       problem.AddResidualBlock(cost, loss(), camera_.data(), pose_[i].data(), light_.data());
     }
   }
