@@ -99,6 +99,24 @@ TEST_CASE("the less certain the points, the lower the cap of a place, never the 
   CHECK(stricter > 100);
 }
 
+TEST_CASE("the spine is ruled out further from the midline the less certain the points are") {
+  const auto doubtful_to_m = [](double uncertainty_m) {
+    const Man man(uncertainty_m);
+    double beside_m = 0.0;
+    while (man.zones.perhaps_spine(Vector3(beside_m, 0.1, 0.45))) beside_m += 0.5_mm;
+    // Always beyond the band that is denied.
+    CHECK(man.zones.at(Vector3(beside_m, 0.1, 0.45)) != Zone::spine);
+    return beside_m;
+  };
+  CHECK(doubtful_to_m(0.0) > 20_mm);
+  CHECK(doubtful_to_m(8_mm) > 26_mm);
+  CHECK(doubtful_to_m(8_mm) < 30_mm);
+  CHECK(doubtful_to_m(16_mm) > 36_mm);
+  // GV4 itself is certain only where the points are.
+  CHECK_FALSE(Man(0.0).zones.perhaps_spine(Vector3(0.0, 0.1, 0.28)));
+  CHECK(Man(8_mm).zones.perhaps_spine(Vector3(0.0, 0.1, 0.28)));
+}
+
 TEST_CASE("zones belong to the person: they turn, lean and lie down with the back") {
   const Man upright;
   for (const double turn : {0.2, -0.2}) {

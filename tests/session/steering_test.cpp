@@ -9,6 +9,7 @@
 
 #include "tuina/core/units.hpp"
 #include "tuina/massage/contact_path.hpp"
+#include "tuina/massage/zones.hpp"
 #include "tuina/tissue/tangent_model.hpp"
 
 using namespace tuina;
@@ -81,4 +82,20 @@ TEST_CASE("a place that has become half as hard again since the first visit is l
   CHECK_FALSE(let_go(room.steering));
   visit(room.steering, 2, room.time_s, 4, {1.5 * soft.alpha_n, soft.beta_per_m});
   CHECK(let_go(room.steering));
+}
+
+TEST_CASE("what feels like bone next to the spine gets no more than a spinous process bears") {
+  constexpr TangentTissue bone{4.5, 300.0};
+  const auto allowed_n = [](massage::Zone zone, const TangentTissue& tissue) {
+    massage::Plan plan{.paths = {press_at("BL18_L")}};
+    plan.paths[0].zone = zone;
+    plan.paths[0].cap_n = 15.0;
+    session::Steering steering{plan, tissue::pressed_by_robot(1e6, 0.2), true};
+    double time_s = 0.0;
+    visit(steering, 0, time_s, 2, tissue);
+    return steering.steered_n(Arm::left, 15.0);
+  };
+  CHECK(allowed_n(massage::Zone::spine_margin, bone) <= massage::perhaps_spine_n);
+  CHECK(allowed_n(massage::Zone::spine_margin, hard) > massage::perhaps_spine_n);
+  CHECK(allowed_n(massage::Zone::ribs, bone) > massage::perhaps_spine_n);
 }

@@ -50,12 +50,13 @@ PathLayer::MaybePath PathLayer::lay_standing(const Part& part, const Target& tar
   const auto place = on_skin(target.points.front());
   if (!place) return tl::unexpected(place.error());
   const Zone zone = zones_.at(place->at_in_couch);
-  const double force_n = allowed_force_n(part, zone);
+  const bool perhaps_spine = zones_.perhaps_spine(place->at_in_couch);
+  const double force_n = allowed_force_n(part, zone, perhaps_spine);
   if (force_n <= 0.0) return left_out(zone);
   touched_.insert(zone);
   WaitingPath waiting{.path = {},
                       .zone = zone,
-                      .cap_n = cap_of(part.technique, zone),
+                      .cap_n = cap_of(part.technique, zone, perhaps_spine),
                       .arm = arm_of(place->at_in_couch)};
   if (part.technique == Technique::press) {
     waiting.path = pressed(*place, part, zone, force_n);
@@ -122,10 +123,10 @@ PathLayer::MaybePath PathLayer::lay_sliding(const Part& part, const Target& targ
     if (zones.denied != Zone::muscle) return left_out(zones.denied);
   }
   touched_.insert(zones.touched.begin(), zones.touched.end());
-  const double force_n = allowed_force_n(part, zones.strictest);
+  const double force_n = allowed_force_n(part, zones.strictest, zones.perhaps_spine);
   WaitingPath waiting{.path = {},
                       .zone = zones.strictest,
-                      .cap_n = cap_of(part.technique, zones.strictest),
+                      .cap_n = cap_of(part.technique, zones.strictest, zones.perhaps_spine),
                       .arm = arm_of(curve->at(0.5 * curve->length_m()).at_in_couch)};
   if (rubs) {
     const double round_m = std::min(2.0 * pi * part.radius_m * part.rate_hz, fastest_slide_m_per_s);
@@ -224,17 +225,19 @@ std::optional<Arm> PathLayer::arm_of(const Vector3& in_couch) const {
   return left_m * chart_.left().x() > 0.0 ? Arm::left : Arm::right;
 }
 
-double PathLayer::cap_of(Technique technique, Zone zone) const {
+double PathLayer::cap_of(Technique technique, Zone zone, bool perhaps_spine) const {
   const double of_zone_n = cap_n(zone, technique);
   const double of_muscle_n = zone == Zone::muscle ? options_.muscle_cap_n : of_zone_n;
-  return std::min({of_zone_n, of_muscle_n, options_.force_ceiling_n});
+  const double of_spine_n = perhaps_spine ? perhaps_spine_n : of_zone_n;
+  return std::min({of_zone_n, of_muscle_n, of_spine_n, options_.force_ceiling_n});
 }
 
-double PathLayer::allowed_force_n(const Part& part, Zone zone) {
+double PathLayer::allowed_force_n(const Part& part, Zone zone, bool perhaps_spine) {
   const double wanted_n = part.force_n * force_scale_;
-  const double most_n = cap_of(part.technique, zone);
+  const double most_n = cap_of(part.technique, zone, perhaps_spine);
   if (most_n > 0.0 && wanted_n > most_n) {
-    note("{:.1f} N lowered to {:.1f} N ({})", wanted_n, most_n, name_of(zone));
+    note("{:.1f} N lowered to {:.1f} N ({}{})", wanted_n, most_n, name_of(zone),
+         perhaps_spine ? ", perhaps spine" : "");
   }
   return std::min(wanted_n, most_n);
 }

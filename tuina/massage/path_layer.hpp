@@ -39,8 +39,8 @@ class PathLayer {
                                           const Bend& bend) const;
   [[nodiscard]] Result<body::SurfacePoint> on_skin(const Acupoint& point) const;
   [[nodiscard]] std::optional<Arm> arm_of(const Vector3& in_couch) const;
-  [[nodiscard]] double cap_of(Technique technique, Zone zone) const;
-  [[nodiscard]] double allowed_force_n(const Part& part, Zone zone);
+  [[nodiscard]] double cap_of(Technique technique, Zone zone, bool perhaps_spine) const;
+  [[nodiscard]] double allowed_force_n(const Part& part, Zone zone, bool perhaps_spine);
   [[nodiscard]] MaybePath left_out(Zone zone);
   template <typename... Args>
   void note(fmt::format_string<Args...> format, Args&&... args);

@@ -19,13 +19,15 @@ ZoneWalk walk(const SurfaceCurve& curve, const ZoneMap& zones, Technique techniq
   const int paces = static_cast<int>(std::ceil(curve.length_m() / pace_m));
   for (int i = 0; i <= paces; ++i) {
     const double way_m = std::min(i * pace_m, curve.length_m());
-    const Zone zone = zones.at(curve.at(way_m).at_in_couch);
+    const Vector3 at = curve.at(way_m).at_in_couch;
+    const Zone zone = zones.at(at);
     if (cap_n(zone, technique) <= 0.0) {
       found.denied = zone;
       start_m = way_m + pace_m;
       continue;
     }
     found.touched.insert(zone);
+    found.perhaps_spine = found.perhaps_spine || zones.perhaps_spine(at);
     if (cap_n(zone, technique) < cap_n(found.strictest, technique)) found.strictest = zone;
     if (way_m - start_m > found.to_m - found.from_m) {
       found.from_m = start_m;

@@ -13,6 +13,7 @@ struct ZoneWalk {
   std::set<Zone> touched;
   Zone strictest = Zone::muscle;  ///< of those that are allowed
   Zone denied = Zone::muscle;     ///< one that is denied; muscle if none is
+  bool perhaps_spine = false;     ///< somewhere on the allowed parts
   double from_m = 0.0;            ///< the longest allowed stretch
   double to_m = 0.0;
 };

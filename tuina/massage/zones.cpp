@@ -18,7 +18,9 @@ constexpr double kidney_inner_m = 40_mm;
 constexpr double kidney_outer_m = 90_mm;
 constexpr double ribs_from_cun = 3.5;  // beside the muscles that cover the angles of the ribs
 constexpr double neck_half_width_m = 60_mm;
-constexpr double slack_m = 2.5_mm;  // a path guided along a border keeps this beside it
+constexpr double robot_sd_m = 2_mm;   // of the tool where it was sent, by the scanner's place
+constexpr double once_in_2000 = 3.3;  // deviations to one side
+constexpr double slack_m = 2.5_mm;    // a path guided along a border keeps this beside it
 
 /// `uncertainty_m` holds the point in 95 % of cases in the two directions of the skin; in one
 /// direction 95 % lie within 1.96/2.45 of it.
@@ -74,6 +76,7 @@ ZoneMap::ZoneMap(const BackChart& chart, std::span<const Acupoint> acupoints,
     if (point.name == "GV4") gv4_ = chart_.place_of(point.at_in_couch);
   }
   midline_uncertainty_m_ = uncertainty("GV4");
+  midline_sd_m_ = std::hypot(midline_uncertainty_m_ / 1.96, robot_sd_m);
   shoulder_uncertainty_m_ = uncertainty("SI11");
   loin_uncertainty_m_ = uncertainty("BL50");
 
@@ -168,6 +171,14 @@ Zone ZoneMap::at(const Place& place) const {
     return Zone::kidney;
   }
   return Zone::muscle;
+}
+
+bool ZoneMap::perhaps_spine(const Vector3& in_couch) const {
+  const Place place = chart_.place_of(in_couch);
+  const double deviations = once_in_2000 * midline_sd_m_;
+  const double off_gv4_m = std::hypot(place.left_m - gv4_.left_m, place.up_m - gv4_.up_m);
+  const bool surely_gv4 = off_gv4_m + deviations < gv4_radius_m;
+  return std::abs(place.left_m) < spine_half_width_m + deviations && !surely_gv4;
 }
 
 Vector3 ZoneMap::around_denied(const Vector3& in_couch, double side_m) const {

@@ -8,6 +8,8 @@
 
 #include "tuina/core/units.hpp"
 #include "tuina/massage/contact_path.hpp"
+#include "tuina/massage/zones.hpp"
+#include "tuina/tissue/classification.hpp"
 #include "tuina/tissue/steering.hpp"
 #include "tuina/tissue/tangent_model.hpp"
 
@@ -160,6 +162,16 @@ void Steering::judge(Arm arm, double time_s) noexcept {
           std::upper_bound(betas_.begin(), betas_.end(), place.estimate.tissue.beta_per_m),
           place.estimate.tissue.beta_per_m);
     }
+  }
+  // Whatever the map says: what feels like bone so near to the spine is the spine.
+  const bool near_spine =
+      planned.zone == massage::Zone::spine_margin || planned.zone == massage::Zone::gv4;
+  if (near_spine && before_n > massage::perhaps_spine_n &&
+      tissue::classify(place.estimate, place.chi).label == tissue::TissueClass::bone) {
+    side.cap_n = massage::perhaps_spine_n;
+    decide(arm, time_s, "A8", "bone where the spine may be: no more than a process bears", before_n,
+           side.cap_n);
+    return;
   }
   side.cap_n = tissue::force_cap_n(place.estimate, place.chi, planned.cap_n);
   if (side.cap_n < before_n) {
