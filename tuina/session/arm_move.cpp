@@ -62,19 +62,25 @@ double clear_m(const Stage& stage) {
   return 0.75 * stage.standoff_m;
 }
 
-/// How much a move is to be avoided: over the middle, another way round than it was planned, or
-/// with a joint at its end, where an arm may stay behind.
+/// An arm that never comes near its posture came another way round, with its wrist turned over,
+/// say: nobody has planned what it does next.
+bool misses_posture(const ArmMove& move) {
+  const auto near = [&](const JointVector& q_rad) {
+    return (q_rad - move.posture_rad).cwiseAbs().maxCoeff() <= way_missed_rad;
+  };
+  return !near(move.above.q_rad) &&
+         std::none_of(move.skin.q_rad.begin(), move.skin.q_rad.end(), near);
+}
+
+/// How much a move is to be avoided: over the middle, with a joint at its end, where an arm may
+/// stay behind, or clumsy.
 double badness(const Stage& stage, Arm arm, const ArmMove& move) {
   const robot::ArmModel& model = stage.models.get()[arm];
   const double inward_m = std::max(move.air.inward_m(model, arm), move.skin.inward_m(model, arm));
-  double missed_rad = (move.above.q_rad - move.posture_rad).cwiseAbs().maxCoeff();
-  for (const JointVector& q_rad : move.skin.q_rad)
-    missed_rad = std::min(missed_rad, (q_rad - move.posture_rad).cwiseAbs().maxCoeff());
   const double strained_rad = std::max(move.air.strained_rad, move.skin.strained_rad);
   double clumsy_m = 0.0;
   for (const auto& pose : move.skin.poses) clumsy_m = std::max(clumsy_m, clumsiness_m(pose));
-  return std::max(inward_m, -own_side_m) + clumsy_m + (missed_rad > way_missed_rad ? 1.0 : 0.0) +
-         (strained_rad > strain_rad ? 0.5 : 0.0);
+  return std::max(inward_m, -own_side_m) + clumsy_m + (strained_rad > strain_rad ? 0.5 : 0.0);
 }
 
 }  // namespace
@@ -145,6 +151,7 @@ Result<ArmMove> move_to_path(const Stage& stage, Arm arm, const ArmRest& from,
     const char* wrong =
         off_m > off_path_m                       ? "on the way to it the arm gets stuck"
         : move.skin.elbow_height_m < elbow_off_m ? "the elbow would be in the person"
+        : misses_posture(move)                   ? "the arm would come there another way round"
         : !finds_home(stage, arm, move.after)    ? "from there the arm does not find its way home"
                                                  : nullptr;
     const double bad = badness(stage, arm, move);
