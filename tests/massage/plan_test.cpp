@@ -123,6 +123,41 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("hand after hand: the sides take turns, one press, turn or stroke each") {
+  const Person person;
+  for (const char* part : {"technique = \"press\"\npoints = [\"BL47\"]\n",
+                           "technique = \"rub\"\npoints = [\"BL47\"]\n",
+                           "technique = \"stroke\"\npoints = [\"BL47\", \"BL50\"]\n"}) {
+    CAPTURE(part);
+    const auto plan = massage::plan(
+        person.back, person.points, {},
+        programme_of(fmt::format("[[part]]\n{}alternating = true\nrepeats = 3\n", part)));
+    REQUIRE_MESSAGE(plan.has_value(), plan.error().message);
+    REQUIRE(plan->paths.size() == 6);
+    for (std::size_t i = 0; i < 6; ++i) {
+      CHECK(plan->paths[i].arm == (i % 2 == 0 ? Arm::left : Arm::right));
+      CHECK(plan->paths[i].step == static_cast<int>(i));
+      CHECK(plan->paths[i].path.duration_s() == plan->paths[0].path.duration_s());
+    }
+    const auto at_once = massage::plan(
+        person.back, person.points, {},
+        programme_of(fmt::format("[[part]]\n{}together = false\nrepeats = 3\n", part)));
+    CHECK(at_once->paths.size() == 2);
+  }
+}
+
+TEST_CASE("what has only one side takes its turns alone") {
+  const Person person;
+  const auto plan = massage::plan(
+      person.back, person.points, {},
+      programme_of("[[part]]\ntechnique = \"press\"\npoints = [\"GV4\", \"BL47\"]\nalternating = "
+                   "true\nrepeats = 2\nforce_n = 5\n"));
+  REQUIRE_MESSAGE(plan.has_value(), plan.error().message);
+  std::string order;
+  for (const PlannedPath& planned : plan->paths) order += planned.path.name + ", ";
+  CHECK(order == "press GV4, press GV4, press BL47_L, press BL47_R, press BL47_L, press BL47_R, ");
+}
+
 TEST_CASE("a person with the head at the other end keeps the arms uncrossed") {
   Person person;
   const Transform turned = Transform(Eigen::AngleAxisd(pi, Vector3::UnitZ()));

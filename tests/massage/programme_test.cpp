@@ -118,6 +118,19 @@ TEST_CASE("what is missing or contradicts itself is refused") {
   CHECK(says(fault_of("[[part]]\ntechnique = \"press\"\npoints = [[1], {a = 2}]\n"), "unknown"));
 }
 
+TEST_CASE("sides that cannot take turns are refused with the line that says so") {
+  const auto fault = [](const std::string& rest) {
+    return fault_of("[[part]]\ntechnique = \"press\"\nalternating = true\n" + rest);
+  };
+  CHECK(says(fault("points = [\"BL47\"]\nside = \"left\"\n"),
+             "my.toml:4: alternating needs both sides"));
+  CHECK(says(fault("points = [\"BL47_L\"]\n"), "points of both sides, without _L or _R"));
+  CHECK(says(fault("points = [\"BL47\"]\ntogether = true\n"), "exclude each other"));
+  CHECK(says(fault("points = [\"BL47\"]\ntime_s = 9\n"), "needs repeats"));
+  CHECK(says(fault_of("[[part]]\ntechnique = \"tap\"\npoints = [\"SI11\"]\nalternating = true\n"),
+             "tap has no `alternating`"));
+}
+
 TEST_CASE("a programme that does not exist is answered with what might be meant") {
   CHECK(says(load_programme("relaks").error().message, "is `relax` meant?"));
   CHECK(says(load_programme("zzzzzzzzzzzzz").error().message, "known: relax"));

@@ -39,6 +39,30 @@ double min_tool_distance_m(const std::vector<PlannedPath>& paths) {
   return nearest_m;
 }
 
+bool other_side_of(const ContactPath& one, const ContactPath& other) {
+  return std::equal(one.name.begin(), one.name.end(), other.name.begin(), other.name.end(),
+                    [](char a, char b) { return a == b || (a == 'L' && b == 'R'); });
+}
+
+/// As they come, or the two sides of a place taking turns.
+void add_in_turns(std::vector<WaitingPath>& waiting, const std::vector<WaitingPath>& of_part,
+                  const Part& part) {
+  constexpr int usual = 3;
+  const int turns = part.alternating ? part.repeats.value_or(usual) : 1;
+  for (std::size_t k = 0; k < of_part.size();) {
+    const bool pair = part.alternating && k + 1 < of_part.size() &&
+                      other_side_of(of_part[k].path, of_part[k + 1].path);
+    const std::size_t end = k + (pair ? 2 : 1);
+    for (int turn = 0; turn < turns; ++turn) {
+      for (std::size_t m = k; m < end; ++m) {
+        waiting.push_back(of_part[m]);
+        waiting.back().together = part.together && !part.alternating;
+      }
+    }
+    k = end;
+  }
+}
+
 }  // namespace
 
 Result<Plan> plan(const body::BackSurface& back, std::span<const Acupoint> acupoints,
@@ -56,13 +80,17 @@ Result<Plan> plan(const body::BackSurface& back, std::span<const Acupoint> acupo
   for (std::size_t i = 0; i < programme.parts.size(); ++i) {
     const auto targets = targets_of(programme.parts[i], *chart, acupoints);
     if (!targets) return tl::unexpected(targets.error());
+    std::vector<WaitingPath> of_part;
+    Part once = programme.parts[i];
+    if (once.alternating) once.repeats = 1;
     for (const Target& target : *targets) {
-      auto path = layer.lay(programme.parts[i], target);
+      auto path = layer.lay(once, target);
       if (!path) return tl::unexpected(path.error());
       if (!*path) continue;
       (*path)->part = static_cast<int>(i);
-      waiting.push_back(std::move(**path));
+      of_part.push_back(std::move(**path));
     }
+    add_in_turns(waiting, of_part, programme.parts[i]);
   }
   if (waiting.empty()) {
     return fail(Fault::not_found, "nothing of the programme {} may be done on this back: {}",

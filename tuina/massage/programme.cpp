@@ -34,12 +34,12 @@ constexpr std::array<NamedLine, 4> lines = {{
 
 const Words& keys_of(Technique technique) {
   static const std::array<Words, 4> keys = {{
-      {"technique", "points", "side", "order", "together", "force_n", "repeats", "time_s", "hold_s",
-       "rise_s"},
-      {"technique", "points", "side", "order", "together", "force_n", "repeats", "time_s",
-       "rate_hz", "radius_mm", "spiral"},
-      {"technique", "points", "line", "side", "together", "force_n", "repeats", "time_s",
-       "speed_mm_per_s"},
+      {"technique", "points", "side", "order", "together", "alternating", "force_n", "repeats",
+       "time_s", "hold_s", "rise_s"},
+      {"technique", "points", "side", "order", "together", "alternating", "force_n", "repeats",
+       "time_s", "rate_hz", "radius_mm", "spiral"},
+      {"technique", "points", "line", "side", "together", "alternating", "force_n", "repeats",
+       "time_s", "speed_mm_per_s"},
       {"technique", "points", "side", "order", "together", "force_n", "time_s", "rate_hz"},
   }};
   return keys[static_cast<std::size_t>(technique)];
@@ -154,6 +154,26 @@ void read_points(Reader& reader, const toml::table& table, Part& part) {
   }
 }
 
+bool names_one_side(const std::string& point) {
+  return point.ends_with("_L") || point.ends_with("_R");
+}
+
+/// Taking turns needs two sides, one arm at a time and a number of turns.
+void check_turns(Reader& reader, const toml::table& table, const Part& part) {
+  const toml::node& node = *table.get("alternating");
+  if (part.side != Side::both) {
+    reader.reject(node, "alternating needs both sides, side = \"both\"");
+  } else if (std::any_of(part.points.begin(), part.points.end(), names_one_side)) {
+    reader.reject(node, "alternating needs points of both sides, without _L or _R");
+  }
+  if (table.contains("together") && part.together) {
+    reader.reject(node, "alternating and together = true exclude each other");
+  }
+  if (table.contains("time_s")) {
+    reader.reject(node, "alternating needs repeats, how often each side has its turn, not time_s");
+  }
+}
+
 /// What single keys cannot say wrongly but several together can.
 void check_part(Reader& reader, const toml::table& table, const Part& part) {
   if (table.contains("repeats") && table.contains("time_s")) {
@@ -166,6 +186,7 @@ void check_part(Reader& reader, const toml::table& table, const Part& part) {
   } else if (part.technique == Technique::stroke && part.line.empty() && part.points.size() == 1) {
     reader.reject(*table.get("points"), "a stroke needs two points at least");
   }
+  if (part.alternating) check_turns(reader, table, part);
   const double speed = 2.0 * pi * part.radius_m * part.rate_hz;
   if (part.technique == Technique::rub && speed > fastest_slide_m_per_s) {
     const toml::node* node = table.contains("rate_hz") ? table.get("rate_hz") : &table;
@@ -210,6 +231,7 @@ std::optional<Part> read_part(Reader& reader, const toml::table& table) {
     part.order = static_cast<Order>(*order);
   }
   part.together = reader.flag(table, "together").value_or(part.together);
+  part.alternating = reader.flag(table, "alternating").value_or(part.alternating);
   const double ceiling_n = rule_of(Zone::muscle).cap_n;
   part.force_n = reader.number(table, "force_n", kept_force_n, ceiling_n).value_or(part.force_n);
   part.repeats = reader.whole(table, "repeats", 1, 20);

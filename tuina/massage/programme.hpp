@@ -27,6 +27,8 @@ struct Part {
   std::string line;  ///< stroking: a named line of the back instead of points
   Side side = Side::both;
   Order order = Order::listed;
+  /// The sides take turns, one press, turn or stroke each: hand after hand.
+  bool alternating = false;
   bool together = true;  ///< both arms at once where they stay apart, else one after the other
   double force_n = 20.0;
   std::optional<int> repeats;    ///< presses, turns, strokes
