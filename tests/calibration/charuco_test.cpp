@@ -88,7 +88,7 @@ TEST_CASE("part of a board with markers is enough") {
   REQUIRE(beside.has_value());
   CHECK(std::find(beside->which.begin(), beside->which.end(), 13) == beside->which.end());
   CHECK(beside->which.size() >= 12);
-  CHECK(wrong(*beside, board, held, 0.5) == 0);
+  CHECK(wrong(*beside, board, held, 0.8) == 0);
 }
 
 TEST_CASE("what is no board with these markers is none") {

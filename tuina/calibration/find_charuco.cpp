@@ -249,20 +249,27 @@ std::optional<Vector2> find_corner(ImageView image, const cv::Matx33d& image_fro
 // Corners that are not where their neighbours have them lie under a finger or a reflection: the
 // worst goes first.
 void leave_out_odd_ones(Agreed& corners) {
-  constexpr double tolerated_px = 0.4;
+  constexpr double least_tolerated_px = 0.4;
+  constexpr double tolerated_squares = 0.015;  // a printer's or a drawing's own rounding
+  const auto tolerated_px = [&](const cv::Point2d& at) {
+    const double side_px = cv::norm(through(corners.image_from_board, at + cv::Point2d(1.0, 0.0)) -
+                                    through(corners.image_from_board, at));
+    return std::max(least_tolerated_px, tolerated_squares * side_px);
+  };
   while (corners.on_board.size() > fewest_corners) {
     std::size_t worst = 0;
-    double most_px = 0.0;
+    double most = 0.0;
     for (std::size_t i = 0; i < corners.on_board.size(); ++i) {
       const cv::Point2d expected =
           through(around(corners, corners.on_board[i], 10), corners.on_board[i]);
-      const double off_px = cv::norm(expected - cv::Point2d(corners.in_image[i]));
-      if (off_px > most_px) {
-        most_px = off_px;
+      const double off =
+          cv::norm(expected - cv::Point2d(corners.in_image[i])) / tolerated_px(corners.on_board[i]);
+      if (off > most) {
+        most = off;
         worst = i;
       }
     }
-    if (most_px < tolerated_px) return;
+    if (most < 1.0) return;
     corners.on_board.erase(corners.on_board.begin() + static_cast<std::ptrdiff_t>(worst));
     corners.in_image.erase(corners.in_image.begin() + static_cast<std::ptrdiff_t>(worst));
   }
