@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tuina/massage/contact_path.hpp"
+#include "tuina/session/airway.hpp"
 
 namespace tuina::session {
 namespace {
@@ -22,40 +22,12 @@ massage::Plan in_base(massage::Plan plan, const Transform& base_from_couch) {
   return plan;
 }
 
-/// What is expected of a place before it was felt: Table 6-2 of [thesis], medium build, by what
-/// lies there.
-TangentTissue expected_in(massage::Zone zone) noexcept {
-  switch (zone) {
-    case massage::Zone::scapula_edge:
-    case massage::Zone::ribs:
-    case massage::Zone::iliac_crest:
-    case massage::Zone::gv4:
-    case massage::Zone::spine:
-    case massage::Zone::spine_margin:
-      return {.alpha_n = 4.5, .beta_per_m = 265.0};
-    case massage::Zone::kidney:
-      return {.alpha_n = 4.5, .beta_per_m = 210.0};
-    default:
-      return control::ContactModel{}.tissue;
-  }
-}
-
 safety::Guard::Options guard_options(const robot::ArmModel& model, const MassageOptions& options) {
   safety::Guard::Options guard{.torque_limit_nm = model.table().torque_limits_nm()};
   for (safety::ForceLimits& limits : guard.force) {
     limits.set_n = std::min(limits.set_n, options.force_ceiling_n);
   }
   return guard;
-}
-
-control::ToolPose foremost_of(const Transform& base_from_tool, double radius_m) noexcept {
-  const Vector3 normal = control::tool_normal(base_from_tool);
-  return {.at_in_base = base_from_tool.translation() - radius_m * normal, .normal_in_base = normal};
-}
-
-control::ToolPose above(const control::ToolPose& pose, double more_m) noexcept {
-  return {.at_in_base = pose.at_in_base + more_m * pose.normal_in_base,
-          .normal_in_base = pose.normal_in_base};
 }
 
 safety::Phase guarded_phase(ArmPhase phase) noexcept {
@@ -269,206 +241,6 @@ void MassageStep::conduct(Arm arm, double time_s) noexcept {
     case ArmPhase::stopped:
       return;
   }
-}
-
-void MassageStep::next_job(Side& side) noexcept {
-  ++side.job;
-  side.phase = ArmPhase::waiting;
-}
-
-/// One leg is flown, or something holds the arm: then it goes no further there, and what comes next
-/// may be reached.
-void MassageStep::end_travel(Side& side, Arm arm, double time_s) noexcept {
-  const ArmJob& job = *job_of(side);
-  const bool arrived = side.controller.status().settled;
-  side.leg_s = time_s;
-  if (side.detour_at >= 0) {
-    if (arrived && ++side.detour_at < side.detour_legs) {
-      side.controller.move_to(side.detour[static_cast<std::size_t>(side.detour_at)]);
-      return;
-    }
-    side.detour_at = -1;
-    if (wants_scan_) {
-      side.job = side.jobs.size();
-      side.phase = ArmPhase::waiting;
-      return;
-    }
-    if (!arrived || !side.again) return next_job(side);
-    return begin_approach(side, arm, time_s);
-  }
-  if (!arrived && job.path >= 0) {
-    side.contact_s = time_s;
-    side.trouble = control::Trouble::blocked;
-    return end_contact(side, arm, time_s);
-  }
-  if (!arrived) return next_job(side);
-  if (++side.waypoint < job.way_in_base.size()) {
-    side.controller.move_to(job.way_in_base[side.waypoint]);
-  } else if (job.path < 0) {
-    next_job(side);
-  } else {
-    begin_approach(side, arm, time_s);
-  }
-}
-
-void MassageStep::begin_approach(Side& side, Arm arm, double time_s) noexcept {
-  const massage::PlannedPath& planned = *path_of(side);
-  side.again = side.cut_short = false;
-  side.wanted = planned.path.points.front();
-  side.wanted.at_in_couch += shift_in_base_;
-  side.controller.approach(
-      {.at_in_base = side.wanted.at_in_couch, .normal_in_base = side.wanted.normal_in_couch});
-  side.phase = ArmPhase::approach;
-  side.expected = expected_in(planned.zone);
-  steering_.begin(arm, job_of(side)->path, time_s);
-}
-
-void MassageStep::begin_contact(Side& side, Arm arm, double time_s) noexcept {
-  side.contact_s = time_s;
-  side.phase = ArmPhase::contact;
-  steering_.touch(arm, time_s);
-  // After probing the tool already is on the skin, with the light touch that a path begins with.
-  side.playback.begin(steering_.probing(arm) ? massage::landing_s : 0.0);
-}
-
-/// One millisecond of a contact.
-void MassageStep::press_on(Side& side, Arm arm, double time_s) noexcept {
-  const massage::PlannedPath& planned = *path_of(side);
-  const control::ArmStatus& status = side.controller.status();
-  if (steering_.probing(arm)) side.playback.begin(massage::landing_s);
-  const bool leaves = side.skip || steering_.alarmed(arm);
-  if (leaves && !side.playback.fading()) {
-    side.playback.fade();
-    side.cut_short = true;
-  }
-  if (status.trouble != control::Trouble::none || side.playback.faded() ||
-      side.playback.path_s() >= planned.path.duration_s()) {
-    side.trouble = status.trouble;
-    side.cut_short = side.cut_short || status.trouble != control::Trouble::none;
-    end_contact(side, arm, time_s);
-    if (side.trouble == control::Trouble::contact_lost) leave(time_s);
-    return;
-  }
-  register_skin(side, time_s);
-  if (side.phase != ArmPhase::contact) return;
-  const massage::PathPlace now = massage::place_at(planned.path, side.playback.path_s());
-  side.wanted = now.point;
-  side.wanted.at_in_couch += shift_in_base_;
-  const double planned_n = steering_.probing(arm) && !paused_
-                               ? steering_.probe_force_n(arm, time_s)
-                               : steering_.steered_n(arm, now.point.force_n);
-  side.wanted.force_n =
-      std::min({side.playback.force_n(planned_n), options_.force_ceiling_n, planned.cap_n});
-  side.controller.track(
-      {.at_in_base = side.wanted.at_in_couch,
-       .velocity_m_per_s = side.playback.rate() * now.velocity_m_per_s,
-       .normal_in_base = now.point.normal_in_couch,
-       .force_n = side.wanted.force_n,
-       .model = {.tissue = side.expected, .torso_n_per_m = options_.torso_n_per_m}});
-}
-
-/// Where the tool found the skin tells how the person has shifted since the scan, along the normal
-/// that was touched. Breath moves it by a few millimetres to either side, so each contact counts
-/// for a part only, once.
-void MassageStep::register_skin(Side& side, double time_s) noexcept {
-  constexpr double after_s = 0.4, share = 0.3;
-  const double in_contact_s = time_s - side.contact_s;
-  if (in_contact_s < after_s || in_contact_s >= after_s + tick_s) return;
-  const double deeper_m = side.controller.status().skin_error_m;
-  if (std::abs(deeper_m) > options_.most_shift_m) return leave(time_s);
-  next_shift_in_base_ -= share * deeper_m * side.wanted.normal_in_couch;
-}
-
-/// After a whole path the tool is where the next way begins. After one that was cut short, or that
-/// shall be done again, it flies there, lifted over what lies between.
-void MassageStep::end_retract(Side& side, double time_s) noexcept {
-  const massage::PlannedPath* planned = path_of(side);
-  if (wants_scan_) return fly_home(side, time_s);
-  if (planned == nullptr || stopped_s_ >= 0.0 || !(side.cut_short || side.again)) {
-    return next_job(side);
-  }
-  const auto& points = planned->path.points;
-  const ContactPoint& goal = side.again ? points.front() : points.back();
-  detour(side,
-         above({.at_in_base = goal.at_in_couch, .normal_in_base = goal.normal_in_couch},
-               options_.standoff_m),
-         true, time_s);
-}
-
-/// To a place lifted over what may lie between, and down on it from above if it is on the back.
-void MassageStep::detour(Side& side, const control::ToolPose& goal, bool from_above,
-                         double time_s) noexcept {
-  constexpr double lifted_m = 80e-3;
-  const control::ToolPose here =
-      foremost_of(side.controller.dynamics().base_from_tool, tool_radius_m_);
-  side.detour = {above(here, lifted_m), from_above ? above(goal, lifted_m) : goal, goal};
-  side.detour_legs = from_above ? 3 : 2;
-  side.detour_at = 0;
-  side.leg_s = time_s;
-  side.controller.move_to(side.detour.front());
-  side.phase = ArmPhase::travel;
-}
-
-void MassageStep::fly_home(Side& side, double time_s) noexcept {
-  constexpr double at_home_m = 20e-3;
-  const control::ToolPose here =
-      foremost_of(side.controller.dynamics().base_from_tool, tool_radius_m_);
-  if ((here.at_in_base - side.home.at_in_base).norm() < at_home_m) {
-    side.job = side.jobs.size();
-    side.phase = ArmPhase::waiting;
-    return;
-  }
-  side.controller.keep_posture(side.home_rad);
-  detour(side, side.home, false, time_s);
-}
-
-/// The person has moved, or gone: contacts end, and every arm goes home.
-void MassageStep::leave(double time_s) noexcept {
-  wants_scan_ = true;
-  for (const Arm arm : both_arms) {
-    Side& side = sides_[arm];
-    if (side.phase == ArmPhase::contact || side.phase == ArmPhase::approach) {
-      if (side.phase == ArmPhase::approach) side.contact_s = time_s;
-      side.cut_short = true;
-      end_contact(side, arm, time_s);
-    } else if (side.phase == ArmPhase::travel || side.phase == ArmPhase::waiting) {
-      fly_home(side, time_s);
-    }
-  }
-}
-
-void MassageStep::end_contact(Side& side, Arm arm, double time_s) noexcept {
-  const massage::PlannedPath& planned = *path_of(side);
-  Performed done{.path = job_of(side)->path,
-                 .arm = arm,
-                 .begin_s = side.contact_s,
-                 .end_s = time_s,
-                 .trouble = side.trouble,
-                 .whole = !side.cut_short,
-                 .felt = {}};
-  const bool feels = planned.path.technique == Technique::press;
-  if (feels && time_s > side.contact_s) {
-    done.felt = steering_.estimate(arm);
-    done.chi = steering_.chi(arm);
-    done.stiffness_sd = steering_.stiffness_sd(arm);
-  }
-  steering_.end(arm);
-  if (performed_.size() < performed_.capacity()) performed_.push_back(done);
-  side.skip = false;
-  side.controller.retract(options_.standoff_m);
-  side.phase = ArmPhase::retract;
-}
-
-void MassageStep::feel(Side& side, Arm arm, double time_s, const ArmState& state) noexcept {
-  // The approach counts too: in the air the estimator learns the zero of the force sensor.
-  if (side.phase != ArmPhase::approach && side.phase != ArmPhase::contact) return;
-  const Vector3& normal = side.wanted.normal_in_couch;
-  const Vector3 foremost = state.base_from_tool.translation() - tool_radius_m_ * normal;
-  steering_.feel(arm, time_s,
-                 {.depth_m = normal.dot(side.wanted.at_in_couch - foremost),
-                  .force_n = normal.dot(state.contact_in_base.force_n)});
-  const TissueEstimate& estimate = steering_.estimate(arm);
-  if (options_.steer && estimate.converged) side.expected = estimate.tissue;
 }
 
 void MassageStep::let_go(double time_s) noexcept {

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the massage does on the skin, from the approach to letting go.
+#include <algorithm>
+#include <cmath>
+
+#include "tuina/massage/contact_path.hpp"
+#include "tuina/session/massage_step.hpp"
+
+namespace tuina::session {
+namespace {
+
+/// What is expected of a place before it was felt: Table 6-2 of [thesis], medium build, by what
+/// lies there.
+TangentTissue expected_in(massage::Zone zone) noexcept {
+  switch (zone) {
+    case massage::Zone::scapula_edge:
+    case massage::Zone::ribs:
+    case massage::Zone::iliac_crest:
+    case massage::Zone::gv4:
+    case massage::Zone::spine:
+    case massage::Zone::spine_margin:
+      return {.alpha_n = 4.5, .beta_per_m = 265.0};
+    case massage::Zone::kidney:
+      return {.alpha_n = 4.5, .beta_per_m = 210.0};
+    default:
+      return control::ContactModel{}.tissue;
+  }
+}
+
+}  // namespace
+
+void MassageStep::begin_approach(Side& side, Arm arm, double time_s) noexcept {
+  const massage::PlannedPath& planned = *path_of(side);
+  side.again = side.cut_short = false;
+  side.wanted = planned.path.points.front();
+  side.wanted.at_in_couch += shift_in_base_;
+  side.controller.approach(
+      {.at_in_base = side.wanted.at_in_couch, .normal_in_base = side.wanted.normal_in_couch});
+  side.phase = ArmPhase::approach;
+  side.expected = expected_in(planned.zone);
+  steering_.begin(arm, job_of(side)->path, time_s);
+}
+
+void MassageStep::begin_contact(Side& side, Arm arm, double time_s) noexcept {
+  side.contact_s = time_s;
+  side.phase = ArmPhase::contact;
+  steering_.touch(arm, time_s);
+  // After probing the tool already is on the skin, with the light touch that a path begins with.
+  side.playback.begin(steering_.probing(arm) ? massage::landing_s : 0.0);
+}
+
+/// One millisecond of a contact.
+void MassageStep::press_on(Side& side, Arm arm, double time_s) noexcept {
+  const massage::PlannedPath& planned = *path_of(side);
+  const control::ArmStatus& status = side.controller.status();
+  if (steering_.probing(arm)) side.playback.begin(massage::landing_s);
+  const bool leaves = side.skip || steering_.alarmed(arm);
+  if (leaves && !side.playback.fading()) {
+    side.playback.fade();
+    side.cut_short = true;
+  }
+  if (status.trouble != control::Trouble::none || side.playback.faded() ||
+      side.playback.path_s() >= planned.path.duration_s()) {
+    side.trouble = status.trouble;
+    side.cut_short = side.cut_short || status.trouble != control::Trouble::none;
+    end_contact(side, arm, time_s);
+    if (side.trouble == control::Trouble::contact_lost) leave(time_s);
+    return;
+  }
+  register_skin(side, time_s);
+  if (side.phase != ArmPhase::contact) return;
+  const massage::PathPlace now = massage::place_at(planned.path, side.playback.path_s());
+  side.wanted = now.point;
+  side.wanted.at_in_couch += shift_in_base_;
+  const double planned_n = steering_.probing(arm) && !paused_
+                               ? steering_.probe_force_n(arm, time_s)
+                               : steering_.steered_n(arm, now.point.force_n);
+  side.wanted.force_n =
+      std::min({side.playback.force_n(planned_n), options_.force_ceiling_n, planned.cap_n});
+  side.controller.track(
+      {.at_in_base = side.wanted.at_in_couch,
+       .velocity_m_per_s = side.playback.rate() * now.velocity_m_per_s,
+       .normal_in_base = now.point.normal_in_couch,
+       .force_n = side.wanted.force_n,
+       .model = {.tissue = side.expected, .torso_n_per_m = options_.torso_n_per_m}});
+}
+
+/// Where the tool found the skin tells how the person has shifted since the scan, along the normal
+/// that was touched. Breath moves it by a few millimetres to either side, so each contact counts
+/// for a part only, once.
+void MassageStep::register_skin(Side& side, double time_s) noexcept {
+  constexpr double after_s = 0.4, share = 0.3, tick_s = 1e-3;
+  const double in_contact_s = time_s - side.contact_s;
+  if (in_contact_s < after_s || in_contact_s >= after_s + tick_s) return;
+  const double deeper_m = side.controller.status().skin_error_m;
+  if (std::abs(deeper_m) > options_.most_shift_m) return leave(time_s);
+  next_shift_in_base_ -= share * deeper_m * side.wanted.normal_in_couch;
+}
+
+void MassageStep::end_contact(Side& side, Arm arm, double time_s) noexcept {
+  const massage::PlannedPath& planned = *path_of(side);
+  Performed done{.path = job_of(side)->path,
+                 .arm = arm,
+                 .begin_s = side.contact_s,
+                 .end_s = time_s,
+                 .trouble = side.trouble,
+                 .whole = !side.cut_short,
+                 .felt = {}};
+  const bool feels = planned.path.technique == Technique::press;
+  if (feels && time_s > side.contact_s) {
+    done.felt = steering_.estimate(arm);
+    done.chi = steering_.chi(arm);
+    done.stiffness_sd = steering_.stiffness_sd(arm);
+  }
+  steering_.end(arm);
+  if (performed_.size() < performed_.capacity()) performed_.push_back(done);
+  side.skip = false;
+  side.controller.retract(options_.standoff_m);
+  side.phase = ArmPhase::retract;
+}
+
+void MassageStep::feel(Side& side, Arm arm, double time_s, const ArmState& state) noexcept {
+  // The approach counts too: in the air the estimator learns the zero of the force sensor.
+  if (side.phase != ArmPhase::approach && side.phase != ArmPhase::contact) return;
+  const Vector3& normal = side.wanted.normal_in_couch;
+  const Vector3 foremost = state.base_from_tool.translation() - tool_radius_m_ * normal;
+  steering_.feel(arm, time_s,
+                 {.depth_m = normal.dot(side.wanted.at_in_couch - foremost),
+                  .force_n = normal.dot(state.contact_in_base.force_n)});
+  const TissueEstimate& estimate = steering_.estimate(arm);
+  if (options_.steer && estimate.converged) side.expected = estimate.tissue;
+}
+
+}  // namespace tuina::session

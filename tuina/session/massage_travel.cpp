@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+// How the massage goes through the air: from contact to contact, and home.
+#include "tuina/session/airway.hpp"
+#include "tuina/session/massage_step.hpp"
+
+namespace tuina::session {
+
+void MassageStep::next_job(Side& side) noexcept {
+  ++side.job;
+  side.phase = ArmPhase::waiting;
+}
+
+/// One leg is flown, or something holds the arm: then it goes no further there, and what comes next
+/// may be reached.
+void MassageStep::end_travel(Side& side, Arm arm, double time_s) noexcept {
+  const ArmJob& job = *job_of(side);
+  const bool arrived = side.controller.status().settled;
+  side.leg_s = time_s;
+  if (side.detour_at >= 0) {
+    if (arrived && ++side.detour_at < side.detour_legs) {
+      side.controller.move_to(side.detour[static_cast<std::size_t>(side.detour_at)]);
+      return;
+    }
+    side.detour_at = -1;
+    if (wants_scan_) {
+      side.job = side.jobs.size();
+      side.phase = ArmPhase::waiting;
+      return;
+    }
+    if (!arrived || !side.again) return next_job(side);
+    return begin_approach(side, arm, time_s);
+  }
+  if (!arrived && job.path >= 0) {
+    side.contact_s = time_s;
+    side.trouble = control::Trouble::blocked;
+    return end_contact(side, arm, time_s);
+  }
+  if (!arrived) return next_job(side);
+  if (++side.waypoint < job.way_in_base.size()) {
+    side.controller.move_to(job.way_in_base[side.waypoint]);
+  } else if (job.path < 0) {
+    next_job(side);
+  } else {
+    begin_approach(side, arm, time_s);
+  }
+}
+
+/// After a whole path the tool is where the next way begins. After one that was cut short, or that
+/// shall be done again, it flies there, lifted over what lies between.
+void MassageStep::end_retract(Side& side, double time_s) noexcept {
+  const massage::PlannedPath* planned = path_of(side);
+  if (wants_scan_) return fly_home(side, time_s);
+  if (planned == nullptr || stopped_s_ >= 0.0 || !(side.cut_short || side.again)) {
+    return next_job(side);
+  }
+  const auto& points = planned->path.points;
+  const ContactPoint& goal = side.again ? points.front() : points.back();
+  detour(side,
+         above({.at_in_base = goal.at_in_couch, .normal_in_base = goal.normal_in_couch},
+               options_.standoff_m),
+         true, time_s);
+}
+
+/// To a place lifted over what may lie between, and down on it from above if it is on the back.
+void MassageStep::detour(Side& side, const control::ToolPose& goal, bool from_above,
+                         double time_s) noexcept {
+  constexpr double lifted_m = 80e-3;
+  const control::ToolPose here =
+      foremost_of(side.controller.dynamics().base_from_tool, tool_radius_m_);
+  side.detour = {above(here, lifted_m), from_above ? above(goal, lifted_m) : goal, goal};
+  side.detour_legs = from_above ? 3 : 2;
+  side.detour_at = 0;
+  side.leg_s = time_s;
+  side.controller.move_to(side.detour.front());
+  side.phase = ArmPhase::travel;
+}
+
+void MassageStep::fly_home(Side& side, double time_s) noexcept {
+  constexpr double at_home_m = 20e-3;
+  const control::ToolPose here =
+      foremost_of(side.controller.dynamics().base_from_tool, tool_radius_m_);
+  if ((here.at_in_base - side.home.at_in_base).norm() < at_home_m) {
+    side.job = side.jobs.size();
+    side.phase = ArmPhase::waiting;
+    return;
+  }
+  side.controller.keep_posture(side.home_rad);
+  detour(side, side.home, false, time_s);
+}
+
+/// The person has moved, or gone: contacts end, and every arm goes home.
+void MassageStep::leave(double time_s) noexcept {
+  wants_scan_ = true;
+  for (const Arm arm : both_arms) {
+    Side& side = sides_[arm];
+    if (side.phase == ArmPhase::contact || side.phase == ArmPhase::approach) {
+      if (side.phase == ArmPhase::approach) side.contact_s = time_s;
+      side.cut_short = true;
+      end_contact(side, arm, time_s);
+    } else if (side.phase == ArmPhase::travel || side.phase == ArmPhase::waiting) {
+      fly_home(side, time_s);
+    }
+  }
+}
+
+}  // namespace tuina::session
