@@ -224,8 +224,47 @@ class TeachShow final : public Verb {
   std::string file_, plot_, joints_;
 };
 
+class TeachCarry final : public Verb {
+ public:
+  [[nodiscard]] const char* name() const override { return "teach carry"; }
+  [[nodiscard]] const char* summary() const override {
+    return "a taught stroke as a programme for anybody";
+  }
+  [[nodiscard]] const char* example() const override {
+    return "tuina teach carry stroke.toml --out mine.toml\n"
+           "  tuina massage --programme mine.toml --person phantom:hefty";
+  }
+  void describe(CLI::App& command) override {
+    command.add_option("file", file_, "of `tuina teach record`")->required();
+    command.add_option("--out", out_, "a programme, as TOML")->required();
+  }
+  [[nodiscard]] Result<Answer> run(const CommonOptions&) override {
+    const auto motion = session::read_taught(file_, robot::thesis_arm());
+    if (!motion) return tl::unexpected(motion.error());
+    const auto programme = session::programme_of(*motion);
+    if (!programme) return fail(Fault::bad_input, "{}: {}", file_, programme.error().message);
+    if (const auto written = write_file(out_, *programme); !written)
+      return tl::unexpected(written.error());
+    return Answer{.json = nlohmann::json{{"name", motion->name},
+                                         {"places", motion->line.size()},
+                                         {"force_n", motion->force_n},
+                                         {"speed_mm_per_s", to_mm(motion->speed_m_per_s)}}
+                              .dump(2),
+                  .text = fmt::format("{}: {} places, {:.1f} N, {:.0f} mm/s\nnow: tuina massage "
+                                      "--programme {}",
+                                      motion->name, motion->line.size(), motion->force_n,
+                                      to_mm(motion->speed_m_per_s), out_)};
+  }
+
+ private:
+  std::string file_, out_;
+};
+
 }  // namespace
 
+std::unique_ptr<Verb> make_teach_carry() {
+  return std::make_unique<TeachCarry>();
+}
 std::unique_ptr<Verb> make_teach_record() {
   return std::make_unique<TeachRecord>();
 }

@@ -8,6 +8,7 @@
 
 #include "apps/tuina/guarded_arm.hpp"
 #include "apps/tuina/leading_hand.hpp"
+#include "apps/tuina/session_preparation.hpp"
 #include "tuina/body/back_surface.hpp"
 #include "tuina/control/cartesian_impedance.hpp"
 #include "tuina/control/friction.hpp"
@@ -129,6 +130,66 @@ HandMotion hand_motion(const session::ReadyPlan& ready, const ToolPose& home, Ar
   return motion;
 }
 
+/// The way of the tool from its first touch to its farthest place, told by the points that the
+/// session's own scan and map find on this back.
+Result<void> add_line(const TeachOrder& order, const sim::Person& person,
+                      const CommonOptions& common, const robot::ArmModel& model,
+                      session::TaughtMotion& motion) {
+  CommonOptions quiet = common;
+  quiet.quiet = true;
+  SessionOrder session;
+  session.person = order.person;
+  session.position = order.position;
+  const auto setting = read_setting(session, {}, quiet);
+  if (!setting) return tl::unexpected(setting.error());
+  const auto prepared = prepare(*setting, person);
+  if (!prepared) return tl::unexpected(prepared.error());
+  const auto chart =
+      massage::BackChart::from(prepared->located.acupoints, prepared->located.landmarks);
+  if (!chart) return tl::unexpected(chart.error());
+  const Transform couch_from_base =
+      believed_base_from_couch(*setting, robot::mount_for(order.position)).inverse();
+
+  constexpr double working_n = 6.0, apart_m = 15_mm;
+  std::vector<Vector3> way;
+  std::vector<const session::TaughtSample*> worked;
+  for (const session::TaughtSample& sample : motion.samples) {
+    if (sample.force_n < working_n) continue;
+    const Transform tool = model.base_from_tool(sample.q_rad, motion.rail_m);
+    const Vector3 foremost =
+        tool.translation() - model.table().tool_radius_m * control::tool_normal(tool);
+    way.push_back(couch_from_base * foremost);
+    worked.push_back(&sample);
+  }
+  if (way.empty()) return {};
+  // Strokes are shown several times; the first ends where it is as far as any goes.
+  const auto far_m = [&](const Vector3& place) { return (place - way.front()).norm(); };
+  double farthest_m = 0.0;
+  for (const Vector3& place : way) farthest_m = std::max(farthest_m, far_m(place));
+  constexpr double nearly_m = 10_mm;
+  const auto end = std::find_if(way.begin(), way.end(), [&](const Vector3& place) {
+    return far_m(place) > farthest_m - nearly_m;
+  });
+  way.erase(end + 1, way.end());
+  worked.resize(way.size());
+  double length_m = 0.0;
+  std::vector<double> forces;
+  Vector3 last = way.front();
+  motion.line = {chart->relative(chart->place_of(last))};
+  for (std::size_t i = 0; i < way.size(); ++i) {
+    forces.push_back(worked[i]->force_n);
+    if ((way[i] - last).norm() < apart_m && i + 1 < way.size()) continue;
+    length_m += (way[i] - last).norm();
+    last = way[i];
+    motion.line.push_back(chart->relative(chart->place_of(last)));
+  }
+  const auto middle = forces.begin() + static_cast<std::ptrdiff_t>(forces.size() / 2);
+  std::nth_element(forces.begin(), middle, forces.end());
+  motion.force_n = *middle;
+  motion.speed_m_per_s = length_m / std::max(worked.back()->time_s - worked.front()->time_s, 0.1);
+  return {};
+}
+
 }  // namespace
 
 Result<TaughtByHand> record_by_hand(const TeachOrder& order, const session::Config& config,
@@ -214,6 +275,10 @@ Result<TaughtByHand> record_by_hand(const TeachOrder& order, const session::Conf
   }
   if (bar) bar(1.0);
   taught.motion = session::smoothed(taught.motion);
+  if (order.technique == Technique::stroke) {
+    if (auto added = add_line(order, *person, common, model, taught.motion); !added)
+      return tl::unexpected(added.error());
+  }
   return taught;
 }
 

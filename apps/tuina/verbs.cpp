@@ -7,7 +7,7 @@ namespace tuina::app {
 
 std::string summary_of_group(std::string_view group) {
   if (group == "atlas") return "labelled backs: record them, learn a file from them, look at it";
-  if (group == "teach") return "motions that a hand shows to an arm: record, play, look at them";
+  if (group == "teach") return "motions that a hand shows to an arm: record, play, look at them, carry them to others";
   if (group == "tissue") return "what a record of presses says about the tissue";
   if (group == "evaluate") return "the tables of the documentation, judged against the truth";
   if (group == "export") return "the robot for other programs: URDF, MJCF";
@@ -39,6 +39,7 @@ std::vector<std::unique_ptr<Verb>> make_verbs() {
   verbs.push_back(make_teach_record());
   verbs.push_back(make_teach_play());
   verbs.push_back(make_teach_show());
+  verbs.push_back(make_teach_carry());
   verbs.push_back(make_evaluate_control());
   verbs.push_back(make_evaluate_all());
   verbs.push_back(make_evaluate_massage());

@@ -39,6 +39,7 @@ std::unique_ptr<Verb> make_plan();
 std::unique_ptr<Verb> make_teach_record();
 std::unique_ptr<Verb> make_teach_play();
 std::unique_ptr<Verb> make_teach_show();
+std::unique_ptr<Verb> make_teach_carry();
 
 /// One line for --help about the verbs that begin with the same word.
 std::string summary_of_group(std::string_view group);

@@ -108,7 +108,13 @@ TEST_CASE("what is missing or contradicts itself is refused") {
   CHECK(says(
       fault_of(
           "[[part]]\ntechnique = \"stroke\"\npoints = [\"BL47\", \"BL50\"]\nline = \"loin\"\n"),
-      "either points or a line"));
+      "either points, a line or places"));
+  const std::string stroke = "[[part]]\ntechnique = \"stroke\"\n";
+  CHECK(says(fault_of(stroke + "places = [[3.0, 0.8]]\n"), "not a list of 2 to 100 places"));
+  CHECK(says(fault_of(stroke + "places = [[3.0, 0.8], [0.1, 0.2]]\n"), "0.5 to 8 cun"));
+  CHECK(says(fault_of(stroke + "places = [[3.0, 0.8], [nan, 0.2]]\n"), "0.5 to 8 cun"));
+  CHECK(says(fault_of(stroke + "line = \"loin\"\nplaces = [[3.0, 0.8], [3.0, 0.1]]\n"),
+             "either points, a line or places"));
   CHECK(says(
       fault_of("[[part]]\ntechnique = \"press\"\npoints = [\"BL47\"]\nrepeats = 2\ntime_s = 9\n"),
       "exclude each other"));

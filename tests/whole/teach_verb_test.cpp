@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "tests/whole/command.hpp"
 #include "tuina/core/file.hpp"
+#include "tuina/sim/person.hpp"
 
 using nlohmann::json;
 using tuina::test::Folder;
@@ -39,6 +42,34 @@ TEST_CASE("what a hand has shown is played to the same person, and not to one of
   CHECK(stopped["stops"].size() == 1);
   CHECK(stopped["force"]["peak_n"].get<double>() < 45.0);
 
+  // Carried over the map of the back, the session's own way of pressing gives it to the same
+  // person.
+  const std::string programme = folder / "carried.toml";
+  REQUIRE(run_tuina({"teach", "carry", file, "--out", programme}).exit_code == 0);
+  const auto carried = run_tuina({"massage", "--programme", programme, "--person", "phantom:hefty",
+                                  "--out", folder / "report", "--json", "--quiet"});
+  REQUIRE_MESSAGE(carried.exit_code == 0, carried.err);
+  const json given = json::parse(carried.out);
+  CHECK(given["massage"]["performed"].size() == 2);
+  CHECK(given["massage"]["force"]["rmse_n"].get<double>() < 0.6);
+  // The stroke was shown from SI11 to BL50: on this back, too, it passes them.
+  const json plan = json::parse(tuina::read_file(folder / "report/plan.json").value());
+  const auto person =
+      tuina::sim::parse_person("phantom:hefty", tuina::Position::sitting, 1).value();
+  for (const tuina::Acupoint& point : person.acupoints) {
+    if (point.name != "SI11_L" && point.name != "BL47_L" && point.name != "BL50_L") continue;
+    double nearest_m = 1.0;
+    for (const json& path : plan["paths"]) {
+      for (const json& place : path["points"]) {
+        const auto at = place["position_m"].get<std::vector<double>>();
+        nearest_m =
+            std::min(nearest_m, (tuina::Vector3(at[0], at[1], at[2]) - point.at_in_couch).norm());
+      }
+    }
+    MESSAGE(point.name, ": the carried stroke passes it by ", 1e3 * nearest_m, " mm");
+    CHECK(nearest_m < 25e-3);
+  }
+
   const auto seen = run_tuina({"teach", "show", file, "--json"});
   CHECK(seen.exit_code == 0);
   CHECK(json::parse(seen.out)["name"] == shown["name"]);
@@ -53,4 +84,6 @@ TEST_CASE("teach refuses what it cannot use") {
       1);
   CHECK(run_tuina({"teach", "play", folder / "nothing.toml"}).exit_code == 2);
   CHECK(run_tuina({"teach", "show"}).exit_code == 1);
+  CHECK(run_tuina({"teach", "carry", folder / "nothing.toml", "--out", folder / "b.toml"})
+            .exit_code == 2);
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -16,6 +17,13 @@ namespace tuina::massage {
 struct Place {
   double left_m = 0.0;
   double up_m = 0.0;
+};
+
+/// The same for anybody: beside the spine in cun, outward, and up it as a share of the way from GV4
+/// to C7.
+struct RelativePlace {
+  double aside_cun = 0.0;
+  double up_share = 0.0;
 };
 
 /// Levels of the spine with a name, from the head down.
@@ -36,6 +44,15 @@ class BackChart {
   [[nodiscard]] Place place_of(const Vector3& in_couch) const;
   /// On the plane of the map, not on the skin; `lift` brings it there.
   [[nodiscard]] Vector3 in_couch(const Place& place) const;
+
+  /// On the person's left side for a positive `side`, on the right one for a negative.
+  [[nodiscard]] Place place_at(const RelativePlace& relative, double side) const {
+    return {(side > 0.0 ? 1.0 : -1.0) * relative.aside_cun * cun_m_,
+            relative.up_share * up_of(Level::C7)};
+  }
+  [[nodiscard]] RelativePlace relative(const Place& place) const {
+    return {std::abs(place.left_m) / cun_m_, place.up_m / up_of(Level::C7)};
+  }
 
   [[nodiscard]] double up_of(Level level) const {
     return level_up_m_[static_cast<std::size_t>(level)];

@@ -177,7 +177,7 @@ Result<SurfaceCurve> PathLayer::line(const Part& part, const Target& target,
   std::vector<Vector3> places;
   for (const Acupoint& point : target.points) places.push_back(point.at_in_couch);
   if (places.empty()) {
-    for (const Place& place : places_of(part.line, chart_, target.side)) {
+    for (const Place& place : places_of(part, chart_, target.side)) {
       const Vector3 flat = zones_.around_denied(chart_.in_couch(place), target.side);
       constexpr double above_m = 250_mm;
       const auto met = back_.along(flat + above_m * chart_.out(), -chart_.out());

@@ -38,8 +38,8 @@ const Words& keys_of(Technique technique) {
        "time_s", "hold_s", "rise_s"},
       {"technique", "points", "side", "order", "together", "alternating", "force_n", "repeats",
        "time_s", "rate_hz", "radius_mm", "spiral"},
-      {"technique", "points", "line", "side", "together", "alternating", "force_n", "repeats",
-       "time_s", "speed_mm_per_s"},
+      {"technique", "points", "line", "places", "side", "together", "alternating", "force_n",
+       "repeats", "time_s", "speed_mm_per_s"},
       {"technique", "points", "side", "order", "together", "force_n", "time_s", "rate_hz"},
   }};
   return keys[static_cast<std::size_t>(technique)];
@@ -154,6 +154,35 @@ void read_points(Reader& reader, const toml::table& table, Part& part) {
   }
 }
 
+/// [[aside, up], ...]: cun beside the spine, and the share of the way from GV4 to C7.
+void read_places(Reader& reader, const toml::table& table, Part& part) {
+  const toml::node* node = table.get("places");
+  if (node == nullptr) return;
+  constexpr std::size_t most = 100;
+  const toml::array* list = node->as_array();
+  if (list == nullptr || list->size() < 2 || list->size() > most) {
+    reader.reject(*node, fmt::format("places is not a list of 2 to {} places, like [[3.0, 0.8], "
+                                     "[3.0, 0.1]]: cun beside the spine, share of the way from GV4 "
+                                     "to C7",
+                                     most));
+    return;
+  }
+  for (const toml::node& entry : *list) {
+    const toml::array* pair = entry.as_array();
+    const bool two = pair != nullptr && pair->size() == 2;
+    const auto aside = two ? (*pair)[0].value<double>() : std::nullopt;
+    const auto up = two ? (*pair)[1].value<double>() : std::nullopt;
+    // Written so that NaN is outside.
+    if (aside && up && *aside >= 0.5 && *aside <= 8.0 && *up >= -0.5 && *up <= 1.2) {
+      part.places.push_back({*aside, *up});
+    } else {
+      reader.reject(entry,
+                    "a place is two numbers: 0.5 to 8 cun beside the spine, -0.5 to 1.2 of "
+                    "the way from GV4 to C7");
+    }
+  }
+}
+
 bool names_one_side(const std::string& point) {
   return point.ends_with("_L") || point.ends_with("_R");
 }
@@ -179,11 +208,14 @@ void check_part(Reader& reader, const toml::table& table, const Part& part) {
   if (table.contains("repeats") && table.contains("time_s")) {
     reader.reject(*table.get("time_s"), "repeats and time_s exclude each other");
   }
-  if (table.contains("points") == table.contains("line")) {
+  const int ways = static_cast<int>(table.contains("points")) +
+                   static_cast<int>(table.contains("line")) +
+                   static_cast<int>(table.contains("places"));
+  if (ways != 1) {
     reader.reject(table, part.technique == Technique::stroke
-                             ? "stroke needs either points or a line"
+                             ? "stroke needs either points, a line or places"
                              : fmt::format("{} needs points", name_of(part.technique)));
-  } else if (part.technique == Technique::stroke && part.line.empty() && part.points.size() == 1) {
+  } else if (part.technique == Technique::stroke && part.points.size() == 1) {
     reader.reject(*table.get("points"), "a stroke needs two points at least");
   }
   if (part.alternating) check_turns(reader, table, part);
@@ -221,6 +253,7 @@ std::optional<Part> read_part(Reader& reader, const toml::table& table) {
   if (part.technique == Technique::tap) part.rate_hz = 3.0;
   reader.unknown_keys(table, keys_of(part.technique), name_of(part.technique));
   read_points(reader, table, part);
+  read_places(reader, table, part);
   Words line_names;
   for (const NamedLine& line : lines) line_names.emplace_back(line.name);
   if (const auto line = reader.word(table, "line", line_names)) part.line = line_names[*line];

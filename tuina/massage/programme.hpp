@@ -11,6 +11,7 @@
 
 #include "tuina/core/contact.hpp"
 #include "tuina/core/result.hpp"
+#include "tuina/massage/back_chart.hpp"
 
 namespace tuina::massage {
 
@@ -25,6 +26,8 @@ struct Part {
   /// order; the other techniques serve one after the other.
   std::vector<std::string> points;
   std::string line;  ///< stroking: a named line of the back instead of points
+  /// Stroking: a line of its own instead, for either side, from its beginning.
+  std::vector<RelativePlace> places;
   Side side = Side::both;
   Order order = Order::listed;
   /// The sides take turns, one press, turn or stroke each: hand after hand.

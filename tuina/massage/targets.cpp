@@ -35,12 +35,15 @@ Result<Acupoint> point_of(const std::string& name, std::span<const Acupoint> acu
               fmt::join(known, ", "));
 }
 
+const std::string own_line = "own_line";
+
 /// One stroke a side.
 Result<std::vector<Target>> lines_of(const Part& part, const BackChart& chart,
                                      std::span<const Acupoint> acupoints) {
   std::vector<Target> targets;
   for (const double side : sides_of(part.side)) {
-    Target target{part.line + (side > 0.0 ? "_L" : "_R"), {}, side};
+    const std::string& name_of_line = part.places.empty() ? part.line : own_line;
+    Target target{name_of_line + (side > 0.0 ? "_L" : "_R"), {}, side};
     for (const std::string& name : part.points) {
       const auto found = point_of(on_side(name, side), acupoints);
       if (!found) return tl::unexpected(found.error());
@@ -90,10 +93,13 @@ Result<std::vector<Target>> targets_of(const Part& part, const BackChart& chart,
                                              : points_of(part, chart, acupoints);
 }
 
-std::vector<Place> places_of(const std::string& line, const BackChart& chart, double side) {
+std::vector<Place> places_of(const Part& stroke, const BackChart& chart, double side) {
   const double cun_m = (side > 0.0 ? 1.0 : -1.0) * chart.cun_m();
   const auto level = [&](Level name) { return chart.up_of(name); };
   std::vector<Place> places;
+  for (const RelativePlace& place : stroke.places) places.push_back(chart.place_at(place, side));
+  if (!places.empty()) return places;
+  const std::string& line = stroke.line;
   if (line == "scapula") {
     for (const Level name : {Level::T3, Level::T7, Level::T9}) {
       places.push_back({2.2 * cun_m, level(name)});

@@ -24,8 +24,7 @@ struct Target {
 [[nodiscard]] Result<std::vector<Target>> targets_of(const Part& part, const BackChart& chart,
                                                      std::span<const Acupoint> acupoints);
 
-/// Places that a named line of the back runs through, from its beginning.
-[[nodiscard]] std::vector<Place> places_of(const std::string& line, const BackChart& chart,
-                                           double side);
+/// Places that the line of a stroke runs through, named or its own, from its beginning.
+[[nodiscard]] std::vector<Place> places_of(const Part& stroke, const BackChart& chart, double side);
 
 }  // namespace tuina::massage

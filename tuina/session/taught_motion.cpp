@@ -8,11 +8,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "tuina/core/csv.hpp"
 #include "tuina/core/file.hpp"
 #include "tuina/core/near_miss.hpp"
 #include "tuina/core/units.hpp"
+#include "tuina/massage/contact_path.hpp"
 
 namespace tuina::session {
 namespace {
@@ -22,13 +24,43 @@ namespace fs = std::filesystem;
 constexpr double fastest_rad_per_s = 1.5;
 constexpr std::array taught_zones = {safety::Zone::muscle, safety::Zone::kidney,
                                      safety::Zone::bony};
-const std::vector<std::string> keys = {"name", "position", "arm", "rail_mm", "zone", "samples"};
+const std::vector<std::string> keys = {"name",    "position", "arm",     "rail_mm",       "zone",
+                                       "samples", "line",     "force_n", "speed_mm_per_s"};
 
 std::vector<std::string> columns_of(int joints) {
   std::vector<std::string> columns = {"time_s"};
   for (int j = 1; j <= joints; ++j) columns.push_back(fmt::format("q{}_deg", j));
   columns.emplace_back("force_n");
   return columns;
+}
+
+std::string list_of(const std::vector<massage::RelativePlace>& line) {
+  std::vector<std::string> places;
+  for (const auto& place : line) {
+    places.push_back(fmt::format("[{:.3f}, {:.4f}]", place.aside_cun, place.up_share));
+  }
+  return fmt::format("[{}]", fmt::join(places, ", "));
+}
+
+std::string line_toml(const TaughtMotion& motion) {
+  if (motion.line.empty()) return {};
+  return fmt::format(
+      "line = {}  # cun beside the spine, share of the way from GV4 to C7\n"
+      "force_n = {:.2f}  # along that line\nspeed_mm_per_s = {:.1f}\n",
+      list_of(motion.line), motion.force_n, to_mm(motion.speed_m_per_s));
+}
+
+/// Nothing if it is not a list of pairs of finite numbers.
+std::optional<std::vector<massage::RelativePlace>> line_of(const toml::array& list) {
+  std::vector<massage::RelativePlace> line;
+  for (const toml::node& entry : list) {
+    const toml::array* pair = entry.as_array();
+    if (pair == nullptr || pair->size() != 2) return std::nullopt;
+    const auto aside = (*pair)[0].value<double>(), up = (*pair)[1].value<double>();
+    if (!aside || !up || !std::isfinite(*aside) || !std::isfinite(*up)) return std::nullopt;
+    line.push_back({*aside, *up});
+  }
+  return line;
 }
 
 Result<std::vector<TaughtSample>> read_samples(const fs::path& file, const robot::ArmTable& table,
@@ -160,7 +192,24 @@ Result<void> write_taught(const TaughtMotion& motion, const fs::path& file) {
                   "rail_mm = {}\nzone = \"{}\"  # the most delicate it touches\n"
                   "samples = \"{}\"\n",
                   motion.name, name_of(motion.position), name_of(motion.arm), to_mm(motion.rail_m),
-                  safety::name_of(motion.zone), samples.filename().string()));
+                  safety::name_of(motion.zone), samples.filename().string()) +
+          line_toml(motion));
+}
+
+Result<std::string> programme_of(const TaughtMotion& motion) {
+  if (motion.line.size() < 2) {
+    return fail(Fault::bad_input, "`{}` has no line over the back; only a taught stroke has one",
+                motion.name);
+  }
+  constexpr double slowest_mm_per_s = 10.0;
+  return fmt::format(
+      "name = \"{}\"\ndescription = \"\"\"\nStrokes along a line that a hand has shown, on both "
+      "sides.\"\"\"\n\n[[part]]\ntechnique = \"stroke\"\nplaces = {}  # cun beside the spine, "
+      "share "
+      "of the way from GV4 to C7\nforce_n = {:.1f}\nspeed_mm_per_s = {:.1f}\nrepeats = 2\n",
+      motion.name, list_of(motion.line), std::max(massage::kept_force_n, motion.force_n),
+      std::clamp(to_mm(motion.speed_m_per_s), slowest_mm_per_s,
+                 to_mm(massage::fastest_slide_m_per_s)));
 }
 
 Result<TaughtMotion> read_taught(const fs::path& file, const robot::ArmTable& table) {
@@ -198,6 +247,15 @@ Result<TaughtMotion> read_taught(const fs::path& file, const robot::ArmTable& ta
       return refuse(taught, "zone needs \"muscle\", \"kidney\" or \"bony\"");
     motion.zone = *zone;
     if (word("samples").empty()) return refuse(taught, "samples needs the name of a CSV file");
+    if (const toml::array* list = taught["line"].as_array()) {
+      auto line = line_of(*list);
+      if (!line) return refuse(*list, "line is not a list of places, [[cun, share], ...]");
+      motion.line = std::move(*line);
+      motion.force_n = taught["force_n"].value_or(0.0);
+      motion.speed_m_per_s = from_mm(taught["speed_mm_per_s"].value_or(0.0));
+      if (!(motion.force_n >= 0.0 && motion.speed_m_per_s >= 0.0))
+        return refuse(*list, "force_n and speed_mm_per_s must not be negative");
+    }
     auto samples = read_samples(file.parent_path() / word("samples"), table, motion.zone);
     if (!samples) return tl::unexpected(samples.error());
     motion.samples = std::move(*samples);

@@ -8,6 +8,7 @@
 #include "tuina/core/acupoint.hpp"
 #include "tuina/core/arm.hpp"
 #include "tuina/core/result.hpp"
+#include "tuina/massage/back_chart.hpp"
 #include "tuina/robot/arm_table.hpp"
 #include "tuina/safety/limits.hpp"
 
@@ -28,6 +29,9 @@ struct TaughtMotion {
   double rail_m = 0.0;
   safety::Zone zone = safety::Zone::muscle;  ///< the most delicate that it touches
   std::vector<TaughtSample> samples;         ///< evenly spaced, from zero
+  std::vector<massage::RelativePlace> line;  ///< of a stroke, on the back it was taught on
+  double force_n = 0.0;                      ///< usual one along that line
+  double speed_m_per_s = 0.0;                ///< likewise
 
   [[nodiscard]] double duration_s() const { return samples.empty() ? 0.0 : samples.back().time_s; }
 
@@ -49,6 +53,10 @@ struct TaughtMotion {
 /// FILE.toml, and the samples as FILE.csv beside it: time_s, q1_deg ..., force_n.
 [[nodiscard]] Result<void> write_taught(const TaughtMotion& motion,
                                         const std::filesystem::path& file);
+/// A programme that strokes along the taught line, on anybody and on both sides: TOML. Fails when
+/// it is no line that a stroke could follow.
+[[nodiscard]] Result<std::string> programme_of(const TaughtMotion& motion);
+
 /// Refused by file and line: keys and columns that are missing or unknown, times that are not even,
 /// joints beyond their ends or faster than 1.5 rad/s, forces beyond the trip of the zone.
 [[nodiscard]] Result<TaughtMotion> read_taught(const std::filesystem::path& file,
