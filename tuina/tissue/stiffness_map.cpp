@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tuina/tissue/stiffness_map.hpp"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
@@ -32,8 +33,9 @@ StiffnessMap::StiffnessMap(std::span<const FeltPlace> places, const StiffnessMap
     // The floor keeps two presses on one place apart from a singular matrix.
     K(i, i) += place.sd * place.sd + 1e-8;
   }
-  covariance_.compute(K);
-  weights_ = covariance_.solve(off);
+  const Eigen::LLT<Eigen::MatrixXd> covariance(K);
+  factor_ = covariance.matrixL();
+  weights_ = covariance.solve(off);
 }
 
 std::optional<StiffnessMap::Value> StiffnessMap::at(const Vector3& point_in_couch) const {
@@ -41,7 +43,8 @@ std::optional<StiffnessMap::Value> StiffnessMap::at(const Vector3& point_in_couc
   Eigen::VectorXd k(static_cast<Eigen::Index>(places_.size()));
   for (Eigen::Index i = 0; i < k.size(); ++i)
     k(i) = alike(point_in_couch, places_[static_cast<std::size_t>(i)], options_);
-  const double left = options_.spread * options_.spread - k.dot(covariance_.solve(k));
+  const double left = options_.spread * options_.spread -
+                      factor_.triangularView<Eigen::Lower>().solve(k).squaredNorm();
   const double sd = std::sqrt(std::max(0.0, left));
   if (sd > options_.blank_share * options_.spread) return std::nullopt;
   return Value{mean_ + k.dot(weights_), sd};

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <optional>
 #include <span>
@@ -43,7 +42,7 @@ class StiffnessMap {
   StiffnessMapOptions options_;
   std::vector<Vector3> places_;
   double mean_ = 0.0;
-  Eigen::LLT<Eigen::MatrixXd> covariance_;
+  Eigen::MatrixXd factor_;  // lower triangle: the covariance is factor_ * factor_^T
   Eigen::VectorXd weights_;
 };
 
