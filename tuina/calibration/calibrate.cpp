@@ -289,6 +289,7 @@ Result<Calibrated> calibrate(Views& views) {
   if (!fit) return tl::unexpected(fit.error());
   Calibrated result;
   result.fit = std::move(*fit);
+  result.fit.covariance = covariance_to_state(result.fit);
   result.calibration = calibration_of(result.fit.geometry);
   result.calibration.errors = errors_of(result.fit);
   sum_up(views, result);

@@ -17,7 +17,6 @@ namespace tuina::calibration {
 
 /// Fewer poses with board and laser line do not make a calibration.
 inline constexpr int least_poses = 8;
-inline constexpr double told_depths_m[] = {0.65, 1.0, 1.75};
 
 /// What pictures of boards give.
 struct Calibrated {

@@ -3,7 +3,6 @@
 
 #include <ceres/ceres.h>
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,6 +10,7 @@
 #include <optional>
 
 #include "tuina/calibration/joint_residuals.hpp"
+#include "tuina/calibration/pose_covariance.hpp"
 #include "tuina/calibration/residual_statistics.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/scanner/triangulation.hpp"
@@ -24,34 +24,6 @@ constexpr double yaw_deviation_rad = 0.1_deg;
 constexpr double least_line_px = 0.1;
 constexpr double robust_from = 2.5;  // standard deviations
 constexpr double left_out_from = 4.0;
-
-// The block of camera, light and axis of the inverse of J^T J.
-std::optional<Covariance> inverse_information(const ceres::CRSMatrix& jacobian) {
-  Eigen::MatrixXd information = Eigen::MatrixXd::Zero(jacobian.num_cols, jacobian.num_cols);
-  for (int row = 0; row < jacobian.num_rows; ++row) {
-    const auto begin = static_cast<std::size_t>(jacobian.rows[static_cast<std::size_t>(row)]);
-    const auto end = static_cast<std::size_t>(jacobian.rows[static_cast<std::size_t>(row) + 1]);
-    for (std::size_t a = begin; a < end; ++a) {
-      for (std::size_t b = begin; b < end; ++b) {
-        information(jacobian.cols[a], jacobian.cols[b]) += jacobian.values[a] * jacobian.values[b];
-      }
-    }
-  }
-  // Focal lengths are thousands, tilts thousandths: scaled to one, so that what is undetermined
-  // shows.
-  const Eigen::VectorXd scale = information.diagonal().cwiseMax(1e-300).cwiseSqrt();
-  const Eigen::VectorXd unit = scale.cwiseInverse();
-  const Eigen::MatrixXd scaled = unit.asDiagonal() * information * unit.asDiagonal();
-  const Eigen::LLT<Eigen::MatrixXd> cholesky(scaled);
-  if (cholesky.info() != Eigen::Success) return std::nullopt;
-  const Eigen::MatrixXd inverse =
-      cholesky.solve(Eigen::MatrixXd::Identity(scaled.rows(), scaled.cols()))
-          .topLeftCorner<parameters, parameters>();
-  const Covariance result =
-      unit.head<parameters>().asDiagonal() * inverse * unit.head<parameters>().asDiagonal();
-  if (!result.allFinite()) return std::nullopt;
-  return result;
-}
 
 // One least-squares problem with its parameters. It is solved twice: first with a robust loss, to
 // learn how large errors are and which do not belong; then without.
@@ -118,7 +90,9 @@ class Problem {
     const double freedom = 1.0 + 3.0 * static_cast<double>(views_.views.size()) /
                                      static_cast<double>(corner_sizes.size());
     corner_px_ = std::max(1e-3, freedom * robust_deviation(corner_sizes));
-    line_factor_ = std::max(0.2, robust_deviation(line_sizes));
+    // Errors on print have long tails; those that are kept count by their squares.
+    line_factor_ =
+        std::max(0.2, deviation_without(line_sizes, left_out_from * robust_deviation(line_sizes)));
     alike_rows_ = rows_alike(line_errors, left_out_from * line_factor_);
     for (std::size_t i = 0; i < line_errors.size(); ++i) {
       for (double& error : line_errors[i]) error = std::abs(error);
@@ -138,9 +112,8 @@ class Problem {
     }
   }
 
-  // The inverse of the information about camera, light and axis that is left when the poses and
-  // angles are unknown as well.
-  [[nodiscard]] std::optional<Covariance> covariance() {
+  // Of camera, light and axis, when the poses and angles are unknown as well.
+  [[nodiscard]] std::optional<PoseCovariance> covariance() {
     ceres::Problem problem;
     build(problem, false);
     ceres::Problem::EvaluateOptions options;
@@ -153,9 +126,18 @@ class Problem {
     for (double* block : blocks) {
       if (!shared(block)) options.parameter_blocks.push_back(block);
     }
+    std::vector<double> residuals;
     ceres::CRSMatrix jacobian;
-    problem.Evaluate(options, nullptr, nullptr, nullptr, &jacobian);
-    return inverse_information(jacobian);
+    problem.Evaluate(options, nullptr, &residuals, nullptr, &jacobian);
+    std::vector<FitRow> rows(residuals.size());
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      rows[i] = {.pose = pose_of_row_[i], .residual = residuals[i], .slopes = {}};
+      for (int k = jacobian.rows[i]; k < jacobian.rows[i + 1]; ++k) {
+        const auto at = static_cast<std::size_t>(k);
+        rows[i].slopes.emplace_back(jacobian.cols[at], jacobian.values[at]);
+      }
+    }
+    return pose_covariance(rows, parameters);
   }
 
   [[nodiscard]] Geometry geometry() const {
@@ -268,6 +250,7 @@ class Problem {
     const auto loss = [robust]() -> ceres::LossFunction* {
       return robust ? new ceres::HuberLoss(robust_from) : nullptr;
     };
+    pose_of_row_.assign(usual_lens_size, -1);
     problem.AddResidualBlock(near_usual_lens(), nullptr, camera_.data());
     for (std::size_t i = 0; i < views_.views.size(); ++i) {
       add_corners(problem, i, loss);
@@ -275,6 +258,7 @@ class Problem {
       if (standing_[i]) {
         problem.AddResidualBlock(near_value(views_.views[i].yaw_rad, yaw_deviation_rad), nullptr,
                                  &yaw_[i]);
+        pose_of_row_.push_back(views_.views[i].pose);
       }
     }
   }
@@ -285,6 +269,7 @@ class Problem {
     const std::size_t reference = reference_[i];
     for (std::size_t k = 0; k < corners.size(); ++k) {
       if (!corner_good_[i][k]) continue;
+      pose_of_row_.insert(pose_of_row_.end(), 2, views_.views[i].pose);
       const SeenCorner seen{.seen_px = corners[k], .at = corner(i, k), .deviation_px = corner_px_};
       if (reference == i) {
         problem.AddResidualBlock(corner_of_board(seen), loss(), camera_.data(), pose_[i].data());
@@ -309,6 +294,7 @@ class Problem {
            .per_px = line_scale(i, k),
            .deviation_px = std::sqrt(alike_rows_) * view_factor_[i] * believed_deviation(point)});
       problem.AddResidualBlock(cost, loss(), camera_.data(), pose_[i].data(), light_.data());
+      pose_of_row_.push_back(views_.views[i].pose);
     }
   }
 
@@ -327,6 +313,7 @@ class Problem {
   double corner_px_ = 0.1;
   double line_factor_ = 2.0;
   double alike_rows_ = 1.0;
+  std::vector<int> pose_of_row_;     ///< of the residuals of the last problem built
   std::vector<double> view_factor_;  ///< line_factor_, or more where a line is worse than most
 };
 
@@ -347,7 +334,8 @@ Result<JointFit> fit_jointly(const Views& views, const Geometry& start) {
   const auto covariance = problem.covariance();
   if (!covariance) return undetermined();
   JointFit fit = problem.result();
-  fit.covariance = *covariance;
+  fit.covariance = covariance->of_rows;
+  fit.covariance_of_poses = covariance->of_poses;
   return fit;
 }
 

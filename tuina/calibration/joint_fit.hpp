@@ -50,8 +50,10 @@ struct ViewResidual {
 
 struct JointFit {
   Geometry geometry;
+  /// If every corner and row errs by itself; `calibrate` makes of it what is to be stated.
   Covariance covariance = Covariance::Zero();
-  double corner_px = 0.0;    ///< RMS of one coordinate of a corner
+  Covariance covariance_of_poses = Covariance::Zero();  ///< if whole poses err (jackknife)
+  double corner_px = 0.0;                               ///< RMS of one coordinate of a corner
   double line_factor = 0.0;  ///< how much larger errors of the line are than its image noise says
   std::vector<ViewResidual> residuals;
 };

@@ -10,7 +10,7 @@
 namespace tuina::calibration {
 namespace {
 
-constexpr std::array<double, 4> usual_distortion = {0.5, 1.0, 0.01, 0.01};
+constexpr std::array<double, usual_lens_size> usual_distortion = {0.5, 1.0, 0.01, 0.01};
 
 template <typename T>
 using Vec3 = Eigen::Matrix<T, 3, 1>;
@@ -145,7 +145,8 @@ ceres::CostFunction* near_value(double value, double deviation) {
 }
 
 ceres::CostFunction* near_usual_lens() {
-  return new ceres::AutoDiffCostFunction<NearUsualLens, 4, camera_size>(new NearUsualLens);
+  return new ceres::AutoDiffCostFunction<NearUsualLens, usual_lens_size, camera_size>(
+      new NearUsualLens);
 }
 
 }  // namespace tuina::calibration

@@ -16,6 +16,7 @@ namespace tuina::calibration {
 inline constexpr int camera_size = 8;
 inline constexpr int light_size = 3;
 inline constexpr int axis_size = 4;
+inline constexpr int usual_lens_size = 4;  ///< residuals of near_usual_lens
 
 /// A corner of a board, seen in a picture.
 struct SeenCorner {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tuina/calibration/range_error.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -98,6 +99,24 @@ std::optional<RangeError> expected_range_error(const Geometry& geometry,
   if (rows == 0) return std::nullopt;
   return RangeError{.systematic_m = std::sqrt(systematic2 / rows),
                     .random_m = std::sqrt(random2 / rows)};
+}
+
+Covariance covariance_to_state(const JointFit& fit) {
+  double range = 0.0;
+  double depths = 0.0;
+  for (const double depth_m : told_depths_m) {
+    const auto of_rows = expected_range_error(fit.geometry, fit.covariance, depth_m);
+    const auto of_poses = expected_range_error(fit.geometry, fit.covariance_of_poses, depth_m);
+    if (!of_rows || !of_poses) continue;
+    range += std::pow(of_poses->systematic_m / of_rows->systematic_m, 2);
+    depths += 1.0;
+  }
+  // One number for all that makes a range: twenty poses do not tell more. The axis rests on a few
+  // standing boards, too few for a jackknife.
+  Eigen::Matrix<double, parameters, 1> larger;
+  larger.setOnes();
+  larger.head<varied>().setConstant(std::sqrt(std::max(1.0, range / std::max(1.0, depths))));
+  return larger.asDiagonal() * fit.covariance * larger.asDiagonal();
 }
 
 }  // namespace tuina::calibration

@@ -19,6 +19,17 @@ double robust_deviation(const std::vector<double>& sizes) {
   return sizes.empty() ? 1.0 : 1.4826 * median_of(sizes);
 }
 
+double deviation_without(const std::vector<double>& sizes, double left_out) {
+  double sum2 = 0.0;
+  double count = 0.0;
+  for (const double size : sizes) {
+    if (size > left_out) continue;
+    sum2 += size * size;
+    count += 1.0;
+  }
+  return count > 0.0 ? std::sqrt(sum2 / count) : 1.0;
+}
+
 double rows_alike(const std::vector<std::vector<double>>& errors, double left_out) {
   constexpr std::size_t farthest = 30;
   constexpr double vanished = 0.03;

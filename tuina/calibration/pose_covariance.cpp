@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tuina/calibration/pose_covariance.hpp"
+
+#include <Eigen/Cholesky>
+#include <map>
+#include <span>
+#include <utility>
+
+namespace tuina::calibration {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// What some rows say about the shared unknowns: information and gradient.
+struct Said {
+  MatrixXd information;
+  VectorXd gradient;
+};
+
+// The unknowns that only these rows know are eliminated (Schur).
+Said said_by(std::span<const FitRow* const> rows, int shared) {
+  std::map<int, int> own;
+  for (const FitRow* row : rows) {
+    for (const auto& [unknown, slope] : row->slopes) {
+      if (unknown >= shared) own.emplace(unknown, 0);
+    }
+  }
+  int size = shared;
+  for (auto& [unknown, place] : own) place = size++;
+  MatrixXd information = MatrixXd::Zero(size, size);
+  VectorXd gradient = VectorXd::Zero(size);
+  const auto place_of = [&](int unknown) { return unknown < shared ? unknown : own.at(unknown); };
+  for (const FitRow* row : rows) {
+    for (const auto& [a, slope_a] : row->slopes) {
+      gradient(place_of(a)) += slope_a * row->residual;
+      for (const auto& [b, slope_b] : row->slopes) {
+        information(place_of(a), place_of(b)) += slope_a * slope_b;
+      }
+    }
+  }
+  const int others = size - shared;
+  if (others == 0) return {information, gradient};
+  const MatrixXd across = information.topRightCorner(shared, others);
+  const Eigen::LDLT<MatrixXd> among_others(information.bottomRightCorner(others, others));
+  return {
+      information.topLeftCorner(shared, shared) - across * among_others.solve(across.transpose()),
+      gradient.head(shared) - across * among_others.solve(gradient.tail(others))};
+}
+
+// Unknowns of very different size, as focal lengths in thousands and tilts in thousandths, are
+// scaled to one, so that what is undetermined shows.
+std::optional<Eigen::LLT<MatrixXd>> factored(const MatrixXd& scaled) {
+  Eigen::LLT<MatrixXd> cholesky(scaled);
+  if (cholesky.info() != Eigen::Success) return std::nullopt;
+  return cholesky;
+}
+
+}  // namespace
+
+std::optional<PoseCovariance> pose_covariance(const std::vector<FitRow>& rows, int shared) {
+  std::map<int, std::vector<const FitRow*>> by_pose;
+  for (const FitRow& row : rows) by_pose[row.pose].push_back(&row);
+  std::vector<Said> poses;
+  MatrixXd all = MatrixXd::Zero(shared, shared);
+  for (const auto& [pose, of_pose] : by_pose) {
+    Said said = said_by(of_pose, shared);
+    all += said.information;
+    if (pose >= 0) poses.push_back(std::move(said));
+  }
+  const VectorXd unit = all.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  const auto scaled = [&unit](const MatrixXd& information) {
+    return MatrixXd(unit.asDiagonal() * information * unit.asDiagonal());
+  };
+  const auto whole = factored(scaled(all));
+  if (!whole) return std::nullopt;
+  MatrixXd changes = MatrixXd::Zero(shared, shared);
+  for (const Said& pose : poses) {
+    const auto without = factored(scaled(all - pose.information));
+    if (!without) return std::nullopt;
+    const VectorXd change = without->solve(unit.asDiagonal() * pose.gradient);
+    changes += change * change.transpose();
+  }
+  const auto n = static_cast<double>(poses.size());
+  PoseCovariance covariance{.of_rows = scaled(whole->solve(MatrixXd::Identity(shared, shared))),
+                            .of_poses = scaled((n - 1.0) / n * changes)};
+  if (!covariance.of_rows.allFinite() || !covariance.of_poses.allFinite()) return std::nullopt;
+  return covariance;
+}
+
+}  // namespace tuina::calibration
