@@ -10,6 +10,7 @@
 #include "tuina/core/units.hpp"
 #include "tuina/massage/contact_path.hpp"
 #include "tuina/massage/zones.hpp"
+#include "tuina/tissue/steering.hpp"
 #include "tuina/tissue/tangent_model.hpp"
 
 using namespace tuina;
@@ -98,4 +99,61 @@ TEST_CASE("what feels like bone next to the spine gets no more than a spinous pr
   CHECK(allowed_n(massage::Zone::spine_margin, bone) <= massage::perhaps_spine_n);
   CHECK(allowed_n(massage::Zone::spine_margin, hard) > massage::perhaps_spine_n);
   CHECK(allowed_n(massage::Zone::ribs, bone) > massage::perhaps_spine_n);
+}
+
+namespace {
+
+/// Twenty presses of one place whose hardness fades by a share, for good or for nothing, as far as
+/// the steering lets them come.
+struct LongWork {
+  massage::Plan plan{.paths = {press_at("BL50_L")}};
+  session::Steering steering;
+  int presses = 0;
+  double time_s = 0.0;
+
+  LongWork(double fades_by, bool on) : steering(plan, tissue::pressed_by_robot(1e6, 0.2), on) {
+    constexpr double dt_s = 1e-3, fades_in_s = 8.0;
+    visit(steering, 0, time_s, 0, {9.0, 190.0});
+    steering.begin(Arm::left, 0, time_s);
+    steering.touch(Arm::left, time_s);
+    const double began_s = time_s;
+    for (; presses < 20 && !steering.worked_enough(Arm::left); ++presses) {
+      for (int i = 0; i < 1000; ++i, time_s += dt_s) {
+        const double faded = fades_by * (1.0 - std::exp(-(time_s - began_s) / fades_in_s));
+        const TangentTissue now{9.0, 190.0 * (1.0 - faded)};
+        const double force_n = massage::kept_force_n + 10.0 * (1.0 - std::cos(2.0 * pi * dt_s * i));
+        steering.feel(Arm::left, time_s,
+                      {.depth_m = tissue::depth_at_force(now, force_n), .force_n = force_n});
+      }
+    }
+    steering.end(Arm::left);
+  }
+  [[nodiscard]] std::string reason() const {
+    for (const session::Decision& made : steering.decisions()) {
+      if (std::string(made.rule) == "A7") return made.reason;
+    }
+    return "";
+  }
+};
+
+}  // namespace
+
+TEST_CASE("a place that does not change is left after three sets of presses, with the reason") {
+  const LongWork work(0.0, true);
+  CHECK(work.presses >= 18);
+  CHECK(work.presses < 20);
+  CHECK(work.reason() == tissue::name_of(tissue::Dwell::no_change));
+}
+
+TEST_CASE("a place that became a tenth softer is left after two sets") {
+  const LongWork work(0.2, true);
+  CHECK(work.presses >= 12);
+  CHECK(work.presses <= 14);
+  CHECK(work.reason() == tissue::name_of(tissue::Dwell::softened));
+}
+
+TEST_CASE("without adaptation no place is left early") {
+  const LongWork work(0.2, false);
+  CHECK(work.presses == 20);
+  CHECK(work.steering.decisions().empty());
 }

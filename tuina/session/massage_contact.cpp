@@ -55,9 +55,9 @@ void MassageStep::press_on(Side& side, Arm arm, double time_s) noexcept {
   const control::ArmStatus& status = side.controller.status();
   if (steering_.probing(arm)) side.playback.begin(massage::landing_s);
   const bool leaves = side.skip || steering_.alarmed(arm);
-  if (leaves && !side.playback.fading()) {
+  if ((leaves || steering_.worked_enough(arm)) && !side.playback.fading()) {
     side.playback.fade();
-    side.cut_short = true;
+    side.cut_short = leaves;
   }
   if (status.trouble != control::Trouble::none || side.playback.faded() ||
       side.playback.path_s() >= planned.path.duration_s()) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <span>
 #include <utility>
 
 #include "tuina/core/units.hpp"
@@ -72,13 +73,14 @@ void Steering::begin(Arm arm, int path, double time_s) noexcept {
   side.last.reset();
   side.path = path;
   side.presses = planned.path.technique == Technique::press;
-  side.alarmed = side.known = false;
+  side.alarmed = side.known = side.worked_enough = false;
   side.compared = 0;
   side.cap_n = planned.cap_n;
   side.scale = 1.0;
   side.reference_n = strongest_n_[index];
-  side.probe_s = time_s;
+  side.probe_s = side.touched_s = time_s;
   side.peak_n = 0.0;
+  begin_sets(side);
   const int place = place_of_path_[index];
   const bool felt = place >= 0 && places_[static_cast<std::size_t>(place)].felt;
   // Tissue is compared with what it was here, never with that of the place before.
@@ -102,6 +104,7 @@ void Steering::feel(Arm arm, double time_s, const Press& press) noexcept {
   side.whole.update(time_s, press);
   if (!on_ || !side.presses) return;
   side.last.update(time_s, press);
+  side.set.update(time_s, press);
   if (!side.probing) watch(arm, time_s);
 }
 
@@ -122,6 +125,7 @@ double Steering::probe_force_n(Arm arm, double time_s) noexcept {
       side.reference = estimate;
       side.elsewhen = false;
       side.last.reset();
+      begin_sets(side);
       judge(arm, time_s);
       return massage::kept_force_n;
     }
@@ -204,6 +208,7 @@ void Steering::watch(Arm arm, double time_s) noexcept {
   if (side.alarmed || side.last.estimate().presses == 0) return;
   const TissueEstimate now = side.last.estimate();
   side.last.reset();
+  count_press(arm, time_s);
   if (!side.known && tissue::may_steer(side.whole.estimate(), side.whole.chi())) {
     // What the probing presses could not tell, a full one has.
     side.reference = side.whole.estimate();
@@ -216,6 +221,30 @@ void Steering::watch(Arm arm, double time_s) noexcept {
   if (alarm == tissue::Alarm::none) return;
   side.alarmed = true;
   decide(arm, time_s, "A9", tissue::name_of(alarm), std::min(side.reference_n, side.cap_n), 0.0);
+}
+
+void Steering::begin_sets(Side& side) noexcept {
+  side.set.reset();
+  side.sets_felt = 0;
+  side.set_presses = 0;
+}
+
+// A7: each set of presses against the first one, and against the one before. Six presses alone
+// seldom converge, but how well they are known is part of what is compared.
+void Steering::count_press(Arm arm, double time_s) noexcept {
+  constexpr int presses_of_a_set = 6;
+  Side& side = sides_[arm];
+  if (++side.set_presses < presses_of_a_set || side.sets_felt == most_sets) return;
+  if (!side.known || !tissue::follows_law(side.set.estimate(), side.set.chi())) return;
+  side.sets[side.sets_felt++] = {.log_stiffness = log_stiffness(side.set.estimate().tissue),
+                                 .sd = side.set.stiffness_sd(reference_force_n)};
+  side.set.reset();
+  side.set_presses = 0;
+  const tissue::Dwell dwell = tissue::dwell_after(
+      std::span<const tissue::PressSet>(side.sets.data(), side.sets_felt), time_s - side.touched_s);
+  if (dwell == tissue::Dwell::go_on || side.worked_enough) return;
+  side.worked_enough = true;
+  decide(arm, time_s, "A7", tissue::name_of(dwell), std::min(side.reference_n, side.cap_n), 0.0);
 }
 
 double Steering::steered_n(Arm arm, double planned_n) const noexcept {

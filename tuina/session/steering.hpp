@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "tuina/massage/plan.hpp"
 #include "tuina/tissue/press_estimator.hpp"
+#include "tuina/tissue/steering.hpp"
 
 namespace tuina::session {
 
@@ -24,9 +26,9 @@ struct Decision {
 };
 
 /// Lets what the presses feel decide how hard they may be: probing presses first, a cap from the
-/// estimate, less on a thin layer over bone, letting go when the person tenses. It only lowers what
-/// the plan and its zones allow, but for the fifth that a hard place gets. Real-time after
-/// construction.
+/// estimate, less on a thin layer over bone, letting go when the person tenses, and no longer at a
+/// place than it helps. It only lowers what the plan and its zones allow, but for the fifth that a
+/// hard place gets. Real-time after construction.
 class Steering {
  public:
   Steering(const massage::Plan& plan, const tissue::PressEstimatorOptions& presses, bool on);
@@ -34,7 +36,9 @@ class Steering {
   /// An arm goes down for a path: in the air the estimators learn the zero of the force sensor.
   void begin(Arm arm, int path, double time_s) noexcept;
   /// It has touched the skin.
-  void touch(Arm arm, double time_s) noexcept { sides_[arm].probe_s = time_s; }
+  void touch(Arm arm, double time_s) noexcept {
+    sides_[arm].probe_s = sides_[arm].touched_s = time_s;
+  }
   /// The contact is over; what it has felt is kept for the place.
   void end(Arm arm) noexcept;
   /// One sample, in contact; `depth_m` beneath the believed skin.
@@ -47,6 +51,8 @@ class Steering {
   [[nodiscard]] double steered_n(Arm arm, double planned_n) const noexcept;
   /// The person tenses or has moved: the path should end.
   [[nodiscard]] bool alarmed(Arm arm) const noexcept { return sides_[arm].alarmed; }
+  /// More presses here would not help: the path is done.
+  [[nodiscard]] bool worked_enough(Arm arm) const noexcept { return sides_[arm].worked_enough; }
   /// Fed forward, if it may be.
   [[nodiscard]] const TissueEstimate& estimate(Arm arm) const noexcept {
     return sides_[arm].whole.estimate();
@@ -58,16 +64,24 @@ class Steering {
   [[nodiscard]] const std::vector<Decision>& decisions() const noexcept { return decisions_; }
 
  private:
+  static constexpr std::size_t most_sets = 8;  // of six presses; a path has twenty presses at most
   struct Place {
     bool felt = false;
     TissueEstimate estimate = {};
     double chi = 1.0;
   };
   struct Side {
-    explicit Side(const tissue::PressEstimatorOptions& options) : whole(options), last(options) {}
-    tissue::PressEstimator whole, last;  ///< all presses of this contact; the last one alone
+    explicit Side(const tissue::PressEstimatorOptions& options)
+        : whole(options), last(options), set(options) {}
+    /// All presses of this contact, the last one alone, and those since the last set was complete.
+    tissue::PressEstimator whole, last, set;
+    std::array<tissue::PressSet, most_sets> sets = {};
+    std::size_t sets_felt = 0;
+    int set_presses = 0;
+    double touched_s = 0.0;
     int path = -1;
     bool presses = false, probing = false, alarmed = false, known = false;
+    bool worked_enough = false;
     double probe_s = 0.0, peak_n = 0.0;
     double reference_n = 0.0;  ///< the strongest force of the path as planned
     double cap_n = 0.0, scale = 1.0;
@@ -78,6 +92,8 @@ class Steering {
 
   void judge(Arm arm, double time_s) noexcept;
   void watch(Arm arm, double time_s) noexcept;
+  void begin_sets(Side& side) noexcept;
+  void count_press(Arm arm, double time_s) noexcept;
   void decide(Arm arm, double time_s, const char* rule, const char* reason, double from_n,
               double to_n) noexcept;
 

@@ -57,7 +57,11 @@ bool probed_enough(const TissueEstimate& estimate, double peak_force_n,
 }
 
 bool may_steer(const TissueEstimate& estimate, double chi) noexcept {
-  return sound(estimate) && estimate.converged && chi <= largest_chi;
+  return follows_law(estimate, chi) && estimate.converged;
+}
+
+bool follows_law(const TissueEstimate& estimate, double chi) noexcept {
+  return sound(estimate) && chi <= largest_chi;
 }
 
 double force_cap_n(const TissueEstimate& estimate, double chi, double region_cap_n) noexcept {
@@ -115,11 +119,11 @@ const char* name_of(Dwell dwell) noexcept {
     case Dwell::go_on:
       return "go on";
     case Dwell::softened:
-      return "softened";
+      return "a tenth softer than at first: enough";
     case Dwell::no_change:
-      return "no detectable change";
+      return "twice no change that can be told: more would not help";
     case Dwell::time_up:
-      return "time is up";
+      return "a minute and a half at one place: enough";
   }
   return "";
 }

@@ -22,6 +22,8 @@ namespace tuina::tissue {
 
 /// A2. Whether an estimate may change anything at all: converged, and the law describes the tissue.
 [[nodiscard]] bool may_steer(const TissueEstimate& estimate, double chi) noexcept;
+/// A2. The half of it: the law describes the tissue, how well it may be known.
+[[nodiscard]] bool follows_law(const TissueEstimate& estimate, double chi) noexcept;
 
 /// A3. The least the region allows and three times the smallest alpha believed: beyond, the tissue
 /// is compressed, not massaged. Unknown tissue gets the half of the region's cap.
