@@ -225,7 +225,8 @@ std::vector<ControlTable> control_tables(bool full, std::uint64_t seed) {
           taps(seed),
           stiffness_table(full, seed),
           devices_table(seed),
-          stability_table(full, seed)};
+          stability_table(full, seed),
+          rules_table(seed)};
 }
 
 }  // namespace tuina::app

@@ -62,5 +62,7 @@ ControlRow on_all_tissues(std::string what, double force_n, int seeds, std::uint
 [[nodiscard]] ControlTable stiffness_table(bool full, std::uint64_t seed);
 [[nodiscard]] ControlTable devices_table(std::uint64_t seed);
 [[nodiscard]] ControlTable stability_table(bool full, std::uint64_t seed);
+/// What rules A5 and A6 of the tissue would do to the force.
+[[nodiscard]] ControlTable rules_table(std::uint64_t seed);
 
 }  // namespace tuina::app

@@ -39,9 +39,10 @@ FeltBack felt_back(const SessionResult& result, const tissue::BodyFacts& facts) 
         .place = {.at_in_couch = planned.path.points.front().at_in_couch,
                   .log_stiffness = std::log(
                       tissue::stiffness_at_force(done.felt->tissue, session::reference_force_n)),
-                  .sd = done.stiffness_sd}};
+                  .sd = done.stiffness_sd},
+        .mapped = done.felt->presses >= 1 && done.chi <= largest_chi};
     felt.points.push_back(point);
-    if (point.estimate.presses < 1 || done.chi > largest_chi) continue;
+    if (!point.mapped) continue;
     visits.push_back({planned.path.acupoints.front(), point.place});
     presses.push_back({point.estimate.tissue, point.classified.label});
   }

@@ -17,6 +17,7 @@ struct FeltPoint {
   TangentTissue truth;
   tissue::Classification classified;
   tissue::FeltPlace place;  ///< its stiffness under session::reference_force_n
+  bool mapped = false;      ///< the press follows the law, so it counts for the map
 };
 
 /// All that the presses of a session tell about a person.

@@ -66,7 +66,7 @@ class Massage final : public Verb {
         .add_option(
             "--out", out_,
             "folder for session.json, scan.ply, acupoints.json, plan.json, trace.csv, joints.csv, "
-            "report.html")
+            "distances.csv, report.html")
         ->capture_default_str();
     // What a recorded session tells by itself.
     for (const char* recorded :
@@ -120,8 +120,7 @@ class Massage final : public Verb {
     Answer answer{.json = session_json(*result, felt, order_, common.seed),
                   .text = session_text(*result),
                   .exit_code = result->stops.empty() ? 0 : 4};
-    const auto report = report_data(*result, felt, order_, *config, common.seed);
-    if (const auto written = write_session(*result, report, answer.json, out_); !written) {
+    if (const auto written = write_session(*result, *config, answer.json, out_); !written) {
       return tl::unexpected(written.error());
     }
     if (!recorded.empty()) {

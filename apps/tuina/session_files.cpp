@@ -2,8 +2,10 @@
 #include "apps/tuina/session_files.hpp"
 
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 
+#include "apps/tuina/session_record.hpp"
 #include "apps/tuina/session_replay.hpp"
 #include "tuina/core/file.hpp"
 #include "tuina/core/surface_file.hpp"
@@ -53,7 +55,8 @@ ordered_json stiffness_json(const FeltBack& felt) {
     places.push_back({{"name", point.planned->path.acupoints.front()},
                       {"position_m", three(point.place.at_in_couch)},
                       {"stiffness_n_per_mm", to_n_per_mm(point.place.log_stiffness)},
-                      {"ci95_n_per_mm", ci95_n_per_mm(point.place)}});
+                      {"ci95_n_per_mm", ci95_n_per_mm(point.place)},
+                      {"mapped", point.mapped}});
   }
   for (const tissue::ComparedVisits& place : felt.twice) {
     changes.push_back({{"name", place.name},
@@ -75,41 +78,11 @@ ordered_json condition_json(const FeltBack& felt) {
           {"caution", "by the seven people of the thesis' Table 6-2, one of them a woman"}};
 }
 
-std::string csv_of(const std::vector<telemetry::TraceRow>& trace) {
-  std::string text =
-      "time_s,arm,technique,target_n,true_force_n,measured_force_n,depth_mm,x_m,y_m,z_m\n";
-  text.reserve(90 * trace.size());
-  for (const telemetry::TraceRow& row : trace) {
-    fmt::format_to(std::back_inserter(text),
-                   "{:.3f},{},{},{:.4f},{:.4f},{:.4f},{:.4f},{:.5f},{:.5f},{:.5f}\n", row.time_s,
-                   name_of(row.arm), row.technique ? name_of(*row.technique) : "none", row.target_n,
-                   row.true_force_n, row.measured_force_n, to_mm(row.depth_m),
-                   row.tool_in_couch.x(), row.tool_in_couch.y(), row.tool_in_couch.z());
-  }
-  return text;
-}
-
-std::string csv_of(const std::vector<JointRow>& joints) {
-  std::string text = "time_s,rail_mm";
-  const auto count = joints.empty() ? 0 : joints.front().q_rad[Arm::left].size();
-  for (const Arm arm : both_arms) {
-    for (const char* what : {"q{}_deg", "torque{}_nm"}) {
-      for (int j = 1; j <= count; ++j) {
-        text += fmt::format(",{}_{}", name_of(arm), fmt::format(fmt::runtime(what), j));
-      }
-    }
-  }
-  text += "\n";
-  const auto out = std::back_inserter(text);
-  for (const JointRow& row : joints) {
-    fmt::format_to(out, "{:.3f},{:.2f}", row.time_s, to_mm(row.rail_m));
-    for (const Arm arm : both_arms) {
-      for (const double q : row.q_rad[arm]) fmt::format_to(out, ",{:.4f}", to_deg(q));
-      for (const double torque : row.torque_nm[arm]) fmt::format_to(out, ",{:.3f}", torque);
-    }
-    text += "\n";
-  }
-  return text;
+double least_to_person_m(const SessionResult& result) {
+  double least_m = std::numeric_limits<double>::infinity();
+  for (const telemetry::ArmDistance& row : result.distances)
+    least_m = std::min(least_m, row.to_person_m);
+  return least_m;
 }
 
 std::string cause_of(const session::Stop& stop) {
@@ -187,6 +160,7 @@ std::string session_json(const SessionResult& result, const FeltBack& felt_back,
     const session::Performed& done = result.performed[i];
     performed.push_back(
         {{"name", result.ready.plan.paths[static_cast<std::size_t>(done.path)].path.name},
+         {"path", done.path},
          {"arm", name_of(done.arm)},
          {"begin_s", done.begin_s},
          {"end_s", done.end_s},
@@ -200,142 +174,62 @@ std::string session_json(const SessionResult& result, const FeltBack& felt_back,
   for (const session::Stop& stop : result.stops) {
     stops.push_back({{"time_s", stop.time_s}, {"cause", cause_of(stop)}});
   }
-  const ordered_json json = {{"seed", seed},
-                             {"person", result.person.name},
-                             {"position", name_of(result.located.position)},
-                             {"order", order_json(order)},
-                             {"scan",
-                              {{"profiles", result.scan.profiles},
-                               {"points", result.scan.cloud_in_couch.size()},
-                               {"sweep_s", result.scan.sweep_s},
-                               {"rms_error_mm", to_mm(result.scan_error_m)},
-                               {"compute_ms", result.scan.compute_ms}}},
-                             {"acupoints",
-                              {{"method", name_of(result.located.method)},
-                               {"compute_ms", result.locate_ms},
-                               {"mean_error_mm", to_mm(mean_error_m)},
-                               {"max_error_mm", to_mm(max_error_m)},
-                               {"points", points}}},
-                             {"plan",
-                              {{"compute_ms", result.plan_ms},
-                               {"paths", result.ready.plan.paths.size()},
-                               {"duration_s", result.ready.plan.duration_s},
-                               {"reachable", result.ready.reachable},
-                               {"min_arm_distance_mm", to_mm(result.ready.min_arm_distance_m)},
-                               {"zones_touched", result.ready.plan.zones_touched},
-                               {"notes", result.ready.plan.notes}}},
-                             {"massage",
-                              {{"duration_s", result.massage_s},
-                               {"real_time_factor", result.real_time_factor()},
-                               {"min_arm_distance_mm", to_mm(result.min_arm_distance_m)},
-                               {"force",
-                                {{"rmse_n", result.force.rmse_n},
-                                 {"peak_n", result.force.peak_n},
-                                 {"overshoot_n", result.force.overshoot_n}}},
-                               {"techniques", techniques},
-                               {"performed", performed}}},
-                             {"consent",
-                              {{"answered_by", result.consent.answered_by},
-                               {"questions", session::health_questions.size()},
-                               {"reasons_against", 0}}},
-                             {"rescans_s", result.rescans_s},
-                             {"commands", commands},
-                             {"decisions", decisions},
-                             {"tissue", tissue},
-                             {"stiffness", stiffness_json(felt_back)},
-                             {"body_condition", condition_json(felt_back)},
-                             {"stops", stops}};
+  const Transform& placed = result.base_from_couch;
+  ordered_json rotation = ordered_json::array();
+  for (int row = 0; row < 3; ++row) rotation.push_back(three(placed.linear().row(row)));
+  const ordered_json json = {
+      {"seed", seed},
+      {"version", TUINA_VERSION},
+      {"person", result.person.name},
+      {"position", name_of(result.located.position)},
+      {"order", order_json(order)},
+      {"base_from_couch", {{"rotation", rotation}, {"translation_m", three(placed.translation())}}},
+      {"scan",
+       {{"profiles", result.scan.profiles},
+        {"points", result.scan.cloud_in_couch.size()},
+        {"sweep_s", result.scan.sweep_s},
+        {"rms_error_mm", to_mm(result.scan_error_m)},
+        {"compute_ms", result.scan.compute_ms}}},
+      {"acupoints",
+       {{"method", name_of(result.located.method)},
+        {"compute_ms", result.locate_ms},
+        {"mean_error_mm", to_mm(mean_error_m)},
+        {"max_error_mm", to_mm(max_error_m)},
+        {"points", points}}},
+      {"plan",
+       {{"compute_ms", result.plan_ms},
+        {"paths", result.ready.plan.paths.size()},
+        {"duration_s", result.ready.plan.duration_s},
+        {"reachable", result.ready.reachable},
+        {"min_arm_distance_mm", to_mm(result.ready.min_arm_distance_m)},
+        {"zones_touched", result.ready.plan.zones_touched},
+        {"notes", result.ready.plan.notes}}},
+      {"massage",
+       {{"duration_s", result.massage_s},
+        {"real_time_factor", result.real_time_factor()},
+        {"min_arm_distance_mm", to_mm(result.min_arm_distance_m)},
+        {"min_distance_to_person_mm", number(to_mm(least_to_person_m(result)))},
+        {"force",
+         {{"rmse_n", result.force.rmse_n},
+          {"peak_n", result.force.peak_n},
+          {"overshoot_n", result.force.overshoot_n}}},
+        {"techniques", techniques},
+        {"performed", performed}}},
+      {"consent",
+       {{"answered_by", result.consent.answered_by},
+        {"questions", session::health_questions.size()},
+        {"reasons_against", 0}}},
+      {"rescans_s", result.rescans_s},
+      {"commands", commands},
+      {"decisions", decisions},
+      {"tissue", tissue},
+      {"stiffness", stiffness_json(felt_back)},
+      {"body_condition", condition_json(felt_back)},
+      {"stops", stops}};
   return json.dump(2);
 }
 
-telemetry::ReportData report_data(const SessionResult& result, const FeltBack& felt_back,
-                                  const SessionOrder& order, const session::Config& config,
-                                  std::uint64_t seed) {
-  telemetry::ReportData data{.person = result.person.name,
-                             .position = result.located.position,
-                             .programme = order.programme,
-                             .seed = seed,
-                             .duration_s = result.massage_s,
-                             .scan_in_couch = result.scan.cloud_in_couch,
-                             .trace = result.trace,
-                             .config_toml = session::to_toml(config),
-                             .version = TUINA_VERSION};
-  for (std::size_t i = 0; i < result.located.acupoints.size(); ++i) {
-    const double error_m = result.acupoint_errors_m[i];
-    data.acupoints.push_back(
-        {.acupoint = result.located.acupoints[i],
-         .error_m = std::isfinite(error_m) ? std::optional(error_m) : std::nullopt});
-  }
-  for (const session::Performed& done : result.performed) {
-    data.paths.push_back(
-        {.arm = done.arm,
-         .begin_s = done.begin_s,
-         .path = result.ready.plan.paths[static_cast<std::size_t>(done.path)].path,
-         .end_s = done.end_s,
-         .trouble = done.trouble == control::Trouble::none ? "" : control::name_of(done.trouble)});
-  }
-  for (const auto& [technique, errors] : result.techniques) {
-    data.forces.push_back(
-        {.technique = technique, .rmse_n = errors.rmse_n, .peak_n = errors.peak_n});
-  }
-  for (const FeltPoint& felt : felt_back.points) {
-    data.tissue.push_back({.name = felt.planned->path.acupoints.front(),
-                           .at_in_couch = felt.planned->path.points.front().at_in_couch,
-                           .estimate = felt.estimate,
-                           .truth = felt.truth,
-                           .tissue_class = tissue::name_of(felt.classified.label),
-                           .class_probability = felt.classified.probability,
-                           .stiffness_n_per_mm = to_n_per_mm(felt.place.log_stiffness),
-                           .stiffness_ci95_n_per_mm = ci95_n_per_mm(felt.place)});
-  }
-  data.stiffness_force_n = session::reference_force_n;
-  data.stiffness_at = [map = felt_back.map](const Vector3& at_in_couch) {
-    const auto value = map.at(at_in_couch);
-    return value ? std::optional(
-                       telemetry::MappedStiffness{to_n_per_mm(value->log_stiffness), value->sd})
-                 : std::nullopt;
-  };
-  for (const tissue::ComparedVisits& place : felt_back.twice) {
-    data.changes.push_back({.name = place.name,
-                            .before_n_per_mm = to_n_per_mm(place.before.log_stiffness),
-                            .after_n_per_mm = to_n_per_mm(place.after.log_stiffness),
-                            .detectable = std::expm1(place.change.detectable),
-                            .detected = place.change.told});
-  }
-  if (felt_back.condition_presses > 0) {
-    const tissue::BodyCondition& condition = felt_back.condition;
-    data.condition = {{.slim = condition.slim,
-                       .medium = condition.medium,
-                       .hefty = condition.hefty,
-                       .female = condition.female}};
-  }
-  for (const session::Decision& made : result.decisions) {
-    data.decisions.push_back(
-        {.time_s = made.time_s,
-         .arm = made.arm,
-         .path = result.ready.plan.paths[static_cast<std::size_t>(made.path)].path.name,
-         .rule = made.rule,
-         .reason = made.reason,
-         .from_n = made.from_n,
-         .to_n = made.to_n});
-  }
-  data.distances = result.distances;
-  data.stopping_distance_m = session::stopping_arm_distance_m;
-  for (const session::Stop& stop : result.stops) {
-    data.stops.push_back({.time_s = stop.time_s, .cause = cause_of(stop)});
-  }
-  data.numbers = {
-      {"scan error", fmt::format("{:.2f}", to_mm(result.scan_error_m)), "mm",
-       "RMS distance of the scan from the true surface"},
-      {"scan to plan",
-       fmt::format("{:.2f}", 1e-3 * (result.scan.compute_ms + result.locate_ms + result.plan_ms)),
-       "s", "computing time, the sweep itself not counted"},
-      {"simulation", fmt::format("{:.0f}", result.real_time_factor()), "times real time",
-       "two arms at 1 kHz, physics at 4 kHz"}};
-  return data;
-}
-
-Result<void> write_session(const SessionResult& result, const telemetry::ReportData& report,
+Result<void> write_session(const SessionResult& result, const session::Config& config,
                            const std::string& json, const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
@@ -348,19 +242,23 @@ Result<void> write_session(const SessionResult& result, const telemetry::ReportD
                              .landmarks = result.located.landmarks};
   const std::pair<const char*, std::string> files[] = {
       {"session.json", json + "\n"},
-      {"config.toml", report.config_toml},
+      {"config.toml", session::to_toml(config)},
       {"consent.toml", result.consent_toml},
       {"scan.ply", to_ply(result.scan.cloud_in_couch)},
       {"acupoints.json", session::to_json(map) + "\n"},
       {"plan.json", session::to_json(plan_file_of(result)) + "\n"},
       {"trace.csv", csv_of(result.trace)},
       {"joints.csv", csv_of(result.joints)},
-      {"back.svg", telemetry::back_picture(report)},
-      {"report.html", telemetry::report_page(report)}};
+      {"distances.csv", csv_of(result.distances)}};
   for (const auto& [name, content] : files) {
     if (auto written = write_file(folder / name, content); !written) return written;
   }
-  return {};
+  // The page is made of the record, as `tuina report` makes it again.
+  const auto report = read_record(folder);
+  if (!report) return tl::unexpected(report.error());
+  if (auto written = write_file(folder / "back.svg", telemetry::back_picture(*report)); !written)
+    return written;
+  return write_file(folder / "report.html", telemetry::report_page(*report));
 }
 
 std::string session_text(const SessionResult& result) {

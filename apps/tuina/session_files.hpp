@@ -13,16 +13,10 @@ namespace tuina::app {
 [[nodiscard]] std::string session_json(const SessionResult& result, const FeltBack& felt_back,
                                        const SessionOrder& order, std::uint64_t seed);
 
-/// What the report shows of a session.
-[[nodiscard]] telemetry::ReportData report_data(const SessionResult& result,
-                                                const FeltBack& felt_back,
-                                                const SessionOrder& order,
-                                                const session::Config& config, std::uint64_t seed);
-
 /// session.json, config.toml, consent.toml, scan.ply, acupoints.json, plan.json, trace.csv,
-/// joints.csv, back.svg and report.html, into a folder that is made if it is not there.
-[[nodiscard]] Result<void> write_session(const SessionResult& result,
-                                         const telemetry::ReportData& report,
+/// joints.csv and distances.csv, into a folder that is made if it is not there; and of these files,
+/// back.svg and report.html.
+[[nodiscard]] Result<void> write_session(const SessionResult& result, const session::Config& config,
                                          const std::string& json,
                                          const std::filesystem::path& folder);
 

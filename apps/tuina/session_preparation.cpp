@@ -125,10 +125,11 @@ Result<Preparation> prepare(const SessionSetting& setting, const sim::Person& pe
                 name_of(back->position()));
   }
   const robot::RobotMount mount = robot::mount_for(back->position());
-  auto ready = session::make_ready(
-      std::move(*plan), *back, mount, robot::both_models(robot::thesis_arm(), mount),
-      believed_base_from_couch(setting, mount), from_mm(config.massage.standoff_mm),
-      resumed ? std::optional(resumed->rail_m) : std::nullopt);
+  result.base_from_couch = believed_base_from_couch(setting, mount);
+  auto ready = session::make_ready(std::move(*plan), *back, mount,
+                                   robot::both_models(robot::thesis_arm(), mount),
+                                   result.base_from_couch, from_mm(config.massage.standoff_mm),
+                                   resumed ? std::optional(resumed->rail_m) : std::nullopt);
   if (!ready) return tl::unexpected(ready.error());
   result.ready = std::move(*ready);
   result.plan_ms = plan_watch.ms();

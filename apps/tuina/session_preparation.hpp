@@ -66,6 +66,7 @@ struct Preparation {
   double locate_ms = 0.0;
   session::ReadyPlan ready;
   double plan_ms = 0.0;
+  Transform base_from_couch = Transform::Identity();  ///< as the session believes it
 };
 
 /// What a massage that was broken off has left: where the base stands, and the names of the paths

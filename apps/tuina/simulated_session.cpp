@@ -2,10 +2,10 @@
 #include "apps/tuina/simulated_session.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <thread>
 
 #include "apps/tuina/keyboard.hpp"
+#include "apps/tuina/session_witness.hpp"
 #include "apps/tuina/stopwatch.hpp"
 #include "tuina/core/file.hpp"
 #include "tuina/core/random.hpp"
@@ -18,107 +18,6 @@
 
 namespace tuina::app {
 namespace {
-
-/// Watches the massage from outside: what the session does, beside what only the simulation knows.
-class Witness {
- public:
-  Witness(const PerArm<robot::ArmModel>& models, const Transform& couch_from_base,
-          massage::ZoneMap true_zones)
-      : models_(models), couch_from_base_(couch_from_base), true_zones_(std::move(true_zones)) {}
-
-  /// From now on the arms carry out this plan.
-  void follow(const massage::Plan& plan) {
-    plan_ = &plan;
-    last_path_ = {.of = {-1, -1}};
-  }
-
-  void watch(double time_s, const PerArm<session::ArmView>& view, const sim::PlantTruth& truth) {
-    constexpr int rows_every_ticks = 5;
-    const bool row = ticks_++ % rows_every_ticks == 0;
-    if (row) {
-      const auto pose = [&](Arm arm) {
-        return models_[arm].kinematics(truth.arms[arm].q_rad, truth.rail_m);
-      };
-      const double apart_m = robot::distance_between_m(models_[Arm::left], pose(Arm::left),
-                                                       models_[Arm::right], pose(Arm::right));
-      min_arm_distance_m_ = std::min(min_arm_distance_m_, apart_m);
-      constexpr double distances_every_s = 0.1;
-      if (distances_.empty() || time_s - distances_.back().time_s >= distances_every_s)
-        distances_.push_back({time_s, apart_m});
-    }
-    for (const Arm arm : both_arms) {
-      const session::ArmView& seen = view[arm];
-      const sim::ContactTruth& contact = truth.arms[arm].contact;
-      const bool in_contact = seen.phase == session::ArmPhase::contact;
-      std::optional<Technique> technique;
-      if (in_contact) technique = plan_->paths[static_cast<std::size_t>(seen.path)].path.technique;
-      if (in_contact && seen.target_n > 0.0) count(time_s, arm, seen, contact, *technique);
-      if (in_contact) {
-        if (!touching_[arm]) touched_[arm] = {};
-        feel(touched_[arm], contact, row);
-      }
-      touching_[arm] = in_contact;
-      if (row) {
-        trace_.push_back({.time_s = time_s,
-                          .arm = arm,
-                          .technique = technique,
-                          .target_n = seen.target_n,
-                          .true_force_n = contact.force_n,
-                          .measured_force_n = seen.measured_n,
-                          .depth_m = contact.depth_m,
-                          .tool_in_couch = couch_from_base_ * seen.tool_in_base});
-      }
-    }
-  }
-  /// In the present contact of an arm, or its last one.
-  [[nodiscard]] const Touched& touched(Arm arm) const { return touched_[arm]; }
-
-  void tell(SessionResult& result) {
-    result.min_arm_distance_m = min_arm_distance_m_;
-    result.distances = std::move(distances_);
-    result.force = all_.errors();
-    for (const auto& [technique, sum] : by_technique_) result.techniques[technique] = sum.errors();
-    result.trace = std::move(trace_);
-  }
-
- private:
-  void count(double time_s, Arm arm, const session::ArmView& seen, const sim::ContactTruth& contact,
-             Technique technique) {
-    session::ForceErrorSum& sum = by_technique_[technique];
-    if (seen.path != last_path_[arm]) sum.begin(), all_.begin();
-    last_path_[arm] = seen.path;
-    sum.add(time_s, seen.target_n, contact.force_n);
-    all_.add(time_s, seen.target_n, contact.force_n);
-  }
-
-  void feel(Touched& touched, const sim::ContactTruth& contact, bool row) const {
-    if (contact.force_n > touched.peak_n) {
-      touched.peak_n = contact.force_n;
-      touched.tissue = contact.tissue;
-      touched.at_in_couch = contact.at_in_couch;
-    }
-    if (!row || contact.force_n <= 0.0) return;
-    const massage::Zone zone = true_zones_.at(contact.at_in_couch);
-    if (contact.force_n == touched.peak_n) touched.zone = zone;
-    const massage::ZoneRule& rule = massage::rule_of(zone);
-    touched.over_cap_n = std::max(touched.over_cap_n, contact.force_n - rule.cap_n);
-    touched.over_trip_n = std::max(touched.over_trip_n, contact.force_n - rule.trip_n);
-  }
-
-  const massage::Plan* plan_ = nullptr;
-  const PerArm<robot::ArmModel>& models_;
-  Transform couch_from_base_;
-  massage::ZoneMap true_zones_;
-  double min_arm_distance_m_ = std::numeric_limits<double>::infinity();
-  std::vector<telemetry::ArmDistance> distances_;
-  std::vector<telemetry::TraceRow> trace_;
-  session::ForceErrorSum all_;
-  std::map<Technique, session::ForceErrorSum> by_technique_;
-  long ticks_ = 0;
-  PerArm<int> last_path_{.of = {-1, -1}};
-  PerArm<bool> touching_ = {};
-  PerArm<Touched> touched_;
-};
 
 /// The world of one session: a person under a robot, and somebody who sees the truth.
 class Room {
@@ -165,7 +64,8 @@ class Room {
  private:
   Room(const SessionSetting& setting, const sim::Person& person, const robot::RobotMount& mount,
        massage::ZoneMap true_zones)
-      : witness(models_, believed_base_from_couch(setting, mount).inverse(), std::move(true_zones)),
+      : witness(models_, believed_base_from_couch(setting, mount).inverse(), std::move(true_zones),
+                some_skin(person.skin_in_couch, mount.base_from_couch)),
         setting_(setting),
         mount_(mount),
         models_(robot::both_models(robot::thesis_arm(), mount_)),
@@ -241,7 +141,8 @@ Result<void> Room::carry_out(const session::ReadyPlan& ready, double rest_s,
       const auto next = result.touched.size() - performed_before;
       result.touched.push_back(witness.touched(massage.performed()[next].arm));
     }
-    witness.watch(time_s_, massage.view(), plant_->truth());
+    witness.watch(time_s_, massage.view(), plant_->truth(),
+                  mount_.base_from_couch.linear() * shifted_in_couch());
     if (ended_s < 0.0 && massage.finished()) {
       ended_s = time_s_;
       if (!massage.wants_scan()) break;

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "apps/tuina/session_preparation.hpp"
+#include "apps/tuina/session_tables.hpp"
 #include "tuina/body/acupoints.hpp"
 #include "tuina/massage/programme.hpp"
 #include "tuina/massage/zones.hpp"
@@ -17,7 +18,6 @@
 #include "tuina/session/force_errors.hpp"
 #include "tuina/session/plan_step.hpp"
 #include "tuina/sim/person.hpp"
-#include "tuina/telemetry/report_data.hpp"
 
 namespace tuina::app {
 
@@ -31,14 +31,6 @@ struct Touched {
   /// where an arm has to give way. Negative when it stayed below.
   double over_cap_n = -std::numeric_limits<double>::infinity();
   double over_trip_n = -std::numeric_limits<double>::infinity();
-};
-
-/// Every joint at one moment.
-struct JointRow {
-  double time_s = 0.0;
-  double rail_m = 0.0;
-  PerArm<JointVector> q_rad;
-  PerArm<JointVector> torque_nm;  ///< that the motors were told
 };
 
 /// All that a simulated session was and did, for its JSON, its files and its report.

@@ -18,6 +18,7 @@ std::string summary_of_group(std::string_view group) {
 std::vector<std::unique_ptr<Verb>> make_verbs() {
   std::vector<std::unique_ptr<Verb>> verbs;
   verbs.push_back(make_massage());
+  verbs.push_back(make_report());
   verbs.push_back(make_scan());
   verbs.push_back(make_line());
 #ifdef TUINA_CALIBRATION
@@ -43,6 +44,7 @@ std::vector<std::unique_ptr<Verb>> make_verbs() {
   verbs.push_back(make_evaluate_control());
   verbs.push_back(make_evaluate_all());
   verbs.push_back(make_evaluate_massage());
+  verbs.push_back(make_evaluate_teach());
   verbs.push_back(make_config_show());
   verbs.push_back(make_config_check());
   verbs.push_back(make_export_urdf());

@@ -12,6 +12,7 @@ namespace tuina::app {
 
 // One file per verb; a verb that does not exist yet is absent here and so from --help.
 std::unique_ptr<Verb> make_massage();
+std::unique_ptr<Verb> make_report();
 std::unique_ptr<Verb> make_press();
 std::unique_ptr<Verb> make_config_show();
 std::unique_ptr<Verb> make_config_check();
@@ -22,6 +23,7 @@ std::unique_ptr<Verb> make_evaluate_scanner();
 std::unique_ptr<Verb> make_evaluate_control();
 std::unique_ptr<Verb> make_evaluate_all();
 std::unique_ptr<Verb> make_evaluate_massage();
+std::unique_ptr<Verb> make_evaluate_teach();
 std::unique_ptr<Verb> make_map();
 std::unique_ptr<Verb> make_atlas_learn();
 std::unique_ptr<Verb> make_atlas_record();

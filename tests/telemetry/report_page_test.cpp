@@ -5,6 +5,7 @@
 
 #include "tests/telemetry/sample_report.hpp"
 #include "tuina/telemetry/report_figures.hpp"
+#include "tuina/telemetry/session_strip.hpp"
 
 using namespace tuina;
 using namespace tuina::telemetry;
@@ -62,7 +63,9 @@ TEST_CASE(
     CAPTURE(words);
     CHECK(holds(page, words));
   }
-  CHECK(count(page, "data:image/png;base64,") == 2);
+  const auto moments = moments_of(data).size();
+  CHECK(moments == 5);
+  CHECK(count(page, "data:image/png;base64,") == 2 + moments);
 }
 
 TEST_CASE("before and after shows what changed, and that a change too small to tell is none") {
@@ -152,5 +155,8 @@ TEST_CASE("the report shows what the tissue decided and how far the arms stayed 
   CHECK(holds(page, "What the tissue decided"));
   CHECK(holds(page, "press GV4 &lt;b&gt;"));
   CHECK(holds(page, "hard enough"));
-  CHECK(holds(page, "arms apart, mm"));
+  CHECK(holds(page, "arm to arm"));
+  CHECK_FALSE(holds(page, "arm to person"));
+  data.distances = {{0.0, 0.2, 0.15}, {1.0, 0.08, 0.09}};
+  CHECK(holds(report_page(data), "arm to person"));
 }

@@ -433,3 +433,46 @@ TEST_CASE("a person who leans away by 60 mm is looked for once more, and found")
   }
   CHECK(pressed.size() == 7);
 }
+
+TEST_CASE("report makes the page again from the folder of a session, byte for byte") {
+  const Given& massage = given("prone");
+  const std::string page = massage.folder / "again.html";
+  const auto outcome = run_tuina({"report", massage.out, "--out", page, "--json"});
+  REQUIRE_MESSAGE(outcome.exit_code == 0, outcome.err);
+  CHECK(tuina::read_file(page).value() == massage.file("report.html"));
+  const json answer = json::parse(outcome.out);
+  has_keys(answer, "page bytes person paths decisions stops");
+  CHECK(answer["bytes"].get<std::size_t>() == massage.file("report.html").size());
+  CHECK(answer["bytes"] < 4'000'000);
+}
+
+TEST_CASE("report refuses what is not the record of a session and says where it is wrong") {
+  const Given& massage = given("prone");
+  Folder folder;
+  const auto refused = [&](const std::string& why) {
+    const std::string page = folder / "page.html";
+    const auto outcome = run_tuina({"report", folder / "session", "--out", page, "--json"});
+    CHECK(outcome.exit_code == 2);
+    CHECK(outcome.out.empty());
+    CHECK_MESSAGE(outcome.err.find(why) != std::string::npos, outcome.err);
+    CHECK_FALSE(std::filesystem::exists(page));
+  };
+  refused("session.json");
+  std::filesystem::copy(massage.out, folder / "session");
+  const std::filesystem::path trace = std::filesystem::path(folder / "session") / "trace.csv";
+  const std::string rows = massage.file("trace.csv");
+  REQUIRE(tuina::write_file(trace, rows.substr(0, 5000)).has_value());
+  refused("trace.csv:");
+  REQUIRE(tuina::write_file(trace, "a,b\n1,2\n").has_value());
+  refused("trace.csv:1: no trace of a session");
+  REQUIRE(tuina::write_file(trace, rows).has_value());
+  json session = massage.session;
+  session["massage"].erase("performed");
+  const std::filesystem::path file = std::filesystem::path(folder / "session") / "session.json";
+  REQUIRE(tuina::write_file(file, session.dump()).has_value());
+  refused("key 'performed' not found");
+  session = massage.session;
+  session["massage"]["performed"][0]["path"] = 1000;
+  REQUIRE(tuina::write_file(file, session.dump()).has_value());
+  refused("plan.json does not have");
+}

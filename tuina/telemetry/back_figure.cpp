@@ -7,6 +7,7 @@
 #include <map>
 
 #include "tuina/core/units.hpp"
+#include "tuina/telemetry/back_view.hpp"
 #include "tuina/telemetry/picture_element.hpp"
 #include "tuina/telemetry/report_figures.hpp"
 #include "tuina/telemetry/shaded_picture.hpp"
@@ -15,47 +16,7 @@
 namespace tuina::telemetry::figures {
 namespace {
 
-constexpr double couch_m = 20_mm;  // below this a point is the couch's, not the person's
-
-/// Out of the back and towards the head, from the points if there are any and else from the
-/// position.
-struct Pose {
-  Vector3 out;
-  Vector3 up;
-};
-
-Pose pose_of(const ReportData& data) {
-  const bool sitting = data.position == Position::sitting;
-  Pose pose{.out = sitting ? Vector3(0, 1, 0) : Vector3(0, 0, 1),
-            .up = sitting ? Vector3(0, 0, 1) : Vector3(0, -1, 0)};
-  Vector3 out = Vector3::Zero();
-  Vector3 upper = Vector3::Zero();
-  Vector3 lower = Vector3::Zero();
-  int upper_count = 0;
-  int lower_count = 0;
-  for (const FoundAcupoint& found : data.acupoints) {
-    out += found.acupoint.normal_in_couch;
-    if (found.acupoint.name.starts_with("SI11")) upper += found.acupoint.at_in_couch, ++upper_count;
-    if (found.acupoint.name == "GV4") lower += found.acupoint.at_in_couch, ++lower_count;
-  }
-  if (out.norm() > 1e-6) pose.out = out.normalized();
-  if (upper_count > 0 && lower_count > 0) {
-    const Vector3 up = upper / upper_count - lower / lower_count;
-    if (up.cross(pose.out).norm() > 1e-3) pose.up = up.normalized();
-  }
-  return pose;
-}
-
-/// What the scanner saw of the person; the couch would only draw the eye away.
-PictureMesh person_of(const ReportData& data, const Pose& pose) {
-  PointCloud person;
-  for (const Vector3& point : data.scan_in_couch.points) {
-    if (point.z() > couch_m) person.points.push_back(point);
-  }
-  return mesh_scan(person, pose.out);
-}
-
-View view_of(const Pose& pose) {
+View view_of(const BackPose& pose) {
   View view;
   const Vector3 right = pose.up.cross(pose.out).normalized();
   // A little from the side and from above, or a back looks flat.
@@ -149,17 +110,6 @@ std::string short_name(std::string name) {
   return name;
 }
 
-/// The places of a path lifted onto the skin, without those that no eye could tell apart.
-std::vector<Vector3> lifted(const ContactPath& path, double by_m) {
-  std::vector<Vector3> places;
-  for (const ContactPoint& point : path.points) {
-    const Vector3 place = point.at_in_couch + by_m * point.normal_in_couch;
-    if (!places.empty() && (place - places.back()).norm() < 1_mm) continue;
-    places.push_back(place);
-  }
-  return places;
-}
-
 /// The end of the stiffness scale: a round number at or above everything felt.
 double stiffest_shown(const ReportData& data) {
   double hardest = 1e-9;
@@ -207,7 +157,7 @@ std::string chinese_name(const std::string& acupoint) {
 }
 
 std::string back(const ReportData& data) {
-  const Pose pose = pose_of(data);
+  const BackPose pose = pose_of(data);
   Scene scene;
   scene.surface = person_of(data, pose);
   if (scene.surface.mesh.triangles.empty()) return "";
@@ -290,7 +240,7 @@ std::string tissue_curves(const ReportData& data) {
 }
 
 std::string tissue(const ReportData& data) {
-  const Pose pose = pose_of(data);
+  const BackPose pose = pose_of(data);
   Scene scene;
   scene.surface = person_of(data, pose);
   if (scene.surface.mesh.triangles.empty() || data.tissue.empty()) return "";

@@ -106,7 +106,45 @@ Plot force_plot(const ReportData& data, const std::vector<Contact>& contacts, Te
   return plot;
 }
 
+/// When an arm moved through the air, from where its tool was ten times a second.
+std::vector<Span> travels_of(const ReportData& data, Arm arm) {
+  constexpr double every_s = 0.1, moves_m_per_s = 0.01, pause_s = 0.35;
+  std::vector<Span> spans;
+  const TraceRow* last = nullptr;
+  for (const TraceRow& row : data.trace) {
+    if (row.arm != arm || (last != nullptr && row.time_s - last->time_s < every_s - 1e-6)) continue;
+    const bool moves = last != nullptr && !row.technique && !last->technique &&
+                       (row.tool_in_couch - last->tool_in_couch).norm() >
+                           moves_m_per_s * (row.time_s - last->time_s);
+    if (moves && !spans.empty() && last->time_s - spans.back().end_s < pause_s) {
+      spans.back().end_s = row.time_s;
+    } else if (moves) {
+      spans.push_back({.begin_s = last->time_s,
+                       .end_s = row.time_s,
+                       .text = "moves through the air",
+                       .colour = mix(palette::paper, palette::grey, 0.7),
+                       .thin = true});
+    }
+    last = &row;
+  }
+  return spans;
+}
+
 }  // namespace
+
+const char* doing(Technique technique) {
+  switch (technique) {
+    case Technique::press:
+      return "Pressing";
+    case Technique::rub:
+      return "Rubbing";
+    case Technique::stroke:
+      return "Stroking";
+    case Technique::tap:
+      return "Tapping";
+  }
+  return "";
+}
 
 std::string force(const ReportData& data, Technique technique) {
   const auto contacts = contacts_of(data, technique);
@@ -149,7 +187,7 @@ std::string first_press_depth(const ReportData& data) {
 std::string timeline(const ReportData& data) {
   Timeline timeline{.title = "What each arm did when", .end_s = data.duration_s, .width_px = 1040};
   for (const Arm arm : both_arms) {
-    TimelineRow row{.name = fmt::format("{} arm", name_of(arm))};
+    TimelineRow row{.name = fmt::format("{} arm", name_of(arm)), .spans = travels_of(data, arm)};
     for (const PerformedPath& performed : data.paths) {
       if (performed.arm != arm) continue;
       const double end_s = performed.ended_s();

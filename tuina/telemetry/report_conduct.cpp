@@ -4,38 +4,97 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "tuina/core/units.hpp"
 #include "tuina/telemetry/report_figures.hpp"
+#include "tuina/telemetry/session_strip.hpp"
 #include "tuina/telemetry/svg_plot.hpp"
 
 namespace tuina::telemetry {
+namespace {
 
 std::string distance_figure(const ReportData& data) {
   if (data.distances.empty()) return "";
-  Series apart{.name = "", .colour = palette::press};
+  Series apart{.name = "arm to arm", .colour = palette::press};
+  Series to_person{.name = "arm to person", .colour = palette::rub};
+  double most_mm = to_mm(data.stopping_distance_m);
   for (const ArmDistance& row : data.distances) {
     apart.x.push_back(row.time_s);
     apart.y.push_back(to_mm(row.apart_m));
+    most_mm = std::max(most_mm, apart.y.back());
+    if (!std::isfinite(row.to_person_m)) continue;
+    to_person.x.push_back(row.time_s);
+    to_person.y.push_back(to_mm(row.to_person_m));
+    most_mm = std::max(most_mm, to_person.y.back());
   }
   const double end_s = std::max(data.duration_s, apart.x.back());
   const double stop_mm = to_mm(data.stopping_distance_m);
-  Series stop{.name = "they stop",
-              .x = {0.0, end_s},
-              .y = {stop_mm, stop_mm},
-              .colour = palette::stop,
-              .dashed = true};
-  const double most_mm = *std::max_element(apart.y.begin(), apart.y.end());
-  return to_svg(Plot{.title = "Distance between the arms over the session",
-                     .x_label = "time, s",
-                     .y_label = "arms apart, mm",
-                     .series = {std::move(stop), std::move(apart)},
-                     .x_low = 0.0,
-                     .x_high = end_s,
-                     .y_low = 0.0,
-                     .y_high = 1.05 * most_mm,
-                     .width_px = 1040,
-                     .height_px = 200});
+  Plot plot{.title = "Distances between the arms and to the person over the session",
+            .x_label = "time, s",
+            .y_label = "distance, mm",
+            .x_low = 0.0,
+            .x_high = end_s,
+            .y_low = 0.0,
+            .y_high = 1.05 * most_mm,
+            .width_px = 1040,
+            .height_px = 220};
+  plot.series.push_back({.name = "arms stop",
+                         .x = {0.0, end_s},
+                         .y = {stop_mm, stop_mm},
+                         .colour = palette::stop,
+                         .dashed = true});
+  if (!to_person.x.empty()) plot.series.push_back(std::move(to_person));
+  plot.series.push_back(std::move(apart));
+  return to_svg(plot);
+}
+
+}  // namespace
+
+std::string technique_key(const ReportData& data, bool moving) {
+  std::string html = "<ul class=key>";
+  for (const Technique technique : figures::all_techniques) {
+    const bool used =
+        std::any_of(data.paths.begin(), data.paths.end(),
+                    [&](const PerformedPath& p) { return p.path.technique == technique; });
+    if (!used) continue;
+    const bool line = technique == Technique::rub || technique == Technique::stroke;
+    html += fmt::format("<li><i{} style=\"background:{}\"></i>{}</li>", line ? " class=flat" : "",
+                        css(colour_of(technique)), figures::doing(technique));
+  }
+  if (moving) {
+    html += fmt::format(
+        "<li><i class=flat style=\"background:{}\"></i>Moving through the air</li><li><i "
+        "class=flat "
+        "style=\"background:#e9ebee;height:12px\"></i>Waiting</li>",
+        css(mix(palette::paper, palette::grey, 0.7)));
+  }
+  return html + "</ul>";
+}
+
+std::string conduct_section(const ReportData& data) {
+  std::string html =
+      "<section class=long><h2>How it went</h2><p>The session in the order of time: what is being "
+      "done, faintly what has been done, and the two arms that do "
+      "it, drawn thinner than they are so that they hide less.</p>";
+  const std::size_t moments = moments_of(data).size();
+  const std::string strip = session_strip(data);
+  html += strip.empty() ? "<p class=note>There is nothing to picture.</p>" : strip;
+  if (!strip.empty() && moments > most_pictures)
+    html +=
+        fmt::format("<p class=note>{} of {} moments, evenly picked.</p>", most_pictures, moments);
+  html += "<h3>What each arm did when</h3>";
+  const std::string timeline = figures::timeline(data);
+  html += timeline.empty() ? "<p class=note>No path was carried out.</p>"
+                           : "<div class=wide>" + timeline + "</div>" + technique_key(data, true);
+  const std::string distance = distance_figure(data);
+  if (!distance.empty()) {
+    html += "<h3>How far they stayed apart</h3><div class=wide>" + distance +
+            "</div><p class=note>Between surfaces. Nearer to each other than the dashed line both "
+            "arms stop. An arm's last link, with the tool, is meant to touch the person and is "
+            "left out.</p>";
+  }
+  return html + "</section>";
 }
 
 std::string decisions_section(const ReportData& data) {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -90,10 +91,25 @@ struct SteeringDecision {
   double to_n = 0.0;
 };
 
-/// Between the surfaces of the two arms.
+/// Between surfaces: of the two arms, and of the nearer arm and the person, its last link with the
+/// tool left out because that is meant to touch.
 struct ArmDistance {
   double time_s = 0.0;
   double apart_m = 0.0;
+  double to_person_m = std::numeric_limits<double>::infinity();  ///< known only in simulation
+};
+
+/// One link of an arm as the solid that is kept clear of everything: a rod with round ends.
+struct ArmLink {
+  Vector3 from_in_couch = Vector3::Zero();
+  Vector3 to_in_couch = Vector3::Zero();
+  double radius_m = 0.0;
+};
+
+/// Both arms at one moment.
+struct ArmsPose {
+  double time_s = 0.0;
+  PerArm<std::vector<ArmLink>> links = {};
 };
 
 /// Errors of the TRUE contact force (target minus true), over all contact of one technique.
@@ -139,6 +155,7 @@ struct ReportData {
   std::vector<SteeringDecision> decisions = {};
   std::vector<ArmDistance> distances = {};
   double stopping_distance_m = 0.0;  ///< arms nearer than this stop
+  std::vector<ArmsPose> poses = {};  ///< in the order of time; a picture takes the nearest
   std::vector<Stop> stops = {};
   std::vector<KeyNumber> numbers = {};  ///< besides those that the page counts itself
   std::string config_toml = {};         ///< the whole effective configuration

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <string>
 
 #include "tuina/telemetry/report_data.hpp"
@@ -18,6 +19,8 @@ namespace tuina::telemetry::figures {
 /// The tangent law at each point: as estimated, and dashed as it is in truth.
 [[nodiscard]] std::string tissue_curves(const ReportData& data);
 
+/// Both arms over the session, a row each: paths by their colour, thin lines for ways through the
+/// air.
 [[nodiscard]] std::string timeline(const ReportData& data);
 
 /// Target, true and measured force of one technique over its time in contact.
@@ -26,6 +29,11 @@ namespace tuina::telemetry::figures {
 /// Force and depth of the first press, close up.
 [[nodiscard]] std::string first_press_force(const ReportData& data);
 [[nodiscard]] std::string first_press_depth(const ReportData& data);
+
+inline constexpr std::array<Technique, 4> all_techniques = {Technique::press, Technique::rub,
+                                                            Technique::stroke, Technique::tap};
+/// "Pressing"
+[[nodiscard]] const char* doing(Technique technique);
 
 /// "BL47 left", with its Chinese name where it is known: "Hunmen".
 [[nodiscard]] std::string spoken(const std::string& acupoint);

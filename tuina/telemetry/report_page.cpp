@@ -17,27 +17,10 @@
 namespace tuina::telemetry {
 namespace {
 
-constexpr std::array<Technique, 4> techniques = {Technique::press, Technique::rub,
-                                                 Technique::stroke, Technique::tap};
-
 std::string capital(std::string text) {
   if (!text.empty() && text[0] >= 'a' && text[0] <= 'z')
     text[0] = static_cast<char>(text[0] - 'a' + 'A');
   return text;
-}
-
-const char* doing(Technique technique) {
-  switch (technique) {
-    case Technique::press:
-      return "Pressing";
-    case Technique::rub:
-      return "Rubbing";
-    case Technique::stroke:
-      return "Stroking";
-    case Technique::tap:
-      return "Tapping";
-  }
-  return "";
 }
 
 std::string minutes(double seconds) {
@@ -119,7 +102,7 @@ std::string summary(const ReportData& data) {
     text += ". ";
   }
   std::vector<std::string> done;
-  for (const Technique technique : techniques) {
+  for (const Technique technique : figures::all_techniques) {
     std::set<std::string> places;
     std::size_t count = 0;
     for (const PerformedPath& performed : data.paths) {
@@ -191,20 +174,6 @@ std::string tiles(const ReportData& data) {
          "</div>";
 }
 
-std::string technique_key(const ReportData& data) {
-  std::string html = "<ul class=key>";
-  for (const Technique technique : techniques) {
-    const bool used =
-        std::any_of(data.paths.begin(), data.paths.end(),
-                    [&](const PerformedPath& p) { return p.path.technique == technique; });
-    if (!used) continue;
-    const bool line = technique == Technique::rub || technique == Technique::stroke;
-    html += fmt::format("<li><i{} style=\"background:{}\"></i>{}</li>", line ? " class=flat" : "",
-                        css(colour_of(technique)), doing(technique));
-  }
-  return html + "</ul>";
-}
-
 std::string acupoint_table(const ReportData& data) {
   const bool truth = std::any_of(data.acupoints.begin(), data.acupoints.end(),
                                  [](const FoundAcupoint& f) { return f.error_m.has_value(); });
@@ -248,24 +217,16 @@ std::string back_section(const ReportData& data) {
 
 std::string force_section(const ReportData& data) {
   std::string html =
-      "<section class=long><h2>What the arms did</h2><p>Both arms over the session, coloured by "
-      "technique.</p>";
-  const std::string timeline = figures::timeline(data);
-  html += timeline.empty() ? "<p class=note>No path was carried out.</p>"
-                           : "<div class=wide>" + timeline + "</div>" + technique_key(data);
-  const std::string distance = distance_figure(data);
-  if (!distance.empty()) html += "<div class=wide>" + distance + "</div>";
-  html +=
-      "</section><section class=long><h2>The force on the skin</h2><p>What was asked for, what the "
+      "<section class=long><h2>The force on the skin</h2><p>What was asked for, what the "
       "person truly felt, and what the sensor at the wrist said. Contacts stand one behind the "
       "other; the travel between them is left out.</p>";
   bool any = false;
-  for (const Technique technique : techniques) {
+  for (const Technique technique : figures::all_techniques) {
     const std::string figure = figures::force(data, technique);
     if (figure.empty()) continue;
     any = true;
-    html +=
-        fmt::format("<h3 style=\"color:{}\">{}</h3>", css(colour_of(technique)), doing(technique));
+    html += fmt::format("<h3 style=\"color:{}\">{}</h3>", css(colour_of(technique)),
+                        figures::doing(technique));
     for (const TechniqueForce& force : data.forces) {
       if (force.technique == technique)
         html += fmt::format(
@@ -319,8 +280,8 @@ std::string report_page(const ReportData& data) {
       data.programme.empty() ? "" : "programme " + escaped(data.programme) + " &ensp;·&ensp; ",
       data.version.empty() ? "" : "tuina " + escaped(data.version) + " &ensp;·&ensp; ", data.seed,
       summary(data));
-  html += tiles(data) + back_section(data) + force_section(data) + tissue_section(data) +
-          decisions_section(data) + stops_section(data);
+  html += tiles(data) + back_section(data) + conduct_section(data) + force_section(data) +
+          tissue_section(data) + decisions_section(data) + stops_section(data);
   if (!data.config_toml.empty()) {
     html +=
         "<section class=long><h2>Configuration</h2><details><summary>Every setting of this "

@@ -33,6 +33,13 @@ section>p:first-of-type{color:var(--soft)}
 .even{display:grid;grid-template-columns:1fr 1fr;gap:24px}
 svg{max-width:100%;height:auto;display:block}
 svg.back{width:100%}
+.strip{display:grid;grid-template-columns:repeat(auto-fill,minmax(226px,1fr));gap:22px 20px;margin:14px 0 6px}
+figure{margin:0;break-inside:avoid}
+figure svg{width:100%}
+figcaption{font-size:13px;line-height:1.45;color:var(--soft);border-top:1px solid var(--line);padding-top:6px;margin-top:4px}
+figcaption b{color:var(--ink);display:block}
+figcaption span{display:block}
+figcaption i{width:9px;height:9px;border-radius:99px;display:inline-block;margin-right:6px}
 .wide{overflow-x:auto}
 table{border-collapse:collapse;width:100%;font-size:14.5px;margin:6px 0 10px}
 th{font-size:12.5px;font-weight:600;color:var(--soft);text-align:right;padding:7px 8px;border-bottom:1.5px solid #c9cdd4;vertical-align:bottom;line-height:1.3}

@@ -52,7 +52,8 @@ Prepared prepare(const Scene& scene, const Projection& projection) {
     for (std::size_t k = 0; k + 1 < thread.points.size(); ++k) {
       const Vector3 along = thread.points[k + 1] - thread.points[k];
       // Balls as close as this look like one smooth thread, thick or thin.
-      const double apart_m = std::min(0.5 * thread.radius_m, 0.0015);
+      const double apart_m =
+          std::min(0.5 * thread.radius_m, std::max(0.0015, 0.1 * thread.radius_m));
       const int balls = std::clamp(static_cast<int>(along.norm() / apart_m) + 1, 1, 2000);
       for (int ball = 0; ball < balls; ++ball) {
         add_ball(thread.points[k] + along * (static_cast<double>(ball) / balls), thread.radius_m,
@@ -344,7 +345,7 @@ Vector3 Projection::operator()(const Vector3& place) const {
 
 ShadedPicture shade(const Scene& scene, const View& view) {
   assert(!scene.surface.mesh.triangles.empty());
-  std::vector<Vector3> seen;
+  std::vector<Vector3> seen = scene.in_frame;
   for (std::size_t k = 0; k < scene.surface.mesh.vertices.size(); ++k) {
     if (scene.surface.inside[k] >= 0.5F) seen.push_back(scene.surface.mesh.vertices[k]);
   }

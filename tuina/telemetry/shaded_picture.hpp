@@ -48,6 +48,7 @@ struct Scene {
   std::vector<Thread> threads = {};
   std::vector<Bead> beads = {};
   std::vector<Disc> discs = {};
+  std::vector<Vector3> in_frame = {};  ///< places that the picture shows besides the surface
 };
 
 /// Where a place of the world is in a picture, so that labels find their point.

@@ -301,6 +301,7 @@ std::string to_svg(const Plot& plot) {
 std::string to_svg(const Timeline& timeline) {
   constexpr double row_px = 34;
   constexpr double bar_px = 22;
+  constexpr double thin_px = 4;
   constexpr double left = 76;
   const double width = timeline.width_px - left - 14.0;
   const double top = timeline.marks.empty() ? 8.0 : 24.0;
@@ -331,11 +332,13 @@ std::string to_svg(const Timeline& timeline) {
     for (const Span& span : timeline.rows[row].spans) {
       const double x = px(span.begin_s);
       const double wide = std::max(1.0, px(span.end_s) - x);
+      const double high = span.thin ? thin_px : bar_px;
       svg += fmt::format(
           "<g><title>{} ({:.1f} s to {:.1f} s)</title><rect x=\"{:.1f}\" y=\"{:.1f}\" "
           "width=\"{:.1f}\" height=\"{:.1f}\" rx=\"2\" fill=\"{}\"/>",
-          escaped(span.text), span.begin_s, span.end_s, x, y, wide, bar_px, css(span.colour));
-      if (wide > letter_px * static_cast<double>(span.text.size()) + 8) {
+          escaped(span.text), span.begin_s, span.end_s, x, y + (bar_px - high) / 2, wide, high,
+          css(span.colour));
+      if (!span.thin && wide > letter_px * static_cast<double>(span.text.size()) + 8) {
         svg += fmt::format(
             "<text x=\"{:.1f}\" y=\"{:.1f}\" fill=\"#fff\" text-anchor=\"middle\" "
             "font-size=\"10.5\">{}</text>",

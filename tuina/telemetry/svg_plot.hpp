@@ -58,6 +58,7 @@ struct Span {
   double end_s = 0.0;
   std::string text;  ///< shown where there is room, and when pointed at
   Colour colour;
+  bool thin = false;  ///< a line through the middle of the row, for what matters less
 };
 
 struct TimelineRow {
