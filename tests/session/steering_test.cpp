@@ -146,14 +146,14 @@ TEST_CASE("a place that does not change is left after three sets of presses, wit
 }
 
 TEST_CASE("a place that became a tenth softer is left after two sets") {
-  const LongWork work(0.2, true);
+  const LongWork work(0.35, true);
   CHECK(work.presses >= 12);
   CHECK(work.presses <= 14);
   CHECK(work.reason() == tissue::name_of(tissue::Dwell::softened));
 }
 
 TEST_CASE("without adaptation no place is left early") {
-  const LongWork work(0.2, false);
+  const LongWork work(0.35, false);
   CHECK(work.presses == 20);
   CHECK(work.steering.decisions().empty());
 }
