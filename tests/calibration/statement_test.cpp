@@ -46,10 +46,19 @@ TEST_CASE("rows that err by themselves are told from poses that err as a whole")
   CHECK(poses == doctest::Approx(1.0 / std::sqrt(20.0)).epsilon(0.4));
 }
 
-TEST_CASE("what one pose alone tells has no jackknife") {
-  std::vector<FitRow> rows(3);
-  for (FitRow& row : rows) row = {.pose = 4, .residual = 0.1, .slopes = {{0, 1.0}}};
-  CHECK_FALSE(pose_covariance(rows, 1).has_value());
+TEST_CASE("what one pose alone tells does not hinder the jackknife of the rest") {
+  std::vector<FitRow> rows;
+  for (int pose = 0; pose < 6; ++pose) {
+    const double residual = pose % 2 == 0 ? 0.1 : -0.1;
+    rows.push_back({.pose = pose, .residual = residual, .slopes = {{0, 1.0}}});
+  }
+  rows.push_back({.pose = 5, .residual = 0.0, .slopes = {{1, 1000.0}}});
+  const auto covariance = pose_covariance(rows, 2);
+  REQUIRE(covariance.has_value());
+  // Six numbers of 0.1 around their mean: 5 / 6 of six changes by 0.1 / 5.
+  CHECK(covariance->of_poses(0, 0) == doctest::Approx(0.002));
+  CHECK(covariance->of_poses(1, 1) == 0.0);
+  CHECK_FALSE(pose_covariance(rows, 3).has_value());
 }
 
 TEST_CASE("lines that are off as a whole, each another way, are stated to be") {

@@ -2,6 +2,7 @@
 #include "tuina/calibration/pose_covariance.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/QR>
 #include <map>
 #include <span>
 #include <utility>
@@ -11,6 +12,8 @@ namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
+
+constexpr double told = 1e-9;  // of the best known unknown; what is known less is not known
 
 // What some rows say about the shared unknowns: information and gradient.
 struct Said {
@@ -48,14 +51,6 @@ Said said_by(std::span<const FitRow* const> rows, int shared) {
       gradient.head(shared) - across * among_others.solve(gradient.tail(others))};
 }
 
-// Unknowns of very different size, as focal lengths in thousands and tilts in thousandths, are
-// scaled to one, so that what is undetermined shows.
-std::optional<Eigen::LLT<MatrixXd>> factored(const MatrixXd& scaled) {
-  Eigen::LLT<MatrixXd> cholesky(scaled);
-  if (cholesky.info() != Eigen::Success) return std::nullopt;
-  return cholesky;
-}
-
 }  // namespace
 
 std::optional<PoseCovariance> pose_covariance(const std::vector<FitRow>& rows, int shared) {
@@ -68,21 +63,25 @@ std::optional<PoseCovariance> pose_covariance(const std::vector<FitRow>& rows, i
     all += said.information;
     if (pose >= 0) poses.push_back(std::move(said));
   }
+  // Unknowns of very different size, as focal lengths in thousands and tilts in thousandths, are
+  // scaled to one, so that what is undetermined shows.
   const VectorXd unit = all.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   const auto scaled = [&unit](const MatrixXd& information) {
     return MatrixXd(unit.asDiagonal() * information * unit.asDiagonal());
   };
-  const auto whole = factored(scaled(all));
-  if (!whole) return std::nullopt;
+  const Eigen::LLT<MatrixXd> whole(scaled(all));
+  if (whole.info() != Eigen::Success) return std::nullopt;
   MatrixXd changes = MatrixXd::Zero(shared, shared);
   for (const Said& pose : poses) {
-    const auto without = factored(scaled(all - pose.information));
-    if (!without) return std::nullopt;
-    const VectorXd change = without->solve(unit.asDiagonal() * pose.gradient);
+    // What no other pose tells, as the axis of a single standing board, stays as it is.
+    Eigen::CompleteOrthogonalDecomposition<MatrixXd> without(shared, shared);
+    without.setThreshold(told);
+    without.compute(scaled(all - pose.information));
+    const VectorXd change = without.solve(unit.asDiagonal() * pose.gradient);
     changes += change * change.transpose();
   }
   const auto n = static_cast<double>(poses.size());
-  PoseCovariance covariance{.of_rows = scaled(whole->solve(MatrixXd::Identity(shared, shared))),
+  PoseCovariance covariance{.of_rows = scaled(whole.solve(MatrixXd::Identity(shared, shared))),
                             .of_poses = scaled((n - 1.0) / n * changes)};
   if (!covariance.of_rows.allFinite() || !covariance.of_poses.allFinite()) return std::nullopt;
   return covariance;

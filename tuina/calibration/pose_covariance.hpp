@@ -25,7 +25,7 @@ struct PoseCovariance {
 /// Rows of one pose may err alike, by paper that is not flat or print that is not as it was taken
 /// for: then their residuals are small and their number promises too much. The jackknife over poses
 /// (one Gauss-Newton step each) needs errors of different poses only to be independent. Nothing
-/// when a pose less leaves something undetermined.
+/// when the rows leave something undetermined.
 [[nodiscard]] std::optional<PoseCovariance> pose_covariance(const std::vector<FitRow>& rows,
                                                             int shared);
 
