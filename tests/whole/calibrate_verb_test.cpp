@@ -102,13 +102,36 @@ std::string refusal(const fs::path& shots, const Folder& folder, Spoil&& spoil) 
   return outcome.err;
 }
 
-// A sweep that shows nothing: all there is lies above the scanner.
-void record(const fs::path& folder, double from_rad) {
+// All there is lies above the scanner.
+tuina::Mesh nothing() {
+  return {.vertices = {{0.0, 0.0, 9.0}, {0.1, 0.0, 9.0}, {0.0, 0.1, 9.0}},
+          .triangles = {{0, 1, 2}}};
+}
+
+// A wall bent about the axis of the unit: it looks the same from every yaw.
+tuina::Mesh bent_about_the_axis() {
   const auto truth = tuina::sim::built_scanner(2);
-  tuina::Mesh scene;
-  scene.vertices = {{0.0, 0.0, 9.0}, {0.1, 0.0, 9.0}, {0.0, 0.1, 9.0}};
-  scene.triangles = {{0, 1, 2}};
-  tuina::sim::LaserScanner unit(scene, scene, truth, 1, {});
+  const tuina::Transform& couch_from_camera = truth.couch_from_camera;
+  const tuina::Vector3 axis = couch_from_camera.linear() * truth.axis_direction_in_camera;
+  const tuina::Vector3 on_axis = couch_from_camera * truth.axis_point_in_camera;
+  const tuina::Vector3 ahead = couch_from_camera.linear().col(2);
+  const tuina::Vector3 out = (ahead - axis.dot(ahead) * axis).normalized();
+  tuina::Mesh mesh;
+  for (int i = -60; i <= 60; ++i) {
+    const tuina::Vector3 at = on_axis + Eigen::AngleAxisd(0.5_deg * i, axis) * out;
+    const int first = static_cast<int>(mesh.vertices.size());
+    mesh.vertices.push_back(at - 0.6 * axis);
+    mesh.vertices.push_back(at + 0.6 * axis);
+    if (i == 60) break;
+    mesh.triangles.push_back({first, first + 1, first + 2});
+    mesh.triangles.push_back({first + 1, first + 3, first + 2});
+  }
+  return mesh;
+}
+
+void record(const fs::path& folder, double from_rad, const tuina::Mesh& scene) {
+  const auto truth = tuina::sim::built_scanner(2);
+  tuina::sim::LaserScanner unit(scene, nothing(), truth, 1, {});
   auto recorder = tuina::scanner::Recorder::open(unit, unit, folder);
   REQUIRE(recorder.has_value());
   REQUIRE(recorder->sweep(from_rad, -from_rad, 6.0_deg).has_value());
@@ -198,8 +221,8 @@ TEST_CASE("sweeps that show nothing, turn alike or contradict the boards are ref
   const Folder folder;
   const fs::path shots = folder.path() / "shots";
   rehearse(shots);
-  record(shots / "sweep_left", 6.0_deg);
-  record(shots / "sweep_right", -6.0_deg);
+  record(shots / "sweep_left", 6.0_deg, nothing());
+  record(shots / "sweep_right", -6.0_deg, nothing());
   const auto said = [&](auto&& spoil) { return refusal(shots, folder, spoil); };
   CHECK(says(said([](const fs::path&) {}), "sweep the same still scene both ways"));
   CHECK(says(said([](const fs::path& f) {
@@ -214,6 +237,13 @@ TEST_CASE("sweeps that show nothing, turn alike or contradict the boards are ref
                });
              }),
              "the other way than the nominal"));
+  const auto flat = said([](const fs::path& f) {
+    fs::remove_all(f / "sweep_left");
+    fs::remove_all(f / "sweep_right");
+    record(f / "sweep_left", 6.0_deg, bent_about_the_axis());
+    record(f / "sweep_right", -6.0_deg, bent_about_the_axis());
+  });
+  CHECK(says(flat, "slanted surfaces"));
   // Without sweeps it is said that nothing was checked.
   const auto alone = [&] {
     fs::remove_all(shots / "sweep_left");

@@ -19,6 +19,7 @@ constexpr double unsure_s = 0.02;
 // Two neighbouring frames whose line has moved farther than this see two surfaces.
 constexpr double same_surface_px = 4.0;
 constexpr std::size_t enough = 500;
+constexpr double least_true_share = 0.2;  // of the squared slopes; the rest is noise
 
 // Columns of one row of the image over yaw, of one sweep.
 struct Trace {
@@ -91,6 +92,7 @@ Result<Step> compare(const Sweep& falling, const Sweep& rising, double latency_s
   const double apart_rad_per_s = right_rad_per_s - left_rad_per_s;
   struct Pair {
     double difference, slope;
+    double slope2;  // the same squared, of which noise has no part
   };
   std::vector<Pair> pairs;
   for (std::size_t row = 0; row < std::min(left->size(), right->size()); ++row) {
@@ -103,7 +105,8 @@ Result<Step> compare(const Sweep& falling, const Sweep& rising, double latency_s
       const Vector2 seen_right = b.at(yaw);
       const double difference = seen_right.x() - seen_left.x();
       if (!(std::abs(difference) < 3.0 * same_surface_px)) continue;
-      pairs.push_back({difference, 0.5 * (seen_left.y() + seen_right.y()) * apart_rad_per_s});
+      pairs.push_back({difference, 0.5 * (seen_left.y() + seen_right.y()) * apart_rad_per_s,
+                       seen_left.y() * seen_right.y() * apart_rad_per_s * apart_rad_per_s});
     }
   }
   if (pairs.size() < enough) {
@@ -116,6 +119,7 @@ Result<Step> compare(const Sweep& falling, const Sweep& rising, double latency_s
   double by_s = 0.0;
   double spread = 1.0;
   double information = 0.0;
+  double true_information = 0.0;
   for (int i = 0; i < 12; ++i) {
     std::vector<double> sizes;
     for (const Pair& pair : pairs) sizes.push_back(std::abs(pair.difference + pair.slope * by_s));
@@ -123,25 +127,30 @@ Result<Step> compare(const Sweep& falling, const Sweep& rising, double latency_s
     std::nth_element(sizes.begin(), middle, sizes.end());
     spread = std::max(1e-3, 1.4826 * *middle);
     information = 0.0;
+    true_information = 0.0;
     double moment = 0.0;
     for (const Pair& pair : pairs) {
       const double size = (pair.difference + pair.slope * by_s) / (4.7 * spread);
       if (std::abs(size) >= 1.0) continue;
       const double weight = std::pow(1.0 - size * size, 2);
       information += weight * pair.slope * pair.slope;
+      true_information += weight * pair.slope2;
       moment -= weight * pair.slope * pair.difference;
     }
     if (!(information > 0.0)) break;
     by_s = moment / information;
   }
-  if (!(information > 0.0)) {
-    return fail(Fault::bad_input, "the scene of the sweeps is too flat to tell the latency");
+  // Where nothing slants, the slopes are those of the noise, of which both sweeps have their own.
+  if (!(true_information > least_true_share * information) || !(information > 0.0)) {
+    return fail(Fault::bad_input,
+                "the scene of the sweeps is too flat to tell the latency: sweep a scene with "
+                "slanted surfaces, such as boxes standing askew");
   }
   double disagreement = 0.0;
   for (const Pair& pair : pairs) disagreement += std::min(1.0, pair.difference * pair.difference);
   // Neighbouring places see the same frames: about one in three is news.
   return Step{.by_s = by_s,
-              .deviation_s = spread * std::sqrt(3.0 / information),
+              .deviation_s = spread * std::sqrt(3.0 * information) / true_information,
               .disagreement = disagreement / static_cast<double>(pairs.size())};
 }
 
