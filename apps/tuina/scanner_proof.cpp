@@ -91,10 +91,9 @@ Result<ScannerProof> prove_scanner(const ProofOptions& options, std::uint64_t se
   };
 
   if (options.walls) {
-    proof.walls = wall_trials(depths_m, {}, options.scanners, seed);
+    proof.walls = wall_trials(depths_m, {}, options.across, seed);
     step(4.0);
-    proof.speckled_walls =
-        wall_trials(depths_m, {.speckle_px = speckle_px}, options.scanners, seed);
+    proof.speckled_walls = wall_trials(depths_m, {.speckle_px = speckle_px}, options.across, seed);
     step(4.0);
   }
   if (options.bodies) {
@@ -116,7 +115,9 @@ Result<ScannerProof> prove_scanner(const ProofOptions& options, std::uint64_t se
   if (options.backs) {
     for (auto& [name, condition] : conditions) {
       condition.upright = name != "landscape_mount";
-      proof.backs[name] = back_trial(condition, options.people, seed);
+      std::span<const BuiltScanner> scanners = options.upright;
+      if (!condition.upright && !scanners.empty()) scanners = options.across;
+      proof.backs[name] = back_trial(condition, options.people, seed, scanners);
       step(1.0);
     }
   }
@@ -125,12 +126,13 @@ Result<ScannerProof> prove_scanner(const ProofOptions& options, std::uint64_t se
       for (const double x : plan.curve.x) {
         ScanConditions condition;
         plan.set(condition, x);
-        plan.curve.y.push_back(back_trial(condition, options.people, seed));
+        plan.curve.y.push_back(back_trial(condition, options.people, seed, options.upright));
         step(1.0);
       }
       proof.curves.push_back(std::move(plan.curve));
     }
   }
+  proof.targets = targets_of(proof, options.upright);
   return proof;
 }
 

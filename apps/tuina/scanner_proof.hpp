@@ -19,9 +19,19 @@ struct Curve {
   std::vector<BackTrial> y = {};
 };
 
+/// What was wanted of the scanner, and what is so.
+struct Target {
+  std::string name;  ///< with its unit
+  double wanted = 0.0;
+  double measured = 0.0;
+  bool at_least = false;  ///< else at most
+  [[nodiscard]] bool reached() const { return at_least ? measured >= wanted : measured <= wanted; }
+};
+
 /// All that `tuina evaluate scanner` measures; what was not asked for is empty.
 struct ScannerProof {
   int people = 0;
+  std::vector<Target> targets = {};
   std::vector<WallTrial> walls = {};
   std::vector<WallTrial> speckled_walls = {};
   std::map<std::string, BackTrial> backs = {};  ///< by condition
@@ -34,8 +44,13 @@ struct ScannerProof {
 struct ProofOptions {
   bool walls = true, backs = true, curves = true, bodies = true;
   int people = 6;
-  int scanners = 6;
+  std::vector<BuiltScanner> upright = {};  ///< for backs; without any, errors are drawn
+  std::vector<BuiltScanner> across = {};   ///< for walls and the camera across
 };
+
+/// Of walls and backs that were measured, and of the latency of these scanners.
+[[nodiscard]] std::vector<Target> targets_of(const ScannerProof& proof,
+                                             std::span<const BuiltScanner> upright);
 
 [[nodiscard]] Result<ScannerProof> prove_scanner(const ProofOptions& options, std::uint64_t seed,
                                                  const Progress& progress);

@@ -33,6 +33,13 @@ Mesh far_away() {
           .triangles = {{0, 1, 2}}};
 }
 
+// That of [thesis] Fig. 4-9, whose rows lie across the light plane's turn; it is the world's frame.
+ScannerCalibration drawing_of_walls() {
+  ScannerCalibration drawing = sim::true_calibration(Position::prone, {.upright = false});
+  drawing.couch_from_camera = Transform::Identity();
+  return drawing;
+}
+
 // The scanner of the thesis as somebody built it: every part a little off the drawing.
 ScannerCalibration built_by_hand(const ScannerCalibration& drawing, std::uint64_t seed) {
   Random random = make_random(seed, "built by hand");
@@ -161,13 +168,50 @@ void add_line_noise(const Lines& lines, int rows, double& deviation2, double& bo
   bound2 += points > 0.0 ? bounds2 / points : 0.0;
 }
 
+BuiltScanner as_drawn(Position position, const sim::ScannerMount& mount, std::uint64_t seed) {
+  const auto truth = sim::true_calibration(position, mount);
+  return {.truth = truth, .believed = sim::believed_calibration(truth, seed)};
+}
+
+// Heading, x and y over the couch are not measured; the rest of what is believed stays.
+void set_heading_right(BuiltScanner& built) {
+  const Transform off = built.truth.couch_from_camera * built.believed.couch_from_camera.inverse();
+  const double heading = std::atan2(off(1, 0) - off(0, 1), off(0, 0) + off(1, 1));
+  Transform right = Transform::Identity();
+  right.linear() = Eigen::AngleAxisd(heading, Vector3::UnitZ()).toRotationMatrix();
+  const Vector3 on_back(0.0, 0.0, 0.2);
+  right.translation().head<2>() = (off * on_back - right.linear() * on_back).head<2>();
+  built.believed.couch_from_camera = right * built.believed.couch_from_camera;
+}
+
+// The same scanner on the stand for one who sits or lies.
+BuiltScanner moved_to(BuiltScanner built, Position position, const sim::ScannerMount& mount) {
+  set_heading_right(built);
+  sim::ScannerMount lying = sim::usual_mount(Position::prone);
+  lying.upright = mount.upright;
+  const Transform moved = sim::true_calibration(position, mount).couch_from_camera *
+                          sim::true_calibration(Position::prone, lying).couch_from_camera.inverse();
+  built.truth.couch_from_camera = moved * built.truth.couch_from_camera;
+  built.believed.couch_from_camera = moved * built.believed.couch_from_camera;
+  return built;
+}
+
 }  // namespace
 
+std::vector<BuiltScanner> drawn_scanners(int count, std::uint64_t seed) {
+  std::vector<BuiltScanner> scanners;
+  for (int k = 0; k < count; ++k) {
+    const std::uint64_t own_seed = seed * 1000 + static_cast<std::uint64_t>(k);
+    const ScannerCalibration truth = built_by_hand(drawing_of_walls(), own_seed);
+    scanners.push_back({.truth = truth, .believed = sim::believed_calibration(truth, own_seed)});
+  }
+  return scanners;
+}
+
 std::vector<WallTrial> wall_trials(const std::vector<double>& depths_m,
-                                   const sim::LaserScannerOptions& options, int scanners,
-                                   std::uint64_t seed) {
-  ScannerCalibration drawing = sim::true_calibration(Position::prone, {.upright = false});
-  drawing.couch_from_camera = Transform::Identity();
+                                   const sim::LaserScannerOptions& options,
+                                   std::span<const BuiltScanner> scanners, std::uint64_t seed) {
+  const ScannerCalibration drawing = drawing_of_walls();
   const double edge_px = drawing.camera.cx_px - drawing.camera.fx_px *
                                                     drawing.laser_normal_in_camera.z() /
                                                     drawing.laser_normal_in_camera.x();
@@ -176,10 +220,12 @@ std::vector<WallTrial> wall_trials(const std::vector<double>& depths_m,
   const int rows = drawing.camera.height_px;
   std::vector<WallTrial> trials(depths_m.size());
   std::vector<std::array<Sums, 3>> sums(depths_m.size());
-  for (int k = 0; k < scanners; ++k) {
-    const std::uint64_t own_seed = seed * 1000 + static_cast<std::uint64_t>(k);
-    const ScannerCalibration truth = built_by_hand(drawing, own_seed);
-    const ScannerCalibration believed = sim::believed_calibration(truth, own_seed);
+  const auto count = static_cast<double>(scanners.size());
+  for (std::size_t k = 0; k < scanners.size(); ++k) {
+    const std::uint64_t own_seed = seed * 1000 + k;
+    ScannerCalibration truth = scanners[k].truth;
+    truth.couch_from_camera = Transform::Identity();
+    const ScannerCalibration& believed = scanners[k].believed;
     const Hyperbola fitted = fit_hyperbola(truth, options, own_seed);
     for (std::size_t i = 0; i < depths_m.size(); ++i) {
       const double depth_m = depths_m[i];
@@ -203,8 +249,8 @@ std::vector<WallTrial> wall_trials(const std::vector<double>& depths_m,
           sums[i][2]);
       double line2 = 0.0, bound2 = 0.0;
       add_line_noise(lines, rows, line2, bound2);
-      trials[i].line_px += line2 / scanners;
-      trials[i].bound_px += bound2 / scanners;
+      trials[i].line_px += line2 / count;
+      trials[i].bound_px += bound2 / count;
     }
   }
   for (std::size_t i = 0; i < depths_m.size(); ++i) {
@@ -220,7 +266,8 @@ std::vector<WallTrial> wall_trials(const std::vector<double>& depths_m,
   return trials;
 }
 
-BackTrial back_trial(const ScanConditions& conditions, int people, std::uint64_t seed) {
+BackTrial back_trial(const ScanConditions& conditions, int people, std::uint64_t seed,
+                     std::span<const BuiltScanner> scanners) {
   BackTrial trial;
   double squares = 0.0, expected2 = 0.0, points = 0.0, outliers = 0.0, lit = 0.0, visible = 0.0;
   double covered = 0.0, acupoints = 0.0;
@@ -233,9 +280,13 @@ BackTrial back_trial(const ScanConditions& conditions, int people, std::uint64_t
     const sim::Person person = sim::make_phantom(shape, position);
     sim::ScannerMount mount = sim::usual_mount(position);
     mount.upright = conditions.upright;
+    const BuiltScanner built =
+        scanners.empty()
+            ? as_drawn(position, mount, own_seed)
+            : moved_to(scanners[static_cast<std::size_t>(k) % scanners.size()], position, mount);
     sim::LaserScanner scanner(person.skin_in_couch, position, conditions.breathing, own_seed,
-                              conditions.options, mount);
-    auto believed = sim::believed_calibration(scanner.true_calibration(), own_seed);
+                              conditions.options, built.truth);
+    auto believed = built.believed;
     believed.latency_s += conditions.latency_error_s;
     const auto scan = scanner::scan_sweep(scanner, scanner, believed, conditions.sweep);
     if (!scan) {

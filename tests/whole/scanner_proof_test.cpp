@@ -6,12 +6,13 @@
 
 #include "apps/tuina/scanner_proof.hpp"
 #include "tuina/core/units.hpp"
+#include "tuina/sim/rehearsal.hpp"
 
 using namespace tuina;
 using namespace tuina::app;
 
 TEST_CASE("[thesis] Fig. 4-9: a wall is known better than printed, near and far") {
-  const auto walls = wall_trials({0.65, 0.9, 1.0, 1.75}, {}, 3, 1);
+  const auto walls = wall_trials({0.65, 0.9, 1.0, 1.75}, {}, drawn_scanners(3, 1), 1);
   CHECK(walls[0].ours.rms_m < 0.3_mm);
   CHECK(walls[1].ours.rms_m < 3.0_mm);
   CHECK(walls[2].ours.rms_m < 0.5_mm);
@@ -29,7 +30,7 @@ TEST_CASE("[thesis] Fig. 4-9: a wall is known better than printed, near and far"
 }
 
 TEST_CASE("speckle costs what it should, and not more") {
-  const auto walls = wall_trials({1.0, 1.75}, {.speckle_px = 0.1}, 2, 1);
+  const auto walls = wall_trials({1.0, 1.75}, {.speckle_px = 0.1}, drawn_scanners(2, 1), 1);
   CHECK(walls[0].line_px == doctest::Approx(std::hypot(0.1, 0.03)).epsilon(0.1));
   CHECK(walls[0].ours.rms_m < 1.0_mm);
   CHECK(walls[1].ours.rms_m < 2.2_mm);
@@ -46,6 +47,21 @@ TEST_CASE("a back survives room light, clipping and lost frames, but not a wrong
   CHECK(back_trial({.options = {.dropped_share = 0.02}}, 2, 1).rms_m < 0.8_mm);
   CHECK(back_trial({.options = {.dropped_share = 0.15}}, 1, 1).refused);
   CHECK(back_trial({.latency_error_s = 0.12}, 2, 1).rms_m > 5.0 * calm.rms_m);
+}
+
+TEST_CASE(
+    "a height over the couch that is wrong is an error of the scan, heading and place are not") {
+  BuiltScanner built{.truth = sim::built_scanner(1), .believed = {}};
+  built.believed = built.truth;
+  Transform off = Transform::Identity();
+  off.linear() = Eigen::AngleAxisd(3.0_deg, Vector3::UnitZ()).toRotationMatrix();
+  off.translation() = Vector3(20.0_mm, -10.0_mm, 0.0);
+  built.believed.couch_from_camera = off * built.believed.couch_from_camera;
+  const std::vector<BuiltScanner> turned = {built};
+  CHECK(back_trial({}, 2, 1, turned).rms_m < 0.45_mm);
+  built.believed.couch_from_camera.translation().z() += 2.0_mm;
+  const std::vector<BuiltScanner> raised = {built};
+  CHECK(back_trial({}, 2, 1, raised).rms_m == doctest::Approx(2.0_mm).epsilon(0.15));
 }
 
 TEST_CASE("both ways take most of the breath and of a wrong latency off") {

@@ -18,8 +18,8 @@ constexpr double most_rad = 150.0_deg;
 // The gear of a 40-dollar servo does not turn quite evenly.
 constexpr double ripple_rad = 0.02_deg;
 constexpr double ripple_period_rad = 7.0_deg;
-constexpr double run_up_s = 0.3;     // readings begin before the first frame and end after the last
-constexpr double step_s = 0.117;     // [thesis] chapter 4: 400 ms per degree in steps of 0.29 degrees
+constexpr double run_up_s = 0.3;  // readings begin before the first frame and end after the last
+constexpr double step_s = 0.117;  // [thesis] chapter 4: 400 ms per degree in steps of 0.29 degrees
 constexpr double rest_share = 0.35;  // of a step, before and after its frame
 constexpr std::size_t frames_at_once = 16;
 
@@ -124,13 +124,13 @@ struct LaserScanner::World {
 
 LaserScanner::LaserScanner(const Mesh& skin_in_couch, Position position, Breathing breathing,
                            std::uint64_t seed, const LaserScannerOptions& options)
-    : LaserScanner(skin_in_couch, position, breathing, seed, options, usual_mount(position)) {}
+    : LaserScanner(skin_in_couch, position, breathing, seed, options,
+                   sim::true_calibration(position, usual_mount(position), options.latency_s)) {}
 
 LaserScanner::LaserScanner(const Mesh& skin_in_couch, Position position, Breathing breathing,
                            std::uint64_t seed, const LaserScannerOptions& options,
-                           const ScannerMount& mount)
-    : LaserScanner(skin_in_couch, couch_mesh(position),
-                   sim::true_calibration(position, mount, options.latency_s), seed, options) {
+                           const scanner::ScannerCalibration& truth)
+    : LaserScanner(skin_in_couch, couch_mesh(position), truth, seed, options) {
   world_->breath_direction = out_of_back(position);
   world_->breathing = breathing;
 }

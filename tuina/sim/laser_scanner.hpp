@@ -40,8 +40,8 @@ struct LaserScannerOptions {
   double speckle_px = 0.0;      ///< by which coherent light displaces the line, from row to row
   double dropped_share = 0.0;   ///< of the frames, lost on their way
   bool dark_frames = false;     ///< each frame comes with one taken with the laser off
-  /// With stickers on the skin, frames are in colour and the lights of the room are on; the laser line
-  /// is told from what they show by dark frames.
+  /// With stickers on the skin, frames are in colour and the lights of the room are on; the laser
+  /// line is told from what they show by dark frames.
   std::vector<SkinSticker> stickers = {};
   double room_white_dn = 90.0;  ///< of a white wall, in colour frames
   int threads = 2;
@@ -70,7 +70,8 @@ class LaserScanner final : public scanner::Camera, public scanner::Turntable {
   LaserScanner(const Mesh& skin_in_couch, Position position, Breathing breathing,
                std::uint64_t seed, const LaserScannerOptions& options = {});
   LaserScanner(const Mesh& skin_in_couch, Position position, Breathing breathing,
-               std::uint64_t seed, const LaserScannerOptions& options, const ScannerMount& mount);
+               std::uint64_t seed, const LaserScannerOptions& options,
+               const scanner::ScannerCalibration& truth);
   /// Any scanner before any still scene.
   LaserScanner(const Mesh& scene_in_couch, const Mesh& couch,
                const scanner::ScannerCalibration& truth, std::uint64_t seed,
@@ -79,7 +80,8 @@ class LaserScanner final : public scanner::Camera, public scanner::Turntable {
 
   [[nodiscard]] Result<scanner::Frame> next_frame() override;
   [[nodiscard]] Result<void> sweep(double from_rad, double to_rad, double rad_per_s) override;
-  /// In whole counts of the motor, 117 ms each ([thesis] chapter 4: 0.29 degrees, 400 ms per degree).
+  /// In whole counts of the motor, 117 ms each ([thesis] chapter 4: 0.29 degrees, 400 ms per
+  /// degree).
   [[nodiscard]] Result<void> step(double from_rad, double to_rad, double step_rad) override;
   [[nodiscard]] Result<std::vector<scanner::YawReading>> readings() const override;
 

@@ -255,9 +255,11 @@ Result<void> write_set(const ScannerCalibration& truth, std::uint64_t seed, cons
 
 }  // namespace
 
-ScannerCalibration built_scanner(std::uint64_t seed) {
+ScannerCalibration built_scanner(std::uint64_t seed, bool upright) {
   Random random = make_random(seed, "built scanner");
-  ScannerCalibration built = true_calibration(Position::prone);
+  ScannerMount mount = usual_mount(Position::prone);
+  mount.upright = upright;
+  ScannerCalibration built = true_calibration(Position::prone, mount);
   auto& camera = built.camera;
   camera.fx_px += gaussian(random, 15.0);
   camera.fy_px = camera.fx_px + gaussian(random, 1.0);

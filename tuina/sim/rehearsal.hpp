@@ -13,8 +13,8 @@
 namespace tuina::sim {
 
 /// A scanner as somebody built it: over the couch, looking down, every part a little off its
-/// drawing.
-[[nodiscard]] scanner::ScannerCalibration built_scanner(std::uint64_t seed);
+/// drawing. The camera stands upright, or else its rows lie across the spine.
+[[nodiscard]] scanner::ScannerCalibration built_scanner(std::uint64_t seed, bool upright = true);
 
 /// A ChArUco board that fits a sheet of A4, 5 x 7 squares of OpenCV's DICT_4X4_50.
 [[nodiscard]] inline scanner::Board charuco_board() {
