@@ -28,7 +28,7 @@ Result<std::vector<body::LabelledBody>> read_labelled(const std::vector<std::str
   return bodies;
 }
 
-Result<body::Atlas> open_atlas(const std::string& words) {
+Result<body::Atlas> open_atlas(const std::string& words, const Progress& progress) {
   if (words.empty()) return body::read_atlas(default_atlas_path());
   std::error_code fault;
   if (!fs::exists(words, fault)) return fail(Fault::file, "{}: there is no such atlas", words);
@@ -38,7 +38,7 @@ Result<body::Atlas> open_atlas(const std::string& words) {
   scan_everybody(*bodies, 1, {});
   const auto shipped = body::read_atlas(default_atlas_path());
   if (!shipped) return tl::unexpected(shipped.error());
-  return body::learn_atlas(*bodies, &*shipped, {}, nullptr);
+  return body::learn_atlas(*bodies, &*shipped, progress, nullptr);
 }
 
 }  // namespace tuina::app

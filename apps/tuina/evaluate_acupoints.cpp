@@ -15,6 +15,7 @@ namespace tuina::app {
 namespace {
 
 constexpr int fresh_phantoms = 30;
+constexpr double share_of_learning = 0.75;  // of the time that a fold takes
 
 /// Every method on every person of a folder, against the truth that lies beside each.
 class EvaluateAcupoints final : public Verb {
@@ -61,7 +62,7 @@ class EvaluateAcupoints final : public Verb {
     // One atlas for all is judged before anyone is drawn or read.
     std::optional<body::Atlas> one;
     if (folds_ == 0) {
-      auto given = atlas_for({}, 0, common);
+      auto given = atlas_for_all(common);
       if (!given) return tl::unexpected(given.error());
       one = std::move(*given);
     }
@@ -72,10 +73,18 @@ class EvaluateAcupoints final : public Verb {
     const std::size_t folds = folds_ > 0 ? static_cast<std::size_t>(folds_) : 1;
     std::map<std::string, Score> scores;
     Times times;
-    std::size_t done = 0;
     for (std::size_t fold = 0; fold < folds; ++fold) {
-      const auto atlas = one ? Result<body::Atlas>(*one) : atlas_for(*bodies, fold, common);
+      const auto tell = [&](double of_fold) {
+        if (bar) bar((static_cast<double>(fold) + of_fold) / static_cast<double>(folds));
+      };
+      const auto atlas =
+          one ? Result<body::Atlas>(*one) : atlas_of_others(*bodies, fold, [&](double done) {
+            tell(share_of_learning * done);
+          });
       if (!atlas) return tl::unexpected(atlas.error());
+      const double learned = one ? 0.0 : share_of_learning;
+      const std::size_t in_fold = (bodies->size() - fold + folds - 1) / folds;
+      std::size_t judged = 0;
       for (std::size_t i = 0; i < bodies->size(); ++i) {
         if (folds_ > 0 && i % folds != fold) continue;
         const body::LabelledBody& person = (*bodies)[i];
@@ -84,7 +93,9 @@ class EvaluateAcupoints final : public Verb {
                                : person.acupoints;
         judge(person, i, see(person, scan_ == "laser", common.seed + i), *atlas, marks, scores,
               times);
-        if (bar) bar(static_cast<double>(++done) / static_cast<double>(bodies->size()));
+        ++judged;
+        tell(learned +
+             (1.0 - learned) * static_cast<double>(judged) / static_cast<double>(in_fold));
       }
     }
     nlohmann::json table = nlohmann::json::object();
@@ -123,20 +134,23 @@ class EvaluateAcupoints final : public Verb {
     return drawn;
   }
 
-  [[nodiscard]] Result<body::Atlas> atlas_for(const std::vector<body::LabelledBody>& bodies,
-                                              std::size_t fold, const CommonOptions& common) const {
-    if (!train_.empty()) {
-      auto others = read_labelled({train_});
-      if (!others) return tl::unexpected(others.error());
-      scan_everybody(*others, learning_seed(common), progress_bar(common, "scan"));
-      return body::learn_atlas(*others, nullptr, {}, nullptr);
-    }
-    if (folds_ == 0) return open_atlas(atlas_);
+  /// The one atlas that judges everybody.
+  [[nodiscard]] Result<body::Atlas> atlas_for_all(const CommonOptions& common) const {
+    if (train_.empty()) return open_atlas(atlas_, progress_bar(common, "learn"));
+    auto others = read_labelled({train_});
+    if (!others) return tl::unexpected(others.error());
+    scan_everybody(*others, learning_seed(common), progress_bar(common, "scan"));
+    return body::learn_atlas(*others, nullptr, progress_bar(common, "learn"), nullptr);
+  }
+
+  [[nodiscard]] Result<body::Atlas> atlas_of_others(const std::vector<body::LabelledBody>& bodies,
+                                                    std::size_t fold,
+                                                    const Progress& progress) const {
     std::vector<body::LabelledBody> others;
     for (std::size_t i = 0; i < bodies.size(); ++i) {
       if (i % static_cast<std::size_t>(folds_) != fold) others.push_back(bodies[i]);
     }
-    return body::learn_atlas(others, nullptr, {}, nullptr);
+    return body::learn_atlas(others, nullptr, progress, nullptr);
   }
 
   std::string bodies_;

@@ -96,11 +96,14 @@ class EvaluateAtlas final : public Verb {
         Score score;
         for (int draw = 0; draw < draws_; ++draw) {
           if (draw > 0 && (count == 0 || all_of(*train, count))) break;
+          const auto tell = [&](double learned) {
+            if (bar) bar((static_cast<double>(done) + 0.5 * learned) / static_cast<double>(runs));
+          };
           Result<body::Atlas> atlas = *shipped;
           if (count > 0) {
             atlas = body::learn_atlas(
                 chosen(*train, count, common.seed + static_cast<std::uint64_t>(draw)),
-                prior ? &*shipped : nullptr, {}, nullptr);
+                prior ? &*shipped : nullptr, tell, nullptr);
           }
           if (!atlas) return tl::unexpected(atlas.error());
           judge_all(judged, *people, *atlas, score);

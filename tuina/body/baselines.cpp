@@ -38,7 +38,10 @@ Result<Mapping> rigid_icp(const BackSurface& back, const Atlas& atlas) {
   const auto known = model_for(back, atlas);
   if (!known) return tl::unexpected(known.error());
   const ShapeModel& shape = (*known)->shape;
-  const auto fit = fit_shape(shape, back, {.modes = 0});
+  // It begins where the whole fit ends: which end of the bed the head is at, a rigid back tells
+  // badly.
+  const auto whole = fit_shape(shape, back);
+  const auto fit = fit_shape(shape, back, {.modes = 0, .begin = whole.couch_from_model});
   Mapping mapping;
   mapping.position = back.position();
   for (std::size_t i = 0; i < shape.labels.size(); ++i) {

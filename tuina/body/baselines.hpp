@@ -8,7 +8,8 @@ namespace tuina::body {
 /// What simpler ways give, to judge the methods by. They give the labels of the atlas on this
 /// person.
 
-/// The atlas' mean back laid onto the scan as a rigid body (iterated closest points).
+/// The atlas' mean back laid onto the scan as a rigid body (iterated closest points), from the pose
+/// that `surface` found.
 [[nodiscard]] Result<Mapping> rigid_icp(const BackSurface& back, const Atlas& atlas);
 
 /// The standard's marks scaled by the width of the shoulders and the length of the midline.

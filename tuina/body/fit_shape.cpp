@@ -213,7 +213,12 @@ std::vector<Transform> couch_from_person(const BackSurface& back) {
 
 ShapeFit fit_shape(const ShapeModel& model, const BackSurface& back, const FitOptions& options) {
   const Index modes = std::min<Index>(model.modes.cols(), options.modes);
-  std::vector<Descent> few = glances(model, back, modes, options.sigma_m);
+  std::vector<Descent> few;
+  if (options.begin) {
+    few.push_back({.couch_from_model = *options.begin, .weights = Eigen::VectorXd::Zero(modes)});
+  } else {
+    few = glances(model, back, modes, options.sigma_m);
+  }
   for (Descent& at : few) {
     for (const Stage& stage : look) descend(model, back, stage, options.sigma_m, at);
   }

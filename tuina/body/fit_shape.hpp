@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <optional>
 
 #include "tuina/body/shape_model.hpp"
 
@@ -11,6 +12,7 @@ struct FitOptions {
   double sigma_m =
       8e-3;          ///< of one skin point; larger than scan noise because neighbours err together
   int modes = 1000;  ///< at most
+  std::optional<Transform> begin;  ///< couch from model; else it begins at many places
 };
 
 /// A model brought onto a scanned back.
