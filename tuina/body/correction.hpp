@@ -21,6 +21,11 @@ struct LeftOut {
 /// that the model already has is kept as far as the backs do not contradict it.
 Eigen::MatrixXd learn_correction(const LeftOut& left_out, ShapeModel& model);
 
+/// What the correction of a prior says for another model on the same template, in the features and
+/// the frame of that model. Half of it: phantoms resemble each other more than people do, so what
+/// their shape says about their points says less about those of people.
+[[nodiscard]] Eigen::MatrixXd correction_carried(const ShapeModel& prior, const ShapeModel& model);
+
 /// Fit, correction and uncertainty of every label: the method `surface`.
 struct LabelEstimate {
   Places at_in_couch;

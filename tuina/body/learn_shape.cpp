@@ -163,6 +163,10 @@ Learned learned_shape(const People& people, const LearnOptions& options, const P
   }
   Learned learned{.model = all.model(options), .out_of_fold_mm = {}};
   ShapeModel& model = learned.model;
+  if (prior != nullptr) {
+    model.bodies += prior->bodies;
+    if (prior->correction.size() > 0) model.correction = correction_carried(*prior, model);
+  }
   if (examples.size() < enough_to_correct) {
     const ShapeFit own = fit_shape(model, examples.front().shown());
     model.nominal_var_m2 = own.label_var_m2;
@@ -182,22 +186,18 @@ Learned learned_shape(const People& people, const LearnOptions& options, const P
   return learned;
 }
 
-/// The prior as it is, with a correction that these people have taught: they are too few to say how
+/// The prior as it is, with a constant that these people hardly move: they are too few to say how
 /// backs differ.
-Learned adapted_shape(const People& people, const ShapeModel& prior, const Progress& progress) {
+Learned moved_prior(const People& people, const ShapeModel& prior, const Progress& progress) {
   const LeftOut left = leave_out(
       people, prior, 1, [&](std::size_t) { return prior; }, progress);
   Learned learned{.model = prior, .out_of_fold_mm = {}};
+  learn_correction(left, learned.model);
   learned.model.bodies += static_cast<int>(people.examples.size());
-  const MatrixXd wrong_mm = learn_correction(left, learned.model);
-  if (people.examples.size() < enough_to_correct) {
-    learned.model.radius95_m = prior.radius95_m;
-    learned.model.nominal_var_m2 = prior.nominal_var_m2;
-    learned.model.usual_residual_m = prior.usual_residual_m;
-    learned.model.most_unusual = prior.most_unusual;
-  } else {
-    learned.out_of_fold_mm = acupoint_errors(wrong_mm, people.names.acupoints);
-  }
+  learned.model.radius95_m = prior.radius95_m;
+  learned.model.nominal_var_m2 = prior.nominal_var_m2;
+  learned.model.usual_residual_m = prior.usual_residual_m;
+  learned.model.most_unusual = prior.most_unusual;
   return learned;
 }
 
@@ -210,33 +210,27 @@ Result<ShapeModel> learn_shape(const std::vector<Example>& examples, const Learn
   const std::size_t views = options.mirror && (examples.size() > 1 || prior != nullptr) ? 2U : 1U;
   const People people{.examples = examples, .names = names_of(examples, nullptr), .views = views};
   const People known{.examples = examples, .names = names_of(examples, prior), .views = views};
-  // Every way that is open is gone; the one that errs least on people left out is kept.
-  const bool few = examples.size() < enough_to_correct;
-  const bool as_many_points = people.names.all.size() >= known.names.all.size();
-  const bool alone = prior == nullptr || (as_many_points && examples.size() >= enough_to_learn);
-  const bool pooled = prior != nullptr && !few;
-  const double ways = (prior != nullptr ? 0.2 : 0.0) + (pooled ? 1.0 : 0.0) + (alone ? 1.0 : 0.0);
-  double gone = 0.0;
-  const auto part_of = [&](double share) {
-    const double from = gone;
-    gone += share / ways;
-    return [&progress, from, share, ways](double done) {
-      if (progress) progress(from + share / ways * done);
-    };
-  };
   Learned learned;
-  if (prior != nullptr) learned = adapted_shape(known, *prior, part_of(0.2));
-  const auto consider = [&](Learned&& other) {
-    const bool better = learned.out_of_fold_mm.size() == 0 ||
-                        other.out_of_fold_mm.mean() < learned.out_of_fold_mm.mean();
-    if (better) learned = std::move(other);
-  };
-  if (pooled) {
+  if (prior != nullptr && examples.size() < enough_to_correct) {
+    learned = moved_prior(known, *prior, progress);
+  } else if (prior != nullptr) {
+    // With enough people two ways are open; the one that errs less on people left out is kept.
+    const bool alone =
+        people.names.all.size() >= known.names.all.size() && examples.size() >= enough_to_learn;
     LearnOptions with_prior = options;
     with_prior.statistics.prior = prior;
-    consider(learned_shape(known, with_prior, part_of(1.0)));
+    learned = learned_shape(known, with_prior, [&](double done) {
+      if (progress) progress(alone ? 0.5 * done : done);
+    });
+    if (alone) {
+      Learned own = learned_shape(people, options, [&](double done) {
+        if (progress) progress(0.5 + 0.5 * done);
+      });
+      if (own.out_of_fold_mm.mean() < learned.out_of_fold_mm.mean()) learned = std::move(own);
+    }
+  } else {
+    learned = learned_shape(people, options, progress);
   }
-  if (alone) consider(learned_shape(people, options, part_of(1.0)));
   if (out_of_fold_mm != nullptr && learned.out_of_fold_mm.size() > 0) {
     *out_of_fold_mm = std::move(learned.out_of_fold_mm);
   }

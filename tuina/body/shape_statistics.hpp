@@ -21,7 +21,7 @@ struct StatisticsOptions {
       10e-3;  ///< standard deviation of a free smooth deformation on top of what was seen
   /// What is known of how backs differ, on the same template; counts as so many people.
   const ShapeModel* prior = nullptr;
-  double prior_people = 10.0;
+  double prior_people = 5.0;
   double prior_people_for_mean = 1.0;
 };
 
