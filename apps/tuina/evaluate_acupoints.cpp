@@ -32,9 +32,14 @@ class EvaluateAcupoints final : public Verb {
     command.add_option("--bodies", bodies_,
                        "labelled bodies to judge on; else 30 fresh phantoms in each position");
     command
-        .add_option("--scan", scan_,
-                    "ideal, or laser: through the simulated scanner and its calibration errors")
-        ->check(CLI::IsMember({"ideal", "laser"}))
+        .add_option(
+            "--scan", scan_,
+            "ideal; laser: through the simulated scanner and its calibration errors; depth: one "
+            "picture of a depth camera (3 mm noise, 1 % holes, flying pixels, couch and floor)")
+        ->check(CLI::IsMember({"ideal", "laser", "depth"}))
+        ->capture_default_str();
+    command.add_option("--depth-points", depth_points_, "points of a picture, with --scan depth")
+        ->check(number_between(10000, 10000000))
         ->capture_default_str();
     auto* atlas = command.add_option("--atlas", atlas_, "as for `map`; else the shipped one");
     auto* train = command.add_option("--train", train_, "learn the atlas from this folder first")
@@ -91,8 +96,10 @@ class EvaluateAcupoints final : public Verb {
         const auto marks = label_noise_mm_ > 0.0
                                ? marked(person.acupoints, label_noise_mm_, common.seed + i)
                                : person.acupoints;
-        judge(person, i, see(person, scan_ == "laser", common.seed + i), *atlas, marks, scores,
-              times);
+        judge(
+            person, i,
+            see(person, {.by = parse_scan(scan_), .depth_points = depth_points_}, common.seed + i),
+            *atlas, marks, scores, times);
         ++judged;
         tell(learned +
              (1.0 - learned) * static_cast<double>(judged) / static_cast<double>(in_fold));
@@ -155,6 +162,7 @@ class EvaluateAcupoints final : public Verb {
 
   std::string bodies_;
   std::string scan_ = "ideal";
+  int depth_points_ = 300'000;
   std::string atlas_;
   std::string train_;
   int folds_ = 0;

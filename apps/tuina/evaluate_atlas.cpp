@@ -82,7 +82,7 @@ class EvaluateAtlas final : public Verb {
     if (!people) return tl::unexpected(people.error());
     std::vector<Judged> judged;
     for (std::size_t i = 0; i < people->size(); ++i) {
-      const auto seen = see((*people)[i], scan_ == "laser", common.seed + i);
+      const auto seen = see((*people)[i], {.by = parse_scan(scan_)}, common.seed + i);
       judged.push_back({i, seen ? body::fit_back(seen->cloud_in_couch)
                                 : Result<body::BackSurface>(tl::unexpected(seen.error()))});
     }

@@ -7,6 +7,7 @@
 #include "tuina/body/acupoints.hpp"
 #include "tuina/core/random.hpp"
 #include "tuina/core/units.hpp"
+#include "tuina/sim/depth_camera.hpp"
 
 namespace tuina::body {
 namespace {
@@ -101,6 +102,25 @@ TEST_CASE("ten thousand points or a million of one person give the same answer")
     for (std::size_t i = 0; i < seven_acupoints.size(); ++i) {
       CHECK((from_many->acupoints[i].at_in_couch - person.acupoints[i].at_in_couch).norm() <
             from_many->acupoints[i].uncertainty_m + 2_mm);
+    }
+  }
+}
+
+TEST_CASE("a coarse or fine picture of a depth camera shows the points, couch and floor in view") {
+  for (const Position position : {Position::sitting, Position::prone}) {
+    for (const int points : {10'000, 300'000}) {
+      CAPTURE(name_of(position));
+      CAPTURE(points);
+      const LabelledBody person = phantom(position);
+      const PointCloud picture =
+          sim::depth_picture(person.skin_in_couch, position, 3, {.points = points});
+      const auto found = map(picture);
+      REQUIRE_MESSAGE(found.has_value(), (found ? "" : found.error().message));
+      for (std::size_t i = 0; i < seven_acupoints.size(); ++i) {
+        const Acupoint& point = found->acupoints[i];
+        CHECK((point.at_in_couch - person.acupoints[i].at_in_couch).norm() < point.uncertainty_m);
+        CHECK(point.uncertainty_m < 60_mm);
+      }
     }
   }
 }

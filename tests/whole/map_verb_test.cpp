@@ -7,6 +7,7 @@
 #include "tuina/core/random.hpp"
 #include "tuina/core/surface_file.hpp"
 #include "tuina/core/units.hpp"
+#include "tuina/sim/depth_camera.hpp"
 #include "tuina/sim/phantom.hpp"
 
 namespace tuina {
@@ -53,6 +54,23 @@ TEST_CASE("map takes the plane of the thesis from the scan of a board") {
   CHECK(map({"--board", folder / "board.ply"}).exit_code == 1);
   CHECK(map({"--method", "field_morphing", "--board", folder / "person.ply"}).exit_code == 2);
   CHECK(map({"--method", "field_morphing", "--board", folder / "none.ply"}).exit_code == 2);
+}
+
+TEST_CASE("a picture of a depth camera says the same as PLY and as PCD") {
+  const Folder folder;
+  const auto person =
+      sim::make_phantom(sim::draw_phantom(sim::BodyType::medium, 3), Position::prone);
+  const PointCloud picture =
+      sim::depth_picture(person.skin_in_couch, person.position, 5, {.points = 50'000});
+  REQUIRE(write_cloud(folder / "person.ply", picture));
+  REQUIRE(write_cloud(folder / "person.pcd", picture, CloudFormat::pcd_binary));
+  const auto ply = run_tuina({"map", folder / "person.ply", "--json", "--quiet"});
+  const auto pcd = run_tuina({"map", folder / "person.pcd", "--json", "--quiet"});
+  REQUIRE_MESSAGE(ply.exit_code == 0, ply.err);
+  REQUIRE_MESSAGE(pcd.exit_code == 0, pcd.err);
+  const auto from_ply = nlohmann::json::parse(ply.out);
+  CHECK(from_ply["position"] == "prone");
+  CHECK(from_ply["acupoints"] == nlohmann::json::parse(pcd.out)["acupoints"]);
 }
 
 }  // namespace tuina
