@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "apps/tuina/session_page.hpp"
+#include "apps/tuina/session_store.hpp"
 #include "apps/tuina/verbs.hpp"
 #include "tuina/core/file.hpp"
 #include "tuina/core/random.hpp"
@@ -38,15 +40,18 @@ ordered_json to_json(const SessionSummary& sum) {
 }
 
 std::string text_of(const std::vector<SessionRow>& rows) {
-  std::string text = fmt::format("{:<22}{:>9}{:>9}{:>9}{:>8}{:>10}{:>11}{:>10}{:>9}{:>12}{:>9}\n",
-                                 "", "sessions", "refused", "stopped", "RMS, N", "over, N",
-                                 "zone, N", "bony, N", "arms, mm", "to point, mm", "largest");
+  std::string text =
+      fmt::format("{:<22}{:>9}{:>9}{:>9}{:>9}{:>8}{:>9}{:>9}{:>9}{:>9}{:>10}{:>13}{:>9}{:>8}\n", "",
+                  "sessions", "refused", "stopped", "RMS, N", "worst", "over, N", "cap, N",
+                  "zone, N", "bony, N", "arms, mm", "to point, mm", "largest", "time, s");
   for (const auto& [name, sum] : rows) {
     text += fmt::format(
-        "{:<22}{:>9}{:>9}{:>9}{:>8.2f}{:>10.1f}{:>11.1f}{:>10.1f}{:>9.0f}{:>12.1f}{:>9.1f}\n", name,
-        sum.sessions, sum.refused, sum.stopped, sum.worst_rmse_n, sum.worst_overshoot_n,
-        sum.most_over_trip_n, sum.bony_peak_n, to_mm(sum.least_arm_distance_m),
-        to_mm(sum.mean_tool_to_acupoint_m), to_mm(sum.most_tool_to_acupoint_m));
+        "{:<22}{:>9}{:>9}{:>9}{:>9.2f}{:>8.2f}{:>9.1f}{:>9.1f}{:>9.1f}{:>9.1f}{:>10.0f}{:>13.1f}"
+        "{:>9.1f}{:>8.0f}\n",
+        name, sum.sessions, sum.refused, sum.stopped, sum.mean_rmse_n, sum.worst_rmse_n,
+        sum.worst_overshoot_n, sum.most_over_cap_n, sum.most_over_trip_n, sum.bony_peak_n,
+        to_mm(sum.least_arm_distance_m), to_mm(sum.mean_tool_to_acupoint_m),
+        to_mm(sum.most_tool_to_acupoint_m), sum.mean_duration_s);
   }
   return text;
 }
@@ -75,8 +80,10 @@ class EvaluateMassage final : public Verb {
         ->needs(bodies)
         ->capture_default_str();
     command
-        .add_option("--sessions", sessions_,
-                    "of people drawn at random, one programme after the other")
+        .add_option(
+            "--sessions", sessions_,
+            "of people drawn at random, one programme after the other; session n has the seed "
+            "--seed and n more")
         ->check(number_between(1, 100000))
         ->excludes(bodies)
         ->capture_default_str();
@@ -90,6 +97,9 @@ class EvaluateMassage final : public Verb {
         ->check(CLI::IsMember({"on", "off", "both"}))
         ->capture_default_str();
     command.add_option("--html", html_, "the tables and plots as a page");
+    command.add_option("--keep", keep_,
+                       "a file of judged sessions: those in it are not given again, the others are "
+                       "added, so that many sessions may be judged in pieces");
   }
 
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
@@ -113,21 +123,31 @@ class EvaluateMassage final : public Verb {
         trials->back().order.adaptive = false;
       }
     }
-    const auto outcomes = run_session_trials(*trials, *config, progress_bar(common, "massages"));
-    return answer(*trials, outcomes);
+    std::optional<SessionStore> store;
+    if (!keep_.empty()) {
+      auto opened = SessionStore::open(keep_, *config, atlas_);
+      if (!opened) return tl::unexpected(opened.error());
+      store.emplace(std::move(*opened));
+    }
+    const auto outcomes = run_session_trials(*trials, *config, store ? &*store : nullptr,
+                                             progress_bar(common, "massages"));
+    if (!outcomes) return tl::unexpected(outcomes.error());
+    return answer(*trials, *outcomes);
   }
 
  private:
   [[nodiscard]] std::vector<SessionTrial> drawn(std::uint64_t seed) const {
     constexpr std::array people = {"phantom:slim", "phantom:medium", "phantom:hefty"};
     std::vector<SessionTrial> trials;
+    // The person and programme of a session depend on its own seed alone: pieces make the whole.
     for (int i = 0; i < sessions_; ++i) {
       const auto k = static_cast<std::size_t>(i);
       Random random = make_random(seed + k, "whose session");
       const auto person = static_cast<std::size_t>(uniform(random, 0.0, 2.999));
       const bool sitting = uniform(random, 0.0, 1.0) < 0.5;
       trials.push_back(
-          {.order = order(people[person], programmes_[k % programmes_.size()]), .seed = seed + k});
+          {.order = order(people[person], programmes_[(seed + k - 1) % programmes_.size()]),
+           .seed = seed + k});
       trials.back().order.position = sitting ? Position::sitting : Position::prone;
     }
     return trials;
@@ -211,7 +231,7 @@ class EvaluateMassage final : public Verb {
     return Answer{.json = json.dump(2), .text = text};
   }
 
-  std::string bodies_, atlas_, html_, adaptive_ = "on";
+  std::string bodies_, atlas_, html_, keep_, adaptive_ = "on";
   std::vector<std::string> programmes_;
   int seeds_ = 1;
   int sessions_ = 20;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "apps/tuina/session_store.hpp"
 #include "tuina/core/parallel.hpp"
 #include "tuina/session/massage_step.hpp"
 
@@ -60,13 +61,23 @@ SessionOutcome run_session_trial(const SessionTrial& trial, const session::Confi
   return outcome;
 }
 
-std::vector<SessionOutcome> run_session_trials(const std::vector<SessionTrial>& trials,
-                                               const session::Config& config,
-                                               const Progress& progress) {
+Result<std::vector<SessionOutcome>> run_session_trials(const std::vector<SessionTrial>& trials,
+                                                       const session::Config& config,
+                                                       SessionStore* store,
+                                                       const Progress& progress) {
   std::vector<SessionOutcome> outcomes(trials.size());
+  std::vector<Result<void>> written(trials.size());
   for_each_in_parallel(
-      trials.size(), [&](std::size_t i) { outcomes[i] = run_session_trial(trials[i], config); },
+      trials.size(),
+      [&](std::size_t i) {
+        const SessionOutcome* known = store != nullptr ? store->find(trials[i]) : nullptr;
+        outcomes[i] = known != nullptr ? *known : run_session_trial(trials[i], config);
+        if (store != nullptr && known == nullptr) written[i] = store->add(trials[i], outcomes[i]);
+      },
       progress);
+  for (const auto& one : written) {
+    if (!one) return tl::unexpected(one.error());
+  }
   return outcomes;
 }
 

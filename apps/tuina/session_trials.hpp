@@ -10,6 +10,8 @@
 
 namespace tuina::app {
 
+class SessionStore;
+
 /// One whole session that shall be judged.
 struct SessionTrial {
   SessionOrder order;
@@ -37,9 +39,9 @@ struct SessionOutcome {
                                                const session::Config& config);
 
 /// Side by side on all cores; the outcomes, in the order of the trials, do not depend on how many
-/// there are.
-[[nodiscard]] std::vector<SessionOutcome> run_session_trials(
-    const std::vector<SessionTrial>& trials, const session::Config& config,
+/// there are. With a store, only what it does not have; what is new is kept in it.
+[[nodiscard]] Result<std::vector<SessionOutcome>> run_session_trials(
+    const std::vector<SessionTrial>& trials, const session::Config& config, SessionStore* store,
     const Progress& progress);
 
 /// Many sessions in one row of a table.

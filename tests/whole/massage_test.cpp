@@ -372,9 +372,15 @@ TEST_CASE("a folder that cannot be made is a fault of the path, and nothing is p
 
 TEST_CASE("evaluate massage judges sessions with steering and without, and says what went wrong") {
   const Folder folder;
-  const auto outcome =
-      run_tuina({"evaluate", "massage", "--sessions", "2", "--programmes", "shoulders",
-                 "--adaptive", "both", "--json", "--quiet", "--html", folder / "massages.html"});
+  const std::string keep = folder / "sessions.jsonl";
+  std::vector<std::string> words = {"evaluate",   "massage",
+                                    "--sessions", "2",
+                                    "--keep",     keep,
+                                    "--adaptive", "both",
+                                    "--json",     "--programmes",
+                                    "shoulders",  "--quiet",
+                                    "--html",     folder / "massages.html"};
+  const auto outcome = run_tuina(words);
   REQUIRE_MESSAGE(outcome.exit_code == 0, outcome.err);
   const json answer = json::parse(outcome.out);
   const json& all = answer["massages"]["all"];
@@ -391,6 +397,12 @@ TEST_CASE("evaluate massage judges sessions with steering and without, and says 
   CHECK(answer["adaptive"]["steered"]["duration_s"] >
         answer["adaptive"]["as planned"]["duration_s"]);
   CHECK(tuina::read_file(folder / "massages.html").value().ends_with("</html>\n"));
+  // What was kept is not given again: even the computing times are those of before.
+  CHECK(run_tuina(words).out == outcome.out);
+  words.insert(words.end(), {"--set", "massage.force_scale=0.9"});
+  const auto other = run_tuina(words);
+  CHECK(other.exit_code == 2);
+  CHECK(other.err.find("sessions.jsonl:1: holds sessions of another") != std::string::npos);
   CHECK(run_tuina({"evaluate", "massage", "--programmes", "shoulder"}).exit_code == 2);
   CHECK(run_tuina({"evaluate", "massage", "--bodies", folder / "."}).exit_code == 2);
 }
