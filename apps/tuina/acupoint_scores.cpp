@@ -24,6 +24,19 @@ double quantile_of(std::vector<double> values, double share) {
   return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1) + 0.5)];
 }
 
+/// The share of the chosen points that lie within their radius; null for a method that states none.
+template <typename Chosen>
+json coverage(const Score& score, const Chosen& chosen) {
+  double covered = 0.0;
+  double counted = 0.0;
+  for (const Finding& finding : score.findings) {
+    if (!chosen(finding) || finding.uncertainty_mm <= 0.0) continue;
+    counted += 1.0;
+    covered += finding.error_mm <= finding.uncertainty_mm ? 1.0 : 0.0;
+  }
+  return counted > 0.0 ? json(covered / counted) : json();
+}
+
 template <typename Chosen>
 json summary(const Score& score, const Chosen& chosen) {
   std::vector<double> errors;
@@ -44,19 +57,8 @@ json summary(const Score& score, const Chosen& chosen) {
           {"sd_mm", std::sqrt(variance)},
           {"p95_mm", quantile_of(errors, 0.95)},
           {"max_mm", quantile_of(errors, 1.0)},
-          {"rmse_mm", {{"x", rmse.x()}, {"y", rmse.y()}, {"z", rmse.z()}}}};
-}
-
-/// The share of the seven points that lie within their radius; null for a method that states none.
-json coverage(const Score& score) {
-  double covered = 0.0;
-  double counted = 0.0;
-  for (const Finding& finding : score.findings) {
-    if (!finding.of_the_seven || finding.uncertainty_mm <= 0.0) continue;
-    counted += 1.0;
-    covered += finding.error_mm <= finding.uncertainty_mm ? 1.0 : 0.0;
-  }
-  return counted > 0.0 ? json(covered / counted) : json();
+          {"rmse_mm", {{"x", rmse.x()}, {"y", rmse.y()}, {"z", rmse.z()}}},
+          {"coverage", coverage(score, chosen)}};
 }
 
 }  // namespace
@@ -87,7 +89,7 @@ json to_json(const Score& score) {
     row["by_point"][point] = summary(score, [&](const Finding& f) { return f.point == point; });
   }
   row["all_points"] = summary(score, [](const Finding&) { return true; });
-  row["coverage"] = coverage(score);
+  row["coverage"] = coverage(score, seven);
   double silent = 0.0;
   for (const Finding& f : score.findings) {
     if (f.of_the_seven && f.uncertainty_mm > 0.0 && f.error_mm > 3.0 * f.uncertainty_mm) ++silent;

@@ -15,6 +15,7 @@ namespace tuina::app {
 namespace {
 
 constexpr int fresh_phantoms = 30;
+constexpr int usual_depth_points = Scan{}.depth_points;
 constexpr double share_of_learning = 0.75;  // of the time that a fold takes
 
 /// Every method on every person of a folder, against the truth that lies beside each.
@@ -64,6 +65,9 @@ class EvaluateAcupoints final : public Verb {
         !folder.empty() && !fs::is_directory(folder, fault)) {
       return fail(Fault::file, "{}: there is no folder {}", page_, folder.string());
     }
+    if (depth_points_ != usual_depth_points && scan_ != "depth") {
+      return fail(Fault::usage, "--depth-points is for --scan depth; this is --scan {}", scan_);
+    }
     // One atlas for all is judged before anyone is drawn or read.
     std::optional<body::Atlas> one;
     if (folds_ == 0) {
@@ -73,6 +77,10 @@ class EvaluateAcupoints final : public Verb {
     }
     auto bodies = people(common);
     if (!bodies) return tl::unexpected(bodies.error());
+    if (static_cast<std::size_t>(folds_) > bodies->size()) {
+      return fail(Fault::usage, "--folds {}: there are {} bodies, so at most {} parts", folds_,
+                  bodies->size(), bodies->size());
+    }
     if (folds_ > 0) scan_everybody(*bodies, learning_seed(common), progress_bar(common, "scan"));
     const auto bar = progress_bar(common, "evaluate");
     const std::size_t folds = folds_ > 0 ? static_cast<std::size_t>(folds_) : 1;
@@ -162,7 +170,7 @@ class EvaluateAcupoints final : public Verb {
 
   std::string bodies_;
   std::string scan_ = "ideal";
-  int depth_points_ = 300'000;
+  int depth_points_ = usual_depth_points;
   std::string atlas_;
   std::string train_;
   int folds_ = 0;

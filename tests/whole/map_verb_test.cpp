@@ -73,4 +73,12 @@ TEST_CASE("a picture of a depth camera says the same as PLY and as PCD") {
   CHECK(from_ply["acupoints"] == nlohmann::json::parse(pcd.out)["acupoints"]);
 }
 
+TEST_CASE("the points of a depth picture are asked for with a depth picture only") {
+  const auto outcome = run_tuina({"evaluate", "acupoints", "--depth-points", "20000"});
+  CHECK(outcome.exit_code == 1);
+  CHECK(outcome.err.find("--scan depth") != std::string::npos);
+  CHECK(run_tuina({"evaluate", "acupoints", "--scan", "depth", "--depth-points", "5"}).exit_code ==
+        1);
+}
+
 }  // namespace tuina
