@@ -56,6 +56,25 @@ View view_of(const Mesh& skin, Position position) {
           .up = sitting ? Vector3(Vector3::UnitZ()) : Vector3(-Vector3::UnitY())};
 }
 
+/// The line of sight through a pixel, from the upper left.
+Vector3 sight_of(const View& view, int x, int y, int width, int height) {
+  const double u = half_width_m * (2.0 * (x + 0.5) / width - 1.0);
+  const double v = half_height_m * (1.0 - 2.0 * (y + 0.5) / height);
+  return (camera_m * view.forward + u * view.right + v * view.up).normalized();
+}
+
+/// The share of a picture in which anything is seen.
+double share_seen(const RayScene& scene, const View& view) {
+  constexpr int size = 60;
+  int seen = 0;
+  for (int y = 0; y < size; ++y) {
+    for (int x = 0; x < size; ++x) {
+      if (scene.first_hit(view.eye, sight_of(view, x, y, size, size))) ++seen;
+    }
+  }
+  return std::max(1, seen) / static_cast<double>(size * size);
+}
+
 /// Patches without an answer that cover a share of the picture.
 std::vector<bool> holes_of(int width, int height, double share, Random& random) {
   std::vector<bool> lost(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), false);
@@ -86,8 +105,8 @@ PointCloud depth_picture(const Mesh& skin_in_couch, Position position, std::uint
   const RayScene scene(scene_of(skin_in_couch, position));
   const View view = view_of(skin_in_couch, position);
   Random random = make_random(seed, "depth camera");
-  const int width =
-      std::max(2, static_cast<int>(std::sqrt(options.points * half_width_m / half_height_m)));
+  const double pixels = options.points / share_seen(scene, view);
+  const int width = std::max(2, static_cast<int>(std::sqrt(pixels * half_width_m / half_height_m)));
   const int height = std::max(2, static_cast<int>(width * half_height_m / half_width_m));
   const std::vector<bool> lost = holes_of(width, height, options.holes, random);
   PointCloud cloud;
@@ -95,9 +114,7 @@ PointCloud depth_picture(const Mesh& skin_in_couch, Position position, std::uint
   for (int y = 0; y < height; ++y) {
     double before_m = std::numeric_limits<double>::quiet_NaN();
     for (int x = 0; x < width; ++x) {
-      const double u = half_width_m * (2.0 * (x + 0.5) / width - 1.0);
-      const double v = half_height_m * (1.0 - 2.0 * (y + 0.5) / height);
-      const Vector3 sight = (camera_m * view.forward + u * view.right + v * view.up).normalized();
+      const Vector3 sight = sight_of(view, x, y, width, height);
       const auto hit = scene.first_hit(view.eye, sight);
       if (!hit) continue;
       double range_m = hit->distance_m;
