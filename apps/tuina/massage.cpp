@@ -35,6 +35,12 @@ class Massage final : public Verb {
         ->capture_default_str();
     command.add_option("--programme", order_.programme, "a shipped programme or a TOML file")
         ->capture_default_str();
+    command
+        .add_option("--robot", robot_,
+                    "thesis: linear base, arms of six joints; successor: wheels, a waist, arms of "
+                    "seven")
+        ->check(CLI::IsMember({"thesis", "successor"}))
+        ->capture_default_str();
     command.add_option("--no-go", order_.no_go, "a TOML file with what must not be touched");
     command.add_option("--consent", order_.consent,
                        "a TOML file with the answers to the health questions; without it the "
@@ -69,9 +75,9 @@ class Massage final : public Verb {
             "distances.csv, report.html")
         ->capture_default_str();
     // What a recorded session tells by itself.
-    for (const char* recorded :
-         {"--person", "--position", "--programme", "--no-go", "--consent", "--robot-pose", "--keys",
-          "--method", "--atlas", "--adaptive", "--body-mass-index", "--body-fat-percent"}) {
+    for (const char* recorded : {"--person", "--position", "--programme", "--robot", "--no-go",
+                                 "--consent", "--robot-pose", "--keys", "--method", "--atlas",
+                                 "--adaptive", "--body-mass-index", "--body-fat-percent"}) {
       replay->excludes(command.get_option(recorded));
     }
   }
@@ -85,6 +91,10 @@ class Massage final : public Verb {
     order_.method = body::parse_method(method_).value_or(order_.method);
     order_.real_time = pace_ == "real" || order_.keys;
     order_.adaptive = adaptive_ == "on";
+    order_.kind = robot::parse_kind(robot_).value_or(order_.kind);
+    if (order_.kind != robot::Kind::thesis && !order_.robot_pose.empty()) {
+      return fail(Fault::usage, "--robot-pose: is measured with the arms of the thesis only");
+    }
     std::string recorded;
     if (!replay_.empty()) {
       auto session = read_session(replay_);
@@ -139,6 +149,7 @@ class Massage final : public Verb {
   std::string replay_;
   std::string position_ = "auto";
   std::string method_;
+  std::string robot_ = "thesis";
   std::string pace_ = "max";
   std::string adaptive_ = "on";
   std::string out_ = "massage-report";

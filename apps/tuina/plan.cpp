@@ -9,7 +9,6 @@
 #include "tuina/core/file.hpp"
 #include "tuina/core/png.hpp"
 #include "tuina/core/surface_file.hpp"
-#include "tuina/robot/mount.hpp"
 #include "tuina/session/acupoint_file.hpp"
 #include "tuina/session/config.hpp"
 #include "tuina/session/plan_file.hpp"
@@ -60,7 +59,7 @@ std::string picture_of(const SurfaceFile& scan, const body::BackSurface& back,
   return to_png(telemetry::shade(scene, view).image);
 }
 
-std::string text_of(const session::PlanFile& file) {
+std::string text_of(const session::PlanFile& file, Position position) {
   const massage::Plan& plan = file.plan;
   std::string text =
       fmt::format("{}: {} paths, {:.0f} s, {}\n", plan.programme, plan.paths.size(),
@@ -73,9 +72,12 @@ std::string text_of(const session::PlanFile& file) {
                         massage::name_of(planned.zone));
   }
   for (const std::string& note : plan.notes) text += fmt::format("note: {}\n", note);
-  text +=
-      fmt::format("the arms stay {:.0f} mm apart, their tools {:.0f} mm; planned in {:.0f} ms",
-                  to_mm(file.min_arm_distance_m), to_mm(plan.min_tool_distance_m), file.compute_ms);
+  text += fmt::format(
+      "the arms stay {:.0f} mm apart, their tools {:.0f} mm; {:.0f} mm from the {}, "
+      "{:.0f} mm from the robot's body; planned in {:.0f} ms",
+      to_mm(file.min_arm_distance_m), to_mm(plan.min_tool_distance_m),
+      to_mm(file.clear[robot::Surrounding::couch]), position == Position::sitting ? "chair" : "bed",
+      to_mm(file.clear[robot::Surrounding::body]), file.compute_ms);
   return text;
 }
 
@@ -100,6 +102,9 @@ class PlanVerb final : public Verb {
     }
     command.add_option("--programme", programme_, "a file, or one of " + names)
         ->capture_default_str();
+    command.add_option("--robot", robot_, "whose arms: the thesis', or its successor's")
+        ->check(CLI::IsMember({"thesis", "successor"}))
+        ->capture_default_str();
     command.add_option("--no-go", no_go_, "a TOML file with what must not be touched");
     command.add_option("--picture", picture_, "draw the paths on the back into this PNG file");
   }
@@ -123,8 +128,11 @@ class PlanVerb final : public Verb {
     const double standoff_m = from_mm(config->massage.standoff_mm);
     auto plan = massage::plan(*back, map->acupoints, map->landmarks, *programme, *options);
     if (!plan) return tl::unexpected(plan.error());
-    const robot::RobotMount mount = robot::mount_for(back->position());
-    const PerArm<robot::ArmModel> arms = robot::both_models(robot::thesis_arm(), mount);
+    const robot::Standing robot =
+        robot::stand(robot::parse_kind(robot_).value_or(robot::Kind::thesis), back->position(),
+                     head_at_plus_y(map->acupoints));
+    const robot::RobotMount& mount = robot.mount;
+    const PerArm<robot::ArmModel> arms = robot::both_models(robot.arm, mount);
     auto ready = session::make_ready(std::move(*plan), *back, mount, arms, mount.base_from_couch,
                                      standoff_m);
     if (!ready) return tl::unexpected(ready.error());
@@ -134,6 +142,7 @@ class PlanVerb final : public Verb {
     const session::PlanFile file{.plan = std::move(ready->plan),
                                  .reachable = ready->reachable,
                                  .min_arm_distance_m = ready->min_arm_distance_m,
+                                 .clear = ready->clear,
                                  .rail_m = ready->rail_m,
                                  .compute_ms = taken.count()};
     if (!picture_.empty()) {
@@ -141,13 +150,14 @@ class PlanVerb final : public Verb {
       if (auto written = write_file(picture_, png); !written)
         return tl::unexpected(written.error());
     }
-    return Answer{.json = session::to_json(file), .text = text_of(file)};
+    return Answer{.json = session::to_json(file), .text = text_of(file, back->position())};
   }
 
  private:
   std::string scan_;
   std::string acupoints_;
   std::string programme_ = "relax";
+  std::string robot_ = "thesis";
   std::string no_go_;
   std::string picture_;
 };

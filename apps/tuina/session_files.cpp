@@ -85,14 +85,11 @@ double least_to_person_m(const SessionResult& result) {
   return least_m;
 }
 
-std::string cause_of(const session::Stop& stop) {
-  return fmt::format("{} arm: {}", name_of(stop.arm), safety::name_of(stop.cause));
-}
-
 session::PlanFile plan_file_of(const SessionResult& result) {
   return {.plan = result.ready.plan,
           .reachable = result.ready.reachable,
           .min_arm_distance_m = result.ready.min_arm_distance_m,
+          .clear = result.ready.clear,
           .rail_m = result.ready.rail_m,
           .compute_ms = result.plan_ms};
 }
@@ -172,11 +169,12 @@ std::string session_json(const SessionResult& result, const FeltBack& felt_back,
   }
   ordered_json stops = ordered_json::array();
   for (const session::Stop& stop : result.stops) {
-    stops.push_back({{"time_s", stop.time_s}, {"cause", cause_of(stop)}});
+    stops.push_back({{"time_s", stop.time_s}, {"cause", session::explain(stop)}});
   }
   const Transform& placed = result.base_from_couch;
   ordered_json rotation = ordered_json::array();
   for (int row = 0; row < 3; ++row) rotation.push_back(three(placed.linear().row(row)));
+  constexpr auto couch = robot::Surrounding::couch, body = robot::Surrounding::body;
   const ordered_json json = {
       {"seed", seed},
       {"version", TUINA_VERSION},
@@ -202,12 +200,16 @@ std::string session_json(const SessionResult& result, const FeltBack& felt_back,
         {"duration_s", result.ready.plan.duration_s},
         {"reachable", result.ready.reachable},
         {"min_arm_distance_mm", to_mm(result.ready.min_arm_distance_m)},
+        {"min_couch_distance_mm", number(to_mm(result.ready.clear[couch]))},
+        {"min_body_distance_mm", number(to_mm(result.ready.clear[body]))},
         {"zones_touched", result.ready.plan.zones_touched},
         {"notes", result.ready.plan.notes}}},
       {"massage",
        {{"duration_s", result.massage_s},
         {"real_time_factor", result.real_time_factor()},
         {"min_arm_distance_mm", to_mm(result.min_arm_distance_m)},
+        {"min_couch_distance_mm", number(to_mm(result.clear[couch]))},
+        {"min_body_distance_mm", number(to_mm(result.clear[body]))},
         {"min_distance_to_person_mm", number(to_mm(least_to_person_m(result)))},
         {"force",
          {{"rmse_n", result.force.rmse_n},
@@ -277,7 +279,7 @@ std::string session_text(const SessionResult& result) {
   }
   for (const std::string& note : result.ready.plan.notes) text += "\n" + note;
   for (const session::Stop& stop : result.stops) {
-    text += fmt::format("\nstopped at {:.2f} s, {}", stop.time_s, cause_of(stop));
+    text += fmt::format("\nstopped at {:.2f} s, {}", stop.time_s, session::explain(stop));
   }
   return text;
 }

@@ -38,6 +38,15 @@ void drop_done(massage::Plan& plan, std::vector<std::string> done) {
 
 }  // namespace
 
+bool head_at_plus_y(std::span<const Acupoint> acupoints) {
+  double shoulders_y = 0.0, loins_y = 0.0;
+  for (const Acupoint& point : acupoints) {
+    if (point.name.starts_with("SI11")) shoulders_y += 0.5 * point.at_in_couch.y();
+    if (point.name == "GV4") loins_y = point.at_in_couch.y();
+  }
+  return shoulders_y > loins_y;
+}
+
 Transform believed_base_from_couch(const SessionSetting& setting, const robot::RobotMount& mount) {
   if (setting.robot) return setting.robot->base_from_couch;
   constexpr double place_sd_m = 2_mm, turn_sd_rad = 0.3_deg;
@@ -124,10 +133,12 @@ Result<Preparation> prepare(const SessionSetting& setting, const sim::Person& pe
                 setting.order.robot_pose, name_of(setting.robot->position),
                 name_of(back->position()));
   }
-  const robot::RobotMount mount = robot::mount_for(back->position());
+  result.standing =
+      robot::stand(setting.order.kind, back->position(), head_at_plus_y(result.located.acupoints));
+  const robot::RobotMount& mount = result.standing.mount;
   result.base_from_couch = believed_base_from_couch(setting, mount);
   auto ready = session::make_ready(std::move(*plan), *back, mount,
-                                   robot::both_models(robot::thesis_arm(), mount),
+                                   robot::both_models(result.standing.arm, mount),
                                    result.base_from_couch, from_mm(config.massage.standoff_mm),
                                    resumed ? std::optional(resumed->rail_m) : std::nullopt);
   if (!ready) return tl::unexpected(ready.error());

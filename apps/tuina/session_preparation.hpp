@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -11,7 +12,7 @@
 #include "tuina/body/atlas.hpp"
 #include "tuina/massage/plan.hpp"
 #include "tuina/massage/programme.hpp"
-#include "tuina/robot/mount.hpp"
+#include "tuina/robot/standing.hpp"
 #include "tuina/scanner/sweep.hpp"
 #include "tuina/session/config.hpp"
 #include "tuina/session/live_command.hpp"
@@ -26,6 +27,7 @@ struct SessionOrder {
   std::string person = "phantom:medium";
   std::optional<Position> position;
   std::string programme = "relax";
+  robot::Kind kind = robot::Kind::thesis;  ///< of the robot
   body::Method method = body::Method::surface;
   std::string atlas;       ///< a file or a labelled body; empty: the shipped one
   std::string no_go;       ///< a file with what the therapist rules out; empty: nothing
@@ -57,6 +59,9 @@ struct SessionSetting {
                                                   const session::Config& config,
                                                   const CommonOptions& common);
 
+/// At which end of the couch the head of a mapped person lies.
+[[nodiscard]] bool head_at_plus_y(std::span<const Acupoint> acupoints);
+
 /// From the person on the couch to a plan that two arms can carry out.
 struct Preparation {
   scanner::Scan scan;
@@ -64,6 +69,7 @@ struct Preparation {
   body::Mapping located;
   std::vector<double> acupoint_errors_m;  ///< per point of `located`, against the truth
   double locate_ms = 0.0;
+  robot::Standing standing;
   session::ReadyPlan ready;
   double plan_ms = 0.0;
   Transform base_from_couch = Transform::Identity();  ///< as the session believes it

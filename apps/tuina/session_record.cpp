@@ -4,6 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "apps/tuina/session_preparation.hpp"
 #include "apps/tuina/session_tables.hpp"
 #include "tuina/core/file.hpp"
 #include "tuina/core/surface_file.hpp"
@@ -147,11 +148,11 @@ void take_numbers(const json& session, ReportData& data) {
 }
 
 /// The arms as the session believed them to stand, four times a second.
-std::vector<telemetry::ArmsPose> poses_of(const std::vector<JointRow>& joints, Position position,
+std::vector<telemetry::ArmsPose> poses_of(const std::vector<JointRow>& joints,
+                                          const robot::Standing& standing,
                                           const Transform& base_from_couch) {
   constexpr double every_s = 0.25;
-  const robot::RobotMount mount = robot::mount_for(position);
-  const auto models = robot::both_models(robot::thesis_arm(), mount);
+  const auto models = robot::both_models(standing.arm, standing.mount);
   const Transform couch_from_base = base_from_couch.inverse();
   std::vector<telemetry::ArmsPose> poses;
   for (const JointRow& row : joints) {
@@ -217,7 +218,15 @@ Result<ReportData> read_record(const fs::path& folder) {
     for (int row = 0; row < 3; ++row)
       base_from_couch.linear().row(row) = three(placed.at("rotation").at(row));
     base_from_couch.translation() = three(placed.at("translation_m"));
-    data.poses = poses_of(*joints, data.position, base_from_couch);
+    std::vector<Acupoint> acupoints;
+    for (const auto& shown : data.acupoints) acupoints.push_back(shown.acupoint);
+    const auto kind = robot::parse_kind(session.at("order").value("robot", "thesis"));
+    if (!kind) {
+      return fail(Fault::bad_input, "{}: order.robot: no robot is called `{}`", file,
+                  word(session.at("order"), "robot"));
+    }
+    data.poses = poses_of(*joints, robot::stand(*kind, data.position, head_at_plus_y(acupoints)),
+                          base_from_couch);
     return data;
   } catch (const json::exception& error) {
     // "[json.exception.out_of_range.403] key 'order' not found": the sentence is behind the

@@ -37,8 +37,7 @@ SessionOutcome run_session_trial(const SessionTrial& trial, const session::Confi
   outcome.plan_ms = done->plan_ms;
   outcome.real_time_factor = done->real_time_factor();
   for (const session::Stop& stop : done->stops) {
-    outcome.stops.push_back(
-        fmt::format("{} arm: {}", name_of(stop.arm), safety::name_of(stop.cause)));
+    outcome.stops.push_back(session::explain(stop));
   }
   for (const std::string& note : done->ready.plan.notes) {
     if (note.find("left out") != std::string::npos) outcome.left_out.push_back(note);

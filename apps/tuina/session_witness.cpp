@@ -20,6 +20,9 @@ void Witness::watch(double time_s, const PerArm<session::ArmView>& view,
     const double apart_m = robot::distance_between_m(models_[Arm::left], poses[Arm::left],
                                                      models_[Arm::right], poses[Arm::right]);
     min_arm_distance_m_ = std::min(min_arm_distance_m_, apart_m);
+    for (const Arm arm : both_arms) {
+      clear_.take_least(robot::clearances(models_[arm], poses[arm], truth.rail_m, obstacles_));
+    }
     constexpr double distances_every_s = 0.1;
     if (distances_.empty() || time_s - distances_.back().time_s >= distances_every_s - 1e-6)
       distances_.push_back({time_s, apart_m, to_person_m(poses, moved_in_base)});
@@ -51,6 +54,7 @@ void Witness::watch(double time_s, const PerArm<session::ArmView>& view,
 
 void Witness::tell(SessionResult& result) {
   result.min_arm_distance_m = min_arm_distance_m_;
+  result.clear = clear_;
   result.distances = std::move(distances_);
   result.force = all_.errors();
   for (const auto& [technique, sum] : by_technique_) result.techniques[technique] = sum.errors();

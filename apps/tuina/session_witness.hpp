@@ -15,9 +15,11 @@ namespace tuina::app {
 /// Watches the massage from outside: what the session does, beside what only the simulation knows.
 class Witness {
  public:
-  Witness(const PerArm<robot::ArmModel>& models, const Transform& couch_from_base,
-          massage::ZoneMap true_zones, std::vector<Vector3> skin_in_base)
+  Witness(const PerArm<robot::ArmModel>& models, const std::vector<robot::Obstacle>& obstacles,
+          const Transform& couch_from_base, massage::ZoneMap true_zones,
+          std::vector<Vector3> skin_in_base)
       : models_(models),
+        obstacles_(obstacles),
         couch_from_base_(couch_from_base),
         true_zones_(std::move(true_zones)),
         skin_in_base_(std::move(skin_in_base)) {}
@@ -46,6 +48,8 @@ class Witness {
 
   const massage::Plan* plan_ = nullptr;
   const PerArm<robot::ArmModel>& models_;
+  const std::vector<robot::Obstacle>& obstacles_;
+  robot::Clearances clear_;
   Transform couch_from_base_;
   massage::ZoneMap true_zones_;
   std::vector<Vector3> skin_in_base_;

@@ -29,15 +29,16 @@ class Room {
     const auto chart = massage::BackChart::from(person.acupoints, person.landmarks);
     if (!chart) return tl::unexpected(chart.error());
     auto room = std::unique_ptr<Room>(
-        new Room(setting, person, robot::mount_for(prepared.located.position),
+        new Room(setting, person, prepared.standing,
                  massage::ZoneMap(*chart, person.acupoints, person.landmarks)));
     Random arm_errors = make_random(setting.common.seed, "true arms");
     PerArm<robot::ArmTable> true_arms;
     for (const Arm arm : both_arms) {
-      true_arms[arm] = sim::draw_arm(
-          robot::thesis_arm(), {.friction_scale = setting.config.simulation.friction}, arm_errors);
+      true_arms[arm] =
+          sim::draw_arm(prepared.standing.arm,
+                        {.friction_scale = setting.config.simulation.friction}, arm_errors);
     }
-    auto plant = sim::Plant::make(room->mount_, true_arms,
+    auto plant = sim::Plant::make(prepared.standing, true_arms,
                                   {.q_rad = ready.ready_rad, .rail_m = ready.rail_m},
                                   &room->contact_, {.seed = setting.common.seed});
     if (!plant) return tl::unexpected(plant.error());
@@ -62,13 +63,14 @@ class Room {
   Witness witness;
 
  private:
-  Room(const SessionSetting& setting, const sim::Person& person, const robot::RobotMount& mount,
+  Room(const SessionSetting& setting, const sim::Person& person, const robot::Standing& robot,
        massage::ZoneMap true_zones)
-      : witness(models_, believed_base_from_couch(setting, mount).inverse(), std::move(true_zones),
-                some_skin(person.skin_in_couch, mount.base_from_couch)),
+      : witness(models_, mount_.obstacles, believed_base_from_couch(setting, robot.mount).inverse(),
+                std::move(true_zones),
+                some_skin(person.skin_in_couch, robot.mount.base_from_couch)),
         setting_(setting),
-        mount_(mount),
-        models_(robot::both_models(robot::thesis_arm(), mount_)),
+        mount_(robot.mount),
+        models_(robot::both_models(robot.arm, mount_)),
         contact_(person.skin_in_couch, sim::lay_tissue(person, setting.common.seed),
                  {.torso_n_per_m = 1e3 * setting.config.simulation.torso_n_per_mm,
                   .breathing = {.amplitude_m = from_mm(setting.config.simulation.breathing_mm),
@@ -101,7 +103,8 @@ Result<void> Room::carry_out(const session::ReadyPlan& ready, double rest_s,
                                 .standoff_m = from_mm(config.massage.standoff_mm),
                                 .force_ceiling_n = config.safety.force_ceiling_n,
                                 .steer = config.massage.steer,
-                                .adaptive = order.adaptive});
+                                .adaptive = order.adaptive,
+                                .obstacles = mount_.obstacles});
   witness.follow(ready.plan);
   const Progress bar = progress_bar(setting_.common, "massage");
   // A contact that never ends is a fault of ours, not of the person; it must not hold anyone here.

@@ -54,6 +54,7 @@ struct SessionResult : Preparation {
   [[nodiscard]] double real_time_factor() const { return massage_s / compute_s; }
   std::vector<telemetry::ArmDistance> distances;
   double min_arm_distance_m = 0.0;  ///< that the arms truly had, surface to surface
+  robot::Clearances clear;          ///< likewise, from the couch and the robot's own body
   std::string device_fault;
 };
 

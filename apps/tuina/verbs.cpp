@@ -45,6 +45,7 @@ std::vector<std::unique_ptr<Verb>> make_verbs() {
   verbs.push_back(make_evaluate_all());
   verbs.push_back(make_evaluate_massage());
   verbs.push_back(make_evaluate_teach());
+  verbs.push_back(make_evaluate_robots());
   verbs.push_back(make_config_show());
   verbs.push_back(make_config_check());
   verbs.push_back(make_export_urdf());

@@ -24,6 +24,7 @@ std::unique_ptr<Verb> make_evaluate_control();
 std::unique_ptr<Verb> make_evaluate_all();
 std::unique_ptr<Verb> make_evaluate_massage();
 std::unique_ptr<Verb> make_evaluate_teach();
+std::unique_ptr<Verb> make_evaluate_robots();
 std::unique_ptr<Verb> make_map();
 std::unique_ptr<Verb> make_atlas_learn();
 std::unique_ptr<Verb> make_atlas_record();

@@ -156,25 +156,16 @@ void add_robot(Drawing& drawing, const sim::Person& person) {
                        person.position == Position::prone ? Vector2{-44, 22} : Vector2{-10, 32});
     }
   }
-  // The carriage between the shoulders and the rail it runs on.
-  const Transform rail_pose = at(couch_from_base.translation(), couch_from_base.linear());
+  // What the arms keep away from, as the planner knows it.
   const bool prone = person.position == Position::prone;
-  const Vector3 off = prone ? Vector3(0, 0, 0.09) : Vector3(-0.09, 0, 0);
-  drawing.add_box(rail_pose * at(rail_m * mount.rail_axis_in_base + 0.55 * off),
-                  prone ? Vector3(0.16, 0.40, 0.07) : Vector3(0.07, 0.40, 0.16), joint);
-  const double length_m = mount.highest_rail_m - mount.lowest_rail_m + 0.2;
-  const Vector3 middle =
-      0.5 * (mount.highest_rail_m + mount.lowest_rail_m) * mount.rail_axis_in_base;
-  if (prone) {
-    for (const double side : {-0.15, 0.15})
-      drawing.add_box(rail_pose * at(middle + Vector3(0, side, 0.11)),
-                      Vector3(length_m, 0.04, 0.04), metal);
-  } else {
-    for (const double side : {-0.15, 0.15})
-      drawing.add_box(rail_pose * at(middle + Vector3(-0.05, side, -0.56)),
-                      Vector3(length_m, 0.04, 0.04), metal);
-    drawing.add_box(rail_pose * at(rail_m * mount.rail_axis_in_base + Vector3(-0.09, 0, -0.30)),
-                    Vector3(0.09, 0.16, 0.50), joint);
+  for (const robot::Obstacle& solid : mount.obstacles) {
+    const Vector3 ridden =
+        solid.rides ? Vector3(rail_m * mount.rail_axis_in_base) : Vector3::Zero();
+    drawing.add_box(couch_from_base * Eigen::Translation3d(ridden) * solid.base_from_box,
+                    solid.edges_m,
+                    solid.kind == robot::Surrounding::couch ? cushion
+                    : solid.rides                           ? joint
+                                                            : metal);
   }
   drawing.add_axes(couch_from_base, 0.17, "base", prone ? Vector2{-30, -14} : Vector2{10, -16});
 }
@@ -235,10 +226,6 @@ std::string panel(Position position, double left_px, int width_px) {
   Drawing drawing;
   drawing.add(person.skin_in_couch, palette::skin);
   const bool prone = position == Position::prone;
-  if (prone)
-    drawing.add_box(at({0, 0.0, -0.04}), {0.76, 2.0, 0.08}, cushion);
-  else
-    drawing.add_box(at({0, -0.02, -0.04}), {0.5, 0.5, 0.08}, cushion);
   add_robot(drawing, person);
   add_scanner(drawing, person);
   drawing.add_axes(Transform::Identity(), 0.22, "couch",

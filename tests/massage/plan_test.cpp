@@ -284,6 +284,28 @@ TEST_CASE("a point whose place is hardly known is left out, and the plan says so
   CHECK(noted(*plan, "the place of GV4 is known to 51 mm only"));
 }
 
+TEST_CASE(
+    "a stroke whose skin the scan does not show is left out with the reason, not the session") {
+  const Person person;
+  PointCloud upper;  // the scan ends 80 mm below GV4
+  for (const Vector3& point : person.back.points().points) {
+    if (point.z() < 0.2) continue;
+    upper.points.push_back(point);
+    upper.normals.push_back(person.back.nearest(point).normal_in_couch);
+  }
+  const body::BackSurface cropped(std::move(upper), Position::sitting, 4_mm);
+  const char* low = "[[part]]\ntechnique = \"stroke\"\nplaces = [[3.0, 0.1], [3.0, -0.5]]\n";
+  const auto plan = massage::plan(
+      cropped, person.points, {},
+      programme_of("[[part]]\ntechnique = \"press\"\npoints = [\"BL47\"]\n" + std::string(low)));
+  REQUIRE_MESSAGE(plan.has_value(), plan.error().message);
+  CHECK(plan->paths.size() == 2);
+  CHECK(noted(*plan, "left out, the scan shows no skin"));
+  const auto nothing = massage::plan(cropped, person.points, {}, programme_of(low));
+  REQUIRE_FALSE(nothing.has_value());
+  CHECK(nothing.error().message.find("the scan shows no skin") != std::string::npos);
+}
+
 TEST_CASE("what does not belong together is refused") {
   const Person person;
   const Programme relax = load_programme("relax").value();

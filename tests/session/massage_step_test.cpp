@@ -10,6 +10,7 @@
 #include <string>
 
 #include "tests/allocation.hpp"
+#include "tuina/robot/clearance.hpp"
 #include "tuina/session/massage_step.hpp"
 #include "tuina/session/plan_step.hpp"
 #include "tuina/sim/plant.hpp"
@@ -54,7 +55,9 @@ std::unique_ptr<Room> enter(Position position,
   if (spoil) spoil(*ready);
   sim::BackContact contact(person->skin_in_couch, sim::lay_tissue(*person, seed));
   session::MassageStep massage(ready->plan, ready->jobs, models,
-                               {.base_from_couch = mount.base_from_couch, .rail_m = ready->rail_m});
+                               {.base_from_couch = mount.base_from_couch,
+                                .rail_m = ready->rail_m,
+                                .obstacles = mount.obstacles});
   auto room = std::make_unique<Room>(Room{std::move(*person), models, std::move(*ready),
                                           std::move(contact), nullptr, std::move(massage)});
   auto plant = sim::Plant::make(mount, {.of = {table, table}},
@@ -150,6 +153,57 @@ TEST_CASE("arms that are sent into each other stop before they touch, and nobody
                       room->massage.stops().front().time_s));
   CHECK(nearest_m > 0.025);
   for (const Arm arm : both_arms) CHECK(force_n(*room, arm) == 0.0);
+}
+
+TEST_CASE("an arm that is sent into the bed stops before it gets there") {
+  // Beside the person and down, as if nobody had planned with a bed.
+  const auto room = enter(Position::prone, [](session::ReadyPlan& ready) {
+    const Transform base_from_couch = robot::mount_for(Position::prone).base_from_couch;
+    for (session::ArmJob& job : ready.jobs[Arm::left]) {
+      job.path = -1;
+      control::ToolPose pose{.normal_in_base = Vector3::UnitZ()};
+      for (const double height_m : {0.3, 0.01}) {
+        pose.at_in_base = base_from_couch * Vector3(0.33, -0.1, height_m);
+        if (height_m > 0.1) job.way_in_base = {pose};
+      }
+      job.way_in_base.push_back(pose);
+    }
+    ready.jobs[Arm::right].clear();
+  });
+  const robot::RobotMount mount = robot::mount_for(Position::prone);
+  double time_s = 0.0, nearest_m = 1.0;
+  while (!room->massage.finished() && time_s < 60.0) {
+    time_s = live(*room);
+    const sim::PlantTruth& truth = room->plant->truth();
+    const auto pose = room->models[Arm::left].kinematics(truth.arms[Arm::left].q_rad, truth.rail_m);
+    nearest_m = std::min(
+        nearest_m,
+        robot::clearances(room->models[Arm::left], pose, truth.rail_m, mount.obstacles).least_m());
+  }
+  REQUIRE_FALSE(room->massage.stops().empty());
+  CHECK(room->massage.stops().front().cause == safety::Cause::surroundings_too_close);
+  MESSAGE(fmt::format("{:.1f} mm at least", 1e3 * nearest_m));
+  CHECK(nearest_m > 0.0245);
+  CHECK(nearest_m < 0.06);
+}
+
+TEST_CASE("an arm that does not stand where its plan begins stays there, and the stop says so") {
+  // Somebody turned an elbow by thirty degrees between planning and the start.
+  const auto room = enter(Position::sitting,
+                          [](session::ReadyPlan& ready) { ready.ready_rad[Arm::left][3] -= 0.52; });
+  const double began_rad = room->plan.ready_rad[Arm::left][3];
+  double time_s = 0.0;
+  while (!room->massage.finished() && time_s < 10.0) time_s = live(*room);
+  REQUIRE(room->massage.stops().size() == 1);
+  const session::Stop& stop = room->massage.stops().front();
+  CHECK(stop.arm == Arm::left);
+  CHECK(stop.cause == safety::Cause::not_as_planned);
+  CHECK(session::explain(stop) ==
+        "left arm: does not stand as planned: joint 4 is 30 degrees off, 20 are allowed");
+  CHECK(time_s < 10.0);
+  CHECK(room->massage.performed().empty());
+  const double ends_rad = room->plant->truth().arms[Arm::left].q_rad[3];
+  CHECK(ends_rad == doctest::Approx(began_rad).epsilon(0.05));
 }
 
 namespace {

@@ -3,6 +3,9 @@
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
+#include "tests/folder.hpp"
+#include "tuina/robot/standing.hpp"
+#include "tuina/robot/successor.hpp"
 #include "tuina/session/plan_step.hpp"
 #include "tuina/session/rehearsal.hpp"
 #include "tuina/sim/person.hpp"
@@ -12,7 +15,7 @@ using namespace tuina;
 namespace {
 
 session::ReadyPlan ready_for(const char* who, Position position, const char* what,
-                             std::uint64_t seed) {
+                             std::uint64_t seed, robot::Kind kind = robot::Kind::thesis) {
   const auto person = sim::parse_person(who, position, seed);
   REQUIRE(person.has_value());
   PointCloud skin_in_couch;
@@ -23,8 +26,9 @@ session::ReadyPlan ready_for(const char* who, Position position, const char* wha
   REQUIRE(programme.has_value());
   auto plan = massage::plan(*back, person->acupoints, person->landmarks, *programme);
   REQUIRE(plan.has_value());
-  const robot::RobotMount mount = robot::mount_for(position);
-  const auto models = robot::both_models(robot::thesis_arm(), mount);
+  const robot::Standing standing = robot::stand(kind, position);
+  const robot::RobotMount& mount = standing.mount;
+  const auto models = robot::both_models(standing.arm, mount);
   auto ready =
       session::make_ready(std::move(*plan), *back, mount, models, mount.base_from_couch, 40e-3);
   REQUIRE(ready.has_value());
@@ -43,6 +47,10 @@ TEST_CASE("whatever the timing, the arms are planned at least 45 mm apart, trave
         CAPTURE(what);
         CHECK(ready.min_arm_distance_m >= 45e-3);
         CHECK(ready.min_arm_distance_m < 0.4);
+        for (const robot::Surrounding kind : robot::both_surroundings) {
+          CHECK(ready.clear[kind] >= 45e-3);
+          CHECK(ready.clear[kind] < 0.6);
+        }
       }
     }
   }
@@ -56,6 +64,43 @@ TEST_CASE("the whole back is worked on, nothing left out because of the other ar
     CHECK(ready.min_arm_distance_m >= 55e-3);
     CHECK(ready.plan.paths.size() >= 40);
   }
+}
+
+TEST_CASE("the successor's seven joints do a programme within their ranges, nothing left out") {
+  for (const auto& [position, what] :
+       {std::pair(Position::sitting, "full_back_20min"), std::pair(Position::prone, "relax")}) {
+    const session::ReadyPlan ready =
+        ready_for("phantom:medium", position, what, 5, robot::Kind::successor);
+    CAPTURE(name_of(position));
+    CHECK(ready.reachable);
+    CHECK(ready.min_arm_distance_m >= 45e-3);
+    for (const robot::Surrounding kind : robot::both_surroundings) {
+      CHECK(ready.clear[kind] >= 45e-3);
+    }
+    for (const Arm arm : both_arms) {
+      for (const session::ArmJob& job : ready.jobs[arm]) {
+        REQUIRE(job.posture_rad.size() == 7);
+        CHECK(robot::limit_room_rad(robot::successor_arm(), job.posture_rad) > 0.0);
+      }
+    }
+  }
+}
+
+TEST_CASE("hand after hand, the idle arm hovers over its place instead of flying home") {
+  const test::Folder folder;
+  const std::string hands = folder.with("hands.toml",
+                                        "name = \"hands\"\n[[part]]\ntechnique = \"press\"\n"
+                                        "points = [\"BL47\", \"BL50\"]\n"
+                                        "alternating = true\nrepeats = 4\n");
+  const session::ReadyPlan ready = ready_for("phantom:medium", Position::prone, hands.c_str(), 5);
+  REQUIRE(ready.plan.paths.size() == 16);
+  int home = 0;
+  for (const Arm arm : both_arms) {
+    for (const session::ArmJob& job : ready.jobs[arm]) {
+      home += job.path < 0 && job.posture_rad == ready.ready_rad[arm] ? 1 : 0;
+    }
+  }
+  CHECK(home == 2);  // at the end
 }
 
 TEST_CASE("both arms end where they began, and their steps run in one order") {

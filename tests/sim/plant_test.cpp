@@ -7,6 +7,7 @@
 
 #include "tests/allocation.hpp"
 #include "tuina/robot/arm_model.hpp"
+#include "tuina/robot/inverse_kinematics.hpp"
 
 using namespace tuina;
 using namespace tuina::sim;
@@ -229,4 +230,32 @@ TEST_CASE("an arm that breaks loose from the numbers is reported, not hidden") {
     plant->apply(command);
   }
   CHECK(plant->fault() != nullptr);
+}
+
+TEST_CASE(
+    "while the successor's arms are held against their weight, waist and wheels stand still") {
+  for (const Position position : {Position::sitting, Position::prone}) {
+    CAPTURE(name_of(position));
+    const robot::Standing standing = robot::stand(robot::Kind::successor, position);
+    const auto its = robot::both_models(standing.arm, standing.mount);
+    const auto ready = robot::ready_posture(standing.arm, standing.mount);
+    auto made =
+        Plant::make(standing, {.of = {standing.arm, standing.arm}}, {.q_rad = ready}, nullptr);
+    REQUIRE_MESSAGE(made.has_value(), made.error().message);
+    Plant& plant = **made;
+    for (int ms = 0; ms < 1'000; ++ms) {
+      const robot::RobotReading reading = plant.read();
+      robot::RobotCommand command;
+      for (const Arm arm : both_arms)
+        command.torque_nm[arm] = its[arm].gravity_nm(reading.arms[arm].q_rad);
+      plant.apply(command);
+    }
+    CHECK(plant.fault() == nullptr);
+    const Transform base_from_couch = standing.mount.base_from_couch;
+    for (const Arm arm : both_arms) {
+      const Transform tool = base_from_couch * plant.truth().arms[arm].couch_from_tool;
+      const Transform wanted = its[arm].base_from_tool(ready[arm], 0.0);
+      CHECK((tool.translation() - wanted.translation()).norm() < 0.5e-3);
+    }
+  }
 }

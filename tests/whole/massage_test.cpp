@@ -129,6 +129,29 @@ TEST_CASE("a massage of a person who sits or lies presses all seven points witho
   }
 }
 
+TEST_CASE("the successor's seven-joint arms give a massage too, and its record says whose arms") {
+  const Folder folder;
+  const std::string brief = folder.with("brief.toml",
+                                        "name = \"brief\"\n[[part]]\ntechnique = \"press\"\n"
+                                        "repeats = 1\n"
+                                        "points = [\"SI11\", \"BL47\", \"BL50\", \"GV4\"]\n");
+  for (const char* position : {"sitting", "prone"}) {
+    CAPTURE(position);
+    const Given massage({"--robot", "successor", "--position", position, "--programme", brief});
+    REQUIRE(massage.outcome.exit_code == 0);
+    CHECK(massage.session["stops"].empty());
+    CHECK(massage.session["order"]["robot"] == "successor");
+    std::set<std::string> pressed;
+    for (const json& done : massage.session["massage"]["performed"])
+      if (done["trouble"] == "none") pressed.insert(done["name"]);
+    CHECK(pressed.size() == 7);
+    CHECK(massage.session["massage"]["min_arm_distance_mm"] > 25.0);
+    CHECK(massage.session["massage"]["min_couch_distance_mm"] > 25.0);
+    CHECK(massage.session["massage"]["min_body_distance_mm"] > 25.0);
+    CHECK(massage.file("joints.csv").find("left_q7_deg") != std::string::npos);
+  }
+}
+
 TEST_CASE("the JSON of a massage has every key that was promised, also in session.json") {
   const Given& massage = given("sitting");
   const json& session = massage.session;

@@ -35,6 +35,11 @@ Result<std::optional<WaitingPath>> PathLayer::lay(const Part& part, const Target
   }
   const bool slides = part.technique == Technique::rub || part.technique == Technique::stroke;
   auto waiting = slides ? lay_sliding(part, target) : lay_standing(part, target);
+  if (!waiting && waiting.error().fault == Fault::not_found) {
+    // The scan ends before the path does; the rest of the programme can still be given.
+    note("left out, {}", waiting.error().message);
+    return std::optional<WaitingPath>{};
+  }
   if (!waiting) {
     return tl::unexpected(Error{waiting.error().fault, name_ + ": " + waiting.error().message});
   }

@@ -19,7 +19,7 @@ class PathLayer {
   PathLayer(const body::BackSurface& back, const BackChart& chart, const ZoneMap& zones,
             const PlanOptions& options, double force_scale);
 
-  /// Nothing if the zones leave nothing of it.
+  /// Nothing if the zones leave nothing of it, or the scan does not show the skin it needs.
   [[nodiscard]] Result<std::optional<WaitingPath>> lay(const Part& part, const Target& target);
 
   [[nodiscard]] const std::set<Zone>& touched() const { return touched_; }

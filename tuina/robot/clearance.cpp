@@ -2,6 +2,7 @@
 #include "tuina/robot/clearance.hpp"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 
 namespace tuina::robot {
@@ -45,6 +46,66 @@ double distance_between_m(const ArmModel& one, const ArmModel::Kinematics& one_p
     }
   }
   return nearest_m;
+}
+
+double segment_to_box_m(const Vector3& from, const Vector3& to, const Vector3& half_m) noexcept {
+  const Vector3 along = to - from;
+  // How far the place at t sticks out of the box along each axis.
+  const auto beyond = [&](double t) {
+    const Vector3 at = from + t * along;
+    return Vector3(at - at.cwiseMax(-half_m).cwiseMin(half_m));
+  };
+  // The square of the distance is convex and, between the planes of the box's faces, quadratic: its
+  // slope is found to be zero in one of those stretches.
+  std::array<double, 8> stretches = {0.0, 1.0};  // in order
+  std::size_t count = 2;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (along[axis] == 0.0) continue;
+    for (const double face : {-half_m[axis], half_m[axis]}) {
+      const double t = (face - from[axis]) / along[axis];
+      if (!(t > 0.0 && t < 1.0)) continue;
+      std::size_t place = count++;
+      for (; stretches[place - 1] > t; --place) stretches[place] = stretches[place - 1];
+      stretches[place] = t;
+    }
+  }
+  double low = 0.0, low_slope = beyond(0.0).dot(along);
+  if (low_slope >= 0.0) return beyond(0.0).norm();
+  for (std::size_t i = 1; i < count; ++i) {
+    const double high = stretches[i], high_slope = beyond(high).dot(along);
+    if (high_slope >= 0.0) {
+      const double change = high_slope - low_slope;
+      return beyond(low - (change > 0.0 ? low_slope * (high - low) / change : 0.0)).norm();
+    }
+    low = high;
+    low_slope = high_slope;
+  }
+  return beyond(1.0).norm();
+}
+
+Clearances clearances(const ArmModel& arm, const ArmModel::Kinematics& pose, double rail_m,
+                      std::span<const Obstacle> obstacles) noexcept {
+  constexpr double point_m = 1e-6;
+  Clearances nearest;
+  const auto elbow = static_cast<std::size_t>(elbow_origin(arm.table()));
+  const Vector3 ridden_m = arm.shoulder_in_base(rail_m) - arm.shoulder_in_base(0.0);
+  for (const Obstacle& obstacle : obstacles) {
+    const Matrix3 box_from_base = obstacle.base_from_box.linear().transpose();
+    Vector3 middle = obstacle.base_from_box.translation();
+    if (obstacle.rides) middle += ridden_m;
+    const Vector3 half_m = 0.5 * obstacle.edges_m;
+    for (std::size_t i = elbow; i < static_cast<std::size_t>(arm.joints()); ++i) {
+      const Vector3& from = pose.origins_in_base[i];
+      const Vector3& to = pose.origins_in_base[i + 1];
+      if ((to - from).squaredNorm() < point_m * point_m) continue;  // a joint without a length
+      const double apart_m =
+          segment_to_box_m(box_from_base * (from - middle), box_from_base * (to - middle), half_m) -
+          arm.table().links[i].radius_m;
+      double& least_m = nearest[obstacle.kind];
+      least_m = std::min(least_m, apart_m);
+    }
+  }
+  return nearest;
 }
 
 }  // namespace tuina::robot

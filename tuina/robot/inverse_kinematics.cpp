@@ -293,12 +293,9 @@ Result<std::vector<ContactPosture>> follow(const ArmModel& arm, double rail_m,
 
 PerArm<JointVector> ready_posture(const ArmTable& table, const RobotMount& mount) {
   const ArmModel left(table, mount, Arm::left);
-  const Matrix3 shoulder = mount.base_from_shoulder[Arm::left].linear();
-  const Vector3 down = shoulder.col(0), ahead = shoulder.col(1);
-  // 0.28 m ahead is 0.15 m off a back at 0.45 m; a little below the shoulders the elbow is well
-  // bent. It stands outward: from there it leads to the postures that keep off the other arm.
-  const ContactGoal goal{.at_in_base = left.shoulder_in_base(0.0) + 280_mm * ahead + 60_mm * down,
-                         .normal_in_base = -ahead};
+  // The elbow stands outward: from there it leads to the postures that keep off the other arm.
+  const ContactGoal goal{.at_in_base = left.shoulder_in_base(0.0) + mount.ready_from_shoulder,
+                         .normal_in_base = -mount.ahead_in_base};
   const JointVector near = JointVector::Zero(table.joints);
   const JointVector q = find_posture(left, 0.0, goal, near, {.elbow_outward_m = 420_mm}).q_rad;
   return {.of = {q, mirrored(table, q)}};

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <vector>
+
 #include "tuina/core/acupoint.hpp"
 #include "tuina/core/arm.hpp"
 #include "tuina/core/units.hpp"
+#include "tuina/robot/obstacle.hpp"
 
 namespace tuina::robot {
 
@@ -18,6 +21,11 @@ struct RobotMount {
   Vector3 rail_axis_in_base = Vector3::UnitX();
   double lowest_rail_m = 0.0;
   double highest_rail_m = 0.0;
+  /// Of the tools before and after a massage, from the shoulder on the left; the right is its
+  /// mirror image.
+  Vector3 ready_from_shoulder = Vector3::Zero();
+  Vector3 ahead_in_base = Vector3::UnitX();  ///< towards the person
+  std::vector<Obstacle> obstacles = {};      ///< chair or bed, and the robot's own body
 
   [[nodiscard]] Transform base_from_shoulder_at(Arm arm, double rail_m) const {
     return Eigen::Translation3d(rail_m * rail_axis_in_base) * base_from_shoulder[arm];
@@ -27,6 +35,9 @@ struct RobotMount {
 /// Sitting: the robot stands behind the person, upright. Prone: it hangs from a gantry over the bed
 /// and looks down. In both the left arm is on the side of the couch's positive x, and the rail runs
 /// along the couch's y.
-[[nodiscard]] RobotMount mount_for(Position position) noexcept;
+[[nodiscard]] RobotMount mount_for(Position position);
+
+/// The seat of the chair, or the bed, in `base`.
+[[nodiscard]] Obstacle couch_of(Position position, const Transform& base_from_couch);
 
 }  // namespace tuina::robot

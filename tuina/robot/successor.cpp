@@ -98,10 +98,10 @@ int add_base(Description& robot) {
 
 int add_waist(Description& robot, int base) {
   Part yaw = boxed("waist_yaw", base, at(0.0, 0.0, deck_m), Vector3::UnitZ(), 120_deg, 8.0,
-                   Vector3(220_mm, 220_mm, 200_mm), 100_mm);
+                   Vector3(220_mm, 220_mm, 400_mm), 200_mm);
   with_drive(yaw, 200.0, 1.5, 0.4, 4.0);
   const int turned = put(robot, std::move(yaw));
-  Part pitch = boxed("waist_pitch", turned, at(0.0, 0.0, 250_mm), Vector3::UnitY(), 60_deg, 6.0,
+  Part pitch = boxed("waist_pitch", turned, at(0.0, 0.0, 450_mm), Vector3::UnitY(), 80_deg, 6.0,
                      Vector3(140_mm, 180_mm, 140_mm), 0.0);
   with_drive(pitch, 300.0, 1.5, 0.6, 4.0);
   const int bent = put(robot, std::move(pitch));
@@ -142,7 +142,7 @@ ArmTable successor_arm() noexcept {
   return table;
 }
 
-Description successor_robot() {
+Description successor_robot(const PerArm<ArmTable>& arms) {
   Description robot{.name = "tuina_successor", .parts = {}, .markers = {}};
   const int torso = add_waist(robot, add_base(robot));
   add_head(robot, torso);
@@ -152,7 +152,7 @@ Description successor_robot() {
     Transform shoulder = at(0.0, arm == Arm::left ? half_shoulders_m : -half_shoulders_m, torso_m);
     shoulder.linear() = upright;
     robot.markers.push_back({std::string(name_of(arm)) + "_shoulder", torso, shoulder});
-    add_arm(robot, successor_arm(), name_of(arm), torso, shoulder);
+    add_arm(robot, arms[arm], name_of(arm), torso, shoulder);
   }
   return robot;
 }

@@ -12,11 +12,12 @@ namespace tuina::robot {
 [[nodiscard]] ArmTable successor_arm() noexcept;
 
 /// The whole successor: an omnidirectional base on four wheels, a waist of three joints, a head of
-/// two, two arms of seven: the 23 of [thesis], and the base's place and heading besides, on which
-/// the wheels act. `base` is the floor beneath the base's middle at zero, x ahead, z up. Markers
-/// `left_shoulder` and `right_shoulder` are DH frames 0 of the arms. Lengths and masses of base,
-/// waist and head are assumptions; the thesis prints none.
-[[nodiscard]] Description successor_robot();
+/// two, two arms of seven, these ones: the 23 of [thesis], and the base's place and heading
+/// besides, on which the wheels act. `base` is the floor beneath the base's middle at zero, x
+/// ahead, z up. Markers `left_shoulder` and `right_shoulder` are DH frames 0 of the arms. Lengths
+/// and masses of base, waist and head are assumptions; the thesis prints none.
+[[nodiscard]] Description successor_robot(const PerArm<ArmTable>& arms = {
+                                              .of = {successor_arm(), successor_arm()}});
 
 /// Where the arms hang for joint values of a description with shoulder markers: what `ArmModel`
 /// wants to know of the rest of the robot. The rail of such a mount stands still.

@@ -69,8 +69,10 @@ const char* name_of(Cause cause) noexcept {
                                 "set force over the zone's ceiling",
                                 "joint state not finite",
                                 "arms too close",
+                                "too close to the couch or its own body",
                                 "asked to stop",
-                                "person moved, a new scan is needed"};
+                                "person moved, a new scan is needed",
+                                "does not stand as planned"};
   return names[static_cast<std::size_t>(cause)];
 }
 
@@ -189,9 +191,8 @@ void Guard::judge_joints(const Observation& seen, Finding& finding) noexcept {
   q_rad_ = seen.q_rad;
   if (jump > options_.limits.encoder_jump_rad)
     finding.add(Action::comply, Cause::encoder_jump, true);
-  constexpr Eigen::Index hand_joints = 2;
-  const auto carrying =
-      seen.dq_rad_per_s.head(std::max<Eigen::Index>(seen.q_rad.size() - hand_joints, 1));
+  constexpr Eigen::Index carry_forearm = 4;  // three of the shoulder, and the elbow
+  const auto carrying = seen.dq_rad_per_s.head(std::min(seen.q_rad.size(), carry_forearm));
   const double joint_speed = carrying.cwiseAbs().maxCoeff();
   swinging_ = joint_speed > options_.limits.joint_speed_rad_per_s ? swinging_ + 1 : 0;
   if (swinging_ >= fast_ticks) finding.add(Action::comply, Cause::joint_too_fast, true);

@@ -41,9 +41,11 @@ enum class Cause : std::uint8_t {
   force_over_trip,
   set_force_too_high,
   state_not_finite,
-  arms_too_close,  ///< found by who knows both arms, not by the guard of one
-  asked_to,        ///< somebody asked to stop
-  person_moved,    ///< the skin is not where it was scanned
+  arms_too_close,          ///< found by who knows both arms, not by the guard of one
+  surroundings_too_close,  ///< the chair, the bed, or the robot's own body; likewise
+  asked_to,                ///< somebody asked to stop
+  person_moved,            ///< the skin is not where it was scanned
+  not_as_planned,  ///< an arm about to leave its parking place does not stand in its posture
 };
 [[nodiscard]] const char* name_of(Cause cause) noexcept;
 

@@ -23,6 +23,15 @@ ArmRest rest(const Stage& stage, Arm arm, const Hover& over, const JointVector& 
   return rest;
 }
 
+robot::Clearances clear_of(const Stage& stage, Arm arm, const Passage& passage) {
+  robot::Clearances nearest;
+  for (const auto& pose : passage.poses) {
+    nearest.take_least(
+        robot::clearances(stage.models.get()[arm], pose, stage.rail_m, stage.obstacles));
+  }
+  return nearest;
+}
+
 Hover over_tool(const Stage& stage, Arm arm, const JointVector& q_rad) {
   const Transform tool = stage.models.get()[arm].base_from_tool(q_rad, stage.rail_m);
   const Vector3 normal = control::tool_normal(tool);
@@ -42,6 +51,11 @@ control::ToolPose pose_of(const Stage& stage, const Hover& hover) {
 void rehearse(const Stage& stage, Arm arm, const ArmRest& from, ArmMove& move,
               const std::vector<robot::ContactGoal>& goals, const Hover& above,
               const Hover& after) {
+  Passage above_either, after_either;  // where the slow elbow ends, and the quick one
+  const auto add = [&](Passage& stay, const JointVector& q_rad) {
+    stay.q_rad.push_back(q_rad);
+    stay.poses.push_back(stage.models.get()[arm].kinematics(q_rad, stage.rail_m));
+  };
   for (const double posture_share : {0.05, 0.3}) {
     Rehearsal rehearsal(stage.models.get()[arm], stage.rail_m, from.q_rad, posture_share);
     for (const control::ToolPose& pose : move.way_in_base) {
@@ -50,12 +64,18 @@ void rehearse(const Stage& stage, Arm arm, const ArmRest& from, ArmMove& move,
       move.air.off_m = std::max(move.air.off_m, rehearsal.off_m());
     }
     move.above = move.after = rest(stage, arm, above, rehearsal.q_rad());
+    add(above_either, rehearsal.q_rad());
     if (goals.empty()) continue;
     rehearsal.slide(goals, move.posture_rad, move.skin);
     rehearsal.stay(move.posture_rad, move.skin);
     rehearsal.fly(pose_of(stage, after), move.posture_rad, move.skin);
     move.after = rest(stage, arm, after, rehearsal.q_rad());
+    add(after_either, rehearsal.q_rad());
   }
+  move.after.stay = goals.empty() ? above_either : after_either;
+  move.above.stay = std::move(above_either);
+  move.clear = clear_of(stage, arm, move.air);
+  move.clear.take_least(clear_of(stage, arm, move.skin));
 }
 
 double clear_m(const Stage& stage) {
@@ -80,7 +100,9 @@ double badness(const Stage& stage, Arm arm, const ArmMove& move) {
   const double strained_rad = std::max(move.air.strained_rad, move.skin.strained_rad);
   double clumsy_m = 0.0;
   for (const auto& pose : move.skin.poses) clumsy_m = std::max(clumsy_m, clumsiness_m(pose));
-  return std::max(inward_m, -own_side_m) + clumsy_m + (strained_rad > strain_rad ? 0.5 : 0.0);
+  const double tight_m = std::max(0.0, wanted_arm_distance_m - move.clear.least_m());
+  return std::max(inward_m, -own_side_m) + clumsy_m + tight_m +
+         (strained_rad > strain_rad ? 0.5 : 0.0);
 }
 
 }  // namespace
@@ -123,7 +145,8 @@ ArmMove move_home(const Stage& stage, Arm arm, const ArmRest& from) {
 bool finds_home(const Stage& stage, Arm arm, const ArmRest& from) {
   const ArmMove home = move_home(stage, arm, from);
   const double missed_rad = (home.after.q_rad - stage.ready_rad[arm]).cwiseAbs().maxCoeff();
-  return home.air.off_m <= off_path_m && missed_rad <= way_missed_rad;
+  return home.air.off_m <= off_path_m && missed_rad <= way_missed_rad &&
+         home.clear.least_m() >= closest_arm_distance_m;
 }
 
 Result<ArmMove> move_to_path(const Stage& stage, Arm arm, const ArmRest& from,
@@ -151,9 +174,11 @@ Result<ArmMove> move_to_path(const Stage& stage, Arm arm, const ArmRest& from,
     const char* wrong =
         off_m > off_path_m                       ? "on the way to it the arm gets stuck"
         : move.skin.elbow_height_m < elbow_off_m ? "the elbow would be in the person"
-        : misses_posture(move)                   ? "the arm would come there another way round"
-        : !finds_home(stage, arm, move.after)    ? "from there the arm does not find its way home"
-                                                 : nullptr;
+        : move.clear.least_m() < closest_arm_distance_m
+            ? "the arm would come too near to the couch or to the robot's body"
+        : misses_posture(move)                ? "the arm would come there another way round"
+        : !finds_home(stage, arm, move.after) ? "from there the arm does not find its way home"
+                                              : nullptr;
     const double bad = badness(stage, arm, move);
     if (wrong != nullptr) {
       if (!best) best = fail(Fault::not_found, "{}", wrong);

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <functional>
+#include <span>
 
 #include "tuina/body/back_surface.hpp"
 #include "tuina/core/result.hpp"
 #include "tuina/robot/arm_model.hpp"
+#include "tuina/robot/clearance.hpp"
 #include "tuina/session/airway.hpp"
 #include "tuina/session/rehearsal.hpp"
 
@@ -19,14 +21,18 @@ struct Stage {
   double rail_m = 0.0;
   double standoff_m = 40e-3;
   PerArm<JointVector> ready_rad;
+  std::span<const robot::Obstacle> obstacles = {};
 };
+
+inline constexpr double wanted_arm_distance_m = 60e-3;   ///< to the other arm, couch and own body
+inline constexpr double closest_arm_distance_m = 45e-3;  ///< nothing is planned below this
 
 /// Where an arm is between two contacts.
 struct ArmRest {
   Hover over;
   JointVector q_rad;
   bool parked = true;
-  Passage stay;  ///< of its one posture
+  Passage stay;  ///< the postures that it may be in
 };
 [[nodiscard]] ArmRest rest_at_ready(const Stage& stage, Arm arm);
 
@@ -37,7 +43,8 @@ struct ArmMove {
   JointVector posture_rad;
   Passage air, skin;  ///< skin: from above the place down, along the path, and up again
   double air_s = 0.0;
-  ArmRest above;  ///< after the way, before the contact
+  robot::Clearances clear;  ///< from couch and own body, all the way
+  ArmRest above;            ///< after the way, before the contact
   ArmRest after;
 };
 

@@ -36,12 +36,16 @@ double Choreography::apart_m(Arm arm, const Passage& its, const Passage& of_othe
 
 void Choreography::add_job(Arm arm, int path, const std::vector<control::ToolPose>& way,
                            const JointVector& posture_rad) {
-  jobs[arm].push_back(
-      {.path = path, .step = job_step_, .way_in_base = way, .posture_rad = posture_rad});
+  jobs[arm].push_back({.path = path,
+                       .step = job_step_,
+                       .way_in_base = way,
+                       .posture_rad = posture_rad,
+                       .from_rad = rest_[arm].parked ? rest_[arm].q_rad : JointVector()});
 }
 
 void Choreography::fly(Arm arm, const ArmMove& move) {
   add_job(arm, -1, move.way_in_base, move.posture_rad);
+  clear.take_least(move.clear);
   ++job_step_;
   end_s += move.air_s;
   rest_[arm] = move.above;
@@ -54,6 +58,7 @@ void Choreography::touch(const Moves& moves, const PerArm<Planned>& planned) {
   for (const Arm arm : both_arms) {
     if (moves[arm] == nullptr) continue;
     const ArmMove& move = *moves[arm];
+    clear.take_least(move.clear);
     const bool flown = rest_[arm].q_rad == move.above.q_rad;
     if (!flown) air_s = std::max(air_s, move.air_s);
     const std::vector<control::ToolPose> way =
@@ -113,7 +118,8 @@ bool Choreography::dance_together(const PerArm<Planned>& both) {
   return false;
 }
 
-/// One arm works, the other is out of the way before, or gets there meanwhile.
+/// One arm works. The other hovers where it is, over the place that it works at next, or is out of
+/// the way before, or gets there meanwhile.
 void Choreography::dance_alone(Arm arm, const massage::PlannedPath& planned) {
   const Arm idle = other(arm);
   auto move = plan_move(arm, planned);
@@ -131,13 +137,13 @@ void Choreography::dance_alone(Arm arm, const massage::PlannedPath& planned) {
   const auto beside_m = [&](const Passage& of_idle) {
     return std::min(apart_m(arm, move->air, of_idle), apart_m(arm, move->skin, of_idle));
   };
-  double apart = 0.0;
+  double apart = beside_m(rest_[idle].stay);
   PerArm<Planned> paths_of;
   paths_of[arm] = &planned;
   Moves moves;
   moves[arm] = &*move;
   ArmMove home;
-  if (!rest_[idle].parked) {
+  if (!rest_[idle].parked && apart < wanted_arm_distance_m) {
     home = move_home(stage_, idle, rest_[idle]);
     moves[idle] = &home;
     apart = beside_m(home.air);
@@ -150,8 +156,6 @@ void Choreography::dance_alone(Arm arm, const massage::PlannedPath& planned) {
         apart = beside_m(rest_[idle].stay);
       }
     }
-  } else {
-    apart = beside_m(rest_[idle].stay);
   }
   if (apart < wanted_arm_distance_m && !both_parked) {
     finish();
@@ -200,6 +204,7 @@ void Choreography::finish() {
     for (const Arm arm : both_arms) {
       if (rest_[arm].parked) continue;
       add_job(arm, -1, home[arm].way_in_base, home[arm].posture_rad);
+      clear.take_least(home[arm].clear);
       longest_s = std::max(longest_s, home[arm].air_s);
       rest_[arm] = home[arm].after;
     }

@@ -10,9 +10,6 @@
 
 namespace tuina::session {
 
-inline constexpr double wanted_arm_distance_m = 60e-3;   ///< between the surfaces of the arms
-inline constexpr double closest_arm_distance_m = 45e-3;  ///< nothing is planned below this
-
 /// The moves of two arms in an order in which they keep apart, whatever the timing within a step:
 /// both at once where that is far enough, else one after the other, the idle arm out of the way.
 class Choreography {
@@ -30,6 +27,7 @@ class Choreography {
   PerArm<std::vector<ArmJob>> jobs;
   std::vector<std::string> notes;
   double min_arm_distance_m;  ///< whatever the timing within a step
+  robot::Clearances clear;    ///< of both arms, from couch and own body
   double end_s;               ///< of the last job, if all goes to plan
   std::size_t left_out = 0;
 

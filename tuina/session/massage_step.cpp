@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tuina/session/massage_step.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
+#include "tuina/core/units.hpp"
 #include "tuina/session/airway.hpp"
 
 namespace tuina::session {
@@ -57,6 +60,15 @@ consteval bool rules_agree() {
 }
 static_assert(rules_agree());
 
+std::string explain(const Stop& stop) {
+  std::string text = fmt::format("{} arm: {}", name_of(stop.arm), safety::name_of(stop.cause));
+  if (stop.joint >= 0) {
+    text += fmt::format(": joint {} is {:.0f} degrees off, {:.0f} are allowed", stop.joint + 1,
+                        to_deg(stop.off_rad), to_deg(parked_within_rad));
+  }
+  return text;
+}
+
 MassageStep::Side::Side(const robot::ArmModel& model, const MassageOptions& options)
     : controller(model, control::ArmController::Options{}), guard(guard_options(model, options)) {}
 
@@ -64,7 +76,7 @@ MassageStep::MassageStep(const massage::Plan& plan, PerArm<std::vector<ArmJob>> 
                          const PerArm<robot::ArmModel>& models, const MassageOptions& options)
     : plan_(in_base(plan, options.base_from_couch)),
       models_(models),
-      separation_(models),
+      separation_(models, options.obstacles),
       options_(options),
       sides_{.of = {Side(models_[Arm::left], options), Side(models_[Arm::right], options)}},
       steering_(
@@ -94,6 +106,7 @@ robot::RobotCommand MassageStep::step(const robot::RobotReading& reading) noexce
     control::ArmController& controller = side.controller;
     const robot::ArmReading& sensed = reading.arms[arm];
     const ArmState state = controller.sense(sensed, reading.time_s, reading.rail_m);
+    side.q_rad = state.q_rad;
     if (!started_) {
       controller.start(state);
       side.home = foremost_of(state.base_from_tool, tool_radius_m_);
@@ -155,7 +168,11 @@ robot::RobotCommand MassageStep::step(const robot::RobotReading& reading) noexce
 void MassageStep::part_arms(double time_s) noexcept {
   for (const Arm arm : both_arms) {
     const bool moves = sides_[arm].phase != ArmPhase::waiting;
-    if (moves) stops_.push_back({time_s, arm, safety::Cause::arms_too_close});
+    if (moves) {
+      stops_.push_back({time_s, arm,
+                        separation_.arms_keep() ? safety::Cause::surroundings_too_close
+                                                : safety::Cause::arms_too_close});
+    }
   }
   let_go(time_s);
 }
@@ -209,6 +226,7 @@ void MassageStep::conduct(Arm arm, double time_s) noexcept {
   switch (side.phase) {
     case ArmPhase::waiting:
       if (stopped_s_ >= 0.0 || job->step > step_ || paused_) return;
+      if (!stands_as_planned(side, arm, time_s)) return let_go(time_s);
       side.waypoint = 0;
       side.trouble = control::Trouble::none;
       side.skip = side.again = side.cut_short = false;

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "tuina/control/arm_controller.hpp"
@@ -48,7 +49,11 @@ struct Stop {
   double time_s = 0.0;
   Arm arm = Arm::left;
   safety::Cause cause = safety::Cause::none;
+  int joint = -1;        ///< that does not stand as planned
+  double off_rad = 0.0;  ///< by how much
 };
+/// For people, in one line: which arm, and why.
+[[nodiscard]] std::string explain(const Stop& stop);
 
 /// A path of the plan made ready for one arm: where the tool goes through the air before it, and
 /// the joint angles by which the arm reaches it. A job without a path only travels.
@@ -57,7 +62,12 @@ struct ArmJob {
   int step = 0;  ///< jobs of one step run together; the next step waits for all of them
   std::vector<control::ToolPose> way_in_base;
   JointVector posture_rad;
+  JointVector from_rad = {};  ///< how it stands before it leaves its parking place; else empty
 };
+
+/// An arm that leaves its parking place farther than this from the posture that the plan begins
+/// with stays where it is: nobody has looked what lies on its way.
+inline constexpr double parked_within_rad = 0.35;
 
 struct MassageOptions {
   Transform base_from_couch = Transform::Identity();  ///< as the session believes it
@@ -68,6 +78,7 @@ struct MassageOptions {
   bool steer = true;            ///< the estimate is fed forward as soon as it has converged
   bool adaptive = true;         ///< what is felt decides how hard the presses may be
   double most_shift_m = 10e-3;  ///< of the skin against the scan; beyond, a new scan is needed
+  std::vector<robot::Obstacle> obstacles = {};  ///< that the arms keep away from
 };
 
 /// The massage itself, one millisecond at a time: travel, approach, contact, retract, for both
@@ -118,11 +129,13 @@ class MassageStep {
     control::Trouble trouble = control::Trouble::none;
     TangentTissue expected = {};  ///< fed forward
     ContactPoint wanted = {};     ///< of the path, now; places in base
+    JointVector q_rad = {};       ///< as measured in this millisecond
     control::ToolPose home = {};  ///< where the session began
     JointVector home_rad = {};
   };
 
   void conduct(Arm arm, double time_s) noexcept;
+  [[nodiscard]] bool stands_as_planned(const Side& side, Arm arm, double time_s) noexcept;
   void begin_approach(Side& side, Arm arm, double time_s) noexcept;
   void begin_contact(Side& side, Arm arm, double time_s) noexcept;
   void press_on(Side& side, Arm arm, double time_s) noexcept;

@@ -10,6 +10,17 @@ void MassageStep::next_job(Side& side) noexcept {
   side.phase = ArmPhase::waiting;
 }
 
+/// What comes next was rehearsed from the posture that the arm parks in.
+bool MassageStep::stands_as_planned(const Side& side, Arm arm, double time_s) noexcept {
+  const JointVector& from_rad = job_of(side)->from_rad;
+  if (from_rad.size() == 0) return true;
+  Eigen::Index joint = 0;
+  const double off_rad = (side.q_rad - from_rad).cwiseAbs().maxCoeff(&joint);
+  if (off_rad <= parked_within_rad) return true;
+  stops_.push_back({time_s, arm, safety::Cause::not_as_planned, static_cast<int>(joint), off_rad});
+  return false;
+}
+
 /// One leg is flown, or something holds the arm: then it goes no further there, and what comes next
 /// may be reached.
 void MassageStep::end_travel(Side& side, Arm arm, double time_s) noexcept {

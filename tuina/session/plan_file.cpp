@@ -23,6 +23,11 @@ double short_number(double value) {
   return rounded(value, 1e-6);
 }
 
+ordered_json distance_mm(double distance_m) {
+  return std::isfinite(distance_m) ? ordered_json(rounded(to_mm(distance_m), 1e-3))
+                                   : ordered_json();
+}
+
 ordered_json three(const Vector3& v) {
   return {short_number(v.x()), short_number(v.y()), short_number(v.z())};
 }
@@ -95,6 +100,8 @@ std::string to_json(const PlanFile& file) {
       {"duration_s", short_number(plan.duration_s)},
       {"reachable", file.reachable},
       {"min_arm_distance_mm", rounded(to_mm(file.min_arm_distance_m), 1e-3)},
+      {"min_couch_distance_mm", distance_mm(file.clear[robot::Surrounding::couch])},
+      {"min_body_distance_mm", distance_mm(file.clear[robot::Surrounding::body])},
       {"min_tool_distance_mm", rounded(to_mm(plan.min_tool_distance_m), 1e-3)},
       {"rail_m", short_number(file.rail_m)},
       {"zones_touched", plan.zones_touched},
@@ -112,6 +119,11 @@ Result<PlanFile> parse_plan(std::string_view text, std::string_view name) {
     file.plan.duration_s = root.at("duration_s").get<double>();
     file.reachable = root.at("reachable").get<bool>();
     file.min_arm_distance_m = from_mm(root.at("min_arm_distance_mm").get<double>());
+    for (const auto& [kind, key] : {std::pair(robot::Surrounding::couch, "min_couch_distance_mm"),
+                                    std::pair(robot::Surrounding::body, "min_body_distance_mm")}) {
+      if (root.contains(key) && !root.at(key).is_null())
+        file.clear[kind] = from_mm(root.at(key).get<double>());
+    }
     file.plan.min_tool_distance_m = from_mm(root.at("min_tool_distance_mm").get<double>());
     file.rail_m = root.at("rail_m").get<double>();
     file.plan.zones_touched = root.at("zones_touched").get<std::vector<std::string>>();

@@ -82,7 +82,8 @@ Result<ReadyPlan> make_ready(massage::Plan plan, const body::BackSurface& back,
                                       .base_from_couch = base_from_couch,
                                       .rail_m = at_m,
                                       .standoff_m = standoff_m,
-                                      .ready_rad = ready.ready_rad},
+                                      .ready_rad = ready.ready_rad,
+                                      .obstacles = mount.obstacles},
                                      ready.plan.paths, hopeless);
     if (tried.left_out >= hopeless) continue;
     hopeless = tried.left_out;
@@ -98,6 +99,7 @@ Result<ReadyPlan> make_ready(massage::Plan plan, const body::BackSurface& back,
   for (std::string& note : best->notes) ready.plan.notes.push_back(std::move(note));
   ready.jobs = std::move(best->jobs);
   ready.min_arm_distance_m = best->min_arm_distance_m;
+  ready.clear = best->clear;
   ready.reachable = best->left_out == 0;
   return ready;
 }

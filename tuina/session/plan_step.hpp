@@ -9,6 +9,7 @@
 #include "tuina/massage/plan.hpp"
 #include "tuina/robot/arm_model.hpp"
 #include "tuina/robot/mount.hpp"
+#include "tuina/robot/obstacle.hpp"
 #include "tuina/session/massage_step.hpp"
 
 namespace tuina::session {
@@ -22,7 +23,8 @@ struct ReadyPlan {
   double rail_m = 0.0;
   bool reachable = true;  ///< every path of the plan that was given
   double min_arm_distance_m =
-      0.0;  ///< between the surfaces of the arms, over all paths that run together
+      0.0;                  ///< between the surfaces of the arms, over all paths that run together
+  robot::Clearances clear;  ///< of the arms, from couch and the robot's own body
 };
 
 /// Makes a plan ready for a robot: the linear base is placed, every path followed by inverse

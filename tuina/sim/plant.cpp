@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -19,7 +20,6 @@ constexpr double tick_s = 1e-3;
 constexpr double rail_stiffness_per_s2 = 60.0 * 60.0;  // a servo of 60 rad/s, critically damped
 constexpr double rail_speed_m_per_s = 0.1;
 constexpr double rail_acceleration_m_per_s2 = 0.3;
-constexpr double carriage_kg = 60.0;
 constexpr double windup_damping_ratio = 0.2;  // of a rotor on the spring of its gear
 
 struct Free {
@@ -87,6 +87,13 @@ struct Plant::World {
   double step_s = 0.0;
   PerArm<ArmDevices> arms;
   PerArm<Wrench> hands;
+  struct Held {
+    int dof = 0;
+    double q = 0.0;
+    double effort_limit = 0.0;  ///< 0: none is known
+  };
+  std::vector<Held> held;
+  int rail_dof = 0;
   double rail_wanted_m = 0.0, rail_now_m = 0.0, rail_speed = 0.0;
   double moving_kg = 0.0;
   std::uint64_t tick = 0;
@@ -98,6 +105,7 @@ struct Plant::World {
   void touch(Arm arm) noexcept;
   void drive(ArmDevices& arm) noexcept;
   void drive_rail() noexcept;
+  void hold(const Held& held) noexcept;
   void step() noexcept;
   void read_encoders(ArmDevices& arm) noexcept;
   [[nodiscard]] Wrench sample_wrist(ArmDevices& arm) noexcept;
@@ -124,11 +132,19 @@ robot::ArmTable draw_arm(const robot::ArmTable& believed, const TableErrors& err
 Result<std::unique_ptr<Plant>> Plant::make(const robot::RobotMount& mount,
                                            const PerArm<robot::ArmTable>& arms, const Start& start,
                                            BackContact* person, const PlantOptions& options) {
+  return make(robot::Standing{.arm = arms[Arm::left], .mount = mount}, arms, start, person,
+              options);
+}
+
+Result<std::unique_ptr<Plant>> Plant::make(const robot::Standing& standing,
+                                           const PerArm<robot::ArmTable>& arms, const Start& start,
+                                           BackContact* person, const PlantOptions& options) {
+  const robot::WholeRobot whole = robot::whole_of(standing, arms);
   auto world = std::make_unique<World>();
   world->options = options;
   world->substeps = std::max(1, static_cast<int>(std::lround(options.physics_hz * tick_s)));
   world->step_s = tick_s / world->substeps;
-  auto model = load(robot::to_mjcf(mount, arms, world->step_s, carriage_kg));
+  auto model = load(robot::to_mjcf(whole.description, world->step_s));
   if (!model) return tl::unexpected(model.error());
   world->model = std::move(*model);
   world->data.reset(mj_makeData(world->model.get()));
@@ -139,12 +155,11 @@ Result<std::unique_ptr<Plant>> Plant::make(const robot::RobotMount& mount,
   std::fill_n(m->dof_frictionloss, m->nv, 0.0);
   std::fill_n(m->dof_damping, m->nv, 0.0);
 
-  world->couch_from_base = mount.base_from_couch.inverse();
+  world->couch_from_base = standing.mount.base_from_couch.inverse();
   world->person = person;
   world->noise = make_random(options.seed, "robot sensors");
   world->rail_wanted_m = world->rail_now_m = start.rail_m;
-  d->qpos[0] = start.rail_m;
-  world->moving_kg = carriage_kg;
+  std::set<int> of_arms;
   for (const Arm side : both_arms) {
     ArmDevices& arm = world->arms[side];
     const robot::ArmTable& table = arms[side];
@@ -168,8 +183,22 @@ Result<std::unique_ptr<Plant>> Plant::make(const robot::RobotMount& mount,
       arm.windup_damping[k] =
           2.0 * windup_damping_ratio *
           std::sqrt(link.coulomb_nm / options.friction_windup_rad * link.rotor_inertia_kg_m2);
-      world->moving_kg += link.mass_kg;
+      of_arms.insert(arm.dof[k]);
       d->qpos[arm.dof[k]] = arm.encoder_rad[k] = start.q_rad[side][i];
+    }
+  }
+  for (std::size_t i = 0; i < whole.q.size(); ++i) {
+    const robot::Part& part = whole.description.parts[i];
+    if (part.motion == robot::Part::Motion::fixed) continue;
+    world->moving_kg += part.mass_kg;
+    const int dof = m->jnt_dofadr[mj_name2id(m, mjOBJ_JOINT, part.name.c_str())];
+    if (of_arms.contains(dof)) continue;
+    d->qpos[dof] = whole.q[i];
+    if (part.name == whole.rail) {
+      world->rail_dof = dof;
+      d->qpos[dof] = start.rail_m;
+    } else {
+      world->held.push_back({dof, whole.q[i], part.effort_limit});
     }
   }
   mj_forward(m, d);
@@ -220,8 +249,8 @@ void Plant::apply(const robot::RobotCommand& command) noexcept {
     }
   }
   if (std::isfinite(command.rail_m)) {
-    world.rail_wanted_m =
-        std::clamp(command.rail_m, world.model->jnt_range[0], world.model->jnt_range[1]);
+    const mjtNum* range = world.model->jnt_range + 2 * world.model->dof_jntid[world.rail_dof];
+    world.rail_wanted_m = std::clamp(command.rail_m, range[0], range[1]);
   }
 }
 
@@ -261,6 +290,7 @@ void Plant::World::step() noexcept {
     touch(side);
   }
   drive_rail();
+  for (const Held& joint : held) hold(joint);
   mj_step2(m, d);
 }
 
@@ -334,8 +364,21 @@ void Plant::World::drive_rail() noexcept {
   }
   rail_now_m += rail_speed * step_s;
   const double rate = std::sqrt(rail_stiffness_per_s2);
-  data->qfrc_applied[0] += moving_kg * (rail_stiffness_per_s2 * (rail_now_m - data->qpos[0]) +
-                                        2.0 * rate * (rail_speed - data->qvel[0]));
+  data->qfrc_applied[rail_dof] +=
+      moving_kg * (rail_stiffness_per_s2 * (rail_now_m - data->qpos[rail_dof]) +
+                   2.0 * rate * (rail_speed - data->qvel[rail_dof]));
+}
+
+/// A position drive like that of the rail, which knows what gravity asks of it.
+void Plant::World::hold(const Held& joint) noexcept {
+  const double inertia = data->qM[model->dof_Madr[joint.dof]];
+  const double rate = std::sqrt(rail_stiffness_per_s2);
+  double effort = data->qfrc_bias[joint.dof] +
+                  inertia * (rail_stiffness_per_s2 * (joint.q - data->qpos[joint.dof]) -
+                             2.0 * rate * data->qvel[joint.dof]);
+  if (joint.effort_limit > 0.0)
+    effort = std::clamp(effort, -joint.effort_limit, joint.effort_limit);
+  data->qfrc_applied[joint.dof] += effort;
 }
 
 void Plant::World::read_encoders(ArmDevices& arm) noexcept {
@@ -365,7 +408,7 @@ void Plant::World::look() noexcept {
   mj_comPos(model.get(), data.get());
   mj_comVel(model.get(), data.get());
   truth.time_s = static_cast<double>(tick) * tick_s;
-  truth.rail_m = data->qpos[0];
+  truth.rail_m = data->qpos[rail_dof];
   for (const Arm side : both_arms) {
     const ArmDevices& arm = arms[side];
     ArmTruth& seen = truth.arms[side];

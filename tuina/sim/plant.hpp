@@ -9,6 +9,7 @@
 #include "tuina/robot/arm_table.hpp"
 #include "tuina/robot/mount.hpp"
 #include "tuina/robot/robot.hpp"
+#include "tuina/robot/standing.hpp"
 #include "tuina/sim/back_contact.hpp"
 
 namespace tuina::sim {
@@ -64,9 +65,14 @@ class Plant final : public robot::Robot {
     PerArm<JointVector> q_rad;
     double rail_m = 0.0;
   };
-  /// `arms` are the true tables, `mount` the true one. The person may be null and must outlive the
-  /// plant.
+  /// The robot of the thesis. `arms` are the true tables, `mount` the true one. The person may be
+  /// null and must outlive the plant.
   [[nodiscard]] static Result<std::unique_ptr<Plant>> make(const robot::RobotMount& mount,
+                                                           const PerArm<robot::ArmTable>& arms,
+                                                           const Start& start, BackContact* person,
+                                                           const PlantOptions& options = {});
+  /// Any robot: drives hold what belongs to neither arm nor linear base where it stands.
+  [[nodiscard]] static Result<std::unique_ptr<Plant>> make(const robot::Standing& standing,
                                                            const PerArm<robot::ArmTable>& arms,
                                                            const Start& start, BackContact* person,
                                                            const PlantOptions& options = {});

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tuina/robot/standing.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "tuina/core/random.hpp"
+#include "tuina/robot/arm_model.hpp"
+#include "tuina/robot/clearance.hpp"
+#include "tuina/robot/inverse_kinematics.hpp"
+
+using namespace tuina;
+using namespace tuina::robot;
+
+namespace {
+
+struct Place {
+  Kind kind;
+  Position position;
+  bool head_at_plus_y;
+};
+constexpr std::array places = {
+    Place{Kind::thesis, Position::sitting, false}, Place{Kind::thesis, Position::prone, false},
+    Place{Kind::successor, Position::sitting, false},
+    Place{Kind::successor, Position::prone, false}, Place{Kind::successor, Position::prone, true}};
+
+}  // namespace
+
+TEST_CASE(
+    "each arm's model and the whole robot put the tool in the same place, base moved or not") {
+  Random random = make_random(7, "standing");
+  for (const Place& place : places) {
+    const Standing standing = stand(place.kind, place.position, place.head_at_plus_y);
+    CAPTURE(name_of(place.kind));
+    CAPTURE(name_of(place.position));
+    CAPTURE(place.head_at_plus_y);
+    WholeRobot whole = whole_of(standing, {.of = {standing.arm, standing.arm}});
+    const auto models = both_models(standing.arm, standing.mount);
+    const double rail_m = 0.5 * standing.mount.lowest_rail_m;
+    PerArm<JointVector> q_rad;
+    for (const Arm arm : both_arms) {
+      q_rad[arm] = JointVector(standing.arm.joints);
+      for (double& q : q_rad[arm]) q = uniform(random, -1.0, 1.0);
+    }
+    for (std::size_t i = 0; i < whole.q.size(); ++i) {
+      const std::string& name = whole.description.parts[i].name;
+      if (name == whole.rail) whole.q[i] = rail_m;
+      for (const Arm arm : both_arms) {
+        for (int k = 0; k < standing.arm.joints; ++k) {
+          const char* link = standing.arm.links[static_cast<std::size_t>(k)].name;
+          if (name == std::string(name_of(arm)) + "_" + link) whole.q[i] = q_rad[arm][k];
+        }
+      }
+    }
+    const auto poses = base_from_parts(whole.description, whole.q);
+    int compared = 0;
+    for (const Marker& marker : whole.description.markers) {
+      for (const Arm arm : both_arms) {
+        if (marker.name != std::string(name_of(arm)) + "_tool") continue;
+        const Transform tool =
+            poses[static_cast<std::size_t>(marker.part)] * marker.part_from_marker;
+        const Transform same = models[arm].base_from_tool(q_rad[arm], rail_m);
+        CHECK((tool.matrix() - same.matrix()).cwiseAbs().maxCoeff() < 1e-10);
+        ++compared;
+      }
+    }
+    CHECK(compared == 2);
+  }
+}
+
+TEST_CASE("every robot waits with both arms in their ranges, clear of couch, body and each other") {
+  for (const Place& place : places) {
+    const Standing standing = stand(place.kind, place.position, place.head_at_plus_y);
+    CAPTURE(name_of(place.kind));
+    CAPTURE(name_of(place.position));
+    CAPTURE(place.head_at_plus_y);
+    const auto models = both_models(standing.arm, standing.mount);
+    const auto ready = ready_posture(standing.arm, standing.mount);
+    PerArm<ArmModel::Kinematics> pose;
+    for (const Arm arm : both_arms) {
+      CHECK(limit_room_rad(standing.arm, ready[arm]) > 0.0);
+      pose[arm] = models[arm].kinematics(ready[arm], 0.0);
+      CHECK(clearances(models[arm], pose[arm], 0.0, standing.mount.obstacles).least_m() > 60e-3);
+    }
+    CHECK(distance_between_m(models[Arm::left], pose[Arm::left], models[Arm::right],
+                             pose[Arm::right]) > 60e-3);
+    // The arm that the session calls the left is on the side of the couch's positive x.
+    const Transform couch_from_base = standing.mount.base_from_couch.inverse();
+    CHECK((couch_from_base * models[Arm::left].shoulder_in_base(0.0)).x() > 0.1);
+  }
+}
+
+TEST_CASE("the successor's body stands clear of chair and bed wherever its base goes") {
+  for (const Place& place : places) {
+    if (place.kind != Kind::successor) continue;
+    const RobotMount mount = stand(place.kind, place.position, place.head_at_plus_y).mount;
+    const Obstacle& couch = mount.obstacles.front();
+    REQUIRE(couch.kind == Surrounding::couch);
+    int parts = 0;
+    for (const Obstacle& part : mount.obstacles) {
+      if (part.kind != Surrounding::body) continue;
+      ++parts;
+      for (const double rail_m : {mount.lowest_rail_m, 0.0, mount.highest_rail_m}) {
+        double nearest_m = 1.0;
+        constexpr int steps = 6;
+        for (int i = 0; i <= steps * steps * steps + 3 * steps * steps + 3 * steps; ++i) {
+          const int n = steps + 1;
+          const Vector3 share(i % n, i / n % n, i / (n * n));
+          const Vector3 at =
+              part.base_from_box *
+                  Vector3((share / steps - Vector3::Constant(0.5)).cwiseProduct(part.edges_m)) +
+              rail_m * mount.rail_axis_in_base;
+          const Vector3 in_couch = couch.base_from_box.inverse() * at;
+          nearest_m =
+              std::min(nearest_m, segment_to_box_m(in_couch, in_couch, 0.5 * couch.edges_m));
+        }
+        CHECK(nearest_m > 15e-3);
+      }
+    }
+    CHECK(parts >= 5);
+  }
+}
