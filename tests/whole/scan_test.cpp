@@ -133,6 +133,7 @@ TEST_CASE("evaluate scanner answers for the parts that were asked for, with a pa
   CHECK_FALSE(json.contains("curves"));
   CHECK(tuina::read_file(folder / "page.html").value().find("</html>") != std::string::npos);
   CHECK(run_tuina({"evaluate", "scanner", "--only", "moon"}).exit_code == 1);
+  CHECK(run_tuina({"evaluate", "scanner", "--calibration", "guessed"}).exit_code == 1);
 }
 
 TEST_CASE("wrong use of scan is told from bad input, and leaves no file") {

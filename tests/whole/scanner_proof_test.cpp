@@ -64,6 +64,22 @@ TEST_CASE(
   CHECK(back_trial({}, 2, 1, raised).rms_m == doctest::Approx(2.0_mm).epsilon(0.15));
 }
 
+TEST_CASE("what was wanted stands beside what is so") {
+  ScannerProof proof;
+  proof.walls = {{.depth_m = 1.0, .ours = {.rms_m = 0.4_mm}}};
+  proof.backs["noise_only"] = {.rms_m = 0.7_mm, .outlier_share = 0.0, .seen_share = 0.995};
+  const std::vector<BuiltScanner> scanners = {
+      {.truth = {.latency_s = 0.1}, .believed = {.latency_s = 0.104}}};
+  const auto targets = targets_of(proof, scanners);
+  REQUIRE(targets.size() == 5);
+  CHECK(targets[0].reached());        // the wall
+  CHECK_FALSE(targets[1].reached());  // the back
+  CHECK(targets[2].reached());        // what is seen of it, at least
+  CHECK(targets[3].reached());        // outliers
+  CHECK_FALSE(targets[4].reached());  // latency
+  CHECK(targets[4].measured == doctest::Approx(4.0));
+}
+
 TEST_CASE("both ways take most of the breath and of a wrong latency off") {
   const sim::Breathing breathing{.amplitude_m = 6.0_mm, .frequency_hz = 0.25};
   const BackTrial one_way = back_trial({.breathing = breathing, .latency_error_s = 0.02}, 2, 1);
