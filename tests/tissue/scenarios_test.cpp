@@ -41,6 +41,15 @@ TEST_CASE("with nominal sensors one press is enough, on every tissue") {
   }
 }
 
+TEST_CASE(
+    "with poor sensors one press is enough, too, since what is felt before contact shows counts") {
+  const TrialResult bone = run_trials(scenario("N1"), trial_tissues[0], 600, 77,
+                                      1)[static_cast<std::size_t>(TrialMethod::tuina)];
+  CHECK(bone.t95_s < 1.0);
+  CHECK(bone.first_press_q95 < 0.045);
+  CHECK(bone.coverage_alpha > 0.9);
+}
+
 TEST_CASE("the thesis' estimator never gets there on the same presses") {
   for (const TrialTissue& tissue : trial_tissues) {
     CHECK(std::isinf(tried("N0", tissue, TrialMethod::thesis).t95_s));

@@ -13,7 +13,7 @@ namespace {
 constexpr std::size_t fold_at = 96;  // segments in the window before its older half becomes prior
 constexpr std::size_t fold_at_last = 120;
 // Early in the first press answers are wanted fast and passes are short.
-constexpr std::size_t short_pass = 40;
+constexpr std::size_t short_pass = 56;
 constexpr int passes_at_rest = 4;              // Gauss-Newton steps after the last new sample
 constexpr double forgetting_per_fold = 0.005;  // of the logarithms
 // At the moment an interval just fits, one estimate in twenty would still be outside: ask for 98 %.
@@ -23,6 +23,9 @@ constexpr double untared_sd_n = 0.3;     // the zero of a sensor that was never 
 constexpr double tare_sd_n = 0.02;       // and its drift since
 constexpr double unknown_inertia = 0.3;  // share of the tool's inertia that is taken off wrongly
 constexpr double robust_limit = 4.0;     // Huber's bend, in standard deviations
+constexpr double stretch_sd_m = 0.1e-3;  // of the places within one stretch before contact showed
+constexpr double light_touch = 0.5;      // beta x: deeper, a force is not small
+constexpr std::size_t skin_known_after = 4;  // segments of contact
 
 /// Exact transition of (b, b') over dt for b'' + 2 zeta omega b' + omega^2 b = noise.
 Eigen::Matrix2d breath_transition(double omega, double zeta, double dt_s) noexcept {
@@ -117,7 +120,8 @@ void PressEstimator::update(double time_s, const Press& sample) noexcept {
       if (segments_.size() == 0 || idle_passes_ >= passes_at_rest) return;
       begin_pass();
     }
-    learn(segments_[next_++]);
+    learn(segments_[next_]);
+    tell_skin(next_++);
     if (next_ == fold_at / 2) fold_ = pass_;
   }
 }
@@ -163,7 +167,7 @@ void PressEstimator::advance(double time_s) noexcept {
 void PressEstimator::learn(const PressSegment& segment) noexcept {
   advance(segment.time_s);
   if (!segment.contact) {
-    learn_zero(segment);
+    learn_near(segment);
     return;
   }
   const double alpha = alpha_, beta = beta_;
@@ -180,13 +184,69 @@ void PressEstimator::learn(const PressSegment& segment) noexcept {
   const double sx = options_.position_noise_m, sf = options_.force_noise_n * depth_per_n;
   const double late_m = options_.timing_sd_s * v;
   const double jolt_m = unknown_inertia * segment.inertia_n * depth_per_n;
-  double R = (sx * sx + sf * sf) / segment.samples + options_.model_sd_m * options_.model_sd_m +
-             late_m * late_m + jolt_m * jolt_m;
+  const double R = (sx * sx + sf * sf) / segment.samples +
+                   options_.model_sd_m * options_.model_sd_m + late_m * late_m + jolt_m * jolt_m;
 
   State linearised = pass_.mean;
   linearised.head<3>() -= state_.head<3>();
   const double innovation = segment.position_m - a / beta - H.dot(linearised);
-  State PH = pass_.covariance * H;
+  take(H, innovation, R);
+}
+
+void PressEstimator::learn_near(const PressSegment& air) noexcept {
+  // Here the force is too small beside its noise to be turned into a depth, so it is predicted from
+  // the depth: nothing above the skin, the law below. Linearised where the last pass found the skin
+  // a moment later; what it did not know, and the length of the stretch, round the corner off
+  // (statistical linearisation).
+  if (std::isnan(air.skin_m)) return;
+  const double sx = options_.position_noise_m, told_variance = air.skin_sd_m * air.skin_sd_m;
+  const double sd_m = std::sqrt(told_variance + stretch_sd_m * stretch_sd_m +
+                                sx * sx / air.samples + options_.model_sd_m * options_.model_sd_m);
+  const double squeezed_m = pass_.mean(compliance) * std::max(0.0, air.force_n);
+  const double depth_m = air.position_m - air.skin_m - squeezed_m;
+  if (beta_ * depth_m > light_touch) return;
+  const double z = depth_m / sd_m;
+  const double within = 0.5 * std::erfc(-z * std::sqrt(0.5));
+  const double edge = std::exp(-0.5 * z * z) / std::sqrt(2.0 * pi);
+  const double in_m = std::max(0.0, depth_m * within + sd_m * edge);
+  const double in_variance =
+      (depth_m * depth_m + sd_m * sd_m) * within + depth_m * sd_m * edge - in_m * in_m;
+
+  const double v = air.speed_m_per_s, m = std::max(0.3, 1.0 + state_(mu) * v);
+  const double still_n = alpha_ * std::tan(std::min(beta_ * in_m, 2.0 * light_touch));
+  const double n_per_m = m * beta_ * (alpha_ + still_n * still_n / alpha_);
+  const double felt = n_per_m * within;
+  State H;
+  H << m * still_n, n_per_m * in_m, v * still_n, -felt * std::max(0.0, air.force_n), 1.0, -felt,
+      -felt, 0.0;
+  const double jolt_n = unknown_inertia * air.inertia_n;
+  const double R = options_.force_noise_n * options_.force_noise_n / air.samples + jolt_n * jolt_n +
+                   std::max(0.0, n_per_m * n_per_m * in_variance - felt * felt * told_variance);
+  State linearised = pass_.mean;
+  linearised.head<3>() -= state_.head<3>();
+  linearised(compliance) = 0.0;
+  linearised(skin) -= air.skin_m;
+  take(H, air.force_n - m * still_n - H.dot(linearised), R);
+}
+
+void PressEstimator::tell_skin(std::size_t i) noexcept {
+  if (i < skin_known_after || segments_[i - skin_known_after].contact) return;
+  for (std::size_t k = i + 1 - skin_known_after; k <= i; ++k) {
+    if (!segments_[k].contact) return;
+  }
+  const Covariance& P = pass_.covariance;
+  const double variance = P(skin, skin) + 2.0 * P(skin, breath) + P(breath, breath);
+  const double breath_speed_m_per_s =
+      2.0 * pi * options_.breathing_hz * options_.breathing_m / std::sqrt(8.0);
+  for (std::size_t k = i - skin_known_after + 1; k-- > 0 && !segments_[k].contact;) {
+    const double moved_m = (segments_[i].time_s - segments_[k].time_s) * breath_speed_m_per_s;
+    segments_.tell_skin(k, pass_.mean(skin) + pass_.mean(breath),
+                        std::sqrt(std::max(0.0, variance) + moved_m * moved_m));
+  }
+}
+
+void PressEstimator::take(const State& H, double innovation, double R) noexcept {
+  const State PH = pass_.covariance * H;
   const double HPH = H.dot(PH);
   const double far = std::abs(innovation) / std::sqrt(HPH + R);
   if (far > robust_limit) R *= far / robust_limit;
@@ -195,17 +255,6 @@ void PressEstimator::learn(const PressSegment& segment) noexcept {
   count_ += 1.0;
   pass_.mean += PH * (innovation / S);
   pass_.covariance.noalias() -= (PH / S) * PH.transpose();
-}
-
-void PressEstimator::learn_zero(const PressSegment& air) noexcept {
-  // Clear of the skin, wherever the last pass and the breath may have it, the force is the sensor's
-  // zero.
-  const double skin_sd_m = std::sqrt(covariance_(skin, skin)) + options_.breathing_m / 3.0;
-  if (air.position_m > state_(skin) - 2.5 * skin_sd_m) return;
-  const State P = pass_.covariance.col(offset);
-  const double S = P(offset) + options_.force_noise_n * options_.force_noise_n / air.samples;
-  pass_.mean += P * ((air.force_n - pass_.mean(offset)) / S);
-  pass_.covariance.noalias() -= (P / S) * P.transpose();
 }
 
 void PressEstimator::finish_pass() noexcept {

@@ -25,7 +25,7 @@ struct PressEstimatorOptions {
   double breathing_hz = 0.25;
   double breath_damping = 0.15;      ///< how irregular it may be; 0 is a pure tone
   double skin_wander_m = 0.1e-3;     ///< of the skin at rest, in a second
-  double model_sd_m = 0.05e-3;       ///< of a segment: what law, sensors and noise leave out
+  double model_sd_m = 0.06e-3;       ///< of a segment: what law, sensors and noise leave out
   double damping_sd_s_per_m = 10.0;  ///< of the Hunt-Crossley factor mu in F (1 + mu v)
   double converged_alpha =
       0.05;  ///< half-widths of the 95 % intervals, relative, to be called converged
@@ -91,7 +91,9 @@ class PressEstimator {
   void begin_pass() noexcept;
   void advance(double time_s) noexcept;
   void learn(const PressSegment& segment) noexcept;
-  void learn_zero(const PressSegment& air) noexcept;
+  void learn_near(const PressSegment& air) noexcept;
+  void take(const State& H, double innovation, double R) noexcept;
+  void tell_skin(std::size_t i) noexcept;
   void finish_pass() noexcept;
   void publish() noexcept;
 

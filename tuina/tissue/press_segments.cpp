@@ -18,6 +18,11 @@ constexpr double cell_m = 0.4e-3;
 constexpr double fewest_tare_samples = 5.0;
 constexpr int saturated_after = 5;  // equal readings in a row at the largest force seen
 
+double slope_between(const PressSegment& a, const PressSegment& b) noexcept {
+  const double dt_s = b.time_s - a.time_s;
+  return dt_s > 0.0 ? (b.position_m - a.position_m) / dt_s : 0.0;
+}
+
 }  // namespace
 
 PressSegments::PressSegments(const SegmentOptions& options) noexcept : options_(options) {}
@@ -124,24 +129,22 @@ void PressSegments::accept(const Block& block) noexcept {
   const double n = block.samples, time_s = block.time_s, position_m = block.position_m;
   if (!touched_) tare(position_m, block.force_n, n);
   const double force_n = block.force_n - tare_n();
-  // Force noise must not choose which samples count: the block that shows contact is left out, and
-  // once there, contact holds until the force is clearly gone.
+  const Block felt = {time_s, position_m, force_n, n, block.inertia_n};
+  // Force noise must not choose which samples count: the block that shows contact is the last of
+  // the air, and once there, contact holds until the force is clearly gone.
   const double on_n = std::max(least_force_n, 5.0 * options_.force_noise_n / std::sqrt(n));
   const bool was_in_contact = in_contact_;
   in_contact_ = force_n > (in_contact_ ? 0.4 * on_n : on_n);
   follow_press(time_s, in_contact_ ? force_n : 0.0);
-  if (!in_contact_) {
+  if (!in_contact_ || !was_in_contact) {
     open_ = false;
-    remember_air(time_s, position_m, force_n, n);
-    return;
+    remember_air(felt);
   }
-  if (!was_in_contact) {
-    for (std::size_t i = 0; i < air_size_; ++i) push(air_[i]);
-    air_size_ = 0;
-  }
+  if (!in_contact_) return;
+  if (!was_in_contact) push_air();
   if (!touched_) first_contact_s_ = time_s;
   touched_ = true;
-  if (was_in_contact) append({time_s, position_m, force_n, n, block.inertia_n});
+  if (was_in_contact) append(felt);
 }
 
 void PressSegments::tare(double position_m, double force_n, double samples) noexcept {
@@ -197,13 +200,7 @@ void PressSegments::append(const Block& block) noexcept {
                     time_s - last_accepted_s_ < longest_gap_s;
   last_accepted_s_ = time_s;
   if (fits) {
-    PressSegment& segment = segments_[size_ - 1];
-    const double share = samples / (segment.samples + samples);
-    segment.time_s += share * (time_s - segment.time_s);
-    segment.position_m += share * (position_m - segment.position_m);
-    segment.force_n += share * (force_n - segment.force_n);
-    segment.samples += samples;
-    segment.inertia_n = std::max(segment.inertia_n, std::abs(inertia_n));
+    join(segments_[size_ - 1], block);
     return;
   }
   push({time_s, position_m, force_n, 0.0, samples, std::abs(inertia_n), true});
@@ -218,8 +215,7 @@ void PressSegments::append(const Block& block) noexcept {
            segments_[b].time_s - segments_[a].time_s < 3.0 * longest_segment_s;
   };
   const auto slope = [this](std::size_t a, std::size_t b) {
-    const double dt_s = segments_[b].time_s - segments_[a].time_s;
-    return dt_s > 0.0 ? (segments_[b].position_m - segments_[a].position_m) / dt_s : 0.0;
+    return slope_between(segments_[a], segments_[b]);
   };
   if (size_ < 2 || !joined(size_ - 2, size_ - 1)) return;
   segments_[size_ - 1].speed_m_per_s = slope(size_ - 2, size_ - 1);
@@ -227,16 +223,12 @@ void PressSegments::append(const Block& block) noexcept {
   segments_[size_ - 2].speed_m_per_s = slope(size_ - (middle ? 3 : 2), size_ - 1);
 }
 
-void PressSegments::remember_air(double time_s, double position_m, double force_n,
-                                 double samples) noexcept {
+void PressSegments::remember_air(const Block& block) noexcept {
+  const auto& [time_s, position_m, force_n, samples, inertia_n] = block;
   if (air_size_ > 0) {
     PressSegment& last = air_[air_size_ - 1];
-    if (std::abs(position_m - last.position_m) < cell_m && last.samples < 100.0) {
-      // The deepest position of the stretch decides later whether all of it was clear of the skin.
-      last.position_m = std::max(last.position_m, position_m);
-      last.force_n += samples / (last.samples + samples) * (force_n - last.force_n);
-      last.samples += samples;
-      last.time_s = time_s;
+    if (std::abs(position_m - last.position_m) < 0.5 * cell_m && last.samples < 100.0) {
+      join(last, block);
       return;
     }
   }
@@ -244,7 +236,26 @@ void PressSegments::remember_air(double time_s, double position_m, double force_
     std::copy(air_.begin() + 1, air_.end(), air_.begin());
     --air_size_;
   }
-  air_[air_size_++] = {time_s, position_m, force_n, 0.0, samples, 0.0, false};
+  air_[air_size_++] = {time_s, position_m, force_n, 0.0, samples, std::abs(inertia_n), false};
+}
+
+void PressSegments::join(PressSegment& segment, const Block& block) noexcept {
+  const double share = block.samples / (segment.samples + block.samples);
+  segment.time_s += share * (block.time_s - segment.time_s);
+  segment.position_m += share * (block.position_m - segment.position_m);
+  segment.force_n += share * (block.force_n - segment.force_n);
+  segment.samples += block.samples;
+  segment.inertia_n = std::max(segment.inertia_n, std::abs(block.inertia_n));
+}
+
+void PressSegments::push_air() noexcept {
+  for (std::size_t i = 0; i < air_size_; ++i) {
+    const PressSegment &a = air_[i > 0 ? i - 1 : 0], &b = air_[std::min(i + 1, air_size_ - 1)];
+    PressSegment air = air_[i];
+    if (b.time_s - a.time_s < 3.0 * longest_segment_s) air.speed_m_per_s = slope_between(a, b);
+    push(air);
+  }
+  air_size_ = 0;
 }
 
 void PressSegments::push(const PressSegment& segment) noexcept {

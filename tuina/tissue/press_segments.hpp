@@ -19,8 +19,10 @@ struct PressSegment {
   double speed_m_per_s = 0.0;  ///< of the tool, into the body
   double samples = 0.0;
   double inertia_n = 0.0;  ///< of the tool: taken off the force, largest of the stretch
-  bool contact =
-      true;  ///< else free air as far as the force tells: it says where the sensor's zero is
+  bool contact = true;     ///< else the force does not show it: air, or the skin only just touched
+  /// Of a segment without contact: where a fit found the skin soon after, and how surely; not a
+  /// number before the first fit.
+  double skin_m = std::numeric_limits<double>::quiet_NaN(), skin_sd_m = 0.0;
 };
 
 struct SegmentOptions {
@@ -45,6 +47,10 @@ class PressSegments {
   [[nodiscard]] std::size_t size() const noexcept { return size_; }
   [[nodiscard]] const PressSegment& operator[](std::size_t i) const noexcept {
     return segments_[i];
+  }
+  void tell_skin(std::size_t i, double skin_m, double skin_sd_m) noexcept {
+    segments_[i].skin_m = skin_m;
+    segments_[i].skin_sd_m = skin_sd_m;
   }
   void drop_oldest(std::size_t count) noexcept;
 
@@ -72,7 +78,9 @@ class PressSegments {
   void tare(double position_m, double force_n, double samples) noexcept;
   void follow_press(double time_s, double force_n) noexcept;
   void append(const Block& block) noexcept;
-  void remember_air(double time_s, double position_m, double force_n, double samples) noexcept;
+  void push_air() noexcept;
+  void remember_air(const Block& block) noexcept;
+  static void join(PressSegment& segment, const Block& block) noexcept;
   void push(const PressSegment& segment) noexcept;
 
   struct Timed {
@@ -87,7 +95,7 @@ class PressSegments {
   double opened_root_ = 0.0;
   double opened_m_ = 0.0;
 
-  std::array<PressSegment, 8> air_{};  // the last stretches without contact
+  std::array<PressSegment, 8> air_{};  // the last stretches before contact showed
   std::size_t air_size_ = 0;
 
   std::array<Timed, 64> history_{};  // positions of the last samples, for the delay
