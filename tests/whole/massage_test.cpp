@@ -376,6 +376,8 @@ TEST_CASE("massage refuses what it cannot use, with the right exit code and an e
   fails({"--person", folder / "sitter.ply", "--position", "prone"}, 1, "who is sitting");
   fails({"--position", "standing"}, 1, "standing");
   fails({"--pace", "slow"}, 1, "slow");
+  fails({"--robot", "predecessor"}, 1, "predecessor");
+  fails({"--robot", "successor", "--robot-pose", "robot.toml"}, 1, "arms of the thesis only");
   fails({"--set", "massage.stear=true"}, 1, "is `massage.steer` meant?");
   fails({"--sed", "1"}, 1, "--sed");
 }

@@ -51,18 +51,23 @@ RobotMount mount_for(Position position) {
   mount.base_from_couch.translation() = -base_from_couch_turn * midway_in_couch;
   mount.base_from_couch.makeAffine();
   mount.obstacles.push_back(couch_of(position, mount.base_from_couch));
-  // A carriage carries the shoulders: on a column that stands on rails, or under a gantry.
+  // A carriage carries the shoulders: on a column that stands on two rails, or under the two of a
+  // gantry, between which the scanner looks.
   const double length_m = mount.highest_rail_m - mount.lowest_rail_m + 200_mm;
   const double middle_m = 0.5 * (mount.highest_rail_m + mount.lowest_rail_m);
   if (position == Position::sitting) {
     mount.obstacles.push_back(part_of_body({-50_mm, 0.0, 0.0}, {70_mm, 400_mm, 160_mm}, true));
     mount.obstacles.push_back(part_of_body({-90_mm, 0.0, -300_mm}, {90_mm, 160_mm, 500_mm}, true));
-    mount.obstacles.push_back(
-        part_of_body({middle_m - 50_mm, 0.0, -560_mm}, {length_m, 340_mm, 40_mm}, false));
+    for (const double side_m : {-150_mm, 150_mm}) {
+      mount.obstacles.push_back(
+          part_of_body({middle_m - 50_mm, side_m, -560_mm}, {length_m, 40_mm, 40_mm}, false));
+    }
   } else {
     mount.obstacles.push_back(part_of_body({0.0, 0.0, 50_mm}, {160_mm, 400_mm, 70_mm}, true));
-    mount.obstacles.push_back(
-        part_of_body({middle_m, 0.0, 110_mm}, {length_m, 340_mm, 40_mm}, false));
+    for (const double side_m : {-150_mm, 150_mm}) {
+      mount.obstacles.push_back(
+          part_of_body({middle_m, side_m, 110_mm}, {length_m, 40_mm, 40_mm}, false));
+    }
   }
   // 0.28 m ahead is 0.15 m off a back at 0.45 m; a little below the shoulders the elbow is well
   // bent.
