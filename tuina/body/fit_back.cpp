@@ -73,6 +73,28 @@ Transform own_frame(const std::vector<Vector3>& points) {
   return own_from_couch;
 }
 
+/// Of a very dense cloud the flying pixels hang together, too: where hardly a point lies beside
+/// what most points share, nothing is.
+void drop_strays(std::vector<Vector3>& above) {
+  constexpr std::size_t dense = 250'000;
+  constexpr int hardly = 500;  // times fewer than where the median point lies
+  if (above.size() < dense) return;
+  const Voxels voxels = gather(above, gap_m);
+  std::vector<int> counts(voxels.count.begin(), voxels.count.end());
+  std::sort(counts.begin(), counts.end());
+  std::size_t passed = 0;
+  const auto usual = std::find_if(counts.begin(), counts.end(), [&](int count) {
+    passed += static_cast<std::size_t>(count);
+    return 2 * passed >= above.size();
+  });
+  const int few = *usual / hardly;
+  std::erase_if(above, [&](const Vector3& p) {
+    const auto whole = [](double x) { return static_cast<int>(std::floor(x / gap_m)); };
+    const int voxel = voxels.at({whole(p.x()), whole(p.y()), whole(p.z())});
+    return voxels.count[static_cast<std::size_t>(voxel)] <= few;
+  });
+}
+
 /// The largest thing above the couch that hangs together, with what lies beside it: the sweep can
 /// lose the skin between head and shoulders or behind a fold.
 Result<std::vector<Vector3>> find_person(const std::vector<Vector3>& above) {
@@ -169,7 +191,7 @@ Result<void> check_lying(const std::vector<Vector3>& person) {
   return {};
 }
 
-// Laser scans and surfaces leave 0.2 to 0.7 mm, 3 mm of noise along the line of sight 2 mm.
+// Laser scans and surfaces leave 0.2 to 0.4 mm, 3 mm of noise along the line of sight 2 mm.
 constexpr double much_noise_m = 1.5_mm;  // of neighbourhoods about their planes, median
 constexpr double share_of_tails = 0.15;
 
@@ -298,6 +320,7 @@ Result<BackSurface> fit_back(const PointCloud& scan_in_couch, const BackOptions&
   }
   const Transform own_from_couch = own_frame(above);
   for (Vector3& p : above) p = own_from_couch * p;
+  drop_strays(above);
   auto person = find_person(above);
   if (!person) return tl::unexpected(person.error());
   if (person->size() < enough_points) {
