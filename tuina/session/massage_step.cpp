@@ -226,7 +226,7 @@ void MassageStep::conduct(Arm arm, double time_s) noexcept {
   switch (side.phase) {
     case ArmPhase::waiting:
       if (stopped_s_ >= 0.0 || job->step > step_ || paused_) return;
-      if (!stands_as_planned(side, arm, time_s)) return let_go(time_s);
+      if (!stands_as_planned(side, arm, time_s)) return;
       side.waypoint = 0;
       side.trouble = control::Trouble::none;
       side.skip = side.again = side.cut_short = false;

@@ -119,7 +119,8 @@ class MassageStep {
     std::vector<ArmJob> jobs = {};
     std::size_t job = 0;
     std::size_t waypoint = 0;
-    double leg_s = 0.0;  ///< when the present leg of the way began
+    double leg_s = 0.0;     ///< when the present leg of the way began
+    double amiss_s = -1.0;  ///< since when it has not stood as planned though it should leave
     ArmPhase phase = ArmPhase::waiting;
     double contact_s = 0.0;
     Playback playback = {};
@@ -135,7 +136,7 @@ class MassageStep {
   };
 
   void conduct(Arm arm, double time_s) noexcept;
-  [[nodiscard]] bool stands_as_planned(const Side& side, Arm arm, double time_s) noexcept;
+  [[nodiscard]] bool stands_as_planned(Side& side, Arm arm, double time_s) noexcept;
   void begin_approach(Side& side, Arm arm, double time_s) noexcept;
   void begin_contact(Side& side, Arm arm, double time_s) noexcept;
   void press_on(Side& side, Arm arm, double time_s) noexcept;

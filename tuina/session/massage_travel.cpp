@@ -10,14 +10,22 @@ void MassageStep::next_job(Side& side) noexcept {
   side.phase = ArmPhase::waiting;
 }
 
-/// What comes next was rehearsed from the posture that the arm parks in.
-bool MassageStep::stands_as_planned(const Side& side, Arm arm, double time_s) noexcept {
+/// What comes next was rehearsed from the posture that the arm parks in. When it
+/// comes back its tool may be home long before its elbow, so the springs of the posture get time.
+bool MassageStep::stands_as_planned(Side& side, Arm arm, double time_s) noexcept {
+  constexpr double springs_take_s = 8.0;
   const JointVector& from_rad = job_of(side)->from_rad;
   if (from_rad.size() == 0) return true;
   Eigen::Index joint = 0;
   const double off_rad = (side.q_rad - from_rad).cwiseAbs().maxCoeff(&joint);
-  if (off_rad <= parked_within_rad) return true;
+  if (off_rad <= parked_within_rad) {
+    side.amiss_s = -1.0;
+    return true;
+  }
+  if (side.amiss_s < 0.0) side.amiss_s = time_s;
+  if (side.job > 0 && time_s - side.amiss_s < springs_take_s) return false;
   stops_.push_back({time_s, arm, safety::Cause::not_as_planned, static_cast<int>(joint), off_rad});
+  let_go(time_s);
   return false;
 }
 
