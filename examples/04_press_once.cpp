@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What does a press feel? A tool is pressed onto hard muscle twice and watched by the estimator,
-// which knows neither the tissue nor where exactly the skin is; the sensors are noisy. Alpha and
-// beta of F = alpha tan(beta x) come out, each with the half-width of its 95 % interval.
+// What does a press feel? A tool is pressed onto hard muscle three times and watched by the
+// estimator, which knows neither the tissue nor where exactly the skin is; the sensors are noisy.
+// Alpha and beta of F = alpha tan(beta x) come out, each with the half-width of its 95 % interval.
 #include <fmt/core.h>
 
 #include "tuina/core/random.hpp"
@@ -27,9 +27,9 @@ int main() {
   Random noise = make_random(1, "sensors");
 
   fmt::print("  time     tool    force    alpha           beta\n");
-  constexpr double air_m = 2_mm, deepest_m = 9_mm, press_s = 2.0;
-  for (int tick = 0; tick <= 4000; ++tick) {
-    // Two presses of two seconds: out of the air, 9 mm past the believed skin, and back.
+  constexpr double air_m = 2_mm, deepest_m = 9_mm, press_s = 1.0;
+  for (int tick = 0; tick <= 3000; ++tick) {
+    // Three presses of a second: out of the air, 9 mm past the believed skin, and back.
     const double time_s = 1e-3 * tick;
     const double phase = 2.0 * pi * time_s / press_s;
     const double position_m = -air_m + (deepest_m + air_m) * 0.5 * (1.0 - std::cos(phase));
