@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "apps/tuina/labelled_phantom.hpp"
+#include "tests/reason.hpp"
 #include "tuina/body/baselines.hpp"
 #include "tuina/core/random.hpp"
 #include "tuina/core/units.hpp"
@@ -19,7 +20,7 @@ namespace {
 const Atlas& shipped() {
   static const Atlas atlas = [] {
     auto read = read_atlas(TUINA_MODELS "/atlas.tuina");
-    REQUIRE_MESSAGE(read.has_value(), (read ? "" : read.error().message));
+    REQUIRE_MESSAGE(read.has_value(), test::reason(read));
     return std::move(*read);
   }();
   return atlas;
@@ -65,7 +66,7 @@ TEST_CASE("the points of a fresh phantom are found in both positions by both met
     for (const Method method : {Method::surface, Method::field_morphing}) {
       const LabelledBody person = phantom(position);
       const auto found = map(scan_of(person), method);
-      REQUIRE_MESSAGE(found.has_value(), (found ? "" : found.error().message));
+      REQUIRE_MESSAGE(found.has_value(), test::reason(found));
       CHECK(found->position == position);
       double sum_mm = 0.0;
       for (std::size_t i = 0; i < seven_acupoints.size(); ++i) {
@@ -125,7 +126,7 @@ TEST_CASE("a noisy scan with flying pixels and the couch in view gives the same 
   const auto clean = map(scan_of(person));
   const auto noisy = map(cloud);
   REQUIRE(clean);
-  REQUIRE_MESSAGE(noisy.has_value(), (noisy ? "" : noisy.error().message));
+  REQUIRE_MESSAGE(noisy.has_value(), test::reason(noisy));
   for (std::size_t i = 0; i < 7; ++i) {
     CHECK((clean->acupoints[i].at_in_couch - noisy->acupoints[i].at_in_couch).norm() < 8_mm);
   }
@@ -306,7 +307,7 @@ TEST_CASE("simpler methods find the seven points of a phantom, less well than th
   const auto back = fit_back(scan_of(person));
   REQUIRE(back);
   const auto error_mm = [&](const Result<Mapping>& found) {
-    REQUIRE_MESSAGE(found.has_value(), (found ? "" : found.error().message));
+    REQUIRE_MESSAGE(found.has_value(), test::reason(found));
     double sum = 0.0;
     for (std::size_t i = 0; i < seven_acupoints.size(); ++i) {
       REQUIRE(found->acupoints[i].name == seven_acupoints[i]);

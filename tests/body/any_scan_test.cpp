@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "apps/tuina/labelled_phantom.hpp"
+#include "tests/reason.hpp"
 #include "tuina/body/acupoints.hpp"
 #include "tuina/core/random.hpp"
 #include "tuina/core/units.hpp"
@@ -77,7 +78,7 @@ TEST_CASE("another thing on the couch beside the person changes nothing") {
     for (const Vector3& p : cloud.points) rim = std::min(rim, p.x());
     add_box(cloud, {rim - 0.2, -0.1, 0.10}, {0.08, 0.12, 0.06});
     const auto beside = map(cloud);
-    REQUIRE_MESSAGE(beside.has_value(), (beside ? "" : beside.error().message));
+    REQUIRE_MESSAGE(beside.has_value(), test::reason(beside));
     CHECK(farthest_mm(*alone, *beside) < 3.0);
   }
 }
@@ -96,8 +97,8 @@ TEST_CASE("ten thousand points or a million of one person give the same answer")
     REQUIRE(many.size() > 500'000);
     const auto from_many = map(many);
     const auto from_few = map(few);
-    REQUIRE_MESSAGE(from_many.has_value(), (from_many ? "" : from_many.error().message));
-    REQUIRE_MESSAGE(from_few.has_value(), (from_few ? "" : from_few.error().message));
+    REQUIRE_MESSAGE(from_many.has_value(), test::reason(from_many));
+    REQUIRE_MESSAGE(from_few.has_value(), test::reason(from_few));
     CHECK(farthest_mm(*from_many, *from_few) < 8.0);
     for (std::size_t i = 0; i < seven_acupoints.size(); ++i) {
       CHECK((from_many->acupoints[i].at_in_couch - person.acupoints[i].at_in_couch).norm() <
@@ -115,7 +116,7 @@ TEST_CASE("a coarse or fine picture of a depth camera shows the points, couch an
       const PointCloud picture =
           sim::depth_picture(person.skin_in_couch, position, 3, {.points = points});
       const auto found = map(picture);
-      REQUIRE_MESSAGE(found.has_value(), (found ? "" : found.error().message));
+      REQUIRE_MESSAGE(found.has_value(), test::reason(found));
       for (std::size_t i = 0; i < seven_acupoints.size(); ++i) {
         const Acupoint& point = found->acupoints[i];
         CHECK((point.at_in_couch - person.acupoints[i].at_in_couch).norm() < point.uncertainty_m);

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "tests/reason.hpp"
 #include "tuina/body/acupoints.hpp"
 #include "tuina/core/random.hpp"
 #include "tuina/core/units.hpp"
@@ -53,7 +54,7 @@ TEST_CASE("the outline is found on the plane of a board as on that of the back i
   REQUIRE(own);
   const Vector3 normal = own->back_from_couch.linear().transpose() * Vector3::UnitY();
   const auto given = find_outline(*back, normal);
-  REQUIRE_MESSAGE(given.has_value(), (given ? "" : given.error().message));
+  REQUIRE_MESSAGE(given.has_value(), test::reason(given));
   const Matrix3 between =
       given->back_from_couch.linear() * own->back_from_couch.linear().transpose();
   CHECK((between - Matrix3::Identity()).norm() < 1e-3);

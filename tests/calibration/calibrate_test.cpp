@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "tests/folder.hpp"
+#include "tests/reason.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/sim/laser_scanner.hpp"
 #include "tuina/sim/rehearsal.hpp"
@@ -20,10 +21,10 @@ TEST_CASE("a scanner that nobody has measured is known after one rehearsed set")
   const auto truth = sim::built_scanner(3);
   const auto written = sim::rehearse_calibration(truth, 3, folder.path() / "shots",
                                                  {.poses = 14, .standing_poses = 2});
-  REQUIRE_MESSAGE(written.has_value(), written.error().message);
+  REQUIRE_MESSAGE(written.has_value(), test::reason(written));
   Views views;
   const auto result = calibrate_folder(folder.path() / "shots", views);
-  REQUIRE_MESSAGE(result.has_value(), result.error().message);
+  REQUIRE_MESSAGE(result.has_value(), test::reason(result));
   const auto& found = result->calibration;
   CHECK(result->poses == 14);
   CHECK(result->reprojection_px < 0.06);

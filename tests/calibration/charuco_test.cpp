@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "tests/folder.hpp"
+#include "tests/reason.hpp"
 #include "tuina/calibration/calibrate.hpp"
 #include "tuina/calibration/find_charuco.hpp"
 #include "tuina/core/units.hpp"
@@ -127,10 +128,10 @@ TEST_CASE("a scanner is known from a board with markers as well") {
   const auto written = sim::rehearse_calibration(
       truth, 4, folder.path() / "shots",
       {.board = sim::charuco_board(), .poses = 12, .standing_poses = 2, .sweeps = false});
-  REQUIRE_MESSAGE(written.has_value(), written.error().message);
+  REQUIRE_MESSAGE(written.has_value(), test::reason(written));
   Views views;
   const auto result = calibrate_folder(folder.path() / "shots", views);
-  REQUIRE_MESSAGE(result.has_value(), result.error().message);
+  REQUIRE_MESSAGE(result.has_value(), test::reason(result));
   CHECK(result->poses == 12);
   CHECK(result->reprojection_px < 0.1);
   CHECK(sim::range_error_m(truth, result->calibration, 1.0) < 1.0_mm);

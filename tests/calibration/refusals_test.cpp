@@ -7,6 +7,7 @@
 #include <string>
 
 #include "tests/calibration/seen_boards.hpp"
+#include "tests/reason.hpp"
 #include "tuina/calibration/calibrate.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/sim/laser_scanner.hpp"
@@ -50,7 +51,7 @@ TEST_CASE("the set that the others spoil is a good one") {
   for (const std::uint64_t seed : {1U, 2U}) {
     Views views = good_views(seed);
     const auto result = calibrate(views);
-    REQUIRE_MESSAGE(result.has_value(), result.error().message);
+    REQUIRE_MESSAGE(result.has_value(), test::reason(result));
     const auto truth = sim::built_scanner(seed);
     CHECK(sim::range_error_m(truth, result->calibration, 1.0) < 1.0_mm);
   }
@@ -179,7 +180,7 @@ TEST_CASE("corners counted from the other end are the same board") {
     if (seen++ % 2 == 0) std::reverse(view.corners_px.begin(), view.corners_px.end());
   }
   const auto turned = calibrate(views);
-  REQUIRE_MESSAGE(turned.has_value(), turned.error().message);
+  REQUIRE_MESSAGE(turned.has_value(), test::reason(turned));
   Views straight = good_views();
   const auto same = calibrate(straight);
   REQUIRE(same.has_value());

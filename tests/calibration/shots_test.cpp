@@ -7,6 +7,7 @@
 #include <string>
 
 #include "tests/folder.hpp"
+#include "tests/reason.hpp"
 #include "tuina/calibration/calibrate.hpp"
 #include "tuina/core/file.hpp"
 #include "tuina/core/png.hpp"
@@ -50,7 +51,7 @@ TEST_CASE("a folder of shots is read, with CRLF and without a last newline") {
   (void)folder.with("board.toml", good_board);
   (void)folder.with("frames.csv", good_frames);
   const auto shots = read_shots(folder.path());
-  REQUIRE_MESSAGE(shots.has_value(), shots.error().message);
+  REQUIRE_MESSAGE(shots.has_value(), test::reason(shots));
   CHECK(shots->board.corners() == 70);
   REQUIRE(shots->shots.size() == 3);
   CHECK(shots->shots[1].laser);
@@ -92,7 +93,7 @@ TEST_CASE("a board with markers says how large they are and which") {
       "[board]\nkind = \"charuco\"\ncolumns = 4\nrows = 6\nsquare_m = 0.035\nmarker_m = 0.026\n"
       "dictionary = \"DICT_5X5_100\"\n";
   const auto board = parse_board(good, "board.toml");
-  REQUIRE_MESSAGE(board.has_value(), board.error().message);
+  REQUIRE_MESSAGE(board.has_value(), test::reason(board));
   CHECK(board->has_markers());
   CHECK(board->marker_m == 0.026);
   CHECK(board->marker_cells == 5);

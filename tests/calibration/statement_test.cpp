@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "tests/calibration/seen_boards.hpp"
+#include "tests/reason.hpp"
 #include "tuina/calibration/calibrate.hpp"
 #include "tuina/calibration/pose_covariance.hpp"
 #include "tuina/calibration/residual_statistics.hpp"
@@ -74,7 +75,7 @@ TEST_CASE("lines that are off as a whole, each another way, are stated to be") {
       for (auto& point : view.line) point.column_px += static_cast<float>(off_px);
     }
     const auto result = calibrate(views);
-    REQUIRE_MESSAGE(result.has_value(), result.error().message);
+    REQUIRE_MESSAGE(result.has_value(), test::reason(result));
     const Covariance& poses = result->fit.covariance_of_poses;
     CHECK(poses.allFinite());
     true2 += std::pow(sim::range_error_m(truth, result->calibration, 1.0), 2);
@@ -114,7 +115,7 @@ TEST_CASE("what is stated is what is true, over scanners and sets") {
     const auto truth = sim::built_scanner(seed);
     Views views = seen_boards(truth, seed, {.poses = 20, .standing_poses = 3}, 0.1);
     const auto result = calibrate(views);
-    REQUIRE_MESSAGE(result.has_value(), result.error().message);
+    REQUIRE_MESSAGE(result.has_value(), test::reason(result));
     true2 += std::pow(sim::range_error_m(truth, result->calibration, 1.0), 2);
     stated2 += std::pow(result->expected[1]->systematic_m, 2);
     const auto& covariance = result->fit.covariance;

@@ -8,6 +8,7 @@
 
 #include "tests/core/mutation.hpp"
 #include "tests/folder.hpp"
+#include "tests/reason.hpp"
 #include "tuina/core/file.hpp"
 
 using namespace tuina;
@@ -96,7 +97,7 @@ TEST_CASE("a cloud written in any format comes back, and nothing is left of one 
     const auto path = folder / name;
     REQUIRE(write_cloud(path, cloud, *format).has_value());
     const auto file = read_surface(path);
-    REQUIRE_MESSAGE(file.has_value(), file.error().message);
+    REQUIRE_MESSAGE(file.has_value(), test::reason(file));
     REQUIRE(file->cloud.size() == cloud.size());
     // Words are read as double, which the digits of a float give to a part in ten million.
     double worst_m = 0.0;

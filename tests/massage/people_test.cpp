@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "tests/reason.hpp"
 #include "tuina/core/random.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/massage/plan.hpp"
@@ -29,7 +30,7 @@ body::BackSurface scan_of(const sim::Person& person, Random& random) {
     }
   }
   auto back = body::fit_back(cloud, {.position = person.position});
-  REQUIRE_MESSAGE(back.has_value(), back.error().message);
+  REQUIRE_MESSAGE(back.has_value(), test::reason(back));
   return std::move(*back);
 }
 
@@ -52,7 +53,7 @@ void lay_aside(const sim::Person& person) {
     for (Landmark& landmark : landmarks) landmark.at_in_couch += aside_m * true_chart.left();
     for (const char* name : {"lower_back", "full_back_20min"}) {
       const auto plan = massage::plan(back, points, landmarks, *load_programme(name));
-      REQUIRE_MESSAGE(plan.has_value(), plan.error().message);
+      REQUIRE_MESSAGE(plan.has_value(), test::reason(plan));
       for (const PlannedPath& planned : plan->paths) {
         CAPTURE(planned.path.name);
         double most_n = 0.0;
@@ -94,7 +95,7 @@ void lay_programmes_on(const sim::Person& person, std::uint64_t seed) {
     CAPTURE(shipped.name);
     const auto programme = load_programme(std::string(shipped.name));
     const auto plan = massage::plan(back, points, landmarks, *programme);
-    REQUIRE_MESSAGE(plan.has_value(), plan.error().message);
+    REQUIRE_MESSAGE(plan.has_value(), test::reason(plan));
     CHECK(plan->min_tool_distance_m >= closest_tools_m);
     // Of twenty minutes all over the back a path may fall to the zones of one person, not more.
     const auto left_out =
@@ -125,7 +126,7 @@ TEST_CASE("no programme asks a phantom's zones for more than they bear, however 
   for (const char* words : {"phantom:slim", "phantom:medium", "phantom:hefty"}) {
     for (const Position position : {Position::sitting, Position::prone}) {
       const auto person = sim::parse_person(words, position, seed);
-      REQUIRE_MESSAGE(person.has_value(), person.error().message);
+      REQUIRE_MESSAGE(person.has_value(), test::reason(person));
       lay_programmes_on(*person, seed++);
     }
   }
@@ -134,7 +135,7 @@ TEST_CASE("no programme asks a phantom's zones for more than they bear, however 
 TEST_CASE("a map a centimetre aside asks no more of the spine than a process bears") {
   for (const std::uint64_t seed : {3, 4}) {
     const auto person = sim::parse_person("phantom:medium", Position::sitting, seed);
-    REQUIRE_MESSAGE(person.has_value(), person.error().message);
+    REQUIRE_MESSAGE(person.has_value(), test::reason(person));
     lay_aside(*person);
   }
 }
@@ -147,7 +148,7 @@ TEST_CASE("nor a labelled body's") {
   }
   for (const char* body : {"ds01", "ds07", "ds12", "dp02", "dp08", "dp11"}) {
     const auto person = sim::load_person(folder / (std::string(body) + ".ply"));
-    REQUIRE_MESSAGE(person.has_value(), person.error().message);
+    REQUIRE_MESSAGE(person.has_value(), test::reason(person));
     lay_programmes_on(*person, 1);
   }
 }

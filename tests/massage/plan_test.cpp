@@ -9,6 +9,7 @@
 #include <set>
 
 #include "tests/massage/backs.hpp"
+#include "tests/reason.hpp"
 #include "tuina/massage/contact_path.hpp"
 
 using namespace tuina;
@@ -43,7 +44,7 @@ TEST_CASE("every shipped programme fits on a back, with both arms, within its ca
     std::vector<Acupoint> points = person.points;
     for (const Acupoint& point : test::inner_points(person.back, 8_mm)) points.push_back(point);
     const auto plan = massage::plan(person.back, points, {}, programme);
-    REQUIRE_MESSAGE(plan.has_value(), plan.error().message);
+    REQUIRE_MESSAGE(plan.has_value(), test::reason(plan));
     const bool whole_back = shipped.name == "full_back_20min";
     CHECK(plan->duration_s > (whole_back ? 900.0 : 40.0));
     CHECK(plan->duration_s < (whole_back ? 1400.0 : 240.0));
@@ -132,7 +133,7 @@ TEST_CASE("hand after hand: the sides take turns, one press, turn or stroke each
     const auto plan = massage::plan(
         person.back, person.points, {},
         programme_of(fmt::format("[[part]]\n{}alternating = true\nrepeats = 3\n", part)));
-    REQUIRE_MESSAGE(plan.has_value(), plan.error().message);
+    REQUIRE_MESSAGE(plan.has_value(), test::reason(plan));
     REQUIRE(plan->paths.size() == 6);
     for (std::size_t i = 0; i < 6; ++i) {
       CHECK(plan->paths[i].arm == (i % 2 == 0 ? Arm::left : Arm::right));
@@ -152,7 +153,7 @@ TEST_CASE("what has only one side takes its turns alone") {
       person.back, person.points, {},
       programme_of("[[part]]\ntechnique = \"press\"\npoints = [\"GV4\", \"BL47\"]\nalternating = "
                    "true\nrepeats = 2\nforce_n = 5\n"));
-  REQUIRE_MESSAGE(plan.has_value(), plan.error().message);
+  REQUIRE_MESSAGE(plan.has_value(), test::reason(plan));
   std::string order;
   for (const PlannedPath& planned : plan->paths) order += planned.path.name + ", ";
   CHECK(order == "press GV4, press GV4, press BL47_L, press BL47_R, press BL47_L, press BL47_R, ");
@@ -252,7 +253,7 @@ TEST_CASE(
       person.back, person.points, {},
       programme_of("[[part]]\ntechnique = \"rub\"\npoints = [\"BL47\"]\n[[part]]\ntechnique = "
                    "\"tap\"\npoints = [\"BL50\"]\n"));
-  REQUIRE_MESSAGE(plan.has_value(), plan.error().message);
+  REQUIRE_MESSAGE(plan.has_value(), test::reason(plan));
   CHECK(noted(*plan, "rub BL47_L: bent by up to"));
   CHECK(noted(*plan, "tap BL50_R: left out, it may not be done on kidney"));
   for (const PlannedPath& planned : plan->paths) {
@@ -298,7 +299,7 @@ TEST_CASE(
   const auto plan = massage::plan(
       cropped, person.points, {},
       programme_of("[[part]]\ntechnique = \"press\"\npoints = [\"BL47\"]\n" + std::string(low)));
-  REQUIRE_MESSAGE(plan.has_value(), plan.error().message);
+  REQUIRE_MESSAGE(plan.has_value(), test::reason(plan));
   CHECK(plan->paths.size() == 2);
   CHECK(noted(*plan, "left out, the scan shows no skin"));
   const auto nothing = massage::plan(cropped, person.points, {}, programme_of(low));
@@ -342,7 +343,7 @@ TEST_CASE(
   const auto careful =
       massage::plan(person.back, person.points, {}, programme, {.no_go = {bruise}});
   REQUIRE(all.has_value());
-  REQUIRE_MESSAGE(careful.has_value(), careful.error().message);
+  REQUIRE_MESSAGE(careful.has_value(), test::reason(careful));
   CHECK(noted(*careful, "press BL47_L: left out, it may not be done on no_go"));
   CHECK(noted(*careful, "stroke SI11_L to BL50_L: cut from"));
   CHECK(careful->paths.size() < all->paths.size());

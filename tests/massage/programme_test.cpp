@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "tests/reason.hpp"
 #include "tuina/core/file.hpp"
 
 using namespace tuina;
@@ -33,7 +34,7 @@ TEST_CASE(
   for (const ShippedProgramme& shipped : shipped_programmes()) {
     CAPTURE(shipped.name);
     const auto programme = load_programme(std::string(shipped.name));
-    REQUIRE_MESSAGE(programme.has_value(), programme.error().message);
+    REQUIRE_MESSAGE(programme.has_value(), test::reason(programme));
     CHECK(programme->name == shipped.name);
     CHECK_FALSE(programme->parts.empty());
     CHECK(std::count(programme->description.begin(), programme->description.end(), '\n') == 1);
@@ -51,7 +52,7 @@ TEST_CASE("a programme file says what it means") {
       "\"upward\"\n"
       "together = false\n[[part]]\ntechnique = \"stroke\"\nline = \"loin\"\nspeed_mm_per_s = 40\n",
       "mine.toml");
-  REQUIRE_MESSAGE(programme.has_value(), programme.error().message);
+  REQUIRE_MESSAGE(programme.has_value(), test::reason(programme));
   CHECK(programme->intensity == 5);
   CHECK(force_scale_of(programme->intensity) == doctest::Approx(1.4));
   CHECK(force_scale_of(3) == doctest::Approx(1.0));

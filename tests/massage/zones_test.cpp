@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 
 #include "tests/massage/backs.hpp"
+#include "tests/reason.hpp"
 
 using namespace tuina;
 using namespace tuina::massage;
@@ -196,7 +197,7 @@ TEST_CASE("a no-go file says what is ruled out, or every line that is wrong with
       "[[no_go]]\nname = \"bruise\"\ncorners_m = [[0.05, 0.1, 0.3], [0.1, 0.1, 0.3], [0.1, 0.1, "
       "0.4]]\n",
       "no_go.toml");
-  REQUIRE_MESSAGE(good.has_value(), good.error().message);
+  REQUIRE_MESSAGE(good.has_value(), test::reason(good));
   CHECK(good->front().name == "bruise");
   CHECK(good->front().corners_in_couch.size() == 3);
 

@@ -5,6 +5,7 @@
 
 #include <string>
 
+#include "tests/reason.hpp"
 #include "tuina/core/random.hpp"
 #include "tuina/core/units.hpp"
 
@@ -70,7 +71,7 @@ TEST_CASE("errors of a calibration may be left out, are kept bit for bit, and sm
   one.errors = CalibrationErrors{
       .depth_m = {0.5, 2.0}, .range_m = {1e-4, 16e-4}, .axis_point_m = 5e-6, .latency_s = 1e-9};
   const auto read = parse_calibration(to_toml(one), "written");
-  REQUIRE_MESSAGE(read.has_value(), read.error().message);
+  REQUIRE_MESSAGE(read.has_value(), test::reason(read));
   REQUIRE(read->errors.has_value());
   CHECK(read->latency_s == 5e-6);
   CHECK(read->errors->axis_point_m == 5e-6);

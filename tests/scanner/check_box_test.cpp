@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "tests/reason.hpp"
 #include "tuina/core/random.hpp"
 #include "tuina/core/units.hpp"
 
@@ -66,7 +67,7 @@ TEST_CASE("a box on a corner shows its three edges and three right angles") {
   for (const double turn : {0.0_deg, 25.0_deg, 70.0_deg}) {
     CAPTURE(turn);
     const auto box = check_box(box_on_table(turned(0.0, 0.0, turn) * corner_up), thesis_box_m);
-    REQUIRE_MESSAGE(box.has_value(), box.error().message);
+    REQUIRE_MESSAGE(box.has_value(), test::reason(box));
     CHECK(std::abs(box->edges_m[0] - 150.0_mm) < 1.5_mm);
     CHECK(std::abs(box->edges_m[1] - 150.0_mm) < 1.5_mm);
     CHECK(std::abs(box->edges_m[2] - 200.0_mm) < 1.5_mm);
@@ -80,7 +81,7 @@ TEST_CASE("a box on a corner shows its three edges and three right angles") {
 
 TEST_CASE("two faces of a box are enough for its size") {
   const auto box = check_box(box_on_table(turned(0.0, 45.0_deg, 0.0)), thesis_box_m);
-  REQUIRE_MESSAGE(box.has_value(), box.error().message);
+  REQUIRE_MESSAGE(box.has_value(), test::reason(box));
   CHECK(box->angles_rad.size() == 1);
   // The faces end beside a column, and the next is 5.7 mm farther on them.
   CHECK(box->border_m < 3.0_mm);

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "tests/reason.hpp"
 #include "tuina/core/random.hpp"
 #include "tuina/core/units.hpp"
 
@@ -37,7 +38,7 @@ PointCloud ball_on_table(double noise_m = 0.5_mm) {
 
 TEST_CASE("a ball of known size confirms sign and scale") {
   const auto sphere = check_sphere(ball_on_table(), 0.15);
-  REQUIRE_MESSAGE(sphere.has_value(), sphere.error().message);
+  REQUIRE_MESSAGE(sphere.has_value(), test::reason(sphere));
   CHECK(std::abs(sphere->diameter_m - 0.15) < 0.5_mm);
   CHECK((sphere->centre - Vector3(0.1, -0.3, 0.075)).norm() < 0.5_mm);
   CHECK(sphere->points > 3000);

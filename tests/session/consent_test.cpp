@@ -3,6 +3,8 @@
 
 #include <doctest/doctest.h>
 
+#include "tests/reason.hpp"
+
 using namespace tuina;
 using namespace tuina::session;
 
@@ -18,7 +20,7 @@ std::string replaced(std::string text, const std::string& what, const std::strin
 
 TEST_CASE("ten questions answered with no let the arms be armed") {
   const auto consent = parse_consent(consent_form("P. Smith", "no"), "consent.toml");
-  REQUIRE_MESSAGE(consent.has_value(), consent.error().message);
+  REQUIRE_MESSAGE(consent.has_value(), test::reason(consent));
   CHECK(consent->answered_by == "P. Smith");
 }
 

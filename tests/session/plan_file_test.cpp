@@ -4,6 +4,7 @@
 #include <doctest/doctest.h>
 
 #include "tests/massage/backs.hpp"
+#include "tests/reason.hpp"
 #include "tuina/session/acupoint_file.hpp"
 
 using namespace tuina;
@@ -36,7 +37,7 @@ std::string fault_of(const std::string& text) {
 
 TEST_CASE("acupoints.json says position, points and landmarks") {
   const auto back = parse_acupoints(acupoints_text(), "points.json");
-  REQUIRE_MESSAGE(back.has_value(), back.error().message);
+  REQUIRE_MESSAGE(back.has_value(), test::reason(back));
   CHECK(back->position == Position::sitting);
   REQUIRE(back->acupoints.size() == 7);
   CHECK(back->acupoints[0].name == "BL47_L");
@@ -77,7 +78,7 @@ TEST_CASE("a plan that is written is the plan that is read, to a micrometre and 
       .rail_m = -0.02,
       .compute_ms = 12.5};
   const auto again = parse_plan(to_json(file), "plan.json");
-  REQUIRE_MESSAGE(again.has_value(), again.error().message);
+  REQUIRE_MESSAGE(again.has_value(), test::reason(again));
   CHECK(to_json(*again) == to_json(file));
   REQUIRE(again->plan.paths.size() == file.plan.paths.size());
   for (std::size_t i = 0; i < file.plan.paths.size(); ++i) {

@@ -4,6 +4,7 @@
 #include <doctest/doctest.h>
 
 #include "tests/folder.hpp"
+#include "tests/reason.hpp"
 #include "tuina/core/file.hpp"
 #include "tuina/sim/phantom.hpp"
 
@@ -17,7 +18,7 @@ TEST_CASE("a phantom that is written as a labelled body is read back as the same
     const Person person = make_phantom(draw_phantom(BodyType::medium, 3), position);
     REQUIRE(write_person(person, folder.path()).has_value());
     const auto read = load_person(folder.path() / (person.name + ".ply"));
-    REQUIRE_MESSAGE(read.has_value(), (read ? "" : read.error().message));
+    REQUIRE_MESSAGE(read.has_value(), test::reason(read));
     CHECK(read->position == position);
     CHECK(read->body_type == BodyType::medium);
     CHECK(read->woman == person.woman);

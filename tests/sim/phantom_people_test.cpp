@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <map>
 
+#include "tests/reason.hpp"
 #include "tuina/sim/phantom.hpp"
 
 using namespace tuina;
@@ -67,7 +68,7 @@ TEST_CASE("phantoms and people have their acupoints at the same places of the tr
     for (int i = 1; i <= 80; i += 2) {
       const auto name = fmt::format("p{}{:03}.ply", name_of(position)[0], i + i / 2 % 2);
       const auto person = load_person(folder / name);
-      REQUIRE_MESSAGE(person.has_value(), (person ? "" : person.error().message));
+      REQUIRE_MESSAGE(person.has_value(), test::reason(person));
       people.add(*person);
       phantoms.add(make_phantom(draw_phantom(static_cast<std::uint64_t>(i)), position));
     }

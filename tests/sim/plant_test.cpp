@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "tests/allocation.hpp"
+#include "tests/reason.hpp"
 #include "tuina/robot/arm_model.hpp"
 #include "tuina/robot/inverse_kinematics.hpp"
 
@@ -241,7 +242,7 @@ TEST_CASE(
     const auto ready = robot::ready_posture(standing.arm, standing.mount);
     auto made =
         Plant::make(standing, {.of = {standing.arm, standing.arm}}, {.q_rad = ready}, nullptr);
-    REQUIRE_MESSAGE(made.has_value(), made.error().message);
+    REQUIRE_MESSAGE(made.has_value(), test::reason(made));
     Plant& plant = **made;
     for (int ms = 0; ms < 1'000; ++ms) {
       const robot::RobotReading reading = plant.read();

@@ -4,6 +4,7 @@
 #include <map>
 #include <string>
 
+#include "tests/reason.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/scanner/sticker_watch.hpp"
 #include "tuina/scanner/sweep.hpp"
@@ -32,7 +33,7 @@ TEST_CASE("laser dots on a sticker, averaged in space, find its middle, [thesis]
   scanner::StickerWatch watch(unit, calibration, 0.3, 4.0);
   const auto scan =
       scanner::scan_sweep(watch, unit, calibration, {.from_rad = -8.0_deg, .to_rad = 5.0_deg});
-  REQUIRE_MESSAGE(scan.has_value(), (scan ? "" : scan.error().message));
+  REQUIRE_MESSAGE(scan.has_value(), test::reason(scan));
   const auto found = watch.stickers(*unit.readings());
   REQUIRE(found.has_value());
   REQUIRE(found->size() == worn.size());

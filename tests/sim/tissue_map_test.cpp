@@ -7,6 +7,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "tests/reason.hpp"
 #include "tuina/sim/phantom.hpp"
 
 using namespace tuina;
@@ -73,7 +74,7 @@ TEST_CASE("and on a labelled body from a file") {
   }
   for (const char* name : {"standard/standard_sitting.ply", "standard/standard_prone.ply"}) {
     const auto person = load_person(bodies / name);
-    REQUIRE_MESSAGE(person.has_value(), (person ? "" : person.error().message));
+    REQUIRE_MESSAGE(person.has_value(), test::reason(person));
     check_anatomy(*person);
   }
 }

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "tests/reason.hpp"
 #include "tests/whole/command.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/sim/person.hpp"
@@ -52,7 +53,7 @@ TEST_CASE("a person with stickers becomes a labelled back that an atlas is learn
   const auto truth = sim::parse_person("phantom:medium", Position::sitting, 3);
   const auto person = sim::load_person(people / "anna.ply");
   REQUIRE(truth);
-  REQUIRE_MESSAGE(person.has_value(), (person ? "" : person.error().message));
+  REQUIRE_MESSAGE(person.has_value(), test::reason(person));
   double sum_mm = 0.0;
   for (std::size_t i = 0; i < seven_acupoints.size(); ++i) {
     const Vector3 off = person->acupoints[i].at_in_couch - truth->acupoints[i].at_in_couch;

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "tests/reason.hpp"
 #include "tests/whole/command.hpp"
 #include "tuina/core/file.hpp"
 #include "tuina/core/png.hpp"
@@ -35,7 +36,7 @@ void rehearse(const fs::path& folder, double nearest_m = 0.5,
                                                          .nearest_m = nearest_m,
                                                          .farthest_m = 1.4,
                                                          .sweeps = false});
-  REQUIRE_MESSAGE(written.has_value(), written.error().message);
+  REQUIRE_MESSAGE(written.has_value(), tuina::test::reason(written));
 }
 
 std::string text_of(const fs::path& path) {
