@@ -269,7 +269,7 @@ std::vector<WallTrial> wall_trials(const std::vector<double>& depths_m,
 BackTrial back_trial(const ScanConditions& conditions, int people, std::uint64_t seed,
                      std::span<const BuiltScanner> scanners) {
   BackTrial trial;
-  double squares = 0.0, expected2 = 0.0, points = 0.0, outliers = 0.0, lit = 0.0, visible = 0.0;
+  double squares = 0.0, expected2 = 0.0, points = 0.0, outliers = 0.0, seen = 0.0, visible = 0.0;
   double covered = 0.0, acupoints = 0.0;
   for (int k = 0; k < people; ++k) {
     const auto own_seed = seed * 100 + static_cast<std::uint64_t>(k);
@@ -299,8 +299,9 @@ BackTrial back_trial(const ScanConditions& conditions, int people, std::uint64_t
     expected2 += n * scan->expected_error_m * scan->expected_error_m;
     points += n;
     outliers += static_cast<double>(truth.outliers);
-    lit += static_cast<double>(scan->cloud_in_couch.size());
-    visible += static_cast<double>(scanner.visible_rows());
+    const auto places = static_cast<double>(scanner.visible().count);
+    seen += places * sim::seen_share(scanner.visible(), scan->places);
+    visible += places;
     for (const Acupoint& acupoint : person.acupoints) {
       const auto& cloud = scan->cloud_in_couch.points;
       covered += std::any_of(cloud.begin(), cloud.end(), [&](const Vector3& point) {
@@ -312,7 +313,7 @@ BackTrial back_trial(const ScanConditions& conditions, int people, std::uint64_t
   trial.rms_m = std::sqrt(squares / points);
   trial.expected_m = std::sqrt(expected2 / points);
   trial.outlier_share = outliers / points;
-  trial.seen_share = lit / visible;
+  trial.seen_share = seen / visible;
   trial.covered_points = covered / acupoints;
   return trial;
 }

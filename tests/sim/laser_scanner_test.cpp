@@ -7,6 +7,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "tests/reason.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/scanner/sweep.hpp"
 #include "tuina/scanner/triangulation.hpp"
@@ -88,7 +89,7 @@ TEST_CASE("stop and shoot sees the same wall, in more time, and each profile is 
   std::vector<scanner::LiveProfile> live;
   options.on_profile = [&](const scanner::LiveProfile& profile) { live.push_back(profile); };
   const auto scan = scanner::scan_sweep(scanner, scanner, scanner.true_calibration(), options);
-  REQUIRE_MESSAGE(scan.has_value(), scan.error().message);
+  REQUIRE_MESSAGE(scan.has_value(), test::reason(scan));
   // 62 frames of 0.586 degrees, 117 ms each.
   CHECK(scan->sweep_s == doctest::Approx(61 * 0.117));
   CHECK(compare_with_truth(scan->cloud_in_couch, mesh).rms_error_m < 0.3e-3);
@@ -105,6 +106,22 @@ TEST_CASE("stop and shoot sees the same wall, in more time, and each profile is 
   }
   CHECK(points > scan->cloud_in_couch.size() / 5);
   CHECK(worst_m < 10e-3);
+}
+
+TEST_CASE("what is seen is counted place by place, both ways too, and what is lost is missing") {
+  const Mesh mesh = wall(-0.3, 0.3, 0.1, 0.7, 0.03);
+  const auto share_of = [&](double dropped, bool both_ways) {
+    LaserScanner scanner(mesh, Position::sitting, {}, 1, {.dropped_share = dropped});
+    const scanner::SweepOptions options{.both_ways = both_ways, .most_lost_share = 1.0};
+    const auto scan = scanner::scan_sweep(scanner, scanner, scanner.true_calibration(), options);
+    REQUIRE_MESSAGE(scan.has_value(), test::reason(scan));
+    REQUIRE(scan->places.size() == scan->cloud_in_couch.size());
+    return seen_share(scanner.visible(), scan->places);
+  };
+  CHECK(share_of(0.0, false) > 0.98);
+  CHECK(share_of(0.0, true) > 0.98);
+  CHECK(share_of(0.0, true) <= 1.0);
+  CHECK(share_of(0.2, false) == doctest::Approx(0.8).epsilon(0.1));
 }
 
 TEST_CASE("a post hides what is behind it from the laser or from the camera") {

@@ -93,9 +93,9 @@ struct ErrorSum {
 };
 
 // One way of the unit over the scene, as a grid of its own, added to the scan.
-void add_way(std::span<const TimedLine> lines, std::span<const double> yaw_rad,
-             std::span<const double> breath_m, const ScannerCalibration& calibration,
-             ErrorSum& errors, Scan& scan) {
+void add_way(std::size_t first_frame, std::span<const TimedLine> lines,
+             std::span<const double> yaw_rad, std::span<const double> breath_m,
+             const ScannerCalibration& calibration, ErrorSum& errors, Scan& scan) {
   const ProfileGrid grid = place_in_couch(lines, yaw_rad, calibration);
   PointCloud& cloud = scan.cloud_in_couch;
   NeighbourJudge neighbours(grid);
@@ -121,6 +121,7 @@ void add_way(std::span<const TimedLine> lines, std::span<const double> yaw_rad,
       const Vector3 to_eye = (eye - point).normalized();
       const double cosine = normal.dot(to_eye);
       if (std::abs(cosine) < least_cosine) continue;
+      scan.places.push_back({static_cast<int>(first_frame + i), static_cast<int>(row)});
       cloud.points.push_back(point.z() < breathing_from_m ? point : Vector3(point + breath));
       cloud.normals.push_back(cosine > 0.0 ? normal : Vector3(-normal));
       cloud.amplitude.push_back(grid.amplitude_dn(i, row));
@@ -159,6 +160,7 @@ Result<Scan> make_cloud(std::span<const TimedLine> lines, std::span<const YawRea
   cloud.normals.reserve(rows_seen);
   cloud.amplitude.reserve(rows_seen);
   cloud.deviation_m.reserve(rows_seen);
+  scan.places.reserve(rows_seen);
 
   ErrorSum errors;
   const auto turn = turning_point(lines, *yaw_rad);
@@ -179,11 +181,12 @@ Result<Scan> make_cloud(std::span<const TimedLine> lines, std::span<const YawRea
     scan.ways = two.compared;
     const std::span<const double> yaw = *yaw_rad;
     const std::span<const double> breath = two.breath_at_m;
-    add_way(lines.first(*turn), yaw.first(*turn), breath.first(*turn), calibration, errors, scan);
-    add_way(lines.subspan(*turn), yaw.subspan(*turn), breath.subspan(*turn), calibration, errors,
+    add_way(0, lines.first(*turn), yaw.first(*turn), breath.first(*turn), calibration, errors,
             scan);
+    add_way(*turn, lines.subspan(*turn), yaw.subspan(*turn), breath.subspan(*turn), calibration,
+            errors, scan);
   } else {
-    add_way(lines, *yaw_rad, {}, calibration, errors, scan);
+    add_way(0, lines, *yaw_rad, {}, calibration, errors, scan);
   }
   if (cloud.points.empty()) {
     return fail(Fault::not_found, "{} rows are lit, but no surface lies under them", scan.rows_lit);

@@ -59,10 +59,18 @@ struct WaysCompared {
   double remaining_m = 0.0;     ///< the same once latency and breath are taken off
 };
 
+/// Where in a sweep a point was seen: in which frame, both ways counted on, and in which row of it.
+/// Neighbours in this grid are neighbours on the surface, and a hole is a place that is missing.
+struct GridPlace {
+  int frame = 0;
+  int row = 0;
+};
+
 struct Scan {
-  PointCloud cloud_in_couch;  ///< with normals, amplitude and deviation
-  int profiles = 0;           ///< frames in which a line was seen
-  int rows_lit = 0;           ///< over all frames, before points at depth edges are left out
+  PointCloud cloud_in_couch;      ///< with normals, amplitude and deviation
+  std::vector<GridPlace> places;  ///< of the points of the cloud, one each
+  int profiles = 0;               ///< frames in which a line was seen
+  int rows_lit = 0;               ///< over all frames, before points at depth edges are left out
   int ambiguous_rows = 0;
   double sweep_s = 0.0;  ///< from the first frame to the last
   double compute_ms =

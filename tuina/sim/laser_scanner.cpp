@@ -47,7 +47,8 @@ struct LaserScanner::World {
   std::size_t given = 0;
   std::vector<Image> ahead;  // rendered and not yet given
   std::vector<Image> dark_ahead;
-  std::size_t visible_rows = 0;
+  std::vector<std::vector<bool>> visible_ahead;
+  VisibleRows visible;
   Random drops;
   std::vector<scanner::YawReading> readings;
 
@@ -79,7 +80,6 @@ struct LaserScanner::World {
     }
     end_s = start_s + duration_s + run_up_s;
     ahead.clear();
-    visible_rows = 0;
     readings.clear();
     const double poll_s = 1.0 / options.readings_per_s;
     double last_s = -1e9;
@@ -99,8 +99,8 @@ struct LaserScanner::World {
     const std::size_t count = std::min(frames_at_once, frames - given);
     ahead.assign(count, {});
     if (options.dark_frames) dark_ahead.assign(count, {});
-    std::vector<std::size_t> visible(count);
-    const auto work = [this, count, &visible](std::size_t first, std::size_t step) {
+    visible_ahead.assign(count, {});
+    const auto work = [this, count](std::size_t first, std::size_t step) {
       for (std::size_t i = first; i < count; i += step) {
         const std::size_t number = given + i;
         const double time_s = time_of(number);
@@ -109,7 +109,7 @@ struct LaserScanner::World {
                                 (1.0 - std::cos(2.0 * pi * breathing.frequency_hz * time_s));
         const Vector3 shift = breath_m * breath_direction;
         const RoomPicture room = renderer.room(yaw_at(time_s), shift);
-        ahead[i] = renderer.render(yaw_at(time_s), shift, frame, &visible[i], room);
+        ahead[i] = renderer.render(yaw_at(time_s), shift, frame, &visible_ahead[i], room);
         if (options.dark_frames) dark_ahead[i] = renderer.render_dark(frame, room);
       }
     };
@@ -118,7 +118,6 @@ struct LaserScanner::World {
     for (std::size_t i = 1; i < threads; ++i) others.emplace_back(work, i, threads);
     work(0, threads);
     others.clear();
-    for (const std::size_t rows : visible) visible_rows += rows;
   }
 };
 
@@ -147,6 +146,8 @@ LaserScanner::LaserScanner(const Mesh& scene_in_couch, const Mesh& couch,
             .jitter = make_random(seed, "yaw clock"),
             .ahead = {},
             .dark_ahead = {},
+            .visible_ahead = {},
+            .visible = {},
             .drops = make_random(seed, "dropped frames"),
             .readings = {}});
   world_->options.latency_s = truth.latency_s;
@@ -209,14 +210,18 @@ Result<scanner::Frame> LaserScanner::next_frame() {
         .time_s = world.time_of(world.given), .image = std::move(world.ahead[place]), .dark = {}};
     if (world.options.dark_frames) frame.dark = std::move(world.dark_ahead[place]);
     ++world.given;
+    std::vector<bool>& visible = world.visible_ahead[place];
+    world.visible.count +=
+        static_cast<std::size_t>(std::count(visible.begin(), visible.end(), true));
     const double share = world.options.dropped_share;
     if (share > 0.0 && uniform(world.drops, 0.0, 1.0) < share) continue;
+    world.visible.of_frame.push_back(std::move(visible));
     return frame;
   }
 }
 
-std::size_t LaserScanner::visible_rows() const {
-  return world_->visible_rows;
+const VisibleRows& LaserScanner::visible() const {
+  return world_->visible;
 }
 
 }  // namespace tuina::sim

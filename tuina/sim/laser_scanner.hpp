@@ -3,12 +3,14 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "tuina/core/acupoint.hpp"
 #include "tuina/core/surface.hpp"
 #include "tuina/scanner/calibration.hpp"
 #include "tuina/scanner/camera.hpp"
+#include "tuina/scanner/sweep.hpp"
 #include "tuina/scanner/turntable.hpp"
 #include "tuina/sim/person.hpp"
 #include "tuina/sim/room_light.hpp"
@@ -62,6 +64,12 @@ struct LaserScannerOptions {
 [[nodiscard]] scanner::ScannerCalibration believed_calibration(
     const scanner::ScannerCalibration& truth, std::uint64_t seed);
 
+/// Where laser and camera both see something, the middle of the laser's sheet at least.
+struct VisibleRows {
+  std::vector<std::vector<bool>> of_frame;  ///< by row, of each frame given
+  std::size_t count = 0;                    ///< over all frames, those lost on their way as well
+};
+
 /// Renders what the scanner sees of a person on the couch: ray-traced line, occlusion from laser
 /// and camera, noise, saturation; a yaw motor of 300/1024 degrees on a clock of its own. It is both
 /// doors in one; frames depend on the seed, never on the number of threads.
@@ -86,8 +94,8 @@ class LaserScanner final : public scanner::Camera, public scanner::Turntable {
   [[nodiscard]] Result<std::vector<scanner::YawReading>> readings() const override;
 
   [[nodiscard]] const scanner::ScannerCalibration& true_calibration() const;
-  /// In how many rows of all frames of the last sweep laser and camera both see something.
-  [[nodiscard]] std::size_t visible_rows() const;
+  /// Over all turns so far.
+  [[nodiscard]] const VisibleRows& visible() const;
 
  private:
   struct World;
@@ -106,6 +114,11 @@ struct ScanTruth {
 };
 [[nodiscard]] ScanTruth compare_with_truth(const PointCloud& cloud_in_couch,
                                            const Mesh& skin_in_couch);
+
+/// Of the places that laser and camera both see, the share of which a scan has a point. Those lost
+/// with their frames are missing, and a point beside the edge of what is visible is none.
+[[nodiscard]] double seen_share(const VisibleRows& visible,
+                                std::span<const scanner::GridPlace> places);
 
 /// RMS over the rows of the image of the range that a calibration tells wrongly at a depth, for
 /// places of the light plane that the camera of the true scanner sees.

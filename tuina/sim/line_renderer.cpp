@@ -163,7 +163,7 @@ void LineRenderer::draw_sheet(const Transform& couch_from_camera, const Vector3&
 }
 
 Image LineRenderer::render(double yaw_rad, const Vector3& skin_shift_in_couch, std::uint64_t frame,
-                           std::size_t* visible_rows, const RoomPicture& room) const {
+                           std::vector<bool>* visible, const RoomPicture& room) const {
   const Transform couch_from_camera = truth_.couch_from_camera_at(yaw_rad);
   Strokes strokes(static_cast<std::size_t>(truth_.camera.height_px));
   const auto row_sees = [this](const std::vector<Stroke>& row) {
@@ -176,12 +176,12 @@ Image LineRenderer::render(double yaw_rad, const Vector3& skin_shift_in_couch, s
     const Vector3& shift = skin_shift_in_couch;
     const double aside_m = sheet_aside[i] * sheet_deviation_m;
     // A row sees the line when it sees the middle of it.
-    if (visible_rows != nullptr && aside_m == 0.0) {
+    if (visible != nullptr && aside_m == 0.0) {
       Strokes middle(strokes.size());
       draw_sheet(couch_from_camera, shift, aside_m, sheet_share[i], middle);
-      *visible_rows =
-          static_cast<std::size_t>(std::count_if(middle.begin(), middle.end(), row_sees));
+      visible->resize(middle.size());
       for (std::size_t row = 0; row < strokes.size(); ++row) {
+        (*visible)[row] = row_sees(middle[row]);
         strokes[row].insert(strokes[row].end(), middle[row].begin(), middle[row].end());
       }
     } else {

@@ -21,9 +21,9 @@ class LineRenderer {
                std::uint64_t seed);
 
   /// `skin_shift_in_couch` is how far breathing has moved the person. The same `frame` gives the
-  /// same noise. `visible_rows`, if wanted, counts the rows in which there is a line.
+  /// same noise. `visible`, if wanted, tells the rows in which there is a line.
   [[nodiscard]] Image render(double yaw_rad, const Vector3& skin_shift_in_couch,
-                             std::uint64_t frame, std::size_t* visible_rows = nullptr,
+                             std::uint64_t frame, std::vector<bool>* visible = nullptr,
                              const RoomPicture& room = {}) const;
   /// The same moment with the laser off, with noise of its own.
   [[nodiscard]] Image render_dark(std::uint64_t frame, const RoomPicture& room = {}) const;

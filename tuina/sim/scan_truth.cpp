@@ -27,6 +27,17 @@ ScanTruth compare_with_truth(const PointCloud& cloud_in_couch, const Mesh& skin_
   return truth;
 }
 
+double seen_share(const VisibleRows& visible, std::span<const scanner::GridPlace> places) {
+  std::size_t seen = 0;
+  for (const scanner::GridPlace& place : places) {
+    seen +=
+        visible.of_frame[static_cast<std::size_t>(place.frame)][static_cast<std::size_t>(place.row)]
+            ? 1U
+            : 0U;
+  }
+  return static_cast<double>(seen) / static_cast<double>(std::max<std::size_t>(1, visible.count));
+}
+
 double range_error_m(const scanner::ScannerCalibration& truth,
                      const scanner::ScannerCalibration& believed, double depth_m) {
   double sum2 = 0.0;
