@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <doctest/doctest.h>
 
+#include <Eigen/Dense>
 #include <cmath>
 
 #include "apps/tuina/tissue_trials.hpp"
+#include "tuina/core/units.hpp"
+#include "tuina/tissue/press_estimator.hpp"
+#include "tuina/tissue/tangent_model.hpp"
 
 using namespace tuina;
 using namespace tuina::app;
@@ -27,6 +31,32 @@ TrialResult tried(const std::string& name, const TrialTissue& tissue,
   return run_trials(scenario(name), tissue, runs, 77, 1)[static_cast<std::size_t>(method)];
 }
 
+/// Cramer and Rao's bound on the standard deviations of ln alpha and ln beta after `record`: the
+/// skin unknown, moved by a breath of unknown phase as large as the estimator believes; nothing
+/// else known beforehand, noise of the position counted as the force it stands for. The breath
+/// costs alpha nothing and beta a factor of 3 to 7.
+Eigen::Vector2d cramer_rao_bound(const sim::SimulatedPresses& presses,
+                                 const sim::PressScenario& noise,
+                                 const tissue::PressEstimatorOptions& believed) {
+  using Row = Eigen::Matrix<double, 5, 1>;  // ln alpha, ln beta, skin, breath in and out of phase
+  Eigen::Matrix<double, 5, 5> information = Eigen::Matrix<double, 5, 5>::Zero();
+  const double breath_variance_m2 = believed.breathing_m * believed.breathing_m / 8.0;
+  information(3, 3) = information(4, 4) = 1.0 / breath_variance_m2;
+  for (const tissue::TimedPress& sample : presses.record) {
+    const double depth_m = sample.press.depth_m - presses.skin_m;
+    if (depth_m <= 0.0) continue;
+    const double force_n = tissue::force_at_depth(presses.truth, depth_m);
+    const double slope = tissue::stiffness_at_depth(presses.truth, depth_m);
+    const double phase = 2.0 * pi * believed.breathing_hz * sample.time_s;
+    Row gradient;
+    gradient << force_n, slope * depth_m, -slope, -slope * std::cos(phase),
+        -slope * std::sin(phase);
+    const double sd_n = std::hypot(noise.force_noise_n, slope * noise.position_noise_m);
+    information += gradient * gradient.transpose() / (sd_n * sd_n);
+  }
+  return information.inverse().diagonal().head<2>().cwiseSqrt();
+}
+
 }  // namespace
 
 TEST_CASE("with nominal sensors one press is enough, on every tissue") {
@@ -38,6 +68,37 @@ TEST_CASE("with nominal sensors one press is enough, on every tissue") {
     CHECK(std::abs(result.alpha_bias) < 0.006);
     CHECK(result.converged_share > 0.99);
     CHECK(result.false_converged_share == 0.0);
+  }
+}
+
+TEST_CASE("after one press the spread is at most 1.7 times what Cramer and Rao allow") {
+  sim::PressScenario once = scenario("N0");
+  once.duration_s = 1.0 / once.press_hz;
+  for (const TrialTissue& tissue : trial_tissues) {
+    CAPTURE(std::string(tissue.name));
+    Eigen::Array2d sum = Eigen::Array2d::Zero(), squares = sum, bound = sum;
+    constexpr int presses = 200;
+    for (int i = 0; i < presses; ++i) {
+      Random random = make_random(static_cast<std::uint64_t>(i), "one press");
+      const auto made = sim::simulate_presses(once, tissue.tissue, tissue.peak_n, random);
+      const tissue::PressEstimatorOptions believed{.force_noise_n = once.force_noise_n,
+                                                   .position_noise_m = once.position_noise_m,
+                                                   .contact_sd_m = once.contact_sd_m};
+      tissue::PressEstimator estimator(believed);
+      for (const auto& sample : made.record) estimator.update(sample.time_s, sample.press);
+      const TangentTissue found = estimator.estimate().tissue;
+      const Eigen::Array2d error(std::log(found.alpha_n / made.truth.alpha_n),
+                                 std::log(found.beta_per_m / made.truth.beta_per_m));
+      sum += error;
+      squares += error.square();
+      bound += cramer_rao_bound(made, once, believed).array();
+    }
+    const Eigen::Array2d mean = sum / presses, least = bound / presses;
+    const Eigen::Array2d spread = (squares / presses - mean.square()).sqrt();
+    CAPTURE(mean.transpose());
+    CAPTURE(spread.transpose());
+    CAPTURE(least.transpose());
+    CHECK((spread <= 1.7 * least).all());
   }
 }
 

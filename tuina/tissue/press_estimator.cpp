@@ -13,7 +13,7 @@ namespace {
 constexpr std::size_t fold_at = 96;  // segments in the window before its older half becomes prior
 constexpr std::size_t fold_at_last = 120;
 // Early in the first press answers are wanted fast and passes are short.
-constexpr std::size_t short_pass = 56;
+constexpr std::size_t short_pass = 48;
 constexpr int passes_at_rest = 4;              // Gauss-Newton steps after the last new sample
 constexpr double forgetting_per_fold = 0.005;  // of the logarithms
 // At the moment an interval just fits, one estimate in twenty would still be outside: ask for 98 %.
@@ -25,6 +25,7 @@ constexpr double unknown_inertia = 0.3;  // share of the tool's inertia that is 
 constexpr double robust_limit = 4.0;     // Huber's bend, in standard deviations
 constexpr double stretch_sd_m = 0.1e-3;  // of the places within one stretch before contact showed
 constexpr double light_touch = 0.5;      // beta x: deeper, a force is not small
+constexpr double corner_reach = 5.0;     // standard deviations beyond which the skin is a corner
 constexpr std::size_t skin_known_after = 4;  // segments of contact
 
 /// Exact transition of (b, b') over dt for b'' + 2 zeta omega b' + omega^2 b = noise.
@@ -206,8 +207,10 @@ void PressEstimator::learn_near(const PressSegment& air) noexcept {
   const double depth_m = air.position_m - air.skin_m - squeezed_m;
   if (beta_ * depth_m > light_touch) return;
   const double z = depth_m / sd_m;
-  const double within = 0.5 * std::erfc(-z * std::sqrt(0.5));
-  const double edge = std::exp(-0.5 * z * z) / std::sqrt(2.0 * pi);
+  const bool near_corner = std::abs(z) < corner_reach;
+  const double within =
+      near_corner ? 0.5 * std::erfc(-z * std::sqrt(0.5)) : static_cast<double>(z > 0.0);
+  const double edge = near_corner ? std::exp(-0.5 * z * z) / std::sqrt(2.0 * pi) : 0.0;
   const double in_m = std::max(0.0, depth_m * within + sd_m * edge);
   const double in_variance =
       (depth_m * depth_m + sd_m * sd_m) * within + depth_m * sd_m * edge - in_m * in_m;
@@ -246,7 +249,7 @@ void PressEstimator::tell_skin(std::size_t i) noexcept {
 }
 
 void PressEstimator::take(const State& H, double innovation, double R) noexcept {
-  const State PH = pass_.covariance * H;
+  const State PH = pass_.covariance.lazyProduct(H);  // small: inlined, not a library call
   const double HPH = H.dot(PH);
   const double far = std::abs(innovation) / std::sqrt(HPH + R);
   if (far > robust_limit) R *= far / robust_limit;
