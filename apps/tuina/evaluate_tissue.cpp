@@ -70,7 +70,8 @@ std::string cell(double value, double scale) {
   if (std::isnan(value)) return "-";
   if (std::isinf(value)) return "never";
   const double shown = scale * value;
-  return std::abs(shown) >= 1000.0 ? ">999" : fmt::format("{:.{}f}", shown, scale == 1.0 ? 2 : 1);
+  if (std::abs(shown) >= 999.5) return ">999";
+  return fmt::format("{:.{}f}", shown, std::abs(shown) >= 99.95 ? 0 : scale == 1.0 ? 2 : 1);
 }
 
 std::vector<std::string> cells_of(TrialMethod method, const std::array<TrialResult, 3>& r) {
@@ -200,14 +201,15 @@ class EvaluateTissue final : public Verb {
   }
 
   [[nodiscard]] Result<Answer> thesis(const Progress& progress) const {
-    ThesisTissue found = redo_thesis_tissue(common_->seed, progress);
+    auto found = redo_thesis_tissue(common_->seed, progress);
+    if (!found) return tl::unexpected(found.error());
     if (!out_.empty()) {
-      if (auto written = write_file(out_, found.html); !written)
+      if (auto written = write_file(out_, found->html); !written)
         return tl::unexpected(written.error());
     }
     Answer answer;
-    answer.json = std::move(found.json);
-    answer.text = std::move(found.text);
+    answer.json = std::move(found->json);
+    answer.text = std::move(found->text);
     return answer;
   }
 

@@ -8,6 +8,8 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "apps/tuina/result_table.hpp"
+#include "apps/tuina/thesis_subjects.hpp"
 #include "apps/tuina/tissue_trials.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/telemetry/report_style.hpp"
@@ -26,56 +28,6 @@ namespace palette = telemetry::palette;
 
 constexpr double pressed_to_n = 20.0;
 
-/// A row is its cells; the same rows go to the terminal, the page and the JSON.
-struct Table {
-  std::string title, note;
-  std::vector<std::string> heads;
-  std::vector<std::vector<std::string>> rows;
-};
-
-std::string to_text(const Table& table) {
-  std::string text = table.title + "\n";
-  std::vector<std::size_t> widths(table.heads.size());
-  const auto measure = [&](const std::vector<std::string>& cells) {
-    for (std::size_t i = 0; i < cells.size(); ++i) widths[i] = std::max(widths[i], cells[i].size());
-  };
-  measure(table.heads);
-  for (const auto& row : table.rows) measure(row);
-  const auto add = [&](const std::vector<std::string>& cells) {
-    for (std::size_t i = 0; i < cells.size(); ++i)
-      text += fmt::format("  {:<{}}", cells[i], widths[i]);
-    text.erase(text.find_last_not_of(' ') + 1);
-    text += "\n";
-  };
-  add(table.heads);
-  for (const auto& row : table.rows) add(row);
-  return text + "  " + table.note + "\n\n";
-}
-
-std::string to_html(const Table& table, const std::string& figures) {
-  std::string html =
-      fmt::format("<section><h2>{}</h2><p>{}</p>{}<div class=\"wide\"><table><thead><tr>",
-                  table.title, table.note, figures);
-  for (const auto& head : table.heads) html += fmt::format("<th>{}</th>", head);
-  html += "</tr></thead><tbody>";
-  for (const auto& row : table.rows) {
-    html += "<tr>";
-    for (const auto& cell : row) html += fmt::format("<td>{}</td>", telemetry::escaped(cell));
-    html += "</tr>";
-  }
-  return html + "</tbody></table></div></section>";
-}
-
-nlohmann::json to_json(const Table& table) {
-  nlohmann::json rows = nlohmann::json::array();
-  for (const auto& row : table.rows) {
-    nlohmann::json object;
-    for (std::size_t i = 0; i < row.size(); ++i) object[table.heads[i]] = row[i];
-    rows.push_back(object);
-  }
-  return rows;
-}
-
 /// 6.1.1: down and up at a constant speed; sensors as good as a wrist sensor's.
 template <typename Law>
 Record press_at(const Law& law, double deepest_m, double speed, Random& random) {
@@ -90,8 +42,8 @@ Record press_at(const Law& law, double deepest_m, double speed, Random& random) 
   return record;
 }
 
-Table table_6_1(Random& random, std::string& figures) {
-  Table table{
+ResultTable table_6_1(Random& random, std::string& figures) {
+  ResultTable table{
       "6.1: Table 6-1, pressed at 5, 20 and 40 mm/s",
       "Simulated tissue that follows the tangent, force noise 0.2 N, so this shows that the "
       "procedure finds what is there and that an error of 0.2 N is the sensor's; it does "
@@ -140,13 +92,14 @@ Table table_6_1(Random& random, std::string& figures) {
   return table;
 }
 
-Table table_of_laws(Random& random) {
-  Table table{"6.1: when is the tangent the right law?",
-              "Presses to 20 N at 20 mm/s on tissue of the law at the left; by how much the "
-              "criterion of Akaike of each fitted law exceeds the best one's. Below 10 two laws "
-              "cannot be told apart. The place of the skin is fitted with every law.",
-              {"truth"},
-              {}};
+ResultTable table_of_laws(Random& random) {
+  ResultTable table{
+      "6.1: when is the tangent the right law?",
+      "Presses to 20 N at 20 mm/s on tissue of the law at the left; by how much the "
+      "criterion of Akaike of each fitted law exceeds the best one's. Below 10 two laws "
+      "cannot be told apart. The place of the skin is fitted with every law.",
+      {"truth"},
+      {}};
   for (const auto law : tissue::tissue_laws) table.heads.emplace_back(tissue::name_of(law));
   const TangentTissue hard = trial_tissues[1].tissue;
   const double deepest_m = tissue::depth_at_force(hard, pressed_to_n);
@@ -210,17 +163,18 @@ Convergence converge(const tissue::ThesisEstimatorOptions& options, const Tangen
   return result;
 }
 
-Table table_6_3_1(std::uint64_t seed, std::string& figures) {
+ResultTable table_6_3_1(std::uint64_t seed, std::string& figures) {
   const tissue::ThesisEstimatorOptions r1{
       .gain_per_s = 0.2, .initial_covariance = 1000.0, .normalised = false};
   const tissue::ThesisEstimatorOptions r2{.gain_per_s = 5.0, .unit_m = 1.0};
-  Table table{"6.3.1: Fig. 6-7, the simulated convergence",
-              "Printed: bone in 10 s, both muscles in 20 s, with a gain of 5. Two readings of what "
-              "is not printed come close: R1, millimetres, gain 0.2, P(0) = 1000, judged at 1 %; "
-              "R2, metres, gain 5, P(0) = 1, normalised, judged at 5 %. Below them the same with "
-              "what every sensor has.",
-              {"configuration", "bone s", "hard s", "soft s", "error at 45 s, bone/hard/soft %"},
-              {}};
+  ResultTable table{
+      "6.3.1: Fig. 6-7, the simulated convergence",
+      "Printed: bone in 10 s, both muscles in 20 s, with a gain of 5. Two readings of what "
+      "is not printed come close: R1, millimetres, gain 0.2, P(0) = 1000, judged at 1 %; "
+      "R2, metres, gain 5, P(0) = 1, normalised, judged at 5 %. Below them the same with "
+      "what every sensor has.",
+      {"configuration", "bone s", "hard s", "soft s", "error at 45 s, bone/hard/soft %"},
+      {}};
   struct Case {
     const char* name;
     tissue::ThesisEstimatorOptions options;
@@ -274,104 +228,35 @@ Table table_6_3_1(std::uint64_t seed, std::string& figures) {
   return table;
 }
 
-Table table_6_3_2(std::uint64_t seed, const Progress& progress, std::string& figures) {
-  Table table{
-      "6.3.2: the seven subjects of Table 6-2, pressed for a minute",
-      "Simulated bodies with the printed alpha and beta; a press in two seconds under force "
-      "control to 25-30 N, breath 3 mm, torso 35 N/mm known to 20 %. The thesis' least "
-      "squares (gain 0.1) is told where the skin is and holds in the air. Errors are the "
-      "worse one of alpha and beta.",
-      {"subject", "tissue", "alpha N", "beta /mm", "thesis after 60 s %", "ours after 60 s %",
-       "ours converged s", "error then %"},
-      {}};
-  sim::PressScenario scenario;
-  for (const auto& known : sim::press_scenarios()) {
-    if (known.name == "L3") scenario = known;
-  }
-  scenario.tissue_spread = 0.0;
-  scenario.duration_s = 60.0;
-  telemetry::Plot map{.title = "alpha and beta of the seven",
-                      .x_label = "alpha, N",
-                      .y_label = "beta, 1/mm",
-                      .height_px = 320};
-  telemetry::Series truth{.name = "printed", .colour = palette::ink, .dots = true};
-  constexpr std::array colours = {palette::press, palette::rub, palette::stroke};
-  std::array<telemetry::Series, 3> felt;
-  for (std::size_t k = 0; k < 3; ++k)
-    felt[k] = {.name = trial_tissues[k].name, .colour = colours[k], .dots = true};
-  const auto subjects = tissue::table_6_2();
-  for (std::size_t s = 0; s < subjects.size(); ++s) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      Random random = make_random(seed + s, trial_tissues[k].name);
-      const auto presses = sim::simulate_presses(scenario, subjects[s].tissue[k],
-                                                 trial_tissues[k].robot_peak_n, random);
-      auto options = tissue::pressed_by_robot(scenario.torso_n_per_m, 0.0);
-      options.position_noise_m = scenario.position_noise_m;
-      tissue::PressEstimator ours(options);
-      tissue::ThesisEstimator theirs({.initial_covariance = 1e3, .only_in_contact = true});
-      const auto error = [&](const TangentTissue& found) {
-        return 100.0 * std::max(std::abs(found.alpha_n / presses.truth.alpha_n - 1.0),
-                                std::abs(found.beta_per_m / presses.truth.beta_per_m - 1.0));
-      };
-      std::optional<double> converged_s, error_then;
-      for (const auto& sample : presses.record) {
-        ours.update(sample.time_s, sample.press);
-        theirs.update({sample.press.depth_m - presses.skin_m, sample.press.force_n}, 1e-3);
-        if (ours.estimate().converged && !converged_s) {
-          converged_s = ours.estimate().converged_after_s;
-          error_then = error(ours.estimate().tissue);
-        }
-      }
-      const double theirs_error = error(theirs.tissue());
-      const TangentTissue found = ours.estimate().tissue;
-      const auto or_never = [](const std::optional<double>& value, const char* never) {
-        return value ? fmt::format("{:.1f}", *value) : std::string(never);
-      };
-      table.rows.push_back(
-          {fmt::format("{} {} {}", s + 1, subjects[s].build, subjects[s].female ? "f" : "m"),
-           trial_tissues[k].name, fmt::format("{:.2f}", presses.truth.alpha_n),
-           fmt::format("{:.3f}", from_mm(presses.truth.beta_per_m)),
-           theirs_error < 1000.0 ? fmt::format("{:.0f}", theirs_error) : std::string(">999"),
-           fmt::format("{:.1f}", error(found)), or_never(converged_s, "never"),
-           or_never(error_then, "-")});
-      truth.x.push_back(presses.truth.alpha_n);
-      truth.y.push_back(from_mm(presses.truth.beta_per_m));
-      felt[k].x.push_back(found.alpha_n);
-      felt[k].y.push_back(from_mm(found.beta_per_m));
-    }
-    if (progress) progress(static_cast<double>(s + 1) / 7.0);
-  }
-  map.series = {truth, felt[0], felt[1], felt[2]};
-  figures = telemetry::to_svg(map);
-  return table;
-}
-
 }  // namespace
 
-ThesisTissue redo_thesis_tissue(std::uint64_t seed, const Progress& progress) {
+Result<ThesisTissue> redo_thesis_tissue(std::uint64_t seed, const Progress& progress) {
   Random random = make_random(seed, "thesis chapter 6");
-  std::string fits, curves, subjects;
-  const Table t1 = table_6_1(random, fits), t2 = table_of_laws(random);
-  const Table t3 = table_6_3_1(seed, curves), t4 = table_6_3_2(seed, progress, subjects);
+  auto subjects = press_thesis_subjects(seed, progress);
+  if (!subjects) return tl::unexpected(subjects.error());
+  std::string fits, curves;
+  const ResultTable t1 = table_6_1(random, fits), t2 = table_of_laws(random);
+  const ResultTable t3 = table_6_3_1(seed, curves);
   ThesisTissue result;
-  result.text = to_text(t1) + to_text(t2) + to_text(t3) + to_text(t4) +
+  result.text = to_text(t1) + to_text(t2) + to_text(t3) + to_text(subjects->presses) +
+                to_text(subjects->people) +
                 "Simulation only: nothing here was shown on living tissue.";
-  result.json = nlohmann::json{
-      {"seed", seed},
-      {"table_6_1", to_json(t1)},
-      {"laws", to_json(t2)},
-      {"figure_6_7", to_json(t3)},
-      {"subjects",
-       to_json(t4)}}.dump(2);
+  result.json = nlohmann::json{{"seed", seed},
+                               {"table_6_1", to_json(t1)},
+                               {"laws", to_json(t2)},
+                               {"figure_6_7", to_json(t3)},
+                               {"subjects", to_json(subjects->presses)},
+                               {"body_condition", to_json(subjects->people)}}
+                    .dump(2);
   result.html = fmt::format(
       "<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\"><title>Chapter 6 "
       "again</title><style>{}</style></head><body><main><div class=\"over\"><span>tuina "
       "evaluate tissue --thesis</span><span class=\"badge\">simulation</span></div>"
       "<h1>Chapter 6 of the thesis, again</h1><p class=\"lead\">Soft tissue as F = "
       "&alpha; tan(&beta; x): what is printed, and what comes out when it is done "
-      "again. Nothing here was shown on living tissue.</p>{}{}{}{}</main></body></html>\n",
+      "again. Nothing here was shown on living tissue.</p>{}{}{}{}{}</main></body></html>\n",
       telemetry::report_style, to_html(t1, fits), to_html(t2, ""), to_html(t3, curves),
-      to_html(t4, subjects));
+      to_html(subjects->presses, subjects->figures), to_html(subjects->people, ""));
   return result;
 }
 

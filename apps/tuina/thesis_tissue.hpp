@@ -5,6 +5,7 @@
 #include <string>
 
 #include "tuina/core/progress.hpp"
+#include "tuina/core/result.hpp"
 
 namespace tuina::app {
 
@@ -13,6 +14,6 @@ namespace tuina::app {
 struct ThesisTissue {
   std::string text, json, html;
 };
-[[nodiscard]] ThesisTissue redo_thesis_tissue(std::uint64_t seed, const Progress& progress);
+[[nodiscard]] Result<ThesisTissue> redo_thesis_tissue(std::uint64_t seed, const Progress& progress);
 
 }  // namespace tuina::app

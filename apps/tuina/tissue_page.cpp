@@ -55,25 +55,36 @@ std::string curves_of(const TissuePage& page, const std::string& scenario,
   return telemetry::to_svg(plot);
 }
 
+/// "never/never/never" says no more than "never".
+std::string shortened(const std::string& cell) {
+  const std::size_t n = cell.find('/');
+  const bool three = n != std::string::npos && cell.size() == 3 * n + 2;
+  const std::string part = cell.substr(0, n);
+  return three && cell == part + "/" + part + "/" + part ? part : cell;
+}
+
 std::string table_of(const TissuePage& page) {
-  constexpr std::array heads = {"t95, s",       "one press, %", "at the end, %",
-                                "bias, %",      "coverage",     "detectable, %",
-                                "converged, %", "after, s",     "falsely, %"};
+  constexpr std::array heads = {"method",   "t95, s",   "one press, %",  "at the end, %",
+                                "bias, %",  "coverage", "detectable, %", "converged, %",
+                                "after, s", "false, %"};
   std::string html =
-      "<div class=\"wide\"><table><thead><tr><th>scenario</th><th class=\"l\">method</th>";
+      "<div class=\"wide\"><table style=\"font-size:11.5px;letter-spacing:-.01em\"><thead><tr>";
   for (const char* head : heads) html += fmt::format("<th>{}</th>", head);
   html += "</tr></thead><tbody>";
   std::string before;
   for (const TissueRow& row : page.rows) {
-    const bool first = row.scenario != before;
-    before = row.scenario;
-    html += fmt::format("<tr{}><td>{}</td><td class=\"l\">{}</td>",
+    if (row.scenario != before) {
+      html += fmt::format(
+          "<tr><td class=\"l\" colspan=\"{}\" style=\"padding-top:16px;white-space:normal\">"
+          "<b>{}</b> <em>{}</em></td></tr>",
+          heads.size(), escaped(row.scenario), escaped(row.about));
+      before = row.scenario;
+    }
+    html += fmt::format("<tr{}><td>{}</td>",
                         row.method == "tuina" ? " style=\"background:#fdf3e7\"" : "",
-                        first ? fmt::format("<b>{}</b><br><small>{}</small>", escaped(row.scenario),
-                                            escaped(row.about))
-                              : "",
                         escaped(row.method));
-    for (const std::string& cell : row.cells) html += fmt::format("<td>{}</td>", escaped(cell));
+    for (const std::string& cell : row.cells)
+      html += fmt::format("<td>{}</td>", escaped(shortened(cell)));
     html += "</tr>";
   }
   return html + "</tbody></table></div>";
@@ -115,7 +126,7 @@ std::string to_html(const TissuePage& page) {
       "<section><h2>All scenarios</h2><p>Bone/hard/soft. t95: from then on 95 % of the runs stay "
       "within 5 %. Errors: 95 % quantile of the worse one of &alpha; and &beta;. Bias and coverage "
       "of the 95 % intervals: &alpha;/&beta; of the worst tissue. Detectable: smallest change of "
-      "&alpha; between two such records that can be told from noise. Falsely: called converged "
+      "&alpha; between two such records that can be told from noise. False: called converged "
       "while beyond the promise, of all runs.</p>" +
       table_of(page) + "</section></main></body></html>\n";
   return html;
