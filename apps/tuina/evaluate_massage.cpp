@@ -210,6 +210,7 @@ class EvaluateMassage final : public Verb {
       if (!outcomes[i].refused.empty()) tell("refused: " + outcomes[i].refused);
       for (const std::string& stop : outcomes[i].stops) tell("stopped: " + stop);
       for (const std::string& trouble : outcomes[i].troubles) tell(trouble);
+      for (const std::string& beyond : outcomes[i].beyond) tell(beyond);
       for (const std::string& note : outcomes[i].left_out) tell(note);
     }
     ordered_json programmes = ordered_json::object(), steering = ordered_json::object();

@@ -26,6 +26,7 @@ void visit_all(Outcome& outcome, const Visit& visit) {
   visit("stops", outcome.stops);
   visit("troubles", outcome.troubles);
   visit("left_out", outcome.left_out);
+  visit("beyond", outcome.beyond);
   visit("duration_s", outcome.duration_s);
   visit("rmse_n", outcome.rmse_n);
   visit("overshoot_n", outcome.overshoot_n);

@@ -6,10 +6,14 @@
 
 #include "apps/tuina/session_store.hpp"
 #include "tuina/core/parallel.hpp"
+#include "tuina/core/units.hpp"
 #include "tuina/session/massage_step.hpp"
 
 namespace tuina::app {
 namespace {
+
+/// The tool is to press within its contact radius of the true point.
+constexpr double wanted_m = 17_mm;
 
 bool bony(massage::Zone zone) {
   return session::guarded_zone(zone) == safety::Zone::bony;
@@ -17,6 +21,14 @@ bool bony(massage::Zone zone) {
 
 bool of_the_seven(const std::string& name) {
   return std::find(seven_acupoints.begin(), seven_acupoints.end(), name) != seven_acupoints.end();
+}
+
+/// Of the point as it was mapped last.
+double uncertainty_of(const SessionResult& done, const std::string& name) {
+  for (const Acupoint& point : done.located.acupoints) {
+    if (point.name == name) return point.uncertainty_m;
+  }
+  return 0.0;
 }
 
 }  // namespace
@@ -45,7 +57,9 @@ SessionOutcome run_session_trial(const SessionTrial& trial, const session::Confi
   outcome.over_cap_n = outcome.over_trip_n = -std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < done->performed.size(); ++i) {
     const session::Performed& performed = done->performed[i];
-    const auto& path = done->ready.plan.paths[static_cast<std::size_t>(performed.path)].path;
+    const massage::PlannedPath& planned =
+        done->ready.plan.paths[static_cast<std::size_t>(performed.path)];
+    const ContactPath& path = planned.path;
     const Touched& touched = done->touched[i];
     if (performed.trouble != control::Trouble::none) {
       outcome.troubles.push_back(
@@ -54,8 +68,20 @@ SessionOutcome run_session_trial(const SessionTrial& trial, const session::Confi
     if (bony(touched.zone)) outcome.bony_peak_n = std::max(outcome.bony_peak_n, touched.peak_n);
     outcome.over_cap_n = std::max(outcome.over_cap_n, touched.over_cap_n);
     outcome.over_trip_n = std::max(outcome.over_trip_n, touched.over_trip_n);
+    if (touched.over_cap_n > 0.0) {
+      outcome.beyond.push_back(fmt::format(
+          "{}: {:.1f} N over what {} may be asked for, mapped {}", path.name, touched.over_cap_n,
+          massage::name_of(touched.over_cap_zone), massage::name_of(planned.zone)));
+    }
     const auto off_m = tool_to_acupoint_m(*done, i);
-    if (off_m && of_the_seven(path.acupoints.front())) outcome.tool_to_acupoint_m.push_back(*off_m);
+    if (!off_m || !of_the_seven(path.acupoints.front())) continue;
+    outcome.tool_to_acupoint_m.push_back(*off_m);
+    if (*off_m > wanted_m) {
+      outcome.beyond.push_back(fmt::format(
+          "{}: the tool was {:.1f} mm from the true point, mapped "
+          "to {:.1f} mm",
+          path.name, to_mm(*off_m), to_mm(uncertainty_of(*done, path.acupoints.front()))));
+    }
   }
   return outcome;
 }

@@ -23,6 +23,8 @@ struct SessionOutcome {
   std::string refused = {};  ///< why there was no session; the rest is then empty
   Position position = Position::sitting;
   std::vector<std::string> stops = {}, troubles = {}, left_out = {};
+  std::vector<std::string> beyond =
+      {};  ///< force beyond a true zone's cap, press far off its point
   double duration_s = 0.0;
   double rmse_n = 0.0, overshoot_n = 0.0;  ///< of the true force, all techniques
   double bony_peak_n = 0.0;                ///< largest force where bone truly is near

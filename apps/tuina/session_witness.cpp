@@ -102,7 +102,10 @@ void Witness::feel(Touched& touched, const sim::ContactTruth& contact, bool row)
   const massage::Zone zone = true_zones_.at(contact.at_in_couch);
   if (contact.force_n == touched.peak_n) touched.zone = zone;
   const massage::ZoneRule& rule = massage::rule_of(zone);
-  touched.over_cap_n = std::max(touched.over_cap_n, contact.force_n - rule.cap_n);
+  if (contact.force_n - rule.cap_n > touched.over_cap_n) {
+    touched.over_cap_n = contact.force_n - rule.cap_n;
+    touched.over_cap_zone = zone;
+  }
   touched.over_trip_n = std::max(touched.over_trip_n, contact.force_n - rule.trip_n);
 }
 

@@ -31,6 +31,7 @@ struct Touched {
   /// where an arm has to give way. Negative when it stayed below.
   double over_cap_n = -std::numeric_limits<double>::infinity();
   double over_trip_n = -std::numeric_limits<double>::infinity();
+  massage::Zone over_cap_zone = massage::Zone::muscle;  ///< where `over_cap_n` was
 };
 
 /// All that a simulated session was and did, for its JSON, its files and its report.
