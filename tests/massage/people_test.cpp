@@ -61,7 +61,7 @@ void lay_aside(const sim::Person& person) {
           if (truth.at(point.at_in_couch) == Zone::spine) most_n = std::max(most_n, point.force_n);
         }
         on_spine += most_n > 0.0 ? 1 : 0;
-        CHECK(most_n <= perhaps_spine_n);
+        CHECK(most_n <= perhaps_spine_n(planned.path.technique));
       }
     }
   }

@@ -221,9 +221,22 @@ TEST_CASE("forces above the cap of a zone are lowered, and the plan says so") {
                     programme_of("intensity = 5\n[[part]]\ntechnique = \"press\"\npoints = "
                                  "[\"BL50\", \"GV4\"]\nforce_n = 45\n"));
   REQUIRE(plan.has_value());
-  CHECK(noted(*plan, "press BL50_L: 63.0 N lowered to 20.0 N (kidney)"));
+  CHECK(noted(*plan, "press BL50_L: 63.0 N lowered to 18.0 N (kidney)"));
   CHECK(noted(*plan, "press GV4: 63.0 N lowered to 8.0 N (GV4, perhaps spine)"));
   CHECK(plan->zones_touched == std::vector<std::string>{"kidney", "GV4"});
+}
+
+TEST_CASE("a plan says which points are known less well than the tool is wide") {
+  Person person;
+  const Programme presses = programme_of(
+      "[[part]]\ntechnique = \"press\"\npoints = [\"SI11\", \"BL50\"]\nforce_n = 10\n");
+  const auto sure = massage::plan(person.back, person.points, {}, presses);
+  CHECK_FALSE(noted(*sure, "known less well"));
+  for (Acupoint& point : person.points) {
+    if (point.name == "BL50_R" || point.name == "BL47_L") point.uncertainty_m = 21_mm;
+  }
+  const auto doubtful = massage::plan(person.back, person.points, {}, presses);
+  CHECK(noted(*doubtful, "known less well than that (95 %): BL50_R 21 mm"));
 }
 
 TEST_CASE("a configured ceiling lowers every cap, and none raises the ceilings of the zones") {

@@ -96,9 +96,9 @@ TEST_CASE("what feels like bone next to the spine gets no more than a spinous pr
     visit(steering, 0, time_s, 2, tissue);
     return steering.steered_n(Arm::left, 15.0);
   };
-  CHECK(allowed_n(massage::Zone::spine_margin, bone) <= massage::perhaps_spine_n);
-  CHECK(allowed_n(massage::Zone::spine_margin, hard) > massage::perhaps_spine_n);
-  CHECK(allowed_n(massage::Zone::ribs, bone) > massage::perhaps_spine_n);
+  CHECK(allowed_n(massage::Zone::spine_margin, bone) <= massage::perhaps_spine_n(Technique::press));
+  CHECK(allowed_n(massage::Zone::spine_margin, hard) > massage::perhaps_spine_n(Technique::press));
+  CHECK(allowed_n(massage::Zone::ribs, bone) > massage::perhaps_spine_n(Technique::press));
 }
 
 namespace {

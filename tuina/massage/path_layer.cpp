@@ -33,8 +33,7 @@ Result<std::optional<WaitingPath>> PathLayer::lay(const Part& part, const Target
          point.name, to_mm(point.uncertainty_m), to_mm(most_uncertainty_m));
     return std::optional<WaitingPath>{};
   }
-  const bool slides = part.technique == Technique::rub || part.technique == Technique::stroke;
-  auto waiting = slides ? lay_sliding(part, target) : lay_standing(part, target);
+  auto waiting = slides(part.technique) ? lay_sliding(part, target) : lay_standing(part, target);
   if (!waiting && waiting.error().fault == Fault::not_found) {
     // The scan ends before the path does; the rest of the programme can still be given.
     note("left out, {}", waiting.error().message);
@@ -233,7 +232,7 @@ std::optional<Arm> PathLayer::arm_of(const Vector3& in_couch) const {
 double PathLayer::cap_of(Technique technique, Zone zone, bool perhaps_spine) const {
   const double of_zone_n = cap_n(zone, technique);
   const double of_muscle_n = zone == Zone::muscle ? options_.muscle_cap_n : of_zone_n;
-  const double of_spine_n = perhaps_spine ? perhaps_spine_n : of_zone_n;
+  const double of_spine_n = perhaps_spine ? perhaps_spine_n(technique) : of_zone_n;
   return std::min({of_zone_n, of_muscle_n, of_spine_n, options_.force_ceiling_n});
 }
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tuina/core/units.hpp"
 #include "tuina/massage/path_layer.hpp"
 
 namespace tuina::massage {
@@ -37,6 +38,26 @@ double min_tool_distance_m(const std::vector<PlannedPath>& paths) {
     nearest_m = nearest_m == 0.0 ? apart_m : std::min(nearest_m, apart_m);
   }
   return nearest_m;
+}
+
+/// The points whose place is known less well than a press tolerates, in one sentence; each is
+/// pressed all the same, where the map has it.
+std::string doubtful_places(std::span<const Acupoint> acupoints,
+                            std::span<const PlannedPath> paths) {
+  std::vector<std::string> doubtful;
+  for (const Acupoint& point : acupoints) {
+    const bool pressed = std::any_of(paths.begin(), paths.end(), [&](const PlannedPath& planned) {
+      return planned.path.technique == Technique::press &&
+             planned.path.acupoints.front() == point.name;
+    });
+    if (pressed && point.uncertainty_m > contact_radius_m)
+      doubtful.push_back(fmt::format("{} {:.0f} mm", point.name, to_mm(point.uncertainty_m)));
+  }
+  if (doubtful.empty()) return {};
+  return fmt::format(
+      "the tool covers {:.0f} mm, and the places of these points are known less well "
+      "than that (95 %): {}",
+      to_mm(contact_radius_m), fmt::join(doubtful, ", "));
 }
 
 bool other_side_of(const ContactPath& one, const ContactPath& other) {
@@ -106,6 +127,8 @@ Result<Plan> plan(const body::BackSurface& back, std::span<const Acupoint> acupo
   result.min_tool_distance_m = min_tool_distance_m(result.paths);
   for (const Zone zone : layer.touched()) result.zones_touched.emplace_back(name_of(zone));
   result.notes = layer.notes();
+  if (std::string doubt = doubtful_places(acupoints, result.paths); !doubt.empty())
+    result.notes.push_back(std::move(doubt));
   return result;
 }
 

@@ -11,7 +11,6 @@ namespace tuina::massage {
 namespace {
 
 constexpr double spine_half_width_m = 15_mm;
-constexpr double contact_radius_m = 17_mm;  // of the sphere tool, [thesis] 5.5
 constexpr double gv4_radius_m = 10_mm;
 constexpr double bone_edge_m = 10_mm;  // what counts as on an edge, to either side
 constexpr double kidney_inner_m = 40_mm;
@@ -116,7 +115,9 @@ ZoneMap::ZoneMap(const BackChart& chart, std::span<const Acupoint> acupoints,
 }
 
 double ZoneMap::half_width_m(double up_m) const {
-  const double uncertainty_m = std::max(shoulder_uncertainty_m_, loin_uncertainty_m_);
+  // Nothing near a flank warns that it is one, and the map knows it by its narrowest place only.
+  const double uncertainty_m =
+      once_in_2000 / 1.96 * std::max(shoulder_uncertainty_m_, loin_uncertainty_m_);
   if (up_m <= outline_.front().up_m) return outline_.front().left_m - uncertainty_m;
   for (std::size_t i = 1; i < outline_.size(); ++i) {
     if (up_m > outline_[i].up_m) continue;

@@ -27,12 +27,15 @@ enum class Zone : std::uint8_t {
   no_go,         ///< ruled out by the therapist, the tool's contact radius around it
 };
 
+/// Of the skin under the sphere tool, [thesis] 5.5.
+inline constexpr double contact_radius_m = 0.017;
+
 /// What a zone bears. These are compiled ceilings, starting values that a therapist must confirm;
 /// nothing that is read from a file can raise them.
 struct ZoneRule {
   const char* name;
-  double cap_n;      ///< largest force that may be asked for; 0: not to be touched
-  double trip_n;     ///< largest force that may be felt before the arm has to give way
+  double cap_n;      ///< largest true force that is meant to be felt; 0: not to be touched
+  double trip_n;     ///< largest before the arm has to give way
   bool sliding;      ///< rubbing and stroking allowed
   bool tapping;      ///< tapping allowed
   double longest_s;  ///< of contact at one place
@@ -56,16 +59,25 @@ inline constexpr std::array<ZoneRule, 11> zone_rules = {{
 [[nodiscard]] constexpr const char* name_of(Zone zone) {
   return rule_of(zone).name;
 }
-/// Where the spine cannot be ruled out: what a spinous process may feel, less what the true force
-/// may be over the one asked for.
-inline constexpr double perhaps_spine_n = 8.0;
-static_assert(perhaps_spine_n < rule_of(Zone::spine).trip_n);
-/// Newtons that a technique may ask for in a zone; 0 where it is denied.
+[[nodiscard]] constexpr bool slides(Technique technique) {
+  return technique == Technique::rub || technique == Technique::stroke;
+}
+/// How far the true force may come to be over the largest one asked for: control has 0.7 N while a
+/// place is pressed and 1.8 N on a rub (docs/massage.md), and one is careful.
+[[nodiscard]] constexpr double overshoot_n(Technique technique) {
+  return slides(technique) ? 3.0 : 2.0;
+}
+/// Newtons that a technique may ask for in a zone, so that the true force keeps to its cap; 0 where
+/// it is denied.
 [[nodiscard]] constexpr double cap_n(Zone zone, Technique technique) {
   const ZoneRule& rule = rule_of(zone);
-  if (technique == Technique::tap && !rule.tapping) return 0.0;
-  const bool slides = technique == Technique::rub || technique == Technique::stroke;
-  return slides && !rule.sliding ? 0.0 : rule.cap_n;
+  const bool denied = rule.cap_n <= 0.0 || (technique == Technique::tap && !rule.tapping) ||
+                      (slides(technique) && !rule.sliding);
+  return denied ? 0.0 : rule.cap_n - overshoot_n(technique);
+}
+/// What may be asked for where the spine cannot be ruled out: a spinous process may feel 10 N.
+[[nodiscard]] constexpr double perhaps_spine_n(Technique technique) {
+  return rule_of(Zone::spine).trip_n - overshoot_n(technique);
 }
 
 /// Which zone a place of one person's back is in. Every border stands on the careful side by the

@@ -170,9 +170,10 @@ void Steering::judge(Arm arm, double time_s) noexcept {
   // Whatever the map says: what feels like bone so near to the spine is the spine.
   const bool near_spine =
       planned.zone == massage::Zone::spine_margin || planned.zone == massage::Zone::gv4;
-  if (near_spine && before_n > massage::perhaps_spine_n &&
+  const double bears_n = massage::perhaps_spine_n(planned.path.technique);
+  if (near_spine && before_n > bears_n &&
       tissue::classify(place.estimate, place.chi).label == tissue::TissueClass::bone) {
-    side.cap_n = massage::perhaps_spine_n;
+    side.cap_n = bears_n;
     decide(arm, time_s, "A8", "bone where the spine may be: no more than a process bears", before_n,
            side.cap_n);
     return;
