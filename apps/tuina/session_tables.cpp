@@ -105,10 +105,11 @@ std::string csv_of(const std::vector<JointRow>& joints) {
 }
 
 std::string csv_of(const std::vector<telemetry::ArmDistance>& distances) {
-  std::string text = "time_s,arm_to_arm_mm,arm_to_person_mm\n";
-  for (const telemetry::ArmDistance& row : distances)
-    text += fmt::format("{:.3f},{:.2f},{:.2f}\n", row.time_s, to_mm(row.apart_m),
-                        to_mm(row.to_person_m));
+  std::string text = "time_s,arm_to_arm_mm,arm_to_person_mm,arm_to_couch_mm,arm_to_body_mm\n";
+  for (const telemetry::ArmDistance& row : distances) {
+    text += fmt::format("{:.3f},{:.2f},{:.2f},{:.2f},{:.2f}\n", row.time_s, to_mm(row.apart_m),
+                        to_mm(row.to_person_m), to_mm(row.to_couch_m), to_mm(row.to_body_m));
+  }
   return text;
 }
 
@@ -167,12 +168,17 @@ Result<std::vector<JointRow>> read_joints(const std::filesystem::path& file) {
 }
 
 Result<std::vector<telemetry::ArmDistance>> read_distances(const std::filesystem::path& file) {
-  const auto table = read_csv(file, {"time_s", "arm_to_arm_mm", "arm_to_person_mm"});
+  const auto table = read_csv(
+      file, {"time_s", "arm_to_arm_mm", "arm_to_person_mm", "arm_to_couch_mm", "arm_to_body_mm"});
   if (!table) return tl::unexpected(table.error());
   std::vector<telemetry::ArmDistance> rows;
   for (std::size_t i = 0; i < table->rows(); ++i) {
-    rows.push_back(
-        {table->columns[0][i], from_mm(table->columns[1][i]), from_mm(table->columns[2][i])});
+    const auto metres = [&](std::size_t column) { return from_mm(table->columns[column][i]); };
+    rows.push_back({.time_s = table->columns[0][i],
+                    .apart_m = metres(1),
+                    .to_person_m = metres(2),
+                    .to_couch_m = metres(3),
+                    .to_body_m = metres(4)});
   }
   return rows;
 }

@@ -20,12 +20,18 @@ void Witness::watch(double time_s, const PerArm<session::ArmView>& view,
     const double apart_m = robot::distance_between_m(models_[Arm::left], poses[Arm::left],
                                                      models_[Arm::right], poses[Arm::right]);
     min_arm_distance_m_ = std::min(min_arm_distance_m_, apart_m);
+    robot::Clearances clear;
     for (const Arm arm : both_arms) {
-      clear_.take_least(robot::clearances(models_[arm], poses[arm], truth.rail_m, obstacles_));
+      clear.take_least(robot::clearances(models_[arm], poses[arm], truth.rail_m, obstacles_));
     }
+    clear_.take_least(clear);
     constexpr double distances_every_s = 0.1;
     if (distances_.empty() || time_s - distances_.back().time_s >= distances_every_s - 1e-6)
-      distances_.push_back({time_s, apart_m, to_person_m(poses, moved_in_base)});
+      distances_.push_back({.time_s = time_s,
+                            .apart_m = apart_m,
+                            .to_person_m = to_person_m(poses, moved_in_base),
+                            .to_couch_m = clear[robot::Surrounding::couch],
+                            .to_body_m = clear[robot::Surrounding::body]});
   }
   for (const Arm arm : both_arms) {
     const session::ArmView& seen = view[arm];

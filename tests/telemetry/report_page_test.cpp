@@ -159,4 +159,10 @@ TEST_CASE("the report shows what the tissue decided and how far the arms stayed 
   CHECK_FALSE(holds(page, "arm to person"));
   data.distances = {{0.0, 0.2, 0.15}, {1.0, 0.08, 0.09}};
   CHECK(holds(report_page(data), "arm to person"));
+  CHECK_FALSE(holds(report_page(data), "arm to couch"));
+  data.distances = {{0.0, 0.2, 0.15, 0.3, 0.1}, {1.0, 0.08, 0.09, 0.25, 0.07}};
+  const std::string all = report_page(data);
+  CHECK(holds(all,
+              "At the least: arm to arm 80 mm, arm to person 90 mm, arm to couch 250 mm, "
+              "arm to the robot&#39;s body 70 mm."));
 }

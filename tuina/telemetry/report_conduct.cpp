@@ -2,9 +2,12 @@
 #include "tuina/telemetry/report_conduct.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <tuple>
 
 #include "tuina/core/units.hpp"
 #include "tuina/telemetry/report_figures.hpp"
@@ -14,23 +17,44 @@
 namespace tuina::telemetry {
 namespace {
 
-std::string distance_figure(const ReportData& data) {
-  if (data.distances.empty()) return "";
-  Series apart{.name = "arm to arm", .colour = palette::press};
-  Series to_person{.name = "arm to person", .colour = palette::rub};
-  double most_mm = to_mm(data.stopping_distance_m);
-  for (const ArmDistance& row : data.distances) {
-    apart.x.push_back(row.time_s);
-    apart.y.push_back(to_mm(row.apart_m));
-    most_mm = std::max(most_mm, apart.y.back());
-    if (!std::isfinite(row.to_person_m)) continue;
-    to_person.x.push_back(row.time_s);
-    to_person.y.push_back(to_mm(row.to_person_m));
-    most_mm = std::max(most_mm, to_person.y.back());
+/// One of the distances, in mm over time where it is known; and its smallest value.
+struct Distance {
+  Series series;
+  double least_mm = std::numeric_limits<double>::infinity();
+};
+std::vector<Distance> distances_of(const ReportData& data) {
+  const std::tuple<const char*, double ArmDistance::*, Colour> wanted[] = {
+      {"arm to the robot's body", &ArmDistance::to_body_m, palette::tap},
+      {"arm to couch", &ArmDistance::to_couch_m, palette::stroke},
+      {"arm to person", &ArmDistance::to_person_m, palette::rub},
+      {"arm to arm", &ArmDistance::apart_m, palette::press}};
+  std::vector<Distance> known;
+  for (const auto& [name, member, colour] : wanted) {
+    Distance distance{.series = {.name = name, .colour = colour}};
+    for (const ArmDistance& row : data.distances) {
+      if (!std::isfinite(row.*member)) continue;
+      distance.series.x.push_back(row.time_s);
+      distance.series.y.push_back(to_mm(row.*member));
+      distance.least_mm = std::min(distance.least_mm, distance.series.y.back());
+    }
+    if (!distance.series.x.empty()) known.push_back(std::move(distance));
   }
-  const double end_s = std::max(data.duration_s, apart.x.back());
+  return known;
+}
+
+std::string distance_figure(const ReportData& data) {
+  const std::vector<Distance> distances = distances_of(data);
+  if (distances.empty()) return "";
   const double stop_mm = to_mm(data.stopping_distance_m);
-  Plot plot{.title = "Distances between the arms and to the person over the session",
+  double most_mm = stop_mm;
+  std::vector<std::string> least;
+  for (const Distance& distance : distances) {
+    for (const double mm : distance.series.y) most_mm = std::max(most_mm, mm);
+    least.push_back(fmt::format("{} {:.0f} mm", distance.series.name, distance.least_mm));
+  }
+  std::reverse(least.begin(), least.end());
+  const double end_s = std::max(data.duration_s, data.distances.back().time_s);
+  Plot plot{.title = "How far the arms kept from each other and from what is around them",
             .x_label = "time, s",
             .y_label = "distance, mm",
             .x_low = 0.0,
@@ -44,9 +68,9 @@ std::string distance_figure(const ReportData& data) {
                          .y = {stop_mm, stop_mm},
                          .colour = palette::stop,
                          .dashed = true});
-  if (!to_person.x.empty()) plot.series.push_back(std::move(to_person));
-  plot.series.push_back(std::move(apart));
-  return to_svg(plot);
+  for (const Distance& distance : distances) plot.series.push_back(distance.series);
+  return "<div class=wide>" + to_svg(plot) +
+         "</div><p>At the least: " + escaped(fmt::format("{}", fmt::join(least, ", "))) + ".</p>";
 }
 
 }  // namespace
@@ -89,10 +113,11 @@ std::string conduct_section(const ReportData& data) {
                            : "<div class=wide>" + timeline + "</div>" + technique_key(data, true);
   const std::string distance = distance_figure(data);
   if (!distance.empty()) {
-    html += "<h3>How far they stayed apart</h3><div class=wide>" + distance +
-            "</div><p class=note>Between surfaces. Nearer to each other than the dashed line both "
-            "arms stop. An arm's last link, with the tool, is meant to touch the person and is "
-            "left out.</p>";
+    html += "<h3>How far they stayed apart</h3>" + distance +
+            "<p class=note>Between surfaces. Nearer to each other, to the couch or to the robot's "
+            "body than the dashed line both arms stop. An arm's last link, with the tool, is meant "
+            "to touch the person and is left out there; the upper arm hangs on the body and is "
+            "left out beside it.</p>";
   }
   return html + "</section>";
 }

@@ -92,11 +92,14 @@ struct SteeringDecision {
 };
 
 /// Between surfaces: of the two arms, and of the nearer arm and the person, its last link with the
-/// tool left out because that is meant to touch.
+/// tool left out because that is meant to touch; and of the nearer arm and the couch or the robot's
+/// own body. Infinite where it is not known.
 struct ArmDistance {
   double time_s = 0.0;
   double apart_m = 0.0;
   double to_person_m = std::numeric_limits<double>::infinity();  ///< known only in simulation
+  double to_couch_m = std::numeric_limits<double>::infinity();
+  double to_body_m = std::numeric_limits<double>::infinity();
 };
 
 /// One link of an arm as the solid that is kept clear of everything: a rod with round ends.
