@@ -126,4 +126,27 @@ TEST_CASE("a coarse or fine picture of a depth camera shows the points, couch an
   }
 }
 
+TEST_CASE("pixels that fly above the back of a very dense picture do not change the answer") {
+  const LabelledBody person = phantom(Position::prone);
+  PointCloud cloud = sample(person.skin_in_couch, 0.5_mm);
+  REQUIRE(cloud.points.size() > 1'500'000);
+  const auto clear = map(cloud);
+  Vector3 low = cloud.points.front(), high = low;
+  for (const Vector3& p : cloud.points) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  // So many that they hang together with the skin and with each other.
+  Random random = make_random(8, "flying pixels");
+  for (int i = 0; i < 40'000; ++i) {
+    cloud.points.emplace_back(uniform(random, low.x(), high.x()),
+                              uniform(random, low.y(), high.y()),
+                              uniform(random, high.z() - 0.05, high.z() + 0.15));
+  }
+  const auto found = map(cloud);
+  REQUIRE_MESSAGE(clear.has_value(), test::reason(clear));
+  REQUIRE_MESSAGE(found.has_value(), test::reason(found));
+  CHECK(farthest_mm(*clear, *found) < 5.0);
+}
+
 }  // namespace tuina::body
