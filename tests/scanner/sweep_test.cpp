@@ -200,6 +200,29 @@ TEST_CASE("points between two surfaces and lone specks are left out") {
   CHECK(scan->cloud_in_couch.size() > 80000);
 }
 
+TEST_CASE("an unsure profile is kept where its surface goes on on both sides, not where it ends") {
+  const ScannerCalibration scanner = upright_scanner();
+  const auto even = [](double t) { return -18.0 + 6.0 * t; };
+  auto lines = lines_of_wall(scanner, Vector3::UnitZ(), 1.1, 0.034, 181, even);
+  const auto grow_unsure = [](TimedLine& line, float off_px) {
+    for (LinePoint& point : line.line.points) {
+      point.column_px += off_px;
+      point.deviation_px = 0.34F;
+    }
+  };
+  grow_unsure(lines[90], 0.0F);
+  // The wall ends at frame 120, where a part of the laser's sheet still touches it.
+  for (std::size_t i = 121; i < lines.size(); ++i) lines[i].line.points.clear();
+  grow_unsure(lines[120], -1.5F);
+  const auto scan = make_cloud(lines, poll(-0.3, 6.3, 0.12, 1, even), scanner);
+  REQUIRE_MESSAGE(scan.has_value(), test::reason(scan));
+  std::vector<int> of_frame(lines.size(), 0);
+  for (const GridPlace& place : scan->places) ++of_frame[static_cast<std::size_t>(place.frame)];
+  CHECK(of_frame[90] > 600);
+  CHECK(of_frame[119] > 600);
+  CHECK(of_frame[120] == 0);
+}
+
 TEST_CASE("forth and back over a still roof, the latency that was wrong is found to 3 ms") {
   ScannerCalibration scanner = upright_scanner();
   // 36 degrees forth in 6 s, then back in 4.5 s.

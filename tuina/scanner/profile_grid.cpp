@@ -29,6 +29,21 @@ using Wholes [[gnu::vector_size(4 * lanes)]] = std::int32_t;
   return claim ? Floats{} + 1.0F : Floats{};
 }
 
+// Neighbours of a point on its own surface: in its profile, in the two beside it, and how many of
+// them outshine it.
+struct Company {
+  Floats in_rows = {}, in_profiles = {}, brighter = {};
+  void add(bool in_same_profile, const Floats& near, const Floats& outshines) {
+    (in_same_profile ? in_rows : in_profiles) += near;
+    brighter += near * outshines;
+  }
+  // Less than half of them outshine it: then the middle one does not.
+  [[nodiscard]] Wholes bears_out(float profiles_needed) const {
+    return (in_rows >= 3.0F) & (in_profiles >= profiles_needed) &
+           (2.0F * brighter < in_rows + in_profiles);
+  }
+};
+
 std::size_t whole_vectors(std::size_t rows) {
   return (rows + lanes - 1) / lanes * lanes;
 }
@@ -39,7 +54,7 @@ ProfileGrid::ProfileGrid(std::size_t profiles, std::size_t rows)
     : profiles_(profiles), rows_(rows), stride_(whole_vectors(rows) + 2 * margin_rows) {
   const std::size_t count = (profiles + 2 * margin_profiles) * stride_;
   for (const Plane plane : {x, y, z}) plane_[plane].assign(count, unlit_m);
-  for (const Plane plane : {amplitude, deviation, reach_rows, reach_profiles}) {
+  for (const Plane plane : {amplitude, deviation, reach_rows, reach_profiles, unsure}) {
     plane_[plane].assign(count, 0.0F);
   }
 }
@@ -53,6 +68,7 @@ void ProfileGrid::light(std::size_t profile, std::size_t row, const Node& node) 
   plane_[deviation][i] = node.deviation_m;
   plane_[reach_rows][i] = node.reach_rows_m;
   plane_[reach_profiles][i] = node.reach_profiles_m;
+  plane_[unsure][i] = node.unsure ? 1.0F : 0.0F;
 }
 
 NeighbourJudge::NeighbourJudge(const ProfileGrid& grid) : grid_(grid) {
@@ -185,7 +201,10 @@ void NeighbourJudge::fit_planes() {
 }
 
 // A point needs three neighbours along its profile and, if there are more profiles, two on the next
-// ones, and must not be much dimmer than the middle one of them all.
+// ones, and must not be much dimmer than the middle one of them all. Beside the edge of a shadow or
+// a couch, where a part of the laser's sheet is cut off, whole profiles are dim and centimetres
+// off, and bear each other out; but there the surface ends. So unsure points count, for themselves
+// and for others, only where it goes on in the profiles on both sides.
 void NeighbourJudge::compare_amplitudes() {
   constexpr float dim = 0.6F;
   const std::size_t begin = grid_.place(static_cast<std::size_t>(profile_), 0);
@@ -193,13 +212,16 @@ void NeighbourJudge::compare_amplitudes() {
   const auto plane = [&](ProfileGrid::Plane name) { return grid_.plane_[name].data() + begin; };
   const float* const at[3] = {plane(ProfileGrid::x), plane(ProfileGrid::y), plane(ProfileGrid::z)};
   const float* light = plane(ProfileGrid::amplitude);
-  const float needed = grid_.profiles() > 2 ? 2.0F : 0.0F;
+  const float* unsure = plane(ProfileGrid::unsure);
+  const bool several = grid_.profiles() > 2;
+  const float needed = several ? 2.0F : 0.0F;
+  const float a_side = several ? 1.0F : 0.0F;
   for (std::size_t row = 0; row < verdict_.trusted.size(); row += lanes) {
     const Floats origin[3] = {load(at[0] + row), load(at[1] + row), load(at[2] + row)};
     const Floats reach_rows = load(plane(ProfileGrid::reach_rows) + row);
     const Floats reach_profiles = load(plane(ProfileGrid::reach_profiles) + row);
     const Floats amplitude = load(light + row);
-    Floats in_rows = {}, in_profiles = {}, brighter = {};
+    Company all, sure;
     const auto meet = [&](std::ptrdiff_t i, std::ptrdiff_t j) {
       const auto on = static_cast<std::ptrdiff_t>(row) + i * stride + j;
       Floats distance2 = {};
@@ -210,14 +232,20 @@ void NeighbourJudge::compare_amplitudes() {
       const Floats far = reach_profiles * static_cast<float>(i * i) +
                          reach_rows * static_cast<float>(j < 0 ? -j : j);
       const Floats near = one_if(distance2 <= far * far);
-      brighter += near * one_if(dim * load(light + on) >= amplitude);
+      const Floats outshines = one_if(dim * load(light + on) >= amplitude);
+      all.add(i == 0, near, outshines);
+      sure.add(i == 0, near * (1.0F - load(unsure + on)), outshines);
       return near;
     };
-    for (const int j : {-3, -2, -1, 1, 2, 3}) in_rows += meet(0, j);
-    for (const int j : {-1, 0, 1}) in_profiles += meet(-1, j) + meet(1, j);
-    // Less than half of them outshine it: then the middle one does not.
-    const Floats trusted = one_if((in_rows >= 3.0F) & (in_profiles >= needed) &
-                                  (2.0F * brighter < in_rows + in_profiles));
+    for (const int j : {-3, -2, -1, 1, 2, 3}) meet(0, j);
+    Floats before = {}, after = {};
+    for (const int j : {-1, 0, 1}) {
+      before += meet(-1, j);
+      after += meet(1, j);
+    }
+    const Wholes on_both_sides = (before >= a_side) & (after >= a_side);
+    const Floats trusted = one_if(((load(unsure + row) == 0.0F) & sure.bears_out(needed)) |
+                                  (on_both_sides & all.bears_out(needed)));
     store(verdict_.trusted.data() + row, load(verdict_.trusted.data() + row) * trusted);
   }
 }

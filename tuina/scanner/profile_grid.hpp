@@ -20,6 +20,7 @@ class ProfileGrid {
     float deviation_m = 0.0F;
     float reach_rows_m = 0.0F;      ///< how far the next row may lie on one surface
     float reach_profiles_m = 0.0F;  ///< the same for the next profile
+    bool unsure = false;            ///< to be kept only where its surface goes on on both sides
   };
 
   ProfileGrid(std::size_t profiles, std::size_t rows);
@@ -43,7 +44,17 @@ class ProfileGrid {
 
  private:
   friend class NeighbourJudge;
-  enum Plane : std::size_t { x, y, z, amplitude, deviation, reach_rows, reach_profiles, planes };
+  enum Plane : std::size_t {
+    x,
+    y,
+    z,
+    amplitude,
+    deviation,
+    reach_rows,
+    reach_profiles,
+    unsure,
+    planes
+  };
   // Around the grid there is a margin of unlit places, so that nobody asks where it ends.
   static constexpr std::size_t margin_profiles = 2;
   static constexpr std::size_t margin_rows = 8;

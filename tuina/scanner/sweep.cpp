@@ -20,8 +20,8 @@ constexpr double least_turn_rad = 2.0_deg;
 // A surface seen this flatly cannot be measured: a pixel then covers many points of it.
 constexpr double least_cosine = 0.1;
 
-// Where the line is so dim that noise moves it this far, at grazing edges mostly, one point in
-// thousands lies centimetres off. Seven times the noise is bright enough.
+// Where the line is so dim that noise moves it this far, mostly where light grazes a surface, its
+// neighbours must bear it out. Seven times the noise is bright enough to stand alone.
 constexpr float unsure_px = 0.3F;
 
 Result<void> check(std::span<const TimedLine> lines, const std::vector<double>& yaw_rad) {
@@ -62,7 +62,6 @@ ProfileGrid place_in_couch(std::span<const TimedLine> lines, std::span<const dou
                             std::max<double>(1.0, static_cast<double>(after - before));
     for (const LinePoint& seen : lines[i].line.points) {
       if (seen.row < 0 || seen.row >= camera.height_px) continue;
-      if (seen.deviation_px > unsure_px) continue;
       const auto point = triangulate(calibration, static_cast<double>(seen.column_px), seen.row);
       if (!point) continue;
       // On a surface tilted by 75 degrees, neighbours lie four times as far apart as on an upright
@@ -78,7 +77,8 @@ ProfileGrid place_in_couch(std::span<const TimedLine> lines, std::span<const dou
                   .reach_rows_m =
                       static_cast<float>(steepest * range_m / camera.fy_px + 3.0 * deviation_m),
                   .reach_profiles_m =
-                      static_cast<float>(steepest * range_m * step_rad + 3.0 * deviation_m)});
+                      static_cast<float>(steepest * range_m * step_rad + 3.0 * deviation_m),
+                  .unsure = seen.deviation_px > unsure_px});
     }
   }
   return grid;
