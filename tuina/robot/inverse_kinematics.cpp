@@ -310,10 +310,17 @@ Result<double> choose_rail(const PerArm<const ArmModel*>& arms, const RobotMount
   const std::size_t all = goals[Arm::left].size() + goals[Arm::right].size();
   for (double rail_m = mount.lowest_rail_m; rail_m <= mount.highest_rail_m + 1e-9;
        rail_m += step_m) {
-    std::size_t reached = 0;
+    std::size_t reached = 0, left = all;
     double worst = 1e9;
+    // A place of the base that cannot become the best any more is not looked at further.
+    const auto hopeless = [&] {
+      return reached + left < best_reached ||
+             (reached + left == best_reached && worst <= best_worth);
+    };
     for (const Arm arm : both_arms) {
       for (const ContactGoal& goal : goals[arm]) {
+        if (hopeless()) break;
+        --left;
         const Task task = make_task(*arms[arm], rail_m, goal, options);
         if (out_of_reach(task)) continue;
         const ContactPosture posture =

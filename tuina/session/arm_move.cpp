@@ -170,6 +170,8 @@ Result<ArmMove> move_to_path(const Stage& stage, Arm arm, const ArmRest& from,
   for (std::size_t i = 0; i < std::min(choice.postures_rad.size(), most_rehearsed); ++i) {
     ArmMove move{.path = index, .way_in_base = way, .posture_rad = choice.postures_rad[i]};
     rehearse(stage, arm, from, move, goals, above, after);
+    const double bad = badness(stage, arm, move);
+    if (best && bad >= least_bad) continue;  // the way home is long to rehearse
     const double off_m = std::max(move.air.off_m, move.skin.off_m);
     const char* wrong =
         off_m > off_path_m                       ? "on the way to it the arm gets stuck"
@@ -179,12 +181,10 @@ Result<ArmMove> move_to_path(const Stage& stage, Arm arm, const ArmRest& from,
         : misses_posture(move)                ? "the arm would come there another way round"
         : !finds_home(stage, arm, move.after) ? "from there the arm does not find its way home"
                                               : nullptr;
-    const double bad = badness(stage, arm, move);
     if (wrong != nullptr) {
       if (!best) best = fail(Fault::not_found, "{}", wrong);
       continue;
     }
-    if (bad >= least_bad) continue;
     least_bad = bad;
     best = std::move(move);
     if (least_bad <= choice.least_bad_m + good_enough_m) break;

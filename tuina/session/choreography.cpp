@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "tuina/control/arm_controller.hpp"
+#include "tuina/core/parallel.hpp"
 #include "tuina/core/units.hpp"
 
 namespace tuina::session {
@@ -87,13 +88,14 @@ Result<ArmMove> Choreography::plan_move(Arm arm, const massage::PlannedPath& pla
 
 /// True when both paths run at once.
 bool Choreography::dance_together(const PerArm<Planned>& both) {
-  PerArm<ArmMove> move;
-  for (const Arm arm : both_arms) {
-    auto planned = plan_move(arm, *both[arm]);
-    if (!planned) return false;
-    move[arm] = std::move(*planned);
-  }
-  const ArmMove &left = move[Arm::left], &right = move[Arm::right];
+  // Each arm on a core of its own: they are told from each other only afterwards.
+  PerArm<Result<ArmMove>> move;
+  for_each_in_parallel(both_arms.size(), [&](std::size_t i) {
+    const Arm arm = both_arms[i];
+    move[arm] = plan_move(arm, *both[arm]);
+  });
+  if (!move[Arm::left] || !move[Arm::right]) return false;
+  const ArmMove &left = *move[Arm::left], &right = *move[Arm::right];
   const Moves moves{.of = {&left, &right}};
   const double skins_m = apart_m(left.skin, right.skin);
   if (skins_m < wanted_arm_distance_m) return false;
@@ -106,12 +108,12 @@ bool Choreography::dance_together(const PerArm<Planned>& both) {
   }
   for (const Arm first : both_arms) {
     const Arm second = other(first);
-    const double apart = std::min({skins_m, apart_m(first, move[first].air, rest_[second].stay),
-                                   apart_m(second, move[second].air, move[first].above.stay)});
+    const double apart = std::min({skins_m, apart_m(first, move[first]->air, rest_[second].stay),
+                                   apart_m(second, move[second]->air, move[first]->above.stay)});
     if (apart < wanted_arm_distance_m) continue;
     min_arm_distance_m = std::min(min_arm_distance_m, apart);
-    fly(first, move[first]);
-    fly(second, move[second]);
+    fly(first, *move[first]);
+    fly(second, *move[second]);
     touch(moves, both);
     return true;
   }

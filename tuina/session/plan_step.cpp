@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <optional>
 
+#include "tuina/core/parallel.hpp"
+#include "tuina/core/units.hpp"
 #include "tuina/robot/inverse_kinematics.hpp"
 #include "tuina/session/choreography.hpp"
 #include "tuina/session/posture_choice.hpp"
@@ -71,25 +73,36 @@ Result<ReadyPlan> make_ready(massage::Plan plan, const body::BackSurface& back,
                          {.press_depth_m = press_depth_m})
           .value_or(0.0);
   // Where the tools are most dexterous the arms may be in each other's way; then the base moves.
-  std::optional<Choreography> best;
-  std::size_t hopeless = ready.plan.paths.size() + 1;
+  std::vector<double> stands_m;
   for (const double aside_m :
        {0_mm, -100_mm, 100_mm, -200_mm, 200_mm, -50_mm, 50_mm, -150_mm, 150_mm}) {
-    const double at_m = rail_m.value_or(dexterous_m + aside_m);
-    if (at_m < mount.lowest_rail_m || at_m > mount.highest_rail_m) continue;
-    Choreography tried = choreograph({.back = back,
-                                      .models = models,
-                                      .base_from_couch = base_from_couch,
-                                      .rail_m = at_m,
-                                      .standoff_m = standoff_m,
-                                      .ready_rad = ready.ready_rad,
-                                      .obstacles = mount.obstacles},
-                                     ready.plan.paths, hopeless);
-    if (tried.left_out >= hopeless) continue;
-    hopeless = tried.left_out;
-    best = std::move(tried);
-    ready.rail_m = at_m;
-    if (rail_m || hopeless == 0) break;
+    const double at_m = dexterous_m + aside_m;
+    if (at_m >= mount.lowest_rail_m && at_m <= mount.highest_rail_m) stands_m.push_back(at_m);
+  }
+  if (rail_m) stands_m = {*rail_m};
+  std::optional<Choreography> best;
+  std::size_t hopeless = ready.plan.paths.size() + 1;
+  // The first place is nearly always good enough; the others are tried two at a time.
+  for (std::size_t next = 0; next < stands_m.size() && hopeless > 0;) {
+    std::vector<std::optional<Choreography>> tried(
+        std::min<std::size_t>(next == 0 ? 1 : 2, stands_m.size() - next));
+    for_each_in_parallel(tried.size(), [&](std::size_t i) {
+      tried[i] = choreograph({.back = back,
+                              .models = models,
+                              .base_from_couch = base_from_couch,
+                              .rail_m = stands_m[next + i],
+                              .standoff_m = standoff_m,
+                              .ready_rad = ready.ready_rad,
+                              .obstacles = mount.obstacles},
+                             ready.plan.paths, hopeless);
+    });
+    for (std::optional<Choreography>& one : tried) {
+      const double at_m = stands_m[next++];
+      if (one->left_out >= hopeless) continue;
+      hopeless = one->left_out;
+      best = std::move(*one);
+      ready.rail_m = at_m;
+    }
   }
   if (!best || best->paths.empty()) {
     return fail(Fault::not_found, "no path of the plan is within reach of the arms");

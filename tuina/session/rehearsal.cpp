@@ -40,7 +40,11 @@ double Passage::inward_m(const robot::ArmModel& model, Arm arm) const noexcept {
 
 Rehearsal::Rehearsal(const robot::ArmModel& model, double rail_m, const JointVector& q_rad,
                      double posture_share)
-    : model_(&model), rail_m_(rail_m), q_rad_(q_rad), posture_share_(posture_share) {}
+    : model_(&model),
+      rail_m_(rail_m),
+      q_rad_(q_rad),
+      now_(model.kinematics(q_rad, rail_m)),
+      posture_share_(posture_share) {}
 
 /// How far the posture springs, and those at the ends of the joints, would take the arm.
 JointVector Rehearsal::drawn_to(const JointVector& posture_rad) const {
@@ -62,8 +66,8 @@ void Rehearsal::step_to(const Vector3& centre_in_base, const Vector3& normal_in_
   using Task = Eigen::Matrix<double, 5, Eigen::Dynamic, 0, 5, most_joints>;
   constexpr int iterations = 2;
   constexpr double damping = 1e-3, longest_step_rad = 0.3;
-  robot::ArmModel::Kinematics now = model_->kinematics(q_rad_, rail_m_);
   for (int n = 0; n < iterations; ++n) {
+    const robot::ArmModel::Kinematics& now = now_;
     const Vector3 axis = control::tool_normal(now.base_from_tool);
     const Vector3 across = axis.unitOrthogonal(), over = axis.cross(across);
     const Vector3 turn = axis.cross(normal_in_base);
@@ -86,20 +90,20 @@ void Rehearsal::step_to(const Vector3& centre_in_base, const Vector3& normal_in_
       passage.strained_rad = std::max(passage.strained_rad, std::abs(q_rad_[i] - inside));
       q_rad_[i] = inside;
     }
-    now = model_->kinematics(q_rad_, rail_m_);
+    now_ = model_->kinematics(q_rad_, rail_m_);
   }
-  off_m_ = (centre_in_base - now.base_from_tool.translation()).norm();
+  off_m_ = (centre_in_base - now_.base_from_tool.translation()).norm();
   const bool known = std::any_of(passage.q_rad.begin(), passage.q_rad.end(), [&](const auto& q) {
     return (q - q_rad_).cwiseAbs().maxCoeff() < thinned_rad;
   });
   if (known) return;
   passage.q_rad.push_back(q_rad_);
-  passage.poses.push_back(now);
+  passage.poses.push_back(now_);
 }
 
 void Rehearsal::fly(const control::ToolPose& foremost, const JointVector& posture_rad,
                     Passage& passage) {
-  const Transform tool = model_->base_from_tool(q_rad_, rail_m_);
+  const Transform tool = now_.base_from_tool;
   const Vector3 from = tool.translation(), from_normal = control::tool_normal(tool);
   const Vector3 to = foremost.at_in_base + model_->table().tool_radius_m * foremost.normal_in_base;
   const auto turn = Eigen::Quaterniond::FromTwoVectors(from_normal, foremost.normal_in_base);
@@ -115,7 +119,7 @@ void Rehearsal::fly(const control::ToolPose& foremost, const JointVector& postur
 
 void Rehearsal::stay(const JointVector& posture_rad, Passage& passage) {
   constexpr int steps = 10;
-  const Transform tool = model_->base_from_tool(q_rad_, rail_m_);
+  const Transform tool = now_.base_from_tool;
   for (int i = 0; i < steps; ++i) {
     step_to(tool.translation(), control::tool_normal(tool), posture_rad, passage);
   }
@@ -129,7 +133,7 @@ void Rehearsal::slide(std::span<const robot::ContactGoal> places, const JointVec
             passage);
     passage.off_m = std::max(passage.off_m, off_m_);
     const auto elbow = static_cast<std::size_t>(robot::elbow_origin(model_->table()));
-    const Vector3 at = model_->kinematics(q_rad_, rail_m_).origins_in_base[elbow];
+    const Vector3 at = now_.origins_in_base[elbow];
     passage.elbow_height_m =
         std::min(passage.elbow_height_m, (at - place.at_in_base).dot(place.normal_in_base));
   }

@@ -56,6 +56,7 @@ class Rehearsal {
   const robot::ArmModel* model_;
   double rail_m_;
   JointVector q_rad_;
+  robot::ArmModel::Kinematics now_;  // of q_rad_
   double posture_share_;
   double off_m_ = 0.0;
 };
