@@ -147,6 +147,49 @@ TEST_CASE("hand after hand: the sides take turns, one press, turn or stroke each
   }
 }
 
+TEST_CASE("hand over hand: one hand takes over before the other leaves, and they stay apart") {
+  const Person person;
+  const char* part =
+      "[[part]]\ntechnique = \"stroke\"\nline = \"bladder_outer\"\nforce_n = 12\n"
+      "hand_over_hand = true\nrepeats = 3\n";
+  const auto plan = massage::plan(person.back, person.points, {}, programme_of(part));
+  REQUIRE_MESSAGE(plan.has_value(), test::reason(plan));
+  REQUIRE(plan->paths.size() == 2);
+  CHECK(plan->paths[0].step == plan->paths[1].step);
+  CHECK(plan->min_tool_distance_m >= closest_tools_m);
+  const PerArm<const ContactPath*> hand = {.of = {&plan->paths[0].path, &plan->paths[1].path}};
+  // From the first full stroke to the last one some hand always strokes with all of its force, each
+  // slides back only while the other strokes, and both have their three turns.
+  PerArm<int> turns;
+  PerArm<bool> strokes;
+  const double first_s = 2.0, last_s = hand[Arm::right]->duration_s() - 2.0;
+  for (double t = 0.0; t < hand[Arm::right]->duration_s(); t += 0.01) {
+    PerArm<double> force_n;
+    for (const Arm arm : both_arms) {
+      force_n[arm] = t < hand[arm]->duration_s() ? place_at(*hand[arm], t).point.force_n : 0.0;
+      turns[arm] += force_n[arm] > 11.9 && !strokes[arm];
+      strokes[arm] = force_n[arm] > 11.9;
+    }
+    CAPTURE(t);
+    if (t > first_s && t < last_s) CHECK(std::max(force_n[Arm::left], force_n[Arm::right]) > 11.9);
+  }
+  CHECK(turns[Arm::left] == 3);
+  CHECK(turns[Arm::right] == 3);
+}
+
+TEST_CASE("hands that would meet stroke one after the other instead, and the plan says so") {
+  const Person person;
+  const auto plan = massage::plan(
+      person.back, person.points, {},
+      programme_of("[[part]]\ntechnique = \"stroke\"\nline = \"bladder_inner\"\nforce_n = 8\n"
+                   "hand_over_hand = true\nrepeats = 3\n"));
+  REQUIRE_MESSAGE(plan.has_value(), test::reason(plan));
+  CHECK(plan->paths.size() == 6);
+  for (std::size_t i = 0; i < plan->paths.size(); ++i)
+    CHECK(plan->paths[i].step == static_cast<int>(i));
+  CHECK(noted(*plan, "hand after hand, not hand over hand"));
+}
+
 TEST_CASE("what has only one side takes its turns alone") {
   const Person person;
   const auto plan = massage::plan(

@@ -136,6 +136,18 @@ TEST_CASE("sides that cannot take turns are refused with the line that says so")
   CHECK(says(fault("points = [\"BL47\"]\ntime_s = 9\n"), "needs repeats"));
   CHECK(says(fault_of("[[part]]\ntechnique = \"tap\"\npoints = [\"SI11\"]\nalternating = true\n"),
              "tap has no `alternating`"));
+  const auto hands = [](const std::string& rest) {
+    return fault_of("[[part]]\ntechnique = \"stroke\"\nhand_over_hand = true\n" + rest);
+  };
+  CHECK(says(hands("line = \"loin\"\nside = \"left\"\n"),
+             "my.toml:4: hand_over_hand needs both sides"));
+  CHECK(says(hands("line = \"loin\"\ntogether = false\n"),
+             "hand_over_hand and together = false exclude each other"));
+  CHECK(says(hands("line = \"loin\"\nalternating = true\n"),
+             "alternating and hand_over_hand exclude each other"));
+  CHECK(says(fault_of("[[part]]\ntechnique = \"rub\"\npoints = [\"BL47\"]\nhand_over_hand = "
+                      "true\n"),
+             "rub has no `hand_over_hand`"));
 }
 
 TEST_CASE("a programme that does not exist is answered with what might be meant") {

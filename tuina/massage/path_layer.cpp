@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "tuina/core/units.hpp"
@@ -25,7 +26,35 @@ PathLayer::PathLayer(const body::BackSurface& back, const BackChart& chart, cons
                      const PlanOptions& options, double force_scale)
     : back_(back), chart_(chart), zones_(zones), options_(options), force_scale_(force_scale) {}
 
-Result<std::optional<WaitingPath>> PathLayer::lay(const Part& part, const Target& target) {
+std::optional<double> PathLayer::hand_over_hand_s(const Part& part, std::span<const Target> lines) {
+  constexpr double every_m = 10_mm;
+  double pass_s = 0.0, nearest_m = std::numeric_limits<double>::infinity();
+  std::vector<SurfaceCurve> laid;
+  for (const Target& target : lines) {
+    const auto bend = [&](const Vector3& guide) {
+      return zones_.around_denied(guide, target.side);
+    };
+    auto curve = line(part, target, bend);
+    if (!curve) return std::nullopt;  // told where it is left out
+    pass_s = std::max(pass_s, hand_over_hand_pass_s(curve->length_m(), part.speed_m_per_s));
+    laid.push_back(std::move(*curve));
+  }
+  for (double one_m = 0.0; laid.size() == 2 && one_m <= laid[0].length_m(); one_m += every_m) {
+    const Vector3 at = laid[0].at(one_m).at_in_couch;
+    for (double other_m = 0.0; other_m <= laid[1].length_m(); other_m += every_m)
+      nearest_m = std::min(nearest_m, (laid[1].at(other_m).at_in_couch - at).norm());
+  }
+  if (laid.size() == 2 && nearest_m >= closest_tools_m) return pass_s;
+  name_ = fmt::format("{} {}", name_of(part.technique), lines.front().name);
+  note(
+      "hand after hand, not hand over hand: the tools would come within {:.0f} mm, {:.0f} are "
+      "needed",
+      to_mm(nearest_m), to_mm(closest_tools_m));
+  return std::nullopt;
+}
+
+Result<std::optional<WaitingPath>> PathLayer::lay(const Part& part, const Target& target,
+                                                  std::optional<double> pass_s) {
   name_ = fmt::format("{} {}", name_of(part.technique), target.name);
   for (const Acupoint& point : target.points) {
     if (point.uncertainty_m <= most_uncertainty_m) continue;
@@ -33,7 +62,8 @@ Result<std::optional<WaitingPath>> PathLayer::lay(const Part& part, const Target
          point.name, to_mm(point.uncertainty_m), to_mm(most_uncertainty_m));
     return std::optional<WaitingPath>{};
   }
-  auto waiting = slides(part.technique) ? lay_sliding(part, target) : lay_standing(part, target);
+  auto waiting =
+      slides(part.technique) ? lay_sliding(part, target, pass_s) : lay_standing(part, target);
   if (!waiting && waiting.error().fault == Fault::not_found) {
     // The scan ends before the path does; the rest of the programme can still be given.
     note("left out, {}", waiting.error().message);
@@ -104,7 +134,8 @@ ContactPath PathLayer::pressed(const body::SurfacePoint& place, const Part& part
 }
 
 /// Rubbing and stroking: a curve through zones, the strictest of which counts for all of it.
-PathLayer::MaybePath PathLayer::lay_sliding(const Part& part, const Target& target) {
+PathLayer::MaybePath PathLayer::lay_sliding(const Part& part, const Target& target,
+                                            std::optional<double> pass_s) {
   double bent_m = 0.0;
   const Bend bend = [&](const Vector3& guide) {
     const Vector3 moved = zones_.around_denied(guide, target.side);
@@ -141,10 +172,12 @@ PathLayer::MaybePath PathLayer::lay_sliding(const Part& part, const Target& targ
         {.force_n = force_n, .rate_hz = part.rate_hz, .turns = turns, .radius_m = part.radius_m},
         name_);
   } else {
-    const double there_and_back_s = 2.0 * (curve->length_m() / part.speed_m_per_s + 0.5);
-    const StrokeOptions stroke{.force_n = force_n,
-                               .speed_m_per_s = part.speed_m_per_s,
-                               .repeats = repeats_of(part, there_and_back_s, zones.strictest)};
+    const double one_s = pass_s ? 2.0 * (*pass_s - hands_overlap_s)
+                                : 2.0 * (curve->length_m() / part.speed_m_per_s + 0.5);
+    StrokeOptions stroke{.force_n = force_n,
+                         .speed_m_per_s = part.speed_m_per_s,
+                         .repeats = repeats_of(part, one_s, zones.strictest)};
+    if (pass_s) stroke.turn = HandOverHand{.pass_s = *pass_s, .second = target.side < 0.0};
     waiting.path = plan_stroke(*curve, stroke, name_);
   }
   return waiting;

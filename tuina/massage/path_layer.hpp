@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -20,7 +21,13 @@ class PathLayer {
             const PlanOptions& options, double force_scale);
 
   /// Nothing if the zones leave nothing of it, or the scan does not show the skin it needs.
-  [[nodiscard]] Result<std::optional<WaitingPath>> lay(const Part& part, const Target& target);
+  /// `pass_s`: the hands of this part stroke in turn, hand over hand.
+  [[nodiscard]] Result<std::optional<WaitingPath>> lay(const Part& part, const Target& target,
+                                                       std::optional<double> pass_s = {});
+  /// The time of one stroke for hands that stroke these lines hand over hand; nothing where that
+  /// cannot be done, and the notes say why.
+  [[nodiscard]] std::optional<double> hand_over_hand_s(const Part& part,
+                                                       std::span<const Target> lines);
 
   [[nodiscard]] const std::set<Zone>& touched() const { return touched_; }
   [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }
@@ -28,7 +35,8 @@ class PathLayer {
  private:
   using MaybePath = Result<std::optional<WaitingPath>>;
   [[nodiscard]] MaybePath lay_standing(const Part& part, const Target& target);
-  [[nodiscard]] MaybePath lay_sliding(const Part& part, const Target& target);
+  [[nodiscard]] MaybePath lay_sliding(const Part& part, const Target& target,
+                                      std::optional<double> pass_s);
   [[nodiscard]] ContactPath pressed(const body::SurfacePoint& place, const Part& part, Zone zone,
                                     double force_n);
   [[nodiscard]] int repeats_of(const Part& part, double one_s, Zone zone);

@@ -102,16 +102,22 @@ Result<Plan> plan(const body::BackSurface& back, std::span<const Acupoint> acupo
     const auto targets = targets_of(programme.parts[i], *chart, acupoints);
     if (!targets) return tl::unexpected(targets.error());
     std::vector<WaitingPath> of_part;
-    Part once = programme.parts[i];
+    Part ordered = programme.parts[i];
+    std::optional<double> pass_s;
+    if (ordered.hand_over_hand) {
+      pass_s = layer.hand_over_hand_s(ordered, *targets);
+      ordered.alternating = !pass_s;
+    }
+    Part once = ordered;
     if (once.alternating) once.repeats = 1;
     for (const Target& target : *targets) {
-      auto path = layer.lay(once, target);
+      auto path = layer.lay(once, target, pass_s);
       if (!path) return tl::unexpected(path.error());
       if (!*path) continue;
       (*path)->part = static_cast<int>(i);
       of_part.push_back(std::move(**path));
     }
-    add_in_turns(waiting, of_part, programme.parts[i]);
+    add_in_turns(waiting, of_part, ordered);
   }
   if (waiting.empty()) {
     return fail(Fault::not_found, "nothing of the programme {} may be done on this back: {}",

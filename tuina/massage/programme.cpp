@@ -38,8 +38,8 @@ const Words& keys_of(Technique technique) {
        "time_s", "hold_s", "rise_s"},
       {"technique", "points", "side", "order", "together", "alternating", "force_n", "repeats",
        "time_s", "rate_hz", "radius_mm", "spiral"},
-      {"technique", "points", "line", "places", "side", "together", "alternating", "force_n",
-       "repeats", "time_s", "speed_mm_per_s"},
+      {"technique", "points", "line", "places", "side", "together", "alternating", "hand_over_hand",
+       "force_n", "repeats", "time_s", "speed_mm_per_s"},
       {"technique", "points", "side", "order", "together", "force_n", "time_s", "rate_hz"},
   }};
   return keys[static_cast<std::size_t>(technique)];
@@ -187,19 +187,20 @@ bool names_one_side(const std::string& point) {
   return point.ends_with("_L") || point.ends_with("_R");
 }
 
-/// Taking turns needs two sides, one arm at a time and a number of turns.
-void check_turns(Reader& reader, const toml::table& table, const Part& part) {
-  const toml::node& node = *table.get("alternating");
+/// Taking turns, `alternating` or `hand_over_hand`, needs two sides and a number of turns.
+void check_turns(Reader& reader, const toml::table& table, const Part& part, const char* key) {
+  const toml::node& node = *table.get(key);
   if (part.side != Side::both) {
-    reader.reject(node, "alternating needs both sides, side = \"both\"");
+    reader.reject(node, fmt::format("{} needs both sides, side = \"both\"", key));
   } else if (std::any_of(part.points.begin(), part.points.end(), names_one_side)) {
-    reader.reject(node, "alternating needs points of both sides, without _L or _R");
+    reader.reject(node, fmt::format("{} needs points of both sides, without _L or _R", key));
   }
-  if (table.contains("together") && part.together) {
-    reader.reject(node, "alternating and together = true exclude each other");
+  if (table.contains("together") && part.together == part.alternating) {
+    reader.reject(node, fmt::format("{} and together = {} exclude each other", key, part.together));
   }
   if (table.contains("time_s")) {
-    reader.reject(node, "alternating needs repeats, how often each side has its turn, not time_s");
+    reader.reject(
+        node, fmt::format("{} needs repeats, how often each side has its turn, not time_s", key));
   }
 }
 
@@ -218,7 +219,12 @@ void check_part(Reader& reader, const toml::table& table, const Part& part) {
   } else if (part.technique == Technique::stroke && part.points.size() == 1) {
     reader.reject(*table.get("points"), "a stroke needs two points at least");
   }
-  if (part.alternating) check_turns(reader, table, part);
+  if (part.alternating && part.hand_over_hand) {
+    reader.reject(*table.get("hand_over_hand"),
+                  "alternating and hand_over_hand exclude each other");
+  } else if (part.alternating || part.hand_over_hand) {
+    check_turns(reader, table, part, part.alternating ? "alternating" : "hand_over_hand");
+  }
   const double speed = 2.0 * pi * part.radius_m * part.rate_hz;
   if (part.technique == Technique::rub && speed > fastest_slide_m_per_s) {
     const toml::node* node = table.contains("rate_hz") ? table.get("rate_hz") : &table;
@@ -265,6 +271,7 @@ std::optional<Part> read_part(Reader& reader, const toml::table& table) {
   }
   part.together = reader.flag(table, "together").value_or(part.together);
   part.alternating = reader.flag(table, "alternating").value_or(part.alternating);
+  part.hand_over_hand = reader.flag(table, "hand_over_hand").value_or(part.hand_over_hand);
   const double ceiling_n = rule_of(Zone::muscle).cap_n;
   part.force_n = reader.number(table, "force_n", kept_force_n, ceiling_n).value_or(part.force_n);
   part.repeats = reader.whole(table, "repeats", 1, 20);

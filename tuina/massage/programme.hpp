@@ -32,6 +32,8 @@ struct Part {
   Order order = Order::listed;
   /// The sides take turns, one press, turn or stroke each: hand after hand.
   bool alternating = false;
+  /// Stroking: likewise, but one hand takes over before the other has left.
+  bool hand_over_hand = false;
   bool together = true;  ///< both arms at once where they stay apart, else one after the other
   double force_n = 20.0;
   std::optional<int> repeats;    ///< presses, turns, strokes

@@ -54,24 +54,36 @@ Result<SurfaceCurve> line_through(const body::BackSurface& back,
   return SurfaceCurve(*lifted, false);
 }
 
+double hand_over_hand_pass_s(double length_m, double speed_m_per_s) {
+  const Slide forward{.length_m = length_m, .speed_m_per_s = speed_m_per_s};
+  const Slide back{.length_m = length_m, .speed_m_per_s = fastest_slide_m_per_s};
+  return std::max(forward.duration_s(), back.duration_s() + 2.0 * hands_overlap_s);
+}
+
 ContactPath plan_stroke(const SurfaceCurve& line, const StrokeOptions& options, std::string name) {
   const double kept_n = std::min(kept_force_n, options.force_n);
   const double stroked_n = options.force_n - kept_n;
-  const Slide slide{.length_m = line.length_m(),
-                    .speed_m_per_s = std::min(options.speed_m_per_s, fastest_slide_m_per_s),
-                    .ramp_s = 0.5};
+  Slide slide{.length_m = line.length_m(),
+              .speed_m_per_s = std::min(options.speed_m_per_s, fastest_slide_m_per_s)};
+  Slide back = slide;
+  if (options.turn) {
+    slide.speed_m_per_s = slide.length_m / (options.turn->pass_s - slide.ramp_s);
+    back.speed_m_per_s = fastest_slide_m_per_s;
+  }
   const double rise_s = force_ramp_s(stroked_n, slide.ramp_s);
   // A very short line takes as long as its force needs to rise and fall.
   const double pass_s = std::max(slide.duration_s(), 2.0 * rise_s);
-  const double cycle_s = pass_s + slide.duration_s();
-  const double duration_s = 2.0 * landing_s + options.repeats * cycle_s - slide.duration_s();
+  const double turn_s = pass_s - hands_overlap_s;  // from one hand's stroke to the other's
+  const double cycle_s = options.turn ? 2.0 * turn_s : pass_s + back.duration_s();
+  const double wait_s = options.turn && options.turn->second ? turn_s : 0.0;
+  const double duration_s = 2.0 * landing_s + wait_s + (options.repeats - 1) * cycle_s + pass_s;
   return sampled(std::move(name), Technique::stroke, duration_s, [&](double t) {
-    const double since = t - landing_s;
+    const double since = t - landing_s - wait_s;
     const int cycle = std::clamp(static_cast<int>(since / cycle_s), 0, options.repeats - 1);
     const double in_cycle = since - cycle * cycle_s;
     const bool back_again = in_cycle > pass_s && cycle + 1 < options.repeats;
     const double way_m =
-        back_again ? line.length_m() - slide.way_m(in_cycle - pass_s) : slide.way_m(in_cycle);
+        back_again ? line.length_m() - back.way_m(in_cycle - pass_s) : slide.way_m(in_cycle);
     const body::SurfacePoint point = line.at(way_m);
     const double touch =
         smooth_step(t, landing_s) - smooth_step(t - (duration_s - landing_s), landing_s);

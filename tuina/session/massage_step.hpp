@@ -140,6 +140,8 @@ class MassageStep {
   void begin_approach(Side& side, Arm arm, double time_s) noexcept;
   void begin_contact(Side& side, Arm arm, double time_s) noexcept;
   void press_on(Side& side, Arm arm, double time_s) noexcept;
+  [[nodiscard]] bool above_path(const Side& side) const noexcept;
+  [[nodiscard]] bool on_its_way(const Side& side) const noexcept;
   void end_travel(Side& side, Arm arm, double time_s) noexcept;
   void end_retract(Side& side, double time_s) noexcept;
   void next_job(Side& side) noexcept;

@@ -29,6 +29,20 @@ bool MassageStep::stands_as_planned(Side& side, Arm arm, double time_s) noexcept
   return false;
 }
 
+/// It has arrived where it goes down for its path.
+bool MassageStep::above_path(const Side& side) const noexcept {
+  const ArmJob* job = job_of(side);
+  return side.phase == ArmPhase::travel && job != nullptr && job->path >= 0 && side.detour_at < 0 &&
+         side.waypoint + 1 == job->way_in_base.size() && side.controller.status().settled;
+}
+
+/// It works in this step and has not come above its path yet: both hands go down together.
+bool MassageStep::on_its_way(const Side& side) const noexcept {
+  const ArmJob* job = job_of(side);
+  const bool flies = side.phase == ArmPhase::travel || side.phase == ArmPhase::waiting;
+  return flies && job != nullptr && job->path >= 0 && job->step <= step_ && !above_path(side);
+}
+
 /// One leg is flown, or something holds the arm: then it goes no further there, and what comes next
 /// may be reached.
 void MassageStep::end_travel(Side& side, Arm arm, double time_s) noexcept {
