@@ -53,6 +53,12 @@ TEST_CASE("a scanner that nobody has measured is known after one rehearsed set")
   CHECK(std::abs(found.couch_from_camera.translation().z() -
                  truth.couch_from_camera.translation().z()) < 2.0_mm);
 
+  // The same pictures give the same numbers to the last bit, those of the uncertainty as well.
+  const auto again = calibrate(views);
+  REQUIRE_MESSAGE(again.has_value(), test::reason(again));
+  CHECK(again->fit.covariance == result->fit.covariance);
+  CHECK(again->calibration.camera.fx_px == found.camera.fx_px);
+
   // It says itself about how good it is.
   REQUIRE(result->expected[1].has_value());
   CHECK(result->expected[1]->systematic_m < 1.0_mm);

@@ -117,15 +117,14 @@ class Problem {
     ceres::Problem problem;
     build(problem, false);
     ceres::Problem::EvaluateOptions options;
-    std::vector<double*> blocks;
-    problem.GetParameterBlocks(&blocks);
-    const auto shared = [this](const double* block) {
-      return block == camera_.data() || block == light_.data() || block == axis_.data();
-    };
+    // In an order of our own: that of Ceres goes by addresses, which differ from run to run, and
+    // with them the last digits of every sum.
     options.parameter_blocks = {camera_.data(), light_.data(), axis_.data()};
-    for (double* block : blocks) {
-      if (!shared(block)) options.parameter_blocks.push_back(block);
-    }
+    const auto add = [&](double* block) {
+      if (problem.HasParameterBlock(block)) options.parameter_blocks.push_back(block);
+    };
+    for (auto& pose : pose_) add(pose.data());
+    for (double& yaw : yaw_) add(&yaw);
     std::vector<double> residuals;
     ceres::CRSMatrix jacobian;
     problem.Evaluate(options, nullptr, &residuals, nullptr, &jacobian);
