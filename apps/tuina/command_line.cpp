@@ -6,6 +6,7 @@
 #include <charconv>
 #include <chrono>
 #include <cmath>
+#include <memory>
 
 namespace tuina::app {
 
@@ -13,11 +14,13 @@ Progress progress_bar(const CommonOptions& common, std::string label) {
   if (common.quiet) return {};
   const bool terminal = ::isatty(STDERR_FILENO) == 1;
   const auto start = std::chrono::steady_clock::now();
-  return [terminal, start, label = std::move(label), shown = -1](double done) mutable {
+  // Shared by the copies that the stages of a long work make, so that no step is told twice.
+  const auto shown = std::make_shared<int>(-1);
+  return [terminal, start, label = std::move(label), shown](double done) {
     const int step =
         terminal ? static_cast<int>(done * 40.0) : static_cast<int>(done * 10.0 + 1e-9);
-    if (step <= shown) return;
-    shown = step;
+    if (step <= *shown) return;
+    *shown = step;
     const double elapsed_s =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     if (!terminal) {

@@ -170,17 +170,21 @@ class Problem {
       for (const Vector2& error : errors) sum2 += error.squaredNorm();
       residual.reprojection_px = std::sqrt(sum2 / static_cast<double>(errors.size()));
       double line2 = 0.0;
+      double share2 = 0.0;
       double distance2 = 0.0;
       for (std::size_t k = 0; k < line_[i].size(); ++k) {
         const double error_px = line_error(i, k);
         const double error_m =
             error_px * line_scale(i, k) * std::abs(fit.geometry.light.distance_m);
         line2 += error_px * error_px;
+        share2 += std::pow(error_px / believed_deviation(line_[i][k]), 2);
         distance2 += error_m * error_m;
       }
       if (!line_[i].empty()) {
-        residual.line_px = std::sqrt(line2 / static_cast<double>(line_[i].size()));
-        residual.line_m = std::sqrt(distance2 / static_cast<double>(line_[i].size()));
+        const auto count = static_cast<double>(line_[i].size());
+        residual.line_px = std::sqrt(line2 / count);
+        residual.line_share = std::sqrt(share2 / count);
+        residual.line_m = std::sqrt(distance2 / count);
       }
       fit.residuals.push_back(residual);
     }

@@ -45,6 +45,7 @@ struct ViewResidual {
   double reprojection_px = 0.0;  ///< RMS over its corners
   double line_px = 0.0;          ///< RMS over the line on its board, across the line
   double line_m = 0.0;           ///< the same as distance from the light plane
+  double line_share = 0.0;       ///< the same, of what the noise of the picture makes of it
   int line_points = 0;
 };
 
