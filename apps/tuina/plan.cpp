@@ -72,10 +72,12 @@ std::string text_of(const session::PlanFile& file, Position position) {
                         massage::name_of(planned.zone));
   }
   for (const std::string& note : plan.notes) text += fmt::format("note: {}\n", note);
+  const bool at_once = plan.min_tool_distance_m > 0.0;  // no two paths run together otherwise
   text += fmt::format(
-      "the arms stay {:.0f} mm apart, their tools {:.0f} mm; {:.0f} mm from the {}, "
-      "{:.0f} mm from the robot's body; planned in {:.0f} ms",
-      to_mm(file.min_arm_distance_m), to_mm(plan.min_tool_distance_m),
+      "the arms stay {:.0f} mm apart{}; {:.0f} mm from the {}, {:.0f} mm from the robot's body; "
+      "planned in {:.0f} ms",
+      to_mm(file.min_arm_distance_m),
+      at_once ? fmt::format(", their tools {:.0f} mm", to_mm(plan.min_tool_distance_m)) : "",
       to_mm(file.clear[robot::Surrounding::couch]), position == Position::sitting ? "chair" : "bed",
       to_mm(file.clear[robot::Surrounding::body]), file.compute_ms);
   return text;

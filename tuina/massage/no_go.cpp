@@ -42,7 +42,9 @@ NoGo entry_of(const toml::table& table, std::string_view file, Words& faults) {
   }
   const toml::array* corners = table["corners_m"].as_array();
   if (corners == nullptr || corners->size() < 3) {
-    reject(table, "corners_m is not a list of three or more [x, y, z] in couch, metres");
+    const toml::node* given = table.get("corners_m");
+    reject(given != nullptr ? *given : table,
+           "corners_m is not a list of three or more [x, y, z] in couch, metres");
     return entry;
   }
   for (const toml::node& node : *corners) {

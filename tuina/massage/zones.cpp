@@ -110,22 +110,25 @@ ZoneMap::ZoneMap(const BackChart& chart, std::span<const Acupoint> acupoints,
   outline_ = {half_width("waist", {5.0 * cun, chart_.up_of(Level::L4)}),
               half_width("axillary_fold", {6.0 * cun, fold_up}),
               half_width("acromial_angle", {7.0 * cun, chart_.up_of(Level::T3)})};
+  // Nothing near a flank warns that it is one; each height is known as well as the points there.
+  const std::array<double, 3> uncertainty_m = {
+      std::max(loin_uncertainty_m_, midline_uncertainty_m_), uncertainty("BL47"),
+      shoulder_uncertainty_m_};
+  for (std::size_t i = 0; i < outline_.size(); ++i)
+    outline_[i].left_m -= once_in_2000 / 1.96 * uncertainty_m[i];
   std::sort(outline_.begin(), outline_.end(),
             [](const Place& a, const Place& b) { return a.up_m < b.up_m; });
 }
 
 double ZoneMap::half_width_m(double up_m) const {
-  // Nothing near a flank warns that it is one, and the map knows it by its narrowest place only.
-  const double uncertainty_m =
-      once_in_2000 / 1.96 * std::max(shoulder_uncertainty_m_, loin_uncertainty_m_);
-  if (up_m <= outline_.front().up_m) return outline_.front().left_m - uncertainty_m;
+  if (up_m <= outline_.front().up_m) return outline_.front().left_m;
   for (std::size_t i = 1; i < outline_.size(); ++i) {
     if (up_m > outline_[i].up_m) continue;
     const Place& low = outline_[i - 1];
     const double share = (up_m - low.up_m) / std::max(outline_[i].up_m - low.up_m, 1e-6);
-    return low.left_m + share * (outline_[i].left_m - low.left_m) - uncertainty_m;
+    return low.left_m + share * (outline_[i].left_m - low.left_m);
   }
-  return outline_.back().left_m - uncertainty_m;
+  return outline_.back().left_m;
 }
 
 Zone ZoneMap::at(const Place& place) const {

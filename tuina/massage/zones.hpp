@@ -109,7 +109,7 @@ class ZoneMap {
   double loin_uncertainty_m_ = 0.0;
   std::array<std::vector<Place>, 2> scapula_border_, scapula_spine_, iliac_crest_;  // left, right
   std::vector<std::vector<Place>> no_go_;                                           // corners
-  std::vector<Place> outline_;  // half width over height, from low to high
+  std::vector<Place> outline_;  // half width that is surely back over height, from low to high
 };
 
 }  // namespace tuina::massage
