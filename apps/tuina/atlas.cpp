@@ -47,11 +47,7 @@ class AtlasLearn final : public Verb {
     if (places_.empty() == (phantoms_ == 0)) {
       return fail(Fault::usage, "atlas learn needs labelled bodies or --phantoms N, one of the two");
     }
-    namespace fs = std::filesystem;
-    std::error_code fault;
-    if (const fs::path folder = fs::path(out_).parent_path(); !folder.empty() && !fs::is_directory(folder, fault)) {
-      return fail(Fault::file, "{}: there is no folder {}", out_, folder.string());
-    }
+    if (const auto good = check_folder_of(out_); !good) return tl::unexpected(good.error());
     Result<std::vector<body::LabelledBody>> bodies = std::vector<body::LabelledBody>{};
     if (!places_.empty()) {
       bodies = read_labelled(places_);

@@ -116,10 +116,8 @@ class AtlasRecord final : public Verb {
       return fail(Fault::usage, "--out {}: a labelled back is NAME.ply with NAME.json beside it",
                   out_);
     }
+    if (const auto good = check_folder_of(out_); !good) return good;
     std::error_code fault;
-    if (!path.parent_path().empty() && !fs::is_directory(path.parent_path(), fault)) {
-      return fail(Fault::file, "{}: there is no folder {}", out_, path.parent_path().string());
-    }
     if (fs::is_directory(sweep_, fault)) return {};
     if (!fs::exists(sweep_, fault)) return fail(Fault::file, "{}: there is no such folder", sweep_);
     return fail(Fault::bad_input,

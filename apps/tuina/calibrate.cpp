@@ -163,10 +163,8 @@ class Calibrate final : public Verb {
                   "calibrate needs a folder of pictures and --out, or --rehearse to make one");
     }
     if (robot_) return calibrate_robot(shots_, position, out_);
-    const fs::path folder = fs::path(out_).parent_path();
-    std::error_code error;
-    if (!folder.empty() && !fs::is_directory(folder, error)) {
-      return fail(Fault::file, "{}: there is no folder {}", out_, folder.string());
+    for (const std::string& path : {out_, report_}) {
+      if (const auto good = check_folder_of(path); !good) return tl::unexpected(good.error());
     }
     Views views;
     const auto result =

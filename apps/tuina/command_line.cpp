@@ -6,6 +6,7 @@
 #include <charconv>
 #include <chrono>
 #include <cmath>
+#include <filesystem>
 #include <memory>
 
 namespace tuina::app {
@@ -33,6 +34,13 @@ Progress progress_bar(const CommonOptions& common, std::string label) {
                done < 1.0 ? fmt::format(", {:.1f} s left", left_s) : "\n");
     std::fflush(stderr);
   };
+}
+
+Result<void> check_folder_of(const std::string& path) {
+  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+  std::error_code error;
+  if (folder.empty() || std::filesystem::is_directory(folder, error)) return {};
+  return fail(Fault::file, "{}: there is no folder {}", path, folder.string());
 }
 
 std::function<std::string(const std::string&)> number_between(double low, double high) {

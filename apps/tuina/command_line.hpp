@@ -56,6 +56,10 @@ class Verb {
 /// A bar on a terminal, else a line per 10 %, silent with --quiet; always on stderr.
 [[nodiscard]] Progress progress_bar(const CommonOptions& common, std::string label);
 
+/// Refuses a file that a verb is to write where there is no folder for it: before the work, not
+/// after it. An empty path is none.
+[[nodiscard]] Result<void> check_folder_of(const std::string& path);
+
 /// Refuses NaN and numbers outside [low, high] as wrong use; for CLI::Option::check.
 [[nodiscard]] std::function<std::string(const std::string&)> number_between(double low,
                                                                             double high);

@@ -59,12 +59,7 @@ class EvaluateAcupoints final : public Verb {
   }
 
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
-    namespace fs = std::filesystem;
-    std::error_code fault;
-    if (const fs::path folder = fs::path(page_).parent_path();
-        !folder.empty() && !fs::is_directory(folder, fault)) {
-      return fail(Fault::file, "{}: there is no folder {}", page_, folder.string());
-    }
+    if (const auto good = check_folder_of(page_); !good) return tl::unexpected(good.error());
     if (depth_points_ != usual_depth_points && scan_ != "depth") {
       return fail(Fault::usage, "--depth-points is for --scan depth; this is --scan {}", scan_);
     }

@@ -67,12 +67,7 @@ class EvaluateAtlas final : public Verb {
   }
 
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
-    namespace fs = std::filesystem;
-    std::error_code fault;
-    if (const fs::path folder = fs::path(figure_).parent_path();
-        !folder.empty() && !fs::is_directory(folder, fault)) {
-      return fail(Fault::file, "{}: there is no folder {}", figure_, folder.string());
-    }
+    if (const auto good = check_folder_of(figure_); !good) return tl::unexpected(good.error());
     const auto shipped = open_atlas("");
     if (!shipped) return tl::unexpected(shipped.error());
     auto train = read_labelled({train_});

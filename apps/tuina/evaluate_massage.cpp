@@ -105,10 +105,7 @@ class EvaluateMassage final : public Verb {
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
     const auto config = effective_config(common);
     if (!config) return tl::unexpected(config.error());
-    if (const fs::path folder = fs::path(html_).parent_path();
-        !folder.empty() && !fs::is_directory(folder)) {
-      return fail(Fault::file, "{}: there is no folder {}", html_, folder.string());
-    }
+    if (const auto good = check_folder_of(html_); !good) return tl::unexpected(good.error());
     for (const std::string& programme : programmes_) {
       if (const auto known = massage::load_programme(programme); !known)
         return tl::unexpected(known.error());

@@ -163,6 +163,7 @@ class EvaluateScanner final : public Verb {
   }
 
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
+    if (const auto good = check_folder_of(page_); !good) return tl::unexpected(good.error());
     ProofOptions options{.people = people_};
     if (!only_.empty()) {
       options.walls = only_ == "walls";

@@ -40,11 +40,7 @@ class MapVerb final : public Verb {
   }
 
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
-    namespace fs = std::filesystem;
-    std::error_code fault;
-    if (const fs::path folder = fs::path(out_).parent_path(); !folder.empty() && !fs::is_directory(folder, fault)) {
-      return fail(Fault::file, "{}: there is no folder {}", out_, folder.string());
-    }
+    if (const auto good = check_folder_of(out_); !good) return tl::unexpected(good.error());
     if (!board_.empty() && method_ != "field_morphing") {
       return fail(Fault::usage, "--board is for --method field_morphing; surface needs no plane");
     }

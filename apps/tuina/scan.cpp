@@ -25,15 +25,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A path is refused before the work, not after it, when its folder is not there.
-Result<void> check_folder_of(const std::string& path) {
-  if (path.empty()) return {};
-  const fs::path folder = fs::path(path).parent_path();
-  std::error_code error;
-  if (folder.empty() || fs::is_directory(folder, error)) return {};
-  return fail(Fault::file, "{}: there is no folder {}", path, folder.string());
-}
-
 // "150x150x200mm" or "150x150x200", millimetres in both cases.
 Result<Vector3> box_size(const std::string& text) {
   Vector3 size_m = Vector3::Zero();

@@ -113,10 +113,7 @@ class TeachRecord final : public Verb {
     if (!config) return tl::unexpected(config.error());
     if (fs::path(out_).extension() != ".toml")
       return fail(Fault::usage, "--out {}: the name must end in .toml", out_);
-    std::error_code fault;
-    const fs::path folder = fs::path(out_).parent_path();
-    if (!folder.empty() && !fs::is_directory(folder, fault))
-      return fail(Fault::file, "{}: there is no folder {}", out_, folder.string());
+    if (const auto good = check_folder_of(out_); !good) return tl::unexpected(good.error());
     order_.position = position_ == "prone" ? Position::prone : Position::sitting;
     order_.technique = techniques.at(technique_);
     order_.arm = arm_ == "left" ? Arm::left : Arm::right;

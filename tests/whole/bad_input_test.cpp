@@ -90,6 +90,22 @@ TEST_CASE("a report folder that cannot be made is refused before the massage") {
   CHECK(outcome.err.find("scan") == std::string::npos);
 }
 
+TEST_CASE("a page for which there is no folder is refused before the evaluation, not after it") {
+  const Folder folder;
+  for (const std::vector<std::string>& verb :
+       {std::vector<std::string>{"evaluate", "scanner", "--page"},
+        std::vector<std::string>{"evaluate", "acupoints", "--page"},
+        std::vector<std::string>{"scan", "--person", "phantom:slim", "--out"}}) {
+    std::vector<std::string> arguments = verb;
+    arguments.push_back(folder / "none/page.html");
+    CAPTURE(arguments);
+    const auto outcome = run_tuina(arguments);
+    CHECK(outcome.exit_code == 2);
+    CHECK(outcome.err.find("page.html: there is no folder") != std::string::npos);
+    CHECK(outcome.err.find('%') == std::string::npos);
+  }
+}
+
 TEST_CASE("when the drawing of an estimate cannot be written, no trace is left") {
   const Folder folder;
   std::string csv = "time_s,position_mm,force_n\n";

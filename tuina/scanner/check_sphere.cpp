@@ -107,11 +107,11 @@ Result<FoundSphere> check_sphere(const PointCloud& cloud, double diameter_m) {
   }
   const double off_m = sphere->diameter_m - diameter_m;
   if (std::abs(off_m) > std::max(allowed_m, allowed_share * diameter_m)) {
-    return fail(
-        Fault::bad_input,
-        "the ball of {:.1f} mm measures {:.1f} mm: the scale of the calibration is wrong; is "
-        "square_m in board.toml right?",
-        to_mm(diameter_m), to_mm(sphere->diameter_m));
+    return fail(Fault::bad_input,
+                "the ball of {:.1f} mm measures {:.1f} mm, round to {:.1f} mm: the scale of the "
+                "calibration "
+                "is wrong (is square_m in board.toml right?), or it is no ball",
+                to_mm(diameter_m), to_mm(sphere->diameter_m), to_mm(sphere->rms_m));
   }
   return sphere;
 }
