@@ -87,3 +87,18 @@ TEST_CASE("teach refuses what it cannot use") {
   CHECK(run_tuina({"teach", "carry", folder / "nothing.toml", "--out", folder / "b.toml"})
             .exit_code == 2);
 }
+
+TEST_CASE("shown to a person a stroke is exact, planned it is quick and even") {
+  const auto done = run_tuina({"evaluate", "teach", "--people", "1", "--json", "--quiet"});
+  REQUIRE_MESSAGE(done.exit_code == 0, done.err);
+  const json people = json::parse(done.out)["teach"]["people"];
+  REQUIRE(people.size() == 1);
+  for (const char* way : {"taught", "carried", "automatic"}) {
+    CAPTURE(way);
+    REQUIRE_FALSE(people[0][way].contains("failed"));
+    CHECK(people[0][way]["passes_mm"] < (std::string(way) == "carried" ? 20.0 : 8.0));
+  }
+  CHECK(people[0]["taught"]["time_s"] > people[0]["automatic"]["time_s"]);
+  CHECK(people[0]["taught"]["force_rmse_n"] > people[0]["automatic"]["force_rmse_n"]);
+  CHECK(run_tuina({"evaluate", "teach", "--people", "0"}).exit_code == 1);
+}
