@@ -30,17 +30,17 @@ using Wholes [[gnu::vector_size(4 * lanes)]] = std::int32_t;
 }
 
 // Neighbours of a point on its own surface: in its profile, in the two beside it, and how many of
-// them outshine it.
+// them outshine it. A claim that holds is -1.
 struct Company {
-  Floats in_rows = {}, in_profiles = {}, brighter = {};
-  void add(bool in_same_profile, const Floats& near, const Floats& outshines) {
-    (in_same_profile ? in_rows : in_profiles) += near;
-    brighter += near * outshines;
+  Wholes in_rows = {}, in_profiles = {}, brighter = {};
+  void add(bool in_same_profile, const Wholes& near, const Wholes& outshines) {
+    (in_same_profile ? in_rows : in_profiles) -= near;
+    brighter -= near & outshines;
   }
   // Less than half of them outshine it: then the middle one does not.
-  [[nodiscard]] Wholes bears_out(float profiles_needed) const {
-    return (in_rows >= 3.0F) & (in_profiles >= profiles_needed) &
-           (2.0F * brighter < in_rows + in_profiles);
+  [[nodiscard]] Wholes bears_out(int profiles_needed) const {
+    return (in_rows >= 3) & (in_profiles >= profiles_needed) &
+           (brighter + brighter < in_rows + in_profiles);
   }
 };
 
@@ -51,7 +51,10 @@ std::size_t whole_vectors(std::size_t rows) {
 }  // namespace
 
 ProfileGrid::ProfileGrid(std::size_t profiles, std::size_t rows)
-    : profiles_(profiles), rows_(rows), stride_(whole_vectors(rows) + 2 * margin_rows) {
+    : profiles_(profiles),
+      rows_(rows),
+      stride_(whole_vectors(rows) + 2 * margin_rows),
+      has_unsure_(profiles + 2, false) {
   const std::size_t count = (profiles + 2 * margin_profiles) * stride_;
   for (const Plane plane : {x, y, z}) plane_[plane].assign(count, unlit_m);
   for (const Plane plane : {amplitude, deviation, reach_rows, reach_profiles, unsure}) {
@@ -68,7 +71,9 @@ void ProfileGrid::light(std::size_t profile, std::size_t row, const Node& node) 
   plane_[deviation][i] = node.deviation_m;
   plane_[reach_rows][i] = node.reach_rows_m;
   plane_[reach_profiles][i] = node.reach_profiles_m;
-  plane_[unsure][i] = node.unsure ? 1.0F : 0.0F;
+  if (!node.unsure) return;
+  plane_[unsure][i] = 1.0F;
+  has_unsure_[profile + 1] = true;
 }
 
 NeighbourJudge::NeighbourJudge(const ProfileGrid& grid) : grid_(grid) {
@@ -214,8 +219,9 @@ void NeighbourJudge::compare_amplitudes() {
   const float* light = plane(ProfileGrid::amplitude);
   const float* unsure = plane(ProfileGrid::unsure);
   const bool several = grid_.profiles() > 2;
-  const float needed = several ? 2.0F : 0.0F;
-  const float a_side = several ? 1.0F : 0.0F;
+  const bool some_unsure = grid_.unsure_near(static_cast<std::size_t>(profile_));
+  const int needed = several ? 2 : 0;
+  const int a_side = several ? 1 : 0;
   for (std::size_t row = 0; row < verdict_.trusted.size(); row += lanes) {
     const Floats origin[3] = {load(at[0] + row), load(at[1] + row), load(at[2] + row)};
     const Floats reach_rows = load(plane(ProfileGrid::reach_rows) + row);
@@ -231,21 +237,24 @@ void NeighbourJudge::compare_amplitudes() {
       }
       const Floats far = reach_profiles * static_cast<float>(i * i) +
                          reach_rows * static_cast<float>(j < 0 ? -j : j);
-      const Floats near = one_if(distance2 <= far * far);
-      const Floats outshines = one_if(dim * load(light + on) >= amplitude);
+      const Wholes near = distance2 <= far * far;
+      const Wholes outshines = dim * load(light + on) >= amplitude;
       all.add(i == 0, near, outshines);
-      sure.add(i == 0, near * (1.0F - load(unsure + on)), outshines);
+      if (some_unsure) sure.add(i == 0, near & (load(unsure + on) == 0.0F), outshines);
       return near;
     };
     for (const int j : {-3, -2, -1, 1, 2, 3}) meet(0, j);
-    Floats before = {}, after = {};
+    Wholes before = {}, after = {};
     for (const int j : {-1, 0, 1}) {
-      before += meet(-1, j);
-      after += meet(1, j);
+      before -= meet(-1, j);
+      after -= meet(1, j);
     }
-    const Wholes on_both_sides = (before >= a_side) & (after >= a_side);
-    const Floats trusted = one_if(((load(unsure + row) == 0.0F) & sure.bears_out(needed)) |
-                                  (on_both_sides & all.bears_out(needed)));
+    Wholes good = all.bears_out(needed);
+    if (some_unsure) {
+      const Wholes on_both_sides = (before >= a_side) & (after >= a_side);
+      good = (good & on_both_sides) | ((load(unsure + row) == 0.0F) & sure.bears_out(needed));
+    }
+    const Floats trusted = one_if(good);
     store(verdict_.trusted.data() + row, load(verdict_.trusted.data() + row) * trusted);
   }
 }

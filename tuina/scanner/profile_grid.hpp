@@ -64,9 +64,15 @@ class ProfileGrid {
     return (profile + margin_profiles) * stride_ + margin_rows + row;
   }
 
+  // Whether this profile or one beside it has an unsure point.
+  [[nodiscard]] bool unsure_near(std::size_t profile) const {
+    return has_unsure_[profile] || has_unsure_[profile + 1] || has_unsure_[profile + 2];
+  }
+
   std::size_t profiles_;
   std::size_t rows_;
   std::size_t stride_;
+  std::vector<bool> has_unsure_;  ///< by profile, after one that stands before the first
   std::array<std::vector<float>, planes> plane_;
 };
 
