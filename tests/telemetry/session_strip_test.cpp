@@ -38,6 +38,14 @@ TEST_CASE("what both arms did together is one moment, what they did in turn are 
   CHECK(moments[3].begin_s == 20.0);
 }
 
+TEST_CASE("a path is called by its place as people say it") {
+  CHECK(figures::place_of({.name = "press SI11_L", .acupoints = {"SI11_L"}}) == "SI11 left");
+  CHECK(figures::place_of({.name = "stroke bladder_inner_R"}) == "bladder inner right");
+  CHECK(figures::place_of(
+            {.name = "stroke SI11_R to BL50_R", .acupoints = {"SI11_R", "BL47_R", "BL50_R"}}) ==
+        "SI11 right to BL50 right");
+}
+
 TEST_CASE("a long session shows a dozen of its moments, the first and the last among them") {
   ReportData data = tests::sample_report();
   // A picture of a few points is quickly made.

@@ -144,6 +144,17 @@ std::string spoken(const std::string& acupoint) {
   return acupoint;
 }
 
+std::string place_of(const ContactPath& path) {
+  if (path.acupoints.empty()) {
+    // The name says the technique first: "stroke bladder_inner_L".
+    std::string line = spoken(path.name.substr(path.name.find(' ') + 1));
+    std::replace(line.begin(), line.end(), '_', ' ');
+    return line;
+  }
+  const std::string first = spoken(path.acupoints.front());
+  return path.acupoints.size() == 1 ? first : first + " to " + spoken(path.acupoints.back());
+}
+
 std::string chinese_name(const std::string& acupoint) {
   // WHO Standard Acupuncture Point Locations in the Western Pacific Region (2008).
   static const std::map<std::string, std::string> names = {

@@ -32,12 +32,6 @@ const PerformedPath* path_at(const ReportData& data, const TraceRow& row) {
   return nullptr;
 }
 
-std::string name_of(const ContactPath& path) {
-  if (path.acupoints.empty()) return "";
-  const std::string first = spoken(path.acupoints.front());
-  return path.acupoints.size() == 1 ? first : first + " to " + spoken(path.acupoints.back());
-}
-
 std::vector<Contact> contacts_of(const ReportData& data, Technique technique) {
   std::vector<Contact> contacts;
   for (const Arm arm : both_arms) {
@@ -55,7 +49,7 @@ std::vector<Contact> contacts_of(const ReportData& data, Technique technique) {
       }
       if (path == nullptr && here != nullptr) {
         path = here;
-        contacts.back().name = name_of(here->path);
+        contacts.back().name = place_of(here->path);
       }
       contacts.back().rows.push_back(&row);
       last = &row;
@@ -191,8 +185,8 @@ std::string timeline(const ReportData& data) {
     for (const PerformedPath& performed : data.paths) {
       if (performed.arm != arm) continue;
       const double end_s = performed.ended_s();
-      std::string text =
-          performed.path.acupoints.empty() ? performed.path.name : performed.path.acupoints.front();
+      std::string text = performed.path.acupoints.empty() ? place_of(performed.path)
+                                                          : performed.path.acupoints.front();
       std::replace(text.begin(), text.end(), '_', ' ');
       row.spans.push_back({.begin_s = performed.begin_s,
                            .end_s = end_s,

@@ -37,6 +37,8 @@ inline constexpr std::array<Technique, 4> all_techniques = {Technique::press, Te
 
 /// "BL47 left", with its Chinese name where it is known: "Hunmen".
 [[nodiscard]] std::string spoken(const std::string& acupoint);
+/// "SI11 left to BL50 left", or of a named line "bladder inner left".
+[[nodiscard]] std::string place_of(const ContactPath& path);
 [[nodiscard]] std::string chinese_name(const std::string& acupoint);
 
 }  // namespace tuina::telemetry::figures

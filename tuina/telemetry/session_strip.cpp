@@ -66,13 +66,6 @@ void draw_path(Scene& scene, const ContactPath& path, bool now) {
   }
 }
 
-std::string place_of(const ContactPath& path) {
-  if (path.acupoints.empty()) return path.name;
-  const std::string first = figures::spoken(path.acupoints.front());
-  return path.acupoints.size() == 1 ? first
-                                    : first + " to " + figures::spoken(path.acupoints.back());
-}
-
 const char* verb_of(Technique technique) {
   constexpr std::array<const char*, 4> verbs = {"press", "rub", "stroke", "tap"};
   return verbs[static_cast<std::size_t>(technique)];
@@ -84,7 +77,8 @@ std::string caption_of(const Moment& moment) {
   for (const PerformedPath* performed : moment.paths) {
     html += fmt::format("<span><i style=\"background:{}\"></i>{} arm: {} {}</span>",
                         css(colour_of(performed->arm)), name_of(performed->arm),
-                        verb_of(performed->path.technique), escaped(place_of(performed->path)));
+                        verb_of(performed->path.technique),
+                        escaped(figures::place_of(performed->path)));
   }
   return html + "</figcaption>";
 }
