@@ -300,7 +300,7 @@ BackTrial back_trial(const ScanConditions& conditions, int people, std::uint64_t
     points += n;
     outliers += static_cast<double>(truth.outliers);
     const auto places = static_cast<double>(scanner.visible().count);
-    seen += places * sim::seen_share(scanner.visible(), scan->places);
+    seen += places * sim::seen_share(scanner.visible(), *scan);
     visible += places;
     for (const Acupoint& acupoint : person.acupoints) {
       const auto& cloud = scan->cloud_in_couch.points;

@@ -216,11 +216,13 @@ TEST_CASE("an unsure profile is kept where its surface goes on on both sides, no
   grow_unsure(lines[120], -1.5F);
   const auto scan = make_cloud(lines, poll(-0.3, 6.3, 0.12, 1, even), scanner);
   REQUIRE_MESSAGE(scan.has_value(), test::reason(scan));
-  std::vector<int> of_frame(lines.size(), 0);
-  for (const GridPlace& place : scan->places) ++of_frame[static_cast<std::size_t>(place.frame)];
-  CHECK(of_frame[90] > 600);
-  CHECK(of_frame[119] > 600);
-  CHECK(of_frame[120] == 0);
+  REQUIRE(scan->first_of_frame.size() == lines.size() + 1);
+  const auto points_of = [&](std::size_t frame) {
+    return scan->first_of_frame[frame + 1] - scan->first_of_frame[frame];
+  };
+  CHECK(points_of(90) > 600);
+  CHECK(points_of(119) > 600);
+  CHECK(points_of(120) == 0);
 }
 
 TEST_CASE("forth and back over a still roof, the latency that was wrong is found to 3 ms") {

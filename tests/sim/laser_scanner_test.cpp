@@ -115,8 +115,9 @@ TEST_CASE("what is seen is counted place by place, both ways too, and what is lo
     const scanner::SweepOptions options{.both_ways = both_ways, .most_lost_share = 1.0};
     const auto scan = scanner::scan_sweep(scanner, scanner, scanner.true_calibration(), options);
     REQUIRE_MESSAGE(scan.has_value(), test::reason(scan));
-    REQUIRE(scan->places.size() == scan->cloud_in_couch.size());
-    return seen_share(scanner.visible(), scan->places);
+    REQUIRE(scan->rows.size() == scan->cloud_in_couch.size());
+    REQUIRE(scan->first_of_frame.size() == scanner.visible().of_frame.size() + 1);
+    return seen_share(scanner.visible(), *scan);
   };
   CHECK(share_of(0.0, false) > 0.98);
   CHECK(share_of(0.0, true) > 0.98);

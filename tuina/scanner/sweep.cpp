@@ -93,9 +93,9 @@ struct ErrorSum {
 };
 
 // One way of the unit over the scene, as a grid of its own, added to the scan.
-void add_way(std::size_t first_frame, std::span<const TimedLine> lines,
-             std::span<const double> yaw_rad, std::span<const double> breath_m,
-             const ScannerCalibration& calibration, ErrorSum& errors, Scan& scan) {
+void add_way(std::span<const TimedLine> lines, std::span<const double> yaw_rad,
+             std::span<const double> breath_m, const ScannerCalibration& calibration,
+             ErrorSum& errors, Scan& scan) {
   const ProfileGrid grid = place_in_couch(lines, yaw_rad, calibration);
   PointCloud& cloud = scan.cloud_in_couch;
   NeighbourJudge neighbours(grid);
@@ -110,6 +110,7 @@ void add_way(std::size_t first_frame, std::span<const TimedLine> lines,
     const Vector3 breath = breath_m.empty() ? Vector3::Zero() : Vector3(breath_m[i] * away);
     const NeighbourJudge::Verdict& verdict = neighbours.next();
     int lit = 0;
+    scan.first_of_frame.push_back(cloud.size());
     for (std::size_t row = 0; row < grid.rows(); ++row) {
       if (!grid.lit(i, row)) continue;
       ++lit;
@@ -121,7 +122,7 @@ void add_way(std::size_t first_frame, std::span<const TimedLine> lines,
       const Vector3 to_eye = (eye - point).normalized();
       const double cosine = normal.dot(to_eye);
       if (std::abs(cosine) < least_cosine) continue;
-      scan.places.push_back({static_cast<int>(first_frame + i), static_cast<int>(row)});
+      scan.rows.push_back(static_cast<std::uint16_t>(row));
       cloud.points.push_back(point.z() < breathing_from_m ? point : Vector3(point + breath));
       cloud.normals.push_back(cosine > 0.0 ? normal : Vector3(-normal));
       cloud.amplitude.push_back(grid.amplitude_dn(i, row));
@@ -160,7 +161,8 @@ Result<Scan> make_cloud(std::span<const TimedLine> lines, std::span<const YawRea
   cloud.normals.reserve(rows_seen);
   cloud.amplitude.reserve(rows_seen);
   cloud.deviation_m.reserve(rows_seen);
-  scan.places.reserve(rows_seen);
+  scan.rows.reserve(rows_seen);
+  scan.first_of_frame.reserve(lines.size() + 1);
 
   ErrorSum errors;
   const auto turn = turning_point(lines, *yaw_rad);
@@ -181,13 +183,13 @@ Result<Scan> make_cloud(std::span<const TimedLine> lines, std::span<const YawRea
     scan.ways = two.compared;
     const std::span<const double> yaw = *yaw_rad;
     const std::span<const double> breath = two.breath_at_m;
-    add_way(0, lines.first(*turn), yaw.first(*turn), breath.first(*turn), calibration, errors,
+    add_way(lines.first(*turn), yaw.first(*turn), breath.first(*turn), calibration, errors, scan);
+    add_way(lines.subspan(*turn), yaw.subspan(*turn), breath.subspan(*turn), calibration, errors,
             scan);
-    add_way(*turn, lines.subspan(*turn), yaw.subspan(*turn), breath.subspan(*turn), calibration,
-            errors, scan);
   } else {
-    add_way(0, lines, *yaw_rad, {}, calibration, errors, scan);
+    add_way(lines, *yaw_rad, {}, calibration, errors, scan);
   }
+  scan.first_of_frame.push_back(cloud.size());
   if (cloud.points.empty()) {
     return fail(Fault::not_found, "{} rows are lit, but no surface lies under them", scan.rows_lit);
   }

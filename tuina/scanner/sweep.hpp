@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <span>
@@ -59,18 +61,15 @@ struct WaysCompared {
   double remaining_m = 0.0;     ///< the same once latency and breath are taken off
 };
 
-/// Where in a sweep a point was seen: in which frame, both ways counted on, and in which row of it.
-/// Neighbours in this grid are neighbours on the surface, and a hole is a place that is missing.
-struct GridPlace {
-  int frame = 0;
-  int row = 0;
-};
-
 struct Scan {
-  PointCloud cloud_in_couch;      ///< with normals, amplitude and deviation
-  std::vector<GridPlace> places;  ///< of the points of the cloud, one each
-  int profiles = 0;               ///< frames in which a line was seen
-  int rows_lit = 0;               ///< over all frames, before points at depth edges are left out
+  PointCloud cloud_in_couch;  ///< with normals, amplitude and deviation
+  /// The grid of frames and rows in which the points were seen: those of frame i, both ways counted
+  /// on, are first_of_frame[i] up to first_of_frame[i + 1], each in its row. Neighbours in it are
+  /// neighbours on the surface, and a hole is a place that is missing.
+  std::vector<std::size_t> first_of_frame;
+  std::vector<std::uint16_t> rows;
+  int profiles = 0;  ///< frames in which a line was seen
+  int rows_lit = 0;  ///< over all frames, before points at depth edges are left out
   int ambiguous_rows = 0;
   double sweep_s = 0.0;  ///< from the first frame to the last
   double compute_ms =

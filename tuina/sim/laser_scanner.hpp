@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <memory>
-#include <span>
 #include <vector>
 
 #include "tuina/core/acupoint.hpp"
@@ -117,8 +116,7 @@ struct ScanTruth {
 
 /// Of the places that laser and camera both see, the share of which a scan has a point. Those lost
 /// with their frames are missing, and a point beside the edge of what is visible is none.
-[[nodiscard]] double seen_share(const VisibleRows& visible,
-                                std::span<const scanner::GridPlace> places);
+[[nodiscard]] double seen_share(const VisibleRows& visible, const scanner::Scan& scan);
 
 /// RMS over the rows of the image of the range that a calibration tells wrongly at a depth, for
 /// places of the light plane that the camera of the true scanner sees.

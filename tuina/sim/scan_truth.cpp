@@ -27,13 +27,12 @@ ScanTruth compare_with_truth(const PointCloud& cloud_in_couch, const Mesh& skin_
   return truth;
 }
 
-double seen_share(const VisibleRows& visible, std::span<const scanner::GridPlace> places) {
+double seen_share(const VisibleRows& visible, const scanner::Scan& scan) {
   std::size_t seen = 0;
-  for (const scanner::GridPlace& place : places) {
-    seen +=
-        visible.of_frame[static_cast<std::size_t>(place.frame)][static_cast<std::size_t>(place.row)]
-            ? 1U
-            : 0U;
+  for (std::size_t frame = 0; frame < visible.of_frame.size(); ++frame) {
+    for (std::size_t i = scan.first_of_frame[frame]; i < scan.first_of_frame[frame + 1]; ++i) {
+      seen += visible.of_frame[frame][scan.rows[i]] ? 1U : 0U;
+    }
   }
   return static_cast<double>(seen) / static_cast<double>(std::max<std::size_t>(1, visible.count));
 }
