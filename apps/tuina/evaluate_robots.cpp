@@ -181,7 +181,7 @@ class EvaluateRobots final : public Verb {
 
   static Answer answer(const std::vector<Row>& rows) {
     std::string text =
-        fmt::format("{:<10}{:<16}{:<9}{:>8}{:>11}{:>9}  {:<17}{:>7}{:>9}{:>9}{:>8}{:>9}{:>8}\n",
+        fmt::format("{:<10}{:<16}{:<9}{:>10}{:>8}{:>11}  {:<17}{:>7}{:>9}{:>9}{:>8}{:>9}{:>8}\n",
                     "robot", "person", "position", "reach, %", "m/rad", "room, deg", "programme",
                     "s", "left out", "arms, mm", "couch", "own body", "plan, ms");
     ordered_json list = ordered_json::array();
@@ -190,7 +190,7 @@ class EvaluateRobots final : public Verb {
       const double couch_mm = to_mm(row.clear[robot::Surrounding::couch]);
       const double body_mm = to_mm(row.clear[robot::Surrounding::body]);
       text += fmt::format(
-          "{:<10}{:<16}{:<9}{:>8.1f}{:>11.3f}{:>9.1f}  {:<17}{:>7.0f}{:>9}{:>9.0f}{:>8.0f}{:>9.0f}"
+          "{:<10}{:<16}{:<9}{:>10.1f}{:>8.3f}{:>11.1f}  {:<17}{:>7.0f}{:>9}{:>9.0f}{:>8.0f}{:>9.0f}"
           "{:>8.0f}\n",
           name_of(row.kind), row.who, name_of(row.position), share, row.workspace.dexterity,
           to_deg(row.workspace.limit_room_rad), row.programme, row.duration_s, row.left_out,
