@@ -15,37 +15,45 @@
 namespace tuina::app {
 namespace {
 
-/// People differ from phantoms more than phantoms do from each other: with radii so much wider, those
-/// of an atlas of phantoms held 95 % (sitting) and 99 % (lying) of the true points on laser scans of
-/// 80 of the people of docs/bodies.md.
+/// People differ from phantoms more than phantoms do from each other: with radii so much wider,
+/// those of an atlas of phantoms held 95 % (sitting) and 99 % (lying) of the true points on laser
+/// scans of 80 of the people of docs/bodies.md.
 constexpr double people_from_phantoms = 1.8;
 
 /// Labelled surfaces to an atlas.
 class AtlasLearn final : public Verb {
  public:
   [[nodiscard]] const char* name() const override { return "atlas learn"; }
-  [[nodiscard]] const char* summary() const override { return "learn an atlas from labelled backs"; }
+  [[nodiscard]] const char* summary() const override {
+    return "learn an atlas from labelled backs";
+  }
   [[nodiscard]] const char* example() const override {
     return "tuina atlas learn people/ --out people.tuina\n"
            "  tuina atlas learn my_patients/ --prior default --out mine.tuina\n"
-           "  tuina atlas learn --phantoms 40 --seed 1 --scan ideal --out models/atlas.tuina   (how the shipped one is made)";
+           "  tuina atlas learn --phantoms 40 --seed 1 --scan ideal --out models/atlas.tuina   "
+           "(how the shipped one is made)";
   }
   void describe(CLI::App& command) override {
-    command.add_option("bodies", places_, "folders of labelled bodies, or NAME.ply with NAME.json beside it");
-    command.add_option("--phantoms", phantoms_, "so many drawn persons in each position, by --seed")
-        ->check(number_between(1, 10000));
-    command.add_option("--prior", prior_, "`default` or an atlas file that a few bodies then adapt");
+    command.add_option("bodies", places_,
+                       "folders of labelled bodies, or NAME.ply with NAME.json beside it");
     command
-        .add_option("--scan", scan_,
-                    "what the points are found from while learning: ideal surfaces, or laser: each body "
-                    "through the simulated scanner and its calibration errors")
+        .add_option("--phantoms", phantoms_, "so many drawn persons in each position, by --seed")
+        ->check(number_between(1, 10000));
+    command.add_option("--prior", prior_,
+                       "`default` or an atlas file that a few bodies then adapt");
+    command
+        .add_option(
+            "--scan", scan_,
+            "what the points are found from while learning: ideal surfaces, or laser: each body "
+            "through the simulated scanner and its calibration errors")
         ->check(CLI::IsMember({"ideal", "laser"}))
         ->capture_default_str();
     command.add_option("--out", out_, "the atlas")->required();
   }
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
     if (places_.empty() == (phantoms_ == 0)) {
-      return fail(Fault::usage, "atlas learn needs labelled bodies or --phantoms N, one of the two");
+      return fail(Fault::usage,
+                  "atlas learn needs labelled bodies or --phantoms N, one of the two");
     }
     if (const auto good = check_folder_of(out_); !good) return tl::unexpected(good.error());
     Result<std::vector<body::LabelledBody>> bodies = std::vector<body::LabelledBody>{};
@@ -67,23 +75,28 @@ class AtlasLearn final : public Verb {
       prior = std::move(*read);
     }
     body::LearnReport report;
-    // The arms of phantoms are not like those of people: with the skin of shoulders and arms, people who sat
-    // were answered 11.3 mm off instead of 8.3 (laser scans of 40 of the people of docs/bodies.md).
+    // The arms of phantoms are not like those of people: with the skin of shoulders and arms,
+    // people who sat were answered 11.3 mm off instead of 8.3 (laser scans of 40 of the people of
+    // docs/bodies.md).
     const auto reach = phantoms_ > 0 ? body::Reach::acupoints : body::Reach::labels;
-    auto atlas = body::learn_atlas(*bodies, prior ? &*prior : nullptr, progress_bar(common, "learn"), &report, reach);
+    auto atlas = body::learn_atlas(*bodies, prior ? &*prior : nullptr,
+                                   progress_bar(common, "learn"), &report, reach);
     if (!atlas) return tl::unexpected(atlas.error());
     if (phantoms_ > 0) {
       for (auto& position : atlas->positions) position.shape.radius95_m *= people_from_phantoms;
     }
     const std::string bytes = to_bytes(*atlas);
-    if (const auto written = write_file(out_, bytes); !written) return tl::unexpected(written.error());
-    nlohmann::json json{{"bodies", report.bodies}, {"points", report.points}, {"modes", report.modes},
-                        {"leave_one_out_mm", nullptr}, {"bytes", bytes.size()}, {"skipped", report.skipped}};
-    std::string text = fmt::format("{} bodies, {} points, {} modes, {} kB", report.bodies, report.points,
-                                   report.modes, bytes.size() / 1000);
+    if (const auto written = write_file(out_, bytes); !written)
+      return tl::unexpected(written.error());
+    nlohmann::json json{{"bodies", report.bodies}, {"points", report.points},
+                        {"modes", report.modes},   {"leave_one_out_mm", nullptr},
+                        {"bytes", bytes.size()},   {"skipped", report.skipped}};
+    std::string text = fmt::format("{} bodies, {} points, {} modes, {} kB", report.bodies,
+                                   report.points, report.modes, bytes.size() / 1000);
     if (report.leave_one_out_mm > 0.0) {
       json["leave_one_out_mm"] = report.leave_one_out_mm;
-      text += fmt::format("; on bodies left out the seven points are {:.1f} mm off", report.leave_one_out_mm);
+      text += fmt::format("; on bodies left out the seven points are {:.1f} mm off",
+                          report.leave_one_out_mm);
     }
     for (const auto& skipped : report.skipped) text += fmt::format("\n  left out: {}", skipped);
     return Answer{.json = json.dump(2), .text = text};
@@ -102,7 +115,9 @@ class AtlasShow final : public Verb {
  public:
   [[nodiscard]] const char* name() const override { return "atlas show"; }
   [[nodiscard]] const char* summary() const override { return "what an atlas knows"; }
-  [[nodiscard]] const char* example() const override { return "tuina atlas show models/atlas.tuina --picture atlas.svg"; }
+  [[nodiscard]] const char* example() const override {
+    return "tuina atlas show models/atlas.tuina --picture atlas.svg";
+  }
   void describe(CLI::App& command) override {
     command.add_option("atlas", atlas_, "an atlas file; else the shipped one");
     command.add_option("--picture", picture_, "the mean back and its first modes, as SVG");
@@ -128,13 +143,19 @@ class AtlasShow final : public Verb {
       for (std::size_t i = 0; i < shape.labels.size(); ++i) {
         radii[shape.labels[i]] = to_mm(shape.radius95_m[static_cast<Eigen::Index>(i)]);
       }
-      positions.push_back({{"position", name_of(shape.position)}, {"bodies", shape.bodies},
-                           {"skin_points", shape.skin_points()}, {"most_unusual", shape.most_unusual},
+      positions.push_back({{"position", name_of(shape.position)},
+                           {"bodies", shape.bodies},
+                           {"skin_points", shape.skin_points()},
+                           {"most_unusual", shape.most_unusual},
                            {"radius95_mm", radii}});
-      text += fmt::format("\n{}: {} bodies, {} skin points, {} labels ({} acupoints), {} modes", name_of(shape.position),
-                          shape.bodies, shape.skin_points(), shape.labels.size(), shape.acupoints, shape.modes.cols());
+      text += fmt::format("\n{}: {} bodies, {} skin points, {} labels ({} acupoints), {} modes",
+                          name_of(shape.position), shape.bodies, shape.skin_points(),
+                          shape.labels.size(), shape.acupoints, shape.modes.cols());
     }
-    const nlohmann::json json{{"made", atlas->made}, {"bodies", bodies}, {"points", points}, {"modes", modes},
+    const nlohmann::json json{{"made", atlas->made},
+                              {"bodies", bodies},
+                              {"points", points},
+                              {"modes", modes},
                               {"positions", positions}};
     return Answer{.json = json.dump(2), .text = text};
   }
@@ -146,7 +167,11 @@ class AtlasShow final : public Verb {
 
 }  // namespace
 
-std::unique_ptr<Verb> make_atlas_learn() { return std::make_unique<AtlasLearn>(); }
-std::unique_ptr<Verb> make_atlas_show() { return std::make_unique<AtlasShow>(); }
+std::unique_ptr<Verb> make_atlas_learn() {
+  return std::make_unique<AtlasLearn>();
+}
+std::unique_ptr<Verb> make_atlas_show() {
+  return std::make_unique<AtlasShow>();
+}
 
 }  // namespace tuina::app

@@ -32,7 +32,8 @@ Result<body::Atlas> open_atlas(const std::string& words, const Progress& progres
   if (words.empty()) return body::read_atlas(default_atlas_path());
   std::error_code fault;
   if (!fs::exists(words, fault)) return fail(Fault::file, "{}: there is no such atlas", words);
-  if (!fs::is_directory(words, fault) && fs::path(words).extension() != ".ply") return body::read_atlas(words);
+  if (!fs::is_directory(words, fault) && fs::path(words).extension() != ".ply")
+    return body::read_atlas(words);
   auto bodies = read_labelled({words});
   if (!bodies) return tl::unexpected(bodies.error());
   scan_everybody(*bodies, 1, {});

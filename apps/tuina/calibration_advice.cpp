@@ -75,11 +75,11 @@ std::vector<std::string> advice(const Calibrated& result, const Views& views) {
     }
   }
   if (!odd.empty()) {
-    sentences.push_back(
-        fmt::format("Pose {} agrees with the rest less than it should: blurred, moved between its "
-                    "two pictures, "
-                    "or another lamp? Take it again.",
-                    fmt::join(odd, ", ")));
+    sentences.push_back(fmt::format(
+        "{} with the rest less than it should: blurred, moved between its two "
+        "pictures, or another lamp? Take it again.",
+        odd.size() == 1 ? fmt::format("Pose {} agrees", *odd.begin())
+                        : fmt::format("Each of the poses {} agrees", fmt::join(odd, ", "))));
   }
   if (result.poses < good_poses) {
     sentences.push_back(fmt::format(

@@ -22,20 +22,24 @@ class MapVerb final : public Verb {
  public:
   [[nodiscard]] const char* name() const override { return "map"; }
   [[nodiscard]] const char* summary() const override { return "acupoints of a scan"; }
-  [[nodiscard]] const char* example() const override { return "tuina map scan.ply --out acupoints.json"; }
+  [[nodiscard]] const char* example() const override {
+    return "tuina map scan.ply --out acupoints.json";
+  }
 
   void describe(CLI::App& command) override {
     command.add_option("scan", scan_, "a cloud or mesh in couch, PLY or PCD, metres")->required();
     command.add_option("--position", position_, "sitting, prone, or auto: recognised")
         ->check(CLI::IsMember({"auto", "sitting", "prone"}))
         ->capture_default_str();
-    command.add_option("--atlas", atlas_, "an atlas file, a labelled body or a folder of them; else the shipped one");
+    command.add_option("--atlas", atlas_,
+                       "an atlas file, a labelled body or a folder of them; else the shipped one");
     command.add_option("--method", method_, "field_morphing (the thesis) or surface")
         ->check(CLI::IsMember({"field_morphing", "surface"}))
         ->capture_default_str();
-    command.add_option("--board", board_,
-                       "for field_morphing: the scan of a flat board that lay where the back is, which "
-                       "gives the plane of the projection; else the back itself gives it");
+    command.add_option(
+        "--board", board_,
+        "for field_morphing: the scan of a flat board that lay where the back is, which "
+        "gives the plane of the projection; else the back itself gives it");
     command.add_option("--out", out_, "the answer, as acupoints.json");
   }
 
@@ -56,13 +60,16 @@ class MapVerb final : public Verb {
 
     const auto start = std::chrono::steady_clock::now();
     body::BackOptions options;
-    if (position_ != "auto") options.position = position_ == "prone" ? Position::prone : Position::sitting;
+    if (position_ != "auto")
+      options.position = position_ == "prone" ? Position::prone : Position::sitting;
     // A mesh says what lies between its vertices.
-    const auto back = scan->triangles.empty()
-                          ? body::fit_back(scan->cloud, options)
-                          : body::fit_back(body::sample({scan->cloud.points, scan->triangles}, 5_mm), options);
+    const auto back =
+        scan->triangles.empty()
+            ? body::fit_back(scan->cloud, options)
+            : body::fit_back(body::sample({scan->cloud.points, scan->triangles}, 5_mm), options);
     if (!back) return refused(back.error());
-    const auto mapping = body::locate_acupoints(*back, *atlas, *body::parse_method(method_), *board_normal);
+    const auto mapping =
+        body::locate_acupoints(*back, *atlas, *body::parse_method(method_), *board_normal);
     if (!mapping) return refused(mapping.error());
     const double compute_ms =
         std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
@@ -75,7 +82,8 @@ class MapVerb final : public Verb {
                                {"uncertainty_mm", to_mm(point.uncertainty_m)}};
     }
     nlohmann::json landmarks = nlohmann::json::object();
-    for (const auto& landmark : mapping->landmarks) landmarks[landmark.name] = numbers(landmark.at_in_couch);
+    for (const auto& landmark : mapping->landmarks)
+      landmarks[landmark.name] = numbers(landmark.at_in_couch);
     const nlohmann::json json{{"method", name_of(mapping->method)},
                               {"position", name_of(mapping->position)},
                               {"arms", name_of(mapping->arms)},
@@ -89,17 +97,21 @@ class MapVerb final : public Verb {
                               {"landmarks", landmarks}};
     const std::string text = json.dump(2);
     if (!out_.empty()) {
-      if (const auto written = write_file(out_, text + "\n"); !written) return tl::unexpected(written.error());
+      if (const auto written = write_file(out_, text + "\n"); !written)
+        return tl::unexpected(written.error());
     }
-    std::string words = fmt::format("{} points on a {} person, {:.0f} ms", mapping->acupoints.size(),
-                                    name_of(mapping->position), compute_ms);
-    if (scan->dropped_points > 0) words += fmt::format("; {} points were not numbers and are dropped", scan->dropped_points);
+    std::string words =
+        fmt::format("{} points on a {} person, {:.0f} ms", mapping->acupoints.size(),
+                    name_of(mapping->position), compute_ms);
+    if (scan->dropped_points > 0)
+      words += fmt::format("; {} points were not numbers and are dropped", scan->dropped_points);
     for (const char* seven : seven_acupoints) {
       for (const auto& point : mapping->acupoints) {
         if (point.name != seven) continue;
-        words += fmt::format("\n  {:<8} x {:7.1f}  y {:7.1f}  z {:7.1f} mm, true within {:.0f} mm in 95 of 100", point.name,
-                             to_mm(point.at_in_couch.x()), to_mm(point.at_in_couch.y()), to_mm(point.at_in_couch.z()),
-                             to_mm(point.uncertainty_m));
+        words += fmt::format(
+            "\n  {:<8} x {:7.1f}  y {:7.1f}  z {:7.1f} mm, true within {:.0f} mm in 95 of 100",
+            point.name, to_mm(point.at_in_couch.x()), to_mm(point.at_in_couch.y()),
+            to_mm(point.at_in_couch.z()), to_mm(point.uncertainty_m));
       }
     }
     return Answer{.json = text, .text = words};
@@ -131,6 +143,8 @@ class MapVerb final : public Verb {
 
 }  // namespace
 
-std::unique_ptr<Verb> make_map() { return std::make_unique<MapVerb>(); }
+std::unique_ptr<Verb> make_map() {
+  return std::make_unique<MapVerb>();
+}
 
 }  // namespace tuina::app

@@ -208,7 +208,8 @@ std::string curves_of(std::size_t subject, const std::array<Place, 3>& places) {
                              .dashed = true});
       telemetry::Series line{
           .name = trial_tissues[k].name, .x = place.time_s, .colour = colours[k]};
-      for (const double value : found) line.y.push_back(std::clamp(value, *plot.y_low, *plot.y_high));
+      for (const double value : found)
+        line.y.push_back(std::clamp(value, *plot.y_low, *plot.y_high));
       plot.series.push_back(std::move(line));
     };
     std::vector<double> beta_per_mm;

@@ -7,7 +7,8 @@ namespace tuina::app {
 
 std::string summary_of_group(std::string_view group) {
   if (group == "atlas") return "labelled backs: record them, learn a file from them, look at it";
-  if (group == "teach") return "motions that a hand shows to an arm: record, play, look at them, carry them to others";
+  if (group == "teach")
+    return "motions that a hand shows to an arm: record, play, look at them, carry them to others";
   if (group == "tissue") return "what a record of presses says about the tissue";
   if (group == "evaluate") return "the tables of the documentation, judged against the truth";
   if (group == "export") return "the robot for other programs: URDF, MJCF";

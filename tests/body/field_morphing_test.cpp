@@ -12,7 +12,9 @@
 namespace tuina::body {
 namespace {
 
-Vector2 somewhere(Random& random) { return {uniform(random, -0.3, 0.3), uniform(random, -0.5, 0.3)}; }
+Vector2 somewhere(Random& random) {
+  return {uniform(random, -0.3, 0.3), uniform(random, -0.5, 0.3)};
+}
 
 std::vector<FeatureLine> some_lines(Random& random) {
   std::vector<FeatureLine> lines(4);
@@ -86,7 +88,8 @@ TEST_CASE("a mark is carried to where the picture way would show it") {
   for (int i = 0; i < 100; ++i) {
     const auto standard = some_lines(random);
     auto person = standard;
-    for (auto& line : person) line = {line.p + 0.1 * somewhere(random), line.q + 0.1 * somewhere(random)};
+    for (auto& line : person)
+      line = {line.p + 0.1 * somewhere(random), line.q + 0.1 * somewhere(random)};
     const Vector2 mark = somewhere(random);
     const Vector2 found = carry(mark, person, standard);
     if ((warp(found, person, standard) - mark).norm() < 1e-6) ++carried;

@@ -12,9 +12,9 @@
 namespace tuina::body {
 namespace {
 
-// The layout, all little-endian (docs/acupoints.md): 8 bytes "TUINAATL", u32 version, u64 length of the rest,
-// u64 FNV-1a of the rest, the rest. Numbers are f32; modes have one f32 scale a column and whole numbers of one
-// byte, of two where a byte would round to more than 0.04 mm.
+// The layout, all little-endian (docs/acupoints.md): 8 bytes "TUINAATL", u32 version, u64 length of
+// the rest, u64 FNV-1a of the rest, the rest. Numbers are f32; modes have one f32 scale a column
+// and whole numbers of one byte, of two where a byte would round to more than 0.04 mm.
 static_assert(std::endian::native == std::endian::little);
 constexpr std::string_view magic = "TUINAATL";
 constexpr std::uint32_t version = 4;
@@ -87,7 +87,8 @@ class Reader {
   }
   std::size_t count(std::size_t bytes_each) {
     const auto n = plain<std::uint32_t>();
-    if (n > most_entries || n * bytes_each > left_.size()) throw std::runtime_error("a count exceeds the file");
+    if (n > most_entries || n * bytes_each > left_.size())
+      throw std::runtime_error("a count exceeds the file");
     return n;
   }
   std::string text() {
@@ -111,7 +112,8 @@ class Reader {
     Eigen::MatrixXd m(rows, cols);
     for (Eigen::Index j = 0; j < cols; ++j) {
       const auto bytes_each = plain<std::uint8_t>();
-      if (bytes_each != 1 && bytes_each != 2) throw std::runtime_error("a number of bytes is unknown");
+      if (bytes_each != 1 && bytes_each != 2)
+        throw std::runtime_error("a number of bytes is unknown");
       const double scale = number();
       for (Eigen::Index i = 0; i < rows; ++i) {
         m(i, j) = scale * (bytes_each == 2 ? plain<std::int16_t>() : plain<std::int8_t>());
@@ -170,8 +172,8 @@ PositionAtlas read(Reader& in) {
   const Eigen::MatrixXd normals = in.matrix();
   const Eigen::MatrixXd start = in.matrix();
   const auto count = static_cast<Eigen::Index>(labels);
-  expect(mean.rows() == 3 && mean.cols() > count + 50 && normals.rows() == 3 && normals.cols() == mean.cols() - count &&
-             start.rows() == 4 && start.cols() == 4,
+  expect(mean.rows() == 3 && mean.cols() > count + 50 && normals.rows() == 3 &&
+             normals.cols() == mean.cols() - count && start.rows() == 4 && start.cols() == 4,
          "a table has the wrong size");
   shape.mean = mean;
   shape.normals = normals;
@@ -184,9 +186,10 @@ PositionAtlas read(Reader& in) {
   shape.nominal_var_m2 = in.matrix() * 1e-6;
   shape.usual_residual_m = in.number();
   shape.most_unusual = in.number();
-  expect(shape.modes.rows() == 3 * mean.cols() && shape.radius95_m.size() == count && shape.nominal_var_m2.size() == count &&
-             (shape.correction.size() == 0 ||
-              (shape.correction.rows() == 3 * count && shape.correction.cols() == shape.modes.cols() + 1)),
+  expect(shape.modes.rows() == 3 * mean.cols() && shape.radius95_m.size() == count &&
+             shape.nominal_var_m2.size() == count &&
+             (shape.correction.size() == 0 || (shape.correction.rows() == 3 * count &&
+                                               shape.correction.cols() == shape.modes.cols() + 1)),
          "a table has the wrong size");
   const std::size_t lines = in.count(32);
   const auto point = [&]() -> Vector2 {
@@ -225,11 +228,13 @@ Result<Atlas> parse_atlas(std::string_view content, std::string_view name) {
   }
   Reader head(content.substr(magic.size(), header - magic.size()));
   const auto found = head.plain<std::uint32_t>();
-  if (found != version) return fail(Fault::bad_input, "{}: atlas version {}, {} is understood", name, found, version);
+  if (found != version)
+    return fail(Fault::bad_input, "{}: atlas version {}, {} is understood", name, found, version);
   const std::string_view rest = content.substr(header);
   const auto length = head.plain<std::uint64_t>();
   if (length != rest.size()) {
-    return fail(Fault::bad_input, "{}: {} bytes follow the header, {} are announced", name, rest.size(), length);
+    return fail(Fault::bad_input, "{}: {} bytes follow the header, {} are announced", name,
+                rest.size(), length);
   }
   if (head.plain<std::uint64_t>() != fnv1a(rest)) {
     return fail(Fault::bad_input, "{}: the checksum is wrong, the file is damaged", name);

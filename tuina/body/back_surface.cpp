@@ -157,7 +157,8 @@ std::optional<SurfacePoint> BackSurface::along(const Vector3& origin_in_couch,
       if (meets && s >= 0.0 && tree_->closest(at).second < 1.5 * touching) {
         return SurfacePoint{at, plane.normal_in_couch, s};
       }
-      // A ray that grazes the skin finds no crossing with its planes; where it comes closest is the answer.
+      // A ray that grazes the skin finds no crossing with its planes; where it comes closest is the
+      // answer.
       const SurfacePoint grazed = nearest(origin_in_couch + t * direction);
       if (grazed.distance_m < 0.7 * touching) {
         return SurfacePoint{grazed.at_in_couch, grazed.normal_in_couch, t};

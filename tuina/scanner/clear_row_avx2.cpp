@@ -118,8 +118,8 @@ TUINA_AVX2 inline bool all_show_one_line(const std::uint8_t* const* rows, const 
 
     const std::uint8_t* peak = from + at;
     std::memcpy(&around[i], peak - 1, sizeof around[i]);
-    const __m128i sides = _mm_unpacklo_epi64(_mm_loadu_si64(peak - beside_px - 7),
-                                             _mm_loadu_si64(peak + beside_px));
+    const __m128i sides =
+        _mm_unpacklo_epi64(_mm_loadu_si64(peak - beside_px - 7), _mm_loadu_si64(peak + beside_px));
     const __m128i sums = _mm_sad_epu8(sides, _mm_setzero_si128());
     beside[i] = _mm_cvtsi128_si32(_mm_max_epi32(sums, _mm_unpackhi_epi64(sums, sums)));
     const std::uint8_t* taps = peak - LineKernel::before;
