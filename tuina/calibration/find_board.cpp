@@ -60,14 +60,24 @@ std::array<Vector2, 4> outline(const std::vector<Vector2>& corners, const Board&
           beyond(right, below, right - 1, below - 1), beyond(0, below, 1, below - 1)};
 }
 
+/// The last digits of OpenCV depend on addresses, through the tuned BLAS beneath it. What the joint
+/// fit starts from needs no such digits, and without them the same pictures give the same numbers.
+double coarse(double value, double step) {
+  return step * std::round(value / step);
+}
+
 Transform transform_of(const cv::Mat& rotation, const cv::Mat& translation) {
-  const Vector3 turn(rotation.at<double>(0), rotation.at<double>(1), rotation.at<double>(2));
+  const auto vector = [](const cv::Mat& m) {
+    constexpr double step = 0x1p-16;  // of radians and metres
+    return Vector3(coarse(m.at<double>(0), step), coarse(m.at<double>(1), step),
+                   coarse(m.at<double>(2), step));
+  };
+  const Vector3 turn = vector(rotation);
   Transform transform = Transform::Identity();
   if (const double angle = turn.norm(); angle > 0.0) {
     transform.linear() = Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix();
   }
-  transform.translation() =
-      Vector3(translation.at<double>(0), translation.at<double>(1), translation.at<double>(2));
+  transform.translation() = vector(translation);
   return transform;
 }
 
@@ -131,11 +141,11 @@ Result<FirstCamera> calibrate_camera(const Views& views) {
   FirstCamera first;
   first.camera = {.width_px = views.width_px,
                   .height_px = views.height_px,
-                  .fx_px = matrix.at<double>(0, 0),
-                  .fy_px = matrix.at<double>(1, 1),
-                  .cx_px = matrix.at<double>(0, 2),
-                  .cy_px = matrix.at<double>(1, 2),
-                  .distortion = {distortion.at<double>(0), 0.0, 0.0, 0.0, 0.0}};
+                  .fx_px = coarse(matrix.at<double>(0, 0), 0x1p-8),
+                  .fy_px = coarse(matrix.at<double>(1, 1), 0x1p-8),
+                  .cx_px = coarse(matrix.at<double>(0, 2), 0x1p-8),
+                  .cy_px = coarse(matrix.at<double>(1, 2), 0x1p-8),
+                  .distortion = {coarse(distortion.at<double>(0), 0x1p-16), 0.0, 0.0, 0.0, 0.0}};
   for (std::size_t i = 0; i < rotations.size(); ++i) {
     first.camera_from_board.push_back(transform_of(rotations[i], translations[i]));
   }

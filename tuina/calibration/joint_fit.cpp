@@ -62,6 +62,8 @@ class Problem {
     build(problem, robust);
     ceres::Solver::Options options;
     options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
+    // The tuned BLAS beneath the other sparse solvers sums in an order that depends on addresses.
+    options.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
     options.max_num_iterations = 50;
     options.function_tolerance = robust ? 1e-5 : 1e-9;
     options.num_threads = 1;
