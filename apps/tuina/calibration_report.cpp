@@ -15,8 +15,6 @@ namespace tuina::app {
 namespace {
 
 using namespace calibration;
-using telemetry::Colour;
-using telemetry::css;
 namespace palette = telemetry::palette;
 
 std::string residual_figure(const Calibrated& result, const Views& views, bool of_line) {

@@ -74,12 +74,16 @@ Result<ReadyPlan> make_ready(massage::Plan plan, const body::BackSurface& back,
           .value_or(0.0);
   // Where the tools are most dexterous the arms may be in each other's way; then the base moves.
   std::vector<double> stands_m;
-  for (const double aside_m :
-       {0_mm, -100_mm, 100_mm, -200_mm, 200_mm, -50_mm, 50_mm, -150_mm, 150_mm}) {
-    const double at_m = dexterous_m + aside_m;
+  const auto offer = [&](double at_m) {
     if (at_m >= mount.lowest_rail_m && at_m <= mount.highest_rail_m) stands_m.push_back(at_m);
+  };
+  if (rail_m) {
+    offer(*rail_m);
+  } else {
+    for (const double aside_m :
+         {0_mm, -100_mm, 100_mm, -200_mm, 200_mm, -50_mm, 50_mm, -150_mm, 150_mm})
+      offer(dexterous_m + aside_m);
   }
-  if (rail_m) stands_m = {*rail_m};
   std::optional<Choreography> best;
   std::size_t hopeless = ready.plan.paths.size() + 1;
   // The first place is nearly always good enough; the others are tried two at a time.
