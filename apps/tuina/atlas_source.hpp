@@ -9,14 +9,17 @@
 
 namespace tuina::app {
 
-/// Where the shipped atlas lies: beside an installed program or in the source tree it was built from.
+/// Where the shipped atlas lies: beside an installed program or in the source tree it was built
+/// from.
 [[nodiscard]] std::filesystem::path default_atlas_path();
 
-/// What --atlas accepts: nothing (the shipped atlas), an atlas file, or a labelled body (FILE.ply) or folder
-/// of them, which then adapts the shipped atlas.
-[[nodiscard]] Result<body::Atlas> open_atlas(const std::string& words, const Progress& progress = {});
+/// What --atlas accepts: nothing (the shipped atlas), an atlas file, or a labelled body (FILE.ply)
+/// or folder of them, which then adapts the shipped atlas.
+[[nodiscard]] Result<body::Atlas> open_atlas(const std::string& words,
+                                             const Progress& progress = {});
 
 /// The labelled bodies of folders and .ply files.
-[[nodiscard]] Result<std::vector<body::LabelledBody>> read_labelled(const std::vector<std::string>& places);
+[[nodiscard]] Result<std::vector<body::LabelledBody>> read_labelled(
+    const std::vector<std::string>& places);
 
 }  // namespace tuina::app

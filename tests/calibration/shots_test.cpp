@@ -78,13 +78,13 @@ TEST_CASE("what departs from the format is refused with file and line") {
     std::string text = good_board;
     return refusal(text.replace(text.find(from), from.size(), to), good_frames);
   };
-  says(board("0.025", "25"),
-       "board.toml:5: board.square_m must be the side of one square in metres");
+  says(board("0.025", "25"), "board.toml:5: board.square_m = 25 is not a number from 0.002 to 0.5");
+  says(board("rows =", "rosw ="), "`board.rosw` is unknown; is `rows` meant?");
   says(board("0.025", "\"wide\""), "board.square_m");
   says(board("columns = 7", "columns = 2"), "board.toml:3: board.columns");
   says(board("rows = 10", "rows = 10.5"), "board.rows");
   says(board("chessboard", "dots"), "board.kind");
-  says(board("[board]", "[plank]"), "[board] is missing");
+  says(board("[board]", "[plank]"), "board is missing");
   says(board("[board]", "[board"), "board.toml:1");
 }
 
@@ -106,7 +106,7 @@ TEST_CASE("a board with markers says how large they are and which") {
   says(refused("0.026", "0.035"), "board.toml:6: board.marker_m");
   says(refused("0.026", "nan"), "board.toml:6: board.marker_m");
   says(refused("DICT_5X5_100", "DICT_7X7_50"), "board.toml:7: board.dictionary");
-  says(refused("DICT_5X5_100", "5X5_100"), "board.dictionary must be OpenCV's name");
+  says(refused("DICT_5X5_100", "5X5_100"), "is `DICT_5X5_100` meant?");
   says(refused("columns = 4", "columns = 20"), "50 at most are known");
 }
 

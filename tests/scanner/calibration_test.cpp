@@ -107,7 +107,8 @@ TEST_CASE("every mistake in a calibration is refused with its line") {
       {"fx_px = 1041.67", "fx_px = -5.0", "cal.toml:4: camera.fx_px"},
       {"width_px = 640", "width_px = 0", "cal.toml:2: camera.width_px"},
       {"width_px = 640", "width_px = 640.5", "cal.toml:2: camera.width_px"},
-      {"width_px = 640", "widht_px = 640", "cal.toml:2: unknown key 'widht_px'"},
+      {"width_px = 640", "widht_px = 640",
+       "cal.toml:2: `camera.widht_px` is unknown; is `width_px` meant?"},
       {"[0, 0, 0, 0, 0]", "[0, 0, 0, 0]", "cal.toml:8: camera.distortion"},
       {"[0, 0, 0, 0, 0]", "[0, 0, inf, 0, 0]", "cal.toml:8: camera.distortion"},
       {"[0.9563, 0.0, 0.2924]", "[0.9, 0.0, 0.2924]", "cal.toml:10: laser.normal has length"},
@@ -117,7 +118,7 @@ TEST_CASE("every mistake in a calibration is refused with its line") {
       {"[0,-1,0]]", "[0,-1.1,0]]", "is no rotation"},
       {"[0,-1,0]]", "[0,-1]]", "couch_from_camera.rotation"},
       {"latency_s = 0.0\n", "", "yaw_axis.latency_s is missing"},
-      {"[laser]", "[lasre]", "unknown section 'lasre'"},
+      {"[laser]", "[lasre]", "`lasre` is unknown; is `laser` meant?"},
       {"[laser]", "[laser", "cal.toml:9"},
   };
   for (const Mistake& mistake : mistakes) {

@@ -32,7 +32,7 @@ TEST_CASE("all faults of a file are reported at once, with line, value and what 
   CHECK(message.find("my.toml:2: scan.sweep_s = 'x' is not a number") != std::string::npos);
   CHECK(message.find("my.toml:3: scan.metod = 1 is unknown; is `scan.method` meant?") !=
         std::string::npos);
-  CHECK(message.find("my.toml:5: safety.force_ceiling_n = 95 is outside 5 to 45") !=
+  CHECK(message.find("my.toml:5: safety.force_ceiling_n = 95 is not a number from 5 to 45") !=
         std::string::npos);
   CHECK(message.find("nonsense.a") != std::string::npos);
 }

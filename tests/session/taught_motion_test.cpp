@@ -95,8 +95,10 @@ TEST_CASE("a taught motion that cannot be played is refused with file and line")
     CAPTURE(message);
     CHECK(message.find(what) != std::string::npos);
   };
-  says(refused_for(toml, file, "arm = \"right\"", "arm = \"third\""), "arm needs \"left\"");
-  says(refused_for(toml, file, "zone = \"muscle\"", "zone = \"spine\""), "zone needs \"muscle\"");
+  says(refused_for(toml, file, "arm = \"right\"", "arm = \"third\""),
+       "arm = \"third\" is unknown; known: left, right");
+  says(refused_for(toml, file, "zone = \"muscle\"", "zone = \"spine\""),
+       "zone = \"spine\" is unknown; known: muscle");
   says(refused_for(toml, file, "rail_mm", "rail_m"), "fro.toml:4: `rail_m` is unknown");
   says(refused_for(csv, samples, "force_n", "force"), "no column `force_n`");
   says(refused_for(csv, samples, "\n0.0200,", "\n0.0270,"), "fro.csv:4: time_s is 0.027");

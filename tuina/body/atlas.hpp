@@ -15,7 +15,8 @@
 
 namespace tuina::body {
 
-/// The standard model of the thesis: the outline of one labelled back and its marks on the same plane.
+/// The standard model of the thesis: the outline of one labelled back and its marks on the same
+/// plane.
 struct Standard {
   std::vector<FeatureLine> lines;
   std::vector<Vector2> marks;  ///< of the labels of the shape model, in their order
@@ -39,13 +40,13 @@ struct Atlas {
 struct LearnReport {
   int bodies = 0;
   std::vector<std::string> skipped;  ///< bodies without a usable outline, with the cause
-  int points = 0;  ///< labels with a name
+  int points = 0;                    ///< labels with a name
   int modes = 0;
   double leave_one_out_mm = 0.0;  ///< mean over the seven points; 0 when too few bodies
 };
 
-/// Learns from labelled bodies of one or both positions; deterministic. With a `prior`, a few bodies adapt
-/// it; without, one body gives an atlas of one. `report` may be null.
+/// Learns from labelled bodies of one or both positions; deterministic. With a `prior`, a few
+/// bodies adapt it; without, one body gives an atlas of one. `report` may be null.
 [[nodiscard]] Result<Atlas> learn_atlas(const std::vector<LabelledBody>& bodies, const Atlas* prior,
                                         const Progress& progress, LearnReport* report,
                                         Reach reach = Reach::labels);
@@ -55,7 +56,8 @@ struct LearnReport {
 [[nodiscard]] Result<Atlas> parse_atlas(std::string_view content, std::string_view name);
 [[nodiscard]] Result<Atlas> read_atlas(const std::filesystem::path& path);
 
-/// The feature lines of an outline, [thesis] 5.3: shoulders, midline, neck, the sides and the trunk.
+/// The feature lines of an outline, [thesis] 5.3: shoulders, midline, neck, the sides and the
+/// trunk.
 [[nodiscard]] std::vector<FeatureLine> feature_lines(const Outline& outline);
 
 }  // namespace tuina::body

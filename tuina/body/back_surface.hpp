@@ -47,9 +47,9 @@ class BackSurface {
   std::unique_ptr<Tree> tree_;
 };
 
-/// How far the person is turned about the vertical from the usual pose on the couch, in radians: found from the
-/// skin alone, so that it turns with the person exactly. A lying person's head may be at either end; the answer
-/// is within a quarter turn of the usual pose.
+/// How far the person is turned about the vertical from the usual pose on the couch, in radians:
+/// found from the skin alone, so that it turns with the person exactly. A lying person's head may
+/// be at either end; the answer is within a quarter turn of the usual pose.
 [[nodiscard]] double heading(const PointCloud& back_in_couch, Position position);
 
 struct BackOptions {

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tuina/calibration/shots.hpp"
 
-#include <toml++/toml.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,6 +11,7 @@
 
 #include "tuina/core/file.hpp"
 #include "tuina/core/text_lines.hpp"
+#include "tuina/core/toml_reader.hpp"
 #include "tuina/core/units.hpp"
 
 namespace tuina::calibration {
@@ -31,89 +30,55 @@ constexpr double largest_square_m = 0.5;
 constexpr double smallest_marker = 0.3;
 constexpr double largest_marker = 0.9;
 
-class BoardFile {
- public:
-  BoardFile(const toml::table& file, std::string name) : file_(file), name_(std::move(name)) {}
+/// The names that OpenCV gives its dictionaries of 4, 5 and 6 cells, DICT_4X4_50 to DICT_6X6_1000.
+TomlTable::Words dictionaries() {
+  TomlTable::Words names;
+  for (const int cells : {4, 5, 6}) {
+    for (const int size : {50, 100, 250, 1000}) {
+      names.push_back(fmt::format("DICT_{}X{}_{}", cells, cells, size));
+    }
+  }
+  return names;
+}
 
-  Result<Board> read() const {
-    const toml::table* table = file_["board"].as_table();
-    if (table == nullptr)
-      return fail(Fault::bad_input, "{}: the section [board] is missing", name_);
-    const toml::node* kind_node = table->get("kind");
-    const auto kind = kind_node != nullptr ? kind_node->value<std::string>() : std::nullopt;
-    if (kind != "chessboard" && kind != "charuco") {
-      return fail(Fault::bad_input, "{}:{}: board.kind must be \"chessboard\" or \"charuco\"",
-                  name_, line_of(kind_node, *table));
-    }
-    Board board;
-    for (auto [key, count] : {std::pair{"columns", &board.columns}, {"rows", &board.rows}}) {
-      const toml::node* node = table->get(key);
-      const auto value = node != nullptr && node->is_integer() ? node->value<long>() : std::nullopt;
-      if (!value || *value < fewest_corners || *value > most_corners) {
-        return fail(Fault::bad_input,
-                    "{}:{}: board.{} must be the number of inner corners, {} to {}", name_,
-                    line_of(node, *table), key, fewest_corners, most_corners);
-      }
-      *count = static_cast<int>(*value);
-    }
-    const toml::node* square = table->get("square_m");
-    const auto side = number(square);
-    if (!side || !(*side >= smallest_square_m && *side <= largest_square_m)) {
-      return fail(Fault::bad_input,
-                  "{}:{}: board.square_m must be the side of one square in metres, {} to {}", name_,
-                  line_of(square, *table), smallest_square_m, largest_square_m);
-    }
-    board.square_m = *side;
-    if (kind == "charuco") return with_markers(board, *table);
-    return board;
+void read_markers(const TomlTable& table, Board& board) {
+  board.marker_m = table
+                       .number("marker_m", smallest_marker * board.square_m,
+                               largest_marker * board.square_m, "the side of one marker in metres")
+                       .value_or(0.0);
+  if (const auto dictionary = table.word("dictionary", dictionaries())) {
+    board.marker_cells = dictionaries()[*dictionary][5] - '0';
   }
+  if (scanner::marker_count(board) > scanner::most_markers) {
+    table.reject("columns", fmt::format("{} x {} inner corners have {} markers, {} at most are "
+                                        "known: print fewer and larger squares",
+                                        board.columns, board.rows, scanner::marker_count(board),
+                                        scanner::most_markers));
+  }
+}
 
- private:
-  Result<Board> with_markers(Board board, const toml::table& table) const {
-    const toml::node* marker = table.get("marker_m");
-    const auto side = number(marker);
-    if (!side ||
-        !(*side >= smallest_marker * board.square_m && *side <= largest_marker * board.square_m)) {
-      return fail(Fault::bad_input,
-                  "{}:{}: board.marker_m must be the side of one marker in metres, {} to {} of "
-                  "square_m",
-                  name_, line_of(marker, table), smallest_marker, largest_marker);
-    }
-    board.marker_m = *side;
-    const toml::node* dictionary = table.get("dictionary");
-    const auto written = dictionary != nullptr ? dictionary->value<std::string>() : std::nullopt;
-    const std::string cells = written && written->starts_with("DICT_") ? written->substr(5) : "";
-    board.marker_cells = 0;
-    for (const int n : {4, 5, 6}) {
-      for (const int size : {50, 100, 250, 1000}) {
-        if (cells == fmt::format("{}X{}_{}", n, n, size)) board.marker_cells = n;
-      }
-    }
-    if (board.marker_cells == 0) {
-      return fail(Fault::bad_input,
-                  "{}:{}: board.dictionary must be OpenCV's name of one, DICT_4X4_50 to "
-                  "DICT_6X6_1000 (4, 5 or 6 cells; 50, 100, 250 or 1000 markers)",
-                  name_, line_of(dictionary, table));
-    }
-    if (scanner::marker_count(board) > scanner::most_markers) {
-      return fail(Fault::bad_input,
-                  "{}:{}: {} x {} inner corners have {} markers, {} at most are known: print fewer "
-                  "and larger squares",
-                  name_, line_of(table.get("columns"), table), board.columns, board.rows,
-                  scanner::marker_count(board), scanner::most_markers);
-    }
-    return board;
-  }
-
-  static std::optional<double> number(const toml::node* node) {
-    return node != nullptr && node->is_number() ? node->value<double>() : std::nullopt;
-  }
-  static std::size_t line_of(const toml::node* node, const toml::table& table) {
-    return node != nullptr ? node->source().begin.line : table.source().begin.line;
-  }
-  const toml::table& file_;
-  std::string name_;
-};
+Board read_board(const TomlTable& root) {
+  Board board;
+  root.only({}, {"board"});
+  const auto table = root.table("board");
+  if (!table) return board;
+  const auto kind = table->word("kind", {"chessboard", "charuco"});
+  const bool charuco = kind == 1U;
+  const TomlTable::Words needed = {"kind", "columns", "rows", "square_m"};
+  const TomlTable::Words of_markers = {"marker_m", "dictionary"};
+  TomlTable::Words all = needed;
+  all.insert(all.end(), of_markers.begin(), of_markers.end());
+  table->only(charuco || !kind ? of_markers : TomlTable::Words(), charuco ? all : needed);
+  // Inner corners.
+  board.columns = table->whole("columns", fewest_corners, most_corners).value_or(fewest_corners);
+  board.rows = table->whole("rows", fewest_corners, most_corners).value_or(fewest_corners);
+  board.square_m = table
+                       ->number("square_m", smallest_square_m, largest_square_m,
+                                "the side of one square in metres")
+                       .value_or(largest_square_m);
+  if (charuco) read_markers(*table, board);
+  return board;
+}
 
 constexpr std::array<std::string_view, 5> columns = {"frame", "kind", "pose", "time_s", "yaw_deg"};
 
@@ -219,14 +184,11 @@ class FramesFile {
 }  // namespace
 
 Result<Board> parse_board(std::string_view text, const std::string& name) {
-  toml::table file;
-  try {
-    file = toml::parse(text, name);
-  } catch (const toml::parse_error& error) {
-    return fail(Fault::bad_input, "{}:{}: {}", name, error.source().begin.line,
-                error.description());
-  }
-  return BoardFile(file, name).read();
+  Board board;
+  const auto read = read_toml(text, name, Fault::bad_input,
+                              [&](const TomlTable& root) { board = read_board(root); });
+  if (!read) return tl::unexpected(read.error());
+  return board;
 }
 
 Result<std::vector<Shot>> parse_frames(std::string text, const fs::path& folder) {

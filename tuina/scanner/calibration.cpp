@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tuina/scanner/calibration.hpp"
 
-#include <toml++/toml.h>
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
-#include <initializer_list>
 #include <vector>
 
 #include "tuina/core/file.hpp"
+#include "tuina/core/toml_reader.hpp"
 
 namespace tuina::scanner {
 namespace {
@@ -19,180 +18,67 @@ constexpr double typed_tolerance = 2e-3;
 constexpr double exact = 1e-12;
 constexpr std::size_t most_listed = 100;
 
-// Reads one section and collects every fault, so that a user corrects the file once and not ten
-// times.
-class Reader {
- public:
-  Reader(const toml::table& file, std::string_view name) : file_(file), name_(name) {}
+Vector3 vector_of(const std::vector<double>& numbers) {
+  return {numbers[0], numbers[1], numbers[2]};
+}
 
-  void only_sections(std::initializer_list<std::string_view> known) {
-    for (const auto& [key, node] : file_) refuse_unknown(key, node, known, "section");
+void read_number(const TomlTable& table, const char* key, double low, double high, double& value) {
+  value = table.number(key, low, high).value_or(value);
+}
+
+void read_vector(const TomlTable& table, const char* key, double limit, Vector3& value) {
+  if (const auto numbers = table.numbers(key, 3, limit)) value = vector_of(*numbers);
+}
+
+void read_direction(const TomlTable& table, const char* key, Vector3& value) {
+  const auto numbers = table.numbers(key, 3, 10.0);
+  if (!numbers) return;
+  const Vector3 found = vector_of(*numbers);
+  const double length = found.norm();
+  if (std::abs(length - 1.0) > typed_tolerance) {
+    return table.wrong(key, fmt::format("has length {:.4f}, a unit vector is needed", length));
   }
+  value = std::abs(length - 1.0) > exact ? Vector3(found / length) : found;
+}
 
-  void section(std::string_view section, std::initializer_list<std::string_view> known) {
-    section_ = section;
-    const toml::node* node = file_.get(section);
-    table_ = node != nullptr ? node->as_table() : nullptr;
-    if (table_ == nullptr) {
-      missing_ += fmt::format("{}[{}]", missing_.empty() ? "" : ", ", section);
-      return;
-    }
-    for (const auto& [key, value] : *table_) refuse_unknown(key, value, known, "key");
+// As many numbers as there are, in rising order or not.
+std::vector<double> read_list(const TomlTable& table, const char* key, double high) {
+  const auto list = table.list(key).value_or(std::vector<TomlValue>{});
+  std::vector<double> found;
+  for (const TomlValue& entry : list) {
+    const auto number = entry.number();
+    if (number && *number > 0.0 && *number <= high) found.push_back(*number);
   }
+  if (table.has(key) &&
+      (found.empty() || found.size() != list.size() || found.size() > most_listed))
+    table.wrong(key, fmt::format("is not 1 to {} numbers up to {}", most_listed, high));
+  return found;
+}
 
-  void number(std::string_view key, double low, double high, double& value) {
-    const toml::node* node = find(key);
-    if (node == nullptr) return;
-    const auto found = number_in(*node);
-    if (!found || *found < low || *found > high) {
-      refuse(*node, key, fmt::format("is not a number from {} to {}", low, high));
-      return;
-    }
-    value = *found;
+void read_rotation(const TomlTable& table, const char* key, Matrix3& value) {
+  if (!table.has(key)) return;
+  const auto rows = table.list(key).value_or(std::vector<TomlValue>{});
+  Matrix3 found = Matrix3::Zero();
+  bool good = rows.size() == 3;
+  for (std::size_t i = 0; good && i < 3; ++i) {
+    const auto row = rows[i].numbers(3);
+    good = row.has_value();
+    if (good) found.row(static_cast<Eigen::Index>(i)) = vector_of(*row).transpose();
   }
-
-  void count(std::string_view key, int low, int high, int& value) {
-    const toml::node* node = find(key);
-    if (node == nullptr) return;
-    const auto* found = node->as_integer();
-    if (found == nullptr || found->get() < low || found->get() > high) {
-      refuse(*node, key, fmt::format("is not a whole number from {} to {}", low, high));
-      return;
-    }
-    value = static_cast<int>(found->get());
+  // Written so that numbers too large for a product are no rotation.
+  const double off = (found * found.transpose() - Matrix3::Identity()).cwiseAbs().maxCoeff();
+  if (!good) return table.wrong(key, "is not three rows of three numbers");
+  if (!(off <= typed_tolerance && found.determinant() > 0.0)) {
+    return table.wrong(key, fmt::format("is no rotation: its rows are off from unit and upright by "
+                                        "{:.4f}, its determinant is {:.4f}",
+                                        off, found.determinant()));
   }
-
-  template <typename Vector>
-  bool numbers(std::string_view key, double limit, Vector&& value) {
-    const toml::node* node = find(key);
-    return node != nullptr && numbers_in(*node, key, limit, value);
+  if (off > exact) {
+    const Eigen::JacobiSVD<Matrix3> svd(found, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    found = svd.matrixU() * svd.matrixV().transpose();
   }
-
-  void direction(std::string_view key, Vector3& value) {
-    Vector3 found = Vector3::Zero();
-    if (!numbers(key, 10.0, found)) return;
-    const double length = found.norm();
-    if (std::abs(length - 1.0) > typed_tolerance) {
-      refuse(*find(key), key, fmt::format("has length {:.4f}, a unit vector is needed", length));
-      return;
-    }
-    value = std::abs(length - 1.0) > exact ? Vector3(found / length) : found;
-  }
-
-  [[nodiscard]] bool has(std::string_view section) const { return file_.contains(section); }
-
-  // As many numbers as there are, in rising order or not.
-  void list(std::string_view key, double high, std::vector<double>& value) {
-    const toml::node* node = find(key);
-    if (node == nullptr) return;
-    const auto* array = node->as_array();
-    std::vector<double> found;
-    for (std::size_t i = 0; array != nullptr && i < std::min(array->size(), most_listed); ++i) {
-      const auto number = number_in(*array->get(i));
-      if (number && *number > 0.0 && *number <= high) found.push_back(*number);
-    }
-    if (array == nullptr || found.empty() || found.size() != array->size()) {
-      refuse(*node, key, fmt::format("is not 1 to {} numbers up to {}", most_listed, high));
-      return;
-    }
-    value = found;
-  }
-
-  void rotation(std::string_view key, Matrix3& value) {
-    const toml::node* node = find(key);
-    if (node == nullptr) return;
-    const auto* rows = node->as_array();
-    Matrix3 found = Matrix3::Zero();
-    if (rows == nullptr || rows->size() != 3)
-      return refuse(*node, key, "is not three rows of three numbers");
-    for (std::size_t i = 0; i < 3; ++i) {
-      Vector3 row = Vector3::Zero();
-      if (!numbers_in(*rows->get(i), key, 10.0, row)) return;
-      found.row(static_cast<Eigen::Index>(i)) = row.transpose();
-    }
-    const double off = (found * found.transpose() - Matrix3::Identity()).cwiseAbs().maxCoeff();
-    if (off > typed_tolerance || found.determinant() < 0.0) {
-      refuse(*node, key,
-             fmt::format("is no rotation: its rows are off from unit and upright by {:.4f}, its "
-                         "determinant is {:.4f}",
-                         off, found.determinant()));
-      return;
-    }
-    if (off > exact) {
-      const Eigen::JacobiSVD<Matrix3> svd(found, Eigen::ComputeFullU | Eigen::ComputeFullV);
-      found = svd.matrixU() * svd.matrixV().transpose();
-    }
-    value = found;
-  }
-
-  void refuse(std::string_view key, const std::string& why) {
-    if (const toml::node* node = table_ != nullptr ? table_->get(key) : nullptr)
-      refuse(*node, key, why);
-  }
-
-  [[nodiscard]] std::vector<std::string> faults() const {
-    auto all = faults_;
-    if (!missing_.empty()) all.push_back(fmt::format("{}: missing: {}", name_, missing_));
-    return all;
-  }
-
- private:
-  const toml::node* find(std::string_view key) {
-    if (table_ == nullptr) return nullptr;
-    const toml::node* node = table_->get(key);
-    if (node == nullptr) {
-      const auto fault = fmt::format("{}: {}.{} is missing", name_, section_, key);
-      if (faults_.empty() || faults_.back() != fault) faults_.push_back(fault);
-    }
-    return node;
-  }
-
-  static std::optional<double> number_in(const toml::node& node) {
-    const auto value = node.is_number() ? node.value<double>() : std::nullopt;
-    return value && std::isfinite(*value) ? value : std::nullopt;
-  }
-
-  template <typename Vector>
-  bool numbers_in(const toml::node& node, std::string_view key, double limit, Vector&& value) {
-    const auto* array = node.as_array();
-    const auto size = static_cast<std::size_t>(value.size());
-    bool good = array != nullptr && array->size() == size;
-    for (std::size_t i = 0; good && i < size; ++i) {
-      const auto found = number_in(*array->get(i));
-      good = found && std::abs(*found) <= limit;
-      if (good) value[static_cast<decltype(value.size())>(i)] = *found;
-    }
-    if (!good) {
-      refuse(node, key, fmt::format("is not {} numbers between -{} and {}", size, limit, limit));
-    }
-    return good;
-  }
-
-  void refuse(const toml::node& node, std::string_view key, const std::string& why) {
-    faults_.push_back(
-        fmt::format("{}:{}: {}.{} {}", name_, node.source().begin.line, section_, key, why));
-  }
-
-  void refuse_unknown(const toml::key& key, const toml::node& node,
-                      std::initializer_list<std::string_view> known, const char* what) {
-    std::string names;
-    for (const std::string_view name : known) {
-      if (key.str() == name) return;
-      names += names.empty() ? std::string(name) : fmt::format(", {}", name);
-    }
-    const auto line =
-        key.source().begin.line != 0 ? key.source().begin.line : node.source().begin.line;
-    faults_.push_back(
-        fmt::format("{}:{}: unknown {} '{}'; known are {}", name_, line, what, key.str(), names));
-  }
-
-  const toml::table& file_;
-  std::string_view name_;
-  std::string_view section_;
-  const toml::table* table_ = nullptr;
-  std::vector<std::string> faults_;
-  std::string missing_;  // sections
-};
+  value = found;
+}
 
 // A float of TOML has a point or an exponent, not a point before the exponent.
 std::string float_of(double number) {
@@ -230,22 +116,53 @@ double CalibrationErrors::range_at_m(double at_m) const {
 
 namespace {
 
-CalibrationErrors read_errors(Reader& read) {
+CalibrationErrors read_errors(const TomlTable& table) {
   CalibrationErrors errors;
-  read.section("standard_deviations",
-               {"depth_m", "range_m", "axis_direction_rad", "axis_point_m", "latency_s"});
-  read.list("depth_m", 100.0, errors.depth_m);
-  read.list("range_m", 10.0, errors.range_m);
+  table.only({}, {"depth_m", "range_m", "axis_direction_rad", "axis_point_m", "latency_s"});
+  errors.depth_m = read_list(table, "depth_m", 100.0);
+  errors.range_m = read_list(table, "range_m", 10.0);
   const bool rising = std::is_sorted(errors.depth_m.begin(), errors.depth_m.end(),
                                      [](double a, double b) { return a <= b; });
-  if (!rising) read.refuse("depth_m", "does not rise from number to number");
+  if (!rising) table.wrong("depth_m", "does not rise from number to number");
   if (errors.depth_m.size() != errors.range_m.size()) {
-    read.refuse("range_m", "does not have one number for each of depth_m");
+    table.wrong("range_m", "does not have one number for each of depth_m");
   }
-  read.number("axis_direction_rad", 0.0, 10.0, errors.axis_direction_rad);
-  read.number("axis_point_m", 0.0, 10.0, errors.axis_point_m);
-  read.number("latency_s", 0.0, 5.0, errors.latency_s);
+  read_number(table, "axis_direction_rad", 0.0, 10.0, errors.axis_direction_rad);
+  read_number(table, "axis_point_m", 0.0, 10.0, errors.axis_point_m);
+  read_number(table, "latency_s", 0.0, 5.0, errors.latency_s);
   return errors;
+}
+
+void read_camera(const TomlTable& table, CameraModel& camera) {
+  table.only({}, {"width_px", "height_px", "fx_px", "fy_px", "cx_px", "cy_px", "distortion"});
+  camera.width_px = table.whole("width_px", 16, 16384).value_or(camera.width_px);
+  camera.height_px = table.whole("height_px", 16, 16384).value_or(camera.height_px);
+  read_number(table, "fx_px", 10.0, 1e6, camera.fx_px);
+  read_number(table, "fy_px", 10.0, 1e6, camera.fy_px);
+  read_number(table, "cx_px", -1e5, 1e5, camera.cx_px);
+  read_number(table, "cy_px", -1e5, 1e5, camera.cy_px);
+  if (const auto numbers = table.numbers("distortion", camera.distortion.size(), 100.0)) {
+    std::copy(numbers->begin(), numbers->end(), camera.distortion.begin());
+  }
+}
+
+void read_laser(const TomlTable& table, ScannerCalibration& calibration) {
+  table.only({}, {"normal", "distance_m"});
+  read_direction(table, "normal", calibration.laser_normal_in_camera);
+  read_number(table, "distance_m", -10.0, 10.0, calibration.laser_distance_m);
+  if (std::abs(calibration.laser_distance_m) < 1e-3) {
+    table.wrong("distance_m", "puts the light plane through the camera; no range can be told then");
+  }
+}
+
+void read_pose(const TomlTable& table, Transform& couch_from_camera) {
+  table.only({}, {"rotation", "translation_m"});
+  Matrix3 rotation = Matrix3::Identity();
+  Vector3 translation = Vector3::Zero();
+  read_rotation(table, "rotation", rotation);
+  read_vector(table, "translation_m", 100.0, translation);
+  couch_from_camera.linear() = rotation;
+  couch_from_camera.translation() = translation;
 }
 
 std::string to_toml(const CalibrationErrors& errors) {
@@ -260,48 +177,23 @@ std::string to_toml(const CalibrationErrors& errors) {
 }  // namespace
 
 Result<ScannerCalibration> parse_calibration(std::string_view text, std::string_view name) {
-  toml::table file;
-  try {
-    file = toml::parse(text, name);
-  } catch (const toml::parse_error& error) {
-    return fail(Fault::bad_input, "{}:{}: {}", name, error.source().begin.line,
-                error.description());
-  }
   ScannerCalibration result;
-  CameraModel& camera = result.camera;
-  Matrix3 rotation = Matrix3::Identity();
-  Vector3 translation = Vector3::Zero();
-
-  Reader read(file, name);
-  read.only_sections({"camera", "laser", "yaw_axis", "couch_from_camera", "standard_deviations"});
-  read.section("camera",
-               {"width_px", "height_px", "fx_px", "fy_px", "cx_px", "cy_px", "distortion"});
-  read.count("width_px", 16, 16384, camera.width_px);
-  read.count("height_px", 16, 16384, camera.height_px);
-  read.number("fx_px", 10.0, 1e6, camera.fx_px);
-  read.number("fy_px", 10.0, 1e6, camera.fy_px);
-  read.number("cx_px", -1e5, 1e5, camera.cx_px);
-  read.number("cy_px", -1e5, 1e5, camera.cy_px);
-  read.numbers("distortion", 100.0, camera.distortion);
-  read.section("laser", {"normal", "distance_m"});
-  read.direction("normal", result.laser_normal_in_camera);
-  read.number("distance_m", -10.0, 10.0, result.laser_distance_m);
-  if (std::abs(result.laser_distance_m) < 1e-3) {
-    read.refuse("distance_m", "puts the light plane through the camera; no range can be told then");
-  }
-  read.section("yaw_axis", {"point_in_camera_m", "direction_in_camera", "latency_s"});
-  read.numbers("point_in_camera_m", 10.0, result.axis_point_in_camera);
-  read.direction("direction_in_camera", result.axis_direction_in_camera);
-  read.number("latency_s", -5.0, 5.0, result.latency_s);
-  read.section("couch_from_camera", {"rotation", "translation_m"});
-  read.rotation("rotation", rotation);
-  read.numbers("translation_m", 100.0, translation);
-  if (read.has("standard_deviations")) result.errors = read_errors(read);
-  if (!read.faults().empty()) {
-    return fail(Fault::bad_input, "{}", fmt::join(read.faults(), "\n"));
-  }
-  result.couch_from_camera.linear() = rotation;
-  result.couch_from_camera.translation() = translation;
+  const auto read = read_toml(text, name, Fault::bad_input, [&](const TomlTable& root) {
+    root.only({"standard_deviations"}, {"camera", "laser", "yaw_axis", "couch_from_camera"});
+    if (const auto table = root.table("camera")) read_camera(*table, result.camera);
+    if (const auto table = root.table("laser")) read_laser(*table, result);
+    if (const auto table = root.table("yaw_axis")) {
+      table->only({}, {"point_in_camera_m", "direction_in_camera", "latency_s"});
+      read_vector(*table, "point_in_camera_m", 10.0, result.axis_point_in_camera);
+      read_direction(*table, "direction_in_camera", result.axis_direction_in_camera);
+      read_number(*table, "latency_s", -5.0, 5.0, result.latency_s);
+    }
+    if (const auto table = root.table("couch_from_camera")) {
+      read_pose(*table, result.couch_from_camera);
+    }
+    if (const auto table = root.table("standard_deviations")) result.errors = read_errors(*table);
+  });
+  if (!read) return tl::unexpected(read.error());
   return result;
 }
 

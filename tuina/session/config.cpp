@@ -3,14 +3,13 @@
 
 #include <fmt/ranges.h>
 
-#include <toml++/toml.h>
 #include <algorithm>
-#include <cmath>
-#include <sstream>
+#include <map>
 #include <vector>
 
 #include "tuina/core/file.hpp"
 #include "tuina/core/near_miss.hpp"
+#include "tuina/core/toml_reader.hpp"
 
 namespace tuina::session {
 namespace {
@@ -38,72 +37,49 @@ void each_key(ConfigType& config, Visitor& visit) {
 
 using Choices = std::vector<std::string>;
 
-/// Looks the keys up in a parsed table, checks their values and collects what is wrong.
-struct Reader {
-  const toml::table& table;
-  std::string_view name;
-  bool has_lines = true;  ///< false for one setting of the command line
-  std::vector<std::string> known = {};
-  std::vector<std::string> faults = {};
-
-  const toml::node* find(std::string_view key) {
-    known.emplace_back(key);
-    return table.at_path(key).node();
-  }
-  void reject(const toml::node& node, std::string_view key, std::string_view what) {
-    std::ostringstream value;
-    if (node.is_value()) node.visit([&](const auto& n) { value << " = " << n; });
-    const std::string where =
-        has_lines ? fmt::format("{}:{}", name, node.source().begin.line) : std::string(name);
-    faults.push_back(fmt::format("{}: {}{} {}", where, key, value.str(), what));
+/// Looks the keys up in a file; what it does not name stays as it is.
+class Reader {
+ public:
+  explicit Reader(const TomlTable& root) {
+    for (const std::string& section : root.keys()) sections_[section] = root.table(section);
   }
 
   void number(std::string_view key, double& value, double low, double high, std::string_view why) {
-    const toml::node* node = find(key);
-    if (node == nullptr) return;
-    const auto given = node->value<double>();
-    if (!node->is_number() || !given) return reject(*node, key, "is not a number");
-    // Written so that NaN is outside.
-    if (!(*given >= low && *given <= high)) {
-      const std::string reason = why.empty() ? "" : fmt::format(": {}", why);
-      return reject(*node, key, fmt::format("is outside {} to {}{}", low, high, reason));
+    if (const auto* table = section_of(key)) {
+      value = table->number(name_in(key), low, high, why).value_or(value);
     }
-    value = *given;
   }
   void flag(std::string_view key, bool& value) {
-    const toml::node* node = find(key);
-    if (node == nullptr) return;
-    if (!node->is_boolean()) return reject(*node, key, "is not true or false");
-    value = node->as_boolean()->get();
+    if (const auto* table = section_of(key)) value = table->flag(name_in(key)).value_or(value);
   }
   void word(std::string_view key, std::string& value, const Choices& choices) {
-    const toml::node* node = find(key);
-    if (node == nullptr) return;
-    const auto given = node->value<std::string>();
-    if (!given || std::find(choices.begin(), choices.end(), *given) == choices.end()) {
-      return reject(*node, key, fmt::format("is not one of {}", fmt::join(choices, ", ")));
+    if (const auto* table = section_of(key)) {
+      if (const auto chosen = table->word(name_in(key), choices)) value = choices[*chosen];
     }
-    value = *given;
   }
 
-  void reject_unknown() {
-    for (const auto& [section_name, section] : table) {
-      const std::string prefix(section_name.str());
-      if (!section.is_table()) {
-        reject(section, prefix, unknown(prefix));
-        continue;
-      }
-      for (const auto& [key_name, node] : *section.as_table()) {
-        const std::string key = prefix + "." + std::string(key_name.str());
-        if (std::find(known.begin(), known.end(), key) == known.end()) {
-          reject(node, key, unknown(key));
+  void reject_unknown() const {
+    for (const auto& [section, table] : sections_) {
+      if (!table) continue;
+      for (const std::string& name : table->keys()) {
+        const std::string key = fmt::format("{}.{}", section, name);
+        if (std::find(known_.begin(), known_.end(), key) == known_.end()) {
+          table->wrong(name, "is unknown; " + suggestion(key, known_));
         }
       }
     }
   }
-  [[nodiscard]] std::string unknown(const std::string& key) const {
-    return "is unknown; " + suggestion(key, known);
+
+ private:
+  const TomlTable* section_of(std::string_view key) {
+    known_.emplace_back(key);
+    const auto found = sections_.find(std::string(key.substr(0, key.find('.'))));
+    return found != sections_.end() && found->second ? &*found->second : nullptr;
   }
+  static std::string_view name_in(std::string_view key) { return key.substr(key.find('.') + 1); }
+
+  std::map<std::string, std::optional<TomlTable>> sections_;
+  Choices known_;
 };
 
 struct Writer {
@@ -131,17 +107,11 @@ struct Writer {
 };
 
 Result<void> read_over(Config& config, std::string_view text, std::string_view name, Fault fault) {
-  try {
-    const toml::table table = toml::parse(text, std::string(name));
-    Reader reader{.table = table, .name = name, .has_lines = fault != Fault::usage};
+  return read_toml(text, name, fault, [&](const TomlTable& root) {
+    Reader reader(root);
     each_key(config, reader);
     reader.reject_unknown();
-    if (!reader.faults.empty()) return fail(fault, "{}", fmt::join(reader.faults, "\n"));
-    return {};
-  } catch (const toml::parse_error& error) {
-    if (fault == Fault::usage) return fail(fault, "{}: {}", name, error.description());
-    return fail(fault, "{}:{}: {}", name, error.source().begin.line, error.description());
-  }
+  });
 }
 
 }  // namespace

@@ -3,79 +3,46 @@
 
 #include <fmt/ranges.h>
 
-#include <toml++/toml.h>
-#include <algorithm>
 #include <vector>
 
 #include "tuina/core/file.hpp"
-#include "tuina/core/near_miss.hpp"
+#include "tuina/core/toml_reader.hpp"
 
 namespace tuina::session {
-namespace {
-
-using Words = std::vector<std::string>;
-
-std::string at(std::string_view file, const toml::node& node) {
-  return fmt::format("{}:{}: ", file, node.source().begin.line);
-}
-
-/// What is wrong with the answers, and what they rule out.
-void judge(const toml::table& answers, std::string_view file, Words& faults, Words& refusals) {
-  Words keys;
-  for (const HealthQuestion& question : health_questions) {
-    keys.emplace_back(question.key);
-    const toml::node* node = answers.get(question.key);
-    if (node == nullptr) {
-      faults.push_back(at(file, answers) +
-                       fmt::format("`{}` is not answered: {}?", question.key, question.text));
-      continue;
-    }
-    const std::string answer = node->value_or<std::string>("");
-    if (answer == "yes" || answer == "unknown") {
-      refusals.push_back(at(file, *node) +
-                         fmt::format("{} = \"{}\": {}", question.key, answer, question.text));
-    } else if (answer != "no") {
-      faults.push_back(at(file, *node) +
-                       fmt::format("{} is not \"yes\", \"no\" or \"unknown\"", question.key));
-    }
-  }
-  for (const auto& [key, node] : answers) {
-    if (std::find(keys.begin(), keys.end(), key.str()) != keys.end()) continue;
-    faults.push_back(at(file, node) + fmt::format("no question is called `{}`; {}", key.str(),
-                                                  suggestion(key.str(), keys)));
-  }
-}
-
-}  // namespace
 
 Result<Consent> parse_consent(std::string_view text, std::string_view name) {
-  try {
-    const toml::table table = toml::parse(text, std::string(name));
-    Words faults, refusals;
-    Consent consent{.answered_by = table["answered_by"].value_or("")};
-    if (consent.answered_by.empty()) faults.push_back(at(name, table) + "answered_by is missing");
-    for (const auto& [key, node] : table) {
-      if (key.str() != "answered_by" && key.str() != "answers") {
-        faults.push_back(at(name, node) + fmt::format("`{}` is unknown; answered_by and [answers] "
-                                                      "are known",
-                                                      key.str()));
+  Consent consent;
+  std::vector<std::string> refusals;
+  const auto read = read_toml(text, name, Fault::config, [&](const TomlTable& root) {
+    root.only({}, {"answered_by", "answers"});
+    consent.answered_by = root.text("answered_by").value_or("");
+    if (root.has("answered_by") && consent.answered_by.empty()) {
+      root.reject("answered_by", "answered_by is empty");
+    }
+    const auto answers = root.table("answers");
+    if (!answers) return;
+    TomlTable::Words keys;
+    for (const HealthQuestion& question : health_questions) {
+      keys.emplace_back(question.key);
+      const auto answer = answers->text(question.key);
+      if (!answers->has(question.key)) {
+        answers->reject(question.key,
+                        fmt::format("`{}` is not answered: {}?", question.key, question.text));
+      } else if (answer == "yes" || answer == "unknown") {
+        refusals.push_back(fmt::format("{}{} = \"{}\": {}", answers->at(question.key), question.key,
+                                       *answer, question.text));
+      } else if (answer && answer != "no") {
+        answers->wrong(question.key, "is not \"yes\", \"no\" or \"unknown\"");
       }
     }
-    const toml::table* answers = table["answers"].as_table();
-    if (answers == nullptr) {
-      faults.push_back(at(name, table) + "the table [answers] is missing");
-    } else {
-      judge(*answers, name, faults, refusals);
-    }
-    if (!faults.empty()) return fail(Fault::config, "{}", fmt::join(faults, "\n"));
-    if (!refusals.empty()) {
-      return fail(Fault::stopped, "{}\nno massage is given; ask a physician",
-                  fmt::join(refusals, "\n"));
-    }
-    return consent;
-  } catch (const toml::parse_error& error) {
-    return fail(Fault::config, "{}:{}: {}", name, error.source().begin.line, error.description());
+    answers->only(keys);
+  });
+  if (!read) return tl::unexpected(read.error());
+  if (!refusals.empty()) {
+    return fail(Fault::stopped, "{}\nno massage is given; ask a physician",
+                fmt::join(refusals, "\n"));
   }
+  return consent;
 }
 
 Result<Consent> read_consent(const std::filesystem::path& file) {

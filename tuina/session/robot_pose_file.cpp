@@ -2,12 +2,11 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <toml++/toml.h>
 #include <cmath>
 
 #include "tuina/core/csv.hpp"
 #include "tuina/core/file.hpp"
-#include "tuina/core/near_miss.hpp"
+#include "tuina/core/toml_reader.hpp"
 #include "tuina/session/robot_pose.hpp"
 
 namespace tuina::session {
@@ -22,48 +21,10 @@ std::vector<std::string> columns_of(const robot::ArmTable& table) {
   return columns;
 }
 
-/// Reads three finite numbers below a limit, and says what is wrong otherwise.
-class PoseReader {
- public:
-  PoseReader(const toml::table& file, std::string_view name) : file_(file), name_(name) {}
-
-  void only(const toml::table& table, const std::vector<std::string>& known) {
-    for (const auto& [key, node] : table) {
-      if (std::find(known.begin(), known.end(), key.str()) != known.end()) continue;
-      refuse(node, fmt::format("`{}` is unknown; {}", key.str(), suggestion(key.str(), known)));
-    }
-  }
-  const toml::table* section(const char* key) {
-    const toml::table* table = file_[key].as_table();
-    if (table == nullptr) refuse(file_, fmt::format("the table [{}] is missing", key));
-    return table;
-  }
-  Vector3 vector(const toml::table& table, const char* key, double limit) {
-    Vector3 numbers = Vector3::Zero();
-    const toml::array* list = table[key].as_array();
-    bool good = list != nullptr && list->size() == 3;
-    for (std::size_t i = 0; good && i < 3; ++i) {
-      const auto number = (*list)[i].value<double>();
-      good = number && std::isfinite(*number) && std::abs(*number) <= limit;
-      if (good) numbers(static_cast<Eigen::Index>(i)) = *number;
-    }
-    if (!good) {
-      const toml::node* node = table.get(key);
-      refuse(node != nullptr ? *node : table,
-             fmt::format("{} needs three numbers from {} to {}", key, -limit, limit));
-    }
-    return numbers;
-  }
-  void refuse(const toml::node& node, const std::string& why) {
-    faults_.push_back(fmt::format("{}:{}: {}", name_, node.source().begin.line, why));
-  }
-  [[nodiscard]] const std::vector<std::string>& faults() const { return faults_; }
-
- private:
-  const toml::table& file_;
-  std::string_view name_;
-  std::vector<std::string> faults_;
-};
+Vector3 vector_of(const TomlTable& table, const char* key, double limit) {
+  const auto numbers = table.numbers(key, 3, limit);
+  return numbers ? Vector3((*numbers)[0], (*numbers)[1], (*numbers)[2]) : Vector3::Zero();
+}
 
 }  // namespace
 
@@ -138,37 +99,27 @@ std::string to_toml(const PlacedRobot& robot) {
 }
 
 Result<PlacedRobot> parse_robot_pose(std::string_view text, std::string_view name) {
-  try {
-    const toml::table file = toml::parse(text, std::string(name));
-    PoseReader read(file, name);
-    PlacedRobot robot;
-    read.only(file, {"robot", "base_from_couch"});
-    if (const toml::table* section = read.section("robot")) {
-      read.only(*section, {"position"});
-      const auto position = (*section)["position"].value_or<std::string>("");
-      if (position == name_of(Position::prone)) {
-        robot.position = Position::prone;
-      } else if (position != name_of(Position::sitting)) {
-        read.refuse(*section, "position needs \"sitting\" or \"prone\"");
-      }
+  PlacedRobot robot;
+  const auto read = read_toml(text, name, Fault::bad_input, [&](const TomlTable& root) {
+    root.only({}, {"robot", "base_from_couch"});
+    if (const auto section = root.table("robot")) {
+      section->only({}, {"position"});
+      const auto position =
+          section->word("position", {name_of(Position::sitting), name_of(Position::prone)});
+      robot.position = position == 1U ? Position::prone : Position::sitting;
     }
-    if (const toml::table* pose = read.section("base_from_couch")) {
-      read.only(*pose, {"rotation_vector_rad", "translation_m"});
-      const Vector3 turn_rad = read.vector(*pose, "rotation_vector_rad", 2.0 * pi);
+    if (const auto pose = root.table("base_from_couch")) {
+      pose->only({}, {"rotation_vector_rad", "translation_m"});
+      const Vector3 turn_rad = vector_of(*pose, "rotation_vector_rad", 2.0 * pi);
       if (turn_rad.norm() > 0.0) {
         robot.base_from_couch.linear() =
             Eigen::AngleAxisd(turn_rad.norm(), turn_rad.normalized()).toRotationMatrix();
       }
-      robot.base_from_couch.translation() = read.vector(*pose, "translation_m", 100.0);
+      robot.base_from_couch.translation() = vector_of(*pose, "translation_m", 100.0);
     }
-    if (!read.faults().empty()) {
-      return fail(Fault::bad_input, "{}", fmt::join(read.faults(), "\n"));
-    }
-    return robot;
-  } catch (const toml::parse_error& error) {
-    return fail(Fault::bad_input, "{}:{}: {}", name, error.source().begin.line,
-                error.description());
-  }
+  });
+  if (!read) return tl::unexpected(read.error());
+  return robot;
 }
 
 Result<PlacedRobot> read_robot_pose(const std::filesystem::path& file) {

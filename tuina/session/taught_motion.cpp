@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <toml++/toml.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,7 +11,7 @@
 
 #include "tuina/core/csv.hpp"
 #include "tuina/core/file.hpp"
-#include "tuina/core/near_miss.hpp"
+#include "tuina/core/toml_reader.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/massage/contact_path.hpp"
 
@@ -24,8 +23,6 @@ namespace fs = std::filesystem;
 constexpr double fastest_rad_per_s = 1.5;
 constexpr std::array taught_zones = {safety::Zone::muscle, safety::Zone::kidney,
                                      safety::Zone::bony};
-const std::vector<std::string> keys = {"name",    "position", "arm",     "rail_mm",       "zone",
-                                       "samples", "line",     "force_n", "speed_mm_per_s"};
 
 std::vector<std::string> columns_of(int joints) {
   std::vector<std::string> columns = {"time_s"};
@@ -50,15 +47,19 @@ std::string line_toml(const TaughtMotion& motion) {
       list_of(motion.line), motion.force_n, to_mm(motion.speed_m_per_s));
 }
 
-/// Nothing if it is not a list of pairs of finite numbers.
-std::optional<std::vector<massage::RelativePlace>> line_of(const toml::array& list) {
+std::vector<massage::RelativePlace> line_of(const TomlTable& taught) {
   std::vector<massage::RelativePlace> line;
-  for (const toml::node& entry : list) {
-    const toml::array* pair = entry.as_array();
-    if (pair == nullptr || pair->size() != 2) return std::nullopt;
-    const auto aside = (*pair)[0].value<double>(), up = (*pair)[1].value<double>();
-    if (!aside || !up || !std::isfinite(*aside) || !std::isfinite(*up)) return std::nullopt;
-    line.push_back({*aside, *up});
+  const auto list = taught.list("line");
+  if (!list && taught.has("line")) {
+    taught.reject("line", "line is not a list of places, [[cun, share], ...]");
+  }
+  for (const TomlValue& entry : list.value_or(std::vector<TomlValue>{})) {
+    const auto pair = entry.numbers(2);
+    if (pair) {
+      line.push_back({(*pair)[0], (*pair)[1]});
+    } else {
+      taught.reject(entry, "a place of line is not two numbers, [cun, share]");
+    }
   }
   return line;
 }
@@ -216,54 +217,34 @@ Result<TaughtMotion> read_taught(const fs::path& file, const robot::ArmTable& ta
   constexpr std::size_t largest_bytes = 1 << 20;
   const auto text = read_file(file, largest_bytes);
   if (!text) return tl::unexpected(text.error());
-  try {
-    const toml::table taught = toml::parse(*text, file.string());
-    const auto refuse = [&](const toml::node& node, const std::string& why) {
-      return fail(Fault::bad_input, "{}:{}: {}", file.string(), node.source().begin.line, why);
-    };
-    for (const auto& [key, node] : taught) {
-      if (std::find(keys.begin(), keys.end(), key.str()) == keys.end())
-        return refuse(node,
-                      fmt::format("`{}` is unknown; {}", key.str(), suggestion(key.str(), keys)));
+  TaughtMotion motion;
+  std::string samples_name;
+  const auto read = read_toml(*text, file.string(), Fault::bad_input, [&](const TomlTable& taught) {
+    taught.only({"line", "force_n", "speed_mm_per_s"},
+                {"name", "position", "arm", "rail_mm", "zone", "samples"});
+    motion.name = taught.text("name").value_or("");
+    const auto position =
+        taught.word("position", {name_of(Position::sitting), name_of(Position::prone)});
+    motion.position = position == 1U ? Position::prone : Position::sitting;
+    const auto arm = taught.word("arm", {name_of(Arm::left), name_of(Arm::right)});
+    motion.arm = arm == 1U ? Arm::right : Arm::left;
+    motion.rail_m = from_mm(taught.number("rail_mm", -2000.0, 2000.0).value_or(0.0));
+    TomlTable::Words zones;
+    for (const safety::Zone zone : taught_zones) zones.emplace_back(safety::name_of(zone));
+    motion.zone = taught_zones[taught.word("zone", zones).value_or(0)];
+    samples_name = taught.text("samples").value_or("");
+    for (const char* key : {"name", "samples"}) {
+      if (taught.text(key) == "") taught.reject(key, fmt::format("{} is empty", key));
     }
-    const auto word = [&](const char* key) { return taught[key].value_or<std::string>(""); };
-    TaughtMotion motion;
-    motion.name = word("name");
-    if (motion.name.empty()) return refuse(taught, "a taught motion needs a name");
-    if (word("position") != "sitting" && word("position") != "prone")
-      return refuse(taught, "position needs \"sitting\" or \"prone\"");
-    motion.position = word("position") == "prone" ? Position::prone : Position::sitting;
-    if (word("arm") != "left" && word("arm") != "right")
-      return refuse(taught, "arm needs \"left\" or \"right\"");
-    motion.arm = word("arm") == "left" ? Arm::left : Arm::right;
-    const auto rail_mm = taught["rail_mm"].value<double>();
-    if (!rail_mm || !(std::abs(*rail_mm) <= 2000.0))
-      return refuse(taught, "rail_mm needs a number from -2000 to 2000");
-    motion.rail_m = from_mm(*rail_mm);
-    const auto zone = std::find_if(taught_zones.begin(), taught_zones.end(), [&](safety::Zone z) {
-      return word("zone") == safety::name_of(z);
-    });
-    if (zone == taught_zones.end())
-      return refuse(taught, "zone needs \"muscle\", \"kidney\" or \"bony\"");
-    motion.zone = *zone;
-    if (word("samples").empty()) return refuse(taught, "samples needs the name of a CSV file");
-    if (const toml::array* list = taught["line"].as_array()) {
-      auto line = line_of(*list);
-      if (!line) return refuse(*list, "line is not a list of places, [[cun, share], ...]");
-      motion.line = std::move(*line);
-      motion.force_n = taught["force_n"].value_or(0.0);
-      motion.speed_m_per_s = from_mm(taught["speed_mm_per_s"].value_or(0.0));
-      if (!(motion.force_n >= 0.0 && motion.speed_m_per_s >= 0.0))
-        return refuse(*list, "force_n and speed_mm_per_s must not be negative");
-    }
-    auto samples = read_samples(file.parent_path() / word("samples"), table, motion.zone);
-    if (!samples) return tl::unexpected(samples.error());
-    motion.samples = std::move(*samples);
-    return motion;
-  } catch (const toml::parse_error& error) {
-    return fail(Fault::bad_input, "{}:{}: {}", file.string(), error.source().begin.line,
-                error.description());
-  }
+    motion.line = line_of(taught);
+    motion.force_n = taught.number("force_n", 0.0, 1000.0).value_or(0.0);
+    motion.speed_m_per_s = from_mm(taught.number("speed_mm_per_s", 0.0, 1e4).value_or(0.0));
+  });
+  if (!read) return tl::unexpected(read.error());
+  auto samples = read_samples(file.parent_path() / samples_name, table, motion.zone);
+  if (!samples) return tl::unexpected(samples.error());
+  motion.samples = std::move(*samples);
+  return motion;
 }
 
 }  // namespace tuina::session
