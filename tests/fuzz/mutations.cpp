@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// fuzz_parsers [RUNS [SEED]]: every parser of the scanner on files with random faults, RUNS of
+// fuzz_parsers [RUNS [SEED]]: every parser of tuina on files with random faults, RUNS of
 // them each. Says how many were refused, how long the slowest took and how much memory was taken;
 // fails when one takes too long or more than a file of its size may.
 #include <fmt/format.h>

@@ -8,7 +8,7 @@
 
 namespace tuina::test {
 
-/// A parser of a file format that the scanner reads, and good files to begin with.
+/// A parser of a file that tuina reads, and good files to begin with.
 struct Parser {
   std::string name;
   std::vector<std::string> good;
@@ -16,6 +16,14 @@ struct Parser {
   std::function<bool(std::string_view content)> accepts;
 };
 
+/// Of the scanner and its calibration; of what is known of a person; of what a session is told.
+[[nodiscard]] std::vector<Parser> scanner_parsers();
+[[nodiscard]] std::vector<Parser> person_parsers();
+[[nodiscard]] std::vector<Parser> session_parsers();
+/// All of them.
 [[nodiscard]] const std::vector<Parser>& parsers();
+
+/// Ends the program where what was read is not sound.
+void demand(bool sound, const char* what);
 
 }  // namespace tuina::test

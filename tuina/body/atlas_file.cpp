@@ -182,8 +182,12 @@ PositionAtlas read(Reader& in) {
       Eigen::Quaterniond(Matrix3(start.topLeftCorner<3, 3>())).normalized().toRotationMatrix();
   shape.modes = in.quantised();
   shape.correction = in.matrix();
-  shape.radius95_m = in.matrix();
-  shape.nominal_var_m2 = in.matrix() * 1e-6;
+  // A vector takes one column; Eigen itself asks only where it is built with assertions.
+  const Eigen::MatrixXd radius95_m = in.matrix();
+  const Eigen::MatrixXd nominal_var_mm2 = in.matrix();
+  expect(radius95_m.cols() == 1 && nominal_var_mm2.cols() == 1, "a table has the wrong size");
+  shape.radius95_m = radius95_m;
+  shape.nominal_var_m2 = nominal_var_mm2 * 1e-6;
   shape.usual_residual_m = in.number();
   shape.most_unusual = in.number();
   expect(shape.modes.rows() == 3 * mean.cols() && shape.radius95_m.size() == count &&
