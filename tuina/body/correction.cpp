@@ -4,10 +4,9 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
-#include <span>
+#include <vector>
 
 #include "tuina/core/units.hpp"
 
@@ -19,14 +18,24 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double most_widening = 3.0;
-constexpr Index enough_to_choose = 10;  // people
-// So many people what is known elsewhere may count as; who leaves people out chooses. The first is
-// for many people, who need no other knowledge.
-constexpr std::array<double, 5> people_known_before = {0.0, 1.0, 3.0, 10.0, 100.0};
-constexpr Index enough_to_leave_out = 4;  // people
-// Tuned on people of docs/bodies.md who did not take part, as half of a prior's correction is.
-constexpr double penalty_of_few = 10.0;
-constexpr double share_of_prior = 0.5;
+constexpr double share_of_prior = 0.5;  // tuned on people of docs/bodies.md who did not take part
+
+/// What a ridge regression may choose from by leaving people out: penalties of the weights, and of
+/// the constant, as so many people who say that it is nothing.
+struct Penalties {
+  std::vector<double> of_weights;
+  std::vector<double> of_constant;
+};
+
+/// Beside a prior the penalty is tuned on people of docs/bodies.md who did not take part: chosen by
+/// leaving people out it was wrong by up to ten times, also with forty of them. Only how far they
+/// move the constant is left to them; the fewest hardly move it.
+Penalties penalties_of(Index persons, bool beside_prior) {
+  if (persons < 4) return {{1e6}, {100.0}};
+  if (beside_prior) return {{10.0}, {3.0, 10.0}};
+  if (persons < 10) return {{10.0}, {0.0, 1.0, 3.0, 10.0, 100.0}};
+  return {{3.0, 10.0, 30.0, 100.0, 300.0, 1000.0, 3000.0, 1e5}, {0.0}};
+}
 
 /// Wider where the scan leaves a label more open than a whole back does, and for a back that is
 /// fitted worse than those which the model has learned from.
@@ -36,23 +45,16 @@ VectorXd widening(const ShapeModel& model, const VectorXd& variance_m2, double r
          std::clamp(misfit, 1.0, most_widening);
 }
 
-/// Ridge regression with the penalties that leave one person out best; a constant with a penalty of
-/// its own comes last.
+/// Ridge regression with the penalties that leave one person out best; the constant comes last.
 MatrixXd ridge(const MatrixXd& features, const MatrixXd& targets, Index views,
-               std::span<const double> constant_penalties, MatrixXd& left_out) {
+               const Penalties& penalties, MatrixXd& left_out) {
   const Index rows = features.cols();
   MatrixXd x(features.rows() + 1, rows);
   x << features, VectorXd::Ones(rows).transpose();
   double best = std::numeric_limits<double>::max();
   MatrixXd best_weights;
-  // Who leaves a few people says little about the penalty; the fewest move the constant only.
-  const std::vector<double> penalties =
-      rows < enough_to_leave_out * views ? std::vector<double>{1e6}
-      : rows < enough_to_choose * views
-          ? std::vector<double>{penalty_of_few}
-          : std::vector<double>{3.0, 10.0, 30.0, 100.0, 300.0, 1000.0, 3000.0, 1e5};
-  for (const double lambda : penalties) {
-    for (const double constant_penalty : constant_penalties) {
+  for (const double lambda : penalties.of_weights) {
+    for (const double constant_penalty : penalties.of_constant) {
       MatrixXd normal = x * x.transpose();
       normal.diagonal().head(features.rows()).array() += lambda;
       normal.diagonal()[features.rows()] += constant_penalty * static_cast<double>(views);
@@ -88,20 +90,19 @@ double quantile95(std::vector<double> values) {
 
 MatrixXd learn_correction(const LeftOut& left_out, ShapeModel& model) {
   MatrixXd wrong_mm;
-  const auto known = std::span(people_known_before);
   const Index persons = left_out.features.cols() / left_out.views;
-  if (model.correction.size() > 0) {
+  const bool beside_prior = model.correction.size() > 0;
+  const Penalties penalties = penalties_of(persons, beside_prior);
+  if (beside_prior) {
     const Index features = left_out.features.rows();
     const MatrixXd still_wrong_mm =
         (left_out.targets_mm - model.correction.leftCols(features) * left_out.features).colwise() -
         model.correction.col(features);
-    // Too few to leave somebody out: they hardly move it.
     model.correction +=
-        ridge(left_out.features, still_wrong_mm, left_out.views,
-              persons < enough_to_leave_out ? known.last(1) : known.subspan(1), wrong_mm);
+        ridge(left_out.features, still_wrong_mm, left_out.views, penalties, wrong_mm);
   } else {
-    model.correction = ridge(left_out.features, left_out.targets_mm, left_out.views,
-                             persons < enough_to_choose ? known : known.first(1), wrong_mm);
+    model.correction =
+        ridge(left_out.features, left_out.targets_mm, left_out.views, penalties, wrong_mm);
   }
   model.nominal_var_m2 = left_out.variance_m2.rowwise().mean();
   std::vector<double> misfits(left_out.residual_m.begin(), left_out.residual_m.end());

@@ -16,7 +16,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr std::size_t enough_to_correct = 4;  // bodies
-constexpr std::size_t enough_to_learn = 16;   // fewer refuse whom they are not like
+constexpr std::size_t enough_to_learn = 16;   // fewer bend a mean and modes to their own likeness
 
 /// What is learned: the labels of the prior, else those that every body has, acupoints first.
 struct Names {
@@ -186,18 +186,23 @@ Learned learned_shape(const People& people, const LearnOptions& options, const P
   return learned;
 }
 
-/// The prior as it is, with a constant that these people hardly move: they are too few to say how
-/// backs differ.
-Learned moved_prior(const People& people, const ShapeModel& prior, const Progress& progress) {
+/// The shape of the prior as it is, corrected by what these people show: few are those whose mean
+/// and modes would say more about their choice than about others.
+Learned corrected_prior(const People& people, const ShapeModel& prior, const Progress& progress) {
   const LeftOut left = leave_out(
       people, prior, 1, [&](std::size_t) { return prior; }, progress);
   Learned learned{.model = prior, .out_of_fold_mm = {}};
-  learn_correction(left, learned.model);
-  learned.model.bodies += static_cast<int>(people.examples.size());
-  learned.model.radius95_m = prior.radius95_m;
-  learned.model.nominal_var_m2 = prior.nominal_var_m2;
-  learned.model.usual_residual_m = prior.usual_residual_m;
-  learned.model.most_unusual = prior.most_unusual;
+  ShapeModel& model = learned.model;
+  const MatrixXd wrong_mm = learn_correction(left, model);
+  model.bodies += static_cast<int>(people.examples.size());
+  if (people.examples.size() >= enough_to_correct) {
+    learned.out_of_fold_mm = acupoint_errors(wrong_mm, people.names.acupoints);
+  } else {
+    model.radius95_m = prior.radius95_m;
+    model.nominal_var_m2 = prior.nominal_var_m2;
+    model.usual_residual_m = prior.usual_residual_m;
+    model.most_unusual = prior.most_unusual;
+  }
   return learned;
 }
 
@@ -211,12 +216,11 @@ Result<ShapeModel> learn_shape(const std::vector<Example>& examples, const Learn
   const People people{.examples = examples, .names = names_of(examples, nullptr), .views = views};
   const People known{.examples = examples, .names = names_of(examples, prior), .views = views};
   Learned learned;
-  if (prior != nullptr && examples.size() < enough_to_correct) {
-    learned = moved_prior(known, *prior, progress);
+  if (prior != nullptr && examples.size() < enough_to_learn) {
+    learned = corrected_prior(known, *prior, progress);
   } else if (prior != nullptr) {
     // With enough people two ways are open; the one that errs less on people left out is kept.
-    const bool alone =
-        people.names.all.size() >= known.names.all.size() && examples.size() >= enough_to_learn;
+    const bool alone = people.names.all.size() >= known.names.all.size();
     LearnOptions with_prior = options;
     with_prior.statistics.prior = prior;
     learned = learned_shape(known, with_prior, [&](double done) {
