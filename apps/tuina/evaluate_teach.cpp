@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/tuina/simulated_session.hpp"
+#include "apps/tuina/play_motion.hpp"
 #include "apps/tuina/teaching.hpp"
 #include "apps/tuina/verbs.hpp"
 #include "tuina/core/file.hpp"

@@ -4,6 +4,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "apps/tuina/play_motion.hpp"
 #include "apps/tuina/teaching.hpp"
 #include "apps/tuina/verbs.hpp"
 #include "tuina/core/file.hpp"

@@ -1,82 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/tuina/teaching.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <memory>
 
-#include "apps/tuina/guarded_arm.hpp"
 #include "apps/tuina/leading_hand.hpp"
 #include "apps/tuina/session_preparation.hpp"
 #include "tuina/body/back_surface.hpp"
-#include "tuina/control/cartesian_impedance.hpp"
-#include "tuina/control/friction.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/massage/plan.hpp"
 #include "tuina/massage/programme.hpp"
 #include "tuina/massage/zones.hpp"
-#include "tuina/robot/inverse_kinematics.hpp"
-#include "tuina/session/arm_separation.hpp"
 #include "tuina/session/plan_step.hpp"
 #include "tuina/sim/person.hpp"
-#include "tuina/sim/plant.hpp"
-#include "tuina/sim/tissue_map.hpp"
 
 namespace tuina::app {
 namespace {
 
 using control::ToolPose;
-
-constexpr double tick_s = 1e-3;
-
-/// A robot before a person, with the errors between it and its table that the seed draws.
-struct Stage {
-  robot::RobotMount mount;
-  PerArm<robot::ArmModel> models;
-  sim::BackContact person;
-  std::unique_ptr<sim::Plant> plant;
-  session::ArmSeparation separation;
-  PerArm<GuardedArm> arms;  // they look at `models`
-
-  Stage(const sim::Person& who, const session::Config& config, std::uint64_t seed)
-      : mount(robot::mount_for(who.position)),
-        models(robot::both_models(robot::thesis_arm(), mount)),
-        person(who.skin_in_couch, sim::lay_tissue(who, seed),
-               {.torso_n_per_m = 1e3 * config.simulation.torso_n_per_mm,
-                .breathing = {.amplitude_m = from_mm(config.simulation.breathing_mm),
-                              .frequency_hz = config.simulation.breathing_hz}}),
-        separation(models),
-        arms{.of = {GuardedArm(models[Arm::left], {}), GuardedArm(models[Arm::right], {})}} {}
-  Stage(const Stage&) = delete;
-  Stage& operator=(const Stage&) = delete;
-
-  [[nodiscard]] static Result<std::unique_ptr<Stage>> make(const sim::Person& who,
-                                                           const sim::Plant::Start& start,
-                                                           const session::Config& config,
-                                                           std::uint64_t seed) {
-    auto stage = std::make_unique<Stage>(who, config, seed);
-    Random errors = make_random(seed, "true arms");
-    PerArm<robot::ArmTable> tables;
-    for (const Arm arm : both_arms) {
-      tables[arm] = sim::draw_arm(robot::thesis_arm(),
-                                  {.friction_scale = config.simulation.friction}, errors);
-    }
-    auto plant = sim::Plant::make(stage->mount, tables, start, &stage->person, {.seed = seed});
-    if (!plant) return tl::unexpected(plant.error());
-    stage->plant = std::move(*plant);
-    return stage;
-  }
-
-  [[nodiscard]] TeachRow row(Arm arm, double time_s) const {
-    const sim::ArmTruth& truth = plant->truth().arms[arm];
-    const Vector3 ahead = truth.couch_from_tool.linear().col(0);
-    return {.time_s = time_s,
-            .tool_in_couch =
-                truth.couch_from_tool.translation() + models[arm].table().tool_radius_m * ahead,
-            .true_force_n = truth.contact.force_n};
-  }
-};
 
 safety::Zone guarded_zone(const massage::PlannedPath& planned) {
   for (const safety::Zone zone : {safety::Zone::muscle, safety::Zone::kidney}) {
@@ -198,10 +139,10 @@ Result<TaughtByHand> record_by_hand(const TeachOrder& order, const session::Conf
   if (!person) return tl::unexpected(person.error());
   const auto ready = plan_for(*person, order);
   if (!ready) return tl::unexpected(ready.error());
-  auto made = Stage::make(*person, {.q_rad = ready->ready_rad, .rail_m = ready->rail_m}, config,
-                          common.seed);
+  auto made = TeachingStage::make(*person, {.q_rad = ready->ready_rad, .rail_m = ready->rail_m},
+                                  config, common.seed);
   if (!made) return tl::unexpected(made.error());
-  Stage& stage = **made;
+  TeachingStage& stage = **made;
   const Arm arm = order.arm;
   const robot::ArmModel& model = stage.models[arm];
   const double radius_m = model.table().tool_radius_m;
@@ -238,7 +179,8 @@ Result<TaughtByHand> record_by_hand(const TeachOrder& order, const session::Conf
     robot::RobotCommand command{.rail_m = ready->rail_m};
     for (const Arm side : both_arms) {
       GuardedArm& one = stage.arms[side];
-      const JointVector torque = one.controller.step(one.state, reading.rail_m, tick_s);
+      const JointVector torque =
+          one.controller.step(one.state, reading.rail_m, TeachingStage::tick_s);
       const robot::ArmDynamics& dynamics = one.controller.dynamics();
       const bool skin = side == arm && one.state.contact_in_base.force_n.norm() > 1.5;
       command.torque_nm[side] =
@@ -269,7 +211,7 @@ Result<TaughtByHand> record_by_hand(const TeachOrder& order, const session::Conf
     taught.truth.push_back(stage.row(arm, time_s));
     const Vector3 out = control::tool_normal(led.state.base_from_tool);
     taught.motion.samples.push_back(
-        {.time_s = static_cast<double>(taught.motion.samples.size()) * tick_s,
+        {.time_s = static_cast<double>(taught.motion.samples.size()) * TeachingStage::tick_s,
          .q_rad = led.state.q_rad,
          .force_n = led.state.contact_in_base.force_n.dot(out)});
   }
@@ -280,102 +222,6 @@ Result<TaughtByHand> record_by_hand(const TeachOrder& order, const session::Conf
       return tl::unexpected(added.error());
   }
   return taught;
-}
-
-Result<PlayedMotion> play_motion(const session::TaughtMotion& motion, const std::string& name,
-                                 const session::Config& config, const CommonOptions& common) {
-  const auto person = sim::parse_person(name, motion.position, common.seed);
-  if (!person) return tl::unexpected(person.error());
-  const robot::ArmTable table = robot::thesis_arm();
-  sim::Plant::Start start{.q_rad = robot::ready_posture(table, robot::mount_for(motion.position)),
-                          .rail_m = motion.rail_m};
-  start.q_rad[motion.arm] = motion.samples.front().q_rad;
-  auto made = Stage::make(*person, start, config, common.seed);
-  if (!made) return tl::unexpected(made.error());
-  Stage& stage = **made;
-  const robot::ArmModel& model = stage.models[motion.arm];
-  const JointVector stiffness = JointVector::Constant(model.joints(), 200.0);
-  const JointVector still = JointVector::Zero(model.joints());
-  control::FrictionCompensation friction(table, {});
-  friction.start(start.q_rad[motion.arm]);
-
-  const double cap_n = safety::ceiling_of(motion.zone).set_n;
-  PlayedMotion played;
-  double way2 = 0.0, force2 = 0.0;
-  constexpr double settle_s = 0.5;
-  double stopped_s = -1.0;
-  const Progress bar = progress_bar(common, "play");
-  for (;;) {
-    const robot::RobotReading reading = stage.plant->read();
-    if (const char* fault = stage.plant->fault())
-      return fail(Fault::device, "the robot: {}", fault);
-    const double time_s = reading.time_s - settle_s;
-    if (time_s > motion.duration_s() + 0.5) break;
-    if (stopped_s >= 0.0 && reading.time_s > stopped_s + 1.5) break;
-    if (bar && reading.tick % 100 == 0) bar(std::clamp(time_s / motion.duration_s(), 0.0, 1.0));
-    robot::RobotCommand command{.rail_m = motion.rail_m};
-    for (const Arm side : both_arms) {
-      GuardedArm& one = stage.arms[side];
-      one.sense(reading, side);
-      if (side != motion.arm) {
-        if (reading.tick == 0) one.controller.start(one.state);
-        command.torque_nm[side] = one.step(reading, side);
-        continue;
-      }
-      const auto wanted = motion.at(time_s);
-      const robot::ArmDynamics dynamics =
-          model.evaluate(one.state.q_rad, one.state.dq_rad_per_s, reading.rail_m);
-      const Vector3 out = control::tool_normal(dynamics.base_from_tool);
-      const JointVector lever = dynamics.jacobian.topRows<3>().transpose() * out;
-      // Where the skin has pushed back, the joints alone would press too little: what was felt is
-      // given along.
-      const double press_n = std::clamp(wanted.force_n, 0.0, cap_n);
-      const JointVector torque = control::joint_impedance_torque(
-                                     dynamics, one.state.q_rad, one.state.dq_rad_per_s,
-                                     wanted.q_rad, wanted.dq_rad_per_s, still, stiffness, 0.8) -
-                                 press_n * lever + dynamics.gravity_nm + dynamics.coriolis_nm +
-                                 friction.step(one.state.q_rad);
-      // What the springs of the joints are along the tool's axis.
-      const double n_per_m = 1.0 / lever.cwiseAbs2().cwiseQuotient(stiffness).sum();
-      const bool skin = wanted.force_n > 0.5 || one.state.contact_in_base.force_n.norm() > 1.5;
-      command.torque_nm[side] =
-          one.allow(reading, side, dynamics,
-                    {.torque_nm = torque,
-                     .phase = skin ? safety::Phase::contact : safety::Phase::free,
-                     .zone = motion.zone,
-                     .set_force_n = press_n,
-                     .normal_in_base = out,
-                     .virtual_target_in_base =
-                         model.base_from_tool(wanted.q_rad, reading.rail_m).translation(),
-                     .stiffness_n_per_m = n_per_m});
-      if (time_s < 0.0) continue;
-      TeachRow row = stage.row(side, time_s);
-      const Transform there = model.base_from_tool(wanted.q_rad, motion.rail_m);
-      const Vector3 led_to =
-          stage.mount.base_from_couch.inverse() *
-          (there.translation() - model.table().tool_radius_m * control::tool_normal(there));
-      way2 += (row.tool_in_couch - led_to).squaredNorm();
-      if (wanted.force_n > 0.5) {
-        force2 += std::pow(row.true_force_n - wanted.force_n, 2);
-        played.contact_s += tick_s;
-      }
-      played.peak_n = std::max(played.peak_n, row.true_force_n);
-      played.truth.push_back(row);
-    }
-    const bool apart = stage.separation.keeps(reading);
-    for (const Arm side : both_arms) {
-      const safety::Verdict& verdict = stage.arms[side].verdict;
-      if (stopped_s >= 0.0 || (apart && !verdict.latched)) continue;
-      stopped_s = reading.time_s;
-      played.stop = safety::name_of(apart ? verdict.cause : safety::Cause::arms_too_close);
-    }
-    stage.plant->apply(command);
-  }
-  if (bar) bar(1.0);
-  const auto rms = [](double sum, double count) { return std::sqrt(sum / std::max(1.0, count)); };
-  played.tracking_rms_m = rms(way2, static_cast<double>(played.truth.size()));
-  played.force_rmse_n = rms(force2, played.contact_s / tick_s);
-  return played;
 }
 
 }  // namespace tuina::app

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "apps/tuina/command_line.hpp"
+#include "apps/tuina/teaching_stage.hpp"
 #include "tuina/core/contact.hpp"
 #include "tuina/session/config.hpp"
 #include "tuina/session/taught_motion.hpp"
@@ -20,13 +20,6 @@ struct TeachOrder {
   Arm arm = Arm::left;
 };
 
-/// A millisecond in which the tool was led or played, as it truly was.
-struct TeachRow {
-  double time_s = 0.0;
-  Vector3 tool_in_couch = Vector3::Zero();  ///< foremost point
-  double true_force_n = 0.0;
-};
-
 struct TaughtByHand {
   session::TaughtMotion motion;  ///< smoothed
   std::vector<TeachRow> truth;   ///< while it was led
@@ -37,20 +30,5 @@ struct TaughtByHand {
 [[nodiscard]] Result<TaughtByHand> record_by_hand(const TeachOrder& order,
                                                   const session::Config& config,
                                                   const CommonOptions& common);
-
-struct PlayedMotion {
-  std::vector<TeachRow> truth;
-  double tracking_rms_m = 0.0;  ///< the tool from where the taught joints would have it
-  double force_rmse_n = 0.0;    ///< true force against what was felt when it was taught, in contact
-  double peak_n = 0.0;
-  double contact_s = 0.0;
-  std::optional<std::string> stop;  ///< why the guard ended it
-};
-
-/// Joint impedance along a taught motion, under the guard; the arm begins where the motion does.
-[[nodiscard]] Result<PlayedMotion> play_motion(const session::TaughtMotion& motion,
-                                               const std::string& person,
-                                               const session::Config& config,
-                                               const CommonOptions& common);
 
 }  // namespace tuina::app

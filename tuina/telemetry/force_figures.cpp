@@ -8,6 +8,7 @@
 #include "tuina/core/units.hpp"
 #include "tuina/telemetry/report_figures.hpp"
 #include "tuina/telemetry/svg_plot.hpp"
+#include "tuina/telemetry/svg_timeline.hpp"
 
 namespace tuina::telemetry::figures {
 namespace {

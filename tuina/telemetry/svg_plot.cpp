@@ -8,12 +8,10 @@
 #include <cmath>
 #include <limits>
 
+#include "tuina/telemetry/svg_parts.hpp"
+
 namespace tuina::telemetry {
 namespace {
-
-constexpr const char* font =
-    "font-family=\"Inter,system-ui,-apple-system,'Segoe UI',Helvetica,Arial,sans-serif\"";
-constexpr double letter_px = 6.3;  // mean width of a letter at 11.5 px, for laying out
 
 struct Range {
   double low = std::numeric_limits<double>::infinity();
@@ -36,16 +34,6 @@ struct Range {
     if (!(high > low)) high = low + 1.0;
   }
 };
-
-std::string number(double value, double step) {
-  const int decimals = std::clamp(static_cast<int>(std::ceil(-std::log10(step) - 1e-9)), 0, 6);
-  // A tick that is zero but for rounding must not read "-0".
-  return fmt::format("{:.{}f}", std::abs(value) < 1e-9 * step ? 0.0 : value, decimals);
-}
-
-double step_of(const std::vector<double>& at) {
-  return at.size() > 1 ? at[1] - at[0] : 1.0;
-}
 
 /// The frame of a plot in pixels and the way from data to it.
 struct Frame {
@@ -105,14 +93,13 @@ std::string axes(const Plot& plot, const Frame& frame) {
                        frame.py(value), frame.width,
                        css(std::abs(value) < 1e-12 ? palette::grey : palette::hairline));
     svg += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"end\">{}</text>",
-                       frame.left - 7, frame.py(value) + 4, number(value, step_of(y_ticks)));
+                       frame.left - 7, frame.py(value) + 4, tick_text(value, y_ticks));
   }
   for (const double value : x_ticks) {
     svg += fmt::format("<path d=\"M{:.1f} {:.1f}v4\" stroke=\"{}\"/>", frame.px(value),
                        frame.top + frame.height, css(palette::grey));
     svg += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\">{}</text>",
-                       frame.px(value), frame.top + frame.height + 17,
-                       number(value, step_of(x_ticks)));
+                       frame.px(value), frame.top + frame.height + 17, tick_text(value, x_ticks));
   }
   svg +=
       fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"end\">{}</text>",
@@ -157,61 +144,7 @@ std::string legend(const Plot& plot, double right) {
   return svg;
 }
 
-std::string open_svg(int width, int height, std::string_view title) {
-  return fmt::format(
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0} {1}\" width=\"{0}\" "
-      "height=\"{1}\" role=\"img\" "
-      "aria-label=\"{2}\" {3} font-size=\"11.5\" fill=\"{4}\"><title>{2}</title>",
-      width, height, escaped(title), font, css(palette::ink));
-}
-
 }  // namespace
-
-std::string escaped(std::string_view text) {
-  std::string safe;
-  for (const char letter : text) {
-    switch (letter) {
-      case '&':
-        safe += "&amp;";
-        break;
-      case '<':
-        safe += "&lt;";
-        break;
-      case '>':
-        safe += "&gt;";
-        break;
-      case '"':
-        safe += "&quot;";
-        break;
-      case '\'':
-        safe += "&#39;";
-        break;
-      default:
-        // XML knows no control letters but these three, not even written as a number.
-        if (static_cast<unsigned char>(letter) >= 0x20 || letter == '\n' || letter == '\t' ||
-            letter == '\r')
-          safe += letter;
-    }
-  }
-  return safe;
-}
-
-std::vector<double> ticks(double low, double high, int wanted) {
-  assert(high > low && wanted > 0);
-  const double rough = (high - low) / wanted;
-  const double decade = std::pow(10.0, std::floor(std::log10(rough)));
-  double step = 10.0 * decade;
-  for (const double nice : {1.0, 2.0, 5.0}) {
-    if (nice * decade >= rough * 0.999) {
-      step = nice * decade;
-      break;
-    }
-  }
-  std::vector<double> at;
-  for (double k = std::ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; ++k)
-    at.push_back(k * step);
-  return at;
-}
 
 std::string to_svg(const Plot& plot) {
   const bool tails = std::any_of(plot.series.begin(), plot.series.end(),
@@ -298,66 +231,6 @@ std::string to_svg(const Plot& plot) {
   return svg + "</svg>";
 }
 
-std::string to_svg(const Timeline& timeline) {
-  constexpr double row_px = 34;
-  constexpr double bar_px = 22;
-  constexpr double thin_px = 4;
-  constexpr double left = 76;
-  const double width = timeline.width_px - left - 14.0;
-  const double top = timeline.marks.empty() ? 8.0 : 24.0;
-  const double bottom = top + row_px * static_cast<double>(timeline.rows.size());
-  const double end_s = std::max(timeline.end_s, 1e-3);
-  const auto px = [&](double time_s) {
-    return left + width * std::clamp(time_s / end_s, 0.0, 1.0);
-  };
-  std::string svg = open_svg(timeline.width_px, static_cast<int>(bottom + 42), timeline.title);
-  const auto at = ticks(0.0, end_s, std::max(3, static_cast<int>(width / 90)));
-  for (const double time_s : at) {
-    svg += fmt::format("<path d=\"M{:.1f} {:.1f}V{:.1f}\" stroke=\"{}\"/>", px(time_s), top,
-                       bottom + 4, css(palette::hairline));
-    svg += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\">{}</text>",
-                       px(time_s), bottom + 18, number(time_s, step_of(at)));
-  }
-  svg += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"end\">time, s</text>",
-                     left + width, bottom + 34);
-  for (std::size_t row = 0; row < timeline.rows.size(); ++row) {
-    const double y = top + row_px * static_cast<double>(row) + (row_px - bar_px) / 2;
-    svg += fmt::format(
-        "<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"end\" font-weight=\"600\">{}</text>",
-        left - 10, y + bar_px / 2 + 4, escaped(timeline.rows[row].name));
-    svg += fmt::format(
-        "<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" fill=\"#f2f3f5\" "
-        "rx=\"3\"/>",
-        left, y, width, bar_px);
-    for (const Span& span : timeline.rows[row].spans) {
-      const double x = px(span.begin_s);
-      const double wide = std::max(1.0, px(span.end_s) - x);
-      const double high = span.thin ? thin_px : bar_px;
-      svg += fmt::format(
-          "<g><title>{} ({:.1f} s to {:.1f} s)</title><rect x=\"{:.1f}\" y=\"{:.1f}\" "
-          "width=\"{:.1f}\" height=\"{:.1f}\" rx=\"2\" fill=\"{}\"/>",
-          escaped(span.text), span.begin_s, span.end_s, x, y + (bar_px - high) / 2, wide, high,
-          css(span.colour));
-      if (!span.thin && wide > letter_px * static_cast<double>(span.text.size()) + 8) {
-        svg += fmt::format(
-            "<text x=\"{:.1f}\" y=\"{:.1f}\" fill=\"#fff\" text-anchor=\"middle\" "
-            "font-size=\"10.5\">{}</text>",
-            x + wide / 2, y + bar_px / 2 + 4, escaped(span.text));
-      }
-      svg += "</g>";
-    }
-  }
-  for (const Mark& mark : timeline.marks) {
-    svg += fmt::format("<path d=\"M{:.1f} {:.1f}V{:.1f}\" stroke=\"{}\" stroke-width=\"2\"/>",
-                       px(mark.x), top - 4, bottom, css(mark.colour));
-    const bool late = mark.x > 0.7 * end_s;
-    svg += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\" fill=\"{}\">{}</text>",
-                       px(mark.x) + (late ? -4 : 4), top - 10, late ? "end" : "start",
-                       css(mark.colour), escaped(mark.text));
-  }
-  return svg + "</svg>";
-}
-
 std::string hardness_bar_svg(double low, double high, std::string_view label) {
   constexpr int width = 300;
   constexpr int steps = 60;
@@ -377,7 +250,7 @@ std::string hardness_bar_svg(double low, double high, std::string_view label) {
     svg += fmt::format(
         "<path d=\"M{:.1f} 32v4\" stroke=\"{}\"/><text x=\"{:.1f}\" y=\"49\" "
         "text-anchor=\"middle\">{}</text>",
-        x, css(palette::grey), x, number(value, step_of(at)));
+        x, css(palette::grey), x, tick_text(value, at));
   }
   return svg + "</svg>";
 }

@@ -7,11 +7,9 @@
 #include <vector>
 
 #include "tuina/telemetry/colours.hpp"
+#include "tuina/telemetry/svg_parts.hpp"
 
 namespace tuina::telemetry {
-
-/// Text as it may stand in HTML and SVG, in content and in attributes.
-[[nodiscard]] std::string escaped(std::string_view text);
 
 /// One line, or cloud of dots, of a plot. A value that is not a number interrupts the line.
 struct Series {
@@ -34,13 +32,6 @@ struct Band {
   Colour colour = palette::grey;
 };
 
-/// A vertical hairline with a word above the plot.
-struct Mark {
-  double x = 0.0;
-  std::string text;
-  Colour colour = palette::hairline;
-};
-
 struct Plot {
   std::string title;    ///< read out by screen readers and shown by no one
   std::string x_label;  ///< with its unit: "time, s"
@@ -53,36 +44,11 @@ struct Plot {
   int height_px = 260;
 };
 
-struct Span {
-  double begin_s = 0.0;
-  double end_s = 0.0;
-  std::string text;  ///< shown where there is room, and when pointed at
-  Colour colour;
-  bool thin = false;  ///< a line through the middle of the row, for what matters less
-};
-
-struct TimelineRow {
-  std::string name;
-  std::vector<Span> spans = {};
-};
-
-struct Timeline {
-  std::string title;
-  double end_s = 0.0;
-  std::vector<TimelineRow> rows = {};
-  std::vector<Mark> marks = {};  ///< x in seconds
-  int width_px = 1000;
-};
-
-/// A whole `<svg>` element each: no script, no file beside it, readable in print. A line with more
+/// A whole `<svg>` element: no script, no file beside it, readable in print. A line with more
 /// points than pixels is thinned so that every extreme stays.
 [[nodiscard]] std::string to_svg(const Plot& plot);
-[[nodiscard]] std::string to_svg(const Timeline& timeline);
 
 /// The scale of `hardness_colour` from low to high.
 [[nodiscard]] std::string hardness_bar_svg(double low, double high, std::string_view label);
-
-/// Round numbers from at or above low to at or below high, about `wanted` of them.
-[[nodiscard]] std::vector<double> ticks(double low, double high, int wanted);
 
 }  // namespace tuina::telemetry
