@@ -197,6 +197,8 @@ Learned corrected_prior(const People& people, const ShapeModel& prior, const Pro
   model.bodies += static_cast<int>(people.examples.size());
   if (people.examples.size() >= enough_to_correct) {
     learned.out_of_fold_mm = acupoint_errors(wrong_mm, people.names.acupoints);
+    // A few who happen to be easy say nothing against the radii of the prior.
+    model.radius95_m = model.radius95_m.cwiseMax(prior.radius95_m);
   } else {
     model.radius95_m = prior.radius95_m;
     model.nominal_var_m2 = prior.nominal_var_m2;
