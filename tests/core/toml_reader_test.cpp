@@ -73,11 +73,11 @@ TEST_CASE("everything that is wrong is said at once, each with its line and what
 TEST_CASE("a key that nobody knows and one that is missing are named with their table") {
   const std::string message =
       fault_of("[arm]\nraech_m = 0.9\nlength_m = 1.0\n", [](const TomlTable& root) {
-        root.table("arm")->only({"length_m"}, {"reach_m"});
+        root.table("arm")->only({"length_m"}, {"reach_m", "mass_kg"});
         root.only({}, {}, "a robot");
       });
   CHECK(message ==
-        "my.toml:1: arm.reach_m is missing\n"
+        "my.toml:1: arm.reach_m, arm.mass_kg are missing\n"
         "my.toml:2: `arm.raech_m` is unknown; is `reach_m` meant?\n"
         "my.toml:1: a robot has no `arm`; none is known");
 }

@@ -126,7 +126,7 @@ TEST_CASE("a calibration without its sections is refused in one line that names 
       {"scan", "--replay", sweep, "--calibration", folder.with("empty.toml", ""), "--json"});
   CHECK(outcome.exit_code == 2);
   CHECK(std::count(outcome.err.begin(), outcome.err.end(), '\n') == 1);
-  CHECK(outcome.err.find("[camera], [laser], [yaw_axis], [couch_from_camera]") !=
+  CHECK(outcome.err.find("camera, laser, yaw_axis, couch_from_camera are missing") !=
         std::string::npos);
 
   // One broken reading of the turntable would bend the cloud.

@@ -80,8 +80,13 @@ void TomlTable::wrong(std::string_view key, std::string_view predicate) const {
 }
 
 void TomlTable::only(const Words& known, const Words& needed, std::string_view whose) const {
+  Words missing;
   for (const std::string& key : needed) {
-    if (!has(key)) reject(key, fmt::format("{}{} is missing", path_, key));
+    if (!has(key)) missing.push_back(path_ + key);
+  }
+  if (!missing.empty()) {
+    reject("", fmt::format("{} {} missing", fmt::join(missing, ", "),
+                           missing.size() == 1 ? "is" : "are"));
   }
   Words all = known;
   all.insert(all.end(), needed.begin(), needed.end());
