@@ -15,7 +15,7 @@
 namespace {
 
 constexpr double most_ms = 2000.0;
-constexpr double most_mb = 512.0;
+constexpr double most_mb = 256.0;
 constexpr std::size_t most_bytes = 20000;  // a file that grew longer is given up
 
 double peak_mb() {
@@ -55,12 +55,15 @@ int main(int count, char** arguments) {
   const auto seed = static_cast<std::uint64_t>(count > 2 ? std::atol(arguments[2]) : 1);
   bool good = runs > 0;
   fmt::print("{:<22} {:>10} {:>10} {:>12} {:>10}\n", "parser", "runs", "refused", "slowest, ms",
-             "peak, MB");
+             "took, MB");
   for (const auto& parser : tuina::test::parsers()) {
     for (const std::string& content : parser.good) good = good && parser.accepts(content);
     auto random = tuina::make_random(seed, parser.name);
+    const double before_mb = peak_mb();
     const Outcome outcome = spoil(parser, runs, random);
-    const double mb = peak_mb();
+    // A sanitizer keeps what was freed for a while, so the program as a whole grows with every
+    // parser; one that believes a header grows at once.
+    const double mb = peak_mb() - before_mb;
     fmt::print("{:<22} {:>10} {:>9.1f}% {:>12.2f} {:>10.1f}\n", parser.name, runs,
                100.0 * static_cast<double>(outcome.refused) / static_cast<double>(runs),
                outcome.slowest_ms, mb);
