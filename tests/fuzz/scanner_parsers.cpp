@@ -162,7 +162,9 @@ std::vector<Parser> scanner_parsers() {
       {"pcd", {pcd + "ascii\n1 2 3\n4 5 6\n7 8 9\n", binary_pcd, compressed_pcd}, accepts_surface}};
 #ifdef TUINA_CALIBRATION
   all.push_back({"board.toml",
-                 {"[board]\nkind = \"chessboard\"\ncolumns = 7\nrows = 10\nsquare_m = 0.025\n"},
+                 {"[board]\nkind = \"chessboard\"\ncolumns = 7\nrows = 10\nsquare_m = 0.025\n",
+                  "[board]\nkind = \"charuco\"\ncolumns = 4\nrows = 6\nsquare_m = 0.035\n"
+                  "marker_m = 0.026\ndictionary = \"DICT_5X5_100\"\n"},
                  [](std::string_view content) {
                    const auto board = calibration::parse_board(content, "board.toml");
                    if (board) demand(board->square_m > 0.0 && board->columns > 2, "a board");

@@ -64,11 +64,10 @@ Board read_board(const TomlTable& root) {
   if (!table) return board;
   const auto kind = table->word("kind", {"chessboard", "charuco"});
   const bool charuco = kind == 1U;
-  const TomlTable::Words needed = {"kind", "columns", "rows", "square_m"};
   const TomlTable::Words of_markers = {"marker_m", "dictionary"};
-  TomlTable::Words all = needed;
-  all.insert(all.end(), of_markers.begin(), of_markers.end());
-  table->only(charuco || !kind ? of_markers : TomlTable::Words(), charuco ? all : needed);
+  TomlTable::Words needed = {"kind", "columns", "rows", "square_m"};
+  if (charuco) needed.insert(needed.end(), of_markers.begin(), of_markers.end());
+  table->only(kind ? TomlTable::Words() : of_markers, needed);
   // Inner corners.
   board.columns = table->whole("columns", fewest_corners, most_corners).value_or(fewest_corners);
   board.rows = table->whole("rows", fewest_corners, most_corners).value_or(fewest_corners);
