@@ -20,7 +20,7 @@
 
 #include "tuina/core/random.hpp"
 #include "tuina/core/units.hpp"
-#include "tuina/scanner/laser_line.hpp"
+#include "tuina/scanner/line/laser_line.hpp"
 #include "tuina/scanner/sweep.hpp"
 
 namespace {

@@ -6,10 +6,10 @@
 #include <chrono>
 #include <vector>
 
+#include "tuina/baselines/thesis_estimator.hpp"
 #include "tuina/sim/press_scenarios.hpp"
 #include "tuina/tissue/curve_fit.hpp"
 #include "tuina/tissue/press_estimator.hpp"
-#include "tuina/tissue/thesis_estimator.hpp"
 
 using namespace tuina;
 
@@ -36,7 +36,7 @@ BENCHMARK(press_estimator_sample);
 
 void thesis_estimator_sample(benchmark::State& state) {
   for (auto _ : state) {
-    tissue::ThesisEstimator estimator;
+    baselines::ThesisEstimator estimator;
     for (const auto& sample : record()) estimator.update(sample.press, 1e-3);
     benchmark::DoNotOptimize(estimator.tissue());
   }

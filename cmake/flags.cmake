@@ -3,7 +3,9 @@
 # Structs are filled by designated initialisers that name what differs from the default, which -Wextra would
 # call missing initialisers. g++ 12 sees overlaps in std::string's own operator+ that are not there (GCC bug 105651), hence -Wno-restrict.
 add_library(tuina_flags INTERFACE)
-target_compile_options(tuina_flags INTERFACE -Wall -Wextra -Wpedantic -Wconversion -Wshadow 
+# One way of code for libraries and programs, so that both can share what is precompiled.
+target_compile_options(tuina_flags INTERFACE -fPIC -fno-semantic-interposition)
+target_compile_options(tuina_flags INTERFACE -Wall -Wextra -Wpedantic -Wconversion -Wshadow
   -Wno-missing-field-initializers -Wno-restrict
   $<$<BOOL:${TUINA_WERROR}>:-Werror>)
 # A sanitized build of Eigen without any optimisation is a hundred times slower; -O1 keeps the tests short.
@@ -15,4 +17,11 @@ endif()
 if(TUINA_COVERAGE)
   target_compile_options(tuina_flags INTERFACE --coverage -O0)
   target_link_options(tuina_flags INTERFACE --coverage)
+endif()
+
+# Programs and tests spend their time in the rooms, so what is only theirs is compiled quickly instead.
+add_library(tuina_app_flags INTERFACE)
+target_link_libraries(tuina_app_flags INTERFACE tuina_flags)
+if(CMAKE_BUILD_TYPE STREQUAL "Release")
+  target_compile_options(tuina_app_flags INTERFACE -O1)
 endif()

@@ -6,8 +6,8 @@
 #include <Eigen/Eigenvalues>
 
 #include "tuina/scanner/sweep.hpp"
-#include "tuina/sim/back_contact.hpp"
-#include "tuina/sim/laser_scanner.hpp"
+#include "tuina/sim/robot/back_contact.hpp"
+#include "tuina/sim/scanner/laser_scanner.hpp"
 
 using namespace tuina;
 

@@ -4,9 +4,9 @@
 #include <fmt/core.h>
 
 #include "tuina/body/acupoints.hpp"
-#include "tuina/core/surface_file.hpp"
+#include "tuina/core/io/surface_file.hpp"
 #include "tuina/core/units.hpp"
-#include "tuina/sim/person.hpp"
+#include "tuina/sim/person/person.hpp"
 
 using namespace tuina;
 

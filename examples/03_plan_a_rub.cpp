@@ -4,8 +4,8 @@
 #include <fmt/core.h>
 
 #include "tuina/core/units.hpp"
-#include "tuina/massage/rub.hpp"
-#include "tuina/sim/person.hpp"
+#include "tuina/massage/technique/rub.hpp"
+#include "tuina/sim/person/person.hpp"
 
 using namespace tuina;
 

@@ -5,7 +5,7 @@
 #include <fmt/core.h>
 
 #include "tuina/core/random.hpp"
-#include "tuina/sim/back_contact.hpp"
+#include "tuina/sim/robot/back_contact.hpp"
 #include "tuina/tissue/press_estimator.hpp"
 
 using namespace tuina;

@@ -5,13 +5,13 @@
 #include <fmt/core.h>
 
 #include "tuina/body/acupoints.hpp"
+#include "tuina/motion/ready_plan.hpp"
 #include "tuina/scanner/sweep.hpp"
 #include "tuina/session/force_errors.hpp"
 #include "tuina/session/massage_step.hpp"
-#include "tuina/session/plan_step.hpp"
-#include "tuina/sim/laser_scanner.hpp"
-#include "tuina/sim/plant.hpp"
-#include "tuina/sim/tissue_map.hpp"
+#include "tuina/sim/person/tissue_map.hpp"
+#include "tuina/sim/robot/plant.hpp"
+#include "tuina/sim/scanner/laser_scanner.hpp"
 
 using namespace tuina;
 
@@ -42,8 +42,7 @@ int main() {
   const PerArm<robot::ArmModel> arms = robot::both_models(table, mount);
   auto paths = massage::plan(back, map.acupoints, map.landmarks, programme).value();
   const auto plan =
-      session::make_ready(std::move(paths), back, mount, arms, mount.base_from_couch, 40_mm)
-          .value();
+      motion::make_ready(std::move(paths), back, mount, arms, mount.base_from_couch, 40_mm).value();
   fmt::print("plan: {} paths of two arms\n", plan.plan.paths.size());
 
   // Massage: the person's tissue differs from place to place, and no room of tuina knows it.

@@ -7,7 +7,7 @@
 #include "tuina/robot/arm_model.hpp"
 #include "tuina/robot/inverse_kinematics.hpp"
 #include "tuina/safety/guard.hpp"
-#include "tuina/sim/plant.hpp"
+#include "tuina/sim/robot/plant.hpp"
 
 using namespace tuina;
 

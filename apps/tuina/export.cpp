@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/tuina/verbs.hpp"
-#include "tuina/core/file.hpp"
+#include "tuina/core/io/file.hpp"
 #include "tuina/robot/successor.hpp"
 
 namespace tuina::app {

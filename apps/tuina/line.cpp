@@ -7,9 +7,9 @@
 #include <optional>
 
 #include "apps/tuina/verbs.hpp"
-#include "tuina/core/file.hpp"
-#include "tuina/core/png.hpp"
-#include "tuina/scanner/laser_line.hpp"
+#include "tuina/core/io/file.hpp"
+#include "tuina/core/io/png.hpp"
+#include "tuina/scanner/line/laser_line.hpp"
 
 namespace tuina::app {
 namespace {

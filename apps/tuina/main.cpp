@@ -6,9 +6,9 @@
 #include <cstring>
 #include <map>
 
-#include "apps/tuina/command_line.hpp"
+#include "apps/cli/command_line.hpp"
 #include "apps/tuina/verbs.hpp"
-#include "tuina/core/file.hpp"
+#include "tuina/core/io/file.hpp"
 
 namespace {
 

@@ -5,13 +5,13 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "apps/tuina/atlas_source.hpp"
+#include "apps/simulated/atlas_source.hpp"
 #include "apps/tuina/verbs.hpp"
 #include "tuina/body/acupoints.hpp"
 #include "tuina/body/board_plane.hpp"
-#include "tuina/body/labelled_body.hpp"
-#include "tuina/core/file.hpp"
-#include "tuina/core/surface_file.hpp"
+#include "tuina/body/learn/labelled_body.hpp"
+#include "tuina/core/io/file.hpp"
+#include "tuina/core/io/surface_file.hpp"
 #include "tuina/core/units.hpp"
 
 namespace tuina::app {

@@ -2,10 +2,10 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 
-#include "apps/tuina/keyboard.hpp"
-#include "apps/tuina/session_files.hpp"
-#include "apps/tuina/session_replay.hpp"
-#include "apps/tuina/simulated_session.hpp"
+#include "apps/simulated/keyboard.hpp"
+#include "apps/simulated/session_files.hpp"
+#include "apps/simulated/session_replay.hpp"
+#include "apps/simulated/simulated_session.hpp"
 #include "apps/tuina/verbs.hpp"
 
 namespace tuina::app {

@@ -4,16 +4,16 @@
 #include <CLI/CLI.hpp>
 #include <chrono>
 
-#include "apps/tuina/simulated_session.hpp"
+#include "apps/simulated/simulated_session.hpp"
 #include "apps/tuina/verbs.hpp"
-#include "tuina/core/file.hpp"
-#include "tuina/core/png.hpp"
-#include "tuina/core/surface_file.hpp"
-#include "tuina/session/acupoint_file.hpp"
+#include "tuina/core/io/file.hpp"
+#include "tuina/core/io/png.hpp"
+#include "tuina/core/io/surface_file.hpp"
+#include "tuina/motion/ready_plan.hpp"
+#include "tuina/record/acupoint_file.hpp"
+#include "tuina/record/plan_file.hpp"
 #include "tuina/session/config.hpp"
-#include "tuina/session/plan_file.hpp"
-#include "tuina/session/plan_step.hpp"
-#include "tuina/telemetry/shaded_picture.hpp"
+#include "tuina/telemetry/picture/shaded_picture.hpp"
 
 namespace tuina::app {
 namespace {
@@ -21,7 +21,7 @@ namespace {
 /// The back with pressed points as beads and sliding paths as threads, in the colours of the
 /// report.
 std::string picture_of(const SurfaceFile& scan, const body::BackSurface& back,
-                       const session::MappedBack& map, const massage::Plan& plan) {
+                       const record::MappedBack& map, const massage::Plan& plan) {
   Vector3 out = Vector3::Zero();
   Vector3 up = Vector3::Zero();
   for (const Acupoint& point : map.acupoints) {
@@ -59,7 +59,7 @@ std::string picture_of(const SurfaceFile& scan, const body::BackSurface& back,
   return to_png(telemetry::shade(scene, view).image);
 }
 
-std::string text_of(const session::PlanFile& file, Position position) {
+std::string text_of(const record::PlanFile& file, Position position) {
   const massage::Plan& plan = file.plan;
   std::string text =
       fmt::format("{}: {} paths, {:.0f} s, {}\n", plan.programme, plan.paths.size(),
@@ -118,7 +118,7 @@ class PlanVerb final : public Verb {
     if (!programme) return tl::unexpected(programme.error());
     const auto options = plan_options(*config, no_go_);
     if (!options) return tl::unexpected(options.error());
-    const auto map = session::read_acupoints(acupoints_);
+    const auto map = record::read_acupoints(acupoints_);
     if (!map) return tl::unexpected(map.error());
     const auto scan = read_surface(scan_);
     if (!scan) return tl::unexpected(scan.error());
@@ -135,24 +135,24 @@ class PlanVerb final : public Verb {
                      head_at_plus_y(map->acupoints));
     const robot::RobotMount& mount = robot.mount;
     const PerArm<robot::ArmModel> arms = robot::both_models(robot.arm, mount);
-    auto ready = session::make_ready(std::move(*plan), *back, mount, arms, mount.base_from_couch,
-                                     standoff_m);
+    auto ready =
+        motion::make_ready(std::move(*plan), *back, mount, arms, mount.base_from_couch, standoff_m);
     if (!ready) return tl::unexpected(ready.error());
     const std::chrono::duration<double, std::milli> taken =
         std::chrono::steady_clock::now() - start;
 
-    const session::PlanFile file{.plan = std::move(ready->plan),
-                                 .reachable = ready->reachable,
-                                 .min_arm_distance_m = ready->min_arm_distance_m,
-                                 .clear = ready->clear,
-                                 .rail_m = ready->rail_m,
-                                 .compute_ms = taken.count()};
+    const record::PlanFile file{.plan = std::move(ready->plan),
+                                .reachable = ready->reachable,
+                                .min_arm_distance_m = ready->min_arm_distance_m,
+                                .clear = ready->clear,
+                                .rail_m = ready->rail_m,
+                                .compute_ms = taken.count()};
     if (!picture_.empty()) {
       const std::string png = picture_of(*scan, *back, *map, file.plan);
       if (auto written = write_file(picture_, png); !written)
         return tl::unexpected(written.error());
     }
-    return Answer{.json = session::to_json(file), .text = text_of(file, back->position())};
+    return Answer{.json = record::to_json(file), .text = text_of(file, back->position())};
   }
 
  private:

@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "tuina/core/units.hpp"
-#include "tuina/telemetry/svg_plot.hpp"
+#include "tuina/telemetry/plot/svg_plot.hpp"
 #include "tuina/tissue/tangent_model.hpp"
 
 namespace tuina::app {

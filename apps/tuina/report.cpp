@@ -2,10 +2,10 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "apps/tuina/session_record.hpp"
+#include "apps/simulated/session_record.hpp"
 #include "apps/tuina/verbs.hpp"
-#include "tuina/core/file.hpp"
-#include "tuina/telemetry/report_page.hpp"
+#include "tuina/core/io/file.hpp"
+#include "tuina/telemetry/report/page.hpp"
 
 namespace tuina::app {
 namespace {

@@ -7,18 +7,18 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "apps/tuina/sticker_words.hpp"
+#include "apps/tuina/atlas/sticker_words.hpp"
 #include "apps/tuina/verbs.hpp"
-#include "tuina/core/surface_file.hpp"
+#include "tuina/core/io/surface_file.hpp"
 #include "tuina/core/units.hpp"
-#include "tuina/scanner/check_box.hpp"
-#include "tuina/scanner/check_sphere.hpp"
+#include "tuina/scanner/check/check_box.hpp"
+#include "tuina/scanner/check/check_sphere.hpp"
 #include "tuina/scanner/recording.hpp"
 #include "tuina/scanner/sweep.hpp"
 #include "tuina/session/config.hpp"
 #include "tuina/session/scan_step.hpp"
-#include "tuina/sim/laser_scanner.hpp"
-#include "tuina/sim/person.hpp"
+#include "tuina/sim/person/person.hpp"
+#include "tuina/sim/scanner/laser_scanner.hpp"
 
 namespace tuina::app {
 namespace {

@@ -4,12 +4,12 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "apps/tuina/play_motion.hpp"
-#include "apps/tuina/teaching.hpp"
+#include "apps/simulated/play_motion.hpp"
+#include "apps/simulated/teaching.hpp"
 #include "apps/tuina/verbs.hpp"
-#include "tuina/core/file.hpp"
+#include "tuina/core/io/file.hpp"
 #include "tuina/core/units.hpp"
-#include "tuina/telemetry/svg_plot.hpp"
+#include "tuina/telemetry/plot/svg_plot.hpp"
 
 namespace tuina::app {
 namespace {

@@ -4,15 +4,15 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "apps/tuina/press_file.hpp"
+#include "apps/cli/press_file.hpp"
 #include "apps/tuina/press_plot.hpp"
 #include "apps/tuina/verbs.hpp"
-#include "tuina/core/file.hpp"
+#include "tuina/baselines/thesis_estimator.hpp"
+#include "tuina/core/io/file.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/tissue/classification.hpp"
 #include "tuina/tissue/press_estimator.hpp"
 #include "tuina/tissue/press_segments.hpp"
-#include "tuina/tissue/thesis_estimator.hpp"
 
 namespace tuina::app {
 namespace {
@@ -58,7 +58,7 @@ Estimated by_tuina(const std::vector<tissue::TimedPress>& record,
 Estimated by_thesis(const std::vector<tissue::TimedPress>& record, double force_noise_n) {
   constexpr double band = 0.01, settled_s = 10.0;
   Estimated result;
-  tissue::ThesisEstimator estimator;
+  baselines::ThesisEstimator estimator;
   tissue::PressSegments presses({.force_noise_n = force_noise_n});
   TangentTissue centre;
   double since_s = record.front().time_s, before_s = since_s;

@@ -2,10 +2,10 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "apps/tuina/press_file.hpp"
+#include "apps/cli/press_file.hpp"
 #include "apps/tuina/press_plot.hpp"
 #include "apps/tuina/verbs.hpp"
-#include "tuina/core/file.hpp"
+#include "tuina/core/io/file.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/tissue/curve_fit.hpp"
 

@@ -24,29 +24,19 @@ std::vector<std::unique_ptr<Verb>> make_verbs() {
   verbs.push_back(make_line());
 #ifdef TUINA_CALIBRATION
   verbs.push_back(make_calibrate());
-  verbs.push_back(make_evaluate_calibration());
 #endif
   verbs.push_back(make_plan());
   verbs.push_back(make_map());
   verbs.push_back(make_atlas_record());
   verbs.push_back(make_atlas_learn());
   verbs.push_back(make_atlas_show());
-  verbs.push_back(make_evaluate_acupoints());
-  verbs.push_back(make_evaluate_atlas());
   verbs.push_back(make_tissue_fit());
   verbs.push_back(make_tissue_estimate());
-  verbs.push_back(make_evaluate_tissue());
-  verbs.push_back(make_evaluate_scanner());
-  verbs.push_back(make_press());
   verbs.push_back(make_teach_record());
   verbs.push_back(make_teach_play());
   verbs.push_back(make_teach_show());
   verbs.push_back(make_teach_carry());
-  verbs.push_back(make_evaluate_control());
-  verbs.push_back(make_evaluate_all());
-  verbs.push_back(make_evaluate_massage());
-  verbs.push_back(make_evaluate_teach());
-  verbs.push_back(make_evaluate_robots());
+  for (auto& verb : make_evaluations()) verbs.push_back(std::move(verb));
   verbs.push_back(make_config_show());
   verbs.push_back(make_config_check());
   verbs.push_back(make_export_urdf());

@@ -6,37 +6,26 @@
 #include <string_view>
 #include <vector>
 
-#include "apps/tuina/command_line.hpp"
+#include "apps/evaluation/verbs.hpp"
 
 namespace tuina::app {
 
 // One file per verb; a verb that does not exist yet is absent here and so from --help.
 std::unique_ptr<Verb> make_massage();
 std::unique_ptr<Verb> make_report();
-std::unique_ptr<Verb> make_press();
 std::unique_ptr<Verb> make_config_show();
 std::unique_ptr<Verb> make_config_check();
 std::unique_ptr<Verb> make_tissue_fit();
 std::unique_ptr<Verb> make_tissue_estimate();
-std::unique_ptr<Verb> make_evaluate_tissue();
-std::unique_ptr<Verb> make_evaluate_scanner();
-std::unique_ptr<Verb> make_evaluate_control();
-std::unique_ptr<Verb> make_evaluate_all();
-std::unique_ptr<Verb> make_evaluate_massage();
-std::unique_ptr<Verb> make_evaluate_teach();
-std::unique_ptr<Verb> make_evaluate_robots();
 std::unique_ptr<Verb> make_map();
 std::unique_ptr<Verb> make_atlas_learn();
 std::unique_ptr<Verb> make_atlas_record();
 std::unique_ptr<Verb> make_atlas_show();
-std::unique_ptr<Verb> make_evaluate_acupoints();
-std::unique_ptr<Verb> make_evaluate_atlas();
 std::unique_ptr<Verb> make_doctor();
 std::unique_ptr<Verb> make_export_urdf();
 std::unique_ptr<Verb> make_export_mjcf();
 std::unique_ptr<Verb> make_line();
-std::unique_ptr<Verb> make_calibrate();  // these two only where their room is built
-std::unique_ptr<Verb> make_evaluate_calibration();
+std::unique_ptr<Verb> make_calibrate();  // only where its room is built
 std::unique_ptr<Verb> make_scan();
 std::unique_ptr<Verb> make_plan();
 std::unique_ptr<Verb> make_teach_record();

@@ -7,18 +7,18 @@
 #include <cmath>
 #include <cstdio>
 
+#include "tuina/baselines/plane_picture.hpp"
+#include "tuina/baselines/two_planes.hpp"
 #include "tuina/body/acupoints.hpp"
 #include "tuina/body/correction.hpp"
-#include "tuina/body/plane_picture.hpp"
-#include "tuina/body/two_planes.hpp"
-#include "tuina/core/file.hpp"
+#include "tuina/core/io/file.hpp"
 #include "tuina/core/units.hpp"
-#include "tuina/massage/stroke.hpp"
+#include "tuina/massage/technique/stroke.hpp"
 #include "tuina/scanner/sweep.hpp"
-#include "tuina/sim/laser_scanner.hpp"
-#include "tuina/sim/phantom.hpp"
-#include "tuina/telemetry/picture_element.hpp"
-#include "tuina/telemetry/svg_plot.hpp"
+#include "tuina/sim/person/phantom.hpp"
+#include "tuina/sim/scanner/laser_scanner.hpp"
+#include "tuina/telemetry/picture/picture_element.hpp"
+#include "tuina/telemetry/plot/svg_plot.hpp"
 
 using namespace tuina;
 namespace palette = telemetry::palette;
@@ -232,7 +232,7 @@ Result<std::string> method_figure(const body::Atlas& atlas) {
 
 // --- The morphing of the thesis ---------------------------------------------------------------
 
-std::string plane_picture(const body::PlanePicture& picture,
+std::string plane_picture(const baselines::PlanePicture& picture,
                           const std::vector<body::FeatureLine>& lines) {
   const double scale = std::min((tile_px - 16.0) / picture.image.width,
                                 static_cast<double>(picture_px) / picture.image.height);
@@ -265,13 +265,13 @@ Result<std::string> morphing_figure() {
   }
   const auto standard_lines = body::feature_lines(*of_standard);
   const auto person_lines = body::feature_lines(*of_person);
-  const auto a = body::project(standard->back, *of_standard, marks);
-  const auto b = body::project(person->back, *of_person, {});
-  const auto morphed = body::morph(a, standard_lines, b, person_lines, 0.5);
+  const auto a = baselines::project(standard->back, *of_standard, marks);
+  const auto b = baselines::project(person->back, *of_person, {});
+  const auto morphed = baselines::morph(a, standard_lines, b, person_lines, 0.5);
   double off_mm = 0.0;
   for (std::size_t i = 0; i < marks.size(); ++i) {
     const Vector2 truth = of_person->plane(person->person.acupoints[i].at_in_couch);
-    const auto shown = body::found_mark(morphed, static_cast<int>(i));
+    const auto shown = baselines::found_mark(morphed, static_cast<int>(i));
     if (shown) off_mm += to_mm((*shown - truth).norm()) / static_cast<double>(marks.size());
   }
   const std::vector<Tile> tiles = {
@@ -308,9 +308,9 @@ Result<std::string> path_figure() {
       along.push_back(line->at(way).at_in_couch);
       smooth.points.push_back(along.back() + 3_mm * line->at(way).normal_in_couch);
     }
-    const auto tortuous = body::two_plane_path(seen->scan, seen->back, places, 15_mm);
-    older_jerk += 0.5 * body::mean_square_jerk(tortuous, speed);
-    our_jerk += 0.5 * body::mean_square_jerk(along, speed);
+    const auto tortuous = baselines::two_plane_path(seen->scan, seen->back, places, 15_mm);
+    older_jerk += 0.5 * baselines::mean_square_jerk(tortuous, speed);
+    our_jerk += 0.5 * baselines::mean_square_jerk(along, speed);
     telemetry::Thread bent{.points = tortuous, .radius_m = 3_mm, .colour = palette::press};
     for (Vector3& p : bent.points) p += 9_mm * Vector3::UnitY();
     older.threads.push_back(std::move(bent));

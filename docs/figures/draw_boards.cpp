@@ -3,9 +3,9 @@
 // that is partly out of view, both without and with laser.
 #include <cstdio>
 
-#include "tuina/core/file.hpp"
-#include "tuina/core/png.hpp"
-#include "tuina/sim/rehearsal.hpp"
+#include "tuina/core/io/file.hpp"
+#include "tuina/core/io/png.hpp"
+#include "tuina/sim/scanner/synthetic_shots.hpp"
 
 using namespace tuina;
 

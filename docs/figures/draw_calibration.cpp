@@ -4,9 +4,9 @@
 #include <filesystem>
 #include <string>
 
-#include "apps/tuina/calibration_figures.hpp"
-#include "tuina/core/file.hpp"
-#include "tuina/sim/rehearsal.hpp"
+#include "apps/tuina/calibrate/figures.hpp"
+#include "tuina/core/io/file.hpp"
+#include "tuina/sim/scanner/synthetic_shots.hpp"
 
 using namespace tuina;
 namespace fs = std::filesystem;

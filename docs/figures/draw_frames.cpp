@@ -7,15 +7,15 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "tuina/core/file.hpp"
-#include "tuina/core/png.hpp"
+#include "tuina/core/io/file.hpp"
+#include "tuina/core/io/png.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/robot/inverse_kinematics.hpp"
-#include "tuina/sim/laser_scanner.hpp"
-#include "tuina/sim/phantom.hpp"
-#include "tuina/telemetry/picture_element.hpp"
-#include "tuina/telemetry/shaded_picture.hpp"
-#include "tuina/telemetry/svg_plot.hpp"
+#include "tuina/sim/person/phantom.hpp"
+#include "tuina/sim/scanner/laser_scanner.hpp"
+#include "tuina/telemetry/picture/picture_element.hpp"
+#include "tuina/telemetry/picture/shaded_picture.hpp"
+#include "tuina/telemetry/plot/svg_plot.hpp"
 
 using namespace tuina;
 using namespace tuina::telemetry;

@@ -6,11 +6,11 @@
 #include <cmath>
 #include <cstdio>
 
-#include "tuina/core/file.hpp"
+#include "tuina/core/io/file.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/scanner/triangulation.hpp"
-#include "tuina/sim/laser_scanner.hpp"
-#include "tuina/telemetry/svg_plot.hpp"
+#include "tuina/sim/scanner/laser_scanner.hpp"
+#include "tuina/telemetry/plot/svg_plot.hpp"
 
 using namespace tuina;
 

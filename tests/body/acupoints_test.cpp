@@ -8,9 +8,9 @@
 #include <string>
 #include <string_view>
 
-#include "apps/tuina/labelled_phantom.hpp"
+#include "apps/simulated/labelled_phantom.hpp"
 #include "tests/reason.hpp"
-#include "tuina/body/baselines.hpp"
+#include "tuina/baselines/acupoint_baselines.hpp"
 #include "tuina/core/random.hpp"
 #include "tuina/core/units.hpp"
 
@@ -343,9 +343,9 @@ TEST_CASE("simpler methods find the seven points of a phantom, less well than th
     return sum / 7.0;
   };
   const double surface = error_mm(locate_acupoints(*back, shipped()));
-  for (const double simpler :
-       {error_mm(rigid_icp(*back, shipped())), error_mm(scale_axes(*back, shipped())),
-        error_mm(cun_rule(*back, shipped()))}) {
+  for (const double simpler : {error_mm(baselines::rigid_icp(*back, shipped())),
+                               error_mm(baselines::scale_axes(*back, shipped())),
+                               error_mm(baselines::cun_rule(*back, shipped()))}) {
     CHECK(simpler < 50.0);
     CHECK(simpler > surface);
   }

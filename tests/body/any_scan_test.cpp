@@ -3,12 +3,12 @@
 
 #include <algorithm>
 
-#include "apps/tuina/labelled_phantom.hpp"
+#include "apps/simulated/labelled_phantom.hpp"
 #include "tests/reason.hpp"
 #include "tuina/body/acupoints.hpp"
 #include "tuina/core/random.hpp"
 #include "tuina/core/units.hpp"
-#include "tuina/sim/depth_camera.hpp"
+#include "tuina/sim/scanner/depth_camera.hpp"
 
 namespace tuina::body {
 namespace {

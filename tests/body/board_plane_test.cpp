@@ -9,7 +9,7 @@
 #include "tuina/body/acupoints.hpp"
 #include "tuina/core/random.hpp"
 #include "tuina/core/units.hpp"
-#include "tuina/sim/phantom.hpp"
+#include "tuina/sim/person/phantom.hpp"
 
 namespace tuina::body {
 namespace {

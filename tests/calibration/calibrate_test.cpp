@@ -8,8 +8,8 @@
 #include "tests/folder.hpp"
 #include "tests/reason.hpp"
 #include "tuina/core/units.hpp"
-#include "tuina/sim/laser_scanner.hpp"
-#include "tuina/sim/rehearsal.hpp"
+#include "tuina/sim/scanner/laser_scanner.hpp"
+#include "tuina/sim/scanner/synthetic_shots.hpp"
 
 using namespace tuina;
 using namespace tuina::calibration;

@@ -6,12 +6,12 @@
 
 #include "tests/folder.hpp"
 #include "tests/reason.hpp"
+#include "tuina/calibration/board/find_charuco.hpp"
 #include "tuina/calibration/calibrate.hpp"
-#include "tuina/calibration/find_charuco.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/scanner/triangulation.hpp"
-#include "tuina/sim/laser_scanner.hpp"
-#include "tuina/sim/rehearsal.hpp"
+#include "tuina/sim/scanner/laser_scanner.hpp"
+#include "tuina/sim/scanner/synthetic_shots.hpp"
 
 using namespace tuina;
 using namespace tuina::calibration;

@@ -10,7 +10,7 @@
 #include "tests/reason.hpp"
 #include "tuina/calibration/calibrate.hpp"
 #include "tuina/core/units.hpp"
-#include "tuina/sim/laser_scanner.hpp"
+#include "tuina/sim/scanner/laser_scanner.hpp"
 
 using namespace tuina;
 using namespace tuina::calibration;

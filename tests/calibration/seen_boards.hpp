@@ -7,7 +7,7 @@
 #include "tuina/calibration/calibrate.hpp"
 #include "tuina/core/random.hpp"
 #include "tuina/scanner/triangulation.hpp"
-#include "tuina/sim/rehearsal.hpp"
+#include "tuina/sim/scanner/synthetic_shots.hpp"
 
 namespace tuina::test {
 

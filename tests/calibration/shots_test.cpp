@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tuina/calibration/shots.hpp"
+#include "tuina/calibration/board/shots.hpp"
 
 #include <doctest/doctest.h>
 
@@ -9,8 +9,8 @@
 #include "tests/folder.hpp"
 #include "tests/reason.hpp"
 #include "tuina/calibration/calibrate.hpp"
-#include "tuina/core/file.hpp"
-#include "tuina/core/png.hpp"
+#include "tuina/core/io/file.hpp"
+#include "tuina/core/io/png.hpp"
 
 using namespace tuina;
 using namespace tuina::calibration;

@@ -7,10 +7,10 @@
 #include "tests/calibration/seen_boards.hpp"
 #include "tests/reason.hpp"
 #include "tuina/calibration/calibrate.hpp"
-#include "tuina/calibration/pose_covariance.hpp"
-#include "tuina/calibration/residual_statistics.hpp"
+#include "tuina/calibration/fit/pose_covariance.hpp"
+#include "tuina/calibration/fit/residual_statistics.hpp"
 #include "tuina/core/units.hpp"
-#include "tuina/sim/laser_scanner.hpp"
+#include "tuina/sim/scanner/laser_scanner.hpp"
 
 using namespace tuina;
 using namespace tuina::calibration;

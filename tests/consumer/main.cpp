@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdio>
 
-#include "tuina/core/surface_file.hpp"
+#include "tuina/core/io/surface_file.hpp"
 #include "tuina/session/config.hpp"
 
 int main() {

@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-#include "apps/tuina/contact_experiment.hpp"
+#include "apps/evaluation/contact/contact_experiment.hpp"
 
 using namespace tuina;
 using namespace tuina::app;

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/tuina/control_trials.hpp"
+#include "apps/evaluation/control/trials.hpp"
 
 #include <doctest/doctest.h>
 
 #include <algorithm>
 
-#include "apps/tuina/reach_trials.hpp"
+#include "apps/evaluation/control/reach_trials.hpp"
 
 using namespace tuina;
 using namespace tuina::app;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tuina/core/csv.hpp"
+#include "tuina/core/io/csv.hpp"
 
 #include <doctest/doctest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tuina/core/file.hpp"
+#include "tuina/core/io/file.hpp"
 
 #include <doctest/doctest.h>
 

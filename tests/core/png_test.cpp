@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tuina/core/png.hpp"
+#include "tuina/core/io/png.hpp"
 
 #include <doctest/doctest.h>
 #include <png.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tuina/core/surface_file.hpp"
+#include "tuina/core/io/surface_file.hpp"
 
 #include <doctest/doctest.h>
 
@@ -9,7 +9,7 @@
 #include "tests/core/mutation.hpp"
 #include "tests/folder.hpp"
 #include "tests/reason.hpp"
-#include "tuina/core/file.hpp"
+#include "tuina/core/io/file.hpp"
 
 using namespace tuina;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tuina/core/toml_reader.hpp"
+#include "tuina/core/io/toml_reader.hpp"
 
 #include <doctest/doctest.h>
 

@@ -6,9 +6,9 @@
 #include "tests/folder.hpp"
 #include "tests/fuzz/parsers.hpp"
 #include "tuina/body/atlas.hpp"
-#include "tuina/body/labelled_body.hpp"
-#include "tuina/core/file.hpp"
-#include "tuina/session/acupoint_file.hpp"
+#include "tuina/body/learn/labelled_body.hpp"
+#include "tuina/core/io/file.hpp"
+#include "tuina/record/acupoint_file.hpp"
 
 namespace tuina::test {
 namespace {
@@ -32,7 +32,7 @@ void demand_points(const std::vector<Acupoint>& points) {
 }
 
 bool accepts_map(std::string_view content) {
-  const auto read = session::parse_acupoints(content, "acupoints.json");
+  const auto read = record::parse_acupoints(content, "acupoints.json");
   if (!read) return false;
   demand_points(read->acupoints);
   for (const Acupoint& point : read->acupoints) {
@@ -123,10 +123,10 @@ std::string some_labels() {
 }  // namespace
 
 std::vector<Parser> person_parsers() {
-  const session::MapFile map{.method = "surface",
-                             .acupoints = some_acupoints(),
-                             .landmarks = {{"C7", Vector3(0.0, 0.1, 0.7)}}};
-  return {{"acupoints.json", {session::to_json(map)}, accepts_map},
+  const record::MapFile map{.method = "surface",
+                            .acupoints = some_acupoints(),
+                            .landmarks = {{"C7", Vector3(0.0, 0.1, 0.7)}}};
+  return {{"acupoints.json", {record::to_json(map)}, accepts_map},
           {"atlas", {body::to_bytes(little_atlas())}, accepts_atlas},
           {"labels.json", {some_labels()}, accepts_labels}};
 }

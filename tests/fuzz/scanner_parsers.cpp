@@ -6,13 +6,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tuina/core/csv.hpp"
-#include "tuina/core/png.hpp"
-#include "tuina/core/surface_file.hpp"
+#include "tuina/core/io/csv.hpp"
+#include "tuina/core/io/png.hpp"
+#include "tuina/core/io/surface_file.hpp"
 #include "tuina/scanner/calibration.hpp"
 #ifdef TUINA_CALIBRATION
 #include "tests/folder.hpp"
-#include "tuina/calibration/shots.hpp"
+#include "tuina/calibration/board/shots.hpp"
 #endif
 
 namespace tuina::test {

@@ -4,13 +4,13 @@
 
 #include "tests/folder.hpp"
 #include "tests/fuzz/parsers.hpp"
-#include "tuina/core/file.hpp"
+#include "tuina/core/io/file.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/massage/no_go.hpp"
 #include "tuina/massage/programme.hpp"
+#include "tuina/record/plan_file.hpp"
 #include "tuina/session/config.hpp"
 #include "tuina/session/consent.hpp"
-#include "tuina/session/plan_file.hpp"
 #include "tuina/session/robot_pose.hpp"
 #include "tuina/session/taught_motion.hpp"
 
@@ -78,7 +78,7 @@ bool accepts_robot_pose(std::string_view content) {
 }
 
 bool accepts_plan(std::string_view content) {
-  const auto file = session::parse_plan(content, "plan.json");
+  const auto file = record::parse_plan(content, "plan.json");
   if (!file) return false;
   for (const auto& planned : file->plan.paths) {
     for (const ContactPoint& point : planned.path.points) {
@@ -88,8 +88,8 @@ bool accepts_plan(std::string_view content) {
   return true;
 }
 
-session::PlanFile some_plan() {
-  session::PlanFile file;
+record::PlanFile some_plan() {
+  record::PlanFile file;
   file.plan.programme = "mine";
   file.plan.zones_touched = {"muscle"};
   file.plan.notes = {"press BL47_L: 22.0 N lowered to 13.0 N (ribs)"};
@@ -168,7 +168,7 @@ std::vector<Parser> session_parsers() {
           {"consent", {session::consent_form("P. Smith", "no")}, accepts_consent},
           {"config", {session::to_toml(session::Config{})}, accepts_config},
           {"robot.toml", {session::to_toml(session::PlacedRobot{})}, accepts_robot_pose},
-          {"plan.json", {session::to_json(some_plan())}, accepts_plan},
+          {"plan.json", {record::to_json(some_plan())}, accepts_plan},
           {"touches.csv", {some_touches()}, accepts_touches},
           {"taught.toml", {motion}, accepts_taught("fro.toml")},
           {"taught.csv", {samples}, accepts_taught("fro.csv")}};

@@ -10,7 +10,7 @@
 #include "tuina/core/random.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/massage/plan.hpp"
-#include "tuina/sim/person.hpp"
+#include "tuina/sim/person/person.hpp"
 
 using namespace tuina;
 using namespace tuina::massage;

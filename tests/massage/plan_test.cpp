@@ -10,7 +10,7 @@
 
 #include "tests/massage/backs.hpp"
 #include "tests/reason.hpp"
-#include "tuina/massage/contact_path.hpp"
+#include "tuina/massage/technique/contact_path.hpp"
 
 using namespace tuina;
 using namespace tuina::massage;

@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "tests/reason.hpp"
-#include "tuina/core/file.hpp"
+#include "tuina/core/io/file.hpp"
 
 using namespace tuina;
 using namespace tuina::massage;

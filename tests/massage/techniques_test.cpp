@@ -5,11 +5,11 @@
 #include <cmath>
 
 #include "tests/massage/backs.hpp"
-#include "tuina/massage/contact_path.hpp"
-#include "tuina/massage/press.hpp"
-#include "tuina/massage/rub.hpp"
-#include "tuina/massage/stroke.hpp"
-#include "tuina/massage/tap.hpp"
+#include "tuina/massage/technique/contact_path.hpp"
+#include "tuina/massage/technique/press.hpp"
+#include "tuina/massage/technique/rub.hpp"
+#include "tuina/massage/technique/stroke.hpp"
+#include "tuina/massage/technique/tap.hpp"
 
 using namespace tuina;
 using namespace tuina::massage;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tuina/scanner/check_box.hpp"
+#include "tuina/scanner/check/check_box.hpp"
 
 #include <doctest/doctest.h>
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tuina/scanner/label_dots.hpp"
+#include "tuina/scanner/stickers/label_dots.hpp"
 
 #include <doctest/doctest.h>
 
 #include <cmath>
 
-#include "tuina/scanner/sticker_watch.hpp"
+#include "tuina/scanner/stickers/sticker_watch.hpp"
 
 namespace tuina::scanner {
 namespace {

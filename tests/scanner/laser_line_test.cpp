@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tuina/scanner/laser_line.hpp"
+#include "tuina/scanner/line/laser_line.hpp"
 
 #include <doctest/doctest.h>
 
@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "tuina/core/random.hpp"
-#include "tuina/scanner/clear_row.hpp"
+#include "tuina/scanner/line/clear_row.hpp"
 
 using namespace tuina;
 using namespace tuina::scanner;

@@ -8,8 +8,8 @@
 #include <functional>
 
 #include "tests/folder.hpp"
-#include "tuina/core/file.hpp"
-#include "tuina/core/png.hpp"
+#include "tuina/core/io/file.hpp"
+#include "tuina/core/io/png.hpp"
 #include "tuina/core/random.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/scanner/sweep.hpp"

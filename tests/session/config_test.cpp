@@ -3,7 +3,7 @@
 
 #include <doctest/doctest.h>
 
-#include "tuina/core/file.hpp"
+#include "tuina/core/io/file.hpp"
 
 using namespace tuina;
 using namespace tuina::session;

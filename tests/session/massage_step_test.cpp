@@ -10,11 +10,11 @@
 #include <string>
 
 #include "tests/allocation.hpp"
+#include "tuina/motion/ready_plan.hpp"
 #include "tuina/robot/clearance.hpp"
 #include "tuina/session/massage_step.hpp"
-#include "tuina/session/plan_step.hpp"
-#include "tuina/sim/plant.hpp"
-#include "tuina/sim/tissue_map.hpp"
+#include "tuina/sim/person/tissue_map.hpp"
+#include "tuina/sim/robot/plant.hpp"
 
 using namespace tuina;
 
@@ -24,7 +24,7 @@ namespace {
 struct Room {
   sim::Person person;
   PerArm<robot::ArmModel> models;
-  session::ReadyPlan plan;
+  motion::ReadyPlan plan;
   sim::BackContact contact;
   std::unique_ptr<sim::Plant> plant;
   session::MassageStep massage;
@@ -32,7 +32,7 @@ struct Room {
 
 /// `spoil` may change what the session believes to be ready.
 std::unique_ptr<Room> enter(Position position,
-                            const std::function<void(session::ReadyPlan&)>& spoil = {}) {
+                            const std::function<void(motion::ReadyPlan&)>& spoil = {}) {
   constexpr std::uint64_t seed = 3;
   auto person = sim::parse_person("phantom:medium", position, seed);
   REQUIRE(person.has_value());
@@ -49,8 +49,8 @@ std::unique_ptr<Room> enter(Position position,
   const robot::ArmTable table = robot::thesis_arm();
   const PerArm<robot::ArmModel> models = robot::both_models(table, mount);
   constexpr double standoff_m = 40e-3;
-  auto ready = session::make_ready(std::move(*paths), *back, mount, models, mount.base_from_couch,
-                                   standoff_m);
+  auto ready = motion::make_ready(std::move(*paths), *back, mount, models, mount.base_from_couch,
+                                  standoff_m);
   REQUIRE(ready.has_value());
   if (spoil) spoil(*ready);
   sim::BackContact contact(person->skin_in_couch, sim::lay_tissue(*person, seed));
@@ -136,8 +136,8 @@ TEST_CASE("a person who jumps up stops the massage: the cause is told, and both 
 
 TEST_CASE("arms that are sent into each other stop before they touch, and nobody is pressed") {
   // The right arm is sent to where the left one works, as if nobody had planned for two.
-  const auto room = enter(Position::prone, [](session::ReadyPlan& ready) {
-    for (session::ArmJob& job : ready.jobs[Arm::right]) {
+  const auto room = enter(Position::prone, [](motion::ReadyPlan& ready) {
+    for (motion::ArmJob& job : ready.jobs[Arm::right]) {
       job.path = -1;
       job.way_in_base = {ready.jobs[Arm::left].front().way_in_base.back()};
     }
@@ -157,9 +157,9 @@ TEST_CASE("arms that are sent into each other stop before they touch, and nobody
 
 TEST_CASE("an arm that is sent into the bed stops before it gets there") {
   // Beside the person and down, as if nobody had planned with a bed.
-  const auto room = enter(Position::prone, [](session::ReadyPlan& ready) {
+  const auto room = enter(Position::prone, [](motion::ReadyPlan& ready) {
     const Transform base_from_couch = robot::mount_for(Position::prone).base_from_couch;
-    for (session::ArmJob& job : ready.jobs[Arm::left]) {
+    for (motion::ArmJob& job : ready.jobs[Arm::left]) {
       job.path = -1;
       control::ToolPose pose{.normal_in_base = Vector3::UnitZ()};
       for (const double height_m : {0.3, 0.01}) {
@@ -190,7 +190,7 @@ TEST_CASE("an arm that is sent into the bed stops before it gets there") {
 TEST_CASE("an arm that does not stand where its plan begins stays there, and the stop says so") {
   // Somebody turned an elbow by thirty degrees between planning and the start.
   const auto room = enter(Position::sitting,
-                          [](session::ReadyPlan& ready) { ready.ready_rad[Arm::left][3] -= 0.52; });
+                          [](motion::ReadyPlan& ready) { ready.ready_rad[Arm::left][3] -= 0.52; });
   const double began_rad = room->plan.ready_rad[Arm::left][3];
   double time_s = 0.0;
   while (!room->massage.finished() && time_s < 10.0) time_s = live(*room);

@@ -7,9 +7,9 @@
 #include <utility>
 
 #include "tests/folder.hpp"
-#include "tuina/core/file.hpp"
+#include "tuina/core/io/file.hpp"
 #include "tuina/core/random.hpp"
-#include "tuina/sim/robot_touches.hpp"
+#include "tuina/sim/robot/robot_touches.hpp"
 
 using namespace tuina;
 

@@ -8,9 +8,9 @@
 #include <string>
 
 #include "tuina/core/units.hpp"
-#include "tuina/massage/contact_path.hpp"
+#include "tuina/massage/technique/contact_path.hpp"
 #include "tuina/massage/zones.hpp"
-#include "tuina/tissue/steering.hpp"
+#include "tuina/tissue/depth_rules.hpp"
 #include "tuina/tissue/tangent_model.hpp"
 
 using namespace tuina;

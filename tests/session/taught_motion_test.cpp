@@ -8,7 +8,7 @@
 #include <tuple>
 
 #include "tests/folder.hpp"
-#include "tuina/core/file.hpp"
+#include "tuina/core/io/file.hpp"
 #include "tuina/core/random.hpp"
 #include "tuina/core/units.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tuina/sim/back_contact.hpp"
+#include "tuina/sim/robot/back_contact.hpp"
 
 #include <doctest/doctest.h>
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "tuina/scanner/sweep.hpp"
-#include "tuina/sim/laser_scanner.hpp"
+#include "tuina/sim/scanner/laser_scanner.hpp"
 
 using namespace tuina;
 using namespace tuina::sim;

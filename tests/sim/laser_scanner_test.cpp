@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tuina/sim/laser_scanner.hpp"
+#include "tuina/sim/scanner/laser_scanner.hpp"
 
 #include <doctest/doctest.h>
 
@@ -11,8 +11,8 @@
 #include "tuina/core/units.hpp"
 #include "tuina/scanner/sweep.hpp"
 #include "tuina/scanner/triangulation.hpp"
-#include "tuina/sim/phantom.hpp"
-#include "tuina/sim/ray_scene.hpp"
+#include "tuina/sim/person/phantom.hpp"
+#include "tuina/sim/scanner/ray_scene.hpp"
 
 using namespace tuina;
 using namespace tuina::sim;

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tuina/sim/person.hpp"
+#include "tuina/sim/person/person.hpp"
 
 #include <doctest/doctest.h>
 
 #include "tests/folder.hpp"
 #include "tests/reason.hpp"
-#include "tuina/core/file.hpp"
-#include "tuina/sim/phantom.hpp"
+#include "tuina/core/io/file.hpp"
+#include "tuina/sim/person/phantom.hpp"
 
 using namespace tuina;
 using namespace tuina::sim;

@@ -8,7 +8,7 @@
 #include <map>
 
 #include "tests/reason.hpp"
-#include "tuina/sim/phantom.hpp"
+#include "tuina/sim/person/phantom.hpp"
 
 using namespace tuina;
 using namespace tuina::sim;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tuina/sim/phantom.hpp"
+#include "tuina/sim/person/phantom.hpp"
 
 #include <doctest/doctest.h>
 

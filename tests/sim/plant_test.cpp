@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tuina/sim/plant.hpp"
+#include "tuina/sim/robot/plant.hpp"
 
 #include <doctest/doctest.h>
 

@@ -7,9 +7,9 @@
 #include <filesystem>
 
 #include "tuina/robot/inverse_kinematics.hpp"
-#include "tuina/sim/closest_point.hpp"
-#include "tuina/sim/person.hpp"
-#include "tuina/sim/phantom.hpp"
+#include "tuina/sim/person/person.hpp"
+#include "tuina/sim/person/phantom.hpp"
+#include "tuina/sim/robot/closest_point.hpp"
 
 using namespace tuina;
 using namespace tuina::robot;

@@ -6,10 +6,10 @@
 
 #include "tests/reason.hpp"
 #include "tuina/core/units.hpp"
-#include "tuina/scanner/sticker_watch.hpp"
+#include "tuina/scanner/stickers/sticker_watch.hpp"
 #include "tuina/scanner/sweep.hpp"
-#include "tuina/sim/laser_scanner.hpp"
-#include "tuina/sim/phantom.hpp"
+#include "tuina/sim/person/phantom.hpp"
+#include "tuina/sim/scanner/laser_scanner.hpp"
 
 namespace tuina::sim {
 

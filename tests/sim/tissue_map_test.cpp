@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tuina/sim/tissue_map.hpp"
+#include "tuina/sim/person/tissue_map.hpp"
 
 #include <doctest/doctest.h>
 
@@ -8,7 +8,7 @@
 #include <filesystem>
 
 #include "tests/reason.hpp"
-#include "tuina/sim/phantom.hpp"
+#include "tuina/sim/person/phantom.hpp"
 
 using namespace tuina;
 using namespace tuina::sim;

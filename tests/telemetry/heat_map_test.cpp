@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tuina/telemetry/heat_map.hpp"
+#include "tuina/telemetry/plot/heat_map.hpp"
 
 #include <doctest/doctest.h>
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tuina/telemetry/report_page.hpp"
+#include "tuina/telemetry/report/page.hpp"
 
 #include <doctest/doctest.h>
 
 #include "tests/telemetry/sample_report.hpp"
-#include "tuina/telemetry/report_figures.hpp"
-#include "tuina/telemetry/session_strip.hpp"
+#include "tuina/telemetry/plot/session_strip.hpp"
+#include "tuina/telemetry/report/figures.hpp"
 
 using namespace tuina;
 using namespace tuina::telemetry;

@@ -5,7 +5,7 @@
 
 #include "tuina/core/random.hpp"
 #include "tuina/core/units.hpp"
-#include "tuina/telemetry/report_data.hpp"
+#include "tuina/telemetry/report/report_data.hpp"
 
 namespace tuina::tests {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tuina/telemetry/shaded_picture.hpp"
+#include "tuina/telemetry/picture/shaded_picture.hpp"
 
 #include <doctest/doctest.h>
 

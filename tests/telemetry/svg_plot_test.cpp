@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tuina/telemetry/svg_plot.hpp"
-#include "tuina/telemetry/svg_timeline.hpp"
+#include "tuina/telemetry/plot/svg_plot.hpp"
+#include "tuina/telemetry/plot/svg_timeline.hpp"
 
 #include <doctest/doctest.h>
 

@@ -4,7 +4,7 @@
 #include <Eigen/Dense>
 #include <cmath>
 
-#include "apps/tuina/tissue_trials.hpp"
+#include "apps/evaluation/tissue/trials.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/tissue/press_estimator.hpp"
 #include "tuina/tissue/tangent_model.hpp"

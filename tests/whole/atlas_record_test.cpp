@@ -7,7 +7,7 @@
 #include "tests/reason.hpp"
 #include "tests/whole/command.hpp"
 #include "tuina/core/units.hpp"
-#include "tuina/sim/person.hpp"
+#include "tuina/sim/person/person.hpp"
 
 namespace tuina {
 namespace {

@@ -11,12 +11,12 @@
 
 #include "tests/reason.hpp"
 #include "tests/whole/command.hpp"
-#include "tuina/core/file.hpp"
-#include "tuina/core/png.hpp"
+#include "tuina/core/io/file.hpp"
+#include "tuina/core/io/png.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/scanner/recording.hpp"
-#include "tuina/sim/laser_scanner.hpp"
-#include "tuina/sim/rehearsal.hpp"
+#include "tuina/sim/scanner/laser_scanner.hpp"
+#include "tuina/sim/scanner/synthetic_shots.hpp"
 
 namespace fs = std::filesystem;
 using namespace tuina::units;

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/whole/command.hpp"
-#include "tuina/core/file.hpp"
+#include "tuina/core/io/file.hpp"
 
 using nlohmann::json;
 using tuina::test::Folder;

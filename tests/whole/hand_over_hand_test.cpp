@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "tests/whole/command.hpp"
-#include "tuina/core/csv.hpp"
+#include "tuina/core/io/csv.hpp"
 
 using nlohmann::json;
 using tuina::test::Folder;

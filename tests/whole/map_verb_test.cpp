@@ -4,11 +4,11 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/whole/command.hpp"
+#include "tuina/core/io/surface_file.hpp"
 #include "tuina/core/random.hpp"
-#include "tuina/core/surface_file.hpp"
 #include "tuina/core/units.hpp"
-#include "tuina/sim/depth_camera.hpp"
-#include "tuina/sim/phantom.hpp"
+#include "tuina/sim/person/phantom.hpp"
+#include "tuina/sim/scanner/depth_camera.hpp"
 
 namespace tuina {
 namespace {

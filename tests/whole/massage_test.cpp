@@ -12,9 +12,9 @@
 
 #include "tests/whole/command.hpp"
 #include "tuina/core/acupoint.hpp"
-#include "tuina/core/file.hpp"
-#include "tuina/core/surface_file.hpp"
-#include "tuina/sim/person.hpp"
+#include "tuina/core/io/file.hpp"
+#include "tuina/core/io/surface_file.hpp"
+#include "tuina/sim/person/person.hpp"
 
 using nlohmann::json;
 using tuina::test::Folder;

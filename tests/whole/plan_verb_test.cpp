@@ -6,11 +6,11 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/whole/command.hpp"
-#include "tuina/core/file.hpp"
-#include "tuina/core/png.hpp"
-#include "tuina/core/surface_file.hpp"
+#include "tuina/core/io/file.hpp"
+#include "tuina/core/io/png.hpp"
+#include "tuina/core/io/surface_file.hpp"
 #include "tuina/core/units.hpp"
-#include "tuina/sim/person.hpp"
+#include "tuina/sim/person/person.hpp"
 
 using nlohmann::json;
 using tuina::test::Folder;

@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/whole/command.hpp"
-#include "tuina/core/csv.hpp"
-#include "tuina/core/file.hpp"
+#include "tuina/core/io/csv.hpp"
+#include "tuina/core/io/file.hpp"
 
 using nlohmann::json;
 using tuina::test::Folder;

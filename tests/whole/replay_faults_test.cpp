@@ -7,8 +7,8 @@
 #include <sstream>
 
 #include "tests/whole/command.hpp"
-#include "tuina/core/file.hpp"
-#include "tuina/core/png.hpp"
+#include "tuina/core/io/file.hpp"
+#include "tuina/core/io/png.hpp"
 
 namespace fs = std::filesystem;
 using tuina::test::Folder;

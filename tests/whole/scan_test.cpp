@@ -7,13 +7,13 @@
 #include <tuple>
 
 #include "tests/whole/command.hpp"
-#include "tuina/core/file.hpp"
 #include "tuina/core/image.hpp"
-#include "tuina/core/png.hpp"
+#include "tuina/core/io/file.hpp"
+#include "tuina/core/io/png.hpp"
 #include "tuina/scanner/recording.hpp"
 #include "tuina/scanner/sweep.hpp"
-#include "tuina/sim/laser_scanner.hpp"
-#include "tuina/sim/solids.hpp"
+#include "tuina/sim/person/solids.hpp"
+#include "tuina/sim/scanner/laser_scanner.hpp"
 
 using tuina::test::Folder;
 using tuina::test::run_tuina;

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apps/tuina/scanner_proof.hpp"
+#include "apps/evaluation/scanner/proof.hpp"
 #include "tuina/core/units.hpp"
-#include "tuina/sim/rehearsal.hpp"
+#include "tuina/sim/scanner/synthetic_shots.hpp"
 
 using namespace tuina;
 using namespace tuina::app;

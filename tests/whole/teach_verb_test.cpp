@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "tests/whole/command.hpp"
-#include "tuina/core/file.hpp"
-#include "tuina/sim/person.hpp"
+#include "tuina/core/io/file.hpp"
+#include "tuina/sim/person/person.hpp"
 
 using nlohmann::json;
 using tuina::test::Folder;

@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/whole/command.hpp"
-#include "tuina/core/csv.hpp"
-#include "tuina/core/file.hpp"
+#include "tuina/core/io/csv.hpp"
+#include "tuina/core/io/file.hpp"
 #include "tuina/sim/press_scenarios.hpp"
 
 using namespace tuina;

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "tuina/body/learn_shape.hpp"
+#include "tuina/body/learn/learn_shape.hpp"
 
 namespace tuina::body {
 namespace {

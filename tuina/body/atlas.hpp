@@ -6,9 +6,9 @@
 #include <string_view>
 #include <vector>
 
-#include "tuina/body/correspondence.hpp"
 #include "tuina/body/field_morphing.hpp"
-#include "tuina/body/labelled_body.hpp"
+#include "tuina/body/learn/correspondence.hpp"
+#include "tuina/body/learn/labelled_body.hpp"
 #include "tuina/body/outline.hpp"
 #include "tuina/body/shape_model.hpp"
 #include "tuina/core/progress.hpp"

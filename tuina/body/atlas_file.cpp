@@ -6,7 +6,7 @@
 #include <stdexcept>
 
 #include "tuina/body/atlas.hpp"
-#include "tuina/core/file.hpp"
+#include "tuina/core/io/file.hpp"
 #include "tuina/core/units.hpp"
 
 namespace tuina::body {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <set>
 
-#include "tuina/calibration/find_board.hpp"
+#include "tuina/calibration/board/find_board.hpp"
 #include "tuina/core/units.hpp"
 
 namespace tuina::calibration {

@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
+#include "tuina/calibration/board/views.hpp"
 #include "tuina/calibration/couch.hpp"
-#include "tuina/calibration/joint_fit.hpp"
+#include "tuina/calibration/fit/joint_fit.hpp"
+#include "tuina/calibration/fit/range_error.hpp"
 #include "tuina/calibration/latency.hpp"
-#include "tuina/calibration/range_error.hpp"
-#include "tuina/calibration/views.hpp"
 #include "tuina/core/progress.hpp"
 
 namespace tuina::calibration {

@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "tuina/core/file.hpp"
-#include "tuina/core/toml_reader.hpp"
+#include "tuina/core/io/file.hpp"
+#include "tuina/core/io/toml_reader.hpp"
 
 namespace tuina::massage {
 namespace {

@@ -7,10 +7,10 @@
 #include <utility>
 
 #include "tuina/core/units.hpp"
-#include "tuina/massage/contact_path.hpp"
-#include "tuina/massage/press.hpp"
-#include "tuina/massage/stroke.hpp"
-#include "tuina/massage/tap.hpp"
+#include "tuina/massage/technique/contact_path.hpp"
+#include "tuina/massage/technique/press.hpp"
+#include "tuina/massage/technique/stroke.hpp"
+#include "tuina/massage/technique/tap.hpp"
 #include "tuina/massage/zone_walk.hpp"
 
 namespace tuina::massage {

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "tuina/massage/plan.hpp"
-#include "tuina/massage/rub.hpp"
 #include "tuina/massage/targets.hpp"
+#include "tuina/massage/technique/rub.hpp"
 
 namespace tuina::massage {
 

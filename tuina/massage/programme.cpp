@@ -5,12 +5,12 @@
 #include <array>
 #include <cmath>
 
-#include "tuina/core/file.hpp"
-#include "tuina/core/near_miss.hpp"
-#include "tuina/core/toml_reader.hpp"
+#include "tuina/core/io/file.hpp"
+#include "tuina/core/io/near_miss.hpp"
+#include "tuina/core/io/toml_reader.hpp"
 #include "tuina/core/units.hpp"
-#include "tuina/massage/contact_path.hpp"
-#include "tuina/massage/tap.hpp"
+#include "tuina/massage/technique/contact_path.hpp"
+#include "tuina/massage/technique/tap.hpp"
 #include "tuina/massage/zones.hpp"
 
 namespace tuina::massage {

@@ -3,7 +3,7 @@
 
 #include <set>
 
-#include "tuina/massage/surface_curve.hpp"
+#include "tuina/massage/technique/surface_curve.hpp"
 #include "tuina/massage/zones.hpp"
 
 namespace tuina::massage {

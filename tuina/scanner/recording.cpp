@@ -8,9 +8,9 @@
 #include <string>
 #include <utility>
 
-#include "tuina/core/csv.hpp"
-#include "tuina/core/file.hpp"
-#include "tuina/core/png.hpp"
+#include "tuina/core/io/csv.hpp"
+#include "tuina/core/io/file.hpp"
+#include "tuina/core/io/png.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/scanner/sweep.hpp"
 

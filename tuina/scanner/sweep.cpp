@@ -5,7 +5,7 @@
 #include <chrono>
 #include <cmath>
 
-#include "tuina/scanner/expected_error.hpp"
+#include "tuina/scanner/check/expected_error.hpp"
 #include "tuina/scanner/profile_grid.hpp"
 #include "tuina/scanner/sweep_faults.hpp"
 #include "tuina/scanner/triangulation.hpp"

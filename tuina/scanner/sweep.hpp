@@ -14,7 +14,7 @@
 #include "tuina/core/units.hpp"
 #include "tuina/scanner/calibration.hpp"
 #include "tuina/scanner/camera.hpp"
-#include "tuina/scanner/laser_line.hpp"
+#include "tuina/scanner/line/laser_line.hpp"
 #include "tuina/scanner/turntable.hpp"
 
 namespace tuina::scanner {

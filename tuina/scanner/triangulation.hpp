@@ -6,7 +6,7 @@
 
 #include "tuina/core/geometry.hpp"
 #include "tuina/scanner/calibration.hpp"
-#include "tuina/scanner/laser_line.hpp"
+#include "tuina/scanner/line/laser_line.hpp"
 
 namespace tuina::scanner {
 

@@ -7,9 +7,9 @@
 #include <map>
 #include <vector>
 
-#include "tuina/core/file.hpp"
-#include "tuina/core/near_miss.hpp"
-#include "tuina/core/toml_reader.hpp"
+#include "tuina/core/io/file.hpp"
+#include "tuina/core/io/near_miss.hpp"
+#include "tuina/core/io/toml_reader.hpp"
 
 namespace tuina::session {
 namespace {

@@ -5,8 +5,8 @@
 
 #include <vector>
 
-#include "tuina/core/file.hpp"
-#include "tuina/core/toml_reader.hpp"
+#include "tuina/core/io/file.hpp"
+#include "tuina/core/io/toml_reader.hpp"
 
 namespace tuina::session {
 

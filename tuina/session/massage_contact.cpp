@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tuina/massage/contact_path.hpp"
+#include "tuina/massage/technique/contact_path.hpp"
 #include "tuina/session/massage_step.hpp"
 
 namespace tuina::session {

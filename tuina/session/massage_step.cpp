@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "tuina/core/units.hpp"
-#include "tuina/session/airway.hpp"
+#include "tuina/motion/free_path.hpp"
 
 namespace tuina::session {
 namespace {
@@ -72,7 +72,7 @@ std::string explain(const Stop& stop) {
 MassageStep::Side::Side(const robot::ArmModel& model, const MassageOptions& options)
     : controller(model, control::ArmController::Options{}), guard(guard_options(model, options)) {}
 
-MassageStep::MassageStep(const massage::Plan& plan, PerArm<std::vector<ArmJob>> jobs,
+MassageStep::MassageStep(const massage::Plan& plan, PerArm<std::vector<motion::ArmJob>> jobs,
                          const PerArm<robot::ArmModel>& models, const MassageOptions& options)
     : plan_(in_base(plan, options.base_from_couch)),
       models_(models),
@@ -89,12 +89,12 @@ MassageStep::MassageStep(const massage::Plan& plan, PerArm<std::vector<ArmJob>> 
   stops_.reserve(4);
 }
 
-const ArmJob* MassageStep::job_of(const Side& side) const noexcept {
+const motion::ArmJob* MassageStep::job_of(const Side& side) const noexcept {
   return side.job < side.jobs.size() ? &side.jobs[side.job] : nullptr;
 }
 
 const massage::PlannedPath* MassageStep::path_of(const Side& side) const noexcept {
-  const ArmJob* job = job_of(side);
+  const motion::ArmJob* job = job_of(side);
   return job != nullptr && job->path >= 0 ? &plan_.paths[static_cast<std::size_t>(job->path)]
                                           : nullptr;
 }
@@ -109,7 +109,7 @@ robot::RobotCommand MassageStep::step(const robot::RobotReading& reading) noexce
     side.q_rad = state.q_rad;
     if (!started_) {
       controller.start(state);
-      side.home = foremost_of(state.base_from_tool, tool_radius_m_);
+      side.home = motion::foremost_of(state.base_from_tool, tool_radius_m_);
       side.home_rad = state.q_rad;
     }
     conduct(arm, reading.time_s);
@@ -136,11 +136,12 @@ robot::RobotCommand MassageStep::step(const robot::RobotReading& reading) noexce
       let_go(reading.time_s);
     }
     feel(side, arm, reading.time_s, state);
-    view_[arm] = {.phase = side.phase,
-                  .path = path_of(side) != nullptr ? job_of(side)->path : -1,
-                  .target_n = side.phase == ArmPhase::contact ? side.wanted.force_n : 0.0,
-                  .measured_n = controller.status().force_n,
-                  .tool_in_base = foremost_of(state.base_from_tool, tool_radius_m_).at_in_base};
+    view_[arm] = {
+        .phase = side.phase,
+        .path = path_of(side) != nullptr ? job_of(side)->path : -1,
+        .target_n = side.phase == ArmPhase::contact ? side.wanted.force_n : 0.0,
+        .measured_n = controller.status().force_n,
+        .tool_in_base = motion::foremost_of(state.base_from_tool, tool_radius_m_).at_in_base};
   }
   started_ = true;
   if (!separation_.keeps(reading) && stopped_s_ < 0.0) part_arms(reading.time_s);
@@ -219,7 +220,7 @@ void MassageStep::obey(LiveCommand command) noexcept {
 void MassageStep::conduct(Arm arm, double time_s) noexcept {
   Side& side = sides_[arm];
   const control::ArmStatus& status = side.controller.status();
-  const ArmJob* job = job_of(side);
+  const motion::ArmJob* job = job_of(side);
   if (job == nullptr || side.phase == ArmPhase::stopped) return;
   side.playback.step(tick_s);
 

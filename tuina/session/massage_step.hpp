@@ -10,10 +10,11 @@
 #include "tuina/control/arm_controller.hpp"
 #include "tuina/core/contact.hpp"
 #include "tuina/massage/plan.hpp"
+#include "tuina/motion/arm_job.hpp"
+#include "tuina/motion/arm_separation.hpp"
 #include "tuina/robot/arm_model.hpp"
 #include "tuina/robot/robot.hpp"
 #include "tuina/safety/guard.hpp"
-#include "tuina/session/arm_separation.hpp"
 #include "tuina/session/live_command.hpp"
 #include "tuina/session/playback.hpp"
 #include "tuina/session/steering.hpp"
@@ -55,16 +56,6 @@ struct Stop {
 /// For people, in one line: which arm, and why.
 [[nodiscard]] std::string explain(const Stop& stop);
 
-/// A path of the plan made ready for one arm: where the tool goes through the air before it, and
-/// the joint angles by which the arm reaches it. A job without a path only travels.
-struct ArmJob {
-  int path = -1;
-  int step = 0;  ///< jobs of one step run together; the next step waits for all of them
-  std::vector<control::ToolPose> way_in_base;
-  JointVector posture_rad;
-  JointVector from_rad = {};  ///< how it stands before it leaves its parking place; else empty
-};
-
 /// An arm that leaves its parking place farther than this from the posture that the plan begins
 /// with stays where it is: nobody has looked what lies on its way.
 inline constexpr double parked_within_rad = 0.35;
@@ -87,7 +78,7 @@ struct MassageOptions {
 /// real-time.
 class MassageStep {
  public:
-  MassageStep(const massage::Plan& plan, PerArm<std::vector<ArmJob>> jobs,
+  MassageStep(const massage::Plan& plan, PerArm<std::vector<motion::ArmJob>> jobs,
               const PerArm<robot::ArmModel>& models, const MassageOptions& options);
 
   [[nodiscard]] robot::RobotCommand step(const robot::RobotReading& reading) noexcept;
@@ -116,7 +107,7 @@ class MassageStep {
     Side(const robot::ArmModel& model, const MassageOptions& options);
     control::ArmController controller;
     safety::Guard guard;
-    std::vector<ArmJob> jobs = {};
+    std::vector<motion::ArmJob> jobs = {};
     std::size_t job = 0;
     std::size_t waypoint = 0;
     double leg_s = 0.0;     ///< when the present leg of the way began
@@ -153,14 +144,14 @@ class MassageStep {
   void detour(Side& side, const control::ToolPose& goal, bool from_above, double time_s) noexcept;
   void fly_home(Side& side, double time_s) noexcept;
   void part_arms(double time_s) noexcept;
-  [[nodiscard]] const ArmJob* job_of(const Side& side) const noexcept;
+  [[nodiscard]] const motion::ArmJob* job_of(const Side& side) const noexcept;
   [[nodiscard]] const massage::PlannedPath* path_of(const Side& side) const noexcept;
   [[nodiscard]] safety::Proposal proposal(const Side& side,
                                           const JointVector& torque_nm) const noexcept;
 
   massage::Plan plan_;  // its paths in base
   PerArm<robot::ArmModel> models_;
-  ArmSeparation separation_;
+  motion::ArmSeparation separation_;
   MassageOptions options_;
   PerArm<Side> sides_;
   Steering steering_;

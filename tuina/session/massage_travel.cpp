@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // How the massage goes through the air: from contact to contact, and home.
-#include "tuina/session/airway.hpp"
+#include "tuina/motion/free_path.hpp"
 #include "tuina/session/massage_step.hpp"
 
 namespace tuina::session {
@@ -31,14 +31,14 @@ bool MassageStep::stands_as_planned(Side& side, Arm arm, double time_s) noexcept
 
 /// It has arrived where it goes down for its path.
 bool MassageStep::above_path(const Side& side) const noexcept {
-  const ArmJob* job = job_of(side);
+  const motion::ArmJob* job = job_of(side);
   return side.phase == ArmPhase::travel && job != nullptr && job->path >= 0 && side.detour_at < 0 &&
          side.waypoint + 1 == job->way_in_base.size() && side.controller.status().settled;
 }
 
 /// It works in this step and has not come above its path yet: both hands go down together.
 bool MassageStep::on_its_way(const Side& side) const noexcept {
-  const ArmJob* job = job_of(side);
+  const motion::ArmJob* job = job_of(side);
   const bool flies = side.phase == ArmPhase::travel || side.phase == ArmPhase::waiting;
   return flies && job != nullptr && job->path >= 0 && job->step <= step_ && !above_path(side);
 }
@@ -46,7 +46,7 @@ bool MassageStep::on_its_way(const Side& side) const noexcept {
 /// One leg is flown, or something holds the arm: then it goes no further there, and what comes next
 /// may be reached.
 void MassageStep::end_travel(Side& side, Arm arm, double time_s) noexcept {
-  const ArmJob& job = *job_of(side);
+  const motion::ArmJob& job = *job_of(side);
   const bool arrived = side.controller.status().settled;
   side.leg_s = time_s;
   if (side.detour_at >= 0) {
@@ -89,8 +89,8 @@ void MassageStep::end_retract(Side& side, double time_s) noexcept {
   const auto& points = planned->path.points;
   const ContactPoint& goal = side.again ? points.front() : points.back();
   detour(side,
-         above({.at_in_base = goal.at_in_couch, .normal_in_base = goal.normal_in_couch},
-               options_.standoff_m),
+         motion::above({.at_in_base = goal.at_in_couch, .normal_in_base = goal.normal_in_couch},
+                       options_.standoff_m),
          true, time_s);
 }
 
@@ -99,8 +99,9 @@ void MassageStep::detour(Side& side, const control::ToolPose& goal, bool from_ab
                          double time_s) noexcept {
   constexpr double lifted_m = 80e-3;
   const control::ToolPose here =
-      foremost_of(side.controller.dynamics().base_from_tool, tool_radius_m_);
-  side.detour = {above(here, lifted_m), from_above ? above(goal, lifted_m) : goal, goal};
+      motion::foremost_of(side.controller.dynamics().base_from_tool, tool_radius_m_);
+  side.detour = {motion::above(here, lifted_m), from_above ? motion::above(goal, lifted_m) : goal,
+                 goal};
   side.detour_legs = from_above ? 3 : 2;
   side.detour_at = 0;
   side.leg_s = time_s;
@@ -111,7 +112,7 @@ void MassageStep::detour(Side& side, const control::ToolPose& goal, bool from_ab
 void MassageStep::fly_home(Side& side, double time_s) noexcept {
   constexpr double at_home_m = 20e-3;
   const control::ToolPose here =
-      foremost_of(side.controller.dynamics().base_from_tool, tool_radius_m_);
+      motion::foremost_of(side.controller.dynamics().base_from_tool, tool_radius_m_);
   if ((here.at_in_base - side.home.at_in_base).norm() < at_home_m) {
     side.job = side.jobs.size();
     side.phase = ArmPhase::waiting;

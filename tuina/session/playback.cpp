@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "tuina/massage/contact_path.hpp"
+#include "tuina/massage/technique/contact_path.hpp"
 
 namespace tuina::session {
 

@@ -4,9 +4,9 @@
 
 #include <cmath>
 
-#include "tuina/core/csv.hpp"
-#include "tuina/core/file.hpp"
-#include "tuina/core/toml_reader.hpp"
+#include "tuina/core/io/csv.hpp"
+#include "tuina/core/io/file.hpp"
+#include "tuina/core/io/toml_reader.hpp"
 #include "tuina/session/robot_pose.hpp"
 
 namespace tuina::session {

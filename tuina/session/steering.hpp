@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "tuina/massage/plan.hpp"
+#include "tuina/tissue/depth_rules.hpp"
 #include "tuina/tissue/press_estimator.hpp"
-#include "tuina/tissue/steering.hpp"
 
 namespace tuina::session {
 

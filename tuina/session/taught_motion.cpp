@@ -9,11 +9,11 @@
 #include <cmath>
 #include <optional>
 
-#include "tuina/core/csv.hpp"
-#include "tuina/core/file.hpp"
-#include "tuina/core/toml_reader.hpp"
+#include "tuina/core/io/csv.hpp"
+#include "tuina/core/io/file.hpp"
+#include "tuina/core/io/toml_reader.hpp"
 #include "tuina/core/units.hpp"
-#include "tuina/massage/contact_path.hpp"
+#include "tuina/massage/technique/contact_path.hpp"
 
 namespace tuina::session {
 namespace {

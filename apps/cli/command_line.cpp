@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/cli/command_line.hpp"
+
+#include <unistd.h>
+
+#include <charconv>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+
+namespace tuina::app {
+
+Progress progress_bar(const CommonOptions& common, std::string label) {
+  if (common.quiet) return {};
+  const bool terminal = ::isatty(STDERR_FILENO) == 1;
+  const auto start = std::chrono::steady_clock::now();
+  // Shared by the copies that the stages of a long work make, so that no step is told twice.
+  const auto shown = std::make_shared<int>(-1);
+  return [terminal, start, label = std::move(label), shown](double done) {
+    const int step =
+        terminal ? static_cast<int>(done * 40.0) : static_cast<int>(done * 10.0 + 1e-9);
+    if (step <= *shown) return;
+    *shown = step;
+    const double elapsed_s =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    if (!terminal) {
+      fmt::print(stderr, "{} {} %\n", label, 10 * step);
+      return;
+    }
+    const double left_s = done > 0.02 ? elapsed_s * (1.0 - done) / done : 0.0;
+    fmt::print(stderr, "\r\033[K{:<10} [{:<40}] {:3.0f} %  {:.1f} s{}", label,
+               std::string(static_cast<std::size_t>(step), '#'), 100.0 * done, elapsed_s,
+               done < 1.0 ? fmt::format(", {:.1f} s left", left_s) : "\n");
+    std::fflush(stderr);
+  };
+}
+
+Result<void> check_folder_of(const std::string& path) {
+  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+  std::error_code error;
+  if (folder.empty() || std::filesystem::is_directory(folder, error)) return {};
+  return fail(Fault::file, "{}: there is no folder {}", path, folder.string());
+}
+
+std::function<std::string(const std::string&)> number_between(double low, double high) {
+  return [low, high](const std::string& text) -> std::string {
+    double value = 0.0;
+    const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (fault != std::errc{} || end != text.data() + text.size() || !std::isfinite(value) ||
+        value < low || value > high) {
+      return fmt::format("'{}' is not a number from {} to {}", text, low, high);
+    }
+    return {};
+  };
+}
+
+}  // namespace tuina::app

@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "apps/evaluation/acupoints/page.hpp"
+#include "apps/evaluation/acupoints/scores.hpp"
+#include "apps/evaluation/verbs.hpp"
+#include "apps/simulated/atlas_source.hpp"
+#include "apps/simulated/labelled_phantom.hpp"
+#include "tuina/core/io/file.hpp"
+
+namespace tuina::app {
+namespace {
+
+constexpr int fresh_phantoms = 30;
+constexpr int usual_depth_points = Scan{}.depth_points;
+constexpr double share_of_learning = 0.75;  // of the time that a fold takes
+
+/// Every method on every person of a folder, against the truth that lies beside each.
+class EvaluateAcupoints final : public Verb {
+ public:
+  [[nodiscard]] const char* name() const override { return "evaluate acupoints"; }
+  [[nodiscard]] const char* summary() const override {
+    return "how far found acupoints are from the true ones";
+  }
+  [[nodiscard]] const char* example() const override {
+    return "tuina evaluate acupoints --bodies people --scan laser --page acupoints.html\n"
+           "  tuina evaluate acupoints --bodies people --folds 10";
+  }
+  void describe(CLI::App& command) override {
+    command.add_option("--bodies", bodies_,
+                       "labelled bodies to judge on; else 30 fresh phantoms in each position");
+    command
+        .add_option(
+            "--scan", scan_,
+            "ideal; laser: through the simulated scanner and its calibration errors; depth: one "
+            "picture of a depth camera (3 mm noise, 1 % holes, flying pixels, couch and floor)")
+        ->check(CLI::IsMember({"ideal", "laser", "depth"}))
+        ->capture_default_str();
+    command.add_option("--depth-points", depth_points_, "points of a picture, with --scan depth")
+        ->check(number_between(10000, 10000000))
+        ->capture_default_str();
+    auto* atlas = command.add_option("--atlas", atlas_, "as for `map`; else the shipped one");
+    auto* train = command.add_option("--train", train_, "learn the atlas from this folder first")
+                      ->excludes(atlas);
+    command
+        .add_option("--folds", folds_, "learn from the other people of --bodies, in so many parts")
+        ->check(number_between(2, 100))
+        ->excludes(atlas)
+        ->excludes(train);
+    command
+        .add_option("--label-noise-mm", label_noise_mm_,
+                    "judge against marks of a therapist who is off by this RMS distance")
+        ->check(number_between(0.0, 50.0));
+    command.add_option("--page", page_,
+                       "the tables, plots and every back with its points, as one HTML file");
+  }
+
+  [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
+    if (const auto good = check_folder_of(page_); !good) return tl::unexpected(good.error());
+    if (depth_points_ != usual_depth_points && scan_ != "depth") {
+      return fail(Fault::usage, "--depth-points is for --scan depth; this is --scan {}", scan_);
+    }
+    // One atlas for all is judged before anyone is drawn or read.
+    std::optional<body::Atlas> one;
+    if (folds_ == 0) {
+      auto given = atlas_for_all(common);
+      if (!given) return tl::unexpected(given.error());
+      one = std::move(*given);
+    }
+    auto bodies = people(common);
+    if (!bodies) return tl::unexpected(bodies.error());
+    if (static_cast<std::size_t>(folds_) > bodies->size()) {
+      return fail(Fault::usage, "--folds {}: there are {} bodies, so at most {} parts", folds_,
+                  bodies->size(), bodies->size());
+    }
+    if (folds_ > 0) scan_everybody(*bodies, learning_seed(common), progress_bar(common, "scan"));
+    const auto bar = progress_bar(common, "evaluate");
+    const std::size_t folds = folds_ > 0 ? static_cast<std::size_t>(folds_) : 1;
+    std::map<std::string, Score> scores;
+    Times times;
+    for (std::size_t fold = 0; fold < folds; ++fold) {
+      const auto tell = [&](double of_fold) {
+        if (bar) bar((static_cast<double>(fold) + of_fold) / static_cast<double>(folds));
+      };
+      const auto atlas =
+          one ? Result<body::Atlas>(*one) : atlas_of_others(*bodies, fold, [&](double done) {
+            tell(share_of_learning * done);
+          });
+      if (!atlas) return tl::unexpected(atlas.error());
+      const double learned = one ? 0.0 : share_of_learning;
+      const std::size_t in_fold = (bodies->size() - fold + folds - 1) / folds;
+      std::size_t judged = 0;
+      for (std::size_t i = 0; i < bodies->size(); ++i) {
+        if (folds_ > 0 && i % folds != fold) continue;
+        const body::LabelledBody& person = (*bodies)[i];
+        const auto marks = label_noise_mm_ > 0.0
+                               ? marked(person.acupoints, label_noise_mm_, common.seed + i)
+                               : person.acupoints;
+        judge(
+            person, i,
+            see(person, {.by = parse_scan(scan_), .depth_points = depth_points_}, common.seed + i),
+            *atlas, marks, scores, times);
+        ++judged;
+        tell(learned +
+             (1.0 - learned) * static_cast<double>(judged) / static_cast<double>(in_fold));
+      }
+    }
+    nlohmann::json table = nlohmann::json::object();
+    for (const char* method : acupoint_methods) table[method] = to_json(scores.at(method));
+    const nlohmann::json json{{"acupoints", table},
+                              {"people", bodies->size()},
+                              {"scan", scan_},
+                              {"label_noise_mm", label_noise_mm_},
+                              {"times", to_json(times)}};
+    if (!page_.empty()) {
+      const auto written = write_file(page_, acupoint_page(json, scores, *bodies));
+      if (!written) return tl::unexpected(written.error());
+    }
+    return Answer{.json = json.dump(2),
+                  .text = fmt::format("{} people, {} scan; millimetres over the seven points\n{}",
+                                      bodies->size(), scan_, text_of(table))};
+  }
+
+ private:
+  /// Nobody is judged on a scan that was learned from.
+  [[nodiscard]] static std::uint64_t learning_seed(const CommonOptions& common) {
+    return common.seed + 1000003;
+  }
+
+  [[nodiscard]] Result<std::vector<body::LabelledBody>> people(const CommonOptions& common) const {
+    if (!bodies_.empty()) return read_labelled({bodies_});
+    std::vector<body::LabelledBody> drawn;
+    for (int i = 0; i < fresh_phantoms; ++i) {
+      // Seeds that the shipped atlas has not drawn.
+      const auto shape =
+          sim::draw_phantom(common.seed * 1000000007ULL + static_cast<std::uint64_t>(i));
+      for (const Position position : {Position::sitting, Position::prone}) {
+        drawn.push_back(labelled(sim::make_phantom(shape, position)));
+      }
+    }
+    return drawn;
+  }
+
+  /// The one atlas that judges everybody.
+  [[nodiscard]] Result<body::Atlas> atlas_for_all(const CommonOptions& common) const {
+    if (train_.empty()) return open_atlas(atlas_, progress_bar(common, "learn"));
+    auto others = read_labelled({train_});
+    if (!others) return tl::unexpected(others.error());
+    scan_everybody(*others, learning_seed(common), progress_bar(common, "scan"));
+    return body::learn_atlas(*others, nullptr, progress_bar(common, "learn"), nullptr);
+  }
+
+  [[nodiscard]] Result<body::Atlas> atlas_of_others(const std::vector<body::LabelledBody>& bodies,
+                                                    std::size_t fold,
+                                                    const Progress& progress) const {
+    std::vector<body::LabelledBody> others;
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+      if (i % static_cast<std::size_t>(folds_) != fold) others.push_back(bodies[i]);
+    }
+    return body::learn_atlas(others, nullptr, progress, nullptr);
+  }
+
+  std::string bodies_;
+  std::string scan_ = "ideal";
+  int depth_points_ = usual_depth_points;
+  std::string atlas_;
+  std::string train_;
+  int folds_ = 0;
+  double label_noise_mm_ = 0.0;
+  std::string page_;
+};
+
+}  // namespace
+
+std::unique_ptr<Verb> make_evaluate_acupoints() {
+  return std::make_unique<EvaluateAcupoints>();
+}
+
+}  // namespace tuina::app

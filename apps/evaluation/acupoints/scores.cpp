@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/evaluation/acupoints/scores.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "tuina/core/units.hpp"
+
+namespace tuina::app {
+namespace {
+
+using nlohmann::json;
+
+double mean_of(const std::vector<double>& values) {
+  double sum = 0.0;
+  for (const double value : values) sum += value;
+  return values.empty() ? 0.0 : sum / static_cast<double>(values.size());
+}
+
+double quantile_of(std::vector<double> values, double share) {
+  if (values.empty()) return 0.0;
+  std::sort(values.begin(), values.end());
+  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1) + 0.5)];
+}
+
+/// The share of the chosen points that lie within their radius; null for a method that states none.
+template <typename Chosen>
+json coverage(const Score& score, const Chosen& chosen) {
+  double covered = 0.0;
+  double counted = 0.0;
+  for (const Finding& finding : score.findings) {
+    if (!chosen(finding) || finding.uncertainty_mm <= 0.0) continue;
+    counted += 1.0;
+    covered += finding.error_mm <= finding.uncertainty_mm ? 1.0 : 0.0;
+  }
+  return counted > 0.0 ? json(covered / counted) : json();
+}
+
+template <typename Chosen>
+json summary(const Score& score, const Chosen& chosen) {
+  std::vector<double> errors;
+  Vector3 squared = Vector3::Zero();
+  for (const Finding& finding : score.findings) {
+    if (!chosen(finding)) continue;
+    errors.push_back(finding.error_mm);
+    squared +=
+        to_mm(1.0) * to_mm(1.0) * (finding.found_in_couch - finding.true_in_couch).cwiseAbs2();
+  }
+  if (errors.empty()) return nullptr;
+  const auto count = static_cast<double>(errors.size());
+  const double mean = mean_of(errors);
+  double variance = 0.0;
+  for (const double error : errors) variance += (error - mean) * (error - mean) / count;
+  const Vector3 rmse = (squared / count).cwiseSqrt();
+  return {{"mean_mm", mean},
+          {"sd_mm", std::sqrt(variance)},
+          {"p95_mm", quantile_of(errors, 0.95)},
+          {"max_mm", quantile_of(errors, 1.0)},
+          {"rmse_mm", {{"x", rmse.x()}, {"y", rmse.y()}, {"z", rmse.z()}}},
+          {"coverage", coverage(score, chosen)}};
+}
+
+}  // namespace
+
+json to_json(const Score& score) {
+  const auto seven = [](const Finding& f) { return f.of_the_seven; };
+  json row = summary(score, seven);
+  if (row.is_null()) row = json::object();
+  for (const char* position : {"sitting", "prone"}) {
+    row["by_position"][position] =
+        summary(score, [&](const Finding& f) { return f.of_the_seven && f.position == position; });
+    for (const char* type : {"slim", "medium", "hefty"}) {
+      row["by_position_and_type"][position][type] = summary(score, [&](const Finding& f) {
+        return f.of_the_seven && f.position == position && f.type == type;
+      });
+    }
+  }
+  for (const char* type : {"slim", "medium", "hefty"}) {
+    row["by_type"][type] =
+        summary(score, [&](const Finding& f) { return f.of_the_seven && f.type == type; });
+  }
+  for (const char* arms : {"up", "down"}) {
+    row["prone_by_arms"][arms] = summary(score, [&](const Finding& f) {
+      return f.of_the_seven && f.position == "prone" && f.arms == arms;
+    });
+  }
+  for (const char* point : seven_acupoints) {
+    row["by_point"][point] = summary(score, [&](const Finding& f) { return f.point == point; });
+  }
+  row["all_points"] = summary(score, [](const Finding&) { return true; });
+  row["coverage"] = coverage(score, seven);
+  double silent = 0.0;
+  for (const Finding& f : score.findings) {
+    if (f.of_the_seven && f.uncertainty_mm > 0.0 && f.error_mm > 3.0 * f.uncertainty_mm) ++silent;
+  }
+  row["beyond_three_radii"] = silent;
+  row["failures"] = score.failures.size();
+  row["failed"] = score.failures;
+  row["compute_ms_median"] = quantile_of(score.compute_ms, 0.5);
+  return row;
+}
+
+json to_json(const Times& times) {
+  const auto median = [](const std::vector<double>& values) {
+    return values.empty() ? json() : json(quantile_of(values, 0.5));
+  };
+  json row{{"scan_s", median(times.scan_s)},
+           {"map_s", median(times.map_s)},
+           {"plan_s", median(times.plan_s)},
+           {"thesis_s", 35.0},
+           {"teach_and_play_s", 75.0}};
+  const bool all = !times.scan_s.empty() && !times.map_s.empty() && !times.plan_s.empty();
+  row["total_s"] = all ? json(quantile_of(times.scan_s, 0.5) + quantile_of(times.map_s, 0.5) +
+                              quantile_of(times.plan_s, 0.5))
+                       : json();
+  return row;
+}
+
+std::string text_of(const json& methods) {
+  const auto shown = [](const json& group, const char* key = "mean_mm") {
+    return group.is_object() && group.contains(key)
+               ? fmt::format("{:.1f}", group[key].get<double>())
+               : std::string("-");
+  };
+  std::string text = fmt::format(
+      "{:<15} {:>8} {:>6} {:>6} {:>6} {:>6} {:>6} {:>6} {:>6} {:>5} {:>8} {:>6}", "", "sitting",
+      "prone", "p95", "max", "slim", "medium", "hefty", "all 27", "95 %", "failures", "ms");
+  for (const char* method : acupoint_methods) {
+    if (!methods.contains(method)) continue;
+    const json& row = methods[method];
+    const std::string covered = row["coverage"].is_null()
+                                    ? "-"
+                                    : fmt::format("{:.0f}", 100.0 * row["coverage"].get<double>());
+    text += fmt::format(
+        "\n{:<15} {:>8} {:>6} {:>6} {:>6} {:>6} {:>6} {:>6} {:>6} {:>5} {:>8} {:>6.0f}", method,
+        shown(row["by_position"]["sitting"]), shown(row["by_position"]["prone"]),
+        shown(row, "p95_mm"), shown(row, "max_mm"), shown(row["by_type"]["slim"]),
+        shown(row["by_type"]["medium"]), shown(row["by_type"]["hefty"]), shown(row["all_points"]),
+        covered, row["failures"].get<std::size_t>(), row["compute_ms_median"].get<double>());
+    for (const auto& failure : row["failed"]) {
+      text += fmt::format("\n  {}", failure.get<std::string>());
+    }
+  }
+  return text;
+}
+
+}  // namespace tuina::app

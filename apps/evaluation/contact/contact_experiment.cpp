@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/evaluation/contact/contact_experiment.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "apps/evaluation/contact/patch_path.hpp"
+#include "apps/simulated/guarded_arm.hpp"
+#include "tuina/massage/technique/contact_path.hpp"
+#include "tuina/tissue/press_estimator.hpp"
+
+namespace tuina::app {
+namespace {
+
+constexpr double dt_s = 1e-3;
+constexpr double standoff_m = 40_mm;
+
+/// Torques on their way to the drives.
+class Delay {
+ public:
+  explicit Delay(int ticks) : ticks_(static_cast<std::size_t>(std::max(ticks, 0))) {}
+  const robot::RobotCommand& pass(const robot::RobotCommand& command) {
+    if (queue_.size() <= ticks_) {
+      queue_.push_back(command);
+      return queue_.front();
+    }
+    std::rotate(queue_.begin(), queue_.begin() + 1, queue_.end());
+    queue_.back() = command;
+    return queue_.front();
+  }
+
+ private:
+  std::size_t ticks_;
+  std::vector<robot::RobotCommand> queue_;
+};
+
+/// How much the true force trembles while its target stands still.
+class Ripple {
+ public:
+  void add(double target_n, double true_n) noexcept {
+    still_s_ = std::abs(target_n - target_n_) < 1e-9 && target_n > 0.0 ? still_s_ + dt_s : 0.0;
+    target_n_ = target_n;
+    mean_n_ += (true_n - mean_n_) * dt_s / 0.08;
+    if (still_s_ < 0.5) return;
+    squares_ += (true_n - mean_n_) * (true_n - mean_n_);
+    ++samples_;
+  }
+  [[nodiscard]] double rms_n() const {
+    return samples_ > 0 ? std::sqrt(squares_ / static_cast<double>(samples_)) : 0.0;
+  }
+
+ private:
+  double target_n_ = 0.0, still_s_ = 0.0, mean_n_ = 0.0, squares_ = 0.0;
+  long samples_ = 0;
+};
+
+// Between the samples of a path, in the frame the controller speaks.
+control::ContactTarget target_at(const ContactPath& path, const Transform& base_from_couch,
+                                 double time_s, const control::ContactModel& model) {
+  const double place =
+      std::clamp(time_s / massage::sample_s, 0.0, static_cast<double>(path.points.size()) - 1.001);
+  const auto k = static_cast<std::size_t>(place);
+  const double share = place - static_cast<double>(k);
+  const ContactPoint &a = path.points[k], &b = path.points[k + 1];
+  return {.at_in_base =
+              base_from_couch * Vector3((1.0 - share) * a.at_in_couch + share * b.at_in_couch),
+          .velocity_m_per_s =
+              base_from_couch.linear() * (b.at_in_couch - a.at_in_couch) / massage::sample_s,
+          .normal_in_base = base_from_couch.linear() * a.normal_in_couch,
+          .force_n = (1.0 - share) * a.force_n + share * b.force_n,
+          .model = model};
+}
+
+JointVector posture_for(const robot::ArmModel& model, const control::ToolPose& foremost) {
+  JointVector q(model.joints());
+  q.setZero();
+  q.head<6>() << -0.3, model.shoulder_in_base(0.0).y() > 0.0 ? -0.3 : 0.3, 0.0, 0.3, 0.0, 0.0;
+  const JointVector preferred = q;
+  control::JointFollower follower;
+  follower.start(q);
+  const control::ToolPose centre = {
+      foremost.at_in_base + model.table().tool_radius_m * foremost.normal_in_base,
+      foremost.normal_in_base};
+  for (int i = 0; i < 3000; ++i) q = follower.step(model, 0.0, centre, preferred);
+  return q;
+}
+
+}  // namespace
+
+Result<ContactOutcome> run_contact(const ContactExperiment& experiment, const Progress& progress) {
+  Random random = make_random(experiment.seed, "contact experiment");
+  const robot::RobotMount mount = robot::mount_for(Position::sitting);
+  const robot::ArmTable believed = robot::thesis_arm();
+  PerArm<robot::ArmTable> arms;
+  for (const Arm arm : both_arms) {
+    arms[arm] = sim::draw_arm(believed,
+                              {.mass_spread = experiment.mass_error,
+                               .friction_spread = experiment.friction_error,
+                               .mass_scale = experiment.mass_scale,
+                               .friction_scale = experiment.friction_scale},
+                              random);
+  }
+
+  // The truth: where the skin is, what it is made of, how it moves.
+  const BelievedPatch patch = {.bend_radius_m = experiment.believed_bend_radius_m};
+  const Vector3 &patch_in_couch = patch.centre_in_couch, &normal_in_couch = patch.normal_in_couch;
+  const ContactPath path = path_on(patch, {.technique = experiment.technique,
+                                           .force_n = experiment.force_n,
+                                           .duration_s = experiment.duration_s,
+                                           .window = experiment.window,
+                                           .stroke_across = experiment.stroke_across,
+                                           .rub_shape = experiment.rub_shape,
+                                           .tap_hz = experiment.tap_hz});
+  sim::ContactOptions contact_options{.torso_n_per_m = experiment.torso_n_per_m,
+                                      .breathing = experiment.breathing};
+  Mesh skin = sim::make_patch(
+      {.centre_in_couch = patch_in_couch - experiment.surface_error_m * normal_in_couch,
+       .normal_in_couch = normal_in_couch,
+       .size_m = 320_mm,
+       .bend_radius_m = experiment.bend_radius_m});
+  const Eigen::AngleAxisd lean(experiment.surface_tilt_rad, Vector3::UnitX());
+  for (Vector3& vertex : skin.vertices) vertex = patch_in_couch + lean * (vertex - patch_in_couch);
+  std::vector<TangentTissue> tissues(skin.vertices.size(), experiment.tissue);
+  sim::BackContact person(std::move(skin), std::move(tissues), contact_options);
+
+  // The belief.
+  const auto wrong = [&] {
+    return random() % 2 == 0 ? 1.0 + experiment.tissue_error : 1.0 - experiment.tissue_error;
+  };
+  control::ContactModel model;
+  model.tissue.alpha_n = experiment.tissue.alpha_n * wrong();
+  model.tissue.beta_per_m = experiment.tissue.beta_per_m * wrong();
+
+  const std::array<robot::ArmModel, 2> models = {robot::ArmModel(believed, mount, Arm::left),
+                                                 robot::ArmModel(believed, mount, Arm::right)};
+  const auto pose_above = [&](double height_m) {
+    return control::ToolPose{mount.base_from_couch * Vector3(path.points.front().at_in_couch +
+                                                             height_m * normal_in_couch),
+                             mount.base_from_couch.linear() * normal_in_couch};
+  };
+  control::ToolPose aside = pose_above(0.12);
+  aside.at_in_base.y() = -0.2;
+  const sim::Plant::Start start = {
+      .q_rad = {.of = {posture_for(models[0], pose_above(2.0 * standoff_m)),
+                       posture_for(models[1], aside)}}};
+  sim::PlantOptions devices = experiment.devices;
+  devices.seed = experiment.seed;
+  auto plant = sim::Plant::make(mount, arms, start, &person, devices);
+  if (!plant) return tl::unexpected(plant.error());
+
+  PerArm<GuardedArm> guarded = {
+      {GuardedArm(models[0], experiment.controller), GuardedArm(models[1], {})}};
+  tissue::PressEstimator estimator(tissue::pressed_by_robot(35'000.0, believed.tool_mass_kg));
+  ContactOutcome outcome;
+  session::ForceErrorSum errors;
+  errors.begin();
+  enum class Act { settle, move, approach, track, retract, done } act = Act::settle;
+  double act_s = 0.0, stopped_s = 0.0;
+  bool left_skin = false;
+  Delay delay(experiment.late_ticks);
+  Ripple ripple;
+  const double longest_s = path.duration_s() + 30.0;
+  Arm arm = Arm::left;
+  control::ArmController& controller = guarded[arm].controller;
+
+  while (act != Act::done) {
+    const robot::RobotReading reading = (*plant)->read();
+    if (const char* fault = (*plant)->fault())
+      return fail(Fault::device, "the robot says: {}", fault);
+    for (const Arm side : both_arms) guarded[side].sense(reading, side);
+    if (reading.tick == 0 || outcome.trace.empty()) {
+      for (const Arm side : both_arms) guarded[side].controller.start(guarded[side].state);
+    }
+    const control::ArmStatus& status = controller.status();
+    const auto next = [&](Act now) { act = now, act_s = 0.0; };
+    act_s += dt_s;
+    double target_n = 0.0;
+    switch (act) {
+      case Act::settle:
+        if (act_s > 0.2) controller.move_to(pose_above(standoff_m)), next(Act::move);
+        break;
+      case Act::move:
+        if (status.settled || act_s > 5.0)
+          controller.approach(pose_above(0.0)), next(Act::approach);
+        break;
+      case Act::approach:
+        if (status.doing != control::Doing::contact || (!status.settled && act_s < 4.0)) break;
+        next(Act::track);
+        for (sim::Shift shift : experiment.shifts) {
+          shift.start_s += reading.time_s;
+          person.add_shift(shift);
+        }
+        break;
+      case Act::track: {
+        if (experiment.steer && estimator.estimate().converged)
+          model.tissue = estimator.estimate().tissue;
+        const control::ContactTarget target = target_at(path, mount.base_from_couch, act_s, model);
+        controller.track(target);
+        target_n = act_s < path.duration_s() ? target.force_n : 0.0;
+        if (act_s >= path.duration_s()) controller.retract(standoff_m), next(Act::retract);
+        break;
+      }
+      case Act::retract:
+        if (status.settled || act_s > 3.0) next(Act::done);
+        break;
+      case Act::done:
+        break;
+    }
+    if (reading.time_s > longest_s) next(Act::done);
+
+    robot::RobotCommand command;
+    for (const Arm side : both_arms) command.torque_nm[side] = guarded[side].step(reading, side);
+    (*plant)->apply(delay.pass(command));
+
+    const sim::ArmTruth& truth = (*plant)->truth().arms[arm];
+    // The approach counts too: in the air the estimator learns the zero of the force sensor.
+    if (status.doing == control::Doing::approach || status.doing == control::Doing::contact) {
+      const Press sample = {.depth_m = status.depth_m, .force_n = status.force_n};
+      estimator.update(reading.time_s, sample);
+      outcome.felt.push_back({reading.time_s, sample});
+    }
+    const bool pressing = target_n > 0.0;
+    if (pressing) {
+      ripple.add(target_n, truth.contact.force_n);
+      errors.add(reading.time_s, target_n, truth.contact.force_n);
+      outcome.fastest_m_per_s = std::max(outcome.fastest_m_per_s, truth.velocity_in_couch.norm());
+    }
+    outcome.highest_n = std::max(outcome.highest_n, truth.contact.force_n);
+    left_skin =
+        left_skin || (outcome.highest_n > 0.5 * experiment.force_n && truth.contact.force_n == 0.0);
+    if (left_skin)
+      outcome.second_impact_n = std::max(outcome.second_impact_n, truth.contact.force_n);
+    outcome.trace.push_back({reading.time_s, target_n, truth.contact.force_n, status.force_n,
+                             truth.contact.depth_m, truth.velocity_in_couch.norm()});
+    // After a stop the guard drives; a second and a half shows where that ends.
+    const auto trouble = status.trouble;
+    const safety::Verdict& verdict = guarded[arm].verdict;
+    if (!outcome.stopped && (verdict.latched || trouble != control::Trouble::none)) {
+      outcome.stopped = true;
+      stopped_s = reading.time_s;
+      outcome.stops.push_back(
+          {reading.time_s, verdict.latched ? name_of(verdict.cause) : name_of(trouble)});
+      if (!verdict.latched) controller.retract(standoff_m);
+    }
+    if (outcome.stopped && reading.time_s > stopped_s + 1.5) next(Act::done);
+    if (progress && reading.tick % 100 == 0)
+      progress(std::min(reading.time_s / (path.duration_s() + 5.0), 0.99));
+  }
+  if (progress) progress(1.0);
+  if (!errors.empty()) outcome.force = errors.errors();
+  outcome.ripple_n = ripple.rms_n();
+  outcome.estimate = estimator.estimate();
+  return outcome;
+}
+
+}  // namespace tuina::app

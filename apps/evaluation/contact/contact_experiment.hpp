@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "apps/evaluation/contact/patch_path.hpp"
+#include "tuina/control/arm_controller.hpp"
+#include "tuina/core/progress.hpp"
+#include "tuina/core/result.hpp"
+#include "tuina/massage/technique/press.hpp"
+#include "tuina/safety/guard.hpp"
+#include "tuina/session/force_errors.hpp"
+#include "tuina/sim/robot/back_contact.hpp"
+#include "tuina/sim/robot/plant.hpp"
+#include "tuina/tissue/press_record.hpp"
+
+namespace tuina::app {
+
+/// One arm of the simulated robot, from a standoff over a patch of skin through one technique and
+/// away again. What the controller believes is wrong in the ways a session's beliefs are.
+struct ContactExperiment {
+  TangentTissue tissue = {9.786, 185.4};  ///< true; hard muscle of [thesis] chapter 6
+  double force_n = 30.0;
+  Technique technique = Technique::press;
+  massage::PressWindow window = {};  ///< of one press
+  control::ArmController::Options controller = {};
+  double surface_error_m = 0.0;   ///< the true skin lies this much deeper than believed
+  double surface_tilt_rad = 0.0;  ///< the believed normal leans this much, along the path
+  double torso_n_per_m = 35'000.0;
+  double bend_radius_m = 0.3;  ///< of the back
+  double believed_bend_radius_m = std::numeric_limits<double>::infinity();
+  bool stroke_across = false;  ///< over the bend instead of along it
+  RubShape rub_shape = RubShape::circle;
+  double tap_hz = 3.0;
+  double friction_scale = 1.0;  ///< of the joints
+  sim::Breathing breathing = {0.0, 0.25};
+  double duration_s = 10.0;   ///< of the technique
+  double tissue_error = 0.3;  ///< alpha and beta believed wrong by this share, signs by the seed
+  double mass_error = 0.1;    ///< every link heavier or lighter by up to this share
+  double mass_scale = 1.0;    ///< all links heavier than believed, on top
+  double friction_error = 0.2;
+  bool steer = true;                    ///< a converged estimate replaces the believed tissue
+  std::vector<sim::Shift> shifts = {};  ///< times count from the start of the technique
+  sim::PlantOptions devices = {};       ///< sensors and drives; their seed is the one below
+  int late_ticks = 0;                   ///< torques reach the drives so many milliseconds late
+  std::uint64_t seed = 1;
+};
+
+struct ContactSample {
+  double time_s, target_n, true_force_n, measured_force_n, depth_m, tool_speed_m_per_s;
+};
+
+struct ContactStop {
+  double time_s;
+  std::string cause;
+};
+
+struct ContactOutcome {
+  std::vector<ContactSample> trace;      ///< 1 kHz, the whole run
+  std::vector<tissue::TimedPress> felt;  ///< what the estimator was given
+  session::ForceErrors force;
+  TissueEstimate estimate;
+  double highest_n = 0.0;        ///< true force anywhere in the run
+  double fastest_m_per_s = 0.0;  ///< of the tool, during the technique
+  double ripple_n = 0.0;  ///< of the true force while the target stands still, faster than 2 Hz
+  double second_impact_n = 0.0;  ///< true force after contact was lost for the first time
+  std::vector<ContactStop> stops;
+  bool stopped = false;
+};
+
+[[nodiscard]] Result<ContactOutcome> run_contact(const ContactExperiment& experiment,
+                                                 const Progress& progress = {});
+
+}  // namespace tuina::app

@@ -1,0 +1,279 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "apps/evaluation/contact/contact_experiment.hpp"
+#include "apps/evaluation/verbs.hpp"
+#include "tuina/core/io/file.hpp"
+#include "tuina/core/units.hpp"
+#include "tuina/session/config.hpp"
+#include "tuina/telemetry/plot/svg_plot.hpp"
+
+namespace tuina::app {
+namespace {
+
+// [thesis] chapter 6: what a robot of seven joints pressed at 20 mm/s.
+const std::map<std::string, TangentTissue> thesis_tissues = {
+    {"bone", {4.559, 263.2}}, {"hard", {9.786, 185.4}}, {"soft", {4.275, 143.6}}};
+const std::map<std::string, control::Law> laws = {{"tuina", control::Law::tuina},
+                                                  {"thesis", control::Law::thesis},
+                                                  {"joint", control::Law::joint}};
+const std::map<std::string, Technique> techniques = {{"press", Technique::press},
+                                                     {"rub", Technique::rub},
+                                                     {"stroke", Technique::stroke},
+                                                     {"tap", Technique::tap}};
+const std::map<std::string, RubShape> rub_shapes = {
+    {"circle", RubShape::circle}, {"ellipse", RubShape::ellipse}, {"spiral", RubShape::spiral}};
+
+CLI::Validator between(double low, double high) {
+  return {number_between(low, high), fmt::format("{} to {}", low, high)};
+}
+
+template <typename Value>
+std::vector<std::string> names(const std::map<std::string, Value>& map) {
+  std::vector<std::string> keys;
+  for (const auto& [key, value] : map) keys.push_back(key);
+  return keys;
+}
+
+std::string to_csv(const std::vector<ContactSample>& trace) {
+  std::string text = "time_s,target_n,true_force_n,measured_force_n,depth_mm\n";
+  for (const ContactSample& sample : trace) {
+    // Six digits, so that whoever adds the errors up from here finds what the answer says.
+    text += fmt::format("{:.3f},{:.6g},{:.6g},{:.6g},{:.6g}\n", sample.time_s, sample.target_n,
+                        sample.true_force_n, sample.measured_force_n, to_mm(sample.depth_m));
+  }
+  return text;
+}
+
+// Target, true and measured force from the first touch on.
+std::string draw(const std::vector<ContactSample>& trace, const std::string& title) {
+  telemetry::Series target{.name = "target", .colour = telemetry::palette::press, .dashed = true};
+  telemetry::Series measured{
+      .name = "measured", .colour = telemetry::palette::grey, .width_px = 1.0};
+  telemetry::Series truth{.name = "true", .colour = telemetry::palette::ink};
+  bool touched = false;
+  for (const ContactSample& sample : trace) {
+    touched = touched || sample.true_force_n > 0.0;
+    if (!touched) continue;
+    for (auto* series : {&target, &measured, &truth}) series->x.push_back(sample.time_s);
+    target.y.push_back(sample.target_n);
+    measured.y.push_back(sample.measured_force_n);
+    truth.y.push_back(sample.true_force_n);
+  }
+  telemetry::Plot plot{.title = title, .x_label = "time, s", .y_label = "force, N"};
+  plot.series = {measured, target, truth};
+  plot.y_low = 0.0;
+  return telemetry::to_svg(plot);
+}
+
+/// One arm on a patch of skin whose truth is hidden from it: how well it holds a force there.
+class Press final : public Verb {
+ public:
+  [[nodiscard]] const char* name() const override { return "press"; }
+  [[nodiscard]] const char* summary() const override {
+    return "one contact experiment: one arm, one technique, a patch of tissue";
+  }
+  [[nodiscard]] const char* example() const override {
+    return "tuina press --tissue hard --force-n 30 --surface-error-mm 3 --out trace.csv";
+  }
+
+  void describe(CLI::App& command) override {
+    auto* tissue =
+        command.add_option("--tissue", tissue_, "bone, hard or soft muscle of the thesis")
+            ->check(CLI::IsMember(names(thesis_tissues)))
+            ->capture_default_str();
+    auto* alpha = command.add_option("--alpha-n", alpha_n_, "hardness of the tissue")
+                      ->check(between(0.5, 50.0))
+                      ->excludes(tissue);
+    auto* beta =
+        command.add_option("--beta-per-mm", beta_per_mm_, "grows as the tissue gets thinner")
+            ->check(between(0.02, 1.0))
+            ->excludes(tissue);
+    alpha->needs(beta);
+    beta->needs(alpha);
+    command.add_option("--force-n", force_n_, "to be held")
+        ->required()
+        ->check(between(1.0, safety::ceiling_of(safety::Zone::bench).set_n));
+    command.add_option("--technique", technique_, "what the arm does there")
+        ->check(CLI::IsMember(names(techniques)))
+        ->capture_default_str();
+    command.add_option("--rub-shape", rub_shape_, "way of a rub")
+        ->check(CLI::IsMember(names(rub_shapes)))
+        ->capture_default_str();
+    command
+        .add_option("--controller", controller_,
+                    "tuina; the Cartesian law of the thesis (3.5); its joint law (3.9)")
+        ->check(CLI::IsMember(names(laws)))
+        ->capture_default_str();
+    command
+        .add_option("--surface-error-mm", surface_error_mm_,
+                    "the skin is this much deeper than believed")
+        ->check(between(-10.0, 10.0))
+        ->capture_default_str();
+    command.add_option("--surface-tilt-deg", surface_tilt_deg_, "the skin leans this much unknown")
+        ->check(between(-10.0, 10.0))
+        ->capture_default_str();
+    command
+        .add_option("--torso-n-per-mm", torso_, "gives way beneath the tissue: a number or `rigid`")
+        ->check(CLI::Validator(
+            [](std::string& text) {
+              return text == "rigid" ? std::string() : number_between(1.0, 1e4)(text);
+            },
+            "number or rigid"));
+    command.add_option("--friction", friction_, "scale on the joint friction")
+        ->check(between(0.0, 3.0));
+    command.add_option("--breathing-mm", breathing_mm_, "motion of the skin")
+        ->check(between(0.0, 15.0))
+        ->capture_default_str();
+    command.add_option("--breathing-hz", breathing_hz_)
+        ->check(between(0.05, 1.0))
+        ->capture_default_str();
+    command.add_option("--duration-s", duration_s_, "of the technique")
+        ->check(between(3.0, 300.0))
+        ->capture_default_str();
+    command
+        .add_option("--model-error", model_error_,
+                    "scale on what the controller believes wrongly: masses 10 %, friction 20 %, "
+                    "alpha and beta 30 %")
+        ->check(between(0.0, 1.5))
+        ->capture_default_str();
+    command
+        .add_option("--rise-mm", rise_mm_,
+                    "the person comes so far towards the tool; negative: goes away from it")
+        ->check(between(-100.0, 100.0));
+    command.add_option("--slide-mm", slide_mm_, "the person slides so far sideways")
+        ->check(between(-100.0, 100.0));
+    command.add_option("--shift-mm-per-s", shift_mm_per_s_, "speed of rise and slide")
+        ->check(between(1.0, 2000.0))
+        ->capture_default_str();
+    command
+        .add_option("--shift-m-per-s2", shift_m_per_s2_,
+                    "acceleration up to that speed; 0: it jumps, which no body can do")
+        ->check(between(0.0, 100.0))
+        ->capture_default_str();
+    command.add_option("--shift-at-s", shift_at_s_, "after the start of the technique")
+        ->check(between(0.0, 300.0))
+        ->capture_default_str();
+    command.add_option("--plot", plot_, "force over time, SVG");
+    command.add_option("--out", out_, "trace of every millisecond, CSV");
+  }
+
+  [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
+    const auto config = effective_config(common);
+    if (!config) return tl::unexpected(config.error());
+    for (const auto& [option, path] : {std::pair{"--out", out_}, std::pair{"--plot", plot_}}) {
+      const auto folder = std::filesystem::path(path).parent_path();
+      if (!folder.empty() && !std::filesystem::is_directory(folder)) {
+        return fail(Fault::file, "{} {}: the folder {} does not exist", option, path,
+                    folder.string());
+      }
+    }
+    ContactExperiment experiment;
+    experiment.tissue =
+        alpha_n_ > 0.0 ? TangentTissue{alpha_n_, 1e3 * beta_per_mm_} : thesis_tissues.at(tissue_);
+    experiment.force_n = force_n_;
+    experiment.technique = techniques.at(technique_);
+    experiment.rub_shape = rub_shapes.at(rub_shape_);
+    experiment.controller.law = laws.at(controller_);
+    experiment.surface_error_m = from_mm(surface_error_mm_);
+    experiment.surface_tilt_rad = from_deg(surface_tilt_deg_);
+    const double torso_n_per_mm = torso_.empty()      ? config->simulation.torso_n_per_mm
+                                  : torso_ == "rigid" ? 0.0
+                                                      : std::stod(torso_);
+    experiment.torso_n_per_m = torso_ == "rigid" ? sim::rigid : 1e3 * torso_n_per_mm;
+    experiment.friction_scale = friction_ < 0.0 ? config->simulation.friction : friction_;
+    experiment.breathing = {from_mm(breathing_mm_), breathing_hz_};
+    experiment.duration_s = duration_s_;
+    experiment.mass_error *= model_error_;
+    experiment.friction_error *= model_error_;
+    experiment.tissue_error *= model_error_;
+    experiment.seed = common.seed;
+    for (const Vector3& by_mm : {Vector3(0.0, rise_mm_, 0.0), Vector3(slide_mm_, 0.0, 0.0)}) {
+      if (by_mm.isZero()) continue;
+      sim::Shift shift{.start_s = shift_at_s_,
+                       .by_in_couch = 1e-3 * by_mm,
+                       .speed_m_per_s = from_mm(shift_mm_per_s_)};
+      if (shift_m_per_s2_ > 0.0) shift.acceleration_m_per_s2 = shift_m_per_s2_;
+      experiment.shifts.push_back(shift);
+    }
+
+    const auto outcome = run_contact(experiment, progress_bar(common, "press"));
+    if (!outcome) return tl::unexpected(outcome.error());
+    if (!out_.empty()) {
+      if (auto written = write_file(out_, to_csv(outcome->trace)); !written) {
+        return tl::unexpected(written.error());
+      }
+    }
+    if (!plot_.empty()) {
+      const auto title =
+          fmt::format("{} with {:.0f} N, controller {}", technique_, force_n_, controller_);
+      if (auto written = write_file(plot_, draw(outcome->trace, title)); !written) {
+        return tl::unexpected(written.error());
+      }
+    }
+    return answer_of(experiment, *outcome);
+  }
+
+ private:
+  [[nodiscard]] Answer answer_of(const ContactExperiment& experiment,
+                                 const ContactOutcome& outcome) const {
+    const session::ForceErrors& force = outcome.force;
+    const TissueEstimate& estimate = outcome.estimate;
+    nlohmann::json stops = nlohmann::json::array();
+    std::string stopped;
+    for (const ContactStop& stop : outcome.stops) {
+      stops.push_back({{"time_s", stop.time_s}, {"cause", stop.cause}});
+      stopped += fmt::format("\nstopped at {:.3f} s: {}", stop.time_s, stop.cause);
+    }
+    nlohmann::json json = {
+        {"technique", technique_},
+        {"controller", controller_},
+        {"target_n", force_n_},
+        {"force",
+         {{"rmse_n", force.rmse_n}, {"peak_n", force.peak_n}, {"overshoot_n", force.overshoot_n}}},
+        {"estimate",
+         {{"alpha_n", estimate.tissue.alpha_n},
+          {"beta_per_mm", 1e-3 * estimate.tissue.beta_per_m},
+          {"converged", estimate.converged}}},
+        {"true",
+         {{"alpha_n", experiment.tissue.alpha_n},
+          {"beta_per_mm", 1e-3 * experiment.tissue.beta_per_m}}},
+        {"highest_force_n", outcome.highest_n},
+        {"second_impact_n", outcome.second_impact_n},
+        {"fastest_tool_mm_per_s", to_mm(outcome.fastest_m_per_s)},
+        {"stops", stops}};
+    json["force"]["settled_rmse_n"] =
+        force.settled_rmse_n ? nlohmann::json(*force.settled_rmse_n) : nlohmann::json();
+    json["estimate"]["converged_after_s"] =
+        estimate.converged ? nlohmann::json(estimate.converged_after_s) : nlohmann::json();
+    return {.json = json.dump(2),
+            .text = fmt::format("{} with {:.0f} N, controller {}: force error {:.2f} N rms, peak "
+                                "{:.1f} N, tissue alpha "
+                                "{:.2f} N beta {:.4f} /mm (true {:.2f}, {:.4f}){}",
+                                technique_, force_n_, controller_, force.rmse_n, force.peak_n,
+                                estimate.tissue.alpha_n, 1e-3 * estimate.tissue.beta_per_m,
+                                experiment.tissue.alpha_n, 1e-3 * experiment.tissue.beta_per_m,
+                                stopped),
+            .exit_code = outcome.stopped ? 4 : 0};
+  }
+
+  std::string tissue_ = "hard", technique_ = "press", rub_shape_ = "circle";
+  std::string controller_ = "tuina", torso_, out_, plot_;
+  double alpha_n_ = 0.0, beta_per_mm_ = 0.0, force_n_ = 0.0;
+  double surface_error_mm_ = 0.0, surface_tilt_deg_ = 0.0, friction_ = -1.0;
+  double rise_mm_ = 0.0, slide_mm_ = 0.0, shift_mm_per_s_ = 100.0;
+  double shift_m_per_s2_ = 0.0, shift_at_s_ = 2.0;
+  double breathing_mm_ = 0.0, breathing_hz_ = 0.25, duration_s_ = 10.0, model_error_ = 1.0;
+};
+
+}  // namespace
+
+std::unique_ptr<Verb> make_press() {
+  return std::make_unique<Press>();
+}
+
+}  // namespace tuina::app

@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "apps/cli/stopwatch.hpp"
+#include "apps/evaluation/verbs.hpp"
+#include "tuina/core/units.hpp"
+#include "tuina/massage/back_chart.hpp"
+#include "tuina/massage/plan.hpp"
+#include "tuina/motion/ready_plan.hpp"
+#include "tuina/robot/inverse_kinematics.hpp"
+#include "tuina/robot/standing.hpp"
+#include "tuina/sim/person/person.hpp"
+
+namespace tuina::app {
+namespace {
+
+using nlohmann::ordered_json;
+
+/// A phantom as it truly is: no scan stands between the robots that are compared.
+struct Subject {
+  sim::Person person;
+  body::BackSurface back;
+};
+
+Result<Subject> subject_of(const std::string& who, Position position, std::uint64_t seed) {
+  auto person = sim::parse_person(who, position, seed);
+  if (!person) return tl::unexpected(person.error());
+  PointCloud skin_in_couch;
+  skin_in_couch.points = person->skin_in_couch.vertices;
+  auto back = body::fit_back(skin_in_couch, {.position = position});
+  if (!back) return tl::unexpected(back.error());
+  return Subject{std::move(*person), std::move(*back)};
+}
+
+/// How well both arms reach a back from the best place of the linear base.
+struct Workspace {
+  int places = 0, reached = 0;
+  double dexterity = 0.0;       ///< median, m/rad
+  double limit_room_rad = 0.0;  ///< median, from the joint that is closest to its end
+};
+
+/// Places every 30 mm, from GV4 to the shoulders, as wide as the shoulder blades; each arm serves
+/// its half and 30 mm more.
+PerArm<std::vector<robot::ContactGoal>> patch_on(const Subject& subject,
+                                                 const massage::BackChart& chart,
+                                                 const Transform& base_from_couch) {
+  constexpr double step_m = 30_mm, half_width_m = 150_mm, up_m = 330_mm, below_m = 30_mm;
+  PerArm<std::vector<robot::ContactGoal>> goals;
+  for (double left_m = -half_width_m; left_m < half_width_m + 1e-9; left_m += step_m) {
+    for (double height_m = -below_m; height_m < up_m + 1e-9; height_m += step_m) {
+      const Vector3 flat = chart.in_couch({.left_m = left_m, .up_m = height_m});
+      const auto met = subject.back.along(flat + 250_mm * chart.out(), -chart.out());
+      if (!met) continue;
+      const double to_plus_x_m = chart.left().x() > 0.0 ? left_m : -left_m;
+      for (const Arm arm : both_arms) {
+        if ((arm == Arm::left ? to_plus_x_m : -to_plus_x_m) < -step_m - 1e-9) continue;
+        goals[arm].push_back(
+            {base_from_couch * met->at_in_couch, base_from_couch.linear() * met->normal_in_couch});
+      }
+    }
+  }
+  return goals;
+}
+
+double median(std::vector<double> values) {
+  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+Workspace workspace_of(const robot::Standing& standing, const Subject& subject,
+                       const massage::BackChart& chart) {
+  constexpr double step_m = 100_mm;
+  const auto arms = robot::both_models(standing.arm, standing.mount);
+  const auto ready = robot::ready_posture(standing.arm, standing.mount);
+  const auto goals = patch_on(subject, chart, standing.mount.base_from_couch);
+  Workspace best;
+  for (double rail_m = standing.mount.lowest_rail_m; rail_m < standing.mount.highest_rail_m + 1e-9;
+       rail_m += step_m) {
+    Workspace here;
+    std::vector<double> dexterities, rooms;
+    for (const Arm arm : both_arms) {
+      for (const robot::ContactGoal& goal : goals[arm]) {
+        ++here.places;
+        const auto posture = robot::find_posture(arms[arm], rail_m, goal, ready[arm]);
+        if (posture.reach != robot::Reach::reached) continue;
+        ++here.reached;
+        dexterities.push_back(posture.dexterity);
+        rooms.push_back(posture.limit_room_rad);
+      }
+    }
+    here.dexterity = median(dexterities);
+    here.limit_room_rad = median(rooms);
+    if (best.places == 0 || here.reached > best.reached) best = here;
+  }
+  return best;
+}
+
+struct Row {
+  robot::Kind kind;
+  std::string who;
+  Position position;
+  std::string programme;
+  Workspace workspace;
+  std::size_t paths = 0, left_out = 0;
+  double duration_s = 0.0, plan_ms = 0.0, arms_m = 0.0;
+  robot::Clearances clear;
+};
+
+/// Thesis and successor beside each other: what they reach of a back, and how long their sessions
+/// are.
+class EvaluateRobots final : public Verb {
+ public:
+  [[nodiscard]] const char* name() const override { return "evaluate robots"; }
+  [[nodiscard]] const char* summary() const override {
+    return "the thesis' robot and its successor: workspace, session times, distances";
+  }
+  [[nodiscard]] const char* example() const override {
+    return "tuina evaluate robots --programmes relax full_back_20min";
+  }
+  void describe(CLI::App& command) override {
+    command.add_option("--programmes", programmes_, "shipped ones or files")->capture_default_str();
+  }
+
+  [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
+    std::vector<massage::Programme> programmes;
+    for (const std::string& name : programmes_) {
+      auto programme = massage::load_programme(name);
+      if (!programme) return tl::unexpected(programme.error());
+      programmes.push_back(std::move(*programme));
+    }
+    const Progress bar = progress_bar(common, "robots");
+    std::vector<Row> rows;
+    double done = 0.0;
+    for (const Position position : {Position::sitting, Position::prone}) {
+      for (const char* who : {"phantom:slim", "phantom:medium", "phantom:hefty"}) {
+        const auto subject = subject_of(who, position, common.seed);
+        if (!subject) return tl::unexpected(subject.error());
+        for (const robot::Kind kind : {robot::Kind::thesis, robot::Kind::successor}) {
+          for (const massage::Programme& programme : programmes) {
+            auto row = row_of(kind, *subject, programme);
+            if (!row) return tl::unexpected(row.error());
+            row->who = who;
+            rows.push_back(std::move(*row));
+          }
+          if (bar) bar((done += 1.0) / 12.0);
+        }
+      }
+    }
+    return answer(rows);
+  }
+
+ private:
+  static Result<Row> row_of(robot::Kind kind, const Subject& subject,
+                            const massage::Programme& programme) {
+    const sim::Person& person = subject.person;
+    const auto chart = massage::BackChart::from(person.acupoints, person.landmarks);
+    if (!chart) return tl::unexpected(chart.error());
+    auto plan = massage::plan(subject.back, person.acupoints, person.landmarks, programme);
+    if (!plan) return tl::unexpected(plan.error());
+    Row row{.kind = kind, .who = {}, .position = person.position, .programme = programme.name};
+    row.paths = plan->paths.size();
+    const robot::Standing standing = robot::stand(kind, person.position, false);
+    row.workspace = workspace_of(standing, subject, *chart);
+    const Stopwatch watch;
+    const auto ready = motion::make_ready(std::move(*plan), subject.back, standing.mount,
+                                          robot::both_models(standing.arm, standing.mount),
+                                          standing.mount.base_from_couch, 40_mm);
+    row.plan_ms = watch.ms();
+    if (!ready) return tl::unexpected(ready.error());
+    row.left_out = row.paths - ready->plan.paths.size();
+    row.duration_s = ready->plan.duration_s;
+    row.arms_m = ready->min_arm_distance_m;
+    row.clear = ready->clear;
+    return row;
+  }
+
+  static Answer answer(const std::vector<Row>& rows) {
+    std::string text =
+        fmt::format("{:<10}{:<16}{:<9}{:>10}{:>8}{:>11}  {:<17}{:>7}{:>9}{:>9}{:>8}{:>9}{:>8}\n",
+                    "robot", "person", "position", "reach, %", "m/rad", "room, deg", "programme",
+                    "s", "left out", "arms, mm", "couch", "own body", "plan, ms");
+    ordered_json list = ordered_json::array();
+    for (const Row& row : rows) {
+      const double share = 100.0 * row.workspace.reached / std::max(row.workspace.places, 1);
+      const double couch_mm = to_mm(row.clear[robot::Surrounding::couch]);
+      const double body_mm = to_mm(row.clear[robot::Surrounding::body]);
+      text += fmt::format(
+          "{:<10}{:<16}{:<9}{:>10.1f}{:>8.3f}{:>11.1f}  {:<17}{:>7.0f}{:>9}{:>9.0f}{:>8.0f}{:>9.0f}"
+          "{:>8.0f}\n",
+          name_of(row.kind), row.who, name_of(row.position), share, row.workspace.dexterity,
+          to_deg(row.workspace.limit_room_rad), row.programme, row.duration_s, row.left_out,
+          to_mm(row.arms_m), couch_mm, body_mm, row.plan_ms);
+      list.push_back({{"robot", name_of(row.kind)},
+                      {"person", row.who},
+                      {"position", name_of(row.position)},
+                      {"reached_percent", share},
+                      {"dexterity_m_per_rad", row.workspace.dexterity},
+                      {"limit_room_deg", to_deg(row.workspace.limit_room_rad)},
+                      {"programme", row.programme},
+                      {"duration_s", row.duration_s},
+                      {"paths", row.paths},
+                      {"left_out", row.left_out},
+                      {"min_arm_distance_mm", to_mm(row.arms_m)},
+                      {"min_couch_distance_mm", couch_mm},
+                      {"min_body_distance_mm", body_mm},
+                      {"plan_ms", row.plan_ms}});
+    }
+    return {.json = ordered_json{{"robots", list}}.dump(2), .text = text};
+  }
+
+  std::vector<std::string> programmes_ = {"relax", "full_back_20min"};
+};
+
+}  // namespace
+
+std::unique_ptr<Verb> make_evaluate_robots() {
+  return std::make_unique<EvaluateRobots>();
+}
+
+}  // namespace tuina::app

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "apps/evaluation/massage/trials.hpp"
+
+namespace tuina::app {
+
+/// A row of the table: which sessions, and what became of them.
+struct SessionRow {
+  std::string name;
+  SessionSummary sum;
+};
+
+/// What `evaluate massage` found, as one page that needs nothing else. `adaptive` are the same
+/// sessions with steering and without, or empty.
+[[nodiscard]] std::string session_page(const std::vector<SessionRow>& rows,
+                                       const std::vector<SessionRow>& adaptive,
+                                       const std::vector<SessionOutcome>& outcomes,
+                                       const std::vector<std::string>& incidents);
+
+}  // namespace tuina::app

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/evaluation/massage/trials.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "apps/evaluation/massage/store.hpp"
+#include "tuina/core/parallel.hpp"
+#include "tuina/core/units.hpp"
+#include "tuina/session/massage_step.hpp"
+
+namespace tuina::app {
+namespace {
+
+/// The tool is to press within its contact radius of the true point.
+constexpr double wanted_m = 17_mm;
+
+bool bony(massage::Zone zone) {
+  return session::guarded_zone(zone) == safety::Zone::bony;
+}
+
+bool of_the_seven(const std::string& name) {
+  return std::find(seven_acupoints.begin(), seven_acupoints.end(), name) != seven_acupoints.end();
+}
+
+/// Of the point as it was mapped last.
+double uncertainty_of(const SessionResult& done, const std::string& name) {
+  for (const Acupoint& point : done.located.acupoints) {
+    if (point.name == name) return point.uncertainty_m;
+  }
+  return 0.0;
+}
+
+}  // namespace
+
+SessionOutcome run_session_trial(const SessionTrial& trial, const session::Config& config) {
+  SessionOutcome outcome;
+  const auto done = run_simulated_session(trial.order, config, {.quiet = true, .seed = trial.seed});
+  if (!done) {
+    outcome.refused = done.error().message;
+    return outcome;
+  }
+  outcome.position = done->located.position;
+  outcome.duration_s = done->massage_s;
+  outcome.rmse_n = done->force.rmse_n;
+  outcome.overshoot_n = done->force.overshoot_n;
+  outcome.arm_distance_m = done->min_arm_distance_m;
+  outcome.scan_to_touch_s = scan_to_touch_s(*done);
+  outcome.plan_ms = done->plan_ms;
+  outcome.real_time_factor = done->real_time_factor();
+  for (const session::Stop& stop : done->stops) {
+    outcome.stops.push_back(session::explain(stop));
+  }
+  for (const std::string& note : done->ready.plan.notes) {
+    if (note.find("left out") != std::string::npos) outcome.left_out.push_back(note);
+  }
+  outcome.over_cap_n = outcome.over_trip_n = -std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < done->performed.size(); ++i) {
+    const session::Performed& performed = done->performed[i];
+    const massage::PlannedPath& planned =
+        done->ready.plan.paths[static_cast<std::size_t>(performed.path)];
+    const ContactPath& path = planned.path;
+    const Touched& touched = done->touched[i];
+    if (performed.trouble != control::Trouble::none) {
+      outcome.troubles.push_back(
+          fmt::format("{}: {}", path.name, control::name_of(performed.trouble)));
+    }
+    if (bony(touched.zone)) outcome.bony_peak_n = std::max(outcome.bony_peak_n, touched.peak_n);
+    outcome.over_cap_n = std::max(outcome.over_cap_n, touched.over_cap_n);
+    outcome.over_trip_n = std::max(outcome.over_trip_n, touched.over_trip_n);
+    if (touched.over_cap_n > 0.0) {
+      outcome.beyond.push_back(fmt::format(
+          "{}: {:.1f} N over what {} may be asked for, mapped {}", path.name, touched.over_cap_n,
+          massage::name_of(touched.over_cap_zone), massage::name_of(planned.zone)));
+    }
+    const auto off_m = tool_to_acupoint_m(*done, i);
+    if (!off_m || !of_the_seven(path.acupoints.front())) continue;
+    outcome.tool_to_acupoint_m.push_back(*off_m);
+    if (*off_m > wanted_m) {
+      outcome.beyond.push_back(fmt::format(
+          "{}: the tool was {:.1f} mm from the true point, mapped "
+          "to {:.1f} mm",
+          path.name, to_mm(*off_m), to_mm(uncertainty_of(*done, path.acupoints.front()))));
+    }
+  }
+  return outcome;
+}
+
+Result<std::vector<SessionOutcome>> run_session_trials(const std::vector<SessionTrial>& trials,
+                                                       const session::Config& config,
+                                                       SessionStore* store,
+                                                       const Progress& progress) {
+  std::vector<SessionOutcome> outcomes(trials.size());
+  std::vector<Result<void>> written(trials.size());
+  for_each_in_parallel(
+      trials.size(),
+      [&](std::size_t i) {
+        const SessionOutcome* known = store != nullptr ? store->find(trials[i]) : nullptr;
+        outcomes[i] = known != nullptr ? *known : run_session_trial(trials[i], config);
+        if (store != nullptr && known == nullptr) written[i] = store->add(trials[i], outcomes[i]);
+      },
+      progress);
+  for (const auto& one : written) {
+    if (!one) return tl::unexpected(one.error());
+  }
+  return outcomes;
+}
+
+SessionSummary summarise(const std::vector<const SessionOutcome*>& outcomes) {
+  SessionSummary sum{.sessions = outcomes.size(),
+                     .least_arm_distance_m = std::numeric_limits<double>::infinity()};
+  sum.most_over_cap_n = sum.most_over_trip_n = -std::numeric_limits<double>::infinity();
+  std::vector<double> factors;
+  std::size_t presses = 0;
+  for (const SessionOutcome* one : outcomes) {
+    if (!one->refused.empty()) {
+      ++sum.refused;
+      continue;
+    }
+    sum.stopped += one->stops.empty() ? 0 : 1;
+    sum.troubled += one->troubles.empty() ? 0 : 1;
+    sum.paths_left_out += one->left_out.size();
+    sum.worst_rmse_n = std::max(sum.worst_rmse_n, one->rmse_n);
+    sum.mean_rmse_n += one->rmse_n;
+    sum.worst_overshoot_n = std::max(sum.worst_overshoot_n, one->overshoot_n);
+    sum.most_over_cap_n = std::max(sum.most_over_cap_n, one->over_cap_n);
+    sum.most_over_trip_n = std::max(sum.most_over_trip_n, one->over_trip_n);
+    sum.bony_peak_n = std::max(sum.bony_peak_n, one->bony_peak_n);
+    sum.least_arm_distance_m = std::min(sum.least_arm_distance_m, one->arm_distance_m);
+    sum.worst_scan_to_touch_s = std::max(sum.worst_scan_to_touch_s, one->scan_to_touch_s);
+    sum.worst_plan_ms = std::max(sum.worst_plan_ms, one->plan_ms);
+    sum.mean_duration_s += one->duration_s;
+    factors.push_back(one->real_time_factor);
+    for (const double off_m : one->tool_to_acupoint_m) {
+      sum.mean_tool_to_acupoint_m += off_m;
+      sum.most_tool_to_acupoint_m = std::max(sum.most_tool_to_acupoint_m, off_m);
+      ++presses;
+    }
+  }
+  if (factors.empty()) return sum;
+  sum.mean_rmse_n /= static_cast<double>(factors.size());
+  sum.mean_duration_s /= static_cast<double>(factors.size());
+  sum.mean_tool_to_acupoint_m /= static_cast<double>(std::max<std::size_t>(presses, 1));
+  std::nth_element(factors.begin(), factors.begin() + static_cast<long>(factors.size() / 2),
+                   factors.end());
+  sum.median_real_time_factor = factors[factors.size() / 2];
+  return sum;
+}
+
+}  // namespace tuina::app

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/simulated/simulated_session.hpp"
+#include "tuina/core/progress.hpp"
+
+namespace tuina::app {
+
+class SessionStore;
+
+/// One whole session that shall be judged.
+struct SessionTrial {
+  SessionOrder order;
+  std::uint64_t seed = 1;
+};
+
+/// What became of it, judged by what only the simulation knows.
+struct SessionOutcome {
+  std::string refused = {};  ///< why there was no session; the rest is then empty
+  Position position = Position::sitting;
+  std::vector<std::string> stops = {}, troubles = {}, left_out = {};
+  std::vector<std::string> beyond =
+      {};  ///< force beyond a true zone's cap, press far off its point
+  double duration_s = 0.0;
+  double rmse_n = 0.0, overshoot_n = 0.0;  ///< of the true force, all techniques
+  double bony_peak_n = 0.0;                ///< largest force where bone truly is near
+  double over_cap_n = 0.0;                 ///< largest beyond what the true zone may be asked for
+  double over_trip_n = 0.0;                ///< and beyond what it bears
+  double arm_distance_m = 0.0;             ///< smallest
+  std::vector<double> tool_to_acupoint_m = {};  ///< of each press of one of the seven
+  double scan_to_touch_s = 0.0;
+  double plan_ms = 0.0;
+  double real_time_factor = 0.0;
+};
+
+[[nodiscard]] SessionOutcome run_session_trial(const SessionTrial& trial,
+                                               const session::Config& config);
+
+/// Side by side on all cores; the outcomes, in the order of the trials, do not depend on how many
+/// there are. With a store, only what it does not have; what is new is kept in it.
+[[nodiscard]] Result<std::vector<SessionOutcome>> run_session_trials(
+    const std::vector<SessionTrial>& trials, const session::Config& config, SessionStore* store,
+    const Progress& progress);
+
+/// Many sessions in one row of a table.
+struct SessionSummary {
+  std::size_t sessions = 0, refused = 0, stopped = 0, troubled = 0, paths_left_out = 0;
+  double worst_rmse_n = 0.0, mean_rmse_n = 0.0, worst_overshoot_n = 0.0;
+  double most_over_cap_n = 0.0, most_over_trip_n = 0.0, bony_peak_n = 0.0;
+  double least_arm_distance_m = 0.0;
+  double mean_tool_to_acupoint_m = 0.0, most_tool_to_acupoint_m = 0.0;
+  double worst_scan_to_touch_s = 0.0, worst_plan_ms = 0.0;
+  double mean_duration_s = 0.0, median_real_time_factor = 0.0;
+};
+[[nodiscard]] SessionSummary summarise(const std::vector<const SessionOutcome*>& outcomes);
+
+}  // namespace tuina::app

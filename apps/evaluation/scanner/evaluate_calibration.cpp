@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <span>
+
+#include "apps/evaluation/verbs.hpp"
+#include "tuina/calibration/calibrate.hpp"
+#include "tuina/core/random.hpp"
+#include "tuina/core/units.hpp"
+#include "tuina/sim/scanner/laser_scanner.hpp"
+#include "tuina/sim/scanner/synthetic_shots.hpp"
+
+namespace tuina::app {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace calibration;
+
+constexpr double added_px = 0.1;
+// Most of an error of range is that of the focal length alone, so one set says little of how large
+// it is usually. Pictures are dear, noise is not.
+constexpr int draws_of_noise = 3;
+
+/// A true error and what was stated of it, over many sets and draws of noise.
+struct Errors {
+  double sum = 0.0;
+  double true2 = 0.0;
+  double stated2 = 0.0;
+  int sets = 0;
+  void add(double error, double stated) {
+    sum += error;
+    true2 += error * error;
+    stated2 += stated * stated;
+    ++sets;
+  }
+  [[nodiscard]] nlohmann::json json() const {
+    return {{"mean", sum / sets},
+            {"rms", std::sqrt(true2 / sets)},
+            {"stated", std::sqrt(stated2 / sets)},
+            {"rms_over_stated", stated2 > 0.0 ? std::sqrt(true2 / stated2) : 0.0}};
+  }
+};
+
+struct Case {
+  int poses;
+  bool noise;
+  [[nodiscard]] std::string name() const {
+    return fmt::format("{} poses, {}", poses, noise ? "0.1 px of noise added" : "clean");
+  }
+};
+
+// As many of the held poses as the case wants, spread over the range, and every standing board.
+Views some_of(const Views& all, const Case& wanted, int held, std::uint64_t seed, int draw) {
+  Views views = all;
+  std::erase_if(views.views, [&](const View& view) {
+    const bool chosen = view.pose * wanted.poses / held != (view.pose - 1) * wanted.poses / held;
+    return view.pose > 0 && view.pose < held && !chosen;
+  });
+  if (!wanted.noise) return views;
+  Random random = make_random(seed, fmt::format("noise of corners and line {}", draw));
+  for (View& view : views.views) {
+    for (Vector2& corner : view.corners_px) {
+      corner += Vector2(gaussian(random, added_px), gaussian(random, added_px));
+    }
+    for (auto& point : view.line) point.column_px += static_cast<float>(gaussian(random, added_px));
+  }
+  return views;
+}
+
+/// How far rehearsed calibrations are from the truth, and from what they say of themselves.
+class EvaluateCalibration final : public Verb {
+ public:
+  [[nodiscard]] const char* name() const override { return "evaluate calibration"; }
+  [[nodiscard]] const char* summary() const override {
+    return "rehearsed calibrations against the truth: 20 and 40 poses, clean and with noise";
+  }
+  [[nodiscard]] const char* example() const override {
+    return "tuina evaluate calibration --sets 10";
+  }
+  void describe(CLI::App& command) override {
+    command.add_option("--sets", sets_, "rehearsed sets, each with a scanner of its own")
+        ->check(CLI::Range(1, 1000))
+        ->capture_default_str();
+  }
+
+  [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
+    const sim::RehearsalOptions options;
+    const Case cases[] = {{options.poses, false},
+                          {options.poses, true},
+                          {options.poses / 2, false},
+                          {options.poses / 2, true}};
+    std::map<std::string, std::map<std::string, Errors>> table;
+    const auto bar = progress_bar(common, "evaluate calibration");
+    for (int set = 0; set < sets_; ++set) {
+      const std::uint64_t seed = common.seed + static_cast<std::uint64_t>(set);
+      const auto done = one_set(seed, options, cases, table);
+      if (!done) return tl::unexpected(done.error());
+      if (bar) bar((set + 1.0) / sets_);
+    }
+    nlohmann::json json;
+    std::string text;
+    for (const auto& [name, quantities] : table) {
+      text += fmt::format("{}{}\n", text.empty() ? "" : "\n", name);
+      for (const auto& [quantity, errors] : quantities) {
+        const auto one = errors.json();
+        json[name][quantity] = one;
+        text += fmt::format("  {:<26} mean {:8.3f}  rms {:8.3f}  stated {:8.3f}  ratio {:5.2f}\n",
+                            quantity, one["mean"].get<double>(), one["rms"].get<double>(),
+                            one["stated"].get<double>(), one["rms_over_stated"].get<double>());
+      }
+    }
+    text.pop_back();
+    return Answer{.json = nlohmann::json{{"sets", sets_}, {"calibration", json}}.dump(2),
+                  .text = text};
+  }
+
+ private:
+  static Result<void> one_set(std::uint64_t seed, const sim::RehearsalOptions& options,
+                              std::span<const Case> cases,
+                              std::map<std::string, std::map<std::string, Errors>>& table) {
+    std::error_code error;
+    const fs::path folder =
+        fs::temp_directory_path(error) / fmt::format("tuina-rehearsal-{}-{}", ::getpid(), seed);
+    const auto truth = sim::built_scanner(seed);
+    const auto written = sim::rehearse_calibration(truth, seed, folder, options);
+    if (!written) return written;
+    const auto measured = measure(truth, seed, folder, options, cases, table);
+    fs::remove_all(folder, error);
+    return measured;
+  }
+
+  static Result<void> measure(const scanner::ScannerCalibration& truth, std::uint64_t seed,
+                              const fs::path& folder, const sim::RehearsalOptions& options,
+                              std::span<const Case> cases,
+                              std::map<std::string, std::map<std::string, Errors>>& table) {
+    Views all;
+    const auto whole = calibrate_folder(folder, all);
+    if (!whole) return tl::unexpected(whole.error());
+    auto& sweeps = table["sweeps"];
+    sweeps["latency, ms"].add(1e3 * std::abs(whole->calibration.latency_s - truth.latency_s),
+                              1e3 * whole->latency->deviation_s);
+    const Transform& couch = whole->calibration.couch_from_camera;
+    const Transform& true_couch = truth.couch_from_camera;
+    sweeps["height over couch, mm"].add(
+        to_mm(std::abs(couch.translation().z() - true_couch.translation().z())),
+        to_mm(whole->couch->height_deviation_m));
+    const Vector3 up = couch.linear().row(2);
+    const Vector3 true_up = true_couch.linear().row(2);
+    sweeps["tilt over couch, deg"].add(to_deg(up.cross(true_up).norm()),
+                                       to_deg(whole->couch->tilt_deviation_rad));
+    for (const Case& one : cases) {
+      for (int draw = 0; draw < (one.noise ? draws_of_noise : 1); ++draw) {
+        Views views = some_of(all, one, options.poses, seed, draw);
+        const auto result = calibrate(views);
+        if (!result) return tl::unexpected(result.error());
+        add(truth, *result, table[one.name()]);
+      }
+    }
+    return {};
+  }
+
+  static void add(const scanner::ScannerCalibration& truth, const Calibrated& result,
+                  std::map<std::string, Errors>& quantities) {
+    const auto& found = result.calibration;
+    const Covariance& covariance = result.fit.covariance;
+    const auto two = [&](int i, int k) { return std::sqrt(covariance(i, i) + covariance(k, k)); };
+    for (std::size_t i = 0; i < result.expected.size(); ++i) {
+      if (!result.expected[i]) continue;
+      quantities[fmt::format("range at {:.2f} m, mm", told_depths_m[i])].add(
+          to_mm(sim::range_error_m(truth, found, told_depths_m[i])),
+          to_mm(result.expected[i]->systematic_m));
+    }
+    quantities["focal length, px"].add(std::abs(found.camera.fx_px - truth.camera.fx_px),
+                                       std::sqrt(covariance(fx, fx)));
+    const Vector3& axis = truth.axis_direction_in_camera;
+    quantities["axis direction, deg"].add(to_deg(found.axis_direction_in_camera.cross(axis).norm()),
+                                          to_deg(two(axis_tilt_1, axis_tilt_2)));
+    const Vector3 apart = found.axis_point_in_camera - truth.axis_point_in_camera;
+    quantities["axis place, mm"].add(to_mm(apart.cross(axis).norm()),
+                                     to_mm(two(axis_shift_1, axis_shift_2)));
+  }
+
+  int sets_ = 10;
+};
+
+}  // namespace
+
+std::unique_ptr<Verb> make_evaluate_calibration() {
+  return std::make_unique<EvaluateCalibration>();
+}
+
+}  // namespace tuina::app

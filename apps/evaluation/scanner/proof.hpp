@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/evaluation/scanner/trials.hpp"
+#include "tuina/core/progress.hpp"
+
+namespace tuina::app {
+
+/// Scans of backs over one condition that is made worse and worse.
+struct Curve {
+  std::string name;     ///< key in JSON
+  std::string x_label;  ///< with its unit
+  std::vector<double> x = {};
+  std::vector<BackTrial> y = {};
+};
+
+/// What was wanted of the scanner, and what is so.
+struct Target {
+  std::string name;  ///< with its unit
+  double wanted = 0.0;
+  double measured = 0.0;
+  bool at_least = false;  ///< else at most
+  [[nodiscard]] bool reached() const { return at_least ? measured >= wanted : measured <= wanted; }
+};
+
+/// All that `tuina evaluate scanner` measures; what was not asked for is empty.
+struct ScannerProof {
+  int people = 0;
+  std::vector<Target> targets = {};
+  std::vector<WallTrial> walls = {};
+  std::vector<WallTrial> speckled_walls = {};
+  std::map<std::string, BackTrial> backs = {};  ///< by condition
+  std::vector<Curve> curves = {};
+  std::optional<BoxTrial> box = {};
+  std::optional<SphereTrial> sphere = {};
+  PointCloud back_in_couch = {};  ///< of one person who sits, to be looked at
+};
+
+struct ProofOptions {
+  bool walls = true, backs = true, curves = true, bodies = true;
+  int people = 6;
+  std::vector<BuiltScanner> upright = {};  ///< for backs; without any, errors are drawn
+  std::vector<BuiltScanner> across = {};   ///< for walls and the camera across
+};
+
+/// Of walls and backs that were measured, and of the latency of these scanners.
+[[nodiscard]] std::vector<Target> targets_of(const ScannerProof& proof,
+                                             std::span<const BuiltScanner> upright);
+
+[[nodiscard]] Result<ScannerProof> prove_scanner(const ProofOptions& options, std::uint64_t seed,
+                                                 const Progress& progress);
+
+/// One self-contained page.
+[[nodiscard]] std::string page_of(const ScannerProof& proof);
+
+}  // namespace tuina::app

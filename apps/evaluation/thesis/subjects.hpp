@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "apps/cli/table.hpp"
+#include "tuina/core/progress.hpp"
+#include "tuina/core/result.hpp"
+
+namespace tuina::app {
+
+/// [thesis] 6.3.2 again: the seven subjects of Table 6-2 as simulated bodies, each pressed over
+/// bone, hard and soft muscle for a minute by the simulated arm. `figures` is HTML with what Figs.
+/// 6-9, 6-10 and 6-12 show.
+struct ThesisSubjects {
+  ResultTable presses, people;
+  std::string figures;
+};
+[[nodiscard]] Result<ThesisSubjects> press_thesis_subjects(std::uint64_t seed,
+                                                           const Progress& progress);
+
+}  // namespace tuina::app

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/simulated/atlas_source.hpp"
+
+#include "apps/simulated/scanned_people.hpp"
+
+namespace tuina::app {
+
+namespace fs = std::filesystem;
+
+fs::path default_atlas_path() {
+  std::error_code fault;
+  const fs::path program = fs::read_symlink("/proc/self/exe", fault);
+  const fs::path installed = program.parent_path().parent_path() / "share/tuina/models/atlas.tuina";
+  return fs::exists(installed, fault) ? installed : fs::path(TUINA_MODELS) / "atlas.tuina";
+}
+
+Result<std::vector<body::LabelledBody>> read_labelled(const std::vector<std::string>& places) {
+  std::vector<body::LabelledBody> bodies;
+  for (const auto& place : places) {
+    const auto paths = body::list_labelled_bodies(place);
+    if (!paths) return tl::unexpected(paths.error());
+    for (const auto& path : *paths) {
+      auto labelled = body::read_labelled_body(path);
+      if (!labelled) return tl::unexpected(labelled.error());
+      bodies.push_back(std::move(*labelled));
+    }
+  }
+  return bodies;
+}
+
+Result<body::Atlas> open_atlas(const std::string& words, const Progress& progress) {
+  if (words.empty()) return body::read_atlas(default_atlas_path());
+  std::error_code fault;
+  if (!fs::exists(words, fault)) return fail(Fault::file, "{}: there is no such atlas", words);
+  if (!fs::is_directory(words, fault) && fs::path(words).extension() != ".ply")
+    return body::read_atlas(words);
+  auto bodies = read_labelled({words});
+  if (!bodies) return tl::unexpected(bodies.error());
+  scan_everybody(*bodies, 1, {});
+  const auto shipped = body::read_atlas(default_atlas_path());
+  if (!shipped) return tl::unexpected(shipped.error());
+  return body::learn_atlas(*bodies, &*shipped, progress, nullptr);
+}
+
+}  // namespace tuina::app

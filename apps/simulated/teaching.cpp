@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/simulated/teaching.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "apps/simulated/leading_hand.hpp"
+#include "apps/simulated/session_preparation.hpp"
+#include "tuina/body/back_surface.hpp"
+#include "tuina/core/units.hpp"
+#include "tuina/massage/plan.hpp"
+#include "tuina/massage/programme.hpp"
+#include "tuina/massage/zones.hpp"
+#include "tuina/motion/ready_plan.hpp"
+#include "tuina/sim/person/person.hpp"
+
+namespace tuina::app {
+namespace {
+
+using control::ToolPose;
+
+safety::Zone guarded_zone(const massage::PlannedPath& planned) {
+  for (const safety::Zone zone : {safety::Zone::muscle, safety::Zone::kidney}) {
+    if (safety::ceiling_of(zone).set_n <= massage::rule_of(planned.zone).cap_n) return zone;
+  }
+  return safety::Zone::bony;
+}
+
+/// The first path of this technique on this side of the true back, and how the arm gets there.
+Result<motion::ReadyPlan> plan_for(const sim::Person& person, const TeachOrder& order) {
+  PointCloud skin;
+  skin.points = person.skin_in_couch.vertices;
+  const auto back = body::fit_back(skin, {.position = order.position});
+  if (!back) return tl::unexpected(back.error());
+  const auto programme = massage::load_programme("relax");
+  if (!programme) return tl::unexpected(programme.error());
+  auto plan = massage::plan(*back, person.acupoints, person.landmarks, *programme);
+  if (!plan) return tl::unexpected(plan.error());
+  const auto wanted = std::find_if(
+      plan->paths.begin(), plan->paths.end(), [&](const massage::PlannedPath& planned) {
+        return planned.path.technique == order.technique && planned.arm == order.arm;
+      });
+  if (wanted == plan->paths.end()) {
+    return fail(Fault::usage, "the programme `relax` has no {} for the {} arm",
+                name_of(order.technique), name_of(order.arm));
+  }
+  plan->paths = {massage::PlannedPath(*wanted)};
+  plan->paths.front().step = 0;
+  const robot::RobotMount mount = robot::mount_for(order.position);
+  constexpr double standoff_m = 40_mm;
+  return motion::make_ready(std::move(*plan), *back, mount,
+                            robot::both_models(robot::thesis_arm(), mount), mount.base_from_couch,
+                            standoff_m);
+}
+
+HandMotion hand_motion(const motion::ReadyPlan& ready, const ToolPose& home, Arm arm,
+                       const Transform& base_from_couch) {
+  const ContactPath& path = ready.plan.paths.front().path;
+  const auto& way = ready.jobs[arm].front().way_in_base;
+  const auto over = [&](const ContactPoint& point, double height_m) {
+    const Vector3 normal = base_from_couch.linear() * point.normal_in_couch;
+    return ToolPose{base_from_couch * point.at_in_couch + height_m * normal, normal};
+  };
+  HandMotion motion(home);
+  for (const ToolPose& pose : way) motion.go(pose, 0.10);
+  motion.go(over(path.points.front(), -2_mm), 0.04);
+  motion.press(path, base_from_couch);
+  motion.go(over(path.points.back(), 60_mm), 0.04);
+  for (auto pose = way.rbegin(); pose != way.rend(); ++pose) motion.go(*pose, 0.10);
+  motion.go(home, 0.10);
+  return motion;
+}
+
+/// The way of the tool from its first touch to its farthest place, told by the points that the
+/// session's own scan and map find on this back.
+Result<void> add_line(const TeachOrder& order, const sim::Person& person,
+                      const CommonOptions& common, const robot::ArmModel& model,
+                      session::TaughtMotion& motion) {
+  CommonOptions quiet = common;
+  quiet.quiet = true;
+  SessionOrder session;
+  session.person = order.person;
+  session.position = order.position;
+  const auto setting = read_setting(session, {}, quiet);
+  if (!setting) return tl::unexpected(setting.error());
+  const auto prepared = prepare(*setting, person);
+  if (!prepared) return tl::unexpected(prepared.error());
+  const auto chart =
+      massage::BackChart::from(prepared->located.acupoints, prepared->located.landmarks);
+  if (!chart) return tl::unexpected(chart.error());
+  const Transform couch_from_base =
+      believed_base_from_couch(*setting, robot::mount_for(order.position)).inverse();
+
+  constexpr double working_n = 6.0, apart_m = 15_mm;
+  std::vector<Vector3> way;
+  std::vector<const session::TaughtSample*> worked;
+  for (const session::TaughtSample& sample : motion.samples) {
+    if (sample.force_n < working_n) continue;
+    const Transform tool = model.base_from_tool(sample.q_rad, motion.rail_m);
+    const Vector3 foremost =
+        tool.translation() - model.table().tool_radius_m * control::tool_normal(tool);
+    way.push_back(couch_from_base * foremost);
+    worked.push_back(&sample);
+  }
+  if (way.empty()) return {};
+  // Strokes are shown several times; the first ends where it is as far as any goes.
+  const auto far_m = [&](const Vector3& place) { return (place - way.front()).norm(); };
+  double farthest_m = 0.0;
+  for (const Vector3& place : way) farthest_m = std::max(farthest_m, far_m(place));
+  constexpr double nearly_m = 10_mm;
+  const auto end = std::find_if(way.begin(), way.end(), [&](const Vector3& place) {
+    return far_m(place) > farthest_m - nearly_m;
+  });
+  way.erase(end + 1, way.end());
+  worked.resize(way.size());
+  double length_m = 0.0;
+  std::vector<double> forces;
+  Vector3 last = way.front();
+  motion.line = {chart->relative(chart->place_of(last))};
+  for (std::size_t i = 0; i < way.size(); ++i) {
+    forces.push_back(worked[i]->force_n);
+    if ((way[i] - last).norm() < apart_m && i + 1 < way.size()) continue;
+    length_m += (way[i] - last).norm();
+    last = way[i];
+    motion.line.push_back(chart->relative(chart->place_of(last)));
+  }
+  const auto middle = forces.begin() + static_cast<std::ptrdiff_t>(forces.size() / 2);
+  std::nth_element(forces.begin(), middle, forces.end());
+  motion.force_n = *middle;
+  motion.speed_m_per_s = length_m / std::max(worked.back()->time_s - worked.front()->time_s, 0.1);
+  return {};
+}
+
+}  // namespace
+
+Result<TaughtByHand> record_by_hand(const TeachOrder& order, const session::Config& config,
+                                    const CommonOptions& common) {
+  const auto person = sim::parse_person(order.person, order.position, common.seed);
+  if (!person) return tl::unexpected(person.error());
+  const auto ready = plan_for(*person, order);
+  if (!ready) return tl::unexpected(ready.error());
+  auto made = TeachingStage::make(*person, {.q_rad = ready->ready_rad, .rail_m = ready->rail_m},
+                                  config, common.seed);
+  if (!made) return tl::unexpected(made.error());
+  TeachingStage& stage = **made;
+  const Arm arm = order.arm;
+  const robot::ArmModel& model = stage.models[arm];
+  const double radius_m = model.table().tool_radius_m;
+  const Transform home = model.base_from_tool(ready->ready_rad[arm], ready->rail_m);
+  const HandMotion wanted = hand_motion(
+      *ready,
+      {home.translation() - radius_m * control::tool_normal(home), control::tool_normal(home)}, arm,
+      stage.mount.base_from_couch);
+
+  const massage::PlannedPath& planned = ready->plan.paths.front();
+  TaughtByHand taught{.motion = {.name = planned.path.name,
+                                 .position = order.position,
+                                 .arm = arm,
+                                 .rail_m = ready->rail_m,
+                                 .zone = guarded_zone(planned)}};
+  Hand hand;
+  constexpr double learning_s = 3.5;  // the arm learns its friction before it is led
+  const double end_s = learning_s + wanted.duration_s() + 0.5;
+  const Progress bar = progress_bar(common, "teach");
+  for (;;) {
+    const robot::RobotReading reading = stage.plant->read();
+    if (const char* fault = stage.plant->fault())
+      return fail(Fault::device, "the robot: {}", fault);
+    const double time_s = reading.time_s - learning_s;
+    if (reading.time_s > end_s) break;
+    if (bar && reading.tick % 100 == 0) bar(reading.time_s / end_s);
+    for (const Arm side : both_arms) stage.arms[side].sense(reading, side);
+    GuardedArm& led = stage.arms[arm];
+    if (reading.tick == 0) {
+      for (const Arm side : both_arms) stage.arms[side].controller.start(stage.arms[side].state);
+    } else if (time_s >= 0.0 && led.controller.status().doing != control::Doing::lead) {
+      led.controller.lead();
+    }
+    robot::RobotCommand command{.rail_m = ready->rail_m};
+    for (const Arm side : both_arms) {
+      GuardedArm& one = stage.arms[side];
+      const JointVector torque =
+          one.controller.step(one.state, reading.rail_m, TeachingStage::tick_s);
+      const robot::ArmDynamics& dynamics = one.controller.dynamics();
+      const bool skin = side == arm && one.state.contact_in_base.force_n.norm() > 1.5;
+      command.torque_nm[side] =
+          one.allow(reading, side, dynamics,
+                    {.torque_nm = torque,
+                     .phase = skin ? safety::Phase::contact : safety::Phase::free,
+                     .zone = side == arm ? taught.motion.zone : safety::Zone::denied,
+                     .normal_in_base = control::tool_normal(dynamics.base_from_tool),
+                     .virtual_target_in_base = dynamics.base_from_tool.translation()});
+      if (one.verdict.latched) {
+        return fail(Fault::stopped, "the {} arm stopped while it was led: {}", name_of(side),
+                    safety::name_of(one.verdict.cause));
+      }
+    }
+    if (!stage.separation.keeps(reading)) {
+      return fail(Fault::stopped, "the arm was led too near to the other one");
+    }
+    stage.plant->apply(command);
+    if (time_s < 0.0) continue;
+
+    const sim::ArmTruth& truth = stage.plant->truth().arms[arm];
+    const Transform base_from_tool = stage.mount.base_from_couch * truth.couch_from_tool;
+    const Wrench push = hand.push(wanted.at(time_s), base_from_tool,
+                                  stage.mount.base_from_couch.linear() * truth.velocity_in_couch,
+                                  truth.contact.force_n, radius_m);
+    stage.plant->push(arm, push);
+    taught.peak_hand_n = std::max(taught.peak_hand_n, push.force_n.norm());
+    taught.truth.push_back(stage.row(arm, time_s));
+    const Vector3 out = control::tool_normal(led.state.base_from_tool);
+    taught.motion.samples.push_back(
+        {.time_s = static_cast<double>(taught.motion.samples.size()) * TeachingStage::tick_s,
+         .q_rad = led.state.q_rad,
+         .force_n = led.state.contact_in_base.force_n.dot(out)});
+  }
+  if (bar) bar(1.0);
+  taught.motion = session::smoothed(taught.motion);
+  if (order.technique == Technique::stroke) {
+    if (auto added = add_line(order, *person, common, model, taught.motion); !added)
+      return tl::unexpected(added.error());
+  }
+  return taught;
+}
+
+}  // namespace tuina::app

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "apps/cli/command_line.hpp"
+#include "apps/simulated/teaching_stage.hpp"
+#include "tuina/core/contact.hpp"
+#include "tuina/session/config.hpp"
+#include "tuina/session/taught_motion.hpp"
+
+namespace tuina::app {
+
+/// What a simulated masseur shows to an arm.
+struct TeachOrder {
+  std::string person = "phantom:medium";
+  Position position = Position::sitting;
+  Technique technique = Technique::stroke;  ///< of the programme `relax`, its first on that side
+  Arm arm = Arm::left;
+};
+
+struct TaughtByHand {
+  session::TaughtMotion motion;  ///< smoothed
+  std::vector<TeachRow> truth;   ///< while it was led
+  double peak_hand_n = 0.0;      ///< that the hand needed
+};
+
+/// The arm in lead-through, a hand that leads it through the air, over the skin and home again.
+[[nodiscard]] Result<TaughtByHand> record_by_hand(const TeachOrder& order,
+                                                  const session::Config& config,
+                                                  const CommonOptions& common);
+
+}  // namespace tuina::app

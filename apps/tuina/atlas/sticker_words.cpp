@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/tuina/atlas/sticker_words.hpp"
+
+#include <algorithm>
+#include <set>
+#include <string_view>
+
+#include "tuina/core/io/near_miss.hpp"
+
+namespace tuina::app {
+namespace {
+
+constexpr const char* right_form = "blue=SI11,BL47,BL50 green=GV4 is a right one";
+
+std::vector<std::string> split(std::string_view text, char at) {
+  std::vector<std::string> parts;
+  for (;;) {
+    const auto end = text.find(at);
+    parts.emplace_back(text.substr(0, end));
+    if (end == std::string_view::npos) return parts;
+    text.remove_prefix(end + 1);
+  }
+}
+
+/// The point or the pair that a name means.
+Result<std::vector<std::string>> level_of(const std::string& name,
+                                          const std::vector<std::string>& known,
+                                          const char* option) {
+  const auto has = [&](const std::string& word) {
+    return std::find(known.begin(), known.end(), word) != known.end();
+  };
+  if (has(name)) return std::vector<std::string>{name};
+  if (has(name + "_L") && has(name + "_R")) return std::vector{name + "_L", name + "_R"};
+  std::vector<std::string> words;
+  for (const std::string& word : known) {
+    const bool sided = word.ends_with("_L") || word.ends_with("_R");
+    const std::string base = sided ? word.substr(0, word.size() - 2) : word;
+    if (words.empty() || words.back() != base) words.push_back(base);
+  }
+  return fail(Fault::usage, "{}: no point is called '{}'; {}", option, name,
+              suggestion(name, words));
+}
+
+}  // namespace
+
+std::size_t StickerGroup::count() const {
+  std::size_t sum = 0;
+  for (const auto& level : levels) sum += level.size();
+  return sum;
+}
+
+Result<std::vector<StickerGroup>> parse_stickers(const std::vector<std::string>& words,
+                                                 const std::vector<std::string>& known,
+                                                 const char* option) {
+  std::vector<StickerGroup> groups;
+  std::set<std::string> named;
+  for (const std::string& word : words) {
+    const auto equals = word.find('=');
+    if (equals == std::string::npos) {
+      return fail(Fault::usage, "{}: '{}' names no colour and points; {}", option, word,
+                  right_form);
+    }
+    const auto colour = scanner::sticker_colour(word.substr(0, equals));
+    if (!colour) {
+      std::vector<std::string> colours;
+      for (const auto one : scanner::sticker_colours) colours.emplace_back(scanner::name_of(one));
+      return fail(Fault::usage, "{}: stickers are not told by the colour '{}'; {}", option,
+                  word.substr(0, equals), suggestion(word.substr(0, equals), colours));
+    }
+    for (const StickerGroup& other : groups) {
+      if (other.colour == *colour) {
+        return fail(Fault::usage, "{}: {} stands there twice; all its points go into one list",
+                    option, scanner::name_of(*colour));
+      }
+    }
+    StickerGroup group{.colour = *colour, .levels = {}};
+    for (const std::string& name : split(std::string_view(word).substr(equals + 1), ',')) {
+      auto level = level_of(name, known, option);
+      if (!level) return tl::unexpected(level.error());
+      for (const std::string& point : *level) {
+        if (!named.insert(point).second) {
+          return fail(Fault::usage, "{}: {} is named twice", option, point);
+        }
+      }
+      group.levels.push_back(std::move(*level));
+    }
+    groups.push_back(std::move(group));
+  }
+  return groups;
+}
+
+}  // namespace tuina::app

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: Apache-2.0
+// Two arms made ready for a plan: do they keep apart, and is what was rehearsed what they do?
+#include <doctest/doctest.h>
+#include <fmt/format.h>
+
+#include "tests/folder.hpp"
+#include "tuina/motion/ready_plan.hpp"
+#include "tuina/motion/rollout.hpp"
+#include "tuina/robot/standing.hpp"
+#include "tuina/robot/successor.hpp"
+#include "tuina/sim/person/person.hpp"
+
+using namespace tuina;
+
+namespace {
+
+motion::ReadyPlan ready_for(const char* who, Position position, const char* what,
+                            std::uint64_t seed, robot::Kind kind = robot::Kind::thesis) {
+  const auto person = sim::parse_person(who, position, seed);
+  REQUIRE(person.has_value());
+  PointCloud skin_in_couch;
+  skin_in_couch.points = person->skin_in_couch.vertices;
+  const auto back = body::fit_back(skin_in_couch, {.position = position});
+  REQUIRE(back.has_value());
+  const auto programme = massage::load_programme(what);
+  REQUIRE(programme.has_value());
+  auto plan = massage::plan(*back, person->acupoints, person->landmarks, *programme);
+  REQUIRE(plan.has_value());
+  const robot::Standing standing = robot::stand(kind, position);
+  const robot::RobotMount& mount = standing.mount;
+  const auto models = robot::both_models(standing.arm, mount);
+  auto ready =
+      motion::make_ready(std::move(*plan), *back, mount, models, mount.base_from_couch, 40e-3);
+  REQUIRE(ready.has_value());
+  return std::move(*ready);
+}
+
+}  // namespace
+
+TEST_CASE("whatever the timing, the arms are planned at least 45 mm apart, travel included") {
+  for (const char* who : {"phantom:slim", "phantom:medium", "phantom:hefty"}) {
+    for (const Position position : {Position::sitting, Position::prone}) {
+      for (const char* what : {"relax", "demonstration", "lower_back", "shoulders"}) {
+        const motion::ReadyPlan ready = ready_for(who, position, what, 5);
+        CAPTURE(who);
+        CAPTURE(name_of(position));
+        CAPTURE(what);
+        CHECK(ready.min_arm_distance_m >= 45e-3);
+        CHECK(ready.min_arm_distance_m < 0.4);
+        for (const robot::Surrounding kind : robot::both_surroundings) {
+          CHECK(ready.clear[kind] >= 45e-3);
+          CHECK(ready.clear[kind] < 0.6);
+        }
+      }
+    }
+  }
+}
+
+TEST_CASE("the whole back is worked on, nothing left out because of the other arm") {
+  for (const Position position : {Position::sitting, Position::prone}) {
+    const motion::ReadyPlan ready = ready_for("phantom:medium", position, "full_back_20min", 5);
+    CAPTURE(name_of(position));
+    CHECK(ready.reachable);
+    CHECK(ready.min_arm_distance_m >= 55e-3);
+    CHECK(ready.plan.paths.size() >= 40);
+  }
+}
+
+TEST_CASE("the successor's seven joints do a programme within their ranges, nothing left out") {
+  for (const auto& [position, what] :
+       {std::pair(Position::sitting, "full_back_20min"), std::pair(Position::prone, "relax")}) {
+    const motion::ReadyPlan ready =
+        ready_for("phantom:medium", position, what, 5, robot::Kind::successor);
+    CAPTURE(name_of(position));
+    CHECK(ready.reachable);
+    CHECK(ready.min_arm_distance_m >= 45e-3);
+    for (const robot::Surrounding kind : robot::both_surroundings) {
+      CHECK(ready.clear[kind] >= 45e-3);
+    }
+    for (const Arm arm : both_arms) {
+      for (const motion::ArmJob& job : ready.jobs[arm]) {
+        REQUIRE(job.posture_rad.size() == 7);
+        CHECK(robot::limit_room_rad(robot::successor_arm(), job.posture_rad) > 0.0);
+      }
+    }
+  }
+}
+
+TEST_CASE("hand after hand, the idle arm hovers over its place instead of flying home") {
+  const test::Folder folder;
+  const std::string hands = folder.with("hands.toml",
+                                        "name = \"hands\"\n[[part]]\ntechnique = \"press\"\n"
+                                        "points = [\"BL47\", \"BL50\"]\n"
+                                        "alternating = true\nrepeats = 4\n");
+  const motion::ReadyPlan ready = ready_for("phantom:medium", Position::prone, hands.c_str(), 5);
+  REQUIRE(ready.plan.paths.size() == 16);
+  int home = 0;
+  for (const Arm arm : both_arms) {
+    for (const motion::ArmJob& job : ready.jobs[arm]) {
+      home += job.path < 0 && job.posture_rad == ready.ready_rad[arm] ? 1 : 0;
+    }
+  }
+  CHECK(home == 2);  // at the end
+}
+
+TEST_CASE("both arms end where they began, and their steps run in one order") {
+  const motion::ReadyPlan ready = ready_for("phantom:medium", Position::prone, "relax", 5);
+  for (const Arm arm : both_arms) {
+    REQUIRE_FALSE(ready.jobs[arm].empty());
+    CHECK(ready.jobs[arm].back().path == -1);
+    CHECK(ready.jobs[arm].back().posture_rad == ready.ready_rad[arm]);
+    int step = -1;
+    for (const motion::ArmJob& job : ready.jobs[arm]) {
+      CHECK(job.step > step);
+      step = job.step;
+    }
+  }
+  std::vector<int> served(ready.plan.paths.size(), 0);
+  for (const Arm arm : both_arms) {
+    for (const motion::ArmJob& job : ready.jobs[arm]) {
+      if (job.path >= 0) ++served[static_cast<std::size_t>(job.path)];
+    }
+  }
+  for (const int times : served) CHECK(times == 1);
+}
+
+TEST_CASE("an arm on its own side is as far from its mirror image as twice its way to the middle") {
+  const robot::RobotMount mount = robot::mount_for(Position::prone);
+  const auto models = robot::both_models(robot::thesis_arm(), mount);
+  const auto ready = robot::ready_posture(models[Arm::left].table(), mount);
+  PerArm<motion::Passage> stays;
+  for (const Arm arm : both_arms) {
+    motion::Rehearsal rehearsal(models[arm], 0.0, ready[arm], 0.2);
+    const Transform tool = models[arm].base_from_tool(ready[arm], 0.0);
+    const Vector3 normal = -tool.linear().col(0);
+    rehearsal.fly({.at_in_base = tool.translation() - 17e-3 * normal, .normal_in_base = normal},
+                  ready[arm], stays[arm]);
+    // A tool that is already there moves nothing.
+    CHECK((rehearsal.q_rad() - ready[arm]).norm() < 1e-6);
+  }
+  const double apart_m =
+      motion::distance_between_m(models, {.of = {&stays[Arm::left], &stays[Arm::right]}});
+  const double inward_m = stays[Arm::left].inward_m(models[Arm::left], Arm::left);
+  CHECK(inward_m == doctest::Approx(stays[Arm::right].inward_m(models[Arm::right], Arm::right)));
+  CHECK(apart_m == doctest::Approx(-2.0 * inward_m).epsilon(1e-3));
+}

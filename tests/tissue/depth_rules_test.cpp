@@ -1,0 +1,263 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tuina/tissue/depth_rules.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "tuina/core/random.hpp"
+#include "tuina/core/units.hpp"
+#include "tuina/sim/press_scenarios.hpp"
+#include "tuina/tissue/classification.hpp"
+#include "tuina/tissue/press_estimator.hpp"
+#include "tuina/tissue/tangent_model.hpp"
+
+using namespace tuina;
+using namespace tuina::tissue;
+
+namespace {
+
+constexpr TangentTissue bone{4.559, 263.2}, hard{9.786, 185.4}, soft{4.275, 143.6};
+
+/// A converged estimate of the truth, `errors` standard deviations off in alpha and beta.
+TissueEstimate estimate_of(const TangentTissue& truth, double alpha_errors = 0.0,
+                           double beta_errors = 0.0) {
+  constexpr double sd = 0.02;
+  TissueEstimate estimate;
+  estimate.tissue = {truth.alpha_n * (1.0 + alpha_errors * sd),
+                     truth.beta_per_m * (1.0 + beta_errors * sd)};
+  estimate.alpha_ci95_n = 1.96 * sd * estimate.tissue.alpha_n;
+  estimate.beta_ci95_per_m = 1.96 * sd * estimate.tissue.beta_per_m;
+  estimate.presses = 2;
+  estimate.converged = true;
+  return estimate;
+}
+
+const sim::PressScenario& scenario(const std::string& name) {
+  for (const auto& known : sim::press_scenarios()) {
+    if (known.name == name) return known;
+  }
+  FAIL("no such scenario: " << name);
+  return sim::press_scenarios().front();
+}
+
+/// By an estimator that is told how good the sensors are.
+TissueEstimate felt(const std::vector<TimedPress>& record, double until_s,
+                    const sim::PressScenario& by = {}) {
+  PressEstimator estimator({.force_noise_n = by.force_noise_n,
+                            .position_noise_m = by.position_noise_m,
+                            .contact_sd_m = by.contact_sd_m});
+  for (const TimedPress& sample : record) {
+    if (sample.time_s < until_s) estimator.update(sample.time_s, sample.press);
+  }
+  return estimator.estimate();
+}
+
+}  // namespace
+
+TEST_CASE("A1: probing ends within two and a half seconds and never above the region's force") {
+  for (const std::string name : {"N0", "N1", "N2", "N3", "N4", "N6"}) {
+    for (const TangentTissue& tissue : {bone, hard, soft}) {
+      for (const double cap_n : {20.0, 45.0}) {
+        CAPTURE(name);
+        Random random = make_random(3, name);
+        TissueEstimate estimate;
+        double time_s = 0.0, peak_n = 0.0;
+        while (!probed_enough(estimate, peak_n, cap_n) && time_s < 10.0) {
+          peak_n = probing_force_n(estimate, cap_n);
+          CHECK(peak_n <= cap_n);
+          time_s += 1.0;
+          const auto presses = sim::simulate_presses(scenario(name), tissue, peak_n, random);
+          // Seen by the next press: what the tissue is, after as many presses as were made.
+          estimate = felt(presses.record, time_s, scenario(name));
+        }
+        CHECK(time_s <= 2.5);
+      }
+    }
+  }
+}
+
+TEST_CASE("A2: tissue of another law, or an estimate not converged, changes nothing") {
+  TissueEstimate estimate = estimate_of(hard);
+  CHECK(may_steer(estimate, 1.0));
+  CHECK_FALSE(may_steer(estimate, 4.5));
+  CHECK_FALSE(may_steer(estimate, std::numeric_limits<double>::quiet_NaN()));
+  estimate.converged = false;
+  CHECK_FALSE(may_steer(estimate, 1.0));
+  CHECK_FALSE(technique_for(estimate, 1.0, {10.0, 200.0}, 20.0, 45.0).known);
+  CHECK(force_cap_n(estimate, 1.0, 45.0) == 22.5);
+}
+
+TEST_CASE("A3: under the caps no tissue of Table 6-2 is pressed beyond beta x = 1.3") {
+  for (const Subject& subject : table_6_2()) {
+    for (const TangentTissue& row : subject.tissue) {
+      for (const double by : {0.8, 1.0, 1.2}) {
+        const TangentTissue truth{row.alpha_n * by, row.beta_per_m * (2.0 - by)};
+        // Estimates as wrong as their own intervals allow, in the dangerous direction.
+        for (const double errors : {-1.96, 0.0, 1.96}) {
+          const TissueEstimate estimate = estimate_of(truth, errors, -errors);
+          const double cap_n = force_cap_n(estimate, 1.0, 60.0);
+          CHECK(cap_n <= 60.0);
+          CHECK(truth.beta_per_m * depth_at_force(truth, cap_n) < 1.3);
+          CHECK(truth.beta_per_m * depth_cap_m(estimate, 1.0) < 1.3);
+        }
+      }
+    }
+  }
+}
+
+TEST_CASE("A3: what a place is called plays no part in its caps") {
+  // Bone taken for soft muscle: the caps come from what was felt, so they stay those of bone.
+  const TissueEstimate felt_bone = estimate_of(bone);
+  CHECK(force_cap_n(felt_bone, 1.0, 45.0) < 3.0 * bone.alpha_n);
+  CHECK(bone.beta_per_m * depth_cap_m(felt_bone, 1.0) < 1.3);
+}
+
+TEST_CASE("A4: the depth for a force gives that force within a tenth once the tissue is known") {
+  for (const TangentTissue& tissue : {bone, hard, soft}) {
+    for (std::uint64_t seed = 0; seed < 10; ++seed) {
+      Random random = make_random(seed, "feed-forward");
+      const auto presses = sim::simulate_presses(scenario("N0"), tissue, 30.0, random);
+      const TissueEstimate estimate = felt(presses.record, 2.0);
+      const double at_m = position_for_force_m(estimate, 10.0, 0.0);
+      CHECK(force_at_depth(tissue, at_m - estimate.contact_m) ==
+            doctest::Approx(10.0).epsilon(0.1));
+    }
+  }
+  const TissueEstimate estimate = estimate_of(hard);
+  CHECK(position_for_force_m(estimate, 20.0, 20e3) ==
+        doctest::Approx(1_mm + position_for_force_m(estimate, 20.0, 0.0)));
+}
+
+TEST_CASE("A5: a mass led by the springs does not overshoot where bone becomes soft or soft bone") {
+  for (const auto& [from, to] : {std::pair{bone, soft}, std::pair{soft, bone}}) {
+    constexpr double mass_kg = 2.0, force_n = 10.0, h = 1e-4;
+    const double here_m = depth_at_force(from, force_n), there_m = depth_at_force(to, force_n);
+    // The tissue changes while the same force is wanted: the spring leads to the new depth.
+    const double k_to = stiffness_at_force(to, force_n);
+    double K = impedance_for(stiffness_at_force(from, force_n), mass_kg).stiffness_n_per_m;
+    double x = std::min(here_m, there_m), v = 0.0, peak_n = 0.0;
+    for (int i = 0; i < 20000; ++i) {
+      const ContactImpedance wanted = impedance_for(k_to, mass_kg);
+      K = eased_stiffness(K, wanted.stiffness_n_per_m, h);
+      const double tissue_n = force_at_depth(to, x);
+      const double a =
+          (force_n - tissue_n + K * (there_m - x) - wanted.damping_n_s_per_m * v) / mass_kg;
+      v += h * a;
+      x += h * v;
+      peak_n = std::max(peak_n, force_at_depth(to, x));
+    }
+    CHECK(peak_n < 1.15 * force_n);
+    CHECK(force_at_depth(to, x) == doctest::Approx(force_n).epsilon(0.02));
+  }
+}
+
+TEST_CASE("A5: stiffness changes by a fifth in a second at most, and stays within its limits") {
+  double K = 1000.0;
+  for (int i = 0; i < 1000; ++i) K = eased_stiffness(K, 3000.0, 1e-3);
+  CHECK(K < 1000.0 * std::exp(0.2) + 1e-9);
+  CHECK(K > 1150.0);
+  CHECK(impedance_for(1e6, 1.0).stiffness_n_per_m == 3000.0);
+  CHECK(impedance_for(10.0, 1.0).stiffness_n_per_m == 200.0);
+  CHECK(std::isfinite(impedance_for(std::nan(""), 1.0).damping_n_s_per_m));
+}
+
+TEST_CASE("A6: from soft to stiff the share rises without chatter, and noise does not move it") {
+  ControlShare control;
+  int changes = 0;
+  double before = 0.0;
+  Random random = make_random(1, "share");
+  for (double t = 0.0; t < 20.0; t += 1e-3) {
+    const double k = 500.0 * std::pow(100.0, t / 20.0) * std::exp(gaussian(random, 0.05));
+    const double share = control.step(k, 1e-3, 1e-3);
+    CHECK_FALSE(share < before - 0.12);
+    changes += share != before;
+    before = share;
+  }
+  CHECK(changes <= 15);
+  CHECK(control.share() == 1.0);
+  ControlShare moving;
+  for (int i = 0; i < 1000; ++i) moving.step(50e3, 10e-3, 1e-3);
+  CHECK(moving.share() == 0.0);  // never while the tool moves
+}
+
+TEST_CASE("A7: dwelling ends soon after a tenth of softening, and honestly where there is none") {
+  for (const bool softens : {true, false}) {
+    Random random = make_random(2, "dwell");
+    std::vector<PressSet> sets;
+    Dwell dwell = Dwell::go_on;
+    double elapsed_s = 0.0, truth_s = -1.0;
+    const double change_at_first = -0.2 * (1.0 - std::exp(-6.0 / 30.0));
+    while (dwell == Dwell::go_on) {
+      elapsed_s += 6.0;
+      const double change = softens ? -0.2 * (1.0 - std::exp(-elapsed_s / 30.0)) : 0.0;
+      if (softens && truth_s < 0.0 && change < change_at_first - 0.1) truth_s = elapsed_s;
+      sets.push_back({change + gaussian(random, 0.003), 0.003});
+      dwell = dwell_after(sets, elapsed_s);
+    }
+    CHECK(dwell == (softens ? Dwell::softened : Dwell::no_change));
+    if (softens) CHECK(std::abs(elapsed_s - truth_s) <= 12.0);
+    if (!softens) CHECK(elapsed_s <= 30.0);
+  }
+  const PressSet set{0.0, 0.0};
+  CHECK(dwell_after(std::vector<PressSet>{set, {-0.05, 0.0}}, 90.0) == Dwell::time_up);
+}
+
+TEST_CASE("A8: over the bone of a hundred random bodies nothing presses with more than 10 N") {
+  Random random = make_random(4, "bodies");
+  for (int body = 0; body < 100; ++body) {
+    const Subject& subject = table_6_2()[random() % 7];
+    std::vector<TangentTissue> places;
+    for (const TangentTissue& row : subject.tissue)
+      places.push_back({row.alpha_n * std::exp(gaussian(random, 0.1)),
+                        row.beta_per_m * std::exp(gaussian(random, 0.02))});
+    PersonMean person;
+    std::vector<double> betas;
+    for (const TangentTissue& place : places) {
+      person.log_stiffness += std::log(stiffness_at_force(place, 10.0)) / 3.0;
+      betas.push_back(place.beta_per_m);
+    }
+    std::sort(betas.begin(), betas.end());
+    person.median_beta_per_m = betas[1];
+    if (places[0].beta_per_m < betas[2] || betas[2] < 1.05 * betas[1]) continue;  // no thin layer
+    const TechniqueAdvice advice = technique_for(estimate_of(places[0]), 1.0, person, 15.0, 45.0);
+    CHECK((advice.technique != Technique::press || advice.force_n <= 10.0));
+    for (const TangentTissue& place : places) {
+      const TissueEstimate estimate = estimate_of(place);
+      CHECK(technique_for(estimate, 1.0, person, 15.0, 45.0).force_n <=
+            force_cap_n(estimate, 1.0, 45.0));
+    }
+  }
+}
+
+TEST_CASE("A9: a person who tenses is noticed within one press, one who does not is left alone") {
+  for (const TangentTissue& tissue : {bone, hard, soft}) {
+    int false_alarms = 0;
+    for (std::uint64_t seed = 0; seed < 20; ++seed) {
+      Random random = make_random(seed, "guarding");
+      const auto before = sim::simulate_presses(scenario("N0"), tissue, 20.0, random);
+      const TissueEstimate reference = felt(before.record, 6.0);
+      const auto calm = sim::simulate_presses(scenario("N0"), tissue, 20.0, random);
+      const TangentTissue tense{1.4 * tissue.alpha_n, tissue.beta_per_m};
+      const auto tensed = sim::simulate_presses(scenario("N0"), tense, 20.0, random);
+      false_alarms += compare(reference, felt(calm.record, 1.05), 10.0) != Alarm::none;
+      CHECK(compare(reference, felt(tensed.record, 1.05), 10.0) == Alarm::guarding);
+    }
+    CHECK(false_alarms == 0);
+  }
+  TissueEstimate moved = estimate_of(soft);
+  moved.contact_m = 4_mm;
+  CHECK(compare(estimate_of(soft), moved, 10.0) == Alarm::moved);
+}
+
+TEST_CASE("A9: force beyond the tissue's own is an alarm after 50 ms, not after a spike") {
+  MisfitWatch watch;
+  for (int i = 0; i < 40; ++i) CHECK(watch.step(6.0, 1.0, 1e-3) == Alarm::none);
+  CHECK(watch.step(1.0, 1.0, 1e-3) == Alarm::none);
+  Alarm alarm = Alarm::none;
+  for (int i = 0; i < 51; ++i) alarm = watch.step(std::nan(""), 1.0, 1e-3);
+  CHECK(alarm == Alarm::misfit);
+}

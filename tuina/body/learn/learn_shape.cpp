@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tuina/body/learn/learn_shape.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "tuina/body/correction.hpp"
+#include "tuina/core/units.hpp"
+
+namespace tuina::body {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr std::size_t enough_to_correct = 4;  // bodies
+constexpr std::size_t enough_to_learn = 16;   // fewer bend a mean and modes to their own likeness
+
+/// What is learned: the labels of the prior, else those that every body has, acupoints first.
+struct Names {
+  std::vector<std::string> all;
+  int acupoints = 0;
+};
+
+Names names_of(const std::vector<Example>& examples, const ShapeModel* prior) {
+  if (prior != nullptr) return {prior->labels, prior->acupoints};
+  const auto everywhere = [&](const std::string& name) {
+    return std::all_of(examples.begin(), examples.end(),
+                       [&](const Example& e) { return labels_of(e).contains(name); });
+  };
+  Names names;
+  for (const auto& acupoint : examples.front().acupoints) {
+    if (everywhere(acupoint.name)) names.all.push_back(acupoint.name);
+  }
+  names.acupoints = static_cast<int>(names.all.size());
+  for (const auto& landmark : examples.front().landmarks) {
+    if (everywhere(landmark.name)) names.all.push_back(landmark.name);
+  }
+  return names;
+}
+
+/// Who is learned from; with two views, each is followed by the mirrored twin.
+struct People {
+  const std::vector<Example>& examples;
+  Names names;
+  std::size_t views = 1;
+};
+
+/// Everybody registered.
+struct Register {
+  const People& people;
+  Template standard;
+  std::vector<Registered> backs;
+
+  /// The model of everybody, or of everybody but one fold.
+  [[nodiscard]] ShapeModel model(const LearnOptions& options, std::size_t fold = 0,
+                                 std::size_t folds = 0) const {
+    std::vector<const Registered*> chosen;
+    int persons = 0;
+    for (std::size_t i = 0; i < backs.size(); ++i) {
+      if (folds > 0 && i / people.views % folds == fold) continue;
+      chosen.push_back(&backs[i]);
+      persons += i % people.views == 0 ? 1 : 0;
+    }
+    ShapeModel made = model_of(chosen, standard, persons, options.statistics);
+    made.position = people.examples.front().back.position();
+    made.acupoints = people.names.acupoints;
+    made.labels = people.names.all;
+    return made;
+  }
+};
+
+/// Which labels an example has; what is not there teaches nothing.
+Places labels_or(const Example& example, const std::vector<std::string>& names,
+                 const Places& otherwise) {
+  const auto known = labels_of(example);
+  Places places = otherwise;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (const auto own = known.find(names[i]); own != known.end()) {
+      places.col(static_cast<Index>(i)) = own->second;
+    }
+  }
+  return places;
+}
+
+/// Every back fitted by a model that has not seen it: `others_of` a fold of the people.
+template <typename OthersOf>
+LeftOut leave_out(const People& people, const ShapeModel& model, std::size_t folds,
+                  const OthersOf& others_of, const Progress& progress) {
+  const auto columns = static_cast<Index>(people.views * people.examples.size());
+  const auto labels = static_cast<Index>(people.names.all.size());
+  LeftOut left{.features = MatrixXd(model.modes.cols(), columns),
+               .targets_mm = MatrixXd(3 * labels, columns),
+               .variance_m2 = MatrixXd(labels, columns),
+               .residual_m = VectorXd(columns),
+               .views = static_cast<Index>(people.views)};
+  for (std::size_t fold = 0; fold < folds; ++fold) {
+    const ShapeModel others = others_of(fold);
+    for (Index column = 0; column < columns; ++column) {
+      const auto i = static_cast<std::size_t>(column);
+      if (i / people.views % folds != fold) continue;
+      const Example* example = &people.examples[i / people.views];
+      std::optional<Example> twin;
+      if (i % people.views == 1) {
+        twin.emplace(mirrored(*example));
+        example = &*twin;
+      }
+      const ShapeFit fit = fit_shape(others, example->shown());
+      const Transform model_from_couch =
+          align(fit.skin_in_couch, model.mean.leftCols(model.skin_points()));
+      left.features.col(column) = skin_features(model, model_from_couch * fit.skin_in_couch);
+      const Places off =
+          1e3 *
+          (model_from_couch.linear() *
+           (labels_or(*example, people.names.all, fit.labels_in_couch) - fit.labels_in_couch));
+      left.targets_mm.col(column) = Eigen::Map<const VectorXd>(off.data(), off.size());
+      left.variance_m2.col(column) = fit.label_var_m2;
+      left.residual_m[column] = fit.residual_m;
+      left.most_unusual = std::max(left.most_unusual, fit.unusualness());
+    }
+    if (progress) progress(static_cast<double>(fold + 1) / static_cast<double>(folds));
+  }
+  return left;
+}
+
+/// A model, and how far each acupoint (row) of each back (column) is off when its person is left
+/// out; empty where there were too few to tell.
+struct Learned {
+  ShapeModel model;
+  MatrixXd out_of_fold_mm;
+};
+
+MatrixXd acupoint_errors(const MatrixXd& wrong_mm, int acupoints) {
+  MatrixXd errors_mm(acupoints, wrong_mm.cols());
+  for (Index i = 0; i < wrong_mm.cols(); ++i) {
+    for (Index l = 0; l < acupoints; ++l) errors_mm(l, i) = wrong_mm.block<3, 1>(3 * l, i).norm();
+  }
+  return errors_mm;
+}
+
+/// Mean and modes of these people, with what a prior in the statistics knows.
+Learned learned_shape(const People& people, const LearnOptions& options, const Progress& progress) {
+  const auto& examples = people.examples;
+  const auto& names = people.names;
+  const ShapeModel* prior = options.statistics.prior;
+  Register all{.people = people,
+               .standard = prior != nullptr
+                               ? template_of(*prior)
+                               : make_template(examples[medium_of(examples, names.all)], names.all,
+                                               options.reach),
+               .backs = {}};
+  for (const Example& example : examples) {
+    all.backs.push_back(registered(all.standard, example, names.all));
+    if (people.views == 2) {
+      all.backs.push_back(registered(all.standard, mirrored(example), names.all));
+    }
+    if (progress) {
+      progress(0.4 * static_cast<double>(all.backs.size()) /
+               static_cast<double>(people.views * examples.size()));
+    }
+  }
+  Learned learned{.model = all.model(options), .out_of_fold_mm = {}};
+  ShapeModel& model = learned.model;
+  if (prior != nullptr) {
+    model.bodies += prior->bodies;
+    if (prior->correction.size() > 0) model.correction = correction_carried(*prior, model);
+  }
+  if (examples.size() < enough_to_correct) {
+    const ShapeFit own = fit_shape(model, examples.front().shown());
+    model.nominal_var_m2 = own.label_var_m2;
+    model.usual_residual_m = own.residual_m;
+    // A sphere holds 95 % of a round Gaussian within 2.8 standard deviations.
+    model.radius95_m = 2.8 * own.label_var_m2.cwiseSqrt();
+    return learned;
+  }
+  model.radius95_m = VectorXd::Zero(static_cast<Index>(names.all.size()));
+  const auto folds = std::min(static_cast<std::size_t>(options.folds), examples.size());
+  const LeftOut left = leave_out(
+      people, model, folds, [&](std::size_t fold) { return all.model(options, fold, folds); },
+      [&](double done) {
+        if (progress) progress(0.4 + 0.6 * done);
+      });
+  learned.out_of_fold_mm = acupoint_errors(learn_correction(left, model), names.acupoints);
+  return learned;
+}
+
+/// The shape of the prior as it is, corrected by what these people show: few are those whose mean
+/// and modes would say more about their choice than about others.
+Learned corrected_prior(const People& people, const ShapeModel& prior, const Progress& progress) {
+  const LeftOut left = leave_out(
+      people, prior, 1, [&](std::size_t) { return prior; }, progress);
+  Learned learned{.model = prior, .out_of_fold_mm = {}};
+  ShapeModel& model = learned.model;
+  const MatrixXd wrong_mm = learn_correction(left, model);
+  model.bodies += static_cast<int>(people.examples.size());
+  if (people.examples.size() >= enough_to_correct) {
+    learned.out_of_fold_mm = acupoint_errors(wrong_mm, people.names.acupoints);
+    // A few who happen to be easy say nothing against the radii of the prior.
+    model.radius95_m = model.radius95_m.cwiseMax(prior.radius95_m);
+  } else {
+    model.radius95_m = prior.radius95_m;
+    model.nominal_var_m2 = prior.nominal_var_m2;
+    model.usual_residual_m = prior.usual_residual_m;
+    model.most_unusual = prior.most_unusual;
+  }
+  return learned;
+}
+
+}  // namespace
+
+Result<ShapeModel> learn_shape(const std::vector<Example>& examples, const LearnOptions& options,
+                               const Progress& progress, MatrixXd* out_of_fold_mm) {
+  if (examples.empty()) return fail(Fault::bad_input, "no body to learn from");
+  const ShapeModel* prior = options.prior;
+  const std::size_t views = options.mirror && (examples.size() > 1 || prior != nullptr) ? 2U : 1U;
+  const People people{.examples = examples, .names = names_of(examples, nullptr), .views = views};
+  const People known{.examples = examples, .names = names_of(examples, prior), .views = views};
+  Learned learned;
+  if (prior != nullptr && examples.size() < enough_to_learn) {
+    learned = corrected_prior(known, *prior, progress);
+  } else if (prior != nullptr) {
+    // With enough people two ways are open; the one that errs less on people left out is kept.
+    const bool alone = people.names.all.size() >= known.names.all.size();
+    LearnOptions with_prior = options;
+    with_prior.statistics.prior = prior;
+    learned = learned_shape(known, with_prior, [&](double done) {
+      if (progress) progress(alone ? 0.5 * done : done);
+    });
+    if (alone) {
+      Learned own = learned_shape(people, options, [&](double done) {
+        if (progress) progress(0.5 + 0.5 * done);
+      });
+      if (own.out_of_fold_mm.mean() < learned.out_of_fold_mm.mean()) learned = std::move(own);
+    }
+  } else {
+    learned = learned_shape(people, options, progress);
+  }
+  if (out_of_fold_mm != nullptr && learned.out_of_fold_mm.size() > 0) {
+    *out_of_fold_mm = std::move(learned.out_of_fold_mm);
+  }
+  return std::move(learned.model);
+}
+
+}  // namespace tuina::body

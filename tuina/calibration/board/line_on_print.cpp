@@ -1,0 +1,334 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tuina/calibration/board/line_on_print.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "tuina/core/random.hpp"
+
+namespace tuina::calibration {
+namespace {
+
+using scanner::LinePoint;
+
+constexpr int tries = 200;
+constexpr double along_line_px = 2.0;  // of a point from the line across the board, lens and all
+constexpr std::size_t least_points = 12;
+constexpr double window_widths = 4.0;
+constexpr double least_height = 5.0;  // of the line, in standard deviations of it
+constexpr double converged_px = 1e-3;
+constexpr int clipped_dn = 254;  // the flanks of a line that is too bright tell its place as well
+// What printed black adds to the light of the line, as a share of what white does beyond what it
+// shows of the room's light. A camera with a black level, or a line as bright on black, need it.
+constexpr std::array<double, 7> shares = {0.0, 0.05, 0.1, 0.25, 0.5, 1.0, 100.0};
+constexpr std::array<double, 13> width_factors = {0.5,  0.6,  0.7,  0.78, 0.86, 0.93, 1.0,
+                                                  1.08, 1.16, 1.35, 1.6,  2.0,  2.5};
+constexpr int coarse_rows = 5;  // of so many rows one is fitted to try share and width
+constexpr double surely =
+    0.97;  // what a larger share must leave at most of what a smaller one does
+// Along a board the light is even but for speckle, and beside the line there is no more than the
+// board shows. Without knowing this a row with one flank on white would have any place.
+constexpr double even_height = 0.1;
+constexpr double even_offset_dn = 3.0;
+
+template <typename T>
+double middle_of(std::vector<T>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return static_cast<double>(*middle);
+}
+
+bool inside(const std::array<Vector2, 4>& corners, const Vector2& at) {
+  int left = 0;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const Vector2 side = corners[(i + 1) % 4] - corners[i];
+    const Vector2 to = at - corners[i];
+    left += side.x() * to.y() - side.y() * to.x() > 0.0 ? 1 : -1;
+  }
+  return std::abs(left) == 4;
+}
+
+// A light plane meets a board in a straight line, which the lens bends a little.
+struct Course {
+  double middle_row = 0.0;
+  Vector3 coefficients = Vector3::Zero();
+  [[nodiscard]] double column_at(double row) const {
+    const double y = (row - middle_row) / 100.0;
+    return coefficients.dot(Vector3(1.0, y, y * y));
+  }
+};
+
+Course fit_course(const std::vector<Vector2>& points) {
+  Course course;
+  for (const Vector2& point : points) course.middle_row += point.y();
+  course.middle_row /= static_cast<double>(points.size());
+  Matrix3 sums = Matrix3::Zero();
+  sums(2, 2) = 1e-3 * static_cast<double>(points.size());
+  Vector3 moments = Vector3::Zero();
+  for (const Vector2& point : points) {
+    const double y = (point.y() - course.middle_row) / 100.0;
+    const Vector3 place(1.0, y, y * y);
+    sums += place * place.transpose();
+    moments += place * point.x();
+  }
+  course.coefficients = sums.ldlt().solve(moments);
+  return course;
+}
+
+std::optional<Course> find_course(const std::vector<Vector2>& points) {
+  if (points.size() < least_points) return std::nullopt;
+  Random random = make_random(1, "line on print");
+  const auto draw = [&] {
+    const auto i =
+        static_cast<std::size_t>(uniform(random, 0.0, 1.0) * static_cast<double>(points.size()));
+    return points[std::min(i, points.size() - 1)];
+  };
+  std::vector<Vector2> best;
+  for (int i = 0; i < tries; ++i) {
+    const Vector2 a = draw();
+    const Vector2 b = draw();
+    if (std::abs(a.y() - b.y()) < 5.0) continue;
+    const double slope = (b.x() - a.x()) / (b.y() - a.y());
+    std::vector<Vector2> on;
+    for (const Vector2& point : points) {
+      if (std::abs(a.x() + slope * (point.y() - a.y()) - point.x()) < along_line_px) {
+        on.push_back(point);
+      }
+    }
+    if (on.size() > best.size()) best = std::move(on);
+  }
+  if (best.size() < least_points || best.size() < points.size() / 3) return std::nullopt;
+  return fit_course(best);
+}
+
+// How wide the line is, the share of its light that printed black adds, and how high it is along
+// the rows.
+struct Look {
+  double share = 0.0;
+  double width_px = 1.0;
+  double height_dn = 0.0;  ///< at row 0; 0: not known yet
+  double height_dn_per_row = 0.0;
+  [[nodiscard]] double height_at(int row) const { return height_dn + row * height_dn_per_row; }
+};
+
+class Fit {
+ public:
+  Fit(ImageView laser, ImageView board, double width_px, double noise_dn)
+      : laser_(laser),
+        board_(board),
+        width_px_(width_px),
+        window_px_(window_widths * width_px),
+        noise_dn_(std::max(0.5, noise_dn)) {}
+
+  // How the board without laser shows in the laser picture, which is darker: scale and offset, from
+  // places beside the line.
+  void learn_board(const Course& course, const std::array<Vector2, 4>& corners) {
+    Eigen::Matrix2d sums = 1e-6 * Eigen::Matrix2d::Identity();
+    Vector2 moments = Vector2::Zero();
+    for (int row = 0; row < laser_.height; row += 2) {
+      for (int column = 0; column < laser_.width; column += 3) {
+        if (std::abs(column - course.column_at(row)) < 6.0 * width_px_) continue;
+        if (!inside(corners, {column, row})) continue;
+        const double shown = board_.row(row)[column];
+        brightest_ = std::max(brightest_, shown);
+        const Vector2 place(shown, 1.0);
+        sums += place * place.transpose();
+        moments += place * static_cast<double>(laser_.row(row)[column]);
+      }
+    }
+    background_ = sums.ldlt().solve(moments);
+    std::vector<int> steps;  // between neighbours, most of which are on one square
+    for (int row = 0; row < board_.height; row += 4) {
+      for (int column = 1; column < board_.width; column += 2) {
+        if (!inside(corners, {column, row})) continue;
+        steps.push_back(std::abs(board_.row(row)[column] - board_.row(row)[column - 1]));
+      }
+    }
+    // Half of the differences of equal Gaussians are below 0.95 standard deviations of one.
+    if (!steps.empty()) board_noise_ = 1.05 * std::max(0.5, middle_of(steps)) / brightest_;
+  }
+
+  [[nodiscard]] int rows() const { return laser_.height; }
+
+  struct Row {
+    double column_px = 0.0;
+    double deviation_px = 0.0;
+    double height_dn = 0.0;
+    double misfit = 0.0;  ///< sum of squares of what is left, in units of the noise
+  };
+
+  // Gauss-Newton for place, height and a local offset of a Gaussian line on paper as bright as the
+  // board shows it.
+  [[nodiscard]] std::optional<Row> fit(int row, double column_px, const Look& look) const {
+    const double start_px = column_px;
+    const int first = static_cast<int>(std::ceil(column_px - window_px_));
+    const int last = static_cast<int>(std::floor(column_px + window_px_));
+    if (first < 0 || last >= laser_.width) return std::nullopt;
+    const double usual = look.height_at(row);
+    double height = 0.0;
+    double offset = 0.0;
+    for (int step = 0; step < 12; ++step) {
+      Matrix3 sums = 1e-9 * Matrix3::Identity();
+      Vector3 moments = Vector3::Zero();
+      double misfit = 0.0;
+      for (int x = first; x <= last; ++x) {
+        if (laser_.row(row)[x] >= clipped_dn) continue;
+        const double u = (x - column_px) / look.width_px;
+        const double shown = board_.row(row)[x];
+        const double paper = (shown / brightest_ + look.share) / (1.0 + look.share);
+        const double bell = paper * std::exp(-0.5 * u * u);
+        const double seen = laser_.row(row)[x] - background_.x() * shown - background_.y();
+        const double left = seen - height * bell - offset;
+        const Vector3 slope(height * bell * u / look.width_px, bell, 1.0);
+        // What is not known of the paper counts as often as the line is brighter than the board.
+        const double paper_noise =
+            height * std::exp(-0.5 * u * u) * board_noise_ / (1.0 + look.share);
+        const double weight = 1.0 / (1.0 + std::pow(paper_noise / noise_dn_, 2));
+        sums += weight * slope * slope.transpose();
+        moments += weight * slope * left;
+        misfit += weight * left * left - noise_dn_ * noise_dn_ * std::log(weight);
+      }
+      if (step == 0) sums(0, 0) += 1.0;  // no height yet, so the place stays
+      if (usual > 0.0) {
+        const Vector2 weight(std::pow(noise_dn_ / (even_height * usual), 2),
+                             std::pow(noise_dn_ / even_offset_dn, 2));
+        sums(1, 1) += weight.x();
+        sums(2, 2) += weight.y();
+        moments.y() += weight.x() * (usual - height);
+        moments.z() -= weight.y() * offset;
+      }
+      const Vector3 change = sums.ldlt().solve(moments);
+      height += change.y();
+      offset += change.z();
+      if (step > 0) {
+        column_px += std::clamp(change.x(), -1.0, 1.0);
+        if (std::abs(column_px - start_px) > along_line_px) return std::nullopt;
+      }
+      if (step > 1 && std::abs(change.x()) < converged_px) {
+        const Matrix3 covariance = noise_dn_ * noise_dn_ * sums.inverse();
+        if (!(height > least_height * std::sqrt(covariance(1, 1)))) return std::nullopt;
+        return Row{.column_px = column_px,
+                   .deviation_px = std::sqrt(covariance(0, 0)),
+                   .height_dn = height,
+                   .misfit = misfit / (noise_dn_ * noise_dn_)};
+      }
+    }
+    return std::nullopt;
+  }
+
+ private:
+  ImageView laser_;
+  ImageView board_;
+  double width_px_;
+  double window_px_;  // the same for every width, so that what is left can be compared
+  double noise_dn_;
+  double brightest_ = 1.0;
+  double board_noise_ = 0.0;  // as a share of its white
+  Vector2 background_ = Vector2::Zero();
+};
+
+struct FittedLine {
+  std::vector<LinePoint> points;
+  double misfit = 0.0;
+};
+
+FittedLine fit_rows(const Fit& fit, const Course& course, const std::array<Vector2, 4>& corners,
+                    const Look& look, int step = 1) {
+  FittedLine line;
+  for (int row = 0; row < fit.rows(); row += step) {
+    const double column_px = course.column_at(row);
+    if (!inside(corners, {column_px, row})) continue;
+    const auto fitted = fit.fit(row, column_px, look);
+    // A row that cannot be fitted leaves as much as three that can.
+    line.misfit += fitted ? std::min(fitted->misfit, 200.0) : 100.0;
+    if (!fitted) continue;
+    line.points.push_back({.row = row,
+                           .column_px = static_cast<float>(fitted->column_px),
+                           .amplitude_dn = static_cast<float>(fitted->height_dn),
+                           .deviation_px = static_cast<float>(fitted->deviation_px)});
+  }
+  return line;
+}
+
+// The height along the rows, by the middle of the slopes between rows and of what is left of them
+// (Theil and Sen), whatever rows on black have made of it.
+void learn_height(const std::vector<LinePoint>& points, Look& look) {
+  if (points.size() < least_points) return;
+  std::vector<double> slopes;
+  const std::size_t apart = points.size() / 2;
+  for (std::size_t i = 0; i + apart < points.size(); ++i) {
+    const LinePoint& one = points[i];
+    const LinePoint& other = points[i + apart];
+    slopes.push_back(static_cast<double>(other.amplitude_dn - one.amplitude_dn) /
+                     (other.row - one.row));
+  }
+  look.height_dn_per_row = middle_of(slopes);
+  std::vector<double> heights;
+  for (const LinePoint& point : points) {
+    heights.push_back(static_cast<double>(point.amplitude_dn) - look.height_dn_per_row * point.row);
+  }
+  look.height_dn = middle_of(heights);
+}
+
+// Where a row shows one flank of the line only, the other being on black, its place is as wrong as
+// the width: to the foot of a parabola through what three widths leave; the share likewise.
+template <typename Left>
+void refine(const Left& left, Look& look, double Look::*what, double step) {
+  const auto at = [&](double by) {
+    Look tried = look;
+    tried.*what += by;
+    return left(tried, 1);
+  };
+  const double less = at(-step);
+  const double middle = at(0.0);
+  const double more = at(step);
+  const double bend = less - 2.0 * middle + more;
+  if (bend > 0.0) look.*what += std::clamp(0.5 * step * (less - more) / bend, -step, step);
+}
+
+}  // namespace
+
+std::vector<LinePoint> line_on_print(ImageView laser, ImageView board,
+                                     const std::array<Vector2, 4>& corners,
+                                     const scanner::LaserLine& found) {
+  std::vector<Vector2> on_board;
+  for (const LinePoint& point : found.points) {
+    const Vector2 at(static_cast<double>(point.column_px), point.row);
+    if (inside(corners, at)) on_board.push_back(at);
+  }
+  const auto course = find_course(on_board);
+  if (!course) return {};
+  Fit fit(laser, board, std::max(1.0, found.width_px), found.noise_dn);
+  fit.learn_board(*course, corners);
+  // One share and one width for the whole board: those that leave least, looked for together, since
+  // a wrong width makes a wrong share look right. A clipped line looks wider than it is.
+  const auto left = [&](const Look& tried, int step) {
+    return fit_rows(fit, *course, corners, tried, step).misfit;
+  };
+  Look look;
+  double least = std::numeric_limits<double>::infinity();
+  for (const double share : shares) {
+    for (const double factor : width_factors) {
+      const Look tried{.share = share, .width_px = factor * std::max(1.0, found.width_px)};
+      const double misfit = left(tried, coarse_rows);
+      // A dim line tells nothing of black; then the picture without laser is believed.
+      const double enough = share > look.share ? surely * least : least;
+      if (misfit >= enough) continue;
+      least = misfit;
+      look = tried;
+    }
+  }
+  for (int i = 0; i < 3; ++i) {
+    refine(left, look, &Look::width_px, 0.05 * look.width_px);
+    refine(left, look, &Look::share, 0.02 * (1.0 + look.share));
+  }
+  learn_height(fit_rows(fit, *course, corners, look).points, look);
+  return fit_rows(fit, *course, corners, look).points;
+}
+
+}  // namespace tuina::calibration

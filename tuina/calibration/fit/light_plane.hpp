@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tuina/calibration/board/views.hpp"
+#include "tuina/core/geometry.hpp"
+#include "tuina/scanner/calibration.hpp"
+
+namespace tuina::calibration {
+
+/// Fewer points are not a line on a board.
+inline constexpr std::size_t least_line_points = 12;
+
+/// A place of the laser line on a board.
+struct LineOnBoard {
+  double column_px = 0.0;
+  double row_px = 0.0;
+  double deviation_px = 0.0;
+  Vector3 at_in_camera = Vector3::Zero();
+};
+
+/// The part of the line that lies on the board, from edge to edge.
+[[nodiscard]] std::vector<LineOnBoard> line_on_board(const View& view, const Board& board,
+                                                     const scanner::CameraModel& camera,
+                                                     const Transform& camera_from_board);
+
+/// Points X with normal . X = distance, in the camera frame.
+struct LightPlane {
+  Vector3 normal = Vector3::UnitX();
+  double distance_m = 0.0;
+};
+
+/// The plane through the line on all boards, whatever some of them show. Fails, with the cause,
+/// when poses contradict each other: pictures mirrored, laser pictures swapped between poses, or
+/// neither.
+[[nodiscard]] Result<LightPlane> find_light_plane(const Views& views,
+                                                  const scanner::CameraModel& camera,
+                                                  const std::vector<Transform>& camera_from_board);
+
+}  // namespace tuina::calibration

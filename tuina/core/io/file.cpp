@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tuina/core/io/file.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+namespace tuina {
+namespace {
+
+struct Descriptor {
+  int fd;
+  ~Descriptor() {
+    if (fd >= 0) ::close(fd);
+  }
+};
+
+}  // namespace
+
+Result<std::string> read_file(const std::filesystem::path& path, std::size_t limit_bytes) {
+  const Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC)};
+  if (file.fd < 0)
+    return fail(Fault::file, "{}: cannot be read: {}", path.string(), std::strerror(errno));
+  struct stat status {};
+  if (::fstat(file.fd, &status) != 0 || S_ISDIR(status.st_mode)) {
+    return fail(Fault::file, "{}: is a folder, a file is needed", path.string());
+  }
+  // A size beyond the limit is refused before memory is taken for it.
+  if (static_cast<std::size_t>(status.st_size) > limit_bytes) {
+    return fail(Fault::bad_input, "{}: {} bytes, at most {} are read", path.string(),
+                status.st_size, limit_bytes);
+  }
+  // What tells no size (a pipe, a device) grows by doubling, so it may only become this large.
+  constexpr std::size_t most_without_size = std::size_t{128} << 20;
+  if (!S_ISREG(status.st_mode)) limit_bytes = std::min(limit_bytes, most_without_size);
+  std::string content;
+  std::size_t size = 0;
+  content.resize(static_cast<std::size_t>(status.st_size) + 1);
+  // A pipe has no size to trust, so the end of the data decides, not the status.
+  while (true) {
+    const ssize_t got = ::read(file.fd, content.data() + size, content.size() - size);
+    if (got < 0)
+      return fail(Fault::file, "{}: cannot be read: {}", path.string(), std::strerror(errno));
+    if (got == 0) break;
+    size += static_cast<std::size_t>(got);
+    if (size > limit_bytes) {
+      return fail(Fault::bad_input, "{}: larger than {} bytes", path.string(), limit_bytes);
+    }
+    if (size == content.size()) content.resize(std::min(2 * content.size(), limit_bytes + 1));
+  }
+  content.resize(size);
+  return content;
+}
+
+FileWriter::FileWriter(std::filesystem::path path, std::string written_to, int descriptor)
+    : path_(std::move(path)), written_to_(std::move(written_to)), descriptor_(descriptor) {}
+
+FileWriter::FileWriter(FileWriter&& other) noexcept
+    : path_(std::move(other.path_)),
+      written_to_(std::move(other.written_to_)),
+      descriptor_(std::exchange(other.descriptor_, -1)) {}
+
+FileWriter::~FileWriter() {
+  if (descriptor_ < 0) return;
+  close();
+  if (!in_place()) ::unlink(written_to_.c_str());
+}
+
+void FileWriter::close() {
+  ::close(std::exchange(descriptor_, -1));
+}
+
+Result<FileWriter> FileWriter::open(const std::filesystem::path& path) {
+  // A device or a pipe (/dev/stdout) is written in place: there is nothing to rename over.
+  std::error_code ignored;
+  const auto status = std::filesystem::status(path, ignored);
+  const bool in_place =
+      std::filesystem::exists(status) && !std::filesystem::is_regular_file(status);
+  std::string written_to = in_place ? path.string() : path.string() + ".part";
+  const int descriptor = ::open(written_to.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
+  if (descriptor < 0) {
+    return fail(Fault::file, "{}: cannot be written: {}", path.string(), std::strerror(errno));
+  }
+  return FileWriter(path, std::move(written_to), descriptor);
+}
+
+Result<void> FileWriter::append(std::string_view content) {
+  while (!content.empty()) {
+    const ssize_t put = ::write(descriptor_, content.data(), content.size());
+    if (put < 0) {
+      return fail(Fault::file, "{}: cannot be written: {}", path_.string(), std::strerror(errno));
+    }
+    content.remove_prefix(static_cast<std::size_t>(put));
+  }
+  return {};
+}
+
+Result<void> FileWriter::finish() {
+  close();
+  if (in_place() || ::rename(written_to_.c_str(), path_.c_str()) == 0) return {};
+  const int cause = errno;
+  ::unlink(written_to_.c_str());
+  return fail(Fault::file, "{}: cannot be written: {}", path_.string(), std::strerror(cause));
+}
+
+Result<void> write_file(const std::filesystem::path& path, std::string_view content) {
+  auto file = FileWriter::open(path);
+  if (!file) return tl::unexpected(file.error());
+  if (const auto written = file->append(content); !written) return written;
+  return file->finish();
+}
+
+}  // namespace tuina

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tuina/massage/technique/contact_path.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tuina::massage {
+
+double smooth_step(double time_s, double length_s) {
+  if (time_s <= 0.0) return 0.0;
+  if (time_s >= length_s) return 1.0;
+  const double u = time_s / length_s;
+  return u * u * u * (10.0 + u * (-15.0 + 6.0 * u));
+}
+
+double smooth_step_integral(double time_s, double length_s) {
+  if (time_s <= 0.0) return 0.0;
+  if (time_s >= length_s) return 0.5 * length_s + (time_s - length_s);
+  const double u = time_s / length_s;
+  return length_s * u * u * u * u * (2.5 + u * (-3.0 + u));
+}
+
+double force_ramp_s(double change_n, double wanted_s) {
+  // A twentieth is kept back, so that two laws that overlap for a moment stay below the bound too.
+  const double shortest_s =
+      smooth_step_steepest * std::abs(change_n) / (0.95 * fastest_force_n_per_s);
+  return std::max(wanted_s, shortest_s);
+}
+
+double Slide::top_speed_m_per_s() const {
+  // Gaining and losing speed take half of speed x ramp each.
+  return std::min(speed_m_per_s, length_m / ramp_s);
+}
+
+double Slide::duration_s() const {
+  const double speed = top_speed_m_per_s();
+  return speed > 0.0 ? length_m / speed + ramp_s : 0.0;
+}
+
+double Slide::way_m(double time_s) const {
+  const double gained = smooth_step_integral(time_s, ramp_s);
+  const double lost = smooth_step_integral(time_s - (duration_s() - ramp_s), ramp_s);
+  return std::clamp(top_speed_m_per_s() * (gained - lost), 0.0, length_m);
+}
+
+PathPlace place_at(const ContactPath& path, double time_s) noexcept {
+  const double spacing_s = path.points[1].time_s - path.points[0].time_s;
+  const double at =
+      std::clamp(time_s / spacing_s, 0.0, static_cast<double>(path.points.size() - 2));
+  const auto i = static_cast<std::size_t>(at);
+  const double u = std::min(1.0, time_s / spacing_s - static_cast<double>(i));
+  const ContactPoint& a = path.points[i];
+  const ContactPoint& b = path.points[i + 1];
+  return {
+      .point = {.time_s = time_s,
+                .at_in_couch = a.at_in_couch + u * (b.at_in_couch - a.at_in_couch),
+                .normal_in_couch =
+                    (a.normal_in_couch + u * (b.normal_in_couch - a.normal_in_couch)).normalized(),
+                .force_n = a.force_n + u * (b.force_n - a.force_n)},
+      .velocity_m_per_s = (b.at_in_couch - a.at_in_couch) / spacing_s};
+}
+
+ContactPath sampled(std::string name, Technique technique, double duration_s,
+                    const std::function<ContactPoint(double time_s)>& at) {
+  ContactPath path;
+  path.name = std::move(name);
+  path.technique = technique;
+  const int steps = std::max(1, static_cast<int>(std::ceil(duration_s / sample_s - 1e-9)));
+  path.points.reserve(static_cast<std::size_t>(steps) + 1);
+  for (int i = 0; i <= steps; ++i) {
+    ContactPoint point = at(i * sample_s);
+    point.time_s = i * sample_s;
+    path.points.push_back(point);
+  }
+  path.points.front().force_n = 0.0;
+  path.points.back().force_n = 0.0;
+  return path;
+}
+
+}  // namespace tuina::massage

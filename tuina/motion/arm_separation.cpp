@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tuina/motion/arm_separation.hpp"
+
+#include <algorithm>
+
+#include "tuina/robot/clearance.hpp"
+
+namespace tuina::motion {
+
+bool ArmSeparation::keeps(const robot::RobotReading& reading) noexcept {
+  PerArm<robot::ArmModel::Kinematics> now;
+  for (const Arm arm : both_arms) {
+    now[arm] = models_[arm].kinematics(reading.arms[arm].q_rad, reading.rail_m);
+  }
+  const auto between_m = [&](const robot::ArmModel::Kinematics& left,
+                             const robot::ArmModel::Kinematics& right) {
+    return robot::distance_between_m(models_[Arm::left], left, models_[Arm::right], right);
+  };
+  apart_m_ = between_m(now[Arm::left], now[Arm::right]);
+  PerArm<double> clear_m;
+  for (const Arm arm : both_arms) {
+    clear_m[arm] = robot::clearances(models_[arm], now[arm], reading.rail_m, obstacles_).least_m();
+  }
+  if (watching_) {
+    constexpr double tick_s = 1e-3;
+    constexpr double smoothing = tick_s / 20e-3;  // encoders are coarse
+    const PerArm<double> had_it_stayed_m = {.of = {between_m(before_[Arm::left], now[Arm::right]),
+                                                   between_m(now[Arm::left], before_[Arm::right])}};
+    for (const Arm arm : both_arms) {
+      const double closing = (had_it_stayed_m[arm] - apart_m_) / tick_s;
+      closing_m_per_s_[arm] += smoothing * (closing - closing_m_per_s_[arm]);
+      if (obstacles_.empty()) continue;
+      const double nearing = (clear_m_[arm] - clear_m[arm]) / tick_s;
+      nearing_m_per_s_[arm] += smoothing * (nearing - nearing_m_per_s_[arm]);
+    }
+  }
+  watching_ = true;
+  before_ = now;
+  clear_m_ = clear_m;
+  // Each arm brakes for itself, so each one's share in the closing counts for itself.
+  const auto way_m = [](double closing) {
+    return std::max(closing, 0.0) * std::max(closing, 0.0) / (2.0 * halting_m_per_s2);
+  };
+  double halted_m = apart_m_;
+  bool clear = true;
+  for (const Arm arm : both_arms) {
+    halted_m -= way_m(closing_m_per_s_[arm]);
+    clear = clear && clear_m[arm] - way_m(nearing_m_per_s_[arm]) >= stopping_arm_distance_m;
+  }
+  arms_keep_ = halted_m >= stopping_arm_distance_m;
+  return arms_keep_ && clear;
+}
+
+}  // namespace tuina::motion

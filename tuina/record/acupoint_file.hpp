@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "tuina/core/acupoint.hpp"
+#include "tuina/core/result.hpp"
+
+namespace tuina::record {
+
+/// What acupoints.json says of one scan, in the scan's frame.
+struct MappedBack {
+  std::optional<Position> position;
+  std::vector<Acupoint> acupoints;
+  std::vector<Landmark> landmarks;
+};
+
+/// Reads the object that `tuina map` writes. Further keys are left alone; a missing point of the
+/// seven, a place that is not three numbers in metres or a normal that is not of length one is
+/// refused with its name.
+[[nodiscard]] Result<MappedBack> read_acupoints(const std::filesystem::path& file);
+[[nodiscard]] Result<MappedBack> parse_acupoints(std::string_view text, std::string_view name);
+
+/// What `map` answers and acupoints.json holds.
+struct MapFile {
+  std::string method;
+  Position position = Position::sitting;
+  std::string arms = "unknown";  ///< up, down or unknown
+  double compute_ms = 0.0;
+  std::size_t dropped_points = 0;  ///< of the scan, that were not finite
+  std::vector<Acupoint> acupoints;
+  std::vector<Landmark> landmarks;
+};
+[[nodiscard]] std::string to_json(const MapFile& map);
+
+}  // namespace tuina::record

@@ -1,0 +1,319 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tuina/scanner/line/laser_line.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <optional>
+#include <type_traits>
+
+#include "tuina/scanner/line/clear_lines.hpp"
+#include "tuina/scanner/line/line_candidates.hpp"
+#include "tuina/scanner/line/line_fit.hpp"
+#include "tuina/scanner/line/line_kernel.hpp"
+
+namespace tuina::scanner {
+namespace {
+
+// However bright, a line clips no more pixels than this and eight widths.
+constexpr float widest_plateau_px = 16.0F;
+// So many rows tell noise and width of the line well enough.
+constexpr int sampled_rows = 20;
+
+// Gives the rows of an image as samples: as they are, or as float when a dark frame is taken off or
+// the samples have 16 bits. Clipped pixels keep the value of saturation, so they are known as such.
+template <typename Pixel>
+class Rows {
+ public:
+  Rows(BasicImageView<Pixel> image, BasicImageView<Pixel> dark, float saturated)
+      : image_(image),
+        dark_(dark),
+        saturated_(saturated),
+        row_(static_cast<std::size_t>(image.width)) {}
+
+  [[nodiscard]] const BasicImageView<Pixel>& image() const { return image_; }
+
+  template <typename Sample>
+  [[nodiscard]] const Sample* samples(int y) {
+    if constexpr (std::is_same_v<Sample, Pixel>) {
+      return image_.row(y);
+    } else {
+      const Pixel* pixels = image_.row(y);
+      const Pixel* off = dark_.data != nullptr ? dark_.row(y) : nullptr;
+      for (int x = 0; x < image_.width; ++x) {
+        const auto value = static_cast<float>(pixels[x]);
+        const float less = off != nullptr ? static_cast<float>(off[x]) : 0.0F;
+        row_[static_cast<std::size_t>(x)] = value >= saturated_ ? saturated_ : value - less;
+      }
+      return row_.data();
+    }
+  }
+
+ private:
+  BasicImageView<Pixel> image_;
+  BasicImageView<Pixel> dark_;
+  float saturated_;
+  std::vector<float> row_;
+};
+
+enum class Seen : std::uint8_t { nothing, one_line, several };
+
+// One look at a row: its brightest place, and whether that is all there is to see.
+struct Look {
+  Seen seen = Seen::nothing;
+  Candidate brightest;
+};
+
+const std::uint8_t* where_is(std::uint8_t value, const std::uint8_t* from, const std::uint8_t* to) {
+  return static_cast<const std::uint8_t*>(
+      std::memchr(from, value, static_cast<std::size_t>(to - from)));
+}
+const float* where_is(float value, const float* from, const float* to) {
+  return std::find(from, to, value);
+}
+
+template <typename Sample>
+Look look_at(const Sample* row, const LineScene& scene) {
+  const int first = scene.first_column;
+  const int last = scene.last_column;
+  const auto most = largest(row + first, last - first + 1);
+  if (static_cast<float>(most) < scene.background_dn + least_pixel_snr * scene.noise_dn) return {};
+
+  const Sample* at = where_is(most, row + first, row + last + 1);
+  int left = static_cast<int>(at - row);
+  int right = left;
+  // Where the line is clipped its middle is the middle of the plateau; the first of equal pixels
+  // lies to one side.
+  if (static_cast<float>(most) >= scene.saturated_dn) {
+    while (right < last && static_cast<float>(row[right + 1]) >= scene.saturated_dn) ++right;
+    if (static_cast<float>(right - left) > widest_plateau_px + 8.0F * scene.width_px) {
+      return {Seen::several, {}};  // a lamp or a white field
+    }
+  }
+  const int reach = scene.beside_px + (right - left) / 2;
+  const int middle = (left + right) / 2;
+  const auto mean = [&](int from, int to) {
+    from = std::max(from, first);
+    to = std::min(to, last);
+    float sum = 0.0F;
+    for (int x = from; x <= to; ++x) sum += static_cast<float>(row[x]);
+    return to >= from ? sum / static_cast<float>(to - from + 1) : -1.0F;
+  };
+  const float left_dn = mean(middle - reach - 7, middle - reach);
+  const float right_dn = mean(middle + reach, middle + reach + 7);
+  const float beside_dn = std::max(left_dn, right_dn);
+  const float height = static_cast<float>(most) - beside_dn;
+  if (height < least_pixel_snr * scene.noise_dn)
+    return {Seen::several, {}};  // an edge, or a bright field
+
+  // A single hot pixel has dark neighbours; even a sharp line is wider than that.
+  const auto above = [&](int x) {
+    return x < first || x > last ? 0.0F : static_cast<float>(row[x]) - beside_dn;
+  };
+  if (left == right && std::max(above(left - 1), above(left + 1)) < 0.25F * height) {
+    return {Seen::several, {}};
+  }
+  const float rival = beside_dn + std::max(rival_share * height, least_pixel_snr * scene.noise_dn);
+  const int until = middle - reach;
+  const int from = middle + reach;
+  if ((until > first && static_cast<float>(largest(row + first, until - first)) > rival) ||
+      (from<last&& static_cast<float>(largest(row + from, last - from + 1))> rival)) {
+    return {Seen::several, {}};
+  }
+  return {Seen::one_line,
+          {.column_px = 0.5F * static_cast<float>(left + right), .height_dn = height}};
+}
+
+[[nodiscard]] bool kernel_fits(float column_px, const LineScene& scene) {
+  const int start = static_cast<int>(std::floor(column_px + 0.5F)) - LineKernel::before;
+  return start >= scene.first_column && start + LineKernel::taps <= scene.last_column + 1;
+}
+
+// The kernels of the slow rows weigh floats.
+const float* window(const float* samples, std::array<float, LineKernel::taps>&) {
+  return samples;
+}
+const float* window(const std::uint8_t* samples, std::array<float, LineKernel::taps>& room) {
+  std::copy_n(samples, LineKernel::taps, room.begin());
+  return room.data();
+}
+
+// Three steps of the kernel from a pixel near the line; nothing when they do not lead to a line.
+template <typename Sample>
+std::optional<LinePoint> weigh_line(const Sample* row, float column_px, const LineKernel& kernel,
+                                    const LineScene& scene) {
+  std::array<float, LineKernel::taps> room;
+  float column = column_px;
+  float height = 0.0F;
+  for (int step = 0; step < 3; ++step) {
+    const float nearest = std::floor(column + 0.5F);
+    if (!kernel_fits(column, scene)) return {};
+    const int start = static_cast<int>(nearest) - LineKernel::before;
+    const float part = column - nearest + 0.5F;
+    const int phase = std::min(static_cast<int>(part * LineKernel::phases), LineKernel::phases - 1);
+    const LineStep sums =
+        weigh(window(row + start, room), kernel.of_phase[static_cast<std::size_t>(phase)]);
+    if (sums.height <= 0.0F) return {};
+    height = sums.height;
+    const float middle = nearest + LineKernel::centre_of(phase);
+    const float move = sums.offset / sums.height;
+    if (std::abs(move) > 4.0F) return {};
+    const bool settled = std::abs(middle + move - column) < 0.02F && step > 0;
+    column = middle + move;
+    if (settled) break;
+  }
+  if (std::abs(column - column_px) > 2.0F + static_cast<float>(scene.width_px)) return {};
+  return LinePoint{.row = 0,
+                   .column_px = column,
+                   .amplitude_dn = height,
+                   .deviation_px = kernel.deviation_factor * scene.noise_dn / height};
+}
+
+// The exact place of the line near a candidate. Lines that are clipped, cut by the border, wider
+// than the kernels or disturbed by a hot pixel are fitted pixel by pixel with the unusable pixels
+// left out.
+template <typename Sample>
+std::optional<LinePoint> measure(const Sample* row, int y, const Candidate& candidate,
+                                 const LineKernel& kernel, const LineScene& scene) {
+  const int middle = static_cast<int>(candidate.column_px + 0.5F);
+  const bool plain = static_cast<float>(row[middle]) < scene.saturated_dn &&
+                     scene.width_px <= widest_kernel_px &&
+                     kernel_fits(candidate.column_px, scene) &&
+                     !has_spike(row, middle, candidate.height_dn, scene);
+  std::optional<LinePoint> point = plain ? weigh_line(row, candidate.column_px, kernel, scene)
+                                         : fit_line(row, candidate.column_px, scene);
+  if (!point) return {};
+  if (point->amplitude_dn < least_amplitude_snr * kernel.height_factor * scene.noise_dn) return {};
+  point->row = y;
+  return point;
+}
+
+template <typename Sample, typename Pixel>
+LaserLine find_in(Rows<Pixel>& rows, int height, const LineScene& scene,
+                  const LineOptions& options) {
+  const LineKernel& kernel = options.method == LineMethod::centroid
+                                 ? centroid_kernel(scene.width_px)
+                                 : gaussian_kernel(scene.width_px);
+  LaserLine line;
+  line.noise_dn = scene.noise_dn;
+  line.width_px = scene.width_px;
+  line.points.reserve(static_cast<std::size_t>(height));
+  std::vector<CandidateRow> unclear;
+  const auto look_closely = [&](int y) {
+    const auto* row = rows.template samples<Sample>(y);
+    const Look look = look_at(row, scene);
+    if (look.seen == Seen::one_line) {
+      if (const auto point = measure(row, y, look.brightest, kernel, scene))
+        line.points.push_back(*point);
+    } else if (look.seen == Seen::several) {
+      auto found = find_candidates(row, scene);
+      if (!found.empty()) unclear.push_back({y, std::move(found)});
+    }
+  };
+  std::vector<int> in_doubt;
+  int looked_at = 0;
+  if constexpr (std::is_same_v<Sample, std::uint8_t>) {
+    if (scene.width_px <= static_cast<float>(widest_kernel_px)) {
+      find_clear_lines(rows.image(), scene, kernel, options.method, line.points, in_doubt);
+      looked_at = height;
+      for (const int y : in_doubt) look_closely(y);
+    }
+  }
+  for (int y = looked_at; y < height; ++y) look_closely(y);
+  const auto by_row = [](const LinePoint& a, const LinePoint& b) { return a.row < b.row; };
+  if (!in_doubt.empty()) std::sort(line.points.begin(), line.points.end(), by_row);
+  if (unclear.empty()) return line;
+
+  for (const CandidateRow& row : unclear) line.ambiguous_rows += row.candidates.size() > 1 ? 1 : 0;
+  choose_by_continuity(line.points, unclear);
+  for (const CandidateRow& row : unclear) {
+    const auto* samples = rows.template samples<Sample>(row.y);
+    if (const auto point = measure(samples, row.y, row.candidates.front(), kernel, scene)) {
+      line.points.push_back(*point);
+    }
+  }
+  std::sort(line.points.begin(), line.points.end(), by_row);
+  return line;
+}
+
+template <typename Sample, typename Pixel>
+LaserLine find_as_thesis(Rows<Pixel>& rows, int height, const LineScene& scene,
+                         double threshold_dn) {
+  LaserLine line;
+  line.noise_dn = scene.noise_dn;
+  line.width_px = scene.width_px;
+  const auto threshold = static_cast<float>(threshold_dn);
+  for (int y = 0; y < height; ++y) {
+    const auto* row = rows.template samples<Sample>(y);
+    float light = 0.0F;
+    float moment = 0.0F;
+    float most = 0.0F;
+    for (int x = scene.first_column; x <= scene.last_column; ++x) {
+      const auto value = static_cast<float>(row[x]);
+      if (value < threshold) continue;
+      light += value;
+      moment += value * static_cast<float>(x);
+      most = std::max(most, value);
+    }
+    if (light <= 0.0F) continue;
+    line.points.push_back(
+        {.row = y,
+         .column_px = moment / light,
+         .amplitude_dn = most,
+         .deviation_px = gaussian_kernel(scene.width_px).deviation_factor * scene.noise_dn / most});
+  }
+  return line;
+}
+
+template <typename Pixel>
+LaserLine find(BasicImageView<Pixel> image, const LineOptions& options,
+               BasicImageView<Pixel> dark) {
+  if (image.width <= 0 || image.height <= 0) return {};
+  const float saturated = options.saturated_dn > 0.0
+                              ? static_cast<float>(options.saturated_dn)
+                              : static_cast<float>(std::numeric_limits<Pixel>::max());
+  Rows<Pixel> rows(image, dark, saturated);
+  const auto work = [&]<typename Sample>(Sample) {
+    LineScene scene;
+    scene.width = image.width;
+    scene.first_column = std::clamp(options.first_column, 0, image.width - 1);
+    scene.last_column = options.last_column < 0
+                            ? image.width - 1
+                            : std::clamp(options.last_column, scene.first_column, image.width - 1);
+    scene.saturated_dn = saturated;
+    const int step = std::max(1, image.height / sampled_rows);
+    SceneSample sample(scene, static_cast<std::size_t>(image.height / step + 1));
+    for (int y = step / 2; y < image.height; y += step) {
+      sample.add(rows.template samples<Sample>(y), y);
+    }
+    sample.judge(scene, options.noise_dn, options.width_px);
+    return options.method == LineMethod::thesis
+               ? find_as_thesis<Sample>(rows, image.height, scene, options.thesis_threshold_dn)
+               : find_in<Sample>(rows, image.height, scene, options);
+  };
+  if constexpr (std::is_same_v<Pixel, std::uint8_t>) {
+    if (dark.data == nullptr) return work(std::uint8_t{});
+  }
+  return work(float{});
+}
+
+}  // namespace
+
+LaserLine find_laser_line(ImageView image, const LineOptions& options, ImageView dark) {
+  return find(image, options, dark);
+}
+
+LaserLine find_laser_line(ImageView16 image, const LineOptions& options, ImageView16 dark) {
+  return find(image, options, dark);
+}
+
+std::optional<LineMethod> line_method(std::string_view name) {
+  if (name == "centroid") return LineMethod::centroid;
+  if (name == "likelihood") return LineMethod::likelihood;
+  if (name == "thesis") return LineMethod::thesis;
+  return std::nullopt;
+}
+
+}  // namespace tuina::scanner

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <limits>
+#include <vector>
+
+#include "tuina/core/arm.hpp"
+#include "tuina/core/contact.hpp"
+#include "tuina/core/units.hpp"
+#include "tuina/sim/person/person.hpp"
+#include "tuina/sim/robot/closest_point.hpp"
+
+namespace tuina::sim {
+
+inline constexpr double rigid = std::numeric_limits<double>::infinity();
+
+/// The whole person moves by `by_in_couch`, from a time on: with a constant acceleration up to a
+/// constant speed. The speed may jump, which no body can do and is the hardest test.
+struct Shift {
+  double start_s = 0.0;
+  Vector3 by_in_couch = Vector3::Zero();
+  double speed_m_per_s = 0.1;
+  double acceleration_m_per_s2 = std::numeric_limits<double>::infinity();
+};
+
+struct ContactOptions {
+  double tool_radius_m = 17_mm;
+  double torso_n_per_m = 35'000.0;  ///< gives way beneath the tissue; `rigid` for a torso of stone
+  double friction = 0.1;            ///< Coulomb, of an oiled skin
+  double creep_m_per_s = 5_mm;      ///< below this sliding speed the friction is viscous
+  Breathing breathing = {};
+  std::vector<Shift> shifts = {};
+};
+
+/// What only the simulation knows of one tool and the skin.
+struct ContactTruth {
+  double force_n = 0.0;  ///< normal to the skin: THE contact force all controllers are judged by
+  double depth_m = 0.0;  ///< of the indentation of the tissue; the torso's giving way is not in it
+  double gap_m = 0.0;  ///< sphere to skin, negative when they touch: depth and torso; a bound from
+                       ///< below when far
+  Vector3 at_in_couch = Vector3::Zero();  ///< the skin's point, where it lies when the person rests
+  Vector3 normal_in_couch = Vector3::UnitZ();
+  TangentTissue tissue;     ///< there
+  Wrench on_tool_in_couch;  ///< about the centre of the sphere, friction included
+};
+
+/// Two sphere tools against a person's back: a mesh in which every vertex has its own tangent
+/// tissue, in series with the torso, breathing, moving. Quasi-static: tissue and torso have no mass
+/// and no damping.
+class BackContact {
+ public:
+  /// One tissue per vertex of the skin.
+  BackContact(Mesh skin_in_couch, std::vector<TangentTissue> per_vertex,
+              ContactOptions options = {});
+
+  /// What the skin does to a tool whose centre is there, moving so. No heap.
+  const ContactTruth& touch(Arm arm, double time_s, const Vector3& centre_in_couch,
+                            const Vector3& velocity_in_couch) noexcept;
+
+  [[nodiscard]] const ContactTruth& truth(Arm arm) const noexcept { return sides_[arm].truth; }
+  /// How far, and how fast, the person has moved from where the mesh lies: breathing and shifts.
+  [[nodiscard]] Vector3 moved_in_couch(double time_s) const noexcept;
+  [[nodiscard]] Vector3 moving_m_per_s(double time_s) const noexcept;
+  [[nodiscard]] const Vector3& mean_normal_in_couch() const noexcept { return mean_normal_; }
+  void add_shift(const Shift& shift) { options_.shifts.push_back(shift); }
+
+ private:
+  struct Side {
+    ContactTruth truth;
+    int triangle = 0;         // where the last answer was
+    double free_way_m = 0.0;  // the tool may move so far before it could touch
+    Vector3 last_on_mesh = Vector3::Constant(std::numeric_limits<double>::max());
+  };
+  [[nodiscard]] Vector3 normal_at(const ClosestPoint::Place& place) const noexcept;
+  [[nodiscard]] TangentTissue tissue_at(const ClosestPoint::Place& place) const noexcept;
+  [[nodiscard]] bool on_the_rim(const ClosestPoint::Place& place) const noexcept;
+
+  ClosestPoint skin_;
+  std::vector<TangentTissue> tissue_;
+  ContactOptions options_;
+  std::vector<Vector3> vertex_normals_;
+  std::vector<bool> on_rim_;
+  Vector3 mean_normal_;
+  PerArm<Side> sides_;
+};
+
+/// Depth of the tissue when tissue and torso together are pressed in by `travel_m`.
+[[nodiscard]] double depth_in_series(const TangentTissue& tissue, double torso_n_per_m,
+                                     double travel_m) noexcept;
+
+/// A square of skin for contact experiments, flat or bent like a back about its long axis (couch z
+/// where the patch is upright, else couch y).
+struct Patch {
+  Vector3 centre_in_couch = Vector3::Zero();
+  Vector3 normal_in_couch = Vector3::UnitY();
+  double size_m = 500_mm;
+  double bend_radius_m = std::numeric_limits<double>::infinity();
+  double edge_m = 8_mm;
+};
+[[nodiscard]] Mesh make_patch(const Patch& patch);
+
+}  // namespace tuina::sim

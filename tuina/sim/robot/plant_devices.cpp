@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+// Drives, gears and sensors of the simulated robot.
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tuina/sim/robot/plant_world.hpp"
+
+namespace tuina::sim {
+namespace {
+
+constexpr double rail_stiffness_per_s2 = 60.0 * 60.0;  // a servo of 60 rad/s, critically damped
+constexpr double rail_speed_m_per_s = 0.1;
+constexpr double rail_acceleration_m_per_s2 = 0.3;
+
+/// Share of the way a first-order low-pass goes towards its input in one step.
+double low_pass_share(double cutoff_hz, double step_s) {
+  return cutoff_hz > 0.0 ? 1.0 - std::exp(-2.0 * pi * cutoff_hz * step_s) : 1.0;
+}
+
+}  // namespace
+
+void Plant::World::drive(ArmDevices& arm) noexcept {
+  for (std::size_t k = 0; k < static_cast<std::size_t>(arm.joints); ++k) {
+    const double speed = data->qvel[arm.dof[k]];
+    // Dahl's friction, [dahl1968]: a gear winds up like a spring before it slips, so a resting arm
+    // truly sticks. What the gear dissipates while wound keeps a sticking arm from ringing on that
+    // spring, as in [canudas1995].
+    double friction = 0.0;
+    if (arm.coulomb_nm[k] > 0.0) {
+      const double most = arm.coulomb_nm[k];
+      const double spring = most / options.friction_windup_rad;
+      const double wound = arm.friction_nm[k] / most * (speed > 0.0 ? 1.0 : -1.0);
+      arm.friction_nm[k] =
+          std::clamp(arm.friction_nm[k] + spring * speed * step_s * (1.0 - wound), -most, most);
+      friction = std::clamp(arm.friction_nm[k] + arm.windup_damping[k] * speed, -most, most);
+    }
+    data->qfrc_applied[arm.dof[k]] += arm.torque_nm[k] - friction - arm.viscous[k] * speed;
+  }
+}
+
+void Plant::World::touch(Arm side) noexcept {
+  ArmDevices& arm = arms[side];
+  const Eigen::Map<const Vector3> at_in_base(data->site_xpos + 3 * arm.site);
+  const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> base_from_tool(
+      data->site_xmat + 9 * arm.site);
+  double motion[6];  // rotation first
+  mj_objectVelocity(model.get(), data.get(), mjOBJ_SITE, arm.site, motion, 0);
+  const Vector3 velocity_in_base(motion[3], motion[4], motion[5]);
+
+  Wrench on_tool_in_base;
+  if (person != nullptr) {
+    const Matrix3 turn = couch_from_base.linear();
+    const ContactTruth& contact =
+        person->touch(side, data->time, couch_from_base * at_in_base, turn * velocity_in_base);
+    on_tool_in_base.force_n = turn.transpose() * contact.on_tool_in_couch.force_n;
+    on_tool_in_base.torque_nm = turn.transpose() * contact.on_tool_in_couch.torque_nm;
+    if (contact.force_n > 0.0) {
+      mj_applyFT(model.get(), data.get(), on_tool_in_base.force_n.data(),
+                 on_tool_in_base.torque_nm.data(), at_in_base.data(), arm.tool_body,
+                 data->qfrc_applied);
+    }
+  }
+  const Wrench& hand = hands[side];
+  mj_applyFT(model.get(), data.get(), hand.force_n.data(), hand.torque_nm.data(), at_in_base.data(),
+             arm.tool_body, data->qfrc_applied);
+  // The sensor carries the tool: it feels the contact, the tool's weight, and what it takes to move
+  // the tool.
+  const Vector3 acceleration = (velocity_in_base - arm.last_velocity) / step_s;
+  arm.last_velocity = velocity_in_base;
+  Vector6 felt;
+  felt.head<3>() = base_from_tool.transpose() *
+                   (on_tool_in_base.force_n +
+                    arm.tool_mass_kg * (Vector3(0.0, 0.0, -gravity_m_per_s2) - acceleration));
+  felt.tail<3>() = base_from_tool.transpose() * on_tool_in_base.torque_nm;
+  arm.felt += low_pass_share(options.wrist_low_pass_hz, step_s) * (felt - arm.felt);
+}
+
+void Plant::World::drive_rail() noexcept {
+  // The set point runs to where it is wanted with bounded speed and acceleration, the servo follows
+  // it.
+  const double left = rail_wanted_m - rail_now_m;
+  const double fastest =
+      std::min(rail_speed_m_per_s, std::sqrt(2.0 * rail_acceleration_m_per_s2 * std::abs(left)));
+  const double change = rail_acceleration_m_per_s2 * step_s;
+  rail_speed += std::clamp(std::copysign(fastest, left) - rail_speed, -change, change);
+  if (std::abs(left) < 1e-6 && std::abs(rail_speed) <= change) {
+    rail_speed = 0.0;
+    rail_now_m = rail_wanted_m;
+  }
+  rail_now_m += rail_speed * step_s;
+  const double rate = std::sqrt(rail_stiffness_per_s2);
+  data->qfrc_applied[rail_dof] +=
+      moving_kg * (rail_stiffness_per_s2 * (rail_now_m - data->qpos[rail_dof]) +
+                   2.0 * rate * (rail_speed - data->qvel[rail_dof]));
+}
+
+/// A position drive like that of the rail, which knows what gravity asks of it.
+void Plant::World::hold(const Held& joint) noexcept {
+  const double inertia = data->qM[model->dof_Madr[joint.dof]];
+  const double rate = std::sqrt(rail_stiffness_per_s2);
+  double effort = data->qfrc_bias[joint.dof] +
+                  inertia * (rail_stiffness_per_s2 * (joint.q - data->qpos[joint.dof]) -
+                             2.0 * rate * data->qvel[joint.dof]);
+  if (joint.effort_limit > 0.0)
+    effort = std::clamp(effort, -joint.effort_limit, joint.effort_limit);
+  data->qfrc_applied[joint.dof] += effort;
+}
+
+void Plant::World::read_encoders(ArmDevices& arm) noexcept {
+  const double share = low_pass_share(options.velocity_low_pass_hz, tick_s);
+  const double count = options.encoder_counts > 0.0 ? 2.0 * pi / options.encoder_counts : 0.0;
+  for (std::size_t k = 0; k < static_cast<std::size_t>(arm.joints); ++k) {
+    const double angle = data->qpos[arm.dof[k]];
+    const double seen = count > 0.0 ? std::round(angle / count) * count : angle;
+    const double difference = (seen - arm.encoder_rad[k]) / tick_s;
+    arm.velocity_rad_per_s[k] += share * (difference - arm.velocity_rad_per_s[k]);
+    arm.encoder_rad[k] = seen;
+  }
+}
+
+Wrench Plant::World::sample_wrist(ArmDevices& arm) noexcept {
+  const Vector6 late = arm.sampled;  // a sample is on the bus for one millisecond
+  for (int i = 0; i < 3; ++i) {
+    arm.sampled[i] = arm.felt[i] + gaussian(noise, options.wrist_noise_n);
+    arm.sampled[i + 3] = arm.felt[i + 3] + gaussian(noise, options.wrist_noise_nm);
+  }
+  return {late.head<3>(), late.tail<3>()};
+}
+
+}  // namespace tuina::sim

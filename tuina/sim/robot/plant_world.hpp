@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "tuina/core/random.hpp"
+#include "tuina/sim/robot/plant.hpp"
+
+struct mjModel_;
+struct mjData_;
+
+namespace tuina::sim {
+
+inline constexpr double tick_s = 1e-3;
+
+struct FreeModel {
+  void operator()(mjModel_* model) const;
+};
+struct FreeData {
+  void operator()(mjData_* data) const;
+};
+using ModelPointer = std::unique_ptr<mjModel_, FreeModel>;
+using DataPointer = std::unique_ptr<mjData_, FreeData>;
+
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+
+/// What one arm has besides its bodies: drives, gears, sensors.
+struct ArmDevices {
+  int joints = 0;
+  std::array<int, most_joints> dof =
+      {};  // in qvel; every joint before it is a hinge or slide, so in qpos too
+  int site = -1;
+  int tool_body = -1;
+  double tool_mass_kg = 0.0;
+  std::array<double, most_joints> torque_limit_nm = {}, coulomb_nm = {}, viscous = {};
+  std::array<double, most_joints> windup_damping = {};
+
+  std::array<double, most_joints> torque_nm = {};    // out of the amplifiers
+  std::array<double, most_joints> friction_nm = {};  // Coulomb part, kept wound up
+  std::array<double, most_joints> encoder_rad = {}, velocity_rad_per_s = {};
+  Vector3 last_velocity = Vector3::Zero();
+  Vector6 felt = Vector6::Zero();     // in the tool frame, behind the sensor's low-pass
+  Vector6 sampled = Vector6::Zero();  // a millisecond ago
+};
+
+/// Physics, devices and what is true of them; plant.cpp builds and steps it, plant_devices.cpp is
+/// what drives, gears and sensors add to MuJoCo's bodies.
+struct Plant::World {
+  PlantOptions options;
+  Transform couch_from_base;
+  BackContact* person = nullptr;
+  ModelPointer model;
+  DataPointer data;
+  Random noise;
+  int substeps = 4;
+  double step_s = 0.0;
+  PerArm<ArmDevices> arms;
+  PerArm<Wrench> hands;
+  struct Held {
+    int dof = 0;
+    double q = 0.0;
+    double effort_limit = 0.0;  ///< 0: none is known
+  };
+  std::vector<Held> held;
+  int rail_dof = 0;
+  double rail_wanted_m = 0.0, rail_now_m = 0.0, rail_speed = 0.0;
+  double moving_kg = 0.0;
+  std::uint64_t tick = 0;
+  bool started = false;
+  const char* broken = nullptr;
+  PlantTruth truth;
+
+  void look() noexcept;
+  void touch(Arm arm) noexcept;
+  void drive(ArmDevices& arm) noexcept;
+  void drive_rail() noexcept;
+  void hold(const Held& held) noexcept;
+  void step() noexcept;
+  void read_encoders(ArmDevices& arm) noexcept;
+  [[nodiscard]] Wrench sample_wrist(ArmDevices& arm) noexcept;
+  void judge() noexcept;
+};
+
+}  // namespace tuina::sim

@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tuina/sim/scanner/laser_scanner.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <thread>
+
+#include "tuina/core/random.hpp"
+#include "tuina/core/units.hpp"
+#include "tuina/sim/scanner/line_renderer.hpp"
+
+namespace tuina::sim {
+namespace {
+
+constexpr double count_rad = from_deg(300.0 / 1024.0);
+constexpr double speed_step_rad_per_s = from_deg(0.111 * 6.0);  // 0.111 rpm, the unit of the AX-12A
+constexpr double most_rad = 150.0_deg;
+// The gear of a 40-dollar servo does not turn quite evenly.
+constexpr double ripple_rad = 0.02_deg;
+constexpr double ripple_period_rad = 7.0_deg;
+constexpr double run_up_s = 0.3;  // readings begin before the first frame and end after the last
+constexpr double step_s = 0.117;  // [thesis] chapter 4: 400 ms per degree in steps of 0.29 degrees
+constexpr double rest_share = 0.35;  // of a step, before and after its frame
+constexpr std::size_t frames_at_once = 16;
+
+Vector3 out_of_back(Position position) {
+  return position == Position::sitting ? Vector3::UnitY() : Vector3::UnitZ();
+}
+
+}  // namespace
+
+struct LaserScanner::World {
+  scanner::ScannerCalibration truth;
+  LaserScannerOptions options;
+  LineRenderer renderer;
+  Vector3 breath_direction;
+  Breathing breathing;
+  Random jitter;
+
+  double from_rad = 0.0;
+  double rad_per_s = 0.0;
+  double step_rad = 0.0;  // of stop and shoot; else 0
+  double start_s = 0.0;   // of this turn, on the clock of the camera
+  double end_s = 0.0;     // of this turn and its run-down
+  std::size_t turns = 0;
+  std::size_t frames = 0;
+  std::size_t given = 0;
+  std::vector<Image> ahead;  // rendered and not yet given
+  std::vector<Image> dark_ahead;
+  std::vector<std::vector<bool>> visible_ahead;
+  VisibleRows visible;
+  Random drops;
+  std::vector<scanner::YawReading> readings;
+
+  [[nodiscard]] double yaw_at(double time_s) const {
+    double even = from_rad + rad_per_s * (time_s - start_s);
+    if (step_rad != 0.0) {
+      // Each frame is taken in the middle of a rest; between rests the unit turns on.
+      const double steps = (time_s - start_s) / step_s;
+      const double rest = std::round(steps);
+      const double on_the_way = std::max(0.0, std::abs(steps - rest) - rest_share) /
+                                (0.5 - rest_share) * (steps > rest ? 0.5 : -0.5);
+      even = from_rad +
+             step_rad * std::clamp(rest + on_the_way, 0.0, static_cast<double>(frames) - 1.0);
+    }
+    return even + ripple_rad * std::sin(2.0 * pi * even / ripple_period_rad);
+  }
+  [[nodiscard]] double time_of(std::size_t frame) const {
+    const double per_frame_s = step_rad != 0.0 ? step_s : 1.0 / options.frames_per_s;
+    return start_s + static_cast<double>(frame) * per_frame_s;
+  }
+
+  // A new turn: clock, frames and readings of the motor.
+  void begin(double duration_s) {
+    given = 0;
+    if (end_s > 0.0) {
+      // The clock goes on, and with it the breath.
+      start_s = end_s + run_up_s;
+      ++turns;
+    }
+    end_s = start_s + duration_s + run_up_s;
+    ahead.clear();
+    readings.clear();
+    const double poll_s = 1.0 / options.readings_per_s;
+    double last_s = -1e9;
+    // Polling over a serial line is not even; it is as well, for at some speeds an even one would
+    // meet the same two phases of a count again and again, and rounding would not average out.
+    for (double time_s = start_s - run_up_s; time_s < end_s;
+         time_s += poll_s * uniform(jitter, 0.7, 1.3)) {
+      const double counts = std::round(yaw_at(time_s) / count_rad);
+      const double stamp_s = time_s - options.latency_s + gaussian(jitter, options.yaw_jitter_s);
+      last_s = std::max(stamp_s, last_s + 1e-6);
+      readings.push_back({last_s, from_deg(counts * (300.0 / 1024.0))});
+    }
+  }
+
+  // The next frames, shared out among threads; each depends on its number only.
+  void render_ahead() {
+    const std::size_t count = std::min(frames_at_once, frames - given);
+    ahead.assign(count, {});
+    if (options.dark_frames) dark_ahead.assign(count, {});
+    visible_ahead.assign(count, {});
+    const auto work = [this, count](std::size_t first, std::size_t step) {
+      for (std::size_t i = first; i < count; i += step) {
+        const std::size_t number = given + i;
+        const double time_s = time_of(number);
+        const std::uint64_t frame = number + turns * 1000003;  // for noise of its own
+        const double breath_m = 0.5 * breathing.amplitude_m *
+                                (1.0 - std::cos(2.0 * pi * breathing.frequency_hz * time_s));
+        const Vector3 shift = breath_m * breath_direction;
+        const RoomPicture room = renderer.room(yaw_at(time_s), shift);
+        ahead[i] = renderer.render(yaw_at(time_s), shift, frame, &visible_ahead[i], room);
+        if (options.dark_frames) dark_ahead[i] = renderer.render_dark(frame, room);
+      }
+    };
+    const auto threads = static_cast<std::size_t>(std::max(1, options.threads));
+    std::vector<std::jthread> others;
+    for (std::size_t i = 1; i < threads; ++i) others.emplace_back(work, i, threads);
+    work(0, threads);
+    others.clear();
+  }
+};
+
+LaserScanner::LaserScanner(const Mesh& skin_in_couch, Position position, Breathing breathing,
+                           std::uint64_t seed, const LaserScannerOptions& options)
+    : LaserScanner(skin_in_couch, position, breathing, seed, options,
+                   sim::true_calibration(position, usual_mount(position), options.latency_s)) {}
+
+LaserScanner::LaserScanner(const Mesh& skin_in_couch, Position position, Breathing breathing,
+                           std::uint64_t seed, const LaserScannerOptions& options,
+                           const scanner::ScannerCalibration& truth)
+    : LaserScanner(skin_in_couch, couch_mesh(position), truth, seed, options) {
+  world_->breath_direction = out_of_back(position);
+  world_->breathing = breathing;
+}
+
+LaserScanner::LaserScanner(const Mesh& scene_in_couch, const Mesh& couch,
+                           const scanner::ScannerCalibration& truth, std::uint64_t seed,
+                           const LaserScannerOptions& options) {
+  world_ = std::make_unique<World>(
+      World{.truth = truth,
+            .options = options,
+            .renderer = LineRenderer(scene_in_couch, couch, truth, options, seed),
+            .breath_direction = Vector3::Zero(),
+            .breathing = {},
+            .jitter = make_random(seed, "yaw clock"),
+            .ahead = {},
+            .dark_ahead = {},
+            .visible_ahead = {},
+            .visible = {},
+            .drops = make_random(seed, "dropped frames"),
+            .readings = {}});
+  world_->options.latency_s = truth.latency_s;
+  if (!options.stickers.empty()) world_->options.dark_frames = true;
+}
+
+LaserScanner::~LaserScanner() = default;
+
+const scanner::ScannerCalibration& LaserScanner::true_calibration() const {
+  return world_->truth;
+}
+
+Result<void> LaserScanner::sweep(double from_rad, double to_rad, double rad_per_s) {
+  if (!(std::abs(from_rad) <= most_rad && std::abs(to_rad) <= most_rad && rad_per_s > 0.0)) {
+    return fail(
+        Fault::device,
+        "the motor turns from -150 to 150 degrees, not from {:.1f} to {:.1f} at {:.1f} per s",
+        to_deg(from_rad), to_deg(to_rad), to_deg(rad_per_s));
+  }
+  World& world = *world_;
+  const double steps = std::max(1.0, std::round(rad_per_s / speed_step_rad_per_s));
+  world.rad_per_s = std::copysign(steps * speed_step_rad_per_s, to_rad - from_rad);
+  world.step_rad = 0.0;
+  world.from_rad = from_rad;
+  const double duration_s = (to_rad - from_rad) / world.rad_per_s;
+  world.frames = static_cast<std::size_t>(duration_s * world.options.frames_per_s + 1e-9) + 1;
+  world.begin(duration_s);
+  return {};
+}
+
+Result<void> LaserScanner::step(double from_rad, double to_rad, double step_rad) {
+  if (!(std::abs(from_rad) <= most_rad && std::abs(to_rad) <= most_rad && step_rad > 0.0)) {
+    return fail(Fault::device,
+                "the motor steps from -150 to 150 degrees, not from {:.1f} to {:.1f} by {:.2f}",
+                to_deg(from_rad), to_deg(to_rad), to_deg(step_rad));
+  }
+  World& world = *world_;
+  const double counts = std::max(1.0, std::round(step_rad / count_rad));
+  world.rad_per_s = 0.0;
+  world.step_rad = std::copysign(counts * count_rad, to_rad - from_rad);
+  world.from_rad = count_rad * std::round(from_rad / count_rad);
+  const double wanted = (to_rad - from_rad) / world.step_rad;
+  world.frames = static_cast<std::size_t>(wanted + 1e-9) + 1;
+  world.begin(static_cast<double>(world.frames - 1) * step_s);
+  return {};
+}
+
+Result<std::vector<scanner::YawReading>> LaserScanner::readings() const {
+  return world_->readings;
+}
+
+Result<scanner::Frame> LaserScanner::next_frame() {
+  World& world = *world_;
+  for (;;) {
+    if (world.given == world.frames)
+      return fail(Fault::not_found, "the unit has arrived; no more frames");
+    const std::size_t place = world.given % frames_at_once;
+    if (place == 0) world.render_ahead();
+    scanner::Frame frame{
+        .time_s = world.time_of(world.given), .image = std::move(world.ahead[place]), .dark = {}};
+    if (world.options.dark_frames) frame.dark = std::move(world.dark_ahead[place]);
+    ++world.given;
+    std::vector<bool>& visible = world.visible_ahead[place];
+    world.visible.count +=
+        static_cast<std::size_t>(std::count(visible.begin(), visible.end(), true));
+    const double share = world.options.dropped_share;
+    if (share > 0.0 && uniform(world.drops, 0.0, 1.0) < share) continue;
+    world.visible.of_frame.push_back(std::move(visible));
+    return frame;
+  }
+}
+
+const VisibleRows& LaserScanner::visible() const {
+  return world_->visible;
+}
+
+}  // namespace tuina::sim

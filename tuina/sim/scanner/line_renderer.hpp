@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "tuina/core/image.hpp"
+#include "tuina/scanner/calibration.hpp"
+#include "tuina/sim/scanner/laser_scanner.hpp"
+#include "tuina/sim/scanner/ray_scene.hpp"
+
+namespace tuina::sim {
+
+/// Draws what the camera of the scanner sees at one moment. May be used from several threads at
+/// once.
+class LineRenderer {
+ public:
+  LineRenderer(const Mesh& skin_in_couch, const Mesh& couch,
+               const scanner::ScannerCalibration& truth, const LaserScannerOptions& options,
+               std::uint64_t seed);
+
+  /// `skin_shift_in_couch` is how far breathing has moved the person. The same `frame` gives the
+  /// same noise. `visible`, if wanted, tells the rows in which there is a line.
+  [[nodiscard]] Image render(double yaw_rad, const Vector3& skin_shift_in_couch,
+                             std::uint64_t frame, std::vector<bool>* visible = nullptr,
+                             const RoomPicture& room = {}) const;
+  /// The same moment with the laser off, with noise of its own.
+  [[nodiscard]] Image render_dark(std::uint64_t frame, const RoomPicture& room = {}) const;
+  /// What the light of the room shows at that moment, for the two above: they are in colour then.
+  /// Empty without stickers.
+  [[nodiscard]] RoomPicture room(double yaw_rad, const Vector3& skin_shift_in_couch) const;
+
+ private:
+  // A short piece of the line as a row of the image sees it.
+  struct Stroke {
+    float column_px;
+    float amplitude_dn;
+    float width_px;
+  };
+  using Strokes = std::vector<std::vector<Stroke>>;
+
+  // One place where a ray of the laser's fan meets a surface and the camera sees it.
+  struct Spot {
+    bool visible = false;
+    Vector3 point = Vector3::Zero();
+    Vector2 pixel = Vector2::Zero();
+    double light = 0.0;  ///< per length on the image, before it is spread along the line
+  };
+
+  [[nodiscard]] Spot trace(const Vector3& laser, const Vector3& direction, const Vector3& eye,
+                           const Transform& camera_from_couch, const Vector3& shift) const;
+  void draw_sheet(const Transform& couch_from_camera, const Vector3& shift, double aside_m,
+                  double share, Strokes& strokes) const;
+  [[nodiscard]] Image expose(const Strokes& strokes, const RoomPicture& room,
+                             std::uint64_t state) const;
+  /// The same in colour, with the light of the room behind the line.
+  [[nodiscard]] Image expose_colour(const Strokes& strokes, const RoomPicture& room,
+                                    std::uint64_t state) const;
+  void add_line(const std::vector<Stroke>& strokes, float share, std::vector<float>& light) const;
+  void add_noise(const std::vector<float>& light, std::uint64_t& state, std::uint8_t* pixels,
+                 int stride) const;
+  void displace(Strokes& strokes, std::uint64_t state) const;
+  void join(const Spot& a, const Spot& b, double share, Strokes& strokes) const;
+
+  RayScene skin_;
+  RayScene couch_;
+  scanner::ScannerCalibration truth_;
+  LaserScannerOptions options_;
+  std::optional<RoomLight> room_light_;  // with stickers: frames in colour
+  std::uint64_t seed_;
+  double light_at_reference_;
+  double spot_width_px_;
+  std::vector<float> noise_;
+  std::vector<float> speckle_;  // a line displaced from row to row; empty when there is none
+};
+
+}  // namespace tuina::sim

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "tuina/scanner/calibration.hpp"
+#include "tuina/scanner/stickers/label_dots.hpp"
+#include "tuina/sim/scanner/ray_scene.hpp"
+
+namespace tuina::sim {
+
+/// A round coloured sticker on the skin.
+struct SkinSticker {
+  Vector3 at_in_couch = Vector3::Zero();
+  scanner::StickerColour colour = scanner::StickerColour::blue;
+  double radius_m = 12.5e-3;
+};
+
+/// Red, green and blue of every pixel, row by row, without noise.
+using Rgb = std::array<float, 3>;
+using RoomPicture = std::vector<Rgb>;
+
+/// What the light of the room shows to a colour camera: skin, stickers and couch, matt. A colour
+/// sensor has each colour at every second pixel only, and that is how often a ray is cast.
+class RoomLight {
+ public:
+  /// `white_dn` is what a white wall gives that faces the camera.
+  RoomLight(std::vector<SkinSticker> stickers, double white_dn);
+
+  [[nodiscard]] RoomPicture render(const RayScene& skin, const RayScene& couch,
+                                   const scanner::CameraModel& camera,
+                                   const Transform& couch_from_camera,
+                                   const Vector3& skin_shift_in_couch) const;
+
+  /// How much of the red light of a laser comes back from a place of the skin, against bare skin.
+  [[nodiscard]] double laser_share(const Vector3& on_skin_in_couch) const;
+
+ private:
+  [[nodiscard]] Rgb albedo(const Vector3& on_skin_in_couch) const;
+
+  std::vector<SkinSticker> stickers_;
+  double white_dn_;
+};
+
+}  // namespace tuina::sim

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "tuina/core/image.hpp"
+#include "tuina/telemetry/picture/scan_mesh.hpp"
+#include "tuina/telemetry/plot/colours.hpp"
+
+namespace tuina::telemetry {
+
+/// From where a picture is taken: an eye a few metres away, so that the perspective is gentle.
+struct View {
+  Vector3 toward_eye = Vector3::UnitY();
+  Vector3 up = Vector3::UnitZ();
+  double distance_m = 3.0;
+  int width_px = 900;  ///< the picture is as large as the surface needs, within width and height
+  int height_px = 1100;
+  double margin_px = 12.0;
+};
+
+/// A thread laid on the skin.
+struct Thread {
+  std::vector<Vector3> points = {};
+  double radius_m = 0.0015;
+  Colour colour;
+};
+
+/// A bead pinned to the skin.
+struct Bead {
+  Vector3 at = Vector3::Zero();
+  double radius_m = 0.004;
+  Colour colour;
+};
+
+/// A tint of everything on the skin within a radius, with a rim: an uncertainty.
+struct Disc {
+  Vector3 at = Vector3::Zero();
+  double radius_m = 0.01;
+  Colour colour;
+};
+
+/// What a picture shows.
+struct Scene {
+  PictureMesh surface;
+  std::vector<Colour> colours = {};  ///< one per vertex, or empty for `colour`
+  Colour colour = palette::skin;
+  std::vector<Thread> threads = {};
+  std::vector<Bead> beads = {};
+  std::vector<Disc> discs = {};
+  std::vector<Vector3> in_frame = {};  ///< places that the picture shows besides the surface
+};
+
+/// Where a place of the world is in a picture, so that labels find their point.
+class Projection {
+ public:
+  Projection(const View& view, const std::vector<Vector3>& seen);
+
+  /// x right and y down in pixels; z is the height towards the eye, in metres.
+  [[nodiscard]] Vector3 operator()(const Vector3& place) const;
+  [[nodiscard]] Vector3 turned(const Vector3& direction) const {
+    return view_from_world_ * direction;
+  }
+  [[nodiscard]] double px_per_m() const { return scale_ / distance_m_; }
+  [[nodiscard]] int width_px() const { return width_px_; }
+  [[nodiscard]] int height_px() const { return height_px_; }
+
+ private:
+  Matrix3 view_from_world_ = Matrix3::Identity();
+  Vector3 centre_ = Vector3::Zero();
+  double distance_m_ = 1.0;
+  double scale_ = 1.0;
+  Vector2 shift_px_ = Vector2::Zero();
+  int width_px_ = 1;
+  int height_px_ = 1;
+};
+
+struct ShadedPicture {
+  Image image;  ///< RGB on white
+  Projection projection;
+};
+
+/// Draws the scene with soft light from the upper left, shadows, and hollows a little darker. The
+/// surface must have triangles.
+[[nodiscard]] ShadedPicture shade(const Scene& scene, const View& view);
+
+}  // namespace tuina::telemetry

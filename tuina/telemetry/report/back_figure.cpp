@@ -1,0 +1,286 @@
+// SPDX-License-Identifier: Apache-2.0
+// The pictures of the back: rendered surface below, letters and leader lines as vectors above.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "tuina/core/units.hpp"
+#include "tuina/telemetry/picture/back_view.hpp"
+#include "tuina/telemetry/picture/picture_element.hpp"
+#include "tuina/telemetry/picture/shaded_picture.hpp"
+#include "tuina/telemetry/plot/svg_plot.hpp"
+#include "tuina/telemetry/report/figures.hpp"
+
+namespace tuina::telemetry::figures {
+namespace {
+
+View view_of(const BackPose& pose) {
+  View view;
+  const Vector3 right = pose.up.cross(pose.out).normalized();
+  // A little from the side and from above, or a back looks flat.
+  view.toward_eye = (pose.out - 0.20 * right + 0.10 * pose.up).normalized();
+  view.up = pose.up;
+  view.width_px = 960;
+  view.height_px = 1080;
+  return view;
+}
+
+struct Label {
+  Vector2 at;  ///< of the point, in the drawing
+  std::string name;
+  std::string remark;
+  double y = 0.0;  ///< of the text
+};
+
+/// Moves the labels of one side apart, keeping their order, as near to their points as they can be.
+void spread(std::vector<Label>& labels, double top, double bottom) {
+  std::sort(labels.begin(), labels.end(),
+            [](const Label& a, const Label& b) { return a.at.y() < b.at.y(); });
+  const double apart =
+      std::min(38.0, (bottom - top) / std::max<double>(1.0, static_cast<double>(labels.size())));
+  double free_from = top;
+  for (Label& label : labels) {
+    label.y = std::max(free_from, label.at.y());
+    free_from = label.y + apart;
+  }
+  double free_to = bottom;
+  for (auto label = labels.rbegin(); label != labels.rend(); ++label) {
+    label->y = std::min(label->y, free_to);
+    free_to = label->y - apart;
+  }
+}
+
+/// The rendered picture with a column of labels on either side. One unit of the drawing is two
+/// pixels of the picture, so that it stays sharp on fine screens and on paper.
+std::string compose(const ShadedPicture& picture, std::vector<Label> labels,
+                    const std::string& title) {
+  constexpr double side = 122.0;
+  const double width = picture.image.width / 2.0;
+  const double height = picture.image.height / 2.0;
+  std::vector<Label> left;
+  std::vector<Label> right;
+  for (Label& label : labels) {
+    const bool is_left = label.at.x() < 0.497 * width;
+    label.at.x() += side;
+    (is_left ? left : right).push_back(std::move(label));
+  }
+  spread(left, 24, height - 24);
+  spread(right, 24, height - 24);
+
+  std::string svg = fmt::format(
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0:.0f} {1:.0f}\" role=\"img\" "
+      "aria-label=\"{2}\" "
+      "class=\"back\" font-family=\"Inter,system-ui,-apple-system,'Segoe "
+      "UI',Helvetica,Arial,sans-serif\" font-size=\"12.5\" fill=\"{3}\">"
+      "<title>{2}</title>{4}",
+      width + 2 * side, height, escaped(title), css(palette::ink), picture_element(picture, side));
+  const auto draw = [&](const Label& label, bool is_left) {
+    const double edge = is_left ? side - 8 : side + width + 8;
+    const char* anchor = is_left ? "end" : "start";
+    const double text_x = is_left ? edge - 4 : edge + 4;
+    svg += fmt::format(
+        "<path d=\"M{:.1f} {:.1f}L{:.1f} {:.1f}\" stroke=\"#fff\" stroke-width=\"2.6\" "
+        "stroke-opacity=\".55\"/>"
+        "<path d=\"M{:.1f} {:.1f}L{:.1f} {:.1f}\" stroke=\"{}\" stroke-width=\".9\"/>",
+        edge, label.y, label.at.x(), label.at.y(), edge, label.y, label.at.x(), label.at.y(),
+        css(palette::ink));
+    svg += fmt::format(
+        "<text class=\"name\" x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\" "
+        "font-weight=\"600\">{}</text>",
+        text_x, label.y + 1, anchor, escaped(label.name));
+    svg += fmt::format(
+        "<text class=\"remark\" x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\" font-size=\"10.5\" "
+        "fill=\"{}\">{}</text>",
+        text_x, label.y + 14, anchor, css(palette::grey), escaped(label.remark));
+  };
+  for (const Label& label : left) draw(label, true);
+  for (const Label& label : right) draw(label, false);
+  return svg + "</svg>";
+}
+
+Vector2 drawn(const Projection& projection, const Vector3& place) {
+  return projection(place).head<2>() / 2.0;
+}
+
+/// "BL47_L" as "BL47 L".
+std::string short_name(std::string name) {
+  std::replace(name.begin(), name.end(), '_', ' ');
+  return name;
+}
+
+/// The end of the stiffness scale: a round number at or above everything felt.
+double stiffest_shown(const ReportData& data) {
+  double hardest = 1e-9;
+  for (const FeltTissue& felt : data.tissue) hardest = std::max(hardest, felt.stiffness_n_per_mm);
+  const auto round_numbers = ticks(0.0, hardest, 4);
+  return round_numbers.back() + (round_numbers.back() < 0.999 * hardest ? round_numbers[1] : 0.0);
+}
+
+/// The last that was felt at each point.
+std::vector<FeltTissue> last_felt(const ReportData& data) {
+  std::vector<FeltTissue> last;
+  for (const FeltTissue& felt : data.tissue) {
+    const auto same = std::find_if(
+        last.begin(), last.end(), [&](const FeltTissue& other) { return other.name == felt.name; });
+    if (same == last.end())
+      last.push_back(felt);
+    else
+      *same = felt;
+  }
+  return last;
+}
+
+bool is_one_of_seven(const std::string& name) {
+  return std::find(seven_acupoints.begin(), seven_acupoints.end(), name) != seven_acupoints.end();
+}
+
+}  // namespace
+
+std::string spoken(const std::string& acupoint) {
+  if (acupoint.ends_with("_L")) return acupoint.substr(0, acupoint.size() - 2) + " left";
+  if (acupoint.ends_with("_R")) return acupoint.substr(0, acupoint.size() - 2) + " right";
+  return acupoint;
+}
+
+std::string place_of(const ContactPath& path) {
+  if (path.acupoints.empty()) {
+    // The name says the technique first: "stroke bladder_inner_L".
+    std::string line = spoken(path.name.substr(path.name.find(' ') + 1));
+    std::replace(line.begin(), line.end(), '_', ' ');
+    return line;
+  }
+  const std::string first = spoken(path.acupoints.front());
+  return path.acupoints.size() == 1 ? first : first + " to " + spoken(path.acupoints.back());
+}
+
+std::string chinese_name(const std::string& acupoint) {
+  // WHO Standard Acupuncture Point Locations in the Western Pacific Region (2008).
+  static const std::map<std::string, std::string> names = {
+      {"SI11", "Tianzong"},   {"BL47", "Hunmen"}, {"BL50", "Weicang"}, {"GV4", "Mingmen"},
+      {"BL13", "Feishu"},     {"BL15", "Xinshu"}, {"BL17", "Geshu"},   {"BL18", "Ganshu"},
+      {"BL20", "Pishu"},      {"BL21", "Weishu"}, {"BL23", "Shenshu"}, {"GV2", "Yaoshu"},
+      {"GV3", "Yaoyangguan"}, {"GV6", "Jizhong"}, {"GV9", "Zhiyang"},  {"GV12", "Shenzhu"},
+      {"GV14", "Dazhui"}};
+  const auto found = names.find(acupoint.substr(0, acupoint.find('_')));
+  return found == names.end() ? "" : found->second;
+}
+
+std::string back(const ReportData& data) {
+  const BackPose pose = pose_of(data);
+  Scene scene;
+  scene.surface = person_of(data, pose);
+  if (scene.surface.mesh.triangles.empty()) return "";
+  for (const PerformedPath& performed : data.paths) {
+    const ContactPath& path = performed.path;
+    if (path.points.empty()) continue;
+    if (path.technique == Technique::press || path.technique == Technique::tap) {
+      const ContactPoint& place = path.points[path.points.size() / 2];
+      const double radius_m = path.technique == Technique::press ? 5.5_mm : 4_mm;
+      scene.beads.push_back(
+          {.at = place.at_in_couch, .radius_m = radius_m, .colour = colour_of(path.technique)});
+    } else {
+      scene.threads.push_back({.points = lifted(path, 1.5_mm),
+                               .radius_m = 1.7_mm,
+                               .colour = colour_of(path.technique)});
+    }
+  }
+  for (const FoundAcupoint& found : data.acupoints) {
+    const Acupoint& point = found.acupoint;
+    scene.discs.push_back(
+        {.at = point.at_in_couch, .radius_m = point.uncertainty_m, .colour = palette::marker});
+    scene.beads.push_back({.at = point.at_in_couch + 4.2_mm * point.normal_in_couch,
+                           .radius_m = 2.2_mm,
+                           .colour = palette::marker});
+  }
+  const ShadedPicture picture = shade(scene, view_of(pose));
+  std::vector<Label> labels;
+  for (const FoundAcupoint& found : data.acupoints) {
+    const Acupoint& point = found.acupoint;
+    if (data.acupoints.size() > 16 && !is_one_of_seven(point.name)) continue;
+    labels.push_back(
+        {.at = drawn(picture.projection, point.at_in_couch + 4_mm * point.normal_in_couch),
+         .name = short_name(point.name),
+         .remark =
+             fmt::format("{} ± {:.0f} mm", chinese_name(point.name), to_mm(point.uncertainty_m))});
+  }
+  return compose(picture, std::move(labels), "The scanned back with acupoints and paths");
+}
+
+std::string tissue_curves(const ReportData& data) {
+  constexpr double shown_n = 30.0;  // as hard as a massage presses
+  Plot plot{.title = "Force against depth at each point",
+            .x_label = "depth below the skin, mm",
+            .y_label = "force, N"};
+  const double hardest = stiffest_shown(data);
+  const std::vector<FeltTissue> all_felt = last_felt(data);
+  const auto curve = [&](const TangentTissue& tissue) {
+    Series series;
+    for (int k = 0; k <= 40 && tissue.alpha_n > 0.0 && tissue.beta_per_m > 0.0; ++k) {
+      const double force_n = shown_n * k / 40.0;
+      series.x.push_back(to_mm(std::atan(force_n / tissue.alpha_n) / tissue.beta_per_m));
+      series.y.push_back(force_n);
+    }
+    return series;
+  };
+  for (const FeltTissue& felt : all_felt) {
+    if (!felt.estimate.converged) continue;
+    if (felt.truth) {
+      Series truth = curve(*felt.truth);
+      truth.colour = palette::grey;
+      truth.width_px = 1.0;
+      truth.dashed = true;
+      plot.series.push_back(std::move(truth));
+    }
+    Series series = curve(felt.estimate.tissue);
+    series.colour = hardness_colour(
+        // The palest colours of the map could not be seen as lines on paper.
+        std::max(0.15, felt.stiffness_n_per_mm / hardest));
+    series.width_px = 2.2;
+    series.tail = short_name(felt.name);
+    plot.series.push_back(std::move(series));
+  }
+  if (plot.series.empty()) return "";
+  plot.x_low = 0.0;
+  plot.y_low = 0.0;
+  plot.y_high = shown_n;
+  plot.width_px = 400;
+  plot.height_px = 400;
+  return to_svg(plot);
+}
+
+std::string tissue(const ReportData& data) {
+  const BackPose pose = pose_of(data);
+  Scene scene;
+  scene.surface = person_of(data, pose);
+  if (scene.surface.mesh.triangles.empty() || data.tissue.empty()) return "";
+  const double hardest = stiffest_shown(data);
+  const std::vector<FeltTissue> all_felt = last_felt(data);
+  for (const Vector3& vertex : scene.surface.mesh.vertices) {
+    const auto value = data.stiffness_at ? data.stiffness_at(vertex) : std::nullopt;
+    // Full colour where it is known to a tenth, plain clay where it is not.
+    const double shown = value ? std::clamp(1.4 - 4.0 * value->log_sd, 0.0, 1.0) : 0.0;
+    scene.colours.push_back(
+        mix(palette::clay, hardness_colour(value ? value->n_per_mm / hardest : 0.0), shown));
+  }
+  for (const FeltTissue& felt : all_felt) {
+    scene.beads.push_back({.at = felt.at_in_couch,
+                           .radius_m = 2.6_mm,
+                           .colour = felt.estimate.converged ? palette::marker : palette::grey});
+  }
+  const ShadedPicture picture = shade(scene, view_of(pose));
+  std::vector<Label> labels;
+  for (const FeltTissue& felt : all_felt) {
+    labels.push_back({.at = drawn(picture.projection, felt.at_in_couch),
+                      .name = short_name(felt.name),
+                      .remark = fmt::format("{:.1f} ± {:.1f} N/mm", felt.stiffness_n_per_mm,
+                                            felt.stiffness_ci95_n_per_mm)});
+  }
+  return compose(picture, std::move(labels),
+                 "The back coloured by the estimated stiffness of its tissue") +
+         hardness_bar_svg(0.0, hardest,
+                          fmt::format("stiffness under {:.0f} N, N/mm", data.stiffness_force_n));
+}
+
+}  // namespace tuina::telemetry::figures

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tuina/telemetry/report/conduct.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <tuple>
+
+#include "tuina/core/units.hpp"
+#include "tuina/telemetry/plot/session_strip.hpp"
+#include "tuina/telemetry/plot/svg_plot.hpp"
+#include "tuina/telemetry/report/figures.hpp"
+
+namespace tuina::telemetry {
+namespace {
+
+/// One of the distances, in mm over time where it is known; and its smallest value.
+struct Distance {
+  Series series;
+  double least_mm = std::numeric_limits<double>::infinity();
+};
+std::vector<Distance> distances_of(const ReportData& data) {
+  const std::tuple<const char*, double ArmDistance::*, Colour> wanted[] = {
+      {"arm to the robot's body", &ArmDistance::to_body_m, palette::tap},
+      {"arm to couch", &ArmDistance::to_couch_m, palette::stroke},
+      {"arm to person", &ArmDistance::to_person_m, palette::rub},
+      {"arm to arm", &ArmDistance::apart_m, palette::press}};
+  std::vector<Distance> known;
+  for (const auto& [name, member, colour] : wanted) {
+    Distance distance{.series = {.name = name, .colour = colour}};
+    for (const ArmDistance& row : data.distances) {
+      if (!std::isfinite(row.*member)) continue;
+      distance.series.x.push_back(row.time_s);
+      distance.series.y.push_back(to_mm(row.*member));
+      distance.least_mm = std::min(distance.least_mm, distance.series.y.back());
+    }
+    if (!distance.series.x.empty()) known.push_back(std::move(distance));
+  }
+  return known;
+}
+
+std::string distance_figure(const ReportData& data) {
+  const std::vector<Distance> distances = distances_of(data);
+  if (distances.empty()) return "";
+  const double stop_mm = to_mm(data.stopping_distance_m);
+  double most_mm = stop_mm;
+  std::vector<std::string> least;
+  for (const Distance& distance : distances) {
+    for (const double mm : distance.series.y) most_mm = std::max(most_mm, mm);
+    least.push_back(fmt::format("{} {:.0f} mm", distance.series.name, distance.least_mm));
+  }
+  std::reverse(least.begin(), least.end());
+  const double end_s = std::max(data.duration_s, data.distances.back().time_s);
+  Plot plot{.title = "How far the arms kept from each other and from what is around them",
+            .x_label = "time, s",
+            .y_label = "distance, mm",
+            .x_low = 0.0,
+            .x_high = end_s,
+            .y_low = 0.0,
+            .y_high = 1.05 * most_mm,
+            .width_px = 1040,
+            .height_px = 220};
+  plot.series.push_back({.name = "arms stop",
+                         .x = {0.0, end_s},
+                         .y = {stop_mm, stop_mm},
+                         .colour = palette::stop,
+                         .dashed = true});
+  for (const Distance& distance : distances) plot.series.push_back(distance.series);
+  return "<div class=wide>" + to_svg(plot) +
+         "</div><p>At the least: " + escaped(fmt::format("{}", fmt::join(least, ", "))) + ".</p>";
+}
+
+}  // namespace
+
+std::string technique_key(const ReportData& data, bool moving) {
+  std::string html = "<ul class=key>";
+  for (const Technique technique : figures::all_techniques) {
+    const bool used =
+        std::any_of(data.paths.begin(), data.paths.end(),
+                    [&](const PerformedPath& p) { return p.path.technique == technique; });
+    if (!used) continue;
+    const bool line = technique == Technique::rub || technique == Technique::stroke;
+    html += fmt::format("<li><i{} style=\"background:{}\"></i>{}</li>", line ? " class=flat" : "",
+                        css(colour_of(technique)), figures::doing(technique));
+  }
+  if (moving) {
+    html += fmt::format(
+        "<li><i class=flat style=\"background:{}\"></i>Moving through the air</li><li><i "
+        "class=flat "
+        "style=\"background:#e9ebee;height:12px\"></i>Waiting</li>",
+        css(mix(palette::paper, palette::grey, 0.7)));
+  }
+  return html + "</ul>";
+}
+
+std::string conduct_section(const ReportData& data) {
+  std::string html =
+      "<section class=long><h2>How it went</h2><p>The session in the order of time: what is being "
+      "done, faintly what has been done, and the two arms that do "
+      "it, drawn thinner than they are so that they hide less.</p>";
+  const std::size_t moments = moments_of(data).size();
+  const std::string strip = session_strip(data);
+  html += strip.empty() ? "<p class=note>There is nothing to picture.</p>" : strip;
+  if (!strip.empty() && moments > most_pictures)
+    html +=
+        fmt::format("<p class=note>{} of {} moments, evenly picked.</p>", most_pictures, moments);
+  html += "<h3>What each arm did when</h3>";
+  const std::string timeline = figures::timeline(data);
+  html += timeline.empty() ? "<p class=note>No path was carried out.</p>"
+                           : "<div class=wide>" + timeline + "</div>" + technique_key(data, true);
+  const std::string distance = distance_figure(data);
+  if (!distance.empty()) {
+    html += "<h3>How far they stayed apart</h3>" + distance +
+            "<p class=note>Between surfaces. Nearer to each other, to the couch or to the robot's "
+            "body than the dashed line both arms stop. An arm's last link, with the tool, is meant "
+            "to touch the person and is left out there; the upper arm hangs on the body and is "
+            "left out beside it.</p>";
+  }
+  return html + "</section>";
+}
+
+std::string decisions_section(const ReportData& data) {
+  if (data.decisions.empty()) return "";
+  std::string html =
+      "<section class=long><h2>What the tissue decided</h2><p>While it presses, the robot feels "
+      "how "
+      "hard and how thick the tissue is, and does less where less is right. Every change, with its "
+      "reason; the rules are those of the manual.</p><div class=wide><table><thead><tr><th>time, s"
+      "<th class=l>arm<th class=l>path<th class=l>rule<th class=l>reason<th>planned, N<th>"
+      "decided, N</thead><tbody>";
+  for (const SteeringDecision& made : data.decisions) {
+    html += fmt::format(
+        "<tr><td>{:.1f}<td class=l>{}<td class=l>{}<td class=l>{}<td class=l "
+        "style=\"white-space:normal\">{}<td>{}<td>{:.1f}",
+        made.time_s, name_of(made.arm), escaped(made.path), escaped(made.rule),
+        escaped(made.reason), made.from_n > 0.0 ? fmt::format("{:.1f}", made.from_n) : "",
+        made.to_n);
+  }
+  return html + "</tbody></table></div></section>";
+}
+
+}  // namespace tuina::telemetry

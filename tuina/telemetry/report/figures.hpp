@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <string>
+
+#include "tuina/telemetry/report/report_data.hpp"
+
+/// The drawings of the report page, each an `<svg>` element; empty when the data hold nothing to
+/// draw.
+namespace tuina::telemetry::figures {
+
+/// The scanned back with acupoints, their uncertainty and every path.
+[[nodiscard]] std::string back(const ReportData& data);
+
+/// The scanned back, coloured by the stiffness map, plain where it is blank.
+[[nodiscard]] std::string tissue(const ReportData& data);
+
+/// The tangent law at each point: as estimated, and dashed as it is in truth.
+[[nodiscard]] std::string tissue_curves(const ReportData& data);
+
+/// Both arms over the session, a row each: paths by their colour, thin lines for ways through the
+/// air.
+[[nodiscard]] std::string timeline(const ReportData& data);
+
+/// Target, true and measured force of one technique over its time in contact.
+[[nodiscard]] std::string force(const ReportData& data, Technique technique);
+
+/// Force and depth of the first press, close up.
+[[nodiscard]] std::string first_press_force(const ReportData& data);
+[[nodiscard]] std::string first_press_depth(const ReportData& data);
+
+inline constexpr std::array<Technique, 4> all_techniques = {Technique::press, Technique::rub,
+                                                            Technique::stroke, Technique::tap};
+/// "Pressing"
+[[nodiscard]] const char* doing(Technique technique);
+
+/// "BL47 left", with its Chinese name where it is known: "Hunmen".
+[[nodiscard]] std::string spoken(const std::string& acupoint);
+/// "SI11 left to BL50 left", or of a named line "bladder inner left".
+[[nodiscard]] std::string place_of(const ContactPath& path);
+[[nodiscard]] std::string chinese_name(const std::string& acupoint);
+
+}  // namespace tuina::telemetry::figures

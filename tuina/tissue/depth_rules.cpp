@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tuina/tissue/depth_rules.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "tuina/core/units.hpp"
+#include "tuina/tissue/tangent_model.hpp"
+
+namespace tuina::tissue {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double bend_alphas = 2.5;  // where alpha and beta can be told apart
+constexpr double cap_alphas = 3.0;
+constexpr double first_probe_n = 8.0;
+constexpr double largest_chi = 4.0;
+constexpr double thin_layer_n = 10.0;
+
+double relative_sd(double ci95, double value) noexcept {
+  return ci95 / (1.96 * value);
+}
+
+double log_stiffness_sd(const TissueEstimate& estimate, double force_n) noexcept {
+  // As if alpha and beta erred apart; they err against each other, so this is on the careful side.
+  const double q = force_n / estimate.tissue.alpha_n;
+  const double by_alpha = (1.0 - q * q) / (1.0 + q * q);
+  return std::hypot(by_alpha * relative_sd(estimate.alpha_ci95_n, estimate.tissue.alpha_n),
+                    relative_sd(estimate.beta_ci95_per_m, estimate.tissue.beta_per_m));
+}
+
+bool positive(double value) noexcept {
+  return std::isfinite(value) && value > 0.0;
+}
+
+bool sound(const TissueEstimate& estimate) noexcept {
+  return positive(estimate.tissue.alpha_n) && positive(estimate.tissue.beta_per_m) &&
+         std::isfinite(estimate.alpha_ci95_n) && std::isfinite(estimate.beta_ci95_per_m) &&
+         std::isfinite(estimate.contact_m);
+}
+
+}  // namespace
+
+double probing_force_n(const TissueEstimate& estimate, double region_cap_n) noexcept {
+  const double most_n = 0.5 * std::max(0.0, region_cap_n);
+  if (estimate.presses < 1 || !sound(estimate)) return std::min(first_probe_n, most_n);
+  return std::min(bend_alphas * estimate.tissue.alpha_n, most_n);
+}
+
+bool probed_enough(const TissueEstimate& estimate, double peak_force_n,
+                   double region_cap_n) noexcept {
+  if (estimate.presses < 2) return false;
+  // A force loop ends a little below its target.
+  const double wanted_n = probing_force_n(estimate, region_cap_n);
+  return peak_force_n >= 0.9 * wanted_n;
+}
+
+bool may_steer(const TissueEstimate& estimate, double chi) noexcept {
+  return follows_law(estimate, chi) && estimate.converged;
+}
+
+bool follows_law(const TissueEstimate& estimate, double chi) noexcept {
+  return sound(estimate) && chi <= largest_chi;
+}
+
+double force_cap_n(const TissueEstimate& estimate, double chi, double region_cap_n) noexcept {
+  if (!may_steer(estimate, chi)) return 0.5 * region_cap_n;
+  const double least_alpha_n = std::max(0.0, estimate.tissue.alpha_n - estimate.alpha_ci95_n);
+  return std::min(region_cap_n, cap_alphas * least_alpha_n);
+}
+
+double depth_cap_m(const TissueEstimate& estimate, double chi) noexcept {
+  if (!may_steer(estimate, chi)) return infinity;
+  return 0.8 * (pi / 2.0) / (estimate.tissue.beta_per_m + estimate.beta_ci95_per_m);
+}
+
+double position_for_force_m(const TissueEstimate& estimate, double force_n,
+                            double torso_n_per_m) noexcept {
+  const double torso_m = positive(torso_n_per_m) ? force_n / torso_n_per_m : 0.0;
+  return estimate.contact_m + torso_m + depth_at_force(estimate.tissue, force_n);
+}
+
+ContactImpedance impedance_for(double tissue_n_per_m, double mass_kg) noexcept {
+  if (!positive(tissue_n_per_m)) tissue_n_per_m = 0.0;
+  const double K = std::clamp(0.5 * tissue_n_per_m, 200.0, 3000.0);
+  return {K, 2.0 * 0.7 * std::sqrt(std::max(0.0, mass_kg) * (K + tissue_n_per_m))};
+}
+
+double eased_stiffness(double now_n_per_m, double wanted_n_per_m, double dt_s) noexcept {
+  constexpr double low_pass_s = 1.0, most_per_s = 0.2;
+  const double step = (wanted_n_per_m - now_n_per_m) * (1.0 - std::exp(-dt_s / low_pass_s));
+  const double most = most_per_s * now_n_per_m * dt_s;
+  return now_n_per_m + std::clamp(step, -most, most);
+}
+
+double ControlShare::step(double tissue_n_per_m, double tool_speed_m_per_s, double dt_s) noexcept {
+  constexpr double soft_n_per_m = 2e3, stiff_n_per_m = 15e3;
+  constexpr double hysteresis = 0.1, dwell_s = 0.3, slow_m_per_s = 2e-3;
+  since_s_ += dt_s;
+  if (!positive(tissue_n_per_m)) return share_;
+  const double wish = std::clamp(
+      std::log(tissue_n_per_m / soft_n_per_m) / std::log(stiff_n_per_m / soft_n_per_m), 0.0, 1.0);
+  const bool ends = (wish == 0.0 || wish == 1.0) && wish != share_;
+  if ((std::abs(wish - share_) > hysteresis || ends) && since_s_ >= dwell_s &&
+      std::abs(tool_speed_m_per_s) < slow_m_per_s) {
+    share_ = wish;
+    since_s_ = 0.0;
+  }
+  return share_;
+}
+
+double detectable_change(const PressSet& a, const PressSet& b) noexcept {
+  return 1.96 * std::hypot(a.sd, b.sd);
+}
+
+const char* name_of(Dwell dwell) noexcept {
+  switch (dwell) {
+    case Dwell::go_on:
+      return "go on";
+    case Dwell::softened:
+      return "a tenth softer than at first: enough";
+    case Dwell::no_change:
+      return "twice no change that can be told: more would not help";
+    case Dwell::time_up:
+      return "a minute and a half at one place: enough";
+  }
+  return "";
+}
+
+Dwell dwell_after(std::span<const PressSet> sets, double elapsed_s) noexcept {
+  constexpr double enough = 0.1, longest_s = 90.0;
+  if (sets.size() >= 2 && sets.front().log_stiffness - sets.back().log_stiffness >= enough)
+    return Dwell::softened;
+  if (elapsed_s >= longest_s) return Dwell::time_up;
+  if (sets.size() < 3) return Dwell::go_on;
+  const auto unchanged = [&](std::size_t i) {
+    return std::abs(sets[i].log_stiffness - sets[i - 1].log_stiffness) <
+           detectable_change(sets[i], sets[i - 1]);
+  };
+  const std::size_t last = sets.size() - 1;
+  return unchanged(last) && unchanged(last - 1) ? Dwell::no_change : Dwell::go_on;
+}
+
+TechniqueAdvice technique_for(const TissueEstimate& estimate, double chi, const PersonMean& person,
+                              double reference_force_n, double region_cap_n) noexcept {
+  const double cap_n = force_cap_n(estimate, chi, region_cap_n);
+  if (!may_steer(estimate, chi))
+    return {Technique::stroke, std::min({thin_layer_n, reference_force_n, cap_n}), false};
+  const double z =
+      (std::log(stiffness_at_force(estimate.tissue, reference_force_n)) - person.log_stiffness) /
+      0.25;
+  const double least_beta = estimate.tissue.beta_per_m - estimate.beta_ci95_per_m;
+  if (least_beta > person.median_beta_per_m)
+    return {Technique::stroke, std::min({thin_layer_n, reference_force_n, cap_n}), true};
+  if (z > 1.0) return {Technique::press, std::min(1.2 * reference_force_n, cap_n), true};
+  return {Technique::rub, std::min(reference_force_n, cap_n), true};
+}
+
+const char* name_of(Alarm alarm) noexcept {
+  switch (alarm) {
+    case Alarm::none:
+      return "none";
+    case Alarm::guarding:
+      return "the tissue became stiffer";
+    case Alarm::moved:
+      return "the skin moved";
+    case Alarm::misfit:
+      return "the force does not fit the tissue";
+  }
+  return "";
+}
+
+Alarm compare(const TissueEstimate& reference, const TissueEstimate& now, double force_n) noexcept {
+  constexpr double largest_rise = 0.25, largest_jump_m = 3e-3;
+  if (!sound(reference) || !sound(now)) return Alarm::none;
+  const auto rose = [&](double ratio, double sd_before, double sd_now) {
+    return std::log(ratio) >
+           std::max(std::log(1.0 + largest_rise), 1.96 * std::hypot(sd_before, sd_now));
+  };
+  const auto alpha_sd = [](const TissueEstimate& e) {
+    return relative_sd(e.alpha_ci95_n, e.tissue.alpha_n);
+  };
+  if (rose(now.tissue.alpha_n / reference.tissue.alpha_n, alpha_sd(reference), alpha_sd(now)) ||
+      rose(stiffness_at_force(now.tissue, force_n) / stiffness_at_force(reference.tissue, force_n),
+           log_stiffness_sd(reference, force_n), log_stiffness_sd(now, force_n)))
+    return Alarm::guarding;
+  if (std::abs(now.contact_m - reference.contact_m) > largest_jump_m) return Alarm::moved;
+  return Alarm::none;
+}
+
+Alarm MisfitWatch::step(double residual_n, double sd_n, double dt_s) noexcept {
+  constexpr double deviations = 5.0, longest_s = 0.05;
+  const bool fits = std::abs(residual_n) <= deviations * sd_n;  // false for what is not a number
+  beyond_s_ = fits ? 0.0 : beyond_s_ + dt_s;
+  return beyond_s_ >= longest_s ? Alarm::misfit : Alarm::none;
+}
+
+}  // namespace tuina::tissue
