@@ -46,13 +46,13 @@ int main() {
   }
 
   const ContactPath rub = massage::plan_rub(*circle, {.force_n = 15.0, .turns = 3}, "rub BL47_L");
-  double peak_n = 0.0, fastest_m = 0.0;
+  double peak_n = 0.0, max_m = 0.0;
   for (std::size_t i = 1; i < rub.points.size(); ++i) {
     peak_n = std::max(peak_n, rub.points[i].force_n);
     const double way_m = (rub.points[i].at_in_couch - rub.points[i - 1].at_in_couch).norm();
-    fastest_m = std::max(fastest_m, way_m / (rub.points[i].time_s - rub.points[i - 1].time_s));
+    max_m = std::max(max_m, way_m / (rub.points[i].time_s - rub.points[i - 1].time_s));
   }
   fmt::print("{}: {} points in {:.1f} s, up to {:.1f} N and {:.0f} mm/s\n", rub.name,
-             rub.points.size(), rub.duration_s(), peak_n, to_mm(fastest_m));
+             rub.points.size(), rub.duration_s(), peak_n, to_mm(max_m));
   return 0;
 }

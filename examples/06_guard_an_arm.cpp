@@ -29,13 +29,13 @@ int main() {
   }
   safety::Guard guard(options);
 
-  double fastest_m_per_s = 0.0, stopped_s = -1.0;
+  double max_speed_m_per_s = 0.0, stopped_s = -1.0;
   for (int tick = 0; tick < 1500; ++tick) {
     const robot::RobotReading reading = (*robot)->read();
     const robot::ArmReading& arm = reading.arms[Arm::left];
     const auto dynamics = left.evaluate(arm.q_rad, arm.dq_rad_per_s, reading.rail_m);
     const Vector3 velocity_m_per_s = dynamics.jacobian.topRows<3>() * arm.dq_rad_per_s;
-    fastest_m_per_s = std::max(fastest_m_per_s, velocity_m_per_s.norm());
+    max_speed_m_per_s = std::max(max_speed_m_per_s, velocity_m_per_s.norm());
 
     // The controller: a spring at each joint, until it is not.
     JointVector torque_nm = dynamics.gravity_nm;
@@ -62,7 +62,7 @@ int main() {
     }
   }
   const double speed_m_per_s = (*robot)->truth().arms[Arm::left].velocity_in_couch.norm();
-  fmt::print("the tool reached {:.2f} m/s and now moves at {:.3f} m/s\n", fastest_m_per_s,
+  fmt::print("the tool reached {:.2f} m/s and now moves at {:.3f} m/s\n", max_speed_m_per_s,
              speed_m_per_s);
   return stopped_s > 0.5 && speed_m_per_s < 0.02 ? 0 : 1;
 }

@@ -23,7 +23,7 @@ tissue::ClassProbabilities prior_of(massage::Zone zone) {
 }  // namespace
 
 FeltBack felt_back(const SessionResult& result, const tissue::BodyFacts& facts) {
-  constexpr double largest_chi = 4.0;  // beyond, the press does not follow the law
+  constexpr double max_chi = 4.0;  // beyond, the press does not follow the law
   FeltBack felt;
   std::vector<tissue::Visit> visits;
   std::vector<tissue::KnownPress> presses;
@@ -40,7 +40,7 @@ FeltBack felt_back(const SessionResult& result, const tissue::BodyFacts& facts) 
                   .log_stiffness = std::log(
                       tissue::stiffness_at_force(done.felt->tissue, session::reference_force_n)),
                   .sd = done.stiffness_sd},
-        .mapped = done.felt->presses >= 1 && done.chi <= largest_chi};
+        .mapped = done.felt->presses >= 1 && done.chi <= max_chi};
     felt.points.push_back(point);
     if (!point.mapped) continue;
     visits.push_back({planned.path.acupoints.front(), point.place});

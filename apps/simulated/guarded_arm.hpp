@@ -42,7 +42,7 @@ struct GuardedArm {
   const JointVector& allow(const robot::RobotReading& reading, Arm arm,
                            const robot::ArmDynamics& dynamics,
                            const safety::Proposal& proposal) noexcept {
-    const Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, most_joints> jacobian =
+    const Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, max_joints> jacobian =
         dynamics.jacobian.topRows<3>();
     verdict = guard.check({.tick = reading.tick,
                            .time_s = reading.time_s,

@@ -64,7 +64,7 @@ HandMotion::Now HandMotion::along(const ContactPath& path, double path_s) const 
 Wrench Hand::push(const HandMotion::Now& wanted, const Transform& base_from_tool,
                   const Vector3& velocity, double felt_n, double radius_m) {
   constexpr double tick_s = 1e-3;
-  constexpr double stiffness = 1500.0, damping = 60.0, most_n = 60.0;
+  constexpr double stiffness = 1500.0, damping = 60.0, max_n = 60.0;
   constexpr double turn_stiffness = 10.0, turn_damping = 0.5, force_per_s = 3.0;
   const Vector3& normal = wanted.foremost.normal_in_base;
   const Vector3 centre = wanted.foremost.at_in_base + radius_m * normal;
@@ -81,7 +81,7 @@ Wrench Hand::push(const HandMotion::Now& wanted, const Transform& base_from_tool
   const Vector3 turning =
       last_axis_.isZero() ? Vector3::Zero() : Vector3((axis - last_axis_) / tick_s);
   last_axis_ = axis;
-  return {.force_n = control::shortened(force, most_n),
+  return {.force_n = control::shortened(force, max_n),
           .torque_nm = turn_stiffness * axis.cross(normal) - turn_damping * axis.cross(turning)};
 }
 

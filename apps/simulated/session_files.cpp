@@ -30,15 +30,15 @@ ordered_json three(const Vector3& v) {
 
 /// Mean and largest error over the seven points of the thesis.
 std::pair<double, double> error_of_seven_m(const SessionResult& result) {
-  double sum_m = 0.0, most_m = 0.0;
+  double sum_m = 0.0, max_m = 0.0;
   for (std::size_t i = 0; i < result.located.acupoints.size(); ++i) {
     for (const char* name : seven_acupoints) {
       if (result.located.acupoints[i].name != name) continue;
       sum_m += result.acupoint_errors_m[i];
-      most_m = std::max(most_m, result.acupoint_errors_m[i]);
+      max_m = std::max(max_m, result.acupoint_errors_m[i]);
     }
   }
-  return {sum_m / static_cast<double>(seven_acupoints.size()), most_m};
+  return {sum_m / static_cast<double>(seven_acupoints.size()), max_m};
 }
 
 /// Stiffness as people read it, from the logarithm of N/m; half-widths of 95 % intervals.
@@ -79,10 +79,10 @@ ordered_json condition_json(const FeltBack& felt) {
 }
 
 double least_to_person_m(const SessionResult& result) {
-  double least_m = std::numeric_limits<double>::infinity();
+  double min_m = std::numeric_limits<double>::infinity();
   for (const telemetry::ArmDistance& row : result.distances)
-    least_m = std::min(least_m, row.to_person_m);
-  return least_m;
+    min_m = std::min(min_m, row.to_person_m);
+  return min_m;
 }
 
 record::PlanFile plan_file_of(const SessionResult& result) {

@@ -114,8 +114,8 @@ std::string csv_of(const std::vector<telemetry::ArmDistance>& distances) {
 }
 
 Result<std::vector<telemetry::TraceRow>> read_trace(const std::filesystem::path& file) {
-  constexpr std::size_t largest_bytes = std::size_t{1} << 29;
-  const auto text = read_file(file, largest_bytes);
+  constexpr std::size_t max_bytes = std::size_t{1} << 29;
+  const auto text = read_file(file, max_bytes);
   if (!text) return tl::unexpected(text.error());
   std::vector<telemetry::TraceRow> rows;
   std::string_view rest = *text;
@@ -145,7 +145,7 @@ Result<std::vector<JointRow>> read_joints(const std::filesystem::path& file) {
   const std::string header = text->substr(0, text->find('\n'));
   std::vector<std::string> wanted = {"time_s", "rail_mm"};
   int joints = 0;
-  while (joints < most_joints &&
+  while (joints < max_joints &&
          header.find(angle_name(Arm::left, joints + 1)) != std::string::npos) {
     ++joints;
   }

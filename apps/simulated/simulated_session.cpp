@@ -107,7 +107,7 @@ Result<void> Room::carry_out(const motion::ReadyPlan& ready, double rest_s, Sess
   witness.follow(ready.plan);
   const Progress bar = progress_bar(setting_.common, "massage");
   // A contact that never ends is a fault of ours, not of the person; it must not hold anyone here.
-  const double began_s = time_s_, longest_s = 3.0 * ready.plan.duration_s + 60.0;
+  const double began_s = time_s_, max_duration_s = 3.0 * ready.plan.duration_s + 60.0;
   const std::size_t performed_before = result.touched.size();
   std::optional<Keyboard> keyboard;
   if (order.keys) keyboard.emplace();
@@ -150,7 +150,7 @@ Result<void> Room::carry_out(const motion::ReadyPlan& ready, double rest_s, Sess
       if (!massage.wants_scan()) break;
     }
     const double past_s = time_s_ - began_s;
-    if (ended_s < 0.0 && past_s >= longest_s) {
+    if (ended_s < 0.0 && past_s >= max_duration_s) {
       return fail(Fault::device, "the massage was not done after {:.0f} s; {:.0f} s were planned",
                   past_s, ready.plan.duration_s);
     }
@@ -229,8 +229,8 @@ Result<SessionResult> run_simulated_session(const SessionOrder& order,
   // Nothing is done, not even a scan, before the questions are answered.
   result.consent_toml = session::consent_form("the simulated person", "no");
   if (!order.consent.empty()) {
-    constexpr std::size_t largest_bytes = 1 << 20;
-    auto text = read_file(order.consent, largest_bytes);
+    constexpr std::size_t max_bytes = 1 << 20;
+    auto text = read_file(order.consent, max_bytes);
     if (!text) return tl::unexpected(text.error());
     result.consent_toml = std::move(*text);
   }
@@ -250,7 +250,7 @@ Result<SessionResult> run_simulated_session(const SessionOrder& order,
   auto room = Room::make(*setting, result.person, result);
   if (!room) return tl::unexpected(room.error());
 
-  constexpr std::size_t most_rescans = 3;
+  constexpr std::size_t max_rescans = 3;
   std::vector<massage::PlannedPath> kept;  // of plans that were broken off
   Resumed resumed{.rail_m = result.ready.rail_m, .done = {}};
   for (;;) {
@@ -272,7 +272,7 @@ Result<SessionResult> run_simulated_session(const SessionOrder& order,
     for (Vector3& point : moved.skin_in_couch.vertices) point += by;
     for (Acupoint& point : moved.acupoints) point.at_in_couch += by;
     for (Landmark& point : moved.landmarks) point.at_in_couch += by;
-    auto again = result.rescans_s.size() < most_rescans
+    auto again = result.rescans_s.size() < max_rescans
                      ? prepare(*setting, moved, resumed)
                      : Result<Preparation>(fail(Fault::bad_input, "the person keeps moving"));
     if (!again) {

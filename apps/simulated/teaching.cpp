@@ -105,11 +105,11 @@ Result<void> add_line(const TeachOrder& order, const sim::Person& person,
   if (way.empty()) return {};
   // Strokes are shown several times; the first ends where it is as far as any goes.
   const auto far_m = [&](const Vector3& place) { return (place - way.front()).norm(); };
-  double farthest_m = 0.0;
-  for (const Vector3& place : way) farthest_m = std::max(farthest_m, far_m(place));
+  double max_distance_m = 0.0;
+  for (const Vector3& place : way) max_distance_m = std::max(max_distance_m, far_m(place));
   constexpr double nearly_m = 10_mm;
   const auto end = std::find_if(way.begin(), way.end(), [&](const Vector3& place) {
-    return far_m(place) > farthest_m - nearly_m;
+    return far_m(place) > max_distance_m - nearly_m;
   });
   way.erase(end + 1, way.end());
   worked.resize(way.size());

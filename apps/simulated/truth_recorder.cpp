@@ -78,7 +78,7 @@ void Witness::count(double time_s, Arm arm, const session::ArmView& seen,
 
 double Witness::to_person_m(const PerArm<robot::ArmModel::Kinematics>& poses,
                             const Vector3& moved_in_base) const {
-  double least_m = std::numeric_limits<double>::infinity();
+  double min_m = std::numeric_limits<double>::infinity();
   for (const Arm arm : both_arms) {
     const auto& origins = poses[arm].origins_in_base;
     for (int i = 0; i + 1 < models_[arm].joints(); ++i) {
@@ -92,10 +92,10 @@ double Witness::to_person_m(const PerArm<robot::ArmModel::Kinematics>& poses,
         const double share = std::clamp(to.dot(along) / length2, 0.0, 1.0);
         nearest2 = std::min(nearest2, (to - share * along).squaredNorm());
       }
-      least_m = std::min(least_m, std::sqrt(nearest2) - models_[arm].table().links[link].radius_m);
+      min_m = std::min(min_m, std::sqrt(nearest2) - models_[arm].table().links[link].radius_m);
     }
   }
-  return least_m;
+  return min_m;
 }
 
 void Witness::feel(Touched& touched, const sim::ContactTruth& contact, bool row) const {

@@ -23,11 +23,11 @@ std::string plot_fit(const std::vector<tissue::TimedPress>& record, const tissue
             .y_high = 1.1 * fit.peak_force_n,
             .height_px = 420};
   Series samples{.name = "samples", .colour = palette::grey, .width_px = 1.0, .dots = true};
-  double deepest_m = 0.0, highest_m = 0.0;
+  double deepest_m = 0.0, max_m = 0.0;
   for (const tissue::TimedPress& sample : record) {
     const double depth_m = sample.press.depth_m - fit.contact_m;
     deepest_m = std::max(deepest_m, depth_m);
-    highest_m = std::min(highest_m, depth_m);
+    max_m = std::min(max_m, depth_m);
     samples.x.push_back(to_mm(depth_m));
     samples.y.push_back(sample.press.force_n - fit.offset_n);
   }
@@ -38,7 +38,7 @@ std::string plot_fit(const std::vector<tissue::TimedPress>& record, const tissue
   Band band{.name = "95 %", .colour = palette::press};
   constexpr int steps = 200;
   for (int i = 0; i <= steps; ++i) {
-    const double depth_m = highest_m + (deepest_m - highest_m) * i / steps;
+    const double depth_m = max_m + (deepest_m - max_m) * i / steps;
     const double force_n = tissue::force_at_depth(fit.tissue, depth_m);
     curve.x.push_back(to_mm(depth_m));
     curve.y.push_back(force_n);

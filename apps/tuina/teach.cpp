@@ -29,9 +29,9 @@ double contact_s(const session::TaughtMotion& motion) {
 }
 
 double peak_n(const session::TaughtMotion& motion) {
-  double most_n = 0.0;
-  for (const auto& sample : motion.samples) most_n = std::max(most_n, sample.force_n);
-  return most_n;
+  double max_n = 0.0;
+  for (const auto& sample : motion.samples) max_n = std::max(max_n, sample.force_n);
+  return max_n;
 }
 
 nlohmann::json json_of(const session::TaughtMotion& motion) {

@@ -50,7 +50,7 @@ void add_box(PointCloud& cloud, const Vector3& middle, const Vector3& half) {
   }
 }
 
-double farthest_mm(const Mapping& a, const Mapping& b) {
+double max_distance_mm(const Mapping& a, const Mapping& b) {
   double far = 0.0;
   for (std::size_t i = 0; i < seven_acupoints.size(); ++i) {
     far = std::max(far, (a.acupoints[i].at_in_couch - b.acupoints[i].at_in_couch).norm());
@@ -79,7 +79,7 @@ TEST_CASE("another thing on the couch beside the person changes nothing") {
     add_box(cloud, {rim - 0.2, -0.1, 0.10}, {0.08, 0.12, 0.06});
     const auto beside = map(cloud);
     REQUIRE_MESSAGE(beside.has_value(), test::reason(beside));
-    CHECK(farthest_mm(*alone, *beside) < 3.0);
+    CHECK(max_distance_mm(*alone, *beside) < 3.0);
   }
 }
 
@@ -99,7 +99,7 @@ TEST_CASE("ten thousand points or a million of one person give the same answer")
     const auto from_few = map(few);
     REQUIRE_MESSAGE(from_many.has_value(), test::reason(from_many));
     REQUIRE_MESSAGE(from_few.has_value(), test::reason(from_few));
-    CHECK(farthest_mm(*from_many, *from_few) < 8.0);
+    CHECK(max_distance_mm(*from_many, *from_few) < 8.0);
     for (std::size_t i = 0; i < seven_acupoints.size(); ++i) {
       CHECK((from_many->acupoints[i].at_in_couch - person.acupoints[i].at_in_couch).norm() <
             from_many->acupoints[i].uncertainty_m + 2_mm);
@@ -146,7 +146,7 @@ TEST_CASE("pixels that fly above the back of a very dense picture do not change 
   const auto found = map(cloud);
   REQUIRE_MESSAGE(clear.has_value(), test::reason(clear));
   REQUIRE_MESSAGE(found.has_value(), test::reason(found));
-  CHECK(farthest_mm(*clear, *found) < 5.0);
+  CHECK(max_distance_mm(*clear, *found) < 5.0);
 }
 
 }  // namespace tuina::body

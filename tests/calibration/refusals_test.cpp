@@ -114,7 +114,7 @@ TEST_CASE("one mirrored picture among good ones") {
 TEST_CASE("all boards at one distance") {
   sim::RehearsalOptions options = usual;
   options.nearest_m = 0.98;
-  options.farthest_m = 1.02;
+  options.max_distance_m = 1.02;
   auto pictures = sim::rehearsal_pictures(sim::built_scanner(1), 1, options);
   refused_saying(seen_boards(sim::built_scanner(1), pictures, options.board, 1),
                  "about one distance");

@@ -100,7 +100,7 @@ TEST_CASE("skin that jumps away from under 40 N and more is not chased and not h
     const auto outcome = run(
         {.force_n = force_n, .duration_s = 5.0, .shifts = {{2.0, Vector3(0.0, -50_mm, 0.0), 0.5}}});
     REQUIRE(outcome.stopped);
-    CHECK(outcome.fastest_m_per_s < 0.20);
+    CHECK(outcome.max_speed_m_per_s < 0.20);
     CHECK(outcome.highest_n < force_n + 3.0);
     CHECK(outcome.second_impact_n < 30.0);
     CHECK(last_force_n(outcome) == 0.0);

@@ -52,14 +52,14 @@ TEST_CASE("beyond its reach the printed law of the thesis diverges and the other
   CHECK_FALSE(pulls[0].survived);
   for (std::size_t i = 1; i < 3; ++i) {
     CHECK(pulls[i].survived);
-    CHECK(pulls[i].highest_torque_nm < 50.0);
-    CHECK(pulls[i].fastest_rad_per_s < 5.0);
+    CHECK(pulls[i].max_torque_nm < 50.0);
+    CHECK(pulls[i].max_speed_rad_per_s < 5.0);
   }
 }
 
 TEST_CASE("the drives hold 140 N at the tool all over a seated back") {
   const ForceAtTool force = force_at_tool();
   CHECK(force.reached == force.places);
-  CHECK(force.least_n > 140.0);
+  CHECK(force.min_n > 140.0);
   CHECK(force.reach_m == doctest::Approx(0.7));
 }

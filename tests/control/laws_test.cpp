@@ -206,9 +206,9 @@ TEST_CASE("the virtual target never pulls harder than the set force and its leas
                                    .force_n = uniform(random, -5.0, 100.0),
                                    .set_force_n = set_n},
                                   1e-3);
-    REQUIRE(law.spring_n() <= law.set_n() + options.most_over_set_n + 1e-9);
-    REQUIRE(force <= law.set_n() + options.most_over_set_n + options.most_outward_damping_n + 1e-9);
-    REQUIRE(std::abs(law.skin_error_m()) <= options.most_skin_rise_m);
+    REQUIRE(law.spring_n() <= law.set_n() + options.max_over_set_n + 1e-9);
+    REQUIRE(force <= law.set_n() + options.max_over_set_n + options.max_outward_damping_n + 1e-9);
+    REQUIRE(std::abs(law.skin_error_m()) <= options.max_skin_rise_m);
   }
 }
 

@@ -14,9 +14,9 @@
 
 namespace {
 
-constexpr double most_ms = 2000.0;
-constexpr double most_mb = 256.0;
-constexpr std::size_t most_bytes = 20000;  // a file that grew longer is given up
+constexpr double max_ms = 2000.0;
+constexpr double max_mb = 256.0;
+constexpr std::size_t max_bytes = 20000;  // a file that grew longer is given up
 
 double peak_mb() {
   rusage usage{};
@@ -35,7 +35,7 @@ Outcome spoil(const tuina::test::Parser& parser, long runs, tuina::Random& rando
   Outcome outcome;
   std::string content;
   for (long run = 0; run < runs; ++run) {
-    const bool anew = content.empty() || content.size() > most_bytes || random() % 4 == 0;
+    const bool anew = content.empty() || content.size() > max_bytes || random() % 4 == 0;
     const std::string bad =
         tuina::tests::mutated(anew ? parser.good[random() % parser.good.size()] : content, random);
     const auto start = Clock::now();
@@ -67,7 +67,7 @@ int main(int count, char** arguments) {
     fmt::print("{:<22} {:>10} {:>9.1f}% {:>12.2f} {:>10.1f}\n", parser.name, runs,
                100.0 * static_cast<double>(outcome.refused) / static_cast<double>(runs),
                outcome.slowest_ms, mb);
-    good = good && outcome.slowest_ms < most_ms && mb < most_mb;
+    good = good && outcome.slowest_ms < max_ms && mb < max_mb;
   }
   if (!good) fmt::print("a good file was refused, or a bad one took too much\n");
   return good ? 0 : 1;

@@ -56,12 +56,12 @@ void lay_aside(const sim::Person& person) {
       REQUIRE_MESSAGE(plan.has_value(), test::reason(plan));
       for (const PlannedPath& planned : plan->paths) {
         CAPTURE(planned.path.name);
-        double most_n = 0.0;
+        double max_n = 0.0;
         for (const ContactPoint& point : planned.path.points) {
-          if (truth.at(point.at_in_couch) == Zone::spine) most_n = std::max(most_n, point.force_n);
+          if (truth.at(point.at_in_couch) == Zone::spine) max_n = std::max(max_n, point.force_n);
         }
-        on_spine += most_n > 0.0 ? 1 : 0;
-        CHECK(most_n <= perhaps_spine_n(planned.path.technique));
+        on_spine += max_n > 0.0 ? 1 : 0;
+        CHECK(max_n <= perhaps_spine_n(planned.path.technique));
       }
     }
   }
@@ -104,7 +104,7 @@ void lay_programmes_on(const sim::Person& person, std::uint64_t seed) {
     CHECK(left_out <= (shipped.name == "full_back_20min" ? 2 : 0));
     for (const PlannedPath& planned : plan->paths) {
       CAPTURE(planned.path.name);
-      double most_over_n = 0.0;
+      double max_over_n = 0.0;
       for (const ContactPoint& point : planned.path.points) {
         const Zone zone = truth.at(point.at_in_couch);
         // GV4 is 20 mm wide in a spine that is denied: no map puts the tool into it for certain, so
@@ -112,9 +112,9 @@ void lay_programmes_on(const sim::Person& person, std::uint64_t seed) {
         const bool at_gv4 = planned.zone == Zone::gv4;
         const double cap =
             at_gv4 ? rule_of(Zone::spine).trip_n : cap_n(zone, planned.path.technique);
-        most_over_n = std::max(most_over_n, point.force_n - cap);
+        max_over_n = std::max(max_over_n, point.force_n - cap);
       }
-      CHECK(most_over_n <= 1e-9);
+      CHECK(max_over_n <= 1e-9);
     }
   }
 }

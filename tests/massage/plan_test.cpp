@@ -63,14 +63,14 @@ TEST_CASE("every shipped programme fits on a back, with both arms, within its ca
         REQUIRE(point.force_n <= cap_n(zones.at(point.at_in_couch), planned.path.technique) + 1e-9);
         REQUIRE(std::abs(point.normal_in_couch.norm() - 1.0) < 1e-9);
         if (before != nullptr) {
-          REQUIRE(std::abs(point.force_n - before->force_n) <= fastest_force_n_per_s * sample_s);
+          REQUIRE(std::abs(point.force_n - before->force_n) <= max_force_n_per_s * sample_s);
           REQUIRE((point.at_in_couch - before->at_in_couch).norm() <=
-                  fastest_slide_m_per_s * sample_s + 1e-9);
+                  max_slide_m_per_s * sample_s + 1e-9);
           REQUIRE(point.normal_in_couch.dot(before->normal_in_couch) > 0.99);
         }
         before = &point;
       }
-      CHECK(planned.path.duration_s() <= rule_of(planned.zone).longest_s);
+      CHECK(planned.path.duration_s() <= rule_of(planned.zone).max_duration_s);
     }
     CHECK(arms.size() == 2);
   }

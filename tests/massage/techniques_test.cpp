@@ -31,9 +31,8 @@ void check_path(const ContactPath& path, double force_n) {
     highest_n = std::max(highest_n, point.force_n);
     if (i == 0) continue;
     const ContactPoint& before = path.points[i - 1];
-    REQUIRE(std::abs(point.force_n - before.force_n) <= fastest_force_n_per_s * sample_s + 1e-9);
-    REQUIRE((point.at_in_couch - before.at_in_couch).norm() <=
-            fastest_slide_m_per_s * sample_s + 1e-9);
+    REQUIRE(std::abs(point.force_n - before.force_n) <= max_force_n_per_s * sample_s + 1e-9);
+    REQUIRE((point.at_in_couch - before.at_in_couch).norm() <= max_slide_m_per_s * sample_s + 1e-9);
     REQUIRE(point.normal_in_couch.dot(before.normal_in_couch) > 0.999);
   }
   CHECK(highest_n <= force_n + 1e-9);
@@ -79,7 +78,7 @@ TEST_CASE("the window of a press has no step where its branches meet, however fl
       steepest = std::max(steepest, std::abs(window.at(t) - before) / 1e-4);
       before = window.at(t);
     }
-    CHECK(steepest == doctest::Approx(window.steepest_per_s()).epsilon(0.01));
+    CHECK(steepest == doctest::Approx(window.max_slope_per_s()).epsilon(0.01));
   }
 }
 
@@ -206,20 +205,20 @@ TEST_CASE("paths over a rough scan are smooth to the second derivative") {
   const ContactPath path = plan_rub(*circle, {.rate_hz = 0.4}, "rub");
   // Going round at 75 mm/s with 30 mm radius takes 0.19 m/s2 inwards. Roughness of 1 mm every few
   // millimetres, followed as it is, would take over 5 m/s2.
-  double largest_acceleration = 0.0;
-  double largest_step = 0.0;
+  double max_acceleration = 0.0;
+  double max_step = 0.0;
   Vector3 before = Vector3::Zero();
   for (std::size_t i = 1; i + 1 < path.points.size(); ++i) {
     const Vector3 acceleration =
         (path.points[i - 1].at_in_couch - 2.0 * path.points[i].at_in_couch +
          path.points[i + 1].at_in_couch) /
         (sample_s * sample_s);
-    largest_acceleration = std::max(largest_acceleration, acceleration.norm());
-    if (i > 1) largest_step = std::max(largest_step, (acceleration - before).norm());
+    max_acceleration = std::max(max_acceleration, acceleration.norm());
+    if (i > 1) max_step = std::max(max_step, (acceleration - before).norm());
     before = acceleration;
   }
-  CHECK(largest_acceleration < 0.6);
-  CHECK(largest_step < 0.05);
+  CHECK(max_acceleration < 0.6);
+  CHECK(max_step < 0.05);
 }
 
 TEST_CASE("a slide too short for its speed goes slower, and every slide arrives") {
@@ -260,12 +259,12 @@ TEST_CASE("a spiral winds outwards at even distance, smooth, and rubs out and in
       plan_rub(*spiral, {.force_n = 12.0, .rate_hz = 0.3, .turns = 2, .radius_m = 35_mm}, "rub");
   const Vector3 first = path.points.front().at_in_couch, last = path.points.back().at_in_couch;
   CHECK((first - last).norm() < 1_mm);
-  double fastest_m_per_s = 0.0;
+  double max_speed_m_per_s = 0.0;
   for (std::size_t i = 1; i < path.points.size(); ++i) {
     const double moved_m = (path.points[i].at_in_couch - path.points[i - 1].at_in_couch).norm();
-    fastest_m_per_s = std::max(fastest_m_per_s, moved_m / sample_s);
+    max_speed_m_per_s = std::max(max_speed_m_per_s, moved_m / sample_s);
     CHECK(std::abs(path.points[i].force_n - path.points[i - 1].force_n) / sample_s <=
-          1.001 * fastest_force_n_per_s);
+          1.001 * max_force_n_per_s);
   }
-  CHECK(fastest_m_per_s < 1.01 * 2.0 * pi * 35_mm * 0.3);
+  CHECK(max_speed_m_per_s < 1.01 * 2.0 * pi * 35_mm * 0.3);
 }

@@ -20,18 +20,18 @@ TEST_CASE("the elbow turns from one side to the other while the tool stays where
     const auto postures = turn_elbow(left, 0.0, ready);
     const Transform tool = left.base_from_tool(ready, 0.0);
     const auto elbow = static_cast<std::size_t>(elbow_origin(table));
-    double most_inward_m = 1.0, most_outward_m = -1.0;
+    double max_inward_m = 1.0, max_outward_m = -1.0;
     for (std::size_t i = 0; i < postures.size(); ++i) {
       const auto pose = left.kinematics(postures[i], 0.0);
       CHECK((pose.base_from_tool.translation() - tool.translation()).norm() < 0.3_mm);
       CHECK(pose.base_from_tool.linear().col(0).dot(tool.linear().col(0)) > 1.0 - 1e-5);
       CHECK(limit_room_rad(table, postures[i]) > 2.9_deg);
       if (i > 0) CHECK((postures[i] - postures[i - 1]).cwiseAbs().maxCoeff() < 12_deg);
-      most_inward_m = std::min(most_inward_m, pose.origins_in_base[elbow].y());
-      most_outward_m = std::max(most_outward_m, pose.origins_in_base[elbow].y());
+      max_inward_m = std::min(max_inward_m, pose.origins_in_base[elbow].y());
+      max_outward_m = std::max(max_outward_m, pose.origins_in_base[elbow].y());
     }
     CHECK(std::find(postures.begin(), postures.end(), ready) != postures.end());
-    CHECK(most_outward_m - most_inward_m > 150_mm);
+    CHECK(max_outward_m - max_inward_m > 150_mm);
   }
 }
 

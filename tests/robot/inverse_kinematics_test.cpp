@@ -49,8 +49,8 @@ TEST_CASE(
     CHECK((kinematics.origins_in_base[3] - goal.at_in_base).dot(goal.normal_in_base) > 80_mm);
     for (int i = 0; i < 6; ++i) {
       const Link& link = table.links[static_cast<std::size_t>(i)];
-      CHECK(posture.q_rad[i] > link.lowest_rad + 2_deg);
-      CHECK(posture.q_rad[i] < link.highest_rad - 2_deg);
+      CHECK(posture.q_rad[i] > link.min_rad + 2_deg);
+      CHECK(posture.q_rad[i] < link.max_rad - 2_deg);
     }
     CHECK(posture.dexterity > 0.0);
   }

@@ -37,7 +37,7 @@ TEST_CASE(
     CAPTURE(place.head_at_plus_y);
     WholeRobot whole = whole_of(standing, {.of = {standing.arm, standing.arm}});
     const auto models = both_models(standing.arm, standing.mount);
-    const double rail_m = 0.5 * standing.mount.lowest_rail_m;
+    const double rail_m = 0.5 * standing.mount.min_rail_m;
     PerArm<JointVector> q_rad;
     for (const Arm arm : both_arms) {
       q_rad[arm] = JointVector(standing.arm.joints);
@@ -81,7 +81,7 @@ TEST_CASE("every robot waits with both arms in their ranges, clear of couch, bod
     for (const Arm arm : both_arms) {
       CHECK(limit_room_rad(standing.arm, ready[arm]) > 0.0);
       pose[arm] = models[arm].kinematics(ready[arm], 0.0);
-      CHECK(clearances(models[arm], pose[arm], 0.0, standing.mount.obstacles).least_m() > 60e-3);
+      CHECK(clearances(models[arm], pose[arm], 0.0, standing.mount.obstacles).min_m() > 60e-3);
     }
     CHECK(distance_between_m(models[Arm::left], pose[Arm::left], models[Arm::right],
                              pose[Arm::right]) > 60e-3);
@@ -101,7 +101,7 @@ TEST_CASE("the successor's body stands clear of chair and bed wherever its base 
     for (const Obstacle& part : mount.obstacles) {
       if (part.kind != Surrounding::body) continue;
       ++parts;
-      for (const double rail_m : {mount.lowest_rail_m, 0.0, mount.highest_rail_m}) {
+      for (const double rail_m : {mount.min_rail_m, 0.0, mount.max_rail_m}) {
         double nearest_m = 1.0;
         constexpr int steps = 6;
         for (int i = 0; i <= steps * steps * steps + 3 * steps * steps + 3 * steps; ++i) {

@@ -119,9 +119,9 @@ TEST_CASE("with AVX2 and without, every row tells the same and every line is in 
     const RowRule rule{.first = static_cast<int>(random() % 20),
                        .last = image.width - 1 - static_cast<int>(random() % 9),
                        .beside_px = 5 + static_cast<int>(random() % 10),
-                       .least_dn = 44,
-                       .least_height_dn = 22.0F,
-                       .least_spike_dn = 40.0F,
+                       .min_dn = 44,
+                       .min_height_dn = 22.0F,
+                       .min_spike_dn = 40.0F,
                        .spike_share = 0.3F};
     const double width = uniform(random, 0.7, 3.5);
     RowBatch rows;

@@ -178,7 +178,7 @@ TEST_CASE("an arm that is sent into the bed stops before it gets there") {
     const auto pose = room->models[Arm::left].kinematics(truth.arms[Arm::left].q_rad, truth.rail_m);
     nearest_m = std::min(
         nearest_m,
-        robot::clearances(room->models[Arm::left], pose, truth.rail_m, mount.obstacles).least_m());
+        robot::clearances(room->models[Arm::left], pose, truth.rail_m, mount.obstacles).min_m());
   }
   REQUIRE_FALSE(room->massage.stops().empty());
   CHECK(room->massage.stops().front().cause == safety::Cause::surroundings_too_close);
@@ -239,13 +239,13 @@ TEST_CASE("each live command shows within 100 ms, and no force jumps") {
     until_pressing(*asked);
     until_pressing(*left_alone);
     asked->massage.obey(command);
-    double steepest_n_per_s = 0.0, before_n = target_n(*asked, Arm::left);
+    double max_slope_n_per_s = 0.0, before_n = target_n(*asked, Arm::left);
     for (int ms = 0; ms < 100; ++ms) {
       (void)live(*asked);
       (void)live(*left_alone);
       if (command != LiveCommand::stop) {
         const double now_n = target_n(*asked, Arm::left);
-        steepest_n_per_s = std::max(steepest_n_per_s, std::abs(now_n - before_n) / 1e-3);
+        max_slope_n_per_s = std::max(max_slope_n_per_s, std::abs(now_n - before_n) / 1e-3);
         before_n = now_n;
       }
     }
@@ -255,7 +255,7 @@ TEST_CASE("each live command shows within 100 ms, and no force jumps") {
     } else {
       CHECK(change_n < -0.1);
     }
-    CHECK(steepest_n_per_s < 250.0);
+    CHECK(max_slope_n_per_s < 250.0);
     CHECK(asked->massage.stops().empty() == (command != LiveCommand::stop));
   }
 }

@@ -112,7 +112,7 @@ TEST_CASE("what is seen is counted place by place, both ways too, and what is lo
   const Mesh mesh = wall(-0.3, 0.3, 0.1, 0.7, 0.03);
   const auto share_of = [&](double dropped, bool both_ways) {
     LaserScanner scanner(mesh, Position::sitting, {}, 1, {.dropped_share = dropped});
-    const scanner::SweepOptions options{.both_ways = both_ways, .most_lost_share = 1.0};
+    const scanner::SweepOptions options{.both_ways = both_ways, .max_lost_share = 1.0};
     const auto scan = scanner::scan_sweep(scanner, scanner, scanner.true_calibration(), options);
     REQUIRE_MESSAGE(scan.has_value(), test::reason(scan));
     REQUIRE(scan->rows.size() == scan->cloud_in_couch.size());

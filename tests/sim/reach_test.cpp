@@ -54,7 +54,7 @@ std::vector<Place> massaged_places(const sim::Person& person) {
 
 struct Tally {
   int places = 0, reached = 0, upright = 0, bodies = 0, bodies_whole = 0;
-  double least_dexterity = 1e9, sum_dexterity = 0.0;
+  double min_dexterity = 1e9, sum_dexterity = 0.0;
 };
 
 /// `couch_from_person` moves the person on the couch.
@@ -95,7 +95,7 @@ void try_person(const sim::Person& person, const Transform& couch_from_person, T
       }
       ++tally.reached;
       tally.upright += posture.tilt_rad < 1_deg ? 1 : 0;
-      tally.least_dexterity = std::min(tally.least_dexterity, posture.dexterity);
+      tally.min_dexterity = std::min(tally.min_dexterity, posture.dexterity);
       tally.sum_dexterity += posture.dexterity;
     }
   }
@@ -108,7 +108,7 @@ void report(const char* what, const Tally& tally) {
       "{}: {} bodies, {} wholly; {:.2f} % of {} places, {:.2f} % with the tool upright; "
       "dexterity least {:.3f}, mean {:.3f} m/rad",
       what, tally.bodies, tally.bodies_whole, 100.0 * tally.reached / tally.places, tally.places,
-      100.0 * tally.upright / tally.places, tally.least_dexterity,
+      100.0 * tally.upright / tally.places, tally.min_dexterity,
       tally.sum_dexterity / tally.reached));
 }
 

@@ -59,7 +59,7 @@ TEST_CASE("a long session shows a dozen of its moments, the first and the last a
   for (int i = 0; i < 30; ++i)
     data.paths.push_back({.arm = Arm::left, .begin_s = 10.0 * i, .path = path});
   const std::string strip = session_strip(data);
-  CHECK(count(strip, "<figure>") == most_pictures);
+  CHECK(count(strip, "<figure>") == max_pictures);
   CHECK(strip.find("<b>0:00</b>") != std::string::npos);
   CHECK(strip.find("<b>4:50</b>") != std::string::npos);
 }

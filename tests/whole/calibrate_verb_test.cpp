@@ -34,7 +34,7 @@ void rehearse(const fs::path& folder, double nearest_m = 0.5,
                                                         {.poses = poses,
                                                          .standing_poses = 1,
                                                          .nearest_m = nearest_m,
-                                                         .farthest_m = 1.4,
+                                                         .max_distance_m = 1.4,
                                                          .sweeps = false});
   REQUIRE_MESSAGE(written.has_value(), tuina::test::reason(written));
 }

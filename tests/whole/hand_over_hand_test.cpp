@@ -46,16 +46,16 @@ TEST_CASE("hand over hand, one of the hands presses all the time, and the arms s
   REQUIRE(first != last);
   CHECK(std::prev(last)->first - first->first > 10.0);
   // Two hands change over three times; at none of them does the person feel a gap.
-  double least_n = 1e9;
+  double min_n = 1e9;
   int changes = 0;
   bool both = false;
   for (auto at = first; at != last; ++at) {
     const auto& [stronger, weaker] = at->second;
-    least_n = std::min(least_n, stronger);
+    min_n = std::min(min_n, stronger);
     const bool both_now = weaker > (both ? 6.0 : 9.0);
     changes += both_now && !both;
     both = both_now;
   }
-  CHECK(least_n > 10.0);
+  CHECK(min_n > 10.0);
   CHECK(changes == 3);
 }

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double enough_seen = 0.66;  // of the atlas' back; tuned on phantoms cut in pieces
 constexpr double worst_residual_m = 14_mm;
-constexpr double most_turn_rad =
+constexpr double max_turn_rad =
     35_deg;  // 15 allowed on the couch, and people sit turned by up to 16 themselves
 // How unusual a whole back may be (ShapeFit::unusualness). With the shipped atlas laser scans of 93
 // people of another modeller reach 1.5, their halves 1.7 or more. An atlas with shoulders and arms
@@ -56,10 +56,10 @@ void morph(Mapping& mapping, const BackSurface& back, const Outline& outline,
 }
 
 Result<void> check_turn(double turned_rad) {
-  if (std::abs(turned_rad) <= most_turn_rad) return {};
+  if (std::abs(turned_rad) <= max_turn_rad) return {};
   return fail(Fault::not_found,
               "the person is turned by {:.0f} degrees, the atlas knows up to {:.0f}",
-              to_deg(std::abs(turned_rad)), to_deg(most_turn_rad));
+              to_deg(std::abs(turned_rad)), to_deg(max_turn_rad));
 }
 
 /// How far a fitted person is turned about the vertical; one who lies, from the nearer end of the
@@ -77,12 +77,11 @@ Result<void> fit(Mapping& mapping, const BackSurface& back, const ShapeModel& sh
   mapping.strangeness = estimate.fit.strangeness();
   if (estimate.fit.seen < enough_seen) {
     const double turned_rad = std::abs(heading(back.points(), back.position()));
-    return fail(Fault::not_found,
-                "less than a back{}: the scan shows {:.0f} % of it, {:.0f} needed",
-                turned_rad > most_turn_rad
-                    ? fmt::format(", or turned by {:.0f} degrees", to_deg(turned_rad))
-                    : "",
-                100.0 * estimate.fit.seen, 100.0 * enough_seen);
+    return fail(
+        Fault::not_found, "less than a back{}: the scan shows {:.0f} % of it, {:.0f} needed",
+        turned_rad > max_turn_rad ? fmt::format(", or turned by {:.0f} degrees", to_deg(turned_rad))
+                                  : "",
+        100.0 * estimate.fit.seen, 100.0 * enough_seen);
   }
   if (estimate.fit.residual_m > worst_residual_m) {
     return fail(Fault::not_found,

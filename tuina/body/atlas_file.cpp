@@ -19,7 +19,7 @@ static_assert(std::endian::native == std::endian::little);
 constexpr std::string_view magic = "TUINAATL";
 constexpr std::uint32_t version = 4;
 constexpr double most_in_a_byte_m = 10_mm;
-constexpr std::uint32_t most_entries = 1U << 22;
+constexpr std::uint32_t max_entries = 1U << 22;
 
 std::uint64_t fnv1a(std::string_view bytes) {
   std::uint64_t hash = 0xcbf29ce484222325ULL;
@@ -87,7 +87,7 @@ class Reader {
   }
   std::size_t count(std::size_t bytes_each) {
     const auto n = plain<std::uint32_t>();
-    if (n > most_entries || n * bytes_each > left_.size())
+    if (n > max_entries || n * bytes_each > left_.size())
       throw std::runtime_error("a count exceeds the file");
     return n;
   }

@@ -11,8 +11,7 @@ namespace {
 
 constexpr std::size_t enough_points = 100;
 constexpr double around_m = 25_mm;
-constexpr double smallest_m =
-    0.15;  // noise of 1 mm over it tilts the plane by less than half a degree
+constexpr double min_m = 0.15;  // noise of 1 mm over it tilts the plane by less than half a degree
 constexpr double flat_m = 6_mm;
 
 template <typename Far>
@@ -37,10 +36,10 @@ Result<std::array<Vector3, 3>> three_places_of(const PointCloud& board_in_couch)
   const Vector3 along = (places[1] - places[0]).normalized();
   const auto aside = [&](const Vector3& p) { return (p - places[0]).cross(along).norm(); };
   places[2] = farthest(points, aside);
-  if (aside(places[2]) < smallest_m) {
+  if (aside(places[2]) < min_m) {
     return fail(Fault::bad_input,
                 "the scan of a board is {:.0f} mm wide, {:.0f} needed to tell its tilt",
-                to_mm(aside(places[2])), to_mm(smallest_m));
+                to_mm(aside(places[2])), to_mm(min_m));
   }
   for (Vector3& place : places) {
     Vector3 sum = Vector3::Zero();

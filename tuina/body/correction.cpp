@@ -17,7 +17,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double most_widening = 3.0;
+constexpr double max_widening = 3.0;
 constexpr double share_of_prior = 0.5;  // tuned on people of docs/bodies.md who did not take part
 
 /// What a ridge regression may choose from by leaving people out: penalties of the weights, and of
@@ -42,7 +42,7 @@ Penalties penalties_of(Index persons, bool beside_prior) {
 VectorXd widening(const ShapeModel& model, const VectorXd& variance_m2, double residual_m) {
   const double misfit = residual_m / std::max(1e-6, model.usual_residual_m);
   return (variance_m2.array() / model.nominal_var_m2.array()).sqrt().max(1.0) *
-         std::clamp(misfit, 1.0, most_widening);
+         std::clamp(misfit, 1.0, max_widening);
 }
 
 /// Ridge regression with the penalties that leave one person out best; the constant comes last.

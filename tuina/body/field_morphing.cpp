@@ -45,7 +45,7 @@ Vector2 carry(const Vector2& mark, const std::vector<FeatureLine>& destination,
               const std::vector<FeatureLine>& source, const FieldWeights& weights) {
   constexpr double enough_m = 1e-7;
   constexpr double step_m = 1e-5;
-  constexpr double longest_m = 50e-3;
+  constexpr double max_length_m = 50e-3;
   // With the roles of the lines exchanged, (5.3) gives a first place near the right one.
   Vector2 best = warp(mark, source, destination, weights);
   double best_off = (warp(best, destination, source, weights) - mark).norm();
@@ -59,7 +59,7 @@ Vector2 carry(const Vector2& mark, const std::vector<FeatureLine>& destination,
     }
     if (std::abs(slope.determinant()) < 1e-3) break;
     Vector2 step = slope.inverse() * (mark - here);
-    if (step.norm() > longest_m) step *= longest_m / step.norm();
+    if (step.norm() > max_length_m) step *= max_length_m / step.norm();
     x += step;
     const double off = (warp(x, destination, source, weights) - mark).norm();
     if (off < best_off) {

@@ -13,11 +13,11 @@ namespace tuina::body {
 namespace {
 
 constexpr int enough_points = 2000;
-constexpr double couch_m = 25_mm;        // z = 0 holds to 10 mm, a depth camera adds 3 mm of noise
-constexpr double gap_m = 30_mm;          // what is farther apart does not hang together
-constexpr double widest_cloud_m = 12.0;  // a room; a person in centimetres spans 60 and more
-constexpr double shortest_lying_m = 0.60;  // crown to buttocks is 0.75 and more
-constexpr double widest_top_m = 0.45;      // of what is level with the highest place
+constexpr double couch_m = 25_mm;     // z = 0 holds to 10 mm, a depth camera adds 3 mm of noise
+constexpr double gap_m = 30_mm;       // what is farther apart does not hang together
+constexpr double max_cloud_m = 12.0;  // a room; a person in centimetres spans 60 and more
+constexpr double min_lying_m = 0.60;  // crown to buttocks is 0.75 and more
+constexpr double max_top_m = 0.45;    // of what is level with the highest place
 constexpr double sitting_height_m = 0.50;  // shoulders of the smallest sitting person are above it
 
 double quantile(std::vector<double> values, double fraction) {
@@ -40,7 +40,7 @@ Result<void> check_units(const std::vector<Vector3>& points) {
     widest =
         std::max(widest, quantile_along(points, axis, 0.95) - quantile_along(points, axis, 0.05));
   }
-  if (widest > widest_cloud_m) {
+  if (widest > max_cloud_m) {
     return fail(Fault::bad_input,
                 "the cloud spans {:.0f} m, a person at most 2: is it in {} instead of metres?",
                 widest, widest > 200.0 ? "millimetres" : "centimetres");
@@ -168,9 +168,9 @@ Result<void> check_lying(const std::vector<Vector3>& person) {
     longest = std::max(longest,
                        quantile_along(person, axis, 0.995) - quantile_along(person, axis, 0.005));
   }
-  if (longest < shortest_lying_m) {
+  if (longest < min_lying_m) {
     return fail(Fault::not_found, "less than a back: {:.0f} mm of a lying person, {:.0f} needed",
-                to_mm(longest), to_mm(shortest_lying_m));
+                to_mm(longest), to_mm(min_lying_m));
   }
   // A bed is wide and flat; of a person only a narrow ridge is within a few millimetres of the top.
   const double top = quantile_along(person, 2, 0.995);
@@ -182,11 +182,11 @@ Result<void> check_lying(const std::vector<Vector3>& person) {
     narrow =
         std::min(narrow, quantile_along(layer, axis, 0.95) - quantile_along(layer, axis, 0.05));
   }
-  if (narrow > widest_top_m) {
+  if (narrow > max_top_m) {
     return fail(Fault::bad_input,
                 "the top is flat over {:.0f} mm, {:.0f} allowed: the cloud is mirrored along the "
                 "line of sight and the couch hangs over the person",
-                to_mm(narrow), to_mm(widest_top_m));
+                to_mm(narrow), to_mm(max_top_m));
   }
   return {};
 }

@@ -14,7 +14,7 @@ namespace {
 constexpr double sure_head_m = 0.15;  // thighs end nearer to the hips than a head to the shoulders
 constexpr int rounds = 14;
 constexpr double hollow_m = 10_mm;  // sides of a back lie some 40 mm behind its middle
-constexpr double most_search_turn_rad = 60_deg;
+constexpr double max_search_turn_rad = 60_deg;
 
 /// The person's axes of an upright sitting or a straight lying person; the head may be at either
 /// end.
@@ -146,7 +146,7 @@ Result<Outline> find_outline_from(const BackSurface& back, const Matrix3& start,
   // Looked at from the feet, the outline of raised arms can pass for one and turn the search round.
   const double up =
       (rotation.transpose() * Vector3::UnitZ()).dot(start.transpose() * Vector3::UnitZ());
-  if (up < std::cos(most_search_turn_rad)) {
+  if (up < std::cos(max_search_turn_rad)) {
     return fail(Fault::not_found,
                 "no outline of a back: the search for it turned by {:.0f} degrees",
                 to_deg(std::acos(std::clamp(up, -1.0, 1.0))));

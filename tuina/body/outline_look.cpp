@@ -16,11 +16,11 @@ constexpr double shoulders_begin_m =
     0.27;  // wider than any head, narrower than any pair of shoulders
 constexpr double neck_spread_m =
     60_mm;  // the neck ends where the outline is this much wider than it
-constexpr double narrowest_neck_m = 85_mm;
+constexpr double min_neck_m = 85_mm;
 // The sacrum's height above the seat is this share of the trunk's width: more flesh lies under a
 // wide one.
 constexpr double sacrum_per_width = 0.55;
-constexpr double widest_half_shoulder_m = 0.30;  // beyond it the contour is a raised arm
+constexpr double max_half_shoulder_m = 0.30;  // beyond it the contour is a raised arm
 
 /// The corner of the shoulder: the cap of the contour that lies farthest up and out.
 Vector2 shoulder_corner(const std::vector<Vector2>& contour, double side) {
@@ -120,7 +120,7 @@ Result<Look> look(const std::vector<Vector3>& in_back, double spacing_m,
   // Where the laser lost the sides of head or neck, no row is taken for narrower than a neck.
   double narrowest = 1.0;
   for (int row = wide; row <= std::min(top, wide + 32); ++row)
-    narrowest = std::min(narrowest, std::max(width(row), narrowest_neck_m));
+    narrowest = std::min(narrowest, std::max(width(row), min_neck_m));
   int base = wide;
   while (base < top && width(base) > narrowest + neck_spread_m) ++base;
   const auto& neck = *runs[static_cast<std::size_t>(base)];
@@ -206,7 +206,7 @@ Result<Look> look(const std::vector<Vector3>& in_back, double spacing_m,
   for (const std::size_t side : {left, right}) {
     const double sign = side == left ? 1.0 : -1.0;
     seen.shoulder[side] = shoulder_corner(contour[side], sign);
-    if (sign * (seen.shoulder[side].x() - middle_of_neck) > widest_half_shoulder_m) {
+    if (sign * (seen.shoulder[side].x() - middle_of_neck) > max_half_shoulder_m) {
       seen.arms = Arms::up;
     }
   }

@@ -15,16 +15,16 @@ namespace fs = std::filesystem;
 
 // Boards nearer or farther than this were not held before this scanner: the square is wrong.
 constexpr double nearest_m = 0.15;
-constexpr double farthest_m = 4.0;
+constexpr double max_distance_m = 4.0;
 constexpr double usual_nearest_m = 0.25;
 constexpr double usual_farthest_m = 3.0;
-constexpr double least_depth_ratio = 1.3;
-constexpr double least_tilt_rad = 10.0_deg;
-constexpr double most_reprojection_px = 1.0;
+constexpr double min_depth_ratio = 1.3;
+constexpr double min_tilt_rad = 10.0_deg;
+constexpr double max_reprojection_px = 1.0;
 // A calibration that expects more than this of itself at 1 m is none.
-constexpr double most_error_m = 10.0_mm;
-constexpr double most_axis_rad = 0.5_deg;
-constexpr double most_axis_m = 10.0_mm;
+constexpr double max_error_m = 10.0_mm;
+constexpr double max_axis_rad = 0.5_deg;
+constexpr double max_axis_m = 10.0_mm;
 // A webcam behind USB and a servo behind a serial line; the thesis found 0.12 s ([thesis] 4.2).
 constexpr double latency_unknown_s = 0.1;
 
@@ -35,22 +35,22 @@ Result<void> check_poses(const Views& views) {
   for (const View& view : views.views) {
     with_board.insert(view.pose);
     if (view.laser_on) with_laser.insert(view.pose);
-    if (view.line.size() >= least_line_points) with_line.insert(view.pose);
+    if (view.line.size() >= min_line_points) with_line.insert(view.pose);
   }
   const auto enough = [](const std::set<int>& poses) {
-    return poses.size() >= static_cast<std::size_t>(least_poses);
+    return poses.size() >= static_cast<std::size_t>(min_poses);
   };
   if (!enough(with_laser)) {
     return fail(Fault::bad_input,
                 "{} poses show the board, {} of them have a laser picture as well; {} with both "
                 "are needed, 20 to 40 are good",
-                with_board.size(), with_laser.size(), least_poses);
+                with_board.size(), with_laser.size(), min_poses);
   }
   if (!enough(with_line)) {
     return fail(Fault::bad_input,
                 "a laser line is seen in {} of {} poses with a laser picture, {} needed; is the "
                 "laser on, the exposure short and the line across the board?",
-                with_line.size(), with_laser.size(), least_poses);
+                with_line.size(), with_laser.size(), min_poses);
   }
   return {};
 }
@@ -68,7 +68,7 @@ Result<void> check_spread(const Views& views, const std::vector<Transform>& came
   std::vector<Vector3> normals;
   Vector3 mean_normal = Vector3::Zero();
   for (std::size_t i = 0; i < views.views.size(); ++i) {
-    if (views.views[i].line.size() < least_line_points) continue;
+    if (views.views[i].line.size() < min_line_points) continue;
     depths.push_back(depth_m(camera_from_board[i], views.board));
     normals.push_back(camera_from_board[i].linear().col(2));
     mean_normal += normals.back();
@@ -76,7 +76,7 @@ Result<void> check_spread(const Views& views, const std::vector<Transform>& came
   mean_normal.normalize();
   std::sort(depths.begin(), depths.end());
   const double middle = depths[depths.size() / 2];
-  if (depths.front() < nearest_m || depths.back() > farthest_m || middle < usual_nearest_m ||
+  if (depths.front() < nearest_m || depths.back() > max_distance_m || middle < usual_nearest_m ||
       middle > usual_farthest_m) {
     return fail(Fault::bad_input,
                 "the boards would stand {:.2f} to {:.2f} m away, half of them within {:.2f} m: is "
@@ -89,7 +89,7 @@ Result<void> check_spread(const Views& views, const std::vector<Transform>& came
   }
   std::sort(tilts.begin(), tilts.end());
   const double often_rad = tilts[tilts.size() * 3 / 4];
-  if (often_rad < least_tilt_rad) {
+  if (often_rad < min_tilt_rad) {
     return fail(Fault::bad_input,
                 "the boards are almost parallel: three of four are within {:.0f} deg of each "
                 "other; tilt them by 20 to 40 deg, each another way",
@@ -97,7 +97,7 @@ Result<void> check_spread(const Views& views, const std::vector<Transform>& came
   }
   const double near = depths[depths.size() / 10];
   const double far = depths[depths.size() - 1 - depths.size() / 10];
-  if (far < least_depth_ratio * near) {
+  if (far < min_depth_ratio * near) {
     return fail(Fault::bad_input,
                 "all boards stand at about one distance, {:.2f} to {:.2f} m; hold them from the "
                 "nearest to the farthest place that is to be scanned",
@@ -107,14 +107,14 @@ Result<void> check_spread(const Views& views, const std::vector<Transform>& came
 }
 
 Result<void> check_result(const Calibrated& result) {
-  if (result.reprojection_px > most_reprojection_px) {
+  if (result.reprojection_px > max_reprojection_px) {
     return fail(Fault::bad_input,
                 "the corners are off by {:.2f} px RMS, {} is the most that can be: pictures "
                 "blurred, board not flat, or not all from one camera?",
-                result.reprojection_px, most_reprojection_px);
+                result.reprojection_px, max_reprojection_px);
   }
   const auto& at_1_m = result.expected[1];
-  if (at_1_m && at_1_m->systematic_m > most_error_m) {
+  if (at_1_m && at_1_m->systematic_m > max_error_m) {
     return fail(Fault::bad_input,
                 "a range error of {:.0f} mm at 1 m is to be expected from these pictures: hold the "
                 "board at more distances and tilts, nearer too",
@@ -125,7 +125,7 @@ Result<void> check_result(const Calibrated& result) {
       std::max(covariance(axis_tilt_1, axis_tilt_1), covariance(axis_tilt_2, axis_tilt_2)));
   const double shift_m = std::sqrt(
       std::max(covariance(axis_shift_1, axis_shift_1), covariance(axis_shift_2, axis_shift_2)));
-  if (tilt_rad > most_axis_rad || shift_m > most_axis_m) {
+  if (tilt_rad > max_axis_rad || shift_m > max_axis_m) {
     return fail(Fault::bad_input,
                 "the yaw axis is known to {:.2f} deg and {:.1f} mm only: turn the unit farther "
                 "before a standing board, or before more of them",

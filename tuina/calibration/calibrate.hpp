@@ -16,7 +16,7 @@
 namespace tuina::calibration {
 
 /// Fewer poses with board and laser line do not make a calibration.
-inline constexpr int least_poses = 8;
+inline constexpr int min_poses = 8;
 
 /// What pictures of boards give.
 struct Calibrated {

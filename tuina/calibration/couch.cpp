@@ -15,7 +15,7 @@ namespace {
 
 constexpr double in_board_m = 2.0_mm;  // at 1 m; a board is flat, the line is noisy
 constexpr double flat_m = 3.0_mm;
-constexpr double least_share = 0.25;  // of all points; the rest is the couch beside the board
+constexpr double min_share = 0.25;  // of all points; the rest is the couch beside the board
 constexpr std::size_t enough = 2000;
 constexpr int tries = 300;
 constexpr double off_nominal_rad = 30.0_deg;
@@ -115,11 +115,11 @@ Plane largest_plane(const std::vector<Vector3>& points) {
 Plane find_board(const std::vector<Vector3>& points) {
   const Plane first = largest_plane(points);
   const auto rest = inside(first, points, false);
-  if (static_cast<double>(rest.size()) > least_share * static_cast<double>(points.size())) {
+  if (static_cast<double>(rest.size()) > min_share * static_cast<double>(points.size())) {
     const Plane second = largest_plane(rest);
     const bool parallel = second.normal.dot(first.normal) > std::cos(5.0_deg);
     const bool large =
-        static_cast<double>(second.points) > least_share * static_cast<double>(points.size());
+        static_cast<double>(second.points) > min_share * static_cast<double>(points.size());
     if (parallel && large && second.distance_m < first.distance_m) return second;
   }
   return first;
@@ -164,7 +164,7 @@ Result<CouchPose> find_couch(const Sweep& sweep, const scanner::ScannerCalibrati
   if (const auto good = check_against_nominal(sweep.nominal, measured, board); !good) {
     return tl::unexpected(good.error());
   }
-  if (share < least_share || board.rms_m > flat_m) {
+  if (share < min_share || board.rms_m > flat_m) {
     return fail(Fault::bad_input,
                 "the board on the couch does not come out flat: {:.0f} % of the points lie within "
                 "{:.1f} mm of a plane; is it bare and still, and does the yaw have the right sign?",

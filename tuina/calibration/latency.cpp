@@ -12,14 +12,14 @@ namespace tuina::calibration {
 namespace {
 
 constexpr double count_rad = from_deg(300.0 / 1024.0);
-constexpr double least_turn_rad = 5.0_deg;
+constexpr double min_turn_rad = 5.0_deg;
 constexpr double step_rad = 0.1_deg;  // of the common scale of yaw; a sweep has a frame per 0.2
-constexpr double most_s = 1.0;
+constexpr double max_s = 1.0;
 constexpr double unsure_s = 0.02;
 // Two neighbouring frames whose line has moved farther than this see two surfaces.
 constexpr double same_surface_px = 4.0;
 constexpr std::size_t enough = 500;
-constexpr double least_true_share = 0.2;  // of the squared slopes; the rest is noise
+constexpr double min_true_share = 0.2;  // of the squared slopes; the rest is noise
 
 // Columns of one row of the image over yaw, of one sweep.
 struct Trace {
@@ -141,7 +141,7 @@ Result<Step> compare(const Sweep& falling, const Sweep& rising, double latency_s
     by_s = moment / information;
   }
   // Where nothing slants, the slopes are those of the noise, of which both sweeps have their own.
-  if (!(true_information > least_true_share * information) || !(information > 0.0)) {
+  if (!(true_information > min_true_share * information) || !(information > 0.0)) {
     return fail(Fault::bad_input,
                 "the scene of the sweeps is too flat to tell the latency: sweep a scene with "
                 "slanted surfaces, such as boxes standing askew");
@@ -193,11 +193,11 @@ Result<Sweep> read_sweep(const std::filesystem::path& folder, const Progress& pr
 Result<Latency> find_latency(const Sweep& falling, const Sweep& rising) {
   const double left_rad = turned_rad(falling);
   const double right_rad = turned_rad(rising);
-  if (!(left_rad < -least_turn_rad && right_rad > least_turn_rad)) {
+  if (!(left_rad < -min_turn_rad && right_rad > min_turn_rad)) {
     return fail(Fault::bad_input,
                 "the yaw of sweep_left must fall and that of sweep_right rise, by {:.0f} deg at "
                 "least; it changes by {:.1f} and {:.1f} deg",
-                to_deg(least_turn_rad), to_deg(left_rad), to_deg(right_rad));
+                to_deg(min_turn_rad), to_deg(left_rad), to_deg(right_rad));
   }
   Latency latency{.latency_s = first_latency_s(falling, rising)};
   for (int i = 0; i < 10; ++i) {
@@ -205,11 +205,11 @@ Result<Latency> find_latency(const Sweep& falling, const Sweep& rising) {
     if (!step) return tl::unexpected(step.error());
     latency.latency_s += step->by_s;
     latency.deviation_s = step->deviation_s;
-    if (std::abs(latency.latency_s) > most_s) {
+    if (std::abs(latency.latency_s) > max_s) {
       return fail(Fault::bad_input,
                   "the two sweeps do not agree at any latency up to {:.0f} s: did the scene move, "
                   "or do the clocks of camera and motor differ between them?",
-                  most_s);
+                  max_s);
     }
     if (std::abs(step->by_s) < 1e-5) break;
   }

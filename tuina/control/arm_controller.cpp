@@ -73,9 +73,8 @@ void ArmController::travel(const Vector3& centre, const Vector3& normal,
                            const ToolMotion::Limits& limits, Doing doing) noexcept {
   stop_learning();
   if (status_.doing == Doing::contact || status_.doing == Doing::approach) {
-    motion_.start(
-        {centre_ + shortened(spring_n_, options_.most_pull_n) / options_.stiffness_n_per_m,
-         reference_.pose.normal_in_base});
+    motion_.start({centre_ + shortened(spring_n_, options_.max_pull_n) / options_.stiffness_n_per_m,
+                   reference_.pose.normal_in_base});
     motion_s_ = 0.0;
   }
   if (status_.doing == Doing::lead) {

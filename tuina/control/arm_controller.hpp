@@ -22,7 +22,7 @@ struct ContactTarget {
   double force_n = 0.0;
   /// The leash: never more force than this from the springs, whatever the sensor says; the zone's
   /// trip.
-  double most_spring_n = 90.0;
+  double max_spring_n = 90.0;
   ContactModel model;  ///< prior or estimate
 };
 
@@ -76,8 +76,8 @@ class ArmController {
     double joint_stiffness_nm_per_rad = 400.0;
     double stiffness_n_per_m = 2000.0;  ///< in free motion, and along the skin
     double damping_ratio = 0.9;
-    double most_pull_n = 25.0;  ///< of the springs in free motion
-    double most_drag_n = 30.0;  ///< of the springs along the skin
+    double max_pull_n = 25.0;  ///< of the springs in free motion
+    double max_drag_n = 30.0;  ///< of the springs along the skin
     TurningGains turning = {};
     PostureGains posture = {};
     FrictionCompensation::Options friction = {};

@@ -16,7 +16,7 @@ constexpr double arrived_m = 3e-3;
 constexpr double nearly_arrived_m = 10e-3;  // is enough for a tool that comes no closer
 constexpr double patience_s = 2.0;
 constexpr double settling_per_s = 3.0;
-constexpr double most_settling_n = 15.0;
+constexpr double max_settling_n = 15.0;
 constexpr double still_m_per_s = 0.015;
 constexpr double search_acceleration = 0.4;  // m/s2
 
@@ -63,14 +63,14 @@ Vector3 ArmController::free_force(const ArmState& state, double dt_s) noexcept {
   reference_ = motion_.at(motion_s_);
   const Vector3 error = reference_.pose.at_in_base - centre_;
   const Vector3 velocity_error = reference_.velocity_m_per_s - velocity_;
-  spring_n_ = shortened(options_.stiffness_n_per_m * error, options_.most_pull_n);
+  spring_n_ = shortened(options_.stiffness_n_per_m * error, options_.max_pull_n);
   const double damping =
       2.0 * options_.damping_ratio * std::sqrt(typical_mass_kg * options_.stiffness_n_per_m);
 
   // What friction and a wrong weight leave over at the goal is worked off slowly, within bounds.
   const bool over = motion_s_ >= motion_.duration_s();
   if (over)
-    settling_n_ = shortened(settling_n_ + settling_per_s * dt_s * spring_n_, most_settling_n);
+    settling_n_ = shortened(settling_n_ + settling_per_s * dt_s * spring_n_, max_settling_n);
   const bool patient = motion_s_ < motion_.duration_s() + patience_s;
   const double near_m = patient ? arrived_m : nearly_arrived_m;
   const bool still = over && error.norm() < near_m && velocity_.norm() < still_m_per_s;
@@ -91,14 +91,14 @@ double ArmController::approach_force(double depth_m, double speed, double dt_s) 
       search_m_ < -options_.search_from_m ? options_.approach_m_per_s : options_.search_m_per_s;
   // The speed at which the slow stretch can still be met with the permitted deceleration.
   const double left_m = std::max(-options_.search_from_m - search_m_, 0.0);
-  const double most_speed = std::sqrt(options_.search_m_per_s * options_.search_m_per_s +
-                                      2.0 * search_acceleration * left_m);
+  const double max_speed = std::sqrt(options_.search_m_per_s * options_.search_m_per_s +
+                                     2.0 * search_acceleration * left_m);
   const double change = search_acceleration * dt_s;
-  search_speed_ += std::clamp(std::min(goal_speed, most_speed) - search_speed_, -change, change);
+  search_speed_ += std::clamp(std::min(goal_speed, max_speed) - search_speed_, -change, change);
   const double K = options_.force.stiffness_n_per_m;
   // The search waits for a tool that cannot follow instead of winding up its spring.
-  const double most_m = depth_m + options_.touch_pull_n / K;
-  search_m_ = std::min(search_m_ + search_speed_ * dt_s, std::max(most_m, search_m_));
+  const double max_m = depth_m + options_.touch_pull_n / K;
+  search_m_ = std::min(search_m_ + search_speed_ * dt_s, std::max(max_m, search_m_));
   const double spring_n = std::min(K * (search_m_ - depth_m), options_.touch_pull_n);
   const double damping = 2.0 * options_.damping_ratio * std::sqrt(typical_mass_kg * K);
 
@@ -134,7 +134,7 @@ Vector3 ArmController::contact_force(double dt_s) noexcept {
                             .force_n = status_.force_n,
                             .set_force_n = target_.force_n,
                             .mass_kg = robot::apparent_mass_kg(dynamics_, normal),
-                            .most_spring_n = target_.most_spring_n,
+                            .max_spring_n = target_.max_spring_n,
                             .model = target_.model},
                            dt_s);
     normal_spring_n = force_target_.spring_n();
@@ -153,7 +153,7 @@ Vector3 ArmController::contact_force(double dt_s) noexcept {
   const double damping = 2.0 * options_.damping_ratio * std::sqrt(typical_mass_kg * K);
   const Vector3 along_error = error - error.dot(normal) * normal;
   const Vector3 velocity_error = reference_.velocity_m_per_s - velocity_;
-  const Vector3 drag_spring_n = shortened(K * along_error, options_.most_drag_n);
+  const Vector3 drag_spring_n = shortened(K * along_error, options_.max_drag_n);
   spring_n_ = drag_spring_n - normal_spring_n * normal;
   return drag_spring_n + damping * (velocity_error - velocity_error.dot(normal) * normal) -
          normal_n * normal;

@@ -8,7 +8,7 @@
 namespace tuina::control {
 namespace {
 
-using Task = Eigen::Matrix<double, 5, Eigen::Dynamic, 0, 5, most_joints>;
+using Task = Eigen::Matrix<double, 5, Eigen::Dynamic, 0, 5, max_joints>;
 using Matrix5 = Eigen::Matrix<double, 5, 5>;
 
 // Near a singular pose the task inertia grows without bound; this caps it at 50 kg.
@@ -33,7 +33,7 @@ Turning turning_of(const robot::ArmDynamics& dynamics, const JointVector& dq,
   // A fist of about 0.03 kg m2, with the rotors behind it, turns on the springs.
   const double damping = 2.0 * gains.damping_ratio * std::sqrt(gains.stiffness_nm_per_rad * 0.05);
   Vector3 spring = gains.stiffness_nm_per_rad * error;
-  spring *= std::min(1.0, gains.most_nm / std::max(spring.norm(), 1e-9));
+  spring *= std::min(1.0, gains.max_nm / std::max(spring.norm(), 1e-9));
   Vector3 moment = spring + damping * (reference.turning_rad_per_s - omega);
   moment -= axis * axis.dot(moment);
   turning.moment_nm = moment;
@@ -50,8 +50,8 @@ JointVector posture_torque(const robot::ArmTable& table, const JointVector& q,
       torque[i] += gains.stiffness_nm_per_rad * error;
     }
     const robot::Link& link = table.links[static_cast<std::size_t>(i)];
-    const double below = link.lowest_rad + gains.limit_margin_rad - q[i];
-    const double above = q[i] - (link.highest_rad - gains.limit_margin_rad);
+    const double below = link.min_rad + gains.limit_margin_rad - q[i];
+    const double above = q[i] - (link.max_rad - gains.limit_margin_rad);
     torque[i] += gains.limit_stiffness_nm_per_rad * (std::max(below, 0.0) - std::max(above, 0.0));
   }
   return torque;
@@ -66,7 +66,7 @@ JointVector beside_task(const robot::ArmDynamics& dynamics, const Turning& turni
   J.row(3) = turning.across.transpose() * dynamics.jacobian.bottomRows<3>();
   J.row(4) = turning.over.transpose() * dynamics.jacobian.bottomRows<3>();
   const Eigen::LLT<JointMatrix> mass(dynamics.mass_kg_m2);
-  Eigen::Matrix<double, Eigen::Dynamic, 5, 0, most_joints, 5> mobile = J.transpose();
+  Eigen::Matrix<double, Eigen::Dynamic, 5, 0, max_joints, 5> mobile = J.transpose();
   mass.solveInPlace(mobile);
   const Matrix5 mobility = J * mobile + mobility_floor * Matrix5::Identity();
   const Eigen::Matrix<double, 5, 1> acceleration = mobile.transpose() * torque;

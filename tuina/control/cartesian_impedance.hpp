@@ -29,7 +29,7 @@ struct PostureGains {
 struct TurningGains {
   double stiffness_nm_per_rad = 60.0;
   double damping_ratio = 0.8;
-  double most_nm = 6.0;  ///< of the spring, however far the axis is off
+  double max_nm = 6.0;  ///< of the spring, however far the axis is off
 };
 
 /// Joint torques of a force on the tool's centre plus a spring that keeps the tool's axis along a

@@ -13,7 +13,7 @@ constexpr double lost_matters_n = 3.0;
 constexpr double slipping_share = 0.3;
 constexpr double found_again_n = 1.5;
 constexpr double creep_m_per_s = 10e-3;
-constexpr double most_creep_m = 3e-3;
+constexpr double max_creep_m = 3e-3;
 
 }  // namespace
 
@@ -37,7 +37,7 @@ void ForceTarget::begin(const Input& input, double spring_n) noexcept {
   const double expected_m = skin_m_ + depth_at(input.model, set_n_);
   trim_n_ = 0.0;
   if (options_.finds_skin) trim_n_ = spring_n - set_n_ - K * (expected_m - input.depth_m);
-  trim_n_ = std::clamp(trim_n_, -options_.most_trim_out_n, options_.most_trim_in_n);
+  trim_n_ = std::clamp(trim_n_, -options_.max_trim_out_n, options_.max_trim_in_n);
   spring_n_ = spring_n;
   foreseen_m_per_s_ = 0.0;
   last_depth_m_ = input.depth_m;
@@ -68,7 +68,7 @@ bool ForceTarget::slips(const Input& input) const noexcept {
 // Where nothing is under the tool it stays where it is and feels forward a little; it does not
 // chase.
 double ForceTarget::spring_without_skin(const Input& input, double dt_s) noexcept {
-  const double creep_m = crept_m_ < most_creep_m ? creep_m_per_s * dt_s : 0.0;
+  const double creep_m = crept_m_ < max_creep_m ? creep_m_per_s * dt_s : 0.0;
   crept_m_ += creep_m;
   hold_m_ += creep_m;
   return options_.stiffness_n_per_m * (hold_m_ - input.depth_m);
@@ -79,17 +79,17 @@ double ForceTarget::spring_on_skin(const Input& input, double contact_n_per_m, d
   const double K = options_.stiffness_n_per_m;
   const double error_n = slips(input) ? 0.0 : set_n_ - input.force_n;
   trim_n_ += options_.trim_per_s * (1.0 + K / contact_n_per_m) * error_n * dt_s;
-  trim_n_ = std::clamp(trim_n_, -options_.most_trim_out_n, options_.most_trim_in_n);
+  trim_n_ = std::clamp(trim_n_, -options_.max_trim_out_n, options_.max_trim_in_n);
   const double lasting_n = trim_n_ * std::min(dt_s / options_.skin_follows_s, 1.0);
   const double skin_m =
-      std::clamp(skin_m_ + lasting_n / K, -options_.most_skin_rise_m, options_.most_skin_error_m);
+      std::clamp(skin_m_ + lasting_n / K, -options_.max_skin_rise_m, options_.max_skin_error_m);
   trim_n_ -= K * (skin_m - skin_m_);
   skin_m_ = skin_m;
 
   const double rings_at = damping / (contact_n_per_m * options_.sensor_lag_s);
-  const double gain = std::min(options_.gain_share * rings_at, options_.most_gain);
+  const double gain = std::min(options_.gain_share * rings_at, options_.max_gain);
   const double quick_n =
-      std::clamp(gain * error_n, -options_.most_trim_out_n, options_.most_gain_in_n);
+      std::clamp(gain * error_n, -options_.max_trim_out_n, options_.max_gain_in_n);
   const double expected_m = skin_m_ + depth_at(input.model, set_n_);
   return K * (expected_m - input.depth_m) + set_n_ + trim_n_ + quick_n;
 }
@@ -120,7 +120,7 @@ double ForceTarget::push_out(const Input& input, double soon_n) noexcept {
     pushing_out_ = false;
     lost_ = true;
     hold_m_ = input.depth_m;
-    crept_m_ = most_creep_m;
+    crept_m_ = max_creep_m;
   }
   last_depth_m_ = input.depth_m;
   spring_n_ = -options_.push_out_n;
@@ -136,7 +136,7 @@ double ForceTarget::step(const Input& input, double dt_s) noexcept {
   // Light contact is soft: a quick change of a small force would throw the tool off the skin.
   since_touch_s_ += dt_s;
   const double fastest =
-      since_touch_s_ < options_.landing_s ? options_.landing_n_per_s : options_.fastest_n_per_s;
+      since_touch_s_ < options_.landing_s ? options_.landing_n_per_s : options_.max_rate_n_per_s;
   const double change_n = std::clamp(wanted_n - set_n_, -fastest * dt_s, fastest * dt_s);
   set_n_ += change_n;
   watch_contact(input, dt_s);
@@ -148,7 +148,7 @@ double ForceTarget::step(const Input& input, double dt_s) noexcept {
   const double acceleration = (foreseen - foreseen_m_per_s_) / options_.foreseen_lag_s;
   foreseen_m_per_s_ += acceleration * dt_s;
   const double inertia_n =
-      std::clamp(input.mass_kg * acceleration, -options_.most_inertia_n, options_.most_inertia_n);
+      std::clamp(input.mass_kg * acceleration, -options_.max_inertia_n, options_.max_inertia_n);
 
   const double contact_n_per_m = stiffness_at(input.model, std::max(input.force_n, 1.0));
   const double free_damping =
@@ -157,19 +157,18 @@ double ForceTarget::step(const Input& input, double dt_s) noexcept {
       2.0 * options_.contact_damping_ratio * std::sqrt(input.mass_kg * contact_n_per_m);
   const double damping =
       lost_ ? 2.0 * free_damping
-            : std::clamp(contact_damping, free_damping, options_.most_damping_n_s_per_m);
+            : std::clamp(contact_damping, free_damping, options_.max_damping_n_s_per_m);
 
   const double spring_n = lost_ ? spring_without_skin(input, dt_s)
                                 : spring_on_skin(input, contact_n_per_m, damping, dt_s);
   // What the skin no longer bears must not accelerate the tool.
   const double borne_n = slips(input) ? std::max(input.force_n, 0.0) : set_n_;
-  spring_n_ =
-      paid_for(std::clamp(spring_n, -options_.most_trim_out_n,
-                          std::min(borne_n + options_.most_over_set_n, input.most_spring_n)),
-               input);
+  spring_n_ = paid_for(std::clamp(spring_n, -options_.max_trim_out_n,
+                                  std::min(borne_n + options_.max_over_set_n, input.max_spring_n)),
+                       input);
   const double relative = input.speed_m_per_s - foreseen;
   tank_j_ = std::min(tank_j_ + damping * relative * relative * dt_s, options_.tank_j);
-  return spring_n_ + std::min(inertia_n - damping * relative, options_.most_outward_damping_n);
+  return spring_n_ + std::min(inertia_n - damping * relative, options_.max_outward_damping_n);
 }
 
 }  // namespace tuina::control

@@ -33,25 +33,25 @@ class ForceTarget {
     /// The force gain, as a share of damping / (contact stiffness x sensor lag), where it would
     /// ring.
     double gain_share = 0.2;
-    double most_gain = 2.0;
+    double max_gain = 2.0;
     double sensor_lag_s = 4e-3;
-    double most_gain_in_n = 5.0;
-    double most_trim_in_n = 10.0;  ///< more would wind up against stiction
-    double most_trim_out_n = 30.0;
-    double skin_follows_s = 0.7;       ///< a trim that lasts so long is a wrong place of the skin
-    double most_skin_error_m = 15e-3;  ///< deeper is never followed
-    double most_skin_rise_m = 60e-3;
-    double most_over_set_n = 14.0;  ///< leash
+    double max_gain_in_n = 5.0;
+    double max_trim_in_n = 10.0;  ///< more would wind up against stiction
+    double max_trim_out_n = 30.0;
+    double skin_follows_s = 0.7;      ///< a trim that lasts so long is a wrong place of the skin
+    double max_skin_error_m = 15e-3;  ///< deeper is never followed
+    double max_skin_rise_m = 60e-3;
+    double max_over_set_n = 14.0;  ///< leash
     double free_damping_ratio = 1.3;
     double contact_damping_ratio = 0.5;
-    double most_damping_n_s_per_m = 600.0;
-    double most_outward_damping_n = 12.0;  ///< a person who rises is not held down by damping
-    double kept_n = 1.0;                   ///< a set force is never lower than this
-    double fastest_n_per_s = 150.0;
+    double max_damping_n_s_per_m = 600.0;
+    double max_outward_damping_n = 12.0;  ///< a person who rises is not held down by damping
+    double kept_n = 1.0;                  ///< a set force is never lower than this
+    double max_rate_n_per_s = 150.0;
     double landing_s = 0.3;  ///< after the touch the set force changes by `landing_n_per_s` at most
     double landing_n_per_s = 15.0;
     double foreseen_lag_s = 8e-3;  ///< smooths the speed that the model foresees, for its inertia
-    double most_inertia_n = 4.0;
+    double max_inertia_n = 4.0;
     double tank_j = 3.0;
     double startle_n = 8.0;     ///< so far above the set force somebody comes closer,
     double push_out_n = 100.0;  ///< and the arm pushes itself away with so much
@@ -64,8 +64,8 @@ class ForceTarget {
     double path_speed_m_per_s = 0.0;  ///< of the believed skin, inward
     double force_n = 0.0;             ///< measured, pressing positive
     double set_force_n = 0.0;
-    double mass_kg = 3.5;         ///< apparent, along the normal
-    double most_spring_n = 90.0;  ///< leash of the zone, besides the one of the options
+    double mass_kg = 3.5;        ///< apparent, along the normal
+    double max_spring_n = 90.0;  ///< leash of the zone, besides the one of the options
     ContactModel model;
   };
 

@@ -59,8 +59,8 @@ void FrictionCompensation::end_learning() noexcept {
     const double spread = sums.n * sums.ww - sums.w * sums.w;
     if (!(spread > 0.1 * sums.n * sums.n)) continue;
     const double friction_nm = (sums.n * sums.wr - sums.w * sums.r) / spread;
-    const double most_nm = 4.0 * table_.links[k].coulomb_nm;
-    coulomb_nm_[i] = options_.share * std::clamp(friction_nm, 0.0, most_nm);
+    const double max_nm = 4.0 * table_.links[k].coulomb_nm;
+    coulomb_nm_[i] = options_.share * std::clamp(friction_nm, 0.0, max_nm);
   }
 }
 

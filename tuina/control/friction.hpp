@@ -45,7 +45,7 @@ class FrictionCompensation {
   JointVector coulomb_nm_;  // what is fed forward when wound up
   JointVector q_rad_;
   JointVector wound_;  // share of the Coulomb friction, -1 to 1
-  std::array<Sums, most_joints> sums_ = {};
+  std::array<Sums, max_joints> sums_ = {};
   bool learning_ = false;
 };
 

@@ -10,8 +10,8 @@ namespace tuina::control {
 const JointVector& JointFollower::step(const robot::ArmModel& model, double rail_m,
                                        const ToolPose& centre,
                                        const JointVector& posture_rad) noexcept {
-  using Task = Eigen::Matrix<double, 5, Eigen::Dynamic, 0, 5, most_joints>;
-  constexpr double damping = 1e-3, most_step_rad = 4e-3, towards_posture = 1e-3;
+  using Task = Eigen::Matrix<double, 5, Eigen::Dynamic, 0, 5, max_joints>;
+  constexpr double damping = 1e-3, max_step_rad = 4e-3, towards_posture = 1e-3;
   const auto now = model.kinematics(q_rad_, rail_m);
   const Vector3 axis = tool_normal(now.base_from_tool);
   const Vector3 across = axis.unitOrthogonal(), over = axis.cross(across);
@@ -27,7 +27,7 @@ const JointVector& JointFollower::step(const robot::ArmModel& model, double rail
       J * J.transpose() + damping * damping * Eigen::Matrix<double, 5, 5>::Identity();
   const Eigen::Matrix<double, 5, 1> rest = error - J * drift;
   const JointVector step = drift + J.transpose() * square.llt().solve(rest);
-  q_rad_ += step.cwiseMax(-most_step_rad).cwiseMin(most_step_rad);
+  q_rad_ += step.cwiseMax(-max_step_rad).cwiseMin(max_step_rad);
   return q_rad_;
 }
 

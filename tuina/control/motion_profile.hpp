@@ -69,7 +69,7 @@ class JointMotion {
  private:
   int joints_ = 0;
   double duration_s_ = 0.0;
-  std::array<MotionProfile, most_joints> axes_;
+  std::array<MotionProfile, max_joints> axes_;
 };
 
 }  // namespace tuina::control

@@ -24,10 +24,10 @@ struct PerArm {
 
 /// One number per joint. At most seven, so arms of six and seven joints share the code without
 /// heap.
-inline constexpr int most_joints = 7;
-using JointVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, most_joints, 1>;
+inline constexpr int max_joints = 7;
+using JointVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, max_joints, 1>;
 using JointMatrix =
-    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, most_joints, most_joints>;
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, max_joints, max_joints>;
 
 /// Force and torque of the environment ON the robot at the tool, in the frame the holder's name
 /// says.

@@ -10,7 +10,7 @@ namespace tuina::massage {
 namespace {
 
 NoGo entry_of(const TomlTable& table) {
-  constexpr double largest_m = 3.0;  // a couch is smaller; millimetres are not
+  constexpr double max_m = 3.0;  // a couch is smaller; millimetres are not
   table.only({"name", "corners_m"}, {}, "no_go");
   NoGo entry;
   entry.name = table.text("name").value_or("");
@@ -25,7 +25,7 @@ NoGo entry_of(const TomlTable& table) {
   for (const TomlValue& value : *corners) {
     const auto corner = value.numbers(3);
     const Vector3 at = corner ? Vector3((*corner)[0], (*corner)[1], (*corner)[2]) : Vector3::Zero();
-    if (corner && at.cwiseAbs().maxCoeff() <= largest_m) {
+    if (corner && at.cwiseAbs().maxCoeff() <= max_m) {
       entry.corners_in_couch.push_back(at);
     } else {
       table.reject(value, "a corner is not three numbers in metres, within 3 m");
@@ -50,8 +50,8 @@ Result<std::vector<NoGo>> parse_no_go(std::string_view text, std::string_view na
 }
 
 Result<std::vector<NoGo>> read_no_go(const std::filesystem::path& file) {
-  constexpr std::size_t largest_bytes = 1 << 20;
-  const auto text = read_file(file, largest_bytes);
+  constexpr std::size_t max_bytes = 1 << 20;
+  const auto text = read_file(file, max_bytes);
   if (!text) return tl::unexpected(text.error());
   return parse_no_go(*text, file.string());
 }

@@ -16,8 +16,8 @@
 namespace tuina::massage {
 namespace {
 
-constexpr double shortest_stroke_m = 60_mm;
-constexpr double most_uncertainty_m = 50_mm;  // beyond, the tool may come down anywhere
+constexpr double min_stroke_m = 60_mm;
+constexpr double max_uncertainty_m = 50_mm;  // beyond, the tool may come down anywhere
 constexpr double off_skin_m = 20_mm;  // an acupoint further from the scanned skin is not on it
 
 }  // namespace
@@ -57,9 +57,9 @@ Result<std::optional<WaitingPath>> PathLayer::lay(const Part& part, const Target
                                                   std::optional<double> pass_s) {
   name_ = fmt::format("{} {}", name_of(part.technique), target.name);
   for (const Acupoint& point : target.points) {
-    if (point.uncertainty_m <= most_uncertainty_m) continue;
+    if (point.uncertainty_m <= max_uncertainty_m) continue;
     note("left out, the place of {} is known to {:.0f} mm only, {:.0f} mm at most are allowed",
-         point.name, to_mm(point.uncertainty_m), to_mm(most_uncertainty_m));
+         point.name, to_mm(point.uncertainty_m), to_mm(max_uncertainty_m));
     return std::optional<WaitingPath>{};
   }
   auto waiting =
@@ -95,8 +95,8 @@ PathLayer::MaybePath PathLayer::lay_standing(const Part& part, const Target& tar
   if (part.technique == Technique::press) {
     waiting.path = pressed(*place, part, zone, force_n);
   } else {
-    const double most_s = rule_of(zone).longest_s - 2.0 * landing_s;
-    const double time_s = std::min(part.time_s.value_or(4.0), most_s);
+    const double max_s = rule_of(zone).max_duration_s - 2.0 * landing_s;
+    const double time_s = std::min(part.time_s.value_or(4.0), max_s);
     waiting.path =
         plan_tap(*place, {.force_n = force_n, .rate_hz = part.rate_hz, .time_s = time_s}, name_);
   }
@@ -111,9 +111,9 @@ ContactPath PathLayer::pressed(const body::SurfacePoint& place, const Part& part
   const double in_time = part.time_s.value_or(2.0 * cycle_s) / cycle_s;
   const int wanted = part.repeats.value_or(std::max(1, static_cast<int>(std::lround(in_time))));
   press.repeats = wanted;
-  const double longest_s = rule_of(zone).longest_s;
+  const double max_duration_s = rule_of(zone).max_duration_s;
   ContactPath path = plan_press(place, press, name_);
-  while (path.duration_s() > longest_s) {
+  while (path.duration_s() > max_duration_s) {
     if (press.repeats > 1) {
       --press.repeats;
     } else {
@@ -124,11 +124,11 @@ ContactPath PathLayer::pressed(const body::SurfacePoint& place, const Part& part
   }
   if (press.repeats < wanted) {
     note("{} instead of {} presses, {} bears {:.0f} s of contact", press.repeats, wanted,
-         name_of(zone), longest_s);
+         name_of(zone), max_duration_s);
   }
   if (press.window.hold_s < part.hold_s) {
     note("held for {:.1f} s instead of {:.1f} s, {} bears {:.0f} s of contact", press.window.hold_s,
-         part.hold_s, name_of(zone), longest_s);
+         part.hold_s, name_of(zone), max_duration_s);
   }
   return path;
 }
@@ -150,7 +150,7 @@ PathLayer::MaybePath PathLayer::lay_sliding(const Part& part, const Target& targ
   ZoneWalk zones = walk(*curve, zones_, part.technique);
   if (zones.denied != Zone::muscle) {
     const double kept_m = zones.to_m - zones.from_m;
-    if (rubs || kept_m < shortest_stroke_m) return left_out(zones.denied);
+    if (rubs || kept_m < min_stroke_m) return left_out(zones.denied);
     note("cut from {:.0f} to {:.0f} mm at {}", to_mm(curve->length_m()), to_mm(kept_m),
          name_of(zones.denied));
     curve = stretch_of(*curve, zones.from_m, zones.to_m);
@@ -164,7 +164,7 @@ PathLayer::MaybePath PathLayer::lay_sliding(const Part& part, const Target& targ
                       .cap_n = cap_of(part.technique, zones.strictest, zones.perhaps_spine),
                       .arm = arm_of(curve->at(0.5 * curve->length_m()).at_in_couch)};
   if (rubs) {
-    const double round_m = std::min(2.0 * pi * part.radius_m * part.rate_hz, fastest_slide_m_per_s);
+    const double round_m = std::min(2.0 * pi * part.radius_m * part.rate_hz, max_slide_m_per_s);
     const double one_s = part.spiral ? curve->length_m() / round_m + 1.0 : 1.0 / part.rate_hz;
     const int turns = repeats_of(part, one_s, zones.strictest);
     waiting.path = plan_rub(
@@ -186,14 +186,14 @@ PathLayer::MaybePath PathLayer::lay_sliding(const Part& part, const Target& targ
 int PathLayer::repeats_of(const Part& part, double one_s, Zone zone) {
   constexpr double usual = 3.0;
   constexpr double ramps_s = 3.0;  // landing, gaining speed and leaving, at most
-  const double longest_s = rule_of(zone).longest_s;
-  const double most = std::max(1.0, std::floor((longest_s - ramps_s) / one_s));
+  const double max_duration_s = rule_of(zone).max_duration_s;
+  const double most = std::max(1.0, std::floor((max_duration_s - ramps_s) / one_s));
   double wanted = usual;
   if (part.repeats) wanted = *part.repeats;
   if (part.time_s) wanted = std::max(1.0, std::round(*part.time_s / one_s));
   if (wanted > most) {
     note("{:.0f} instead of {:.0f} times, {:.0f} s are allowed at one place", most, wanted,
-         longest_s);
+         max_duration_s);
   }
   return static_cast<int>(std::min(wanted, most));
 }
@@ -271,12 +271,12 @@ double PathLayer::cap_of(Technique technique, Zone zone, bool perhaps_spine) con
 
 double PathLayer::allowed_force_n(const Part& part, Zone zone, bool perhaps_spine) {
   const double wanted_n = part.force_n * force_scale_;
-  const double most_n = cap_of(part.technique, zone, perhaps_spine);
-  if (most_n > 0.0 && wanted_n > most_n) {
-    note("{:.1f} N lowered to {:.1f} N ({}{})", wanted_n, most_n, name_of(zone),
+  const double max_n = cap_of(part.technique, zone, perhaps_spine);
+  if (max_n > 0.0 && wanted_n > max_n) {
+    note("{:.1f} N lowered to {:.1f} N ({}{})", wanted_n, max_n, name_of(zone),
          perhaps_spine ? ", perhaps spine" : "");
   }
-  return std::min(wanted_n, most_n);
+  return std::min(wanted_n, max_n);
 }
 
 PathLayer::MaybePath PathLayer::left_out(Zone zone) {

@@ -148,19 +148,19 @@ void check_part(const TomlTable& table, const Part& part) {
     check_turns(table, part, part.alternating ? "alternating" : "hand_over_hand");
   }
   const double speed = 2.0 * pi * part.radius_m * part.rate_hz;
-  if (part.technique == Technique::rub && speed > fastest_slide_m_per_s) {
-    table.reject("rate_hz",
-                 fmt::format("a circle of radius {:.0f} mm at {} turns per second slides with "
-                             "{:.0f} mm/s, {:.0f} allowed",
-                             to_mm(part.radius_m), part.rate_hz, to_mm(speed),
-                             to_mm(fastest_slide_m_per_s)));
+  if (part.technique == Technique::rub && speed > max_slide_m_per_s) {
+    table.reject(
+        "rate_hz",
+        fmt::format("a circle of radius {:.0f} mm at {} turns per second slides with "
+                    "{:.0f} mm/s, {:.0f} allowed",
+                    to_mm(part.radius_m), part.rate_hz, to_mm(speed), to_mm(max_slide_m_per_s)));
   }
   if (part.technique == Technique::tap && part.force_n > strongest_tap_n(part.rate_hz)) {
-    table.reject("force_n",
-                 fmt::format("{} taps per second with {} N change the force faster than {:.0f} "
-                             "N/s; at this rate {:.1f} N are allowed",
-                             part.rate_hz, part.force_n, fastest_force_n_per_s,
-                             strongest_tap_n(part.rate_hz)));
+    table.reject(
+        "force_n",
+        fmt::format("{} taps per second with {} N change the force faster than {:.0f} "
+                    "N/s; at this rate {:.1f} N are allowed",
+                    part.rate_hz, part.force_n, max_force_n_per_s, strongest_tap_n(part.rate_hz)));
   }
 }
 
@@ -202,10 +202,10 @@ std::optional<Part> read_part(const TomlTable& table) {
   part.rise_s = table.number("rise_s", 0.3, 5.0).value_or(part.rise_s);
   part.radius_m = from_mm(table.number("radius_mm", 10.0, 50.0).value_or(to_mm(part.radius_m)));
   part.spiral = table.flag("spiral").value_or(part.spiral);
-  part.speed_m_per_s = from_mm(table.number("speed_mm_per_s", 10.0, to_mm(fastest_slide_m_per_s))
+  part.speed_m_per_s = from_mm(table.number("speed_mm_per_s", 10.0, to_mm(max_slide_m_per_s))
                                    .value_or(to_mm(part.speed_m_per_s)));
   const bool taps = part.technique == Technique::tap;
-  part.rate_hz = table.number("rate_hz", taps ? slowest_tap_hz : 0.1, taps ? fastest_tap_hz : 1.0)
+  part.rate_hz = table.number("rate_hz", taps ? min_tap_hz : 0.1, taps ? max_tap_hz : 1.0)
                      .value_or(part.rate_hz);
   check_part(table, part);
   return part;
@@ -219,11 +219,11 @@ Programme read_programme(const TomlTable& table) {
   programme.intensity = table.whole("intensity", 1, 5).value_or(programme.intensity);
   if (!table.has("name")) table.reject("name", "a programme needs a name");
   const auto parts = table.tables("part");
-  constexpr std::size_t most_parts = 100;
+  constexpr std::size_t max_parts = 100;
   if (parts.empty()) {
     table.reject("part", "a programme needs at least one [[part]]");
-  } else if (parts.size() > most_parts) {
-    table.reject("part", fmt::format("{} parts, {} allowed", parts.size(), most_parts));
+  } else if (parts.size() > max_parts) {
+    table.reject("part", fmt::format("{} parts, {} allowed", parts.size(), max_parts));
     return programme;
   }
   for (const TomlTable& part : parts) {
@@ -259,8 +259,8 @@ Result<Programme> load_programme(const std::string& name_or_file) {
     return fail(Fault::config, "no programme is called `{}`; {}", name_or_file,
                 suggestion(name_or_file, names));
   }
-  constexpr std::size_t largest_bytes = 1 << 20;
-  const auto text = read_file(name_or_file, largest_bytes);
+  constexpr std::size_t max_bytes = 1 << 20;
+  const auto text = read_file(name_or_file, max_bytes);
   if (!text) return tl::unexpected(text.error());
   return parse_programme(*text, name_or_file);
 }

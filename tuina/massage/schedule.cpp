@@ -55,7 +55,7 @@ std::vector<PlannedPath> schedule(std::vector<WaitingPath> paths, const Transfer
       if (!done[k] && can_join(paths[i], paths[k])) members.push_back(k);
     }
     PerArm<bool> taken;
-    double longest_s = 0.0;
+    double max_duration_s = 0.0;
     const std::size_t first = planned.size();
     for (const std::size_t m : members) {
       WaitingPath& waiting = paths[m];
@@ -69,7 +69,7 @@ std::vector<PlannedPath> schedule(std::vector<WaitingPath> paths, const Transfer
       const Vector3 from = waiting.path.points.front().at_in_couch;
       const double way_m = last_place[arm] ? (from - *last_place[arm]).norm() : 0.0;
       const double touch_s = transfers.travel_s(way_m) + transfers.approach_s();
-      longest_s = std::max(longest_s, touch_s);
+      max_duration_s = std::max(max_duration_s, touch_s);
       work_s[arm] += waiting.path.duration_s();
       last_place[arm] = waiting.path.points.back().at_in_couch;
       planned.push_back({.path = std::move(waiting.path),
@@ -81,7 +81,7 @@ std::vector<PlannedPath> schedule(std::vector<WaitingPath> paths, const Transfer
     }
     double end_s = 0.0;
     for (std::size_t p = first; p < planned.size(); ++p) {
-      planned[p].start_s = free_s + longest_s;
+      planned[p].start_s = free_s + max_duration_s;
       end_s = std::max(end_s, planned[p].end_s());
     }
     free_s = end_s + transfers.retract_s();

@@ -34,11 +34,11 @@ inline constexpr double contact_radius_m = 0.017;
 /// nothing that is read from a file can raise them.
 struct ZoneRule {
   const char* name;
-  double cap_n;      ///< largest true force that is meant to be felt; 0: not to be touched
-  double trip_n;     ///< largest before the arm has to give way
-  bool sliding;      ///< rubbing and stroking allowed
-  bool tapping;      ///< tapping allowed
-  double longest_s;  ///< of contact at one place
+  double cap_n;           ///< largest true force that is meant to be felt; 0: not to be touched
+  double trip_n;          ///< largest before the arm has to give way
+  bool sliding;           ///< rubbing and stroking allowed
+  bool tapping;           ///< tapping allowed
+  double max_duration_s;  ///< of contact at one place
 };
 inline constexpr std::array<ZoneRule, 11> zone_rules = {{
     {"muscle", 45.0, 60.0, true, true, 60.0},

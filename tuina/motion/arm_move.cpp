@@ -100,7 +100,7 @@ double badness(const Stage& stage, Arm arm, const ArmMove& move) {
   const double strained_rad = std::max(move.air.strained_rad, move.skin.strained_rad);
   double clumsy_m = 0.0;
   for (const auto& pose : move.skin.poses) clumsy_m = std::max(clumsy_m, clumsiness_m(pose));
-  const double tight_m = std::max(0.0, wanted_arm_distance_m - move.clear.least_m());
+  const double tight_m = std::max(0.0, wanted_arm_distance_m - move.clear.min_m());
   return std::max(inward_m, -own_side_m) + clumsy_m + tight_m +
          (strained_rad > strain_rad ? 0.5 : 0.0);
 }
@@ -146,12 +146,12 @@ bool finds_home(const Stage& stage, Arm arm, const ArmRest& from) {
   const ArmMove home = move_home(stage, arm, from);
   const double missed_rad = (home.after.q_rad - stage.ready_rad[arm]).cwiseAbs().maxCoeff();
   return home.air.off_m <= off_path_m && missed_rad <= way_missed_rad &&
-         home.clear.least_m() >= closest_arm_distance_m;
+         home.clear.min_m() >= closest_arm_distance_m;
 }
 
 Result<ArmMove> move_to_path(const Stage& stage, Arm arm, const ArmRest& from,
                              const ContactPath& path, int index) {
-  constexpr std::size_t most_rehearsed = 12;
+  constexpr std::size_t max_rehearsed = 12;
   constexpr double good_enough_m = 15_mm;
   const robot::ArmModel& model = stage.models.get()[arm];
   const auto goals = goals_of(path, stage.base_from_couch);
@@ -167,7 +167,7 @@ Result<ArmMove> move_to_path(const Stage& stage, Arm arm, const ArmRest& from,
 
   Result<ArmMove> best = fail(Fault::not_found, "no posture of the arm suits it");
   double least_bad = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < std::min(choice.postures_rad.size(), most_rehearsed); ++i) {
+  for (std::size_t i = 0; i < std::min(choice.postures_rad.size(), max_rehearsed); ++i) {
     ArmMove move{.path = index, .way_in_base = way, .posture_rad = choice.postures_rad[i]};
     rehearse(stage, arm, from, move, goals, above, after);
     const double bad = badness(stage, arm, move);
@@ -176,7 +176,7 @@ Result<ArmMove> move_to_path(const Stage& stage, Arm arm, const ArmRest& from,
     const char* wrong =
         off_m > off_path_m                       ? "on the way to it the arm gets stuck"
         : move.skin.elbow_height_m < elbow_off_m ? "the elbow would be in the person"
-        : move.clear.least_m() < closest_arm_distance_m
+        : move.clear.min_m() < closest_arm_distance_m
             ? "the arm would come too near to the couch or to the robot's body"
         : misses_posture(move)                ? "the arm would come there another way round"
         : !finds_home(stage, arm, move.after) ? "from there the arm does not find its way home"

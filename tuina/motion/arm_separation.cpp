@@ -19,7 +19,7 @@ bool ArmSeparation::keeps(const robot::RobotReading& reading) noexcept {
   apart_m_ = between_m(now[Arm::left], now[Arm::right]);
   PerArm<double> clear_m;
   for (const Arm arm : both_arms) {
-    clear_m[arm] = robot::clearances(models_[arm], now[arm], reading.rail_m, obstacles_).least_m();
+    clear_m[arm] = robot::clearances(models_[arm], now[arm], reading.rail_m, obstacles_).min_m();
   }
   if (watching_) {
     constexpr double tick_s = 1e-3;

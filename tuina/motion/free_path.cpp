@@ -31,9 +31,9 @@ std::vector<control::ToolPose> way_between(const body::BackSurface& back, const 
     }
     return true;
   };
-  constexpr double rise_m = 15_mm, most_m = 240_mm;
+  constexpr double rise_m = 15_mm, max_m = 240_mm;
   double lift_m = 0.0;
-  while (!clear(lift_m) && lift_m < most_m) lift_m += rise_m;
+  while (!clear(lift_m) && lift_m < max_m) lift_m += rise_m;
   std::vector<control::ToolPose> way;
   if (lift_m > 0.0) {
     way.push_back(in_base(from.at_in_couch + lift_m * out, from.normal_in_couch));

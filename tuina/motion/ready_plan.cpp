@@ -75,7 +75,7 @@ Result<ReadyPlan> make_ready(massage::Plan plan, const body::BackSurface& back,
   // Where the tools are most dexterous the arms may be in each other's way; then the base moves.
   std::vector<double> stands_m;
   const auto offer = [&](double at_m) {
-    if (at_m >= mount.lowest_rail_m && at_m <= mount.highest_rail_m) stands_m.push_back(at_m);
+    if (at_m >= mount.min_rail_m && at_m <= mount.max_rail_m) stands_m.push_back(at_m);
   };
   if (rail_m) {
     offer(*rail_m);

@@ -22,20 +22,20 @@ constexpr double thinned_rad = 2.5_deg;     // a posture so close to one of befo
 double inward_m(const robot::ArmModel& model, Arm arm,
                 const robot::ArmModel::Kinematics& pose) noexcept {
   const double side = arm == Arm::left ? 1.0 : -1.0;
-  double most_m = -std::numeric_limits<double>::infinity();
+  double max_m = -std::numeric_limits<double>::infinity();
   for (int i = 0; i < model.joints(); ++i) {
     const auto k = static_cast<std::size_t>(i);
     const double beside_m =
         std::min(side * pose.origins_in_base[k].y(), side * pose.origins_in_base[k + 1].y());
-    most_m = std::max(most_m, model.table().links[k].radius_m - beside_m);
+    max_m = std::max(max_m, model.table().links[k].radius_m - beside_m);
   }
-  return most_m;
+  return max_m;
 }
 
 double Passage::inward_m(const robot::ArmModel& model, Arm arm) const noexcept {
-  double most_m = -std::numeric_limits<double>::infinity();
-  for (const auto& pose : poses) most_m = std::max(most_m, motion::inward_m(model, arm, pose));
-  return most_m;
+  double max_m = -std::numeric_limits<double>::infinity();
+  for (const auto& pose : poses) max_m = std::max(max_m, motion::inward_m(model, arm, pose));
+  return max_m;
 }
 
 Rehearsal::Rehearsal(const robot::ArmModel& model, double rail_m, const JointVector& q_rad,
@@ -54,8 +54,8 @@ JointVector Rehearsal::drawn_to(const JointVector& posture_rad) const {
   JointVector drift = posture_share_ * (posture_rad - q_rad_);
   for (int i = 0; i < model_->joints(); ++i) {
     const robot::Link& link = model_->table().links[static_cast<std::size_t>(i)];
-    const double inside = std::clamp(q_rad_[i], link.lowest_rad + gains.limit_margin_rad,
-                                     link.highest_rad - gains.limit_margin_rad);
+    const double inside = std::clamp(q_rad_[i], link.min_rad + gains.limit_margin_rad,
+                                     link.max_rad - gains.limit_margin_rad);
     drift[i] += share_at_limit * (inside - q_rad_[i]);
   }
   return drift;
@@ -63,9 +63,9 @@ JointVector Rehearsal::drawn_to(const JointVector& posture_rad) const {
 
 void Rehearsal::step_to(const Vector3& centre_in_base, const Vector3& normal_in_base,
                         const JointVector& posture_rad, Passage& passage) {
-  using Task = Eigen::Matrix<double, 5, Eigen::Dynamic, 0, 5, most_joints>;
+  using Task = Eigen::Matrix<double, 5, Eigen::Dynamic, 0, 5, max_joints>;
   constexpr int iterations = 2;
-  constexpr double damping = 1e-3, longest_step_rad = 0.3;
+  constexpr double damping = 1e-3, max_step_rad = 0.3;
   for (int n = 0; n < iterations; ++n) {
     const robot::ArmModel::Kinematics& now = now_;
     const Vector3 axis = control::tool_normal(now.base_from_tool);
@@ -82,11 +82,11 @@ void Rehearsal::step_to(const Vector3& centre_in_base, const Vector3& normal_in_
         J * J.transpose() + damping * damping * Eigen::Matrix<double, 5, 5>::Identity();
     const Eigen::Matrix<double, 5, 1> rest = error - J * drift;
     const JointVector step = drift + J.transpose() * square.llt().solve(rest);
-    q_rad_ += step.cwiseMax(-longest_step_rad).cwiseMin(longest_step_rad);
+    q_rad_ += step.cwiseMax(-max_step_rad).cwiseMin(max_step_rad);
     for (int i = 0; i < model_->joints(); ++i) {
       const robot::Link& link = model_->table().links[static_cast<std::size_t>(i)];
-      const double inside = std::clamp(q_rad_[i], link.lowest_rad + limit_margin_rad,
-                                       link.highest_rad - limit_margin_rad);
+      const double inside =
+          std::clamp(q_rad_[i], link.min_rad + limit_margin_rad, link.max_rad - limit_margin_rad);
       passage.strained_rad = std::max(passage.strained_rad, std::abs(q_rad_[i] - inside));
       q_rad_[i] = inside;
     }

@@ -202,15 +202,15 @@ void Choreography::finish() {
   const double left_m = first_m(Arm::left), right_m = first_m(Arm::right);
   if (at_once_m >= wanted_arm_distance_m || at_once_m >= std::max(left_m, right_m)) {
     min_arm_distance_m = std::min(min_arm_distance_m, at_once_m);
-    double longest_s = 0.0;
+    double max_duration_s = 0.0;
     for (const Arm arm : both_arms) {
       if (rest_[arm].parked) continue;
       add_job(arm, -1, home[arm].way_in_base, home[arm].posture_rad);
       clear.take_least(home[arm].clear);
-      longest_s = std::max(longest_s, home[arm].air_s);
+      max_duration_s = std::max(max_duration_s, home[arm].air_s);
       rest_[arm] = home[arm].after;
     }
-    end_s += longest_s;
+    end_s += max_duration_s;
     ++job_step_;
     return;
   }

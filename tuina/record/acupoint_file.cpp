@@ -113,8 +113,8 @@ Result<MappedBack> parse_acupoints(std::string_view text, std::string_view name)
 }
 
 Result<MappedBack> read_acupoints(const std::filesystem::path& file) {
-  constexpr std::size_t largest_bytes = 1 << 24;
-  const auto text = read_file(file, largest_bytes);
+  constexpr std::size_t max_bytes = 1 << 24;
+  const auto text = read_file(file, max_bytes);
   if (!text) return tl::unexpected(text.error());
   return parse_acupoints(*text, file.string());
 }

@@ -137,8 +137,8 @@ Result<PlanFile> parse_plan(std::string_view text, std::string_view name) {
 }
 
 Result<PlanFile> read_plan(const std::filesystem::path& file) {
-  constexpr std::size_t largest_bytes = std::size_t{1} << 28;
-  const auto text = read_file(file, largest_bytes);
+  constexpr std::size_t max_bytes = std::size_t{1} << 28;
+  const auto text = read_file(file, max_bytes);
   if (!text) return tl::unexpected(text.error());
   return parse_plan(*text, file.string());
 }

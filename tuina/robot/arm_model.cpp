@@ -83,7 +83,7 @@ ArmModel::ArmModel(const ArmTable& table, const RobotMount& mount, Arm arm) noex
       base_from_shoulder_turn_(mount.base_from_shoulder[arm].linear()),
       shoulder_in_base_(mount.base_from_shoulder[arm].translation()),
       rail_axis_in_base_(mount.rail_axis_in_base) {
-  for (std::size_t i = 0; i < most_joints; ++i) {
+  for (std::size_t i = 0; i < max_joints; ++i) {
     const Link& link = table_.links[i];
     turns_[i] = {std::cos(link.alpha_rad), std::sin(link.alpha_rad)};
     has_length_[i] = link.d_m != 0.0 || link.a_m != 0.0;
@@ -244,14 +244,14 @@ PerArm<ArmModel> both_models(const ArmTable& table, const RobotMount& mount) noe
 
 Matrix6 tool_mobility(const ArmDynamics& dynamics) noexcept {
   const Eigen::LLT<JointMatrix> factor(dynamics.mass_kg_m2);
-  Eigen::Matrix<double, Eigen::Dynamic, 6, 0, most_joints, 6> half = dynamics.jacobian.transpose();
+  Eigen::Matrix<double, Eigen::Dynamic, 6, 0, max_joints, 6> half = dynamics.jacobian.transpose();
   factor.matrixL().solveInPlace(half);  // M = L L^T, so J M^-1 J^T = (L^-1 J^T)^T (L^-1 J^T)
   return half.transpose() * half;
 }
 
-Matrix6 operational_inertia(const ArmDynamics& dynamics, double largest_kg) noexcept {
+Matrix6 operational_inertia(const ArmDynamics& dynamics, double max_kg) noexcept {
   const Eigen::SelfAdjointEigenSolver<Matrix6> eigen(tool_mobility(dynamics));
-  const Vector6 inertia = eigen.eigenvalues().cwiseMax(1.0 / largest_kg).cwiseInverse();
+  const Vector6 inertia = eigen.eigenvalues().cwiseMax(1.0 / max_kg).cwiseInverse();
   return eigen.eigenvectors() * inertia.asDiagonal() * eigen.eigenvectors().transpose();
 }
 

@@ -10,7 +10,7 @@ namespace tuina::robot {
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
-using Jacobian = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, most_joints>;
+using Jacobian = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, max_joints>;
 
 /// One evaluation of an arm's model, everything in `base`. Equation of motion:
 /// mass * ddq + coriolis + gravity = motor torque - friction + jacobian^T * wrench on the tool.
@@ -47,7 +47,7 @@ class ArmModel {
   struct Kinematics {
     Transform base_from_tool;
     Jacobian jacobian;
-    std::array<Vector3, most_joints + 1> origins_in_base;  ///< DH frames 0 to n
+    std::array<Vector3, max_joints + 1> origins_in_base;  ///< DH frames 0 to n
   };
   [[nodiscard]] Kinematics kinematics(const JointVector& q_rad, double rail_m) const noexcept;
 
@@ -61,8 +61,8 @@ class ArmModel {
                     ArmDynamics& out) const noexcept;
 
   ArmTable table_;
-  std::array<Turn, most_joints> turns_ = {};
-  std::array<bool, most_joints> has_length_ = {};
+  std::array<Turn, max_joints> turns_ = {};
+  std::array<bool, max_joints> has_length_ = {};
   Matrix3 base_from_shoulder_turn_;
   Vector3 shoulder_in_base_;
   Vector3 rail_axis_in_base_;
@@ -77,9 +77,9 @@ class ArmModel {
 [[nodiscard]] Matrix6 tool_mobility(const ArmDynamics& dynamics) noexcept;
 
 /// The operational-space inertia (J M^-1 J^T)^-1; near a singularity its eigenvalues are capped at
-/// `largest_kg` (kg, kg m2), where the exact one grows without bound.
+/// `max_kg` (kg, kg m2), where the exact one grows without bound.
 [[nodiscard]] Matrix6 operational_inertia(const ArmDynamics& dynamics,
-                                          double largest_kg = 1e3) noexcept;
+                                          double max_kg = 1e3) noexcept;
 
 /// The mass that a push along the unit `direction_in_base` on the tool's origin feels.
 [[nodiscard]] double apparent_mass_kg(const ArmDynamics& dynamics,

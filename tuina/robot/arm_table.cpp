@@ -55,35 +55,35 @@ ArmTable thesis_arm() noexcept {
   links[0] = {.name = "shoulder_pitch",
               .offset_rad = 0.0,
               .alpha_rad = right_angle,
-              .lowest_rad = -170_deg,
-              .highest_rad = 170_deg};
+              .min_rad = -170_deg,
+              .max_rad = 170_deg};
   links[1] = {.name = "shoulder_roll",
               .offset_rad = -right_angle,
               .alpha_rad = right_angle,
-              .lowest_rad = -85_deg,
-              .highest_rad = 85_deg};
+              .min_rad = -85_deg,
+              .max_rad = 85_deg};
   links[2] = {.name = "upper_arm_roll",
               .offset_rad = -right_angle,
               .d_m = -upper_arm_m,
               .alpha_rad = right_angle,
-              .lowest_rad = -170_deg,
-              .highest_rad = 170_deg};
+              .min_rad = -170_deg,
+              .max_rad = 170_deg};
   links[3] = {.name = "elbow",
               .offset_rad = -right_angle,
               .alpha_rad = right_angle,
-              .lowest_rad = -85_deg,
-              .highest_rad = 60_deg};
+              .min_rad = -85_deg,
+              .max_rad = 60_deg};
   links[4] = {.name = "forearm_roll",
               .offset_rad = -2.0 * right_angle,
               .d_m = -forearm_m,
               .alpha_rad = right_angle,
-              .lowest_rad = -170_deg,
-              .highest_rad = 170_deg};
+              .min_rad = -170_deg,
+              .max_rad = 170_deg};
   links[5] = {.name = "wrist",
               .offset_rad = -right_angle,
               .a_m = 100_mm,
-              .lowest_rad = -100_deg,
-              .highest_rad = 100_deg};
+              .min_rad = -100_deg,
+              .max_rad = 100_deg};
 
   // [thesis] Table 2-1 gives shoulder 2.3, upper arm 3.3, forearm 2.2, fist 0.5 kg and a diameter
   // of 100 mm; shoulder and forearm are split evenly over their two joints.

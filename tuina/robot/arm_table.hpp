@@ -26,8 +26,8 @@ struct Link {
 
   double coulomb_nm = 0.0;  ///< friction of motor and gear
   double viscous_nm_s_per_rad = 0.0;
-  double lowest_rad = -pi;
-  double highest_rad = pi;
+  double min_rad = -pi;
+  double max_rad = pi;
   double torque_limit_nm = 0.0;
   double speed_limit_rad_per_s = 0.0;
 
@@ -42,7 +42,7 @@ struct Link {
 /// of pressing.
 struct ArmTable {
   int joints = 0;
-  std::array<Link, most_joints> links = {};
+  std::array<Link, max_joints> links = {};
   double tool_radius_m = 17_mm;
   double tool_mass_kg =
       0.0;  ///< beyond the wrist sensor, at the sphere's centre; part of the last link's mass

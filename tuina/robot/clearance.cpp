@@ -101,8 +101,8 @@ Clearances clearances(const ArmModel& arm, const ArmModel::Kinematics& pose, dou
       const double apart_m =
           segment_to_box_m(box_from_base * (from - middle), box_from_base * (to - middle), half_m) -
           arm.table().links[i].radius_m;
-      double& least_m = nearest[obstacle.kind];
-      least_m = std::min(least_m, apart_m);
+      double& min_m = nearest[obstacle.kind];
+      min_m = std::min(min_m, apart_m);
     }
   }
   return nearest;

@@ -8,7 +8,7 @@
 namespace tuina::robot {
 namespace {
 
-using ToolJacobian = Eigen::Matrix<double, 5, Eigen::Dynamic, 0, 5, most_joints>;
+using ToolJacobian = Eigen::Matrix<double, 5, Eigen::Dynamic, 0, 5, max_joints>;
 using ToolError = Eigen::Matrix<double, 5, 1>;
 
 constexpr double step_rad = 6_deg;  // of the joint that turns most
@@ -31,7 +31,7 @@ struct Hold {
 };
 
 /// The least change of the joints that the tool follows.
-JointVector least_step(const ToolJacobian& J, const ToolError& wanted) {
+JointVector min_step(const ToolJacobian& J, const ToolError& wanted) {
   constexpr double damping = 1e-4;
   const Eigen::Matrix<double, 5, 5> square =
       J * J.transpose() + damping * damping * Eigen::Matrix<double, 5, 5>::Identity();
@@ -41,8 +41,7 @@ JointVector least_step(const ToolJacobian& J, const ToolError& wanted) {
 bool within_limits(const ArmTable& table, const JointVector& q_rad, double margin_rad) {
   for (int i = 0; i < table.joints; ++i) {
     const Link& link = table.links[static_cast<std::size_t>(i)];
-    if (q_rad[i] < link.lowest_rad + margin_rad || q_rad[i] > link.highest_rad - margin_rad)
-      return false;
+    if (q_rad[i] < link.min_rad + margin_rad || q_rad[i] > link.max_rad - margin_rad) return false;
   }
   return true;
 }
@@ -65,23 +64,23 @@ JointVector elbow_gradient(const ArmModel& arm, const ArmModel::Kinematics& now)
 /// From `q_rad` on, to one side.
 std::vector<JointVector> turned(const ArmModel& arm, double rail_m, JointVector q_rad, double side,
                                 double margin_rad) {
-  constexpr int most_steps = 60, corrections = 3;
+  constexpr int max_steps = 60, corrections = 3;
   constexpr double held_m = 0.2e-3;
   ArmModel::Kinematics now = arm.kinematics(q_rad, rail_m);
   const Hold hold{now.base_from_tool.translation(), now.base_from_tool.linear().col(0)};
   std::vector<JointVector> postures;
-  for (int n = 0; n < most_steps; ++n) {
+  for (int n = 0; n < max_steps; ++n) {
     ToolError error;
     ToolJacobian J = hold.jacobian(now, error);
     const JointVector gradient = elbow_gradient(arm, now);
-    const JointVector turn = gradient - least_step(J, J * gradient);
+    const JointVector turn = gradient - min_step(J, J * gradient);
     const double most = turn.cwiseAbs().maxCoeff();
     if (!(most > 1e-3)) break;  // m/rad: no joint turns the elbow any more
     q_rad += side * step_rad / most * turn;
     for (int i = 0; i < corrections; ++i) {
       now = arm.kinematics(q_rad, rail_m);
       J = hold.jacobian(now, error);
-      q_rad += least_step(J, error);
+      q_rad += min_step(J, error);
     }
     now = arm.kinematics(q_rad, rail_m);
     const double off_m = (hold.centre_in_base - now.base_from_tool.translation()).norm();

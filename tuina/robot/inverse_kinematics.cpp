@@ -13,16 +13,16 @@ namespace {
 constexpr double radian_m = 0.3;  // a radian of tool direction counts like so many metres
 constexpr double position_close_m = 1e-5;
 constexpr double direction_close_rad = 1e-3;
-constexpr double longest_step_rad = 0.3;
-constexpr int most_iterations = 60;
+constexpr double max_step_rad = 0.3;
+constexpr int max_iterations = 60;
 constexpr int seeds = 10;
 constexpr double jump_rad = 0.35;  // between neighbours on a path
 
 double lowest(const Link& link, double margin) {
-  return link.lowest_rad + margin;
+  return link.min_rad + margin;
 }
 double highest(const Link& link, double margin) {
-  return link.highest_rad - margin;
+  return link.max_rad - margin;
 }
 
 /// Halton points: spread evenly over all joints at once, and the same on every machine.
@@ -36,12 +36,12 @@ double halton(int index, int base) {
 }
 
 JointVector seed_posture(const ArmTable& table, int index) {
-  constexpr std::array<int, most_joints> primes = {2, 3, 5, 7, 11, 13, 17};
+  constexpr std::array<int, max_joints> primes = {2, 3, 5, 7, 11, 13, 17};
   JointVector q(table.joints);
   for (int i = 0; i < table.joints; ++i) {
     const auto k = static_cast<std::size_t>(i);
     const Link& link = table.links[k];
-    q[i] = link.lowest_rad + halton(index + 1, primes[k]) * (link.highest_rad - link.lowest_rad);
+    q[i] = link.min_rad + halton(index + 1, primes[k]) * (link.max_rad - link.min_rad);
   }
   return q;
 }
@@ -101,8 +101,8 @@ JointVector wish(const Task& task, const TaskState& state, const JointVector& q)
   JointVector wish(q.size());
   for (int i = 0; i < q.size(); ++i) {
     const Link& link = table.links[static_cast<std::size_t>(i)];
-    const double half = 0.5 * (link.highest_rad - link.lowest_rad);
-    const double from_middle = (q[i] - 0.5 * (link.highest_rad + link.lowest_rad)) / half;
+    const double half = 0.5 * (link.max_rad - link.min_rad);
+    const double from_middle = (q[i] - 0.5 * (link.max_rad + link.min_rad)) / half;
     wish[i] = -0.05 * from_middle;
   }
   const auto elbow = static_cast<std::size_t>(elbow_origin(table));
@@ -140,7 +140,7 @@ ContactPosture descend(const Task& task, JointVector q, double cone_rad) {
   const double margin = task.options.limit_margin_rad;
   bool limited = false;
   TaskState state = look(task, q, cone_rad);
-  for (int n = 0; n < most_iterations; ++n) {
+  for (int n = 0; n < max_iterations; ++n) {
     // Damping by the error itself keeps far steps sane and close ones quadratic, [sugihara2011].
     const double damping = 1e-7 + 1e-2 * state.error.squaredNorm();
     Matrix6 damped = state.weighted;
@@ -150,7 +150,7 @@ ContactPosture descend(const Task& task, JointVector q, double cone_rad) {
     const Vector6 gone = state.jacobian * wanted;
     JointVector step = state.jacobian.transpose() * factor.solve(state.error - gone) + wanted;
     const double most = step.cwiseAbs().maxCoeff();
-    if (most > longest_step_rad) step *= longest_step_rad / most;
+    if (most > max_step_rad) step *= max_step_rad / most;
     q += step;
     limited = false;
     for (int i = 0; i < table.joints; ++i) {
@@ -200,7 +200,7 @@ bool out_of_reach(const Task& task) {
 double dexterity(const ArmModel::Kinematics& pose) noexcept {
   const Vector3 axis = pose.base_from_tool.linear().col(0);
   const Vector3 across = axis.unitOrthogonal(), over = axis.cross(across);
-  Eigen::Matrix<double, 5, Eigen::Dynamic, 0, 5, most_joints> J(5, pose.jacobian.cols());
+  Eigen::Matrix<double, 5, Eigen::Dynamic, 0, 5, max_joints> J(5, pose.jacobian.cols());
   J.topRows<3>() = pose.jacobian.topRows<3>();
   J.row(3) = radian_m * across.transpose() * pose.jacobian.bottomRows<3>();
   J.row(4) = radian_m * over.transpose() * pose.jacobian.bottomRows<3>();
@@ -214,7 +214,7 @@ double limit_room_rad(const ArmTable& table, const JointVector& q_rad) noexcept 
   double room_rad = pi;
   for (int i = 0; i < table.joints; ++i) {
     const Link& link = table.links[static_cast<std::size_t>(i)];
-    room_rad = std::min({room_rad, q_rad[i] - link.lowest_rad, link.highest_rad - q_rad[i]});
+    room_rad = std::min({room_rad, q_rad[i] - link.min_rad, link.max_rad - q_rad[i]});
   }
   return room_rad;
 }
@@ -238,7 +238,7 @@ ContactPosture find_posture(const ArmModel& arm, double rail_m, const ContactGoa
   const Task task = make_task(arm, rail_m, goal, options);
   if (out_of_reach(task)) return {.q_rad = near_rad};
   ContactPosture best{.q_rad = near_rad};
-  for (const double cone : {0.0, 0.5 * options.largest_tilt_rad, options.largest_tilt_rad}) {
+  for (const double cone : {0.0, 0.5 * options.max_tilt_rad, options.max_tilt_rad}) {
     ContactPosture posture = descend(task, near_rad, cone);
     if (posture.reach == Reach::reached) return posture;
     best.reach = posture.reach;
@@ -265,7 +265,7 @@ Result<std::vector<ContactPosture>> follow(const ArmModel& arm, double rail_m,
     for (const ContactGoal& goal : path) {
       const Task task = make_task(arm, rail_m, goal, options);
       ContactPosture posture;
-      for (const double cone : {0.0, 0.5 * options.largest_tilt_rad, options.largest_tilt_rad}) {
+      for (const double cone : {0.0, 0.5 * options.max_tilt_rad, options.max_tilt_rad}) {
         posture = postures.empty() && attempt < 0
                       ? find_posture(arm, rail_m, goal, start, options)
                       : descend(task, postures.empty() ? start : postures.back().q_rad, cone);
@@ -308,8 +308,7 @@ Result<double> choose_rail(const PerArm<const ArmModel*>& arms, const RobotMount
   double best_rail_m = 0.0, best_worth = -1.0;
   std::size_t best_reached = 0;
   const std::size_t all = goals[Arm::left].size() + goals[Arm::right].size();
-  for (double rail_m = mount.lowest_rail_m; rail_m <= mount.highest_rail_m + 1e-9;
-       rail_m += step_m) {
+  for (double rail_m = mount.min_rail_m; rail_m <= mount.max_rail_m + 1e-9; rail_m += step_m) {
     std::size_t reached = 0, left = all;
     double worst = 1e9;
     // A place of the base that cannot become the best any more is not looked at further.

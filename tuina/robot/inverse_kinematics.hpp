@@ -30,7 +30,7 @@ struct ContactPosture {
 };
 
 struct PostureOptions {
-  double largest_tilt_rad = 20_deg;
+  double max_tilt_rad = 20_deg;
   double limit_margin_rad = 3_deg;   ///< kept from the end of every joint
   double elbow_clearance_m = 80_mm;  ///< of the elbow above the tangent plane of the skin
   /// The elbow is drawn outward, away from the other arm, until it is so far from the middle

@@ -39,13 +39,13 @@ RobotMount mount_for(Position position) {
   Vector3 midway_in_couch;
   if (position == Position::sitting) {
     midway_in_couch = Vector3(0.0, 450_mm, 430_mm);
-    mount.lowest_rail_m = -300_mm;
-    mount.highest_rail_m = 350_mm;
+    mount.min_rail_m = -300_mm;
+    mount.max_rail_m = 350_mm;
   } else {
     midway_in_couch = Vector3(0.0, 0.0, 660_mm);
     shoulder_turn = Eigen::AngleAxisd(90_deg, Vector3::UnitY()) * upright;  // ahead becomes down
-    mount.lowest_rail_m = -600_mm;
-    mount.highest_rail_m = 600_mm;
+    mount.min_rail_m = -600_mm;
+    mount.max_rail_m = 600_mm;
   }
   mount.base_from_couch.linear() = base_from_couch_turn;
   mount.base_from_couch.translation() = -base_from_couch_turn * midway_in_couch;
@@ -53,8 +53,8 @@ RobotMount mount_for(Position position) {
   mount.obstacles.push_back(couch_of(position, mount.base_from_couch));
   // A carriage carries the shoulders: on a column that stands on two rails, or under the two of a
   // gantry, between which the scanner looks.
-  const double length_m = mount.highest_rail_m - mount.lowest_rail_m + 200_mm;
-  const double middle_m = 0.5 * (mount.highest_rail_m + mount.lowest_rail_m);
+  const double length_m = mount.max_rail_m - mount.min_rail_m + 200_mm;
+  const double middle_m = 0.5 * (mount.max_rail_m + mount.min_rail_m);
   if (position == Position::sitting) {
     mount.obstacles.push_back(part_of_body({-50_mm, 0.0, 0.0}, {70_mm, 400_mm, 160_mm}, true));
     mount.obstacles.push_back(part_of_body({-90_mm, 0.0, -300_mm}, {90_mm, 160_mm, 500_mm}, true));

@@ -19,8 +19,8 @@ struct RobotMount {
   /// DH frame 0 of each arm, rail at zero.
   PerArm<Transform> base_from_shoulder = {.of = {Transform::Identity(), Transform::Identity()}};
   Vector3 rail_axis_in_base = Vector3::UnitX();
-  double lowest_rail_m = 0.0;
-  double highest_rail_m = 0.0;
+  double min_rail_m = 0.0;
+  double max_rail_m = 0.0;
   /// Of the tools before and after a massage, from the shoulder on the left; the right is its
   /// mirror image.
   Vector3 ready_from_shoulder = Vector3::Zero();

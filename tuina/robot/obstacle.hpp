@@ -30,7 +30,7 @@ struct Clearances {
   [[nodiscard]] double operator[](Surrounding kind) const {
     return of[static_cast<std::size_t>(kind)];
   }
-  [[nodiscard]] double least_m() const noexcept { return std::min(of[0], of[1]); }
+  [[nodiscard]] double min_m() const noexcept { return std::min(of[0], of[1]); }
   void take_least(const Clearances& other) noexcept {
     for (std::size_t i = 0; i < of.size(); ++i) of[i] = std::min(of[i], other.of[i]);
   }

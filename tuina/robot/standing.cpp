@@ -54,8 +54,8 @@ Standing stand_successor(Position position, bool head_at_plus_y) {
     mount.base_from_shoulder[arm] = from_floor * on_floor.base_from_shoulder[its];
   }
   mount.rail_axis_in_base = from_floor.linear() * Vector3::UnitX();
-  mount.lowest_rail_m = -300_mm;
-  mount.highest_rail_m = sits ? 300_mm : 0.0;
+  mount.min_rail_m = -300_mm;
+  mount.max_rail_m = sits ? 300_mm : 0.0;
   if (!sits)
     mount.ready_from_shoulder = 250_mm * mount.rail_axis_in_base - 150_mm * Vector3::UnitZ();
 

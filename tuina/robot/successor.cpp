@@ -130,8 +130,8 @@ ArmTable successor_arm() noexcept {
   table.links[6] = table.links[5];  // the fist hangs on the second bend
   table.links[6].name = "wrist_yaw";
   table.links[6].offset_rad = 0.0;
-  table.links[6].lowest_rad = -70_deg;
-  table.links[6].highest_rad = 70_deg;
+  table.links[6].min_rad = -70_deg;
+  table.links[6].max_rad = 70_deg;
   Link& pitch = table.links[5];
   pitch.name = "wrist_pitch";
   pitch.a_m = 0.0;

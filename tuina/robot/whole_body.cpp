@@ -10,8 +10,8 @@ namespace {
 
 constexpr double radian_m = 0.3;  // a radian of tool direction counts like so many metres
 constexpr double close_m = 1e-5, close_rad = 1e-3;
-constexpr double longest_step = 0.2, to_middle = 0.02;
-constexpr int most_iterations = 300;
+constexpr double max_step = 0.2, to_middle = 0.02;
+constexpr int max_iterations = 300;
 
 /// What is still missing for one tool, and how the joints change it.
 struct Missing {
@@ -69,7 +69,7 @@ Eigen::VectorXd step_towards(const Description& robot, const std::vector<double>
         J * J.transpose() + damping * Eigen::MatrixXd::Identity(J.rows(), J.rows()));
     step = J.transpose() * solver.solve(error) + wish - J.transpose() * solver.solve(J * wish);
     const double longest = step.cwiseAbs().maxCoeff();
-    if (longest > longest_step) step *= longest_step / longest;
+    if (longest > max_step) step *= max_step / longest;
     all_within = true;
     for (Eigen::Index j = 0; j < n; ++j) {
       const std::size_t i = joints[static_cast<std::size_t>(j)];
@@ -118,7 +118,7 @@ WholePosture reach_with(const Description& robot, std::vector<double> q,
   const std::vector<std::size_t> joints = joints_named(robot, moving);
   const auto n = static_cast<Eigen::Index>(joints.size());
   WholePosture posture;
-  for (int iteration = 0; iteration < most_iterations; ++iteration) {
+  for (int iteration = 0; iteration < max_iterations; ++iteration) {
     Eigen::MatrixXd J(0, n);
     Eigen::VectorXd error(0);
     posture.worst_m = posture.worst_tilt_rad = 0.0;

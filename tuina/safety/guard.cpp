@@ -28,8 +28,8 @@ constexpr double own_posture_nm_per_rad = 4.0;
 constexpr double own_joint_damping = 0.8;  // N m s / rad
 constexpr double retract_m_per_s = 0.1;
 constexpr double retract_m = 0.06;
-constexpr double most_inward_n = 5.0;
-constexpr double most_outward_n = 40.0;
+constexpr double max_inward_n = 5.0;
+constexpr double max_outward_n = 40.0;
 constexpr double pressed_n = 5.0;  // from here the person is still in the way of leaving
 constexpr double push_out_n = 80.0;
 constexpr double push_out_m_per_s = 0.25;
@@ -300,7 +300,7 @@ JointVector Guard::own_torque(const Observation& seen, Action action) noexcept {
   const double way_m = (seen.tool_in_base - taken_over_in_base_).dot(normal_in_base_);
   const double lead_m = (hold_in_base_ - seen.tool_in_base).dot(normal_in_base_);
   if (action == Action::retract && way_m < retract_m &&
-      lead_m < most_outward_n / own_stiffness_n_per_m) {
+      lead_m < max_outward_n / own_stiffness_n_per_m) {
     hold_in_base_ += retract_m_per_s * options_.period_s * normal_in_base_;
   }
   // A person who comes after the tool is met by nothing that holds it in place.
@@ -313,8 +313,7 @@ JointVector Guard::own_torque(const Observation& seen, Action action) noexcept {
   if (action != Action::comply) {
     Vector3 spring_n = own_stiffness_n_per_m * (hold_in_base_ - seen.tool_in_base);
     const double outward_n = spring_n.dot(normal_in_base_);
-    spring_n +=
-        (std::clamp(outward_n, -most_inward_n, most_outward_n) - outward_n) * normal_in_base_;
+    spring_n += (std::clamp(outward_n, -max_inward_n, max_outward_n) - outward_n) * normal_in_base_;
     force_n += spring_n;
     if (action == Action::retract && pressed && outward_m_per_s < push_out_m_per_s)
       force_n += (push_out_n - force_n.dot(normal_in_base_)) * normal_in_base_;

@@ -60,7 +60,7 @@ struct Observation {
       Vector3::Zero();  ///< of the environment ON the tool, its weight taken off
   Vector3 tool_in_base = Vector3::Zero();
   Vector3 tool_velocity_m_per_s = Vector3::Zero();
-  Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, most_joints> jacobian;  ///< of the tool's position
+  Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, max_joints> jacobian;  ///< of the tool's position
   JointVector gravity_nm;
 };
 

@@ -7,7 +7,7 @@
 namespace tuina::scanner {
 namespace {
 
-using Codes = std::array<std::uint64_t, most_markers>;
+using Codes = std::array<std::uint64_t, max_markers>;
 
 // The cells of OpenCV's predefined dictionaries DICT_4X4_50, DICT_5X5_50 and DICT_6X6_50, by which
 // boards are printed.
@@ -45,7 +45,7 @@ int marker_count(const Board& board) {
 }
 
 std::vector<Marker> markers_of(const Board& board, bool first_is_black) {
-  assert(marker_count(board) <= most_markers);
+  assert(marker_count(board) <= max_markers);
   const Codes& codes = board.marker_cells == 4 ? of_4 : (board.marker_cells == 5 ? of_5 : of_6);
   const int odd = first_is_black ? 1 : 0;
   std::vector<Marker> markers;

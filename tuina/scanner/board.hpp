@@ -29,10 +29,10 @@ struct Marker {
 };
 
 /// The size of the smallest of OpenCV's dictionaries; the first markers of the others are the same.
-inline constexpr int most_markers = 50;
+inline constexpr int max_markers = 50;
 [[nodiscard]] int marker_count(const Board& board);
 
-/// The markers of a board with `marker_count` of at most `most_markers`, as OpenCV lays them out:
+/// The markers of a board with `marker_count` of at most `max_markers`, as OpenCV lays them out:
 /// by rows, the first square being black. Before version 4.6 a board with an even number of rows of
 /// squares began with a white one.
 [[nodiscard]] std::vector<Marker> markers_of(const Board& board, bool first_is_black = true);

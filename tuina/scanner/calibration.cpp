@@ -198,8 +198,8 @@ Result<ScannerCalibration> parse_calibration(std::string_view text, std::string_
 }
 
 Result<ScannerCalibration> read_calibration(const std::filesystem::path& path) {
-  constexpr std::size_t most_bytes = 1 << 20;
-  const auto text = read_file(path, most_bytes);
+  constexpr std::size_t max_bytes = 1 << 20;
+  const auto text = read_file(path, max_bytes);
   if (!text) return tl::unexpected(text.error());
   return parse_calibration(*text, path.string());
 }

@@ -163,7 +163,7 @@ Result<Scan> scan_sweep(Camera& camera, Turntable& turntable, const ScannerCalib
   if (const auto good = check(intake); !good) return tl::unexpected(good.error());
 
   const auto start = Clock::now();
-  auto scan = make_cloud(intake.lines, intake.readings, calibration, options.most_lost_share);
+  auto scan = make_cloud(intake.lines, intake.readings, calibration, options.max_lost_share);
   if (!scan) return tl::unexpected(scan.error());
   scan->compute_ms = intake.compute_ms + ms_since(start);
   if (progress) progress(1.0);

@@ -15,10 +15,10 @@ namespace tuina::scanner {
 namespace {
 
 constexpr std::size_t rows_of_a_line = 8;  // fewer lit rows are specks, not a line
-constexpr int least_profiles = 10;
-constexpr double least_turn_rad = 2.0_deg;
+constexpr int min_profiles = 10;
+constexpr double min_turn_rad = 2.0_deg;
 // A surface seen this flatly cannot be measured: a pixel then covers many points of it.
-constexpr double least_cosine = 0.1;
+constexpr double min_cosine = 0.1;
 
 // Where the line is so dim that noise moves it this far, mostly where light grazes a surface, its
 // neighbours must bear it out. Seven times the noise is bright enough to stand alone.
@@ -34,16 +34,16 @@ Result<void> check(std::span<const TimedLine> lines, const std::vector<double>& 
     }
     lit += lines[i].line.points.size() >= rows_of_a_line ? 1U : 0U;
   }
-  if (lit < least_profiles) {
+  if (lit < min_profiles) {
     return fail(Fault::not_found, "a laser line is seen in {} of {} frames, {} needed", lit,
-                lines.size(), least_profiles);
+                lines.size(), min_profiles);
   }
   const auto [low, high] = std::minmax_element(yaw_rad.begin(), yaw_rad.end());
-  if (*high - *low < least_turn_rad) {
+  if (*high - *low < min_turn_rad) {
     return fail(
         Fault::bad_input,
         "the unit turned by {:.2f} degrees in {} frames, {:.0f} needed; is the motor stalled?",
-        to_deg(*high - *low), lines.size(), to_deg(least_turn_rad));
+        to_deg(*high - *low), lines.size(), to_deg(min_turn_rad));
   }
   return {};
 }
@@ -121,7 +121,7 @@ void add_way(std::span<const TimedLine> lines, std::span<const double> yaw_rad,
               .cast<double>();
       const Vector3 to_eye = (eye - point).normalized();
       const double cosine = normal.dot(to_eye);
-      if (std::abs(cosine) < least_cosine) continue;
+      if (std::abs(cosine) < min_cosine) continue;
       scan.rows.push_back(static_cast<std::uint16_t>(row));
       cloud.points.push_back(point.z() < breathing_from_m ? point : Vector3(point + breath));
       cloud.normals.push_back(cosine > 0.0 ? normal : Vector3(-normal));
@@ -142,14 +142,14 @@ void add_way(std::span<const TimedLine> lines, std::span<const double> yaw_rad,
 }  // namespace
 
 Result<Scan> make_cloud(std::span<const TimedLine> lines, std::span<const YawReading> readings,
-                        const ScannerCalibration& calibration, double most_lost_share) {
+                        const ScannerCalibration& calibration, double max_lost_share) {
   std::vector<double> times_s;
   times_s.reserve(lines.size());
   for (const TimedLine& line : lines) times_s.push_back(line.time_s);
   auto yaw_rad = yaw_at(times_s, readings, calibration.latency_s);
   if (!yaw_rad) return tl::unexpected(yaw_rad.error());
   if (const auto good = check(lines, *yaw_rad); !good) return tl::unexpected(good.error());
-  const auto whole = check_sequence(lines, readings, *yaw_rad, most_lost_share);
+  const auto whole = check_sequence(lines, readings, *yaw_rad, max_lost_share);
   if (!whole) return tl::unexpected(whole.error());
 
   Scan scan;

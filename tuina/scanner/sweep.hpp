@@ -43,9 +43,9 @@ struct SweepOptions {
   double near_m = 0.3;  ///< what lies nearer or farther from the camera is not looked for
   double far_m = 4.0;
   LineMethod method = LineMethod::likelihood;
-  bool both_ways = false;         ///< turn back over the same scene, too
-  double step_rad = 0.0;          ///< stop and shoot in such steps; 0: one even turn
-  double most_lost_share = 0.05;  ///< a sweep that lost more of its frames is refused
+  bool both_ways = false;        ///< turn back over the same scene, too
+  double step_rad = 0.0;         ///< stop and shoot in such steps; 0: one even turn
+  double max_lost_share = 0.05;  ///< a sweep that lost more of its frames is refused
   int expected_frames = 0;  ///< for the progress; 0: from the duration of the turn, at 30 frames/s
   std::function<void(const LiveProfile&)> on_profile;  ///< called from within the scan
 };
@@ -94,7 +94,7 @@ struct Scan {
 [[nodiscard]] Result<Scan> make_cloud(std::span<const TimedLine> lines,
                                       std::span<const YawReading> readings,
                                       const ScannerCalibration& calibration,
-                                      double most_lost_share = SweepOptions{}.most_lost_share);
+                                      double max_lost_share = SweepOptions{}.max_lost_share);
 
 /// Turns the unit once and makes the cloud of what it saw. Fails when a door fails, when the frames
 /// do not belong to the calibration, when the unit did not turn, and when hardly any line is seen.

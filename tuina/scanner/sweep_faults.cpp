@@ -22,8 +22,7 @@ double median_of(std::vector<double> values) {
 
 // A gap of two frame times is one frame that never came. The pause at the turn of a scan both ways
 // is not counted.
-Result<void> check_lost(std::span<const TimedLine> lines, std::size_t turn,
-                        double most_lost_share) {
+Result<void> check_lost(std::span<const TimedLine> lines, std::size_t turn, double max_lost_share) {
   std::vector<double> gaps_s;
   for (std::size_t i = 1; i < lines.size(); ++i) {
     if (i != turn) gaps_s.push_back(lines[i].time_s - lines[i - 1].time_s);
@@ -32,12 +31,12 @@ Result<void> check_lost(std::span<const TimedLine> lines, std::size_t turn,
   double lost = 0.0;
   for (const double gap_s : gaps_s) lost += std::max(0.0, std::round(gap_s / usual_s) - 1.0);
   const double all = lost + static_cast<double>(lines.size());
-  if (lost <= most_lost_share * all) return {};
+  if (lost <= max_lost_share * all) return {};
   return fail(
       Fault::bad_input,
       "{:.0f} of {:.0f} frames are lost ({:.0f} %, up to {:.0f} % can be borne): their times "
       "leave gaps; is the cable or the USB bus overloaded?",
-      lost, all, 100.0 * lost / all, 100.0 * most_lost_share);
+      lost, all, 100.0 * lost / all, 100.0 * max_lost_share);
 }
 
 // How far the line has moved between two frames: the median over the rows that both see.
@@ -110,10 +109,10 @@ Result<void> check_motor(std::span<const YawReading> readings, std::span<const d
 }  // namespace
 
 Result<void> check_sequence(std::span<const TimedLine> lines, std::span<const YawReading> readings,
-                            std::span<const double> yaw_rad, double most_lost_share) {
+                            std::span<const double> yaw_rad, double max_lost_share) {
   if (lines.size() < 4) return {};
   const std::size_t turn = turning_point(lines, yaw_rad).value_or(0);
-  if (const auto good = check_lost(lines, turn, most_lost_share); !good) return good;
+  if (const auto good = check_lost(lines, turn, max_lost_share); !good) return good;
   if (const auto good = check_order(lines); !good) return good;
   return check_motor(readings, yaw_rad);
 }

@@ -12,6 +12,6 @@ namespace tuina::scanner {
 /// are the angles of the lines.
 [[nodiscard]] Result<void> check_sequence(std::span<const TimedLine> lines,
                                           std::span<const YawReading> readings,
-                                          std::span<const double> yaw_rad, double most_lost_share);
+                                          std::span<const double> yaw_rad, double max_lost_share);
 
 }  // namespace tuina::scanner

@@ -13,7 +13,7 @@ namespace tuina::scanner {
 namespace {
 
 constexpr float unlit = -1.0F;
-constexpr double farthest_px = 6.0;  // the same place seen twice does not differ by more
+constexpr double max_distance_px = 6.0;  // the same place seen twice does not differ by more
 
 // One row of one frame of the way back, against the way forth at the same yaw.
 struct Sample {
@@ -86,7 +86,7 @@ Comparison samples_of(std::span<const TimedLine> lines, std::span<const double> 
       if (a == unlit || b == unlit || std::abs(b - a) > 4.0F) continue;
       const double column = static_cast<double>(a) + part * static_cast<double>(b - a);
       const double difference = column - static_cast<double>(seen.column_px);
-      if (std::abs(difference) > farthest_px) continue;
+      if (std::abs(difference) > max_distance_px) continue;
       const auto point = triangulate(calibration, column, seen.row);
       if (!point || (couch_from_camera * *point).z() < breathing_from_m) continue;
       comparison.samples.push_back({.pair = comparison.pairs.size(),
@@ -235,16 +235,16 @@ TwoWay compare_ways(std::span<const TimedLine> lines, std::span<const double> ya
 
   // Before a flat wall a turn and a step look alike (a share of 0.02; backs have 0.2 and more);
   // then neither is claimed.
-  constexpr double least_own_share = 0.08;
-  if (found.own_share < least_own_share) {
+  constexpr double min_own_share = 0.08;
+  if (found.own_share < min_own_share) {
     two.compared.latency_error_s = 0.0;
     return two;
   }
   const Sine breath = fit_breath(comparison.pairs, found);
-  constexpr double least_breath_m = 0.2_mm;
-  constexpr double most_breath_m = 15.0_mm;
-  const bool breathes = breath.explained > 0.6 && breath.amplitude_m() > least_breath_m &&
-                        breath.amplitude_m() < most_breath_m;
+  constexpr double min_breath_m = 0.2_mm;
+  constexpr double max_breath_m = 15.0_mm;
+  const bool breathes = breath.explained > 0.6 && breath.amplitude_m() > min_breath_m &&
+                        breath.amplitude_m() < max_breath_m;
   if (breathes) {
     two.compared.breath_m = 2.0 * breath.amplitude_m();
     two.compared.breath_hz = breath.hz;

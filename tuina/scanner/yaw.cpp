@@ -14,9 +14,10 @@ namespace {
 constexpr double count_rad = from_deg(300.0 / 1024.0);  // the AX-12A tells its angle no finer
 constexpr double slack_s = 0.15;  // a frame may be this far outside the readings
 constexpr std::size_t enough_for_a_fit = 8;
-constexpr double farthest_rad = from_deg(360.0);
-constexpr double fastest_rad_per_s = from_deg(6.0 * 114.0);  // no AX-12A turns faster than 114 rpm
-constexpr double jitter_s = 0.01;                            // of the time stamps, and a few counts
+constexpr double max_distance_rad = from_deg(360.0);
+constexpr double max_speed_rad_per_s =
+    from_deg(6.0 * 114.0);         // no AX-12A turns faster than 114 rpm
+constexpr double jitter_s = 0.01;  // of the time stamps, and a few counts
 
 struct Line {
   double at_s = 0.0;
@@ -140,8 +141,8 @@ std::vector<EvenTurn> even_turns(std::span<const YawReading> readings) {
 std::optional<std::vector<double>> at_rest(std::span<const double> frame_times_s,
                                            std::span<const YawReading> readings, double latency_s) {
   constexpr double window_s = 0.03;
-  constexpr double most_share = 0.05;
-  const double most = most_share * static_cast<double>(frame_times_s.size());
+  constexpr double max_share = 0.05;
+  const double most = max_share * static_cast<double>(frame_times_s.size());
   std::vector<double> yaw;
   int restless = 0;
   int stayed = 0;
@@ -172,22 +173,22 @@ Result<std::vector<double>> yaw_at(std::span<const double> frame_times_s,
       return fail(Fault::bad_input, "yaw reading {} at {:.4f} s comes after one at {:.4f} s", i,
                   readings[i].time_s, readings[i - 1].time_s);
     }
-    if (std::abs(readings[i].yaw_rad) > farthest_rad) {
+    if (std::abs(readings[i].yaw_rad) > max_distance_rad) {
       return fail(Fault::bad_input, "yaw reading {} at {:.4f} s is {:.4g} deg; up to {:.0f} can be",
-                  i, readings[i].time_s, to_deg(readings[i].yaw_rad), to_deg(farthest_rad));
+                  i, readings[i].time_s, to_deg(readings[i].yaw_rad), to_deg(max_distance_rad));
     }
     // A byte lost on the wire makes a reading that no motor could have turned to; it would bend the
     // cloud unnoticed.
     if (i == 0) continue;
     const double turned_rad = std::abs(readings[i].yaw_rad - readings[i - 1].yaw_rad);
-    const double most_rad =
-        fastest_rad_per_s * (readings[i].time_s - readings[i - 1].time_s + jitter_s);
-    if (turned_rad > most_rad) {
+    const double max_rad =
+        max_speed_rad_per_s * (readings[i].time_s - readings[i - 1].time_s + jitter_s);
+    if (turned_rad > max_rad) {
       return fail(
           Fault::bad_input,
           "yaw reading {} at {:.4f} s is {:.2f} deg from the one before; the motor turns at "
           "most {:.2f} in that time",
-          i, readings[i].time_s, to_deg(turned_rad), to_deg(most_rad));
+          i, readings[i].time_s, to_deg(turned_rad), to_deg(max_rad));
     }
   }
   if (frame_times_s.empty()) return std::vector<double>{};

@@ -125,8 +125,8 @@ Result<Config> parse_config(std::string_view text, std::string_view name) {
 }
 
 Result<Config> load_config(const std::filesystem::path& file) {
-  constexpr std::size_t largest_bytes = 1 << 20;
-  const auto text = read_file(file, largest_bytes);
+  constexpr std::size_t max_bytes = 1 << 20;
+  const auto text = read_file(file, max_bytes);
   if (!text) return tl::unexpected(text.error());
   return parse_config(*text, file.string());
 }

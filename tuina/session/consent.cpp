@@ -46,8 +46,8 @@ Result<Consent> parse_consent(std::string_view text, std::string_view name) {
 }
 
 Result<Consent> read_consent(const std::filesystem::path& file) {
-  constexpr std::size_t largest_bytes = 1 << 20;
-  const auto text = read_file(file, largest_bytes);
+  constexpr std::size_t max_bytes = 1 << 20;
+  const auto text = read_file(file, max_bytes);
   if (!text) return tl::unexpected(text.error());
   return parse_consent(*text, file.string());
 }

@@ -93,7 +93,7 @@ void MassageStep::register_skin(Side& side, double time_s) noexcept {
   const double in_contact_s = time_s - side.contact_s;
   if (in_contact_s < after_s || in_contact_s >= after_s + tick_s) return;
   const double deeper_m = side.controller.status().skin_error_m;
-  if (std::abs(deeper_m) > options_.most_shift_m) return leave(time_s);
+  if (std::abs(deeper_m) > options_.max_shift_m) return leave(time_s);
   next_shift_in_base_ -= share * deeper_m * side.wanted.normal_in_couch;
 }
 

@@ -13,7 +13,7 @@ namespace tuina::session {
 namespace {
 
 constexpr double tick_s = 1e-3;
-constexpr double longest_leg_s = 15.0;  // of a way through the air; no leg takes a third of it
+constexpr double max_leg_s = 15.0;  // of a way through the air; no leg takes a third of it
 
 massage::Plan in_base(massage::Plan plan, const Transform& base_from_couch) {
   for (massage::PlannedPath& planned : plan.paths) {
@@ -240,7 +240,7 @@ void MassageStep::conduct(Arm arm, double time_s) noexcept {
       if (side.leg_s < 0.0) side.leg_s = time_s;
       if (paused_) return;
       if (above_path(side) && on_its_way(sides_[arm == Arm::left ? Arm::right : Arm::left])) return;
-      if (status.settled || time_s - side.leg_s > longest_leg_s) end_travel(side, arm, time_s);
+      if (status.settled || time_s - side.leg_s > max_leg_s) end_travel(side, arm, time_s);
       return;
     case ArmPhase::approach:
       if (status.trouble != control::Trouble::none || side.skip) {

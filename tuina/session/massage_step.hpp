@@ -68,7 +68,7 @@ struct MassageOptions {
   double torso_n_per_m = 35e3;  ///< literature value; this person's own is not known
   bool steer = true;            ///< the estimate is fed forward as soon as it has converged
   bool adaptive = true;         ///< what is felt decides how hard the presses may be
-  double most_shift_m = 10e-3;  ///< of the skin against the scan; beyond, a new scan is needed
+  double max_shift_m = 10e-3;   ///< of the skin against the scan; beyond, a new scan is needed
   std::vector<robot::Obstacle> obstacles = {};  ///< that the arms keep away from
 };
 

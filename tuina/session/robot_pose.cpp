@@ -10,14 +10,14 @@
 namespace tuina::session {
 namespace {
 
-constexpr std::size_t least_touches = 3;
+constexpr std::size_t min_touches = 3;
 constexpr double touch_sd_m = 1.5_mm;       // of one touch along each axis, believed beforehand
 constexpr double believed_residuals = 6.0;  // as if so many had told it
-constexpr double least_breadth_m = 0.1;     // of the spots across their longest direction
-constexpr double largest_scale_error = 0.05;
+constexpr double min_breadth_m = 0.1;       // of the spots across their longest direction
+constexpr double max_scale_error = 0.05;
 constexpr double stray_m = 8_mm;  // a touch so far from where the others put it is another spot
-constexpr double largest_lean_rad = 15_deg;  // of a robot on its feet
-constexpr double largest_misfit_m = 6_mm;    // of three touches, of which none can be named
+constexpr double max_lean_rad = 15_deg;  // of a robot on its feet
+constexpr double max_misfit_m = 6_mm;    // of three touches, of which none can be named
 
 /// The centre of the sphere, as the couch knows it and as the arm does.
 struct Pair {
@@ -71,14 +71,14 @@ Vector3 spread_m(std::span<const Pair> pairs, Vector3 Pair::*place) {
 
 // The touch that the others contradict most, once it is left out of the fit.
 std::optional<std::pair<std::size_t, double>> stray_of(std::span<const Pair> pairs) {
-  if (pairs.size() <= least_touches) return {};
+  if (pairs.size() <= min_touches) return {};
   std::size_t worst = 0;
   double worst_m = 0.0;
   double others_m = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     std::vector<Pair> others(pairs.begin(), pairs.end());
     others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
-    if (4.0 * spread_m(others, &Pair::in_couch)(1) < least_breadth_m) continue;
+    if (4.0 * spread_m(others, &Pair::in_couch)(1) < min_breadth_m) continue;
     const Transform without = fit(others);
     double sum2 = 0.0;
     for (const Pair& pair : others) sum2 += std::pow(residual_m(without, pair), 2);
@@ -95,9 +95,9 @@ std::optional<std::pair<std::size_t, double>> stray_of(std::span<const Pair> pai
 }
 
 Result<void> judge(std::span<const Pair> pairs) {
-  if (pairs.size() < least_touches) {
+  if (pairs.size() < min_touches) {
     return fail(Fault::bad_input, "{} spots were touched; at least {} are needed, six are better",
-                pairs.size(), least_touches);
+                pairs.size(), min_touches);
   }
   const Vector3 in_couch = spread_m(pairs, &Pair::in_couch);
   const Vector3 in_base = spread_m(pairs, &Pair::in_base);
@@ -109,11 +109,11 @@ Result<void> judge(std::span<const Pair> pairs) {
                 scale);
   }
   // Two standard deviations to either side span the spots.
-  if (4.0 * in_couch(1) < least_breadth_m) {
+  if (4.0 * in_couch(1) < min_breadth_m) {
     return fail(Fault::bad_input,
                 "the spots lie within {:.0f} mm of one line, so the turn about it is not known; "
                 "touch one that lies at least {:.0f} mm aside",
-                to_mm(2.0 * in_couch(1)), to_mm(least_breadth_m));
+                to_mm(2.0 * in_couch(1)), to_mm(min_breadth_m));
   }
   if (const auto stray = stray_of(pairs)) {
     return fail(Fault::bad_input,
@@ -121,7 +121,7 @@ Result<void> judge(std::span<const Pair> pairs) {
                 "another one touched, or are its numbers mistyped?",
                 stray->first + 2, to_mm(stray->second));
   }
-  if (std::abs(scale - 1.0) > largest_scale_error) {
+  if (std::abs(scale - 1.0) > max_scale_error) {
     return fail(Fault::bad_input,
                 "the arm moved {:.2f} times as far between the spots as their places say; is the "
                 "size of the board right, and the kind of the robot?",
@@ -149,7 +149,7 @@ Result<RobotPose> locate_robot(std::span<const robot::Touch> touches,
   RobotPose pose{.base_from_couch = fit(pairs),
                  .middle_in_couch = middle_of(pairs, &Pair::in_couch)};
   const double lean_rad = std::acos(std::clamp(pose.base_from_couch(2, 2), -1.0, 1.0));
-  if (lean_rad > largest_lean_rad) {
+  if (lean_rad > max_lean_rad) {
     return fail(Fault::bad_input,
                 "the robot would lean by {:.0f} degrees; was it touched for the other position, or "
                 "are axes of the couch exchanged?",
@@ -172,11 +172,11 @@ Result<RobotPose> locate_robot(std::span<const robot::Touch> touches,
   }
   const auto count = static_cast<double>(pairs.size());
   const double rms_m = std::sqrt(sum2 / count);
-  if (rms_m > largest_misfit_m) {
+  if (rms_m > max_misfit_m) {
     return fail(Fault::bad_input,
                 "the touches fit their spots to {:.1f} mm only, at most {:.0f} mm are usual; touch "
                 "more spots, and the spots once more",
-                to_mm(rms_m), to_mm(largest_misfit_m));
+                to_mm(rms_m), to_mm(max_misfit_m));
   }
   const double variance_m2 = (believed_residuals * touch_sd_m * touch_sd_m + sum2) /
                              (believed_residuals + 3.0 * count - 6.0);

@@ -52,9 +52,9 @@ Result<std::vector<robot::Touch>> read_touches(const std::filesystem::path& file
     for (std::size_t j = 0; j < joints; ++j) {
       const robot::Link& link = table.links[j];
       const double q_rad = from_deg(at(2 + j));
-      if (q_rad < link.lowest_rad - 1_deg || q_rad > link.highest_rad + 1_deg) {
+      if (q_rad < link.min_rad - 1_deg || q_rad > link.max_rad + 1_deg) {
         return refuse(fmt::format("q{}_deg is {:.1f}; this joint goes from {:.0f} to {:.0f}", j + 1,
-                                  at(2 + j), to_deg(link.lowest_rad), to_deg(link.highest_rad)));
+                                  at(2 + j), to_deg(link.min_rad), to_deg(link.max_rad)));
       }
       touch.q_rad(static_cast<Eigen::Index>(j)) = q_rad;
     }
@@ -123,8 +123,8 @@ Result<PlacedRobot> parse_robot_pose(std::string_view text, std::string_view nam
 }
 
 Result<PlacedRobot> read_robot_pose(const std::filesystem::path& file) {
-  constexpr std::size_t largest_bytes = 1 << 20;
-  const auto text = read_file(file, largest_bytes);
+  constexpr std::size_t max_bytes = 1 << 20;
+  const auto text = read_file(file, max_bytes);
   if (!text) return tl::unexpected(text.error());
   return parse_robot_pose(*text, file.string());
 }

@@ -19,8 +19,8 @@ namespace {
 
 constexpr double probe_press_s = 1.0;
 constexpr double probe_period_s = 1.2;  // a press and a rest in which its end is noticed
-constexpr int most_probes = 3;
-constexpr std::size_t most_decisions = 4096;
+constexpr int max_probes = 3;
+constexpr std::size_t max_decisions = 4096;
 
 double log_stiffness(const TangentTissue& tissue) noexcept {
   const double F = reference_force_n, alpha = tissue.alpha_n;
@@ -50,12 +50,12 @@ Steering::Steering(const massage::Plan& plan, const tissue::PressEstimatorOption
   }
   places_.resize(known.size());
   betas_.reserve(known.size() + 1);
-  decisions_.reserve(most_decisions);
+  decisions_.reserve(max_decisions);
 }
 
 void Steering::decide(Arm arm, double time_s, const char* rule, const char* reason, double from_n,
                       double to_n) noexcept {
-  if (decisions_.size() == most_decisions) return;
+  if (decisions_.size() == max_decisions) return;
   decisions_.push_back({.time_s = time_s,
                         .arm = arm,
                         .path = sides_[arm].path,
@@ -116,8 +116,8 @@ double Steering::probe_force_n(Arm arm, double time_s) noexcept {
   const TissueEstimate& estimate = side.whole.estimate();
   const int done = static_cast<int>(since_s / probe_period_s);
   if (side.peak_n == 0.0 || done > side.compared) {
-    const bool enough = done >= 2 && (tissue::probed_enough(estimate, side.peak_n, region_n) ||
-                                      done >= most_probes);
+    const bool enough =
+        done >= 2 && (tissue::probed_enough(estimate, side.peak_n, region_n) || done >= max_probes);
     if (enough) {
       decide(arm, time_s, "A1", "probed the place before it is worked on", 0.0, side.peak_n);
       side.probing = false;
@@ -235,7 +235,7 @@ void Steering::begin_sets(Side& side) noexcept {
 void Steering::count_press(Arm arm, double time_s) noexcept {
   constexpr int presses_of_a_set = 6;
   Side& side = sides_[arm];
-  if (++side.set_presses < presses_of_a_set || side.sets_felt == most_sets) return;
+  if (++side.set_presses < presses_of_a_set || side.sets_felt == max_sets) return;
   if (!side.known || !tissue::follows_law(side.set.estimate(), side.set.chi())) return;
   side.sets[side.sets_felt++] = {.log_stiffness = log_stiffness(side.set.estimate().tissue),
                                  .sd = side.set.stiffness_sd(reference_force_n)};

@@ -64,7 +64,7 @@ class Steering {
   [[nodiscard]] const std::vector<Decision>& decisions() const noexcept { return decisions_; }
 
  private:
-  static constexpr std::size_t most_sets = 8;  // of six presses; a path has twenty presses at most
+  static constexpr std::size_t max_sets = 8;  // of six presses; a path has twenty presses at most
   struct Place {
     bool felt = false;
     TissueEstimate estimate = {};
@@ -75,7 +75,7 @@ class Steering {
         : whole(options), last(options), set(options) {}
     /// All presses of this contact, the last one alone, and those since the last set was complete.
     tissue::PressEstimator whole, last, set;
-    std::array<tissue::PressSet, most_sets> sets = {};
+    std::array<tissue::PressSet, max_sets> sets = {};
     std::size_t sets_felt = 0;
     int set_presses = 0;
     double touched_s = 0.0;

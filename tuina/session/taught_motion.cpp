@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double fastest_rad_per_s = 1.5;
+constexpr double max_speed_rad_per_s = 1.5;
 constexpr std::array taught_zones = {safety::Zone::muscle, safety::Zone::kidney,
                                      safety::Zone::bony};
 
@@ -68,15 +68,15 @@ Result<std::vector<TaughtSample>> read_samples(const fs::path& file, const robot
                                                safety::Zone zone) {
   const auto csv = read_csv(file, columns_of(table.joints));
   if (!csv) return tl::unexpected(csv.error());
-  constexpr std::size_t least_rows = 50;
+  constexpr std::size_t min_rows = 50;
   const std::size_t rows = csv->rows();
   const auto at = [&](std::size_t column, std::size_t row) { return csv->columns[column][row]; };
   const auto refuse = [&](std::size_t row, const std::string& why) {
     return fail(Fault::bad_input, "{}:{}: {}", file.string(), row + 2, why);
   };
-  if (rows < least_rows) {
+  if (rows < min_rows) {
     return fail(Fault::bad_input, "{}: {} samples are no motion; at least {} are needed",
-                file.string(), rows, least_rows);
+                file.string(), rows, min_rows);
   }
   const double step_s = at(0, 1) - at(0, 0);
   if (at(0, 0) != 0.0) return refuse(0, fmt::format("time_s begins at {}; it must be 0", at(0, 0)));
@@ -84,7 +84,7 @@ Result<std::vector<TaughtSample>> read_samples(const fs::path& file, const robot
     return refuse(1, fmt::format("{} s from sample to sample; up to 0.05 are usable", step_s));
   }
   const auto joints = static_cast<std::size_t>(table.joints);
-  const double most_n = safety::ceiling_of(zone).trip_n;
+  const double max_n = safety::ceiling_of(zone).trip_n;
   std::vector<TaughtSample> samples(rows);
   for (std::size_t row = 0; row < rows; ++row) {
     const double time_s = static_cast<double>(row) * step_s;
@@ -98,23 +98,23 @@ Result<std::vector<TaughtSample>> read_samples(const fs::path& file, const robot
     for (std::size_t j = 0; j < joints; ++j) {
       const double q_rad = from_deg(at(1 + j, row));
       const robot::Link& link = table.links[j];
-      if (q_rad < link.lowest_rad || q_rad > link.highest_rad) {
-        return refuse(
-            row, fmt::format("q{}_deg is {:.1f}; this joint goes from {:.0f} to {:.0f}", j + 1,
-                             at(1 + j, row), to_deg(link.lowest_rad), to_deg(link.highest_rad)));
+      if (q_rad < link.min_rad || q_rad > link.max_rad) {
+        return refuse(row,
+                      fmt::format("q{}_deg is {:.1f}; this joint goes from {:.0f} to {:.0f}", j + 1,
+                                  at(1 + j, row), to_deg(link.min_rad), to_deg(link.max_rad)));
       }
       const auto k = static_cast<Eigen::Index>(j);
       sample.q_rad(k) = q_rad;
       const double speed = row > 0 ? std::abs(q_rad - samples[row - 1].q_rad(k)) / step_s : 0.0;
-      if (speed > fastest_rad_per_s) {
+      if (speed > max_speed_rad_per_s) {
         return refuse(row, fmt::format("joint {} moves at {:.1f} rad/s; at most {} are played",
-                                       j + 1, speed, fastest_rad_per_s));
+                                       j + 1, speed, max_speed_rad_per_s));
       }
     }
     sample.force_n = at(1 + joints, row);
-    if (sample.force_n > most_n) {
+    if (sample.force_n > max_n) {
       return refuse(row, fmt::format("{:.1f} N; the zone `{}` bears {:.0f}", sample.force_n,
-                                     safety::name_of(zone), most_n));
+                                     safety::name_of(zone), max_n));
     }
   }
   return samples;
@@ -202,20 +202,20 @@ Result<std::string> programme_of(const TaughtMotion& motion) {
     return fail(Fault::bad_input, "`{}` has no line over the back; only a taught stroke has one",
                 motion.name);
   }
-  constexpr double slowest_mm_per_s = 10.0;
+  constexpr double min_speed_mm_per_s = 10.0;
   return fmt::format(
       "name = \"{}\"\ndescription = \"\"\"\nStrokes along a line that a hand has shown, on both "
       "sides.\"\"\"\n\n[[part]]\ntechnique = \"stroke\"\nplaces = {}  # cun beside the spine, "
       "share "
       "of the way from GV4 to C7\nforce_n = {:.1f}\nspeed_mm_per_s = {:.1f}\nrepeats = 2\n",
       motion.name, list_of(motion.line), std::max(massage::kept_force_n, motion.force_n),
-      std::clamp(to_mm(motion.speed_m_per_s), slowest_mm_per_s,
-                 to_mm(massage::fastest_slide_m_per_s)));
+      std::clamp(to_mm(motion.speed_m_per_s), min_speed_mm_per_s,
+                 to_mm(massage::max_slide_m_per_s)));
 }
 
 Result<TaughtMotion> read_taught(const fs::path& file, const robot::ArmTable& table) {
-  constexpr std::size_t largest_bytes = 1 << 20;
-  const auto text = read_file(file, largest_bytes);
+  constexpr std::size_t max_bytes = 1 << 20;
+  const auto text = read_file(file, max_bytes);
   if (!text) return tl::unexpected(text.error());
   TaughtMotion motion;
   std::string samples_name;

@@ -16,7 +16,7 @@ constexpr std::array<double, 3> fat_of_men = {11.0, 17.15, 23.7};
 constexpr double more_in_women = 6.75, fat_sd = 3.0;
 // With two or three people to a build its spread is not known from them: nothing finer than this
 // share of the whole table's is believed.
-constexpr double least_spread_share = 0.6;
+constexpr double min_spread_share = 0.6;
 // ln alpha and ln beta differ so much between places that are called by one name: Table 6-1 against
 // the men of medium build in Table 6-2, root mean square of the three tissues.
 constexpr double place_alpha_sd = 0.1, place_beta_sd = 0.25;
@@ -56,8 +56,7 @@ double log_likelihood(std::span<const KnownPress> presses, std::span<const Subje
     const Eigen::Vector2d off = felt / count - group / people;
     const Eigen::Vector2d place(place_alpha_sd, place_beta_sd);
     const Eigen::Vector2d variance =
-        square * (least_spread_share * least_spread_share * (1.0 + 1.0 / people)) +
-        place.cwiseAbs2();
+        square * (min_spread_share * min_spread_share * (1.0 + 1.0 / people)) + place.cwiseAbs2();
     sum -= 0.5 * (off.cwiseAbs2().cwiseQuotient(variance).sum() + std::log(variance.prod()));
   }
   return sum;

@@ -21,7 +21,7 @@ constexpr std::array<Subject, 8> subjects = {{
 }};
 
 constexpr double label_from = 0.6;  // below it no class is named
-constexpr double largest_chi =
+constexpr double max_chi =
     4.0;  // beyond, the tissue does not follow the law and alpha means nothing
 // A twentieth of what is pressed is none of the three; it may lie anywhere in three times their
 // range.
@@ -124,7 +124,7 @@ Classification classify(const TissueEstimate& estimate, double chi, const ClassP
     result.of[k] = (1.0 - none_prior) * prior[k] * density(x - s.mean[k] - shift, spread);
     sum += result.of[k];
   }
-  const bool usable = estimate.converged && chi <= largest_chi && std::isfinite(sum) && sum > 0.0;
+  const bool usable = estimate.converged && chi <= max_chi && std::isfinite(sum) && sum > 0.0;
   if (!usable) {
     result.of = prior;
     result.probability = 1.0 - *std::max_element(prior.begin(), prior.end());

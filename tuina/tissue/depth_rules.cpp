@@ -15,7 +15,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double bend_alphas = 2.5;  // where alpha and beta can be told apart
 constexpr double cap_alphas = 3.0;
 constexpr double first_probe_n = 8.0;
-constexpr double largest_chi = 4.0;
+constexpr double max_chi = 4.0;
 constexpr double thin_layer_n = 10.0;
 
 double relative_sd(double ci95, double value) noexcept {
@@ -43,9 +43,9 @@ bool sound(const TissueEstimate& estimate) noexcept {
 }  // namespace
 
 double probing_force_n(const TissueEstimate& estimate, double region_cap_n) noexcept {
-  const double most_n = 0.5 * std::max(0.0, region_cap_n);
-  if (estimate.presses < 1 || !sound(estimate)) return std::min(first_probe_n, most_n);
-  return std::min(bend_alphas * estimate.tissue.alpha_n, most_n);
+  const double max_n = 0.5 * std::max(0.0, region_cap_n);
+  if (estimate.presses < 1 || !sound(estimate)) return std::min(first_probe_n, max_n);
+  return std::min(bend_alphas * estimate.tissue.alpha_n, max_n);
 }
 
 bool probed_enough(const TissueEstimate& estimate, double peak_force_n,
@@ -61,13 +61,13 @@ bool may_steer(const TissueEstimate& estimate, double chi) noexcept {
 }
 
 bool follows_law(const TissueEstimate& estimate, double chi) noexcept {
-  return sound(estimate) && chi <= largest_chi;
+  return sound(estimate) && chi <= max_chi;
 }
 
 double force_cap_n(const TissueEstimate& estimate, double chi, double region_cap_n) noexcept {
   if (!may_steer(estimate, chi)) return 0.5 * region_cap_n;
-  const double least_alpha_n = std::max(0.0, estimate.tissue.alpha_n - estimate.alpha_ci95_n);
-  return std::min(region_cap_n, cap_alphas * least_alpha_n);
+  const double min_alpha_n = std::max(0.0, estimate.tissue.alpha_n - estimate.alpha_ci95_n);
+  return std::min(region_cap_n, cap_alphas * min_alpha_n);
 }
 
 double depth_cap_m(const TissueEstimate& estimate, double chi) noexcept {
@@ -88,9 +88,9 @@ ContactImpedance impedance_for(double tissue_n_per_m, double mass_kg) noexcept {
 }
 
 double eased_stiffness(double now_n_per_m, double wanted_n_per_m, double dt_s) noexcept {
-  constexpr double low_pass_s = 1.0, most_per_s = 0.2;
+  constexpr double low_pass_s = 1.0, max_per_s = 0.2;
   const double step = (wanted_n_per_m - now_n_per_m) * (1.0 - std::exp(-dt_s / low_pass_s));
-  const double most = most_per_s * now_n_per_m * dt_s;
+  const double most = max_per_s * now_n_per_m * dt_s;
   return now_n_per_m + std::clamp(step, -most, most);
 }
 
@@ -129,10 +129,10 @@ const char* name_of(Dwell dwell) noexcept {
 }
 
 Dwell dwell_after(std::span<const PressSet> sets, double elapsed_s) noexcept {
-  constexpr double enough = 0.1, longest_s = 90.0;
+  constexpr double enough = 0.1, max_duration_s = 90.0;
   if (sets.size() >= 2 && sets.front().log_stiffness - sets.back().log_stiffness >= enough)
     return Dwell::softened;
-  if (elapsed_s >= longest_s) return Dwell::time_up;
+  if (elapsed_s >= max_duration_s) return Dwell::time_up;
   if (sets.size() < 3) return Dwell::go_on;
   const auto unchanged = [&](std::size_t i) {
     return std::abs(sets[i].log_stiffness - sets[i - 1].log_stiffness) <
@@ -150,8 +150,8 @@ TechniqueAdvice technique_for(const TissueEstimate& estimate, double chi, const 
   const double z =
       (std::log(stiffness_at_force(estimate.tissue, reference_force_n)) - person.log_stiffness) /
       0.25;
-  const double least_beta = estimate.tissue.beta_per_m - estimate.beta_ci95_per_m;
-  if (least_beta > person.median_beta_per_m)
+  const double min_beta = estimate.tissue.beta_per_m - estimate.beta_ci95_per_m;
+  if (min_beta > person.median_beta_per_m)
     return {Technique::stroke, std::min({thin_layer_n, reference_force_n, cap_n}), true};
   if (z > 1.0) return {Technique::press, std::min(1.2 * reference_force_n, cap_n), true};
   return {Technique::rub, std::min(reference_force_n, cap_n), true};
@@ -172,11 +172,11 @@ const char* name_of(Alarm alarm) noexcept {
 }
 
 Alarm compare(const TissueEstimate& reference, const TissueEstimate& now, double force_n) noexcept {
-  constexpr double largest_rise = 0.25, largest_jump_m = 3e-3;
+  constexpr double max_rise = 0.25, max_jump_m = 3e-3;
   if (!sound(reference) || !sound(now)) return Alarm::none;
   const auto rose = [&](double ratio, double sd_before, double sd_now) {
     return std::log(ratio) >
-           std::max(std::log(1.0 + largest_rise), 1.96 * std::hypot(sd_before, sd_now));
+           std::max(std::log(1.0 + max_rise), 1.96 * std::hypot(sd_before, sd_now));
   };
   const auto alpha_sd = [](const TissueEstimate& e) {
     return relative_sd(e.alpha_ci95_n, e.tissue.alpha_n);
@@ -185,15 +185,15 @@ Alarm compare(const TissueEstimate& reference, const TissueEstimate& now, double
       rose(stiffness_at_force(now.tissue, force_n) / stiffness_at_force(reference.tissue, force_n),
            log_stiffness_sd(reference, force_n), log_stiffness_sd(now, force_n)))
     return Alarm::guarding;
-  if (std::abs(now.contact_m - reference.contact_m) > largest_jump_m) return Alarm::moved;
+  if (std::abs(now.contact_m - reference.contact_m) > max_jump_m) return Alarm::moved;
   return Alarm::none;
 }
 
 Alarm MisfitWatch::step(double residual_n, double sd_n, double dt_s) noexcept {
-  constexpr double deviations = 5.0, longest_s = 0.05;
+  constexpr double deviations = 5.0, max_duration_s = 0.05;
   const bool fits = std::abs(residual_n) <= deviations * sd_n;  // false for what is not a number
   beyond_s_ = fits ? 0.0 : beyond_s_ + dt_s;
-  return beyond_s_ >= longest_s ? Alarm::misfit : Alarm::none;
+  return beyond_s_ >= max_duration_s ? Alarm::misfit : Alarm::none;
 }
 
 }  // namespace tuina::tissue

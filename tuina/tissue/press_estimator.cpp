@@ -18,7 +18,7 @@ constexpr int passes_at_rest = 4;              // Gauss-Newton steps after the l
 constexpr double forgetting_per_fold = 0.005;  // of the logarithms
 // At the moment an interval just fits, one estimate in twenty would still be outside: ask for 98 %.
 constexpr double sureness = 2.33 / 1.96;
-constexpr double largest_step = 0.5, smallest_step = 0.02, settled_step = 0.05;  // of logarithms
+constexpr double max_step = 0.5, min_step = 0.02, settled_step = 0.05;  // of logarithms
 constexpr double untared_sd_n = 0.3;     // the zero of a sensor that was never seen in free air
 constexpr double tare_sd_n = 0.02;       // and its drift since
 constexpr double unknown_inertia = 0.3;  // share of the tool's inertia that is taken off wrongly
@@ -104,7 +104,7 @@ void PressEstimator::reset() noexcept {
   idle_passes_ = passes_at_rest;
   seen_blocks_ = 0;
   chi_ = 1.0;
-  step_limit_ = largest_step;
+  step_limit_ = max_step;
   last_step_.setZero();
   settled_ = false;
   estimate_ = TissueEstimate{};
@@ -272,9 +272,9 @@ void PressEstimator::finish_pass() noexcept {
   // A pass that turns back on the one before has gone too far: while the tissue was only touched,
   // Gauss and Newton may jump to and fro across the answer for ever.
   if (step.head<2>().dot(last_step_) < 0.0)
-    step_limit_ = std::max(smallest_step, 0.5 * step_limit_);
+    step_limit_ = std::max(min_step, 0.5 * step_limit_);
   else
-    step_limit_ = std::min(largest_step, 1.5 * step_limit_);
+    step_limit_ = std::min(max_step, 1.5 * step_limit_);
   const double longest = step.head<2>().cwiseAbs().maxCoeff();
   settled_ = longest < settled_step;
   if (longest > step_limit_) step *= step_limit_ / longest;

@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::size_t saturated_run = 5;
 // Below these a record is a calculation, not a measurement, and weights would become meaningless.
-constexpr double least_force_noise_n = 0.005, least_position_noise_m = 1e-6;
+constexpr double min_force_noise_n = 0.005, min_position_noise_m = 1e-6;
 
 /// The noise seen over neighbours `stride` samples away; `value` reads one signal.
 template <typename Value>
@@ -35,25 +35,25 @@ SensorNoise estimate_noise(std::span<const TimedPress> record) {
   const auto force = [](const TimedPress& s) { return s.press.force_n; };
   const auto position = [](const TimedPress& s) { return s.press.depth_m; };
   // A sensor's low-pass makes neighbours alike, so neighbours a little further away are asked too.
-  return {.force_n = std::max(
-              {noise_at(record, 1, force), noise_at(record, 3, force), least_force_noise_n}),
+  return {.force_n =
+              std::max({noise_at(record, 1, force), noise_at(record, 3, force), min_force_noise_n}),
           .position_m = std::max({noise_at(record, 1, position), noise_at(record, 3, position),
-                                  least_position_noise_m})};
+                                  min_position_noise_m})};
 }
 
 std::vector<TimedPress> without_saturation(std::span<const TimedPress> record,
                                            const SensorNoise& noise) {
-  double largest_n = 0.0;
-  for (const TimedPress& sample : record) largest_n = std::max(largest_n, sample.press.force_n);
-  std::size_t run = 0, longest_run = 0;
+  double max_n = 0.0;
+  for (const TimedPress& sample : record) max_n = std::max(max_n, sample.press.force_n);
+  std::size_t run = 0, max_run = 0;
   for (const TimedPress& sample : record) {
-    run = sample.press.force_n == largest_n ? run + 1 : 0;
-    longest_run = std::max(longest_run, run);
+    run = sample.press.force_n == max_n ? run + 1 : 0;
+    max_run = std::max(max_run, run);
   }
-  if (longest_run < saturated_run) return {record.begin(), record.end()};
+  if (max_run < saturated_run) return {record.begin(), record.end()};
   std::vector<TimedPress> kept;
   for (const TimedPress& sample : record) {
-    if (sample.press.force_n < largest_n - 4.0 * noise.force_n) kept.push_back(sample);
+    if (sample.press.force_n < max_n - 4.0 * noise.force_n) kept.push_back(sample);
   }
   return kept;
 }

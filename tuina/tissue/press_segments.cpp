@@ -8,10 +8,10 @@
 namespace tuina::tissue {
 namespace {
 
-constexpr double block_s = 4.5e-3;         // five samples at 1 kHz
-constexpr double longest_segment_s = 0.1;  // a breath moves the skin little within it
-constexpr double longest_gap_s = 0.05;     // a dropout: what lies on both sides is not averaged
-constexpr double least_force_n = 1.0;
+constexpr double block_s = 4.5e-3;     // five samples at 1 kHz
+constexpr double max_segment_s = 0.1;  // a breath moves the skin little within it
+constexpr double max_gap_s = 0.05;     // a dropout: what lies on both sides is not averaged
+constexpr double min_force_n = 1.0;
 // Cells of equal width in the root of the force are about equally long in depth on every tissue.
 constexpr double cell_root_n = 0.1863;  // sqrt(80 N) / 48
 constexpr double cell_m = 0.4e-3;
@@ -43,7 +43,7 @@ void PressSegments::add(double time_s, const Press& sample) noexcept {
     return;
   if (std::abs(sample.depth_m) > 1.0 || std::abs(sample.force_n) > 1e4) return;
   if (started_ && !(time_s > last_time_s_)) return;
-  if (started_ && time_s - last_time_s_ > longest_gap_s) {
+  if (started_ && time_s - last_time_s_ > max_gap_s) {
     close_block();
     open_ = false;
     history_size_ = 0;
@@ -87,8 +87,8 @@ bool PressSegments::saturated(double force_n) noexcept {
   if (force_n > saturation_n_) saturation_n_ = std::numeric_limits<double>::infinity();
   same_force_ = force_n == last_force_n_ ? same_force_ + 1 : 1;
   last_force_n_ = force_n;
-  largest_force_n_ = std::max(largest_force_n_, force_n);
-  if (same_force_ >= saturated_after && force_n >= largest_force_n_ && force_n > least_force_n) {
+  max_force_n_ = std::max(max_force_n_, force_n);
+  if (same_force_ >= saturated_after && force_n >= max_force_n_ && force_n > min_force_n) {
     saturation_n_ = force_n;
   }
   return force_n > saturation_n_ - 4.0 * options_.force_noise_n;
@@ -132,7 +132,7 @@ void PressSegments::accept(const Block& block) noexcept {
   const Block felt = {time_s, position_m, force_n, n, block.inertia_n};
   // Force noise must not choose which samples count: the block that shows contact is the last of
   // the air, and once there, contact holds until the force is clearly gone.
-  const double on_n = std::max(least_force_n, 5.0 * options_.force_noise_n / std::sqrt(n));
+  const double on_n = std::max(min_force_n, 5.0 * options_.force_noise_n / std::sqrt(n));
   const bool was_in_contact = in_contact_;
   in_contact_ = force_n > (in_contact_ ? 0.4 * on_n : on_n);
   follow_press(time_s, in_contact_ ? force_n : 0.0);
@@ -180,7 +180,7 @@ void PressSegments::follow_press(double time_s, double force_n) noexcept {
   }
   if (phase_ == Phase::rest) {
     valley_n_ = std::min(valley_n_, force_n);
-    if (force_n > 1.5 * valley_n_ + 3.0 * least_force_n) {
+    if (force_n > 1.5 * valley_n_ + 3.0 * min_force_n) {
       phase_ = Phase::up;
       peak_n_ = force_n;
     }
@@ -196,8 +196,7 @@ void PressSegments::append(const Block& block) noexcept {
                            std::abs(force_n - opened_root_ * opened_root_) > 6.0 * noise_n;
   const bool other_place = std::abs(position_m - opened_m_) > cell_m;
   const bool fits = open_ && size_ > 0 && !other_force && !other_place &&
-                    time_s - opened_s_ < longest_segment_s &&
-                    time_s - last_accepted_s_ < longest_gap_s;
+                    time_s - opened_s_ < max_segment_s && time_s - last_accepted_s_ < max_gap_s;
   last_accepted_s_ = time_s;
   if (fits) {
     join(segments_[size_ - 1], block);
@@ -211,8 +210,7 @@ void PressSegments::append(const Block& block) noexcept {
   // The speed of a segment is the slope between its neighbours; the first and the last of a press
   // have one neighbour only.
   const auto joined = [this](std::size_t a, std::size_t b) {
-    return segments_[a].contact &&
-           segments_[b].time_s - segments_[a].time_s < 3.0 * longest_segment_s;
+    return segments_[a].contact && segments_[b].time_s - segments_[a].time_s < 3.0 * max_segment_s;
   };
   const auto slope = [this](std::size_t a, std::size_t b) {
     return slope_between(segments_[a], segments_[b]);
@@ -252,7 +250,7 @@ void PressSegments::push_air() noexcept {
   for (std::size_t i = 0; i < air_size_; ++i) {
     const PressSegment &a = air_[i > 0 ? i - 1 : 0], &b = air_[std::min(i + 1, air_size_ - 1)];
     PressSegment air = air_[i];
-    if (b.time_s - a.time_s < 3.0 * longest_segment_s) air.speed_m_per_s = slope_between(a, b);
+    if (b.time_s - a.time_s < 3.0 * max_segment_s) air.speed_m_per_s = slope_between(a, b);
     push(air);
   }
   air_size_ = 0;

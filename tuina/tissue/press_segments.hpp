@@ -108,7 +108,7 @@ class PressSegments {
   double block_start_s_ = 0.0;
   Sum free_air_;
   bool tare_begun_ = false, began_near_ = false;
-  double last_time_s_ = 0.0, last_force_n_ = 0.0, largest_force_n_ = 0.0;
+  double last_time_s_ = 0.0, last_force_n_ = 0.0, max_force_n_ = 0.0;
   double saturation_n_ = std::numeric_limits<double>::infinity();
   int same_force_ = 0;
   bool started_ = false, touched_ = false;

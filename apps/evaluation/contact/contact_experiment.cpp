@@ -159,7 +159,7 @@ Result<ContactOutcome> run_contact(const ContactExperiment& experiment, const Pr
   bool left_skin = false;
   Delay delay(experiment.late_ticks);
   Ripple ripple;
-  const double longest_s = path.duration_s() + 30.0;
+  const double max_duration_s = path.duration_s() + 30.0;
   Arm arm = Arm::left;
   control::ArmController& controller = guarded[arm].controller;
 
@@ -206,7 +206,7 @@ Result<ContactOutcome> run_contact(const ContactExperiment& experiment, const Pr
       case Act::done:
         break;
     }
-    if (reading.time_s > longest_s) next(Act::done);
+    if (reading.time_s > max_duration_s) next(Act::done);
 
     robot::RobotCommand command;
     for (const Arm side : both_arms) command.torque_nm[side] = guarded[side].step(reading, side);
@@ -223,7 +223,8 @@ Result<ContactOutcome> run_contact(const ContactExperiment& experiment, const Pr
     if (pressing) {
       ripple.add(target_n, truth.contact.force_n);
       errors.add(reading.time_s, target_n, truth.contact.force_n);
-      outcome.fastest_m_per_s = std::max(outcome.fastest_m_per_s, truth.velocity_in_couch.norm());
+      outcome.max_speed_m_per_s =
+          std::max(outcome.max_speed_m_per_s, truth.velocity_in_couch.norm());
     }
     outcome.highest_n = std::max(outcome.highest_n, truth.contact.force_n);
     left_skin =

@@ -62,8 +62,8 @@ struct ContactOutcome {
   std::vector<tissue::TimedPress> felt;  ///< what the estimator was given
   session::ForceErrors force;
   TissueEstimate estimate;
-  double highest_n = 0.0;        ///< true force anywhere in the run
-  double fastest_m_per_s = 0.0;  ///< of the tool, during the technique
+  double highest_n = 0.0;          ///< true force anywhere in the run
+  double max_speed_m_per_s = 0.0;  ///< of the tool, during the technique
   double ripple_n = 0.0;  ///< of the true force while the target stands still, faster than 2 Hz
   double second_impact_n = 0.0;  ///< true force after contact was lost for the first time
   std::vector<ContactStop> stops;

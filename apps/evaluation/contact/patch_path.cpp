@@ -80,10 +80,10 @@ ContactPath path_on(const BelievedPatch& patch, const PatchTask& task) {
   // Standing and pressing first, then moving, then standing again until the force is gone.
   massage::Slide slide{.length_m = stroke_m, .speed_m_per_s = stroke_m_per_s};
   if (rub) {
-    constexpr double shortest_s = 4.0;
+    constexpr double min_duration_s = 4.0;
     slide.speed_m_per_s = rubbed.speed_m_per_s;
-    slide.length_m =
-        slide.speed_m_per_s * (std::max(task.duration_s - 2.0 * ramp_s, shortest_s) - slide.ramp_s);
+    slide.length_m = slide.speed_m_per_s *
+                     (std::max(task.duration_s - 2.0 * ramp_s, min_duration_s) - slide.ramp_s);
   }
   const double duration_s = slide.duration_s() + 2.0 * ramp_s;
   return massage::sampled(name_of(task.technique), task.technique, duration_s, [&](double t) {

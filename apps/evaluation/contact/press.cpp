@@ -244,7 +244,7 @@ class Press final : public Verb {
           {"beta_per_mm", 1e-3 * experiment.tissue.beta_per_m}}},
         {"highest_force_n", outcome.highest_n},
         {"second_impact_n", outcome.second_impact_n},
-        {"fastest_tool_mm_per_s", to_mm(outcome.fastest_m_per_s)},
+        {"fastest_tool_mm_per_s", to_mm(outcome.max_speed_m_per_s)},
         {"stops", stops}};
     json["force"]["settled_rmse_n"] =
         force.settled_rmse_n ? nlohmann::json(*force.settled_rmse_n) : nlohmann::json();

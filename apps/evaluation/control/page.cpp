@@ -155,7 +155,7 @@ std::string html_table(const ControlTable& table) {
     html += fmt::format(
         "<td>{:.2f}</td><td>{:.1f}</td><td>{:.2f}</td><td>{:.1f}</td><td>{:.0f}</td><td>{:.1f}</td>"
         "<td>{} of {}</td><td>{}</td></tr>\n",
-        r.rmse_n, r.overshoot_n, r.ripple_n, r.highest_n, to_mm(r.fastest_m_per_s),
+        r.rmse_n, r.overshoot_n, r.ripple_n, r.highest_n, to_mm(r.max_speed_m_per_s),
         r.second_impact_n, r.stopped, r.runs,
         !row.target              ? ""
         : row.target->reached(r) ? "reached"
@@ -240,7 +240,7 @@ std::string page_of(const ControlReport& report) {
   for (const BeyondReach& pull : report.beyond_reach) {
     pulls +=
         fmt::format("<tr><td class=\"l\">{}</td><td>{:.3g}</td><td>{:.3g}</td><td>{}</td></tr>",
-                    escaped(pull.law), pull.highest_torque_nm, pull.fastest_rad_per_s,
+                    escaped(pull.law), pull.max_torque_nm, pull.max_speed_rad_per_s,
                     pull.survived ? "" : "diverges");
   }
   body += section("Beyond reach", "The target walks 0.2 m beyond the stretched arm.",
@@ -263,7 +263,7 @@ std::string page_of(const ControlReport& report) {
       fmt::format("On a seated person's back the drives hold {:.0f} N at the weakest of {} places "
                   "and {:.0f} N in the median, their torques being an assumption of "
                   "docs/robot.md. The stretched arm reaches {:.2f} m.",
-                  report.force_at_tool.least_n, report.force_at_tool.reached,
+                  report.force_at_tool.min_n, report.force_at_tool.reached,
                   report.force_at_tool.median_n, report.force_at_tool.reach_m),
       "");
   return fmt::format(

@@ -55,28 +55,28 @@ BeyondReach pull(const char* name, const robot::ArmModel& arm, const Law& law) {
       torque = law(dynamics, q, dq, reference, start.linear());
     }
     const JointVector given = torque + dynamics.coriolis_nm + dynamics.gravity_nm;
-    result.highest_torque_nm = std::max(result.highest_torque_nm, given.cwiseAbs().maxCoeff());
-    if (!given.allFinite() || result.highest_torque_nm > 1e6) {
+    result.max_torque_nm = std::max(result.max_torque_nm, given.cwiseAbs().maxCoeff());
+    if (!given.allFinite() || result.max_torque_nm > 1e6) {
       result.survived = false;
       return result;
     }
     dq += step_s * dynamics.mass_kg_m2.llt().solve(torque);
     q += step_s * dq;
-    result.fastest_rad_per_s = std::max(result.fastest_rad_per_s, dq.cwiseAbs().maxCoeff());
+    result.max_speed_rad_per_s = std::max(result.max_speed_rad_per_s, dq.cwiseAbs().maxCoeff());
   }
   return result;
 }
 
 /// The largest factor of `push_nm` that keeps every joint within its drive beside gravity.
-double largest_force_n(const robot::ArmTable& table, const JointVector& gravity_nm,
-                       const JointVector& push_nm) {
-  double most_n = 1e9;
+double max_force_n(const robot::ArmTable& table, const JointVector& gravity_nm,
+                   const JointVector& push_nm) {
+  double max_n = 1e9;
   for (Eigen::Index i = 0; i < push_nm.size(); ++i) {
     const double limit = table.links[static_cast<std::size_t>(i)].torque_limit_nm;
     const double room = limit - std::copysign(1.0, push_nm[i]) * gravity_nm[i];
-    most_n = std::min(most_n, room / std::max(std::abs(push_nm[i]), 1e-9));
+    max_n = std::min(max_n, room / std::max(std::abs(push_nm[i]), 1e-9));
   }
-  return std::max(most_n, 0.0);
+  return std::max(max_n, 0.0);
 }
 
 }  // namespace
@@ -107,7 +107,7 @@ std::vector<BeyondReach> pull_beyond_reach() {
                  const double K = options.stiffness_n_per_m;
                  const double D = 2.0 * options.damping_ratio * std::sqrt(4.0 * K);
                  const double share =
-                     std::min(1.0, options.most_pull_n / std::max(K * error.norm(), 1e-9));
+                     std::min(1.0, options.max_pull_n / std::max(K * error.norm(), 1e-9));
                  return control::task_torque(
                      dynamics, arm.table(), q, dq,
                      share * K * error + D * (reference.velocity_m_per_s - speed), reference, none,
@@ -147,12 +147,12 @@ ForceAtTool force_at_tool() {
       const auto dynamics =
           arms[arm].evaluate(posture.q_rad, JointVector::Zero(arms[arm].joints()), rail_m);
       const JointVector push_nm = dynamics.jacobian.topRows<3>().transpose() * -goal.normal_in_base;
-      forces.push_back(largest_force_n(arms[arm].table(), dynamics.gravity_nm, push_nm));
+      forces.push_back(max_force_n(arms[arm].table(), dynamics.gravity_nm, push_nm));
     }
   }
   std::sort(forces.begin(), forces.end());
   if (!forces.empty()) {
-    result.least_n = forces.front();
+    result.min_n = forces.front();
     result.median_n = forces[forces.size() / 2];
   }
   return result;

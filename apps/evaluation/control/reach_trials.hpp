@@ -9,8 +9,8 @@ namespace tuina::app {
 /// A target that walks out of the arm's reach: what a law asks of the joints then.
 struct BeyondReach {
   std::string law;
-  double highest_torque_nm = 0.0;  ///< of a joint, gravity included
-  double fastest_rad_per_s = 0.0;
+  double max_torque_nm = 0.0;  ///< of a joint, gravity included
+  double max_speed_rad_per_s = 0.0;
   bool survived = true;  ///< no torque above 10^6 Nm and every number finite
 };
 
@@ -22,7 +22,7 @@ struct BeyondReach {
 /// person's back patch 0.45 m tall and as wide as each arm's half plus 30 mm.
 struct ForceAtTool {
   int places = 0, reached = 0;
-  double least_n = 0.0, median_n = 0.0;
+  double min_n = 0.0, median_n = 0.0;
   double reach_m = 0.0;  ///< of the stretched arm
 };
 [[nodiscard]] ForceAtTool force_at_tool();

@@ -21,7 +21,7 @@ nlohmann::ordered_json json_of(const ControlRow& row) {
   json["overshoot_n"] = result.overshoot_n;
   json["ripple_n"] = result.ripple_n;
   json["highest_n"] = result.highest_n;
-  json["fastest_mm_per_s"] = to_mm(result.fastest_m_per_s);
+  json["fastest_mm_per_s"] = to_mm(result.max_speed_m_per_s);
   json["second_impact_n"] = result.second_impact_n;
   if (row.target) {
     const auto limit = [&](const char* key, const std::optional<double>& value, double scale) {
@@ -30,7 +30,7 @@ nlohmann::ordered_json json_of(const ControlRow& row) {
     limit("rmse_n", row.target->rmse_n, 1.0);
     limit("overshoot_n", row.target->overshoot_n, 1.0);
     limit("highest_n", row.target->highest_n, 1.0);
-    limit("fastest_mm_per_s", row.target->fastest_m_per_s, 1e3);
+    limit("fastest_mm_per_s", row.target->max_speed_m_per_s, 1e3);
     limit("second_impact_n", row.target->second_impact_n, 1.0);
     json["reached"] = row.target->reached(result);
   }
@@ -42,7 +42,7 @@ std::string line_of(const ControlRow& row) {
   for (const auto& [name, value] : row.labels) what += (what.empty() ? "" : ", ") + value;
   const ControlResult& r = row.result;
   return fmt::format("{:<52} {:6.2f} {:6.1f} {:6.1f} {:6.0f} {:6.1f} {:>5}/{}{}\n", what, r.rmse_n,
-                     r.overshoot_n, r.highest_n, to_mm(r.fastest_m_per_s), r.second_impact_n,
+                     r.overshoot_n, r.highest_n, to_mm(r.max_speed_m_per_s), r.second_impact_n,
                      r.stopped, r.runs,
                      !row.target              ? ""
                      : row.target->reached(r) ? "  reached"
@@ -65,8 +65,8 @@ std::string to_json(const ControlReport& report) {
   }
   for (const BeyondReach& pull : report.beyond_reach) {
     json["control"]["beyond_reach"].push_back({{"law", pull.law},
-                                               {"highest_torque_nm", pull.highest_torque_nm},
-                                               {"fastest_rad_per_s", pull.fastest_rad_per_s},
+                                               {"highest_torque_nm", pull.max_torque_nm},
+                                               {"fastest_rad_per_s", pull.max_speed_rad_per_s},
                                                {"survived", pull.survived}});
   }
   for (const ReflexBound& bound : report.reflex_bounds) {
@@ -79,7 +79,7 @@ std::string to_json(const ControlReport& report) {
   const ForceAtTool& force = report.force_at_tool;
   json["control"]["force_at_tool"] = {{"places", force.places},
                                       {"reached", force.reached},
-                                      {"least_n", force.least_n},
+                                      {"least_n", force.min_n},
                                       {"median_n", force.median_n},
                                       {"reach_m", force.reach_m}};
   return json.dump(2);
@@ -98,8 +98,8 @@ std::string to_text(const ControlReport& report) {
   }
   text += "\nA target 0.2 m beyond the stretched arm:\n";
   for (const BeyondReach& pull : report.beyond_reach) {
-    text += fmt::format("{:<52} {:.3g} Nm, {:.3g} rad/s{}\n", pull.law, pull.highest_torque_nm,
-                        pull.fastest_rad_per_s, pull.survived ? "" : ", diverges");
+    text += fmt::format("{:<52} {:.3g} Nm, {:.3g} rad/s{}\n", pull.law, pull.max_torque_nm,
+                        pull.max_speed_rad_per_s, pull.survived ? "" : ", diverges");
   }
   text += "\nA person on a rigid torso rises at 0.1 m/s against an arm that pushes itself away:\n";
   for (const ReflexBound& bound : report.reflex_bounds) {
@@ -111,7 +111,7 @@ std::string to_text(const ControlReport& report) {
   text += fmt::format(
       "\nForce that the drives hold on a seated back, {} of {} places reached: {:.0f} N at the "
       "weakest place, {:.0f} N in the median. Reach {:.2f} m.",
-      report.force_at_tool.reached, report.force_at_tool.places, report.force_at_tool.least_n,
+      report.force_at_tool.reached, report.force_at_tool.places, report.force_at_tool.min_n,
       report.force_at_tool.median_n, report.force_at_tool.reach_m);
   return text;
 }

@@ -101,7 +101,7 @@ ControlTable stability_table(bool full, std::uint64_t seed) {
           force.stiffness_n_per_m = K;
           force.free_damping_ratio *= share;
           force.contact_damping_ratio *= share;
-          force.most_damping_n_s_per_m *= share;
+          force.max_damping_n_s_per_m *= share;
           run.late_ticks = late_ms;
         });
     for (const double K : springs)

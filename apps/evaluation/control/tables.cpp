@@ -54,7 +54,7 @@ ControlTable targets(int seeds, std::uint64_t seed) {
   add_rigid("rigid back: rub 30 N", as_rub);
   add_rigid("rigid back: stroke 30 N", as_stroke);
   add("contact lost at 40 N, 50 mm at 0.5 m/s", 40.0,
-      {.highest_n = 90.0, .fastest_m_per_s = 0.25, .second_impact_n = 30.0},
+      {.highest_n = 90.0, .max_speed_m_per_s = 0.25, .second_impact_n = 30.0},
       [](auto& experiment) { experiment.shifts = {person_moves(-50.0, 0.5)}; });
   for (const double force_n : {30.0, 40.0}) {
     add(force_n < 35.0 ? "person rises 30 mm at 0.1 m/s, 30 N"

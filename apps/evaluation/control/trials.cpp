@@ -15,7 +15,7 @@ void ControlResult::add(const ContactOutcome& outcome) {
        .overshoot_n = outcome.force.overshoot_n,
        .ripple_n = outcome.ripple_n,
        .highest_n = outcome.highest_n,
-       .fastest_m_per_s = outcome.fastest_m_per_s,
+       .max_speed_m_per_s = outcome.max_speed_m_per_s,
        .second_impact_n = outcome.second_impact_n});
 }
 
@@ -24,7 +24,7 @@ void ControlResult::add(const ControlResult& other) {
   stopped += other.stopped;
   for (double ControlResult::*value :
        {&ControlResult::rmse_n, &ControlResult::overshoot_n, &ControlResult::ripple_n,
-        &ControlResult::highest_n, &ControlResult::fastest_m_per_s,
+        &ControlResult::highest_n, &ControlResult::max_speed_m_per_s,
         &ControlResult::second_impact_n}) {
     this->*value = std::max(this->*value, other.*value);
   }
@@ -35,7 +35,8 @@ bool ControlTarget::reached(const ControlResult& result) const {
     return !limit || value <= *limit;
   };
   return within(rmse_n, result.rmse_n) && within(overshoot_n, result.overshoot_n) &&
-         within(highest_n, result.highest_n) && within(fastest_m_per_s, result.fastest_m_per_s) &&
+         within(highest_n, result.highest_n) &&
+         within(max_speed_m_per_s, result.max_speed_m_per_s) &&
          within(second_impact_n, result.second_impact_n);
 }
 

@@ -18,7 +18,7 @@ struct ControlResult {
   double overshoot_n = 0.0;
   double ripple_n = 0.0;
   double highest_n = 0.0;
-  double fastest_m_per_s = 0.0;
+  double max_speed_m_per_s = 0.0;
   double second_impact_n = 0.0;
 
   void add(const ContactOutcome& outcome);
@@ -27,7 +27,7 @@ struct ControlResult {
 
 /// What a row should not exceed; what is not limited is not judged.
 struct ControlTarget {
-  std::optional<double> rmse_n, overshoot_n, highest_n, fastest_m_per_s, second_impact_n;
+  std::optional<double> rmse_n, overshoot_n, highest_n, max_speed_m_per_s, second_impact_n;
 
   [[nodiscard]] bool reached(const ControlResult& result) const;
 };

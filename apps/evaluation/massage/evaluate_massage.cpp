@@ -28,12 +28,12 @@ ordered_json to_json(const SessionSummary& sum) {
       {"duration_s", sum.mean_duration_s},
       {"force_rmse_n", {{"mean", sum.mean_rmse_n}, {"worst", sum.worst_rmse_n}}},
       {"overshoot_n", sum.worst_overshoot_n},
-      {"over_zone_cap_n", sum.most_over_cap_n},
-      {"over_zone_trip_n", sum.most_over_trip_n},
+      {"over_zone_cap_n", sum.max_over_cap_n},
+      {"over_zone_trip_n", sum.max_over_trip_n},
       {"bony_peak_n", sum.bony_peak_n},
-      {"min_arm_distance_mm", to_mm(sum.least_arm_distance_m)},
+      {"min_arm_distance_mm", to_mm(sum.min_arm_distance_m)},
       {"tool_to_acupoint_mm",
-       {{"mean", to_mm(sum.mean_tool_to_acupoint_m)}, {"max", to_mm(sum.most_tool_to_acupoint_m)}}},
+       {{"mean", to_mm(sum.mean_tool_to_acupoint_m)}, {"max", to_mm(sum.max_tool_to_acupoint_m)}}},
       {"scan_to_touch_s", sum.worst_scan_to_touch_s},
       {"plan_ms", sum.worst_plan_ms},
       {"real_time_factor", sum.median_real_time_factor}};
@@ -49,9 +49,9 @@ std::string text_of(const std::vector<SessionRow>& rows) {
         "{:<22}{:>9}{:>9}{:>9}{:>9.2f}{:>8.2f}{:>9.1f}{:>9.1f}{:>9.1f}{:>9.1f}{:>10.0f}{:>13.1f}"
         "{:>9.1f}{:>8.0f}\n",
         name, sum.sessions, sum.refused, sum.stopped, sum.mean_rmse_n, sum.worst_rmse_n,
-        sum.worst_overshoot_n, sum.most_over_cap_n, sum.most_over_trip_n, sum.bony_peak_n,
-        to_mm(sum.least_arm_distance_m), to_mm(sum.mean_tool_to_acupoint_m),
-        to_mm(sum.most_tool_to_acupoint_m), sum.mean_duration_s);
+        sum.worst_overshoot_n, sum.max_over_cap_n, sum.max_over_trip_n, sum.bony_peak_n,
+        to_mm(sum.min_arm_distance_m), to_mm(sum.mean_tool_to_acupoint_m),
+        to_mm(sum.max_tool_to_acupoint_m), sum.mean_duration_s);
   }
   return text;
 }

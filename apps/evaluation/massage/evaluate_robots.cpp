@@ -79,7 +79,7 @@ Workspace workspace_of(const robot::Standing& standing, const Subject& subject,
   const auto ready = robot::ready_posture(standing.arm, standing.mount);
   const auto goals = patch_on(subject, chart, standing.mount.base_from_couch);
   Workspace best;
-  for (double rail_m = standing.mount.lowest_rail_m; rail_m < standing.mount.highest_rail_m + 1e-9;
+  for (double rail_m = standing.mount.min_rail_m; rail_m < standing.mount.max_rail_m + 1e-9;
        rail_m += step_m) {
     Workspace here;
     std::vector<double> dexterities, rooms;

@@ -25,9 +25,8 @@ std::string table_of(const std::vector<SessionRow>& rows) {
         "<td>{:.1f}</td><td>{:.1f}</td><td>{:.0f}</td><td>{:.1f}</td><td>{:.1f}</td>"
         "<td>{:.0f}</td></tr>",
         telemetry::escaped(name), sum.sessions, sum.refused, sum.stopped, sum.worst_rmse_n,
-        sum.worst_overshoot_n, sum.most_over_trip_n, sum.bony_peak_n,
-        to_mm(sum.least_arm_distance_m), to_mm(sum.mean_tool_to_acupoint_m),
-        to_mm(sum.most_tool_to_acupoint_m), sum.mean_duration_s);
+        sum.worst_overshoot_n, sum.max_over_trip_n, sum.bony_peak_n, to_mm(sum.min_arm_distance_m),
+        to_mm(sum.mean_tool_to_acupoint_m), to_mm(sum.max_tool_to_acupoint_m), sum.mean_duration_s);
   }
   return html + "</tbody></table></div>";
 }
@@ -91,8 +90,8 @@ std::string session_page(const std::vector<SessionRow>& rows,
       "simulation knows</h1><p class=\"lead\">{} sessions from the scan to the last stroke: {} "
       "refused, {} stopped. The true force never came nearer than {:.1f} N to what its place "
       "bears; the arms kept {:.0f} mm apart.</p>",
-      telemetry::report_style, all.sessions, all.refused, all.stopped, -all.most_over_trip_n,
-      to_mm(all.least_arm_distance_m));
+      telemetry::report_style, all.sessions, all.refused, all.stopped, -all.max_over_trip_n,
+      to_mm(all.min_arm_distance_m));
   html +=
       "<section><h2>By programme</h2><p>Forces are true contact forces; zones are drawn from "
       "the true points.</p>" +

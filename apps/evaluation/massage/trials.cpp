@@ -108,8 +108,8 @@ Result<std::vector<SessionOutcome>> run_session_trials(const std::vector<Session
 
 SessionSummary summarise(const std::vector<const SessionOutcome*>& outcomes) {
   SessionSummary sum{.sessions = outcomes.size(),
-                     .least_arm_distance_m = std::numeric_limits<double>::infinity()};
-  sum.most_over_cap_n = sum.most_over_trip_n = -std::numeric_limits<double>::infinity();
+                     .min_arm_distance_m = std::numeric_limits<double>::infinity()};
+  sum.max_over_cap_n = sum.max_over_trip_n = -std::numeric_limits<double>::infinity();
   std::vector<double> factors;
   std::size_t presses = 0;
   for (const SessionOutcome* one : outcomes) {
@@ -123,17 +123,17 @@ SessionSummary summarise(const std::vector<const SessionOutcome*>& outcomes) {
     sum.worst_rmse_n = std::max(sum.worst_rmse_n, one->rmse_n);
     sum.mean_rmse_n += one->rmse_n;
     sum.worst_overshoot_n = std::max(sum.worst_overshoot_n, one->overshoot_n);
-    sum.most_over_cap_n = std::max(sum.most_over_cap_n, one->over_cap_n);
-    sum.most_over_trip_n = std::max(sum.most_over_trip_n, one->over_trip_n);
+    sum.max_over_cap_n = std::max(sum.max_over_cap_n, one->over_cap_n);
+    sum.max_over_trip_n = std::max(sum.max_over_trip_n, one->over_trip_n);
     sum.bony_peak_n = std::max(sum.bony_peak_n, one->bony_peak_n);
-    sum.least_arm_distance_m = std::min(sum.least_arm_distance_m, one->arm_distance_m);
+    sum.min_arm_distance_m = std::min(sum.min_arm_distance_m, one->arm_distance_m);
     sum.worst_scan_to_touch_s = std::max(sum.worst_scan_to_touch_s, one->scan_to_touch_s);
     sum.worst_plan_ms = std::max(sum.worst_plan_ms, one->plan_ms);
     sum.mean_duration_s += one->duration_s;
     factors.push_back(one->real_time_factor);
     for (const double off_m : one->tool_to_acupoint_m) {
       sum.mean_tool_to_acupoint_m += off_m;
-      sum.most_tool_to_acupoint_m = std::max(sum.most_tool_to_acupoint_m, off_m);
+      sum.max_tool_to_acupoint_m = std::max(sum.max_tool_to_acupoint_m, off_m);
       ++presses;
     }
   }

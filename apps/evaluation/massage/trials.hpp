@@ -50,9 +50,9 @@ struct SessionOutcome {
 struct SessionSummary {
   std::size_t sessions = 0, refused = 0, stopped = 0, troubled = 0, paths_left_out = 0;
   double worst_rmse_n = 0.0, mean_rmse_n = 0.0, worst_overshoot_n = 0.0;
-  double most_over_cap_n = 0.0, most_over_trip_n = 0.0, bony_peak_n = 0.0;
-  double least_arm_distance_m = 0.0;
-  double mean_tool_to_acupoint_m = 0.0, most_tool_to_acupoint_m = 0.0;
+  double max_over_cap_n = 0.0, max_over_trip_n = 0.0, bony_peak_n = 0.0;
+  double min_arm_distance_m = 0.0;
+  double mean_tool_to_acupoint_m = 0.0, max_tool_to_acupoint_m = 0.0;
   double worst_scan_to_touch_s = 0.0, worst_plan_ms = 0.0;
   double mean_duration_s = 0.0, median_real_time_factor = 0.0;
 };

@@ -48,7 +48,7 @@ std::vector<CurvePlan> curve_plans() {
       {{"dropped_frames", "frames dropped, %", {0, 1, 5, 10, 20, 30}},
        [](ScanConditions& c, double x) {
          c.options.dropped_share = 0.01 * x;
-         c.sweep.most_lost_share = 1.0;  // else refused from 5 %
+         c.sweep.max_lost_share = 1.0;  // else refused from 5 %
        }},
       {{"yaw_jitter", "jitter of the motor's clock, ms", {0, 1, 3, 6, 10}},
        [](ScanConditions& c, double x) { c.options.yaw_jitter_s = 1e-3 * x; }},

@@ -17,7 +17,7 @@ constexpr int coverage_columns = 3;
 constexpr int coverage_rows = 4;
 constexpr double odd_one_out = 2.5;  // times the median residual
 constexpr double nearest_scan_m = 0.65;
-constexpr double farthest_scan_m = 1.75;
+constexpr double max_scan_m = 1.75;
 
 double median(std::vector<double> values) {
   if (values.empty()) return 0.0;
@@ -91,7 +91,7 @@ std::vector<std::string> advice(const Calibrated& result, const Views& views) {
     sentences.push_back(fmt::format("No board was nearer than {:.2f} m: hold some at {} m.", *near,
                                     nearest_scan_m));
   }
-  if (*far < 0.9 * farthest_scan_m) {
+  if (*far < 0.9 * max_scan_m) {
     sentences.push_back(fmt::format(
         "No board was farther than {:.2f} m: beyond it the range is only a guess.", *far));
   }

@@ -34,11 +34,11 @@ Result<Answer> calibrate_robot(const fs::path& folder, Position position, const 
   const auto person = sim::parse_person("phantom:medium", position, 1);
   if (!person) return tl::unexpected(person.error());
   nlohmann::json expected = nlohmann::json::object();
-  double largest_mm = 0.0;
+  double max_mm = 0.0;
   for (const Acupoint& point : person->acupoints) {
     const double error_mm = to_mm(pose->expected_error_m(point.at_in_couch));
     expected[point.name] = error_mm;
-    largest_mm = std::max(largest_mm, error_mm);
+    max_mm = std::max(max_mm, error_mm);
   }
   auto residuals = nlohmann::json::array();
   double sum2 = 0.0;
@@ -55,7 +55,7 @@ Result<Answer> calibrate_robot(const fs::path& folder, Position position, const 
                 .text = fmt::format(
                     "{} touches agree to {:.1f} mm; an acupoint is expected to be off by {:.1f} mm "
                     "or less for this\nnow: tuina massage --robot-pose {}",
-                    touches->size(), rms_mm, largest_mm, out.string())};
+                    touches->size(), rms_mm, max_mm, out.string())};
 }
 
 Result<Answer> rehearse_robot(const fs::path& folder, Position position, std::uint64_t seed) {

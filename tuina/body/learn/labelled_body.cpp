@@ -13,7 +13,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double farthest_landmark_m = 3.0;
+constexpr double max_landmark_m = 3.0;
 
 Vector3 vector_of(const json& numbers) {
   if (!numbers.is_array() || numbers.size() != 3) throw std::invalid_argument("[x, y, z] expected");
@@ -66,7 +66,7 @@ Result<LabelledBody> read_labelled_body(const std::filesystem::path& ply) {
         // A landmark may lie a little outside the cropped skin, but one that is nowhere near it
         // marks nothing.
         const Vector3 at = vector_of(place);
-        if (at.cwiseAbs().maxCoeff() < farthest_landmark_m) body.landmarks.push_back({name, at});
+        if (at.cwiseAbs().maxCoeff() < max_landmark_m) body.landmarks.push_back({name, at});
       }
     }
   } catch (const std::exception& fault) {

@@ -18,10 +18,10 @@ namespace {
 
 // The window in which a corner is refined must not reach its neighbours.
 constexpr double window_per_square = 0.4;
-constexpr int smallest_window_px = 2;
-constexpr int largest_window_px = 9;
+constexpr int min_window_px = 2;
+constexpr int max_window_px = 9;
 
-double shortest_side_px(const std::vector<cv::Point2f>& corners, const Board& board) {
+double min_side_px(const std::vector<cv::Point2f>& corners, const Board& board) {
   double shortest = std::numeric_limits<double>::infinity();
   for (int y = 0; y < board.rows; ++y) {
     for (int x = 0; x < board.columns; ++x) {
@@ -99,8 +99,8 @@ std::optional<SeenBoard> find_board(ImageView image, const Board& board) {
     }
     // The corners of findChessboardCornersSB (OpenCV 4.6) are off by 0.01 to 0.03 px even in clean
     // pictures, which costs pixels of focal length; the gradients around each corner know better.
-    window = std::clamp(static_cast<int>(window_per_square * shortest_side_px(corners, board)),
-                        smallest_window_px, largest_window_px);
+    window = std::clamp(static_cast<int>(window_per_square * min_side_px(corners, board)),
+                        min_window_px, max_window_px);
     cv::cornerSubPix(grey, corners, {window, window}, {-1, -1},
                      {cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 60, 1e-4});
   } catch (const cv::Exception&) {

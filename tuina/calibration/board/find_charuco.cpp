@@ -19,13 +19,13 @@ namespace {
 
 using Quad = std::array<cv::Point2f, 4>;  // clockwise
 
-constexpr std::size_t shortest_outline_px = 28;
+constexpr std::size_t min_outline_px = 28;
 constexpr std::size_t fewest_markers = 2;
 constexpr std::size_t fewest_corners = 8;
 constexpr double window_per_square = 0.4;
-constexpr int smallest_window_px = 3;
-constexpr int largest_window_px = 9;
-constexpr int least_contrast_dn = 15;
+constexpr int min_window_px = 3;
+constexpr int max_window_px = 9;
+constexpr int min_contrast_dn = 15;
 
 // Dark shapes with four corners: what a marker with its black frame looks like. The light differs
 // from place to place and markers are small and large, so each is compared with its surroundings of
@@ -39,7 +39,7 @@ std::vector<Quad> dark_quads(const cv::Mat& grey) {
     std::vector<std::vector<cv::Point>> outlines;
     cv::findContours(dark, outlines, cv::RETR_LIST, cv::CHAIN_APPROX_NONE);
     for (const auto& outline : outlines) {
-      if (outline.size() < shortest_outline_px) continue;
+      if (outline.size() < min_outline_px) continue;
       std::vector<cv::Point> corners;
       cv::approxPolyDP(outline, corners, 0.06 * static_cast<double>(outline.size()), true);
       if (corners.size() != 4 || !cv::isContourConvex(corners)) continue;
@@ -88,7 +88,7 @@ std::optional<std::vector<bool>> read_cells(const cv::Mat& grey, const Quad& qua
     }
   }
   const auto [darkest, brightest] = std::minmax_element(cells.begin(), cells.end());
-  if (*brightest - *darkest < least_contrast_dn) return std::nullopt;
+  if (*brightest - *darkest < min_contrast_dn) return std::nullopt;
   const double between = 0.5 * (*brightest + *darkest);
   std::vector<bool> white;
   int bright_frame = 0;
@@ -210,8 +210,8 @@ std::optional<Vector2> find_corner(ImageView image, const cv::Matx33d& image_fro
                         through(image_from_board, corner - cv::Point2d(0.5, 0.0))),
                cv::norm(through(image_from_board, corner + cv::Point2d(0.0, 0.5)) -
                         through(image_from_board, corner - cv::Point2d(0.0, 0.5))));
-  const int window = std::clamp(static_cast<int>(window_per_square * side_px), smallest_window_px,
-                                largest_window_px);
+  const int window =
+      std::clamp(static_cast<int>(window_per_square * side_px), min_window_px, max_window_px);
   const auto in_image = [&](const cv::Point2d& at) {
     return at.x > window + 2 && at.y > window + 2 && at.x < image.width - window - 3 &&
            at.y < image.height - window - 3;
@@ -242,19 +242,19 @@ std::optional<Vector2> find_corner(ImageView image, const cv::Matx33d& image_fro
     const auto square = std::lround(corner.x + corner.y) + first_black + (dx == dy ? 0 : 1);
     contrast += 0.5 * (square % 2 == 0 ? -seen : seen);
   }
-  if (contrast < least_contrast_dn) return std::nullopt;
+  if (contrast < min_contrast_dn) return std::nullopt;
   return found;
 }
 
 // Corners that are not where their neighbours have them lie under a finger or a reflection: the
 // worst goes first.
 void leave_out_odd_ones(Agreed& corners) {
-  constexpr double least_tolerated_px = 0.4;
+  constexpr double min_tolerated_px = 0.4;
   constexpr double tolerated_squares = 0.015;  // a printer's or a drawing's own rounding
   const auto tolerated_px = [&](const cv::Point2d& at) {
     const double side_px = cv::norm(through(corners.image_from_board, at + cv::Point2d(1.0, 0.0)) -
                                     through(corners.image_from_board, at));
-    return std::max(least_tolerated_px, tolerated_squares * side_px);
+    return std::max(min_tolerated_px, tolerated_squares * side_px);
   };
   while (corners.on_board.size() > fewest_corners) {
     std::size_t worst = 0;

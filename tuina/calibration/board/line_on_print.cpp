@@ -18,9 +18,9 @@ using scanner::LinePoint;
 
 constexpr int tries = 200;
 constexpr double along_line_px = 2.0;  // of a point from the line across the board, lens and all
-constexpr std::size_t least_points = 12;
+constexpr std::size_t min_points = 12;
 constexpr double window_widths = 4.0;
-constexpr double least_height = 5.0;  // of the line, in standard deviations of it
+constexpr double min_height = 5.0;  // of the line, in standard deviations of it
 constexpr double converged_px = 1e-3;
 constexpr int clipped_dn = 254;  // the flanks of a line that is too bright tell its place as well
 // What printed black adds to the light of the line, as a share of what white does beyond what it
@@ -81,7 +81,7 @@ Course fit_course(const std::vector<Vector2>& points) {
 }
 
 std::optional<Course> find_course(const std::vector<Vector2>& points) {
-  if (points.size() < least_points) return std::nullopt;
+  if (points.size() < min_points) return std::nullopt;
   Random random = make_random(1, "line on print");
   const auto draw = [&] {
     const auto i =
@@ -102,7 +102,7 @@ std::optional<Course> find_course(const std::vector<Vector2>& points) {
     }
     if (on.size() > best.size()) best = std::move(on);
   }
-  if (best.size() < least_points || best.size() < points.size() / 3) return std::nullopt;
+  if (best.size() < min_points || best.size() < points.size() / 3) return std::nullopt;
   return fit_course(best);
 }
 
@@ -211,7 +211,7 @@ class Fit {
       }
       if (step > 1 && std::abs(change.x()) < converged_px) {
         const Matrix3 covariance = noise_dn_ * noise_dn_ * sums.inverse();
-        if (!(height > least_height * std::sqrt(covariance(1, 1)))) return std::nullopt;
+        if (!(height > min_height * std::sqrt(covariance(1, 1)))) return std::nullopt;
         return Row{.column_px = column_px,
                    .deviation_px = std::sqrt(covariance(0, 0)),
                    .height_dn = height,
@@ -258,7 +258,7 @@ FittedLine fit_rows(const Fit& fit, const Course& course, const std::array<Vecto
 // The height along the rows, by the middle of the slopes between rows and of what is left of them
 // (Theil and Sen), whatever rows on black have made of it.
 void learn_height(const std::vector<LinePoint>& points, Look& look) {
-  if (points.size() < least_points) return;
+  if (points.size() < min_points) return;
   std::vector<double> slopes;
   const std::size_t apart = points.size() / 2;
   for (std::size_t i = 0; i + apart < points.size(); ++i) {

@@ -19,16 +19,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t most_bytes = std::size_t{8} << 20;
+constexpr std::size_t max_bytes = std::size_t{8} << 20;
 constexpr int fewest_corners = 3;  // along a side; with two the board has no direction
-constexpr int most_corners = 100;
+constexpr int max_corners = 100;
 // A square of a board that one prints and holds: 2 mm to half a metre. Millimetres written where
 // metres are meant fall outside.
-constexpr double smallest_square_m = 2e-3;
-constexpr double largest_square_m = 0.5;
+constexpr double min_square_m = 2e-3;
+constexpr double max_square_m = 0.5;
 // Of a square: a marker keeps away from the borders of its square.
-constexpr double smallest_marker = 0.3;
-constexpr double largest_marker = 0.9;
+constexpr double min_marker = 0.3;
+constexpr double max_marker = 0.9;
 
 /// The names that OpenCV gives its dictionaries of 4, 5 and 6 cells, DICT_4X4_50 to DICT_6X6_1000.
 TomlTable::Words dictionaries() {
@@ -43,17 +43,17 @@ TomlTable::Words dictionaries() {
 
 void read_markers(const TomlTable& table, Board& board) {
   board.marker_m = table
-                       .number("marker_m", smallest_marker * board.square_m,
-                               largest_marker * board.square_m, "the side of one marker in metres")
+                       .number("marker_m", min_marker * board.square_m, max_marker * board.square_m,
+                               "the side of one marker in metres")
                        .value_or(0.0);
   if (const auto dictionary = table.word("dictionary", dictionaries())) {
     board.marker_cells = dictionaries()[*dictionary][5] - '0';
   }
-  if (scanner::marker_count(board) > scanner::most_markers) {
+  if (scanner::marker_count(board) > scanner::max_markers) {
     table.reject("columns", fmt::format("{} x {} inner corners have {} markers, {} at most are "
                                         "known: print fewer and larger squares",
                                         board.columns, board.rows, scanner::marker_count(board),
-                                        scanner::most_markers));
+                                        scanner::max_markers));
   }
 }
 
@@ -69,12 +69,11 @@ Board read_board(const TomlTable& root) {
   if (charuco) needed.insert(needed.end(), of_markers.begin(), of_markers.end());
   table->only(kind ? TomlTable::Words() : of_markers, needed);
   // Inner corners.
-  board.columns = table->whole("columns", fewest_corners, most_corners).value_or(fewest_corners);
-  board.rows = table->whole("rows", fewest_corners, most_corners).value_or(fewest_corners);
-  board.square_m = table
-                       ->number("square_m", smallest_square_m, largest_square_m,
-                                "the side of one square in metres")
-                       .value_or(largest_square_m);
+  board.columns = table->whole("columns", fewest_corners, max_corners).value_or(fewest_corners);
+  board.rows = table->whole("rows", fewest_corners, max_corners).value_or(fewest_corners);
+  board.square_m =
+      table->number("square_m", min_square_m, max_square_m, "the side of one square in metres")
+          .value_or(max_square_m);
   if (charuco) read_markers(*table, board);
   return board;
 }
@@ -200,11 +199,11 @@ Result<Shots> read_shots(const fs::path& folder) {
     return fail(Fault::file, "{}: there is no such folder", folder.string());
   }
   const fs::path board_path = folder / "board.toml";
-  const auto board_text = read_file(board_path, most_bytes);
+  const auto board_text = read_file(board_path, max_bytes);
   if (!board_text) return tl::unexpected(board_text.error());
   const auto board = parse_board(*board_text, board_path.string());
   if (!board) return tl::unexpected(board.error());
-  auto text = read_file(folder / "frames.csv", most_bytes);
+  auto text = read_file(folder / "frames.csv", max_bytes);
   if (!text) return tl::unexpected(text.error());
   auto shots = parse_frames(std::move(*text), folder);
   if (!shots) return tl::unexpected(shots.error());

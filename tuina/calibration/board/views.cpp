@@ -17,7 +17,7 @@
 namespace tuina::calibration {
 namespace {
 
-constexpr double least_share_found = 0.5;
+constexpr double min_share_found = 0.5;
 constexpr double same_yaw_rad = 0.35_deg;  // a little more than one count of the motor
 
 // What one picture showed.
@@ -116,7 +116,7 @@ Result<Views> look_at(const Shots& shots, const Progress& progress, int threads)
                          .line = {}};
   }
   const auto found = static_cast<double>(views.size());
-  if (found < least_share_found * result.board_pictures || views.empty()) {
+  if (found < min_share_found * result.board_pictures || views.empty()) {
     return fail(
         Fault::bad_input,
         "{}: a board with {} x {} inner corners{} is found in {} of {} pictures of it; count "

@@ -21,7 +21,7 @@ namespace {
 // The AX-12A rounds to counts of 0.293 degrees, 0.085 RMS, and has a little play.
 constexpr double yaw_deviation_rad = 0.1_deg;
 // What the image noise does not know of: speckle, paper not quite even.
-constexpr double least_line_px = 0.1;
+constexpr double min_line_px = 0.1;
 constexpr double robust_from = 2.5;  // standard deviations
 constexpr double left_out_from = 4.0;
 
@@ -52,7 +52,7 @@ class Problem {
       corner_good_.emplace_back(views.views[i].corners_px.size(), true);
       const Geometry now = geometry();
       line_.push_back(line_on_board(views.views[i], views.board, now.camera, pose_of(i)));
-      if (line_.back().size() < least_line_points) line_.back().clear();
+      if (line_.back().size() < min_line_points) line_.back().clear();
       view_factor_.push_back(line_factor_);
     }
   }
@@ -197,7 +197,7 @@ class Problem {
   using Line = std::vector<LineOnBoard>;
 
   static double believed_deviation(const LineOnBoard& point) {
-    return std::hypot(point.deviation_px, least_line_px);
+    return std::hypot(point.deviation_px, min_line_px);
   }
 
   [[nodiscard]] Vector3 corner(std::size_t i, std::size_t k) const {

@@ -42,7 +42,7 @@ double median_off(const LightPlane& plane, const Line& line, const Vector3& flip
 }
 
 bool fits(const LightPlane& plane, const Line& line, const Vector3& flip = Vector3::Ones()) {
-  return line.size() >= least_line_points && median_off(plane, line, flip) < 1.0;
+  return line.size() >= min_line_points && median_off(plane, line, flip) < 1.0;
 }
 
 // Total least squares, near points counting more as they are known better.
@@ -70,7 +70,7 @@ LightPlane through(const std::vector<Vector3>& points) {
 LightPlane agreed_on(const std::vector<Line>& lines) {
   std::vector<const Line*> lit;
   for (const Line& line : lines) {
-    if (line.size() >= least_line_points) lit.push_back(&line);
+    if (line.size() >= min_line_points) lit.push_back(&line);
   }
   Random random =
       make_random(1, "light plane");  // any seed would do; this one always does the same
@@ -179,7 +179,7 @@ Result<LightPlane> find_light_plane(const Views& views, const scanner::CameraMod
   std::size_t lit = 0;
   for (std::size_t i = 0; i < views.views.size(); ++i) {
     lines.push_back(line_on_board(views.views[i], views.board, camera, camera_from_board[i]));
-    lit += lines.back().size() >= least_line_points ? 1U : 0U;
+    lit += lines.back().size() >= min_line_points ? 1U : 0U;
   }
   if (lit < 3) {
     return fail(Fault::bad_input,
@@ -206,7 +206,7 @@ Result<LightPlane> find_light_plane(const Views& views, const scanner::CameraMod
         break;
       }
     }
-    if (lines[i].size() >= least_line_points) off.push_back(view.pose);
+    if (lines[i].size() >= min_line_points) off.push_back(view.pose);
   }
   if (!swapped.empty() && swapped.size() >= mirrored_poses.size()) {
     return fail(Fault::bad_input,

@@ -11,7 +11,7 @@
 namespace tuina::calibration {
 
 /// Fewer points are not a line on a board.
-inline constexpr std::size_t least_line_points = 12;
+inline constexpr std::size_t min_line_points = 12;
 
 /// A place of the laser line on a board.
 struct LineOnBoard {

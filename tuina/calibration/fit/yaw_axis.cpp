@@ -11,7 +11,7 @@
 namespace tuina::calibration {
 namespace {
 
-constexpr double least_turn_rad = 5.0_deg;
+constexpr double min_turn_rad = 5.0_deg;
 // Of a turn between two views: the count of the motor, its play, and the first poses of the boards.
 constexpr double tolerated_rad = 1.5_deg;
 constexpr double tolerated_share = 0.03;
@@ -64,9 +64,9 @@ std::vector<Turn> turns_of(Views& views, std::vector<Transform>& camera_from_boa
 }
 
 Result<void> check(const std::vector<Turn>& turns, const Vector3& direction) {
-  double most_rad = 0.0;
+  double max_rad = 0.0;
   for (const Turn& turn : turns) {
-    most_rad = std::max(most_rad, std::abs(turn.yaw_rad));
+    max_rad = std::max(max_rad, std::abs(turn.yaw_rad));
     const double tolerance_rad = tolerated_rad + tolerated_share * std::abs(turn.yaw_rad);
     if ((turn.turned_rad + turn.yaw_rad * direction).norm() < tolerance_rad &&
         std::abs(turn.yaw_rad) > tolerance_rad) {
@@ -82,11 +82,11 @@ Result<void> check(const std::vector<Turn>& turns, const Vector3& direction) {
                   turn.pose, to_deg(turn.turned_rad.norm()), to_deg(turn.yaw_rad));
     }
   }
-  if (most_rad < least_turn_rad) {
+  if (max_rad < min_turn_rad) {
     return fail(Fault::bad_input,
                 "the unit turned by {:.1f} deg before a standing board, {:.0f} needed; turn it "
                 "from one side of the picture to the other",
-                to_deg(most_rad), to_deg(least_turn_rad));
+                to_deg(max_rad), to_deg(min_turn_rad));
   }
   return {};
 }

@@ -10,7 +10,7 @@
 namespace tuina {
 namespace {
 
-constexpr std::size_t largest_csv_bytes = std::size_t{256} << 20;
+constexpr std::size_t max_csv_bytes = std::size_t{256} << 20;
 
 std::vector<std::string_view> split(std::string_view line) {
   std::vector<std::string_view> cells;
@@ -84,7 +84,7 @@ Result<CsvTable> parse_csv(std::string_view text, std::string_view name,
 
 Result<CsvTable> read_csv(const std::filesystem::path& path,
                           const std::vector<std::string>& wanted_columns) {
-  const auto text = read_file(path, largest_csv_bytes);
+  const auto text = read_file(path, max_csv_bytes);
   if (!text) return tl::unexpected(text.error());
   return parse_csv(*text, path.string(), wanted_columns);
 }

@@ -36,8 +36,8 @@ Result<std::string> read_file(const std::filesystem::path& path, std::size_t lim
                 status.st_size, limit_bytes);
   }
   // What tells no size (a pipe, a device) grows by doubling, so it may only become this large.
-  constexpr std::size_t most_without_size = std::size_t{128} << 20;
-  if (!S_ISREG(status.st_mode)) limit_bytes = std::min(limit_bytes, most_without_size);
+  constexpr std::size_t max_without_size = std::size_t{128} << 20;
+  if (!S_ISREG(status.st_mode)) limit_bytes = std::min(limit_bytes, max_without_size);
   std::string content;
   std::size_t size = 0;
   content.resize(static_cast<std::size_t>(status.st_size) + 1);

@@ -177,7 +177,7 @@ class Body {
 };
 
 /// The fewest bytes that a row takes; a list may be empty.
-std::uint64_t least_row_bytes(const Element& element, Format format) {
+std::uint64_t min_row_bytes(const Element& element, Format format) {
   std::uint64_t bytes = 0;
   for (const Property& property : element.properties) {
     bytes += format == Format::ascii ? 2 : size_of(property.count_type.value_or(property.type));
@@ -191,7 +191,7 @@ Result<void> check_header(const Header& header, std::string_view name, std::size
   // The last line of a text may lack its newline.
   std::uint64_t left = data_bytes + (header.format == Format::ascii ? 1 : 0);
   for (const Element& element : header.elements) {
-    const std::uint64_t least = least_row_bytes(element, header.format);
+    const std::uint64_t least = min_row_bytes(element, header.format);
     if (least == 0)
       return fail(Fault::bad_input, "{}: element {} has no property", name,
                   in_quotes(element.name));

@@ -15,8 +15,8 @@ namespace tuina {
 namespace {
 
 constexpr std::string_view signature = "\x89PNG\r\n\x1a\n";
-constexpr std::size_t largest_png_bytes = std::size_t{128} << 20;
-constexpr std::uint64_t most_pixels = 32'000'000;
+constexpr std::size_t max_png_bytes = std::size_t{128} << 20;
+constexpr std::uint64_t max_pixels = 32'000'000;
 constexpr std::uint64_t best_deflate_ratio = 1032;  // RFC 1951: 258 bytes from two bits
 
 std::uint32_t big_endian(std::string_view bytes) {
@@ -62,9 +62,9 @@ Result<void> check_chunks(std::string_view content, std::string_view name) {
       const std::uint64_t width = big_endian(rest.substr(8));
       const std::uint64_t height = big_endian(rest.substr(12));
       pixels = width * height;
-      if (pixels == 0 || width > most_pixels || height > most_pixels || pixels > most_pixels) {
+      if (pixels == 0 || width > max_pixels || height > max_pixels || pixels > max_pixels) {
         return fail(Fault::bad_input, "{}: {} x {} pixels; from 1 to {} are read", name, width,
-                    height, most_pixels);
+                    height, max_pixels);
       }
     }
     if (type == "IDAT") compressed += length;
@@ -171,7 +171,7 @@ Result<PngFile> parse_png(std::string_view content, std::string_view name) {
 }
 
 Result<PngFile> read_png(const std::filesystem::path& path) {
-  const auto content = read_file(path, largest_png_bytes);
+  const auto content = read_file(path, max_png_bytes);
   if (!content) return tl::unexpected(content.error());
   return parse_png(*content, path.string());
 }

@@ -16,7 +16,7 @@ namespace {
 
 // No person and no couch is a thousand kilometres away; such numbers would only overflow further
 // on.
-constexpr double farthest_m = 1e6;
+constexpr double max_distance_m = 1e6;
 
 template <typename Number>
 double number_at(const char* bytes, bool big_endian) {
@@ -114,7 +114,7 @@ PointGatherer::PointGatherer(std::array<bool, slots + 1> present, std::size_t ex
 bool PointGatherer::add(const Values& values) {
   const Vector3 point(values[0], values[1], values[2]);
   const bool finite = point.allFinite();
-  if (finite && point.cwiseAbs().maxCoeff() > farthest_m) return false;
+  if (finite && point.cwiseAbs().maxCoeff() > max_distance_m) return false;
   auto& cloud = file_.cloud;
   if (!finite && number_of_.empty()) {
     for (std::size_t k = 0; k < added_; ++k) number_of_.push_back(static_cast<int>(k));
@@ -161,7 +161,7 @@ SurfaceFile PointGatherer::take() {
 
 namespace {
 
-constexpr std::size_t largest_surface_bytes = std::size_t{384} << 20;
+constexpr std::size_t max_surface_bytes = std::size_t{384} << 20;
 
 void append(std::string& content, double value) {
   const auto bytes = std::bit_cast<std::array<char, 4>>(static_cast<float>(value));
@@ -193,7 +193,7 @@ Result<SurfaceFile> parse_surface(std::string_view content, std::string_view nam
 }
 
 Result<SurfaceFile> read_surface(const std::filesystem::path& path) {
-  const auto content = read_file(path, largest_surface_bytes);
+  const auto content = read_file(path, max_surface_bytes);
   if (!content) return tl::unexpected(content.error());
   return parse_surface(*content, path.string());
 }

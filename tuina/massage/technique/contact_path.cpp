@@ -22,9 +22,9 @@ double smooth_step_integral(double time_s, double length_s) {
 
 double force_ramp_s(double change_n, double wanted_s) {
   // A twentieth is kept back, so that two laws that overlap for a moment stay below the bound too.
-  const double shortest_s =
-      smooth_step_steepest * std::abs(change_n) / (0.95 * fastest_force_n_per_s);
-  return std::max(wanted_s, shortest_s);
+  const double min_duration_s =
+      smooth_step_steepest * std::abs(change_n) / (0.95 * max_force_n_per_s);
+  return std::max(wanted_s, min_duration_s);
 }
 
 double Slide::top_speed_m_per_s() const {

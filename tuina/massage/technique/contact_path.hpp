@@ -12,8 +12,8 @@ namespace tuina::massage {
 /// from one value to the next without a step. Bounds are those of contact at 1 kHz on a person: the
 /// rate of force and the tangential speed are kept by construction, not checked afterwards.
 inline constexpr double sample_s = 0.01;
-inline constexpr double fastest_force_n_per_s = 100.0;
-inline constexpr double fastest_slide_m_per_s = 0.080;
+inline constexpr double max_force_n_per_s = 100.0;
+inline constexpr double max_slide_m_per_s = 0.080;
 /// Between presses, and while the tool is moved along the skin unloaded, it stays on the skin with
 /// this force: leaving and touching again would be an impact every time.
 inline constexpr double kept_force_n = 3.0;

@@ -25,7 +25,7 @@ double PressWindow::at(double time_s) const {
   return (sigmoid(a * (t - 0.5 * edge_s)) - jump) / (1.0 - 2.0 * jump);
 }
 
-double PressWindow::steepest_per_s() const {
+double PressWindow::max_slope_per_s() const {
   return 0.25 * steepness / edge_s / (1.0 - 2.0 * sigmoid(-0.5 * steepness));
 }
 
@@ -34,7 +34,7 @@ ContactPath plan_press(const body::SurfacePoint& place, const PressOptions& opti
   const double kept_n = std::min(kept_force_n, options.force_n);
   const double pressed_n = options.force_n - kept_n;
   PressWindow window = options.window;
-  const double too_fast = pressed_n * window.steepest_per_s() / fastest_force_n_per_s;
+  const double too_fast = pressed_n * window.max_slope_per_s() / max_force_n_per_s;
   window.edge_s *= std::max(1.0, too_fast);
 
   const double cycle_s = window.length_s() + options.pause_s;

@@ -19,7 +19,7 @@ struct PressWindow {
 
   [[nodiscard]] double length_s() const { return 2.0 * edge_s + hold_s; }
   [[nodiscard]] double at(double time_s) const;  ///< 0 to 1; 0 outside of the window
-  [[nodiscard]] double steepest_per_s() const;   ///< largest slope, in the middle of an edge
+  [[nodiscard]] double max_slope_per_s() const;  ///< largest slope, in the middle of an edge
 };
 
 struct PressOptions {

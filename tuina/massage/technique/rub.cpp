@@ -56,10 +56,10 @@ Result<SurfaceCurve> spiral_on(const body::BackSurface& back, const body::Surfac
                                const Bend& bend) {
   constexpr double innermost_m = 6_mm, winding_m = 9_mm, step_m = 3_mm;
   const Axes axes = axes_at(centre, first_in_couch, clockwise);
-  const double most_m = std::max(radius_m, innermost_m + winding_m);
+  const double max_m = std::max(radius_m, innermost_m + winding_m);
   std::vector<Vector3> guide;
   double theta = 0.0;
-  for (double r = innermost_m; r < most_m; r = innermost_m + winding_m * theta / (2.0 * pi)) {
+  for (double r = innermost_m; r < max_m; r = innermost_m + winding_m * theta / (2.0 * pi)) {
     guide.push_back(around(centre, axes, r, theta));
     theta += step_m / r;
   }
@@ -74,7 +74,7 @@ ContactPath plan_rub(const SurfaceCurve& curve, const RubOptions& options, std::
   const int ways = curve.closed() ? 1 : options.turns;
   const double round_m = curve.closed() ? curve.length_m() : 2.0 * pi * options.radius_m;
   const Slide slide{.length_m = (curve.closed() ? options.turns : 1) * curve.length_m(),
-                    .speed_m_per_s = std::min(options.rate_hz * round_m, fastest_slide_m_per_s),
+                    .speed_m_per_s = std::min(options.rate_hz * round_m, max_slide_m_per_s),
                     .ramp_s = std::max(0.6, rise_s)};
   const double way_s = slide.duration_s(), moving_s = ways * way_s;
   const double duration_s = 2.0 * landing_s + moving_s;

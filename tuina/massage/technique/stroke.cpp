@@ -56,7 +56,7 @@ Result<SurfaceCurve> line_through(const body::BackSurface& back,
 
 double hand_over_hand_pass_s(double length_m, double speed_m_per_s) {
   const Slide forward{.length_m = length_m, .speed_m_per_s = speed_m_per_s};
-  const Slide back{.length_m = length_m, .speed_m_per_s = fastest_slide_m_per_s};
+  const Slide back{.length_m = length_m, .speed_m_per_s = max_slide_m_per_s};
   return std::max(forward.duration_s(), back.duration_s() + 2.0 * hands_overlap_s);
 }
 
@@ -64,11 +64,11 @@ ContactPath plan_stroke(const SurfaceCurve& line, const StrokeOptions& options, 
   const double kept_n = std::min(kept_force_n, options.force_n);
   const double stroked_n = options.force_n - kept_n;
   Slide slide{.length_m = line.length_m(),
-              .speed_m_per_s = std::min(options.speed_m_per_s, fastest_slide_m_per_s)};
+              .speed_m_per_s = std::min(options.speed_m_per_s, max_slide_m_per_s)};
   Slide back = slide;
   if (options.turn) {
     slide.speed_m_per_s = slide.length_m / (options.turn->pass_s - slide.ramp_s);
-    back.speed_m_per_s = fastest_slide_m_per_s;
+    back.speed_m_per_s = max_slide_m_per_s;
   }
   const double rise_s = force_ramp_s(stroked_n, slide.ramp_s);
   // A very short line takes as long as its force needs to rise and fall.

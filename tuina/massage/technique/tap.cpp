@@ -10,11 +10,11 @@
 namespace tuina::massage {
 
 double strongest_tap_n(double rate_hz) {
-  return kept_force_n + fastest_tap_n_per_s / (pi * rate_hz);
+  return kept_force_n + max_tap_n_per_s / (pi * rate_hz);
 }
 
 ContactPath plan_tap(const body::SurfacePoint& place, const TapOptions& options, std::string name) {
-  const double rate_hz = std::clamp(options.rate_hz, slowest_tap_hz, fastest_tap_hz);
+  const double rate_hz = std::clamp(options.rate_hz, min_tap_hz, max_tap_hz);
   const double force_n = std::min(options.force_n, strongest_tap_n(rate_hz));
   const double kept_n = std::min(kept_force_n, force_n);
   const double taps = std::max(1.0, std::round(options.time_s * rate_hz));

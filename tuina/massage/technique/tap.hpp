@@ -8,11 +8,11 @@
 
 namespace tuina::massage {
 
-inline constexpr double slowest_tap_hz = 1.0;
-inline constexpr double fastest_tap_hz = 5.0;
+inline constexpr double min_tap_hz = 1.0;
+inline constexpr double max_tap_hz = 5.0;
 /// Slower than other changes of force: within a tap no feedback corrects a tissue that is softer
 /// than believed, so the error grows with this rate.
-inline constexpr double fastest_tap_n_per_s = 70.0;
+inline constexpr double max_tap_n_per_s = 70.0;
 
 struct TapOptions {
   double force_n = 10.0;  ///< at the top of each tap

@@ -11,11 +11,11 @@
 namespace tuina::scanner {
 namespace {
 
-constexpr int most_faces = 16;
+constexpr int max_faces = 16;
 constexpr int tries = 250;
 constexpr std::size_t judged_points = 6000;
-constexpr std::size_t least_around = 12;  // judged points about a seed
-constexpr std::size_t least_points = 150;
+constexpr std::size_t min_around = 12;  // judged points about a seed
+constexpr std::size_t min_points = 150;
 constexpr double on_face_m = 2.5_mm;
 constexpr double around_share = 0.12;  // of the widest face
 const double alike = std::cos(25.0_deg);
@@ -47,7 +47,7 @@ bool on(const Face& face, const Sample& sample) {
 }
 
 // The plane through the flat surroundings of some seed that most samples lie on.
-Face largest(const std::vector<Sample>& samples, double widest_m, Random& random) {
+Face largest(const std::vector<Sample>& samples, double max_width_m, Random& random) {
   const std::size_t step = std::max<std::size_t>(1, samples.size() / judged_points);
   Face best;
   std::size_t most = 0;
@@ -57,14 +57,14 @@ Face largest(const std::vector<Sample>& samples, double widest_m, Random& random
     const Sample& seed = samples[std::min(drawn, samples.size() - 1)];
     std::vector<Vector3> around;
     for (std::size_t k = 0; k < samples.size(); k += step) {
-      const bool near = (samples[k].point - seed.point).norm() < around_share * widest_m;
+      const bool near = (samples[k].point - seed.point).norm() < around_share * max_width_m;
       if (near && samples[k].normal.dot(seed.normal) > alike) around.push_back(samples[k].point);
     }
-    if (around.size() < least_around) continue;
+    if (around.size() < min_around) continue;
     const Face face = through(std::move(around), seed.normal);
     std::size_t points = 0;
     for (std::size_t k = 0; k < samples.size(); k += step) {
-      const bool within = (samples[k].point - seed.point).norm() < widest_m;
+      const bool within = (samples[k].point - seed.point).norm() < max_width_m;
       points += within && on(face, samples[k]);
     }
     if (points > most) {
@@ -77,7 +77,7 @@ Face largest(const std::vector<Sample>& samples, double widest_m, Random& random
 
 }  // namespace
 
-std::vector<Face> find_faces(const PointCloud& cloud, double widest_m) {
+std::vector<Face> find_faces(const PointCloud& cloud, double max_width_m) {
   std::vector<Sample> rest;
   if (cloud.normals.size() == cloud.size()) {
     for (std::size_t i = 0; i < cloud.size(); ++i) {
@@ -86,8 +86,8 @@ std::vector<Face> find_faces(const PointCloud& cloud, double widest_m) {
   }
   Random random = make_random(1, "faces of a box");
   std::vector<Face> faces;
-  for (int i = 0; i < most_faces && rest.size() >= least_points; ++i) {
-    Face face = largest(rest, widest_m, random);
+  for (int i = 0; i < max_faces && rest.size() >= min_points; ++i) {
+    Face face = largest(rest, max_width_m, random);
     for (int refined = 0; refined < 3 && !face.points.empty(); ++refined) {
       std::vector<Vector3> members;
       for (const Sample& sample : rest) {
@@ -96,12 +96,12 @@ std::vector<Face> find_faces(const PointCloud& cloud, double widest_m) {
       if (members.empty()) break;
       face = through(std::move(members), face.normal);
     }
-    if (face.points.size() < least_points) break;
+    if (face.points.size() < min_points) break;
     std::erase_if(rest, [&](const Sample& sample) { return on(face, sample); });
     // A couch or a wall goes on beyond the box.
     const auto within = std::count_if(
         face.points.begin(), face.points.end(),
-        [&](const Vector3& point) { return (point - face.middle).norm() < 0.6 * widest_m; });
+        [&](const Vector3& point) { return (point - face.middle).norm() < 0.6 * max_width_m; });
     if (static_cast<double>(within) > 0.95 * static_cast<double>(face.points.size())) {
       faces.push_back(std::move(face));
     }

@@ -19,7 +19,7 @@ struct Face {
   [[nodiscard]] double out_m(const Vector3& point) const { return normal.dot(point) - offset_m; }
 };
 
-/// The flat pieces of a scan (with normals) that are no wider than `widest_m`, largest first.
-[[nodiscard]] std::vector<Face> find_faces(const PointCloud& cloud, double widest_m);
+/// The flat pieces of a scan (with normals) that are no wider than `max_width_m`, largest first.
+[[nodiscard]] std::vector<Face> find_faces(const PointCloud& cloud, double max_width_m);
 
 }  // namespace tuina::scanner

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double upright_rad = 20.0_deg;  // so far off the right angle two faces may be found
 constexpr double inside_m = 5.0_mm;
-constexpr double most_strips = 40.0;
+constexpr double max_strips = 40.0;
 constexpr double points_of_strip = 15.0;
 constexpr double allowed_m = 2.0_mm;
 constexpr double allowed_share = 0.01;
@@ -112,7 +112,7 @@ Reach reach_of(const std::vector<Vector3>& in_box, Eigen::Index along, Eigen::In
     high = std::max(high, point(across));
   }
   const double count =
-      std::clamp(static_cast<double>(in_box.size()) / points_of_strip, 5.0, most_strips);
+      std::clamp(static_cast<double>(in_box.size()) / points_of_strip, 5.0, max_strips);
   std::vector<std::vector<double>> strips(static_cast<std::size_t>(count));
   for (const Vector3& point : in_box) {
     const double share = (point(across) - low) / std::max(1e-9, high - low);

@@ -15,7 +15,7 @@ namespace {
 constexpr int tries = 4000;
 constexpr std::size_t judged_points = 3000;
 constexpr double on_sphere_m = 3.0_mm;
-constexpr std::size_t least_points = 300;
+constexpr std::size_t min_points = 300;
 constexpr double allowed_m = 2.0_mm;
 constexpr double allowed_share = 0.01;
 
@@ -60,7 +60,7 @@ Result<FoundSphere> find_sphere(const PointCloud& cloud, double diameter_m) {
                 "crosses it, nothing within a hand's breadth",
                 to_mm(diameter_m), cloud.size());
   };
-  if (cloud.size() < least_points || cloud.normals.size() != cloud.size()) return none();
+  if (cloud.size() < min_points || cloud.normals.size() != cloud.size()) return none();
   Random random = make_random(1, "ball");
   const auto draw = [&] {
     const auto i =
@@ -92,7 +92,7 @@ Result<FoundSphere> find_sphere(const PointCloud& cloud, double diameter_m) {
   if (most == 0) return none();
   for (int i = 0; i < 10; ++i) best = fitted(cloud, best);
   const bool about = best.diameter_m > 0.5 * diameter_m && best.diameter_m < 2.0 * diameter_m;
-  if (best.points < least_points || !about) return none();
+  if (best.points < min_points || !about) return none();
   return best;
 }
 

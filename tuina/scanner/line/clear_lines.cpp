@@ -12,15 +12,15 @@ namespace tuina::scanner {
 namespace {
 
 RowRule rule_of(const LineScene& scene) {
-  return {.first = scene.first_column,
-          .last = scene.last_column,
-          .beside_px = scene.beside_px,
-          .least_dn =
-              static_cast<int>(std::ceil(scene.background_dn + least_pixel_snr * scene.noise_dn)),
-          .least_height_dn = least_pixel_snr * scene.noise_dn,
-          .saturated_dn = scene.saturated_dn,
-          .least_spike_dn = least_spike_over_noise * scene.noise_dn,
-          .spike_share = spike_share(scene)};
+  return {
+      .first = scene.first_column,
+      .last = scene.last_column,
+      .beside_px = scene.beside_px,
+      .min_dn = static_cast<int>(std::ceil(scene.background_dn + min_pixel_snr * scene.noise_dn)),
+      .min_height_dn = min_pixel_snr * scene.noise_dn,
+      .saturated_dn = scene.saturated_dn,
+      .min_spike_dn = min_spike_over_noise * scene.noise_dn,
+      .spike_share = spike_share(scene)};
 }
 
 class ClearRows {
@@ -29,8 +29,8 @@ class ClearRows {
       : reader_(row_reader()),
         rule_(rule_of(scene)),
         kernel_(kernel),
-        least_amplitude_dn_(least_amplitude_snr * kernel.height_factor * scene.noise_dn),
-        farthest_px_(2.0F + scene.width_px),
+        min_amplitude_dn_(min_amplitude_snr * kernel.height_factor * scene.noise_dn),
+        max_distance_px_(2.0F + scene.width_px),
         deviation_px_dn_(kernel.deviation_factor * scene.noise_dn),
         steps_(method == LineMethod::centroid ? 2 : 3),
         hint_(scene.hint_column) {}
@@ -66,7 +66,7 @@ class ClearRows {
                      .deviation_px = deviation_px_dn_ / height};
       const bool clear = seen.view[k] == RowView::one_line;
       const float moved_px = std::abs(column - static_cast<float>(seen.brightest[k]));
-      next += clear & (height >= least_amplitude_dn_) & (moved_px <= farthest_px_) ? 1 : 0;
+      next += clear & (height >= min_amplitude_dn_) & (moved_px <= max_distance_px_) ? 1 : 0;
       hint_ = clear ? seen.brightest[k] : hint_;
       if (seen.view[k] == RowView::in_doubt) in_doubt.push_back(first + i);
     }
@@ -77,8 +77,8 @@ class ClearRows {
   const RowReader& reader_;
   RowRule rule_;
   const LineKernel& kernel_;
-  float least_amplitude_dn_;
-  float farthest_px_;      // from the brightest pixel to the line
+  float min_amplitude_dn_;
+  float max_distance_px_;  // from the brightest pixel to the line
   float deviation_px_dn_;  // of the column, times the amplitude
   int steps_;
   int hint_;

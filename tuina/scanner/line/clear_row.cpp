@@ -42,12 +42,12 @@ void look(const RowBatch& rows, const RowRule& rule, int /*hint*/, BatchView& se
         static_cast<const std::uint8_t*>(std::memchr(begin, most, static_cast<std::size_t>(count)));
     seen.brightest[i] = static_cast<int>(found - rows[i]);
     bool clear = false;
-    if (most >= rule.least_dn && rule.has_margin(seen.brightest[i])) {
+    if (most >= rule.min_dn && rule.has_margin(seen.brightest[i])) {
       judge(facts_of(rows[i], seen.brightest[i], rule), rule, clear);
     }
-    seen.view[i] = clear                  ? RowView::one_line
-                   : most < rule.least_dn ? RowView::dark
-                                          : RowView::in_doubt;
+    seen.view[i] = clear                ? RowView::one_line
+                   : most < rule.min_dn ? RowView::dark
+                                        : RowView::in_doubt;
   }
 }
 

@@ -10,22 +10,22 @@
 namespace tuina::scanner {
 
 /// A walk that leads farther from the brightest pixel was not led by a line.
-inline constexpr float farthest_walk_px = 4.0F;
+inline constexpr float max_walk_px = 4.0F;
 
 /// When a row of 8-bit pixels shows one clear line and nothing else.
 struct RowRule {
   int first = 0;  ///< of the columns that are looked at
   int last = 0;
-  int beside_px = 9;             ///< from here on a pixel beside the line shows background
-  int least_dn = 0;              ///< of the brightest pixel of a row with a line
-  float least_height_dn = 0.0F;  ///< of a line, or of a rival, above what is beside it
-  float saturated_dn = 255.0F;   ///< pixels at or above it are clipped
-  float least_spike_dn = 0.0F;   ///< a hot pixel outshines its neighbours by so much,
-  float spike_share = 0.0F;      ///< and this share of the line's height
+  int beside_px = 9;            ///< from here on a pixel beside the line shows background
+  int min_dn = 0;               ///< of the brightest pixel of a row with a line
+  float min_height_dn = 0.0F;   ///< of a line, or of a rival, above what is beside it
+  float saturated_dn = 255.0F;  ///< pixels at or above it are clipped
+  float min_spike_dn = 0.0F;    ///< a hot pixel outshines its neighbours by so much,
+  float spike_share = 0.0F;     ///< and this share of the line's height
   /// The brightest pixel must lie so far from either end for the pixels beside it to exist, and for
   /// a kernel to walk from it.
   [[nodiscard]] int margin_px() const {
-    const int window_px = LineKernel::taps / 2 + static_cast<int>(farthest_walk_px) + 1;
+    const int window_px = LineKernel::taps / 2 + static_cast<int>(max_walk_px) + 1;
     return beside_px + 8 > window_px ? beside_px + 8 : window_px;
   }
   [[nodiscard]] bool has_margin(int column) const {

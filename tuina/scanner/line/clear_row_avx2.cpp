@@ -53,10 +53,10 @@ struct Gap {
 };
 
 // Made before the program starts: a row that waits for bytes just written waits long.
-constexpr int most_beside_px = window / 4;
+constexpr int max_beside_px = window / 4;
 constexpr auto gaps = [] {
-  std::array<Gap, most_beside_px + 1> all;
-  for (int beside_px = 1; beside_px <= most_beside_px; ++beside_px) {
+  std::array<Gap, max_beside_px + 1> all;
+  for (int beside_px = 1; beside_px <= max_beside_px; ++beside_px) {
     Gap& gap = all[static_cast<std::size_t>(beside_px)];
     gap.nearest = beside_px - 1;
     gap.bytes.fill(255);
@@ -67,8 +67,8 @@ constexpr auto gaps = [] {
 
 // The largest pixel of the rows of a group at each place of a register, left and right of the
 // window.
-TUINA_AVX2 inline __m256i largest_outside(const std::uint8_t* const* rows, int first, int begin,
-                                          int last) {
+TUINA_AVX2 inline __m256i max_outside(const std::uint8_t* const* rows, int first, int begin,
+                                      int last) {
   __m256i most[4] = {};
   // A picture that comes from main memory is asked for a group of rows ahead, as many bytes as are
   // read here.
@@ -95,7 +95,7 @@ TUINA_AVX2 inline bool all_show_one_line(const std::uint8_t* const* rows, const 
                                          int begin, const Gap& gap, int* brightest, bool& dark) {
   const int beside_px = rule.beside_px;
   const auto nearest = static_cast<unsigned>(gap.nearest);
-  __m256i rivals = largest_outside(rows, rule.first, begin, rule.last);
+  __m256i rivals = max_outside(rows, rule.first, begin, rule.last);
   __m256i spikes = _mm256_setzero_si256();
   __m256i inside = _mm256_setzero_si256();
   alignas(32) std::array<std::int32_t, group> around;
@@ -127,7 +127,7 @@ TUINA_AVX2 inline bool all_show_one_line(const std::uint8_t* const* rows, const 
         spikes, _mm256_subs_epu8(load(taps), _mm256_max_epu8(load(taps - 1), load(taps + 1))));
   }
   const int rival = largest_of(rivals);
-  dark = std::max(rival, largest_of(inside)) < rule.least_dn;
+  dark = std::max(rival, largest_of(inside)) < rule.min_dn;
   Wholes byte;
   std::memcpy(&byte, around.data(), sizeof byte);
   Wholes sum;
@@ -142,7 +142,7 @@ TUINA_AVX2 inline bool all_show_one_line(const std::uint8_t* const* rows, const 
                          .rival = Floats{} + static_cast<float>(rival),
                          .spike = Floats{} + static_cast<float>(largest_of(spikes))},
         rule, clear);
-  clear &= (most >= rule.least_dn) & (most >= rival);
+  clear &= (most >= rule.min_dn) & (most >= rival);
   return within && _mm256_movemask_epi8(reinterpret_cast<__m256i>(clear)) == -1;
 }
 
@@ -151,7 +151,7 @@ TUINA_AVX2 void look(const RowBatch& rows, const RowRule& rule, int hint,
   // The first column of the window lies whole registers from the first of the span, and every
   // column of the window has margin and a register of its own to the right.
   const int room = rule.last - rule.first + 1 - window - 2 * block;
-  if (room >= block && rule.beside_px <= most_beside_px && rule.margin_px() <= block) {
+  if (room >= block && rule.beside_px <= max_beside_px && rule.margin_px() <= block) {
     const int wanted = (hint - rule.first - block / 2) / block;
     const int begin = rule.first + block * std::clamp(wanted, 1, room / block);
     const Gap& gap = gaps[static_cast<std::size_t>(rule.beside_px)];

@@ -35,10 +35,10 @@ template <typename Number, typename Answer>
   const Number beside = 0.125F * facts.beside_sum;
   const Number height = facts.most - beside;
   const Number rival = facts.rival - beside;
-  clear = (facts.most < rule.saturated_dn) & (height >= rule.least_height_dn) &
+  clear = (facts.most < rule.saturated_dn) & (height >= rule.min_height_dn) &
           (facts.neighbour - beside >= 0.25F * height) &
-          ((rival <= rival_share * height) | (rival <= rule.least_height_dn)) &
-          (facts.spike <= rule.least_spike_dn + rule.spike_share * height);
+          ((rival <= rival_share * height) | (rival <= rule.min_height_dn)) &
+          (facts.spike <= rule.min_spike_dn + rule.spike_share * height);
 }
 
 /// Steps of the kernel in all rows of a batch; `weigh(rows, first, phase, kernel, offset, height)`
@@ -70,7 +70,7 @@ template <typename Weigh>
                         move * kernel.whole_offset;
       // No line leads so far; the height says so, and the walk goes on from where it began.
       const Wholes led =
-          (height[g] > 0) & (to - from[g] <= farthest_walk_px) & (from[g] - to <= farthest_walk_px);
+          (height[g] > 0) & (to - from[g] <= max_walk_px) & (from[g] - to <= max_walk_px);
       column[g] = led ? to : from[g];
       height[g] &= led;
     }

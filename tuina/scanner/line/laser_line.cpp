@@ -18,7 +18,7 @@ namespace tuina::scanner {
 namespace {
 
 // However bright, a line clips no more pixels than this and eight widths.
-constexpr float widest_plateau_px = 16.0F;
+constexpr float max_plateau_px = 16.0F;
 // So many rows tell noise and width of the line well enough.
 constexpr int sampled_rows = 20;
 
@@ -79,7 +79,7 @@ Look look_at(const Sample* row, const LineScene& scene) {
   const int first = scene.first_column;
   const int last = scene.last_column;
   const auto most = largest(row + first, last - first + 1);
-  if (static_cast<float>(most) < scene.background_dn + least_pixel_snr * scene.noise_dn) return {};
+  if (static_cast<float>(most) < scene.background_dn + min_pixel_snr * scene.noise_dn) return {};
 
   const Sample* at = where_is(most, row + first, row + last + 1);
   int left = static_cast<int>(at - row);
@@ -88,7 +88,7 @@ Look look_at(const Sample* row, const LineScene& scene) {
   // lies to one side.
   if (static_cast<float>(most) >= scene.saturated_dn) {
     while (right < last && static_cast<float>(row[right + 1]) >= scene.saturated_dn) ++right;
-    if (static_cast<float>(right - left) > widest_plateau_px + 8.0F * scene.width_px) {
+    if (static_cast<float>(right - left) > max_plateau_px + 8.0F * scene.width_px) {
       return {Seen::several, {}};  // a lamp or a white field
     }
   }
@@ -105,7 +105,7 @@ Look look_at(const Sample* row, const LineScene& scene) {
   const float right_dn = mean(middle + reach, middle + reach + 7);
   const float beside_dn = std::max(left_dn, right_dn);
   const float height = static_cast<float>(most) - beside_dn;
-  if (height < least_pixel_snr * scene.noise_dn)
+  if (height < min_pixel_snr * scene.noise_dn)
     return {Seen::several, {}};  // an edge, or a bright field
 
   // A single hot pixel has dark neighbours; even a sharp line is wider than that.
@@ -115,7 +115,7 @@ Look look_at(const Sample* row, const LineScene& scene) {
   if (left == right && std::max(above(left - 1), above(left + 1)) < 0.25F * height) {
     return {Seen::several, {}};
   }
-  const float rival = beside_dn + std::max(rival_share * height, least_pixel_snr * scene.noise_dn);
+  const float rival = beside_dn + std::max(rival_share * height, min_pixel_snr * scene.noise_dn);
   const int until = middle - reach;
   const int from = middle + reach;
   if ((until > first && static_cast<float>(largest(row + first, until - first)) > rival) ||
@@ -179,13 +179,12 @@ std::optional<LinePoint> measure(const Sample* row, int y, const Candidate& cand
                                  const LineKernel& kernel, const LineScene& scene) {
   const int middle = static_cast<int>(candidate.column_px + 0.5F);
   const bool plain = static_cast<float>(row[middle]) < scene.saturated_dn &&
-                     scene.width_px <= widest_kernel_px &&
-                     kernel_fits(candidate.column_px, scene) &&
+                     scene.width_px <= max_kernel_px && kernel_fits(candidate.column_px, scene) &&
                      !has_spike(row, middle, candidate.height_dn, scene);
   std::optional<LinePoint> point = plain ? weigh_line(row, candidate.column_px, kernel, scene)
                                          : fit_line(row, candidate.column_px, scene);
   if (!point) return {};
-  if (point->amplitude_dn < least_amplitude_snr * kernel.height_factor * scene.noise_dn) return {};
+  if (point->amplitude_dn < min_amplitude_snr * kernel.height_factor * scene.noise_dn) return {};
   point->row = y;
   return point;
 }
@@ -215,7 +214,7 @@ LaserLine find_in(Rows<Pixel>& rows, int height, const LineScene& scene,
   std::vector<int> in_doubt;
   int looked_at = 0;
   if constexpr (std::is_same_v<Sample, std::uint8_t>) {
-    if (scene.width_px <= static_cast<float>(widest_kernel_px)) {
+    if (scene.width_px <= static_cast<float>(max_kernel_px)) {
       find_clear_lines(rows.image(), scene, kernel, options.method, line.points, in_doubt);
       looked_at = height;
       for (const int y : in_doubt) look_closely(y);

@@ -15,8 +15,8 @@ namespace {
 constexpr int segment = 16;
 constexpr int lag = 4;
 constexpr float mean_difference_per_deviation = 1.1284F;  // of two equal Gaussian noises
-constexpr std::size_t most_candidates = 4;
-constexpr float least_snr = 5.0F;
+constexpr std::size_t max_candidates = 4;
+constexpr float min_snr = 5.0F;
 
 float median_of(std::vector<float> values) {
   if (values.empty()) return 0.0F;
@@ -90,8 +90,7 @@ std::vector<Candidate> ridges(const Sample* row, const LineScene& scene) {
     const float right = i + side < count ? mean(i + side, i + side + 2 * core) : -1e9F;
     ridge[static_cast<std::size_t>(i)] = mean(i - core, i + core) - std::max(left, right);
   }
-  const float level =
-      least_snr * scene.noise_dn * std::sqrt(2.0F / static_cast<float>(2 * core + 1));
+  const float level = min_snr * scene.noise_dn * std::sqrt(2.0F / static_cast<float>(2 * core + 1));
   std::vector<Candidate> found;
   const int apart = side / 2 + 1;
   for (int i = 0; i < count; ++i) {
@@ -108,7 +107,7 @@ std::vector<Candidate> ridges(const Sample* row, const LineScene& scene) {
   }
   std::sort(found.begin(), found.end(),
             [](const Candidate& a, const Candidate& b) { return a.height_dn > b.height_dn; });
-  if (found.size() > most_candidates) found.resize(most_candidates);
+  if (found.size() > max_candidates) found.resize(max_candidates);
   while (found.size() > 1 && found.back().height_dn < 0.35F * found.front().height_dn)
     found.pop_back();
   return found;

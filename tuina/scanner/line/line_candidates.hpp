@@ -23,8 +23,8 @@ struct LineScene {
 
 /// A line must stand this many standard deviations above the noise: the brightest pixel of a row to
 /// be looked at, and the fitted amplitude to be believed (of 10^5 rows without a line none passes).
-inline constexpr float least_pixel_snr = 4.5F;
-inline constexpr float least_amplitude_snr = 6.5F;
+inline constexpr float min_pixel_snr = 4.5F;
+inline constexpr float min_amplitude_snr = 6.5F;
 /// A second line counts as a rival of the first from this share of its height.
 inline constexpr float rival_share = 0.5F;
 

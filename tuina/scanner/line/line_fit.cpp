@@ -10,16 +10,16 @@ namespace tuina::scanner {
 namespace {
 
 template <typename Sample>
-bool spike_at(const Sample* row, int x, float least_dn, const LineScene& scene) {
+bool spike_at(const Sample* row, int x, float min_dn, const LineScene& scene) {
   const auto here = static_cast<float>(row[x]);
   const float left = x > scene.first_column ? static_cast<float>(row[x - 1]) : 0.0F;
   const float right = x < scene.last_column ? static_cast<float>(row[x + 1]) : 0.0F;
-  return here - std::max(left, right) > least_dn;
+  return here - std::max(left, right) > min_dn;
 }
 
 template <typename Sample>
 bool spike_near(const Sample* row, int column, float height_dn, const LineScene& scene) {
-  const float least = least_spike_over_noise * scene.noise_dn + height_dn * spike_share(scene);
+  const float least = min_spike_over_noise * scene.noise_dn + height_dn * spike_share(scene);
   const int from = std::max(scene.first_column, column - scene.beside_px);
   const int to = std::min(scene.last_column, column + scene.beside_px);
   for (int x = from; x <= to; ++x) {
@@ -45,7 +45,7 @@ std::optional<LinePoint> fit(const Sample* row, float column_px, const LineScene
   double lowest = scene.saturated_dn;
   double highest = 0.0;
   const float least =
-      least_spike_over_noise * scene.noise_dn + static_cast<float>(row[left]) * spike_share(scene);
+      min_spike_over_noise * scene.noise_dn + static_cast<float>(row[left]) * spike_share(scene);
   for (int x = from; x <= to; ++x) {
     if (clipped(x) || (left == right && spike_at(row, x, least, scene))) continue;
     used.push_back(x);

@@ -12,7 +12,7 @@ namespace tuina::scanner {
 /// A pixel on or beside a line is a hot one when it outshines both neighbours by so many times the
 /// noise and this share of the line's height: on a line of width w the step from one pixel to the
 /// next is at most 0.61 / w of its height.
-inline constexpr float least_spike_over_noise = 8.0F;
+inline constexpr float min_spike_over_noise = 8.0F;
 [[nodiscard]] float spike_share(const LineScene& scene);
 
 /// True when a single pixel near the line outshines both neighbours as only a hot pixel does.

@@ -21,9 +21,9 @@
 namespace tuina::scanner {
 namespace {
 
-constexpr double narrowest_px = 0.5;
+constexpr double min_width_px = 0.5;
 constexpr double width_step_px = 0.25;
-constexpr int widths = static_cast<int>((widest_kernel_px - narrowest_px) / width_step_px) + 1;
+constexpr int widths = static_cast<int>((max_kernel_px - min_width_px) / width_step_px) + 1;
 
 double centre_of(int phase) {
   return static_cast<double>(LineKernel::centre_of(phase));
@@ -131,14 +131,14 @@ LineKernel make_centroid(double width_px) {
 std::vector<LineKernel> make_all(LineKernel (*make)(double)) {
   std::vector<LineKernel> kernels;
   for (int i = 0; i < widths; ++i) {
-    kernels.push_back(make(narrowest_px + i * width_step_px));
+    kernels.push_back(make(min_width_px + i * width_step_px));
     add_whole_weights(kernels.back());
   }
   return kernels;
 }
 
 std::size_t index_of(double width_px) {
-  const double step = (width_px - narrowest_px) / width_step_px;
+  const double step = (width_px - min_width_px) / width_step_px;
   return static_cast<std::size_t>(std::clamp(static_cast<int>(std::lround(step)), 0, widths - 1));
 }
 

@@ -38,9 +38,9 @@ struct LineKernel {
   float height_factor;     ///< deviation of the amplitude is this times the noise
 };
 
-inline constexpr double widest_kernel_px = 4.0;
+inline constexpr double max_kernel_px = 4.0;
 
-/// The kernels for a line of this width (standard deviation, at most `widest_kernel_px`).
+/// The kernels for a line of this width (standard deviation, at most `max_kernel_px`).
 [[nodiscard]] const LineKernel& gaussian_kernel(double width_px);
 [[nodiscard]] const LineKernel& centroid_kernel(double width_px);
 

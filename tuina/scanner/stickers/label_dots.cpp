@@ -12,9 +12,8 @@ namespace {
 
 constexpr double beside_line =
     2.0;  // standard deviations of the line, to where its light is a tenth
-constexpr double least_chroma_dn =
-    12.0;                             // three times the noise of a pixel, after the mean of nine
-constexpr double least_purity = 0.5;  // skin has 0.25 to 0.45
+constexpr double min_chroma_dn = 12.0;  // three times the noise of a pixel, after the mean of nine
+constexpr double min_purity = 0.5;      // skin has 0.25 to 0.45
 
 /// Hues in degrees that a sticker may show in the light of a room and of the laser beside it. Skin
 /// lies between 10 and 30.
@@ -43,7 +42,7 @@ Vector3 colour_at(const Image& frame, int row, int column) {
 std::optional<StickerColour> colour_of(const Vector3& rgb) {
   const double most = rgb.maxCoeff();
   const double chroma = most - rgb.minCoeff();
-  if (chroma < least_chroma_dn || chroma < least_purity * most) return {};
+  if (chroma < min_chroma_dn || chroma < min_purity * most) return {};
   double sixth = 0.0;  // of the circle of hues
   if (most == rgb.x()) {
     sixth = (rgb.y() - rgb.z()) / chroma;

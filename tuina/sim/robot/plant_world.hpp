@@ -29,17 +29,17 @@ using Vector6 = Eigen::Matrix<double, 6, 1>;
 /// What one arm has besides its bodies: drives, gears, sensors.
 struct ArmDevices {
   int joints = 0;
-  std::array<int, most_joints> dof =
+  std::array<int, max_joints> dof =
       {};  // in qvel; every joint before it is a hinge or slide, so in qpos too
   int site = -1;
   int tool_body = -1;
   double tool_mass_kg = 0.0;
-  std::array<double, most_joints> torque_limit_nm = {}, coulomb_nm = {}, viscous = {};
-  std::array<double, most_joints> windup_damping = {};
+  std::array<double, max_joints> torque_limit_nm = {}, coulomb_nm = {}, viscous = {};
+  std::array<double, max_joints> windup_damping = {};
 
-  std::array<double, most_joints> torque_nm = {};    // out of the amplifiers
-  std::array<double, most_joints> friction_nm = {};  // Coulomb part, kept wound up
-  std::array<double, most_joints> encoder_rad = {}, velocity_rad_per_s = {};
+  std::array<double, max_joints> torque_nm = {};    // out of the amplifiers
+  std::array<double, max_joints> friction_nm = {};  // Coulomb part, kept wound up
+  std::array<double, max_joints> encoder_rad = {}, velocity_rad_per_s = {};
   Vector3 last_velocity = Vector3::Zero();
   Vector6 felt = Vector6::Zero();     // in the tool frame, behind the sensor's low-pass
   Vector6 sampled = Vector6::Zero();  // a millisecond ago

@@ -57,7 +57,7 @@ Result<std::vector<robot::Touch>> touch_board(const robot::ArmTable& table,
   const double rail_m = position == Position::sitting
                             ? 0.0
                             : std::clamp(mount.rail_axis_in_base.dot(middle_in_base),
-                                         mount.lowest_rail_m, mount.highest_rail_m);
+                                         mount.min_rail_m, mount.max_rail_m);
   std::vector<robot::Touch> touches;
   for (const Spot& spot : spots_of(position, rows)) {
     // The middle column is touched by both, so that each ties the other to the same place.

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double count_rad = from_deg(300.0 / 1024.0);
 constexpr double speed_step_rad_per_s = from_deg(0.111 * 6.0);  // 0.111 rpm, the unit of the AX-12A
-constexpr double most_rad = 150.0_deg;
+constexpr double max_rad = 150.0_deg;
 // The gear of a 40-dollar servo does not turn quite evenly.
 constexpr double ripple_rad = 0.02_deg;
 constexpr double ripple_period_rad = 7.0_deg;
@@ -161,7 +161,7 @@ const scanner::ScannerCalibration& LaserScanner::true_calibration() const {
 }
 
 Result<void> LaserScanner::sweep(double from_rad, double to_rad, double rad_per_s) {
-  if (!(std::abs(from_rad) <= most_rad && std::abs(to_rad) <= most_rad && rad_per_s > 0.0)) {
+  if (!(std::abs(from_rad) <= max_rad && std::abs(to_rad) <= max_rad && rad_per_s > 0.0)) {
     return fail(
         Fault::device,
         "the motor turns from -150 to 150 degrees, not from {:.1f} to {:.1f} at {:.1f} per s",
@@ -179,7 +179,7 @@ Result<void> LaserScanner::sweep(double from_rad, double to_rad, double rad_per_
 }
 
 Result<void> LaserScanner::step(double from_rad, double to_rad, double step_rad) {
-  if (!(std::abs(from_rad) <= most_rad && std::abs(to_rad) <= most_rad && step_rad > 0.0)) {
+  if (!(std::abs(from_rad) <= max_rad && std::abs(to_rad) <= max_rad && step_rad > 0.0)) {
     return fail(Fault::device,
                 "the motor steps from -150 to 150 degrees, not from {:.1f} to {:.1f} by {:.2f}",
                 to_deg(from_rad), to_deg(to_rad), to_deg(step_rad));

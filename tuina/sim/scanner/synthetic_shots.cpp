@@ -26,13 +26,13 @@ using scanner::ScannerCalibration;
 
 constexpr double count_rad = from_deg(300.0 / 1024.0);
 constexpr double middle_m = 1.0;
-constexpr double most_tilt_rad = 40.0_deg;
-constexpr double most_roll_rad = 30.0_deg;
+constexpr double max_tilt_rad = 40.0_deg;
+constexpr double max_roll_rad = 30.0_deg;
 constexpr double standing_step_rad = 2.0_deg;
 // Near boards show the axis best: depth is known with the square of the distance.
 constexpr double nearest_standing_m = 0.75;
-constexpr double farthest_standing_m = 1.25;
-constexpr std::size_t least_standing_views = 5;
+constexpr double max_standing_m = 1.25;
+constexpr std::size_t min_standing_views = 5;
 constexpr double sweep_rad = 12.0_deg;
 constexpr double sweep_rad_per_s = 5.994_deg;
 constexpr double couch_board_m = 12.0_mm;  // its thickness; its upper face is z = 0
@@ -61,8 +61,8 @@ Transform hold_board(const ScannerCalibration& truth, const RehearsalOptions& op
     const double width_m = options.board.columns * options.board.square_m;
     const Vector3 centre(x + uniform(random, -0.4, 0.4) * width_m, y, z);
     const double towards = uniform(random, -pi, pi);
-    const double tilt = most_tilt_rad * std::sqrt(uniform(random, 0.02, 1.0));
-    const double roll = uniform(random, -most_roll_rad, most_roll_rad);
+    const double tilt = max_tilt_rad * std::sqrt(uniform(random, 0.02, 1.0));
+    const double roll = uniform(random, -max_roll_rad, max_roll_rad);
     const Matrix3 rotation =
         (Eigen::AngleAxisd(tilt, Vector3(std::cos(towards), std::sin(towards), 0.0)) *
          Eigen::AngleAxisd(roll, Vector3::UnitZ()))
@@ -93,7 +93,7 @@ std::vector<Picture> stand_board(const ScannerCalibration& truth, const Rehearsa
       if (!in_view(truth.camera, options.board, seen)) continue;
       pictures.push_back({.pose = pose, .yaw_rad = told(yaw_rad), .camera_from_board = seen});
     }
-    if (pictures.size() >= least_standing_views) return pictures;
+    if (pictures.size() >= min_standing_views) return pictures;
   }
 }
 
@@ -140,7 +140,7 @@ std::string board_toml(const scanner::Board& board) {
       board.has_markers() ? "charuco" : "chessboard", board.columns, board.rows, board.square_m);
   if (board.has_markers()) {
     text += fmt::format("marker_m = {}\ndictionary = \"DICT_{}X{}_{}\"\n", board.marker_m,
-                        board.marker_cells, board.marker_cells, scanner::most_markers);
+                        board.marker_cells, board.marker_cells, scanner::max_markers);
   }
   return text;
 }
@@ -188,9 +188,9 @@ Mesh box() {
   const Vector3 size_m(150.0_mm, 150.0_mm, 200.0_mm);
   const Matrix3 turned = Eigen::AngleAxisd(90.0_deg, Vector3::UnitX()) * corner_towards_y();
   Mesh mesh = box_mesh({0.0, -0.34, 0.0}, turned, size_m);
-  double lowest_m = 0.0;
-  for (const Vector3& vertex : mesh.vertices) lowest_m = std::min(lowest_m, vertex.z());
-  return lowered(std::move(mesh), lowest_m);
+  double min_m = 0.0;
+  for (const Vector3& vertex : mesh.vertices) min_m = std::min(min_m, vertex.z());
+  return lowered(std::move(mesh), min_m);
 }
 
 Result<void> record(const Mesh& scene, const Mesh& couch, const ScannerCalibration& truth,
@@ -293,14 +293,14 @@ std::vector<RehearsalPicture> rehearsal_pictures(const ScannerCalibration& truth
   for (int pose = 0; pose < options.poses; ++pose) {
     // The same number of boards in each part of the range.
     const double part = (pose + uniform(random, 0.0, 1.0)) / options.poses;
-    const double depth_m = options.nearest_m + part * (options.farthest_m - options.nearest_m);
+    const double depth_m = options.nearest_m + part * (options.max_distance_m - options.nearest_m);
     const Transform seen = hold_board(truth, options, depth_m, random);
     pictures.push_back({.pose = pose, .camera_from_board = seen});
     pictures.push_back({.laser = true, .pose = pose, .camera_from_board = seen});
   }
   for (int i = 0; i < options.standing_poses; ++i) {
     const double part = static_cast<double>(i) / std::max(1, options.standing_poses - 1);
-    const double depth_m = nearest_standing_m + part * (farthest_standing_m - nearest_standing_m);
+    const double depth_m = nearest_standing_m + part * (max_standing_m - nearest_standing_m);
     const auto views = stand_board(truth, options, options.poses + i, depth_m, random);
     pictures.insert(pictures.end(), views.begin(), views.end());
   }

@@ -26,7 +26,7 @@ struct RehearsalOptions {
   int poses = 40;          ///< of a board held in the hand, each with and without laser
   int standing_poses = 8;  ///< of a board that stands while the unit turns
   double nearest_m = 0.5;
-  double farthest_m = 1.75;
+  double max_distance_m = 1.75;
   bool sweeps = true;  ///< sweep_left, sweep_right and couch as well
   int threads = 2;
 };

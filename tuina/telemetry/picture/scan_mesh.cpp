@@ -179,10 +179,10 @@ PictureMesh mesh_scan(const PointCloud& scan, const Vector3& toward_eye, double 
   Eigen::AlignedBox3d box;
   for (const Vector3& point : scan.points) box.extend(grid_from_couch * point);
   constexpr int margin = 5;
-  constexpr int most_cells = 1500;
+  constexpr int max_cells = 1500;
   // A cloud with a stray point far away would ask for an endless grid; it gets coarser cells
   // instead.
-  cell_m = std::max(cell_m, box.sizes().head<2>().maxCoeff() / (most_cells - 2 * margin));
+  cell_m = std::max(cell_m, box.sizes().head<2>().maxCoeff() / (max_cells - 2 * margin));
   const auto cells = [&](double length) {
     return static_cast<int>(length / cell_m) + 1 + 2 * margin;
   };

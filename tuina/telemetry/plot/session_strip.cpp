@@ -116,7 +116,7 @@ std::string session_strip(const ReportData& data) {
   const figures::BackPose pose = figures::pose_of(data);
   const PictureMesh person = figures::person_of(data, pose, 5_mm);
   if (moments.empty() || person.mesh.triangles.empty()) return "";
-  const std::size_t pictures = std::min(moments.size(), most_pictures);
+  const std::size_t pictures = std::min(moments.size(), max_pictures);
   // The same frame for all: the person, and wherever an arm is in one of them.
   std::vector<std::size_t> shown;
   std::vector<const ArmsPose*> arms;

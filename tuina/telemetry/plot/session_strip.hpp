@@ -19,10 +19,10 @@ struct Moment {
 /// shorter one are one moment.
 [[nodiscard]] std::vector<Moment> moments_of(const ReportData& data);
 
-inline constexpr std::size_t most_pictures = 12;
+inline constexpr std::size_t max_pictures = 12;
 
 /// The session as rows of small pictures, from the first path to the last: the back, what has been
-/// done, what is being done and the arms that do it. At most `most_pictures` of its moments, evenly
+/// done, what is being done and the arms that do it. At most `max_pictures` of its moments, evenly
 /// picked; empty when there is no scan or no path.
 [[nodiscard]] std::string session_strip(const ReportData& data);
 

@@ -20,7 +20,7 @@ namespace {
 /// One of the distances, in mm over time where it is known; and its smallest value.
 struct Distance {
   Series series;
-  double least_mm = std::numeric_limits<double>::infinity();
+  double min_mm = std::numeric_limits<double>::infinity();
 };
 std::vector<Distance> distances_of(const ReportData& data) {
   const std::tuple<const char*, double ArmDistance::*, Colour> wanted[] = {
@@ -35,7 +35,7 @@ std::vector<Distance> distances_of(const ReportData& data) {
       if (!std::isfinite(row.*member)) continue;
       distance.series.x.push_back(row.time_s);
       distance.series.y.push_back(to_mm(row.*member));
-      distance.least_mm = std::min(distance.least_mm, distance.series.y.back());
+      distance.min_mm = std::min(distance.min_mm, distance.series.y.back());
     }
     if (!distance.series.x.empty()) known.push_back(std::move(distance));
   }
@@ -46,11 +46,11 @@ std::string distance_figure(const ReportData& data) {
   const std::vector<Distance> distances = distances_of(data);
   if (distances.empty()) return "";
   const double stop_mm = to_mm(data.stopping_distance_m);
-  double most_mm = stop_mm;
+  double max_mm = stop_mm;
   std::vector<std::string> least;
   for (const Distance& distance : distances) {
-    for (const double mm : distance.series.y) most_mm = std::max(most_mm, mm);
-    least.push_back(fmt::format("{} {:.0f} mm", distance.series.name, distance.least_mm));
+    for (const double mm : distance.series.y) max_mm = std::max(max_mm, mm);
+    least.push_back(fmt::format("{} {:.0f} mm", distance.series.name, distance.min_mm));
   }
   std::reverse(least.begin(), least.end());
   const double end_s = std::max(data.duration_s, data.distances.back().time_s);
@@ -60,7 +60,7 @@ std::string distance_figure(const ReportData& data) {
             .x_low = 0.0,
             .x_high = end_s,
             .y_low = 0.0,
-            .y_high = 1.05 * most_mm,
+            .y_high = 1.05 * max_mm,
             .width_px = 1040,
             .height_px = 220};
   plot.series.push_back({.name = "arms stop",
@@ -104,9 +104,9 @@ std::string conduct_section(const ReportData& data) {
   const std::size_t moments = moments_of(data).size();
   const std::string strip = session_strip(data);
   html += strip.empty() ? "<p class=note>There is nothing to picture.</p>" : strip;
-  if (!strip.empty() && moments > most_pictures)
+  if (!strip.empty() && moments > max_pictures)
     html +=
-        fmt::format("<p class=note>{} of {} moments, evenly picked.</p>", most_pictures, moments);
+        fmt::format("<p class=note>{} of {} moments, evenly picked.</p>", max_pictures, moments);
   html += "<h3>What each arm did when</h3>";
   const std::string timeline = figures::timeline(data);
   html += timeline.empty() ? "<p class=note>No path was carried out.</p>"

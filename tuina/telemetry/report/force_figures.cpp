@@ -13,7 +13,7 @@
 namespace tuina::telemetry::figures {
 namespace {
 
-constexpr double longest_gap_s = 0.25;  // rows further apart belong to two contacts
+constexpr double max_gap_s = 0.25;  // rows further apart belong to two contacts
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 /// An unbroken stretch of one technique by one arm.
@@ -44,7 +44,7 @@ std::vector<Contact> contacts_of(const ReportData& data, Technique technique) {
       // ends.
       const PerformedPath* here = path_at(data, row);
       const bool next_path = path != nullptr && here != nullptr && here != path;
-      if (last == nullptr || row.time_s - last->time_s > longest_gap_s || next_path) {
+      if (last == nullptr || row.time_s - last->time_s > max_gap_s || next_path) {
         contacts.push_back({.name = "", .begin_s = row.time_s, .rows = {}});
         path = nullptr;
       }
