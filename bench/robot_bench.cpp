@@ -149,7 +149,7 @@ void plant_millisecond(benchmark::State& state) {
   if (!made) return state.SkipWithError(made.error().message.c_str());
   sim::Plant& plant = **made;
   for (auto _ : state) {
-    const RobotReading reading = plant.read();
+    const RobotReading reading = *plant.read();
     RobotCommand command;
     for (const Arm arm : both_arms) {
       const JointVector& q = reading.arms[arm].q_rad;

@@ -31,7 +31,7 @@ int main() {
 
   double max_speed_m_per_s = 0.0, stopped_s = -1.0;
   for (int tick = 0; tick < 1500; ++tick) {
-    const robot::RobotReading reading = (*robot)->read();
+    const robot::RobotReading reading = *(*robot)->read();
     const robot::ArmReading& arm = reading.arms[Arm::left];
     const auto dynamics = left.evaluate(arm.q_rad, arm.dq_rad_per_s, reading.rail_m);
     const Vector3 velocity_m_per_s = dynamics.jacobian.topRows<3>() * arm.dq_rad_per_s;

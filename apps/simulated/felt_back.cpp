@@ -27,14 +27,14 @@ FeltBack felt_back(const SessionResult& result, const tissue::BodyFacts& facts) 
   FeltBack felt;
   std::vector<tissue::Visit> visits;
   std::vector<tissue::KnownPress> presses;
-  for (std::size_t i = 0; i < result.performed.size(); ++i) {
-    const session::Performed& done = result.performed[i];
+  for (std::size_t i = 0; i < result.session.performed.size(); ++i) {
+    const session::Performed& done = result.session.performed[i];
     if (!done.felt) continue;
-    const auto& planned = result.ready.plan.paths[static_cast<std::size_t>(done.path)];
+    const auto& planned = result.session.ready.plan.paths[static_cast<std::size_t>(done.path)];
     const FeltPoint point{
         .planned = &planned,
         .estimate = *done.felt,
-        .truth = result.touched[i].tissue,
+        .truth = result.truth.touched[i].tissue,
         .classified = tissue::classify(*done.felt, done.chi, prior_of(planned.zone)),
         .place = {.at_in_couch = planned.path.points.front().at_in_couch,
                   .log_stiffness = std::log(

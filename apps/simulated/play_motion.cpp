@@ -16,8 +16,8 @@ Result<PlayedMotion> play_motion(const session::TaughtMotion& motion, const std:
   const auto person = sim::parse_person(name, motion.position, common.seed);
   if (!person) return tl::unexpected(person.error());
   const robot::ArmTable table = robot::thesis_arm();
-  sim::Plant::Start start{.q_rad = robot::ready_posture(table, robot::mount_for(motion.position)),
-                          .rail_m = motion.rail_m};
+  robot::ReadyPose start{.q_rad = robot::ready_posture(table, robot::mount_for(motion.position)),
+                         .rail_m = motion.rail_m};
   start.q_rad[motion.arm] = motion.samples.front().q_rad;
   auto made = TeachingStage::make(*person, start, config, common.seed);
   if (!made) return tl::unexpected(made.error());
@@ -34,63 +34,64 @@ Result<PlayedMotion> play_motion(const session::TaughtMotion& motion, const std:
   constexpr double settle_s = 0.5;
   double stopped_s = -1.0;
   const Progress bar = progress_bar(common, "play");
-  for (;;) {
-    const robot::RobotReading reading = stage.plant->read();
-    if (const char* fault = stage.plant->fault())
-      return fail(Fault::device, "the robot: {}", fault);
+  // The torques of the arm that plays.
+  const auto play = [&](const robot::RobotReading& reading, double time_s) {
+    session::GuardedArm& one = stage.arms[motion.arm];
+    const auto wanted = motion.at(time_s);
+    const robot::ArmDynamics dynamics =
+        model.evaluate(one.state.q_rad, one.state.dq_rad_per_s, reading.rail_m);
+    const Vector3 out = control::tool_normal(dynamics.base_from_tool);
+    const JointVector lever = dynamics.jacobian.topRows<3>().transpose() * out;
+    // Where the skin has pushed back, the joints alone would press too little: the force that was
+    // felt is given along.
+    const double press_n = std::clamp(wanted.force_n, 0.0, cap_n);
+    const JointVector torque =
+        control::joint_impedance_torque(dynamics, one.state.q_rad, one.state.dq_rad_per_s,
+                                        wanted.q_rad, wanted.dq_rad_per_s, still, stiffness, 0.8) -
+        press_n * lever + dynamics.gravity_nm + dynamics.coriolis_nm +
+        friction.step(one.state.q_rad);
+    // The springs of the joints, seen along the tool's axis.
+    const double n_per_m = 1.0 / lever.cwiseAbs2().cwiseQuotient(stiffness).sum();
+    const bool skin = wanted.force_n > 0.5 || one.state.contact_in_base.force_n.norm() > 1.5;
+    return one.allow(
+        reading, motion.arm, dynamics,
+        {.torque_nm = torque,
+         .phase = skin ? safety::Phase::contact : safety::Phase::free,
+         .zone = motion.zone,
+         .set_force_n = press_n,
+         .normal_in_base = out,
+         .virtual_target_in_base = model.base_from_tool(wanted.q_rad, reading.rail_m).translation(),
+         .stiffness_n_per_m = n_per_m});
+  };
+  // How well it plays, against the truth.
+  const auto judge = [&](double time_s) {
+    const auto wanted = motion.at(time_s);
+    TeachRow row = stage.row(motion.arm, time_s);
+    const Transform there = model.base_from_tool(wanted.q_rad, motion.rail_m);
+    const Vector3 led_to =
+        stage.mount().base_from_couch.inverse() *
+        (there.translation() - model.table().tool_radius_m * control::tool_normal(there));
+    way2 += (row.tool_in_couch - led_to).squaredNorm();
+    if (wanted.force_n > 0.5) {
+      force2 += std::pow(row.true_force_n - wanted.force_n, 2);
+      played.contact_s += control_period_s;
+    }
+    played.peak_n = std::max(played.peak_n, row.true_force_n);
+    played.truth.push_back(row);
+  };
+  const auto step = [&](const robot::RobotReading& reading) -> std::optional<robot::RobotCommand> {
     const double time_s = reading.time_s - settle_s;
-    if (time_s > motion.duration_s() + 0.5) break;
-    if (stopped_s >= 0.0 && reading.time_s > stopped_s + 1.5) break;
+    if (time_s > motion.duration_s() + 0.5) return std::nullopt;
+    if (stopped_s >= 0.0 && reading.time_s > stopped_s + 1.5) return std::nullopt;
     if (bar && reading.tick % 100 == 0) bar(std::clamp(time_s / motion.duration_s(), 0.0, 1.0));
     robot::RobotCommand command{.rail_m = motion.rail_m};
     for (const Arm side : both_arms) {
-      GuardedArm& one = stage.arms[side];
+      session::GuardedArm& one = stage.arms[side];
       one.sense(reading, side);
-      if (side != motion.arm) {
-        if (reading.tick == 0) one.controller.start(one.state);
-        command.torque_nm[side] = one.step(reading, side);
-        continue;
-      }
-      const auto wanted = motion.at(time_s);
-      const robot::ArmDynamics dynamics =
-          model.evaluate(one.state.q_rad, one.state.dq_rad_per_s, reading.rail_m);
-      const Vector3 out = control::tool_normal(dynamics.base_from_tool);
-      const JointVector lever = dynamics.jacobian.topRows<3>().transpose() * out;
-      // Where the skin has pushed back, the joints alone would press too little: what was felt is
-      // given along.
-      const double press_n = std::clamp(wanted.force_n, 0.0, cap_n);
-      const JointVector torque = control::joint_impedance_torque(
-                                     dynamics, one.state.q_rad, one.state.dq_rad_per_s,
-                                     wanted.q_rad, wanted.dq_rad_per_s, still, stiffness, 0.8) -
-                                 press_n * lever + dynamics.gravity_nm + dynamics.coriolis_nm +
-                                 friction.step(one.state.q_rad);
-      // What the springs of the joints are along the tool's axis.
-      const double n_per_m = 1.0 / lever.cwiseAbs2().cwiseQuotient(stiffness).sum();
-      const bool skin = wanted.force_n > 0.5 || one.state.contact_in_base.force_n.norm() > 1.5;
       command.torque_nm[side] =
-          one.allow(reading, side, dynamics,
-                    {.torque_nm = torque,
-                     .phase = skin ? safety::Phase::contact : safety::Phase::free,
-                     .zone = motion.zone,
-                     .set_force_n = press_n,
-                     .normal_in_base = out,
-                     .virtual_target_in_base =
-                         model.base_from_tool(wanted.q_rad, reading.rail_m).translation(),
-                     .stiffness_n_per_m = n_per_m});
-      if (time_s < 0.0) continue;
-      TeachRow row = stage.row(side, time_s);
-      const Transform there = model.base_from_tool(wanted.q_rad, motion.rail_m);
-      const Vector3 led_to =
-          stage.mount.base_from_couch.inverse() *
-          (there.translation() - model.table().tool_radius_m * control::tool_normal(there));
-      way2 += (row.tool_in_couch - led_to).squaredNorm();
-      if (wanted.force_n > 0.5) {
-        force2 += std::pow(row.true_force_n - wanted.force_n, 2);
-        played.contact_s += TeachingStage::tick_s;
-      }
-      played.peak_n = std::max(played.peak_n, row.true_force_n);
-      played.truth.push_back(row);
+          side == motion.arm ? play(reading, time_s) : one.step_on_bench(reading, side);
     }
+    if (time_s >= 0.0) judge(time_s);
     const bool apart = stage.separation.keeps(reading);
     for (const Arm side : both_arms) {
       const safety::Verdict& verdict = stage.arms[side].verdict;
@@ -98,12 +99,15 @@ Result<PlayedMotion> play_motion(const session::TaughtMotion& motion, const std:
       stopped_s = reading.time_s;
       played.stop = safety::name_of(apart ? verdict.cause : safety::Cause::arms_too_close);
     }
-    stage.plant->apply(command);
-  }
+    return command;
+  };
+  const auto look = [](const robot::RobotReading&, const robot::RobotCommand&) { return true; };
+  if (auto driven = session::run_control_loop(stage.world->robot(), step, look); !driven)
+    return tl::unexpected(driven.error());
   if (bar) bar(1.0);
   const auto rms = [](double sum, double count) { return std::sqrt(sum / std::max(1.0, count)); };
   played.tracking_rms_m = rms(way2, static_cast<double>(played.truth.size()));
-  played.force_rmse_n = rms(force2, played.contact_s / TeachingStage::tick_s);
+  played.force_rmse_n = rms(force2, played.contact_s / control_period_s);
   return played;
 }
 

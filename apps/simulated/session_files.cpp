@@ -31,11 +31,11 @@ ordered_json three(const Vector3& v) {
 /// Mean and largest error over the seven points of the thesis.
 std::pair<double, double> error_of_seven_m(const SessionResult& result) {
   double sum_m = 0.0, max_m = 0.0;
-  for (std::size_t i = 0; i < result.located.acupoints.size(); ++i) {
+  for (std::size_t i = 0; i < result.session.located.acupoints.size(); ++i) {
     for (const char* name : seven_acupoints) {
-      if (result.located.acupoints[i].name != name) continue;
-      sum_m += result.acupoint_errors_m[i];
-      max_m = std::max(max_m, result.acupoint_errors_m[i]);
+      if (result.session.located.acupoints[i].name != name) continue;
+      sum_m += result.truth.acupoint_errors_m[i];
+      max_m = std::max(max_m, result.truth.acupoint_errors_m[i]);
     }
   }
   return {sum_m / static_cast<double>(seven_acupoints.size()), max_m};
@@ -80,18 +80,18 @@ ordered_json condition_json(const FeltBack& felt) {
 
 double least_to_person_m(const SessionResult& result) {
   double min_m = std::numeric_limits<double>::infinity();
-  for (const telemetry::ArmDistance& row : result.distances)
+  for (const telemetry::ArmDistance& row : result.truth.distances)
     min_m = std::min(min_m, row.to_person_m);
   return min_m;
 }
 
 record::PlanFile plan_file_of(const SessionResult& result) {
-  return {.plan = result.ready.plan,
-          .reachable = result.ready.reachable,
-          .min_arm_distance_m = result.ready.min_arm_distance_m,
-          .clear = result.ready.clear,
-          .rail_m = result.ready.rail_m,
-          .compute_ms = result.plan_ms};
+  return {.plan = result.session.ready.plan,
+          .reachable = result.session.ready.reachable,
+          .min_arm_distance_m = result.session.ready.min_arm_distance_m,
+          .clear = result.session.ready.clear,
+          .rail_m = result.session.ready.rail_m,
+          .compute_ms = result.session.plan_ms};
 }
 
 }  // namespace
@@ -100,9 +100,9 @@ std::string session_json(const SessionResult& result, const FeltBack& felt_back,
                          const SessionOrder& order, std::uint64_t seed) {
   const auto [mean_error_m, max_error_m] = error_of_seven_m(result);
   ordered_json points = ordered_json::array();
-  for (std::size_t i = 0; i < result.located.acupoints.size(); ++i) {
-    const Acupoint& acupoint = result.located.acupoints[i];
-    const double error_m = result.acupoint_errors_m[i];
+  for (std::size_t i = 0; i < result.session.located.acupoints.size(); ++i) {
+    const Acupoint& acupoint = result.session.located.acupoints[i];
+    const double error_m = result.truth.acupoint_errors_m[i];
     points.push_back({{"name", acupoint.name},
                       {"position_m", three(acupoint.at_in_couch)},
                       {"normal", three(acupoint.normal_in_couch)},
@@ -113,8 +113,8 @@ std::string session_json(const SessionResult& result, const FeltBack& felt_back,
   ordered_json techniques = ordered_json::object();
   for (const Technique technique :
        {Technique::press, Technique::rub, Technique::stroke, Technique::tap}) {
-    const auto found = result.techniques.find(technique);
-    const bool used = found != result.techniques.end();
+    const auto found = result.truth.techniques.find(technique);
+    const bool used = found != result.truth.techniques.end();
     techniques[name_of(technique)] = {
         {"rmse_n", used ? ordered_json(found->second.rmse_n) : ordered_json()},
         {"peak_n", used ? ordered_json(found->second.peak_n) : ordered_json()}};
@@ -138,40 +138,40 @@ std::string session_json(const SessionResult& result, const FeltBack& felt_back,
          {"class_probability", felt.classified.probability}});
   }
   ordered_json commands = ordered_json::array();
-  for (const auto& [time_s, command] : result.commands) {
+  for (const auto& [time_s, command] : result.session.commands) {
     commands.push_back({{"time_s", time_s}, {"command", session::name_of(command)}});
   }
   ordered_json decisions = ordered_json::array();
-  for (const session::Decision& made : result.decisions) {
+  for (const session::Decision& made : result.session.decisions) {
     decisions.push_back(
         {{"time_s", made.time_s},
          {"arm", name_of(made.arm)},
-         {"path", result.ready.plan.paths[static_cast<std::size_t>(made.path)].path.name},
+         {"path", result.session.ready.plan.paths[static_cast<std::size_t>(made.path)].path.name},
          {"rule", made.rule},
          {"reason", made.reason},
          {"from_n", made.from_n},
          {"to_n", made.to_n}});
   }
   ordered_json performed = ordered_json::array();
-  for (std::size_t i = 0; i < result.performed.size(); ++i) {
-    const session::Performed& done = result.performed[i];
+  for (std::size_t i = 0; i < result.session.performed.size(); ++i) {
+    const session::Performed& done = result.session.performed[i];
     performed.push_back(
-        {{"name", result.ready.plan.paths[static_cast<std::size_t>(done.path)].path.name},
+        {{"name", result.session.ready.plan.paths[static_cast<std::size_t>(done.path)].path.name},
          {"path", done.path},
          {"arm", name_of(done.arm)},
          {"begin_s", done.begin_s},
          {"end_s", done.end_s},
          {"trouble", control::name_of(done.trouble)},
-         {"true_peak_n", result.touched[i].peak_n},
-         {"true_over_trip_n", number(result.touched[i].over_trip_n)}});
+         {"true_peak_n", result.truth.touched[i].peak_n},
+         {"true_over_trip_n", number(result.truth.touched[i].over_trip_n)}});
     if (const auto off_m = tool_to_acupoint_m(result, i))
       performed.back()["tool_to_acupoint_mm"] = to_mm(*off_m);
   }
   ordered_json stops = ordered_json::array();
-  for (const session::Stop& stop : result.stops) {
+  for (const session::Stop& stop : result.session.stops) {
     stops.push_back({{"time_s", stop.time_s}, {"cause", session::explain(stop)}});
   }
-  const Transform& placed = result.base_from_couch;
+  const Transform& placed = result.session.base_from_couch;
   ordered_json rotation = ordered_json::array();
   for (int row = 0; row < 3; ++row) rotation.push_back(three(placed.linear().row(row)));
   constexpr auto couch = robot::Surrounding::couch, body = robot::Surrounding::body;
@@ -179,49 +179,49 @@ std::string session_json(const SessionResult& result, const FeltBack& felt_back,
       {"seed", seed},
       {"version", TUINA_VERSION},
       {"person", result.person.name},
-      {"position", name_of(result.located.position)},
+      {"position", name_of(result.session.located.position)},
       {"order", order_json(order)},
       {"base_from_couch", {{"rotation", rotation}, {"translation_m", three(placed.translation())}}},
       {"scan",
-       {{"profiles", result.scan.profiles},
-        {"points", result.scan.cloud_in_couch.size()},
-        {"sweep_s", result.scan.sweep_s},
-        {"rms_error_mm", to_mm(result.scan_error_m)},
-        {"compute_ms", result.scan.compute_ms}}},
+       {{"profiles", result.session.scan.profiles},
+        {"points", result.session.scan.cloud_in_couch.size()},
+        {"sweep_s", result.session.scan.sweep_s},
+        {"rms_error_mm", to_mm(result.truth.scan_error_m)},
+        {"compute_ms", result.session.scan.compute_ms}}},
       {"acupoints",
-       {{"method", name_of(result.located.method)},
-        {"compute_ms", result.locate_ms},
+       {{"method", name_of(result.session.located.method)},
+        {"compute_ms", result.session.locate_ms},
         {"mean_error_mm", to_mm(mean_error_m)},
         {"max_error_mm", to_mm(max_error_m)},
         {"points", points}}},
       {"plan",
-       {{"compute_ms", result.plan_ms},
-        {"paths", result.ready.plan.paths.size()},
-        {"duration_s", result.ready.plan.duration_s},
-        {"reachable", result.ready.reachable},
-        {"min_arm_distance_mm", to_mm(result.ready.min_arm_distance_m)},
-        {"min_couch_distance_mm", number(to_mm(result.ready.clear[couch]))},
-        {"min_body_distance_mm", number(to_mm(result.ready.clear[body]))},
-        {"zones_touched", result.ready.plan.zones_touched},
-        {"notes", result.ready.plan.notes}}},
+       {{"compute_ms", result.session.plan_ms},
+        {"paths", result.session.ready.plan.paths.size()},
+        {"duration_s", result.session.ready.plan.duration_s},
+        {"reachable", result.session.ready.reachable},
+        {"min_arm_distance_mm", to_mm(result.session.ready.min_arm_distance_m)},
+        {"min_couch_distance_mm", number(to_mm(result.session.ready.clear[couch]))},
+        {"min_body_distance_mm", number(to_mm(result.session.ready.clear[body]))},
+        {"zones_touched", result.session.ready.plan.zones_touched},
+        {"notes", result.session.ready.plan.notes}}},
       {"massage",
-       {{"duration_s", result.massage_s},
+       {{"duration_s", result.session.massage_s},
         {"real_time_factor", result.real_time_factor()},
-        {"min_arm_distance_mm", to_mm(result.min_arm_distance_m)},
-        {"min_couch_distance_mm", number(to_mm(result.clear[couch]))},
-        {"min_body_distance_mm", number(to_mm(result.clear[body]))},
+        {"min_arm_distance_mm", to_mm(result.truth.min_arm_distance_m)},
+        {"min_couch_distance_mm", number(to_mm(result.truth.clear[couch]))},
+        {"min_body_distance_mm", number(to_mm(result.truth.clear[body]))},
         {"min_distance_to_person_mm", number(to_mm(least_to_person_m(result)))},
         {"force",
-         {{"rmse_n", result.force.rmse_n},
-          {"peak_n", result.force.peak_n},
-          {"overshoot_n", result.force.overshoot_n}}},
+         {{"rmse_n", result.truth.force.rmse_n},
+          {"peak_n", result.truth.force.peak_n},
+          {"overshoot_n", result.truth.force.overshoot_n}}},
         {"techniques", techniques},
         {"performed", performed}}},
       {"consent",
        {{"answered_by", result.consent.answered_by},
         {"questions", session::health_questions.size()},
         {"reasons_against", 0}}},
-      {"rescans_s", result.rescans_s},
+      {"rescans_s", result.session.rescans_s},
       {"commands", commands},
       {"decisions", decisions},
       {"tissue", tissue},
@@ -236,22 +236,22 @@ Result<void> write_session(const SessionResult& result, const session::Config& c
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) return fail(Fault::file, "{}: cannot be made: {}", folder.string(), error.message());
-  const record::MapFile map{.method = name_of(result.located.method),
-                            .position = result.located.position,
-                            .arms = name_of(result.located.arms),
-                            .compute_ms = result.locate_ms,
-                            .acupoints = result.located.acupoints,
-                            .landmarks = result.located.landmarks};
+  const record::MapFile map{.method = name_of(result.session.located.method),
+                            .position = result.session.located.position,
+                            .arms = name_of(result.session.located.arms),
+                            .compute_ms = result.session.locate_ms,
+                            .acupoints = result.session.located.acupoints,
+                            .landmarks = result.session.located.landmarks};
   const std::pair<const char*, std::string> files[] = {
       {"session.json", json + "\n"},
       {"config.toml", session::to_toml(config)},
       {"consent.toml", result.consent_toml},
-      {"scan.ply", to_ply(result.scan.cloud_in_couch)},
+      {"scan.ply", to_ply(result.session.scan.cloud_in_couch)},
       {"acupoints.json", record::to_json(map) + "\n"},
       {"plan.json", record::to_json(plan_file_of(result)) + "\n"},
-      {"trace.csv", csv_of(result.trace)},
+      {"trace.csv", csv_of(result.truth.trace)},
       {"joints.csv", csv_of(result.joints)},
-      {"distances.csv", csv_of(result.distances)}};
+      {"distances.csv", csv_of(result.truth.distances)}};
   for (const auto& [name, content] : files) {
     if (auto written = write_file(folder / name, content); !written) return written;
   }
@@ -268,17 +268,18 @@ std::string session_text(const SessionResult& result) {
   std::string text = fmt::format(
       "{} ({}): {} points scanned, acupoints within {:.1f} mm (largest error {:.1f} mm)\n"
       "{} paths in {:.0f} s, force error {:.2f} N RMS, peak {:.1f} N, {:.0f} times real time",
-      result.person.name, name_of(result.located.position), result.scan.cloud_in_couch.size(),
-      to_mm(mean_error_m), to_mm(max_error_m), result.performed.size(), result.massage_s,
-      result.force.rmse_n, result.force.peak_n, result.real_time_factor());
-  for (const session::Performed& done : result.performed) {
+      result.person.name, name_of(result.session.located.position),
+      result.session.scan.cloud_in_couch.size(), to_mm(mean_error_m), to_mm(max_error_m),
+      result.session.performed.size(), result.session.massage_s, result.truth.force.rmse_n,
+      result.truth.force.peak_n, result.real_time_factor());
+  for (const session::Performed& done : result.session.performed) {
     if (done.trouble == control::Trouble::none) continue;
-    text += fmt::format("\n{}: {}",
-                        result.ready.plan.paths[static_cast<std::size_t>(done.path)].path.name,
-                        control::name_of(done.trouble));
+    text += fmt::format(
+        "\n{}: {}", result.session.ready.plan.paths[static_cast<std::size_t>(done.path)].path.name,
+        control::name_of(done.trouble));
   }
-  for (const std::string& note : result.ready.plan.notes) text += "\n" + note;
-  for (const session::Stop& stop : result.stops) {
+  for (const std::string& note : result.session.ready.plan.notes) text += "\n" + note;
+  for (const session::Stop& stop : result.session.stops) {
     text += fmt::format("\nstopped at {:.2f} s, {}", stop.time_s, session::explain(stop));
   }
   return text;

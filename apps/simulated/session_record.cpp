@@ -4,7 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "apps/simulated/session_preparation.hpp"
+#include "apps/simulated/session_order.hpp"
 #include "apps/simulated/session_tables.hpp"
 #include "tuina/core/io/file.hpp"
 #include "tuina/core/io/surface_file.hpp"
@@ -225,8 +225,9 @@ Result<ReportData> read_record(const fs::path& folder) {
       return fail(Fault::bad_input, "{}: order.robot: no robot is called `{}`", file,
                   word(session.at("order"), "robot"));
     }
-    data.poses = poses_of(*joints, robot::stand(*kind, data.position, head_at_plus_y(acupoints)),
-                          base_from_couch);
+    data.poses =
+        poses_of(*joints, robot::stand(*kind, data.position, session::head_at_plus_y(acupoints)),
+                 base_from_couch);
     return data;
   } catch (const json::exception& error) {
     // "[json.exception.out_of_range.403] key 'order' not found": the sentence is behind the

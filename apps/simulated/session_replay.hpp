@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/simulated/session_preparation.hpp"
+#include "apps/simulated/session_order.hpp"
 
 namespace tuina::app {
 

@@ -5,13 +5,14 @@
 #include <cmath>
 
 #include "apps/simulated/leading_hand.hpp"
-#include "apps/simulated/session_preparation.hpp"
+#include "apps/simulated/session_order.hpp"
 #include "tuina/body/back_surface.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/massage/plan.hpp"
 #include "tuina/massage/programme.hpp"
 #include "tuina/massage/zones.hpp"
 #include "tuina/motion/ready_plan.hpp"
+#include "tuina/session/scan_step.hpp"
 #include "tuina/sim/person/person.hpp"
 
 namespace tuina::app {
@@ -73,23 +74,21 @@ HandMotion hand_motion(const motion::ReadyPlan& ready, const ToolPose& home, Arm
 
 /// The way of the tool from its first touch to its farthest place, told by the points that the
 /// session's own scan and map find on this back.
-Result<void> add_line(const TeachOrder& order, const sim::Person& person,
-                      const CommonOptions& common, const robot::ArmModel& model,
-                      session::TaughtMotion& motion) {
-  CommonOptions quiet = common;
-  quiet.quiet = true;
-  SessionOrder session;
-  session.person = order.person;
-  session.position = order.position;
-  const auto setting = read_setting(session, {}, quiet);
-  if (!setting) return tl::unexpected(setting.error());
-  const auto prepared = prepare(*setting, person);
-  if (!prepared) return tl::unexpected(prepared.error());
-  const auto chart =
-      massage::BackChart::from(prepared->located.acupoints, prepared->located.landmarks);
+Result<void> add_line(const TeachOrder& order, const CommonOptions& common,
+                      const robot::ArmModel& model, session::TaughtMotion& motion) {
+  SessionOrder ordered;
+  ordered.person = order.person;
+  ordered.position = order.position;
+  const session::Config config;
+  const auto room = make_room(ordered, config, common);
+  if (!room) return tl::unexpected(room.error());
+  session::Observers nobody({});
+  const auto mapped = session::scan_and_map(room->world->camera(), room->world->turntable(),
+                                            room->order, config, nobody);
+  if (!mapped) return tl::unexpected(mapped.error());
+  const auto chart = massage::BackChart::from(mapped->located.acupoints, mapped->located.landmarks);
   if (!chart) return tl::unexpected(chart.error());
-  const Transform couch_from_base =
-      believed_base_from_couch(*setting, robot::mount_for(order.position)).inverse();
+  const Transform couch_from_base = room->order.placed.base_from_couch.inverse();
 
   constexpr double working_n = 6.0, apart_m = 15_mm;
   std::vector<Vector3> way;
@@ -150,7 +149,7 @@ Result<TaughtByHand> record_by_hand(const TeachOrder& order, const session::Conf
   const HandMotion wanted = hand_motion(
       *ready,
       {home.translation() - radius_m * control::tool_normal(home), control::tool_normal(home)}, arm,
-      stage.mount.base_from_couch);
+      stage.mount().base_from_couch);
 
   const massage::PlannedPath& planned = ready->plan.paths.front();
   TaughtByHand taught{.motion = {.name = planned.path.name,
@@ -162,25 +161,18 @@ Result<TaughtByHand> record_by_hand(const TeachOrder& order, const session::Conf
   constexpr double learning_s = 3.5;  // the arm learns its friction before it is led
   const double end_s = learning_s + wanted.duration_s() + 0.5;
   const Progress bar = progress_bar(common, "teach");
-  for (;;) {
-    const robot::RobotReading reading = stage.plant->read();
-    if (const char* fault = stage.plant->fault())
-      return fail(Fault::device, "the robot: {}", fault);
+  std::optional<Error> stopped;
+  const auto step = [&](const robot::RobotReading& reading) -> std::optional<robot::RobotCommand> {
     const double time_s = reading.time_s - learning_s;
-    if (reading.time_s > end_s) break;
+    if (reading.time_s > end_s) return std::nullopt;
     if (bar && reading.tick % 100 == 0) bar(reading.time_s / end_s);
     for (const Arm side : both_arms) stage.arms[side].sense(reading, side);
-    GuardedArm& led = stage.arms[arm];
-    if (reading.tick == 0) {
-      for (const Arm side : both_arms) stage.arms[side].controller.start(stage.arms[side].state);
-    } else if (time_s >= 0.0 && led.controller.status().doing != control::Doing::lead) {
-      led.controller.lead();
-    }
+    control::ArmController& led = stage.arms[arm].controller;
+    if (time_s >= 0.0 && led.status().doing != control::Doing::lead) led.lead();
     robot::RobotCommand command{.rail_m = ready->rail_m};
     for (const Arm side : both_arms) {
-      GuardedArm& one = stage.arms[side];
-      const JointVector torque =
-          one.controller.step(one.state, reading.rail_m, TeachingStage::tick_s);
+      session::GuardedArm& one = stage.arms[side];
+      const JointVector torque = one.torque_nm(reading);
       const robot::ArmDynamics& dynamics = one.controller.dynamics();
       const bool skin = side == arm && one.state.contact_in_base.force_n.norm() > 1.5;
       command.torque_nm[side] =
@@ -190,35 +182,41 @@ Result<TaughtByHand> record_by_hand(const TeachOrder& order, const session::Conf
                      .zone = side == arm ? taught.motion.zone : safety::Zone::denied,
                      .normal_in_base = control::tool_normal(dynamics.base_from_tool),
                      .virtual_target_in_base = dynamics.base_from_tool.translation()});
-      if (one.verdict.latched) {
-        return fail(Fault::stopped, "the {} arm stopped while it was led: {}", name_of(side),
-                    safety::name_of(one.verdict.cause));
-      }
+      if (!one.verdict.latched) continue;
+      stopped =
+          Error{Fault::stopped, fmt::format("the {} arm stopped while it was led: {}",
+                                            name_of(side), safety::name_of(one.verdict.cause))};
+      return std::nullopt;
     }
-    if (!stage.separation.keeps(reading)) {
-      return fail(Fault::stopped, "the arm was led too near to the other one");
-    }
-    stage.plant->apply(command);
-    if (time_s < 0.0) continue;
-
-    const sim::ArmTruth& truth = stage.plant->truth().arms[arm];
-    const Transform base_from_tool = stage.mount.base_from_couch * truth.couch_from_tool;
-    const Wrench push = hand.push(wanted.at(time_s), base_from_tool,
-                                  stage.mount.base_from_couch.linear() * truth.velocity_in_couch,
+    if (stage.separation.keeps(reading)) return command;
+    stopped = Error{Fault::stopped, "the arm was led too near to the other one"};
+    return std::nullopt;
+  };
+  const auto lead = [&](const robot::RobotReading& reading, const robot::RobotCommand&) {
+    const double time_s = reading.time_s - learning_s;
+    if (time_s < 0.0) return true;
+    const sim::ArmTruth& truth = stage.world->truth().arms[arm];
+    const Transform& base_from_couch = stage.mount().base_from_couch;
+    const Wrench push = hand.push(wanted.at(time_s), base_from_couch * truth.couch_from_tool,
+                                  base_from_couch.linear() * truth.velocity_in_couch,
                                   truth.contact.force_n, radius_m);
-    stage.plant->push(arm, push);
+    stage.world->plant().push(arm, push);
     taught.peak_hand_n = std::max(taught.peak_hand_n, push.force_n.norm());
     taught.truth.push_back(stage.row(arm, time_s));
-    const Vector3 out = control::tool_normal(led.state.base_from_tool);
+    const ArmState& state = stage.arms[arm].state;
     taught.motion.samples.push_back(
-        {.time_s = static_cast<double>(taught.motion.samples.size()) * TeachingStage::tick_s,
-         .q_rad = led.state.q_rad,
-         .force_n = led.state.contact_in_base.force_n.dot(out)});
-  }
+        {.time_s = static_cast<double>(taught.motion.samples.size()) * control_period_s,
+         .q_rad = state.q_rad,
+         .force_n = state.contact_in_base.force_n.dot(control::tool_normal(state.base_from_tool))});
+    return true;
+  };
+  if (auto driven = session::run_control_loop(stage.world->robot(), step, lead); !driven)
+    return tl::unexpected(driven.error());
+  if (stopped) return tl::unexpected(*stopped);
   if (bar) bar(1.0);
   taught.motion = session::smoothed(taught.motion);
   if (order.technique == Technique::stroke) {
-    if (auto added = add_line(order, *person, common, model, taught.motion); !added)
+    if (auto added = add_line(order, common, model, taught.motion); !added)
       return tl::unexpected(added.error());
   }
   return taught;

@@ -3,64 +3,52 @@
 
 #include <memory>
 
-#include "apps/simulated/guarded_arm.hpp"
+#include "apps/simulated/session_order.hpp"
 #include "tuina/motion/arm_separation.hpp"
-#include "tuina/session/config.hpp"
-#include "tuina/sim/person/person.hpp"
-#include "tuina/sim/person/tissue_map.hpp"
-#include "tuina/sim/robot/plant.hpp"
+#include "tuina/session/control_loop.hpp"
+#include "tuina/session/guarded_arm.hpp"
+#include "tuina/sim/world.hpp"
 
 namespace tuina::app {
 
 /// A millisecond in which the tool was led or played, as it truly was.
 struct TeachRow {
   double time_s = 0.0;
-  Vector3 tool_in_couch = Vector3::Zero();  ///< foremost point
+  Vector3 tool_in_couch = Vector3::Zero();  ///< tip of the tool
   double true_force_n = 0.0;
 };
 
-/// A robot before a person, with the errors between it and its table that the seed draws.
+/// A robot before a person, its two arms guarded, for motions that a hand shows.
 struct TeachingStage {
-  static constexpr double tick_s = 1e-3;
-
-  robot::RobotMount mount;
+  std::unique_ptr<sim::World> world;
   PerArm<robot::ArmModel> models;
-  sim::BackContact person;
-  std::unique_ptr<sim::Plant> plant;
   motion::ArmSeparation separation;
-  PerArm<GuardedArm> arms;  // they look at `models`
+  PerArm<session::GuardedArm> arms;  // they look at `models`
 
-  TeachingStage(const sim::Person& who, const session::Config& config, std::uint64_t seed)
-      : mount(robot::mount_for(who.position)),
-        models(robot::both_models(robot::thesis_arm(), mount)),
-        person(who.skin_in_couch, sim::lay_tissue(who, seed),
-               {.torso_n_per_m = 1e3 * config.simulation.torso_n_per_mm,
-                .breathing = {.amplitude_m = from_mm(config.simulation.breathing_mm),
-                              .frequency_hz = config.simulation.breathing_hz}}),
+  explicit TeachingStage(std::unique_ptr<sim::World> made)
+      : world(std::move(made)),
+        models(robot::both_models(world->robot_table(), world->mount())),
         separation(models),
-        arms{.of = {GuardedArm(models[Arm::left], {}), GuardedArm(models[Arm::right], {})}} {}
+        arms{.of = {session::GuardedArm(models[Arm::left]),
+                    session::GuardedArm(models[Arm::right])}} {}
   TeachingStage(const TeachingStage&) = delete;
   TeachingStage& operator=(const TeachingStage&) = delete;
 
   [[nodiscard]] static Result<std::unique_ptr<TeachingStage>> make(const sim::Person& who,
-                                                                   const sim::Plant::Start& start,
+                                                                   const robot::ReadyPose& start,
                                                                    const session::Config& config,
                                                                    std::uint64_t seed) {
-    auto stage = std::make_unique<TeachingStage>(who, config, seed);
-    Random errors = make_random(seed, "true arms");
-    PerArm<robot::ArmTable> tables;
-    for (const Arm arm : both_arms) {
-      tables[arm] = sim::draw_arm(robot::thesis_arm(),
-                                  {.friction_scale = config.simulation.friction}, errors);
-    }
-    auto plant = sim::Plant::make(stage->mount, tables, start, &stage->person, {.seed = seed});
-    if (!plant) return tl::unexpected(plant.error());
-    stage->plant = std::move(*plant);
-    return stage;
+    auto world = sim::World::make(who, robot::stand(robot::Kind::thesis, who.position),
+                                  world_options(config), seed);
+    if (!world) return tl::unexpected(world.error());
+    if (auto stands = (*world)->robot().stand_ready(start); !stands)
+      return tl::unexpected(stands.error());
+    return std::make_unique<TeachingStage>(std::move(*world));
   }
 
+  [[nodiscard]] const robot::RobotMount& mount() const { return world->mount(); }
   [[nodiscard]] TeachRow row(Arm arm, double time_s) const {
-    const sim::ArmTruth& truth = plant->truth().arms[arm];
+    const sim::ArmTruth& truth = world->truth().arms[arm];
     const Vector3 ahead = truth.couch_from_tool.linear().col(0);
     return {.time_s = time_s,
             .tool_in_couch =

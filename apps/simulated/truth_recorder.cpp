@@ -3,38 +3,74 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "tuina/robot/clearance.hpp"
 
 namespace tuina::app {
 
-void Witness::watch(double time_s, const PerArm<session::ArmView>& view,
-                    const sim::PlantTruth& truth, const Vector3& moved_in_base) {
-  constexpr int rows_every_ticks = 5;
-  const bool row = ticks_++ % rows_every_ticks == 0;
-  if (row) {
-    const auto pose = [&](Arm arm) {
-      return models_[arm].kinematics(truth.arms[arm].q_rad, truth.rail_m);
-    };
-    const PerArm<robot::ArmModel::Kinematics> poses = {.of = {pose(Arm::left), pose(Arm::right)}};
-    const double apart_m = robot::distance_between_m(models_[Arm::left], poses[Arm::left],
-                                                     models_[Arm::right], poses[Arm::right]);
-    min_arm_distance_m_ = std::min(min_arm_distance_m_, apart_m);
-    robot::Clearances clear;
-    for (const Arm arm : both_arms) {
-      clear.take_least(robot::clearances(models_[arm], poses[arm], truth.rail_m, obstacles_));
+namespace {
+
+/// Skin vertices thinned to about 2000, for distances between arm and person good to 2 mm.
+std::vector<Vector3> thinned_skin(const Mesh& skin_in_couch, const Transform& base_from_couch) {
+  constexpr std::size_t enough = 2000;
+  const std::size_t count = skin_in_couch.vertices.size();
+  const std::size_t stride = std::max<std::size_t>(1, count / enough);
+  std::vector<Vector3> places;
+  for (std::size_t i = 0; i < count; i += stride)
+    places.push_back(base_from_couch * skin_in_couch.vertices[i]);
+  return places;
+}
+
+}  // namespace
+
+void TruthRecorder::on_scan(const scanner::Scan& scan) {
+  const Mesh& skin = world_.person().skin_in_couch;
+  const Vector3 shift = world_.shift_in_couch();
+  truth_.scan_error_m =
+      shift.isZero() ? sim::compare_with_truth(scan.cloud_in_couch, skin).rms_error_m
+                     : sim::compare_with_truth(scan.cloud_in_couch,
+                                               sim::moved(world_.person(), shift).skin_in_couch)
+                           .rms_error_m;
+}
+
+void TruthRecorder::on_map(const body::Mapping& map) {
+  const sim::Person person = sim::moved(world_.person(), world_.shift_in_couch());
+  truth_.acupoint_errors_m.clear();
+  for (const Acupoint& acupoint : map.acupoints) {
+    double error_m = std::numeric_limits<double>::quiet_NaN();
+    for (const Acupoint& truth : person.acupoints) {
+      if (truth.name == acupoint.name) error_m = (truth.at_in_couch - acupoint.at_in_couch).norm();
     }
-    clear_.take_least(clear);
-    constexpr double distances_every_s = 0.1;
-    if (distances_.empty() || time_s - distances_.back().time_s >= distances_every_s - 1e-6)
-      distances_.push_back({.time_s = time_s,
-                            .apart_m = apart_m,
-                            .to_person_m = to_person_m(poses, moved_in_base),
-                            .to_couch_m = clear[robot::Surrounding::couch],
-                            .to_body_m = clear[robot::Surrounding::body]});
+    truth_.acupoint_errors_m.push_back(error_m);
   }
+}
+
+void TruthRecorder::on_plan(const motion::ReadyPlan& plan, const Transform& base_from_couch) {
+  plan_ = &plan.plan;
+  last_path_ = {.of = {-1, -1}};
+  if (models_) return;
+  const sim::Person& person = world_.person();
+  couch_from_base_ = base_from_couch.inverse();
+  models_ = robot::both_models(world_.robot_table(), world_.mount());
+  const auto chart = massage::BackChart::from(person.acupoints, person.landmarks);
+  if (chart) true_zones_ = massage::ZoneMap(*chart, person.acupoints, person.landmarks);
+  skin_in_base_ = thinned_skin(person.skin_in_couch, world_.mount().base_from_couch);
+  truth_.min_arm_distance_m = std::numeric_limits<double>::infinity();
+}
+
+void TruthRecorder::on_performed(const session::Performed& performed) noexcept {
+  truth_.touched.push_back(touched_[performed.arm]);
+}
+
+void TruthRecorder::on_tick(const session::Tick& tick) noexcept {
+  constexpr int rows_every_ticks = 5;
+  const sim::PlantTruth& truth = world_.truth();
+  const double time_s = tick.reading.time_s;
+  const bool row = ticks_++ % rows_every_ticks == 0;
+  if (row) measure_distances(time_s, truth);
   for (const Arm arm : both_arms) {
-    const session::ArmView& seen = view[arm];
+    const session::ArmView& seen = tick.view[arm];
     const sim::ContactTruth& contact = truth.arms[arm].contact;
     const bool in_contact = seen.phase == session::ArmPhase::contact;
     std::optional<Technique> technique;
@@ -46,29 +82,52 @@ void Witness::watch(double time_s, const PerArm<session::ArmView>& view,
     }
     touching_[arm] = in_contact;
     if (row) {
-      trace_.push_back({.time_s = time_s,
-                        .arm = arm,
-                        .technique = technique,
-                        .target_n = seen.target_n,
-                        .true_force_n = contact.force_n,
-                        .measured_force_n = seen.measured_n,
-                        .depth_m = contact.depth_m,
-                        .tool_in_couch = couch_from_base_ * seen.tool_in_base});
+      truth_.trace.push_back({.time_s = time_s,
+                              .arm = arm,
+                              .technique = technique,
+                              .target_n = seen.target_n,
+                              .true_force_n = contact.force_n,
+                              .measured_force_n = seen.measured_n,
+                              .depth_m = contact.depth_m,
+                              .tool_in_couch = couch_from_base_ * seen.tool_in_base});
     }
   }
 }
 
-void Witness::tell(SessionResult& result) {
-  result.min_arm_distance_m = min_arm_distance_m_;
-  result.clear = clear_;
-  result.distances = std::move(distances_);
-  result.force = all_.errors();
-  for (const auto& [technique, sum] : by_technique_) result.techniques[technique] = sum.errors();
-  result.trace = std::move(trace_);
+SessionTruth TruthRecorder::finish() {
+  truth_.force = all_.errors();
+  for (const auto& [technique, sum] : by_technique_) truth_.techniques[technique] = sum.errors();
+  return std::move(truth_);
 }
 
-void Witness::count(double time_s, Arm arm, const session::ArmView& seen,
-                    const sim::ContactTruth& contact, Technique technique) {
+void TruthRecorder::measure_distances(double time_s, const sim::PlantTruth& truth) {
+  const PerArm<robot::ArmModel>& models = *models_;
+  const auto pose = [&](Arm arm) {
+    return models[arm].kinematics(truth.arms[arm].q_rad, truth.rail_m);
+  };
+  const PerArm<robot::ArmModel::Kinematics> poses = {.of = {pose(Arm::left), pose(Arm::right)}};
+  const double apart_m = robot::distance_between_m(models[Arm::left], poses[Arm::left],
+                                                   models[Arm::right], poses[Arm::right]);
+  truth_.min_arm_distance_m = std::min(truth_.min_arm_distance_m, apart_m);
+  robot::Clearances clear;
+  for (const Arm arm : both_arms) {
+    clear.take_least(
+        robot::clearances(models[arm], poses[arm], truth.rail_m, world_.mount().obstacles));
+  }
+  truth_.clear.take_least(clear);
+  constexpr double distances_every_s = 0.1;
+  auto& distances = truth_.distances;
+  if (!distances.empty() && time_s - distances.back().time_s < distances_every_s - 1e-6) return;
+  const Vector3 moved_in_base = world_.mount().base_from_couch.linear() * world_.shift_in_couch();
+  distances.push_back({.time_s = time_s,
+                       .apart_m = apart_m,
+                       .to_person_m = to_person_m(poses, moved_in_base),
+                       .to_couch_m = clear[robot::Surrounding::couch],
+                       .to_body_m = clear[robot::Surrounding::body]});
+}
+
+void TruthRecorder::count(double time_s, Arm arm, const session::ArmView& seen,
+                          const sim::ContactTruth& contact, Technique technique) {
   session::ForceErrorSum& sum = by_technique_[technique];
   if (seen.path != last_path_[arm]) sum.begin(), all_.begin();
   last_path_[arm] = seen.path;
@@ -76,12 +135,12 @@ void Witness::count(double time_s, Arm arm, const session::ArmView& seen,
   all_.add(time_s, seen.target_n, contact.force_n);
 }
 
-double Witness::to_person_m(const PerArm<robot::ArmModel::Kinematics>& poses,
-                            const Vector3& moved_in_base) const {
+double TruthRecorder::to_person_m(const PerArm<robot::ArmModel::Kinematics>& poses,
+                                  const Vector3& moved_in_base) const {
   double min_m = std::numeric_limits<double>::infinity();
   for (const Arm arm : both_arms) {
     const auto& origins = poses[arm].origins_in_base;
-    for (int i = 0; i + 1 < models_[arm].joints(); ++i) {
+    for (int i = 0; i + 1 < (*models_)[arm].joints(); ++i) {
       const auto link = static_cast<std::size_t>(i);
       const Vector3 from = origins[link] - moved_in_base;
       const Vector3 along = origins[link + 1] - origins[link];
@@ -92,20 +151,20 @@ double Witness::to_person_m(const PerArm<robot::ArmModel::Kinematics>& poses,
         const double share = std::clamp(to.dot(along) / length2, 0.0, 1.0);
         nearest2 = std::min(nearest2, (to - share * along).squaredNorm());
       }
-      min_m = std::min(min_m, std::sqrt(nearest2) - models_[arm].table().links[link].radius_m);
+      min_m = std::min(min_m, std::sqrt(nearest2) - (*models_)[arm].table().links[link].radius_m);
     }
   }
   return min_m;
 }
 
-void Witness::feel(Touched& touched, const sim::ContactTruth& contact, bool row) const {
+void TruthRecorder::feel(Touched& touched, const sim::ContactTruth& contact, bool row) const {
   if (contact.force_n > touched.peak_n) {
     touched.peak_n = contact.force_n;
     touched.tissue = contact.tissue;
     touched.at_in_couch = contact.at_in_couch;
   }
-  if (!row || contact.force_n <= 0.0) return;
-  const massage::Zone zone = true_zones_.at(contact.at_in_couch);
+  if (!row || contact.force_n <= 0.0 || !true_zones_) return;
+  const massage::Zone zone = true_zones_->at(contact.at_in_couch);
   if (contact.force_n == touched.peak_n) touched.zone = zone;
   const massage::ZoneRule& rule = massage::rule_of(zone);
   if (contact.force_n - rule.cap_n > touched.over_cap_n) {
@@ -113,16 +172,6 @@ void Witness::feel(Touched& touched, const sim::ContactTruth& contact, bool row)
     touched.over_cap_zone = zone;
   }
   touched.over_trip_n = std::max(touched.over_trip_n, contact.force_n - rule.trip_n);
-}
-
-std::vector<Vector3> some_skin(const Mesh& skin_in_couch, const Transform& base_from_couch) {
-  constexpr std::size_t enough = 2000;
-  const std::size_t count = skin_in_couch.vertices.size();
-  const std::size_t stride = std::max<std::size_t>(1, count / enough);
-  std::vector<Vector3> places;
-  for (std::size_t i = 0; i < count; i += stride)
-    places.push_back(base_from_couch * skin_in_couch.vertices[i]);
-  return places;
 }
 
 }  // namespace tuina::app

@@ -129,7 +129,7 @@ class Massage final : public Verb {
     const FeltBack felt = felt_back(*result, order_.facts);
     Answer answer{.json = session_json(*result, felt, order_, common.seed),
                   .text = session_text(*result),
-                  .exit_code = result->stops.empty() ? 0 : 4};
+                  .exit_code = result->session.stops.empty() ? 0 : 4};
     if (const auto written = write_session(*result, *config, answer.json, out_); !written) {
       return tl::unexpected(written.error());
     }

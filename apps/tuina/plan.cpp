@@ -132,7 +132,7 @@ class PlanVerb final : public Verb {
     if (!plan) return tl::unexpected(plan.error());
     const robot::Standing robot =
         robot::stand(robot::parse_kind(robot_).value_or(robot::Kind::thesis), back->position(),
-                     head_at_plus_y(map->acupoints));
+                     session::head_at_plus_y(map->acupoints));
     const robot::RobotMount& mount = robot.mount;
     const PerArm<robot::ArmModel> arms = robot::both_models(robot.arm, mount);
     auto ready =

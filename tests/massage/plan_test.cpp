@@ -166,7 +166,10 @@ TEST_CASE("hand over hand: one hand takes over before the other leaves, and they
   for (double t = 0.0; t < hand[Arm::right]->duration_s(); t += 0.01) {
     PerArm<double> force_n;
     for (const Arm arm : both_arms) {
-      force_n[arm] = t < hand[arm]->duration_s() ? place_at(*hand[arm], t).point.force_n : 0.0;
+      force_n[arm] =
+          t < hand[arm]->duration_s()
+              ? hand[arm]->points[static_cast<std::size_t>(std::lround(t / sample_s))].force_n
+              : 0.0;
       turns[arm] += force_n[arm] > 11.9 && !strokes[arm];
       strokes[arm] = force_n[arm] > 11.9;
     }

@@ -42,7 +42,7 @@ LaserLine line() {
 /// A camera that gives one grey frame.
 class GreyCamera final : public Camera {
  public:
-  Result<Frame> next_frame() override {
+  Result<Frame> next_frame(double) override {
     return Frame{.time_s = 0.0, .image = Image(640, 480), .dark = {}};
   }
 };
@@ -83,7 +83,7 @@ TEST_CASE("each colour of sticker is told, and skin and grey things are none") {
 TEST_CASE("grey frames cannot show stickers and are refused") {
   GreyCamera camera;
   StickerWatch watch(camera, ScannerCalibration{}, 0.3, 4.0);
-  const auto frame = watch.next_frame();
+  const auto frame = watch.next_frame(frame_timeout_s);
   REQUIRE_FALSE(frame.has_value());
   CHECK(frame.error().message.find("grey") != std::string::npos);
 }

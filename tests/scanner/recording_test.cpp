@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tuina/scanner/recording.hpp"
+#include "tests/fake_scanner.hpp"
 
 #include <doctest/doctest.h>
 
@@ -21,54 +22,10 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr int frames_of_a_sweep = 24;
-
-// A scanner whose line wanders through small noisy pictures while the motor turns.
-struct Little final : Camera, Turntable {
-  int next = 0;
-  Result<Frame> next_frame() override {
-    if (next == frames_of_a_sweep) return fail(Fault::not_found, "arrived");
-    Random random = make_random(static_cast<std::uint64_t>(next), "little camera");
-    Frame frame{.time_s = next / 30.0, .image = Image(96, 72), .dark = {}};
-    for (int y = 0; y < 72; ++y) {
-      for (int x = 0; x < 96; ++x) {
-        const double u = (x - 40.0 - 0.2 * next) / 2.0;
-        frame.image.row(y)[x] = static_cast<std::uint8_t>(20.0 + 180.0 * std::exp(-0.5 * u * u) +
-                                                          std::abs(gaussian(random, 3.0)));
-      }
-    }
-    ++next;
-    return frame;
-  }
-  Result<void> sweep(double, double, double) override {
-    next = 0;
-    return {};
-  }
-  Result<void> step(double from_rad, double to_rad, double step_rad) override {
-    return sweep(from_rad, to_rad, step_rad);
-  }
-  Result<std::vector<YawReading>> readings() const override {
-    std::vector<YawReading> readings;
-    for (int i = -5; i < 60; ++i) {
-      readings.push_back({i * 0.02 + 1.0 / 3.0, from_deg(std::round(0.9 * i) * (300.0 / 1024.0))});
-    }
-    return readings;
-  }
-};
-
+using Little = tests::FakeScanner;
+constexpr int frames_of_a_sweep = Little::frames_of_a_sweep;
 ScannerCalibration little_calibration() {
-  ScannerCalibration calibration;
-  calibration.camera = {.width_px = 96,
-                        .height_px = 72,
-                        .fx_px = 150.0,
-                        .fy_px = 150.0,
-                        .cx_px = 47.5,
-                        .cy_px = 35.5};
-  calibration.laser_normal_in_camera = {std::sin(73.0_deg), 0.0, std::cos(73.0_deg)};
-  calibration.laser_distance_m = 0.19;
-  calibration.axis_point_in_camera = {0.1, 0.0, 0.0};
-  calibration.latency_s = -1.0 / 3.0;
-  return calibration;
+  return tests::calibration_of_fake();
 }
 
 void record_into(const fs::path& folder) {
@@ -76,8 +33,8 @@ void record_into(const fs::path& folder) {
   auto recorder = Recorder::open(little, little, folder);
   REQUIRE(recorder.has_value());
   REQUIRE(recorder->sweep(0.0, 1.0, 1.0).has_value());
-  while (recorder->next_frame()) {
-  }
+  REQUIRE(recorder->switch_laser(true).has_value());
+  while (recorder->arrived() == false) REQUIRE(recorder->next_frame(frame_timeout_s).has_value());
   REQUIRE(recorder->finish(little_calibration()).has_value());
 }
 
@@ -128,7 +85,7 @@ TEST_CASE("what goes wrong with a recording leaves nothing behind") {
   {
     auto recorder = Recorder::open(little, little, folder.path() / "sweep");
     REQUIRE(recorder.has_value());
-    REQUIRE(recorder->next_frame().has_value());
+    REQUIRE(recorder->next_frame(frame_timeout_s).has_value());
   }
   CHECK(fs::is_empty(folder.path()));
   record_into(folder.path() / "sweep");
@@ -147,12 +104,12 @@ TEST_CASE("colour frames give their red, dark frames are taken off, sixteen bits
   put(sweep / "dark" / "1.png", to_png(Image(96, 72)));
   auto recording = Recording::open(sweep);
   REQUIRE(recording.has_value());
-  const auto first = recording->next_frame();
+  const auto first = recording->next_frame(frame_timeout_s);
   REQUIRE(first.has_value());
   CHECK(first->image.channels == 1);
   CHECK(first->image.data.front() == 77);
   CHECK(first->dark.data.empty());
-  CHECK(recording->next_frame()->dark.data.size() == 96 * 72);
+  CHECK(recording->next_frame(frame_timeout_s)->dark.data.size() == 96 * 72);
 }
 
 TEST_CASE("every broken recording is refused with its cause") {

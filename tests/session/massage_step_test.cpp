@@ -70,7 +70,7 @@ std::unique_ptr<Room> enter(Position position,
 
 /// One millisecond; the time it is.
 double live(Room& room) noexcept {
-  const robot::RobotReading reading = room.plant->read();
+  const robot::RobotReading reading = *room.plant->read();
   room.plant->apply(room.massage.step(reading));
   return reading.time_s;
 }
@@ -87,7 +87,7 @@ TEST_CASE("twenty seconds of massage by two arms take nothing from the heap") {
     PerArm<double> highest_n;
     const auto before = test::allocations();
     for (int ms = 0; ms < 20'000; ++ms) {
-      const robot::RobotReading reading = room->plant->read();
+      const robot::RobotReading reading = *room->plant->read();
       room->plant->apply(room->massage.step(reading));
       for (const Arm arm : both_arms)
         highest_n[arm] = std::max(highest_n[arm], force_n(*room, arm));

@@ -157,7 +157,8 @@ TEST_CASE(
     LaserScanner scanner(mesh, Position::sitting, {}, seed, {.threads = threads});
     REQUIRE(scanner.sweep(-3.0_deg, 3.0_deg, 6.0_deg).has_value());
     std::vector<std::uint8_t> pixels;
-    while (const auto frame = scanner.next_frame()) {
+    while (scanner.arrived() == false) {
+      const auto frame = scanner.next_frame(scanner::frame_timeout_s);
       pixels.insert(pixels.end(), frame->image.data.begin(), frame->image.data.end());
     }
     return pixels;

@@ -68,8 +68,8 @@ TEST_CASE(
   const auto right = make(without_friction());
   const auto heavy = make(without_friction(1.1));
   for (int ms = 0; ms < 500; ++ms) {
-    right->apply(hold(right->read()));
-    heavy->apply(hold(heavy->read()));
+    right->apply(hold(*right->read()));
+    heavy->apply(hold(*heavy->read()));
   }
   CHECK(farthest(*right) < 0.01);
   CHECK(farthest(*heavy) > 0.05);
@@ -84,8 +84,8 @@ TEST_CASE("a joint sticks below its friction, gives way above it, and does not c
   const auto above = make(sticky);
   double after_half_s = 0.0;
   for (int ms = 0; ms < 1000; ++ms) {
-    below->apply(hold(below->read(), 1, 0.6 * believed.links[1].coulomb_nm));
-    above->apply(hold(above->read(), 1, 1.6 * believed.links[1].coulomb_nm));
+    below->apply(hold(*below->read(), 1, 0.6 * believed.links[1].coulomb_nm));
+    above->apply(hold(*above->read(), 1, 1.6 * believed.links[1].coulomb_nm));
     if (ms == 500) after_half_s = farthest(*below);
   }
   CHECK(farthest(*below) < 2e-3);
@@ -101,7 +101,7 @@ TEST_CASE("the same seed gives the same millisecond bit for bit, another seed an
     const auto plant = make(believed, &person, {.seed = seed});
     double sum = 0.0;
     for (int ms = 0; ms < 200; ++ms) {
-      const auto reading = plant->read();
+      const auto reading = *plant->read();
       sum += reading.arms[Arm::left].q_rad.sum() +
              reading.arms[Arm::right].wrench_in_tool.force_n.sum();
       plant->apply(hold(reading));
@@ -117,7 +117,7 @@ TEST_CASE("the resting wrist feels the tool's weight, a millisecond late and wit
   double sum_n = 0.0, squares = 0.0;
   constexpr int samples = 400;
   for (int ms = 0; ms < samples; ++ms) {
-    const auto reading = plant->read();
+    const auto reading = *plant->read();
     const auto& arm = reading.arms[Arm::right];
     const Matrix3 turn = models[1].base_from_tool(arm.q_rad, 0.0).linear();
     const Vector3 force_in_base = turn * arm.wrench_in_tool.force_n;
@@ -145,7 +145,7 @@ TEST_CASE(
   constexpr double push_n = 20.0;
   Vector3 felt_in_base = Vector3::Zero();
   for (int ms = 0; ms < 1500; ++ms) {
-    const auto reading = plant->read();
+    const auto reading = *plant->read();
     robot::RobotCommand command = hold(reading);
     const auto& arm = reading.arms[Arm::left];
     const auto dynamics = models[0].evaluate(arm.q_rad, arm.dq_rad_per_s, reading.rail_m);
@@ -170,7 +170,7 @@ TEST_CASE("amplifiers have steps and an end") {
   const auto plant = make(without_friction());
   const auto limited = make(without_friction());
   for (int ms = 0; ms < 30; ++ms) {
-    robot::RobotCommand huge = hold(plant->read()), most = hold(limited->read());
+    robot::RobotCommand huge = hold(*plant->read()), most = hold(*limited->read());
     huge.torque_nm[Arm::left][5] = 1e9;
     most.torque_nm[Arm::left][5] = believed.links[5].torque_limit_nm;
     plant->apply(huge);
@@ -181,10 +181,10 @@ TEST_CASE("amplifiers have steps and an end") {
 
 TEST_CASE("a torque that is no number is a fault, and nothing else moves for it") {
   const auto plant = make(believed);
-  robot::RobotCommand command = hold(plant->read());
+  robot::RobotCommand command = hold(*plant->read());
   command.torque_nm[Arm::left][2] = std::numeric_limits<double>::quiet_NaN();
   plant->apply(command);
-  CHECK(std::isfinite(plant->read().arms[Arm::left].q_rad.sum()));
+  CHECK(std::isfinite(plant->read()->arms[Arm::left].q_rad.sum()));
   CHECK(std::string(plant->fault()) == "a torque command was not a number");
 }
 
@@ -192,7 +192,7 @@ TEST_CASE("the linear base goes where it is wanted, without haste, and stays") {
   const auto plant = make(believed);
   double fastest = 0.0, last_m = 0.0;
   for (int ms = 0; ms < 3000; ++ms) {
-    const auto reading = plant->read();
+    const auto reading = *plant->read();
     fastest = std::max(fastest, std::abs(reading.rail_m - last_m) / 1e-3);
     last_m = reading.rail_m;
     robot::RobotCommand command = hold(reading);
@@ -209,7 +209,7 @@ TEST_CASE("a thousand milliseconds of reading and applying take nothing from the
       mesh, std::vector<TangentTissue>(mesh.vertices.size(), {.alpha_n = 4, .beta_per_m = 150}));
   const auto plant = make(believed, &person);
   const auto before = test::allocations();
-  for (int ms = 0; ms < 1000; ++ms) plant->apply(hold(plant->read()));
+  for (int ms = 0; ms < 1000; ++ms) plant->apply(hold(*plant->read()));
   CHECK(test::allocations() == before);
   CHECK(plant->fault() == nullptr);
 }
@@ -226,7 +226,7 @@ TEST_CASE("an arm that breaks loose from the numbers is reported, not hidden") {
   }
   const auto plant = make(light);
   for (int ms = 0; ms < 2000 && plant->fault() == nullptr; ++ms) {
-    robot::RobotCommand command = hold(plant->read());
+    robot::RobotCommand command = hold(*plant->read());
     for (int i = 0; i < 6; ++i) command.torque_nm[Arm::left][i] = 1e6;
     plant->apply(command);
   }
@@ -245,7 +245,7 @@ TEST_CASE(
     REQUIRE_MESSAGE(made.has_value(), test::reason(made));
     Plant& plant = **made;
     for (int ms = 0; ms < 1'000; ++ms) {
-      const robot::RobotReading reading = plant.read();
+      const robot::RobotReading reading = *plant.read();
       robot::RobotCommand command;
       for (const Arm arm : both_arms)
         command.torque_nm[arm] = its[arm].gravity_nm(reading.arms[arm].q_rad);

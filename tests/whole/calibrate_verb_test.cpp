@@ -136,7 +136,8 @@ void record(const fs::path& folder, double from_rad, const tuina::Mesh& scene) {
   auto recorder = tuina::scanner::Recorder::open(unit, unit, folder);
   REQUIRE(recorder.has_value());
   REQUIRE(recorder->sweep(from_rad, -from_rad, 6.0_deg).has_value());
-  while (recorder->next_frame()) continue;
+  while (recorder->arrived() == false)
+    REQUIRE(recorder->next_frame(tuina::scanner::frame_timeout_s).has_value());
   REQUIRE(recorder->finish(tuina::sim::true_calibration(tuina::Position::prone)).has_value());
 }
 

@@ -179,7 +179,7 @@ Result<Sweep> read_sweep(const std::filesystem::path& folder, const Progress& pr
   if (!readings) return tl::unexpected(readings.error());
   sweep.readings = *readings;
   for (int i = 0; i < recording->frames(); ++i) {
-    const auto frame = recording->next_frame();
+    const auto frame = recording->next_frame(scanner::frame_timeout_s);
     if (!frame) return tl::unexpected(frame.error());
     sweep.lines.push_back(
         {frame->time_s, scanner::find_laser_line(

@@ -8,6 +8,9 @@
 
 namespace tuina {
 
+/// One turn of the control loop: 1 kHz.
+inline constexpr double control_period_s = 1e-3;
+
 enum class Arm : std::uint8_t { left, right };
 inline constexpr std::array<Arm, 2> both_arms = {Arm::left, Arm::right};
 [[nodiscard]] constexpr const char* name_of(Arm arm) {

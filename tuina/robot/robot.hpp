@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "tuina/core/arm.hpp"
+#include "tuina/core/result.hpp"
 
 namespace tuina::robot {
 
@@ -28,13 +30,22 @@ struct RobotCommand {
   double rail_m = 0.0;            ///< where the position-controlled linear base should be
 };
 
-/// The door to a two-armed torque-controlled robot, simulated or real. The 1 kHz loop is
-/// `reading = robot.read(); ...; robot.apply(command);` and neither call allocates or throws.
+/// How the robot stands before a massage: on its linear base, the arms where the plan begins.
+struct ReadyPose {
+  PerArm<JointVector> q_rad;
+  double rail_m = 0.0;
+};
+
+/// The interface to a two-armed torque-controlled robot, simulated or real. Its 1 kHz loop stands
+/// in session/control_loop.hpp. `read`, `apply` and `fault` neither allocate nor throw.
 class Robot {
  public:
   virtual ~Robot() = default;
-  /// Waits for the next millisecond.
-  [[nodiscard]] virtual RobotReading read() noexcept = 0;
+  /// Brings the robot there by its own drives, away from anybody; blocks until it stands. A robot
+  /// that stands already, because a massage was broken off and goes on, stays as it is.
+  [[nodiscard]] virtual Result<void> stand_ready(const ReadyPose& pose) = 0;
+  /// Waits for the next millisecond; nothing when the robot gave no reading in it.
+  [[nodiscard]] virtual std::optional<RobotReading> read() noexcept = 0;
   virtual void apply(const RobotCommand& command) noexcept = 0;
   /// Null while all is well, else what the device says of itself, for people.
   [[nodiscard]] virtual const char* fault() const noexcept = 0;

@@ -91,7 +91,7 @@ class Guard {
     JointVector torque_limit_nm;  ///< of the drives; one per joint
     std::array<ForceLimits, zones> force = force_ceilings;
     Ceilings limits = {};
-    double period_s = 1e-3;
+    double period_s = control_period_s;
   };
 
   /// Every option above its compiled ceiling counts as the ceiling.

@@ -13,12 +13,16 @@ struct Frame {
   Image dark;   ///< the same view with the laser off; empty when none was taken
 };
 
-/// The door to a camera: a simulated one, a recording, or a device.
+/// Time after which a camera that takes 30 frames a second and gives none is broken.
+inline constexpr double frame_timeout_s = 1.0;
+
+/// The interface to a camera: a simulated one, a recording, or a device.
 class Camera {
  public:
   virtual ~Camera() = default;
-  /// The next frame; waits for it. A finished recording or sweep gives Fault::not_found.
-  [[nodiscard]] virtual Result<Frame> next_frame() = 0;
+  /// The next frame; waits for it. Fault::device when none has come within `timeout_s`, or the
+  /// camera is gone.
+  [[nodiscard]] virtual Result<Frame> next_frame(double timeout_s) = 0;
 
  protected:
   Camera() = default;

@@ -150,8 +150,8 @@ Result<Recording> Recording::open(const fs::path& folder, Frames kind) {
   return recording;
 }
 
-Result<Frame> Recording::next_frame() {
-  if (next_ == frames_.size()) return fail(Fault::not_found, "the recording has ended");
+Result<Frame> Recording::next_frame(double) {
+  if (next_ == frames_.size()) return fail(Fault::device, "the recording has no more frames");
   const Entry& entry = frames_[next_++];
   Frame frame{.time_s = entry.time_s, .image = {}, .dark = {}};
   // A picture that is not there any more is a broken recording, not the end of it: every error is
@@ -213,8 +213,8 @@ Result<Recorder> Recorder::open(Camera& camera, Turntable& turntable, const fs::
   return recorder;
 }
 
-Result<Frame> Recorder::next_frame() {
-  auto frame = camera_->next_frame();
+Result<Frame> Recorder::next_frame(double timeout_s) {
+  auto frame = camera_->next_frame(timeout_s);
   if (!frame) return frame;
   const std::string name = picture_name(times_s_.size());
   if (const auto written = write_file(part_ / "frames" / name, to_png(frame->image)); !written) {

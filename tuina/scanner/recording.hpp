@@ -24,9 +24,11 @@ class Recording final : public Camera, public Turntable {
   [[nodiscard]] static Result<Recording> open(const std::filesystem::path& folder,
                                               Frames frames = Frames::grey);
 
-  [[nodiscard]] Result<Frame> next_frame() override;
+  [[nodiscard]] Result<Frame> next_frame(double timeout_s) override;
   [[nodiscard]] Result<void> sweep(double from_rad, double to_rad, double rad_per_s) override;
   [[nodiscard]] Result<void> step(double from_rad, double to_rad, double step_rad) override;
+  [[nodiscard]] Result<bool> arrived() const override { return next_ == frames_.size(); }
+  [[nodiscard]] Result<void> switch_laser(bool) override { return {}; }
   [[nodiscard]] Result<std::vector<YawReading>> readings() const override { return readings_; }
 
   [[nodiscard]] const ScannerCalibration& calibration() const { return calibration_; }
@@ -60,9 +62,11 @@ class Recorder final : public Camera, public Turntable {
   Recorder& operator=(Recorder&&) = delete;
   ~Recorder() override;
 
-  [[nodiscard]] Result<Frame> next_frame() override;
+  [[nodiscard]] Result<Frame> next_frame(double timeout_s) override;
   [[nodiscard]] Result<void> sweep(double from_rad, double to_rad, double rad_per_s) override;
   [[nodiscard]] Result<void> step(double from_rad, double to_rad, double step_rad) override;
+  [[nodiscard]] Result<bool> arrived() const override { return turntable_->arrived(); }
+  [[nodiscard]] Result<void> switch_laser(bool on) override { return turntable_->switch_laser(on); }
   [[nodiscard]] Result<std::vector<YawReading>> readings() const override;
   [[nodiscard]] Result<void> finish(const ScannerCalibration& calibration);
 

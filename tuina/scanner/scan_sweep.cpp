@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "tuina/scanner/sweep.hpp"
@@ -50,6 +51,10 @@ bool half_missing(const Image& image) {
 // other, and half of any motion, the part that is even about the turn, would never show.
 constexpr double back_speed = 4.0 / 3.0;
 
+// Stop and shoot: [thesis] chapter 4 turns by a degree in 400 ms; a quarter of that is slow enough
+// for any unit.
+constexpr double min_step_speed_rad_per_s = 0.25 * 1.0_deg / 0.4;
+
 // What a scan knows while frames come in.
 struct Intake {
   std::vector<TimedLine> lines;
@@ -78,7 +83,22 @@ void tell(const Turntable& turntable, const TimedLine& line, int number,
   options.on_profile(profile);
 }
 
-// One turn of the unit from door to lines.
+// The laser is lit while this lives, however the scan ends.
+class LitLaser {
+ public:
+  explicit LitLaser(Turntable& turntable)
+      : turntable_(turntable), lit_(turntable.switch_laser(true)) {}
+  ~LitLaser() { (void)turntable_.switch_laser(false); }  // a destructor has nobody to tell
+  LitLaser(const LitLaser&) = delete;
+  LitLaser& operator=(const LitLaser&) = delete;
+  [[nodiscard]] const Result<void>& lit() const { return lit_; }
+
+ private:
+  Turntable& turntable_;
+  Result<void> lit_;
+};
+
+// One turn of the unit, from its devices to lines.
 Result<void> take_turn(Camera& camera, Turntable& turntable, double from_rad, double to_rad,
                        double rad_per_s, const ScannerCalibration& calibration,
                        const SweepOptions& options, double expected_frames,
@@ -90,10 +110,22 @@ Result<void> take_turn(Camera& camera, Turntable& turntable, double from_rad, do
       columns_between(calibration, options.near_m, options.far_m);
   const LineOptions line_options{
       .method = options.method, .first_column = first_column, .last_column = last_column};
+  // A motor at half of its speed still arrives in time; one that hangs ends the scan.
+  const double speed_rad_per_s = options.step_rad > 0.0 ? min_step_speed_rad_per_s : rad_per_s;
+  const double max_turn_s = 2.0 * std::abs(to_rad - from_rad) / speed_rad_per_s + 5.0;
+  std::optional<double> first_frame_s;
   for (;;) {
-    auto frame = camera.next_frame();
-    if (!frame && frame.error().fault == Fault::not_found) break;
+    const auto arrived = turntable.arrived();
+    if (!arrived) return tl::unexpected(arrived.error());
+    if (*arrived) break;
+    auto frame = camera.next_frame(frame_timeout_s);
     if (!frame) return tl::unexpected(frame.error());
+    if (!first_frame_s) first_frame_s = frame->time_s;
+    if (options.expected_frames == 0 && frame->time_s - *first_frame_s > max_turn_s) {
+      return fail(Fault::device,
+                  "the motor has not arrived after {:.1f} s; it should turn for {:.1f} s",
+                  frame->time_s - *first_frame_s, std::abs(to_rad - from_rad) / speed_rad_per_s);
+    }
     const auto start = Clock::now();
     if (const auto good = check_size(frame->image, calibration.camera, "frame"); !good) return good;
     const bool has_dark = !frame->dark.data.empty();
@@ -151,6 +183,8 @@ Result<Scan> scan_sweep(Camera& camera, Turntable& turntable, const ScannerCalib
   const double frames = options.expected_frames > 0 ? options.expected_frames
                         : options.step_rad > 0.0    ? ways * turn_rad / options.step_rad
                                                  : ways * 30.0 * turn_rad / options.speed_rad_per_s;
+  const LitLaser laser(turntable);
+  if (!laser.lit()) return tl::unexpected(laser.lit().error());
   Intake intake;
   auto taken = take_turn(camera, turntable, options.from_rad, options.to_rad,
                          options.speed_rad_per_s, calibration, options, frames, progress, intake);

@@ -32,10 +32,10 @@ TangentTissue expected_in(massage::Zone zone) noexcept {
 void MassageStep::begin_approach(Side& side, Arm arm, double time_s) noexcept {
   const massage::PlannedPath& planned = *path_of(side);
   side.again = side.cut_short = false;
-  side.wanted = planned.path.points.front();
-  side.wanted.at_in_couch += shift_in_base_;
-  side.controller.approach(
-      {.at_in_base = side.wanted.at_in_couch, .normal_in_base = side.wanted.normal_in_couch});
+  side.wanted = base_path_of(side).points.front();
+  side.wanted.at_in_base += shift_in_base_;
+  side.controller().approach(
+      {.at_in_base = side.wanted.at_in_base, .normal_in_base = side.wanted.normal_in_base});
   side.phase = ArmPhase::approach;
   side.expected = expected_in(planned.zone);
   steering_.begin(arm, job_of(side)->path, time_s);
@@ -52,7 +52,7 @@ void MassageStep::begin_contact(Side& side, Arm arm, double time_s) noexcept {
 /// One millisecond of a contact.
 void MassageStep::press_on(Side& side, Arm arm, double time_s) noexcept {
   const massage::PlannedPath& planned = *path_of(side);
-  const control::ArmStatus& status = side.controller.status();
+  const control::ArmStatus& status = side.controller().status();
   if (steering_.probing(arm)) side.playback.begin(massage::landing_s);
   const bool leaves = side.skip || steering_.alarmed(arm);
   if ((leaves || steering_.worked_enough(arm)) && !side.playback.fading()) {
@@ -69,18 +69,18 @@ void MassageStep::press_on(Side& side, Arm arm, double time_s) noexcept {
   }
   register_skin(side, time_s);
   if (side.phase != ArmPhase::contact) return;
-  const massage::PathPlace now = massage::place_at(planned.path, side.playback.path_s());
+  const BasePlace now = place_at(base_path_of(side), side.playback.path_s());
   side.wanted = now.point;
-  side.wanted.at_in_couch += shift_in_base_;
+  side.wanted.at_in_base += shift_in_base_;
   const double planned_n = steering_.probing(arm) && !paused_
                                ? steering_.probe_force_n(arm, time_s)
                                : steering_.steered_n(arm, now.point.force_n);
   side.wanted.force_n =
       std::min({side.playback.force_n(planned_n), options_.force_ceiling_n, planned.cap_n});
-  side.controller.track(
-      {.at_in_base = side.wanted.at_in_couch,
-       .velocity_m_per_s = side.playback.rate() * now.velocity_m_per_s,
-       .normal_in_base = now.point.normal_in_couch,
+  side.controller().track(
+      {.at_in_base = side.wanted.at_in_base,
+       .velocity_m_per_s = side.playback.rate() * now.velocity_in_base_m_per_s,
+       .normal_in_base = now.point.normal_in_base,
        .force_n = side.wanted.force_n,
        .model = {.tissue = side.expected, .torso_n_per_m = options_.torso_n_per_m}});
 }
@@ -89,12 +89,12 @@ void MassageStep::press_on(Side& side, Arm arm, double time_s) noexcept {
 /// that was touched. Breath moves it by a few millimetres to either side, so each contact counts
 /// for a part only, once.
 void MassageStep::register_skin(Side& side, double time_s) noexcept {
-  constexpr double after_s = 0.4, share = 0.3, tick_s = 1e-3;
+  constexpr double after_s = 0.4, share = 0.3;
   const double in_contact_s = time_s - side.contact_s;
-  if (in_contact_s < after_s || in_contact_s >= after_s + tick_s) return;
-  const double deeper_m = side.controller.status().skin_error_m;
+  if (in_contact_s < after_s || in_contact_s >= after_s + control_period_s) return;
+  const double deeper_m = side.controller().status().skin_error_m;
   if (std::abs(deeper_m) > options_.max_shift_m) return leave(time_s);
-  next_shift_in_base_ -= share * deeper_m * side.wanted.normal_in_couch;
+  next_shift_in_base_ -= share * deeper_m * side.wanted.normal_in_base;
 }
 
 void MassageStep::end_contact(Side& side, Arm arm, double time_s) noexcept {
@@ -115,17 +115,17 @@ void MassageStep::end_contact(Side& side, Arm arm, double time_s) noexcept {
   steering_.end(arm);
   if (performed_.size() < performed_.capacity()) performed_.push_back(done);
   side.skip = false;
-  side.controller.retract(options_.standoff_m);
+  side.controller().retract(options_.standoff_m);
   side.phase = ArmPhase::retract;
 }
 
 void MassageStep::feel(Side& side, Arm arm, double time_s, const ArmState& state) noexcept {
   // The approach counts too: in the air the estimator learns the zero of the force sensor.
   if (side.phase != ArmPhase::approach && side.phase != ArmPhase::contact) return;
-  const Vector3& normal = side.wanted.normal_in_couch;
+  const Vector3& normal = side.wanted.normal_in_base;
   const Vector3 foremost = state.base_from_tool.translation() - tool_radius_m_ * normal;
   steering_.feel(arm, time_s,
-                 {.depth_m = normal.dot(side.wanted.at_in_couch - foremost),
+                 {.depth_m = normal.dot(side.wanted.at_in_base - foremost),
                   .force_n = normal.dot(state.contact_in_base.force_n)});
   const TissueEstimate& estimate = steering_.estimate(arm);
   if (options_.steer && estimate.converged) side.expected = estimate.tissue;

@@ -12,26 +12,7 @@
 namespace tuina::session {
 namespace {
 
-constexpr double tick_s = 1e-3;
 constexpr double max_leg_s = 15.0;  // of a way through the air; no leg takes a third of it
-
-massage::Plan in_base(massage::Plan plan, const Transform& base_from_couch) {
-  for (massage::PlannedPath& planned : plan.paths) {
-    for (ContactPoint& point : planned.path.points) {
-      point.at_in_couch = base_from_couch * point.at_in_couch;
-      point.normal_in_couch = base_from_couch.linear() * point.normal_in_couch;
-    }
-  }
-  return plan;
-}
-
-safety::Guard::Options guard_options(const robot::ArmModel& model, const MassageOptions& options) {
-  safety::Guard::Options guard{.torque_limit_nm = model.table().torque_limits_nm()};
-  for (safety::ForceLimits& limits : guard.force) {
-    limits.set_n = std::min(limits.set_n, options.force_ceiling_n);
-  }
-  return guard;
-}
 
 safety::Phase guarded_phase(ArmPhase phase) noexcept {
   switch (phase) {
@@ -70,11 +51,11 @@ std::string explain(const Stop& stop) {
 }
 
 MassageStep::Side::Side(const robot::ArmModel& model, const MassageOptions& options)
-    : controller(model, control::ArmController::Options{}), guard(guard_options(model, options)) {}
+    : guarded(model, {}, options.force_ceiling_n) {}
 
 MassageStep::MassageStep(const massage::Plan& plan, PerArm<std::vector<motion::ArmJob>> jobs,
                          const PerArm<robot::ArmModel>& models, const MassageOptions& options)
-    : plan_(in_base(plan, options.base_from_couch)),
+    : plan_(plan),
       models_(models),
       separation_(models, options.obstacles),
       options_(options),
@@ -84,6 +65,9 @@ MassageStep::MassageStep(const massage::Plan& plan, PerArm<std::vector<motion::A
           tissue::pressed_by_robot(options.torso_n_per_m, models_[Arm::left].table().tool_mass_kg),
           options.adaptive) {
   for (const Arm arm : both_arms) sides_[arm].jobs = std::move(jobs[arm]);
+  paths_in_base_.reserve(plan_.paths.size());
+  for (const massage::PlannedPath& planned : plan_.paths)
+    paths_in_base_.push_back(in_base(planned.path, options.base_from_couch));
   tool_radius_m_ = models_[Arm::left].table().tool_radius_m;
   performed_.reserve(4 * plan_.paths.size() + 16);  // some are asked for again
   stops_.reserve(4);
@@ -99,36 +83,27 @@ const massage::PlannedPath* MassageStep::path_of(const Side& side) const noexcep
                                           : nullptr;
 }
 
+const BasePath& MassageStep::base_path_of(const Side& side) const noexcept {
+  return paths_in_base_[static_cast<std::size_t>(job_of(side)->path)];
+}
+
 robot::RobotCommand MassageStep::step(const robot::RobotReading& reading) noexcept {
   robot::RobotCommand command{.torque_nm = {}, .rail_m = options_.rail_m};
   for (const Arm arm : both_arms) {
     Side& side = sides_[arm];
-    control::ArmController& controller = side.controller;
-    const robot::ArmReading& sensed = reading.arms[arm];
-    const ArmState state = controller.sense(sensed, reading.time_s, reading.rail_m);
+    GuardedArm& guarded = side.guarded;
+    guarded.sense(reading, arm);
+    const ArmState& state = guarded.state;
     side.q_rad = state.q_rad;
     if (!started_) {
-      controller.start(state);
       side.home = motion::foremost_of(state.base_from_tool, tool_radius_m_);
       side.home_rad = state.q_rad;
     }
     conduct(arm, reading.time_s);
-    const JointVector torque_nm = controller.step(state, reading.rail_m, tick_s);
-
-    const robot::ArmDynamics& dynamics = controller.dynamics();
-    const safety::Observation seen{
-        .tick = reading.tick,
-        .time_s = reading.time_s,
-        .wrench_time_s = sensed.wrench_time_s,
-        .q_rad = state.q_rad,
-        .dq_rad_per_s = state.dq_rad_per_s,
-        .force_in_base_n = state.contact_in_base.force_n,
-        .tool_in_base = state.base_from_tool.translation(),
-        .tool_velocity_m_per_s = dynamics.jacobian.topRows<3>() * state.dq_rad_per_s,
-        .jacobian = dynamics.jacobian.topRows<3>(),
-        .gravity_nm = dynamics.gravity_nm};
-    const safety::Verdict verdict = side.guard.check(seen, proposal(side, torque_nm));
-    command.torque_nm[arm] = verdict.allowed_nm;
+    const JointVector torque_nm = guarded.torque_nm(reading);
+    command.torque_nm[arm] =
+        guarded.allow(reading, arm, guarded.controller.dynamics(), proposal(side, torque_nm));
+    const safety::Verdict& verdict = guarded.verdict;
     if (verdict.latched && side.phase != ArmPhase::stopped) {
       if (side.phase == ArmPhase::contact) end_contact(side, arm, reading.time_s);
       side.phase = ArmPhase::stopped;
@@ -140,7 +115,7 @@ robot::RobotCommand MassageStep::step(const robot::RobotReading& reading) noexce
         .phase = side.phase,
         .path = path_of(side) != nullptr ? job_of(side)->path : -1,
         .target_n = side.phase == ArmPhase::contact ? side.wanted.force_n : 0.0,
-        .measured_n = controller.status().force_n,
+        .measured_n = guarded.controller.status().force_n,
         .tool_in_base = motion::foremost_of(state.base_from_tool, tool_radius_m_).at_in_base};
   }
   started_ = true;
@@ -189,10 +164,10 @@ void MassageStep::obey(LiveCommand command) noexcept {
         if (side.phase != ArmPhase::travel) continue;
         const int leg = side.detour_at;
         if (paused_) {
-          side.controller.hold();
+          side.controller().hold();
         } else {
-          side.controller.move_to(leg >= 0 ? side.detour[static_cast<std::size_t>(leg)]
-                                           : job_of(side)->way_in_base[side.waypoint]);
+          side.controller().move_to(leg >= 0 ? side.detour[static_cast<std::size_t>(leg)]
+                                             : job_of(side)->way_in_base[side.waypoint]);
           side.leg_s = -1.0;
         }
       }
@@ -219,10 +194,10 @@ void MassageStep::obey(LiveCommand command) noexcept {
 
 void MassageStep::conduct(Arm arm, double time_s) noexcept {
   Side& side = sides_[arm];
-  const control::ArmStatus& status = side.controller.status();
+  const control::ArmStatus& status = side.controller().status();
   const motion::ArmJob* job = job_of(side);
   if (job == nullptr || side.phase == ArmPhase::stopped) return;
-  side.playback.step(tick_s);
+  side.playback.step(control_period_s);
 
   switch (side.phase) {
     case ArmPhase::waiting:
@@ -231,8 +206,8 @@ void MassageStep::conduct(Arm arm, double time_s) noexcept {
       side.waypoint = 0;
       side.trouble = control::Trouble::none;
       side.skip = side.again = side.cut_short = false;
-      side.controller.keep_posture(job->posture_rad);
-      side.controller.move_to(job->way_in_base.front());
+      side.controller().keep_posture(job->posture_rad);
+      side.controller().move_to(job->way_in_base.front());
       side.leg_s = time_s;
       side.phase = ArmPhase::travel;
       return;
@@ -271,7 +246,7 @@ void MassageStep::let_go(double time_s) noexcept {
       if (side.phase == ArmPhase::approach) side.contact_s = time_s;
       end_contact(side, arm, time_s);
     } else if (side.phase == ArmPhase::travel) {
-      side.controller.halt();
+      side.controller().halt();
       side.phase = ArmPhase::waiting;
     }
   }
@@ -279,7 +254,7 @@ void MassageStep::let_go(double time_s) noexcept {
 
 safety::Proposal MassageStep::proposal(const Side& side,
                                        const JointVector& torque_nm) const noexcept {
-  const control::ArmStatus& status = side.controller.status();
+  const control::ArmStatus& status = side.controller().status();
   const massage::PlannedPath* planned = path_of(side);
   const bool near_skin = side.phase == ArmPhase::approach || side.phase == ArmPhase::contact ||
                          side.phase == ArmPhase::retract;

@@ -15,6 +15,8 @@
 #include "tuina/robot/arm_model.hpp"
 #include "tuina/robot/robot.hpp"
 #include "tuina/safety/guard.hpp"
+#include "tuina/session/base_path.hpp"
+#include "tuina/session/guarded_arm.hpp"
 #include "tuina/session/live_command.hpp"
 #include "tuina/session/playback.hpp"
 #include "tuina/session/steering.hpp"
@@ -105,8 +107,11 @@ class MassageStep {
  private:
   struct Side {
     Side(const robot::ArmModel& model, const MassageOptions& options);
-    control::ArmController controller;
-    safety::Guard guard;
+    GuardedArm guarded;
+    control::ArmController& controller() noexcept { return guarded.controller; }
+    [[nodiscard]] const control::ArmController& controller() const noexcept {
+      return guarded.controller;
+    }
     std::vector<motion::ArmJob> jobs = {};
     std::size_t job = 0;
     std::size_t waypoint = 0;
@@ -120,7 +125,7 @@ class MassageStep {
     int detour_at = -1, detour_legs = 0;
     control::Trouble trouble = control::Trouble::none;
     TangentTissue expected = {};  ///< fed forward
-    ContactPoint wanted = {};     ///< of the path, now; places in base
+    BasePoint wanted = {};        ///< the place of the path where the tool should be now
     JointVector q_rad = {};       ///< as measured in this millisecond
     control::ToolPose home = {};  ///< where the session began
     JointVector home_rad = {};
@@ -146,10 +151,12 @@ class MassageStep {
   void part_arms(double time_s) noexcept;
   [[nodiscard]] const motion::ArmJob* job_of(const Side& side) const noexcept;
   [[nodiscard]] const massage::PlannedPath* path_of(const Side& side) const noexcept;
+  [[nodiscard]] const BasePath& base_path_of(const Side& side) const noexcept;
   [[nodiscard]] safety::Proposal proposal(const Side& side,
                                           const JointVector& torque_nm) const noexcept;
 
-  massage::Plan plan_;  // its paths in base
+  massage::Plan plan_;
+  std::vector<BasePath> paths_in_base_;  // of the plan, in its order
   PerArm<robot::ArmModel> models_;
   motion::ArmSeparation separation_;
   MassageOptions options_;

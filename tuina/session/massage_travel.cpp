@@ -33,7 +33,7 @@ bool MassageStep::stands_as_planned(Side& side, Arm arm, double time_s) noexcept
 bool MassageStep::above_path(const Side& side) const noexcept {
   const motion::ArmJob* job = job_of(side);
   return side.phase == ArmPhase::travel && job != nullptr && job->path >= 0 && side.detour_at < 0 &&
-         side.waypoint + 1 == job->way_in_base.size() && side.controller.status().settled;
+         side.waypoint + 1 == job->way_in_base.size() && side.controller().status().settled;
 }
 
 /// It works in this step and has not come above its path yet: both hands go down together.
@@ -47,11 +47,11 @@ bool MassageStep::on_its_way(const Side& side) const noexcept {
 /// may be reached.
 void MassageStep::end_travel(Side& side, Arm arm, double time_s) noexcept {
   const motion::ArmJob& job = *job_of(side);
-  const bool arrived = side.controller.status().settled;
+  const bool arrived = side.controller().status().settled;
   side.leg_s = time_s;
   if (side.detour_at >= 0) {
     if (arrived && ++side.detour_at < side.detour_legs) {
-      side.controller.move_to(side.detour[static_cast<std::size_t>(side.detour_at)]);
+      side.controller().move_to(side.detour[static_cast<std::size_t>(side.detour_at)]);
       return;
     }
     side.detour_at = -1;
@@ -70,7 +70,7 @@ void MassageStep::end_travel(Side& side, Arm arm, double time_s) noexcept {
   }
   if (!arrived) return next_job(side);
   if (++side.waypoint < job.way_in_base.size()) {
-    side.controller.move_to(job.way_in_base[side.waypoint]);
+    side.controller().move_to(job.way_in_base[side.waypoint]);
   } else if (job.path < 0) {
     next_job(side);
   } else {
@@ -86,10 +86,10 @@ void MassageStep::end_retract(Side& side, double time_s) noexcept {
   if (planned == nullptr || stopped_s_ >= 0.0 || !(side.cut_short || side.again)) {
     return next_job(side);
   }
-  const auto& points = planned->path.points;
-  const ContactPoint& goal = side.again ? points.front() : points.back();
+  const auto& points = base_path_of(side).points;
+  const BasePoint& goal = side.again ? points.front() : points.back();
   detour(side,
-         motion::above({.at_in_base = goal.at_in_couch, .normal_in_base = goal.normal_in_couch},
+         motion::above({.at_in_base = goal.at_in_base, .normal_in_base = goal.normal_in_base},
                        options_.standoff_m),
          true, time_s);
 }
@@ -99,26 +99,26 @@ void MassageStep::detour(Side& side, const control::ToolPose& goal, bool from_ab
                          double time_s) noexcept {
   constexpr double lifted_m = 80e-3;
   const control::ToolPose here =
-      motion::foremost_of(side.controller.dynamics().base_from_tool, tool_radius_m_);
+      motion::foremost_of(side.controller().dynamics().base_from_tool, tool_radius_m_);
   side.detour = {motion::above(here, lifted_m), from_above ? motion::above(goal, lifted_m) : goal,
                  goal};
   side.detour_legs = from_above ? 3 : 2;
   side.detour_at = 0;
   side.leg_s = time_s;
-  side.controller.move_to(side.detour.front());
+  side.controller().move_to(side.detour.front());
   side.phase = ArmPhase::travel;
 }
 
 void MassageStep::fly_home(Side& side, double time_s) noexcept {
   constexpr double at_home_m = 20e-3;
   const control::ToolPose here =
-      motion::foremost_of(side.controller.dynamics().base_from_tool, tool_radius_m_);
+      motion::foremost_of(side.controller().dynamics().base_from_tool, tool_radius_m_);
   if ((here.at_in_base - side.home.at_in_base).norm() < at_home_m) {
     side.job = side.jobs.size();
     side.phase = ArmPhase::waiting;
     return;
   }
-  side.controller.keep_posture(side.home_rad);
+  side.controller().keep_posture(side.home_rad);
   detour(side, side.home, false, time_s);
 }
 

@@ -5,14 +5,15 @@
 #include <cmath>
 
 #include "apps/evaluation/contact/patch_path.hpp"
-#include "apps/simulated/guarded_arm.hpp"
 #include "tuina/massage/technique/contact_path.hpp"
+#include "tuina/session/control_loop.hpp"
+#include "tuina/session/guarded_arm.hpp"
 #include "tuina/tissue/press_estimator.hpp"
 
 namespace tuina::app {
 namespace {
 
-constexpr double dt_s = 1e-3;
+constexpr double dt_s = control_period_s;
 constexpr double standoff_m = 40_mm;
 
 /// Torques on their way to the drives.
@@ -148,8 +149,8 @@ Result<ContactOutcome> run_contact(const ContactExperiment& experiment, const Pr
   auto plant = sim::Plant::make(mount, arms, start, &person, devices);
   if (!plant) return tl::unexpected(plant.error());
 
-  PerArm<GuardedArm> guarded = {
-      {GuardedArm(models[0], experiment.controller), GuardedArm(models[1], {})}};
+  PerArm<session::GuardedArm> guarded = {
+      {session::GuardedArm(models[0], experiment.controller), session::GuardedArm(models[1])}};
   tissue::PressEstimator estimator(tissue::pressed_by_robot(35'000.0, believed.tool_mass_kg));
   ContactOutcome outcome;
   session::ForceErrorSum errors;
@@ -163,18 +164,13 @@ Result<ContactOutcome> run_contact(const ContactExperiment& experiment, const Pr
   Arm arm = Arm::left;
   control::ArmController& controller = guarded[arm].controller;
 
-  while (act != Act::done) {
-    const robot::RobotReading reading = (*plant)->read();
-    if (const char* fault = (*plant)->fault())
-      return fail(Fault::device, "the robot says: {}", fault);
+  double target_n = 0.0;
+  const control::ArmStatus& status = controller.status();
+  const auto next = [&](Act now) { act = now, act_s = 0.0; };
+  const auto step = [&](const robot::RobotReading& reading) {
     for (const Arm side : both_arms) guarded[side].sense(reading, side);
-    if (reading.tick == 0 || outcome.trace.empty()) {
-      for (const Arm side : both_arms) guarded[side].controller.start(guarded[side].state);
-    }
-    const control::ArmStatus& status = controller.status();
-    const auto next = [&](Act now) { act = now, act_s = 0.0; };
     act_s += dt_s;
-    double target_n = 0.0;
+    target_n = 0.0;
     switch (act) {
       case Act::settle:
         if (act_s > 0.2) controller.move_to(pose_above(standoff_m)), next(Act::move);
@@ -209,9 +205,11 @@ Result<ContactOutcome> run_contact(const ContactExperiment& experiment, const Pr
     if (reading.time_s > max_duration_s) next(Act::done);
 
     robot::RobotCommand command;
-    for (const Arm side : both_arms) command.torque_nm[side] = guarded[side].step(reading, side);
-    (*plant)->apply(delay.pass(command));
-
+    for (const Arm side : both_arms)
+      command.torque_nm[side] = guarded[side].step_on_bench(reading, side);
+    return delay.pass(command);
+  };
+  const auto look = [&](const robot::RobotReading& reading, const robot::RobotCommand&) {
     const sim::ArmTruth& truth = (*plant)->truth().arms[arm];
     // The approach counts too: in the air the estimator learns the zero of the force sensor.
     if (status.doing == control::Doing::approach || status.doing == control::Doing::contact) {
@@ -246,7 +244,10 @@ Result<ContactOutcome> run_contact(const ContactExperiment& experiment, const Pr
     if (outcome.stopped && reading.time_s > stopped_s + 1.5) next(Act::done);
     if (progress && reading.tick % 100 == 0)
       progress(std::min(reading.time_s / (path.duration_s() + 5.0), 0.99));
-  }
+    return act != Act::done;
+  };
+  if (auto driven = session::run_control_loop(**plant, step, look); !driven)
+    return tl::unexpected(driven.error());
   if (progress) progress(1.0);
   if (!errors.empty()) outcome.force = errors.errors();
   outcome.ripple_n = ripple.rms_n();

@@ -4,8 +4,8 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "apps/cli/stopwatch.hpp"
 #include "apps/evaluation/verbs.hpp"
+#include "tuina/core/stopwatch.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/massage/back_chart.hpp"
 #include "tuina/massage/plan.hpp"

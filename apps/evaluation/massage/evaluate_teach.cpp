@@ -108,17 +108,19 @@ Given by_session(const std::string& person, const std::string& programme,
   SessionOrder order{.person = person, .position = Position::sitting, .programme = programme};
   const auto done = run_simulated_session(order, config, common);
   if (!done) return {.failed = done.error().message};
-  if (!done->stops.empty()) return {.failed = safety::name_of(done->stops.front().cause)};
+  if (!done->session.stops.empty())
+    return {.failed = safety::name_of(done->session.stops.front().cause)};
   // The record has places as the session believed the robot to stand.
   const Transform true_from_believed =
-      robot::mount_for(Position::sitting).base_from_couch.inverse() * done->base_from_couch;
-  const double compute_s = 1e-3 * (done->scan.compute_ms + done->locate_ms + done->plan_ms);
-  return {.time_s = done->scan.sweep_s + compute_s + done->massage_s,
-          .passes_m = passes_m(done->trace, done->person.acupoints,
+      robot::mount_for(Position::sitting).base_from_couch.inverse() * done->session.base_from_couch;
+  const double compute_s =
+      1e-3 * (done->session.scan.compute_ms + done->session.locate_ms + done->session.plan_ms);
+  return {.time_s = done->session.scan.sweep_s + compute_s + done->session.massage_s,
+          .passes_m = passes_m(done->truth.trace, done->person.acupoints,
                                [&](const telemetry::TraceRow& row) {
                                  return Vector3(true_from_believed * row.tool_in_couch);
                                }),
-          .force_rmse_n = done->force.rmse_n};
+          .force_rmse_n = done->truth.force.rmse_n};
 }
 
 std::string text_of(const Given& given) {

@@ -25,7 +25,7 @@ bool of_the_seven(const std::string& name) {
 
 /// Of the point as it was mapped last.
 double uncertainty_of(const SessionResult& done, const std::string& name) {
-  for (const Acupoint& point : done.located.acupoints) {
+  for (const Acupoint& point : done.session.located.acupoints) {
     if (point.name == name) return point.uncertainty_m;
   }
   return 0.0;
@@ -40,27 +40,27 @@ SessionOutcome run_session_trial(const SessionTrial& trial, const session::Confi
     outcome.refused = done.error().message;
     return outcome;
   }
-  outcome.position = done->located.position;
-  outcome.duration_s = done->massage_s;
-  outcome.rmse_n = done->force.rmse_n;
-  outcome.overshoot_n = done->force.overshoot_n;
-  outcome.arm_distance_m = done->min_arm_distance_m;
+  outcome.position = done->session.located.position;
+  outcome.duration_s = done->session.massage_s;
+  outcome.rmse_n = done->truth.force.rmse_n;
+  outcome.overshoot_n = done->truth.force.overshoot_n;
+  outcome.arm_distance_m = done->truth.min_arm_distance_m;
   outcome.scan_to_touch_s = scan_to_touch_s(*done);
-  outcome.plan_ms = done->plan_ms;
+  outcome.plan_ms = done->session.plan_ms;
   outcome.real_time_factor = done->real_time_factor();
-  for (const session::Stop& stop : done->stops) {
+  for (const session::Stop& stop : done->session.stops) {
     outcome.stops.push_back(session::explain(stop));
   }
-  for (const std::string& note : done->ready.plan.notes) {
+  for (const std::string& note : done->session.ready.plan.notes) {
     if (note.find("left out") != std::string::npos) outcome.left_out.push_back(note);
   }
   outcome.over_cap_n = outcome.over_trip_n = -std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < done->performed.size(); ++i) {
-    const session::Performed& performed = done->performed[i];
+  for (std::size_t i = 0; i < done->session.performed.size(); ++i) {
+    const session::Performed& performed = done->session.performed[i];
     const massage::PlannedPath& planned =
-        done->ready.plan.paths[static_cast<std::size_t>(performed.path)];
+        done->session.ready.plan.paths[static_cast<std::size_t>(performed.path)];
     const ContactPath& path = planned.path;
-    const Touched& touched = done->touched[i];
+    const Touched& touched = done->truth.touched[i];
     if (performed.trouble != control::Trouble::none) {
       outcome.troubles.push_back(
           fmt::format("{}: {}", path.name, control::name_of(performed.trouble)));

@@ -43,23 +43,6 @@ double Slide::way_m(double time_s) const {
   return std::clamp(top_speed_m_per_s() * (gained - lost), 0.0, length_m);
 }
 
-PathPlace place_at(const ContactPath& path, double time_s) noexcept {
-  const double spacing_s = path.points[1].time_s - path.points[0].time_s;
-  const double at =
-      std::clamp(time_s / spacing_s, 0.0, static_cast<double>(path.points.size() - 2));
-  const auto i = static_cast<std::size_t>(at);
-  const double u = std::min(1.0, time_s / spacing_s - static_cast<double>(i));
-  const ContactPoint& a = path.points[i];
-  const ContactPoint& b = path.points[i + 1];
-  return {
-      .point = {.time_s = time_s,
-                .at_in_couch = a.at_in_couch + u * (b.at_in_couch - a.at_in_couch),
-                .normal_in_couch =
-                    (a.normal_in_couch + u * (b.normal_in_couch - a.normal_in_couch)).normalized(),
-                .force_n = a.force_n + u * (b.force_n - a.force_n)},
-      .velocity_m_per_s = (b.at_in_couch - a.at_in_couch) / spacing_s};
-}
-
 ContactPath sampled(std::string name, Technique technique, double duration_s,
                     const std::function<ContactPoint(double time_s)>& at) {
   ContactPath path;

@@ -41,14 +41,6 @@ struct Slide {
   [[nodiscard]] double top_speed_m_per_s() const;
 };
 
-/// A path between its samples, and how the place moves there.
-struct PathPlace {
-  ContactPoint point;
-  Vector3 velocity_m_per_s;
-};
-/// Linear between the even samples of a path of two or more; at its ends beyond them. Real-time.
-[[nodiscard]] PathPlace place_at(const ContactPath& path, double time_s) noexcept;
-
 /// The path sampled every 10 ms from 0 to the first sample at or after `duration_s`; force is zero
 /// at both ends.
 [[nodiscard]] ContactPath sampled(std::string name, Technique technique, double duration_s,

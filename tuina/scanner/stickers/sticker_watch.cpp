@@ -53,8 +53,8 @@ StickerWatch::StickerWatch(Camera& camera, const ScannerCalibration& calibration
   line_options_ = {.method = LineMethod::likelihood, .first_column = first, .last_column = last};
 }
 
-Result<Frame> StickerWatch::next_frame() {
-  auto frame = camera_->next_frame();
+Result<Frame> StickerWatch::next_frame(double timeout_s) {
+  auto frame = camera_->next_frame(timeout_s);
   if (!frame) return frame;
   if (frame->image.channels != 3) {
     return fail(Fault::bad_input,

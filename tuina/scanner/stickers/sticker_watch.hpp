@@ -26,7 +26,7 @@ class StickerWatch final : public Camera {
  public:
   StickerWatch(Camera& camera, const ScannerCalibration& calibration, double near_m, double far_m);
 
-  [[nodiscard]] Result<Frame> next_frame() override;
+  [[nodiscard]] Result<Frame> next_frame(double timeout_s) override;
 
   /// After the sweep: dots that lie together are one sticker; too few of them are none. Fails when
   /// the readings do not cover the frames.

@@ -189,7 +189,7 @@ void Plant::apply(const robot::RobotCommand& command) noexcept {
   }
 }
 
-robot::RobotReading Plant::read() noexcept {
+std::optional<robot::RobotReading> Plant::read() noexcept {
   World& world = *world_;
   if (world.started) {
     for (int i = 0; i < world.substeps; ++i) world.step();

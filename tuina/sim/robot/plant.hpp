@@ -80,7 +80,9 @@ class Plant final : public robot::Robot {
   Plant(const Plant&) = delete;
   Plant& operator=(const Plant&) = delete;
 
-  [[nodiscard]] robot::RobotReading read() noexcept override;
+  /// The plant was made where it stands.
+  [[nodiscard]] Result<void> stand_ready(const robot::ReadyPose&) override { return {}; }
+  [[nodiscard]] std::optional<robot::RobotReading> read() noexcept override;
   void apply(const robot::RobotCommand& command) noexcept override;
   [[nodiscard]] const char* fault() const noexcept override;
 

@@ -13,7 +13,7 @@ struct mjData_;
 
 namespace tuina::sim {
 
-inline constexpr double tick_s = 1e-3;
+inline constexpr double tick_s = control_period_s;
 
 struct FreeModel {
   void operator()(mjModel_* model) const;

@@ -50,6 +50,8 @@ struct LaserScanner::World {
   std::vector<std::vector<bool>> visible_ahead;
   VisibleRows visible;
   Random drops;
+  std::vector<bool> lost;  ///< frames of this turn that never reach the reader
+  bool lit = true;
   std::vector<scanner::YawReading> readings;
 
   [[nodiscard]] double yaw_at(double time_s) const {
@@ -79,6 +81,11 @@ struct LaserScanner::World {
       ++turns;
     }
     end_s = start_s + duration_s + run_up_s;
+    lost.assign(frames, false);
+    if (options.dropped_share > 0.0) {
+      for (std::size_t i = 0; i < frames; ++i)
+        lost[i] = uniform(drops, 0.0, 1.0) < options.dropped_share;
+    }
     ahead.clear();
     readings.clear();
     const double poll_s = 1.0 / options.readings_per_s;
@@ -109,7 +116,8 @@ struct LaserScanner::World {
                                 (1.0 - std::cos(2.0 * pi * breathing.frequency_hz * time_s));
         const Vector3 shift = breath_m * breath_direction;
         const RoomPicture room = renderer.room(yaw_at(time_s), shift);
-        ahead[i] = renderer.render(yaw_at(time_s), shift, frame, &visible_ahead[i], room);
+        ahead[i] = lit ? renderer.render(yaw_at(time_s), shift, frame, &visible_ahead[i], room)
+                       : renderer.render_dark(frame, room);
         if (options.dark_frames) dark_ahead[i] = renderer.render_dark(frame, room);
       }
     };
@@ -118,6 +126,22 @@ struct LaserScanner::World {
     for (std::size_t i = 1; i < threads; ++i) others.emplace_back(work, i, threads);
     work(0, threads);
     others.clear();
+  }
+
+  // The next frame, rendered when it is the first of its batch.
+  scanner::Frame take() {
+    const std::size_t place = given % frames_at_once;
+    if (place == 0) render_ahead();
+    scanner::Frame frame{.time_s = time_of(given), .image = std::move(ahead[place]), .dark = {}};
+    if (options.dark_frames) frame.dark = std::move(dark_ahead[place]);
+    ++given;
+    const std::vector<bool>& seen = visible_ahead[place];
+    visible.count += static_cast<std::size_t>(std::count(seen.begin(), seen.end(), true));
+    return frame;
+  }
+  // Frames that never reach the reader are seen by the scanner all the same.
+  void skip_lost() {
+    while (given < frames && lost[given]) (void)take();
   }
 };
 
@@ -199,25 +223,27 @@ Result<std::vector<scanner::YawReading>> LaserScanner::readings() const {
   return world_->readings;
 }
 
-Result<scanner::Frame> LaserScanner::next_frame() {
+Result<bool> LaserScanner::arrived() const {
+  return world_->given == world_->frames;
+}
+
+Result<void> LaserScanner::switch_laser(bool on) {
+  world_->lit = on;
+  return {};
+}
+
+Result<scanner::Frame> LaserScanner::next_frame(double timeout_s) {
   World& world = *world_;
-  for (;;) {
-    if (world.given == world.frames)
-      return fail(Fault::not_found, "the unit has arrived; no more frames");
-    const std::size_t place = world.given % frames_at_once;
-    if (place == 0) world.render_ahead();
-    scanner::Frame frame{
-        .time_s = world.time_of(world.given), .image = std::move(world.ahead[place]), .dark = {}};
-    if (world.options.dark_frames) frame.dark = std::move(world.dark_ahead[place]);
-    ++world.given;
-    std::vector<bool>& visible = world.visible_ahead[place];
-    world.visible.count +=
-        static_cast<std::size_t>(std::count(visible.begin(), visible.end(), true));
-    const double share = world.options.dropped_share;
-    if (share > 0.0 && uniform(world.drops, 0.0, 1.0) < share) continue;
-    world.visible.of_frame.push_back(std::move(visible));
-    return frame;
+  world.skip_lost();
+  if (world.given == world.frames) {
+    return fail(Fault::device, "the camera gave no frame within {:.1f} s: the unit has arrived",
+                timeout_s);
   }
+  scanner::Frame frame = world.take();
+  world.visible.of_frame.push_back(
+      std::move(world.visible_ahead[(world.given - 1) % frames_at_once]));
+  world.skip_lost();
+  return frame;
 }
 
 const VisibleRows& LaserScanner::visible() const {

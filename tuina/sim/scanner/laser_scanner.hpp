@@ -70,8 +70,8 @@ struct VisibleRows {
 };
 
 /// Renders what the scanner sees of a person on the couch: ray-traced line, occlusion from laser
-/// and camera, noise, saturation; a yaw motor of 300/1024 degrees on a clock of its own. It is both
-/// doors in one; frames depend on the seed, never on the number of threads.
+/// and camera, noise, saturation; a yaw motor of 300/1024 degrees on a clock of its own. It is
+/// camera and turntable in one; frames depend on the seed, never on the number of threads.
 class LaserScanner final : public scanner::Camera, public scanner::Turntable {
  public:
   LaserScanner(const Mesh& skin_in_couch, Position position, Breathing breathing,
@@ -85,11 +85,13 @@ class LaserScanner final : public scanner::Camera, public scanner::Turntable {
                const LaserScannerOptions& options);
   ~LaserScanner() override;
 
-  [[nodiscard]] Result<scanner::Frame> next_frame() override;
+  [[nodiscard]] Result<scanner::Frame> next_frame(double timeout_s) override;
   [[nodiscard]] Result<void> sweep(double from_rad, double to_rad, double rad_per_s) override;
   /// In whole counts of the motor, 117 ms each ([thesis] chapter 4: 0.29 degrees, 400 ms per
   /// degree).
   [[nodiscard]] Result<void> step(double from_rad, double to_rad, double step_rad) override;
+  [[nodiscard]] Result<bool> arrived() const override;
+  [[nodiscard]] Result<void> switch_laser(bool on) override;
   [[nodiscard]] Result<std::vector<scanner::YawReading>> readings() const override;
 
   [[nodiscard]] const scanner::ScannerCalibration& true_calibration() const;

@@ -201,9 +201,8 @@ Result<void> record(const Mesh& scene, const Mesh& couch, const ScannerCalibrati
   if (const auto turned = recorder->sweep(from_rad, -from_rad, sweep_rad_per_s); !turned) {
     return turned;
   }
-  for (;;) {
-    const auto frame = recorder->next_frame();
-    if (!frame && frame.error().fault == Fault::not_found) break;
+  while (recorder->arrived() == false) {
+    const auto frame = recorder->next_frame(scanner::frame_timeout_s);
     if (!frame) return tl::unexpected(frame.error());
   }
   return recorder->finish(true_calibration(Position::prone, usual_mount(Position::prone), 0.1));

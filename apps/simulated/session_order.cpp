@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/simulated/session_order.hpp"
+
+#include "apps/simulated/atlas_source.hpp"
+#include "tuina/core/io/file.hpp"
+#include "tuina/core/units.hpp"
+
+namespace tuina::app {
+namespace {
+
+/// The answers to the health questions: a file, or those of the simulated person.
+Result<void> read_answers(const std::string& file, SimulatedRoom& room) {
+  room.consent_toml = session::consent_form("the simulated person", "no");
+  if (!file.empty()) {
+    constexpr std::size_t max_bytes = 1 << 20;
+    auto text = read_file(file, max_bytes);
+    if (!text) return tl::unexpected(text.error());
+    room.consent_toml = std::move(*text);
+  }
+  const auto consent =
+      session::parse_consent(room.consent_toml, file.empty() ? "the simulated person" : file);
+  if (!consent) return tl::unexpected(consent.error());
+  room.order.consent = *consent;
+  return {};
+}
+
+/// What is known before the person is seen.
+Result<void> read_order(const SessionOrder& order, const session::Config& config,
+                        session::Order& read) {
+  auto programme = massage::load_programme(order.programme);
+  if (!programme) return tl::unexpected(programme.error());
+  auto options = plan_options(config, order.no_go);
+  if (!options) return tl::unexpected(options.error());
+  auto atlas = open_atlas(order.atlas);
+  if (!atlas) return tl::unexpected(atlas.error());
+  read.programme = std::move(*programme);
+  read.plan_options = std::move(*options);
+  read.atlas = std::move(*atlas);
+  read.method = order.method;
+  read.position = order.position;
+  read.robot = order.kind;
+  read.adaptive = order.adaptive;
+  return {};
+}
+
+}  // namespace
+
+Result<massage::PlanOptions> plan_options(const session::Config& config,
+                                          const std::string& no_go_file) {
+  massage::PlanOptions options{.force_scale = config.massage.force_scale,
+                               .force_ceiling_n = config.safety.force_ceiling_n,
+                               .transfers = {.standoff_m = from_mm(config.massage.standoff_mm)}};
+  if (no_go_file.empty()) return options;
+  auto no_go = massage::read_no_go(no_go_file);
+  if (!no_go) return tl::unexpected(no_go.error());
+  options.no_go = std::move(*no_go);
+  return options;
+}
+
+sim::WorldOptions world_options(const session::Config& config) {
+  const auto& simulation = config.simulation;
+  return {.torso_n_per_m = 1e3 * simulation.torso_n_per_mm,
+          .breathing = {.amplitude_m = from_mm(simulation.breathing_mm),
+                        .frequency_hz = simulation.breathing_hz},
+          .shift_m = from_mm(simulation.shift_mm),
+          .shift_at_s = simulation.shift_at_s,
+          .room_light_dn = simulation.room_light_dn,
+          .arm_errors = {.friction_scale = simulation.friction}};
+}
+
+Result<SimulatedRoom> make_room(const SessionOrder& order, const session::Config& config,
+                                const CommonOptions& common) {
+  SimulatedRoom room;
+  if (auto answered = read_answers(order.consent, room); !answered)
+    return tl::unexpected(answered.error());
+  const auto person = sim::parse_person(order.person, order.position, common.seed);
+  if (!person) return tl::unexpected(person.error());
+  if (auto read = read_order(order, config, room.order); !read) return tl::unexpected(read.error());
+
+  sim::WorldOptions options = world_options(config);
+  options.real_pace = order.real_time;
+  auto world = sim::World::make(
+      *person,
+      robot::stand(order.kind, person->position, session::head_at_plus_y(person->acupoints)),
+      options, common.seed);
+  if (!world) return tl::unexpected(world.error());
+  room.world = std::move(*world);
+  room.order.calibration = room.world->believed_calibration();
+  room.order.placed = {person->position, room.world->believed_base_from_couch()};
+  if (!order.robot_pose.empty()) {
+    const auto placed = session::read_robot_pose(order.robot_pose);
+    if (!placed) return tl::unexpected(placed.error());
+    if (placed->position != person->position) {
+      return fail(Fault::config, "{}: the robot stands there for a person {}, and this one is {}",
+                  order.robot_pose, name_of(placed->position), name_of(person->position));
+    }
+    room.order.placed = *placed;
+  }
+  return room;
+}
+
+}  // namespace tuina::app

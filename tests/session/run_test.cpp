@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tuina/session/run.hpp"
+
+#include <doctest/doctest.h>
+
+#include <chrono>
+#include <string>
+#include <thread>
+
+#include "tests/fake_robot.hpp"
+#include "tests/fake_scanner.hpp"
+#include "tuina/session/relay.hpp"
+#include "tuina/sim/world.hpp"
+
+using namespace tuina;
+using namespace tuina::session;
+
+namespace {
+
+struct Room {
+  sim::Person person = sim::parse_person("phantom:medium", Position::prone, 3).value();
+  std::unique_ptr<sim::World> world =
+      sim::World::make(person, robot::stand(robot::Kind::thesis, person.position), {}, 3).value();
+  Order order = {.consent = {.answered_by = "the simulated person"},
+                 .programme = massage::load_programme("lower_back").value(),
+                 .plan_options = {},
+                 .atlas = body::read_atlas(TUINA_SOURCE_DIR "/models/atlas.tuina").value(),
+                 .calibration = world->believed_calibration(),
+                 .placed = {person.position, world->believed_base_from_couch()},
+                 .commands = {}};
+  Observers nobody{{}};
+
+  Result<Session> run_with(robot::Robot& robot) {
+    return session::run({world->camera(), world->turntable(), robot}, order, {}, nobody);
+  }
+};
+
+bool says(const std::string& text, const char* part) {
+  return text.find(part) != std::string::npos;
+}
+
+}  // namespace
+
+TEST_CASE("nobody is scanned before the health questions are answered") {
+  Room room;
+  room.order.consent = {};
+  tests::FakeScanner scanner;
+  tests::FakeRobot robot;
+  const auto session = run({scanner, scanner, robot}, room.order, {}, room.nobody);
+  REQUIRE_FALSE(session.has_value());
+  CHECK(session.error().fault == Fault::stopped);
+  CHECK(robot.stood == 0);
+}
+
+TEST_CASE("a session ends with the words of the device that failed") {
+  Room room;
+  SUBCASE("a camera that falls silent: the robot never stands up") {
+    room.order.calibration = tests::calibration_of_fake();
+    tests::FakeScanner scanner({.silent_from = 4});
+    tests::FakeRobot robot;
+    const auto session = run({scanner, scanner, robot}, room.order, {}, room.nobody);
+    REQUIRE_FALSE(session.has_value());
+    CHECK(session.error().fault == Fault::device);
+    CHECK(says(session.error().message, "no frame within"));
+    CHECK(robot.stood == 0);
+  }
+  SUBCASE("a robot that does not stand up") {
+    tests::FakeRobot robot({.refuses_to_stand = true});
+    const auto session = room.run_with(robot);
+    REQUIRE_FALSE(session.has_value());
+    CHECK(session.error().message == "the brakes do not open");
+    CHECK(robot.applied == 0);
+  }
+  SUBCASE("a robot that falls silent") {
+    tests::FakeRobot robot({.silent_from = 300});
+    const auto session = room.run_with(robot);
+    REQUIRE_FALSE(session.has_value());
+    CHECK(says(session.error().message, "no reading for 10 ms"));
+  }
+  SUBCASE("a robot whose arms do not move: they are given up, and the massage ends") {
+    tests::FakeRobot robot;
+    const auto session = room.run_with(robot);
+    if (session) {
+      for (const Performed& path : session->performed)
+        CHECK(path.trouble == control::Trouble::blocked);
+    } else {
+      CHECK(says(session.error().message, "was not done after"));
+    }
+  }
+}
+
+TEST_CASE("a robot that stands for a person sitting is not used for one who lies") {
+  Room room;
+  room.order.placed.position = Position::sitting;
+  tests::FakeRobot robot;
+  const auto session = room.run_with(robot);
+  REQUIRE_FALSE(session.has_value());
+  CHECK(says(session.error().message, "the robot stands there for a person sitting"));
+  CHECK(robot.stood == 0);
+}
+
+TEST_CASE("an observer that takes 20 ms for a millisecond does not delay the session") {
+  class Slow final : public Observer {
+   public:
+    void on_tick(const Tick& tick) noexcept override {
+      if (tick.reading.tick < 5) std::this_thread::sleep_for(std::chrono::milliseconds(20));
+      ++ticks;
+    }
+    std::uint64_t ticks = 0;
+  } slow;
+  constexpr std::uint64_t given = 5000;
+  double longest_s = 0.0;
+  std::uint64_t left_out = 0;
+  {
+    Relay relay(slow);
+    Tick tick;
+    for (std::uint64_t i = 0; i < given; ++i) {
+      tick.reading.tick = i;
+      const auto start = std::chrono::steady_clock::now();
+      relay.on_tick(tick);
+      const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
+      longest_s = std::max(longest_s, taken.count());
+    }
+    left_out = relay.left_out();
+  }
+  CHECK(longest_s < 10e-3);  // a push takes 0.1 us; the rest is what the machine's scheduler takes
+  CHECK(left_out > 0);       // more came at once than four seconds
+  CHECK(slow.ticks + left_out == given);
+}
+
+TEST_CASE("every millisecond reaches an observer that keeps up, in order") {
+  class Count final : public Observer {
+   public:
+    void on_tick(const Tick& tick) noexcept override {
+      in_order = in_order && tick.reading.tick == ticks;
+      ++ticks;
+    }
+    std::uint64_t ticks = 0;
+    bool in_order = true;
+  } count;
+  {
+    Relay relay(count);
+    Tick tick;
+    for (std::uint64_t i = 0; i < 3000; ++i) {
+      tick.reading.tick = i;
+      relay.on_tick(tick);
+    }
+  }
+  CHECK(count.ticks == 3000);
+  CHECK(count.in_order);
+}

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <thread>
+
+#include "tuina/core/ring.hpp"
+#include "tuina/session/observer.hpp"
+
+namespace tuina::session {
+
+/// Carries the milliseconds of a session to an observer that may be slow - a terminal, a file, a
+/// network - on a thread of its own. The session never waits for it: when the observer falls more
+/// than four seconds behind, milliseconds are left out and counted. What comes before the massage
+/// is passed on at once.
+class Relay final : public Observer {
+ public:
+  /// `slow` must outlive it.
+  explicit Relay(Observer& slow);
+  /// Passes on what is left, then ends.
+  ~Relay() override;
+  Relay(const Relay&) = delete;
+  Relay& operator=(const Relay&) = delete;
+
+  void on_progress(Stage stage, double share) noexcept override;
+  void on_scan(const scanner::Scan& scan) override { slow_.on_scan(scan); }
+  void on_map(const body::Mapping& map) override { slow_.on_map(map); }
+  void on_plan(const motion::ReadyPlan& plan, const Transform& base_from_couch) override;
+  void on_tick(const Tick& tick) noexcept override;
+
+  /// How many milliseconds the observer was too slow for.
+  [[nodiscard]] std::uint64_t left_out() const noexcept { return left_out_; }
+
+ private:
+  void carry();
+  void wait_until_empty() noexcept;
+
+  static constexpr std::size_t ticks = 4096;
+  Observer& slow_;
+  std::unique_ptr<Ring<Tick, ticks>> ring_;
+  std::atomic<double> massage_share_ = -1.0;
+  std::atomic<bool> idle_ = true;
+  std::atomic<bool> ends_ = false;
+  std::uint64_t left_out_ = 0;
+  std::thread thread_;
+};
+
+}  // namespace tuina::session

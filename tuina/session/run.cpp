@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tuina/session/run.hpp"
+
+#include <algorithm>
+
+#include "tuina/core/stopwatch.hpp"
+#include "tuina/core/units.hpp"
+#include "tuina/session/control_loop.hpp"
+#include "tuina/session/performed_paths.hpp"
+#include "tuina/session/scan_step.hpp"
+
+namespace tuina::session {
+namespace {
+
+constexpr std::size_t max_rescans = 3;
+
+/// From the person on the couch to a plan that two arms can carry out, without the paths that are
+/// `done`; a robot that stands already keeps its base at `rail_m`.
+Result<void> prepare(Devices devices, const Order& order, const Config& config, Observer& observer,
+                     std::optional<double> rail_m, const std::vector<std::string>& done,
+                     Session& session) {
+  auto mapped = scan_and_map(devices.camera, devices.turntable, order, config, observer);
+  if (!mapped) return tl::unexpected(mapped.error());
+
+  const Stopwatch watch;
+  const Position position = mapped->back.position();
+  if (order.placed.position != position) {
+    return fail(Fault::config, "the robot stands there for a person {}, and this one is {}",
+                name_of(order.placed.position), name_of(position));
+  }
+  const body::Mapping& located = mapped->located;
+  auto plan = massage::plan(mapped->back, located.acupoints, located.landmarks, order.programme,
+                            order.plan_options);
+  if (!plan) return tl::unexpected(plan.error());
+  leave_out(*plan, done);
+  const robot::Standing standing =
+      robot::stand(order.robot, position, head_at_plus_y(located.acupoints));
+  auto ready =
+      motion::make_ready(std::move(*plan), mapped->back, standing.mount,
+                         robot::both_models(standing.arm, standing.mount),
+                         order.placed.base_from_couch, from_mm(config.massage.standoff_mm), rail_m);
+  if (!ready) return tl::unexpected(ready.error());
+  observer.on_progress(Stage::plan, 1.0);
+  // Only now, so that a session whose second scan fails still tells of its first.
+  session.scan = std::move(mapped->scan);
+  session.located = std::move(mapped->located);
+  session.locate_ms = mapped->locate_ms;
+  session.standing = standing;
+  session.base_from_couch = order.placed.base_from_couch;
+  session.ready = std::move(*ready);
+  session.plan_ms = 1e3 * watch.seconds();
+  return {};
+}
+
+/// Carries the plan of the session out. Returns whether the person lies elsewhere than scanned.
+Result<bool> carry_out(robot::Robot& robot, const Order& order, const Config& config,
+                       Observer& observer, Session& session) {
+  const motion::ReadyPlan& ready = session.ready;
+  const auto models = robot::both_models(session.standing.arm, session.standing.mount);
+  MassageStep massage(ready.plan, ready.jobs, models,
+                      {.base_from_couch = session.base_from_couch,
+                       .rail_m = ready.rail_m,
+                       .standoff_m = from_mm(config.massage.standoff_mm),
+                       .force_ceiling_n = config.safety.force_ceiling_n,
+                       .steer = config.massage.steer,
+                       .adaptive = order.adaptive,
+                       .obstacles = session.standing.mount.obstacles});
+  observer.on_plan(ready, session.base_from_couch);
+  // A contact that never ends is a fault of the robot, not of the person; it must not hold anyone.
+  const double max_s = 3.0 * ready.plan.duration_s + 60.0;
+  // While a new scan is due, the arms are held still for as long as a sweep takes.
+  const double rest_s = config.scan.sweep_s;
+  const double began_s = session.massage_s;
+  double ended_s = -1.0;
+  bool late = false;
+  std::size_t told = 0;
+  const Stopwatch watch;
+
+  const auto step = [&](const robot::RobotReading& reading) {
+    if (const auto command = order.commands ? order.commands(reading.time_s) : std::nullopt) {
+      massage.obey(*command);
+      session.commands.emplace_back(reading.time_s, *command);
+    }
+    return massage.step(reading);
+  };
+  const auto look = [&](const robot::RobotReading& reading, const robot::RobotCommand& command) {
+    session.massage_s = reading.time_s;
+    while (told < massage.performed().size()) observer.on_performed(massage.performed()[told++]);
+    observer.on_tick({.reading = reading,
+                      .command = command,
+                      .view = massage.view(),
+                      .performed = massage.performed().size()});
+    if (ended_s < 0.0 && massage.finished()) {
+      ended_s = reading.time_s;
+      if (!massage.wants_scan()) return false;
+    }
+    if (ended_s >= 0.0) return reading.time_s - ended_s < rest_s;
+    const double past_s = reading.time_s - began_s;
+    late = past_s >= max_s;
+    constexpr std::uint64_t progress_every_ticks = 500;
+    if (reading.tick % progress_every_ticks == 0)
+      observer.on_progress(Stage::massage, std::min(0.999, past_s / ready.plan.duration_s));
+    return !late;
+  };
+  const auto driven = run_control_loop(robot, step, look);
+  session.compute_s += watch.seconds();
+  if (!driven) return tl::unexpected(driven.error());
+  if (late) {
+    return fail(Fault::device, "the massage was not done after {:.0f} s; {:.0f} s were planned",
+                session.massage_s - began_s, ready.plan.duration_s);
+  }
+  observer.on_progress(Stage::massage, 1.0);
+  session.performed.insert(session.performed.end(), massage.performed().begin(),
+                           massage.performed().end());
+  session.decisions.insert(session.decisions.end(), massage.decisions().begin(),
+                           massage.decisions().end());
+  session.stops = massage.stops();
+  return massage.wants_scan();
+}
+
+}  // namespace
+
+bool head_at_plus_y(std::span<const Acupoint> acupoints) {
+  double shoulders_y = 0.0, loins_y = 0.0;
+  for (const Acupoint& point : acupoints) {
+    if (point.name.starts_with("SI11")) shoulders_y += 0.5 * point.at_in_couch.y();
+    if (point.name == "GV4") loins_y = point.at_in_couch.y();
+  }
+  return shoulders_y > loins_y;
+}
+
+Result<Session> run(Devices devices, const Order& order, const Config& config, Observer& observer) {
+  if (order.consent.answered_by.empty())
+    return fail(Fault::stopped, "nobody has answered the health questions");
+  Session session;
+  if (auto ready = prepare(devices, order, config, observer, std::nullopt, {}, session); !ready)
+    return tl::unexpected(ready.error());
+  const double rail_m = session.ready.rail_m;
+  if (auto stands = devices.robot.stand_ready({session.ready.ready_rad, rail_m}); !stands)
+    return tl::unexpected(stands.error());
+
+  PerformedPaths performed;
+  for (;;) {
+    const auto wants_scan = carry_out(devices.robot, order, config, observer, session);
+    if (!wants_scan) return tl::unexpected(wants_scan.error());
+    if (!*wants_scan) break;
+    performed.set_aside(session);
+    const auto again =
+        session.rescans_s.size() < max_rescans
+            ? prepare(devices, order, config, observer, rail_m, performed.done(), session)
+            : Result<void>(fail(Fault::bad_input, "the person keeps moving"));
+    if (!again) {
+      session.stops.push_back({session.massage_s, Arm::left, safety::Cause::person_moved});
+      session.ready.plan.notes.push_back("after the person had moved: " + again.error().message);
+      session.ready.plan.paths.clear();
+      break;
+    }
+    session.rescans_s.push_back(session.massage_s);
+  }
+  performed.join(session);
+  return session;
+}
+
+}  // namespace tuina::session

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tuina/body/acupoints.hpp"
+#include "tuina/body/atlas.hpp"
+#include "tuina/core/result.hpp"
+#include "tuina/massage/plan.hpp"
+#include "tuina/massage/programme.hpp"
+#include "tuina/motion/ready_plan.hpp"
+#include "tuina/robot/robot.hpp"
+#include "tuina/robot/standing.hpp"
+#include "tuina/scanner/camera.hpp"
+#include "tuina/scanner/sweep.hpp"
+#include "tuina/scanner/turntable.hpp"
+#include "tuina/session/config.hpp"
+#include "tuina/session/consent.hpp"
+#include "tuina/session/live_command.hpp"
+#include "tuina/session/massage_step.hpp"
+#include "tuina/session/observer.hpp"
+#include "tuina/session/robot_pose.hpp"
+
+namespace tuina::session {
+
+/// What a session is given to see and to touch with.
+struct Devices {
+  scanner::Camera& camera;
+  scanner::Turntable& turntable;
+  robot::Robot& robot;
+};
+
+/// What is known and wanted before a session begins.
+struct Order {
+  Consent consent;  ///< every question was answered with no
+  massage::Programme programme;
+  massage::PlanOptions plan_options;
+  body::Atlas atlas;
+  body::Method method = body::Method::surface;
+  std::optional<Position> position;  ///< of the person; nothing: recognised from the scan
+  scanner::ScannerCalibration calibration;
+  robot::Kind robot = robot::Kind::thesis;
+  PlacedRobot placed;    ///< where the robot was measured to stand
+  bool adaptive = true;  ///< what is felt decides how hard the presses may be
+  /// Asked in every millisecond for a command of the therapist; it must not wait.
+  std::function<std::optional<LiveCommand>(double time_s)> commands;
+};
+
+/// What a session saw, believed, planned and did. After a person has moved, scan, map and plan are
+/// the newest; the plan's paths begin with those of earlier plans that were performed.
+struct Session {
+  scanner::Scan scan;
+  body::Mapping located;
+  robot::Standing standing;
+  motion::ReadyPlan ready;
+  Transform base_from_couch = Transform::Identity();  ///< as the session believes it
+  double locate_ms = 0.0;                             ///< computing time
+  double plan_ms = 0.0;
+
+  std::vector<Performed> performed;
+  std::vector<Decision> decisions;
+  std::vector<std::pair<double, LiveCommand>> commands;  ///< when what was asked for
+  std::vector<Stop> stops;
+  std::vector<double> rescans_s;  ///< when the person had moved and a new scan was taken
+  double massage_s = 0.0;         ///< robot time at the end
+  double compute_s = 0.0;         ///< wall time of the massage
+};
+
+/// The method: scan, map, plan, massage; once more after a person has moved. It knows neither which
+/// devices it drives nor who watches. Fails with the cause when a device fails, when no plan can be
+/// made, or when the massage takes far longer than planned; a stop for safety is no failure and
+/// stands in `stops`.
+[[nodiscard]] Result<Session> run(Devices devices, const Order& order, const Config& config,
+                                  Observer& observer);
+
+/// At which end of the couch the head of a mapped person lies.
+[[nodiscard]] bool head_at_plus_y(std::span<const Acupoint> acupoints);
+
+}  // namespace tuina::session
