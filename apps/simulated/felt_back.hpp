@@ -12,7 +12,7 @@ namespace tuina::app {
 
 /// One pressed acupoint: what was felt there, what is there, and what kind of tissue that makes it.
 struct FeltPoint {
-  const massage::PlannedPath* planned = nullptr;  ///< of the session's plan
+  const massage::PlannedPath* planned = nullptr;  ///< path in the session's plan
   TissueEstimate estimate;
   TangentTissue truth;
   tissue::Classification classified;
@@ -23,10 +23,10 @@ struct FeltPoint {
 /// All that the presses of a session tell about a person.
 struct FeltBack {
   std::vector<FeltPoint> points;              ///< in the order in which they were pressed
-  tissue::StiffnessMap map{{}};               ///< of the last that was felt at each place
-  std::vector<tissue::ComparedVisits> twice;  ///< where two paths pressed: before and after
+  tissue::StiffnessMap map{{}};               ///< stiffness map of the last press at each place
+  std::vector<tissue::ComparedVisits> twice;  ///< places that were pressed twice: before and after
   tissue::BodyCondition condition;
-  int condition_presses = 0;  ///< that stand behind it
+  int condition_presses = 0;  ///< presses that the condition rests on
 };
 
 /// Points into `result`, which has to outlive it.

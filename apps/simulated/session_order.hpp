@@ -44,7 +44,7 @@ struct SessionOrder {
 struct SimulatedRoom {
   std::unique_ptr<sim::World> world;
   session::Order order;
-  std::string consent_toml;  ///< as it was answered
+  std::string consent_toml;  ///< answers as they were given
 };
 /// Reads all that an order names. Nobody is scanned before the health questions are answered.
 [[nodiscard]] Result<SimulatedRoom> make_room(const SessionOrder& order,

@@ -19,7 +19,7 @@ struct RecordedSession {
   SessionOrder order;
   session::Config config;
   std::uint64_t seed = 0;
-  std::string json;  ///< of session.json
+  std::string json;  ///< text of session.json
 };
 
 /// From session.json, config.toml and consent.toml. Refused: what is missing or of another kind,

@@ -16,7 +16,7 @@ struct JointRow {
   double time_s = 0.0;
   double rail_m = 0.0;
   PerArm<JointVector> q_rad;
-  PerArm<JointVector> torque_nm;  ///< that the motors were told
+  PerArm<JointVector> torque_nm;  ///< torques that the motors were told
 };
 
 [[nodiscard]] std::string csv_of(const std::vector<telemetry::TraceRow>& trace);

@@ -18,7 +18,7 @@ namespace tuina::app {
 
 /// What only the simulation knows of one contact.
 struct Touched {
-  TangentTissue tissue;                        ///< where the force was highest
+  TangentTissue tissue;                        ///< tissue where the force was highest
   Vector3 at_in_couch = Vector3::Zero();       ///< the skin there
   massage::Zone zone = massage::Zone::muscle;  ///< the true zone there
   double peak_n = 0.0;
@@ -26,7 +26,7 @@ struct Touched {
   /// where an arm has to give way. Negative when it stayed below.
   double over_cap_n = -std::numeric_limits<double>::infinity();
   double over_trip_n = -std::numeric_limits<double>::infinity();
-  massage::Zone over_cap_zone = massage::Zone::muscle;  ///< where `over_cap_n` was
+  massage::Zone over_cap_zone = massage::Zone::muscle;  ///< zone of `over_cap_n`
 };
 
 /// What only the simulation knows of a session.
@@ -39,7 +39,7 @@ struct SessionTruth {
   std::vector<telemetry::TraceRow> trace;
   std::vector<telemetry::ArmDistance> distances;
   double min_arm_distance_m = 0.0;  ///< surface to surface
-  robot::Clearances clear;          ///< of the arms, from the couch and the robot's own body
+  robot::Clearances clear;  ///< distances of the arms from the couch and the robot's own body
 };
 
 /// A simulated session: what the session says of itself beside the truth.
@@ -48,8 +48,8 @@ struct SessionResult {
   SessionTruth truth;
   sim::Person person;
   session::Consent consent;
-  std::string consent_toml;      ///< as it was answered
-  std::vector<JointRow> joints;  ///< twenty times a second
+  std::string consent_toml;      ///< answers as they were given
+  std::vector<JointRow> joints;  ///< joints, twenty times a second
 
   [[nodiscard]] double real_time_factor() const { return session.massage_s / session.compute_s; }
 };

@@ -16,14 +16,15 @@ namespace tuina::app {
 struct TeachOrder {
   std::string person = "phantom:medium";
   Position position = Position::sitting;
-  Technique technique = Technique::stroke;  ///< of the programme `relax`, its first on that side
+  Technique technique =
+      Technique::stroke;  ///< technique whose first path of `relax` on that side is shown
   Arm arm = Arm::left;
 };
 
 struct TaughtByHand {
   session::TaughtMotion motion;  ///< smoothed
   std::vector<TeachRow> truth;   ///< while it was led
-  double peak_hand_n = 0.0;      ///< that the hand needed
+  double peak_hand_n = 0.0;      ///< largest push of the hand
 };
 
 /// The arm in lead-through, a hand that leads it through the air, over the skin and home again.

@@ -40,7 +40,8 @@ class TruthRecorder final : public session::Observer {
   const sim::World& world_;
   SessionTruth truth_;
   const massage::Plan* plan_ = nullptr;
-  Transform couch_from_base_ = Transform::Identity();  ///< as the session believes it
+  Transform couch_from_base_ =
+      Transform::Identity();  ///< inverse of the pose that the session believes
   std::optional<PerArm<robot::ArmModel>> models_;
   std::optional<massage::ZoneMap> true_zones_;
   std::vector<Vector3> skin_in_base_;

@@ -30,7 +30,7 @@ struct MapFile {
   Position position = Position::sitting;
   std::string arms = "unknown";  ///< up, down or unknown
   double compute_ms = 0.0;
-  std::size_t dropped_points = 0;  ///< of the scan, that were not finite
+  std::size_t dropped_points = 0;  ///< points of the scan that were not finite
   std::vector<Acupoint> acupoints;
   std::vector<Landmark> landmarks;
 };

@@ -16,8 +16,8 @@ struct PlanFile {
   massage::Plan plan;
   bool reachable = false;           ///< every path of the programme by the arm that it is given to
   double min_arm_distance_m = 0.0;  ///< between the surfaces of the two arms
-  robot::Clearances clear = {};     ///< of the arms, from the couch and the robot's own body
-  double rail_m = 0.0;              ///< where the linear base stands
+  robot::Clearances clear = {};  ///< distances of the arms from the couch and the robot's own body
+  double rail_m = 0.0;           ///< place of the linear base
   double compute_ms = 0.0;
 };
 

@@ -31,7 +31,7 @@ struct Config {
     double breathing_hz = 0.25;
     double torso_n_per_mm = 35.0;
     double friction = 1.0;        ///< scale on the joint friction of the plant
-    double room_light_dn = 10.0;  ///< what the camera sees without the laser
+    double room_light_dn = 10.0;  ///< brightness of the room without the laser
     double shift_mm = 0.0;        ///< the person moves once, so far towards the arms
     double shift_at_s = 30.0;     ///< into the massage
   } simulation;

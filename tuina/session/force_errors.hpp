@@ -10,7 +10,8 @@ struct ForceErrors {
   double rmse_n = 0.0;
   double peak_n = 0.0;       ///< largest true force
   double overshoot_n = 0.0;  ///< largest excess of the true force over the target, not below zero
-  std::optional<double> settled_rmse_n;  ///< without the 0.3 s after each change of target
+  std::optional<double>
+      settled_rmse_n;  ///< RMS error without the 0.3 s after each change of target
 };
 
 /// Adds up samples of one technique, in time order; a technique lasts from the first to the last

@@ -30,8 +30,8 @@ class GuardedArm {
   const JointVector& step_on_bench(const robot::RobotReading& reading, Arm arm) noexcept;
 
   control::ArmController controller;
-  ArmState state;           ///< as sensed in this millisecond
-  safety::Verdict verdict;  ///< of this millisecond
+  ArmState state;           ///< sensed state of this millisecond
+  safety::Verdict verdict;  ///< verdict of this millisecond
 
  private:
   safety::Guard guard_;

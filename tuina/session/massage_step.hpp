@@ -30,48 +30,50 @@ enum class ArmPhase : std::uint8_t { waiting, travel, approach, contact, retract
 struct ArmView {
   ArmPhase phase = ArmPhase::waiting;
   int path = -1;          ///< index into the plan; -1 while it serves none
-  double target_n = 0.0;  ///< what the technique asks for now; 0 outside of a contact
+  double target_n = 0.0;  ///< force the technique asks for now; 0 outside of a contact
   double measured_n = 0.0;
-  Vector3 tool_in_base = Vector3::Zero();  ///< foremost point of the tool
+  Vector3 tool_in_base = Vector3::Zero();  ///< tip of the tool
 };
 
 /// How one path of the plan went, in session time.
 struct Performed {
   int path = 0;
   Arm arm = Arm::left;
-  double begin_s = 0.0;  ///< of the contact
+  double begin_s = 0.0;  ///< first touch
   double end_s = 0.0;
-  control::Trouble trouble = control::Trouble::none;  ///< why it was cut short, if it was
-  bool whole = true;                                  ///< from its first point to its last
-  std::optional<TissueEstimate> felt;                 ///< after its last press; only pressing feels
-  double chi = 1.0;                                   ///< misfit of what was felt; about 1 is good
-  double stiffness_sd = 0.0;  ///< relative, of its tangent stiffness at `reference_force_n`
+  control::Trouble trouble = control::Trouble::none;  ///< reason why it was cut short, if it was
+  bool whole = true;                   ///< true when every point of the path was served
+  std::optional<TissueEstimate> felt;  ///< tissue after the last press; only pressing feels it
+  double chi = 1.0;                    ///< misfit of the tissue model; about 1 is good
+  double stiffness_sd = 0.0;           ///< relative error of the stiffness at `reference_force_n`
 };
 
 struct Stop {
   double time_s = 0.0;
   Arm arm = Arm::left;
   safety::Cause cause = safety::Cause::none;
-  int joint = -1;        ///< that does not stand as planned
-  double off_rad = 0.0;  ///< by how much
+  int joint = -1;        ///< index of the joint off its planned start; -1: none
+  double off_rad = 0.0;  ///< distance from the planned start
 };
-/// For people, in one line: which arm, and why.
+/// One line for people: the arm and the cause.
 [[nodiscard]] std::string explain(const Stop& stop);
 
-/// An arm that leaves its parking place farther than this from the posture that the plan begins
-/// with stays where it is: nobody has looked what lies on its way.
+/// Largest joint error at which a planned move may start; beyond it, the way was not checked for
+/// collisions and the arm stays where it is.
 inline constexpr double parked_within_rad = 0.35;
 
 struct MassageOptions {
-  Transform base_from_couch = Transform::Identity();  ///< as the session believes it
+  Transform base_from_couch = Transform::Identity();  ///< pose that the session believes
   double rail_m = 0.0;
   double standoff_m = 40e-3;
   double force_ceiling_n = 45.0;
   double torso_n_per_m = 35e3;  ///< literature value; this person's own is not known
   bool steer = true;            ///< the estimate is fed forward as soon as it has converged
-  bool adaptive = true;         ///< what is felt decides how hard the presses may be
-  double max_shift_m = 10e-3;   ///< of the skin against the scan; beyond, a new scan is needed
-  std::vector<robot::Obstacle> obstacles = {};  ///< that the arms keep away from
+  bool adaptive = true;         ///< presses follow the tissue that was felt
+  double max_shift_m =
+      10e-3;  ///< largest shift of the skin since the scan; beyond it a new scan is needed
+  std::vector<robot::Obstacle> obstacles =
+      {};  ///< couch and the robot's own body, which the arms keep away from
 };
 
 /// The massage itself, one millisecond at a time: travel, approach, contact, retract, for both
@@ -115,19 +117,20 @@ class MassageStep {
     std::vector<motion::ArmJob> jobs = {};
     std::size_t job = 0;
     std::size_t waypoint = 0;
-    double leg_s = 0.0;     ///< when the present leg of the way began
-    double amiss_s = -1.0;  ///< since when it has not stood as planned though it should leave
+    double leg_s = 0.0;     ///< start of the present leg of the free path
+    double amiss_s = -1.0;  ///< time since which it has stood off its planned start; -1: it has not
     ArmPhase phase = ArmPhase::waiting;
     double contact_s = 0.0;
     Playback playback = {};
     bool skip = false, again = false, cut_short = false;
-    std::array<control::ToolPose, 3> detour = {};  ///< to where the next way begins, or home
+    std::array<control::ToolPose, 3> detour =
+        {};  ///< waypoints back to where the next free path begins, or home
     int detour_at = -1, detour_legs = 0;
     control::Trouble trouble = control::Trouble::none;
-    TangentTissue expected = {};  ///< fed forward
+    TangentTissue expected = {};  ///< tissue that is fed forward
     BasePoint wanted = {};        ///< the place of the path where the tool should be now
-    JointVector q_rad = {};       ///< as measured in this millisecond
-    control::ToolPose home = {};  ///< where the session began
+    JointVector q_rad = {};       ///< joint angles of this millisecond
+    control::ToolPose home = {};  ///< tool pose in which the session began
     JointVector home_rad = {};
   };
 

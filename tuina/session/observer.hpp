@@ -22,7 +22,7 @@ enum class Stage : std::uint8_t { scan, map, plan, massage };
 /// One millisecond of a massage as it was carried out. It has a fixed size and owns no heap.
 struct Tick {
   robot::RobotReading reading;
-  robot::RobotCommand command;  ///< as the guards allowed it
+  robot::RobotCommand command;  ///< torques that the guards allowed
   PerArm<ArmView> view;
   std::size_t performed = 0;  ///< paths ended so far, in this plan
 };

@@ -25,7 +25,8 @@ class PerformedPaths {
  private:
   std::vector<massage::PlannedPath> kept_;
   std::vector<std::string> done_;
-  std::size_t performed_ = 0, decided_ = 0;  ///< how many of the session's point here already
+  std::size_t performed_ = 0,
+              decided_ = 0;  ///< counts of the session's entries that point here already
 };
 
 /// Takes paths that are done out of a plan; a name may stand for several.

@@ -18,10 +18,12 @@ namespace tuina::session {
 /// measures this with a tape and a camera (5.5).
 struct RobotPose {
   Transform base_from_couch = Transform::Identity();
-  Vector3 middle_in_couch = Vector3::Zero();       ///< of the spots: here the pose is known best
-  Matrix3 turn_covariance_rad2 = Matrix3::Zero();  ///< about `middle_in_couch`, axes of the couch
-  Matrix3 place_covariance_m2 = Matrix3::Zero();   ///< of `middle_in_couch`, axes of the couch
-  std::vector<double> residual_m;  ///< of each touch: from the spot to where the arm says it is
+  Vector3 middle_in_couch = Vector3::Zero();  ///< mean of the spots, where the pose is known best
+  Matrix3 turn_covariance_rad2 =
+      Matrix3::Zero();  ///< rotation about `middle_in_couch`, axes of the couch
+  Matrix3 place_covariance_m2 =
+      Matrix3::Zero();             ///< covariance of `middle_in_couch`, axes of the couch
+  std::vector<double> residual_m;  ///< distance between the spot and the arm's tip, for each touch
 
   /// Root mean square of the error that is to be expected of a place on the back.
   [[nodiscard]] double expected_error_m(const Vector3& place_in_couch) const;
@@ -41,7 +43,7 @@ struct RobotPose {
                                                              const robot::ArmTable& table);
 [[nodiscard]] std::string to_csv(std::span<const robot::Touch> touches);
 
-/// What robot.toml tells: for people in which position the robot stands so, and where.
+/// Content of robot.toml: where the robot stands, and for people in which position.
 struct PlacedRobot {
   Position position = Position::sitting;
   Transform base_from_couch = Transform::Identity();

@@ -41,11 +41,11 @@ struct Order {
   massage::PlanOptions plan_options;
   body::Atlas atlas;
   body::Method method = body::Method::surface;
-  std::optional<Position> position;  ///< of the person; nothing: recognised from the scan
+  std::optional<Position> position;  ///< position of the person; nothing: recognised from the scan
   scanner::ScannerCalibration calibration;
   robot::Kind robot = robot::Kind::thesis;
-  PlacedRobot placed;    ///< where the robot was measured to stand
-  bool adaptive = true;  ///< what is felt decides how hard the presses may be
+  PlacedRobot placed;    ///< measured place of the robot
+  bool adaptive = true;  ///< presses follow the tissue that was felt
   /// Asked in every millisecond for a command of the therapist; it must not wait.
   std::function<std::optional<LiveCommand>(double time_s)> commands;
 };
@@ -57,15 +57,15 @@ struct Session {
   body::Mapping located;
   robot::Standing standing;
   motion::ReadyPlan ready;
-  Transform base_from_couch = Transform::Identity();  ///< as the session believes it
+  Transform base_from_couch = Transform::Identity();  ///< pose that the session believes
   double locate_ms = 0.0;                             ///< computing time
   double plan_ms = 0.0;
 
   std::vector<Performed> performed;
   std::vector<Decision> decisions;
-  std::vector<std::pair<double, LiveCommand>> commands;  ///< when what was asked for
+  std::vector<std::pair<double, LiveCommand>> commands;  ///< time and command
   std::vector<Stop> stops;
-  std::vector<double> rescans_s;  ///< when the person had moved and a new scan was taken
+  std::vector<double> rescans_s;  ///< times at which the person had moved and was scanned again
   double massage_s = 0.0;         ///< robot time at the end
   double compute_s = 0.0;         ///< wall time of the massage
 };

@@ -10,19 +10,20 @@
 
 namespace tuina::session {
 
-/// Under which places are compared with each other, and with themselves later: as much as a light
-/// press, and enough to know most tissues.
+/// Force at which stiffness is compared between places and between visits: that of a light press,
+/// enough to know most tissues.
 inline constexpr double reference_force_n = 10.0;
 
-/// One thing that the tissue decided, for the record. The rules are those of tissue/steering.hpp.
+/// One decision that the felt tissue led to, for the record. The rules are those of
+/// tissue/depth_rules.hpp.
 struct Decision {
   double time_s = 0.0;
   Arm arm = Arm::left;
   int path = 0;
   const char* rule = "";    ///< "A3"
   const char* reason = "";  ///< a sentence for people
-  double from_n = 0.0;      ///< the force before and after
-  double to_n = 0.0;
+  double from_n = 0.0;      ///< force before
+  double to_n = 0.0;        ///< force after
 };
 
 /// Lets what the presses feel decide how hard they may be: probing presses first, a cap from the
@@ -47,13 +48,13 @@ class Steering {
   /// While a new place is probed: the force for it. Nothing when it is known well enough.
   [[nodiscard]] bool probing(Arm arm) const noexcept { return sides_[arm].probing; }
   [[nodiscard]] double probe_force_n(Arm arm, double time_s) noexcept;
-  /// What becomes of a force of the plan, times its intensity.
+  /// Force in place of a planned one.
   [[nodiscard]] double steered_n(Arm arm, double planned_n) const noexcept;
   /// The person tenses or has moved: the path should end.
   [[nodiscard]] bool alarmed(Arm arm) const noexcept { return sides_[arm].alarmed; }
   /// More presses here would not help: the path is done.
   [[nodiscard]] bool worked_enough(Arm arm) const noexcept { return sides_[arm].worked_enough; }
-  /// Fed forward, if it may be.
+  /// Tissue as estimated from this contact so far.
   [[nodiscard]] const TissueEstimate& estimate(Arm arm) const noexcept {
     return sides_[arm].whole.estimate();
   }
@@ -83,11 +84,12 @@ class Steering {
     bool presses = false, probing = false, alarmed = false, known = false;
     bool worked_enough = false;
     double probe_s = 0.0, peak_n = 0.0;
-    double reference_n = 0.0;  ///< the strongest force of the path as planned
+    double reference_n = 0.0;  ///< strongest force of the path as planned
     double cap_n = 0.0, scale = 1.0;
     int compared = 0;  ///< presses that have been compared with the first ones
     TissueEstimate reference = {};
-    bool elsewhen = false;  ///< the reference is of a contact before, when the skin lay elsewhere
+    bool elsewhen =
+        false;  ///< true when the reference is of an earlier contact, with the skin elsewhere
   };
 
   void judge(Arm arm, double time_s) noexcept;

@@ -17,7 +17,7 @@ namespace tuina::session {
 struct TaughtSample {
   double time_s = 0.0;
   JointVector q_rad;
-  double force_n = 0.0;  ///< that the tool felt, out of the skin
+  double force_n = 0.0;  ///< force that the tool felt, out of the skin
 };
 
 /// A motion of one arm that a hand has shown it, [thesis] 3.5.3: a sequence in joint space, with
@@ -27,11 +27,11 @@ struct TaughtMotion {
   Position position = Position::sitting;
   Arm arm = Arm::left;
   double rail_m = 0.0;
-  safety::Zone zone = safety::Zone::muscle;  ///< the most delicate that it touches
+  safety::Zone zone = safety::Zone::muscle;  ///< most delicate zone that it touches
   std::vector<TaughtSample> samples;         ///< evenly spaced, from zero
-  std::vector<massage::RelativePlace> line;  ///< of a stroke, on the back it was taught on
-  double force_n = 0.0;                      ///< usual one along that line
-  double speed_m_per_s = 0.0;                ///< likewise
+  std::vector<massage::RelativePlace> line;  ///< line of a stroke, on the back it was taught on
+  double force_n = 0.0;                      ///< usual force along that line
+  double speed_m_per_s = 0.0;                ///< usual speed along that line
 
   [[nodiscard]] double duration_s() const { return samples.empty() ? 0.0 : samples.back().time_s; }
 

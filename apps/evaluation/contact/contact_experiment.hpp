@@ -24,19 +24,19 @@ struct ContactExperiment {
   TangentTissue tissue = {9.786, 185.4};  ///< true; hard muscle of [thesis] chapter 6
   double force_n = 30.0;
   Technique technique = Technique::press;
-  massage::PressWindow window = {};  ///< of one press
+  massage::PressWindow window = {};  ///< timing of one press
   control::ArmController::Options controller = {};
   double surface_error_m = 0.0;   ///< the true skin lies this much deeper than believed
   double surface_tilt_rad = 0.0;  ///< the believed normal leans this much, along the path
   double torso_n_per_m = 35'000.0;
-  double bend_radius_m = 0.3;  ///< of the back
+  double bend_radius_m = 0.3;  ///< bend of the back
   double believed_bend_radius_m = std::numeric_limits<double>::infinity();
   bool stroke_across = false;  ///< over the bend instead of along it
   RubShape rub_shape = RubShape::circle;
   double tap_hz = 3.0;
-  double friction_scale = 1.0;  ///< of the joints
+  double friction_scale = 1.0;  ///< scale of the joint friction
   sim::Breathing breathing = {0.0, 0.25};
-  double duration_s = 10.0;   ///< of the technique
+  double duration_s = 10.0;   ///< duration of the technique
   double tissue_error = 0.3;  ///< alpha and beta believed wrong by this share, signs by the seed
   double mass_error = 0.1;    ///< every link heavier or lighter by up to this share
   double mass_scale = 1.0;    ///< all links heavier than believed, on top
@@ -59,12 +59,12 @@ struct ContactStop {
 
 struct ContactOutcome {
   std::vector<ContactSample> trace;      ///< 1 kHz, the whole run
-  std::vector<tissue::TimedPress> felt;  ///< what the estimator was given
+  std::vector<tissue::TimedPress> felt;  ///< samples that the estimator was given
   session::ForceErrors force;
   TissueEstimate estimate;
   double highest_n = 0.0;          ///< true force anywhere in the run
-  double max_speed_m_per_s = 0.0;  ///< of the tool, during the technique
-  double ripple_n = 0.0;  ///< of the true force while the target stands still, faster than 2 Hz
+  double max_speed_m_per_s = 0.0;  ///< largest tool speed during the technique
+  double ripple_n = 0.0;         ///< RMS of the true force above 2 Hz while the target stands still
   double second_impact_n = 0.0;  ///< true force after contact was lost for the first time
   std::vector<ContactStop> stops;
   bool stopped = false;

@@ -14,14 +14,14 @@ namespace tuina::app {
 /// Scans of backs over one condition that is made worse and worse.
 struct Curve {
   std::string name;     ///< key in JSON
-  std::string x_label;  ///< with its unit
+  std::string x_label;  ///< label with its unit
   std::vector<double> x = {};
   std::vector<BackTrial> y = {};
 };
 
 /// What was wanted of the scanner, and what is so.
 struct Target {
-  std::string name;  ///< with its unit
+  std::string name;  ///< label with its unit
   double wanted = 0.0;
   double measured = 0.0;
   bool at_least = false;  ///< else at most
@@ -38,14 +38,14 @@ struct ScannerProof {
   std::vector<Curve> curves = {};
   std::optional<BoxTrial> box = {};
   std::optional<SphereTrial> sphere = {};
-  PointCloud back_in_couch = {};  ///< of one person who sits, to be looked at
+  PointCloud back_in_couch = {};  ///< scan of one person who sits, to be looked at
 };
 
 struct ProofOptions {
   bool walls = true, backs = true, curves = true, bodies = true;
   int people = 6;
-  std::vector<BuiltScanner> upright = {};  ///< for backs; without any, errors are drawn
-  std::vector<BuiltScanner> across = {};   ///< for walls and the camera across
+  std::vector<BuiltScanner> upright = {};  ///< scanners for backs; without any, errors are drawn
+  std::vector<BuiltScanner> across = {};   ///< scanners for walls and the camera across
 };
 
 /// Of walls and backs that were measured, and of the latency of these scanners.

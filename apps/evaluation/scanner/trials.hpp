@@ -58,9 +58,9 @@ struct ScanConditions {
 
 struct BackTrial {
   double rms_m = 0.0;
-  double expected_m = 0.0;      ///< what the scan itself expects
+  double expected_m = 0.0;      ///< error that the scan itself expects
   double outlier_share = 0.0;   ///< farther than 5 mm from the surface
-  double seen_share = 0.0;      ///< of the places that laser and camera both see
+  double seen_share = 0.0;      ///< share of the places that laser and camera both see
   double covered_points = 0.0;  ///< share of the acupoints with a point of the scan within 6 mm
   bool refused = false;
 };
