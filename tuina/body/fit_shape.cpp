@@ -16,8 +16,8 @@ namespace {
 
 using Eigen::Index;
 
-/// How many modes may move, how far a point may be from its match, and every which skin point is
-/// looked at.
+/// A stage of the fit: number of free modes, largest match distance, and stride over the skin
+/// points.
 struct Stage {
   int rounds;
   int modes;
@@ -29,7 +29,7 @@ constexpr std::array<Stage, 2> look = {{{6, 16, 40_mm, 3}, {10, 1000, 25_mm, 3}}
 constexpr Stage stare = {14, 1000, 25_mm, 1};
 constexpr std::size_t finalists = 3;
 
-// Where a search begins: metres along the spine, and a turn in the plane of the back.
+// Start poses: shift along the spine (m) and rotation in the plane of the back.
 constexpr std::array<std::pair<double, double>, 7> starts = {{{0.0, 0.0},
                                                               {60_mm, 0.0},
                                                               {-60_mm, 0.0},
@@ -37,17 +37,17 @@ constexpr std::array<std::pair<double, double>, 7> starts = {{{0.0, 0.0},
                                                               {-120_mm, 0.0},
                                                               {0.0, 15_deg},
                                                               {0.0, -15_deg}}};
-constexpr double unseen_m =
-    15_mm;                         // a point that the scan does not answer counts as one so far off
-constexpr double same_side = 0.5;  // cosine between the normals of a model point and its match
-// Between two solutions misfit counts a sixth: neighbouring points err together, while modes are
-// independent. Bent modes explain a scan from the wrong place almost as well as usual ones do from
-// the right place.
+constexpr double unseen_m = 15_mm;  // assumed residual of a point that the scan does not cover
+constexpr double same_side = 0.5;   // cosine between the normals of a model point and its match
+// Weight of the residual against the mode weights when solutions are compared: neighbouring points
+// have correlated errors, modes are independent. Bent modes explain a scan from the wrong place
+// almost as well as usual ones from the right place.
 constexpr double misfit_share = 1.0 / 6.0;
-constexpr double doubt_margin = 8.0;    // a rival whose merit is worse by less may be the truth
-constexpr double same_place_m = 10_mm;  // searches that come so near to each other have met
+constexpr double doubt_margin = 8.0;  // cost difference within which a rival may be the truth
+constexpr double same_place_m =
+    10_mm;  // searches that come this near have converged to one solution
 
-/// Where a fit stands, and what is needed to go on.
+/// State of an iterative fit.
 struct Descent {
   Transform couch_from_model;
   Eigen::VectorXd weights;
@@ -55,8 +55,8 @@ struct Descent {
   std::vector<Vector3> match_normal;
   Eigen::VectorXd residual;
   Eigen::VectorXd trust;
-  double misfit = 0.0;  ///< of every looked-at point, before the last step
-  /// Less is better.
+  double misfit = 0.0;  ///< sum of squared residuals of the sampled points, before the last step
+  /// Cost; less is better.
   [[nodiscard]] double merit() const { return misfit_share * misfit + 0.5 * weights.squaredNorm(); }
 };
 
@@ -72,7 +72,7 @@ void descend(const ShapeModel& model, const BackSurface& back, const Stage& stag
   at.match_normal.resize(static_cast<std::size_t>(n));
   at.residual = Eigen::VectorXd::Zero(n);
   at.trust = Eigen::VectorXd::Zero(n);
-  // Fewer points weigh more each, so that modes are held alike.
+  // Fewer points get more weight each, so that modes are regularised alike.
   const double information = static_cast<double>(stride) / (sigma_m * sigma_m);
   Eigen::MatrixXd rows(looked_at, unknowns);
   Eigen::VectorXd trusted(looked_at);
@@ -90,7 +90,7 @@ void descend(const ShapeModel& model, const BackSurface& back, const Stage& stag
       const Vector3 off = scan.points[j] - x;
       const double along = normal.dot(off);
       const double across = std::sqrt(std::max(0.0, off.squaredNorm() - along * along));
-      // Beyond the rim of the scan the nearest point lies sideways: nothing was seen there.
+      // Beyond the rim of the scan the nearest point lies sideways: the point is not covered.
       const bool seen = std::abs(along) < stage.gate_m &&
                         across < std::max(rim_m, 0.4 * std::abs(along)) &&
                         normal.dot(rotation * model.normals.col(i)) > same_side;
@@ -127,7 +127,7 @@ void descend(const ShapeModel& model, const BackSurface& back, const Stage& stag
   }
 }
 
-/// A glance from every start, the best first; of those that meet, one is kept.
+/// Short fits from every start, sorted by cost; converged duplicates are dropped.
 std::vector<Descent> glances(const ShapeModel& model, const BackSurface& back, Index modes,
                              double sigma_m) {
   const Vector3 centre = model.mean.leftCols(model.skin_points()).rowwise().mean();
@@ -157,7 +157,7 @@ std::vector<Descent> glances(const ShapeModel& model, const BackSurface& back, I
   return kept;
 }
 
-/// What a descent found, with the skin laid onto the scan and the variance of each label.
+/// Result of a fit, with the skin projected onto the scan and the variance of each label.
 ShapeFit answer_of(const ShapeModel& model, const Descent& at) {
   const Index n = model.skin_points();
   const Index all_modes = at.weights.size();

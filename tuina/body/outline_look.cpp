@@ -13,16 +13,15 @@ namespace {
 
 constexpr double cell_m = Silhouette::cell_m;
 constexpr double shoulders_begin_m =
-    0.27;  // wider than any head, narrower than any pair of shoulders
-constexpr double neck_spread_m =
-    60_mm;  // the neck ends where the outline is this much wider than it
+    0.27;                                // wider than any head, narrower than any pair of shoulders
+constexpr double neck_spread_m = 60_mm;  // the neck ends where the outline is this much wider
 constexpr double min_neck_m = 85_mm;
-// The sacrum's height above the seat is this share of the trunk's width: more flesh lies under a
-// wide one.
+// Height of the sacrum above the seat as a share of the trunk's width: wide people sit on more
+// flesh.
 constexpr double sacrum_per_width = 0.55;
-constexpr double max_half_shoulder_m = 0.30;  // beyond it the contour is a raised arm
+constexpr double max_half_shoulder_m = 0.30;  // farther out the contour is a raised arm
 
-/// The corner of the shoulder: the cap of the contour that lies farthest up and out.
+/// Corner of the shoulder: the contour point farthest up and out.
 Vector2 shoulder_corner(const std::vector<Vector2>& contour, double side) {
   double farthest = -1e9;
   const auto out = [&](const Vector2& p) { return side * p.x() + p.y(); };
@@ -117,22 +116,21 @@ Result<Look> look(const std::vector<Vector3>& in_back, double spacing_m,
   }
   Look seen;
   seen.head = silhouette.height(top) - silhouette.height(wide);
-  // Where the laser lost the sides of head or neck, no row is taken for narrower than a neck.
+  // Where the scan lost the sides of head or neck, rows narrower than a neck are ignored.
   double narrowest = 1.0;
   for (int row = wide; row <= std::min(top, wide + 32); ++row)
     narrowest = std::min(narrowest, std::max(width(row), min_neck_m));
   int base = wide;
   while (base < top && width(base) > narrowest + neck_spread_m) ++base;
   const auto& neck = *runs[static_cast<std::size_t>(base)];
-  // Between the rows the crossing is linear.
+  // Linear interpolation between the rows.
   const double over = std::clamp(
       (narrowest + neck_spread_m - width(base)) / std::max(1e-6, width(base - 1) - width(base)),
       0.0, 1.0);
   const double neck_height = silhouette.height(base) - over * cell_m;
   seen.neck = {Vector2(neck.high, neck_height), Vector2(neck.low, neck_height)};
 
-  // The trunk where it is narrowest, which no arm can hide. The lowest rows are the ragged rim of
-  // the scan.
+  // The narrowest trunk, which no arm can hide. The lowest rows are the ragged rim of the scan.
   const int loins = silhouette.row_of(std::max(silhouette.height(0) + 40_mm, neck_height - 0.50));
   double slim = 1.0;
   for (int row = loins; row <= silhouette.row_of(neck_height - 0.27); ++row) {
@@ -146,7 +144,7 @@ Result<Look> look(const std::vector<Vector3>& in_back, double spacing_m,
                                   ? runs[static_cast<std::size_t>(under)]->middle()
                                   : middle_of_neck;
   if (position == Position::sitting) {
-    // Down the plane of the back until the height above the seat is the reference.
+    // Down the plane of the back to the reference height above the seat.
     seen.bottom = (std::clamp(sacrum_per_width * slim, 0.09, 0.25) - couch_height_of_origin) /
                   couch_up_in_back.z();
   } else {
@@ -158,7 +156,7 @@ Result<Look> look(const std::vector<Vector3>& in_back, double spacing_m,
                 to_mm(std::min(length, neck_height - silhouette.height(0))));
   }
 
-  // The middle of the lower trunk, from the rows where no arm lies against it: those are narrow.
+  // Middle of the lower trunk, from narrow rows, where no arm touches it.
   const int lowest = std::min(loins, silhouette.row_of(neck_height - 0.95 * length));
   const int highest_row = silhouette.row_of(neck_height - 0.27);
   Vector2 sum = Vector2::Zero();
@@ -175,8 +173,8 @@ Result<Look> look(const std::vector<Vector3>& in_back, double spacing_m,
                 680.0 * length);
   seen.lower_trunk = sum / weight;
 
-  // The sides of the trunk, mean over some rows so that single cells do not matter. An arm against
-  // the trunk is cut off where the trunk cannot be any wider.
+  // Sides of the trunk, averaged over some rows. An arm against the trunk is cut off at the largest
+  // possible width.
   const double trunk_height = neck_height - 0.68 * length;
   Run trunk;
   int count = 0;
@@ -194,7 +192,7 @@ Result<Look> look(const std::vector<Vector3>& in_back, double spacing_m,
   trunk = {trunk.low / count, trunk.high / count};
   seen.trunk = {Vector2(trunk.high, trunk_height), Vector2(trunk.low, trunk_height)};
 
-  // The shoulders: corners of the contour between the neck and a hand below it.
+  // Shoulders: corners of the contour between the neck and 0.22 m below it.
   seen.arms = Arms::down;
   std::array<std::vector<Vector2>, 2> contour;
   for (int row = silhouette.row_of(neck_height - 0.22); row <= base; ++row) {
@@ -211,8 +209,7 @@ Result<Look> look(const std::vector<Vector3>& in_back, double spacing_m,
     }
   }
   if (seen.arms == Arms::up) {
-    // A raised arm hides the corner; straight above the side of the trunk is the place that is
-    // left.
+    // A raised arm hides the corner; the point straight above the side of the trunk replaces it.
     for (const std::size_t side : {left, right}) {
       const double sign = side == left ? 1.0 : -1.0;
       const double at = middle_of_neck + sign * 0.5 * trunk.width();

@@ -67,8 +67,8 @@ void ArmController::give_up(Trouble trouble) noexcept {
   status_.trouble = trouble;
 }
 
-// A free motion begins where the springs of before would pull alike, so that the torque has no
-// step.
+// A free motion starts where its springs would pull like the present ones, so that the torque does
+// not step.
 void ArmController::travel(const Vector3& centre, const Vector3& normal,
                            const ToolMotion::Limits& limits, Doing doing) noexcept {
   stop_learning();
@@ -99,8 +99,8 @@ void ArmController::hold() noexcept {
          options_.motion, Doing::hold);
 }
 
-// Where the arm is, not where it was to be by now: a reference that runs ahead would pull it on for
-// a tenth of a second. The elbow halts with the tool.
+// Holds the measured position: a reference that runs ahead would pull the arm on for a tenth of a
+// second. The nullspace stops too.
 void ArmController::halt() noexcept {
   posture_rad_ = here_rad_;
   motion_.start({centre_, tool_normal(dynamics_.base_from_tool)});
@@ -145,7 +145,7 @@ void ArmController::approach(const ToolPose& skin) noexcept {
   target_ = {.at_in_base = skin.at_in_base, .normal_in_base = normal, .model = target_.model};
   reference_ = {.pose = {skin.at_in_base + model_->table().tool_radius_m * normal, normal}};
   const Vector3 above = reference_.pose.at_in_base - centre_;
-  // The search starts where the spring already is, at rest.
+  // The search starts at rest where the spring already is.
   search_m_ = above.dot(normal) - spring_n_.dot(normal) / options_.force.stiffness_n_per_m;
   search_speed_ = 0.0;
   touched_s_ = quiet_s_ = 0.0;

@@ -11,10 +11,11 @@ namespace tuina::motion {
 namespace {
 
 constexpr double checked_every_s = 0.1;
-constexpr double way_missed_rad = 0.35;  // so far from its posture an arm came round another way
+constexpr double way_missed_rad =
+    0.35;  // a larger difference is another branch of the inverse kinematics
 constexpr double strain_rad = 1_deg;
 constexpr double off_path_m = 5_mm;
-constexpr double elbow_off_m = 60_mm;  // of the skin
+constexpr double elbow_off_m = 60_mm;  // minimum height above the skin
 
 ArmRest rest(const Stage& stage, Arm arm, const Hover& over, const JointVector& q_rad) {
   ArmRest rest{.over = over, .q_rad = q_rad, .parked = false, .stay = {}};
@@ -46,12 +47,12 @@ control::ToolPose pose_of(const Stage& stage, const Hover& hover) {
           .normal_in_base = stage.base_from_couch.linear() * hover.normal_in_couch};
 }
 
-/// Rehearses a move whose way and posture are known, with an elbow that is slow to follow its
-/// springs and with one that is quick: which it will be depends on friction.
+/// Rolls out a move twice, with a nullspace that follows its springs slowly and quickly: friction
+/// decides which the real arm does.
 void rehearse(const Stage& stage, Arm arm, const ArmRest& from, ArmMove& move,
               const std::vector<robot::ContactGoal>& goals, const Hover& above,
               const Hover& after) {
-  Passage above_either, after_either;  // where the slow elbow ends, and the quick one
+  Passage above_either, after_either;  // end configurations of the slow and the quick rollout
   const auto add = [&](Passage& stay, const JointVector& q_rad) {
     stay.q_rad.push_back(q_rad);
     stay.poses.push_back(stage.models.get()[arm].kinematics(q_rad, stage.rail_m));
@@ -60,7 +61,7 @@ void rehearse(const Stage& stage, Arm arm, const ArmRest& from, ArmMove& move,
     Rehearsal rehearsal(stage.models.get()[arm], stage.rail_m, from.q_rad, posture_share);
     for (const control::ToolPose& pose : move.way_in_base) {
       rehearsal.fly(pose, move.posture_rad, move.air);
-      // What it lags behind on a leg it makes up at its end, unless it is stuck.
+      // A lag on a leg is made up at its end, unless the arm is stuck.
       move.air.off_m = std::max(move.air.off_m, rehearsal.off_m());
     }
     move.above = move.after = rest(stage, arm, above, rehearsal.q_rad());
@@ -82,8 +83,8 @@ double clear_m(const Stage& stage) {
   return 0.75 * stage.standoff_m;
 }
 
-/// An arm that never comes near its posture came another way round, with its wrist turned over,
-/// say: nobody has planned what it does next.
+/// True when the arm ends in another branch of the inverse kinematics (wrist flipped): the moves
+/// after it were planned for this one.
 bool misses_posture(const ArmMove& move) {
   const auto near = [&](const JointVector& q_rad) {
     return (q_rad - move.posture_rad).cwiseAbs().maxCoeff() <= way_missed_rad;
@@ -92,8 +93,7 @@ bool misses_posture(const ArmMove& move) {
          std::none_of(move.skin.q_rad.begin(), move.skin.q_rad.end(), near);
 }
 
-/// How much a move is to be avoided: over the middle, with a joint at its end, where an arm may
-/// stay behind, or clumsy.
+/// Cost of a move (m): past the midline, at a joint limit, low dexterity, tight clearance.
 double badness(const Stage& stage, Arm arm, const ArmMove& move) {
   const robot::ArmModel& model = stage.models.get()[arm];
   const double inward_m = std::max(move.air.inward_m(model, arm), move.skin.inward_m(model, arm));
@@ -140,8 +140,8 @@ ArmMove move_home(const Stage& stage, Arm arm, const ArmRest& from) {
   return move;
 }
 
-/// Home is a posture, not only a place: an arm that gets there with its wrist turned over would
-/// swing round when the springs of the posture find their way.
+/// True when the arm returns to its home configuration, not only to the home pose: with the wrist
+/// flipped the posture springs would swing it round.
 bool finds_home(const Stage& stage, Arm arm, const ArmRest& from) {
   const ArmMove home = move_home(stage, arm, from);
   const double missed_rad = (home.after.q_rad - stage.ready_rad[arm]).cwiseAbs().maxCoeff();
@@ -171,7 +171,8 @@ Result<ArmMove> move_to_path(const Stage& stage, Arm arm, const ArmRest& from,
     ArmMove move{.path = index, .way_in_base = way, .posture_rad = choice.postures_rad[i]};
     rehearse(stage, arm, from, move, goals, above, after);
     const double bad = badness(stage, arm, move);
-    if (best && bad >= least_bad) continue;  // the way home is long to rehearse
+    if (best && bad >= least_bad)
+      continue;  // the return home is expensive to roll out, so it is checked last
     const double off_m = std::max(move.air.off_m, move.skin.off_m);
     const char* wrong =
         off_m > off_path_m                       ? "on the way to it the arm gets stuck"

@@ -23,7 +23,7 @@ bool ArmSeparation::keeps(const robot::RobotReading& reading) noexcept {
   }
   if (watching_) {
     constexpr double tick_s = 1e-3;
-    constexpr double smoothing = tick_s / 20e-3;  // encoders are coarse
+    constexpr double smoothing = tick_s / 20e-3;  // low-pass, since encoders are coarse
     const PerArm<double> had_it_stayed_m = {.of = {between_m(before_[Arm::left], now[Arm::right]),
                                                    between_m(now[Arm::left], before_[Arm::right])}};
     for (const Arm arm : both_arms) {
@@ -37,7 +37,7 @@ bool ArmSeparation::keeps(const robot::RobotReading& reading) noexcept {
   watching_ = true;
   before_ = now;
   clear_m_ = clear_m;
-  // Each arm brakes for itself, so each one's share in the closing counts for itself.
+  // Each arm brakes by itself, so each share of the closing speed has its own braking distance.
   const auto way_m = [](double closing) {
     return std::max(closing, 0.0) * std::max(closing, 0.0) / (2.0 * halting_m_per_s2);
   };

@@ -19,7 +19,7 @@ struct Candidate {
   double bad_m = 0.0;
 };
 
-/// What speaks against a posture as it stands.
+/// Static cost of a configuration (m).
 double badness_m(const robot::ArmModel& model, Arm arm, const JointVector& q_rad,
                  const robot::ArmModel::Kinematics& pose, const JointVector& arrival_rad) {
   constexpr double roomy_rad = 10_deg, tight_m_per_rad = 0.5, unlike_m_per_rad = 5e-3;

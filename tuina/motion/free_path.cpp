@@ -6,7 +6,7 @@
 namespace tuina::motion {
 namespace {
 
-/// How far a place is above the skin.
+/// Height of a point above the skin.
 double height_m(const body::BackSurface& back, const Vector3& in_couch) {
   const body::SurfacePoint skin = back.nearest(in_couch);
   return (in_couch - skin.at_in_couch).dot(skin.normal_in_couch);

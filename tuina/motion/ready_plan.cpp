@@ -14,10 +14,10 @@ namespace tuina::motion {
 namespace {
 
 constexpr double rail_goals_m = 20_mm;
-constexpr double lifted_m = 45_mm;  // above the stand-off, on the way to the next contact
+constexpr double lifted_m = 45_mm;  // height above the stand-off in transfers
 
-/// Where the base has to stand for: the places of each arm's paths, each once however often a path
-/// goes there, and the places above their ends, lifted for the way from one to the next.
+/// Goals for placing the base: the points of each arm's paths, repeated paths once, and the lifted
+/// approach poses at their ends.
 PerArm<std::vector<robot::ContactGoal>> goals_for_rail(const massage::Plan& plan,
                                                        const Transform& base_from_couch,
                                                        double standoff_m) {
@@ -40,8 +40,8 @@ PerArm<std::vector<robot::ContactGoal>> goals_for_rail(const massage::Plan& plan
   return goals;
 }
 
-/// The paths in the order of their steps, as far as the arms can do them from where the base
-/// stands; given up once `hopeless` of them are left out.
+/// Schedules the paths step by step for a base at one place; gives up once `hopeless` paths are
+/// left out.
 Choreography choreograph(const Stage& stage, const std::vector<massage::PlannedPath>& paths,
                          std::size_t hopeless) {
   Choreography choreography(stage);
@@ -65,14 +65,13 @@ Result<ReadyPlan> make_ready(massage::Plan plan, const body::BackSurface& back,
   ready.ready_rad = robot::ready_posture(models[Arm::left].table(), mount);
   std::stable_sort(ready.plan.paths.begin(), ready.plan.paths.end(),
                    [](const auto& a, const auto& b) { return a.step < b.step; });
-  // A plan may hold a path that no place of the base reaches; the others are still worth doing from
-  // zero.
+  // A path may be unreachable from every place of the base; the others are then planned from zero.
   const double dexterous_m =
       robot::choose_rail({.of = {&models[Arm::left], &models[Arm::right]}}, mount,
                          goals_for_rail(ready.plan, base_from_couch, standoff_m), ready.ready_rad,
                          {.press_depth_m = press_depth_m})
           .value_or(0.0);
-  // Where the tools are most dexterous the arms may be in each other's way; then the base moves.
+  // Where the tools are most dexterous the arms may collide, so other places are tried too.
   std::vector<double> stands_m;
   const auto offer = [&](double at_m) {
     if (at_m >= mount.min_rail_m && at_m <= mount.max_rail_m) stands_m.push_back(at_m);
@@ -86,7 +85,7 @@ Result<ReadyPlan> make_ready(massage::Plan plan, const body::BackSurface& back,
   }
   std::optional<Choreography> best;
   std::size_t hopeless = ready.plan.paths.size() + 1;
-  // The first place is nearly always good enough; the others are tried two at a time.
+  // The first place nearly always suffices; the others are tried two at a time.
   for (std::size_t next = 0; next < stands_m.size() && hopeless > 0;) {
     std::vector<std::optional<Choreography>> tried(
         std::min<std::size_t>(next == 0 ? 1 : 2, stands_m.size() - next));

@@ -14,8 +14,9 @@ namespace {
 
 constexpr double air_step_m = 15_mm;
 constexpr double air_step_rad = 6_deg;
-constexpr double limit_margin_rad = 1_deg;  // an arm at the end of a joint may not come on
-constexpr double thinned_rad = 2.5_deg;     // a posture so close to one of before is not kept
+constexpr double limit_margin_rad =
+    1_deg;  // joint limits of a rollout lie this far inside the real ones
+constexpr double thinned_rad = 2.5_deg;  // spacing of the kept configurations
 
 }  // namespace
 
@@ -46,7 +47,7 @@ Rehearsal::Rehearsal(const robot::ArmModel& model, double rail_m, const JointVec
       now_(model.kinematics(q_rad, rail_m)),
       posture_share_(posture_share) {}
 
-/// How far the posture springs, and those at the ends of the joints, would take the arm.
+/// Joint step of the posture springs and the joint-limit springs.
 JointVector Rehearsal::drawn_to(const JointVector& posture_rad) const {
   const control::PostureGains gains;
   const double share_at_limit =
@@ -152,7 +153,7 @@ double distance_between_m(const PerArm<robot::ArmModel>& models,
   double nearest_m = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < left_m.size(); ++i) {
     for (std::size_t k = 0; k < right_m.size(); ++k) {
-      if (-left_m[i] - right_m[k] >= nearest_m) continue;  // they cannot be closer than that
+      if (-left_m[i] - right_m[k] >= nearest_m) continue;  // lower bound of the distance
       nearest_m = std::min(
           nearest_m, robot::distance_between_m(models[Arm::left], passages[Arm::left]->poses[i],
                                                models[Arm::right], passages[Arm::right]->poses[k]));

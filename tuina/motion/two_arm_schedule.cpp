@@ -52,7 +52,7 @@ void Choreography::fly(Arm arm, const ArmMove& move) {
   rest_[arm] = move.above;
 }
 
-/// The contacts of one step; an arm that has flown already finds itself above its path.
+/// Adds the contacts of one step; an arm that has transferred already starts above its path.
 void Choreography::touch(const Moves& moves, const PerArm<Planned>& planned) {
   const massage::Transfers transfers{.standoff_m = stage_.standoff_m};
   double air_s = 0.0, off_s = 0.0;
@@ -86,9 +86,9 @@ Result<ArmMove> Choreography::plan_move(Arm arm, const massage::PlannedPath& pla
   return move_to_path(stage_, arm, rest_[arm], planned.path, static_cast<int>(paths.size()));
 }
 
-/// True when both paths run at once.
+/// True when both paths can run at once.
 bool Choreography::dance_together(const PerArm<Planned>& both) {
-  // Each arm on a core of its own: they are told from each other only afterwards.
+  // The arms are planned in parallel; which failed is told afterwards.
   PerArm<Result<ArmMove>> move;
   for_each_in_parallel(both_arms.size(), [&](std::size_t i) {
     const Arm arm = both_arms[i];
@@ -120,14 +120,14 @@ bool Choreography::dance_together(const PerArm<Planned>& both) {
   return false;
 }
 
-/// One arm works. The other hovers where it is, over the place that it works at next, or is out of
-/// the way before, or gets there meanwhile.
+/// One arm works. The other stays where it is, over its next place, moves out of the way first, or
+/// travels there meanwhile.
 void Choreography::dance_alone(Arm arm, const massage::PlannedPath& planned) {
   const Arm idle = other(arm);
   auto move = plan_move(arm, planned);
   const bool both_parked = rest_[arm].parked && rest_[idle].parked;
   if (!move && !both_parked) {
-    // From home it may be reached.
+    // The path may be reachable from home.
     finish();
     return dance_alone(arm, planned);
   }

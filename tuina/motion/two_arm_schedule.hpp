@@ -10,25 +10,25 @@
 
 namespace tuina::motion {
 
-/// The moves of two arms in an order in which they keep apart, whatever the timing within a step:
-/// both at once where that is far enough, else one after the other, the idle arm out of the way.
+/// Sequences the moves of two arms so that they keep apart for any timing within a step: both at
+/// once if their distance allows, else one after the other with the idle arm out of the way.
 class Choreography {
  public:
   explicit Choreography(Stage stage);
 
-  /// The paths of one step of the plan, one per arm at most. What cannot be done is left out, and
-  /// the notes say why.
+  /// Adds one step of the plan, at most one path per arm. Infeasible paths are left out, with the
+  /// reason in `notes`.
   void dance(PerArm<const massage::PlannedPath*> paths);
-  /// Both arms back to where they began.
+  /// Moves both arms back to their start.
   void finish();
 
-  /// The paths that are done, with new steps and times, and for each arm its jobs in order.
+  /// Paths that are kept, with their new steps and times, and the jobs of each arm in order.
   std::vector<massage::PlannedPath> paths;
   PerArm<std::vector<ArmJob>> jobs;
   std::vector<std::string> notes;
-  double min_arm_distance_m;  ///< whatever the timing within a step
-  robot::Clearances clear;    ///< of both arms, from couch and own body
-  double end_s;               ///< of the last job, if all goes to plan
+  double min_arm_distance_m;  ///< for any timing within a step
+  robot::Clearances clear;    ///< minimum distances of both arms from couch and robot body
+  double end_s;               ///< nominal end of the last job
   std::size_t left_out = 0;
 
  private:

@@ -6,18 +6,18 @@
 
 namespace tuina::scanner {
 
-/// One picture with the time of the middle of its exposure, on the camera's clock.
+/// One picture with the time of mid-exposure on the camera's clock.
 struct Frame {
   double time_s = 0.0;
   Image image;  ///< 8-bit grey, or RGB of which the laser's channel is used
-  Image dark;   ///< the same view with the laser off; empty when none was taken
+  Image dark;   ///< same view with the laser off; empty if not taken
 };
 
-/// The door to a camera: a simulated one, a recording, or a device.
+/// Camera interface: simulation, recording or device.
 class Camera {
  public:
   virtual ~Camera() = default;
-  /// The next frame; waits for it. A finished recording or sweep gives Fault::not_found.
+  /// Waits for the next frame. Fault::not_found at the end of a recording or sweep.
   [[nodiscard]] virtual Result<Frame> next_frame() = 0;
 
  protected:

@@ -20,11 +20,9 @@ constexpr std::array<Subject, 8> subjects = {{
     {"medium", false, {{{4.559, 263.2}, {9.786, 185.4}, {4.275, 143.6}}}},
 }};
 
-constexpr double label_from = 0.6;  // below it no class is named
-constexpr double max_chi =
-    4.0;  // beyond, the tissue does not follow the law and alpha means nothing
-// A twentieth of what is pressed is none of the three; it may lie anywhere in three times their
-// range.
+constexpr double label_from = 0.6;  // minimum probability of a named class
+constexpr double max_chi = 4.0;  // beyond it the tangent law does not fit and alpha means nothing
+// A twentieth of all presses are none of the three classes, spread over three times their range.
 constexpr double none_prior = 0.05, none_spread = 9.0;
 
 Eigen::Vector2d logs(const TangentTissue& tissue) {
@@ -35,7 +33,7 @@ struct Statistics {
   std::array<Eigen::Vector2d, 3> mean;
   Eigen::Vector2d centre;
   Eigen::Matrix2d within;  // spread of a class over people
-  Eigen::Matrix2d own;     // the same with each person's own mean removed
+  Eigen::Matrix2d own;     // the same with each person's mean removed
   Eigen::Matrix2d total;
 };
 
@@ -139,7 +137,7 @@ Classification classify(const TissueEstimate& estimate, double chi, const ClassP
   } else {
     result.probability = 1.0 - *best;
   }
-  // What is none of the three leaves them in their proportions, so they still sum to one.
+  // The outlier class is removed in proportion, so that the three still sum to one.
   for (double& probability : result.of) probability = named > 0.0 ? probability / named : 1.0 / 3.0;
   return result;
 }

@@ -12,7 +12,7 @@ namespace tuina::tissue {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr double bend_alphas = 2.5;  // where alpha and beta can be told apart
+constexpr double bend_alphas = 2.5;  // force / alpha where alpha and beta can be separated
 constexpr double cap_alphas = 3.0;
 constexpr double first_probe_n = 8.0;
 constexpr double max_chi = 4.0;
@@ -23,7 +23,7 @@ double relative_sd(double ci95, double value) noexcept {
 }
 
 double log_stiffness_sd(const TissueEstimate& estimate, double force_n) noexcept {
-  // As if alpha and beta erred apart; they err against each other, so this is on the careful side.
+  // Treats alpha and beta as independent; their errors are anticorrelated, so this is conservative.
   const double q = force_n / estimate.tissue.alpha_n;
   const double by_alpha = (1.0 - q * q) / (1.0 + q * q);
   return std::hypot(by_alpha * relative_sd(estimate.alpha_ci95_n, estimate.tissue.alpha_n),

@@ -20,7 +20,7 @@ namespace {
 constexpr double min_share_found = 0.5;
 constexpr double same_yaw_rad = 0.35_deg;  // a little more than one count of the motor
 
-// What one picture showed.
+// Detections in one picture.
 struct Seen {
   Image image;
   std::optional<SeenBoard> board;
@@ -39,7 +39,7 @@ Result<Seen> look(const Shot& shot, const Board& board) {
   return seen;
 }
 
-// Every picture, shared out among threads; what is seen in one does not depend on the others.
+// Detects in all pictures in parallel; results are independent of each other.
 Result<std::vector<Seen>> look_at_all(const Shots& shots, const Progress& progress, int threads) {
   std::vector<Result<Seen>> all(shots.shots.size(), Seen{});
   std::atomic<std::size_t> next = 0;
@@ -78,7 +78,7 @@ Result<void> check_sizes(const Shots& shots, const std::vector<Seen>& seen) {
   return {};
 }
 
-// A laser picture belongs to the picture of the bare board at the same pose and yaw.
+// Index of the picture without laser at the pose and yaw of a laser picture.
 Result<std::size_t> board_of(const Shot& shot, const std::vector<Shot>& all) {
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (all[i].laser || all[i].pose != shot.pose) continue;

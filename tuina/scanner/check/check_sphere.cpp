@@ -23,7 +23,7 @@ bool on(const FoundSphere& sphere, const Vector3& point) {
   return std::abs((point - sphere.centre).norm() - 0.5 * sphere.diameter_m) < on_sphere_m;
 }
 
-// Least squares of |p|^2 = 2 c . p + k, which is linear in the centre c and k = r^2 - |c|^2.
+// Least squares of |p|^2 = 2 c . p + k, linear in the centre c and k = r^2 - |c|^2.
 FoundSphere fitted(const PointCloud& cloud, const FoundSphere& near) {
   Eigen::Matrix4d sums = Eigen::Matrix4d::Zero();
   Eigen::Vector4d moments = Eigen::Vector4d::Zero();
@@ -71,7 +71,7 @@ Result<FoundSphere> find_sphere(const PointCloud& cloud, double diameter_m) {
   FoundSphere best;
   std::size_t most = 0;
   for (int i = 0; i < tries; ++i) {
-    // The normals of two points of a ball meet in its centre.
+    // The normals of two points intersect in the centre of the ball.
     const std::size_t a = draw();
     const std::size_t b = draw();
     const Vector3 between = cloud.points[a] - cloud.points[b];

@@ -16,7 +16,7 @@ float sum_of_eight(const std::uint8_t* pixels) {
   return static_cast<float>(sum);
 }
 
-// Around the brightest pixel of a row, which has margin.
+// Features around the brightest pixel of a row, which has the margin.
 RowFacts<float> facts_of(const std::uint8_t* row, int at, const RowRule& rule) {
   const std::uint8_t* peak = row + at;
   const auto rival = std::max(largest(row + rule.first, at - rule.beside_px - rule.first + 1),

@@ -17,13 +17,13 @@
 namespace tuina::scanner {
 namespace {
 
-// However bright, a line clips no more pixels than this and eight widths.
+// Maximum width of a clipped line: this and eight line widths.
 constexpr float max_plateau_px = 16.0F;
-// So many rows tell noise and width of the line well enough.
+// Number of rows that suffices to estimate noise and line width.
 constexpr int sampled_rows = 20;
 
-// Gives the rows of an image as samples: as they are, or as float when a dark frame is taken off or
-// the samples have 16 bits. Clipped pixels keep the value of saturation, so they are known as such.
+// Rows of an image as samples: unchanged, or as float after subtracting a dark frame or for 16
+// bits. Clipped pixels keep the saturation value.
 template <typename Pixel>
 class Rows {
  public:
@@ -60,7 +60,7 @@ class Rows {
 
 enum class Seen : std::uint8_t { nothing, one_line, several };
 
-// One look at a row: its brightest place, and whether that is all there is to see.
+// Classification of a row: its brightest position, and what else it shows.
 struct Look {
   Seen seen = Seen::nothing;
   Candidate brightest;
@@ -84,8 +84,7 @@ Look look_at(const Sample* row, const LineScene& scene) {
   const Sample* at = where_is(most, row + first, row + last + 1);
   int left = static_cast<int>(at - row);
   int right = left;
-  // Where the line is clipped its middle is the middle of the plateau; the first of equal pixels
-  // lies to one side.
+  // The centre of a clipped line is the centre of its plateau, not the first of equal pixels.
   if (static_cast<float>(most) >= scene.saturated_dn) {
     while (right < last && static_cast<float>(row[right + 1]) >= scene.saturated_dn) ++right;
     if (static_cast<float>(right - left) > max_plateau_px + 8.0F * scene.width_px) {
@@ -108,7 +107,7 @@ Look look_at(const Sample* row, const LineScene& scene) {
   if (height < min_pixel_snr * scene.noise_dn)
     return {Seen::several, {}};  // an edge, or a bright field
 
-  // A single hot pixel has dark neighbours; even a sharp line is wider than that.
+  // A hot pixel has dark neighbours; even a sharp line is wider.
   const auto above = [&](int x) {
     return x < first || x > last ? 0.0F : static_cast<float>(row[x]) - beside_dn;
   };
@@ -131,7 +130,7 @@ Look look_at(const Sample* row, const LineScene& scene) {
   return start >= scene.first_column && start + LineKernel::taps <= scene.last_column + 1;
 }
 
-// The kernels of the slow rows weigh floats.
+// The kernels of the slow rows take floats.
 const float* window(const float* samples, std::array<float, LineKernel::taps>&) {
   return samples;
 }
@@ -140,7 +139,7 @@ const float* window(const std::uint8_t* samples, std::array<float, LineKernel::t
   return room.data();
 }
 
-// Three steps of the kernel from a pixel near the line; nothing when they do not lead to a line.
+// Three kernel steps from a pixel near the line; nothing if they diverge.
 template <typename Sample>
 std::optional<LinePoint> weigh_line(const Sample* row, float column_px, const LineKernel& kernel,
                                     const LineScene& scene) {
@@ -171,9 +170,8 @@ std::optional<LinePoint> weigh_line(const Sample* row, float column_px, const Li
                    .deviation_px = kernel.deviation_factor * scene.noise_dn / height};
 }
 
-// The exact place of the line near a candidate. Lines that are clipped, cut by the border, wider
-// than the kernels or disturbed by a hot pixel are fitted pixel by pixel with the unusable pixels
-// left out.
+// Sub-pixel position near a candidate. Lines that are clipped, cut by the border, wider than the
+// kernels or next to a hot pixel are fitted to the usable pixels.
 template <typename Sample>
 std::optional<LinePoint> measure(const Sample* row, int y, const Candidate& candidate,
                                  const LineKernel& kernel, const LineScene& scene) {

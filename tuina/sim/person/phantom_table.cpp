@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The proportions of the phantoms and their spread, in units of the distance C7-S2. Means,
-// dependences and covariances are those of 160 synthetic people made with MakeHuman (CC0 1.0), half
-// of each sex, BMI 16 to 34, half sitting and half prone: distances between landmarks, heights of
-// the spinous processes, and the depth of the back at 22 heights in 9 directions, left and right
-// averaged. docs/bodies.md compares them with anthropometry.
+// Proportions of the phantoms and their spread, in lengths C7-S2: means, dependences and
+// covariances of 160 synthetic people made with MakeHuman (CC0 1.0), half of each sex, BMI 16 to
+// 34, half sitting and half prone. Distances between landmarks, heights of the spinous processes,
+// and depth of the back at 22 heights in 9 directions, left and right averaged. docs/bodies.md
+// compares them with anthropometry.
 #include "tuina/sim/person/phantom_table.hpp"
 
 namespace tuina::sim {

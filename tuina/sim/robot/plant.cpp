@@ -17,9 +17,9 @@
 namespace tuina::sim {
 namespace {
 
-constexpr double windup_damping_ratio = 0.2;  // of a rotor on the spring of its gear
+constexpr double windup_damping_ratio = 0.2;  // rotor on the spring of its gear
 
-// MuJoCo's own handler writes a file beside the program; the plant reads the counters instead.
+// MuJoCo's own handler writes a log file; the plant reads the counters instead.
 void keep_quiet(const char*) {}
 
 Result<ModelPointer> load(const std::string& mjcf) {
@@ -86,7 +86,8 @@ Result<std::unique_ptr<Plant>> Plant::make(const robot::Standing& standing,
   if (!world->data) return fail(Fault::device, "MuJoCo has no memory for the robot");
   mjModel* m = world->model.get();
   mjData* d = world->data.get();
-  // Friction is ours (below): MuJoCo's is a constraint that costs more than the rest of the arm.
+  // Friction is modelled in plant_devices.cpp: MuJoCo's constraint would cost more than the rest of
+  // the arm.
   std::fill_n(m->dof_frictionloss, m->nv, 0.0);
   std::fill_n(m->dof_damping, m->nv, 0.0);
 
@@ -139,7 +140,7 @@ Result<std::unique_ptr<Plant>> Plant::make(const robot::Standing& standing,
   mj_forward(m, d);
   for (const Arm side : both_arms) {
     ArmDevices& arm = world->arms[side];
-    // The sensor has hung there long before the start and feels the tool's weight.
+    // The sensor starts in steady state under the tool's weight.
     const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> turn(d->site_xmat +
                                                                               9 * arm.site);
     arm.felt.head<3>() = turn.transpose() * Vector3(0, 0, -gravity_m_per_s2 * arm.tool_mass_kg);
@@ -218,7 +219,7 @@ robot::RobotReading Plant::read() noexcept {
 void Plant::World::step() noexcept {
   mjModel* m = model.get();
   mjData* d = data.get();
-  mj_step1(m, d);  // positions and velocities of now
+  mj_step1(m, d);  // present positions and velocities
   mju_zero(d->qfrc_applied, m->nv);
   for (const Arm side : both_arms) {
     drive(arms[side]);
@@ -230,7 +231,7 @@ void Plant::World::step() noexcept {
 }
 
 void Plant::World::look() noexcept {
-  // After the last step the places are a quarter of a millisecond old; they are brought up to date.
+  // After the last substep the kinematics are a quarter of a millisecond old, so they are updated.
   mj_kinematics(model.get(), data.get());
   mj_comPos(model.get(), data.get());
   mj_comVel(model.get(), data.get());
