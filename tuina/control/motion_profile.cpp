@@ -160,37 +160,4 @@ MotionState MotionProfile::at(double time_s) const noexcept {
   return {.at = goal_};
 }
 
-bool JointMotion::plan(const JointVector& q_rad, const JointVector& dq_rad_per_s,
-                       const JointVector& ddq_rad_per_s2, const JointVector& goal_rad,
-                       const MotionLimits& limits) noexcept {
-  std::array<MotionProfile, max_joints> axes;
-  const auto start = [&](int i) {
-    return MotionState{q_rad[i], dq_rad_per_s[i], ddq_rad_per_s2[i]};
-  };
-  double max_duration_s = 0.0;
-  for (int i = 0; i < q_rad.size(); ++i) {
-    MotionProfile& axis = axes[static_cast<std::size_t>(i)];
-    if (!axis.plan(start(i), goal_rad[i], limits)) return false;
-    max_duration_s = std::max(max_duration_s, axis.duration_s());
-  }
-  for (int i = 0; i < q_rad.size(); ++i) {
-    (void)axes[static_cast<std::size_t>(i)].plan_in(max_duration_s, start(i), goal_rad[i], limits);
-  }
-  axes_ = axes;
-  joints_ = static_cast<int>(q_rad.size());
-  duration_s_ = max_duration_s;
-  return true;
-}
-
-JointMotion::State JointMotion::at(double time_s) const noexcept {
-  State state{JointVector(joints_), JointVector(joints_), JointVector(joints_)};
-  for (int i = 0; i < joints_; ++i) {
-    const MotionState axis = axes_[static_cast<std::size_t>(i)].at(time_s);
-    state.q_rad[i] = axis.at;
-    state.dq_rad_per_s[i] = axis.speed_per_s;
-    state.ddq_rad_per_s2[i] = axis.acceleration_per_s2;
-  }
-  return state;
-}
-
 }  // namespace tuina::control

@@ -52,23 +52,4 @@ class MotionProfile {
   std::array<Stretch, 7> stretches_ = {};  // three to accelerate, one to cruise, three to brake
 };
 
-/// All joints of an arm to rest at a goal, arriving together.
-class JointMotion {
- public:
-  [[nodiscard]] bool plan(const JointVector& q_rad, const JointVector& dq_rad_per_s,
-                          const JointVector& ddq_rad_per_s2, const JointVector& goal_rad,
-                          const MotionLimits& limits) noexcept;
-
-  struct State {
-    JointVector q_rad, dq_rad_per_s, ddq_rad_per_s2;
-  };
-  [[nodiscard]] State at(double time_s) const noexcept;
-  [[nodiscard]] double duration_s() const noexcept { return duration_s_; }
-
- private:
-  int joints_ = 0;
-  double duration_s_ = 0.0;
-  std::array<MotionProfile, max_joints> axes_;
-};
-
 }  // namespace tuina::control

@@ -14,6 +14,9 @@ namespace tuina::session {
 /// press, and enough to know most tissues.
 inline constexpr double reference_force_n = 10.0;
 
+/// The estimator of every session; another `tissue::SteeringEstimator` is plugged in here.
+using SessionEstimator = tissue::PressEstimator;
+
 /// One thing that the tissue decided, for the record. The rules are those of tissue/steering.hpp.
 struct Decision {
   double time_s = 0.0;
@@ -74,7 +77,7 @@ class Steering {
     explicit Side(const tissue::PressEstimatorOptions& options)
         : whole(options), last(options), set(options) {}
     /// All presses of this contact, the last one alone, and those since the last set was complete.
-    tissue::PressEstimator whole, last, set;
+    SessionEstimator whole, last, set;
     std::array<tissue::PressSet, max_sets> sets = {};
     std::size_t sets_felt = 0;
     int set_presses = 0;

@@ -33,7 +33,6 @@ struct Statistics {
   std::array<Eigen::Vector2d, 3> mean;
   Eigen::Vector2d centre;
   Eigen::Matrix2d within;  // spread of a class over people
-  Eigen::Matrix2d own;     // the same with each person's mean removed
   Eigen::Matrix2d total;
 };
 
@@ -45,15 +44,12 @@ Statistics statistics_of(std::span<const Subject> table) {
     for (std::size_t k = 0; k < 3; ++k) s.mean[k] += logs(subject.tissue[k]) / n;
   }
   s.centre = (s.mean[0] + s.mean[1] + s.mean[2]) / 3.0;
-  s.within = s.own = s.total = Eigen::Matrix2d::Zero();
+  s.within = s.total = Eigen::Matrix2d::Zero();
   for (const Subject& subject : table) {
-    Eigen::Vector2d shift = Eigen::Vector2d::Zero();
-    for (std::size_t k = 0; k < 3; ++k) shift += (logs(subject.tissue[k]) - s.mean[k]) / 3.0;
     for (std::size_t k = 0; k < 3; ++k) {
-      const Eigen::Vector2d off = logs(subject.tissue[k]) - s.mean[k], from = off - shift;
+      const Eigen::Vector2d off = logs(subject.tissue[k]) - s.mean[k];
       const Eigen::Vector2d wide = logs(subject.tissue[k]) - s.centre;
       s.within += off * off.transpose() / (3.0 * (n - 1.0));
-      s.own += from * from.transpose() / (2.0 * (n - 1.0));
       s.total += wide * wide.transpose() / (3.0 * n - 1.0);
     }
   }
@@ -87,39 +83,19 @@ std::span<const Subject, 8> tables_6_1_and_6_2() noexcept {
   return subjects;
 }
 
-PersonReference learn_person(std::span<const KnownPress> presses,
-                             std::span<const Subject> table) noexcept {
-  const Statistics s = statistics_of(table);
-  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
-  PersonReference person;
-  for (const KnownPress& press : presses) {
-    if (press.at == TissueClass::unknown) continue;
-    sum += logs(press.tissue) - s.mean[static_cast<std::size_t>(press.at)];
-    ++person.presses;
-  }
-  if (person.presses == 0) return person;
-  person.shift_log_alpha = sum(0) / person.presses;
-  person.shift_log_beta = sum(1) / person.presses;
-  return person;
-}
-
 Classification classify(const TissueEstimate& estimate, double chi, const ClassProbabilities& prior,
-                        const PersonReference& person, std::span<const Subject> table) noexcept {
+                        std::span<const Subject> table) noexcept {
   const Statistics s = statistics_of(table);
   const Eigen::Vector2d x = logs(estimate.tissue);
   Eigen::Matrix2d blur = Eigen::Matrix2d::Zero();
   blur(0, 0) = std::pow(estimate.alpha_ci95_n / (1.96 * estimate.tissue.alpha_n), 2);
   blur(1, 1) = std::pow(estimate.beta_ci95_per_m / (1.96 * estimate.tissue.beta_per_m), 2);
-  const bool known = person.presses > 0;
-  // With n presses of this person its shift is known to one n-th of the spread that is left.
-  const Eigen::Matrix2d spread =
-      (known ? Eigen::Matrix2d(s.own * (1.0 + 1.0 / person.presses)) : s.within) + blur;
-  const Eigen::Vector2d shift(person.shift_log_alpha, person.shift_log_beta);
+  const Eigen::Matrix2d spread = s.within + blur;
 
   Classification result;
   double sum = none_prior * density(x - s.centre, none_spread * s.total + blur);
   for (std::size_t k = 0; k < 3; ++k) {
-    result.of[k] = (1.0 - none_prior) * prior[k] * density(x - s.mean[k] - shift, spread);
+    result.of[k] = (1.0 - none_prior) * prior[k] * density(x - s.mean[k], spread);
     sum += result.of[k];
   }
   const bool usable = estimate.converged && chi <= max_chi && std::isfinite(sum) && sum > 0.0;

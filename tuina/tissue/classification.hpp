@@ -33,27 +33,17 @@ struct Classification {
   ClassProbabilities of = nothing_known;
 };
 
-/// How one person differs from the average of Table 6-2, learned from presses at places that are
-/// known.
-struct PersonReference {
-  double shift_log_alpha = 0.0, shift_log_beta = 0.0;
-  int presses = 0;
-};
 struct KnownPress {
   TangentTissue tissue;
   TissueClass at = TissueClass::bone;
 };
-[[nodiscard]] PersonReference learn_person(
-    std::span<const KnownPress> presses,
-    std::span<const Subject> table = tables_6_1_and_6_2()) noexcept;
-
 /// Classifies an estimate by the spread of the thesis' tables and the estimate's confidence
 /// interval. People differ more than tissues: the table itself is separated in 71 % only, so every
 /// label has a probability. `prior`: class probabilities of the place on the body. Not converged,
 /// nis above 4 or no class above 60 %: unknown.
 [[nodiscard]] Classification classify(
     const TissueEstimate& estimate, double chi = 1.0,
-    const ClassProbabilities& prior = nothing_known, const PersonReference& person = {},
+    const ClassProbabilities& prior = nothing_known,
     std::span<const Subject> table = tables_6_1_and_6_2()) noexcept;
 
 }  // namespace tuina::tissue

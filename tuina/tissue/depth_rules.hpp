@@ -29,16 +29,6 @@ namespace tuina::tissue {
 /// is compressed, not massaged. Unknown tissue gets half the cap.
 [[nodiscard]] double force_cap_n(const TissueEstimate& estimate, double chi,
                                  double region_cap_n) noexcept;
-/// A3. The deepest indentation, four fifths of the way to the pole of the stiffest beta believed;
-/// infinite while nothing is known.
-[[nodiscard]] double depth_cap_m(const TissueEstimate& estimate, double chi) noexcept;
-
-/// A4. Where the tool must go for a force, along the inward normal on the axis of the estimate's
-/// samples; the torso beneath gives way too (0 or infinity: it does not). A feed-forward only: on
-/// bone at 20 N a tenth of a millimetre is two newtons.
-[[nodiscard]] double position_for_force_m(const TissueEstimate& estimate, double force_n,
-                                          double torso_n_per_m) noexcept;
-
 /// A5. Robot impedance from the tangent stiffness of the tissue at the working force: half as
 /// stiff, damping ratio 0.7 together.
 struct ContactImpedance {
@@ -46,11 +36,6 @@ struct ContactImpedance {
   double damping_n_s_per_m = 0.0;
 };
 [[nodiscard]] ContactImpedance impedance_for(double tissue_n_per_m, double mass_kg) noexcept;
-/// A5. One step from a stiffness towards a wanted one: low-pass of a second, at most a fifth per
-/// second, so that what the springs hold is not pumped up.
-[[nodiscard]] double eased_stiffness(double now_n_per_m, double wanted_n_per_m,
-                                     double dt_s) noexcept;
-
 /// A6. Share of impedance against admittance control after Ott's hybrid: 0 on tissue up to 2 N/mm,
 /// 1 from 15 N/mm. To avoid chatter it changes only when the wanted share differs by a tenth, a
 /// third of a second after the last change, and while the tool is slow.
@@ -93,23 +78,13 @@ struct TechniqueAdvice {
                                             const PersonMean& person, double reference_force_n,
                                             double region_cap_n) noexcept;
 
-/// A9. Reasons to release (at `letting_go_n_per_s`) and ask the person.
-enum class Alarm : std::uint8_t { none, guarding, moved, misfit };
+/// A9. Reasons to let go and ask the person.
+enum class Alarm : std::uint8_t { none, guarding, moved };
 [[nodiscard]] const char* name_of(Alarm alarm) noexcept;
-inline constexpr double letting_go_n_per_s = 100.0;
 /// A9. Compares the tissue now with the reference at one force. Guarding: alpha or tangent
 /// stiffness a quarter higher, beyond both intervals (the person tenses). Moved: the skin is more
 /// than 3 mm away. `now` comes from a separate estimator of the last press.
 [[nodiscard]] Alarm compare(const TissueEstimate& reference, const TissueEstimate& now,
                             double force_n) noexcept;
-
-/// A9. Force that the tissue does not explain: beyond five standard deviations for 50 ms.
-class MisfitWatch {
- public:
-  [[nodiscard]] Alarm step(double residual_n, double sd_n, double dt_s) noexcept;
-
- private:
-  double beyond_s_ = 0.0;
-};
 
 }  // namespace tuina::tissue

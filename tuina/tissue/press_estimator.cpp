@@ -10,14 +10,14 @@
 namespace tuina::tissue {
 namespace {
 
-constexpr std::size_t fold_at =
-    96;  // window size in segments at which its older half is marginalised
-constexpr std::size_t fold_at_last = 120;
+// Window size in segments at which its older half is marginalised.
+constexpr std::size_t marginalise_at = 96;
+constexpr std::size_t max_window = 120;
 // Early in the first press answers are wanted fast, so passes are short.
 constexpr std::size_t short_pass = 48;
 constexpr int passes_at_rest = 4;  // Gauss-Newton steps after the last new sample
-constexpr double forgetting_per_fold =
-    0.005;  // standard deviation added to the logarithms per marginalisation
+// Standard deviation added to the logarithms per marginalisation.
+constexpr double forgetting_sd = 0.005;
 // An interval that just fits would be wrong for one estimate in twenty, so 98 % is required.
 constexpr double sureness = 2.33 / 1.96;
 constexpr double max_step = 0.5, min_step = 0.02, settled_step = 0.05;  // of logarithms
@@ -99,7 +99,7 @@ void PressEstimator::reset() noexcept {
       square(options_.contact_sd_m), breath_variance,
       breath_variance * square(2.0 * pi * options_.breathing_hz);
   prior_.time_s = -1e9;
-  pass_ = fold_ = prior_;
+  pass_ = middle_ = prior_;
   state_ = prior_.mean;
   covariance_ = prior_.covariance;
   next_ = pass_size_ = 0;
@@ -123,9 +123,9 @@ void PressEstimator::update(double time_s, const Press& sample) noexcept {
       if (segments_.size() == 0 || idle_passes_ >= passes_at_rest) return;
       begin_pass();
     }
-    learn(segments_[next_]);
-    tell_skin(next_++);
-    if (next_ == fold_at / 2) fold_ = pass_;
+    update_from(segments_[next_]);
+    record_skin(next_++);
+    if (next_ == marginalise_at / 2) middle_ = pass_;
   }
 }
 
@@ -143,7 +143,7 @@ void PressEstimator::begin_pass() noexcept {
   beta_ = std::exp(state_(log_beta));
 }
 
-void PressEstimator::advance(double time_s) noexcept {
+void PressEstimator::predict(double time_s) noexcept {
   const double dt_s = time_s - pass_.time_s;
   pass_.time_s = time_s;
   if (!(dt_s > 0.0)) return;
@@ -167,10 +167,10 @@ void PressEstimator::advance(double time_s) noexcept {
   P.bottomRightCorner<2, 2>() = own;
 }
 
-void PressEstimator::learn(const PressSegment& segment) noexcept {
-  advance(segment.time_s);
+void PressEstimator::update_from(const PressSegment& segment) noexcept {
+  predict(segment.time_s);
   if (!segment.contact) {
-    learn_near(segment);
+    update_from_air(segment);
     return;
   }
   const double alpha = alpha_, beta = beta_;
@@ -193,10 +193,10 @@ void PressEstimator::learn(const PressSegment& segment) noexcept {
   State linearised = pass_.mean;
   linearised.head<3>() -= state_.head<3>();
   const double innovation = segment.position_m - a / beta - H.dot(linearised);
-  take(H, innovation, R);
+  fuse(H, innovation, R);
 }
 
-void PressEstimator::learn_near(const PressSegment& air) noexcept {
+void PressEstimator::update_from_air(const PressSegment& air) noexcept {
   // Before contact the force is too small to be turned into a depth, so it is predicted from the
   // depth: zero above the skin, the law below. Linearised at the skin position of the last pass;
   // its uncertainty and the length of the stretch smooth the corner (statistical linearisation).
@@ -230,10 +230,10 @@ void PressEstimator::learn_near(const PressSegment& air) noexcept {
   linearised.head<3>() -= state_.head<3>();
   linearised(compliance) = 0.0;
   linearised(skin) -= air.skin_m;
-  take(H, air.force_n - m * still_n - H.dot(linearised), R);
+  fuse(H, air.force_n - m * still_n - H.dot(linearised), R);
 }
 
-void PressEstimator::tell_skin(std::size_t i) noexcept {
+void PressEstimator::record_skin(std::size_t i) noexcept {
   if (i < skin_known_after || segments_[i - skin_known_after].contact) return;
   for (std::size_t k = i + 1 - skin_known_after; k <= i; ++k) {
     if (!segments_[k].contact) return;
@@ -244,12 +244,12 @@ void PressEstimator::tell_skin(std::size_t i) noexcept {
       2.0 * pi * options_.breathing_hz * options_.breathing_m / std::sqrt(8.0);
   for (std::size_t k = i - skin_known_after + 1; k-- > 0 && !segments_[k].contact;) {
     const double moved_m = (segments_[i].time_s - segments_[k].time_s) * breath_speed_m_per_s;
-    segments_.tell_skin(k, pass_.mean(skin) + pass_.mean(breath),
-                        std::sqrt(std::max(0.0, variance) + moved_m * moved_m));
+    segments_.record_skin(k, pass_.mean(skin) + pass_.mean(breath),
+                          std::sqrt(std::max(0.0, variance) + moved_m * moved_m));
   }
 }
 
-void PressEstimator::take(const State& H, double innovation, double R) noexcept {
+void PressEstimator::fuse(const State& H, double innovation, double R) noexcept {
   const State PH = pass_.covariance.lazyProduct(H);  // small: inlined, not a library call
   const double HPH = H.dot(PH);
   const double far = std::abs(innovation) / std::sqrt(HPH + R);
@@ -288,12 +288,12 @@ void PressEstimator::finish_pass() noexcept {
 
   // Marginalised segments are never linearised again, so marginalisation waits for a settled answer
   // while the window has room.
-  if (segments_.size() >= fold_at && (settled_ || segments_.size() >= fold_at_last)) {
-    prior_ = fold_;
+  if (segments_.size() >= marginalise_at && (settled_ || segments_.size() >= max_window)) {
+    prior_ = middle_;
     prior_.covariance *= chi_;
-    prior_.covariance(log_alpha, log_alpha) += forgetting_per_fold * forgetting_per_fold;
-    prior_.covariance(log_beta, log_beta) += forgetting_per_fold * forgetting_per_fold;
-    segments_.drop_oldest(fold_at / 2);
+    prior_.covariance(log_alpha, log_alpha) += forgetting_sd * forgetting_sd;
+    prior_.covariance(log_beta, log_beta) += forgetting_sd * forgetting_sd;
+    segments_.drop_oldest(marginalise_at / 2);
   }
   publish();
 }

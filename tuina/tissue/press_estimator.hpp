@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 
 #include "tuina/core/contact.hpp"
+#include "tuina/tissue/estimator.hpp"
 #include "tuina/tissue/press_segments.hpp"
 
 namespace tuina::tissue {
@@ -48,7 +49,8 @@ struct PressEstimatorOptions {
 /// positive for any input.
 class PressEstimator {
  public:
-  explicit PressEstimator(const PressEstimatorOptions& options = {}) noexcept;
+  using Options = PressEstimatorOptions;
+  explicit PressEstimator(const Options& options = {}) noexcept;
 
   /// Adds one sample: position along the inward normal (larger is deeper, the skin near zero) and
   /// force onto the person. Times increase, with any origin.
@@ -84,20 +86,20 @@ class PressEstimator {
   };
 
   void begin_pass() noexcept;
-  void advance(double time_s) noexcept;
-  void learn(const PressSegment& segment) noexcept;
-  void learn_near(const PressSegment& air) noexcept;
-  void take(const State& H, double innovation, double R) noexcept;
-  void tell_skin(std::size_t i) noexcept;
+  void predict(double time_s) noexcept;
+  void update_from(const PressSegment& segment) noexcept;
+  void update_from_air(const PressSegment& air) noexcept;
+  void fuse(const State& H, double innovation, double R) noexcept;
+  void record_skin(std::size_t i) noexcept;
   void finish_pass() noexcept;
   void publish() noexcept;
 
   PressEstimatorOptions options_;
   PressSegments segments_;
-  Belief prior_;  // information of the segments before the window
-  Belief pass_;   // state of the running pass
-  Belief fold_;   // state of the pass at the middle of the window
-  State state_;   // result of the last pass, linearisation point of the next
+  Belief prior_;   // information of the segments before the window
+  Belief pass_;    // state of the running pass
+  Belief middle_;  // state of the pass at the middle of the window
+  State state_;    // result of the last pass, linearisation point of the next
   Covariance covariance_;
   double alpha_ = 0.0, beta_ = 0.0;  // linearisation point
   double sum_nis_ = 0.0, count_ = 0.0;
@@ -110,5 +112,6 @@ class PressEstimator {
   double chi_ = 1.0;
   TissueEstimate estimate_;
 };
+static_assert(SteeringEstimator<PressEstimator>);
 
 }  // namespace tuina::tissue

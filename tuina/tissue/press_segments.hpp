@@ -47,7 +47,7 @@ class PressSegments {
   [[nodiscard]] const PressSegment& operator[](std::size_t i) const noexcept {
     return segments_[i];
   }
-  void tell_skin(std::size_t i, double skin_m, double skin_sd_m) noexcept {
+  void record_skin(std::size_t i, double skin_m, double skin_sd_m) noexcept {
     segments_[i].skin_m = skin_m;
     segments_[i].skin_sd_m = skin_sd_m;
   }
