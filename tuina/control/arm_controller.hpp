@@ -108,7 +108,7 @@ class ArmController {
   /// Stops at once, for an arm that must not go on.
   void halt() noexcept;
   /// Moves the tip to a pose in the air in a straight line, the shaft along the normal.
-  void move_to(const ToolPose& foremost) noexcept;
+  void move_to(const ToolPose& tip) noexcept;
   /// Moves inward along the normal until contact, then keeps a light contact. Tares the wrist
   /// sensor first.
   void approach(const ToolPose& skin) noexcept;
@@ -153,8 +153,8 @@ class ArmController {
   Vector3 centre_ = Vector3::Zero();
   Vector3 velocity_ = Vector3::Zero();
   Vector3 spring_n_ = Vector3::Zero();  // spring force of the last step, without damping
-  Vector3 settling_n_ =
-      Vector3::Zero();  // integral of the spring force at the goal of a free motion
+  // Integral of the spring force at the goal of a free motion.
+  Vector3 settling_n_ = Vector3::Zero();
   double search_m_ = 0.0, search_speed_ = 0.0;
   double quiet_s_ = 0.0, touched_s_ = 0.0, blocked_s_ = 0.0;
   double rail_m_ = 0.0;

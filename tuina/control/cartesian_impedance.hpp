@@ -6,11 +6,6 @@
 
 namespace tuina::control {
 
-/// Outward axis of the tool: minus the x axis of the `tool` frame.
-[[nodiscard]] inline Vector3 tool_normal(const Transform& base_from_tool) {
-  return -base_from_tool.linear().col(0);
-}
-
 /// Clamps the length of a vector and keeps its direction.
 [[nodiscard]] inline Vector3 shortened(const Vector3& vector, double most) {
   const double length = vector.norm();

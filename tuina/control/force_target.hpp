@@ -38,8 +38,8 @@ class ForceTarget {
     double max_gain_in_n = 5.0;
     double max_trim_in_n = 10.0;  ///< more would wind up against stiction
     double max_trim_out_n = 30.0;
-    double skin_follows_s =
-        0.7;  ///< time constant with which a lasting trim corrects the skin position
+    /// Time constant with which a lasting trim corrects the skin position.
+    double skin_follows_s = 0.7;
     double max_skin_error_m = 15e-3;  ///< deepest correction of the skin position
     double max_skin_rise_m = 60e-3;
     double max_over_set_n = 14.0;  ///< limit of the spring force beyond the set force

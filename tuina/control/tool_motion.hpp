@@ -5,11 +5,29 @@
 
 namespace tuina::control {
 
-/// Position and outward axis of a tool; rotation about the axis is free.
+/// Place (tip or centre, as its name says) and outward axis of a tool; rotation about the axis
+/// is free.
 struct ToolPose {
   Vector3 at_in_base = Vector3::Zero();
   Vector3 normal_in_base = Vector3::UnitZ();  ///< unit, out of the body, along the tool's shaft
 };
+
+/// Outward axis of the tool: minus the x axis of the `tool` frame.
+[[nodiscard]] inline Vector3 tool_normal(const Transform& base_from_tool) noexcept {
+  return -base_from_tool.linear().col(0);
+}
+
+/// Tip of a sphere tool: its point farthest along the shaft, which touches the skin first.
+[[nodiscard]] inline ToolPose tip_pose(const Transform& base_from_tool, double radius_m) noexcept {
+  const Vector3 normal = tool_normal(base_from_tool);
+  return {.at_in_base = base_from_tool.translation() - radius_m * normal, .normal_in_base = normal};
+}
+
+/// Centre of the sphere whose tip is at a pose: the origin of the `tool` frame.
+[[nodiscard]] inline ToolPose centre_pose(const ToolPose& tip, double radius_m) noexcept {
+  return {.at_in_base = tip.at_in_base + radius_m * tip.normal_in_base,
+          .normal_in_base = tip.normal_in_base};
+}
 
 struct ToolReference {
   ToolPose pose;

@@ -24,16 +24,16 @@ struct Stage {
   std::span<const robot::Obstacle> obstacles = {};
 };
 
-inline constexpr double wanted_arm_distance_m =
-    60e-3;  ///< preferred distance to the other arm, the couch and the robot's body
+/// Preferred distance to the other arm, the couch and the robot's body.
+inline constexpr double wanted_arm_distance_m = 60e-3;
 inline constexpr double closest_arm_distance_m = 45e-3;  ///< minimum distance of every planned move
 
 /// An arm at rest between two contacts.
 struct ArmRest {
-  Hover over;
+  ApproachPose over;
   JointVector q_rad;
   bool parked = true;
-  Passage stay;  ///< configurations the arm may settle in
+  JointPath stay;  ///< configurations the arm may settle in
 };
 [[nodiscard]] ArmRest rest_at_ready(const Stage& stage, Arm arm);
 
@@ -42,8 +42,9 @@ struct ArmMove {
   int path = -1;
   std::vector<control::ToolPose> way_in_base;
   JointVector posture_rad;
-  Passage air, skin;  ///< contact: from the approach pose down, along the path, and up again
-  double air_s = 0.0;
+  JointPath transfer;
+  JointPath contact;  ///< from the approach pose down, along the path, and up again
+  double transfer_s = 0.0;
   robot::Clearances clear;  ///< distances from couch and robot body over the whole move
   ArmRest above;            ///< at rest after the transfer, before the contact
   ArmRest after;

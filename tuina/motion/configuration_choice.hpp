@@ -15,20 +15,21 @@ inline constexpr double own_side_m = 30_mm;    ///< half the distance that two a
 inline constexpr double press_depth_m = 8e-3;  ///< indentation of a compliant torso at 30 N
 
 /// Penalty for low dexterity, as an equivalent distance past the midline (m).
-[[nodiscard]] double clumsiness_m(const robot::ArmModel::Kinematics& pose) noexcept;
+[[nodiscard]] double dexterity_cost_m(const robot::ArmModel::Kinematics& pose) noexcept;
 
 /// Candidate configurations for a path.
-struct PostureChoice {
-  std::vector<JointVector> postures_rad;  ///< sorted by cost, near duplicates removed
-  double least_bad_m = 0.0;               ///< lower bound of the cost over the whole path
+struct ConfigurationChoice {
+  std::vector<JointVector> configurations_rad;  ///< sorted by cost, near duplicates removed
+  double min_cost_m = 0.0;                      ///< lower bound of the cost over the whole path
 };
 
 /// Configurations that touch the start, middle or end of a path, the elbow swept through its whole
 /// circle. Cost: past the midline, low dexterity, near joint limits. Elbows inside the person are
 /// left out.
-[[nodiscard]] PostureChoice postures_for(const robot::ArmModel& model, Arm arm, double rail_m,
-                                         std::span<const robot::ContactGoal> goals,
-                                         const JointVector& ready_rad,
-                                         const JointVector& arrival_rad);
+[[nodiscard]] ConfigurationChoice choose_configurations(const robot::ArmModel& model, Arm arm,
+                                                        double rail_m,
+                                                        std::span<const robot::ContactGoal> goals,
+                                                        const JointVector& ready_rad,
+                                                        const JointVector& arrival_rad);
 
 }  // namespace tuina::motion

@@ -11,12 +11,12 @@
 namespace tuina::motion {
 
 /// A tool pose in the air above the skin.
-struct Hover {
+struct ApproachPose {
   Vector3 at_in_couch = Vector3::Zero();
   Vector3 normal_in_couch = Vector3::UnitZ();
 };
 
-[[nodiscard]] inline Hover hover_over(const ContactPoint& point, double standoff_m) {
+[[nodiscard]] inline ApproachPose approach_pose(const ContactPoint& point, double standoff_m) {
   return {.at_in_couch = point.at_in_couch + standoff_m * point.normal_in_couch,
           .normal_in_couch = point.normal_in_couch};
 }
@@ -36,13 +36,13 @@ struct Hover {
 
 /// Waypoints of a transfer: straight if that keeps `clear_m` above the back, else up, over and
 /// down, as low as possible.
-[[nodiscard]] std::vector<control::ToolPose> way_between(const body::BackSurface& back,
-                                                         const Hover& from, const Hover& to,
-                                                         double clear_m,
-                                                         const Transform& base_from_couch);
+[[nodiscard]] std::vector<control::ToolPose> free_path(const body::BackSurface& back,
+                                                       const ApproachPose& from,
+                                                       const ApproachPose& to, double clear_m,
+                                                       const Transform& base_from_couch);
 
 /// Duration of a transfer with a stop at every waypoint.
-[[nodiscard]] double time_of_way_s(const control::ToolPose& from,
-                                   const std::vector<control::ToolPose>& way);
+[[nodiscard]] double transfer_time_s(const control::ToolPose& from,
+                                     const std::vector<control::ToolPose>& way);
 
 }  // namespace tuina::motion

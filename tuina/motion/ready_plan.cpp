@@ -26,9 +26,9 @@ PerArm<std::vector<robot::ContactGoal>> goals_for_rail(const massage::Plan& plan
     std::vector<robot::ContactGoal>& of_arm = goals[planned.arm];
     auto places = goals_of(planned.path, base_from_couch);
     for (const ContactPoint* end : {&planned.path.points.front(), &planned.path.points.back()}) {
-      const Hover hover = hover_over(*end, standoff_m + lifted_m);
-      places.push_back({.at_in_base = base_from_couch * hover.at_in_couch,
-                        .normal_in_base = base_from_couch.linear() * hover.normal_in_couch});
+      const ApproachPose approach = approach_pose(*end, standoff_m + lifted_m);
+      places.push_back({.at_in_base = base_from_couch * approach.at_in_couch,
+                        .normal_in_base = base_from_couch.linear() * approach.normal_in_couch});
     }
     for (const robot::ContactGoal& place : places) {
       const bool is_near = std::any_of(of_arm.begin(), of_arm.end(), [&](const auto& other) {
@@ -42,17 +42,17 @@ PerArm<std::vector<robot::ContactGoal>> goals_for_rail(const massage::Plan& plan
 
 /// Schedules the paths step by step for a base at one place; gives up once `hopeless` paths are
 /// left out.
-Choreography choreograph(const Stage& stage, const std::vector<massage::PlannedPath>& paths,
-                         std::size_t hopeless) {
-  Choreography choreography(stage);
-  for (std::size_t i = 0; i < paths.size() && choreography.left_out < hopeless;) {
+TwoArmSchedule schedule_paths(const Stage& stage, const std::vector<massage::PlannedPath>& paths,
+                              std::size_t hopeless) {
+  TwoArmSchedule schedule(stage);
+  for (std::size_t i = 0; i < paths.size() && schedule.left_out < hopeless;) {
     const int step = paths[i].step;
     PerArm<const massage::PlannedPath*> together;
     for (; i < paths.size() && paths[i].step == step; ++i) together[paths[i].arm] = &paths[i];
-    choreography.dance(together);
+    schedule.add_step(together);
   }
-  choreography.finish();
-  return choreography;
+  schedule.finish();
+  return schedule;
 }
 
 }  // namespace
@@ -83,23 +83,23 @@ Result<ReadyPlan> make_ready(massage::Plan plan, const body::BackSurface& back,
          {0_mm, -100_mm, 100_mm, -200_mm, 200_mm, -50_mm, 50_mm, -150_mm, 150_mm})
       offer(dexterous_m + aside_m);
   }
-  std::optional<Choreography> best;
+  std::optional<TwoArmSchedule> best;
   std::size_t hopeless = ready.plan.paths.size() + 1;
   // The first place nearly always suffices; the others are tried two at a time.
   for (std::size_t next = 0; next < stands_m.size() && hopeless > 0;) {
-    std::vector<std::optional<Choreography>> tried(
+    std::vector<std::optional<TwoArmSchedule>> tried(
         std::min<std::size_t>(next == 0 ? 1 : 2, stands_m.size() - next));
     for_each_in_parallel(tried.size(), [&](std::size_t i) {
-      tried[i] = choreograph({.back = back,
-                              .models = models,
-                              .base_from_couch = base_from_couch,
-                              .rail_m = stands_m[next + i],
-                              .standoff_m = standoff_m,
-                              .ready_rad = ready.ready_rad,
-                              .obstacles = mount.obstacles},
-                             ready.plan.paths, hopeless);
+      tried[i] = schedule_paths({.back = back,
+                                 .models = models,
+                                 .base_from_couch = base_from_couch,
+                                 .rail_m = stands_m[next + i],
+                                 .standoff_m = standoff_m,
+                                 .ready_rad = ready.ready_rad,
+                                 .obstacles = mount.obstacles},
+                                ready.plan.paths, hopeless);
     });
-    for (std::optional<Choreography>& one : tried) {
+    for (std::optional<TwoArmSchedule>& one : tried) {
       const double at_m = stands_m[next++];
       if (one->left_out >= hopeless) continue;
       hopeless = one->left_out;

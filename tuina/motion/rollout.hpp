@@ -12,11 +12,11 @@
 namespace tuina::motion {
 
 /// Joint configurations of one arm along a motion, a few degrees apart.
-struct Passage {
+struct JointPath {
   std::vector<JointVector> q_rad;
   std::vector<robot::ArmModel::Kinematics> poses;
-  double off_m = 0.0;         ///< tool position error: after a transfer leg, maximum on the skin
-  double strained_rad = 0.0;  ///< maximum penetration of the joint-limit springs
+  double tool_error_m = 0.0;  ///< tool position error: after a transfer leg, maximum on the skin
+  double limit_excess_rad = 0.0;  ///< maximum penetration of the joint-limit springs
   /// Minimum height of the elbow above the tangent plane of the touched skin.
   double elbow_height_m = std::numeric_limits<double>::infinity();
 
@@ -30,39 +30,40 @@ struct Passage {
 
 /// Simulates one arm kinematically: the tool follows the controller's reference while its nullspace
 /// is drawn to a posture as the controller's posture springs do.
-class Rehearsal {
+class Rollout {
  public:
   /// `posture_share`: fraction of the remaining posture error corrected per step of 15 mm.
-  Rehearsal(const robot::ArmModel& model, double rail_m, const JointVector& q_rad,
-            double posture_share);
+  Rollout(const robot::ArmModel& model, double rail_m, const JointVector& q_rad,
+          double posture_share);
 
   /// Straight transfer through the air, the normal turning evenly.
-  void fly(const control::ToolPose& foremost, const JointVector& posture_rad, Passage& passage);
+  void transfer(const control::ToolPose& tip, const JointVector& posture_rad,
+                JointPath& joint_path);
   /// Tool at rest until the nullspace has converged.
-  void stay(const JointVector& posture_rad, Passage& passage);
+  void settle(const JointVector& posture_rad, JointPath& joint_path);
   /// Contact along the skin.
   void slide(std::span<const robot::ContactGoal> places, const JointVector& posture_rad,
-             Passage& passage);
+             JointPath& joint_path);
 
   [[nodiscard]] const JointVector& q_rad() const noexcept { return q_rad_; }
   /// Tool position error now; an arm that got stuck keeps one.
-  [[nodiscard]] double off_m() const noexcept { return off_m_; }
+  [[nodiscard]] double tool_error_m() const noexcept { return tool_error_m_; }
 
  private:
   void step_to(const Vector3& centre_in_base, const Vector3& normal_in_base,
-               const JointVector& posture_rad, Passage& passage);
-  [[nodiscard]] JointVector drawn_to(const JointVector& posture_rad) const;
+               const JointVector& posture_rad, JointPath& joint_path);
+  [[nodiscard]] JointVector posture_drift(const JointVector& posture_rad) const;
 
   const robot::ArmModel* model_;
   double rail_m_;
   JointVector q_rad_;
   robot::ArmModel::Kinematics now_;  // kinematics of q_rad_
   double posture_share_;
-  double off_m_ = 0.0;
+  double tool_error_m_ = 0.0;
 };
 
 /// Minimum distance between the surfaces of two arms, for any timing along their paths.
 [[nodiscard]] double distance_between_m(const PerArm<robot::ArmModel>& models,
-                                        const PerArm<const Passage*>& passages);
+                                        const PerArm<const JointPath*>& joint_paths);
 
 }  // namespace tuina::motion

@@ -12,13 +12,13 @@ namespace tuina::motion {
 
 /// Sequences the moves of two arms so that they keep apart for any timing within a step: both at
 /// once if their distance allows, else one after the other with the idle arm out of the way.
-class Choreography {
+class TwoArmSchedule {
  public:
-  explicit Choreography(Stage stage);
+  explicit TwoArmSchedule(Stage stage);
 
   /// Adds one step of the plan, at most one path per arm. Infeasible paths are left out, with the
   /// reason in `notes`.
-  void dance(PerArm<const massage::PlannedPath*> paths);
+  void add_step(PerArm<const massage::PlannedPath*> paths);
   /// Moves both arms back to their start.
   void finish();
 
@@ -33,13 +33,13 @@ class Choreography {
 
  private:
   using Moves = PerArm<const ArmMove*>;
-  [[nodiscard]] double apart_m(const Passage& left, const Passage& right) const;
-  [[nodiscard]] double apart_m(Arm arm, const Passage& its, const Passage& of_other) const;
+  [[nodiscard]] double apart_m(const JointPath& left, const JointPath& right) const;
+  [[nodiscard]] double apart_m(Arm arm, const JointPath& its, const JointPath& of_other) const;
   [[nodiscard]] Result<ArmMove> plan_move(Arm arm, const massage::PlannedPath& planned) const;
-  bool dance_together(const PerArm<const massage::PlannedPath*>& both);
-  void dance_alone(Arm arm, const massage::PlannedPath& planned);
-  void fly(Arm arm, const ArmMove& move);
-  void touch(const Moves& moves, const PerArm<const massage::PlannedPath*>& planned);
+  bool plan_pair(const PerArm<const massage::PlannedPath*>& both);
+  void plan_single(Arm arm, const massage::PlannedPath& planned);
+  void add_transfer(Arm arm, const ArmMove& move);
+  void add_contacts(const Moves& moves, const PerArm<const massage::PlannedPath*>& planned);
   void add_job(Arm arm, int path, const std::vector<control::ToolPose>& way,
                const JointVector& posture_rad);
 
