@@ -10,11 +10,11 @@
 namespace tuina::body {
 namespace {
 
-constexpr double enough_seen =
-    0.66;  // minimum coverage of the atlas' back; tuned on phantoms cut in pieces
+// Minimum coverage of the atlas' back; tuned on phantoms cut in pieces.
+constexpr double enough_seen = 0.66;
 constexpr double worst_residual_m = 14_mm;
-constexpr double max_turn_rad =
-    35_deg;  // 15 allowed on the couch, and people sit turned by up to 16 themselves
+// 15 allowed on the couch, and people sit turned by up to 16 themselves.
+constexpr double max_turn_rad = 35_deg;
 // Limits of ShapeFit's outlier score. With the shipped atlas, laser scans of 93 people of another
 // modeller reach 1.5, their halves 1.7 or more. An atlas with shoulders and arms loses more of them
 // in every scan: its own people reach 2.5 when left out, unusual people 1.3 times that, halves 2.8

@@ -18,8 +18,8 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double max_widening = 3.0;
-constexpr double share_of_prior =
-    0.5;  // tuned on people of docs/bodies.md outside the training set
+// Tuned on people of docs/bodies.md outside the training set.
+constexpr double share_of_prior = 0.5;
 
 /// Candidates of the ridge penalty, chosen by leave-one-person-out: for the weights, and for the
 /// constant in equivalent people without error.

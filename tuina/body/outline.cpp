@@ -31,7 +31,8 @@ Matrix3 nominal(Position position, bool head_at_far_end) {
 
 /// Plane of the middle of the back, y = a + b x + c z, by robust least squares; lying, b = c = 0
 /// (parallel to the bed).
-Vector3 plane_of(const std::vector<Vector3>& in_back, const Look& seen, bool sitting) {
+Vector3 plane_of(const std::vector<Vector3>& in_back, const SilhouetteFeatures& seen,
+                 bool sitting) {
   const double half_width = 0.28 * (seen.shoulder[left].x() - seen.shoulder[right].x());
   const Vector2 upper = 0.5 * (seen.neck[left] + seen.neck[right]);
   Vector3 solution = Vector3::Zero();
@@ -101,8 +102,8 @@ Result<Outline> find_outline_from(const BackSurface& back, const Matrix3& start,
   Outline outline;
   for (int round = 0; round < rounds; ++round) {
     for (std::size_t i = 0; i < points.size(); ++i) in_back[i] = rotation * (points[i] - origin);
-    const auto seen =
-        look(in_back, back.spacing_m(), rotation * Vector3::UnitZ(), origin.z(), back.position());
+    const auto seen = find_features(in_back, back.spacing_m(), rotation * Vector3::UnitZ(),
+                                    origin.z(), back.position());
     if (!seen) return tl::unexpected(seen.error());
     const Vector2 neck = 0.5 * (seen->neck[left] + seen->neck[right]);
     const Vector2 shoulders = 0.5 * (seen->shoulder[left] + seen->shoulder[right]);

@@ -28,8 +28,8 @@ struct Outline {
   Sides shoulder = {};            ///< corners of the shoulders
   Sides trunk = {};               ///< sides of the trunk, two thirds down the midline
   Vector2 top = Vector2::Zero();  ///< upper end of the midline, on the shoulder line
-  Vector2 bottom =
-      Vector2::Zero();  ///< lower end: 0.1 m above the seat; lying: top of the buttocks
+  /// Lower end: 0.1 m above the seat; lying: top of the buttocks.
+  Vector2 bottom = Vector2::Zero();
   Arms arms = Arms::unknown;
   double head_m = 0.0;  ///< height of the scan above the shoulders
 

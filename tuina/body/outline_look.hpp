@@ -8,7 +8,7 @@
 namespace tuina::body {
 
 /// Features of the silhouette, in the frame of the points.
-struct Look {
+struct SilhouetteFeatures {
   Sides neck;
   Sides shoulder;
   Vector2 lower_trunk;
@@ -21,8 +21,10 @@ struct Look {
 /// Finds neck, shoulders, trunk and the ends of the midline in points in a frame like `back`.
 /// `couch_up_in_back` and `couch_height_of_origin` place that frame on the couch. Fails with the
 /// missing feature.
-[[nodiscard]] Result<Look> look(const std::vector<Vector3>& in_back, double spacing_m,
-                                const Vector3& couch_up_in_back, double couch_height_of_origin,
-                                Position position);
+[[nodiscard]] Result<SilhouetteFeatures> find_features(const std::vector<Vector3>& in_back,
+                                                       double spacing_m,
+                                                       const Vector3& couch_up_in_back,
+                                                       double couch_height_of_origin,
+                                                       Position position);
 
 }  // namespace tuina::body

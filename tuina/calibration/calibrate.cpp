@@ -301,7 +301,7 @@ Result<Calibrated> calibrate_folder(const fs::path& folder, Views& views,
                                     const Progress& progress) {
   const auto shots = read_shots(folder);
   if (!shots) return tl::unexpected(shots.error());
-  auto seen = look_at(*shots, part_of(progress, 0.0, 0.5));
+  auto seen = measure_views(*shots, part_of(progress, 0.0, 0.5));
   if (!seen) return tl::unexpected(seen.error());
   views = std::move(*seen);
   auto result = calibrate(views);

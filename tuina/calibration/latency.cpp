@@ -79,24 +79,18 @@ struct Step {
   double disagreement = 0.0;  ///< mean squared difference, clipped at one pixel
 };
 
-Result<Step> compare(const Sweep& falling, const Sweep& rising, double latency_s) {
-  const auto left = traces_of(falling, latency_s);
-  if (!left) return tl::unexpected(left.error());
-  const auto right = traces_of(rising, latency_s);
-  if (!right) return tl::unexpected(right.error());
-  // yaw(t - latency): more latency moves each trace by minus its speed, so their difference changes
-  // by the difference of the speeds.
-  const double left_rad_per_s = turned_rad(falling) / duration_s(falling);
-  const double right_rad_per_s = turned_rad(rising) / duration_s(rising);
-  const double apart_rad_per_s = right_rad_per_s - left_rad_per_s;
-  struct Pair {
-    double difference, slope;
-    double slope2;  // product of both sweeps' slopes, free of noise bias
-  };
+// The same image row at the same yaw in both sweeps.
+struct Pair {
+  double difference, slope;
+  double slope2;  // product of both sweeps' slopes, free of noise bias
+};
+
+std::vector<Pair> pairs_of(const std::vector<Trace>& left, const std::vector<Trace>& right,
+                           double apart_rad_per_s) {
   std::vector<Pair> pairs;
-  for (std::size_t row = 0; row < std::min(left->size(), right->size()); ++row) {
-    const Trace& a = (*left)[row];
-    const Trace& b = (*right)[row];
+  for (std::size_t row = 0; row < std::min(left.size(), right.size()); ++row) {
+    const Trace& a = left[row];
+    const Trace& b = right[row];
     if (a.yaw_rad.size() < 2 || b.yaw_rad.size() < 2) continue;
     const double last = std::min(a.yaw_rad.back(), b.yaw_rad.back());
     for (double yaw = std::max(a.yaw_rad.front(), b.yaw_rad.front()); yaw < last; yaw += step_rad) {
@@ -108,39 +102,63 @@ Result<Step> compare(const Sweep& falling, const Sweep& rising, double latency_s
                        seen_left.y() * seen_right.y() * apart_rad_per_s * apart_rad_per_s});
     }
   }
+  return pairs;
+}
+
+struct Fit {
+  double by_s = 0.0;
+  double spread = 1.0;
+  double information = 0.0;
+  double true_information = 0.0;  // without the part that noise of the slopes adds
+};
+
+// Robust least squares (Tukey) of difference + slope * by = 0.
+Fit fit(const std::vector<Pair>& pairs) {
+  Fit fit;
+  for (int i = 0; i < 12; ++i) {
+    std::vector<double> sizes;
+    for (const Pair& pair : pairs)
+      sizes.push_back(std::abs(pair.difference + pair.slope * fit.by_s));
+    const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+    std::nth_element(sizes.begin(), middle, sizes.end());
+    fit.spread = std::max(1e-3, 1.4826 * *middle);
+    fit.information = 0.0;
+    fit.true_information = 0.0;
+    double moment = 0.0;
+    for (const Pair& pair : pairs) {
+      const double size = (pair.difference + pair.slope * fit.by_s) / (4.7 * fit.spread);
+      if (std::abs(size) >= 1.0) continue;
+      const double weight = std::pow(1.0 - size * size, 2);
+      fit.information += weight * pair.slope * pair.slope;
+      fit.true_information += weight * pair.slope2;
+      moment -= weight * pair.slope * pair.difference;
+    }
+    if (!(fit.information > 0.0)) break;
+    fit.by_s = moment / fit.information;
+  }
+  return fit;
+}
+
+Result<Step> compare(const Sweep& falling, const Sweep& rising, double latency_s) {
+  const auto left = traces_of(falling, latency_s);
+  if (!left) return tl::unexpected(left.error());
+  const auto right = traces_of(rising, latency_s);
+  if (!right) return tl::unexpected(right.error());
+  // yaw(t - latency): more latency moves each trace by minus its speed, so their difference changes
+  // by the difference of the speeds.
+  const double left_rad_per_s = turned_rad(falling) / duration_s(falling);
+  const double right_rad_per_s = turned_rad(rising) / duration_s(rising);
+  const std::vector<Pair> pairs = pairs_of(*left, *right, right_rad_per_s - left_rad_per_s);
   if (pairs.size() < enough) {
     return fail(Fault::bad_input,
                 "the two sweeps see the same surface in {} places, {} needed: sweep the same still "
                 "scene both ways",
                 pairs.size(), enough);
   }
-  // Robust least squares (Tukey) of difference + slope * by = 0.
-  double by_s = 0.0;
-  double spread = 1.0;
-  double information = 0.0;
-  double true_information = 0.0;
-  for (int i = 0; i < 12; ++i) {
-    std::vector<double> sizes;
-    for (const Pair& pair : pairs) sizes.push_back(std::abs(pair.difference + pair.slope * by_s));
-    const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-    std::nth_element(sizes.begin(), middle, sizes.end());
-    spread = std::max(1e-3, 1.4826 * *middle);
-    information = 0.0;
-    true_information = 0.0;
-    double moment = 0.0;
-    for (const Pair& pair : pairs) {
-      const double size = (pair.difference + pair.slope * by_s) / (4.7 * spread);
-      if (std::abs(size) >= 1.0) continue;
-      const double weight = std::pow(1.0 - size * size, 2);
-      information += weight * pair.slope * pair.slope;
-      true_information += weight * pair.slope2;
-      moment -= weight * pair.slope * pair.difference;
-    }
-    if (!(information > 0.0)) break;
-    by_s = moment / information;
-  }
+  const Fit found = fit(pairs);
   // Without slanted surfaces the slopes are noise, which is independent in both sweeps.
-  if (!(true_information > min_true_share * information) || !(information > 0.0)) {
+  if (!(found.true_information > min_true_share * found.information) ||
+      !(found.information > 0.0)) {
     return fail(Fault::bad_input,
                 "the scene of the sweeps is too flat to tell the latency: sweep a scene with "
                 "slanted surfaces, such as boxes standing askew");
@@ -148,9 +166,10 @@ Result<Step> compare(const Sweep& falling, const Sweep& rising, double latency_s
   double disagreement = 0.0;
   for (const Pair& pair : pairs) disagreement += std::min(1.0, pair.difference * pair.difference);
   // Neighbouring samples share frames: about one in three is independent.
-  return Step{.by_s = by_s,
-              .deviation_s = spread * std::sqrt(3.0 * information) / true_information,
-              .disagreement = disagreement / static_cast<double>(pairs.size())};
+  return Step{
+      .by_s = found.by_s,
+      .deviation_s = found.spread * std::sqrt(3.0 * found.information) / found.true_information,
+      .disagreement = disagreement / static_cast<double>(pairs.size())};
 }
 
 // Coarse grid search of the latency.

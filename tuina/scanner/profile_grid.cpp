@@ -76,7 +76,7 @@ void ProfileGrid::light(std::size_t profile, std::size_t row, const Node& node) 
   has_unsure_[profile + 1] = true;
 }
 
-NeighbourJudge::NeighbourJudge(const ProfileGrid& grid) : grid_(grid) {
+NeighbourFilter::NeighbourFilter(const ProfileGrid& grid) : grid_(grid) {
   const std::size_t rows = whole_vectors(grid.rows());
   for (Sums& sums_of : near_) {
     for (auto& sum : sums_of) sum.assign(rows, 0.0F);
@@ -86,7 +86,7 @@ NeighbourJudge::NeighbourJudge(const ProfileGrid& grid) : grid_(grid) {
   for (std::ptrdiff_t profile = 0; profile < profiles_near; ++profile) add_up_rows(profile);
 }
 
-const NeighbourJudge::Verdict& NeighbourJudge::next() {
+const NeighbourFilter::Verdict& NeighbourFilter::next() {
   ++profile_;
   add_up_rows(profile_ + profiles_near);
   fit_planes();
@@ -95,7 +95,7 @@ const NeighbourJudge::Verdict& NeighbourJudge::next() {
 }
 
 // Sums up to six rows up and down, every third one, since rows lie closer than profiles.
-void NeighbourJudge::add_up_rows(std::ptrdiff_t profile) {
+void NeighbourFilter::add_up_rows(std::ptrdiff_t profile) {
   Sums& to = near_[static_cast<std::size_t>(profile) % window];
   if (profile >= static_cast<std::ptrdiff_t>(grid_.profiles())) {
     for (auto& sum : to) std::fill(sum.begin(), sum.end(), 0.0F);
@@ -140,7 +140,7 @@ void NeighbourJudge::add_up_rows(std::ptrdiff_t profile) {
 
 // Least squares of point = origin + a i + b j over profiles i and rows j around each point; the
 // normal is perpendicular to a and b.
-void NeighbourJudge::fit_planes() {
+void NeighbourFilter::fit_planes() {
   const std::size_t begin = grid_.place(static_cast<std::size_t>(profile_), 0);
   const auto stride = static_cast<std::ptrdiff_t>(grid_.stride_);
   const float* const at[3] = {grid_.plane_[ProfileGrid::x].data() + begin,
@@ -209,7 +209,7 @@ void NeighbourJudge::fit_planes() {
 // and at least 0.6 of their median amplitude. Beside a shadow edge or couch edge that cuts the
 // laser's sheet, whole profiles are dim, centimetres off and consistent with each other, but the
 // surface ends there. So unsure points count only where it continues in the profiles on both sides.
-void NeighbourJudge::compare_amplitudes() {
+void NeighbourFilter::compare_amplitudes() {
   constexpr float dim = 0.6F;
   const std::size_t begin = grid_.place(static_cast<std::size_t>(profile_), 0);
   const auto stride = static_cast<std::ptrdiff_t>(grid_.stride_);

@@ -42,7 +42,7 @@ class ProfileGrid {
   }
 
  private:
-  friend class NeighbourJudge;
+  friend class NeighbourFilter;
   enum Plane : std::size_t {
     x,
     y,
@@ -76,9 +76,9 @@ class ProfileGrid {
 };
 
 /// Classifies points by their neighbours and estimates normals, profile by profile.
-class NeighbourJudge {
+class NeighbourFilter {
  public:
-  explicit NeighbourJudge(const ProfileGrid& grid);
+  explicit NeighbourFilter(const ProfileGrid& grid);
 
   struct Verdict {
     /// Zero for mixed points and for points with too few neighbours for a normal. A mixed point

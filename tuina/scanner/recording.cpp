@@ -59,6 +59,38 @@ std::string picture_name(std::size_t index) {
   return fmt::format("{:06}.png", index);
 }
 
+Result<std::vector<YawReading>> read_readings(const fs::path& yaw_csv) {
+  const auto yaw = read_csv(yaw_csv, {"time_s", "yaw_deg"});
+  if (!yaw) return tl::unexpected(yaw.error());
+  std::vector<YawReading> readings;
+  for (std::size_t i = 0; i < yaw->rows(); ++i) {
+    const double time_s = yaw->columns[0][i];
+    const double yaw_deg = yaw->columns[1][i];
+    if (!std::isfinite(time_s) || !std::isfinite(yaw_deg)) {
+      return fail(Fault::bad_input, "{}:{}: a number is not finite", yaw_csv.string(), i + 2);
+    }
+    readings.push_back({time_s, from_deg(yaw_deg)});
+  }
+  return readings;
+}
+
+/// Fails for a picture or a dark picture without a row in the table.
+Result<void> check_listed(const std::map<long, fs::path>& pictures,
+                          const std::map<long, fs::path>& darks, const std::set<long>& listed,
+                          const fs::path& frames_csv) {
+  for (const auto& [frame, path] : pictures) {
+    if (!listed.contains(frame)) {
+      return fail(Fault::bad_input, "{}: {} does not list it", path.string(), frames_csv.string());
+    }
+  }
+  for (const auto& [frame, path] : darks) {
+    if (!listed.contains(frame)) {
+      return fail(Fault::bad_input, "{}: no frame {} belongs to it", path.string(), frame);
+    }
+  }
+  return {};
+}
+
 }  // namespace
 
 Result<Image> read_picture(const fs::path& path) {
@@ -121,28 +153,13 @@ Result<Recording> Recording::open(const fs::path& folder, Frames kind) {
     recording.frames_.push_back(
         {time_s, picture->second, dark != darks.end() ? dark->second : fs::path()});
   }
-  for (const auto& [frame, path] : *pictures) {
-    if (!listed.contains(frame)) {
-      return fail(Fault::bad_input, "{}: {} does not list it", path.string(), frames_csv.string());
-    }
-  }
-  for (const auto& [frame, path] : darks) {
-    if (!listed.contains(frame)) {
-      return fail(Fault::bad_input, "{}: no frame {} belongs to it", path.string(), frame);
-    }
-  }
+  const auto checked = check_listed(*pictures, darks, listed, frames_csv);
+  if (!checked) return tl::unexpected(checked.error());
 
   const fs::path yaw_csv = folder / "yaw.csv";
-  const auto yaw = read_csv(yaw_csv, {"time_s", "yaw_deg"});
-  if (!yaw) return tl::unexpected(yaw.error());
-  for (std::size_t i = 0; i < yaw->rows(); ++i) {
-    const double time_s = yaw->columns[0][i];
-    const double yaw_deg = yaw->columns[1][i];
-    if (!std::isfinite(time_s) || !std::isfinite(yaw_deg)) {
-      return fail(Fault::bad_input, "{}:{}: a number is not finite", yaw_csv.string(), i + 2);
-    }
-    recording.readings_.push_back({time_s, from_deg(yaw_deg)});
-  }
+  auto readings = read_readings(yaw_csv);
+  if (!readings) return tl::unexpected(readings.error());
+  recording.readings_ = std::move(*readings);
   std::vector<double> times_s;
   for (const Entry& entry : recording.frames_) times_s.push_back(entry.time_s);
   const auto covered = yaw_at(times_s, recording.readings_, recording.calibration_.latency_s);

@@ -97,7 +97,7 @@ void add_way(std::span<const TimedLine> lines, std::span<const double> yaw_rad,
              ErrorSum& errors, Scan& scan) {
   const ProfileGrid grid = place_in_couch(lines, yaw_rad, calibration);
   PointCloud& cloud = scan.cloud_in_couch;
-  NeighbourJudge neighbours(grid);
+  NeighbourFilter neighbours(grid);
   const double turn_s = lines.back().time_s - lines.front().time_s;
   const double rad_per_s = turn_s > 0.0 ? (yaw_rad.back() - yaw_rad.front()) / turn_s : 0.0;
   // The breath moves the person along the central line of sight.
@@ -107,7 +107,7 @@ void add_way(std::span<const TimedLine> lines, std::span<const double> yaw_rad,
     const Vector3 eye = calibration.couch_from_camera_at(yaw_rad[i]).translation();
     const ExpectedError expected(calibration, yaw_rad[i], rad_per_s);
     const Vector3 breath = breath_m.empty() ? Vector3::Zero() : Vector3(breath_m[i] * away);
-    const NeighbourJudge::Verdict& verdict = neighbours.next();
+    const NeighbourFilter::Verdict& verdict = neighbours.next();
     int lit = 0;
     scan.first_of_frame.push_back(cloud.size());
     for (std::size_t row = 0; row < grid.rows(); ++row) {

@@ -56,21 +56,21 @@ std::optional<double> moved_px(const LaserLine& a, const LaserLine& b) {
 // one is nearer than the next.
 Result<void> check_order(std::span<const TimedLine> lines) {
   constexpr double seen_px = 0.3;  // smaller shifts are noise
-  int judged = 0;
+  int compared = 0;
   int wrong = 0;
   for (std::size_t i = 2; i < lines.size(); ++i) {
     const auto next = moved_px(lines[i - 2].line, lines[i - 1].line);
     const auto next_but_one = moved_px(lines[i - 2].line, lines[i].line);
     if (!next || !next_but_one || std::max(*next, *next_but_one) < seen_px) continue;
-    ++judged;
+    ++compared;
     wrong += *next_but_one < 0.7 * *next ? 1 : 0;
   }
-  if (judged < 10 || 10 * wrong <= judged) return {};
+  if (compared < 10 || 10 * wrong <= compared) return {};
   return fail(
       Fault::bad_input,
       "frames are not in the order in which they were taken: {} of {} times the line is back "
       "where it was two frames before",
-      wrong, judged);
+      wrong, compared);
 }
 
 // A motor that stands for long, once or a few times within a turn, is stuck; in stop-and-shoot it

@@ -15,8 +15,8 @@ constexpr double count_rad = from_deg(300.0 / 1024.0);  // resolution of the AX-
 constexpr double slack_s = 0.15;  // maximum time of a frame outside the readings
 constexpr std::size_t enough_for_a_fit = 8;
 constexpr double max_distance_rad = from_deg(360.0);
-constexpr double max_speed_rad_per_s =
-    from_deg(6.0 * 114.0);         // no AX-12A turns faster than 114 rpm
+// No AX-12A turns faster than 114 rpm.
+constexpr double max_speed_rad_per_s = from_deg(6.0 * 114.0);
 constexpr double jitter_s = 0.01;  // jitter of the time stamps, and a few counts
 
 struct Line {

@@ -17,8 +17,8 @@ struct Registered {
 
 struct StatisticsOptions {
   int modes = 60;
-  double smooth_m =
-      10e-3;  ///< standard deviation of the smooth deformation added to the observed ones
+  /// Standard deviation of the smooth deformation added to the observed ones.
+  double smooth_m = 10e-3;
   /// Shape model on the same template, as prior for the covariance; weighs `prior_people`.
   const ShapeModel* prior = nullptr;
   double prior_people = 5.0;

@@ -47,14 +47,14 @@ struct Views {
   Board board;
   int width_px = 0;
   int height_px = 0;
-  int board_pictures =
-      0;  ///< pictures without laser; the board was found in `views.size()` of them
+  /// Pictures without laser; the board was found in `views.size()` of them.
+  int board_pictures = 0;
   std::vector<View> views;
 };
 
 /// Detects board and line in every picture, on `threads` threads. Fails when a picture cannot be
 /// read, sizes differ, or most pictures show no board.
-[[nodiscard]] Result<Views> look_at(const Shots& shots, const Progress& progress = {},
-                                    int threads = 2);
+[[nodiscard]] Result<Views> measure_views(const Shots& shots, const Progress& progress = {},
+                                          int threads = 2);
 
 }  // namespace tuina::calibration

@@ -74,7 +74,7 @@ class Problem {
   }
 
   // Estimates error sizes and marks outliers.
-  void judge() {
+  void estimate_errors() {
     std::vector<double> corner_sizes;
     std::vector<double> line_sizes;
     std::vector<std::vector<double>> line_errors;  // in units of the assumed noise, by view
@@ -332,9 +332,9 @@ Result<JointFit> fit_jointly(const Views& views, const Geometry& start) {
                 "more distances and tilts");
   };
   if (!problem.solve(true)) return undetermined();
-  problem.judge();
+  problem.estimate_errors();
   if (!problem.solve(false)) return undetermined();
-  problem.judge();
+  problem.estimate_errors();
   if (!problem.solve(false)) return undetermined();
   const auto covariance = problem.covariance();
   if (!covariance) return undetermined();

@@ -53,8 +53,8 @@ struct JointFit {
   Geometry geometry;
   /// Assumes independent errors of corners and rows; `covariance_to_state` corrects it.
   Covariance covariance = Covariance::Zero();
-  Covariance covariance_of_poses =
-      Covariance::Zero();    ///< assumes independent errors of poses (jackknife)
+  /// Assumes independent errors of poses (jackknife).
+  Covariance covariance_of_poses = Covariance::Zero();
   double corner_px = 0.0;    ///< RMS of one coordinate of a corner
   double line_factor = 0.0;  ///< line residual relative to the image noise
   std::vector<ViewResidual> residuals;

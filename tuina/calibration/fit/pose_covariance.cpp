@@ -13,8 +13,8 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double told =
-    1e-9;  // relative to the best known unknown; less information counts as none
+// Relative to the best known unknown; less information counts as none.
+constexpr double told = 1e-9;
 
 // Information and gradient of some rows on the shared unknowns.
 struct Said {

@@ -15,8 +15,8 @@ namespace tuina {
 struct SurfaceFile {
   PointCloud cloud;  ///< vertices, with the properties that tuina knows
   std::vector<std::array<int, 3>> triangles;
-  std::size_t dropped_points =
-      0;  ///< non-finite points, left out together with the triangles that used them
+  /// Non-finite points, left out together with the triangles that used them.
+  std::size_t dropped_points = 0;
 };
 
 /// Reads PLY (ascii, binary of either endianness) or PCD (ascii, binary, binary_compressed),

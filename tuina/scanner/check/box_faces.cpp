@@ -13,7 +13,7 @@ namespace {
 
 constexpr int max_faces = 16;
 constexpr int tries = 250;
-constexpr std::size_t judged_points = 6000;
+constexpr std::size_t sampled_points = 6000;
 constexpr std::size_t min_around = 12;  // sampled points around a seed
 constexpr std::size_t min_points = 150;
 constexpr double on_face_m = 2.5_mm;
@@ -48,7 +48,7 @@ bool on(const Face& face, const Sample& sample) {
 
 // The plane with most samples, from the flat neighbourhoods of random seeds.
 Face largest(const std::vector<Sample>& samples, double max_width_m, Random& random) {
-  const std::size_t step = std::max<std::size_t>(1, samples.size() / judged_points);
+  const std::size_t step = std::max<std::size_t>(1, samples.size() / sampled_points);
   Face best;
   std::size_t most = 0;
   for (int i = 0; i < tries; ++i) {

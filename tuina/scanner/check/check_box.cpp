@@ -12,8 +12,8 @@
 namespace tuina::scanner {
 namespace {
 
-constexpr double upright_rad =
-    20.0_deg;  // largest deviation from the right angle between two faces
+// Largest deviation from the right angle between two faces.
+constexpr double upright_rad = 20.0_deg;
 constexpr double inside_m = 5.0_mm;
 constexpr double max_strips = 40.0;
 constexpr double points_of_strip = 15.0;

@@ -13,7 +13,7 @@ namespace tuina::scanner {
 namespace {
 
 constexpr int tries = 4000;
-constexpr std::size_t judged_points = 3000;
+constexpr std::size_t sampled_points = 3000;
 constexpr double on_sphere_m = 3.0_mm;
 constexpr std::size_t min_points = 300;
 constexpr double allowed_m = 2.0_mm;
@@ -67,7 +67,7 @@ Result<FoundSphere> find_sphere(const PointCloud& cloud, double diameter_m) {
         static_cast<std::size_t>(uniform(random, 0.0, 1.0) * static_cast<double>(cloud.size()));
     return std::min(i, cloud.size() - 1);
   };
-  const std::size_t step = std::max<std::size_t>(1, cloud.size() / judged_points);
+  const std::size_t step = std::max<std::size_t>(1, cloud.size() / sampled_points);
   FoundSphere best;
   std::size_t most = 0;
   for (int i = 0; i < tries; ++i) {

@@ -44,7 +44,7 @@ class ClearRows {
       rows[i] = image.row(first + std::min(static_cast<int>(i), count - 1));
     }
     BatchView seen;
-    reader_.look(rows, rule_, hint_, seen);
+    reader_.classify(rows, rule_, hint_, seen);
     LineWalk walk = {};
     int lines = 0;
     for (std::size_t i = 0; i < rows.size(); ++i) {

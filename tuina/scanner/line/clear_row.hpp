@@ -49,8 +49,7 @@ struct BatchView {
 
 /// Line positions under refinement, one per row of a batch.
 struct LineWalk {
-  alignas(64)
-      std::array<float, rows_at_once> column_px;  ///< input: start column; output: line position
+  alignas(64) std::array<float, rows_at_once> column_px;  ///< start column, then line position
   alignas(64) std::array<float, rows_at_once> height_dn;  ///< not positive if there is no line
 };
 
@@ -59,7 +58,7 @@ struct LineWalk {
 /// row.
 struct RowReader {
   /// `hint`: a column near the lines, for speed only.
-  void (*look)(const RowBatch& rows, const RowRule& rule, int hint, BatchView& seen) noexcept;
+  void (*classify)(const RowBatch& rows, const RowRule& rule, int hint, BatchView& seen) noexcept;
   void (*walk)(const RowBatch& rows, const LineKernel& kernel, int steps, LineWalk& walk) noexcept;
 };
 

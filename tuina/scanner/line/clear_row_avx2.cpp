@@ -133,18 +133,19 @@ TUINA_AVX2 inline bool all_show_one_line(const std::uint8_t* const* rows, const 
   const Wholes right = byte >> 16 & 255;
   const Wholes most = byte >> 8 & 255;
   Wholes clear;
-  judge(RowFacts<Floats>{.most = __builtin_convertvector(most, Floats),
-                         .neighbour = __builtin_convertvector(left > right ? left : right, Floats),
-                         .beside_sum = __builtin_convertvector(sum, Floats),
-                         .rival = Floats{} + static_cast<float>(rival),
-                         .spike = Floats{} + static_cast<float>(largest_of(spikes))},
-        rule, clear);
+  test_clear(
+      RowFacts<Floats>{.most = __builtin_convertvector(most, Floats),
+                       .neighbour = __builtin_convertvector(left > right ? left : right, Floats),
+                       .beside_sum = __builtin_convertvector(sum, Floats),
+                       .rival = Floats{} + static_cast<float>(rival),
+                       .spike = Floats{} + static_cast<float>(largest_of(spikes))},
+      rule, clear);
   clear &= (most >= rule.min_dn) & (most >= rival);
   return within && _mm256_movemask_epi8(reinterpret_cast<__m256i>(clear)) == -1;
 }
 
-TUINA_AVX2 void look(const RowBatch& rows, const RowRule& rule, int hint,
-                     BatchView& seen) noexcept {
+TUINA_AVX2 void classify(const RowBatch& rows, const RowRule& rule, int hint,
+                         BatchView& seen) noexcept {
   // The window begins whole registers after the span's first column, and all its columns have
   // margin and a register to the right.
   const int room = rule.last - rule.first + 1 - window - 2 * block;
@@ -163,7 +164,7 @@ TUINA_AVX2 void look(const RowBatch& rows, const RowRule& rule, int hint,
     if (all_dark) return seen.view.fill(RowView::dark);
     if (all_clear) return seen.view.fill(RowView::one_line);
   }
-  plain_row_reader().look(rows, rule, hint, seen);
+  plain_row_reader().classify(rows, rule, hint, seen);
 }
 
 TUINA_AVX2 inline __m256i words(const std::int16_t* weights) {
@@ -207,7 +208,7 @@ TUINA_AVX2 void walk(const RowBatch& rows, const LineKernel& kernel, int steps,
   walk_with(weigh, rows, kernel, steps, walk);
 }
 
-constexpr RowReader reader = {look, walk};
+constexpr RowReader reader = {classify, walk};
 
 }  // namespace
 

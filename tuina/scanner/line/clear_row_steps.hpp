@@ -29,8 +29,8 @@ struct RowFacts {
 
 /// Tests for one clear line: `clear` is then not zero.
 template <typename Number, typename Answer>
-[[gnu::always_inline]] inline void judge(const RowFacts<Number>& facts, const RowRule& rule,
-                                         Answer& clear) {
+[[gnu::always_inline]] inline void test_clear(const RowFacts<Number>& facts, const RowRule& rule,
+                                              Answer& clear) {
   const Number beside = 0.125F * facts.beside_sum;
   const Number height = facts.most - beside;
   const Number rival = facts.rival - beside;

@@ -58,11 +58,11 @@ class Rows {
   std::vector<float> row_;
 };
 
-enum class Seen : std::uint8_t { nothing, one_line, several };
+enum class Shows : std::uint8_t { nothing, one_line, several };
 
 // Classification of a row: its brightest position, and what else it shows.
-struct Look {
-  Seen seen = Seen::nothing;
+struct RowContent {
+  Shows shows = Shows::nothing;
   Candidate brightest;
 };
 
@@ -75,7 +75,7 @@ const float* where_is(float value, const float* from, const float* to) {
 }
 
 template <typename Sample>
-Look look_at(const Sample* row, const LineScene& scene) {
+RowContent inspect(const Sample* row, const LineScene& scene) {
   const int first = scene.first_column;
   const int last = scene.last_column;
   const auto most = largest(row + first, last - first + 1);
@@ -88,7 +88,7 @@ Look look_at(const Sample* row, const LineScene& scene) {
   if (static_cast<float>(most) >= scene.saturated_dn) {
     while (right < last && static_cast<float>(row[right + 1]) >= scene.saturated_dn) ++right;
     if (static_cast<float>(right - left) > max_plateau_px + 8.0F * scene.width_px) {
-      return {Seen::several, {}};  // a lamp or a white field
+      return {Shows::several, {}};  // a lamp or a white field
     }
   }
   const int reach = scene.beside_px + (right - left) / 2;
@@ -105,23 +105,23 @@ Look look_at(const Sample* row, const LineScene& scene) {
   const float beside_dn = std::max(left_dn, right_dn);
   const float height = static_cast<float>(most) - beside_dn;
   if (height < min_pixel_snr * scene.noise_dn)
-    return {Seen::several, {}};  // an edge, or a bright field
+    return {Shows::several, {}};  // an edge, or a bright field
 
   // A hot pixel has dark neighbours; even a sharp line is wider.
   const auto above = [&](int x) {
     return x < first || x > last ? 0.0F : static_cast<float>(row[x]) - beside_dn;
   };
   if (left == right && std::max(above(left - 1), above(left + 1)) < 0.25F * height) {
-    return {Seen::several, {}};
+    return {Shows::several, {}};
   }
   const float rival = beside_dn + std::max(rival_share * height, min_pixel_snr * scene.noise_dn);
   const int until = middle - reach;
   const int from = middle + reach;
   if ((until > first && static_cast<float>(largest(row + first, until - first)) > rival) ||
       (from<last&& static_cast<float>(largest(row + from, last - from + 1))> rival)) {
-    return {Seen::several, {}};
+    return {Shows::several, {}};
   }
-  return {Seen::one_line,
+  return {Shows::one_line,
           {.column_px = 0.5F * static_cast<float>(left + right), .height_dn = height}};
 }
 
@@ -198,27 +198,27 @@ LaserLine find_in(Rows<Pixel>& rows, int height, const LineScene& scene,
   line.width_px = scene.width_px;
   line.points.reserve(static_cast<std::size_t>(height));
   std::vector<CandidateRow> unclear;
-  const auto look_closely = [&](int y) {
+  const auto inspect_row = [&](int y) {
     const auto* row = rows.template samples<Sample>(y);
-    const Look look = look_at(row, scene);
-    if (look.seen == Seen::one_line) {
-      if (const auto point = measure(row, y, look.brightest, kernel, scene))
+    const RowContent content = inspect(row, scene);
+    if (content.shows == Shows::one_line) {
+      if (const auto point = measure(row, y, content.brightest, kernel, scene))
         line.points.push_back(*point);
-    } else if (look.seen == Seen::several) {
+    } else if (content.shows == Shows::several) {
       auto found = find_candidates(row, scene);
       if (!found.empty()) unclear.push_back({y, std::move(found)});
     }
   };
   std::vector<int> in_doubt;
-  int looked_at = 0;
+  int inspected = 0;
   if constexpr (std::is_same_v<Sample, std::uint8_t>) {
     if (scene.width_px <= static_cast<float>(max_kernel_px)) {
       find_clear_lines(rows.image(), scene, kernel, options.method, line.points, in_doubt);
-      looked_at = height;
-      for (const int y : in_doubt) look_closely(y);
+      inspected = height;
+      for (const int y : in_doubt) inspect_row(y);
     }
   }
-  for (int y = looked_at; y < height; ++y) look_closely(y);
+  for (int y = inspected; y < height; ++y) inspect_row(y);
   const auto by_row = [](const LinePoint& a, const LinePoint& b) { return a.row < b.row; };
   if (!in_doubt.empty()) std::sort(line.points.begin(), line.points.end(), by_row);
   if (unclear.empty()) return line;
@@ -285,7 +285,7 @@ LaserLine find(BasicImageView<Pixel> image, const LineOptions& options,
     for (int y = step / 2; y < image.height; y += step) {
       sample.add(rows.template samples<Sample>(y), y);
     }
-    sample.judge(scene, options.noise_dn, options.width_px);
+    sample.estimate(scene, options.noise_dn, options.width_px);
     return options.method == LineMethod::thesis
                ? find_as_thesis<Sample>(rows, image.height, scene, options.thesis_threshold_dn)
                : find_in<Sample>(rows, image.height, scene, options);

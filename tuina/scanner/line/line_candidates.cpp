@@ -181,7 +181,7 @@ void SceneSample::add(const float* row, int y) {
   add_row(row, y);
 }
 
-void SceneSample::judge(LineScene& scene, double noise_dn, double width_px) const {
+void SceneSample::estimate(LineScene& scene, double noise_dn, double width_px) const {
   // Background of the darker parts, where a line is visible even if a lamp or white wall fills the
   // rest.
   if (!means_.empty()) {

@@ -35,7 +35,7 @@ class SceneSample {
   void add(const std::uint8_t* row, int y);
   void add(const float* row, int y);
   /// Fills in the scene; arguments above zero replace estimates.
-  void judge(LineScene& scene, double noise_dn, double width_px) const;
+  void estimate(LineScene& scene, double noise_dn, double width_px) const;
 
  private:
   template <typename Sample>

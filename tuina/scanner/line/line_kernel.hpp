@@ -11,8 +11,8 @@ namespace tuina::scanner {
 struct LineKernel {
   static constexpr int taps = 32;
   static constexpr int before = 15;  ///< taps to the left of the pixel with the centre
-  static constexpr int phases =
-      16;  ///< sub-pixel centres; a step corrects the remaining 1/32 px linearly
+  /// Sub-pixel centres; a step corrects the remaining 1/32 px linearly.
+  static constexpr int phases = 16;
 
   struct Weights {
     alignas(64) std::array<float, taps> offset;

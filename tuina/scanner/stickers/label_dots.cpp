@@ -10,8 +10,8 @@
 namespace tuina::scanner {
 namespace {
 
-constexpr double beside_line =
-    2.0;  // in standard deviations of the line, where its light is a tenth
+// In standard deviations of the line, where its light is a tenth.
+constexpr double beside_line = 2.0;
 constexpr double min_chroma_dn = 12.0;  // three times the noise of a mean of nine pixels
 constexpr double min_purity = 0.5;      // skin has 0.25 to 0.45
 

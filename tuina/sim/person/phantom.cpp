@@ -37,8 +37,8 @@ PhantomShape draw(double lowest_bmi, double highest_bmi, std::uint64_t seed) {
 /// the elbows.
 std::vector<double> seen_from_behind(const Mesh& body, const PhantomForm& form,
                                      const PhantomPose& pose, const Mesh& posed) {
-  constexpr double slightly_from_the_side =
-      0.36;  // the labelled bodies end where the normal turns away this far
+  // The labelled bodies end where the normal turns away this far.
+  constexpr double slightly_from_the_side = 0.36;
   std::vector<Vector3> normals(posed.vertices.size(), Vector3::Zero());
   for (const auto& [a, b, c] : posed.triangles) {
     const auto at = [&](int i) { return posed.vertices[static_cast<std::size_t>(i)]; };

@@ -15,10 +15,10 @@ struct PhantomPose {
   double twist_rad = 0.0;  ///< shoulders against the pelvis
   double shoulder_tilt_rad = 0.0;
   double pelvis_tilt_rad = 0.0;
-  double side_curve =
-      0.0;            ///< lateral offset of the middle of the spine from the line C7-S2, in lengths
-  double flex = 0.0;  ///< backward rounding of the spine, in lengths
-  double neck = 0.0;  ///< backward shift of the head, in lengths
+  /// Lateral offset of the middle of the spine from the line C7-S2, in lengths.
+  double side_curve = 0.0;
+  double flex = 0.0;        ///< backward rounding of the spine, in lengths
+  double neck = 0.0;        ///< backward shift of the head, in lengths
   double head_aside = 0.0;  ///< shift of the head to the left, in lengths
   std::array<Vector3, 2> arm_in_trunk = {Vector3::UnitX(),
                                          Vector3::UnitX()};  ///< left, right: shoulder to elbow

@@ -25,7 +25,7 @@ struct Shift {
 
 struct ContactOptions {
   double tool_radius_m = 17_mm;
-  double torso_n_per_m = 35'000.0;  ///< compliance beneath the tissue; `rigid`: none
+  double torso_n_per_m = 35'000.0;  ///< stiffness beneath the tissue; may be `rigid`
   double friction = 0.1;            ///< Coulomb coefficient of oiled skin
   double creep_m_per_s = 5_mm;      ///< below this sliding speed friction is viscous
   Breathing breathing = {};
@@ -34,8 +34,8 @@ struct ContactOptions {
 
 /// Ground truth of one tool on the skin.
 struct ContactTruth {
-  double force_n =
-      0.0;  ///< normal to the skin: the contact force that all controllers are judged by
+  /// Normal to the skin: the contact force that all controllers are judged by.
+  double force_n = 0.0;
   double depth_m = 0.0;  ///< indentation of the tissue, without the torso's
   double gap_m = 0.0;    ///< sphere to skin; negative: depth plus torso; far away a lower bound
   Vector3 at_in_couch = Vector3::Zero();  ///< closest point of the skin, on the resting person

@@ -10,8 +10,8 @@ namespace tuina::sim {
 namespace {
 
 constexpr int leaf_triangles = 4;
-constexpr int deepest =
-    64;  // depth limit; the tree is balanced, so this suffices for 2^64 triangles
+// Depth limit; the tree is balanced, so this suffices for 2^64 triangles.
+constexpr int deepest = 64;
 
 }  // namespace
 

@@ -38,6 +38,30 @@ Result<ModelPointer> load(const std::string& mjcf) {
   return model;
 }
 
+/// Drives and gears of an arm by its table, and where MuJoCo has its joints and tool.
+ArmDevices devices_of(const mjModel& model, Arm side, const robot::ArmTable& table,
+                      double friction_windup_rad) {
+  ArmDevices arm;
+  arm.joints = table.joints;
+  arm.site = mj_name2id(&model, mjOBJ_SITE, fmt::format("{}_tool", name_of(side)).c_str());
+  arm.tool_body = model.site_bodyid[arm.site];
+  arm.tool_mass_kg = table.tool_mass_kg;
+  for (int i = 0; i < table.joints; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const robot::Link& link = table.links[k];
+    const int joint =
+        mj_name2id(&model, mjOBJ_JOINT, fmt::format("{}_{}", name_of(side), link.name).c_str());
+    arm.dof[k] = model.jnt_dofadr[joint];
+    arm.torque_limit_nm[k] = link.torque_limit_nm;
+    arm.coulomb_nm[k] = link.coulomb_nm;
+    arm.viscous[k] = link.viscous_nm_s_per_rad;
+    arm.windup_damping[k] =
+        2.0 * windup_damping_ratio *
+        std::sqrt(link.coulomb_nm / friction_windup_rad * link.rotor_inertia_kg_m2);
+  }
+  return arm;
+}
+
 }  // namespace
 
 void FreeModel::operator()(mjModel_* model) const {
@@ -103,22 +127,9 @@ Result<std::unique_ptr<Plant>> Plant::make(const robot::Standing& standing,
       return fail(Fault::usage, "the {} arm has {} joints, its start {}", name_of(side),
                   table.joints, start.q_rad[side].size());
     }
-    arm.joints = table.joints;
-    arm.site = mj_name2id(m, mjOBJ_SITE, fmt::format("{}_tool", name_of(side)).c_str());
-    arm.tool_body = m->site_bodyid[arm.site];
-    arm.tool_mass_kg = table.tool_mass_kg;
+    arm = devices_of(*m, side, table, options.friction_windup_rad);
     for (int i = 0; i < table.joints; ++i) {
       const auto k = static_cast<std::size_t>(i);
-      const robot::Link& link = table.links[k];
-      const int joint =
-          mj_name2id(m, mjOBJ_JOINT, fmt::format("{}_{}", name_of(side), link.name).c_str());
-      arm.dof[k] = m->jnt_dofadr[joint];
-      arm.torque_limit_nm[k] = link.torque_limit_nm;
-      arm.coulomb_nm[k] = link.coulomb_nm;
-      arm.viscous[k] = link.viscous_nm_s_per_rad;
-      arm.windup_damping[k] =
-          2.0 * windup_damping_ratio *
-          std::sqrt(link.coulomb_nm / options.friction_windup_rad * link.rotor_inertia_kg_m2);
       of_arms.insert(arm.dof[k]);
       d->qpos[arm.dof[k]] = arm.encoder_rad[k] = start.q_rad[side][i];
     }
@@ -149,7 +160,7 @@ Result<std::unique_ptr<Plant>> Plant::make(const robot::Standing& standing,
     arm.velocity_rad_per_s = {};
     if (world->person != nullptr) world->touch(side);
   }
-  world->look();
+  world->sample_truth();
   return std::unique_ptr<Plant>(new Plant(std::move(world)));
 }
 
@@ -196,8 +207,8 @@ robot::RobotReading Plant::read() noexcept {
     for (int i = 0; i < world.substeps; ++i) world.step();
     ++world.tick;
     for (const Arm side : both_arms) world.read_encoders(world.arms[side]);
-    world.look();
-    world.judge();
+    world.sample_truth();
+    world.check_physics();
   }
   robot::RobotReading reading;
   reading.time_s = world.truth.time_s;
@@ -230,7 +241,7 @@ void Plant::World::step() noexcept {
   mj_step2(m, d);
 }
 
-void Plant::World::look() noexcept {
+void Plant::World::sample_truth() noexcept {
   // After the last substep the kinematics are a quarter of a millisecond old, so they are updated.
   mj_kinematics(model.get(), data.get());
   mj_comPos(model.get(), data.get());
@@ -259,7 +270,7 @@ void Plant::World::look() noexcept {
   }
 }
 
-void Plant::World::judge() noexcept {
+void Plant::World::check_physics() noexcept {
   if (broken != nullptr) return;
   for (int kind = 0; kind < mjNWARNING; ++kind) {
     if (data->warning[kind].number == 0) continue;

@@ -29,8 +29,8 @@ using Vector6 = Eigen::Matrix<double, 6, 1>;
 /// Drives, gears and sensors of one arm.
 struct ArmDevices {
   int joints = 0;
-  std::array<int, max_joints> dof =
-      {};  // index in qvel, and in qpos, since all joints before are hinges or slides
+  // Index in qvel, and in qpos, since all joints before are hinges or slides.
+  std::array<int, max_joints> dof = {};
   int site = -1;
   int tool_body = -1;
   double tool_mass_kg = 0.0;
@@ -72,7 +72,7 @@ struct Plant::World {
   const char* broken = nullptr;
   PlantTruth truth;
 
-  void look() noexcept;
+  void sample_truth() noexcept;
   void touch(Arm arm) noexcept;
   void drive(ArmDevices& arm) noexcept;
   void drive_rail() noexcept;
@@ -80,7 +80,7 @@ struct Plant::World {
   void step() noexcept;
   void read_encoders(ArmDevices& arm) noexcept;
   [[nodiscard]] Wrench sample_wrist(ArmDevices& arm) noexcept;
-  void judge() noexcept;
+  void check_physics() noexcept;
 };
 
 }  // namespace tuina::sim

@@ -18,8 +18,8 @@ constexpr double camera_m = 1.3;       // distance to the middle of the person
 constexpr double half_width_m = 0.45;  // half width of the view at the middle of the person
 constexpr double half_height_m = 0.60;
 constexpr double floor_m = -0.45;
-constexpr double patch_share =
-    1.0 / 60.0;                   // maximum radius of a hole, share of the picture's width
+// Maximum radius of a hole, share of the picture's width.
+constexpr double patch_share = 1.0 / 60.0;
 constexpr double edge_m = 40_mm;  // depth step across which pixels mix
 
 /// Person, couch and floor in one mesh.

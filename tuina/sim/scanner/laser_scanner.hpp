@@ -20,8 +20,8 @@ namespace tuina::sim {
 /// for a prone person the same turned by +90 degrees about x, looking down.
 struct ScannerMount {
   double distance_m = 1.13;  ///< yaw axis to the couch's origin, out of the back
-  double along_spine_m =
-      0.41;             ///< height above the seat (sitting), from the hips towards the head (prone)
+  /// Height above the seat (sitting), from the hips towards the head (prone).
+  double along_spine_m = 0.41;
   bool upright = true;  ///< 640 rows along the spine; else 480
 };
 
