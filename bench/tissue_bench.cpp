@@ -37,8 +37,8 @@ BENCHMARK(press_estimator_sample);
 void thesis_estimator_sample(benchmark::State& state) {
   for (auto _ : state) {
     baselines::ThesisEstimator estimator;
-    for (const auto& sample : record()) estimator.update(sample.press, 1e-3);
-    benchmark::DoNotOptimize(estimator.tissue());
+    for (const auto& sample : record()) estimator.update(sample.time_s, sample.press);
+    benchmark::DoNotOptimize(estimator.estimate());
   }
   state.SetItemsProcessed(state.iterations() * static_cast<long>(record().size()));
 }

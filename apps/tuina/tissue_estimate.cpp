@@ -58,16 +58,15 @@ Estimated by_tuina(const std::vector<tissue::TimedPress>& record,
 Estimated by_thesis(const std::vector<tissue::TimedPress>& record, double force_noise_n) {
   constexpr double band = 0.01, settled_s = 10.0;
   Estimated result;
-  baselines::ThesisEstimator estimator;
+  baselines::ThesisEstimator estimator({.period_s = 0.0});
   tissue::PressSegments presses({.force_noise_n = force_noise_n});
   TangentTissue centre;
-  double since_s = record.front().time_s, before_s = since_s;
+  double since_s = record.front().time_s;
   for (const tissue::TimedPress& sample : record) {
-    estimator.update(sample.press, sample.time_s - before_s);
+    estimator.update(sample.time_s, sample.press);
     presses.add(sample.time_s, sample.press);
-    before_s = sample.time_s;
     TissueEstimate& e = result.last;
-    e.tissue = estimator.tissue();
+    e.tissue = estimator.estimate().tissue;
     e.presses = presses.presses();
     if (!estimator.valid() || std::abs(e.tissue.alpha_n - centre.alpha_n) > band * centre.alpha_n ||
         std::abs(e.tissue.beta_per_m - centre.beta_per_m) > band * centre.beta_per_m) {

@@ -138,25 +138,3 @@ TEST_CASE("a speed of a millionth of a millimetre per second does not upset the 
   REQUIRE(clean.plan({}, 1.0, limits));
   CHECK(motion.duration_s() == doctest::Approx(clean.duration_s()));
 }
-
-TEST_CASE("joints that start anywhere arrive together") {
-  Random random = make_random(seed, "joints");
-  const MotionLimits limits = {.speed_per_s = 1.0, .acceleration_per_s2 = 4.0, .jerk_per_s3 = 40.0};
-  for (int i = 0; i < 300; ++i) {
-    JointVector q(6), dq(6), ddq(6), goal(6);
-    for (int k = 0; k < 6; ++k) {
-      const MotionState state = random_state(random, limits);
-      q[k] = state.at;
-      dq[k] = state.speed_per_s;
-      ddq[k] = state.acceleration_per_s2;
-      goal[k] = uniform(random, -2.0, 2.0);
-    }
-    JointMotion motion;
-    REQUIRE(motion.plan(q, dq, ddq, goal, limits));
-    CHECK((motion.at(0.0).q_rad - q).norm() < 1e-12);
-    CHECK((motion.at(motion.duration_s()).q_rad - goal).norm() < 1e-12);
-    const auto last = motion.at(motion.duration_s() - 1e-3);
-    CHECK((last.q_rad - goal).cwiseAbs().maxCoeff() < 1e-4);
-    CHECK(last.dq_rad_per_s.cwiseAbs().maxCoeff() < 0.05);
-  }
-}

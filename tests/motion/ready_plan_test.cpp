@@ -128,15 +128,13 @@ TEST_CASE("an arm on its own side is as far from its mirror image as twice its w
   const robot::RobotMount mount = robot::mount_for(Position::prone);
   const auto models = robot::both_models(robot::thesis_arm(), mount);
   const auto ready = robot::ready_posture(models[Arm::left].table(), mount);
-  PerArm<motion::Passage> stays;
+  PerArm<motion::JointPath> stays;
   for (const Arm arm : both_arms) {
-    motion::Rehearsal rehearsal(models[arm], 0.0, ready[arm], 0.2);
-    const Transform tool = models[arm].base_from_tool(ready[arm], 0.0);
-    const Vector3 normal = -tool.linear().col(0);
-    rehearsal.fly({.at_in_base = tool.translation() - 17e-3 * normal, .normal_in_base = normal},
-                  ready[arm], stays[arm]);
+    motion::Rollout rollout(models[arm], 0.0, ready[arm], 0.2);
+    rollout.transfer(control::tip_pose(models[arm].base_from_tool(ready[arm], 0.0), 17_mm),
+                     ready[arm], stays[arm]);
     // A tool that is already there moves nothing.
-    CHECK((rehearsal.q_rad() - ready[arm]).norm() < 1e-6);
+    CHECK((rollout.q_rad() - ready[arm]).norm() < 1e-6);
   }
   const double apart_m =
       motion::distance_between_m(models, {.of = {&stays[Arm::left], &stays[Arm::right]}});

@@ -145,8 +145,8 @@ TEST_CASE("with AVX2 and without, every row tells the same and every line is in 
     BatchView fast;
     BatchView plain;
     const int hint = k % 2 == 0 ? static_cast<int>(middle) : static_cast<int>(random() % 900);
-    row_reader().look(rows, rule, hint, fast);
-    plain_row_reader().look(rows, rule, hint, plain);
+    row_reader().classify(rows, rule, hint, fast);
+    plain_row_reader().classify(rows, rule, hint, plain);
     LineWalk walk;
     for (std::size_t i = 0; i < rows_at_once; ++i) {
       CHECK(fast.view[i] == plain.view[i]);

@@ -17,7 +17,7 @@ KalmanEstimator::KalmanEstimator(const KalmanEstimatorOptions& options) noexcept
              .cwiseAbs2()
              .asDiagonal()) {}
 
-void KalmanEstimator::update(const Press& sample) noexcept {
+void KalmanEstimator::update(double /*time_s*/, const Press& sample) noexcept {
   if (!std::isfinite(sample.depth_m) || !std::isfinite(sample.force_n)) return;
   if (sample.force_n < options_.contact_force_n) return;
   const TangentTissue tissue{std::exp(x_(0)), std::exp(x_(1))};

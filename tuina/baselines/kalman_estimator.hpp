@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-#include "tuina/core/contact.hpp"
+#include "tuina/tissue/estimator.hpp"
 
 namespace tuina::baselines {
 
@@ -23,9 +23,11 @@ struct KalmanEstimatorOptions {
 /// may run away. Stays finite.
 class KalmanEstimator {
  public:
-  explicit KalmanEstimator(const KalmanEstimatorOptions& options = {}) noexcept;
+  using Options = KalmanEstimatorOptions;
+  explicit KalmanEstimator(const Options& options = {}) noexcept;
 
-  void update(const Press& sample) noexcept;
+  /// The time plays no part: nothing is believed to change.
+  void update(double time_s, const Press& sample) noexcept;
 
   /// Alpha, beta, the contact point, and their 95 % intervals; never `converged`.
   [[nodiscard]] TissueEstimate estimate() const noexcept;
@@ -35,5 +37,6 @@ class KalmanEstimator {
   Eigen::Vector3d x_;  // ln alpha, ln beta, contact
   Eigen::Matrix3d P_;
 };
+static_assert(tissue::Estimator<KalmanEstimator>);
 
 }  // namespace tuina::baselines

@@ -8,7 +8,9 @@ namespace tuina::baselines {
 ThesisEstimator::ThesisEstimator(const ThesisEstimatorOptions& options) noexcept
     : options_(options), P_(Eigen::Matrix3d::Identity() * options.initial_covariance) {}
 
-void ThesisEstimator::update(const Press& sample, double dt_s) noexcept {
+void ThesisEstimator::update(double time_s, const Press& sample) noexcept {
+  const double dt_s = options_.period_s > 0.0 ? options_.period_s : time_s - last_s_;
+  last_s_ = time_s;
   if (!std::isfinite(sample.depth_m) || !std::isfinite(sample.force_n) || !(dt_s > 0.0) ||
       dt_s > 1.0)
     return;

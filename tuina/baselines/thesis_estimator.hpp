@@ -2,8 +2,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 
-#include "tuina/core/contact.hpp"
+#include "tuina/tissue/estimator.hpp"
 
 namespace tuina::baselines {
 
@@ -19,6 +20,7 @@ struct ThesisEstimatorOptions {
   /// so hold still without contact. The thesis prints no such rule.
   bool only_in_contact = false;
   double contact_force_n = 1.0;
+  double period_s = 1e-3;  ///< between samples; 0: from their times
 };
 
 /// [thesis] 6.2: tan as a series of three terms (6.3), its coefficients alpha beta, alpha beta^3
@@ -28,12 +30,14 @@ struct ThesisEstimatorOptions {
 /// says if beta has a real root.
 class ThesisEstimator {
  public:
-  explicit ThesisEstimator(const ThesisEstimatorOptions& options = {}) noexcept;
+  using Options = ThesisEstimatorOptions;
+  explicit ThesisEstimator(const Options& options = {}) noexcept;
 
   /// Depth from the assumed contact point.
-  void update(const Press& sample, double dt_s) noexcept;
+  void update(double time_s, const Press& sample) noexcept;
 
-  [[nodiscard]] TangentTissue tissue() const noexcept { return tissue_; }  ///< the last valid one
+  /// The last valid tissue; the thesis knows neither intervals nor convergence.
+  [[nodiscard]] TissueEstimate estimate() const noexcept { return {.tissue = tissue_}; }
   [[nodiscard]] bool valid() const noexcept { return valid_; }
 
  private:
@@ -41,7 +45,9 @@ class ThesisEstimator {
   Eigen::Vector3d theta_ = Eigen::Vector3d::Zero();
   Eigen::Matrix3d P_;
   TangentTissue tissue_;
+  double last_s_ = std::numeric_limits<double>::infinity();
   bool valid_ = false;
 };
+static_assert(tissue::Estimator<ThesisEstimator>);
 
 }  // namespace tuina::baselines

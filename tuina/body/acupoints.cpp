@@ -10,14 +10,15 @@
 namespace tuina::body {
 namespace {
 
-constexpr double enough_seen = 0.66;  // of the atlas' back; tuned on phantoms cut in pieces
+// Minimum coverage of the atlas' back; tuned on phantoms cut in pieces.
+constexpr double enough_seen = 0.66;
 constexpr double worst_residual_m = 14_mm;
-constexpr double max_turn_rad =
-    35_deg;  // 15 allowed on the couch, and people sit turned by up to 16 themselves
-// How unusual a whole back may be (ShapeFit::unusualness). With the shipped atlas laser scans of 93
-// people of another modeller reach 1.5, their halves 1.7 or more. An atlas with shoulders and arms
-// misses more of them in every scan: its own people reach 2.5 when they are left out, people more
-// unusual than all of those 1.3 times as much, and halves 2.8 or more.
+// 15 allowed on the couch, and people sit turned by up to 16 themselves.
+constexpr double max_turn_rad = 35_deg;
+// Limits of ShapeFit's outlier score. With the shipped atlas, laser scans of 93 people of another
+// modeller reach 1.5, their halves 1.7 or more. An atlas with shoulders and arms loses more of them
+// in every scan: its own people reach 2.5 when left out, unusual people 1.3 times that, halves 2.8
+// or more.
 constexpr double unusual_anyway = 1.6;
 constexpr double beyond_known = 1.3;
 constexpr double most_unusual = 2.7;
@@ -38,8 +39,8 @@ void add(Mapping& mapping, const ShapeModel& shape, std::size_t label, const Sur
   }
 }
 
-/// [thesis] 5.4: the mark is warped on the plane of the back, then given its place on the skin. The
-/// candidates of (5.7) are one here: a point is warped to where the picture would show its sticker.
+/// [thesis] 5.4: warps the mark on the plane of the back, then projects it onto the skin. The
+/// candidates of (5.7) are a single one here: the point whose warp is the mark.
 void morph(Mapping& mapping, const BackSurface& back, const Outline& outline,
            const PositionAtlas& atlas) {
   const auto lines = feature_lines(outline);
@@ -62,8 +63,7 @@ Result<void> check_turn(double turned_rad) {
               to_deg(std::abs(turned_rad)), to_deg(max_turn_rad));
 }
 
-/// How far a fitted person is turned about the vertical; one who lies, from the nearer end of the
-/// bed.
+/// Rotation of a fitted person about the vertical; lying, from the nearer end of the bed.
 double turn_of(const ShapeFit& fit, Position position) {
   const Vector3 along = fit.couch_from_model.linear().col(position == Position::sitting ? 1 : 2);
   const double angle = std::atan2(-along.x(), along.y());
@@ -102,7 +102,7 @@ Result<void> fit(Mapping& mapping, const BackSurface& back, const ShapeModel& sh
     const auto column = static_cast<Eigen::Index>(i);
     const Vector3 place = estimate.at_in_couch.col(column);
     SurfacePoint skin = back.nearest(place);
-    // Where the scan has a hole the estimate is better than the rim of the hole.
+    // In a hole of the scan the estimate is better than the rim of the hole.
     if (skin.distance_m > 15_mm) skin.at_in_couch = place;
     add(mapping, shape, i, skin,
         std::hypot(estimate.radius95_m[column], skin.distance_m > 15_mm ? skin.distance_m : 0.0));
@@ -140,7 +140,7 @@ Result<Mapping> locate_acupoints(const BackSurface& back, const Atlas& atlas, Me
     return mapping;
   }
   if (const auto fitted = fit(mapping, back, known->shape); !fitted) {
-    // What is mirrored is fitted badly too; the outline knows the cause.
+    // A mirrored scan also fits badly; the outline names that cause.
     const bool known_better = !outline && outline.error().fault == Fault::bad_input;
     return tl::unexpected(known_better ? outline.error() : fitted.error());
   }

@@ -15,23 +15,22 @@ enum class Method : std::uint8_t { field_morphing, surface };
 }
 [[nodiscard]] std::optional<Method> parse_method(std::string_view name);
 
-/// Where the points are on this person.
+/// Acupoints of one person, located on their back.
 struct Mapping {
   Method method = Method::surface;
   Position position = Position::sitting;
   Arms arms = Arms::unknown;
   std::vector<Acupoint> acupoints;  ///< the seven first
   std::vector<Landmark> landmarks;
-  double seen = 1.0;      ///< share of the atlas' back that the scan shows
-  double misfit_m = 0.0;  ///< RMS distance of the scan from the fitted back; `surface` only
-  double strangeness =
-      0.0;  ///< about 1 or less for a back like those the atlas has learned from; `surface` only
+  double seen = 1.0;         ///< share of the atlas' back that the scan shows
+  double misfit_m = 0.0;     ///< RMS distance of the scan from the fitted back; `surface` only
+  double strangeness = 0.0;  ///< about 1 or less for backs like those learned from; `surface` only
 };
 
-/// Brings the atlas onto this person. `field_morphing` is the method of [thesis] 5.2-5.4 with one
-/// standard back; `surface` fits the shapes the atlas has learned to the scan. Fails with the cause
-/// when the scan does not show a back that the atlas can answer for. `board_normal` is for
-/// `field_morphing`: the plane of the projection, where a board has shown it (board_plane.hpp).
+/// Locates the atlas' acupoints on this person. `field_morphing` is the method of [thesis] 5.2-5.4
+/// with one standard back; `surface` fits the learned shape model to the scan. `board_normal`:
+/// normal of the projection plane for `field_morphing`, measured on a board (board_plane.hpp).
+/// Fails with the cause when the scan does not show a back that the atlas covers.
 [[nodiscard]] Result<Mapping> locate_acupoints(const BackSurface& back, const Atlas& atlas,
                                                Method method = Method::surface,
                                                const std::optional<Vector3>& board_normal = {});

@@ -21,7 +21,7 @@ std::vector<std::string> shared_names(const std::vector<Example>& examples,
   return names;
 }
 
-/// Where the model's mean lies on an example, by the labels that both have.
+/// Pose of the model's mean on an example, from their shared labels.
 Transform example_pose(const Example& example, const ShapeModel& shape) {
   const auto labels = labels_of(example);
   std::vector<Vector3> from;
@@ -37,7 +37,7 @@ Transform example_pose(const Example& example, const ShapeModel& shape) {
                Eigen::Map<const Places>(to.front().data(), 3, count));
 }
 
-/// The standard model of the thesis: the medium back; the next where that has no usable outline.
+/// Standard model of the thesis: the medium back, or the next one with a usable outline.
 Result<Standard> make_standard(std::vector<Example>& examples, const ShapeModel& shape) {
   while (!examples.empty()) {
     const auto medium =
@@ -110,7 +110,7 @@ Result<Atlas> learn_atlas(const std::vector<LabelledBody>& bodies, const Atlas* 
       }
       step(0.2 * static_cast<double>(examples.size()) / static_cast<double>(count));
     }
-    // One body in ten may fail; more, and something is wrong with the folder.
+    // More than one failed body in ten means that something is wrong with the folder.
     if (examples.empty() || 10 * learned.skipped.size() > bodies.size()) {
       return fail(Fault::bad_input,
                   "{} of {} labelled bodies cannot be learned from, the first: {}",

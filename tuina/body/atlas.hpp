@@ -15,12 +15,11 @@
 
 namespace tuina::body {
 
-/// The standard model of the thesis: the outline of one labelled back and its marks on the same
-/// plane.
+/// Standard model of the thesis: outline of one labelled back, and its marks on the same plane.
 struct Standard {
   std::vector<FeatureLine> lines;
-  std::vector<Vector2> marks;  ///< of the labels of the shape model, in their order
-  double radius95_m = 40e-3;   ///< of a mark carried to another person
+  std::vector<Vector2> marks;  ///< labels of the shape model, in the same order
+  double radius95_m = 40e-3;   ///< 95 % radius of a mark carried to another person
 };
 
 struct PositionAtlas {
@@ -28,36 +27,36 @@ struct PositionAtlas {
   ShapeModel shape;
 };
 
-/// The labelled backs that points are brought over from: one model for each position it knows.
+/// Models learned from labelled backs, one per position.
 struct Atlas {
-  std::string made;  ///< how, for people
+  std::string made;  ///< origin, for people
   std::vector<PositionAtlas> positions;
 
   [[nodiscard]] const PositionAtlas* of(Position position) const;
 };
 
-/// What learning found out about itself.
+/// Results of learning.
 struct LearnReport {
   int bodies = 0;
   std::vector<std::string> skipped;  ///< bodies without a usable outline, with the cause
-  int points = 0;                    ///< labels with a name
+  int points = 0;                    ///< named labels
   int modes = 0;
-  double leave_one_out_mm = 0.0;  ///< mean over the seven points; 0 when too few bodies
+  double leave_one_out_mm = 0.0;  ///< mean over the seven points; 0 with too few bodies
 };
 
 /// Learns from labelled bodies of one or both positions; deterministic. With a `prior`, a few
-/// bodies adapt it; without, one body gives an atlas of one. `report` may be null.
+/// bodies adapt it; without one, a single body gives an atlas of itself. `report` may be null.
 [[nodiscard]] Result<Atlas> learn_atlas(const std::vector<LabelledBody>& bodies, const Atlas* prior,
                                         const Progress& progress, LearnReport* report,
                                         Reach reach = Reach::labels);
 
-/// The file: docs/acupoints.md. A wrong version, length or checksum is refused.
+/// Serialises an atlas (format: docs/acupoints.md). Reading refuses a wrong version, length or
+/// checksum.
 [[nodiscard]] std::string to_bytes(const Atlas& atlas);
 [[nodiscard]] Result<Atlas> parse_atlas(std::string_view content, std::string_view name);
 [[nodiscard]] Result<Atlas> read_atlas(const std::filesystem::path& path);
 
-/// The feature lines of an outline, [thesis] 5.3: shoulders, midline, neck, the sides and the
-/// trunk.
+/// Feature lines of an outline, [thesis] 5.3: shoulders, midline, neck, sides and trunk.
 [[nodiscard]] std::vector<FeatureLine> feature_lines(const Outline& outline);
 
 }  // namespace tuina::body

@@ -12,9 +12,9 @@
 namespace tuina::body {
 namespace {
 
-// The layout, all little-endian (docs/acupoints.md): 8 bytes "TUINAATL", u32 version, u64 length of
-// the rest, u64 FNV-1a of the rest, the rest. Numbers are f32; modes have one f32 scale a column
-// and whole numbers of one byte, of two where a byte would round to more than 0.04 mm.
+// Layout, all little-endian (docs/acupoints.md): 8 bytes "TUINAATL", u32 version, u64 length of the
+// rest, u64 FNV-1a of the rest, the rest. Numbers are f32. Modes have one f32 scale per column and
+// integers of one byte, or of two where one byte would round by more than 0.04 mm.
 static_assert(std::endian::native == std::endian::little);
 constexpr std::string_view magic = "TUINAATL";
 constexpr std::uint32_t version = 4;
@@ -182,7 +182,7 @@ PositionAtlas read(Reader& in) {
       Eigen::Quaterniond(Matrix3(start.topLeftCorner<3, 3>())).normalized().toRotationMatrix();
   shape.modes = in.quantised();
   shape.correction = in.matrix();
-  // A vector takes one column; Eigen itself asks only where it is built with assertions.
+  // A vector has one column; Eigen checks that in builds with assertions only.
   const Eigen::MatrixXd radius95_m = in.matrix();
   const Eigen::MatrixXd nominal_var_mm2 = in.matrix();
   expect(radius95_m.cols() == 1 && nominal_var_mm2.cols() == 1, "a table has the wrong size");

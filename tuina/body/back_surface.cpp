@@ -12,7 +12,7 @@
 namespace tuina::body {
 namespace {
 
-/// nanoflann reads the cloud where it lies.
+/// nanoflann reads the cloud in place.
 struct Adaptor {
   const std::vector<Vector3>* points = nullptr;
   [[nodiscard]] std::size_t kdtree_get_point_count() const { return points->size(); }
@@ -28,7 +28,7 @@ struct Adaptor {
 using KdTree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Adaptor>,
                                                    Adaptor, 3, std::uint32_t>;
 
-constexpr double smoothing_m = 24_mm;  // radius of a neighbourhood; its weights halve at 11 mm
+constexpr double smoothing_m = 24_mm;  // radius of a neighbourhood; weights halve at 11 mm
 constexpr double reach_m = 3.0;
 
 }  // namespace
@@ -54,8 +54,8 @@ struct BackSurface::Tree {
     return {found, std::sqrt(squared)};
   }
 
-  /// Moving least squares: the plane through the neighbours of `centre`, weighted by nearness, with
-  /// the mean of their normals deciding its side.
+  /// Moving least squares: the weighted plane through the neighbours of `centre`, oriented by their
+  /// mean normal.
   [[nodiscard]] SurfacePoint plane_at(const Vector3& centre) const {
     const double radius = std::max(smoothing_m, 2.5 * spacing_m);
     std::vector<std::pair<std::uint32_t, double>> near;
@@ -85,7 +85,7 @@ struct BackSurface::Tree {
     eigen.computeDirect(scatter);
     Vector3 normal = eigen.eigenvectors().col(0);
     if (normal.dot(side) < 0.0) normal = -normal;
-    // On a rim or a fold the plane through the points is no tangent; the normals of the points are.
+    // On a rim or a fold the fitted plane is no tangent, so the mean normal is used.
     if (normal.dot(side.normalized()) < 0.8) normal = side.normalized();
     return {mean, normal, 0.0};
   }
@@ -115,14 +115,13 @@ double BackSurface::spacing_m() const {
 SurfacePoint BackSurface::nearest(const Vector3& place_in_couch) const {
   Vector3 at = tree_->cloud.points[tree_->closest(place_in_couch).first];
   SurfacePoint plane;
-  // Two steps: the foot on the plane at the nearest point, then on the plane at that foot.
+  // Two steps: project onto the plane at the nearest point, then onto the plane at that foot.
   for (int step = 0; step < 2; ++step) {
     plane = tree_->plane_at(at);
     const Vector3 from = step == 0 ? place_in_couch : at;
     const Vector3 foot =
         from - plane.normal_in_couch.dot(from - plane.at_in_couch) * plane.normal_in_couch;
-    // A place far off the rim has its foot in the air; the nearest point of the cloud stays the
-    // answer then.
+    // Far off the rim the foot is in the air; then the nearest point of the cloud is the answer.
     if ((foot - at).norm() < smoothing_m) at = foot;
   }
   const double off = plane.normal_in_couch.dot(at - plane.at_in_couch);
@@ -132,7 +131,7 @@ SurfacePoint BackSurface::nearest(const Vector3& place_in_couch) const {
 std::optional<SurfacePoint> BackSurface::along(const Vector3& origin_in_couch,
                                                const Vector3& direction_in_couch) const {
   const Vector3 direction = direction_in_couch.normalized();
-  // A ray between the points of the cloud passes each of them by at most this much.
+  // A ray between the points of the cloud passes each of them by at most this distance.
   const double touching = std::max(8_mm, 1.2 * tree_->spacing_m);
   double t = 0.0;
   while (t < reach_m) {
@@ -157,8 +156,7 @@ std::optional<SurfacePoint> BackSurface::along(const Vector3& origin_in_couch,
       if (meets && s >= 0.0 && tree_->closest(at).second < 1.5 * touching) {
         return SurfacePoint{at, plane.normal_in_couch, s};
       }
-      // A ray that grazes the skin finds no crossing with its planes; where it comes closest is the
-      // answer.
+      // A grazing ray never crosses the local planes; its closest approach is the answer.
       const SurfacePoint grazed = nearest(origin_in_couch + t * direction);
       if (grazed.distance_m < 0.7 * touching) {
         return SurfacePoint{grazed.at_in_couch, grazed.normal_in_couch, t};

@@ -10,32 +10,31 @@
 
 namespace tuina::body {
 
-/// A place on the smoothed skin.
+/// A point on the smoothed skin.
 struct SurfacePoint {
   Vector3 at_in_couch = Vector3::Zero();
   Vector3 normal_in_couch = Vector3::UnitZ();  ///< unit, out of the body, smoothed over about 15 mm
-  double distance_m = 0.0;                     ///< from what was asked
+  double distance_m = 0.0;                     ///< distance from the query
 };
 
-/// The person's skin as the scanner saw it: the cleaned cloud, evenly thinned, with outward
-/// normals, and smoothed places between its points (moving least squares). Cheap to move; every
-/// question is const and may be asked from several threads.
+/// The person's skin from a scan: cleaned cloud, evenly thinned, with outward normals, interpolated
+/// by moving least squares. Cheap to move; const functions are thread-safe.
 class BackSurface {
  public:
-  /// `cloud_in_couch` has normals. `fit_back` is the usual way to one.
+  /// `cloud_in_couch` needs normals. `fit_back` is the usual constructor.
   BackSurface(PointCloud cloud_in_couch, Position position, double spacing_m);
   BackSurface(BackSurface&&) noexcept;
   BackSurface& operator=(BackSurface&&) noexcept;
   ~BackSurface();
 
-  /// The smoothed surface next to a place; beyond the rim of the scan, the rim.
+  /// Projection of a point onto the smoothed surface; beyond the rim of the scan, the rim.
   [[nodiscard]] SurfacePoint nearest(const Vector3& place_in_couch) const;
 
-  /// Where a ray first meets the smoothed surface, within 3 m; nothing if it passes by.
+  /// First intersection of a ray with the smoothed surface, within 3 m.
   [[nodiscard]] std::optional<SurfacePoint> along(const Vector3& origin_in_couch,
                                                   const Vector3& direction_in_couch) const;
 
-  /// The index of the nearest point of the cloud.
+  /// Index of the nearest point of the cloud.
   [[nodiscard]] std::size_t closest(const Vector3& place_in_couch) const;
 
   [[nodiscard]] Position position() const;
@@ -47,18 +46,18 @@ class BackSurface {
   std::unique_ptr<Tree> tree_;
 };
 
-/// How far the person is turned about the vertical from the usual pose on the couch, in radians:
-/// found from the skin alone, so that it turns with the person exactly. A lying person's head may
-/// be at either end; the answer is within a quarter turn of the usual pose.
+/// Rotation of the person about the vertical from the usual pose on the couch (rad), from the skin
+/// alone, so that it turns exactly with the person. Within a quarter turn, since a lying head may
+/// be at either end.
 [[nodiscard]] double heading(const PointCloud& back_in_couch, Position position);
 
 struct BackOptions {
-  std::optional<Position> position;  ///< recognised from the scan when absent
+  std::optional<Position> position;  ///< absent: recognised from the scan
 };
 
-/// Finds the person in a scan: couch, chair, bed and what does not hang together with the person
-/// are removed, the position is recognised, normals are found. Fails with the cause and the number
-/// when there is no person, less than a back, more than one person, or the cloud is not in metres.
+/// Segments the person in a scan: removes couch, chair, bed and disconnected parts, recognises the
+/// position, estimates normals. Fails with cause and number without a person, with less than a
+/// back, with more than one person, or when the cloud is not in metres.
 [[nodiscard]] Result<BackSurface> fit_back(const PointCloud& scan_in_couch,
                                            const BackOptions& options = {});
 

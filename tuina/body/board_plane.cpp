@@ -11,7 +11,8 @@ namespace {
 
 constexpr std::size_t enough_points = 100;
 constexpr double around_m = 25_mm;
-constexpr double min_m = 0.15;  // noise of 1 mm over it tilts the plane by less than half a degree
+// Baseline on which noise of 1 mm tilts the plane by less than half a degree.
+constexpr double min_m = 0.15;
 constexpr double flat_m = 6_mm;
 
 template <typename Far>

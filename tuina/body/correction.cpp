@@ -18,18 +18,19 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double max_widening = 3.0;
-constexpr double share_of_prior = 0.5;  // tuned on people of docs/bodies.md who did not take part
+// Tuned on people of docs/bodies.md outside the training set.
+constexpr double share_of_prior = 0.5;
 
-/// What a ridge regression may choose from by leaving people out: penalties of the weights, and of
-/// the constant, as so many people who say that it is nothing.
+/// Candidates of the ridge penalty, chosen by leave-one-person-out: for the weights, and for the
+/// constant in equivalent people without error.
 struct Penalties {
   std::vector<double> of_weights;
   std::vector<double> of_constant;
 };
 
-/// Beside a prior the penalty is tuned on people of docs/bodies.md who did not take part: chosen by
-/// leaving people out it was wrong by up to ten times, also with forty of them. Only how far they
-/// move the constant is left to them; the fewest hardly move it.
+/// With a prior the penalty is fixed, tuned on people of docs/bodies.md outside the training set:
+/// chosen by leave-one-out it was wrong by up to ten times even with forty people. Only the penalty
+/// of the constant is chosen.
 Penalties penalties_of(Index persons, bool beside_prior) {
   if (persons < 4) return {{1e6}, {100.0}};
   if (beside_prior) return {{10.0}, {3.0, 10.0}};
@@ -37,15 +38,16 @@ Penalties penalties_of(Index persons, bool beside_prior) {
   return {{3.0, 10.0, 30.0, 100.0, 300.0, 1000.0, 3000.0, 1e5}, {0.0}};
 }
 
-/// Wider where the scan leaves a label more open than a whole back does, and for a back that is
-/// fitted worse than those which the model has learned from.
+/// Factor on the radii: larger where the scan determines a label less than a whole back does, and
+/// for a back with a larger residual than the training set.
 VectorXd widening(const ShapeModel& model, const VectorXd& variance_m2, double residual_m) {
   const double misfit = residual_m / std::max(1e-6, model.usual_residual_m);
   return (variance_m2.array() / model.nominal_var_m2.array()).sqrt().max(1.0) *
          std::clamp(misfit, 1.0, max_widening);
 }
 
-/// Ridge regression with the penalties that leave one person out best; the constant comes last.
+/// Ridge regression with the penalties of the least leave-one-person-out error; the constant is the
+/// last column.
 MatrixXd ridge(const MatrixXd& features, const MatrixXd& targets, Index views,
                const Penalties& penalties, MatrixXd& left_out) {
   const Index rows = features.cols();
@@ -62,7 +64,7 @@ MatrixXd ridge(const MatrixXd& features, const MatrixXd& targets, Index views,
       const MatrixXd weights = solver.solve(x * targets.transpose()).transpose();
       const MatrixXd influence = solver.solve(x);
       MatrixXd residual = targets - weights * x;
-      // A person and the mirrored twin leave together; the two share an error.
+      // A person and their reflection are left out together, because they share errors.
       for (Index i = 0; i < rows; i += views) {
         const MatrixXd hat = x.middleCols(i, views).transpose() * influence.middleCols(i, views);
         const MatrixXd rest = MatrixXd::Identity(views, views) - hat;
@@ -109,7 +111,7 @@ MatrixXd learn_correction(const LeftOut& left_out, ShapeModel& model) {
   std::nth_element(misfits.begin(), misfits.begin() + misfits.size() / 2, misfits.end());
   model.usual_residual_m = misfits[misfits.size() / 2];
   model.most_unusual = std::max(model.most_unusual, left_out.most_unusual);
-  // A radius holds 95 % when it is widened as it will be.
+  // The 95 % radius is calibrated on widened radii, as it is used.
   std::vector<std::vector<double>> errors_m(static_cast<std::size_t>(model.radius95_m.size()));
   for (Index i = 0; i < wrong_mm.cols(); ++i) {
     const VectorXd wider = widening(model, left_out.variance_m2.col(i), left_out.residual_m[i]);
@@ -119,7 +121,7 @@ MatrixXd learn_correction(const LeftOut& left_out, ShapeModel& model) {
     }
   }
   for (Index l = 0; l < model.radius95_m.size(); ++l) {
-    // The largest error of a few people says little about the next.
+    // The largest error of a few people underestimates that of the next.
     model.radius95_m[l] = (1.0 + 2.0 / static_cast<double>(persons)) *
                           quantile95(std::move(errors_m[static_cast<std::size_t>(l)]));
   }
@@ -133,7 +135,7 @@ MatrixXd correction_carried(const ShapeModel& prior, const ShapeModel& model) {
   const auto features_of = [&](const VectorXd& weights) {
     return skin_features(prior, prior_from_model * placed(model, weights, 0, n));
   };
-  // The features of the prior are linear in those of the model.
+  // The prior's features are linear in those of the model.
   const VectorXd of_mean = features_of(VectorXd::Zero(kept));
   MatrixXd of_modes(of_mean.size(), kept);
   for (Index k = 0; k < kept; ++k) of_modes.col(k) = features_of(VectorXd::Unit(kept, k)) - of_mean;

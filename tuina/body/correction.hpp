@@ -5,28 +5,27 @@
 
 namespace tuina::body {
 
-/// Fits of backs that their model had not seen, one column each, and what was then wrong with each
-/// label.
+/// Fits of backs left out of the model, one column each, with their label errors.
 struct LeftOut {
-  Eigen::MatrixXd features;     ///< of the fitted skin: skin_features
-  Eigen::MatrixXd targets_mm;   ///< three rows for each label, in the frame of the model
-  Eigen::MatrixXd variance_m2;  ///< of each label, that the fit leaves
+  Eigen::MatrixXd features;     ///< skin_features of the fitted skin
+  Eigen::MatrixXd targets_mm;   ///< label errors, three rows per label, in the model's frame
+  Eigen::MatrixXd variance_m2;  ///< variance of each label that the fit leaves
   Eigen::VectorXd residual_m;
-  double most_unusual = 0.0;  ///< of all of them
-  Eigen::Index views = 1;     ///< columns that are one person
+  double most_unusual = 0.0;  ///< maximum outlier score of these fits
+  Eigen::Index views = 1;     ///< columns per person
 };
 
-/// Learns the correction, the radii and what is usual from backs left out, and returns what is
-/// wrong with the labels of each when it is corrected by the others, in millimetres. A correction
-/// that the model already has is kept as far as the backs do not contradict it.
+/// Learns correction, 95 % radii and outlier limits from left-out backs. Returns their label errors
+/// in millimetres when each is corrected by the others. An existing correction of the model is the
+/// prior.
 Eigen::MatrixXd learn_correction(const LeftOut& left_out, ShapeModel& model);
 
-/// What the correction of a prior says for another model on the same template, in the features and
-/// the frame of that model. Half of it: phantoms resemble each other more than people do, so what
-/// their shape says about their points says less about those of people.
+/// Transfers the correction of a prior to another model on the same template, in that model's
+/// features and frame. Halved: phantoms resemble each other more than people do, so their shape
+/// says more about their points.
 [[nodiscard]] Eigen::MatrixXd correction_carried(const ShapeModel& prior, const ShapeModel& model);
 
-/// Fit, correction and uncertainty of every label: the method `surface`.
+/// Fit, correction and uncertainty of every label, for the method `surface`.
 struct LabelEstimate {
   Places at_in_couch;
   Eigen::VectorXd radius95_m;

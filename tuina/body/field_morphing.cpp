@@ -46,7 +46,7 @@ Vector2 carry(const Vector2& mark, const std::vector<FeatureLine>& destination,
   constexpr double enough_m = 1e-7;
   constexpr double step_m = 1e-5;
   constexpr double max_length_m = 50e-3;
-  // With the roles of the lines exchanged, (5.3) gives a first place near the right one.
+  // Warping with exchanged roles of the lines gives a start near the solution.
   Vector2 best = warp(mark, source, destination, weights);
   double best_off = (warp(best, destination, source, weights) - mark).norm();
   Vector2 x = best;

@@ -14,11 +14,11 @@ namespace {
 
 constexpr int enough_points = 2000;
 constexpr double couch_m = 25_mm;     // z = 0 holds to 10 mm, a depth camera adds 3 mm of noise
-constexpr double gap_m = 30_mm;       // what is farther apart does not hang together
+constexpr double gap_m = 30_mm;       // larger gaps separate components
 constexpr double max_cloud_m = 12.0;  // a room; a person in centimetres spans 60 and more
 constexpr double min_lying_m = 0.60;  // crown to buttocks is 0.75 and more
-constexpr double max_top_m = 0.45;    // of what is level with the highest place
-constexpr double sitting_height_m = 0.50;  // shoulders of the smallest sitting person are above it
+constexpr double max_top_m = 0.45;    // extent of what is level with the highest place
+constexpr double sitting_height_m = 0.50;  // below the shoulders of the smallest sitting person
 
 double quantile(std::vector<double> values, double fraction) {
   const auto at = values.begin() +
@@ -52,10 +52,9 @@ Result<void> check_units(const std::vector<Vector3>& points) {
   return {};
 }
 
-/// A frame that moves with the cloud when it is shifted or turned about the vertical, so that
-/// thinning finds the same cubes wherever on the couch the person is: the centroid, and the main
-/// axis seen from above. Cubes look alike after a quarter turn, so the four signs of the axes need
-/// no decision.
+/// Frame of the cloud itself, so that thinning finds the same cubes after a shift or a turn about
+/// the vertical: centroid and principal axis seen from above. Cubes look alike after a quarter
+/// turn, so the signs of the axes do not matter.
 Transform own_frame(const std::vector<Vector3>& points) {
   Vector3 centre = Vector3::Zero();
   for (const Vector3& p : points) centre += p / static_cast<double>(points.size());
@@ -73,11 +72,11 @@ Transform own_frame(const std::vector<Vector3>& points) {
   return own_from_couch;
 }
 
-/// Of a very dense cloud the flying pixels hang together, too: where hardly a point lies beside
-/// what most points share, nothing is.
+/// Removes flying pixels, which are connected in very dense clouds: points in voxels much emptier
+/// than the median.
 void drop_strays(std::vector<Vector3>& above) {
   constexpr std::size_t dense = 250'000;
-  constexpr int hardly = 500;  // times fewer than where the median point lies
+  constexpr int hardly = 500;  // density ratio to the voxel of the median point
   if (above.size() < dense) return;
   const Voxels voxels = gather(above, gap_m);
   std::vector<int> counts(voxels.count.begin(), voxels.count.end());
@@ -95,8 +94,8 @@ void drop_strays(std::vector<Vector3>& above) {
   });
 }
 
-/// The largest thing above the couch that hangs together, with what lies beside it: the sweep can
-/// lose the skin between head and shoulders or behind a fold.
+/// Largest connected component above the couch, with others beside it: the sweep may lose the skin
+/// between head and shoulders or behind a fold.
 Result<std::vector<Vector3>> find_person(const std::vector<Vector3>& above) {
   const Voxels voxels = gather(above, gap_m);
   const Components parts = connect(voxels);
@@ -119,8 +118,8 @@ Result<std::vector<Vector3>> find_person(const std::vector<Vector3>& above) {
     const double apart = (low[part] - high[largest]).cwiseMax(low[largest] - high[part]).maxCoeff();
     if (part != largest && cells[part] > 0.4 * cells[largest] &&
         (high[part] - low[part]).maxCoeff() > 0.35) {
-      // People are beside each other. A couch that hangs over a person has been turned inside out
-      // with them.
+      // Two people are beside each other. If the couch lies above the person, the cloud is mirrored
+      // along the line of sight.
       const Vector3 shared = high[part].cwiseMin(high[largest]) - low[part].cwiseMax(low[largest]);
       const Vector3 own = (high[part] - low[part]).cwiseMin(high[largest] - low[largest]);
       if (shared.x() > 0.7 * own.x() && shared.y() > 0.7 * own.y()) {
@@ -160,8 +159,8 @@ Result<Position> recognise(const std::vector<Vector3>& person, std::optional<Pos
   return seen;
 }
 
-/// What lies is long, and its top is round. The points are in their own frame, the long axis along
-/// x or y.
+/// A lying person is over 0.60 m long and has a round top. Points in their own frame, the long axis
+/// along x or y.
 Result<void> check_lying(const std::vector<Vector3>& person) {
   double longest = 0.0;
   for (int axis = 0; axis < 2; ++axis) {
@@ -191,20 +190,20 @@ Result<void> check_lying(const std::vector<Vector3>& person) {
   return {};
 }
 
-// Laser scans and surfaces leave 0.2 to 0.4 mm, 3 mm of noise along the line of sight 2 mm.
-constexpr double much_noise_m = 1.5_mm;  // of neighbourhoods about their planes, median
+// Laser scans and surfaces leave 0.2 to 0.4 mm; 3 mm of noise along the line of sight, 2 mm.
+constexpr double much_noise_m = 1.5_mm;  // median residual of neighbourhoods about their planes
 constexpr double share_of_tails = 0.15;
 
-/// Evenly thinned points with normals, of either sign, from the 27 cubes around each. Skin with
-/// much noise fills several layers of cubes; it is laid onto the planes of its neighbourhoods, and
-/// cubes that hold the tails of the noise are dropped.
+/// Thins points evenly and estimates unoriented normals from the 27 cubes around each. Noisy skin
+/// fills several layers of cubes: it is projected onto the planes of its neighbourhoods, and cubes
+/// with only noise tails are dropped.
 PointCloud thin_with_normals(const std::vector<Vector3>& person, double spacing_m) {
   const Voxels voxels = gather(person, spacing_m);
 
   PointCloud cloud;
   std::vector<double> thickness_m;
-  std::vector<double> off_m;  // out of the plane of the neighbourhood
-  std::vector<double> share;  // of the fullest cube of the neighbourhood
+  std::vector<double> off_m;  // distance from the plane of the neighbourhood
+  std::vector<double> share;  // share of the fullest cube of the neighbourhood
   for (std::size_t i = 0; i < voxels.size(); ++i) {
     const auto& p = voxels.place[i];
     int count = 0;
@@ -220,7 +219,7 @@ PointCloud thin_with_normals(const std::vector<Vector3>& person, double spacing_
       fullest = std::max(fullest, voxels.count[static_cast<std::size_t>(j)]);
       mean += voxels.count[static_cast<std::size_t>(j)] * voxels.mean[static_cast<std::size_t>(j)];
     }
-    if (cubes < 4) continue;  // Flying pixels have no neighbours, skin has.
+    if (cubes < 4) continue;  // flying pixels have no neighbours
     mean /= count;
     Matrix3 scatter = Matrix3::Zero();
     for (int k = 0; k < cubes; ++k) {
@@ -250,7 +249,7 @@ PointCloud thin_with_normals(const std::vector<Vector3>& person, double spacing_
   return smooth;
 }
 
-/// Normals point to where scanners are, which turns with the person.
+/// Orients normals towards the scanner, whose direction turns with the person.
 void turn_normals_out(PointCloud& cloud, Position position) {
   Vector3 eye = Vector3::Zero();
   for (const Vector3& p : cloud.points) eye += p / static_cast<double>(cloud.size());
@@ -261,7 +260,7 @@ void turn_normals_out(PointCloud& cloud, Position position) {
   }
 }
 
-/// The distance of neighbouring points, from how many fall on the area of the cubes they fill.
+/// Spacing of neighbouring points, from the number of points per occupied area.
 double spacing_of(const std::vector<Vector3>& points) {
   constexpr double cube_m = 30_mm;
   const Voxels voxels = gather(points, cube_m);
@@ -274,14 +273,14 @@ double spacing_of(const std::vector<Vector3>& points) {
 
 double heading(const PointCloud& back_in_couch, Position position) {
   if (position == Position::prone) {
-    // The main axis seen from above; a lying person is long.
+    // Principal axis seen from above; a lying person is long.
     const Transform own_from_couch = own_frame(back_in_couch.points);
-    const double axis =
-        std::atan2(-own_from_couch(0, 1), own_from_couch(0, 0));  // of the long axis against x
+    const double axis = std::atan2(-own_from_couch(0, 1),
+                                   own_from_couch(0, 0));  // angle of the long axis against x
     return std::remainder(-axis - 0.5 * pi, pi);
   }
-  // Where the skin looks: the mean horizontal normal, weighted by how far it looks that way, until
-  // it is its own mean.
+  // Viewing direction of the skin: the mean horizontal normal, weighted by its agreement with that
+  // direction, iterated to a fixed point.
   double angle = 0.0;
   for (int round = 0; round < 60; ++round) {
     const Vector2 out(-std::sin(angle), std::cos(angle));

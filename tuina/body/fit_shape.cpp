@@ -16,8 +16,8 @@ namespace {
 
 using Eigen::Index;
 
-/// How many modes may move, how far a point may be from its match, and every which skin point is
-/// looked at.
+/// A stage of the fit: number of free modes, largest match distance, and stride over the skin
+/// points.
 struct Stage {
   int rounds;
   int modes;
@@ -25,11 +25,11 @@ struct Stage {
   Index stride;
 };
 constexpr std::array<Stage, 2> glance = {{{6, 3, 70_mm, 6}, {4, 10, 40_mm, 6}}};
-constexpr std::array<Stage, 2> look = {{{6, 16, 40_mm, 3}, {10, 1000, 25_mm, 3}}};
+constexpr std::array<Stage, 2> full_fit = {{{6, 16, 40_mm, 3}, {10, 1000, 25_mm, 3}}};
 constexpr Stage stare = {14, 1000, 25_mm, 1};
 constexpr std::size_t finalists = 3;
 
-// Where a search begins: metres along the spine, and a turn in the plane of the back.
+// Start poses: shift along the spine (m) and rotation in the plane of the back.
 constexpr std::array<std::pair<double, double>, 7> starts = {{{0.0, 0.0},
                                                               {60_mm, 0.0},
                                                               {-60_mm, 0.0},
@@ -37,17 +37,17 @@ constexpr std::array<std::pair<double, double>, 7> starts = {{{0.0, 0.0},
                                                               {-120_mm, 0.0},
                                                               {0.0, 15_deg},
                                                               {0.0, -15_deg}}};
-constexpr double unseen_m =
-    15_mm;                         // a point that the scan does not answer counts as one so far off
-constexpr double same_side = 0.5;  // cosine between the normals of a model point and its match
-// Between two solutions misfit counts a sixth: neighbouring points err together, while modes are
-// independent. Bent modes explain a scan from the wrong place almost as well as usual ones do from
-// the right place.
-constexpr double misfit_share = 1.0 / 6.0;
-constexpr double doubt_margin = 8.0;    // a rival whose merit is worse by less may be the truth
-constexpr double same_place_m = 10_mm;  // searches that come so near to each other have met
+constexpr double unseen_m = 15_mm;  // assumed residual of a point that the scan does not cover
+constexpr double same_side = 0.5;   // cosine between the normals of a model point and its match
+// Weight of the residual against the mode weights when solutions are compared: neighbouring points
+// have correlated errors, modes are independent. Bent modes explain a scan from the wrong place
+// almost as well as usual ones from the right place.
+constexpr double residual_weight = 1.0 / 6.0;
+constexpr double doubt_margin = 8.0;  // cost difference within which a rival may be the truth
+// Searches that come this near have converged to one solution.
+constexpr double same_place_m = 10_mm;
 
-/// Where a fit stands, and what is needed to go on.
+/// State of an iterative fit.
 struct Descent {
   Transform couch_from_model;
   Eigen::VectorXd weights;
@@ -55,9 +55,12 @@ struct Descent {
   std::vector<Vector3> match_normal;
   Eigen::VectorXd residual;
   Eigen::VectorXd trust;
-  double misfit = 0.0;  ///< of every looked-at point, before the last step
-  /// Less is better.
-  [[nodiscard]] double merit() const { return misfit_share * misfit + 0.5 * weights.squaredNorm(); }
+  /// Sum of squared residuals of the sampled points, before the last step.
+  double residual_sum = 0.0;
+  /// Cost; less is better.
+  [[nodiscard]] double cost() const {
+    return residual_weight * residual_sum + 0.5 * weights.squaredNorm();
+  }
 };
 
 void descend(const ShapeModel& model, const BackSurface& back, const Stage& stage, double sigma_m,
@@ -72,7 +75,7 @@ void descend(const ShapeModel& model, const BackSurface& back, const Stage& stag
   at.match_normal.resize(static_cast<std::size_t>(n));
   at.residual = Eigen::VectorXd::Zero(n);
   at.trust = Eigen::VectorXd::Zero(n);
-  // Fewer points weigh more each, so that modes are held alike.
+  // Fewer points get more weight each, so that modes are regularised alike.
   const double information = static_cast<double>(stride) / (sigma_m * sigma_m);
   Eigen::MatrixXd rows(looked_at, unknowns);
   Eigen::VectorXd trusted(looked_at);
@@ -81,7 +84,7 @@ void descend(const ShapeModel& model, const BackSurface& back, const Stage& stag
     const Places skin = placed(model, at.weights, 0, n);
     const Matrix3 rotation = at.couch_from_model.linear();
     const Vector3 centre = at.couch_from_model * model.mean.leftCols(n).rowwise().mean().eval();
-    at.misfit = 0.0;
+    at.residual_sum = 0.0;
     for (Index row = 0; row < looked_at; ++row) {
       const Index i = row * stride;
       const Vector3 x = at.couch_from_model * skin.col(i);
@@ -90,14 +93,14 @@ void descend(const ShapeModel& model, const BackSurface& back, const Stage& stag
       const Vector3 off = scan.points[j] - x;
       const double along = normal.dot(off);
       const double across = std::sqrt(std::max(0.0, off.squaredNorm() - along * along));
-      // Beyond the rim of the scan the nearest point lies sideways: nothing was seen there.
+      // Beyond the rim of the scan the nearest point lies sideways: the point is not covered.
       const bool seen = std::abs(along) < stage.gate_m &&
                         across < std::max(rim_m, 0.4 * std::abs(along)) &&
                         normal.dot(rotation * model.normals.col(i)) > same_side;
       trusted[row] = seen ? 1.0 / (1.0 + std::pow(along / (0.4 * stage.gate_m), 2)) : 0.0;
       off_by[row] = along;
       const double missed = seen ? std::min(std::abs(along), unseen_m) : unseen_m;
-      at.misfit += 0.5 * information * missed * missed;
+      at.residual_sum += 0.5 * information * missed * missed;
       at.match_normal[static_cast<std::size_t>(i)] = normal;
       at.residual[i] = along;
       at.trust[i] = trusted[row];
@@ -127,9 +130,9 @@ void descend(const ShapeModel& model, const BackSurface& back, const Stage& stag
   }
 }
 
-/// A glance from every start, the best first; of those that meet, one is kept.
-std::vector<Descent> glances(const ShapeModel& model, const BackSurface& back, Index modes,
-                             double sigma_m) {
+/// Short fits from every start, sorted by cost; converged duplicates are dropped.
+std::vector<Descent> short_fits(const ShapeModel& model, const BackSurface& back, Index modes,
+                                double sigma_m) {
   const Vector3 centre = model.mean.leftCols(model.skin_points()).rowwise().mean();
   std::vector<Descent> found;
   for (const Transform& person : couch_from_person(back)) {
@@ -143,7 +146,7 @@ std::vector<Descent> glances(const ShapeModel& model, const BackSurface& back, I
     }
   }
   std::stable_sort(found.begin(), found.end(),
-                   [](const Descent& a, const Descent& b) { return a.merit() < b.merit(); });
+                   [](const Descent& a, const Descent& b) { return a.cost() < b.cost(); });
   const Vector3 head = centre + Vector3(0.0, 0.0, 0.3);
   std::vector<Descent> kept;
   for (Descent& next : found) {
@@ -157,7 +160,7 @@ std::vector<Descent> glances(const ShapeModel& model, const BackSurface& back, I
   return kept;
 }
 
-/// What a descent found, with the skin laid onto the scan and the variance of each label.
+/// Result of a fit, with the skin projected onto the scan and the variance of each label.
 ShapeFit answer_of(const ShapeModel& model, const Descent& at) {
   const Index n = model.skin_points();
   const Index all_modes = at.weights.size();
@@ -217,19 +220,19 @@ ShapeFit fit_shape(const ShapeModel& model, const BackSurface& back, const FitOp
   if (options.begin) {
     few.push_back({.couch_from_model = *options.begin, .weights = Eigen::VectorXd::Zero(modes)});
   } else {
-    few = glances(model, back, modes, options.sigma_m);
+    few = short_fits(model, back, modes, options.sigma_m);
   }
   for (Descent& at : few) {
-    for (const Stage& stage : look) descend(model, back, stage, options.sigma_m, at);
+    for (const Stage& stage : full_fit) descend(model, back, stage, options.sigma_m, at);
   }
   std::stable_sort(few.begin(), few.end(),
-                   [](const Descent& a, const Descent& b) { return a.merit() < b.merit(); });
-  const double merit = few.front().merit();
+                   [](const Descent& a, const Descent& b) { return a.cost() < b.cost(); });
+  const double cost = few.front().cost();
   descend(model, back, stare, options.sigma_m, few.front());
   ShapeFit fit = answer_of(model, few.front());
   const Index labels = fit.labels_in_couch.cols();
   fit.label_doubt_m = Eigen::VectorXd::Zero(labels);
-  for (std::size_t i = 1; i < few.size() && few[i].merit() < merit + doubt_margin; ++i) {
+  for (std::size_t i = 1; i < few.size() && few[i].cost() < cost + doubt_margin; ++i) {
     const Places rival =
         few[i].couch_from_model * placed(model, few[i].weights, model.skin_points(), labels);
     const Eigen::VectorXd apart = (rival - fit.labels_in_couch).colwise().norm().transpose();

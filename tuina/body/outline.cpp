@@ -16,8 +16,7 @@ constexpr int rounds = 14;
 constexpr double hollow_m = 10_mm;  // sides of a back lie some 40 mm behind its middle
 constexpr double max_search_turn_rad = 60_deg;
 
-/// The person's axes of an upright sitting or a straight lying person; the head may be at either
-/// end.
+/// Axes of an upright sitting or a straight lying person; the head may be at either end.
 Matrix3 nominal(Position position, bool head_at_far_end) {
   Matrix3 back_from_couch = Matrix3::Identity();
   if (position == Position::prone) {
@@ -30,9 +29,10 @@ Matrix3 nominal(Position position, bool head_at_far_end) {
   return back_from_couch;
 }
 
-/// The plane of the back's middle, y = a + b x + c z, by robust least squares; a lying back is
-/// given the bed's direction, b = c = 0.
-Vector3 plane_of(const std::vector<Vector3>& in_back, const Look& seen, bool sitting) {
+/// Plane of the middle of the back, y = a + b x + c z, by robust least squares; lying, b = c = 0
+/// (parallel to the bed).
+Vector3 plane_of(const std::vector<Vector3>& in_back, const SilhouetteFeatures& seen,
+                 bool sitting) {
   const double half_width = 0.28 * (seen.shoulder[left].x() - seen.shoulder[right].x());
   const Vector2 upper = 0.5 * (seen.neck[left] + seen.neck[right]);
   Vector3 solution = Vector3::Zero();
@@ -59,8 +59,7 @@ Vector3 plane_of(const std::vector<Vector3>& in_back, const Look& seen, bool sit
   return solution;
 }
 
-/// A back bulges towards the one who looks at it. One that is mirrored along the line of sight is
-/// hollow.
+/// Refuses hollow backs: a back bulges towards the viewer unless mirrored along the line of sight.
 Result<void> check_bulge(const std::vector<Vector3>& points, const Outline& outline) {
   const double half_width = 0.5 * (outline.trunk[left].x() - outline.trunk[right].x());
   double middle = 0.0;
@@ -103,14 +102,14 @@ Result<Outline> find_outline_from(const BackSurface& back, const Matrix3& start,
   Outline outline;
   for (int round = 0; round < rounds; ++round) {
     for (std::size_t i = 0; i < points.size(); ++i) in_back[i] = rotation * (points[i] - origin);
-    const auto seen =
-        look(in_back, back.spacing_m(), rotation * Vector3::UnitZ(), origin.z(), back.position());
+    const auto seen = find_features(in_back, back.spacing_m(), rotation * Vector3::UnitZ(),
+                                    origin.z(), back.position());
     if (!seen) return tl::unexpected(seen.error());
     const Vector2 neck = 0.5 * (seen->neck[left] + seen->neck[right]);
     const Vector2 shoulders = 0.5 * (seen->shoulder[left] + seen->shoulder[right]);
-    // The thesis drops a perpendicular from the middle of the shoulder line. One raised arm bends
-    // that line, so the direction comes from the trunk, and the shoulders and the neck share in
-    // placing its upper end.
+    // The thesis drops a perpendicular from the middle of the shoulder line. A raised arm bends
+    // that line, so the direction comes from the trunk, and shoulders and neck together place its
+    // upper end.
     const Vector2 upper = 0.5 * (neck + Vector2(shoulders.x(), neck.y()));
     const Vector2 along = (upper - seen->lower_trunk).normalized();
     const Vector3 plane = plane_of(in_back, *seen, back.position() == Position::sitting);
@@ -127,8 +126,7 @@ Result<Outline> find_outline_from(const BackSurface& back, const Matrix3& start,
     outline.back_from_couch.linear() = rotation;
     outline.back_from_couch.translation() = -rotation * origin;
 
-    // The next look: midline upright, back square to the view, origin half-way between the
-    // shoulders.
+    // Next iteration: midline upright, back facing the view, origin half-way between the shoulders.
     const Vector3 up_now = Vector3(along.x(), 0.0, along.y());
     const Matrix3 upright =
         Eigen::Quaterniond::FromTwoVectors(up_now, Vector3::UnitZ()).toRotationMatrix();
@@ -143,7 +141,7 @@ Result<Outline> find_outline_from(const BackSurface& back, const Matrix3& start,
     rotation = Eigen::Quaterniond(rotation).normalized().toRotationMatrix();
     if (middle.norm() < 1e-5 && (upright * square - Matrix3::Identity()).norm() < 1e-5) break;
   }
-  // Looked at from the feet, the outline of raised arms can pass for one and turn the search round.
+  // Seen from the feet, raised arms can look like an outline and turn the search upside down.
   const double up =
       (rotation.transpose() * Vector3::UnitZ()).dot(start.transpose() * Vector3::UnitZ());
   if (up < std::cos(max_search_turn_rad)) {
@@ -155,7 +153,7 @@ Result<Outline> find_outline_from(const BackSurface& back, const Matrix3& start,
   return outline;
 }
 
-/// How narrow the uppermost hand of the outline is against the widest part: the head end is narrow.
+/// Width of the top of the outline relative to its widest part: the head end is narrow.
 double head_width(const BackSurface& back, const Matrix3& rotation) {
   double highest = -1e9;
   double centre = 0.0;
@@ -176,8 +174,8 @@ double head_width(const BackSurface& back, const Matrix3& rotation) {
 }  // namespace
 
 Result<Outline> find_outline(const BackSurface& back, const std::optional<Vector3>& board_normal) {
-  // The search begins in a frame that turns with the person, so that where on the couch the person
-  // is carries no information.
+  // The search starts in a frame that turns with the person, so that the heading on the couch does
+  // not matter.
   const double turned_rad = heading(back.points(), back.position());
   const Matrix3 ahead = Eigen::AngleAxisd(-turned_rad, Vector3::UnitZ()).toRotationMatrix();
   const Matrix3 usual = nominal(back.position(), false) * ahead;

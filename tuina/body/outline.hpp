@@ -13,26 +13,25 @@ enum class Arms : std::uint8_t { up, down, unknown };
   return arms == Arms::up ? "up" : arms == Arms::down ? "down" : "unknown";
 }
 
-/// A place on the person's left or right; index with `left` and `right`.
+/// A point on the person's left and right; index with `left` and `right`.
 using Sides = std::array<Vector2, 2>;
 inline constexpr std::size_t left = 0;
 inline constexpr std::size_t right = 1;
 
-/// What the outline of the back tells ([thesis] 5.3): the cloud is projected on the plane of the
-/// back, which for a lying person is the bed and for a sitting one the inclined plane that the
-/// chair gives the back. The `back` frame stands on that plane: x to the person's left, y out of
-/// the back, z towards the head, its origin half-way between the shoulders. Plane coordinates are
-/// (x, z) of that frame, in metres.
+/// Outline of the back ([thesis] 5.3): the cloud projected onto the plane of the back, which is the
+/// bed for a lying person and the inclined plane of the back for a sitting one. Frame `back` on
+/// that plane: x to the person's left, y out of the back, z towards the head, origin half-way
+/// between the shoulders. Plane coordinates are (x, z) of that frame, in metres.
 struct Outline {
   Transform back_from_couch = Transform::Identity();
-  Sides neck = {};                ///< where the neck runs out into the shoulders
-  Sides shoulder = {};            ///< the corners of the shoulders
-  Sides trunk = {};               ///< the sides two thirds down the midline
+  Sides neck = {};                ///< corners where the neck meets the shoulders
+  Sides shoulder = {};            ///< corners of the shoulders
+  Sides trunk = {};               ///< sides of the trunk, two thirds down the midline
   Vector2 top = Vector2::Zero();  ///< upper end of the midline, on the shoulder line
-  Vector2 bottom =
-      Vector2::Zero();  ///< lower end: 0.1 m above the seat; lying: the top of the buttocks
+  /// Lower end: 0.1 m above the seat; lying: top of the buttocks.
+  Vector2 bottom = Vector2::Zero();
   Arms arms = Arms::unknown;
-  double head_m = 0.0;  ///< how much of the scan lies above the shoulders
+  double head_m = 0.0;  ///< height of the scan above the shoulders
 
   [[nodiscard]] Vector2 plane(const Vector3& place_in_couch) const {
     const Vector3 p = back_from_couch * place_in_couch;
@@ -40,9 +39,9 @@ struct Outline {
   }
 };
 
-/// Fails with the cause when the outline is not that of a whole back. The plane of the back is
-/// found from the back itself, or is that of a board that lay on the couch before
-/// (board_plane.hpp), given by its normal, as in the thesis.
+/// Finds the outline. The plane comes from the back itself, or from the normal of a board that lay
+/// on the couch before (board_plane.hpp), as in the thesis. Fails with the cause when the outline
+/// is not that of a whole back.
 [[nodiscard]] Result<Outline> find_outline(const BackSurface& back,
                                            const std::optional<Vector3>& board_normal = {});
 

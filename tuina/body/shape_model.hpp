@@ -9,45 +9,43 @@
 
 namespace tuina::body {
 
-/// Columns are places (3 x n), in a frame like `back`: x to the person's left, y out, z towards the
+/// Points as columns (3 x n), in a frame like `back`: x to the person's left, y out, z towards the
 /// head.
 using Places = Eigen::Matrix3Xd;
 
-/// Backs of one position as one Gaussian: a mean and modes, over skin points and labelled points
+/// Gaussian shape model of the backs of one position: mean and modes of skin points and labels
 /// together. Column k of `modes` is one standard deviation of mode k; rows are x, y, z of point 0,
 /// of point 1, ...
 struct ShapeModel {
   Position position = Position::sitting;
-  int bodies = 0;                   ///< that it was learned from
+  int bodies = 0;                   ///< number of bodies learned from
   int acupoints = 0;                ///< the first labels are acupoints, the others landmarks
   std::vector<std::string> labels;  ///< names, `BL47_L`
   Places mean;                      ///< skin points, then labels
   Places normals;                   ///< of the skin points, out of the body
   Eigen::MatrixXd modes;
-  Transform person_from_model = Transform::Identity();  ///< how people usually sit or lie
-  /// What the fitted skin says about a label beyond the model: offsets in millimetres are
-  /// `correction * [skin features; 1]`. Empty when there were too few bodies to learn it.
+  Transform person_from_model = Transform::Identity();  ///< usual pose of people who sit or lie
+  /// Regression of label errors on the fitted skin: offsets in millimetres are `correction * [skin
+  /// features; 1]`. Empty with too few bodies.
   Eigen::MatrixXd correction;
-  Eigen::VectorXd radius95_m;  ///< of each label, measured on bodies left out
-  Eigen::VectorXd
-      nominal_var_m2;             ///< of each label, the variance that a fit to a whole back leaves
-  double usual_residual_m = 0.0;  ///< RMS misfit of the skin on bodies left out, median
-  double most_unusual = 0.0;      ///< largest ShapeFit::unusualness of bodies left out
+  Eigen::VectorXd radius95_m;      ///< 95 % radius of each label on left-out bodies
+  Eigen::VectorXd nominal_var_m2;  ///< variance of each label after a fit to a whole back
+  double usual_residual_m = 0.0;   ///< median RMS residual of the skin on left-out bodies
+  double most_unusual = 0.0;       ///< maximum ShapeFit outlier score of left-out bodies
 
   [[nodiscard]] Eigen::Index skin_points() const {
     return mean.cols() - static_cast<Eigen::Index>(labels.size());
   }
 };
 
-/// The rigid motion that brings `from` onto `to` with least squares.
+/// The rigid motion that brings `from` onto `to`, by least squares.
 [[nodiscard]] Transform align(const Places& from, const Places& to);
 
-/// Mean and modes of places `first`.. of the model, in its frame.
+/// Points `first`.. of the model for given mode weights, in its frame.
 [[nodiscard]] Places placed(const ShapeModel& model, const Eigen::VectorXd& weights,
                             Eigen::Index first, Eigen::Index count);
 
-/// The fitted skin in the model's frame, as coefficients of the modes: what the correction looks
-/// at.
+/// Coefficients of the modes for a fitted skin in the model's frame, the input of the correction.
 [[nodiscard]] Eigen::VectorXd skin_features(const ShapeModel& model, const Places& skin_in_model);
 
 }  // namespace tuina::body

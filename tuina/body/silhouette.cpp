@@ -9,7 +9,7 @@
 namespace tuina::body {
 namespace {
 
-constexpr double bridge_m = 16_mm;  // gaps of a sweep that are no gaps of the person
+constexpr double bridge_m = 16_mm;  // largest gap of a sweep that is not a gap of the person
 
 }  // namespace
 

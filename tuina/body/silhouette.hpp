@@ -8,7 +8,7 @@
 
 namespace tuina::body {
 
-/// A stretch of one row of the silhouette.
+/// An interval of one row of the silhouette.
 struct Run {
   double low = 0.0;
   double high = 0.0;
@@ -16,8 +16,8 @@ struct Run {
   [[nodiscard]] double middle() const { return 0.5 * (low + high); }
 };
 
-/// The silhouette of a back in rows of cells of 5 mm, on the plane (x, z) of the frame that its
-/// points are in; row 0 is the lowest.
+/// Silhouette of a back on the plane (x, z) of the frame of its points, rasterised in cells of 5
+/// mm; row 0 is the lowest.
 class Silhouette {
  public:
   static constexpr double cell_m = 5e-3;
@@ -28,7 +28,7 @@ class Silhouette {
   [[nodiscard]] double height(int row) const { return low_.z() + (row + 0.5) * cell_m; }
   [[nodiscard]] int row_of(double height) const;
 
-  /// The stretch of a row that holds `x`, or the nearest one to it.
+  /// The interval of a row that holds `x`, else the nearest.
   [[nodiscard]] std::optional<Run> run(int row, double x) const;
 
  private:

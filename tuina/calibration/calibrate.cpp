@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Boards nearer or farther than this were not held before this scanner: the square is wrong.
+// Boards outside this range were not held before this scanner: the square size is wrong.
 constexpr double nearest_m = 0.15;
 constexpr double max_distance_m = 4.0;
 constexpr double usual_nearest_m = 0.25;
@@ -21,11 +21,11 @@ constexpr double usual_farthest_m = 3.0;
 constexpr double min_depth_ratio = 1.3;
 constexpr double min_tilt_rad = 10.0_deg;
 constexpr double max_reprojection_px = 1.0;
-// A calibration that expects more than this of itself at 1 m is none.
+// Maximum expected error at 1 m.
 constexpr double max_error_m = 10.0_mm;
 constexpr double max_axis_rad = 0.5_deg;
 constexpr double max_axis_m = 10.0_mm;
-// A webcam behind USB and a servo behind a serial line; the thesis found 0.12 s ([thesis] 4.2).
+// Webcam on USB and servo on a serial line; the thesis found 0.12 s ([thesis] 4.2).
 constexpr double latency_unknown_s = 0.1;
 
 Result<void> check_poses(const Views& views) {
@@ -61,8 +61,8 @@ double depth_m(const Transform& camera_from_board, const Board& board) {
   return (camera_from_board * middle).z();
 }
 
-// Zhang's method cannot tell focal length from distance when all boards are parallel; a light plane
-// known at one distance is not known at others. Only boards with a line count.
+// Zhang's method cannot separate focal length from distance when all boards are parallel, and a
+// light plane needs several distances. Only boards with a line count.
 Result<void> check_spread(const Views& views, const std::vector<Transform>& camera_from_board) {
   std::vector<double> depths;
   std::vector<Vector3> normals;
@@ -172,7 +172,7 @@ void sum_up(const Views& views, Calibrated& result) {
   }
 }
 
-// An error of a part of the folder names the part.
+// Prefixes an error with the sub-folder.
 template <typename T>
 tl::unexpected<Error> in_folder(const fs::path& folder, const Result<T>& failed) {
   return tl::unexpected(
@@ -184,7 +184,7 @@ Progress part_of(const Progress& progress, double from, double to) {
   return [progress, from, to](double done) { progress(from + (to - from) * done); };
 }
 
-// What a scan needs to know to say how good it is.
+// Expected errors, as a scan needs them.
 scanner::CalibrationErrors errors_of(const JointFit& fit) {
   std::vector<double> depth_m;
   std::vector<double> range_m;
@@ -207,8 +207,8 @@ scanner::CalibrationErrors errors_of(const JointFit& fit) {
   return errors;
 }
 
-// No picture of a board tells left from right, nor on which side an angle counts as positive; the
-// nominal calibration that lies with a sweep does.
+// Boards cannot tell left from right nor the sign of the yaw; the nominal calibration beside a
+// sweep does.
 Result<void> check_turn(const fs::path& folder, const Sweep& sweep, const Calibrated& result) {
   const Vector3& nominal = sweep.nominal.axis_direction_in_camera;
   if (nominal.dot(result.calibration.axis_direction_in_camera) > 0.0) return {};
@@ -262,7 +262,7 @@ Result<void> add_couch(const fs::path& folder, Calibrated& result, const Progres
   const auto pose = find_couch(*sweep, result.calibration);
   if (!pose) return in_folder(folder / "couch", pose);
   result.couch = *pose;
-  // The range is wrong by the same amount all over the board, so height is no better than range.
+  // A range error shifts the whole board, so the height is no better than the range.
   const double away_m = pose->couch_from_camera.translation().z();
   result.couch->height_deviation_m =
       std::hypot(pose->height_deviation_m, result.calibration.errors->range_at_m(away_m));
@@ -301,7 +301,7 @@ Result<Calibrated> calibrate_folder(const fs::path& folder, Views& views,
                                     const Progress& progress) {
   const auto shots = read_shots(folder);
   if (!shots) return tl::unexpected(shots.error());
-  auto seen = look_at(*shots, part_of(progress, 0.0, 0.5));
+  auto seen = measure_views(*shots, part_of(progress, 0.0, 0.5));
   if (!seen) return tl::unexpected(seen.error());
   views = std::move(*seen);
   auto result = calibrate(views);

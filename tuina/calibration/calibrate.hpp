@@ -15,29 +15,29 @@
 
 namespace tuina::calibration {
 
-/// Fewer poses with board and laser line do not make a calibration.
+/// Minimum number of poses with board and laser line.
 inline constexpr int min_poses = 8;
 
-/// What pictures of boards give.
+/// Result of a calibration from pictures of boards.
 struct Calibrated {
   scanner::ScannerCalibration calibration;
   JointFit fit;
   int poses = 0;  ///< with board and laser line
   double reprojection_px = 0.0;
   double laser_rms_m = 0.0;
-  double axis_rms_m = 0.0;  ///< of the corners of standing boards from where the axis puts them
+  double axis_rms_m = 0.0;  ///< of the corners of standing boards from their predicted places
   std::vector<std::optional<RangeError>> expected;  ///< at told_depths_m
   std::optional<Latency> latency;
   std::optional<CouchPose> couch;
-  std::vector<std::string> remarks;  ///< what would make it better
+  std::vector<std::string> remarks;  ///< advice for a better calibration
 };
 
-/// Camera, light plane and yaw axis. Fails, with the cause and what to do, for every set that does
-/// not determine them. Corners of standing boards in `views` are brought into one order.
+/// Calibrates camera, light plane and yaw axis. Fails with cause and remedy when the set does not
+/// determine them. Reorders the corners of standing boards in `views` consistently.
 [[nodiscard]] Result<Calibrated> calibrate(Views& views);
 
-/// All of a folder of shots: `calibrate` of its boards, the latency of sweep_left and sweep_right
-/// and the pose over the couch of couch, where they are there. `views` takes what was seen.
+/// Calibrates from a folder of shots: `calibrate`, then the latency from sweep_left and sweep_right
+/// and the couch pose from couch, where present. The measurements are returned in `views`.
 [[nodiscard]] Result<Calibrated> calibrate_folder(const std::filesystem::path& folder, Views& views,
                                                   const Progress& progress = {});
 

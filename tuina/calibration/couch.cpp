@@ -15,21 +15,21 @@ namespace {
 
 constexpr double in_board_m = 2.0_mm;  // at 1 m; a board is flat, the line is noisy
 constexpr double flat_m = 3.0_mm;
-constexpr double min_share = 0.25;  // of all points; the rest is the couch beside the board
+constexpr double min_share = 0.25;  // share of all points; the rest is the couch beside the board
 constexpr std::size_t enough = 2000;
 constexpr int tries = 300;
 constexpr double off_nominal_rad = 30.0_deg;
-constexpr double off_nominal_share = 0.25;  // of a length: a wrong square is off by more
+constexpr double off_nominal_share = 0.25;  // share of a length: a wrong square is off by more
 
 struct Plane {
   Vector3 normal = Vector3::UnitZ();  // towards the camera
-  double distance_m = 0.0;            // of the camera from it
+  double distance_m = 0.0;            // distance of the camera from the plane
   std::size_t points = 0;
   double rms_m = 0.0;
-  double spread_m = 0.0;  // RMS radius of its points, the narrow way
+  double spread_m = 0.0;  // RMS radius of the points along the short axis
 };
 
-// Points of the sweep in the frame of the camera at yaw 0.
+// Points of the sweep in the camera frame at yaw 0.
 Result<std::vector<Vector3>> points_of(const Sweep& sweep,
                                        const scanner::ScannerCalibration& measured) {
   std::vector<double> times_s;
@@ -51,7 +51,7 @@ Result<std::vector<Vector3>> points_of(const Sweep& sweep,
   return points;
 }
 
-// Distance from the plane as a share of what noise does at that range.
+// Distance from the plane relative to the noise at that range.
 double off(const Plane& plane, const Vector3& point) {
   const double off_m = std::abs(plane.normal.dot(point) + plane.distance_m);
   return off_m / (in_board_m * std::max(1.0, point.squaredNorm()));
@@ -81,7 +81,7 @@ std::vector<Vector3> inside(const Plane& plane, const std::vector<Vector3>& poin
   return chosen;
 }
 
-// The plane that most points lie on.
+// The plane with most points (RANSAC).
 Plane largest_plane(const std::vector<Vector3>& points) {
   Random random = make_random(1, "couch board");
   const auto draw = [&] {
@@ -93,7 +93,7 @@ Plane largest_plane(const std::vector<Vector3>& points) {
   double most = 0.0;
   for (int i = 0; i < tries; ++i) {
     const Plane plane = through({draw(), draw(), draw()});
-    // Near points count more, or a plane askew through board and couch would win.
+    // Near points weigh more, else a skew plane through board and couch would win.
     double in = 0.0;
     for (std::size_t k = 0; k < points.size(); k += 7) {
       in += std::max(0.0, 1.0 - off(plane, points[k]));
@@ -111,7 +111,7 @@ Plane largest_plane(const std::vector<Vector3>& points) {
   return best;
 }
 
-// The board lies on the couch: of two large parallel planes it is the nearer one.
+// The board lies on the couch: the nearer of two large parallel planes.
 Plane find_board(const std::vector<Vector3>& points) {
   const Plane first = largest_plane(points);
   const auto rest = inside(first, points, false);
@@ -175,13 +175,12 @@ Result<CouchPose> find_couch(const Sweep& sweep, const scanner::ScannerCalibrati
   pose.flatness_m = board.rms_m;
   const Transform& nominal = sweep.nominal.couch_from_camera;
   const Vector3 up = nominal.linear().transpose() * Vector3::UnitZ();
-  // The smallest turn that brings the measured normal to where the nominal one is keeps the
-  // heading.
+  // The smallest rotation from the measured to the nominal normal keeps the heading.
   const auto level = Eigen::Quaterniond::FromTwoVectors(board.normal, up);
   pose.couch_from_camera.linear() = nominal.linear() * level.toRotationMatrix();
   pose.couch_from_camera.translation() =
       Vector3(nominal.translation().x(), nominal.translation().y(), board.distance_m);
-  // Errors of one line are alike, so each profile counts once.
+  // Errors within one line correlate, so each profile counts once.
   const double profiles = std::max<double>(1.0, static_cast<double>(sweep.lines.size()));
   pose.height_deviation_m = board.rms_m / std::sqrt(profiles);
   pose.tilt_deviation_rad = pose.height_deviation_m / std::max(0.01, board.spread_m);
@@ -194,7 +193,7 @@ Transform couch_not_measured(const scanner::ScannerCalibration& measured) {
                          : Vector3(-measured.axis_direction_in_camera);
   const Vector3 ahead = (Vector3::UnitZ() - up.z() * up).normalized();
   Transform couch_from_camera = Transform::Identity();
-  // Rows: x is to the left of the camera, y behind it, z up.
+  // Rows: x to the left of the camera, y behind it, z up.
   couch_from_camera.linear().row(1) = -ahead.transpose();
   couch_from_camera.linear().row(2) = up.transpose();
   couch_from_camera.linear().row(0) = (-ahead).cross(up).transpose();

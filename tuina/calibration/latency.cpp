@@ -13,20 +13,20 @@ namespace {
 
 constexpr double count_rad = from_deg(300.0 / 1024.0);
 constexpr double min_turn_rad = 5.0_deg;
-constexpr double step_rad = 0.1_deg;  // of the common scale of yaw; a sweep has a frame per 0.2
+constexpr double step_rad = 0.1_deg;  // sampling of yaw; a sweep has a frame per 0.2
 constexpr double max_s = 1.0;
 constexpr double unsure_s = 0.02;
-// Two neighbouring frames whose line has moved farther than this see two surfaces.
+// A line that moves farther between neighbouring frames belongs to two surfaces.
 constexpr double same_surface_px = 4.0;
 constexpr std::size_t enough = 500;
-constexpr double min_true_share = 0.2;  // of the squared slopes; the rest is noise
+constexpr double min_true_share = 0.2;  // share of the squared slopes that is not noise
 
-// Columns of one row of the image over yaw, of one sweep.
+// Line column over yaw, for one image row of one sweep.
 struct Trace {
   std::vector<double> yaw_rad;  // rising
   std::vector<double> column_px;
 
-  // Column and its slope per radian at a yaw; NaN where the row shows nothing or an edge.
+  // Column and slope per radian at a yaw; NaN at gaps and edges.
   [[nodiscard]] Vector2 at(double yaw) const {
     const Vector2 nothing = Vector2::Constant(std::nan(""));
     const auto above = std::upper_bound(yaw_rad.begin(), yaw_rad.end(), yaw);
@@ -72,32 +72,25 @@ double duration_s(const Sweep& sweep) {
   return sweep.lines.back().time_s - sweep.lines.front().time_s;
 }
 
-// What both sweeps say about a further shift of the latency, and how far they disagree.
+// Correction of the latency from both sweeps, and their disagreement.
 struct Step {
   double by_s = 0.0;
   double deviation_s = 0.0;
-  double disagreement =
-      0.0;  ///< mean of the squared differences, none counting more than one pixel
+  double disagreement = 0.0;  ///< mean squared difference, clipped at one pixel
 };
 
-Result<Step> compare(const Sweep& falling, const Sweep& rising, double latency_s) {
-  const auto left = traces_of(falling, latency_s);
-  if (!left) return tl::unexpected(left.error());
-  const auto right = traces_of(rising, latency_s);
-  if (!right) return tl::unexpected(right.error());
-  // yaw(t - latency): more latency is less of what has been turned, so the traces move by minus
-  // the speed, and the difference of the two by the difference of their speeds.
-  const double left_rad_per_s = turned_rad(falling) / duration_s(falling);
-  const double right_rad_per_s = turned_rad(rising) / duration_s(rising);
-  const double apart_rad_per_s = right_rad_per_s - left_rad_per_s;
-  struct Pair {
-    double difference, slope;
-    double slope2;  // the same squared, of which noise has no part
-  };
+// The same image row at the same yaw in both sweeps.
+struct Pair {
+  double difference, slope;
+  double slope2;  // product of both sweeps' slopes, free of noise bias
+};
+
+std::vector<Pair> pairs_of(const std::vector<Trace>& left, const std::vector<Trace>& right,
+                           double apart_rad_per_s) {
   std::vector<Pair> pairs;
-  for (std::size_t row = 0; row < std::min(left->size(), right->size()); ++row) {
-    const Trace& a = (*left)[row];
-    const Trace& b = (*right)[row];
+  for (std::size_t row = 0; row < std::min(left.size(), right.size()); ++row) {
+    const Trace& a = left[row];
+    const Trace& b = right[row];
     if (a.yaw_rad.size() < 2 || b.yaw_rad.size() < 2) continue;
     const double last = std::min(a.yaw_rad.back(), b.yaw_rad.back());
     for (double yaw = std::max(a.yaw_rad.front(), b.yaw_rad.front()); yaw < last; yaw += step_rad) {
@@ -109,57 +102,82 @@ Result<Step> compare(const Sweep& falling, const Sweep& rising, double latency_s
                        seen_left.y() * seen_right.y() * apart_rad_per_s * apart_rad_per_s});
     }
   }
+  return pairs;
+}
+
+struct Fit {
+  double by_s = 0.0;
+  double spread = 1.0;
+  double information = 0.0;
+  double true_information = 0.0;  // without the part that noise of the slopes adds
+};
+
+// Robust least squares (Tukey) of difference + slope * by = 0.
+Fit fit(const std::vector<Pair>& pairs) {
+  Fit fit;
+  for (int i = 0; i < 12; ++i) {
+    std::vector<double> sizes;
+    for (const Pair& pair : pairs)
+      sizes.push_back(std::abs(pair.difference + pair.slope * fit.by_s));
+    const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+    std::nth_element(sizes.begin(), middle, sizes.end());
+    fit.spread = std::max(1e-3, 1.4826 * *middle);
+    fit.information = 0.0;
+    fit.true_information = 0.0;
+    double moment = 0.0;
+    for (const Pair& pair : pairs) {
+      const double size = (pair.difference + pair.slope * fit.by_s) / (4.7 * fit.spread);
+      if (std::abs(size) >= 1.0) continue;
+      const double weight = std::pow(1.0 - size * size, 2);
+      fit.information += weight * pair.slope * pair.slope;
+      fit.true_information += weight * pair.slope2;
+      moment -= weight * pair.slope * pair.difference;
+    }
+    if (!(fit.information > 0.0)) break;
+    fit.by_s = moment / fit.information;
+  }
+  return fit;
+}
+
+Result<Step> compare(const Sweep& falling, const Sweep& rising, double latency_s) {
+  const auto left = traces_of(falling, latency_s);
+  if (!left) return tl::unexpected(left.error());
+  const auto right = traces_of(rising, latency_s);
+  if (!right) return tl::unexpected(right.error());
+  // yaw(t - latency): more latency moves each trace by minus its speed, so their difference changes
+  // by the difference of the speeds.
+  const double left_rad_per_s = turned_rad(falling) / duration_s(falling);
+  const double right_rad_per_s = turned_rad(rising) / duration_s(rising);
+  const std::vector<Pair> pairs = pairs_of(*left, *right, right_rad_per_s - left_rad_per_s);
   if (pairs.size() < enough) {
     return fail(Fault::bad_input,
                 "the two sweeps see the same surface in {} places, {} needed: sweep the same still "
                 "scene both ways",
                 pairs.size(), enough);
   }
-  // difference + slope * by = 0, least squares with what does not fit left out (Tukey).
-  double by_s = 0.0;
-  double spread = 1.0;
-  double information = 0.0;
-  double true_information = 0.0;
-  for (int i = 0; i < 12; ++i) {
-    std::vector<double> sizes;
-    for (const Pair& pair : pairs) sizes.push_back(std::abs(pair.difference + pair.slope * by_s));
-    const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-    std::nth_element(sizes.begin(), middle, sizes.end());
-    spread = std::max(1e-3, 1.4826 * *middle);
-    information = 0.0;
-    true_information = 0.0;
-    double moment = 0.0;
-    for (const Pair& pair : pairs) {
-      const double size = (pair.difference + pair.slope * by_s) / (4.7 * spread);
-      if (std::abs(size) >= 1.0) continue;
-      const double weight = std::pow(1.0 - size * size, 2);
-      information += weight * pair.slope * pair.slope;
-      true_information += weight * pair.slope2;
-      moment -= weight * pair.slope * pair.difference;
-    }
-    if (!(information > 0.0)) break;
-    by_s = moment / information;
-  }
-  // Where nothing slants, the slopes are those of the noise, of which both sweeps have their own.
-  if (!(true_information > min_true_share * information) || !(information > 0.0)) {
+  const Fit found = fit(pairs);
+  // Without slanted surfaces the slopes are noise, which is independent in both sweeps.
+  if (!(found.true_information > min_true_share * found.information) ||
+      !(found.information > 0.0)) {
     return fail(Fault::bad_input,
                 "the scene of the sweeps is too flat to tell the latency: sweep a scene with "
                 "slanted surfaces, such as boxes standing askew");
   }
   double disagreement = 0.0;
   for (const Pair& pair : pairs) disagreement += std::min(1.0, pair.difference * pair.difference);
-  // Neighbouring places see the same frames: about one in three is news.
-  return Step{.by_s = by_s,
-              .deviation_s = spread * std::sqrt(3.0 * information) / true_information,
-              .disagreement = disagreement / static_cast<double>(pairs.size())};
+  // Neighbouring samples share frames: about one in three is independent.
+  return Step{
+      .by_s = found.by_s,
+      .deviation_s = found.spread * std::sqrt(3.0 * found.information) / found.true_information,
+      .disagreement = disagreement / static_cast<double>(pairs.size())};
 }
 
-// Where on a coarse scale the two sweeps agree best.
+// Coarse grid search of the latency.
 double first_latency_s(const Sweep& falling, const Sweep& rising) {
   double best_s = 0.0;
   double least = std::numeric_limits<double>::infinity();
   for (double latency_s = -0.4; latency_s < 0.41; latency_s += 0.04) {
-    // Readings that do not cover the frames at this latency rule it out.
+    // Latencies at which readings do not cover the frames are skipped.
     const auto step = compare(falling, rising, latency_s);
     if (!step || step->disagreement >= least) continue;
     least = step->disagreement;
@@ -213,7 +231,7 @@ Result<Latency> find_latency(const Sweep& falling, const Sweep& rising) {
     }
     if (std::abs(step->by_s) < 1e-5) break;
   }
-  // Readings are rounded to counts: the mean of n of them is known to a count / sqrt(12 n) only.
+  // Readings are rounded to counts: the mean of n is known to count / sqrt(12 n).
   const auto rounding_s = [](const Sweep& sweep, double rad) {
     const double rad_per_s = std::abs(rad) / duration_s(sweep);
     return count_rad / std::sqrt(12.0 * static_cast<double>(sweep.readings.size())) / rad_per_s;

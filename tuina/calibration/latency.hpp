@@ -11,11 +11,11 @@
 
 namespace tuina::calibration {
 
-/// One recorded sweep as lines and readings.
+/// One recorded sweep.
 struct Sweep {
   std::vector<scanner::TimedLine> lines;
   std::vector<scanner::YawReading> readings;
-  scanner::ScannerCalibration nominal;  ///< the calibration.toml that lies with it
+  scanner::ScannerCalibration nominal;  ///< calibration.toml of the recording
 };
 [[nodiscard]] Result<Sweep> read_sweep(const std::filesystem::path& folder,
                                        const Progress& progress = {});
@@ -25,10 +25,9 @@ struct Latency {
   double deviation_s = 0.0;
 };
 
-/// The time to add to a yaw reading to compare it with a frame, from two sweeps of one still scene:
-/// at the same yaw every row of the image must show the same, whichever way the unit turned. No
-/// other calibration has a part in it. Fails when a sweep turns the wrong way or the scene is too
-/// flat to tell.
+/// Time to add to a yaw reading to compare it with a frame, from two sweeps of one still scene in
+/// opposite directions: at equal yaw each image row must show the same. Independent of the rest of
+/// the calibration. Fails when a sweep turns the wrong way or the scene is too flat.
 [[nodiscard]] Result<Latency> find_latency(const Sweep& falling, const Sweep& rising);
 
 }  // namespace tuina::calibration

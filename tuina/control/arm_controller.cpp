@@ -67,8 +67,8 @@ void ArmController::give_up(Trouble trouble) noexcept {
   status_.trouble = trouble;
 }
 
-// A free motion begins where the springs of before would pull alike, so that the torque has no
-// step.
+// A free motion starts where its springs would pull like the present ones, so that the torque does
+// not step.
 void ArmController::travel(const Vector3& centre, const Vector3& normal,
                            const ToolMotion::Limits& limits, Doing doing) noexcept {
   stop_learning();
@@ -99,8 +99,8 @@ void ArmController::hold() noexcept {
          options_.motion, Doing::hold);
 }
 
-// Where the arm is, not where it was to be by now: a reference that runs ahead would pull it on for
-// a tenth of a second. The elbow halts with the tool.
+// Holds the measured position: a reference that runs ahead would pull the arm on for a tenth of a
+// second. The nullspace stops too.
 void ArmController::halt() noexcept {
   posture_rad_ = here_rad_;
   motion_.start({centre_, tool_normal(dynamics_.base_from_tool)});
@@ -108,16 +108,16 @@ void ArmController::halt() noexcept {
   travel(centre_, motion_.goal().normal_in_base, options_.motion, Doing::hold);
 }
 
-void ArmController::move_to(const ToolPose& foremost) noexcept {
+void ArmController::move_to(const ToolPose& tip) noexcept {
   if (learning_s_ >= 0.0) {
-    move_after_learning_ = foremost;
+    move_after_learning_ = tip;
     status_.doing = Doing::move;
     status_.settled = false;
     return;
   }
-  const Vector3 normal = foremost.normal_in_base.normalized();
-  travel(foremost.at_in_base + model_->table().tool_radius_m * normal, normal, options_.motion,
-         Doing::move);
+  const Vector3 normal = tip.normal_in_base.normalized();
+  const ToolPose centre = centre_pose({tip.at_in_base, normal}, model_->table().tool_radius_m);
+  travel(centre.at_in_base, normal, options_.motion, Doing::move);
 }
 
 void ArmController::retract(double distance_m) noexcept {
@@ -143,9 +143,9 @@ void ArmController::approach(const ToolPose& skin) noexcept {
   sense_.tare();
   settling_n_.setZero();
   target_ = {.at_in_base = skin.at_in_base, .normal_in_base = normal, .model = target_.model};
-  reference_ = {.pose = {skin.at_in_base + model_->table().tool_radius_m * normal, normal}};
+  reference_ = {.pose = centre_pose({skin.at_in_base, normal}, model_->table().tool_radius_m)};
   const Vector3 above = reference_.pose.at_in_base - centre_;
-  // The search starts where the spring already is, at rest.
+  // The search starts at rest where the spring already is.
   search_m_ = above.dot(normal) - spring_n_.dot(normal) / options_.force.stiffness_n_per_m;
   search_speed_ = 0.0;
   touched_s_ = quiet_s_ = 0.0;
@@ -160,10 +160,9 @@ void ArmController::track(const ContactTarget& target) noexcept {
                       target.model.tissue.beta_per_m > 0.0 && target.model.torso_n_per_m > 0.0;
   if (!usable) return give_up(Trouble::bad_command);
   target_ = target;
-  const double radius_m = model_->table().tool_radius_m;
-  reference_ = {
-      .pose = {target.at_in_base + radius_m * target.normal_in_base, target.normal_in_base},
-      .velocity_m_per_s = target.velocity_m_per_s};
+  reference_ = {.pose = centre_pose({target.at_in_base, target.normal_in_base},
+                                    model_->table().tool_radius_m),
+                .velocity_m_per_s = target.velocity_m_per_s};
 }
 
 }  // namespace tuina::control

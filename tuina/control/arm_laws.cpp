@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the arm does in each millisecond; the commands that lead there are in arm_controller.cpp.
+// The 1 kHz step of the arm controller; its commands are in arm_controller.cpp.
 #include <algorithm>
 #include <cmath>
 
@@ -8,12 +8,12 @@
 namespace tuina::control {
 namespace {
 
-constexpr double typical_mass_kg = 4.0;  // what the tool of a 9 kg arm shows, with its rotors
+constexpr double typical_mass_kg = 4.0;  // apparent mass at the tool of a 9 kg arm, rotors included
 constexpr double blocked_after_s = 0.02;
 constexpr double touched_after_s = 0.003;
 constexpr double quiet_after_s = 0.1;
 constexpr double arrived_m = 3e-3;
-constexpr double nearly_arrived_m = 10e-3;  // is enough for a tool that comes no closer
+constexpr double nearly_arrived_m = 10e-3;  // accepted distance of a tool that comes no closer
 constexpr double patience_s = 2.0;
 constexpr double settling_per_s = 3.0;
 constexpr double max_settling_n = 15.0;
@@ -26,8 +26,8 @@ double inward(const Vector3& vector, const Vector3& normal) {
 
 }  // namespace
 
-// Joint springs carry each joint along a slow sine that swells and fades; all of them at once, out
-// of step, so that the tool hardly travels.
+// Identification motion: joint springs follow slow sines that swell and fade, out of phase, so that
+// the tool hardly travels.
 JointVector ArmController::learning_torque(const ArmState& state, double dt_s) noexcept {
   constexpr double turn_rad = 0.02, rate = 2.0 * pi * 1.0, edge_s = 0.5;
   (void)friction_.step(state.q_rad);
@@ -67,7 +67,7 @@ Vector3 ArmController::free_force(const ArmState& state, double dt_s) noexcept {
   const double damping =
       2.0 * options_.damping_ratio * std::sqrt(typical_mass_kg * options_.stiffness_n_per_m);
 
-  // What friction and a wrong weight leave over at the goal is worked off slowly, within bounds.
+  // Friction and gravity errors at the goal are removed slowly, within bounds.
   const bool over = motion_s_ >= motion_.duration_s();
   if (over)
     settling_n_ = shortened(settling_n_ + settling_per_s * dt_s * spring_n_, max_settling_n);
@@ -84,19 +84,19 @@ Vector3 ArmController::free_force(const ArmState& state, double dt_s) noexcept {
   return spring_n_ + settling_n_ + damping * velocity_error;
 }
 
-// Down fast while the skin is surely far, slowly where it may be, never further than where it must
-// be.
+// Approach fast above the uncertainty band of the skin, at search speed within it, give up below
+// it.
 double ArmController::approach_force(double depth_m, double speed, double dt_s) noexcept {
   const double goal_speed =
       search_m_ < -options_.search_from_m ? options_.approach_m_per_s : options_.search_m_per_s;
-  // The speed at which the slow stretch can still be met with the permitted deceleration.
+  // Largest speed from which braking to the search speed is possible.
   const double left_m = std::max(-options_.search_from_m - search_m_, 0.0);
   const double max_speed = std::sqrt(options_.search_m_per_s * options_.search_m_per_s +
                                      2.0 * search_acceleration * left_m);
   const double change = search_acceleration * dt_s;
   search_speed_ += std::clamp(std::min(goal_speed, max_speed) - search_speed_, -change, change);
   const double K = options_.force.stiffness_n_per_m;
-  // The search waits for a tool that cannot follow instead of winding up its spring.
+  // The search waits for a blocked tool instead of winding up its spring.
   const double max_m = depth_m + options_.touch_pull_n / K;
   search_m_ = std::min(search_m_ + search_speed_ * dt_s, std::max(max_m, search_m_));
   const double spring_n = std::min(K * (search_m_ - depth_m), options_.touch_pull_n);
@@ -159,11 +159,11 @@ Vector3 ArmController::contact_force(double dt_s) noexcept {
          normal_n * normal;
 }
 
-// The laws of the thesis get the same virtual target as a reference: where the model says the skin
-// yields the set force, and further by what their own spring needs for it.
+// The thesis' laws get the same virtual target: indentation at the set force plus the deflection of
+// their own spring.
 JointVector ArmController::baseline_torque(const ArmState& state, double dt_s) noexcept {
   const Vector3& normal = reference_.pose.normal_in_base;
-  (void)contact_force(dt_s);  // keeps the set force, its rate, and contact watched
+  (void)contact_force(dt_s);  // keeps set force, its rate and contact supervision running
   const double set_n = force_target_.set_n();
   const double expected_m = depth_at(target_.model, set_n);
   ToolReference reference = reference_;

@@ -6,9 +6,9 @@
 
 namespace tuina::control {
 
-/// Readings of one arm to an `ArmState`: where the tool is, and the contact force in `base` without
-/// the weight of the tool and the zero error of the sensor. A wild sample or two are replaced by
-/// the last good one.
+/// Converts readings of one arm to an `ArmState`: tool pose, and contact force in `base` without
+/// tool weight and sensor offset. An outlier of one or two samples is replaced by the last good
+/// one.
 class ArmSense {
  public:
   explicit ArmSense(const robot::ArmModel& model) noexcept : model_(&model) {}
@@ -16,17 +16,17 @@ class ArmSense {
   [[nodiscard]] ArmState sense(const robot::ArmReading& reading, double time_s,
                                double rail_m) noexcept;
 
-  /// In free air, before a contact: what the sensor says now, averaged over the last tenth of a
-  /// second, counts as no contact from here on.
+  /// Sets the sensor offset to the mean of the last tenth of a second; call in free air before a
+  /// contact.
   void tare() noexcept { bias_ = mean_; }
 
  private:
   const robot::ArmModel* model_;
   bool started_ = false;
   int suspects_ = 0;
-  Wrench last_;  // in tool, weight taken off
-  Wrench mean_;  // the same, averaged
-  Wrench bias_;  // in tool
+  Wrench last_;  // in tool, weight compensated
+  Wrench mean_;  // low-passed last_
+  Wrench bias_;  // sensor offset, in tool
 };
 
 }  // namespace tuina::control

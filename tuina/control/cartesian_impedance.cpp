@@ -11,11 +11,11 @@ namespace {
 using Task = Eigen::Matrix<double, 5, Eigen::Dynamic, 0, 5, max_joints>;
 using Matrix5 = Eigen::Matrix<double, 5, 5>;
 
-// Near a singular pose the task inertia grows without bound; this caps it at 50 kg.
+// Floor of the task mobility: near singular poses the task inertia is capped at 50 kg.
 constexpr double mobility_floor = 0.02;
 
 struct Turning {
-  Vector3 across, over;  // two axes at right angles to the tool's
+  Vector3 across, over;  // two axes perpendicular to the tool axis
   Vector3 moment_nm;
 };
 
@@ -30,7 +30,7 @@ Turning turning_of(const robot::ArmDynamics& dynamics, const JointVector& dq,
   const double angle = std::atan2(sine, axis.dot(reference.pose.normal_in_base));
   const Vector3 error = sine > 1e-9 ? Vector3(cross * (angle / sine)) : Vector3(cross);
   const Vector3 omega = dynamics.jacobian.bottomRows<3>() * dq;
-  // A fist of about 0.03 kg m2, with the rotors behind it, turns on the springs.
+  // Damping for about 0.03 kg m2 of wrist with its rotors.
   const double damping = 2.0 * gains.damping_ratio * std::sqrt(gains.stiffness_nm_per_rad * 0.05);
   Vector3 spring = gains.stiffness_nm_per_rad * error;
   spring *= std::min(1.0, gains.max_nm / std::max(spring.norm(), 1e-9));
@@ -57,7 +57,8 @@ JointVector posture_torque(const robot::ArmTable& table, const JointVector& q,
   return torque;
 }
 
-// What of a torque does not accelerate the task: (1 - J^T Lambda J M^-1) torque, [khatib1987].
+// Nullspace torque, which does not accelerate the task: (1 - J^T Lambda J M^-1) torque,
+// [khatib1987].
 JointVector beside_task(const robot::ArmDynamics& dynamics, const Turning& turning,
                         const JointVector& torque) {
   const auto joints = torque.size();
@@ -93,9 +94,9 @@ JointVector lead_through_torque(const robot::ArmTable& table, const JointVector&
   return posture_torque(table, q_rad, dq_rad_per_s, JointVector::Zero(0), gains);
 }
 
-// With Lambda = (J M^-1 J^T)^-1 of the tool's centre, (3.5) reads tau = J^T Lambda {M_e^-1 [F - D
-// x~' - K x~]
-// - J' q'} + C + G - J^T F, and the damping of the inverse is the one on J M^-1 J^T.
+// With Lambda = (J M^-1 J^T)^-1 of the tool centre, (3.5) reads
+// tau = J^T Lambda {M_e^-1 [F - D x~' - K x~] - J' q'} + C + G - J^T F.
+// The damping of the inverse is the one on J M^-1 J^T.
 JointVector thesis_torque(const robot::ArmDynamics& dynamics, const robot::ArmTable& table,
                           const JointVector& q_rad, const JointVector& dq_rad_per_s,
                           const Vector3& tool_velocity_m_per_s, const Vector3& force_on_tool_n,

@@ -6,36 +6,30 @@
 
 namespace tuina::control {
 
-/// The direction in which the tool looks away from the person: minus the x axis of the `tool`
-/// frame.
-[[nodiscard]] inline Vector3 tool_normal(const Transform& base_from_tool) {
-  return -base_from_tool.linear().col(0);
-}
-
-/// A spring's pull that is bounded keeps its direction.
+/// Clamps the length of a vector and keeps its direction.
 [[nodiscard]] inline Vector3 shortened(const Vector3& vector, double most) {
   const double length = vector.norm();
   return length > most ? Vector3(vector * (most / length)) : vector;
 }
 
-/// What the springs of the last joints and the elbow do besides the task.
+/// Springs and dampers of the nullspace posture and of the joint limits.
 struct PostureGains {
   double stiffness_nm_per_rad = 6.0;
   double damping_nm_s_per_rad = 4.0;
-  double limit_margin_rad = 0.15;  ///< from here on a joint limit pushes back
+  double limit_margin_rad = 0.15;  ///< distance to a joint limit where its spring begins
   double limit_stiffness_nm_per_rad = 60.0;
 };
 
 struct TurningGains {
   double stiffness_nm_per_rad = 60.0;
   double damping_ratio = 0.8;
-  double max_nm = 6.0;  ///< of the spring, however far the axis is off
+  double max_nm = 6.0;  ///< limit of the spring
 };
 
-/// Joint torques of a force on the tool's centre plus a spring that keeps the tool's axis along a
-/// normal: J^T without inertia shaping and without an inverse of J, so no pose of the arm makes
-/// them large. The task has five dimensions, turning about the axis is free; what it leaves over
-/// goes to the posture.
+/// Joint torques of a force on the tool centre and a spring that aligns the tool axis with a
+/// normal. J^T without inertia shaping or an inverse of J, so that torques stay bounded in singular
+/// poses. The task has five dimensions (rotation about the axis is free); the nullspace follows the
+/// posture.
 [[nodiscard]] JointVector task_torque(const robot::ArmDynamics& dynamics,
                                       const robot::ArmTable& table, const JointVector& q_rad,
                                       const JointVector& dq_rad_per_s, const Vector3& force_n,
@@ -43,24 +37,23 @@ struct TurningGains {
                                       const JointVector& posture_rad, const TurningGains& turning,
                                       const PostureGains& posture) noexcept;
 
-/// Nothing but damping, and springs at the ends of the joints: for an arm that is led by hand.
+/// Damping and joint-limit springs only, for an arm guided by hand.
 [[nodiscard]] JointVector lead_through_torque(const robot::ArmTable& table,
                                               const JointVector& q_rad,
                                               const JointVector& dq_rad_per_s,
                                               const PostureGains& gains) noexcept;
 
-/// Target impedance of [thesis] (3.2), alike in all directions.
+/// Target impedance of [thesis] (3.2), equal in all directions.
 struct ThesisImpedance {
   double mass_kg = 4.0;
   double damping_n_s_per_m = 0.0;  ///< zero or less: 2 0.7 sqrt(M K), [thesis] 6.3.1 as meant
   double stiffness_n_per_m = 2000.0;
-  bool below_apparent_mass = false;  ///< allows what limit-cycles on stiff tissue
+  bool below_apparent_mass = false;  ///< allows a mass that limit-cycles on stiff tissue
 };
 
-/// Torques of [thesis] (3.5) for the tool's centre: inertia shaping with the measured force, and a
-/// damped inverse of J where the print has J^-1. A mass below the arm's apparent mass is raised to
-/// it unless allowed: below it the law is force feedback with a gain above one through a late
-/// sensor.
+/// Torques of [thesis] (3.5) for the tool centre: inertia shaping with the measured force, and a
+/// damped inverse of J in place of J^-1. A mass below the arm's apparent mass is raised to it
+/// unless allowed: below it the law is force feedback with a gain above one and a delayed sensor.
 [[nodiscard]] JointVector thesis_torque(
     const robot::ArmDynamics& dynamics, const robot::ArmTable& table, const JointVector& q_rad,
     const JointVector& dq_rad_per_s, const Vector3& tool_velocity_m_per_s,
@@ -68,8 +61,8 @@ struct ThesisImpedance {
     const ThesisImpedance& impedance, const TurningGains& turning,
     const PostureGains& posture) noexcept;
 
-/// [thesis] (3.6)-(3.9) with desired instead of measured acceleration and with the model's gravity
-/// and coupling: a spring and damper per joint.
+/// [thesis] (3.6)-(3.9) with desired instead of measured acceleration, gravity and coupling from
+/// the model: a spring and damper per joint.
 [[nodiscard]] JointVector joint_impedance_torque(
     const robot::ArmDynamics& dynamics, const JointVector& q_rad, const JointVector& dq_rad_per_s,
     const JointVector& q_goal_rad, const JointVector& dq_goal_rad_per_s,

@@ -60,13 +60,12 @@ void ForceTarget::watch_contact(const Input& input, double dt_s) noexcept {
   }
 }
 
-// A force that falls away means that the skin goes, which must not be followed with more force.
+// A falling force means that the skin recedes; the force law must not follow it.
 bool ForceTarget::slips(const Input& input) const noexcept {
   return set_n_ > lost_matters_n && input.force_n < slipping_share * set_n_;
 }
 
-// Where nothing is under the tool it stays where it is and feels forward a little; it does not
-// chase.
+// Without contact the tool creeps forward a little instead of chasing the skin.
 double ForceTarget::spring_without_skin(const Input& input, double dt_s) noexcept {
   const double creep_m = crept_m_ < max_creep_m ? creep_m_per_s * dt_s : 0.0;
   crept_m_ += creep_m;
@@ -94,8 +93,8 @@ double ForceTarget::spring_on_skin(const Input& input, double contact_n_per_m, d
   return K * (expected_m - input.depth_m) + set_n_ + trim_n_ + quick_n;
 }
 
-// Every inward step of the virtual target against the spring is paid from the tank; an empty tank
-// lets the target go no further. Damping and what the target gives back fill it.
+// Energy tank: each inward step of the virtual target against the spring is paid for, and an empty
+// tank stops the target. Damping and outward steps fill it.
 double ForceTarget::paid_for(double spring_n, const Input& input) noexcept {
   const double K = options_.stiffness_n_per_m;
   const double sunk_m = input.depth_m - last_depth_m_;
@@ -106,15 +105,15 @@ double ForceTarget::paid_for(double spring_n, const Input& input) noexcept {
   return spring_n;
 }
 
-// What the sensor will say when its lag is over, from the slope of three ticks: one would be noise.
+// Force after the sensor lag, from the slope of three ticks; one tick would be noise.
 double ForceTarget::force_soon_n(const Input& input, double dt_s) noexcept {
   const double slope = (input.force_n - last_forces_n_.back()) / (3.0 * dt_s);
   last_forces_n_ = {input.force_n, last_forces_n_[0], last_forces_n_[1]};
   return input.force_n + options_.sensor_lag_s * slope;
 }
 
-// The tissue is through before a gentle law has answered, so here the whole of the arm's strength
-// goes outward at once and nothing brakes it, until the person hardly touches it any more.
+// Escape: the person would be through the tissue before a gentle law answers, so the arm pushes
+// outward with full force and without damping until contact nearly ends.
 double ForceTarget::push_out(const Input& input, double soon_n) noexcept {
   if (soon_n < options_.kept_n) {
     pushing_out_ = false;
@@ -133,7 +132,7 @@ double ForceTarget::step(const Input& input, double dt_s) noexcept {
   if (pushing_out_) return push_out(input, soon_n);
 
   const double wanted_n = std::max(input.set_force_n, options_.kept_n);
-  // Light contact is soft: a quick change of a small force would throw the tool off the skin.
+  // Light contact is soft: a fast change of a small force would throw the tool off the skin.
   since_touch_s_ += dt_s;
   const double fastest =
       since_touch_s_ < options_.landing_s ? options_.landing_n_per_s : options_.max_rate_n_per_s;
@@ -141,8 +140,8 @@ double ForceTarget::step(const Input& input, double dt_s) noexcept {
   set_n_ += change_n;
   watch_contact(input, dt_s);
 
-  // Only what the model foresees may lead the damping and the inertia. The trim in it would be a
-  // force gain that does not know the tissue, and those limit-cycle on bone.
+  // Damping and inertia are led by the model's prediction only. With the trim in it this would be a
+  // force gain that ignores the tissue, which limit-cycles on bone.
   const double yielding = lost_ ? 0.0 : change_n / dt_s / stiffness_at(input.model, set_n_);
   const double foreseen = input.path_speed_m_per_s + yielding;
   const double acceleration = (foreseen - foreseen_m_per_s_) / options_.foreseen_lag_s;
@@ -161,7 +160,7 @@ double ForceTarget::step(const Input& input, double dt_s) noexcept {
 
   const double spring_n = lost_ ? spring_without_skin(input, dt_s)
                                 : spring_on_skin(input, contact_n_per_m, damping, dt_s);
-  // What the skin no longer bears must not accelerate the tool.
+  // Spring force that the receding skin no longer bears must not accelerate the tool.
   const double borne_n = slips(input) ? std::max(input.force_n, 0.0) : set_n_;
   spring_n_ = paid_for(std::clamp(spring_n, -options_.max_trim_out_n,
                                   std::min(borne_n + options_.max_over_set_n, input.max_spring_n)),

@@ -49,8 +49,8 @@ void FrictionCompensation::learn(const JointVector& rest_nm,
   }
 }
 
-// Least squares of rest = friction x wound + gravity error; a joint that hardly turned teaches
-// nothing.
+// Least squares of residual = friction x wound + gravity error; a joint that hardly turned is
+// skipped.
 void FrictionCompensation::end_learning() noexcept {
   learning_ = false;
   for (Eigen::Index i = 0; i < coulomb_nm_.size(); ++i) {

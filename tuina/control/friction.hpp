@@ -7,30 +7,29 @@
 
 namespace tuina::control {
 
-/// Feeds a share of the gears' Coulomb friction forward. Its direction comes from the way turned,
-/// not from the speed, [dahl1968]: a gear first winds up like a spring and only then slips. So
-/// there is no chatter where the encoder cannot see the speed, and a reversal is followed as it
-/// happens.
+/// Feeds a share of the gears' Coulomb friction forward. Its sign follows the travel, not the speed
+/// [dahl1968], since a gear winds up like a spring before it slips: no chatter at speeds below the
+/// encoder's resolution, and reversals are followed at once.
 ///
-/// How much friction there is, the table knows to a fifth at best, and what it says too much pushes
-/// the arm by itself. So it is learned: moved to and fro in free air, each joint's torque left over
-/// by the model is a friction that follows the direction plus an error of gravity that does not.
+/// The table knows friction to 20 % at best, and over-compensation would move the arm. So it is
+/// identified: each joint moves to and fro in free air, and its residual torque is split into a
+/// part that follows the direction (friction) and a constant (gravity error).
 class FrictionCompensation {
  public:
   struct Options {
-    double share = 0.92;          ///< of what was learned; one would leave no margin
-    double share_of_table = 0.6;  ///< before anything was learned
-    double windup_rad = 0.3e-3;   ///< from this the gear slips
+    double share = 0.92;          ///< of the identified friction; 1 would leave no margin
+    double share_of_table = 0.6;  ///< of the table's friction, before identification
+    double windup_rad = 0.3e-3;   ///< travel at which the gear slips
   };
 
   FrictionCompensation(const robot::ArmTable& table, const Options& options) noexcept;
 
   void start(const JointVector& q_rad) noexcept;
-  /// Torque for this tick; call it in every tick, it follows the way turned.
+  /// Torque for this tick; must be called in every tick to follow the travel.
   [[nodiscard]] JointVector step(const JointVector& q_rad) noexcept;
 
   void begin_learning() noexcept;
-  /// `rest_nm`: the torque given less gravity, coupling and inertia.
+  /// `rest_nm`: torque minus gravity, coupling and inertia.
   void learn(const JointVector& rest_nm, const JointVector& dq_rad_per_s) noexcept;
   void end_learning() noexcept;
 
@@ -42,7 +41,7 @@ class FrictionCompensation {
   };
   robot::ArmTable table_;
   Options options_;
-  JointVector coulomb_nm_;  // what is fed forward when wound up
+  JointVector coulomb_nm_;  // feed-forward when fully wound up
   JointVector q_rad_;
   JointVector wound_;  // share of the Coulomb friction, -1 to 1
   std::array<Sums, max_joints> sums_ = {};

@@ -6,12 +6,12 @@
 
 namespace tuina::control {
 
-/// Joint angles that keep the tool's centre and axis on a moving reference, for the laws that
-/// control joints: one damped Newton step per tick from the angles of the tick before.
+/// Differential inverse kinematics for the joint-space laws: one damped Newton step per tick keeps
+/// the tool centre and axis on a moving reference.
 class JointFollower {
  public:
   void start(const JointVector& q_rad) noexcept { q_rad_ = q_rad; }
-  /// The angles for this tick. Near a singular pose they fall behind rather than jump.
+  /// Joint angles for this tick; near singular poses they lag instead of jumping.
   const JointVector& step(const robot::ArmModel& model, double rail_m, const ToolPose& centre,
                           const JointVector& posture_rad) noexcept;
 

@@ -23,12 +23,10 @@ MotionState after(MotionState state, const Stretches& stretches) {
   return state;
 }
 
-// The fastest way from (speed, acceleration) to (goal speed, no acceleration): jerk, hold, jerk
-// back.
+// Time-optimal change from (speed, acceleration) to (goal speed, 0): jerk, hold, jerk back.
 Stretches change_speed(const MotionState& start, double goal_speed, const MotionLimits& limits) {
   const double J = limits.jerk_per_s3, A = limits.acceleration_per_s2;
-  // The speed that remains when the acceleration is taken away at once decides in which direction
-  // to push.
+  // The speed left after removing the acceleration at once decides the direction of the jerk.
   const double a = start.acceleration_per_s2;
   const double coast = start.speed_per_s + a * std::abs(a) / (2.0 * J);
   const double direction = goal_speed >= coast ? 1.0 : -1.0;
@@ -57,9 +55,8 @@ bool usable(const MotionState& start, double goal, const MotionLimits& limits) {
          std::isfinite(limits.speed_per_s + limits.acceleration_per_s2 + limits.jerk_per_s3);
 }
 
-// Zero of an increasing function between two points where its values have different signs, by false
-// position with the Illinois rule; the best point found within the bound on iterations is good
-// enough.
+// Zero of an increasing function in a bracket, by regula falsi with the Illinois rule; after the
+// maximum of iterations the best point is returned.
 template <typename Function>
 double find_zero(const Function& f, double low, double f_low, double high, double f_high,
                  double tolerance) {
@@ -85,8 +82,8 @@ double find_zero(const Function& f, double low, double f_low, double high, doubl
 
 }  // namespace
 
-// The optimum pushes towards the goal as long as stopping at once would end short of it, then
-// stops: where the stop ends grows with the time of pushing, so that time is the zero of one
+// The optimum accelerates towards the goal while an immediate stop would end short of it, then
+// stops. The stopping point grows with the acceleration time, so that time is the zero of an
 // increasing function.
 bool MotionProfile::plan(const MotionState& start, double goal,
                          const MotionLimits& limits) noexcept {
@@ -94,7 +91,7 @@ bool MotionProfile::plan(const MotionState& start, double goal,
   const double ahead = goal - stop_at(start, limits);
   const double side = ahead >= 0.0 ? 1.0 : -1.0;
   const double scale = std::abs(goal - start.at) + limits.speed_per_s * 1e-3;
-  // A goal met by stopping is met to rounding only, and rounding must not ask for a detour.
+  // A goal reached by stopping is exact to rounding only, and rounding must not cause a detour.
   const bool stops = std::abs(ahead) <= 1e-12 * scale;
   const Stretches push =
       stops ? Stretches{} : change_speed(start, side * limits.speed_per_s, limits);
@@ -131,8 +128,7 @@ bool MotionProfile::plan(const MotionState& start, double goal,
   return true;
 }
 
-// A lower speed limit slows the motion without end, so some limit gives the duration that is asked
-// for.
+// A lower speed limit stretches the motion without bound, so some limit gives the wanted duration.
 bool MotionProfile::plan_in(double duration_s, const MotionState& start, double goal,
                             const MotionLimits& limits) noexcept {
   if (!plan(start, goal, limits)) return false;
@@ -146,7 +142,7 @@ bool MotionProfile::plan_in(double duration_s, const MotionState& start, double 
   };
   double high = fastest, miss = -lacking_s;
   for (int i = 0; i < 30 && miss < 0.0; ++i) miss = too_long(high *= 2.0);
-  if (miss < 0.0) return plan(start, goal, limits);  // it is at its goal already
+  if (miss < 0.0) return plan(start, goal, limits);  // already at the goal
   const double slowness = find_zero(too_long, fastest, -lacking_s, high, miss, 1e-9);
   (void)too_long(slowness);
   return true;
@@ -162,39 +158,6 @@ MotionState MotionProfile::at(double time_s) const noexcept {
     left_s -= stretch.duration_s;
   }
   return {.at = goal_};
-}
-
-bool JointMotion::plan(const JointVector& q_rad, const JointVector& dq_rad_per_s,
-                       const JointVector& ddq_rad_per_s2, const JointVector& goal_rad,
-                       const MotionLimits& limits) noexcept {
-  std::array<MotionProfile, max_joints> axes;
-  const auto start = [&](int i) {
-    return MotionState{q_rad[i], dq_rad_per_s[i], ddq_rad_per_s2[i]};
-  };
-  double max_duration_s = 0.0;
-  for (int i = 0; i < q_rad.size(); ++i) {
-    MotionProfile& axis = axes[static_cast<std::size_t>(i)];
-    if (!axis.plan(start(i), goal_rad[i], limits)) return false;
-    max_duration_s = std::max(max_duration_s, axis.duration_s());
-  }
-  for (int i = 0; i < q_rad.size(); ++i) {
-    (void)axes[static_cast<std::size_t>(i)].plan_in(max_duration_s, start(i), goal_rad[i], limits);
-  }
-  axes_ = axes;
-  joints_ = static_cast<int>(q_rad.size());
-  duration_s_ = max_duration_s;
-  return true;
-}
-
-JointMotion::State JointMotion::at(double time_s) const noexcept {
-  State state{JointVector(joints_), JointVector(joints_), JointVector(joints_)};
-  for (int i = 0; i < joints_; ++i) {
-    const MotionState axis = axes_[static_cast<std::size_t>(i)].at(time_s);
-    state.q_rad[i] = axis.at;
-    state.dq_rad_per_s[i] = axis.speed_per_s;
-    state.ddq_rad_per_s2[i] = axis.acceleration_per_s2;
-  }
-  return state;
 }
 
 }  // namespace tuina::control

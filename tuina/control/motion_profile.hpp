@@ -7,7 +7,7 @@
 
 namespace tuina::control {
 
-/// Where one axis is, in the unit of the axis (metre or radian) and seconds.
+/// State of one axis, in metres or radians and seconds.
 struct MotionState {
   double at = 0.0;
   double speed_per_s = 0.0;
@@ -20,19 +20,18 @@ struct MotionLimits {
   double jerk_per_s3 = 0.0;
 };
 
-/// The fastest jerk-limited motion of one axis from any state to rest at a goal. It may be planned
-/// anew at any tick from `at(time_s)`. A start beyond the limits is brought inside them first.
+/// Time-optimal jerk-limited motion of one axis from any state to rest at a goal. Replanning from
+/// `at(time_s)` is possible at any tick; a start beyond the limits first returns into them.
 class MotionProfile {
  public:
   /// At rest at zero.
   MotionProfile() = default;
 
-  /// False, and the old motion stays, when a number is not finite or a limit not positive.
+  /// False for non-finite numbers or non-positive limits; the old motion stays.
   [[nodiscard]] bool plan(const MotionState& start, double goal,
                           const MotionLimits& limits) noexcept;
 
-  /// The same, but slowed so that it takes `duration_s`; a shorter time than the fastest is not
-  /// possible and gives the fastest.
+  /// Stretches the motion to `duration_s`; a time below the optimum gives the optimum.
   [[nodiscard]] bool plan_in(double duration_s, const MotionState& start, double goal,
                              const MotionLimits& limits) noexcept;
 
@@ -40,7 +39,7 @@ class MotionProfile {
   [[nodiscard]] double duration_s() const noexcept { return duration_s_; }
   [[nodiscard]] double goal() const noexcept { return goal_; }
 
-  /// A stretch of constant jerk.
+  /// A phase of constant jerk.
   struct Stretch {
     double duration_s = 0.0;
     double jerk_per_s3 = 0.0;
@@ -50,26 +49,7 @@ class MotionProfile {
   MotionState start_;
   double goal_ = 0.0;
   double duration_s_ = 0.0;
-  std::array<Stretch, 7> stretches_ = {};  // three to push, one to cruise, three to stop
-};
-
-/// All joints of an arm to rest at a goal, arriving together.
-class JointMotion {
- public:
-  [[nodiscard]] bool plan(const JointVector& q_rad, const JointVector& dq_rad_per_s,
-                          const JointVector& ddq_rad_per_s2, const JointVector& goal_rad,
-                          const MotionLimits& limits) noexcept;
-
-  struct State {
-    JointVector q_rad, dq_rad_per_s, ddq_rad_per_s2;
-  };
-  [[nodiscard]] State at(double time_s) const noexcept;
-  [[nodiscard]] double duration_s() const noexcept { return duration_s_; }
-
- private:
-  int joints_ = 0;
-  double duration_s_ = 0.0;
-  std::array<MotionProfile, max_joints> axes_;
+  std::array<Stretch, 7> stretches_ = {};  // three to accelerate, one to cruise, three to brake
 };
 
 }  // namespace tuina::control

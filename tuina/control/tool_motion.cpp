@@ -7,7 +7,7 @@
 namespace tuina::control {
 namespace {
 
-// Three axes of which the first looks along `direction`.
+// Three axes, the first along `direction`.
 Matrix3 axes_along(const Vector3& direction) {
   if (direction.norm() < 1e-9) return Matrix3::Identity();
   Matrix3 axes;
@@ -32,8 +32,8 @@ Vector3 turned(const Vector3& normal, const Vector3& w) {
   return Eigen::AngleAxisd(angle, w / angle) * normal;
 }
 
-// Plans three axes towards zero so that the length of the velocity keeps its limit: along the way
-// all that the motion across it, left over from an interruption, does not take.
+// Plans three axes towards zero within the limit of the velocity's norm: the first axis gets what
+// the lateral motion left over from an interruption does not need.
 bool plan_axes(std::array<MotionProfile, 3>& axes, const Matrix3& base_from_axes, const Vector3& at,
                const Vector3& velocity, const Vector3& acceleration, const MotionLimits& limits,
                double duration_s) {
@@ -101,9 +101,8 @@ bool ToolMotion::plan(double time_s, const ToolPose& goal, const Limits& limits)
   next.base_from_travel_ = axes_along(-to_goal);
   const Vector3 travel_acceleration = base_from_travel_ * acceleration(travel_, time_s);
 
-  // Rotation vectors count from the normal of the goal, so a new goal means new coordinates. The
-  // state is carried over by looking at the old motion at three instants through the new
-  // coordinates.
+  // Rotation vectors are relative to the goal normal, so a new goal means new coordinates. The
+  // state is converted by sampling the old motion at three instants.
   constexpr double h = 1e-4;
   const auto turn_at = [&](double t) {
     return turn_between(next.goal_.normal_in_base, at(t).pose.normal_in_base);

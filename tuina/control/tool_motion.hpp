@@ -5,11 +5,29 @@
 
 namespace tuina::control {
 
-/// Where the tool is and which way its outward axis looks; turning about that axis is free.
+/// Place (tip or centre, as its name says) and outward axis of a tool; rotation about the axis
+/// is free.
 struct ToolPose {
   Vector3 at_in_base = Vector3::Zero();
   Vector3 normal_in_base = Vector3::UnitZ();  ///< unit, out of the body, along the tool's shaft
 };
+
+/// Outward axis of the tool: minus the x axis of the `tool` frame.
+[[nodiscard]] inline Vector3 tool_normal(const Transform& base_from_tool) noexcept {
+  return -base_from_tool.linear().col(0);
+}
+
+/// Tip of a sphere tool: its point farthest along the shaft, which touches the skin first.
+[[nodiscard]] inline ToolPose tip_pose(const Transform& base_from_tool, double radius_m) noexcept {
+  const Vector3 normal = tool_normal(base_from_tool);
+  return {.at_in_base = base_from_tool.translation() - radius_m * normal, .normal_in_base = normal};
+}
+
+/// Centre of the sphere whose tip is at a pose: the origin of the `tool` frame.
+[[nodiscard]] inline ToolPose centre_pose(const ToolPose& tip, double radius_m) noexcept {
+  return {.at_in_base = tip.at_in_base + radius_m * tip.normal_in_base,
+          .normal_in_base = tip.normal_in_base};
+}
 
 struct ToolReference {
   ToolPose pose;
@@ -17,8 +35,8 @@ struct ToolReference {
   Vector3 turning_rad_per_s = Vector3::Zero();
 };
 
-/// The tool from any motion to rest at a pose, jerk-limited, position and normal arriving together.
-/// From rest it runs straight, and the normal turns about one axis.
+/// Jerk-limited motion of the tool from any state to rest at a pose; position and normal arrive
+/// together. From rest the path is straight and the normal turns about one axis.
 class ToolMotion {
  public:
   struct Limits {
@@ -29,8 +47,8 @@ class ToolMotion {
   /// At rest at this pose.
   void start(const ToolPose& pose) noexcept;
 
-  /// Goes on from the state at `time_s` of the present motion; `at` then counts from zero again.
-  /// False, and the old motion stays, when the goal is not finite or its normal has no length.
+  /// Replans from the state at `time_s`; `at` then counts from zero. False for a non-finite goal or
+  /// a zero normal; the old motion stays.
   [[nodiscard]] bool plan(double time_s, const ToolPose& goal, const Limits& limits) noexcept;
 
   [[nodiscard]] ToolReference at(double time_s) const noexcept;
@@ -41,9 +59,9 @@ class ToolMotion {
   ToolPose goal_;
   double duration_s_ = 0.0;
   Matrix3 base_from_travel_ = Matrix3::Identity();  // first axis: towards the goal
-  Matrix3 base_from_turn_ = Matrix3::Identity();    // first axis: of the turn to the goal
-  std::array<MotionProfile, 3> travel_;             // from the goal, in its axes
-  std::array<MotionProfile, 3> turn_;               // rotation vector from the normal of the goal
+  Matrix3 base_from_turn_ = Matrix3::Identity();    // first axis: rotation axis to the goal
+  std::array<MotionProfile, 3> travel_;             // relative to the goal, in base_from_travel_
+  std::array<MotionProfile, 3> turn_;               // rotation vector from the goal normal
 };
 
 }  // namespace tuina::control

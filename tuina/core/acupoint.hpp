@@ -10,17 +10,17 @@
 
 namespace tuina {
 
-/// How the person is on the couch. The `couch` frame (docs/frames_and_units.md): x to the person's
-/// left (nominally), z up, z = 0 the seat or bed plane; sitting: y out of the back; prone: y
-/// towards the feet.
+/// Posture of the person on the couch. It decides the axes of the `couch` frame
+/// (docs/frames_and_units.md): x to the person's left (nominally), z up, z = 0 the seat or bed
+/// plane; sitting: y out of the back; prone: y towards the feet.
 enum class Position : std::uint8_t { sitting, prone };
 
 [[nodiscard]] constexpr const char* name_of(Position position) {
   return position == Position::sitting ? "sitting" : "prone";
 }
 
-/// A point on the skin with a name, `BL47_L` (acupoints) or `scapula_root_R` (landmarks); _L and _R
-/// are the person's left and right.
+/// A named point on the skin: `BL47_L` (acupoint) or `scapula_root_R` (landmark). _L and _R are the
+/// person's left and right.
 struct Acupoint {
   std::string name;
   Vector3 at_in_couch = Vector3::Zero();
@@ -33,7 +33,7 @@ struct Landmark {
   Vector3 at_in_couch = Vector3::Zero();
 };
 
-/// The seven points of the thesis (Table 5-1), the order in which they are reported everywhere.
+/// The seven points of the thesis (Table 5-1), in the order of every report.
 inline constexpr std::array<const char*, 7> seven_acupoints = {
     "SI11_L", "SI11_R", "BL47_L", "BL47_R", "BL50_L", "BL50_R", "GV4"};
 }  // namespace tuina

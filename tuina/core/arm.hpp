@@ -17,7 +17,7 @@ inline constexpr std::array<Arm, 2> both_arms = {Arm::left, Arm::right};
   return arm == Arm::left ? "left" : "right";
 }
 
-/// What exists per arm, indexed by `Arm`.
+/// One T per arm, indexed by `Arm`.
 template <typename T>
 struct PerArm {
   std::array<T, 2> of = {};
@@ -25,21 +25,21 @@ struct PerArm {
   [[nodiscard]] const T& operator[](Arm arm) const { return of[static_cast<std::size_t>(arm)]; }
 };
 
-/// One number per joint. At most seven, so arms of six and seven joints share the code without
+/// One number per joint. At most seven, so that arms of six and seven joints share the code without
 /// heap.
 inline constexpr int max_joints = 7;
 using JointVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, max_joints, 1>;
 using JointMatrix =
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, max_joints, max_joints>;
 
-/// Force and torque of the environment ON the robot at the tool, in the frame the holder's name
-/// says.
+/// Force and torque of the environment on the robot at the tool; the name of the variable says the
+/// frame.
 struct Wrench {
   Vector3 force_n = Vector3::Zero();
   Vector3 torque_nm = Vector3::Zero();
 };
 
-/// What is known of one arm in one millisecond.
+/// State of one arm in one millisecond, from its sensors.
 struct ArmState {
   double time_s = 0.0;
   JointVector q_rad;

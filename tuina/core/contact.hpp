@@ -25,26 +25,26 @@ enum class Technique : std::uint8_t { press, rub, stroke, tap };
   return "";
 }
 
-/// Where on the skin the tool should be at a time, and how hard it should press there.
+/// Set point of the tool on the skin at one time.
 struct ContactPoint {
-  double time_s = 0.0;                         ///< since the start of its path
-  Vector3 at_in_couch = Vector3::Zero();       ///< on the undeformed skin
+  double time_s = 0.0;                         ///< time since the start of the path
+  Vector3 at_in_couch = Vector3::Zero();       ///< point on the undeformed skin
   Vector3 normal_in_couch = Vector3::UnitZ();  ///< unit, out of the body
-  double force_n = 0.0;                        ///< along minus the normal, onto the person
+  double force_n = 0.0;                        ///< force onto the person, along minus the normal
 };
 
-/// One technique at one place: what one arm does between touching the skin and leaving it.
-/// The time runs evenly from zero; position, normal and force are interpolated between the samples.
+/// One technique at one place, from touching the skin to leaving it. Times are evenly spaced and
+/// begin at zero; position, normal and force are interpolated between samples.
 struct ContactPath {
-  std::string name;  ///< "press BL47_L", for people
+  std::string name;  ///< name for people, "press BL47_L"
   Technique technique = Technique::press;
-  std::vector<std::string> acupoints;  ///< the points it serves, in order
+  std::vector<std::string> acupoints;  ///< acupoints it treats, in order
   std::vector<ContactPoint> points;
 
   [[nodiscard]] double duration_s() const { return points.empty() ? 0.0 : points.back().time_s; }
 };
 
-/// F = alpha tan(beta x), [thesis] (6.1): alpha is the hardness, beta grows as the layer gets
+/// F = alpha tan(beta x), [thesis] (6.1). alpha is the hardness; beta grows as the layer gets
 /// thinner.
 struct TangentTissue {
   double alpha_n = 0.0;
@@ -61,10 +61,10 @@ struct TissueEstimate {
   TangentTissue tissue;
   double alpha_ci95_n = 0.0;  ///< half-width of the 95 % interval
   double beta_ci95_per_m = 0.0;
-  double contact_m = 0.0;  ///< where the skin is on the axis of the samples
+  double contact_m = 0.0;  ///< position of the skin on the axis of the samples
   int presses = 0;
   bool converged = false;
-  double converged_after_s = -1.0;  ///< since the first contact; negative while not converged
+  double converged_after_s = -1.0;  ///< time since the first contact; negative: not converged
 };
 
 }  // namespace tuina

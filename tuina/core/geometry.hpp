@@ -10,7 +10,7 @@ using Vector2 = Eigen::Vector2d;
 using Vector3 = Eigen::Vector3d;
 using Matrix3 = Eigen::Matrix3d;
 
-/// A rigid motion. Named `<to>_from_<from>`: `base_from_couch * spine_in_couch` is `spine_in_base`.
+/// A rigid motion, named `<to>_from_<from>`: `base_from_couch * spine_in_couch` is `spine_in_base`.
 using Transform = Eigen::Isometry3d;
 
 }  // namespace tuina

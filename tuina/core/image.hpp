@@ -7,7 +7,7 @@
 
 namespace tuina {
 
-/// A picture in memory, row by row, channels interleaved; 8 or 16 bits a sample.
+/// A picture in memory, row by row, channels interleaved, 8 or 16 bits per sample.
 template <typename Sample>
 struct BasicImage {
   int width = 0;
@@ -34,8 +34,8 @@ struct BasicImage {
 using Image = BasicImage<std::uint8_t>;
 using Image16 = BasicImage<std::uint16_t>;
 
-/// One channel of a picture that somebody else owns; `stride` is the distance of two rows in
-/// samples.
+/// One channel of a picture that is owned elsewhere; `stride` is the number of samples between
+/// rows.
 template <typename Sample>
 struct BasicImageView {
   const Sample* data = nullptr;

@@ -11,8 +11,8 @@
 
 namespace tuina {
 
-/// Calls `work(i)` for every i below `count`, on so many threads (0: one a core), in any order.
-/// `work` must not throw and must write only to what belongs to its i. Progress is told from one
+/// Calls `work(i)` for every i below `count` on `threads` threads (0: one per core), in any order.
+/// `work` must not throw and may write only to data of its own i. `progress` is called by one
 /// thread at a time.
 template <class Work>
 void for_each_in_parallel(std::size_t count, const Work& work, const Progress& progress = {},

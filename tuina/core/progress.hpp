@@ -5,7 +5,7 @@
 
 namespace tuina {
 
-/// Long work tells how far it is, from 0 to 1; may be empty.
+/// Called with the finished share of long work, from 0 to 1; may be empty.
 using Progress = std::function<void(double done)>;
 
 }  // namespace tuina

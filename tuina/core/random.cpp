@@ -4,8 +4,7 @@
 namespace tuina {
 
 Random make_random(std::uint64_t seed, std::string_view purpose) {
-  // FNV-1a keeps the streams of different purposes apart on every platform, which std::hash does
-  // not promise.
+  // FNV-1a gives the same streams on every platform; std::hash does not promise that.
   std::uint64_t hash = 14695981039346656037ULL;
   for (const char letter : purpose) {
     hash = (hash ^ static_cast<unsigned char>(letter)) * 1099511628211ULL;

@@ -7,11 +7,11 @@
 
 namespace tuina {
 
-/// Every random number comes from one of these, handed in by the caller: same seed, same result.
+/// The random engine, always passed in by the caller: same seed, same result.
 using Random = std::mt19937_64;
 
-/// An independent stream for one purpose, so that drawing more numbers for the camera never changes
-/// the tissue: `make_random(seed, "camera noise")`.
+/// An independent stream per purpose, so that drawing more numbers for the camera never changes the
+/// tissue: `make_random(seed, "camera noise")`.
 [[nodiscard]] Random make_random(std::uint64_t seed, std::string_view purpose);
 
 [[nodiscard]] double gaussian(Random& random, double standard_deviation);

@@ -10,14 +10,14 @@
 
 namespace tuina {
 
-/// Why something could not be done, sorted by what the caller can do about it.
+/// Kinds of failure, by what the caller can do.
 enum class Fault : std::uint8_t {
   usage,      ///< the command was used wrongly: correct the call
-  not_found,  ///< the world does not hold what was looked for: change the scene
-  bad_input,  ///< the data are not what they claim to be: correct the data
+  not_found,  ///< what was looked for is not there: change the scene
+  bad_input,  ///< data are malformed or implausible: correct the data
   config,     ///< a configuration key or value is wrong: correct the file
   file,       ///< a file cannot be opened, read or written
-  device,     ///< a camera, motor, sensor or arm does not do its part
+  device,     ///< a camera, motor, sensor or arm fails
   stopped,    ///< stopped for safety
 };
 

@@ -7,13 +7,13 @@
 
 namespace tuina {
 
-/// A queue of fixed memory between one writer and one reader; neither ever waits.
+/// Lock-free queue of fixed size between one writer and one reader.
 template <typename T, std::size_t N>
 class Ring {
   static_assert(N > 1 && (N & (N - 1)) == 0, "the size of a ring is a power of two");
 
  public:
-  /// False when the ring is full; the value is then not taken.
+  /// False when the ring is full; the value is then dropped.
   [[nodiscard]] bool push(const T& value) noexcept {
     const std::size_t head = head_.load(std::memory_order_relaxed);
     if (head - tail_.load(std::memory_order_acquire) == N) return false;

@@ -8,13 +8,13 @@
 
 namespace tuina {
 
-/// Points of a surface in metres, in the frame that the holder's name says (`scan_in_couch`).
-/// Each property vector is empty or as long as `points`.
+/// Points of a surface in metres; the name of the variable says the frame (`scan_in_couch`). Each
+/// property vector is empty or as long as `points`.
 struct PointCloud {
   std::vector<Vector3> points;
   std::vector<Vector3> normals;    ///< unit, out of the surface
   std::vector<float> amplitude;    ///< brightness of the laser line, DN
-  std::vector<float> deviation_m;  ///< standard deviation of the range of the point
+  std::vector<float> deviation_m;  ///< standard deviation of the range
 
   [[nodiscard]] std::size_t size() const { return points.size(); }
 };

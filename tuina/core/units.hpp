@@ -8,7 +8,7 @@ namespace tuina {
 inline constexpr double pi = std::numbers::pi;
 inline constexpr double gravity_m_per_s2 = 9.81;
 
-/// Units for constants: `constexpr double rub_radius_m = 30_mm;`. Inside tuina everything is SI.
+/// Units for constants: `constexpr double rub_radius_m = 30_mm;`. Values inside tuina are SI.
 inline namespace units {
 constexpr double operator""_mm(long double x) {
   return static_cast<double>(x) * 1e-3;
@@ -24,8 +24,8 @@ constexpr double operator""_deg(unsigned long long x) {
 }
 }  // namespace units
 
-/// The doors where degrees and millimetres exist (command line, config, reports) convert with
-/// these.
+/// Conversions for the command line, config and reports, the only places with degrees and
+/// millimetres.
 constexpr double to_mm(double metres) {
   return metres * 1e3;
 }

@@ -8,14 +8,14 @@
 
 namespace tuina::motion {
 
-/// A path of the plan made ready for one arm: where the tool goes through the air before it, and
-/// the joint angles by which the arm reaches it. A job without a path only travels.
+/// One job of an arm: a transfer through free space, then one path of the plan with the joint
+/// configuration that reaches it. Without a path (-1) the arm only travels.
 struct ArmJob {
   int path = -1;
   int step = 0;  ///< jobs of one step run together; the next step waits for all of them
   std::vector<control::ToolPose> way_in_base;
   JointVector posture_rad;
-  JointVector from_rad = {};  ///< how it stands before it leaves its parking place; else empty
+  JointVector from_rad = {};  ///< configuration before leaving the parking place; empty otherwise
 };
 
 }  // namespace tuina::motion

@@ -13,7 +13,7 @@
 
 namespace tuina::motion {
 
-/// What the moves of both arms have in common.
+/// Scene shared by the moves of both arms.
 struct Stage {
   std::reference_wrapper<const body::BackSurface> back;
   std::reference_wrapper<const PerArm<robot::ArmModel>> models;
@@ -24,38 +24,40 @@ struct Stage {
   std::span<const robot::Obstacle> obstacles = {};
 };
 
-inline constexpr double wanted_arm_distance_m = 60e-3;   ///< to the other arm, couch and own body
-inline constexpr double closest_arm_distance_m = 45e-3;  ///< nothing is planned below this
+/// Preferred distance to the other arm, the couch and the robot's body.
+inline constexpr double wanted_arm_distance_m = 60e-3;
+inline constexpr double closest_arm_distance_m = 45e-3;  ///< minimum distance of every planned move
 
-/// Where an arm is between two contacts.
+/// An arm at rest between two contacts.
 struct ArmRest {
-  Hover over;
+  ApproachPose over;
   JointVector q_rad;
   bool parked = true;
-  Passage stay;  ///< the postures that it may be in
+  JointPath stay;  ///< configurations the arm may settle in
 };
 [[nodiscard]] ArmRest rest_at_ready(const Stage& stage, Arm arm);
 
-/// One way through the air and, unless the arm parks, one contact at its end.
+/// One transfer and, unless the arm parks, one contact at its end.
 struct ArmMove {
   int path = -1;
   std::vector<control::ToolPose> way_in_base;
   JointVector posture_rad;
-  Passage air, skin;  ///< skin: from above the place down, along the path, and up again
-  double air_s = 0.0;
-  robot::Clearances clear;  ///< from couch and own body, all the way
-  ArmRest above;            ///< after the way, before the contact
+  JointPath transfer;
+  JointPath contact;  ///< from the approach pose down, along the path, and up again
+  double transfer_s = 0.0;
+  robot::Clearances clear;  ///< distances from couch and robot body over the whole move
+  ArmRest above;            ///< at rest after the transfer, before the contact
   ArmRest after;
 };
 
 [[nodiscard]] ArmMove move_home(const Stage& stage, Arm arm, const ArmRest& from);
 
-/// Of the postures that the path can be followed in, one that the way really leads to and that
-/// keeps the arm on its own side, if there is such a one. Fails when no posture follows the path.
+/// Plans the move to a path: of the configurations that follow the path, the cheapest that the
+/// transfer really ends in. Fails when no configuration follows the path.
 [[nodiscard]] Result<ArmMove> move_to_path(const Stage& stage, Arm arm, const ArmRest& from,
                                            const ContactPath& path, int index);
 
-/// Places of a path, each no nearer than a millimetre to the one before.
+/// Points of a path in base, at least 1 mm apart.
 [[nodiscard]] std::vector<robot::ContactGoal> goals_of(const ContactPath& path,
                                                        const Transform& base_from_couch);
 

@@ -36,7 +36,7 @@ bool ArmSeparation::keeps(const robot::RobotReading& reading) noexcept {
   watching_ = true;
   before_ = now;
   clear_m_ = clear_m;
-  // Each arm brakes for itself, so each one's share in the closing counts for itself.
+  // Each arm brakes by itself, so each share of the closing speed has its own braking distance.
   const auto way_m = [](double closing) {
     return std::max(closing, 0.0) * std::max(closing, 0.0) / (2.0 * halting_m_per_s2);
   };

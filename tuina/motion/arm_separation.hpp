@@ -9,26 +9,25 @@
 
 namespace tuina::motion {
 
-/// Arms that come nearer than this to each other, to the couch or to the robot's own body, or that
-/// could not be halted before, stop; the deceleration is that of one arm.
+/// Arms stop when they come nearer than this to each other, to the couch or to the robot's body, or
+/// when braking at `halting_m_per_s2` per arm would end nearer.
 inline constexpr double stopping_arm_distance_m = 25e-3;
 inline constexpr double halting_m_per_s2 = 2.0;
 
-/// Watches how near the arms are to each other and to what surrounds them, a millisecond at a time.
-/// The plan keeps them apart; this is for an arm that somebody pushes, or that is not where its
-/// plan has it. Real-time.
+/// Monitors the distances between the arms and to their surroundings at 1 kHz. The plan keeps them
+/// apart; the monitor catches an arm that is pushed or off its plan. Real-time.
 class ArmSeparation {
  public:
   explicit ArmSeparation(const PerArm<robot::ArmModel>& models,
                          std::vector<robot::Obstacle> obstacles = {})
       : models_(models), obstacles_(std::move(obstacles)) {}
 
-  /// False when something is too near, or will be.
+  /// False when a distance is too small or cannot be kept by braking.
   [[nodiscard]] bool keeps(const robot::RobotReading& reading) noexcept;
 
-  /// Between the surfaces of the arms as measured, in the last millisecond.
+  /// Distance between the surfaces of the arms at the last reading.
   [[nodiscard]] double apart_m() const noexcept { return apart_m_; }
-  /// False when it was the other arm that one of them came too near to.
+  /// False when the last violation was between the two arms.
   [[nodiscard]] bool arms_keep() const noexcept { return arms_keep_; }
 
  private:
@@ -36,10 +35,10 @@ class ArmSeparation {
   std::vector<robot::Obstacle> obstacles_;
   bool watching_ = false, arms_keep_ = true;
   double apart_m_ = 0.0;
-  PerArm<robot::ArmModel::Kinematics> before_ = {};  ///< a millisecond ago
-  PerArm<double> closing_m_per_s_ = {};              ///< how fast each comes nearer to the other
-  PerArm<double> clear_m_ = {};                      ///< of couch and body
-  PerArm<double> nearing_m_per_s_ = {};              ///< how fast each comes nearer to those
+  PerArm<robot::ArmModel::Kinematics> before_ = {};  ///< kinematics of the last millisecond
+  PerArm<double> closing_m_per_s_ = {};  ///< closing speed of each arm towards the other
+  PerArm<double> clear_m_ = {};          ///< distance to couch and robot body
+  PerArm<double> nearing_m_per_s_ = {};  ///< closing speed towards couch and robot body
 };
 
 }  // namespace tuina::motion

@@ -11,24 +11,25 @@
 
 namespace tuina::motion {
 
-inline constexpr double own_side_m = 30_mm;    ///< half of what two arms keep between them
-inline constexpr double press_depth_m = 8e-3;  ///< 30 N press so deep into a torso that gives way
+inline constexpr double own_side_m = 30_mm;    ///< half the distance that two arms keep
+inline constexpr double press_depth_m = 8e-3;  ///< indentation of a compliant torso at 30 N
 
-/// Near a posture in which it can hardly follow, an arm lags and loses force: as bad as so far over
-/// the middle between the shoulders.
-[[nodiscard]] double clumsiness_m(const robot::ArmModel::Kinematics& pose) noexcept;
+/// Penalty for low dexterity, as an equivalent distance past the midline (m).
+[[nodiscard]] double dexterity_cost_m(const robot::ArmModel::Kinematics& pose) noexcept;
 
-/// Postures worth rehearsing for a path.
-struct PostureChoice {
-  std::vector<JointVector> postures_rad;  ///< the best first, none much like another
-  double least_bad_m = 0.0;               ///< how good one can be over the whole path
+/// Candidate configurations for a path.
+struct ConfigurationChoice {
+  std::vector<JointVector> configurations_rad;  ///< sorted by cost, near duplicates removed
+  double min_cost_m = 0.0;                      ///< lower bound of the cost over the whole path
 };
 
-/// Postures that touch the start, the middle or the end of a path, with the elbow turned all the
-/// way round: on the arm's own side, off the person, nimble and away from the ends of the joints.
-[[nodiscard]] PostureChoice postures_for(const robot::ArmModel& model, Arm arm, double rail_m,
-                                         std::span<const robot::ContactGoal> goals,
-                                         const JointVector& ready_rad,
-                                         const JointVector& arrival_rad);
+/// Configurations that touch the start, middle or end of a path, the elbow swept through its whole
+/// circle. Cost: past the midline, low dexterity, near joint limits. Elbows inside the person are
+/// left out.
+[[nodiscard]] ConfigurationChoice choose_configurations(const robot::ArmModel& model, Arm arm,
+                                                        double rail_m,
+                                                        std::span<const robot::ContactGoal> goals,
+                                                        const JointVector& ready_rad,
+                                                        const JointVector& arrival_rad);
 
 }  // namespace tuina::motion

@@ -6,7 +6,7 @@
 namespace tuina::motion {
 namespace {
 
-/// How far a place is above the skin.
+/// Height of a point above the skin.
 double height_m(const body::BackSurface& back, const Vector3& in_couch) {
   const body::SurfacePoint skin = back.nearest(in_couch);
   return (in_couch - skin.at_in_couch).dot(skin.normal_in_couch);
@@ -14,9 +14,9 @@ double height_m(const body::BackSurface& back, const Vector3& in_couch) {
 
 }  // namespace
 
-std::vector<control::ToolPose> way_between(const body::BackSurface& back, const Hover& from,
-                                           const Hover& to, double clear_m,
-                                           const Transform& base_from_couch) {
+std::vector<control::ToolPose> free_path(const body::BackSurface& back, const ApproachPose& from,
+                                         const ApproachPose& to, double clear_m,
+                                         const Transform& base_from_couch) {
   const auto in_base = [&](const Vector3& at, const Vector3& normal) {
     return control::ToolPose{.at_in_base = base_from_couch * at,
                              .normal_in_base = base_from_couch.linear() * normal};
@@ -43,7 +43,7 @@ std::vector<control::ToolPose> way_between(const body::BackSurface& back, const 
   return way;
 }
 
-double time_of_way_s(const control::ToolPose& from, const std::vector<control::ToolPose>& way) {
+double transfer_time_s(const control::ToolPose& from, const std::vector<control::ToolPose>& way) {
   constexpr double settling_s = 0.3;
   double time_s = 0.0;
   const control::ToolPose* start = &from;

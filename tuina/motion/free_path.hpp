@@ -10,18 +10,18 @@
 
 namespace tuina::motion {
 
-/// A place in the air above the skin, and which way the tool looks there.
-struct Hover {
+/// A tool pose in the air above the skin.
+struct ApproachPose {
   Vector3 at_in_couch = Vector3::Zero();
   Vector3 normal_in_couch = Vector3::UnitZ();
 };
 
-[[nodiscard]] inline Hover hover_over(const ContactPoint& point, double standoff_m) {
+[[nodiscard]] inline ApproachPose approach_pose(const ContactPoint& point, double standoff_m) {
   return {.at_in_couch = point.at_in_couch + standoff_m * point.normal_in_couch,
           .normal_in_couch = point.normal_in_couch};
 }
 
-/// Foremost point and normal of a tool.
+/// Tip and outward normal of a sphere tool.
 [[nodiscard]] inline control::ToolPose foremost_of(const Transform& base_from_tool,
                                                    double radius_m) noexcept {
   const Vector3 normal = control::tool_normal(base_from_tool);
@@ -34,15 +34,15 @@ struct Hover {
           .normal_in_base = pose.normal_in_base};
 }
 
-/// Straight through the air where that stays clear of the back; else up, over and down, just high
-/// enough.
-[[nodiscard]] std::vector<control::ToolPose> way_between(const body::BackSurface& back,
-                                                         const Hover& from, const Hover& to,
-                                                         double clear_m,
-                                                         const Transform& base_from_couch);
+/// Waypoints of a transfer: straight if that keeps `clear_m` above the back, else up, over and
+/// down, as low as possible.
+[[nodiscard]] std::vector<control::ToolPose> free_path(const body::BackSurface& back,
+                                                       const ApproachPose& from,
+                                                       const ApproachPose& to, double clear_m,
+                                                       const Transform& base_from_couch);
 
-/// How long the tool is on its way, from rest to rest at every waypoint.
-[[nodiscard]] double time_of_way_s(const control::ToolPose& from,
-                                   const std::vector<control::ToolPose>& way);
+/// Duration of a transfer with a stop at every waypoint.
+[[nodiscard]] double transfer_time_s(const control::ToolPose& from,
+                                     const std::vector<control::ToolPose>& way);
 
 }  // namespace tuina::motion

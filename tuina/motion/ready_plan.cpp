@@ -14,10 +14,10 @@ namespace tuina::motion {
 namespace {
 
 constexpr double rail_goals_m = 20_mm;
-constexpr double lifted_m = 45_mm;  // above the stand-off, on the way to the next contact
+constexpr double lifted_m = 45_mm;  // height above the stand-off in transfers
 
-/// Where the base has to stand for: the places of each arm's paths, each once however often a path
-/// goes there, and the places above their ends, lifted for the way from one to the next.
+/// Goals for placing the base: the points of each arm's paths, repeated paths once, and the lifted
+/// approach poses at their ends.
 PerArm<std::vector<robot::ContactGoal>> goals_for_rail(const massage::Plan& plan,
                                                        const Transform& base_from_couch,
                                                        double standoff_m) {
@@ -26,9 +26,9 @@ PerArm<std::vector<robot::ContactGoal>> goals_for_rail(const massage::Plan& plan
     std::vector<robot::ContactGoal>& of_arm = goals[planned.arm];
     auto places = goals_of(planned.path, base_from_couch);
     for (const ContactPoint* end : {&planned.path.points.front(), &planned.path.points.back()}) {
-      const Hover hover = hover_over(*end, standoff_m + lifted_m);
-      places.push_back({.at_in_base = base_from_couch * hover.at_in_couch,
-                        .normal_in_base = base_from_couch.linear() * hover.normal_in_couch});
+      const ApproachPose approach = approach_pose(*end, standoff_m + lifted_m);
+      places.push_back({.at_in_base = base_from_couch * approach.at_in_couch,
+                        .normal_in_base = base_from_couch.linear() * approach.normal_in_couch});
     }
     for (const robot::ContactGoal& place : places) {
       const bool is_near = std::any_of(of_arm.begin(), of_arm.end(), [&](const auto& other) {
@@ -40,19 +40,19 @@ PerArm<std::vector<robot::ContactGoal>> goals_for_rail(const massage::Plan& plan
   return goals;
 }
 
-/// The paths in the order of their steps, as far as the arms can do them from where the base
-/// stands; given up once `hopeless` of them are left out.
-Choreography choreograph(const Stage& stage, const std::vector<massage::PlannedPath>& paths,
-                         std::size_t hopeless) {
-  Choreography choreography(stage);
-  for (std::size_t i = 0; i < paths.size() && choreography.left_out < hopeless;) {
+/// Schedules the paths step by step for a base at one place; gives up once `hopeless` paths are
+/// left out.
+TwoArmSchedule schedule_paths(const Stage& stage, const std::vector<massage::PlannedPath>& paths,
+                              std::size_t hopeless) {
+  TwoArmSchedule schedule(stage);
+  for (std::size_t i = 0; i < paths.size() && schedule.left_out < hopeless;) {
     const int step = paths[i].step;
     PerArm<const massage::PlannedPath*> together;
     for (; i < paths.size() && paths[i].step == step; ++i) together[paths[i].arm] = &paths[i];
-    choreography.dance(together);
+    schedule.add_step(together);
   }
-  choreography.finish();
-  return choreography;
+  schedule.finish();
+  return schedule;
 }
 
 }  // namespace
@@ -65,14 +65,13 @@ Result<ReadyPlan> make_ready(massage::Plan plan, const body::BackSurface& back,
   ready.ready_rad = robot::ready_posture(models[Arm::left].table(), mount);
   std::stable_sort(ready.plan.paths.begin(), ready.plan.paths.end(),
                    [](const auto& a, const auto& b) { return a.step < b.step; });
-  // A plan may hold a path that no place of the base reaches; the others are still worth doing from
-  // zero.
+  // A path may be unreachable from every place of the base; the others are then planned from zero.
   const double dexterous_m =
       robot::choose_rail({.of = {&models[Arm::left], &models[Arm::right]}}, mount,
                          goals_for_rail(ready.plan, base_from_couch, standoff_m), ready.ready_rad,
                          {.press_depth_m = press_depth_m})
           .value_or(0.0);
-  // Where the tools are most dexterous the arms may be in each other's way; then the base moves.
+  // Where the tools are most dexterous the arms may collide, so other places are tried too.
   std::vector<double> stands_m;
   const auto offer = [&](double at_m) {
     if (at_m >= mount.min_rail_m && at_m <= mount.max_rail_m) stands_m.push_back(at_m);
@@ -84,23 +83,23 @@ Result<ReadyPlan> make_ready(massage::Plan plan, const body::BackSurface& back,
          {0_mm, -100_mm, 100_mm, -200_mm, 200_mm, -50_mm, 50_mm, -150_mm, 150_mm})
       offer(dexterous_m + aside_m);
   }
-  std::optional<Choreography> best;
+  std::optional<TwoArmSchedule> best;
   std::size_t hopeless = ready.plan.paths.size() + 1;
-  // The first place is nearly always good enough; the others are tried two at a time.
+  // The first place nearly always suffices; the others are tried two at a time.
   for (std::size_t next = 0; next < stands_m.size() && hopeless > 0;) {
-    std::vector<std::optional<Choreography>> tried(
+    std::vector<std::optional<TwoArmSchedule>> tried(
         std::min<std::size_t>(next == 0 ? 1 : 2, stands_m.size() - next));
     for_each_in_parallel(tried.size(), [&](std::size_t i) {
-      tried[i] = choreograph({.back = back,
-                              .models = models,
-                              .base_from_couch = base_from_couch,
-                              .rail_m = stands_m[next + i],
-                              .standoff_m = standoff_m,
-                              .ready_rad = ready.ready_rad,
-                              .obstacles = mount.obstacles},
-                             ready.plan.paths, hopeless);
+      tried[i] = schedule_paths({.back = back,
+                                 .models = models,
+                                 .base_from_couch = base_from_couch,
+                                 .rail_m = stands_m[next + i],
+                                 .standoff_m = standoff_m,
+                                 .ready_rad = ready.ready_rad,
+                                 .obstacles = mount.obstacles},
+                                ready.plan.paths, hopeless);
     });
-    for (std::optional<Choreography>& one : tried) {
+    for (std::optional<TwoArmSchedule>& one : tried) {
       const double at_m = stands_m[next++];
       if (one->left_out >= hopeless) continue;
       hopeless = one->left_out;

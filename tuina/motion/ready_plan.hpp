@@ -14,22 +14,20 @@
 
 namespace tuina::motion {
 
-/// A plan that two arms can carry out: which arm stands how for which path, and what the tools fly
-/// through.
+/// A plan with the jobs of both arms: configurations and free-space transfers.
 struct ReadyPlan {
-  massage::Plan plan;  ///< without the paths that no posture reaches; its notes name them
+  massage::Plan plan;  ///< without unreachable paths; its notes name them
   PerArm<std::vector<ArmJob>> jobs;
-  PerArm<JointVector> ready_rad;  ///< before and after the massage
+  PerArm<JointVector> ready_rad;  ///< configuration before and after the massage
   double rail_m = 0.0;
-  bool reachable = true;  ///< every path of the plan that was given
-  double min_arm_distance_m =
-      0.0;                  ///< between the surfaces of the arms, over all paths that run together
-  robot::Clearances clear;  ///< of the arms, from couch and the robot's own body
+  bool reachable = true;            ///< true when no path was left out
+  double min_arm_distance_m = 0.0;  ///< minimum over all paths that run together
+  robot::Clearances clear;          ///< minimum distances of the arms from couch and robot body
 };
 
-/// Makes a plan ready for a robot: the linear base is placed, every path followed by inverse
-/// kinematics, and the way through the air before each contact lifted clear of the back. Fails when
-/// no path can be reached. A base that stands already stays at `rail_m`.
+/// Places the linear base, solves inverse kinematics along every path and plans collision-free
+/// transfers between contacts. Fails when no path can be reached. With `rail_m` the base stays
+/// there.
 [[nodiscard]] Result<ReadyPlan> make_ready(massage::Plan plan, const body::BackSurface& back,
                                            const robot::RobotMount& mount,
                                            const PerArm<robot::ArmModel>& models,

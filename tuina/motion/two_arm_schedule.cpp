@@ -19,7 +19,7 @@ Arm other(Arm arm) {
 
 }  // namespace
 
-Choreography::Choreography(Stage stage)
+TwoArmSchedule::TwoArmSchedule(Stage stage)
     : min_arm_distance_m(std::numeric_limits<double>::infinity()),
       end_s(control::ArmController::Options{}.learn_s),
       stage_(std::move(stage)) {
@@ -27,16 +27,16 @@ Choreography::Choreography(Stage stage)
   min_arm_distance_m = apart_m(rest_[Arm::left].stay, rest_[Arm::right].stay);
 }
 
-double Choreography::apart_m(const Passage& left, const Passage& right) const {
+double TwoArmSchedule::apart_m(const JointPath& left, const JointPath& right) const {
   return distance_between_m(stage_.models, {.of = {&left, &right}});
 }
 
-double Choreography::apart_m(Arm arm, const Passage& its, const Passage& of_other) const {
+double TwoArmSchedule::apart_m(Arm arm, const JointPath& its, const JointPath& of_other) const {
   return arm == Arm::left ? apart_m(its, of_other) : apart_m(of_other, its);
 }
 
-void Choreography::add_job(Arm arm, int path, const std::vector<control::ToolPose>& way,
-                           const JointVector& posture_rad) {
+void TwoArmSchedule::add_job(Arm arm, int path, const std::vector<control::ToolPose>& way,
+                             const JointVector& posture_rad) {
   jobs[arm].push_back({.path = path,
                        .step = job_step_,
                        .way_in_base = way,
@@ -44,26 +44,26 @@ void Choreography::add_job(Arm arm, int path, const std::vector<control::ToolPos
                        .from_rad = rest_[arm].parked ? rest_[arm].q_rad : JointVector()});
 }
 
-void Choreography::fly(Arm arm, const ArmMove& move) {
+void TwoArmSchedule::add_transfer(Arm arm, const ArmMove& move) {
   add_job(arm, -1, move.way_in_base, move.posture_rad);
   clear.take_least(move.clear);
   ++job_step_;
-  end_s += move.air_s;
+  end_s += move.transfer_s;
   rest_[arm] = move.above;
 }
 
-/// The contacts of one step; an arm that has flown already finds itself above its path.
-void Choreography::touch(const Moves& moves, const PerArm<Planned>& planned) {
+/// Adds the contacts of one step; an arm that has transferred already starts above its path.
+void TwoArmSchedule::add_contacts(const Moves& moves, const PerArm<Planned>& planned) {
   const massage::Transfers transfers{.standoff_m = stage_.standoff_m};
-  double air_s = 0.0, off_s = 0.0;
+  double transfer_s = 0.0, off_s = 0.0;
   for (const Arm arm : both_arms) {
     if (moves[arm] == nullptr) continue;
     const ArmMove& move = *moves[arm];
     clear.take_least(move.clear);
-    const bool flown = rest_[arm].q_rad == move.above.q_rad;
-    if (!flown) air_s = std::max(air_s, move.air_s);
+    const bool transferred = rest_[arm].q_rad == move.above.q_rad;
+    if (!transferred) transfer_s = std::max(transfer_s, move.transfer_s);
     const std::vector<control::ToolPose> way =
-        flown ? std::vector{move.way_in_base.back()} : move.way_in_base;
+        transferred ? std::vector{move.way_in_base.back()} : move.way_in_base;
     const int path = planned[arm] == nullptr ? -1 : static_cast<int>(paths.size());
     add_job(arm, path, way, move.posture_rad);
     if (planned[arm] != nullptr) {
@@ -74,21 +74,21 @@ void Choreography::touch(const Moves& moves, const PerArm<Planned>& planned) {
   }
   for (massage::PlannedPath& path : paths) {
     if (path.step != path_step_) continue;
-    path.start_s = end_s + air_s + transfers.approach_s();
+    path.start_s = end_s + transfer_s + transfers.approach_s();
     off_s = std::max(off_s, path.end_s() + transfers.retract_s());
   }
-  end_s = std::max(end_s + air_s, off_s);
+  end_s = std::max(end_s + transfer_s, off_s);
   ++job_step_;
   ++path_step_;
 }
 
-Result<ArmMove> Choreography::plan_move(Arm arm, const massage::PlannedPath& planned) const {
+Result<ArmMove> TwoArmSchedule::plan_move(Arm arm, const massage::PlannedPath& planned) const {
   return move_to_path(stage_, arm, rest_[arm], planned.path, static_cast<int>(paths.size()));
 }
 
-/// True when both paths run at once.
-bool Choreography::dance_together(const PerArm<Planned>& both) {
-  // Each arm on a core of its own: they are told from each other only afterwards.
+/// True when both paths can run at once.
+bool TwoArmSchedule::plan_pair(const PerArm<Planned>& both) {
+  // The arms are planned in parallel; which failed is told afterwards.
   PerArm<Result<ArmMove>> move;
   for_each_in_parallel(both_arms.size(), [&](std::size_t i) {
     const Arm arm = both_arms[i];
@@ -97,47 +97,49 @@ bool Choreography::dance_together(const PerArm<Planned>& both) {
   if (!move[Arm::left] || !move[Arm::right]) return false;
   const ArmMove &left = *move[Arm::left], &right = *move[Arm::right];
   const Moves moves{.of = {&left, &right}};
-  const double skins_m = apart_m(left.skin, right.skin);
-  if (skins_m < wanted_arm_distance_m) return false;
-  const double all_m = std::min({skins_m, apart_m(left.air, right.air),
-                                 apart_m(left.air, right.skin), apart_m(left.skin, right.air)});
+  const double contacts_m = apart_m(left.contact, right.contact);
+  if (contacts_m < wanted_arm_distance_m) return false;
+  const double all_m =
+      std::min({contacts_m, apart_m(left.transfer, right.transfer),
+                apart_m(left.transfer, right.contact), apart_m(left.contact, right.transfer)});
   if (all_m >= wanted_arm_distance_m) {
     min_arm_distance_m = std::min(min_arm_distance_m, all_m);
-    touch(moves, both);
+    add_contacts(moves, both);
     return true;
   }
   for (const Arm first : both_arms) {
     const Arm second = other(first);
-    const double apart = std::min({skins_m, apart_m(first, move[first]->air, rest_[second].stay),
-                                   apart_m(second, move[second]->air, move[first]->above.stay)});
+    const double apart =
+        std::min({contacts_m, apart_m(first, move[first]->transfer, rest_[second].stay),
+                  apart_m(second, move[second]->transfer, move[first]->above.stay)});
     if (apart < wanted_arm_distance_m) continue;
     min_arm_distance_m = std::min(min_arm_distance_m, apart);
-    fly(first, *move[first]);
-    fly(second, *move[second]);
-    touch(moves, both);
+    add_transfer(first, *move[first]);
+    add_transfer(second, *move[second]);
+    add_contacts(moves, both);
     return true;
   }
   return false;
 }
 
-/// One arm works. The other hovers where it is, over the place that it works at next, or is out of
-/// the way before, or gets there meanwhile.
-void Choreography::dance_alone(Arm arm, const massage::PlannedPath& planned) {
+/// One arm works. The other stays where it is, over its next place, moves out of the way first, or
+/// travels there meanwhile.
+void TwoArmSchedule::plan_single(Arm arm, const massage::PlannedPath& planned) {
   const Arm idle = other(arm);
   auto move = plan_move(arm, planned);
   const bool both_parked = rest_[arm].parked && rest_[idle].parked;
   if (!move && !both_parked) {
-    // From home it may be reached.
+    // The path may be reachable from home.
     finish();
-    return dance_alone(arm, planned);
+    return plan_single(arm, planned);
   }
   if (!move) {
     ++left_out;
     notes.push_back(fmt::format("{} is left out: {}", planned.path.name, move.error().message));
     return;
   }
-  const auto beside_m = [&](const Passage& of_idle) {
-    return std::min(apart_m(arm, move->air, of_idle), apart_m(arm, move->skin, of_idle));
+  const auto beside_m = [&](const JointPath& of_idle) {
+    return std::min(apart_m(arm, move->transfer, of_idle), apart_m(arm, move->contact, of_idle));
   };
   double apart = beside_m(rest_[idle].stay);
   PerArm<Planned> paths_of;
@@ -148,12 +150,12 @@ void Choreography::dance_alone(Arm arm, const massage::PlannedPath& planned) {
   if (!rest_[idle].parked && apart < wanted_arm_distance_m) {
     home = move_home(stage_, idle, rest_[idle]);
     moves[idle] = &home;
-    apart = beside_m(home.air);
+    apart = beside_m(home.transfer);
     if (apart < wanted_arm_distance_m) {
-      const double first_m = apart_m(idle, home.air, rest_[arm].stay);
+      const double first_m = apart_m(idle, home.transfer, rest_[arm].stay);
       if (first_m >= wanted_arm_distance_m) {
         min_arm_distance_m = std::min(min_arm_distance_m, first_m);
-        fly(idle, home);
+        add_transfer(idle, home);
         moves[idle] = nullptr;
         apart = beside_m(rest_[idle].stay);
       }
@@ -161,7 +163,7 @@ void Choreography::dance_alone(Arm arm, const massage::PlannedPath& planned) {
   }
   if (apart < wanted_arm_distance_m && !both_parked) {
     finish();
-    return dance_alone(arm, planned);
+    return plan_single(arm, planned);
   }
   if (apart < closest_arm_distance_m) {
     ++left_out;
@@ -170,13 +172,13 @@ void Choreography::dance_alone(Arm arm, const massage::PlannedPath& planned) {
     return;
   }
   min_arm_distance_m = std::min(min_arm_distance_m, apart);
-  touch(moves, paths_of);
+  add_contacts(moves, paths_of);
 }
 
-void Choreography::dance(PerArm<Planned> planned) {
+void TwoArmSchedule::add_step(PerArm<Planned> planned) {
   const bool both = planned[Arm::left] != nullptr && planned[Arm::right] != nullptr;
   if (both) {
-    if (dance_together(planned)) return;
+    if (plan_pair(planned)) return;
     notes.push_back(
         fmt::format("{} and {} run one after the other: the arms would come within "
                     "{:.0f} mm of each other",
@@ -184,20 +186,20 @@ void Choreography::dance(PerArm<Planned> planned) {
                     to_mm(wanted_arm_distance_m)));
   }
   for (const Arm arm : both_arms) {
-    if (planned[arm] != nullptr) dance_alone(arm, *planned[arm]);
+    if (planned[arm] != nullptr) plan_single(arm, *planned[arm]);
   }
 }
 
-void Choreography::finish() {
+void TwoArmSchedule::finish() {
   PerArm<ArmMove> home;
   for (const Arm arm : both_arms) home[arm] = move_home(stage_, arm, rest_[arm]);
   const auto leave = [&](Arm arm) {
-    if (!rest_[arm].parked) fly(arm, home[arm]);
+    if (!rest_[arm].parked) add_transfer(arm, home[arm]);
   };
-  const double at_once_m = apart_m(home[Arm::left].air, home[Arm::right].air);
+  const double at_once_m = apart_m(home[Arm::left].transfer, home[Arm::right].transfer);
   const auto first_m = [&](Arm arm) {
-    return std::min(apart_m(arm, home[arm].air, rest_[other(arm)].stay),
-                    apart_m(other(arm), home[other(arm)].air, home[arm].after.stay));
+    return std::min(apart_m(arm, home[arm].transfer, rest_[other(arm)].stay),
+                    apart_m(other(arm), home[other(arm)].transfer, home[arm].after.stay));
   };
   const double left_m = first_m(Arm::left), right_m = first_m(Arm::right);
   if (at_once_m >= wanted_arm_distance_m || at_once_m >= std::max(left_m, right_m)) {
@@ -207,7 +209,7 @@ void Choreography::finish() {
       if (rest_[arm].parked) continue;
       add_job(arm, -1, home[arm].way_in_base, home[arm].posture_rad);
       clear.take_least(home[arm].clear);
-      max_duration_s = std::max(max_duration_s, home[arm].air_s);
+      max_duration_s = std::max(max_duration_s, home[arm].transfer_s);
       rest_[arm] = home[arm].after;
     }
     end_s += max_duration_s;

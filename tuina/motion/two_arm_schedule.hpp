@@ -10,36 +10,36 @@
 
 namespace tuina::motion {
 
-/// The moves of two arms in an order in which they keep apart, whatever the timing within a step:
-/// both at once where that is far enough, else one after the other, the idle arm out of the way.
-class Choreography {
+/// Sequences the moves of two arms so that they keep apart for any timing within a step: both at
+/// once if their distance allows, else one after the other with the idle arm out of the way.
+class TwoArmSchedule {
  public:
-  explicit Choreography(Stage stage);
+  explicit TwoArmSchedule(Stage stage);
 
-  /// The paths of one step of the plan, one per arm at most. What cannot be done is left out, and
-  /// the notes say why.
-  void dance(PerArm<const massage::PlannedPath*> paths);
-  /// Both arms back to where they began.
+  /// Adds one step of the plan, at most one path per arm. Infeasible paths are left out, with the
+  /// reason in `notes`.
+  void add_step(PerArm<const massage::PlannedPath*> paths);
+  /// Moves both arms back to their start.
   void finish();
 
-  /// The paths that are done, with new steps and times, and for each arm its jobs in order.
+  /// Paths that are kept, with their new steps and times, and the jobs of each arm in order.
   std::vector<massage::PlannedPath> paths;
   PerArm<std::vector<ArmJob>> jobs;
   std::vector<std::string> notes;
-  double min_arm_distance_m;  ///< whatever the timing within a step
-  robot::Clearances clear;    ///< of both arms, from couch and own body
-  double end_s;               ///< of the last job, if all goes to plan
+  double min_arm_distance_m;  ///< for any timing within a step
+  robot::Clearances clear;    ///< minimum distances of both arms from couch and robot body
+  double end_s;               ///< nominal end of the last job
   std::size_t left_out = 0;
 
  private:
   using Moves = PerArm<const ArmMove*>;
-  [[nodiscard]] double apart_m(const Passage& left, const Passage& right) const;
-  [[nodiscard]] double apart_m(Arm arm, const Passage& its, const Passage& of_other) const;
+  [[nodiscard]] double apart_m(const JointPath& left, const JointPath& right) const;
+  [[nodiscard]] double apart_m(Arm arm, const JointPath& its, const JointPath& of_other) const;
   [[nodiscard]] Result<ArmMove> plan_move(Arm arm, const massage::PlannedPath& planned) const;
-  bool dance_together(const PerArm<const massage::PlannedPath*>& both);
-  void dance_alone(Arm arm, const massage::PlannedPath& planned);
-  void fly(Arm arm, const ArmMove& move);
-  void touch(const Moves& moves, const PerArm<const massage::PlannedPath*>& planned);
+  bool plan_pair(const PerArm<const massage::PlannedPath*>& both);
+  void plan_single(Arm arm, const massage::PlannedPath& planned);
+  void add_transfer(Arm arm, const ArmMove& move);
+  void add_contacts(const Moves& moves, const PerArm<const massage::PlannedPath*>& planned);
   void add_job(Arm arm, int path, const std::vector<control::ToolPose>& way,
                const JointVector& posture_rad);
 

@@ -9,8 +9,7 @@ namespace {
 
 using Codes = std::array<std::uint64_t, max_markers>;
 
-// The cells of OpenCV's predefined dictionaries DICT_4X4_50, DICT_5X5_50 and DICT_6X6_50, by which
-// boards are printed.
+// Cells of OpenCV's predefined dictionaries DICT_4X4_50, DICT_5X5_50 and DICT_6X6_50.
 constexpr Codes of_4 = {
     0xb532, 0xf9a,  0x332d, 0x9946, 0x549e, 0x79cd, 0x9e2e, 0xc4f2, 0xfeda, 0xcf56,
     0xf991, 0x11a7, 0xeb7,  0x2a0f, 0x24b1, 0x263e, 0x4665, 0x6600, 0x6c5e, 0x76af,

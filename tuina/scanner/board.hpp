@@ -6,35 +6,33 @@
 
 namespace tuina::scanner {
 
-/// A flat printed board of black and white squares, by its inner corners. Board frame: x along the
-/// columns, y along the rows, z into the board as the camera sees it, the origin at the first inner
-/// corner. A ChArUco board has a marker in each white square, so a part of it is enough to know
-/// which part that is.
+/// A printed chessboard or ChArUco board, described by its inner corners. Board frame: x along the
+/// columns, y along the rows, z into the board away from the camera, origin at the first inner
+/// corner. The markers of a ChArUco board, one per white square, identify a part of it.
 struct Board {
   int columns = 7;
   int rows = 10;
   double square_m = 0.025;
   double marker_m = 0.0;  ///< side of a marker with its black frame; 0: a plain chessboard
-  int marker_cells = 4;   ///< along a side, without the frame: 4, 5 or 6
+  int marker_cells = 4;   ///< cells along a side without the frame: 4, 5 or 6
   [[nodiscard]] int corners() const { return columns * rows; }
   [[nodiscard]] bool has_markers() const { return marker_m > 0.0; }
 };
 
-/// A marker of a ChArUco board: the square that it lies in, counted from the first one, and its
-/// cells row by row, the first in the highest bit; 1 is white.
+/// A marker of a ChArUco board: its square, counted from the first one, and its cells row by row,
+/// the first in the highest bit; 1 is white.
 struct Marker {
   int column = 0;
   int row = 0;
   std::uint64_t cells = 0;
 };
 
-/// The size of the smallest of OpenCV's dictionaries; the first markers of the others are the same.
+/// Size of OpenCV's smallest dictionaries; the larger ones begin with the same markers.
 inline constexpr int max_markers = 50;
 [[nodiscard]] int marker_count(const Board& board);
 
-/// The markers of a board with `marker_count` of at most `max_markers`, as OpenCV lays them out:
-/// by rows, the first square being black. Before version 4.6 a board with an even number of rows of
-/// squares began with a white one.
+/// Markers of a board with at most `max_markers`, in OpenCV's layout: by rows, the first square
+/// black. Before version 4.6, boards with an even number of rows of squares began with a white one.
 [[nodiscard]] std::vector<Marker> markers_of(const Board& board, bool first_is_black = true);
 
 }  // namespace tuina::scanner

@@ -12,8 +12,8 @@
 namespace tuina::scanner {
 namespace {
 
-// Directions and rotations typed with four digits are taken and made exact; worse ones are a
-// mistake.
+// Directions and rotations with four digits are accepted and normalised; larger errors are
+// mistakes.
 constexpr double typed_tolerance = 2e-3;
 constexpr double exact = 1e-12;
 constexpr std::size_t most_listed = 100;
@@ -41,7 +41,7 @@ void read_direction(const TomlTable& table, const char* key, Vector3& value) {
   value = std::abs(length - 1.0) > exact ? Vector3(found / length) : found;
 }
 
-// As many numbers as there are, in rising order or not.
+// A list of numbers of any length.
 std::vector<double> read_list(const TomlTable& table, const char* key, double high) {
   const auto list = table.list(key).value_or(std::vector<TomlValue>{});
   std::vector<double> found;
@@ -65,7 +65,7 @@ void read_rotation(const TomlTable& table, const char* key, Matrix3& value) {
     good = row.has_value();
     if (good) found.row(static_cast<Eigen::Index>(i)) = vector_of(*row).transpose();
   }
-  // Written so that numbers too large for a product are no rotation.
+  // Written so that an overflowing product is no rotation.
   const double off = (found * found.transpose() - Matrix3::Identity()).cwiseAbs().maxCoeff();
   if (!good) return table.wrong(key, "is not three rows of three numbers");
   if (!(off <= typed_tolerance && found.determinant() > 0.0)) {
@@ -80,7 +80,7 @@ void read_rotation(const TomlTable& table, const char* key, Matrix3& value) {
   value = found;
 }
 
-// A float of TOML has a point or an exponent, not a point before the exponent.
+// TOML floats need a point or an exponent, and no point directly before the exponent.
 std::string float_of(double number) {
   std::string text = fmt::format("{}", number);
   if (text.find_first_of(".e") == std::string::npos) text += ".0";
@@ -106,7 +106,7 @@ Transform ScannerCalibration::couch_from_camera_at(double yaw_rad) const {
 
 double CalibrationErrors::range_at_m(double at_m) const {
   if (depth_m.size() < 2) return range_m.front() * std::pow(at_m / depth_m.front(), 2);
-  // A straight line between logarithms, also beyond the ends: errors grow like a power of depth.
+  // Log-log interpolation and extrapolation: errors grow like a power of depth.
   std::size_t i = 1;
   while (i + 1 < depth_m.size() && depth_m[i] < at_m) ++i;
   const double power =

@@ -13,8 +13,8 @@
 
 namespace tuina::scanner {
 
-/// A pinhole with the five distortion coefficients of OpenCV (k1, k2, p1, p2, k3); pixel centres
-/// are whole numbers. Camera frame: x to the right of the image, y down, z forward.
+/// Pinhole camera with OpenCV's five distortion coefficients (k1, k2, p1, p2, k3); pixel centres
+/// are integers. Camera frame: x to the right of the image, y down, z forward.
 struct CameraModel {
   int width_px = 640;
   int height_px = 480;
@@ -25,44 +25,44 @@ struct CameraModel {
   std::array<double, 5> distortion = {};
 };
 
-/// How far off a calibration is to be expected, one standard deviation each. The defaults are what
-/// 40 poses of a chessboard with 0.1 px of noise leave (docs/scanner.md).
+/// Standard deviations of a calibration. The defaults result from 40 poses of a chessboard with 0.1
+/// px of noise (docs/scanner.md).
 struct CalibrationErrors {
-  /// Of the range, RMS over the image, by camera and light plane together, at increasing depths.
+  /// Range error, RMS over the image, of camera and light plane together, at increasing depths.
   std::vector<double> depth_m = {0.65, 1.0, 1.75};
   std::vector<double> range_m = {0.35e-3, 0.56e-3, 1.06e-3};
-  double axis_direction_rad = 0.5e-3;  ///< about each of two directions upright to it
-  double axis_point_m = 0.5e-3;        ///< along each of them
+  double axis_direction_rad = 0.5e-3;  ///< about each of two directions perpendicular to the axis
+  double axis_point_m = 0.5e-3;        ///< along each of the same directions
   double latency_s = 2e-3;
 
   [[nodiscard]] double range_at_m(double depth_m) const;
 };
 
-/// All that is known of one scanner, as calibration.toml holds it.
+/// Calibration of one scanner, as stored in calibration.toml.
 struct ScannerCalibration {
   CameraModel camera;
-  /// Points X of the light plane satisfy normal . X = distance, in the camera frame.
+  /// Light plane: points X with normal . X = distance, in the camera frame.
   Vector3 laser_normal_in_camera = Vector3::UnitX();
   double laser_distance_m = 0.2;
-  /// The unit turns about this line; a positive yaw is right-handed about the direction.
+  /// Yaw axis; a positive yaw is right-handed about the direction.
   Vector3 axis_point_in_camera = Vector3::Zero();
   Vector3 axis_direction_in_camera = -Vector3::UnitY();
   double latency_s = 0.0;  ///< added to a yaw time to compare it with a frame time
   Transform couch_from_camera = Transform::Identity();  ///< at yaw 0
-  std::optional<CalibrationErrors> errors;              ///< when the file tells them
+  std::optional<CalibrationErrors> errors;              ///< as stored in the file
 
-  /// The pose of the camera after the unit has turned by `yaw_rad` from its pose at yaw 0.
+  /// Camera pose after the unit has turned by `yaw_rad`.
   [[nodiscard]] Transform couch_from_camera_at(double yaw_rad) const;
 };
 
-/// Reads calibration.toml; only [standard_deviations] may be missing. Unknown, missing and
-/// malformed keys, numbers that are not finite, normals that are not unit and rotations that are
-/// none are refused together, each with file and line.
+/// Reads calibration.toml; only [standard_deviations] is optional. Fails with all faults, each with
+/// file and line: unknown, missing and malformed keys, non-finite numbers, normals that are not
+/// unit, matrices that are no rotations.
 [[nodiscard]] Result<ScannerCalibration> read_calibration(const std::filesystem::path& path);
 [[nodiscard]] Result<ScannerCalibration> parse_calibration(std::string_view text,
                                                            std::string_view name);
 
-/// Reading this text again gives the same calibration bit for bit.
+/// Serialises a calibration; reading it back gives the same bits.
 [[nodiscard]] std::string to_toml(const ScannerCalibration& calibration);
 
 }  // namespace tuina::scanner

@@ -6,11 +6,11 @@
 
 namespace tuina::scanner {
 
-/// One picture with the time of the middle of its exposure, on the camera's clock.
+/// One picture with the time of mid-exposure on the camera's clock.
 struct Frame {
   double time_s = 0.0;
   Image image;  ///< 8-bit grey, or RGB of which the laser's channel is used
-  Image dark;   ///< the same view with the laser off; empty when none was taken
+  Image dark;   ///< same view with the laser off; empty if not taken
 };
 
 /// Time after which a camera that takes 30 frames a second and gives none is broken.

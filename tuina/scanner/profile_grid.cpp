@@ -9,7 +9,7 @@
 namespace tuina::scanner {
 namespace {
 
-// Four rows at a time, in vectors of the compiler that every processor has.
+// Four rows at a time, in compiler vectors that every processor supports.
 constexpr std::size_t lanes = 4;
 using Floats [[gnu::vector_size(4 * lanes)]] = float;
 using Wholes [[gnu::vector_size(4 * lanes)]] = std::int32_t;
@@ -24,20 +24,20 @@ using Wholes [[gnu::vector_size(4 * lanes)]] = std::int32_t;
   std::memcpy(to, &values, sizeof values);
 }
 
-// One where true, else zero.
+// One where the claim holds, else zero.
 [[gnu::always_inline]] inline Floats one_if(const Wholes& claim) {
   return claim ? Floats{} + 1.0F : Floats{};
 }
 
-// Neighbours of a point on its own surface: in its profile, in the two beside it, and how many of
-// them outshine it. A claim that holds is -1.
+// Neighbours of a point on its surface: counts in its profile, in adjacent profiles, and of those
+// brighter than it. True claims are -1.
 struct Company {
   Wholes in_rows = {}, in_profiles = {}, brighter = {};
   void add(bool in_same_profile, const Wholes& near, const Wholes& outshines) {
     (in_same_profile ? in_rows : in_profiles) -= near;
     brighter -= near & outshines;
   }
-  // Less than half of them outshine it: then the middle one does not.
+  // Fewer than half brighter means that the point is not below the median.
   [[nodiscard]] Wholes bears_out(int profiles_needed) const {
     return (in_rows >= 3) & (in_profiles >= profiles_needed) &
            (brighter + brighter < in_rows + in_profiles);
@@ -76,7 +76,7 @@ void ProfileGrid::light(std::size_t profile, std::size_t row, const Node& node) 
   has_unsure_[profile + 1] = true;
 }
 
-NeighbourJudge::NeighbourJudge(const ProfileGrid& grid) : grid_(grid) {
+NeighbourFilter::NeighbourFilter(const ProfileGrid& grid) : grid_(grid) {
   const std::size_t rows = whole_vectors(grid.rows());
   for (Sums& sums_of : near_) {
     for (auto& sum : sums_of) sum.assign(rows, 0.0F);
@@ -86,7 +86,7 @@ NeighbourJudge::NeighbourJudge(const ProfileGrid& grid) : grid_(grid) {
   for (std::ptrdiff_t profile = 0; profile < profiles_near; ++profile) add_up_rows(profile);
 }
 
-const NeighbourJudge::Verdict& NeighbourJudge::next() {
+const NeighbourFilter::Verdict& NeighbourFilter::next() {
   ++profile_;
   add_up_rows(profile_ + profiles_near);
   fit_planes();
@@ -94,8 +94,8 @@ const NeighbourJudge::Verdict& NeighbourJudge::next() {
   return verdict_;
 }
 
-// Up to six rows up and down, every third one: rows lie closer than profiles.
-void NeighbourJudge::add_up_rows(std::ptrdiff_t profile) {
+// Sums up to six rows up and down, every third one, since rows lie closer than profiles.
+void NeighbourFilter::add_up_rows(std::ptrdiff_t profile) {
   Sums& to = near_[static_cast<std::size_t>(profile) % window];
   if (profile >= static_cast<std::ptrdiff_t>(grid_.profiles())) {
     for (auto& sum : to) std::fill(sum.begin(), sum.end(), 0.0F);
@@ -138,9 +138,9 @@ void NeighbourJudge::add_up_rows(std::ptrdiff_t profile) {
   }
 }
 
-// Least squares of point = origin + a i + b j over the profiles i and rows j near each point; the
-// normal is upright to a and b.
-void NeighbourJudge::fit_planes() {
+// Least squares of point = origin + a i + b j over profiles i and rows j around each point; the
+// normal is perpendicular to a and b.
+void NeighbourFilter::fit_planes() {
   const std::size_t begin = grid_.place(static_cast<std::size_t>(profile_), 0);
   const auto stride = static_cast<std::ptrdiff_t>(grid_.stride_);
   const float* const at[3] = {grid_.plane_[ProfileGrid::x].data() + begin,
@@ -181,7 +181,7 @@ void NeighbourJudge::fit_planes() {
     const Floats c_ii = ii - i1 * i1 * share;
     const Floats c_ij = ij - i1 * j_1 * share;
     const Floats c_jj = j_j - j_1 * j_1 * share;
-    // The common factor 1 / spread of a and b does not turn the normal.
+    // The common factor 1 / spread of a and b does not change the normal.
     Floats a[3], b[3];
     for (int k = 0; k < 3; ++k) {
       const Floats along_i = ip[k] - i1 * share * p[k];
@@ -205,12 +205,11 @@ void NeighbourJudge::fit_planes() {
   }
 }
 
-// A point needs three neighbours along its profile and, if there are more profiles, two on the next
-// ones, and must not be much dimmer than the middle one of them all. Beside the edge of a shadow or
-// a couch, where a part of the laser's sheet is cut off, whole profiles are dim and centimetres
-// off, and bear each other out; but there the surface ends. So unsure points count, for themselves
-// and for others, only where it goes on in the profiles on both sides.
-void NeighbourJudge::compare_amplitudes() {
+// A point needs three neighbours along its profile, two on adjacent profiles (if there are any),
+// and at least 0.6 of their median amplitude. Beside a shadow edge or couch edge that cuts the
+// laser's sheet, whole profiles are dim, centimetres off and consistent with each other, but the
+// surface ends there. So unsure points count only where it continues in the profiles on both sides.
+void NeighbourFilter::compare_amplitudes() {
   constexpr float dim = 0.6F;
   const std::size_t begin = grid_.place(static_cast<std::size_t>(profile_), 0);
   const auto stride = static_cast<std::ptrdiff_t>(grid_.stride_);

@@ -9,18 +9,17 @@
 
 namespace tuina::scanner {
 
-/// Points of a sweep kept where they were seen, profile by profile and row by row, so that the
-/// neighbours of a point are known without a search. All points are in one frame, to a tenth of a
-/// micrometre.
+/// Points of a sweep in a grid of profiles and rows, so that neighbours need no search. One frame
+/// for all points, resolution 0.1 um.
 class ProfileGrid {
  public:
   struct Node {
     Vector3 point = Vector3::Zero();
     float amplitude_dn = 0.0F;
     float deviation_m = 0.0F;
-    float reach_rows_m = 0.0F;      ///< how far the next row may lie on one surface
-    float reach_profiles_m = 0.0F;  ///< the same for the next profile
-    bool unsure = false;            ///< to be kept only where its surface goes on on both sides
+    float reach_rows_m = 0.0F;      ///< maximum distance of the next row on one surface
+    float reach_profiles_m = 0.0F;  ///< maximum distance of the next profile on one surface
+    bool unsure = false;            ///< keep only if the surface continues on both sides
   };
 
   ProfileGrid(std::size_t profiles, std::size_t rows);
@@ -43,7 +42,7 @@ class ProfileGrid {
   }
 
  private:
-  friend class NeighbourJudge;
+  friend class NeighbourFilter;
   enum Plane : std::size_t {
     x,
     y,
@@ -55,16 +54,16 @@ class ProfileGrid {
     unsure,
     planes
   };
-  // Around the grid there is a margin of unlit places, so that nobody asks where it ends.
+  // A margin of unlit nodes around the grid avoids border checks.
   static constexpr std::size_t margin_profiles = 2;
   static constexpr std::size_t margin_rows = 8;
-  static constexpr float unlit_m = 1e6F;  // so far off that it is nobody's neighbour
+  static constexpr float unlit_m = 1e6F;  // too far away to be a neighbour
 
   [[nodiscard]] std::size_t place(std::size_t profile, std::size_t row) const {
     return (profile + margin_profiles) * stride_ + margin_rows + row;
   }
 
-  // Whether this profile or one beside it has an unsure point.
+  // True when this profile or one beside it has an unsure point.
   [[nodiscard]] bool unsure_near(std::size_t profile) const {
     return has_unsure_[profile] || has_unsure_[profile + 1] || has_unsure_[profile + 2];
   }
@@ -72,31 +71,31 @@ class ProfileGrid {
   std::size_t profiles_;
   std::size_t rows_;
   std::size_t stride_;
-  std::vector<bool> has_unsure_;  ///< by profile, after one that stands before the first
+  std::vector<bool> has_unsure_;  ///< by profile, with one before the first
   std::array<std::vector<float>, planes> plane_;
 };
 
-/// What the neighbours of each point say of it, one profile after the other.
-class NeighbourJudge {
+/// Classifies points by their neighbours and estimates normals, profile by profile.
+class NeighbourFilter {
  public:
-  explicit NeighbourJudge(const ProfileGrid& grid);
+  explicit NeighbourFilter(const ProfileGrid& grid);
 
   struct Verdict {
-    /// Not zero where the point is to be trusted. It is not where the line fell on two surfaces at
-    /// once, or past an edge: such a point lies between them, dimmer than its neighbours, or has
-    /// none. Nor is it where too few neighbours give a normal.
+    /// Zero for mixed points and for points with too few neighbours for a normal. A mixed point
+    /// arises where the line covers two surfaces or an edge: it floats between them, dimmer than
+    /// its neighbours or without any.
     std::vector<float> trusted;
     std::array<std::vector<float>, 3> normal;  ///< unit, of either sign
   };
-  /// The verdict on the rows of the next profile, the first one first.
+  /// Verdict on the rows of the next profile, beginning with the first.
   const Verdict& next();
 
  private:
-  // Of the points of one profile near each of its rows: how many, and sums over their row numbers j
-  // and places p, both seen from that row's own point.
+  // Per row: number of points of one profile near it, and sums over their row offsets j and
+  // positions p relative to that row's point.
   enum Sum : std::size_t { n, j1, jj, px, py, pz, jx, jy, jz, sums };
   using Sums = std::array<std::vector<float>, sums>;
-  static constexpr std::ptrdiff_t profiles_near = 2;  // to either side
+  static constexpr std::ptrdiff_t profiles_near = 2;  // profiles to either side
   static constexpr std::size_t window = 2 * profiles_near + 1;
 
   void add_up_rows(std::ptrdiff_t profile);
@@ -105,7 +104,7 @@ class NeighbourJudge {
 
   const ProfileGrid& grid_;
   std::ptrdiff_t profile_ = -1;
-  std::array<Sums, window> near_;  // of the profile p in place p modulo the window
+  std::array<Sums, window> near_;  // profile p is at p modulo the window
   Verdict verdict_;
 };
 

@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 constexpr double degrees_per_count = 300.0 / 1024.0;
 
-// The pictures of a folder by the number in their names.
+// Pictures of a folder by the number in their names.
 Result<std::map<long, fs::path>> numbered_pictures(const fs::path& folder) {
   std::map<long, fs::path> pictures;
   std::error_code error;
@@ -43,7 +43,7 @@ Result<std::map<long, fs::path>> numbered_pictures(const fs::path& folder) {
   return pictures;
 }
 
-/// A picture in its own channels, 16 bits rounded to 8.
+/// Reads a picture with its channels, 16 bits rounded to 8.
 Result<Image> read_frame(const fs::path& path) {
   const auto png = read_png(path);
   if (!png) return tl::unexpected(png.error());
@@ -57,6 +57,38 @@ Result<Image> read_frame(const fs::path& path) {
 
 std::string picture_name(std::size_t index) {
   return fmt::format("{:06}.png", index);
+}
+
+Result<std::vector<YawReading>> read_readings(const fs::path& yaw_csv) {
+  const auto yaw = read_csv(yaw_csv, {"time_s", "yaw_deg"});
+  if (!yaw) return tl::unexpected(yaw.error());
+  std::vector<YawReading> readings;
+  for (std::size_t i = 0; i < yaw->rows(); ++i) {
+    const double time_s = yaw->columns[0][i];
+    const double yaw_deg = yaw->columns[1][i];
+    if (!std::isfinite(time_s) || !std::isfinite(yaw_deg)) {
+      return fail(Fault::bad_input, "{}:{}: a number is not finite", yaw_csv.string(), i + 2);
+    }
+    readings.push_back({time_s, from_deg(yaw_deg)});
+  }
+  return readings;
+}
+
+/// Fails for a picture or a dark picture without a row in the table.
+Result<void> check_listed(const std::map<long, fs::path>& pictures,
+                          const std::map<long, fs::path>& darks, const std::set<long>& listed,
+                          const fs::path& frames_csv) {
+  for (const auto& [frame, path] : pictures) {
+    if (!listed.contains(frame)) {
+      return fail(Fault::bad_input, "{}: {} does not list it", path.string(), frames_csv.string());
+    }
+  }
+  for (const auto& [frame, path] : darks) {
+    if (!listed.contains(frame)) {
+      return fail(Fault::bad_input, "{}: no frame {} belongs to it", path.string(), frame);
+    }
+  }
+  return {};
 }
 
 }  // namespace
@@ -97,7 +129,7 @@ Result<Recording> Recording::open(const fs::path& folder, Frames kind) {
   for (std::size_t i = 0; i < frames->rows(); ++i) {
     const double number = frames->columns[0][i];
     const double time_s = frames->columns[1][i];
-    // Line 1 is the header, so row i stands on line i + 2.
+    // Line 1 is the header, so row i is on line i + 2.
     const auto where = fmt::format("{}:{}", frames_csv.string(), i + 2);
     if (!(number >= 0.0 && number < 1e9) || number != std::floor(number)) {
       return fail(Fault::bad_input, "{}: frame {} is not a whole number", where, number);
@@ -121,28 +153,13 @@ Result<Recording> Recording::open(const fs::path& folder, Frames kind) {
     recording.frames_.push_back(
         {time_s, picture->second, dark != darks.end() ? dark->second : fs::path()});
   }
-  for (const auto& [frame, path] : *pictures) {
-    if (!listed.contains(frame)) {
-      return fail(Fault::bad_input, "{}: {} does not list it", path.string(), frames_csv.string());
-    }
-  }
-  for (const auto& [frame, path] : darks) {
-    if (!listed.contains(frame)) {
-      return fail(Fault::bad_input, "{}: no frame {} belongs to it", path.string(), frame);
-    }
-  }
+  const auto checked = check_listed(*pictures, darks, listed, frames_csv);
+  if (!checked) return tl::unexpected(checked.error());
 
   const fs::path yaw_csv = folder / "yaw.csv";
-  const auto yaw = read_csv(yaw_csv, {"time_s", "yaw_deg"});
-  if (!yaw) return tl::unexpected(yaw.error());
-  for (std::size_t i = 0; i < yaw->rows(); ++i) {
-    const double time_s = yaw->columns[0][i];
-    const double yaw_deg = yaw->columns[1][i];
-    if (!std::isfinite(time_s) || !std::isfinite(yaw_deg)) {
-      return fail(Fault::bad_input, "{}:{}: a number is not finite", yaw_csv.string(), i + 2);
-    }
-    recording.readings_.push_back({time_s, from_deg(yaw_deg)});
-  }
+  auto readings = read_readings(yaw_csv);
+  if (!readings) return tl::unexpected(readings.error());
+  recording.readings_ = std::move(*readings);
   std::vector<double> times_s;
   for (const Entry& entry : recording.frames_) times_s.push_back(entry.time_s);
   const auto covered = yaw_at(times_s, recording.readings_, recording.calibration_.latency_s);
@@ -154,8 +171,7 @@ Result<Frame> Recording::next_frame(double) {
   if (next_ == frames_.size()) return fail(Fault::device, "the recording has no more frames");
   const Entry& entry = frames_[next_++];
   Frame frame{.time_s = entry.time_s, .image = {}, .dark = {}};
-  // A picture that is not there any more is a broken recording, not the end of it: every error is
-  // passed on.
+  // A picture that has disappeared is an error, not the end of the recording.
   const auto read = kind_ == Frames::grey ? read_picture : read_frame;
   auto image = read(entry.picture);
   if (!image) return tl::unexpected(image.error());
@@ -193,14 +209,14 @@ Recorder::Recorder(Recorder&& other) noexcept
       readings_(std::move(other.readings_)) {}
 
 Recorder::~Recorder() {
-  std::error_code ignored;  // a destructor has nobody to tell
+  std::error_code ignored;  // a destructor cannot report
   if (!part_.empty()) fs::remove_all(part_, ignored);
 }
 
 Result<Recorder> Recorder::open(Camera& camera, Turntable& turntable, const fs::path& folder) {
   std::error_code error;
   fs::path name = folder;
-  if (!name.has_filename()) name = name.parent_path();  // a slash at the end
+  if (!name.has_filename()) name = name.parent_path();  // trailing slash
   if (fs::exists(name, error) && (!fs::is_directory(name, error) || !fs::is_empty(name, error))) {
     return fail(Fault::file, "{}: it exists already and is not an empty folder", name.string());
   }
@@ -231,7 +247,7 @@ Result<Frame> Recorder::next_frame(double timeout_s) {
   return frame;
 }
 
-// Before the way back of a scan both ways: what the motor told on the way forth is kept.
+// Keeps the readings of the way forth before the way back starts.
 Result<void> Recorder::keep_readings() {
   if (times_s_.empty()) return {};
   const auto so_far = turntable_->readings();
@@ -259,8 +275,7 @@ Result<void> Recorder::finish(const ScannerCalibration& calibration) {
   if (!last) return tl::unexpected(last.error());
   std::vector<YawReading> readings = readings_;
   readings.insert(readings.end(), last->begin(), last->end());
-  // Both tables are written with as many digits as a double needs, so a replay sees the same
-  // numbers.
+  // Tables have as many digits as a double needs, so that a replay sees the same numbers.
   std::string frames = "frame,time_s\n";
   for (std::size_t i = 0; i < times_s_.size(); ++i)
     frames += fmt::format("{},{}\n", i, times_s_[i]);
@@ -275,7 +290,7 @@ Result<void> Recorder::finish(const ScannerCalibration& calibration) {
     if (const auto written = write_file(part_ / name, text); !written) return written;
   }
   std::error_code error;
-  fs::remove(folder_, error);  // an empty folder of that name, or none
+  fs::remove(folder_, error);  // removes an empty folder of that name
   fs::rename(part_, folder_, error);
   if (error) return fail(Fault::file, "{}: {}", folder_.string(), error.message());
   part_.clear();

@@ -11,15 +11,15 @@
 
 namespace tuina::scanner {
 
-/// A picture as 8-bit grey: the red of a colour picture, 16 bits rounded to 8.
+/// Reads a picture as 8-bit grey: red of colour pictures, 16 bits rounded to 8.
 [[nodiscard]] Result<Image> read_picture(const std::filesystem::path& path);
 
-/// A recorded sweep (frames/, dark/, frames.csv, yaw.csv, calibration.toml) behind the doors of a
-/// camera and a turntable. Opening it checks everything but the pictures, which are read one by
-/// one; a picture that is missing, broken or of the wrong size fails when its turn comes.
+/// A recorded sweep (frames/, dark/, frames.csv, yaw.csv, calibration.toml) as camera and
+/// turntable. `open` checks everything but the pictures; a missing or broken picture fails in
+/// `next_frame`.
 class Recording final : public Camera, public Turntable {
  public:
-  /// Frames come in grey, the red of colour ones, or as they are.
+  /// Conversion of frames: grey (red of colour pictures), or unchanged.
   enum class Frames : std::uint8_t { grey, as_recorded };
   [[nodiscard]] static Result<Recording> open(const std::filesystem::path& folder,
                                               Frames frames = Frames::grey);
@@ -38,7 +38,7 @@ class Recording final : public Camera, public Turntable {
   struct Entry {
     double time_s = 0.0;
     std::filesystem::path picture;
-    std::filesystem::path dark;  ///< empty when there is none
+    std::filesystem::path dark;  ///< empty if there is none
   };
 
   Frames kind_ = Frames::grey;
@@ -48,12 +48,11 @@ class Recording final : public Camera, public Turntable {
   std::size_t next_ = 0;
 };
 
-/// Stands between a scanner and its reader and writes what passes into a folder as a recorded
-/// sweep. The folder gets its name only when `finish` succeeds; until then, and after a failure,
-/// nothing is there.
+/// Passes a camera and turntable through and records them as a sweep folder. The folder appears
+/// when `finish` succeeds; before that, and on failure, nothing is left behind.
 class Recorder final : public Camera, public Turntable {
  public:
-  /// Refuses a folder that holds something already.
+  /// Fails when the folder is not empty.
   [[nodiscard]] static Result<Recorder> open(Camera& camera, Turntable& turntable,
                                              const std::filesystem::path& folder);
   Recorder(Recorder&& other) noexcept;
@@ -77,10 +76,9 @@ class Recorder final : public Camera, public Turntable {
   Camera* camera_;
   Turntable* turntable_;
   std::filesystem::path folder_;
-  std::filesystem::path
-      part_;  ///< where it is written until it is whole; empty when nothing is to be removed
+  std::filesystem::path part_;  ///< temporary folder until `finish`; empty: nothing to remove
   std::vector<double> times_s_;
-  std::vector<YawReading> readings_;  ///< of the turns before this one
+  std::vector<YawReading> readings_;  ///< readings of the turns before this one
 };
 
 }  // namespace tuina::scanner

@@ -17,7 +17,7 @@ double ms_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
-// The laser is red: a colour picture becomes its first channel.
+// Keeps the red channel, which shows the laser.
 void keep_red(Image& image) {
   if (image.channels == 1) return;
   Image red(image.width, image.height);
@@ -33,29 +33,29 @@ Result<void> check_size(const Image& image, const CameraModel& camera, const cha
               image.width, image.height, camera.width_px, camera.height_px);
 }
 
-// A frame of which the transfer broke off ends in rows of one value; a sensor's own rows have
+// True when a transfer broke off: the frame ends in constant rows, while a sensor's rows have
 // noise.
 bool half_missing(const Image& image) {
   const int rows = image.height / 8;
   if (rows == 0 || image.width < 2) return false;
   const std::uint8_t* from = image.row(image.height - rows);
   const auto count = static_cast<std::ptrdiff_t>(rows) * image.width;
-  // Black clips the noise away, so all of a dark picture is even; only a part is a fault.
+  // Black clips the noise, so a dark picture may be wholly constant; only a part is a fault.
   const auto even = [](const std::uint8_t* pixels, std::ptrdiff_t n) {
     return std::all_of(pixels, pixels + n, [pixels](std::uint8_t p) { return p == *pixels; });
   };
   return even(from, count) && !even(image.row(0), count);
 }
 
-// The way back is faster: at one speed each place would be seen twice at times that mirror each
-// other, and half of any motion, the part that is even about the turn, would never show.
+// Speed ratio of the way back. At equal speed the two views of each place would be symmetric about
+// the turn, and the even half of any motion invisible.
 constexpr double back_speed = 4.0 / 3.0;
 
 // Stop and shoot: [thesis] chapter 4 turns by a degree in 400 ms; a quarter of that is slow enough
 // for any unit.
 constexpr double min_step_speed_rad_per_s = 0.25 * 1.0_deg / 0.4;
 
-// What a scan knows while frames come in.
+// State of a scan while frames come in.
 struct Intake {
   std::vector<TimedLine> lines;
   std::vector<YawReading> readings;
@@ -65,7 +65,7 @@ struct Intake {
   double compute_ms = 0.0;
 };
 
-// Where the newest line lies, as well as can be told while the unit turns.
+// Reports the newest profile, as accurately as is known during the turn.
 void tell(const Turntable& turntable, const TimedLine& line, int number,
           const ScannerCalibration& calibration, const SweepOptions& options) {
   if (!options.on_profile) return;
@@ -138,7 +138,7 @@ Result<void> take_turn(Camera& camera, Turntable& turntable, double from_rad, do
     intake.lines.push_back(
         {frame->time_s, find_laser_line(frame->image, line_options,
                                         has_dark ? ImageView(frame->dark) : ImageView())});
-    // Sensor noise makes every picture a new one; the same picture twice is a camera that hangs.
+    // Sensor noise makes every picture different; identical ones mean that the camera hangs.
     if (!intake.lines.back().line.points.empty()) {
       intake.repeated += frame->image.data == intake.before.data ? 1 : 0;
       intake.torn += half_missing(frame->image) ? 1 : 0;

@@ -17,11 +17,11 @@ namespace {
 constexpr std::size_t rows_of_a_line = 8;  // fewer lit rows are specks, not a line
 constexpr int min_profiles = 10;
 constexpr double min_turn_rad = 2.0_deg;
-// A surface seen this flatly cannot be measured: a pixel then covers many points of it.
+// At flatter angles a pixel covers many points of the surface.
 constexpr double min_cosine = 0.1;
 
-// Where the line is so dim that noise moves it this far, mostly where light grazes a surface, its
-// neighbours must bear it out. Seven times the noise is bright enough to stand alone.
+// Noise of the line position above which a point (usually at grazing incidence) needs support by
+// its neighbours: seven times the noise stands alone.
 constexpr float unsure_px = 0.3F;
 
 Result<void> check(std::span<const TimedLine> lines, const std::vector<double>& yaw_rad) {
@@ -48,7 +48,7 @@ Result<void> check(std::span<const TimedLine> lines, const std::vector<double>& 
   return {};
 }
 
-// Every line into the light plane, turned by its yaw.
+// Triangulates all lines and turns them by their yaw.
 ProfileGrid place_in_couch(std::span<const TimedLine> lines, std::span<const double> yaw_rad,
                            const ScannerCalibration& calibration) {
   const CameraModel& camera = calibration.camera;
@@ -64,8 +64,7 @@ ProfileGrid place_in_couch(std::span<const TimedLine> lines, std::span<const dou
       if (seen.row < 0 || seen.row >= camera.height_px) continue;
       const auto point = triangulate(calibration, static_cast<double>(seen.column_px), seen.row);
       if (!point) continue;
-      // On a surface tilted by 75 degrees, neighbours lie four times as far apart as on an upright
-      // one.
+      // On a surface tilted by 75 degrees neighbours lie four times as far apart.
       constexpr double steepest = 4.0;
       const double range_m = point->norm();
       const double deviation_m =
@@ -84,31 +83,31 @@ ProfileGrid place_in_couch(std::span<const TimedLine> lines, std::span<const dou
   return grid;
 }
 
-constexpr std::size_t error_row_step = 8;  // the expected error is asked of every eighth row
+constexpr std::size_t error_row_step = 8;  // the expected error is computed for every eighth row
 
-// Sums over the points that were asked for their expected error.
+// Sums over the points with an expected error.
 struct ErrorSum {
   double variance_m2 = 0.0;
   double points = 0.0;
 };
 
-// One way of the unit over the scene, as a grid of its own, added to the scan.
+// Adds one way of the unit over the scene, as its own grid.
 void add_way(std::span<const TimedLine> lines, std::span<const double> yaw_rad,
              std::span<const double> breath_m, const ScannerCalibration& calibration,
              ErrorSum& errors, Scan& scan) {
   const ProfileGrid grid = place_in_couch(lines, yaw_rad, calibration);
   PointCloud& cloud = scan.cloud_in_couch;
-  NeighbourJudge neighbours(grid);
+  NeighbourFilter neighbours(grid);
   const double turn_s = lines.back().time_s - lines.front().time_s;
   const double rad_per_s = turn_s > 0.0 ? (yaw_rad.back() - yaw_rad.front()) / turn_s : 0.0;
-  // The breath moves the whole person along the middle line of sight.
+  // The breath moves the person along the central line of sight.
   const Vector3 away =
       calibration.couch_from_camera_at(0.5 * (yaw_rad.front() + yaw_rad.back())).linear().col(2);
   for (std::size_t i = 0; i < grid.profiles(); ++i) {
     const Vector3 eye = calibration.couch_from_camera_at(yaw_rad[i]).translation();
     const ExpectedError expected(calibration, yaw_rad[i], rad_per_s);
     const Vector3 breath = breath_m.empty() ? Vector3::Zero() : Vector3(breath_m[i] * away);
-    const NeighbourJudge::Verdict& verdict = neighbours.next();
+    const NeighbourFilter::Verdict& verdict = neighbours.next();
     int lit = 0;
     scan.first_of_frame.push_back(cloud.size());
     for (std::size_t row = 0; row < grid.rows(); ++row) {
@@ -167,8 +166,8 @@ Result<Scan> make_cloud(std::span<const TimedLine> lines, std::span<const YawRea
   ErrorSum errors;
   const auto turn = turning_point(lines, *yaw_rad);
   if (turn) {
-    // Noise of the slopes makes each look see too little of the latency, so what is found is taken
-    // off and looked for again.
+    // Noise of the slopes biases each latency estimate towards zero, so the estimate is applied and
+    // repeated.
     TwoWay two;
     double latency_error_s = 0.0;
     constexpr double settled_s = 1e-4;

@@ -20,8 +20,7 @@ double median_of(std::vector<double> values) {
   return *middle;
 }
 
-// A gap of two frame times is one frame that never came. The pause at the turn of a scan both ways
-// is not counted.
+// A gap of two frame times is one lost frame; the pause at the turn does not count.
 Result<void> check_lost(std::span<const TimedLine> lines, std::size_t turn, double max_lost_share) {
   std::vector<double> gaps_s;
   for (std::size_t i = 1; i < lines.size(); ++i) {
@@ -39,7 +38,7 @@ Result<void> check_lost(std::span<const TimedLine> lines, std::size_t turn, doub
       lost, all, 100.0 * lost / all, 100.0 * max_lost_share);
 }
 
-// How far the line has moved between two frames: the median over the rows that both see.
+// Median shift of the line between two frames.
 std::optional<double> moved_px(const LaserLine& a, const LaserLine& b) {
   std::vector<double> moves;
   auto other = b.points.begin();
@@ -53,29 +52,29 @@ std::optional<double> moved_px(const LaserLine& a, const LaserLine& b) {
   return median_of(std::move(moves));
 }
 
-// In the right order the line moves farther in two frames than in one. After a frame that stands in
-// the wrong place, the next but one is nearer than the next.
+// In order, the line moves farther in two frames than in one; at a misplaced frame, the next but
+// one is nearer than the next.
 Result<void> check_order(std::span<const TimedLine> lines) {
-  constexpr double seen_px = 0.3;  // less is noise
-  int judged = 0;
+  constexpr double seen_px = 0.3;  // smaller shifts are noise
+  int compared = 0;
   int wrong = 0;
   for (std::size_t i = 2; i < lines.size(); ++i) {
     const auto next = moved_px(lines[i - 2].line, lines[i - 1].line);
     const auto next_but_one = moved_px(lines[i - 2].line, lines[i].line);
     if (!next || !next_but_one || std::max(*next, *next_but_one) < seen_px) continue;
-    ++judged;
+    ++compared;
     wrong += *next_but_one < 0.7 * *next ? 1 : 0;
   }
-  if (judged < 10 || 10 * wrong <= judged) return {};
+  if (compared < 10 || 10 * wrong <= compared) return {};
   return fail(
       Fault::bad_input,
       "frames are not in the order in which they were taken: {} of {} times the line is back "
       "where it was two frames before",
-      wrong, judged);
+      wrong, compared);
 }
 
-// A motor that stands for long, once or a few times within a turn, is stuck; one that stops for
-// every frame is meant to.
+// A motor that stands for long, once or a few times within a turn, is stuck; in stop-and-shoot it
+// stands for every frame.
 Result<void> check_motor(std::span<const YawReading> readings, std::span<const double> yaw_rad) {
   const auto [low, high] = std::minmax_element(yaw_rad.begin(), yaw_rad.end());
   const double counts = (*high - *low) / count_rad;

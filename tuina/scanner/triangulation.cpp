@@ -8,7 +8,7 @@
 namespace tuina::scanner {
 namespace {
 
-// The lens model of OpenCV: k1, k2, p1, p2, k3 on normalized coordinates.
+// OpenCV's distortion (k1, k2, p1, p2, k3) on normalised coordinates.
 Vector2 distort(const CameraModel& camera, const Vector2& straight) {
   const auto [k1, k2, p1, p2, k3] = camera.distortion;
   const double x = straight.x();
@@ -25,8 +25,8 @@ Vector3 ray_through(const CameraModel& camera, double column_px, double row_px) 
   const Vector2 seen((column_px - camera.cx_px) / camera.fx_px,
                      (row_px - camera.cy_px) / camera.fy_px);
   Vector2 straight = seen;
-  // The model has no closed inverse; fixed-point steps shrink the error by the distortion itself
-  // each time.
+  // Fixed-point iteration, since the model has no closed inverse; each step shrinks the error by
+  // about the distortion.
   for (int step = 0; step < 20; ++step) {
     const Vector2 error = distort(camera, straight) - seen;
     straight -= error;
@@ -62,8 +62,7 @@ std::pair<int, int> columns_between(const ScannerCalibration& calibration, doubl
   const Vector3& normal = calibration.laser_normal_in_camera;
   double low = std::numeric_limits<double>::infinity();
   double high = -low;
-  // The plane may lean along the rows as well, so its columns are looked up at the upper and lower
-  // border.
+  // The plane may lean along the rows too, so columns are evaluated at both borders.
   for (const double row : {0.0, 0.5 * (camera.height_px - 1), camera.height_px - 1.0}) {
     const double y = (row - camera.cy_px) / camera.fy_px;
     for (const double z : {near_m, far_m}) {

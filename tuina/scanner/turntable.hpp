@@ -7,8 +7,8 @@
 
 namespace tuina::scanner {
 
-/// One reading of the yaw motor, as coarse as the motor counts, on the motor's clock (which lags
-/// the camera's by the latency of the calibration).
+/// One reading of the yaw motor, quantised, on the motor's clock, which lags the camera's by the
+/// calibrated latency.
 struct YawReading {
   double time_s = 0.0;
   double yaw_rad = 0.0;

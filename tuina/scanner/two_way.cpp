@@ -13,14 +13,14 @@ namespace tuina::scanner {
 namespace {
 
 constexpr float unlit = -1.0F;
-constexpr double max_distance_px = 6.0;  // the same place seen twice does not differ by more
+constexpr double max_distance_px = 6.0;  // maximum difference of the same place between the ways
 
-// One row of one frame of the way back, against the way forth at the same yaw.
+// One row of one frame of the way back against the way forth at the same yaw.
 struct Sample {
-  std::size_t pair = 0;        // which frame of the way back
+  std::size_t pair = 0;        // index of the frame on the way back
   double difference_px = 0.0;  // column forth minus column back
-  double px_per_rad = 0.0;     // how the column moves with the yaw
-  double px_per_m = 0.0;       // and with a step of the person towards the scanner
+  double px_per_rad = 0.0;     // derivative of the column by yaw
+  double px_per_m = 0.0;       // derivative by motion of the person towards the scanner
   double weight = 0.0;
 };
 
@@ -40,7 +40,7 @@ std::vector<float> columns_of(const LaserLine& line, int rows) {
   return columns;
 }
 
-// Where the line of one row goes when the surface, upright to the sight, comes nearer by a metre.
+// Derivative of the line column when the surface approaches by a metre.
 double px_per_m_towards(const ScannerCalibration& calibration, double column_px, double row) {
   const auto here = triangulate(calibration, column_px, row);
   const auto next = triangulate(calibration, column_px + 0.5, row);
@@ -62,7 +62,7 @@ Comparison samples_of(std::span<const TimedLine> lines, std::span<const double> 
   for (std::size_t i = 0; i < turn; ++i) forth.push_back(columns_of(lines[i].line, rows));
   const double direction = yaw_rad[turn - 1] > yaw_rad[0] ? 1.0 : -1.0;
   for (std::size_t i = turn; i < lines.size(); ++i) {
-    // The two frames of the way forth on both sides of this yaw; the yaw rises evenly along it.
+    // Frames of the way forth on both sides of this yaw, which rises monotonically along it.
     const auto after = static_cast<std::size_t>(
         std::lower_bound(yaw_rad.begin(), yaw_rad.begin() + static_cast<std::ptrdiff_t>(turn),
                          yaw_rad[i],
@@ -79,7 +79,8 @@ Comparison samples_of(std::span<const TimedLine> lines, std::span<const double> 
         .line = i};
     const Transform couch_from_camera = calibration.couch_from_camera_at(yaw_rad[i]);
     for (const LinePoint& seen : lines[i].line.points) {
-      if (seen.row % 4 != 0 || seen.row < 0 || seen.row >= rows) continue;  // enough of them
+      if (seen.row % 4 != 0 || seen.row < 0 || seen.row >= rows)
+        continue;  // every fourth row suffices
       const auto row = static_cast<std::size_t>(seen.row);
       const float a = forth[before][row];
       const float b = forth[after][row];
@@ -101,15 +102,15 @@ Comparison samples_of(std::span<const TimedLine> lines, std::span<const double> 
 }
 
 struct Fit {
-  double turn_rad = 0.0;  // by which the ways are turned against each other
+  double turn_rad = 0.0;  // yaw offset between the ways
   double turn_deviation_rad = 0.0;
-  double own_share = 0.0;  // of what a turn does to the lines, what no step of the person could do
-  std::vector<double> moved_m;  // of the person, forth against back, per pair
+  double own_share = 0.0;       // share of the yaw effect that no motion of the person explains
+  std::vector<double> moved_m;  // motion of the person between forth and back, per pair
   std::vector<double> weight;   // per pair
 };
 
-// difference = px_per_rad * turn + px_per_m * moved(pair): each pair's own unknown is eliminated,
-// one for all is left.
+// difference = px_per_rad * turn + px_per_m * moved(pair): the unknowns of the pairs are
+// eliminated, the common turn remains.
 Fit fit(Comparison& comparison) {
   Fit fit;
   const std::size_t n = comparison.pairs.size();
@@ -136,7 +137,7 @@ Fit fit(Comparison& comparison) {
       if (cc[k] > 0.0) fit.moved_m[k] = (cr[k] - cg[k] * fit.turn_rad) / cc[k];
     }
     fit.weight = cc;
-    // Edges and specks outvote nobody: a residual counts less the farther it is from the rest.
+    // Robust weights: edges and specks have large residuals.
     std::vector<double> residuals;
     for (const Sample& s : comparison.samples) {
       residuals.push_back(std::abs(s.difference_px - s.px_per_rad * fit.turn_rad -
@@ -166,8 +167,8 @@ struct Sine {
   [[nodiscard]] double amplitude_m() const { return std::hypot(cosine_m, sine_m); }
 };
 
-// Breath at time t as a sine: what is known of it is its difference between the two times of each
-// pair. People breathe 7 to 36 times a minute.
+// Fits the breath as a sine from its differences between the two times of each pair, over 7 to 36
+// breaths per minute.
 Sine fit_breath(const std::vector<Pair>& pairs, const Fit& fit) {
   Sine best;
   double all2 = 0.0;
@@ -187,7 +188,7 @@ Sine fit_breath(const std::vector<Pair>& pairs, const Fit& fit) {
       normal += fit.weight[k] * row * row.transpose();
       rhs += fit.weight[k] * fit.moved_m[k] * row;
     }
-    // What the two times of the pairs hardly tell is taken to be nothing.
+    // Regularised: what the pairs hardly determine becomes zero.
     const Eigen::Matrix2d damped = normal + 3e-3 * normal.trace() * Eigen::Matrix2d::Identity();
     const Eigen::Vector2d found = damped.ldlt().solve(rhs);
     const double explained = all2 > 0.0 ? found.dot(rhs) / all2 : 0.0;
@@ -208,7 +209,7 @@ std::optional<std::size_t> turning_point(std::span<const TimedLine> lines,
   const double forth_rad = std::abs(yaw_rad[turn] - yaw_rad[0]);
   const double back_rad = std::abs(yaw_rad[turn] - yaw_rad.back());
   if (turn < 2 || back_rad < 0.5 * forth_rad || back_rad < 1.0_deg) return {};
-  // The last frame forth and the first one back see the same yaw; between them there is a pause.
+  // The last frame forth and the first one back have the same yaw, with a pause between.
   std::size_t first_back = turn + 1;
   const auto pause_s = [&](std::size_t i) { return lines[i].time_s - lines[i - 1].time_s; };
   for (const std::size_t i : {turn, turn + 2}) {
@@ -224,7 +225,7 @@ TwoWay compare_ways(std::span<const TimedLine> lines, std::span<const double> ya
   Comparison comparison = samples_of(lines, yaw_rad, turn, calibration);
   if (comparison.samples.size() < 1000) return two;
   const Fit found = fit(comparison);
-  // Forth the yaw is late by the latency's error times the speed, back it is early by as much.
+  // A latency error makes the yaw late on the way forth and early on the way back.
   const double forth_rad_per_s =
       (yaw_rad[turn - 1] - yaw_rad[0]) / (lines[turn - 1].time_s - lines[0].time_s);
   const double back_rad_per_s =
@@ -233,8 +234,8 @@ TwoWay compare_ways(std::span<const TimedLine> lines, std::span<const double> ya
   two.compared.latency_error_s = -found.turn_rad / apart_rad_per_s;
   two.compared.latency_deviation_s = std::abs(found.turn_deviation_rad / apart_rad_per_s);
 
-  // Before a flat wall a turn and a step look alike (a share of 0.02; backs have 0.2 and more);
-  // then neither is claimed.
+  // On a flat wall a turn and a step look alike (share 0.02; backs have 0.2 and more); then neither
+  // is estimated.
   constexpr double min_own_share = 0.08;
   if (found.own_share < min_own_share) {
     two.compared.latency_error_s = 0.0;

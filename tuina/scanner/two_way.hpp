@@ -11,22 +11,21 @@
 
 namespace tuina::scanner {
 
-/// Lower than this over the couch nothing breathes: it is the couch, or as good as.
+/// Maximum height over the couch of what does not breathe.
 inline constexpr double breathing_from_m = 0.03;
 
-/// The first line of the way back, when the unit turned forth and back over the same scene.
+/// Index of the first line of the way back, if the unit turned forth and back.
 [[nodiscard]] std::optional<std::size_t> turning_point(std::span<const TimedLine> lines,
                                                        std::span<const double> yaw_rad);
 
 struct TwoWay {
   WaysCompared compared;
-  std::vector<double> breath_at_m;  ///< per line, towards the scanner from where it is smallest
+  std::vector<double> breath_at_m;  ///< per line, towards the scanner, from its minimum
 };
 
-/// The same angle seen at two times: what differs is the clock of the motor, which shifts both ways
-/// against each other across the line of sight, and the person's breath, which shifts them along
-/// it. Latency by robust least squares, breath as one sine over time. Yaw with the latency of the
-/// calibration.
+/// Separates latency and breath in a sweep forth and back, which sees each angle at two times: a
+/// latency error shifts the ways across the line of sight, breath along it. Latency by robust least
+/// squares, breath as one sine. `yaw_rad` uses the calibrated latency.
 [[nodiscard]] TwoWay compare_ways(std::span<const TimedLine> lines, std::span<const double> yaw_rad,
                                   std::size_t turn, const ScannerCalibration& calibration);
 

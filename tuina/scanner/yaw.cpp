@@ -11,13 +11,13 @@
 namespace tuina::scanner {
 namespace {
 
-constexpr double count_rad = from_deg(300.0 / 1024.0);  // the AX-12A tells its angle no finer
-constexpr double slack_s = 0.15;  // a frame may be this far outside the readings
+constexpr double count_rad = from_deg(300.0 / 1024.0);  // resolution of the AX-12A
+constexpr double slack_s = 0.15;  // maximum time of a frame outside the readings
 constexpr std::size_t enough_for_a_fit = 8;
 constexpr double max_distance_rad = from_deg(360.0);
-constexpr double max_speed_rad_per_s =
-    from_deg(6.0 * 114.0);         // no AX-12A turns faster than 114 rpm
-constexpr double jitter_s = 0.01;  // of the time stamps, and a few counts
+// No AX-12A turns faster than 114 rpm.
+constexpr double max_speed_rad_per_s = from_deg(6.0 * 114.0);
+constexpr double jitter_s = 0.01;  // jitter of the time stamps, and a few counts
 
 struct Line {
   double at_s = 0.0;
@@ -60,8 +60,7 @@ std::span<const YawReading> between(std::span<const YawReading> readings, double
   return {first, last};
 }
 
-// Rounding to counts leaves residuals of up to half a count, 0.29 counts RMS; clock jitter adds a
-// little.
+// True for residuals of rounding (up to half a count, 0.29 counts RMS) and a little clock jitter.
 bool straight(std::span<const YawReading> readings, const Line& line) {
   double sum = 0.0;
   for (const YawReading& reading : readings) {
@@ -72,8 +71,8 @@ bool straight(std::span<const YawReading> readings, const Line& line) {
   return std::sqrt(sum / static_cast<double>(readings.size())) < 0.36 * count_rad;
 }
 
-// A parabola through the readings around one time, near ones counting most; wide enough that
-// several counts pass, or rounding would show.
+// Local parabola around one time, weighted by nearness, over several counts so that rounding
+// averages out.
 double local_yaw(std::span<const YawReading> readings, double time_s) {
   for (double half_s = 0.5;; half_s *= 1.3) {
     const auto near = between(readings, time_s - half_s, time_s + half_s);
@@ -91,13 +90,13 @@ double local_yaw(std::span<const YawReading> readings, double time_s) {
       sums += weight * place * place.transpose();
       moments += weight * reading.yaw_rad * place;
     }
-    if (near.size() < enough_for_a_fit) sums(2, 2) += 1.0;  // too few for a curve: a straight line
+    if (near.size() < enough_for_a_fit) sums(2, 2) += 1.0;  // with too few readings a straight line
     sums.diagonal().array() += 1e-9;
     return sums.ldlt().solve(moments)(0);
   }
 }
 
-// An even turn, or the way forth and the way back of one, each straight; else nothing.
+// A uniform turn, or its two ways, each straight; else nothing.
 struct EvenTurn {
   double until_s = 0.0;
   Line line;
@@ -114,8 +113,7 @@ std::vector<EvenTurn> even_turns(std::span<const YawReading> readings) {
                                            return std::abs(a.yaw_rad - readings.front().yaw_rad) <
                                                   std::abs(b.yaw_rad - readings.front().yaw_rad);
                                          });
-  // At the turn itself the motor may slow down; there the readings of a count's breadth do not
-  // count.
+  // At the turning point the motor may slow down, so readings within a count of it are ignored.
   const auto near_turn = [&](const YawReading& reading) {
     return std::abs(reading.yaw_rad - farthest->yaw_rad) < 1.5 * count_rad;
   };
@@ -135,9 +133,9 @@ std::vector<EvenTurn> even_turns(std::span<const YawReading> readings) {
   return {{meet_s, there}, {forever_s, here}};
 }
 
-// Stop and shoot: around every frame the motor tells one angle, and another around the next. Even
-// turns are not like that: a fast one changes within the window, a slow one has many frames for
-// each count. A few frames may be taken too early or twice.
+// Stop and shoot: the motor is constant around each frame and differs between frames. Uniform turns
+// change within the window if fast, and have many frames per count if slow. A few frames may be
+// early or repeated.
 std::optional<std::vector<double>> at_rest(std::span<const double> frame_times_s,
                                            std::span<const YawReading> readings, double latency_s) {
   constexpr double window_s = 0.03;
@@ -177,8 +175,8 @@ Result<std::vector<double>> yaw_at(std::span<const double> frame_times_s,
       return fail(Fault::bad_input, "yaw reading {} at {:.4f} s is {:.4g} deg; up to {:.0f} can be",
                   i, readings[i].time_s, to_deg(readings[i].yaw_rad), to_deg(max_distance_rad));
     }
-    // A byte lost on the wire makes a reading that no motor could have turned to; it would bend the
-    // cloud unnoticed.
+    // A lost byte on the serial line gives an impossible reading, which would bend the cloud
+    // unnoticed.
     if (i == 0) continue;
     const double turned_rad = std::abs(readings[i].yaw_rad - readings[i - 1].yaw_rad);
     const double max_rad =

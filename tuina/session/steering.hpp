@@ -14,6 +14,9 @@ namespace tuina::session {
 /// enough to know most tissues.
 inline constexpr double reference_force_n = 10.0;
 
+/// The estimator of every session; another `tissue::SteeringEstimator` is plugged in here.
+using SessionEstimator = tissue::PressEstimator;
+
 /// One decision that the felt tissue led to, for the record. The rules are those of
 /// tissue/depth_rules.hpp.
 struct Decision {
@@ -75,7 +78,7 @@ class Steering {
     explicit Side(const tissue::PressEstimatorOptions& options)
         : whole(options), last(options), set(options) {}
     /// All presses of this contact, the last one alone, and those since the last set was complete.
-    tissue::PressEstimator whole, last, set;
+    SessionEstimator whole, last, set;
     std::array<tissue::PressSet, max_sets> sets = {};
     std::size_t sets_felt = 0;
     int set_presses = 0;

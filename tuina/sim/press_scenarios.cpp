@@ -77,7 +77,7 @@ std::vector<PressScenario> make_scenarios() {
   return all;
 }
 
-/// Force and depth of the tissue's law; the other laws meet the tangent at the peak.
+/// Force and depth of the tissue law; the other laws agree with the tangent law at the peak.
 struct Law {
   PressScenario::Law kind;
   TangentTissue tissue;
@@ -100,7 +100,7 @@ struct Law {
   }
 };
 
-/// A press of one period as a share of its peak: up over 30 %, hold, down over 30 %.
+/// One period of a press as a share of its peak: up over 30 %, hold, down over 30 %.
 double sigmoid_press(double phase_s, double period_s) {
   const double rise_s = 0.3 * period_s;
   const auto sigmoid = [rise_s](double t) {
@@ -109,7 +109,7 @@ double sigmoid_press(double phase_s, double period_s) {
   return std::min(sigmoid(phase_s), sigmoid(period_s - phase_s));
 }
 
-/// A force controller that wanders around its target by about one newton.
+/// A force controller that wanders about its target by about one newton.
 struct ForcePress {
   double wander_n = 0.0;
   static constexpr double touch_s = 0.4, kept_n = 3.0, first_s = 0.9;
@@ -147,7 +147,7 @@ SimulatedPresses simulate_presses(const PressScenario& s, const TangentTissue& n
   const double torso_m_per_n =
       s.torso_n_per_m > 0.0 ? (1.0 + uniform(random, -0.2, 0.2)) / s.torso_n_per_m : 0.0;
 
-  // The press starts 1 mm and 2.5 standard deviations above where the skin is expected.
+  // The press starts 1 mm and 2.5 standard deviations above the expected skin.
   const double above_m = 1_mm + 2.5 * s.contact_sd_m;
   const auto depth_of = [&](double t) {
     const double share = s.shape == PressScenario::Shape::sine
@@ -178,8 +178,7 @@ SimulatedPresses simulate_presses(const PressScenario& s, const TangentTissue& n
     if (!touched && force_n > 0.0) result.first_contact_s = t;
     touched = touched || force_n > 0.0;
     forces.push_back(force_n);
-    // The sensor answers late; between two samples of the true force it is read off the straight
-    // line.
+    // Sensor delay; between samples the true force is interpolated linearly.
     const double late = std::max(0.0, static_cast<double>(i) - s.force_delay_s / step_s);
     const auto before = static_cast<std::size_t>(late);
     const double share = late - static_cast<double>(before);
@@ -202,8 +201,7 @@ std::vector<tissue::TimedPress> simulate_thesis_presses(const TangentTissue& tis
   struct State {
     double x, v;
   };
-  // The target's speed jumps where |sin| has its kinks; the acceleration there, an impulse, is left
-  // out.
+  // The target's speed jumps at the kinks of |sin|; the impulse of acceleration there is ignored.
   const auto slope = [&](double t, const State& y) {
     const double sine = std::sin(w * t), sign = sine >= 0.0 ? 1.0 : -1.0;
     const double x0 = reach_m * std::abs(sine), v0 = reach_m * w * std::cos(w * t) * sign;

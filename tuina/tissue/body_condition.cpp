@@ -11,14 +11,14 @@ namespace {
 
 constexpr std::array<std::string_view, 3> builds = {"slim", "medium", "hefty"};
 constexpr std::array<double, 3> index_of = {19.5, 23.0, 29.0}, index_sd = {1.5, 2.0, 3.0};
-// Per cent: the means of the men of Table 6-2; its one woman, of medium build, has so much more.
+// Per cent: means of the men of Table 6-2, and the excess of its one woman of medium build.
 constexpr std::array<double, 3> fat_of_men = {11.0, 17.15, 23.7};
 constexpr double more_in_women = 6.75, fat_sd = 3.0;
-// With two or three people to a build its spread is not known from them: nothing finer than this
-// share of the whole table's is believed.
+// With two or three people per build the spread is not known, so it is at least this share of the
+// whole table's.
 constexpr double min_spread_share = 0.6;
-// ln alpha and ln beta differ so much between places that are called by one name: Table 6-1 against
-// the men of medium build in Table 6-2, root mean square of the three tissues.
+// Standard deviation of ln alpha and ln beta between places of one name: Table 6-1 against the men
+// of medium build in Table 6-2, RMS over the three tissues.
 constexpr double place_alpha_sd = 0.1, place_beta_sd = 0.25;
 
 double log_density(double value, double mean, double sd) {
@@ -30,7 +30,7 @@ Eigen::Vector2d logs(const TangentTissue& tissue) {
   return {std::log(tissue.alpha_n), std::log(tissue.beta_per_m)};
 }
 
-/// How likely the presses are on people of this group; the log, up to what all groups share.
+/// Log-likelihood of the presses on people of this group, up to a common constant.
 template <typename InGroup>
 double log_likelihood(std::span<const KnownPress> presses, std::span<const Subject> table,
                       const InGroup& in_group) {
@@ -52,7 +52,7 @@ double log_likelihood(std::span<const KnownPress> presses, std::span<const Subje
       count += 1.0;
     }
     if (people == 0.0 || count == 0.0) continue;
-    // The presses of one person at one tissue are one observation of that person.
+    // All presses of one person at one tissue are one observation.
     const Eigen::Vector2d off = felt / count - group / people;
     const Eigen::Vector2d place(place_alpha_sd, place_beta_sd);
     const Eigen::Vector2d variance =

@@ -8,23 +8,21 @@
 
 namespace tuina::tissue {
 
-/// [thesis] 6.3.2 wants to tell body condition from the estimates: slim people have larger alpha
-/// and beta, hefty ones smaller. Probabilities only, and with caution: seven people stand behind
-/// them, one of them a woman.
+/// Body condition from tissue estimates ([thesis] 6.3.2): slim people have larger alpha and beta,
+/// hefty ones smaller. Only probabilities, since they rest on seven people, one of them a woman.
 struct BodyCondition {
   double slim = 1.0 / 3.0, medium = 1.0 / 3.0, hefty = 1.0 / 3.0;  ///< sum to one
   double female = 0.5;
 };
 
-/// What may be known of a person without touching them.
+/// Facts known without touching the person.
 struct BodyFacts {
   std::optional<double> mass_index;   ///< kg/m^2; slim about 19.5, medium 23, hefty 29
-  std::optional<double> fat_percent;  ///< of a man slim about 11, medium 17, hefty 24
+  std::optional<double> fat_percent;  ///< men: slim about 11, medium 17, hefty 24
 };
 
-/// From presses at known tissues of one person; presses at `unknown` are passed over. Facts, if
-/// given, count as the further evidence they are. Without presses and facts nothing is known, and
-/// that is the answer.
+/// Estimates from presses at known tissues of one person (`unknown` is skipped) and optional facts
+/// as further evidence. Without either the prior is returned.
 [[nodiscard]] BodyCondition find_body_condition(std::span<const KnownPress> presses,
                                                 const BodyFacts& facts = {},
                                                 std::span<const Subject> table = table_6_2());

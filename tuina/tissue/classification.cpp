@@ -20,11 +20,9 @@ constexpr std::array<Subject, 8> subjects = {{
     {"medium", false, {{{4.559, 263.2}, {9.786, 185.4}, {4.275, 143.6}}}},
 }};
 
-constexpr double label_from = 0.6;  // below it no class is named
-constexpr double max_chi =
-    4.0;  // beyond, the tissue does not follow the law and alpha means nothing
-// A twentieth of what is pressed is none of the three; it may lie anywhere in three times their
-// range.
+constexpr double label_from = 0.6;  // minimum probability of a named class
+constexpr double max_chi = 4.0;  // beyond it the tangent law does not fit and alpha means nothing
+// A twentieth of all presses are none of the three classes, spread over three times their range.
 constexpr double none_prior = 0.05, none_spread = 9.0;
 
 Eigen::Vector2d logs(const TangentTissue& tissue) {
@@ -35,7 +33,6 @@ struct Statistics {
   std::array<Eigen::Vector2d, 3> mean;
   Eigen::Vector2d centre;
   Eigen::Matrix2d within;  // spread of a class over people
-  Eigen::Matrix2d own;     // the same with each person's own mean removed
   Eigen::Matrix2d total;
 };
 
@@ -47,15 +44,12 @@ Statistics statistics_of(std::span<const Subject> table) {
     for (std::size_t k = 0; k < 3; ++k) s.mean[k] += logs(subject.tissue[k]) / n;
   }
   s.centre = (s.mean[0] + s.mean[1] + s.mean[2]) / 3.0;
-  s.within = s.own = s.total = Eigen::Matrix2d::Zero();
+  s.within = s.total = Eigen::Matrix2d::Zero();
   for (const Subject& subject : table) {
-    Eigen::Vector2d shift = Eigen::Vector2d::Zero();
-    for (std::size_t k = 0; k < 3; ++k) shift += (logs(subject.tissue[k]) - s.mean[k]) / 3.0;
     for (std::size_t k = 0; k < 3; ++k) {
-      const Eigen::Vector2d off = logs(subject.tissue[k]) - s.mean[k], from = off - shift;
+      const Eigen::Vector2d off = logs(subject.tissue[k]) - s.mean[k];
       const Eigen::Vector2d wide = logs(subject.tissue[k]) - s.centre;
       s.within += off * off.transpose() / (3.0 * (n - 1.0));
-      s.own += from * from.transpose() / (2.0 * (n - 1.0));
       s.total += wide * wide.transpose() / (3.0 * n - 1.0);
     }
   }
@@ -89,39 +83,19 @@ std::span<const Subject, 8> tables_6_1_and_6_2() noexcept {
   return subjects;
 }
 
-PersonReference learn_person(std::span<const KnownPress> presses,
-                             std::span<const Subject> table) noexcept {
-  const Statistics s = statistics_of(table);
-  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
-  PersonReference person;
-  for (const KnownPress& press : presses) {
-    if (press.at == TissueClass::unknown) continue;
-    sum += logs(press.tissue) - s.mean[static_cast<std::size_t>(press.at)];
-    ++person.presses;
-  }
-  if (person.presses == 0) return person;
-  person.shift_log_alpha = sum(0) / person.presses;
-  person.shift_log_beta = sum(1) / person.presses;
-  return person;
-}
-
 Classification classify(const TissueEstimate& estimate, double chi, const ClassProbabilities& prior,
-                        const PersonReference& person, std::span<const Subject> table) noexcept {
+                        std::span<const Subject> table) noexcept {
   const Statistics s = statistics_of(table);
   const Eigen::Vector2d x = logs(estimate.tissue);
   Eigen::Matrix2d blur = Eigen::Matrix2d::Zero();
   blur(0, 0) = std::pow(estimate.alpha_ci95_n / (1.96 * estimate.tissue.alpha_n), 2);
   blur(1, 1) = std::pow(estimate.beta_ci95_per_m / (1.96 * estimate.tissue.beta_per_m), 2);
-  const bool known = person.presses > 0;
-  // With n presses of this person its shift is known to one n-th of the spread that is left.
-  const Eigen::Matrix2d spread =
-      (known ? Eigen::Matrix2d(s.own * (1.0 + 1.0 / person.presses)) : s.within) + blur;
-  const Eigen::Vector2d shift(person.shift_log_alpha, person.shift_log_beta);
+  const Eigen::Matrix2d spread = s.within + blur;
 
   Classification result;
   double sum = none_prior * density(x - s.centre, none_spread * s.total + blur);
   for (std::size_t k = 0; k < 3; ++k) {
-    result.of[k] = (1.0 - none_prior) * prior[k] * density(x - s.mean[k] - shift, spread);
+    result.of[k] = (1.0 - none_prior) * prior[k] * density(x - s.mean[k], spread);
     sum += result.of[k];
   }
   const bool usable = estimate.converged && chi <= max_chi && std::isfinite(sum) && sum > 0.0;
@@ -139,7 +113,7 @@ Classification classify(const TissueEstimate& estimate, double chi, const ClassP
   } else {
     result.probability = 1.0 - *best;
   }
-  // What is none of the three leaves them in their proportions, so they still sum to one.
+  // The outlier class is removed in proportion, so that the three still sum to one.
   for (double& probability : result.of) probability = named > 0.0 ? probability / named : 1.0 / 3.0;
   return result;
 }

@@ -12,48 +12,38 @@ namespace tuina::tissue {
 enum class TissueClass : std::uint8_t { bone, hard, soft, unknown };
 [[nodiscard]] const char* name_of(TissueClass tissue_class) noexcept;
 
-/// One row of [thesis] Table 6-2: a person's estimates over bone, hard and soft muscle.
+/// One row of [thesis] Table 6-2: estimates over bone, hard and soft muscle.
 struct Subject {
   const char* build;  ///< slim, medium, hefty
   bool female;
   std::array<TangentTissue, 3> tissue;  ///< in the order of TissueClass
 };
 [[nodiscard]] std::span<const Subject, 7> table_6_2() noexcept;
-/// The same with the person of Table 6-1, pressed at other places: its soft muscle is a third
+/// Table 6-2 and the person of Table 6-1, pressed at other places: the soft muscle is a third
 /// thicker.
 [[nodiscard]] std::span<const Subject, 8> tables_6_1_and_6_2() noexcept;
 
-/// Probabilities of bone, hard and soft, before or after a press; they sum to one.
+/// Probabilities of bone, hard and soft; they sum to one.
 using ClassProbabilities = std::array<double, 3>;
 inline constexpr ClassProbabilities nothing_known = {1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0};
 
 struct Classification {
   TissueClass label = TissueClass::unknown;
-  double probability = 0.0;  ///< that the label is right; of `unknown`: that no class can be named
+  double probability = 0.0;  ///< of the label; for `unknown`: that no class can be named
   ClassProbabilities of = nothing_known;
 };
 
-/// How one person differs from the average of Table 6-2, learned from presses at places that are
-/// known.
-struct PersonReference {
-  double shift_log_alpha = 0.0, shift_log_beta = 0.0;
-  int presses = 0;
-};
 struct KnownPress {
   TangentTissue tissue;
   TissueClass at = TissueClass::bone;
 };
-[[nodiscard]] PersonReference learn_person(
-    std::span<const KnownPress> presses,
-    std::span<const Subject> table = tables_6_1_and_6_2()) noexcept;
-
-/// Which tissue an estimate is, by the spread of the thesis' tables plus the estimate's own
-/// interval. People differ more than their tissues do: without a reference of the person the table
-/// itself is told apart in 71 % only, so a label never comes without its probability. `prior` is
-/// what the place on the body says. Not converged, chi above 4, or no class above 60 %: unknown.
+/// Classifies an estimate by the spread of the thesis' tables and the estimate's confidence
+/// interval. People differ more than tissues: the table itself is separated in 71 % only, so every
+/// label has a probability. `prior`: class probabilities of the place on the body. Not converged,
+/// nis above 4 or no class above 60 %: unknown.
 [[nodiscard]] Classification classify(
     const TissueEstimate& estimate, double chi = 1.0,
-    const ClassProbabilities& prior = nothing_known, const PersonReference& person = {},
+    const ClassProbabilities& prior = nothing_known,
     std::span<const Subject> table = tables_6_1_and_6_2()) noexcept;
 
 }  // namespace tuina::tissue

@@ -25,14 +25,14 @@ struct Foot {
   Parameters gradient;  // of the residual
 };
 
-/// The nearest point of the curve. At the foot the motion along the curve does not change the
-/// distance, so the gradient is that of the curve's point, read along the normal.
+/// Foot point on the curve. There the distance is stationary along the curve, so its gradient is
+/// that of the foot point projected onto the normal.
 Foot foot_of(const Press& sample, const Parameters& p, const SensorNoise& noise) {
   const double alpha = std::exp(p(0)), beta = std::exp(p(1));
   const double sx = noise.position_m, sf = noise.force_n;
   const double x = (sample.depth_m - p(2)) / sx, y = (sample.force_n - p(3)) / sf;
   const double to_x = 1.0 / (beta * sx), to_y = alpha / sf;  // curve: (to_x angle, to_y tan(angle))
-  // Start from the variable that says more at this place.
+  // Start from the variable that is better determined here.
   const double by_force = std::atan(std::max(0.0, y) / to_y);
   const double slope_there = to_y / to_x * (1.0 + std::pow(std::max(0.0, y) / to_y, 2));
   double angle = slope_there > 1.0 ? by_force : std::clamp(x / to_x, 0.0, steepest_angle);
@@ -46,7 +46,7 @@ Foot foot_of(const Press& sample, const Parameters& p, const SensorNoise& noise)
   }
   const double tangent = std::tan(angle), secant2 = 1.0 + tangent * tangent;
   const double off_curve2 = std::pow(to_x * angle - x, 2) + std::pow(to_y * tangent - y, 2);
-  // Above the skin the curve is the flat line of no force.
+  // Above the skin the curve is the line of zero force.
   if (x < 0.0 && y * y <= off_curve2) return {y, Parameters(0.0, 0.0, 0.0, -1.0 / sf)};
   const double a = to_x, b = to_y * secant2, length = std::hypot(a, b);
   const double nx = -b / length, ny = a / length;
@@ -85,7 +85,7 @@ struct Solution {
   Linearised sum;
 };
 
-/// Levenberg and Marquardt from one start.
+/// Levenberg-Marquardt from one start.
 Solution descend(std::span<const TimedPress> record, const SensorNoise& noise,
                  const Parameters& start) {
   Solution best{within_reason(start), {}};
@@ -112,7 +112,7 @@ Solution descend(std::span<const TimedPress> record, const SensorNoise& noise,
   return best;
 }
 
-/// Force in free air: the level in which the shallow half of the positions agrees.
+/// Force in free air: the level on which the shallow half of the positions agrees.
 double free_air_force(std::span<const TimedPress> record) {
   double low_m = record.front().press.depth_m, high_m = low_m;
   for (const TimedPress& s : record) {
@@ -128,8 +128,7 @@ double free_air_force(std::span<const TimedPress> record) {
   return *middle;
 }
 
-/// How many times fewer independent errors there are than samples: twice the sum of their
-/// correlation.
+/// Samples per independent error: one plus twice the sum of the autocorrelation.
 double correlation_length(std::span<const double> residuals) {
   const std::size_t n = residuals.size();
   double power = 0.0;
@@ -200,7 +199,7 @@ Result<CurveFit> fit_curve(std::span<const TimedPress> raw, const SensorNoise& n
   fit.rmse_n = count > 0.0 ? std::sqrt(squares / count) : 0.0;
   fit.chi = best->sum.cost / std::max(1.0, static_cast<double>(record.size()) - 4.0);
   Normal information = best->sum.information;
-  information.diagonal().array() += 1e-9;  // a direction the record is silent about stays finite
+  information.diagonal().array() += 1e-9;  // keeps undetermined directions finite
   const Normal covariance = information.ldlt().solve(Normal::Identity());
   const double scale = 1.96 * std::sqrt(std::max(1.0, fit.chi) * correlation_length(residuals));
   fit.alpha_ci95_n = scale * fit.tissue.alpha_n * std::sqrt(std::max(0.0, covariance(0, 0)));

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "tuina/core/units.hpp"
 #include "tuina/tissue/tangent_model.hpp"
@@ -11,8 +10,7 @@
 namespace tuina::tissue {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr double bend_alphas = 2.5;  // where alpha and beta can be told apart
+constexpr double bend_alphas = 2.5;  // force / alpha where alpha and beta can be separated
 constexpr double cap_alphas = 3.0;
 constexpr double first_probe_n = 8.0;
 constexpr double max_chi = 4.0;
@@ -23,7 +21,7 @@ double relative_sd(double ci95, double value) noexcept {
 }
 
 double log_stiffness_sd(const TissueEstimate& estimate, double force_n) noexcept {
-  // As if alpha and beta erred apart; they err against each other, so this is on the careful side.
+  // Treats alpha and beta as independent; their errors are anticorrelated, so this is conservative.
   const double q = force_n / estimate.tissue.alpha_n;
   const double by_alpha = (1.0 - q * q) / (1.0 + q * q);
   return std::hypot(by_alpha * relative_sd(estimate.alpha_ci95_n, estimate.tissue.alpha_n),
@@ -70,28 +68,10 @@ double force_cap_n(const TissueEstimate& estimate, double chi, double region_cap
   return std::min(region_cap_n, cap_alphas * min_alpha_n);
 }
 
-double depth_cap_m(const TissueEstimate& estimate, double chi) noexcept {
-  if (!may_steer(estimate, chi)) return infinity;
-  return 0.8 * (pi / 2.0) / (estimate.tissue.beta_per_m + estimate.beta_ci95_per_m);
-}
-
-double position_for_force_m(const TissueEstimate& estimate, double force_n,
-                            double torso_n_per_m) noexcept {
-  const double torso_m = positive(torso_n_per_m) ? force_n / torso_n_per_m : 0.0;
-  return estimate.contact_m + torso_m + depth_at_force(estimate.tissue, force_n);
-}
-
 ContactImpedance impedance_for(double tissue_n_per_m, double mass_kg) noexcept {
   if (!positive(tissue_n_per_m)) tissue_n_per_m = 0.0;
   const double K = std::clamp(0.5 * tissue_n_per_m, 200.0, 3000.0);
   return {K, 2.0 * 0.7 * std::sqrt(std::max(0.0, mass_kg) * (K + tissue_n_per_m))};
-}
-
-double eased_stiffness(double now_n_per_m, double wanted_n_per_m, double dt_s) noexcept {
-  constexpr double low_pass_s = 1.0, max_per_s = 0.2;
-  const double step = (wanted_n_per_m - now_n_per_m) * (1.0 - std::exp(-dt_s / low_pass_s));
-  const double most = max_per_s * now_n_per_m * dt_s;
-  return now_n_per_m + std::clamp(step, -most, most);
 }
 
 double ControlShare::step(double tissue_n_per_m, double tool_speed_m_per_s, double dt_s) noexcept {
@@ -99,12 +79,12 @@ double ControlShare::step(double tissue_n_per_m, double tool_speed_m_per_s, doub
   constexpr double hysteresis = 0.1, dwell_s = 0.3, slow_m_per_s = 2e-3;
   since_s_ += dt_s;
   if (!positive(tissue_n_per_m)) return share_;
-  const double wish = std::clamp(
+  const double wanted = std::clamp(
       std::log(tissue_n_per_m / soft_n_per_m) / std::log(stiff_n_per_m / soft_n_per_m), 0.0, 1.0);
-  const bool ends = (wish == 0.0 || wish == 1.0) && wish != share_;
-  if ((std::abs(wish - share_) > hysteresis || ends) && since_s_ >= dwell_s &&
+  const bool ends = (wanted == 0.0 || wanted == 1.0) && wanted != share_;
+  if ((std::abs(wanted - share_) > hysteresis || ends) && since_s_ >= dwell_s &&
       std::abs(tool_speed_m_per_s) < slow_m_per_s) {
-    share_ = wish;
+    share_ = wanted;
     since_s_ = 0.0;
   }
   return share_;
@@ -165,8 +145,6 @@ const char* name_of(Alarm alarm) noexcept {
       return "the tissue became stiffer";
     case Alarm::moved:
       return "the skin moved";
-    case Alarm::misfit:
-      return "the force does not fit the tissue";
   }
   return "";
 }
@@ -187,13 +165,6 @@ Alarm compare(const TissueEstimate& reference, const TissueEstimate& now, double
     return Alarm::guarding;
   if (std::abs(now.contact_m - reference.contact_m) > max_jump_m) return Alarm::moved;
   return Alarm::none;
-}
-
-Alarm MisfitWatch::step(double residual_n, double sd_n, double dt_s) noexcept {
-  constexpr double deviations = 5.0, max_duration_s = 0.05;
-  const bool fits = std::abs(residual_n) <= deviations * sd_n;  // false for what is not a number
-  beyond_s_ = fits ? 0.0 : beyond_s_ + dt_s;
-  return beyond_s_ >= max_duration_s ? Alarm::misfit : Alarm::none;
 }
 
 }  // namespace tuina::tissue

@@ -10,21 +10,23 @@
 namespace tuina::tissue {
 namespace {
 
-constexpr std::size_t fold_at = 96;  // segments in the window before its older half becomes prior
-constexpr std::size_t fold_at_last = 120;
-// Early in the first press answers are wanted fast and passes are short.
+// Window size in segments at which its older half is marginalised.
+constexpr std::size_t marginalise_at = 96;
+constexpr std::size_t max_window = 120;
+// Early in the first press answers are wanted fast, so passes are short.
 constexpr std::size_t short_pass = 48;
-constexpr int passes_at_rest = 4;              // Gauss-Newton steps after the last new sample
-constexpr double forgetting_per_fold = 0.005;  // of the logarithms
-// At the moment an interval just fits, one estimate in twenty would still be outside: ask for 98 %.
+constexpr int passes_at_rest = 4;  // Gauss-Newton steps after the last new sample
+// Standard deviation added to the logarithms per marginalisation.
+constexpr double forgetting_sd = 0.005;
+// An interval that just fits would be wrong for one estimate in twenty, so 98 % is required.
 constexpr double sureness = 2.33 / 1.96;
 constexpr double max_step = 0.5, min_step = 0.02, settled_step = 0.05;  // of logarithms
-constexpr double untared_sd_n = 0.3;     // the zero of a sensor that was never seen in free air
-constexpr double tare_sd_n = 0.02;       // and its drift since
-constexpr double unknown_inertia = 0.3;  // share of the tool's inertia that is taken off wrongly
-constexpr double robust_limit = 4.0;     // Huber's bend, in standard deviations
-constexpr double stretch_sd_m = 0.1e-3;  // of the places within one stretch before contact showed
-constexpr double light_touch = 0.5;      // beta x: deeper, a force is not small
+constexpr double untared_sd_n = 0.3;     // offset of a sensor never seen in free air
+constexpr double tare_sd_n = 0.02;       // drift of the offset since the tare
+constexpr double unknown_inertia = 0.3;  // error share of the compensated tool inertia
+constexpr double robust_limit = 4.0;     // Huber threshold, in standard deviations
+constexpr double stretch_sd_m = 0.1e-3;  // spread of positions within one stretch before contact
+constexpr double light_touch = 0.5;      // largest beta x at which a force counts as small
 constexpr double corner_reach = 5.0;     // standard deviations beyond which the skin is a corner
 constexpr std::size_t skin_known_after = 4;  // segments of contact
 
@@ -64,7 +66,7 @@ PressEstimatorOptions pressed_by_robot(double torso_n_per_m, double tool_mass_kg
   return {.force_noise_n = 0.05,
           .position_noise_m = 0.01e-3,
           .contact_sd_m = 3e-3,
-          .force_delay_s = 2.6e-3,  // a sample and the low-pass of the wrist sensor
+          .force_delay_s = 2.6e-3,  // one sample and the low-pass of the wrist sensor
           .timing_sd_s = 0.3e-3,
           .tool_mass_kg = tool_mass_kg,
           .torso_n_per_m = torso_n_per_m,
@@ -97,7 +99,7 @@ void PressEstimator::reset() noexcept {
       square(options_.contact_sd_m), breath_variance,
       breath_variance * square(2.0 * pi * options_.breathing_hz);
   prior_.time_s = -1e9;
-  pass_ = fold_ = prior_;
+  pass_ = middle_ = prior_;
   state_ = prior_.mean;
   covariance_ = prior_.covariance;
   next_ = pass_size_ = 0;
@@ -121,9 +123,9 @@ void PressEstimator::update(double time_s, const Press& sample) noexcept {
       if (segments_.size() == 0 || idle_passes_ >= passes_at_rest) return;
       begin_pass();
     }
-    learn(segments_[next_]);
-    tell_skin(next_++);
-    if (next_ == fold_at / 2) fold_ = pass_;
+    update_from(segments_[next_]);
+    record_skin(next_++);
+    if (next_ == marginalise_at / 2) middle_ = pass_;
   }
 }
 
@@ -141,20 +143,20 @@ void PressEstimator::begin_pass() noexcept {
   beta_ = std::exp(state_(log_beta));
 }
 
-void PressEstimator::advance(double time_s) noexcept {
+void PressEstimator::predict(double time_s) noexcept {
   const double dt_s = time_s - pass_.time_s;
   pass_.time_s = time_s;
   if (!(dt_s > 0.0)) return;
   Covariance& P = pass_.covariance;
   const double omega = 2.0 * pi * options_.breathing_hz;
   const double variance = options_.breathing_m * options_.breathing_m / 8.0;
-  // Bounded, so an hour of hovering is no worse than a minute: nothing winds up.
+  // Bounded, so that an hour of hovering does not inflate the skin variance.
   const double skin_limit_m2 = options_.contact_sd_m * options_.contact_sd_m;
   P(skin, skin) += std::min(options_.skin_wander_m * options_.skin_wander_m * dt_s, skin_limit_m2);
 
   const Eigen::Matrix2d phi = breath_transition(omega, options_.breath_damping, dt_s);
   pass_.mean.tail<2>() = (phi * pass_.mean.tail<2>()).eval();
-  // Stationary: what the decay takes from the variance, the noise gives back.
+  // Stationary: the noise restores what damping takes from the variance.
   Eigen::Matrix2d rest = Eigen::Matrix2d::Zero();
   rest.diagonal() << variance, variance * omega * omega;
   const Eigen::Matrix<double, states - 2, 2> cross =
@@ -165,10 +167,10 @@ void PressEstimator::advance(double time_s) noexcept {
   P.bottomRightCorner<2, 2>() = own;
 }
 
-void PressEstimator::learn(const PressSegment& segment) noexcept {
-  advance(segment.time_s);
+void PressEstimator::update_from(const PressSegment& segment) noexcept {
+  predict(segment.time_s);
   if (!segment.contact) {
-    learn_near(segment);
+    update_from_air(segment);
     return;
   }
   const double alpha = alpha_, beta = beta_;
@@ -181,7 +183,7 @@ void PressEstimator::learn(const PressSegment& segment) noexcept {
 
   State H;
   H << -slope, -a / beta, -slope * v / m, segment.force_n, -depth_per_n, 1.0, 1.0, 0.0;
-  // Errors in both variables: force noise enters as the depth it stands for.
+  // Errors in both variables: force noise enters as equivalent depth noise.
   const double sx = options_.position_noise_m, sf = options_.force_noise_n * depth_per_n;
   const double late_m = options_.timing_sd_s * v;
   const double jolt_m = unknown_inertia * segment.inertia_n * depth_per_n;
@@ -191,14 +193,13 @@ void PressEstimator::learn(const PressSegment& segment) noexcept {
   State linearised = pass_.mean;
   linearised.head<3>() -= state_.head<3>();
   const double innovation = segment.position_m - a / beta - H.dot(linearised);
-  take(H, innovation, R);
+  fuse(H, innovation, R);
 }
 
-void PressEstimator::learn_near(const PressSegment& air) noexcept {
-  // Here the force is too small beside its noise to be turned into a depth, so it is predicted from
-  // the depth: nothing above the skin, the law below. Linearised where the last pass found the skin
-  // a moment later; what it did not know, and the length of the stretch, round the corner off
-  // (statistical linearisation).
+void PressEstimator::update_from_air(const PressSegment& air) noexcept {
+  // Before contact the force is too small to be turned into a depth, so it is predicted from the
+  // depth: zero above the skin, the law below. Linearised at the skin position of the last pass;
+  // its uncertainty and the length of the stretch smooth the corner (statistical linearisation).
   if (std::isnan(air.skin_m)) return;
   const double sx = options_.position_noise_m, told_variance = air.skin_sd_m * air.skin_sd_m;
   const double sd_m = std::sqrt(told_variance + stretch_sd_m * stretch_sd_m +
@@ -229,10 +230,10 @@ void PressEstimator::learn_near(const PressSegment& air) noexcept {
   linearised.head<3>() -= state_.head<3>();
   linearised(compliance) = 0.0;
   linearised(skin) -= air.skin_m;
-  take(H, air.force_n - m * still_n - H.dot(linearised), R);
+  fuse(H, air.force_n - m * still_n - H.dot(linearised), R);
 }
 
-void PressEstimator::tell_skin(std::size_t i) noexcept {
+void PressEstimator::record_skin(std::size_t i) noexcept {
   if (i < skin_known_after || segments_[i - skin_known_after].contact) return;
   for (std::size_t k = i + 1 - skin_known_after; k <= i; ++k) {
     if (!segments_[k].contact) return;
@@ -243,12 +244,12 @@ void PressEstimator::tell_skin(std::size_t i) noexcept {
       2.0 * pi * options_.breathing_hz * options_.breathing_m / std::sqrt(8.0);
   for (std::size_t k = i - skin_known_after + 1; k-- > 0 && !segments_[k].contact;) {
     const double moved_m = (segments_[i].time_s - segments_[k].time_s) * breath_speed_m_per_s;
-    segments_.tell_skin(k, pass_.mean(skin) + pass_.mean(breath),
-                        std::sqrt(std::max(0.0, variance) + moved_m * moved_m));
+    segments_.record_skin(k, pass_.mean(skin) + pass_.mean(breath),
+                          std::sqrt(std::max(0.0, variance) + moved_m * moved_m));
   }
 }
 
-void PressEstimator::take(const State& H, double innovation, double R) noexcept {
+void PressEstimator::fuse(const State& H, double innovation, double R) noexcept {
   const State PH = pass_.covariance.lazyProduct(H);  // small: inlined, not a library call
   const double HPH = H.dot(PH);
   const double far = std::abs(innovation) / std::sqrt(HPH + R);
@@ -269,8 +270,8 @@ void PressEstimator::finish_pass() noexcept {
     return;
   }
   State step = pass_.mean - state_;
-  // A pass that turns back on the one before has gone too far: while the tissue was only touched,
-  // Gauss and Newton may jump to and fro across the answer for ever.
+  // A step opposite to the last one has overshot: while the tissue is only touched, Gauss-Newton
+  // may oscillate about the answer for ever.
   if (step.head<2>().dot(last_step_) < 0.0)
     step_limit_ = std::max(min_step, 0.5 * step_limit_);
   else
@@ -285,13 +286,14 @@ void PressEstimator::finish_pass() noexcept {
   covariance_ = pass_.covariance;
   chi_ = count_ > 8.0 ? std::max(1.0, sum_nis_ / count_) : 1.0;
 
-  // What is folded is never linearised again, so it waits for a settled answer while it can.
-  if (segments_.size() >= fold_at && (settled_ || segments_.size() >= fold_at_last)) {
-    prior_ = fold_;
+  // Marginalised segments are never linearised again, so marginalisation waits for a settled answer
+  // while the window has room.
+  if (segments_.size() >= marginalise_at && (settled_ || segments_.size() >= max_window)) {
+    prior_ = middle_;
     prior_.covariance *= chi_;
-    prior_.covariance(log_alpha, log_alpha) += forgetting_per_fold * forgetting_per_fold;
-    prior_.covariance(log_beta, log_beta) += forgetting_per_fold * forgetting_per_fold;
-    segments_.drop_oldest(fold_at / 2);
+    prior_.covariance(log_alpha, log_alpha) += forgetting_sd * forgetting_sd;
+    prior_.covariance(log_beta, log_beta) += forgetting_sd * forgetting_sd;
+    segments_.drop_oldest(marginalise_at / 2);
   }
   publish();
 }
@@ -305,7 +307,7 @@ void PressEstimator::publish() noexcept {
   estimate_.beta_ci95_per_m = beta * beta_ci;
   estimate_.contact_m = state_(skin) + state_(breath);
   estimate_.presses = segments_.presses();
-  // Below about one alpha only the product alpha beta shows, whatever the arithmetic says of each.
+  // Below about one alpha only the product alpha beta is observable, whatever the covariance says.
   const bool deep_enough = segments_.peak_force_n() > 1.2 * alpha * (1.0 + alpha_ci);
   const bool was = estimate_.converged;
   estimate_.converged = estimate_.presses >= 1 && sureness * alpha_ci < options_.converged_alpha &&

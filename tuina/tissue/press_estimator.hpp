@@ -4,81 +4,78 @@
 #include <Eigen/Core>
 
 #include "tuina/core/contact.hpp"
+#include "tuina/tissue/estimator.hpp"
 #include "tuina/tissue/press_segments.hpp"
 
 namespace tuina::tissue {
 
-/// What is known before the first press. The defaults suit a record of a press on a person who
-/// hardly moves; a robot says what its own depth holds: the torso gives way, the person breathes,
-/// the sensor lags.
+/// Prior and noise model. The defaults suit a record of presses on a person who hardly moves;
+/// `pressed_by_robot` models the compliant torso, breath and sensor delay of a robot's own presses.
 struct PressEstimatorOptions {
   double force_noise_n = 0.2;  ///< one standard deviation of one sample
   double position_noise_m = 0.05e-3;
-  double contact_sd_m =
-      0.5e-3;  ///< how well the place of the skin is known: it is expected at position 0
-  double force_delay_s = 0.0;  ///< of the force sensor against the position
-  double timing_sd_s = 0.0;    ///< how well that delay is known
-  double tool_mass_kg = 0.0;   ///< beyond the force sensor, which feels it being accelerated
-  double torso_n_per_m = 0.0;  ///< stiffness in series with the tissue; 0 or infinity is rigid
-  double torso_sd = 0.12;      ///< relative
-  double breathing_m = 1e-3;   ///< how far the skin may move with the breath, peak to peak
+  double contact_sd_m = 0.5e-3;  ///< standard deviation of the skin position about 0
+  double force_delay_s = 0.0;    ///< delay of the force sensor against the position
+  double timing_sd_s = 0.0;      ///< standard deviation of that delay
+  double tool_mass_kg = 0.0;     ///< mass beyond the force sensor, whose inertia it measures
+  double torso_n_per_m = 0.0;    ///< stiffness in series with the tissue; 0 or infinity is rigid
+  double torso_sd = 0.12;        ///< relative standard deviation of the torso compliance
+  double breathing_m = 1e-3;     ///< peak-to-peak motion of the skin by breathing
   double breathing_hz = 0.25;
-  double breath_damping = 0.15;      ///< how irregular it may be; 0 is a pure tone
-  double skin_wander_m = 0.1e-3;     ///< of the skin at rest, in a second
-  double model_sd_m = 0.06e-3;       ///< of a segment: what law, sensors and noise leave out
+  double breath_damping = 0.15;      ///< damping ratio of the breath model; 0 is a pure sinusoid
+  double skin_wander_m = 0.1e-3;     ///< random walk of the resting skin, in a second
+  double model_sd_m = 0.06e-3;       ///< model error per segment: law, sensors, noise
   double damping_sd_s_per_m = 10.0;  ///< of the Hunt-Crossley factor mu in F (1 + mu v)
-  double converged_alpha =
-      0.05;  ///< half-widths of the 95 % intervals, relative, to be called converged
+  double converged_alpha = 0.05;     ///< relative half-width of the 95 % interval at convergence
   double converged_beta = 0.05;
-  TangentTissue expected = {5.6, 215.0};  ///< Table 6-2 of [thesis]: the centre of its 21 rows
-  double expected_alpha_sd = 0.5;         ///< of the logarithm
+  TangentTissue expected = {5.6, 215.0};  ///< [thesis] Table 6-2: the centre of its 21 rows
+  double expected_alpha_sd = 0.5;         ///< standard deviation of the logarithm
   double expected_beta_sd = 0.3;
 };
 
-/// What a robot's own presses need: its depth comes from joint angles, precise but on a torso that
-/// gives way and breathes by 3 mm; the skin is known to 3 mm from a scan. Two presses of a second
-/// then promise alpha to 8 % and beta to 5 %. Tuned on presses by the simulated arm with seeds
-/// apart from those of tests and tables.
+/// Options for presses by the robot itself: depth from joint angles is precise, but on a compliant
+/// torso that breathes by 3 mm; a scan knows the skin to 3 mm. Two presses of a second then give
+/// alpha to 8 % and beta to 5 %. Tuned in simulation with other seeds than tests and tables.
 [[nodiscard]] PressEstimatorOptions pressed_by_robot(double torso_n_per_m,
                                                      double tool_mass_kg) noexcept;
 
-/// Alpha and beta of F = alpha tan(beta x) from one person's presses, sample by sample.
+/// Recursive estimator of alpha and beta in F = alpha tan(beta x) from one person's presses.
 ///
-/// The law is used the other way round, position = skin + breath + F / torso + atan(F / alpha) /
-/// beta: it has no pole, and it is linear in all that moves. Segments of the last presses are
-/// filtered again and again, each time linearised at the newest alpha and beta (Gauss-Newton with
-/// the breath integrated out); old segments become the prior. One tick works on two segments at
-/// most, so every tick costs about the same. No heap, no exception; finite and positive for any
-/// input.
+/// It uses the inverse law, position = skin + breath + F / torso + atan(F / alpha) / beta, which
+/// has no pole and is linear in everything that moves. The segments of the last presses are
+/// filtered repeatedly, each pass linearised at the newest alpha and beta (Gauss-Newton with the
+/// breath integrated out); old segments are marginalised into the prior. A tick processes at most
+/// two segments, so all ticks cost about the same. No heap, no exceptions; the result is finite and
+/// positive for any input.
 class PressEstimator {
  public:
-  explicit PressEstimator(const PressEstimatorOptions& options = {}) noexcept;
+  using Options = PressEstimatorOptions;
+  explicit PressEstimator(const Options& options = {}) noexcept;
 
-  /// One sample: position along the inward normal (larger is deeper, the skin near zero) and the
-  /// force onto the person. Time in seconds, of any origin, growing.
+  /// Adds one sample: position along the inward normal (larger is deeper, the skin near zero) and
+  /// force onto the person. Times increase, with any origin.
   void update(double time_s, const Press& sample) noexcept;
 
   [[nodiscard]] const TissueEstimate& estimate() const noexcept { return estimate_; }
 
-  /// Normalised squared misfit: about 1 if the tangent law describes this tissue, above 4 it does
+  /// Normalised innovation squared: about 1 if the tangent law describes the tissue, above 4 if
   /// not.
   [[nodiscard]] double chi() const noexcept { return chi_; }
   [[nodiscard]] double damping_s_per_m() const noexcept { return state_(mu); }
   [[nodiscard]] double tare_n() const noexcept { return segments_.tare_n(); }
   [[nodiscard]] double peak_force_n() const noexcept { return segments_.peak_force_n(); }
 
-  /// Tangent stiffness of the tissue at a force, and its relative standard deviation: the best
-  /// known output.
+  /// Tangent stiffness of the tissue at a force, and its relative standard deviation: the
+  /// best-known output.
   [[nodiscard]] double stiffness_n_per_m(double force_n) const noexcept;
   [[nodiscard]] double stiffness_sd(double force_n) const noexcept;
 
-  /// Forgets the person but not the options: for the next acupoint.
+  /// Forgets the person but not the options, for the next acupoint.
   void reset() noexcept;
 
  private:
-  // `offset` is what the tare left of the force sensor's zero.
-  // The breath is a damped oscillator driven by noise: breath and its speed. The skin at rest
-  // wanders slowly.
+  // `offset`: sensor offset left after taring. `breath`, `breath_speed`: damped oscillator driven
+  // by noise. `skin`: slow random walk.
   enum Index { log_alpha, log_beta, mu, compliance, offset, skin, breath, breath_speed, states };
   using State = Eigen::Matrix<double, states, 1>;
   using Covariance = Eigen::Matrix<double, states, states>;
@@ -89,24 +86,24 @@ class PressEstimator {
   };
 
   void begin_pass() noexcept;
-  void advance(double time_s) noexcept;
-  void learn(const PressSegment& segment) noexcept;
-  void learn_near(const PressSegment& air) noexcept;
-  void take(const State& H, double innovation, double R) noexcept;
-  void tell_skin(std::size_t i) noexcept;
+  void predict(double time_s) noexcept;
+  void update_from(const PressSegment& segment) noexcept;
+  void update_from_air(const PressSegment& air) noexcept;
+  void fuse(const State& H, double innovation, double R) noexcept;
+  void record_skin(std::size_t i) noexcept;
   void finish_pass() noexcept;
   void publish() noexcept;
 
   PressEstimatorOptions options_;
   PressSegments segments_;
-  Belief prior_;  // what the segments before the window said
-  Belief pass_;   // the running pass
-  Belief fold_;   // the pass at the middle of the window
-  State state_;   // result of the last pass; linearisation of the next
+  Belief prior_;   // information of the segments before the window
+  Belief pass_;    // state of the running pass
+  Belief middle_;  // state of the pass at the middle of the window
+  State state_;    // result of the last pass, linearisation point of the next
   Covariance covariance_;
-  double alpha_ = 0.0, beta_ = 0.0;  // of the linearisation
+  double alpha_ = 0.0, beta_ = 0.0;  // linearisation point
   double sum_nis_ = 0.0, count_ = 0.0;
-  Eigen::Vector2d last_step_;  // of ln alpha and ln beta
+  Eigen::Vector2d last_step_;  // last step of ln alpha and ln beta
   double step_limit_ = 0.0;
   bool settled_ = false;
   std::size_t next_ = 0, pass_size_ = 0;
@@ -115,5 +112,6 @@ class PressEstimator {
   double chi_ = 1.0;
   TissueEstimate estimate_;
 };
+static_assert(SteeringEstimator<PressEstimator>);
 
 }  // namespace tuina::tissue

@@ -8,10 +8,10 @@ namespace tuina::tissue {
 namespace {
 
 constexpr std::size_t saturated_run = 5;
-// Below these a record is a calculation, not a measurement, and weights would become meaningless.
+// Floors for noise-free (calculated) records, whose weights would be meaningless.
 constexpr double min_force_noise_n = 0.005, min_position_noise_m = 1e-6;
 
-/// The noise seen over neighbours `stride` samples away; `value` reads one signal.
+/// Noise over neighbours `stride` samples away; `value` selects the signal.
 template <typename Value>
 double noise_at(std::span<const TimedPress> record, std::size_t stride, Value value) {
   std::vector<double> errors;
@@ -34,7 +34,7 @@ double noise_at(std::span<const TimedPress> record, std::size_t stride, Value va
 SensorNoise estimate_noise(std::span<const TimedPress> record) {
   const auto force = [](const TimedPress& s) { return s.press.force_n; };
   const auto position = [](const TimedPress& s) { return s.press.depth_m; };
-  // A sensor's low-pass makes neighbours alike, so neighbours a little further away are asked too.
+  // A sensor's low-pass correlates neighbours, so farther ones are compared too.
   return {.force_n =
               std::max({noise_at(record, 1, force), noise_at(record, 3, force), min_force_noise_n}),
           .position_m = std::max({noise_at(record, 1, position), noise_at(record, 3, position),

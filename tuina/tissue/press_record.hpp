@@ -19,13 +19,12 @@ struct SensorNoise {
   double position_m = 0.05e-3;
 };
 
-/// What the sensors add, read from the record itself: each sample against the straight line between
-/// its neighbours, the middle value of all, so presses and dropouts do not count. Needs no free
-/// air. Slowly varying (coloured) errors stay unseen.
+/// Estimates sensor noise from a record: deviation of each sample from the straight line between
+/// its neighbours, robust against presses and dropouts. Needs no free air. Slow (coloured) errors
+/// are invisible to it.
 [[nodiscard]] SensorNoise estimate_noise(std::span<const TimedPress> record);
 
-/// The record without the samples in which the force sensor stood at the end of its range, or so
-/// close below it that noise decided which of them did.
+/// Removes samples at the end of the force sensor's range, or so close below it that noise decided.
 [[nodiscard]] std::vector<TimedPress> without_saturation(std::span<const TimedPress> record,
                                                          const SensorNoise& noise);
 

@@ -9,10 +9,10 @@ namespace tuina::tissue {
 namespace {
 
 constexpr double block_s = 4.5e-3;     // five samples at 1 kHz
-constexpr double max_segment_s = 0.1;  // a breath moves the skin little within it
-constexpr double max_gap_s = 0.05;     // a dropout: what lies on both sides is not averaged
+constexpr double max_segment_s = 0.1;  // the breath moves the skin little within it
+constexpr double max_gap_s = 0.05;     // a dropout; the two sides are not averaged
 constexpr double min_force_n = 1.0;
-// Cells of equal width in the root of the force are about equally long in depth on every tissue.
+// Cells of equal width in the root of the force span about equal depths on every tissue.
 constexpr double cell_root_n = 0.1863;  // sqrt(80 N) / 48
 constexpr double cell_m = 0.4e-3;
 constexpr double fewest_tare_samples = 5.0;
@@ -28,7 +28,7 @@ double slope_between(const PressSegment& a, const PressSegment& b) noexcept {
 PressSegments::PressSegments(const SegmentOptions& options) noexcept : options_(options) {}
 
 double PressSegments::tare_n() const noexcept {
-  // A force offset of 0.3 N otherwise costs up to 14 % of alpha.
+  // A force offset of 0.3 N would otherwise cost up to 14 % of alpha.
   return free_air_.samples >= fewest_tare_samples ? free_air_.force_n / free_air_.samples : 0.0;
 }
 
@@ -82,8 +82,8 @@ double PressSegments::delayed_position(double time_s) const noexcept {
 }
 
 bool PressSegments::saturated(double force_n) noexcept {
-  // A sensor at the end of its range repeats its largest number; the tissue then knows more than it
-  // says. Just below, noise decides which samples reach the end, so those are left out with it.
+  // A saturated sensor repeats its largest number while the true force is larger. Just below, noise
+  // decides which samples saturate, so those are dropped too.
   if (force_n > saturation_n_) saturation_n_ = std::numeric_limits<double>::infinity();
   same_force_ = force_n == last_force_n_ ? same_force_ + 1 : 1;
   last_force_n_ = force_n;
@@ -113,8 +113,8 @@ void PressSegments::take_inertia_off(const Block& newest) noexcept {
   }
   recent_[recent_size_++] = newest;
   if (recent_size_ < recent_.size()) return;
-  // The parabola through the first, the middle and the last: 0.15 kg at 0.2 m/s^2, a soft landing,
-  // is 0.03 N, and where a soft tissue is first touched that is a thirtieth of all the force.
+  // Acceleration from the parabola through first, middle and last. 0.15 kg at 0.2 m/s^2, a soft
+  // landing, is 0.03 N, a thirtieth of the force at first touch of soft tissue.
   const Block &a = recent_.front(), &b = recent_[2], &c = recent_.back();
   const double before = (b.position_m - a.position_m) / (b.time_s - a.time_s);
   const double after = (c.position_m - b.position_m) / (c.time_s - b.time_s);
@@ -130,8 +130,8 @@ void PressSegments::accept(const Block& block) noexcept {
   if (!touched_) tare(position_m, block.force_n, n);
   const double force_n = block.force_n - tare_n();
   const Block felt = {time_s, position_m, force_n, n, block.inertia_n};
-  // Force noise must not choose which samples count: the block that shows contact is the last of
-  // the air, and once there, contact holds until the force is clearly gone.
+  // Force noise must not select samples: the block that shows contact is the last of the air, and
+  // contact then holds until the force is clearly gone.
   const double on_n = std::max(min_force_n, 5.0 * options_.force_noise_n / std::sqrt(n));
   const bool was_in_contact = in_contact_;
   in_contact_ = force_n > (in_contact_ ? 0.4 * on_n : on_n);
@@ -151,8 +151,8 @@ void PressSegments::tare(double position_m, double force_n, double samples) noex
   const double clear_m = -2.5 * options_.contact_sd_m;
   if (!tare_begun_) began_near_ = position_m > clear_m;
   tare_begun_ = true;
-  // A record that begins close above the skin is believed to begin in free air; the force stays
-  // where it began until the skin is met.
+  // A record that begins close above the skin is taken to begin in free air; the force stays at its
+  // start until the skin is met.
   const bool as_it_began =
       began_near_ && position_m < 0.0 &&
       (free_air_.samples == 0.0 || std::abs(force_n - free_air_.force_n / free_air_.samples) <
@@ -163,8 +163,8 @@ void PressSegments::tare(double position_m, double force_n, double samples) noex
 }
 
 void PressSegments::follow_press(double time_s, double force_n) noexcept {
-  // Between presses the tool may stay in light contact, so a press ends at a fall, not at a loss;
-  // it counts once its way out has been seen.
+  // Between presses the tool may keep a light contact, so a press ends at a fall of the force, not
+  // at its loss, and counts once it was released.
   peak_ever_n_ = std::max(peak_ever_n_, force_n);
   if (phase_ == Phase::up) {
     peak_n_ = std::max(peak_n_, force_n);
@@ -207,8 +207,8 @@ void PressSegments::append(const Block& block) noexcept {
   opened_s_ = time_s;
   opened_root_ = root;
   opened_m_ = position_m;
-  // The speed of a segment is the slope between its neighbours; the first and the last of a press
-  // have one neighbour only.
+  // The speed of a segment is the slope between its neighbours; the first and last of a press have
+  // only one.
   const auto joined = [this](std::size_t a, std::size_t b) {
     return segments_[a].contact && segments_[b].time_s - segments_[a].time_s < 3.0 * max_segment_s;
   };

@@ -10,32 +10,31 @@
 
 namespace tuina::tissue {
 
-/// A stretch of contact in which force and time hardly change, reduced to its means. A press of a
-/// second is some fifty of them, so all of it can be fitted again and again within the millisecond.
+/// Mean of a stretch of contact with nearly constant force. A one-second press has about fifty, few
+/// enough to refit all within a millisecond.
 struct PressSegment {
   double time_s = 0.0;
   double position_m = 0.0;
   double force_n = 0.0;
-  double speed_m_per_s = 0.0;  ///< of the tool, into the body
+  double speed_m_per_s = 0.0;  ///< tool speed, into the body
   double samples = 0.0;
-  double inertia_n = 0.0;  ///< of the tool: taken off the force, largest of the stretch
-  bool contact = true;     ///< else the force does not show it: air, or the skin only just touched
-  /// Of a segment without contact: where a fit found the skin soon after, and how surely; not a
-  /// number before the first fit.
+  double inertia_n = 0.0;  ///< tool inertia, subtracted from the force; maximum of the stretch
+  bool contact = true;     ///< false: air, or the skin only just touched
+  /// Skin position that a fit found soon after a segment without contact, and its standard
+  /// deviation; NaN before the first fit.
   double skin_m = std::numeric_limits<double>::quiet_NaN(), skin_sd_m = 0.0;
 };
 
 struct SegmentOptions {
   double force_noise_n = 0.2;    ///< one standard deviation of one sample
-  double contact_sd_m = 0.5e-3;  ///< how well the place of the skin is known beforehand
-  double force_delay_s = 0.0;    ///< the force is this much older than the position beside it
-  double tool_mass_kg = 0.0;     ///< beyond the force sensor, which feels it being accelerated
+  double contact_sd_m = 0.5e-3;  ///< prior standard deviation of the skin position
+  double force_delay_s = 0.0;    ///< age of the force against the position beside it
+  double tool_mass_kg = 0.0;     ///< mass beyond the force sensor, whose inertia it measures
 };
 
-/// Turns samples into segments: delays the position like the force, tares the force before the
-/// first contact, takes the tool's inertia off, averages, and counts presses. Any input is
-/// survived: samples that are not finite, repeat or go back in time, or sit at the end of the
-/// sensor's range are left out. Nothing allocates.
+/// Compresses samples into segments: delays the position to match the force, tares the force before
+/// the first contact, subtracts the tool's inertia, averages, and counts presses. Drops samples
+/// that are non-finite, out of order or saturated. No heap.
 class PressSegments {
  public:
   static constexpr std::size_t capacity = 128;
@@ -48,13 +47,13 @@ class PressSegments {
   [[nodiscard]] const PressSegment& operator[](std::size_t i) const noexcept {
     return segments_[i];
   }
-  void tell_skin(std::size_t i, double skin_m, double skin_sd_m) noexcept {
+  void record_skin(std::size_t i, double skin_m, double skin_sd_m) noexcept {
     segments_[i].skin_m = skin_m;
     segments_[i].skin_sd_m = skin_sd_m;
   }
   void drop_oldest(std::size_t count) noexcept;
 
-  [[nodiscard]] int presses() const noexcept { return presses_; }  ///< completed ones
+  [[nodiscard]] int presses() const noexcept { return presses_; }  ///< completed presses
   [[nodiscard]] double peak_force_n() const noexcept { return peak_ever_n_; }
   [[nodiscard]] double first_contact_s() const noexcept { return first_contact_s_; }
   [[nodiscard]] bool ever_touched() const noexcept { return touched_; }
@@ -68,7 +67,7 @@ class PressSegments {
   struct Sum {
     double time_s = 0.0, position_m = 0.0, force_n = 0.0, samples = 0.0, inertia_n = 0.0;
   };
-  using Block = Sum;  // with means instead of sums
+  using Block = Sum;  // means instead of sums
 
   [[nodiscard]] double delayed_position(double time_s) const noexcept;
   [[nodiscard]] bool saturated(double force_n) noexcept;
@@ -95,7 +94,7 @@ class PressSegments {
   double opened_root_ = 0.0;
   double opened_m_ = 0.0;
 
-  std::array<PressSegment, 8> air_{};  // the last stretches before contact showed
+  std::array<PressSegment, 8> air_{};  // the last stretches before contact
   std::size_t air_size_ = 0;
 
   std::array<Timed, 64> history_{};  // positions of the last samples, for the delay

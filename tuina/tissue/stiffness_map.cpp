@@ -30,7 +30,7 @@ StiffnessMap::StiffnessMap(std::span<const FeltPlace> places, const StiffnessMap
     off(i) = place.log_stiffness - mean_;
     for (Eigen::Index j = 0; j < n; ++j)
       K(i, j) = alike(place.at_in_couch, places_[static_cast<std::size_t>(j)], options_);
-    // The floor keeps two presses on one place apart from a singular matrix.
+    // The floor keeps two presses on one place from making the matrix singular.
     K(i, i) += place.sd * place.sd + 1e-8;
   }
   const Eigen::LLT<Eigen::MatrixXd> covariance(K);
@@ -84,7 +84,7 @@ std::vector<ComparedVisits> compare_visits(std::span<const Visit> visits) {
     after.push_back(last.felt);
     compared.push_back({last.name, first.felt, last.felt, {}});
   }
-  // Maps of these places only: one that was felt once would count as unchanged around it.
+  // Maps of the repeated places only: a place felt once would count as unchanged around it.
   const StiffnessMap was(before), is(after);
   for (ComparedVisits& place : compared)
     place.change = change_at(was, is, place.before.at_in_couch).value_or(StiffnessChange{});

@@ -11,8 +11,8 @@
 
 namespace tuina::tissue {
 
-/// One place that was pressed: the logarithm of its tangent stiffness at a force that is the same
-/// for all places, and the standard deviation of that.
+/// One pressed place: log tangent stiffness at a force common to all places, and its standard
+/// deviation.
 struct FeltPlace {
   Vector3 at_in_couch = Vector3::Zero();
   double log_stiffness = 0.0;
@@ -20,13 +20,13 @@ struct FeltPlace {
 };
 
 struct StiffnessMapOptions {
-  double reach_m = 40e-3;     ///< over which neighbouring places are alike: a muscle's width
-  double spread = 0.4;        ///< of the logarithm over a back: Table 6-2 at 10 N
+  double reach_m = 40e-3;     ///< correlation length: a muscle's width
+  double spread = 0.4;        ///< prior standard deviation over a back: Table 6-2 at 10 N
   double blank_share = 0.85;  ///< no answer where nearly all of that spread is left
 };
 
-/// A Gaussian process over the back: smooth where it was pressed, blank where it was not. Distances
-/// are straight; within the reach a back hardly bends.
+/// Gaussian process over the back. Distances are straight: within the correlation length a back
+/// hardly bends.
 class StiffnessMap {
  public:
   struct Value {
@@ -35,7 +35,7 @@ class StiffnessMap {
   };
   explicit StiffnessMap(std::span<const FeltPlace> places, const StiffnessMapOptions& options = {});
 
-  /// Nothing if no place near enough was pressed.
+  /// Nothing if no near place was pressed.
   [[nodiscard]] std::optional<Value> at(const Vector3& point_in_couch) const;
 
  private:
@@ -46,19 +46,19 @@ class StiffnessMap {
   Eigen::VectorXd weights_;
 };
 
-/// How a place differs between two maps; `detectable` is the smallest change that can be told from
-/// noise at 95 %. Not `told` means "no detectable change", which is an answer.
+/// Change of a place between two maps; `detectable` is the smallest change that is significant at
+/// 95 %. Not `told` means "no detectable change", which is an answer.
 struct StiffnessChange {
   double log_change = 0.0;
   double detectable = 0.0;
   bool told = false;
 };
-/// Nothing where either map is blank.
+/// Nothing where either map has no answer.
 [[nodiscard]] std::optional<StiffnessChange> change_at(const StiffnessMap& before,
                                                        const StiffnessMap& after,
                                                        const Vector3& point_in_couch);
 
-/// What was felt when a place was pressed; in the order of time, a place may come again.
+/// Result of one press of a named place, in order of time; places may repeat.
 struct Visit {
   std::string name;
   FeltPlace felt;
@@ -66,7 +66,7 @@ struct Visit {
 /// The last visit of each place.
 [[nodiscard]] std::vector<Visit> last_visits(std::span<const Visit> visits);
 
-/// The first and the last visit of each place that was visited twice or more: before and after.
+/// First and last visit of each place visited more than once.
 struct ComparedVisits {
   std::string name;
   FeltPlace before, after;

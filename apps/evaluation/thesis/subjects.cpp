@@ -73,7 +73,7 @@ Result<Place> press_place(const TangentTissue& truth, double peak_n, Random& ran
     if (time_s < 0.0) continue;
     if (!skin_m) skin_m = sample.press.depth_m;
     const Press from_skin{sample.press.depth_m - *skin_m, sample.press.force_n};
-    theirs.update(from_skin, 1e-3);
+    theirs.update(sample.time_s, from_skin);
     const TissueEstimate& estimate = ours.estimate();
     if (estimate.converged && !place.converged_s) {
       place.converged_s = estimate.converged_after_s;
@@ -87,7 +87,7 @@ Result<Place> press_place(const TangentTissue& truth, double peak_n, Random& ran
     }
   }
   place.found = ours.estimate().tissue;
-  place.theirs_error = worse_error(theirs.tissue(), truth);
+  place.theirs_error = worse_error(theirs.estimate().tissue, truth);
   return place;
 }
 

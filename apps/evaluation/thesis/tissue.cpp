@@ -148,8 +148,8 @@ Convergence converge(const baselines::ThesisEstimatorOptions& options, const Tan
                                : tissue::force_at_depth(truth, std::max(0.0, sample.press.depth_m));
     sample.press.depth_m -= late_m;
     sample.press.force_n += gaussian(random, noise_n);
-    estimator.update(sample.press, 1e-3);
-    const TangentTissue found = estimator.tissue();
+    estimator.update(sample.time_s, sample.press);
+    const TangentTissue found = estimator.estimate().tissue;
     const double a = found.alpha_n / truth.alpha_n, b = found.beta_per_m / truth.beta_per_m;
     result.last = estimator.valid() ? std::max(std::abs(a - 1.0), std::abs(b - 1.0)) : INFINITY;
     if (!(result.last <= 0.05)) result.within_5_s = sample.time_s;

@@ -93,8 +93,8 @@ Run run_thesis(const Trial& trial, const baselines::ThesisEstimatorOptions& opti
                double skin_m) {
   baselines::ThesisEstimator estimator(options);
   return run_online(trial, [&](const tissue::TimedPress& sample) {
-    estimator.update({sample.press.depth_m - skin_m, sample.press.force_n}, 1e-3);
-    return TissueEstimate{.tissue = estimator.tissue()};
+    estimator.update(sample.time_s, {sample.press.depth_m - skin_m, sample.press.force_n});
+    return estimator.estimate();
   });
 }
 
@@ -149,7 +149,7 @@ Run run_method(TrialMethod method, const Trial& trial) {
                                             .position_noise_m = trial.options.position_noise_m,
                                             .contact_sd_m = trial.options.contact_sd_m});
       return run_online(trial, [&](const tissue::TimedPress& sample) {
-        estimator.update(sample.press);
+        estimator.update(sample.time_s, sample.press);
         return estimator.estimate();
       });
     }

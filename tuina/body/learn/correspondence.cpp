@@ -18,8 +18,8 @@ using Eigen::VectorXd;
 constexpr double skin_spacing_m = 13_mm;
 constexpr double skin_reach_m = 65_mm;  // the model's skin ends this far beyond its labels
 
-/// The smooth map that carries labels onto labels: affine plus |r| splines in space, the 3D sibling
-/// of the thin plate.
+/// Smooth map that carries labels onto labels: affine plus |r| splines, the 3D analogue of thin
+/// plates.
 class Spline {
  public:
   Spline(const Places& from, const Places& to) : from_(from) {
@@ -29,7 +29,8 @@ class Spline {
     MatrixXd system = MatrixXd::Zero(n + affine_, n + affine_);
     for (Index i = 0; i < n; ++i) {
       for (Index j = 0; j < n; ++j) system(i, j) = -(from.col(i) - from.col(j)).norm();
-      system(i, i) += 2_mm;  // labels a few millimetres apart need not tear the skin between them
+      system(i, i) +=
+          2_mm;  // regularisation: labels a few millimetres apart must not tear the skin
       system(i, n) = system(n, i) = 1.0;
       if (affine) {
         system.block<1, 3>(i, n + 1) = from.col(i).transpose();
@@ -70,7 +71,7 @@ void find_neighbours(Template& made) {
   }
 }
 
-/// From couch to axes like those of `back`.
+/// Rotation from couch to axes like those of `back`.
 Matrix3 back_axes(Position position) {
   return position == Position::sitting
              ? Matrix3(Matrix3::Identity())

@@ -5,24 +5,24 @@
 
 namespace tuina::body {
 
-/// Skin points and labels that are found again on every labelled back. In a frame like `back`.
+/// Skin points and labels with correspondences on every labelled back, in a frame like `back`.
 struct Template {
   Places skin;
   Places normals;
   Places labels;
-  std::vector<std::vector<Eigen::Index>> neighbours;  ///< of each skin point, the nearest eight
+  std::vector<std::vector<Eigen::Index>> neighbours;  ///< the nearest eight of each skin point
 };
-/// How far the template's skin goes: beyond all labels, or beyond the acupoints, which leaves
-/// shoulders and arms out.
+/// Extent of the template's skin: beyond all labels, or beyond the acupoints only, without
+/// shoulders and arms.
 enum class Reach : std::uint8_t { labels, acupoints };
 [[nodiscard]] Template make_template(const Example& example, const std::vector<std::string>& names,
                                      Reach reach = Reach::labels);
 
-/// The mean back of a model as a template.
+/// Template made of a model's mean back.
 [[nodiscard]] Template template_of(const ShapeModel& model);
 
-/// The template's skin and labels on another back, in couch: carried by the shared labels, then
-/// laid onto the skin along its normals.
+/// Skin and labels of the template registered to another back, in couch: a spline through the
+/// shared labels, then projection along the normals.
 [[nodiscard]] Places correspond(const Template& standard, const Example& example,
                                 const std::vector<std::string>& names);
 

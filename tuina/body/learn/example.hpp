@@ -12,25 +12,25 @@
 
 namespace tuina::body {
 
-/// A labelled back as a scan shows it: what learning looks at.
+/// A labelled back as a scan shows it, for learning.
 struct Example {
   BackSurface back;
   std::vector<Acupoint> acupoints;
   std::vector<Landmark> landmarks;
-  std::optional<BackSurface> scanned;  ///< with holes and noise, when somebody scanned the person
+  std::optional<BackSurface> scanned;  ///< with holes and noise, if the person was scanned
 
-  /// What a model will be shown of a person like this.
+  /// The surface that a fit to such a person sees.
   [[nodiscard]] const BackSurface& shown() const { return scanned ? *scanned : back; }
 };
 [[nodiscard]] Result<Example> make_example(const LabelledBody& body);
-/// The same person seen in a mirror, left and right exchanged.
+/// The example reflected, left and right exchanged.
 [[nodiscard]] Example mirrored(const Example& example);
 
 [[nodiscard]] std::map<std::string, Vector3> labels_of(const Example& example);
-/// The labels of these names, which the example has.
+/// The labels with these names that the example has.
 [[nodiscard]] Places labels_in_couch(const Example& example, const std::vector<std::string>& names);
 
-/// The example whose labels are nearest to the mean of all: the standard model of the thesis.
+/// Index of the example whose labels are nearest to the mean: the standard model of the thesis.
 [[nodiscard]] std::size_t medium_of(const std::vector<Example>& examples,
                                     const std::vector<std::string>& names);
 

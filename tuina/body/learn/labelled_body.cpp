@@ -63,8 +63,7 @@ Result<LabelledBody> read_labelled_body(const std::filesystem::path& ply) {
       add_acupoints(object.at("more_acupoints"), body.acupoints);
     if (object.contains("landmarks")) {
       for (const auto& [name, place] : object.at("landmarks").items()) {
-        // A landmark may lie a little outside the cropped skin, but one that is nowhere near it
-        // marks nothing.
+        // A landmark may lie a little outside the cropped skin, but one far from it is wrong.
         const Vector3 at = vector_of(place);
         if (at.cwiseAbs().maxCoeff() < max_landmark_m) body.landmarks.push_back({name, at});
       }

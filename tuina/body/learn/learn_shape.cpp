@@ -16,9 +16,10 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr std::size_t enough_to_correct = 4;  // bodies
-constexpr std::size_t enough_to_learn = 16;   // fewer bend a mean and modes to their own likeness
+constexpr std::size_t enough_to_learn = 16;   // fewer bodies overfit mean and modes
 
-/// What is learned: the labels of the prior, else those that every body has, acupoints first.
+/// Names of the learned labels: those of the prior, else those that every body has; acupoints
+/// first.
 struct Names {
   std::vector<std::string> all;
   int acupoints = 0;
@@ -41,20 +42,20 @@ Names names_of(const std::vector<Example>& examples, const ShapeModel* prior) {
   return names;
 }
 
-/// Who is learned from; with two views, each is followed by the mirrored twin.
+/// Training examples; with two views, each is followed by its reflection.
 struct People {
   const std::vector<Example>& examples;
   Names names;
   std::size_t views = 1;
 };
 
-/// Everybody registered.
+/// All examples registered to the template.
 struct Register {
   const People& people;
   Template standard;
   std::vector<Registered> backs;
 
-  /// The model of everybody, or of everybody but one fold.
+  /// The model of all examples, or of all but one fold.
   [[nodiscard]] ShapeModel model(const LearnOptions& options, std::size_t fold = 0,
                                  std::size_t folds = 0) const {
     std::vector<const Registered*> chosen;
@@ -72,7 +73,7 @@ struct Register {
   }
 };
 
-/// Which labels an example has; what is not there teaches nothing.
+/// Labels of an example; missing ones are taken from `otherwise`.
 Places labels_or(const Example& example, const std::vector<std::string>& names,
                  const Places& otherwise) {
   const auto known = labels_of(example);
@@ -85,7 +86,7 @@ Places labels_or(const Example& example, const std::vector<std::string>& names,
   return places;
 }
 
-/// Every back fitted by a model that has not seen it: `others_of` a fold of the people.
+/// Fits every back with a model of the other folds.
 template <typename OthersOf>
 LeftOut leave_out(const People& people, const ShapeModel& model, std::size_t folds,
                   const OthersOf& others_of, const Progress& progress) {
@@ -125,8 +126,8 @@ LeftOut leave_out(const People& people, const ShapeModel& model, std::size_t fol
   return left;
 }
 
-/// A model, and how far each acupoint (row) of each back (column) is off when its person is left
-/// out; empty where there were too few to tell.
+/// A model, and the cross-validated error of each acupoint (row) of each back (column); empty with
+/// too few bodies.
 struct Learned {
   ShapeModel model;
   MatrixXd out_of_fold_mm;
@@ -140,7 +141,7 @@ MatrixXd acupoint_errors(const MatrixXd& wrong_mm, int acupoints) {
   return errors_mm;
 }
 
-/// Mean and modes of these people, with what a prior in the statistics knows.
+/// Mean and modes of these people, with the prior in the statistics.
 Learned learned_shape(const People& people, const LearnOptions& options, const Progress& progress) {
   const auto& examples = people.examples;
   const auto& names = people.names;
@@ -171,7 +172,7 @@ Learned learned_shape(const People& people, const LearnOptions& options, const P
     const ShapeFit own = fit_shape(model, examples.front().shown());
     model.nominal_var_m2 = own.label_var_m2;
     model.usual_residual_m = own.residual_m;
-    // A sphere holds 95 % of a round Gaussian within 2.8 standard deviations.
+    // 95 % of an isotropic 3D Gaussian lies within 2.8 standard deviations.
     model.radius95_m = 2.8 * own.label_var_m2.cwiseSqrt();
     return learned;
   }
@@ -186,8 +187,8 @@ Learned learned_shape(const People& people, const LearnOptions& options, const P
   return learned;
 }
 
-/// The shape of the prior as it is, corrected by what these people show: few are those whose mean
-/// and modes would say more about their choice than about others.
+/// The prior's shape with a correction learned from these people: the mean and modes of a few
+/// people describe their selection more than others.
 Learned corrected_prior(const People& people, const ShapeModel& prior, const Progress& progress) {
   const LeftOut left = leave_out(
       people, prior, 1, [&](std::size_t) { return prior; }, progress);
@@ -197,7 +198,7 @@ Learned corrected_prior(const People& people, const ShapeModel& prior, const Pro
   model.bodies += static_cast<int>(people.examples.size());
   if (people.examples.size() >= enough_to_correct) {
     learned.out_of_fold_mm = acupoint_errors(wrong_mm, people.names.acupoints);
-    // A few who happen to be easy say nothing against the radii of the prior.
+    // A few easy people are no evidence against the prior's radii.
     model.radius95_m = model.radius95_m.cwiseMax(prior.radius95_m);
   } else {
     model.radius95_m = prior.radius95_m;
@@ -221,7 +222,8 @@ Result<ShapeModel> learn_shape(const std::vector<Example>& examples, const Learn
   if (prior != nullptr && examples.size() < enough_to_learn) {
     learned = corrected_prior(known, *prior, progress);
   } else if (prior != nullptr) {
-    // With enough people two ways are open; the one that errs less on people left out is kept.
+    // With enough people both variants are tried; the one with the smaller cross-validated error is
+    // kept.
     const bool alone = people.names.all.size() >= known.names.all.size();
     LearnOptions with_prior = options;
     with_prior.statistics.prior = prior;

@@ -10,15 +10,15 @@ namespace tuina::body {
 struct LearnOptions {
   StatisticsOptions statistics;
   Reach reach = Reach::labels;
-  /// What is known beforehand: an atlas of other people. A few bodies teach it another correction;
-  /// enough to be better on bodies left out are learned from on their own.
+  /// Atlas of other people. A few bodies adapt its correction; with enough bodies a model of their
+  /// own is tried, and kept if it predicts left-out bodies better.
   const ShapeModel* prior = nullptr;
-  bool mirror = true;  ///< every person also counts as seen in a mirror
-  int folds = 8;       ///< for the correction and the uncertainty
+  bool mirror = true;  ///< every person also counts reflected
+  int folds = 8;       ///< cross-validation folds for correction and uncertainty
 };
 
-/// Learns one position; the examples are all in it. Deterministic. `out_of_fold_mm`, when given,
-/// receives the error of each acupoint of each example (column) when its fold is left out.
+/// Learns one position from examples in it; deterministic. `out_of_fold_mm`, if given, receives the
+/// cross-validated error of each acupoint (row) of each example (column).
 [[nodiscard]] Result<ShapeModel> learn_shape(const std::vector<Example>& examples,
                                              const LearnOptions& options = {},
                                              const Progress& progress = {},

@@ -16,12 +16,12 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double coarse_m = 30_mm;  // how one back alone is expected to differ from another
+constexpr double coarse_m = 30_mm;  // standard deviation between two backs when only one is known
 constexpr double coarse_length_m = 180_mm;
 constexpr double fine_length_m = 70_mm;
 
-/// Deformations that are smooth over `length`, of `amplitude` in each axis, as columns: a Gaussian
-/// process cut down to the kernel's main functions at evenly spread anchors.
+/// Columns of a low-rank Gaussian process: smooth deformations with correlation length `length` and
+/// standard deviation `amplitude` per axis, from evenly spread anchors.
 MatrixXd smooth_modes(const Places& mean, double amplitude, double length, Index anchors) {
   std::vector<Index> chosen = {0};
   VectorXd far = (mean.colwise() - mean.col(0)).colwise().norm();
@@ -57,7 +57,7 @@ MatrixXd smooth_modes(const Places& mean, double amplitude, double length, Index
   return modes;
 }
 
-/// The usual way of sitting or lying: the mean of all.
+/// Mean pose of people who sit or lie.
 Transform mean_pose(const std::vector<const Registered*>& backs, const Places& mean) {
   Matrix3 turn = Matrix3::Zero();
   Vector3 shift = Vector3::Zero();
@@ -78,7 +78,7 @@ Transform mean_pose(const std::vector<const Registered*>& backs, const Places& m
 
 Registered registered(const Template& standard, const Example& example,
                       const std::vector<std::string>& names) {
-  // Labelled people who lie have their head where the frame of the couch says (docs/bodies.md).
+  // Labelled people who lie have their head where the couch frame says (docs/bodies.md).
   return {correspond(standard, example, names), couch_from_person(example.back).front()};
 }
 
@@ -97,7 +97,7 @@ ShapeModel model_of(const std::vector<const Registered*>& backs, const Template&
     }
     model.mean = sum;
   }
-  // Of a prior, how backs differ counts for more than their mean.
+  // A prior weighs more for the covariance of backs than for their mean.
   MatrixXd known(3 * model.mean.cols(), 0);
   double share = 0.0;
   if (options.prior != nullptr) {
@@ -136,7 +136,7 @@ ShapeModel model_of(const std::vector<const Registered*>& backs, const Template&
   const Index kept = std::min<Index>(options.modes, gram.cols());
   model.modes.resize(factor.rows(), kept);
   for (Index k = 0; k < kept; ++k) {
-    // An eigenvector's sign is free; its largest entry decides it.
+    // The sign of an eigenvector is arbitrary; its largest entry fixes it.
     VectorXd mode = factor * eigen.eigenvectors().col(gram.cols() - 1 - k);
     Index largest = 0;
     mode.cwiseAbs().maxCoeff(&largest);

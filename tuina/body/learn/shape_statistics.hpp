@@ -7,7 +7,7 @@
 
 namespace tuina::body {
 
-/// The places of the template on one back, and the frame that moves with the person.
+/// The template registered to one back, and the frame that moves with the person.
 struct Registered {
   Places shape_in_couch;
   Transform couch_from_person;
@@ -17,16 +17,15 @@ struct Registered {
 
 struct StatisticsOptions {
   int modes = 60;
-  double smooth_m =
-      10e-3;  ///< standard deviation of a free smooth deformation on top of what was seen
-  /// What is known of how backs differ, on the same template; counts as so many people.
+  /// Standard deviation of the smooth deformation added to the observed ones.
+  double smooth_m = 10e-3;
+  /// Shape model on the same template, as prior for the covariance; weighs `prior_people`.
   const ShapeModel* prior = nullptr;
   double prior_people = 5.0;
   double prior_people_for_mean = 1.0;
 };
 
-/// Mean and modes of backs, of `persons` different people: a Gaussian over skin points and labels
-/// together.
+/// Mean and modes of the backs of `persons` people: a joint Gaussian of skin points and labels.
 [[nodiscard]] ShapeModel model_of(const std::vector<const Registered*>& backs,
                                   const Template& standard, int persons,
                                   const StatisticsOptions& options);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// With find_charuco.cpp the only file that knows OpenCV.
+// Only this file and find_charuco.cpp use OpenCV.
 #include "tuina/calibration/board/find_board.hpp"
 
 #include <opencv2/calib3d.hpp>
@@ -16,7 +16,7 @@
 namespace tuina::calibration {
 namespace {
 
-// The window in which a corner is refined must not reach its neighbours.
+// The refinement window must not reach neighbouring corners.
 constexpr double window_per_square = 0.4;
 constexpr int min_window_px = 2;
 constexpr int max_window_px = 9;
@@ -45,7 +45,7 @@ std::vector<cv::Point3f> places_of(const View& view, const Board& board) {
   return points;
 }
 
-// The four outer corners of the board, from its inner ones.
+// Outer corners of the board, extrapolated from its inner ones.
 std::array<Vector2, 4> outline(const std::vector<Vector2>& corners, const Board& board) {
   const auto at = [&](int x, int y) {
     return corners[static_cast<std::size_t>(y * board.columns + x)];
@@ -60,15 +60,15 @@ std::array<Vector2, 4> outline(const std::vector<Vector2>& corners, const Board&
           beyond(right, below, right - 1, below - 1), beyond(0, below, 1, below - 1)};
 }
 
-/// The last digits of OpenCV depend on addresses, through the tuned BLAS beneath it. What the joint
-/// fit starts from needs no such digits, and without them the same pictures give the same numbers.
+/// Rounds a start value. The last digits of OpenCV depend on memory addresses, through its BLAS;
+/// rounded, the same pictures give the same results.
 double coarse(double value, double step) {
   return step * std::round(value / step);
 }
 
 Transform transform_of(const cv::Mat& rotation, const cv::Mat& translation) {
   const auto vector = [](const cv::Mat& m) {
-    constexpr double step = 0x1p-16;  // of radians and metres
+    constexpr double step = 0x1p-16;  // radians and metres
     return Vector3(coarse(m.at<double>(0), step), coarse(m.at<double>(1), step),
                    coarse(m.at<double>(2), step));
   };
@@ -98,7 +98,7 @@ std::optional<SeenBoard> find_board(ImageView image, const Board& board) {
       return std::nullopt;
     }
     // The corners of findChessboardCornersSB (OpenCV 4.6) are off by 0.01 to 0.03 px even in clean
-    // pictures, which costs pixels of focal length; the gradients around each corner know better.
+    // pictures, which costs pixels of focal length, so they are refined by gradients.
     window = std::clamp(static_cast<int>(window_per_square * min_side_px(corners, board)),
                         min_window_px, max_window_px);
     cv::cornerSubPix(grey, corners, {window, window}, {-1, -1},
@@ -130,7 +130,7 @@ Result<FirstCamera> calibrate_camera(const Views& views) {
   std::vector<cv::Mat> rotations;
   std::vector<cv::Mat> translations;
   try {
-    // Without distortion first: it is the joint fit that knows how much of it there can be.
+    // Without distortion here; the joint fit estimates it with its prior.
     cv::calibrateCamera(boards, pictures, {views.width_px, views.height_px}, matrix, distortion,
                         rotations, translations,
                         cv::CALIB_FIX_K2 | cv::CALIB_FIX_K3 | cv::CALIB_ZERO_TANGENT_DIST);

@@ -12,13 +12,12 @@
 
 namespace tuina::calibration {
 
-/// The inner corners of a board to a few hundredths of a pixel. Nothing when it is not seen: of a
-/// chessboard all of it, of a board with markers a handful of corners. Which of its corners is the
-/// first a plain chessboard does not tell.
+/// Detects the inner corners of a board to a few hundredths of a pixel. A chessboard must be wholly
+/// visible, of a board with markers a handful of corners suffices. The first corner of a plain
+/// chessboard is ambiguous.
 [[nodiscard]] std::optional<SeenBoard> find_board(ImageView image, const Board& board);
 
-/// The camera and where each board stood, by Zhang's method [zhang2000]: the start of the joint
-/// fit.
+/// Initial camera and board poses by Zhang's method [zhang2000], the start of the joint fit.
 struct FirstCamera {
   scanner::CameraModel camera;
   std::vector<Transform> camera_from_board;  ///< one per view

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// With find_board.cpp the only file that knows OpenCV.
+// Only this file and find_board.cpp use OpenCV.
 #include "tuina/calibration/board/find_charuco.hpp"
 
 #include <opencv2/calib3d.hpp>
@@ -27,9 +27,8 @@ constexpr int min_window_px = 3;
 constexpr int max_window_px = 9;
 constexpr int min_contrast_dn = 15;
 
-// Dark shapes with four corners: what a marker with its black frame looks like. The light differs
-// from place to place and markers are small and large, so each is compared with its surroundings of
-// three sizes.
+// Dark quadrilaterals, candidates for a marker with its black frame. Light and marker size vary, so
+// pixels are thresholded against surroundings of three sizes.
 std::vector<Quad> dark_quads(const cv::Mat& grey) {
   std::vector<Quad> quads;
   for (const int surroundings_px : {11, 25, 61}) {
@@ -46,7 +45,7 @@ std::vector<Quad> dark_quads(const cv::Mat& grey) {
       if (cv::contourArea(corners, true) < 0.0) std::reverse(corners.begin(), corners.end());
       Quad quad;
       std::copy(corners.begin(), corners.end(), quad.begin());
-      // The outline runs through the middles of the outermost dark pixels.
+      // The outline runs through the centres of the outermost dark pixels.
       const cv::Point2f middle = 0.25F * (quad[0] + quad[1] + quad[2] + quad[3]);
       for (cv::Point2f& corner : quad) {
         const cv::Point2f out = corner - middle;
@@ -63,7 +62,7 @@ cv::Point2d through(const cv::Matx33d& homography, const cv::Point2d& at) {
   return {to[0] / to[2], to[1] / to[2]};
 }
 
-// The cells of a marker, or nothing when there is no black frame around them.
+// Cells of a marker; nothing without a black frame.
 std::optional<std::vector<bool>> read_cells(const cv::Mat& grey, const Quad& quad, int inside) {
   const int all = inside + 2;
   const auto side = static_cast<float>(all);
@@ -105,20 +104,20 @@ std::optional<std::vector<bool>> read_cells(const cv::Mat& grey, const Quad& qua
 }
 
 struct SeenMarker {
-  std::size_t which = 0;  ///< of the markers of the board
-  Quad corners;           ///< from its first one, in the image
+  std::size_t which = 0;  ///< index in the board's markers
+  Quad corners;           ///< in the image, beginning with the marker's first corner
 };
 
-// Which marker the cells are, and how it is turned.
+// Identifies marker and rotation from the cells.
 std::optional<SeenMarker> recognise(const std::vector<bool>& white, const Quad& quad, int inside,
                                     const std::vector<scanner::Marker>& markers) {
-  // The smallest dictionaries differ by four cells at least, so one may be misread.
+  // The smallest dictionaries differ by at least four cells, so one error is correctable.
   constexpr int misread = 1;
   for (int turn = 0; turn < 4; ++turn) {
     std::uint64_t cells = 0;
     for (int y = 0; y < inside; ++y) {
       for (int x = 0; x < inside; ++x) {
-        // What is at (x, y) of a marker whose first corner is the quad's corner `turn`.
+        // Cell (x, y) of a marker whose first corner is the quad's corner `turn`.
         int from_x = x;
         int from_y = y;
         for (int i = 0; i < turn; ++i) {
@@ -139,7 +138,7 @@ std::optional<SeenMarker> recognise(const std::vector<bool>& white, const Quad& 
   return std::nullopt;
 }
 
-// The corners of a marker on the board, in squares from the first inner corner.
+// Corners of a marker on the board, in squares from the first inner corner.
 Quad place_of(const scanner::Marker& marker, const Board& board) {
   const auto half = static_cast<float>(0.5 * board.marker_m / board.square_m);
   const cv::Point2f middle(static_cast<float>(marker.column) - 0.5F,
@@ -148,12 +147,12 @@ Quad place_of(const scanner::Marker& marker, const Board& board) {
           middle + cv::Point2f(half, half), middle + cv::Point2f(-half, half)};
 }
 
-// Markers that one board in one place explains, and where that board is.
+// Markers consistent with one board pose.
 struct Agreed {
   std::vector<cv::Point2f> on_board;  ///< in squares
   std::vector<cv::Point2f> in_image;
   cv::Matx33d image_from_board;
-  bool first_is_black = true;  ///< the first square of the board
+  bool first_is_black = true;  ///< colour of the board's first square
 };
 
 std::optional<Agreed> agree(const std::vector<SeenMarker>& seen,
@@ -166,7 +165,7 @@ std::optional<Agreed> agree(const std::vector<SeenMarker>& seen,
     in_image.insert(in_image.end(), marker.corners.begin(), marker.corners.end());
   }
   if (on_board.size() < 4 * fewest_markers) return std::nullopt;
-  constexpr double tolerated_px = 4.0;  // a webcam's lens and corners of outlines
+  constexpr double tolerated_px = 4.0;  // lens distortion and outline errors
   std::vector<std::uint8_t> fits;
   const cv::Mat found = cv::findHomography(on_board, in_image, cv::RANSAC, tolerated_px, fits);
   if (found.empty()) return std::nullopt;
@@ -182,7 +181,7 @@ std::optional<Agreed> agree(const std::vector<SeenMarker>& seen,
   return agreed;
 }
 
-// The board near one of its corners, from what is seen beside it: the lens bends the whole of it.
+// Local homography near a corner, from the detections beside it, since the lens bends the board.
 cv::Matx33d around(const Agreed& agreed, const cv::Point2f& corner, std::size_t points) {
   std::vector<std::size_t> order;
   for (std::size_t i = 0; i < agreed.on_board.size(); ++i) {
@@ -201,7 +200,7 @@ cv::Matx33d around(const Agreed& agreed, const cv::Point2f& corner, std::size_t 
   return found.empty() ? agreed.image_from_board : cv::Matx33d(found);
 }
 
-// One inner corner, from the borders of the squares that meet there; its markers do not count.
+// Refines one inner corner from the edges of its squares, without markers.
 std::optional<Vector2> find_corner(ImageView image, const cv::Matx33d& image_from_board,
                                    const cv::Point2d& corner, const Board& board, int first_black) {
   const cv::Point2d start = through(image_from_board, corner);
@@ -218,7 +217,7 @@ std::optional<Vector2> find_corner(ImageView image, const cv::Matx33d& image_fro
   };
   if (!in_image(start)) return std::nullopt;
   const cv::Matx33d board_from_image = image_from_board.inv();
-  // Half way from the border of a square to the marker in it.
+  // Half way between the border of a square and its marker.
   const double marker_from = 0.25 * (1.0 - board.marker_m / board.square_m);
   const auto counts = [&](int x, int y) {
     const cv::Point2d at = through(board_from_image, cv::Point2d(x, y));
@@ -232,7 +231,7 @@ std::optional<Vector2> find_corner(ImageView image, const cv::Matx33d& image_fro
   if (!found || (*found - Vector2(start.x, start.y)).norm() > std::max(3.0, 0.15 * side_px)) {
     return std::nullopt;
   }
-  // Two of the four squares are black, and the others white beside their markers.
+  // Two of the four squares are black, the others white beside their markers.
   double contrast = 0.0;
   for (const auto& [dx, dy] : {std::pair{-1, -1}, {1, 1}, {1, -1}, {-1, 1}}) {
     const cv::Point2d shift = through(image_from_board, corner + cv::Point2d(0.1 * dx, 0.1 * dy)) -
@@ -246,11 +245,10 @@ std::optional<Vector2> find_corner(ImageView image, const cv::Matx33d& image_fro
   return found;
 }
 
-// Corners that are not where their neighbours have them lie under a finger or a reflection: the
-// worst goes first.
+// Removes corners that disagree with their neighbours (a finger, a reflection), worst first.
 void leave_out_odd_ones(Agreed& corners) {
   constexpr double min_tolerated_px = 0.4;
-  constexpr double tolerated_squares = 0.015;  // a printer's or a drawing's own rounding
+  constexpr double tolerated_squares = 0.015;  // rounding of printers and drawings
   const auto tolerated_px = [&](const cv::Point2d& at) {
     const double side_px = cv::norm(through(corners.image_from_board, at + cv::Point2d(1.0, 0.0)) -
                                     through(corners.image_from_board, at));
@@ -316,7 +314,7 @@ std::optional<SeenBoard> find_charuco(ImageView image, const Board& board) {
   try {
     std::optional<Agreed> best;
     const auto quads = dark_quads(grey);
-    // Before version 4.6 OpenCV began a board with an even number of rows with a white square.
+    // OpenCV before 4.6 began boards with an even number of rows with a white square.
     for (const bool first_is_black : {true, false}) {
       if (!first_is_black && board.rows % 2 == 0) continue;
       const auto markers = scanner::markers_of(board, first_is_black);

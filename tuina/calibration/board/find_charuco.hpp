@@ -8,9 +8,9 @@
 
 namespace tuina::calibration {
 
-/// The inner corners of a ChArUco board that are in the picture, wherever its markers tell which
-/// they are; nothing with fewer than two markers or eight corners. Debian 12 has OpenCV's own
-/// finder in a package of 329 MB only, so the markers are read here.
+/// Detects the inner corners of a ChArUco board and identifies them by its markers; nothing with
+/// fewer than two markers or eight corners. OpenCV's own detector comes in a Debian 12 package of
+/// 329 MB only, so markers are decoded here.
 [[nodiscard]] std::optional<SeenBoard> find_charuco(ImageView image, const Board& board);
 
 }  // namespace tuina::calibration

@@ -17,22 +17,23 @@ namespace {
 using scanner::LinePoint;
 
 constexpr int tries = 200;
-constexpr double along_line_px = 2.0;  // of a point from the line across the board, lens and all
+// Distance of a point from the straight line across the board, lens included.
+constexpr double along_line_px = 2.0;
 constexpr std::size_t min_points = 12;
 constexpr double window_widths = 4.0;
-constexpr double min_height = 5.0;  // of the line, in standard deviations of it
+constexpr double min_height = 5.0;  // minimum height in standard deviations
 constexpr double converged_px = 1e-3;
-constexpr int clipped_dn = 254;  // the flanks of a line that is too bright tell its place as well
-// What printed black adds to the light of the line, as a share of what white does beyond what it
-// shows of the room's light. A camera with a black level, or a line as bright on black, need it.
+constexpr int clipped_dn = 254;  // the flanks of a clipped line still locate it
+// Candidates of the light that printed black adds to the line, as a share of white's excess over
+// the room light. Cameras with a black level, and lines as bright on black, need it.
 constexpr std::array<double, 7> shares = {0.0, 0.05, 0.1, 0.25, 0.5, 1.0, 100.0};
 constexpr std::array<double, 13> width_factors = {0.5,  0.6,  0.7,  0.78, 0.86, 0.93, 1.0,
                                                   1.08, 1.16, 1.35, 1.6,  2.0,  2.5};
-constexpr int coarse_rows = 5;  // of so many rows one is fitted to try share and width
-constexpr double surely =
-    0.97;  // what a larger share must leave at most of what a smaller one does
-// Along a board the light is even but for speckle, and beside the line there is no more than the
-// board shows. Without knowing this a row with one flank on white would have any place.
+constexpr int coarse_rows = 5;  // every fifth row is fitted to try share and width
+// A larger share must reduce the residual at least to this fraction.
+constexpr double surely = 0.97;
+// Priors: along a board the line is even but for speckle, and beside it there is only the board.
+// Without them a row with one flank on white would fit anywhere.
 constexpr double even_height = 0.1;
 constexpr double even_offset_dn = 3.0;
 
@@ -53,7 +54,7 @@ bool inside(const std::array<Vector2, 4>& corners, const Vector2& at) {
   return std::abs(left) == 4;
 }
 
-// A light plane meets a board in a straight line, which the lens bends a little.
+// Straight course of the line on a board, slightly bent by the lens.
 struct Course {
   double middle_row = 0.0;
   Vector3 coefficients = Vector3::Zero();
@@ -106,12 +107,11 @@ std::optional<Course> find_course(const std::vector<Vector2>& points) {
   return fit_course(best);
 }
 
-// How wide the line is, the share of its light that printed black adds, and how high it is along
-// the rows.
-struct Look {
+// Appearance of the line: width, share of light added by printed black, and height along the rows.
+struct LineModel {
   double share = 0.0;
   double width_px = 1.0;
-  double height_dn = 0.0;  ///< at row 0; 0: not known yet
+  double height_dn = 0.0;  ///< at row 0; 0: unknown
   double height_dn_per_row = 0.0;
   [[nodiscard]] double height_at(int row) const { return height_dn + row * height_dn_per_row; }
 };
@@ -125,9 +125,8 @@ class Fit {
         window_px_(window_widths * width_px),
         noise_dn_(std::max(0.5, noise_dn)) {}
 
-  // How the board without laser shows in the laser picture, which is darker: scale and offset, from
-  // places beside the line.
-  void learn_board(const Course& course, const std::array<Vector2, 4>& corners) {
+  // Fits scale and offset between the pictures without and with laser, from pixels beside the line.
+  void fit_board(const Course& course, const std::array<Vector2, 4>& corners) {
     Eigen::Matrix2d sums = 1e-6 * Eigen::Matrix2d::Identity();
     Vector2 moments = Vector2::Zero();
     for (int row = 0; row < laser_.height; row += 2) {
@@ -142,14 +141,14 @@ class Fit {
       }
     }
     background_ = sums.ldlt().solve(moments);
-    std::vector<int> steps;  // between neighbours, most of which are on one square
+    std::vector<int> steps;  // between neighbours, mostly within one square
     for (int row = 0; row < board_.height; row += 4) {
       for (int column = 1; column < board_.width; column += 2) {
         if (!inside(corners, {column, row})) continue;
         steps.push_back(std::abs(board_.row(row)[column] - board_.row(row)[column - 1]));
       }
     }
-    // Half of the differences of equal Gaussians are below 0.95 standard deviations of one.
+    // The median difference of two equal Gaussians is 0.95 standard deviations of one.
     if (!steps.empty()) board_noise_ = 1.05 * std::max(0.5, middle_of(steps)) / brightest_;
   }
 
@@ -159,41 +158,41 @@ class Fit {
     double column_px = 0.0;
     double deviation_px = 0.0;
     double height_dn = 0.0;
-    double misfit = 0.0;  ///< sum of squares of what is left, in units of the noise
+    double residual = 0.0;  ///< sum of squared residuals over the noise
   };
 
-  // Gauss-Newton for place, height and a local offset of a Gaussian line on paper as bright as the
-  // board shows it.
-  [[nodiscard]] std::optional<Row> fit(int row, double column_px, const Look& look) const {
+  // Gauss-Newton for position, height and local offset of a Gaussian line on paper of the
+  // reflectance that the board picture shows.
+  [[nodiscard]] std::optional<Row> fit(int row, double column_px, const LineModel& model) const {
     const double start_px = column_px;
     const int first = static_cast<int>(std::ceil(column_px - window_px_));
     const int last = static_cast<int>(std::floor(column_px + window_px_));
     if (first < 0 || last >= laser_.width) return std::nullopt;
-    const double usual = look.height_at(row);
+    const double usual = model.height_at(row);
     double height = 0.0;
     double offset = 0.0;
     for (int step = 0; step < 12; ++step) {
       Matrix3 sums = 1e-9 * Matrix3::Identity();
       Vector3 moments = Vector3::Zero();
-      double misfit = 0.0;
+      double residual = 0.0;
       for (int x = first; x <= last; ++x) {
         if (laser_.row(row)[x] >= clipped_dn) continue;
-        const double u = (x - column_px) / look.width_px;
+        const double u = (x - column_px) / model.width_px;
         const double shown = board_.row(row)[x];
-        const double paper = (shown / brightest_ + look.share) / (1.0 + look.share);
+        const double paper = (shown / brightest_ + model.share) / (1.0 + model.share);
         const double bell = paper * std::exp(-0.5 * u * u);
         const double seen = laser_.row(row)[x] - background_.x() * shown - background_.y();
         const double left = seen - height * bell - offset;
-        const Vector3 slope(height * bell * u / look.width_px, bell, 1.0);
-        // What is not known of the paper counts as often as the line is brighter than the board.
+        const Vector3 slope(height * bell * u / model.width_px, bell, 1.0);
+        // Errors of the reflectance scale with the line's brightness.
         const double paper_noise =
-            height * std::exp(-0.5 * u * u) * board_noise_ / (1.0 + look.share);
+            height * std::exp(-0.5 * u * u) * board_noise_ / (1.0 + model.share);
         const double weight = 1.0 / (1.0 + std::pow(paper_noise / noise_dn_, 2));
         sums += weight * slope * slope.transpose();
         moments += weight * slope * left;
-        misfit += weight * left * left - noise_dn_ * noise_dn_ * std::log(weight);
+        residual += weight * left * left - noise_dn_ * noise_dn_ * std::log(weight);
       }
-      if (step == 0) sums(0, 0) += 1.0;  // no height yet, so the place stays
+      if (step == 0) sums(0, 0) += 1.0;  // the position is fixed while the height is unknown
       if (usual > 0.0) {
         const Vector2 weight(std::pow(noise_dn_ / (even_height * usual), 2),
                              std::pow(noise_dn_ / even_offset_dn, 2));
@@ -215,7 +214,7 @@ class Fit {
         return Row{.column_px = column_px,
                    .deviation_px = std::sqrt(covariance(0, 0)),
                    .height_dn = height,
-                   .misfit = misfit / (noise_dn_ * noise_dn_)};
+                   .residual = residual / (noise_dn_ * noise_dn_)};
       }
     }
     return std::nullopt;
@@ -225,27 +224,27 @@ class Fit {
   ImageView laser_;
   ImageView board_;
   double width_px_;
-  double window_px_;  // the same for every width, so that what is left can be compared
+  double window_px_;  // equal for all widths, so that residuals are comparable
   double noise_dn_;
   double brightest_ = 1.0;
-  double board_noise_ = 0.0;  // as a share of its white
+  double board_noise_ = 0.0;  // share of its white
   Vector2 background_ = Vector2::Zero();
 };
 
 struct FittedLine {
   std::vector<LinePoint> points;
-  double misfit = 0.0;
+  double residual = 0.0;
 };
 
 FittedLine fit_rows(const Fit& fit, const Course& course, const std::array<Vector2, 4>& corners,
-                    const Look& look, int step = 1) {
+                    const LineModel& model, int step = 1) {
   FittedLine line;
   for (int row = 0; row < fit.rows(); row += step) {
     const double column_px = course.column_at(row);
     if (!inside(corners, {column_px, row})) continue;
-    const auto fitted = fit.fit(row, column_px, look);
-    // A row that cannot be fitted leaves as much as three that can.
-    line.misfit += fitted ? std::min(fitted->misfit, 200.0) : 100.0;
+    const auto fitted = fit.fit(row, column_px, model);
+    // A row that cannot be fitted costs as much as three bad ones.
+    line.residual += fitted ? std::min(fitted->residual, 200.0) : 100.0;
     if (!fitted) continue;
     line.points.push_back({.row = row,
                            .column_px = static_cast<float>(fitted->column_px),
@@ -255,9 +254,8 @@ FittedLine fit_rows(const Fit& fit, const Course& course, const std::array<Vecto
   return line;
 }
 
-// The height along the rows, by the middle of the slopes between rows and of what is left of them
-// (Theil and Sen), whatever rows on black have made of it.
-void learn_height(const std::vector<LinePoint>& points, Look& look) {
+// Height along the rows by the Theil-Sen estimator, robust against rows on black.
+void fit_height(const std::vector<LinePoint>& points, LineModel& model) {
   if (points.size() < min_points) return;
   std::vector<double> slopes;
   const std::size_t apart = points.size() / 2;
@@ -267,20 +265,21 @@ void learn_height(const std::vector<LinePoint>& points, Look& look) {
     slopes.push_back(static_cast<double>(other.amplitude_dn - one.amplitude_dn) /
                      (other.row - one.row));
   }
-  look.height_dn_per_row = middle_of(slopes);
+  model.height_dn_per_row = middle_of(slopes);
   std::vector<double> heights;
   for (const LinePoint& point : points) {
-    heights.push_back(static_cast<double>(point.amplitude_dn) - look.height_dn_per_row * point.row);
+    heights.push_back(static_cast<double>(point.amplitude_dn) -
+                      model.height_dn_per_row * point.row);
   }
-  look.height_dn = middle_of(heights);
+  model.height_dn = middle_of(heights);
 }
 
-// Where a row shows one flank of the line only, the other being on black, its place is as wrong as
-// the width: to the foot of a parabola through what three widths leave; the share likewise.
+// Refines one parameter to the vertex of a parabola through three residuals. Where only one flank
+// of the line is on white, its position error equals that of the width.
 template <typename Left>
-void refine(const Left& left, Look& look, double Look::*what, double step) {
+void refine(const Left& left, LineModel& model, double LineModel::*what, double step) {
   const auto at = [&](double by) {
-    Look tried = look;
+    LineModel tried = model;
     tried.*what += by;
     return left(tried, 1);
   };
@@ -288,7 +287,7 @@ void refine(const Left& left, Look& look, double Look::*what, double step) {
   const double middle = at(0.0);
   const double more = at(step);
   const double bend = less - 2.0 * middle + more;
-  if (bend > 0.0) look.*what += std::clamp(0.5 * step * (less - more) / bend, -step, step);
+  if (bend > 0.0) model.*what += std::clamp(0.5 * step * (less - more) / bend, -step, step);
 }
 
 }  // namespace
@@ -304,31 +303,31 @@ std::vector<LinePoint> line_on_print(ImageView laser, ImageView board,
   const auto course = find_course(on_board);
   if (!course) return {};
   Fit fit(laser, board, std::max(1.0, found.width_px), found.noise_dn);
-  fit.learn_board(*course, corners);
-  // One share and one width for the whole board: those that leave least, looked for together, since
-  // a wrong width makes a wrong share look right. A clipped line looks wider than it is.
-  const auto left = [&](const Look& tried, int step) {
-    return fit_rows(fit, *course, corners, tried, step).misfit;
+  fit.fit_board(*course, corners);
+  // Grid search of one share and one width for the whole board; jointly, since a wrong width makes
+  // a wrong share model right. A clipped line looks wider than it is.
+  const auto left = [&](const LineModel& tried, int step) {
+    return fit_rows(fit, *course, corners, tried, step).residual;
   };
-  Look look;
+  LineModel model;
   double least = std::numeric_limits<double>::infinity();
   for (const double share : shares) {
     for (const double factor : width_factors) {
-      const Look tried{.share = share, .width_px = factor * std::max(1.0, found.width_px)};
-      const double misfit = left(tried, coarse_rows);
-      // A dim line tells nothing of black; then the picture without laser is believed.
-      const double enough = share > look.share ? surely * least : least;
-      if (misfit >= enough) continue;
-      least = misfit;
-      look = tried;
+      const LineModel tried{.share = share, .width_px = factor * std::max(1.0, found.width_px)};
+      const double residual = left(tried, coarse_rows);
+      // A dim line does not determine the share, so a smaller one is preferred.
+      const double enough = share > model.share ? surely * least : least;
+      if (residual >= enough) continue;
+      least = residual;
+      model = tried;
     }
   }
   for (int i = 0; i < 3; ++i) {
-    refine(left, look, &Look::width_px, 0.05 * look.width_px);
-    refine(left, look, &Look::share, 0.02 * (1.0 + look.share));
+    refine(left, model, &LineModel::width_px, 0.05 * model.width_px);
+    refine(left, model, &LineModel::share, 0.02 * (1.0 + model.share));
   }
-  learn_height(fit_rows(fit, *course, corners, look).points, look);
-  return fit_rows(fit, *course, corners, look).points;
+  fit_height(fit_rows(fit, *course, corners, model).points, model);
+  return fit_rows(fit, *course, corners, model).points;
 }
 
 }  // namespace tuina::calibration

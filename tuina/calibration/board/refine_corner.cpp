@@ -7,9 +7,9 @@
 
 namespace tuina::calibration {
 
-// cornerSubPix reads gradients between pixels and is off by 0.02 px for it, a different way at each
-// fraction of a pixel. At whole pixels the same condition - every gradient is upright to the way to
-// the corner - is solved without that error.
+// cornerSubPix interpolates gradients between pixels, which shifts corners by 0.02 px depending on
+// the fraction of the pixel. The same condition (each gradient is perpendicular to the direction of
+// the corner) at whole pixels avoids that error.
 std::optional<Vector2> refine_corner(ImageView image, Vector2 corner, int window,
                                      const std::function<bool(int x, int y)>& counts) {
   const double reach = 0.6 * window;

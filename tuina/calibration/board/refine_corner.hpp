@@ -9,9 +9,9 @@
 
 namespace tuina::calibration {
 
-/// A corner where two black squares meet, to a few hundredths of a pixel, from the gradients within
-/// `window` pixels of it for which `counts` says so, all when it is empty. Nothing when it is at
-/// the border of the image or runs away, being none.
+/// Refines a corner where two black squares meet to a few hundredths of a pixel, from the gradients
+/// within `window` pixels that `counts` accepts (empty: all). Nothing at the image border or on
+/// divergence.
 [[nodiscard]] std::optional<Vector2> refine_corner(
     ImageView image, Vector2 corner, int window,
     const std::function<bool(int x, int y)>& counts = {});

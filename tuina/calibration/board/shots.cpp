@@ -20,17 +20,17 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t max_bytes = std::size_t{8} << 20;
-constexpr int fewest_corners = 3;  // along a side; with two the board has no direction
+constexpr int fewest_corners = 3;  // per side; with two the board has no direction
 constexpr int max_corners = 100;
-// A square of a board that one prints and holds: 2 mm to half a metre. Millimetres written where
-// metres are meant fall outside.
+// Plausible square of a hand-held board, 2 mm to half a metre. Millimetres written as metres fall
+// outside.
 constexpr double min_square_m = 2e-3;
 constexpr double max_square_m = 0.5;
-// Of a square: a marker keeps away from the borders of its square.
+// Shares of a square: a marker keeps away from the borders of its square.
 constexpr double min_marker = 0.3;
 constexpr double max_marker = 0.9;
 
-/// The names that OpenCV gives its dictionaries of 4, 5 and 6 cells, DICT_4X4_50 to DICT_6X6_1000.
+/// OpenCV's names of dictionaries with 4, 5 and 6 cells, DICT_4X4_50 to DICT_6X6_1000.
 TomlTable::Words dictionaries() {
   TomlTable::Words names;
   for (const int cells : {4, 5, 6}) {
@@ -68,7 +68,6 @@ Board read_board(const TomlTable& root) {
   TomlTable::Words needed = {"kind", "columns", "rows", "square_m"};
   if (charuco) needed.insert(needed.end(), of_markers.begin(), of_markers.end());
   table->only(kind ? TomlTable::Words() : of_markers, needed);
-  // Inner corners.
   board.columns = table->whole("columns", fewest_corners, max_corners).value_or(fewest_corners);
   board.rows = table->whole("rows", fewest_corners, max_corners).value_or(fewest_corners);
   board.square_m =
@@ -90,7 +89,7 @@ std::vector<std::string_view> split(std::string_view line) {
   return cells;
 }
 
-// Reads the rows of frames.csv; `where` of an error is file and line.
+// Parses frames.csv; errors name file and line.
 class FramesFile {
  public:
   FramesFile(std::string text, const fs::path& folder)

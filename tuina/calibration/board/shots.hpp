@@ -13,7 +13,7 @@ namespace tuina::calibration {
 
 using scanner::Board;
 
-/// One picture of a set: the bare board, or the same with the laser on.
+/// One picture of a set: the board without or with the laser.
 struct Shot {
   int frame = 0;
   bool laser = false;
@@ -22,18 +22,19 @@ struct Shot {
   std::filesystem::path picture;
 };
 
-/// A folder of calibration shots, its tables read and every picture that they name found.
+/// A folder of calibration shots: tables read, all pictures present.
 struct Shots {
   std::filesystem::path folder;
   Board board;
   std::vector<Shot> shots;
 };
 
-/// Reads board.toml and frames.csv. Refuses, with file and line, what departs from the format,
-/// names a picture that is not there, or cannot be a board.
+/// Reads board.toml and frames.csv. Fails, with file and line, on malformed tables, missing
+/// pictures and impossible boards.
 [[nodiscard]] Result<Shots> read_shots(const std::filesystem::path& folder);
 
-/// The same on text already in memory; `name` is what errors call it, `folder` has the pictures.
+/// Parsers of the same files from memory; `name` stands for the file in errors, `folder` has the
+/// pictures.
 [[nodiscard]] Result<Board> parse_board(std::string_view text, const std::string& name);
 [[nodiscard]] Result<std::vector<Shot>> parse_frames(std::string text,
                                                      const std::filesystem::path& folder);

@@ -20,17 +20,17 @@ namespace {
 constexpr double min_share_found = 0.5;
 constexpr double same_yaw_rad = 0.35_deg;  // a little more than one count of the motor
 
-// What one picture showed.
-struct Seen {
+// Detections in one picture.
+struct Detection {
   Image image;
   std::optional<SeenBoard> board;
   scanner::LaserLine line;
 };
 
-Result<Seen> look(const Shot& shot, const Board& board) {
+Result<Detection> detect(const Shot& shot, const Board& board) {
   auto image = scanner::read_picture(shot.picture);
   if (!image) return tl::unexpected(image.error());
-  Seen seen{.image = std::move(*image), .board = {}, .line = {}};
+  Detection seen{.image = std::move(*image), .board = {}, .line = {}};
   if (shot.laser) {
     seen.line = scanner::find_laser_line(seen.image, {.method = scanner::LineMethod::likelihood});
   } else {
@@ -39,15 +39,16 @@ Result<Seen> look(const Shot& shot, const Board& board) {
   return seen;
 }
 
-// Every picture, shared out among threads; what is seen in one does not depend on the others.
-Result<std::vector<Seen>> look_at_all(const Shots& shots, const Progress& progress, int threads) {
-  std::vector<Result<Seen>> all(shots.shots.size(), Seen{});
+// Detects in all pictures in parallel; results are independent of each other.
+Result<std::vector<Detection>> detect_all(const Shots& shots, const Progress& progress,
+                                          int threads) {
+  std::vector<Result<Detection>> all(shots.shots.size(), Detection{});
   std::atomic<std::size_t> next = 0;
   std::size_t done = 0;
   std::mutex telling;
   const auto work = [&] {
     for (std::size_t i = next++; i < all.size(); i = next++) {
-      all[i] = look(shots.shots[i], shots.board);
+      all[i] = detect(shots.shots[i], shots.board);
       const std::scoped_lock lock(telling);
       ++done;
       if (progress) progress(static_cast<double>(done) / static_cast<double>(all.size()));
@@ -58,7 +59,7 @@ Result<std::vector<Seen>> look_at_all(const Shots& shots, const Progress& progre
     for (int i = 1; i < threads; ++i) others.emplace_back(work);
     work();
   }
-  std::vector<Seen> seen;
+  std::vector<Detection> seen;
   for (auto& one : all) {
     if (!one) return tl::unexpected(one.error());
     seen.push_back(std::move(*one));
@@ -66,7 +67,7 @@ Result<std::vector<Seen>> look_at_all(const Shots& shots, const Progress& progre
   return seen;
 }
 
-Result<void> check_sizes(const Shots& shots, const std::vector<Seen>& seen) {
+Result<void> check_sizes(const Shots& shots, const std::vector<Detection>& seen) {
   for (std::size_t i = 1; i < seen.size(); ++i) {
     const Image& image = seen[i].image;
     const Image& first = seen[0].image;
@@ -78,7 +79,7 @@ Result<void> check_sizes(const Shots& shots, const std::vector<Seen>& seen) {
   return {};
 }
 
-// A laser picture belongs to the picture of the bare board at the same pose and yaw.
+// Index of the picture without laser at the pose and yaw of a laser picture.
 Result<std::size_t> board_of(const Shot& shot, const std::vector<Shot>& all) {
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (all[i].laser || all[i].pose != shot.pose) continue;
@@ -91,8 +92,8 @@ Result<std::size_t> board_of(const Shot& shot, const std::vector<Shot>& all) {
 
 }  // namespace
 
-Result<Views> look_at(const Shots& shots, const Progress& progress, int threads) {
-  const auto seen = look_at_all(shots, progress, threads);
+Result<Views> measure_views(const Shots& shots, const Progress& progress, int threads) {
+  const auto seen = detect_all(shots, progress, threads);
   if (!seen) return tl::unexpected(seen.error());
   if (const auto good = check_sizes(shots, *seen); !good) return tl::unexpected(good.error());
 
@@ -129,7 +130,7 @@ Result<Views> look_at(const Shots& shots, const Progress& progress, int threads)
     if (!shots.shots[i].laser) continue;
     const auto of = board_of(shots.shots[i], shots.shots);
     if (!of) return tl::unexpected(of.error());
-    const Seen& board = (*seen)[*of];
+    const Detection& board = (*seen)[*of];
     if (!board.board) continue;
     View& view = views[shots.shots[*of].frame];
     view.laser_on = true;

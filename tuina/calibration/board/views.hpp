@@ -12,24 +12,24 @@
 
 namespace tuina::calibration {
 
-/// How far the paper reaches beyond the inner corners, at least.
+/// Minimum width of the paper's rim beyond the inner corners.
 inline constexpr double rim_squares = 0.8;
 
-/// The board in one picture.
+/// Detection of the board in one picture.
 struct SeenBoard {
   std::vector<Vector2> corners_px;
-  std::vector<int> which;  ///< of its inner corners, counted row by row; empty: all of them
-  std::array<Vector2, 4> outline_px;  ///< of the paper, one corner after the other
+  std::vector<int> which;  ///< indices of the inner corners, counted row by row; empty: all
+  std::array<Vector2, 4> outline_px;  ///< corners of the paper, in order
 };
 
-/// What one look at a board gave: its inner corners, row by row, and the laser line in the picture
-/// that was taken of the same pose with the laser on, if one was.
+/// Measurements of one board pose: inner corners, row by row, and the laser line of the picture of
+/// the same pose with the laser on, if there is one.
 struct View {
-  int frame = 0;  ///< of the picture of the bare board
+  int frame = 0;  ///< number of the picture without laser
   int pose = 0;
-  double yaw_rad = 0.0;  ///< as the motor told it
+  double yaw_rad = 0.0;  ///< motor reading
   std::vector<Vector2> corners_px;
-  std::vector<int> which = {};  ///< as in SeenBoard
+  std::vector<int> which = {};  ///< indices of the corners, as in SeenBoard
   bool laser_on = false;
   std::vector<scanner::LinePoint> line;
   [[nodiscard]] int corner(std::size_t k) const {
@@ -37,23 +37,24 @@ struct View {
   }
 };
 
-/// Where an inner corner is in the frame of the board.
+/// An inner corner in the board frame.
 [[nodiscard]] inline Vector3 corner_on(const Board& board, int corner) {
   return board.square_m * Vector3(corner % board.columns, corner / board.columns, 0.0);
 }
 
-/// All that the fit needs to know of a set of pictures.
+/// All measurements of a set of pictures.
 struct Views {
   Board board;
   int width_px = 0;
   int height_px = 0;
-  int board_pictures = 0;  ///< taken; the board was found in `views.size()` of them
+  /// Pictures without laser; the board was found in `views.size()` of them.
+  int board_pictures = 0;
   std::vector<View> views;
 };
 
-/// Looks for the board and for the line in every picture, on `threads` threads. Fails when a
-/// picture cannot be read, pictures differ in size, or most of them show no board.
-[[nodiscard]] Result<Views> look_at(const Shots& shots, const Progress& progress = {},
-                                    int threads = 2);
+/// Detects board and line in every picture, on `threads` threads. Fails when a picture cannot be
+/// read, sizes differ, or most pictures show no board.
+[[nodiscard]] Result<Views> measure_views(const Shots& shots, const Progress& progress = {},
+                                          int threads = 2);
 
 }  // namespace tuina::calibration

@@ -18,15 +18,15 @@
 namespace tuina::calibration {
 namespace {
 
-// The AX-12A rounds to counts of 0.293 degrees, 0.085 RMS, and has a little play.
+// The AX-12A rounds to counts of 0.293 degrees (0.085 RMS) and has a little play.
 constexpr double yaw_deviation_rad = 0.1_deg;
-// What the image noise does not know of: speckle, paper not quite even.
+// Floor for speckle and uneven paper, which the image noise does not include.
 constexpr double min_line_px = 0.1;
 constexpr double robust_from = 2.5;  // standard deviations
 constexpr double left_out_from = 4.0;
 
-// One least-squares problem with its parameters. It is solved twice: first with a robust loss, to
-// learn how large errors are and which do not belong; then without.
+// The least-squares problem. Solved with a robust loss to estimate error sizes and outliers, then
+// without.
 class Problem {
  public:
   Problem(const Views& views, const Geometry& start) : views_(views), start_(start) {
@@ -62,7 +62,7 @@ class Problem {
     build(problem, robust);
     ceres::Solver::Options options;
     options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
-    // The tuned BLAS beneath the other sparse solvers sums in an order that depends on addresses.
+    // The BLAS of the other sparse solvers sums in an order that depends on memory addresses.
     options.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
     options.max_num_iterations = 50;
     options.function_tolerance = robust ? 1e-5 : 1e-9;
@@ -73,11 +73,11 @@ class Problem {
     return summary.IsSolutionUsable();
   }
 
-  // How large errors are, and which are too large to be errors.
-  void judge() {
+  // Estimates error sizes and marks outliers.
+  void estimate_errors() {
     std::vector<double> corner_sizes;
     std::vector<double> line_sizes;
-    std::vector<std::vector<double>> line_errors;  // in units of what is believed, by view
+    std::vector<std::vector<double>> line_errors;  // in units of the assumed noise, by view
     for (std::size_t i = 0; i < views_.views.size(); ++i) {
       for (const Vector2& error : corner_errors(i)) {
         corner_sizes.push_back(std::abs(error.x()));
@@ -92,7 +92,7 @@ class Problem {
     const double freedom = 1.0 + 3.0 * static_cast<double>(views_.views.size()) /
                                      static_cast<double>(corner_sizes.size());
     corner_px_ = std::max(1e-3, freedom * robust_deviation(corner_sizes));
-    // Errors on print have long tails; those that are kept count by their squares.
+    // Errors on print have long tails; the inliers enter squared.
     line_factor_ =
         std::max(0.2, deviation_without(line_sizes, left_out_from * robust_deviation(line_sizes)));
     alike_rows_ = rows_alike(line_errors, left_out_from * line_factor_);
@@ -114,13 +114,13 @@ class Problem {
     }
   }
 
-  // Of camera, light and axis, when the poses and angles are unknown as well.
+  // Covariance of camera, light and axis, with poses and angles unknown.
   [[nodiscard]] std::optional<PoseCovariance> covariance() {
     ceres::Problem problem;
     build(problem, false);
     ceres::Problem::EvaluateOptions options;
-    // In an order of our own: that of Ceres goes by addresses, which differ from run to run, and
-    // with them the last digits of every sum.
+    // Fixed order of blocks: that of Ceres goes by address and differs between runs, and with it
+    // the last digits of every sum.
     options.parameter_blocks = {camera_.data(), light_.data(), axis_.data()};
     const auto add = [&](double* block) {
       if (problem.HasParameterBlock(block)) options.parameter_blocks.push_back(block);
@@ -151,7 +151,7 @@ class Problem {
     camera.distortion = {camera_[4], camera_[5], camera_[6], camera_[7], 0.0};
     const Vector3 light(light_[0], light_[1], light_[2]);
     result.light = {.normal = light.normalized(), .distance_m = 1.0 / light.norm()};
-    // The sign of the normal is as it was found first: along the columns.
+    // The normal keeps the sign of the start: along the columns.
     if (start_.light.distance_m < 0.0) {
       result.light = {.normal = -result.light.normal, .distance_m = -result.light.distance_m};
     }
@@ -204,7 +204,7 @@ class Problem {
     return corner_on(views_.board, views_.views[i].corner(k));
   }
 
-  // Where the board of a view stands, by the pose of the board and the turn of the unit.
+  // Pose of a view's board, from the standing pose and the turn of the unit.
   [[nodiscard]] Transform pose_of(std::size_t i) const {
     const auto& pose = pose_[reference_[i]];
     const Vector3 rotation(pose[0], pose[1], pose[2]);
@@ -239,7 +239,7 @@ class Problem {
                                 double row_px) const {
     return light_value(camera_.data(), light_.data(), camera_from_board, column_px, row_px);
   }
-  // Change of light_at for one pixel across the line.
+  // Derivative of light_value per pixel across the line.
   [[nodiscard]] double line_scale(std::size_t i, std::size_t k) const {
     const LineOnBoard& point = line_[i][k];
     const Transform pose = pose_of(i);
@@ -311,15 +311,15 @@ class Problem {
   std::array<double, axis_size> axis_{};
   std::vector<std::array<double, 6>> pose_;
   std::vector<double> yaw_;
-  std::vector<std::size_t> reference_;  ///< the first view of the same pose
-  std::vector<bool> standing_;          ///< whether its pose is seen at several yaws
+  std::vector<std::size_t> reference_;  ///< first view of the same pose
+  std::vector<bool> standing_;          ///< true when the pose is seen at several yaws
   std::vector<std::vector<bool>> corner_good_;
   std::vector<Line> line_;
   double corner_px_ = 0.1;
   double line_factor_ = 2.0;
   double alike_rows_ = 1.0;
-  std::vector<int> pose_of_row_;     ///< of the residuals of the last problem built
-  std::vector<double> view_factor_;  ///< line_factor_, or more where a line is worse than most
+  std::vector<int> pose_of_row_;     ///< pose of each residual of the last problem
+  std::vector<double> view_factor_;  ///< line_factor_, or more for a worse line
 };
 
 }  // namespace
@@ -332,9 +332,9 @@ Result<JointFit> fit_jointly(const Views& views, const Geometry& start) {
                 "more distances and tilts");
   };
   if (!problem.solve(true)) return undetermined();
-  problem.judge();
+  problem.estimate_errors();
   if (!problem.solve(false)) return undetermined();
-  problem.judge();
+  problem.estimate_errors();
   if (!problem.solve(false)) return undetermined();
   const auto covariance = problem.covariance();
   if (!covariance) return undetermined();

@@ -15,7 +15,7 @@ constexpr std::array<double, usual_lens_size> usual_distortion = {0.5, 1.0, 0.01
 template <typename T>
 using Vec3 = Eigen::Matrix<T, 3, 1>;
 
-// The lens of OpenCV (k1, k2, p1, p2), on coordinates of the ray.
+// Distortion of OpenCV (k1, k2, p1, p2) on ray coordinates.
 template <typename T>
 void bend(const T* camera, const T& x, const T& y, T& bent_x, T& bent_y) {
   const T r2 = x * x + y * y;
@@ -24,7 +24,7 @@ void bend(const T* camera, const T& x, const T& y, T& bent_x, T& bent_y) {
   bent_y = y * radial + camera[6] * (r2 + T(2.0) * y * y) + T(2.0) * camera[7] * x * y;
 }
 
-// The ray of a pixel; the lens is undone by fixed-point steps, each ten times better than the last.
+// Ray of a pixel; distortion is inverted by fixed-point steps, each ten times more accurate.
 template <typename T>
 Vec3<T> ray_of(const T* camera, double column, double row) {
   const T x = (column - camera[2]) / camera[0];

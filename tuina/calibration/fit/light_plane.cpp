@@ -13,10 +13,10 @@ namespace tuina::calibration {
 namespace {
 
 constexpr int tries = 400;
-// How far the line may lie from the plane at 1 m, growing with the square of the range: what a few
-// tenths of a pixel of corners and line do before the joint fit.
+// Distance of the line from the plane at 1 m, growing with the square of the range, that a few
+// tenths of a pixel of corner and line noise cause before the joint fit.
 constexpr double in_plane_m = 5.0_mm;
-constexpr double tolerated_share = 0.1;  // of poses that fit nothing; they are left out, and said
+constexpr double tolerated_share = 0.1;  // share of outlier poses that are left out, with a remark
 constexpr double nearest_camera_m = 15.0_mm;
 
 using Line = std::vector<LineOnBoard>;
@@ -29,7 +29,7 @@ double off_m(const LightPlane& plane, const Vector3& at) {
   return std::abs(plane.normal.dot(at) - plane.distance_m);
 }
 
-// The middle of how far the points of one pose are from the plane, as a share of what is allowed.
+// Median distance of one pose's points from the plane, relative to the tolerance.
 double median_off(const LightPlane& plane, const Line& line, const Vector3& flip) {
   std::vector<double> off;
   for (const LineOnBoard& point : line) {
@@ -45,7 +45,7 @@ bool fits(const LightPlane& plane, const Line& line, const Vector3& flip = Vecto
   return line.size() >= min_line_points && median_off(plane, line, flip) < 1.0;
 }
 
-// Total least squares, near points counting more as they are known better.
+// Total least squares, near points weighted more for their smaller error.
 LightPlane through(const std::vector<Vector3>& points) {
   Vector3 middle = Vector3::Zero();
   double weights = 0.0;
@@ -66,14 +66,13 @@ LightPlane through(const std::vector<Vector3>& points) {
   return plane;
 }
 
-// The plane that most poses agree on: two points of one board and one of another, again and again.
+// The plane most poses agree on (RANSAC: two points of one board, one of another).
 LightPlane agreed_on(const std::vector<Line>& lines) {
   std::vector<const Line*> lit;
   for (const Line& line : lines) {
     if (line.size() >= min_line_points) lit.push_back(&line);
   }
-  Random random =
-      make_random(1, "light plane");  // any seed would do; this one always does the same
+  Random random = make_random(1, "light plane");  // fixed seed, for repeatable results
   const auto draw = [&](std::size_t count) {
     return std::min(count - 1, static_cast<std::size_t>(uniform(random, 0.0, 1.0) *
                                                         static_cast<double>(count)));
@@ -110,7 +109,7 @@ LightPlane agreed_on(const std::vector<Line>& lines) {
   return best;
 }
 
-// A camera seen in a mirror: columns count from the other side.
+// A mirrored picture: columns count from the other side.
 View mirrored(View view, int width_px, bool corners, bool line) {
   if (corners) {
     for (Vector2& corner : view.corners_px) corner.x() = width_px - 1 - corner.x();
@@ -123,7 +122,7 @@ View mirrored(View view, int width_px, bool corners, bool line) {
   return view;
 }
 
-// A mirrored board stands mirrored before the camera; its own x then runs the other way.
+// Pose of a mirrored board; its own x then runs the other way.
 Transform mirrored(const Transform& camera_from_board) {
   const Vector3 flip(-1.0, 1.0, 1.0);
   Transform result = Transform::Identity();
@@ -199,7 +198,7 @@ Result<LightPlane> find_light_plane(const Views& views, const scanner::CameraMod
       mirrored_poses.push_back(view.pose);
     }
     for (std::size_t k = 0; k < lines.size(); ++k) {
-      // The line of this pose on the board of another.
+      // Line of this pose on the board of another: swapped pictures?
       if (k == i || !views.views[k].laser_on || fits(plane, lines[k])) continue;
       if (fits(plane, line_on_board(view, views.board, camera, camera_from_board[k]))) {
         swapped.push_back(fmt::format("{} (fits {})", view.pose, views.views[k].pose));

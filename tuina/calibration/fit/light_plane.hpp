@@ -10,10 +10,10 @@
 
 namespace tuina::calibration {
 
-/// Fewer points are not a line on a board.
+/// Minimum number of points of a line on a board.
 inline constexpr std::size_t min_line_points = 12;
 
-/// A place of the laser line on a board.
+/// A point of the laser line on a board.
 struct LineOnBoard {
   double column_px = 0.0;
   double row_px = 0.0;
@@ -21,7 +21,7 @@ struct LineOnBoard {
   Vector3 at_in_camera = Vector3::Zero();
 };
 
-/// The part of the line that lies on the board, from edge to edge.
+/// The part of the line that lies on the board.
 [[nodiscard]] std::vector<LineOnBoard> line_on_board(const View& view, const Board& board,
                                                      const scanner::CameraModel& camera,
                                                      const Transform& camera_from_board);
@@ -32,9 +32,9 @@ struct LightPlane {
   double distance_m = 0.0;
 };
 
-/// The plane through the line on all boards, whatever some of them show. Fails, with the cause,
-/// when poses contradict each other: pictures mirrored, laser pictures swapped between poses, or
-/// neither.
+/// Fits the light plane to the line on all boards, robust against outlier poses. Fails with the
+/// cause when poses contradict each other: mirrored pictures, laser pictures swapped between poses,
+/// or else.
 [[nodiscard]] Result<LightPlane> find_light_plane(const Views& views,
                                                   const scanner::CameraModel& camera,
                                                   const std::vector<Transform>& camera_from_board);

@@ -13,15 +13,16 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double told = 1e-9;  // of the best known unknown; what is known less is not known
+// Relative to the best known unknown; less information counts as none.
+constexpr double told = 1e-9;
 
-// What some rows say about the shared unknowns: information and gradient.
+// Information and gradient of some rows on the shared unknowns.
 struct Said {
   MatrixXd information;
   VectorXd gradient;
 };
 
-// The unknowns that only these rows know are eliminated (Schur).
+// Schur complement: eliminates the unknowns of these rows only.
 Said said_by(std::span<const FitRow* const> rows, int shared) {
   std::map<int, int> own;
   for (const FitRow* row : rows) {
@@ -63,8 +64,8 @@ std::optional<PoseCovariance> pose_covariance(const std::vector<FitRow>& rows, i
     all += said.information;
     if (pose >= 0) poses.push_back(std::move(said));
   }
-  // Unknowns of very different size, as focal lengths in thousands and tilts in thousandths, are
-  // scaled to one, so that what is undetermined shows.
+  // Unknowns of very different size (focal lengths in thousands, tilts in thousandths) are scaled
+  // to one, so that undetermined ones show.
   const VectorXd unit = all.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   const auto scaled = [&unit](const MatrixXd& information) {
     return MatrixXd(unit.asDiagonal() * information * unit.asDiagonal());
@@ -73,7 +74,8 @@ std::optional<PoseCovariance> pose_covariance(const std::vector<FitRow>& rows, i
   if (whole.info() != Eigen::Success) return std::nullopt;
   MatrixXd changes = MatrixXd::Zero(shared, shared);
   for (const Said& pose : poses) {
-    // What no other pose tells, as the axis of a single standing board, stays as it is.
+    // Directions that no other pose determines, such as the axis of a single standing board, stay
+    // fixed.
     Eigen::CompleteOrthogonalDecomposition<MatrixXd> without(shared, shared);
     without.setThreshold(told);
     without.compute(scaled(all - pose.information));

@@ -7,25 +7,22 @@
 
 namespace tuina::calibration {
 
-/// A row of a least-squares problem: its residual and the derivatives by the unknowns that it
-/// knows.
+/// A row of a least-squares problem: residual and nonzero derivatives.
 struct FitRow {
-  int pose = -1;  ///< of the board that it belongs to; -1: of none
+  int pose = -1;  ///< pose of the board; -1: none
   double residual = 0.0;
-  std::vector<std::pair<int, double>> slopes;  ///< number of the unknown, and derivative
+  std::vector<std::pair<int, double>> slopes;  ///< index of the unknown, derivative
 };
 
-/// Covariance of the first `shared` unknowns at the solution, the others being the affair of one
-/// pose each.
+/// Covariance of the first `shared` unknowns at the solution, the others eliminated per pose.
 struct PoseCovariance {
-  Eigen::MatrixXd of_rows;   ///< if every row errs by itself, with deviation 1
-  Eigen::MatrixXd of_poses;  ///< from what leaving out one pose after the other changes
+  Eigen::MatrixXd of_rows;   ///< assumes independent rows of unit variance
+  Eigen::MatrixXd of_poses;  ///< jackknife over poses
 };
 
-/// Rows of one pose may err alike, by paper that is not flat or print that is not as it was taken
-/// for: then their residuals are small and their number promises too much. The jackknife over poses
-/// (one Gauss-Newton step each) needs errors of different poses only to be independent. Nothing
-/// when the rows leave something undetermined.
+/// Errors within a pose may correlate (bent paper, inaccurate print), which makes the row-wise
+/// covariance too small. The jackknife over poses (one Gauss-Newton step each) only assumes
+/// independent poses. Nothing when an unknown is undetermined.
 [[nodiscard]] std::optional<PoseCovariance> pose_covariance(const std::vector<FitRow>& rows,
                                                             int shared);
 

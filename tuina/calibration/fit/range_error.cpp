@@ -12,9 +12,9 @@ namespace {
 
 constexpr double line_noise_px = 0.1;
 constexpr int row_step = 8;
-constexpr int varied = axis_tilt_1;  // the axis has no part in a range
+constexpr int varied = axis_tilt_1;  // the axis does not affect the range
 
-// The geometry after one parameter has changed a little.
+// The geometry with one parameter changed.
 scanner::ScannerCalibration changed(const Geometry& geometry, int parameter, double by) {
   Geometry result = geometry;
   auto& camera = result.camera;
@@ -32,11 +32,11 @@ scanner::ScannerCalibration changed(const Geometry& geometry, int parameter, dou
   return calibration_of(result);
 }
 
-// Where the light plane is at a depth, in one row of the image.
+// Pixel of the light plane at a depth, in one image row.
 std::optional<Vector2> pixel_at(const Geometry& geometry, double depth_m, double row_px) {
   const auto& camera = geometry.camera;
   Vector2 pixel(camera.cx_px, row_px);
-  for (int i = 0; i < 8; ++i) {  // the lens moves rows with columns
+  for (int i = 0; i < 8; ++i) {  // distortion couples rows and columns
     const Vector3 ray = scanner::ray_through(camera, pixel.x(), row_px);
     const Vector3& normal = geometry.light.normal;
     const double x =
@@ -111,8 +111,8 @@ Covariance covariance_to_state(const JointFit& fit) {
     range += std::pow(of_poses->systematic_m / of_rows->systematic_m, 2);
     depths += 1.0;
   }
-  // One number for all that makes a range: twenty poses do not tell more. The axis rests on a few
-  // standing boards, too few for a jackknife.
+  // One factor for everything that affects the range: twenty poses determine no more. The axis
+  // rests on a few standing boards, too few for a jackknife.
   Eigen::Matrix<double, parameters, 1> larger;
   larger.setOnes();
   larger.head<varied>().setConstant(std::sqrt(std::max(1.0, range / std::max(1.0, depths))));

@@ -7,27 +7,27 @@
 
 namespace tuina::calibration {
 
-/// Where a calibration tells the range error to expect.
+/// Depths for which a calibration states its range error.
 inline constexpr double told_depths_m[] = {0.65, 1.0, 1.75};
 
-/// RMS range error to expect over the image at one depth.
+/// Expected RMS range error over the image at one depth.
 struct RangeError {
-  double systematic_m = 0.0;  ///< of the calibration, the same in every scan
-  double random_m = 0.0;      ///< of 0.1 px of noise of the line
+  double systematic_m = 0.0;  ///< error of the calibration, constant over scans
+  double random_m = 0.0;      ///< error from 0.1 px of line noise
   [[nodiscard]] double total_m() const;
 };
 
-/// From the covariance of camera and light plane; nothing when the light plane is not in view at
-/// that depth.
+/// Range error from the covariance of camera and light plane; nothing when the light plane is out
+/// of view at that depth.
 [[nodiscard]] std::optional<RangeError> expected_range_error(const Geometry& geometry,
                                                              const Covariance& covariance,
                                                              double depth_m);
 
-/// The covariance to state: that of the rows, made larger where leaving out poses changes the range
-/// by more than it says. Rows of one pose then err alike, as over paper that is not flat.
+/// Covariance to report: the row-wise one, enlarged where the jackknife over poses gives a larger
+/// range error (errors within a pose correlate, as on bent paper).
 [[nodiscard]] Covariance covariance_to_state(const JointFit& fit);
 
-/// Camera, light plane and axis as a calibration; latency 0, couch as it is in `base`.
+/// Camera, light plane and axis as a calibration; latency 0, couch from `base`.
 [[nodiscard]] scanner::ScannerCalibration calibration_of(
     const Geometry& geometry, const scanner::ScannerCalibration& base = {});
 

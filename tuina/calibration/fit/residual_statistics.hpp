@@ -5,16 +5,15 @@
 
 namespace tuina::calibration {
 
-/// The standard deviation of Gaussian errors some of which are not, from their absolute values.
+/// Robust standard deviation of Gaussian errors with outliers, from absolute values.
 [[nodiscard]] double robust_deviation(const std::vector<double>& sizes);
 
-/// RMS of those that are not above `left_out`.
+/// RMS of the values up to `left_out`.
 [[nodiscard]] double deviation_without(const std::vector<double>& sizes, double left_out);
 
-/// How many neighbouring rows of a line err alike, as over the border of a black square or in a
-/// grain of speckle: so many of them are worth one. 1 + 2 times the sum of the correlations, up to
-/// where they vanish; `errors` are those of the lines, row by row, of which larger ones than
-/// `left_out` are passed over.
+/// Number of neighbouring rows of a line per independent error (edges of squares and speckle
+/// correlate them): 1 + 2 times the sum of the autocorrelation up to its zero. `errors`: row by row
+/// per line; those above `left_out` are skipped.
 [[nodiscard]] double rows_alike(const std::vector<std::vector<double>>& errors, double left_out);
 
 }  // namespace tuina::calibration

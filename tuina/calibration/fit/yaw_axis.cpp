@@ -12,16 +12,16 @@ namespace tuina::calibration {
 namespace {
 
 constexpr double min_turn_rad = 5.0_deg;
-// Of a turn between two views: the count of the motor, its play, and the first poses of the boards.
+// Turn between two views: motor counts, play, and errors of the initial poses.
 constexpr double tolerated_rad = 1.5_deg;
 constexpr double tolerated_share = 0.03;
 
-// How the unit moved from view a to view b: T(yaw_a)^-1 T(yaw_b), in the frame of the camera.
+// Motion of the unit from view a to view b, T(yaw_a)^-1 T(yaw_b), in the camera frame.
 struct Turn {
   int pose = 0;
   double yaw_rad = 0.0;
   Transform motion = Transform::Identity();
-  Vector3 turned_rad = Vector3::Zero();  // angle times axis
+  Vector3 turned_rad = Vector3::Zero();  // rotation vector
 };
 
 Vector3 logarithm(const Matrix3& rotation) {
@@ -29,8 +29,7 @@ Vector3 logarithm(const Matrix3& rotation) {
   return turn.angle() * turn.axis();
 }
 
-// The same board counted from its opposite corner, which is the same chessboard when it is seen
-// that way up.
+// The board counted from its opposite corner; a chessboard looks the same that way round.
 void count_from_other_end(View& view, Transform& camera_from_board, const Board& board) {
   std::reverse(view.corners_px.begin(), view.corners_px.end());
   Transform half_turn = Transform::Identity();
@@ -39,7 +38,7 @@ void count_from_other_end(View& view, Transform& camera_from_board, const Board&
   camera_from_board = camera_from_board * half_turn;
 }
 
-// The turns from the first view of each standing board to its others.
+// Turns from the first view of each standing board to its others.
 std::vector<Turn> turns_of(Views& views, std::vector<Transform>& camera_from_board) {
   std::map<int, std::size_t> first;
   std::vector<Turn> turns;
@@ -49,8 +48,8 @@ std::vector<Turn> turns_of(Views& views, std::vector<Transform>& camera_from_boa
     if (is_first) continue;
     const std::size_t reference = entry->second;
     const Matrix3 seen_before = camera_from_board[reference].linear();
-    // No unit turns by 90 degrees and still sees the board, but counted from the other end the
-    // board has turned by 180.
+    // No unit turns by 90 degrees and still sees the board; counted from the other end it appears
+    // turned by 180.
     if (!views.board.has_markers() &&
         logarithm(seen_before * camera_from_board[i].linear().transpose()).norm() > 0.5 * pi) {
       count_from_other_end(view, camera_from_board[i], views.board);
@@ -107,7 +106,7 @@ Result<YawAxis> find_yaw_axis(Views& views, std::vector<Transform>& camera_from_
   if (const auto good = check(turns, axis.direction_in_camera); !good) {
     return tl::unexpected(good.error());
   }
-  // A point of the axis stays where it is: (1 - R) p = t for every turn, and p is upright to the
+  // A point of the axis stays fixed: (1 - R) p = t for every turn, and p is perpendicular to the
   // axis.
   Matrix3 sums = axis.direction_in_camera * axis.direction_in_camera.transpose();
   Vector3 moments = Vector3::Zero();

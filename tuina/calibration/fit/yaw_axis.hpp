@@ -9,15 +9,14 @@
 namespace tuina::calibration {
 
 struct YawAxis {
-  Vector3 point_in_camera = Vector3::Zero();  ///< that nearest to the camera
+  Vector3 point_in_camera = Vector3::Zero();  ///< the point nearest to the camera
   Vector3 direction_in_camera = -Vector3::UnitY();
 };
 
-/// The line that the unit turns about, from boards that stood still while it turned (views of one
-/// pose at several yaws). Fails, with the cause, when there are none, when the unit hardly turned,
-/// and when the angles of the motor contradict the pictures. Brings the corners of each such board
-/// into one order, and `camera_from_board` with them, since a chessboard does not tell which of
-/// its corners is the first.
+/// Fits the yaw axis from standing boards, views of one pose at several yaws. Fails, with the
+/// cause, without such boards, with too small a turn, and when motor angles contradict the
+/// pictures. The corners of each standing board and `camera_from_board` are brought into one order,
+/// since the first corner of a chessboard is ambiguous.
 [[nodiscard]] Result<YawAxis> find_yaw_axis(Views& views,
                                             std::vector<Transform>& camera_from_board);
 

@@ -21,7 +21,7 @@ bool is_ascii(CloudFormat format) {
   return format == CloudFormat::ply_ascii || format == CloudFormat::pcd_ascii;
 }
 
-// The properties that a cloud has, as both formats call them.
+// Property names of a cloud, common to both formats.
 std::vector<std::string_view> properties(const PointCloud& cloud, bool pcd) {
   std::vector<std::string_view> names = {"x", "y", "z"};
   if (!cloud.normals.empty()) {
@@ -67,7 +67,7 @@ std::string header_of(const PointCloud& cloud, CloudFormat format) {
 
 void append_number(std::string& content, float value, CloudFormat format) {
   if (is_ascii(format)) {
-    // The shortest digits that give the same float again.
+    // The shortest digits that read back as the same float.
     fmt::format_to(std::back_inserter(content), "{} ", value);
     return;
   }

@@ -22,8 +22,7 @@ std::vector<std::string_view> split(std::string_view line) {
   }
 }
 
-/// For each wanted column its place in the header; fails when one is missing or a name stands
-/// twice.
+/// Index of each wanted column in the header; fails when one is missing or a name occurs twice.
 Result<std::vector<std::size_t>> find_columns(std::string_view header, std::string_view name,
                                               const std::vector<std::string>& wanted) {
   const auto names = split(header);
@@ -49,8 +48,7 @@ Result<std::vector<std::size_t>> find_columns(std::string_view header, std::stri
 
 Result<CsvTable> parse_csv(std::string_view text, std::string_view name,
                            const std::vector<std::string>& wanted_columns) {
-  // Blank lines after the last row are white space after the data; anywhere else a blank line is a
-  // fault.
+  // Blank lines after the last row are allowed; anywhere else a blank line is a fault.
   while (!text.empty() && only_white_space(text.substr(text.size() - 1))) text.remove_suffix(1);
   TextLines lines(text);
   const auto header = lines.next();

@@ -10,9 +10,9 @@
 
 namespace tuina {
 
-/// A table of numbers read from a CSV file with a header row: the columns asked for, in the order
-/// asked. LF and CRLF, a byte-order mark, a missing last newline and extra columns are accepted;
-/// anything else that departs from the format is refused with file and line.
+/// The wanted columns of a CSV file with a header row, in the order wanted. Accepts LF and CRLF, a
+/// byte-order mark, a missing last newline and extra columns; refuses every other departure from
+/// the format with file and line.
 struct CsvTable {
   std::vector<std::vector<double>> columns;
   [[nodiscard]] std::size_t rows() const { return columns.empty() ? 0 : columns.front().size(); }
@@ -21,7 +21,7 @@ struct CsvTable {
 [[nodiscard]] Result<CsvTable> read_csv(const std::filesystem::path& path,
                                         const std::vector<std::string>& wanted_columns);
 
-/// The same on text already in memory; `name` is what errors call it.
+/// Parses text in memory; `name` stands for the file in errors.
 [[nodiscard]] Result<CsvTable> parse_csv(std::string_view text, std::string_view name,
                                          const std::vector<std::string>& wanted_columns);
 

@@ -30,18 +30,18 @@ Result<std::string> read_file(const std::filesystem::path& path, std::size_t lim
   if (::fstat(file.fd, &status) != 0 || S_ISDIR(status.st_mode)) {
     return fail(Fault::file, "{}: is a folder, a file is needed", path.string());
   }
-  // A size beyond the limit is refused before memory is taken for it.
+  // An oversized file is refused before memory is allocated.
   if (static_cast<std::size_t>(status.st_size) > limit_bytes) {
     return fail(Fault::bad_input, "{}: {} bytes, at most {} are read", path.string(),
                 status.st_size, limit_bytes);
   }
-  // What tells no size (a pipe, a device) grows by doubling, so it may only become this large.
+  // A pipe or device has no size and is read into a doubling buffer, so its limit is lower.
   constexpr std::size_t max_without_size = std::size_t{128} << 20;
   if (!S_ISREG(status.st_mode)) limit_bytes = std::min(limit_bytes, max_without_size);
   std::string content;
   std::size_t size = 0;
   content.resize(static_cast<std::size_t>(status.st_size) + 1);
-  // A pipe has no size to trust, so the end of the data decides, not the status.
+  // Reading ends at the end of the data, because the size of a pipe is unknown.
   while (true) {
     const ssize_t got = ::read(file.fd, content.data() + size, content.size() - size);
     if (got < 0)
@@ -76,7 +76,7 @@ void FileWriter::close() {
 }
 
 Result<FileWriter> FileWriter::open(const std::filesystem::path& path) {
-  // A device or a pipe (/dev/stdout) is written in place: there is nothing to rename over.
+  // A device or a pipe (/dev/stdout) is written in place: it cannot be renamed over.
   std::error_code ignored;
   const auto status = std::filesystem::status(path, ignored);
   const bool in_place =

@@ -9,13 +9,12 @@
 
 namespace tuina {
 
-/// The whole of a file; fails with what was wrong and the path. `limit_bytes` bounds the memory it
-/// may take.
+/// Reads a whole file of at most `limit_bytes`. Fails with the cause and the path.
 [[nodiscard]] Result<std::string> read_file(const std::filesystem::path& path,
                                             std::size_t limit_bytes = std::size_t{256} << 20);
 
-/// Writes a file piece by piece, beside the target, and renames it when it is whole, so a reader or
-/// a crash never sees half a file. A writer that goes without `finish` leaves nothing behind.
+/// Writes a temporary file beside the target and renames it in `finish`, so that neither a reader
+/// nor a crash sees half a file. Without `finish` nothing is left behind.
 class FileWriter {
  public:
   [[nodiscard]] static Result<FileWriter> open(const std::filesystem::path& path);
@@ -38,7 +37,7 @@ class FileWriter {
   int descriptor_;
 };
 
-/// The same for content that is in memory already.
+/// Writes content in memory as `FileWriter` does.
 [[nodiscard]] Result<void> write_file(const std::filesystem::path& path, std::string_view content);
 
 }  // namespace tuina

@@ -7,11 +7,11 @@
 
 namespace tuina {
 
-/// How many letters must be put in, taken out or changed to make one word of the other.
+/// Levenshtein distance: letters to insert, delete or replace.
 [[nodiscard]] std::size_t edit_distance(std::string_view a, std::string_view b);
 
-/// Ends the sentence about an unknown word: "is `rate_hz` meant?" when one of the known words is
-/// close to what was given, else "known: ..." with all of them.
+/// Hint for an unknown word: "is `rate_hz` meant?" when a known word is close, else "known: ..."
+/// with all of them.
 [[nodiscard]] std::string suggestion(std::string_view given, const std::vector<std::string>& known);
 
 }  // namespace tuina

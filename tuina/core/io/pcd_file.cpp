@@ -51,7 +51,7 @@ std::vector<std::string_view> words_of(std::string_view line) {
   return words;
 }
 
-/// What is wrong with a header line, or nothing.
+/// Fault of a header line; empty when it is right.
 std::string read_header_line(std::string_view line, Header& header) {
   auto words = words_of(line);
   if (words.empty()) return "a blank line in the header";
@@ -113,8 +113,7 @@ std::string read_header_line(std::string_view line, Header& header) {
   return fmt::format("{} is no word of a PCD header", in_quotes(key));
 }
 
-/// What is wrong with the header as a whole, or nothing; fills in the types and the number of
-/// points.
+/// Fault of the header as a whole, or empty; fills in the types and the number of points.
 std::string complete(Header& header) {
   for (const char* key : {"FIELDS", "SIZE", "TYPE", "WIDTH", "HEIGHT"}) {
     if (std::find(header.seen.begin(), header.seen.end(), key) == header.seen.end()) {
@@ -150,8 +149,8 @@ std::string complete(Header& header) {
   return *header.points == 0 ? "holds no point" : "";
 }
 
-/// LZF as M. Lehmann's liblzf writes it: runs of literals and references to at most 8 kB back.
-/// False when the data do not give exactly the size that was announced.
+/// LZF as M. Lehmann's liblzf writes it: literal runs and references at most 8 kB back. False
+/// unless the output has exactly the announced size.
 bool decompress(std::string_view from, std::string& to) {
   std::size_t in = 0;
   std::size_t out = 0;
@@ -175,7 +174,7 @@ bool decompress(std::string_view from, std::string& to) {
     const std::size_t back =
         (std::size_t{control} % 32) * 256 + static_cast<unsigned char>(from[in++]) + 1;
     if (back > out || length > to.size() - out) return false;
-    // The reference may overlap what it makes, so bytes go one by one.
+    // Source and target of a reference may overlap, so bytes are copied one by one.
     for (std::size_t k = 0; k < length; ++k, ++out) to[out] = to[out - back];
   }
   return out == to.size();
@@ -241,11 +240,11 @@ Result<SurfaceFile> read_ascii(TextLines lines, const Header& header, std::strin
   return points.take();
 }
 
-/// Rows of numbers, or, compressed, one column after another.
+/// Rows of numbers, or, if compressed, column after column.
 Result<SurfaceFile> read_binary(TextLines lines, const Header& header, std::string_view name) {
   std::uint64_t row_bytes = 0;
   for (const Field& field : header.fields) row_bytes += field.size * field.count;
-  // No file holds more than this; below it the product cannot overflow.
+  // Larger than any file, and small enough that the product cannot overflow.
   constexpr std::uint64_t most = std::uint64_t{1} << 40;
   const std::uint64_t needed =
       row_bytes > most / *header.points ? most : row_bytes * *header.points;
@@ -257,7 +256,7 @@ Result<SurfaceFile> read_binary(TextLines lines, const Header& header, std::stri
   if (compressed) {
     const std::uint64_t packed = data.size() < 8 ? 0 : little_endian(data);
     const std::uint64_t unpacked = data.size() < 8 ? 0 : little_endian(data.substr(4));
-    // Three bytes of LZF make at most 264.
+    // Three bytes of LZF expand to at most 264.
     if (data.size() < 8 || packed > data.size() - 8 || unpacked != needed ||
         unpacked / 88 > packed) {
       return fail(Fault::bad_input,
@@ -290,7 +289,7 @@ Result<SurfaceFile> read_binary(TextLines lines, const Header& header, std::stri
   PointGatherer points = gatherer_for(header);
   PointGatherer::Values values = {};
   for (std::uint64_t row = 0; row < *header.points; ++row) {
-    std::uint64_t offset = 0;  // of the field: within a row, or of its column
+    std::uint64_t offset = 0;  // offset of the field: within a row, or of its column
     for (const Field& field : header.fields) {
       const std::uint64_t bytes = field.size * field.count;
       const std::uint64_t at = compressed ? offset + row * bytes : row * row_bytes + offset;

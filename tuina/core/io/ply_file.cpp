@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// PLY as G. Turk wrote it down in 1994: a header of text lines, then the elements, as text or
-// binary.
+// PLY by G. Turk, 1994: a text header, then the elements as text or binary.
 #include <limits>
 #include <map>
 
@@ -15,7 +14,7 @@ enum class Format : std::uint8_t { ascii, little_endian, big_endian };
 struct Property {
   std::string name;
   NumberType type = NumberType::f32;
-  std::optional<NumberType> count_type;  ///< of a list
+  std::optional<NumberType> count_type;  ///< type of the count, for lists
 };
 
 struct Element {
@@ -40,7 +39,7 @@ std::optional<NumberType> type_named(std::string_view word) {
   return found == types.end() ? std::nullopt : std::optional(found->second);
 }
 
-/// One `property` line, without the word.
+/// Parses a `property` line after its first word.
 std::optional<Property> parse_property(std::string_view line) {
   Property property;
   std::string_view word = take_word(line);
@@ -56,7 +55,7 @@ std::optional<Property> parse_property(std::string_view line) {
   return property;
 }
 
-/// What is wrong with a header line, or nothing.
+/// Fault of a header line; empty when it is right.
 std::string read_header_line(std::string_view line, Header& header, bool& has_format) {
   const std::string_view all = line;
   const std::string_view word = take_word(line);
@@ -114,7 +113,7 @@ std::string read_header_line(std::string_view line, Header& header, bool& has_fo
                      in_quotes(all));
 }
 
-/// The values that follow the header, one after another, whichever way they are written.
+/// Reads the values after the header one by one, ascii or binary.
 class Body {
  public:
   Body(TextLines lines, Format format, std::string_view name)
@@ -156,7 +155,7 @@ class Body {
   [[nodiscard]] std::string_view rest() const {
     return format_ == Format::ascii ? lines_.rest() : data_.substr(at_);
   }
-  /// Always false; keeps what is wrong, and where, for `problem`.
+  /// Records the fault and its place for `problem`; always false.
   bool wrong(const std::string& what) {
     problem_ = format_ == Format::ascii
                    ? fmt::format("{}:{}: {}", name_, lines_.number(), what)
@@ -176,7 +175,7 @@ class Body {
   std::string problem_;
 };
 
-/// The fewest bytes that a row takes; a list may be empty.
+/// Minimum size of a row; a list may be empty.
 std::uint64_t min_row_bytes(const Element& element, Format format) {
   std::uint64_t bytes = 0;
   for (const Property& property : element.properties) {
@@ -185,10 +184,10 @@ std::uint64_t min_row_bytes(const Element& element, Format format) {
   return bytes;
 }
 
-/// Counts the reader can trust, and the properties that tuina cannot do without.
+/// Checks counts against the size of the data, and that x, y and z are there.
 Result<void> check_header(const Header& header, std::string_view name, std::size_t data_bytes) {
   const Element* vertices = nullptr;
-  // The last line of a text may lack its newline.
+  // The last line of an ascii file may lack its newline.
   std::uint64_t left = data_bytes + (header.format == Format::ascii ? 1 : 0);
   for (const Element& element : header.elements) {
     const std::uint64_t least = min_row_bytes(element, header.format);
@@ -219,7 +218,7 @@ Result<void> check_header(const Header& header, std::string_view name, std::size
   return {};
 }
 
-/// One row of an element that says nothing to tuina.
+/// Skips a row of an unknown element.
 bool skip_row(Body& body, const Element& element) {
   double value = 0.0;
   for (const Property& property : element.properties) {
@@ -261,7 +260,7 @@ bool read_vertices(Body& body, const Element& element, PointGatherer& points) {
   return true;
 }
 
-/// Polygons become fans of triangles, which is exact for the convex ones that surfaces are made of.
+/// Splits polygons into fans of triangles, exact for convex polygons.
 bool read_faces(Body& body, const Element& element, std::uint64_t vertices,
                 std::vector<std::array<int, 3>>& triangles) {
   for (std::uint64_t row = 0; row < element.count; ++row) {

@@ -26,9 +26,9 @@ std::uint32_t big_endian(std::string_view bytes) {
   return value;
 }
 
-/// Walks the chunks before anything is decoded: lengths, checksums, order, end, and whether the
-/// compressed data could hold the picture that the header claims. libpng alone would skip some of
-/// these with a warning.
+/// Checks the chunks before decoding: lengths, checksums, order, end, and whether the compressed
+/// data can hold the picture that the header claims. libpng alone skips some of these with a
+/// warning.
 Result<void> check_chunks(std::string_view content, std::string_view name) {
   if (!content.starts_with(signature))
     return fail(Fault::bad_input, "{}: is not a PNG picture", name);
@@ -75,7 +75,7 @@ Result<void> check_chunks(std::string_view content, std::string_view name) {
     return fail(Fault::bad_input, "{}: byte {}: {} bytes follow the end of the picture", name, at,
                 content.size() - at);
   }
-  // At the least one bit a pixel is in the compressed data.
+  // A pixel takes at least one bit before compression.
   if (pixels / 8 > compressed * best_deflate_ratio) {
     return fail(Fault::bad_input, "{}: {} pixels cannot be in {} bytes of data", name, pixels,
                 compressed);
@@ -109,14 +109,13 @@ void feed(png_structp png, png_bytep to, std::size_t count) {
   decoder->at += count;
 }
 
-// libpng reports faults by longjmp, which must not pass over destructors; so the two functions that
-// it may jump out of hold nothing but plain values, and everything with a destructor lives in their
-// caller.
+// libpng reports faults by longjmp, which must not skip destructors. The two functions it may leave
+// hold plain values only; objects with destructors live in their caller.
 bool read_header(Decoder& decoder) {
   if (setjmp(png_jmpbuf(decoder.png)) != 0) return false;
   png_set_read_fn(decoder.png, &decoder, feed);
-  // Ancillary chunks (colour profiles, comments) say nothing about the samples, and a strange one
-  // is no fault.
+  // Ancillary chunks (colour profiles, comments) do not affect the samples, so malformed ones are
+  // ignored.
   png_set_keep_unknown_chunks(decoder.png, PNG_HANDLE_CHUNK_NEVER, nullptr, -1);
   png_read_info(decoder.png, decoder.info);
   if (png_get_bit_depth(decoder.png, decoder.info) < 8) png_set_expand_gray_1_2_4_to_8(decoder.png);
@@ -141,8 +140,7 @@ Result<PngFile> parse_png(std::string_view content, std::string_view name) {
   if (const auto sound = check_chunks(content, name); !sound) return tl::unexpected(sound.error());
   Decoder decoder;
   decoder.content = content;
-  // What libpng only warns about (data left over, a colour outside the palette) is a fault of the
-  // file here.
+  // libpng's warnings (excess data, a colour outside the palette) count as faults.
   decoder.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &decoder, on_fault, on_fault);
   decoder.info = decoder.png == nullptr ? nullptr : png_create_info_struct(decoder.png);
   if (decoder.info == nullptr) return fail(Fault::bad_input, "{}: libpng does not start", name);

@@ -10,8 +10,8 @@
 
 namespace tuina {
 
-/// Any PNG (8 or 16 bit, grey, colour, palette, interlaced) as 16-bit samples scaled by nothing:
-/// `bits` says whether the values end at 255 or 65535. Alpha is dropped. A wrong checksum is
+/// Reads any PNG (8 or 16 bit, grey, colour, palette, interlaced) into 16-bit samples without
+/// scaling: `bits` says whether 255 or 65535 is full scale. Alpha is dropped, a wrong checksum
 /// refused.
 struct PngFile {
   Image16 image;
@@ -21,7 +21,7 @@ struct PngFile {
 [[nodiscard]] Result<PngFile> read_png(const std::filesystem::path& path);
 [[nodiscard]] Result<PngFile> parse_png(std::string_view content, std::string_view name);
 
-/// 8-bit grey (one channel) or RGB (three channels).
+/// Encodes 8-bit grey (one channel) or RGB (three channels).
 [[nodiscard]] std::string to_png(const Image& image);
 
 }  // namespace tuina

@@ -14,8 +14,7 @@ namespace tuina {
 namespace surface_parts {
 namespace {
 
-// No person and no couch is a thousand kilometres away; such numbers would only overflow further
-// on.
+// Coordinates beyond 1000 km are no person in metres and would overflow later.
 constexpr double max_distance_m = 1e6;
 
 template <typename Number>
@@ -130,7 +129,7 @@ bool PointGatherer::add(const Values& values) {
   if (normals_) {
     const Vector3 normal(values[3], values[4], values[5]);
     const double length = normal.norm();
-    // A property is whole or absent: one normal without a direction and none of them is kept.
+    // A property exists for all points or for none: one normal of zero length drops all normals.
     normals_ = std::isfinite(length) && length > 1e-9;
     if (normals_) cloud.normals.push_back(normal / length);
   }
@@ -181,7 +180,7 @@ Result<SurfaceFile> parse_surface(std::string_view content, std::string_view nam
   std::string_view rest = *first;
   const std::string_view word = take_word(rest);
   if (word == "ply") return surface_parts::parse_ply(content, name);
-  // A PCD file may begin with comments, so any of its header words will do.
+  // A PCD file may begin with comments, so any of its header words identifies it.
   for (const char* known : {"#", "VERSION", "FIELDS", "SIZE", "WIDTH", "POINTS"}) {
     if (word == known || (word.starts_with('#') && *known == '#')) {
       return surface_parts::parse_pcd(content, name);

@@ -11,21 +11,21 @@
 
 namespace tuina {
 
-/// What a cloud or mesh file holds. A cloud file gives a mesh without triangles.
+/// Content of a cloud or mesh file; a cloud has no triangles.
 struct SurfaceFile {
-  PointCloud cloud;  ///< the vertices, with the properties that tuina knows
+  PointCloud cloud;  ///< vertices, with the properties that tuina knows
   std::vector<std::array<int, 3>> triangles;
-  std::size_t dropped_points = 0;  ///< non-finite ones; triangles that used them are dropped too
+  /// Non-finite points, left out together with the triangles that used them.
+  std::size_t dropped_points = 0;
 };
 
 /// Reads PLY (ascii, binary of either endianness) or PCD (ascii, binary, binary_compressed),
-/// recognised by content. Fails on anything malformed with file, line or byte, and what would be
-/// right; the memory taken is bounded by the file's true size, never by what its header claims.
+/// recognised by content. Fails on malformed files with file, line or byte, and the remedy. Memory
+/// is bounded by the size of the file, never by the counts in its header.
 [[nodiscard]] Result<SurfaceFile> read_surface(const std::filesystem::path& path);
 [[nodiscard]] Result<SurfaceFile> parse_surface(std::string_view content, std::string_view name);
 
-/// Binary little-endian PLY in metres, with normals, amplitude and deviation where the cloud has
-/// them.
+/// Binary little-endian PLY in metres, with normals, amplitude and deviation if the cloud has them.
 [[nodiscard]] std::string to_ply(const PointCloud& cloud);
 [[nodiscard]] std::string to_ply(const Mesh& mesh);
 
@@ -33,8 +33,7 @@ enum class CloudFormat { ply_ascii, ply_binary, ply_big_endian, pcd_ascii, pcd_b
 /// "ply", "ply-ascii", "ply-big-endian", "pcd", "pcd-ascii".
 [[nodiscard]] std::optional<CloudFormat> cloud_format(std::string_view name);
 
-/// Writes a cloud as `to_ply` does, or in another format, in pieces: however many points there are,
-/// little memory is taken.
+/// Writes a cloud in pieces, so that memory does not grow with the number of points.
 [[nodiscard]] Result<void> write_cloud(const std::filesystem::path& path, const PointCloud& cloud,
                                        CloudFormat format = CloudFormat::ply_binary);
 

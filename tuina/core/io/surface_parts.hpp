@@ -9,7 +9,7 @@
 #include "tuina/core/io/surface_file.hpp"
 #include "tuina/core/result.hpp"
 
-/// What the PLY and the PCD reader share. Only they include this; others use surface_file.hpp.
+/// Shared by the PLY and the PCD reader; all others include surface_file.hpp.
 namespace tuina::surface_parts {
 
 [[nodiscard]] Result<SurfaceFile> parse_ply(std::string_view content, std::string_view name);
@@ -21,16 +21,16 @@ enum class NumberType : std::uint8_t { i8, u8, i16, u16, i32, u32, i64, u64, f32
   return type >= NumberType::f32;
 }
 
-/// The number in `size_of(type)` bytes of a file.
+/// Decodes `size_of(type)` bytes.
 [[nodiscard]] double from_bytes(const char* bytes, NumberType type, bool big_endian);
 
-/// The word as a number that fits the type.
+/// Parses a word; nothing if it does not fit the type.
 [[nodiscard]] std::optional<double> from_word(std::string_view word, NumberType type);
 
-/// Gathers points one by one, leaves out non-finite ones and knows afterwards which those were.
+/// Collects points, leaves out non-finite ones and renumbers triangles accordingly.
 class PointGatherer {
  public:
-  /// What a property of a point is to tuina, by its name; `none` for names that it does not know.
+  /// Meaning of a point property, by its name; `none` for an unknown name.
   enum class Slot : std::uint8_t {
     x,
     y,
@@ -45,15 +45,15 @@ class PointGatherer {
   static constexpr std::size_t slots = static_cast<std::size_t>(Slot::none);
   [[nodiscard]] static Slot slot_of(std::string_view property);
 
-  using Values = std::array<double, slots + 1>;  ///< the last one takes what has no slot
+  using Values = std::array<double, slots + 1>;  ///< the last entry takes values without a slot
 
-  /// `present[s]`: whether the file has slot s.
+  /// `present[s]`: the file has slot s.
   PointGatherer(std::array<bool, slots + 1> present, std::size_t expected);
 
-  /// False when the point cannot be in metres, however finite it is.
+  /// False when a coordinate is too large to be in metres.
   [[nodiscard]] bool add(const Values& values);
 
-  /// The triangle in the file's numbering, renumbered; left out when one of its points was.
+  /// Renumbers a triangle of the file and keeps it unless one of its points was left out.
   void add_triangle(std::array<int, 3> corners);
 
   [[nodiscard]] SurfaceFile take();
@@ -64,7 +64,7 @@ class PointGatherer {
   bool amplitude_ = false;
   bool deviation_ = false;
   std::vector<int>
-      number_of_;  ///< new number of each point of the file, -1 when left out; empty while none is
+      number_of_;  ///< new number of each point of the file, -1: left out; empty while none is
   std::size_t added_ = 0;
 };
 

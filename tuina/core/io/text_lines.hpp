@@ -9,16 +9,20 @@
 
 namespace tuina {
 
-/// Steps through a text line by line, LF or CRLF, and knows where it is for the sake of good
-/// errors. It can be left at any line, because a header of text may be followed by binary data.
+/// Steps through text line by line (LF or CRLF) and keeps line and byte for errors. Reading may
+/// stop at any line, since binary data may follow a text header.
 class TextLines {
  public:
   explicit TextLines(std::string_view text);
 
-  /// The next line without its end; nothing when the text is used up.
+  /// The next line without its line end; nothing at the end of the text.
   [[nodiscard]] std::optional<std::string_view> next();
-  [[nodiscard]] std::size_t number() const { return number_; }  ///< of the last line, from 1
-  [[nodiscard]] std::size_t byte() const { return at_; }        ///< of what follows it, from 0
+  [[nodiscard]] std::size_t number() const {
+    return number_;
+  }  ///< line number of the last line, from 1
+  [[nodiscard]] std::size_t byte() const {
+    return at_;
+  }  ///< byte offset of the text after it, from 0
   [[nodiscard]] std::string_view rest() const { return text_.substr(at_); }
 
  private:
@@ -27,7 +31,7 @@ class TextLines {
   std::size_t number_ = 0;
 };
 
-/// Takes the next word, bounded by blanks, off the front of a line; empty when there is none.
+/// Takes the next word off the front of a line; empty when there is none.
 [[nodiscard]] inline std::string_view take_word(std::string_view& line) {
   std::size_t begin = 0;
   while (begin < line.size() && (line[begin] == ' ' || line[begin] == '\t')) ++begin;
@@ -38,8 +42,7 @@ class TextLines {
   return word;
 }
 
-/// The whole word as a number of the type, in the C locale; "nan" and "inf" are numbers of a
-/// floating type.
+/// Parses the whole word as a number in the C locale. Floating types accept "nan" and "inf".
 template <typename Number>
 [[nodiscard]] std::optional<Number> to_number(std::string_view word) {
   Number value{};
@@ -48,10 +51,10 @@ template <typename Number>
   return value;
 }
 
-/// Whether nothing but blanks and line ends is left.
+/// True when only blanks and line ends are left.
 [[nodiscard]] bool only_white_space(std::string_view text);
 
-/// A piece of somebody's file as it may stand in an error: short, and only with letters that print.
+/// Quotes a piece of a user's file in an error: shortened, printable letters only.
 [[nodiscard]] std::string in_quotes(std::string_view text);
 
 }  // namespace tuina

@@ -13,7 +13,7 @@
 namespace tuina {
 namespace {
 
-/// " = value"; nothing of a list or a table, which may be long.
+/// " = value"; empty for lists and tables, which may be long.
 std::string shown(const toml::node& node) {
   std::ostringstream text;
   if (node.is_value()) node.visit([&](const auto& value) { text << " = " << value; });

@@ -18,23 +18,22 @@ class table;
 
 namespace tuina {
 
-/// What is wrong with one TOML file. All of it is collected, each with file and line, so that a
-/// user mends the file once and not ten times.
+/// All faults of one TOML file, each with file and line, so that a user mends the file once.
 struct TomlFaults {
   std::string file;
-  bool has_lines = true;  ///< false for what was typed on the command line
+  bool has_lines = true;  ///< false for `--set` values from the command line
   std::vector<std::string> all = {};
 
   [[nodiscard]] std::string at(const toml::node& node) const;  ///< "file:line: "
 };
 
-/// One entry of a list in a file.
+/// One entry of a list.
 class TomlValue {
  public:
   explicit TomlValue(const toml::node& node) : node_(&node) {}
   [[nodiscard]] std::optional<double> number() const;  ///< finite
   [[nodiscard]] std::optional<std::string> text() const;
-  /// Nothing unless it is a list of so many finite numbers.
+  /// Nothing unless it is a list of `count` finite numbers.
   [[nodiscard]] std::optional<std::vector<double>> numbers(std::size_t count) const;
   [[nodiscard]] const toml::node& node() const { return *node_; }
 
@@ -42,28 +41,28 @@ class TomlValue {
   const toml::node* node_;
 };
 
-/// One table of a file, read key by key. A read gives nothing where the key is absent, and where
-/// the value is not what it must be; then the fault is collected.
+/// One table of a file, read key by key. A read returns nothing when the key is absent, and also
+/// when the value is wrong; the fault is then collected.
 class TomlTable {
  public:
   using Words = std::vector<std::string>;
 
-  /// `path` stands before the keys in the faults, like "camera."; may be empty.
+  /// `path`: prefix of the keys in faults, such as "camera."; may be empty.
   TomlTable(const toml::table& table, std::string path, TomlFaults& faults)
       : table_(&table), path_(std::move(path)), faults_(&faults) {}
 
   [[nodiscard]] bool has(std::string_view key) const;
   [[nodiscard]] Words keys() const;
 
-  /// Where a key stands, or the table where it has no such key: "file:line: ".
+  /// Location of the key, or of the table if the key is absent: "file:line: ".
   [[nodiscard]] std::string at(std::string_view key) const;
-  /// A fault at the line of the key, or at that of the table where it has no such key.
+  /// Collects a fault at `at(key)`.
   void reject(std::string_view key, std::string_view sentence) const;
   void reject(const TomlValue& value, std::string_view sentence) const;
-  /// The same, and it begins with the key and its value.
+  /// Collects a fault whose sentence begins with the key and its value.
   void wrong(std::string_view key, std::string_view predicate) const;
-  /// Every other key is a fault, and so is each that `needed` names and that is not there. `whose`
-  /// keys they are, like "a programme", is said where it helps.
+  /// Collects a fault for every unknown key and for every missing key of `needed`. `whose` names
+  /// the owner of the keys, such as "a programme", in the message.
   void only(const Words& known, const Words& needed = {}, std::string_view whose = "") const;
 
   [[nodiscard]] std::optional<double> number(std::string_view key, double low, double high,
@@ -71,17 +70,17 @@ class TomlTable {
   [[nodiscard]] std::optional<int> whole(std::string_view key, int low, int high) const;
   [[nodiscard]] std::optional<bool> flag(std::string_view key) const;
   [[nodiscard]] std::optional<std::string> text(std::string_view key) const;
-  /// The index of the word given, among the words allowed.
+  /// Index of the value in `words`.
   [[nodiscard]] std::optional<std::size_t> word(std::string_view key, const Words& words) const;
-  /// So many numbers, each between -limit and limit.
+  /// A list of `count` numbers, each between -limit and limit.
   [[nodiscard]] std::optional<std::vector<double>> numbers(std::string_view key, std::size_t count,
                                                            double limit) const;
 
-  /// Absent, or no list: nothing, without a fault.
+  /// The entries of a list; nothing, without a fault, when the key is absent or no list.
   [[nodiscard]] std::optional<std::vector<TomlValue>> list(std::string_view key) const;
-  /// Its keys are shown with its name before.
+  /// A sub-table; its name is prefixed to its keys in faults.
   [[nodiscard]] std::optional<TomlTable> table(std::string_view key) const;
-  /// [[key]]; empty without a fault where there are none, or where not all are tables.
+  /// The tables of [[key]]; empty, without a fault, when there are none or not all are tables.
   [[nodiscard]] std::vector<TomlTable> tables(std::string_view key) const;
 
  private:
@@ -90,8 +89,8 @@ class TomlTable {
   TomlFaults* faults_;
 };
 
-/// Parses a file and lets `read` read its root. Fails with `fault`, a line for each thing that is
-/// wrong; `name` stands before them, without a line where the fault is one of usage.
+/// Parses text and lets `read` read its root table. Fails with `fault` and one line per fault;
+/// `name` begins each line.
 [[nodiscard]] Result<void> read_toml(std::string_view text, std::string_view name, Fault fault,
                                      const std::function<void(const TomlTable&)>& read);
 

@@ -13,11 +13,11 @@ namespace {
 
 constexpr int max_faces = 16;
 constexpr int tries = 250;
-constexpr std::size_t judged_points = 6000;
-constexpr std::size_t min_around = 12;  // judged points about a seed
+constexpr std::size_t sampled_points = 6000;
+constexpr std::size_t min_around = 12;  // sampled points around a seed
 constexpr std::size_t min_points = 150;
 constexpr double on_face_m = 2.5_mm;
-constexpr double around_share = 0.12;  // of the widest face
+constexpr double around_share = 0.12;  // share of the widest face
 const double alike = std::cos(25.0_deg);
 
 struct Sample {
@@ -46,9 +46,9 @@ bool on(const Face& face, const Sample& sample) {
   return std::abs(face.out_m(sample.point)) < on_face_m && face.normal.dot(sample.normal) > alike;
 }
 
-// The plane through the flat surroundings of some seed that most samples lie on.
+// The plane with most samples, from the flat neighbourhoods of random seeds.
 Face largest(const std::vector<Sample>& samples, double max_width_m, Random& random) {
-  const std::size_t step = std::max<std::size_t>(1, samples.size() / judged_points);
+  const std::size_t step = std::max<std::size_t>(1, samples.size() / sampled_points);
   Face best;
   std::size_t most = 0;
   for (int i = 0; i < tries; ++i) {
@@ -98,7 +98,7 @@ std::vector<Face> find_faces(const PointCloud& cloud, double max_width_m) {
     }
     if (face.points.size() < min_points) break;
     std::erase_if(rest, [&](const Sample& sample) { return on(face, sample); });
-    // A couch or a wall goes on beyond the box.
+    // A couch or a wall continues beyond the box.
     const auto within = std::count_if(
         face.points.begin(), face.points.end(),
         [&](const Vector3& point) { return (point - face.middle).norm() < 0.6 * max_width_m; });

@@ -8,10 +8,10 @@
 
 namespace tuina::scanner {
 
-/// A flat piece of a scan.
+/// A planar part of a scan.
 struct Face {
   Vector3 normal = Vector3::UnitZ();  ///< towards the scanner
-  double offset_m = 0.0;              ///< its points satisfy normal . p = offset
+  double offset_m = 0.0;              ///< plane: normal . p = offset
   Vector3 middle = Vector3::Zero();
   std::vector<Vector3> points;
   double rms_m = 0.0;
@@ -19,7 +19,7 @@ struct Face {
   [[nodiscard]] double out_m(const Vector3& point) const { return normal.dot(point) - offset_m; }
 };
 
-/// The flat pieces of a scan (with normals) that are no wider than `max_width_m`, largest first.
+/// Planar parts of a scan (with normals), at most `max_width_m` wide, largest first.
 [[nodiscard]] std::vector<Face> find_faces(const PointCloud& cloud, double max_width_m);
 
 }  // namespace tuina::scanner

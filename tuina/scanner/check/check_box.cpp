@@ -12,7 +12,8 @@
 namespace tuina::scanner {
 namespace {
 
-constexpr double upright_rad = 20.0_deg;  // so far off the right angle two faces may be found
+// Largest deviation from the right angle between two faces.
+constexpr double upright_rad = 20.0_deg;
 constexpr double inside_m = 5.0_mm;
 constexpr double max_strips = 40.0;
 constexpr double points_of_strip = 15.0;
@@ -22,7 +23,7 @@ constexpr double allowed_rad = 2.0_deg;
 
 using Faces = std::vector<const Face*>;
 
-// Whether two faces meet in an edge of a box seen from outside, or of a hollow one.
+// True when two faces meet in an edge of a box seen from outside, or of a hollow one.
 bool meet(const Face& a, const Face& b, double diagonal_m, bool hollow) {
   if (std::abs(a.normal.dot(b.normal)) > std::sin(upright_rad)) return false;
   if ((a.middle - b.middle).norm() > diagonal_m) return false;
@@ -30,7 +31,7 @@ bool meet(const Face& a, const Face& b, double diagonal_m, bool hollow) {
   return side * a.out_m(b.middle) > inside_m && side * b.out_m(a.middle) > inside_m;
 }
 
-// Three faces that meet each other are better than two, many points better than few.
+// Prefers three faces that meet to two, then more points.
 Faces choose(const std::vector<Face>& faces, double diagonal_m, bool hollow) {
   const auto count = [](const Faces& chosen) {
     std::size_t points = 0;
@@ -58,8 +59,8 @@ Faces choose(const std::vector<Face>& faces, double diagonal_m, bool hollow) {
   return best;
 }
 
-// Edges of the box as axes: along axis k runs the edge in which the two other faces meet. The
-// origin is their common corner, or any place of the only edge seen.
+// Edges of the box as axes: axis k is the edge of the two other faces. Origin: the common corner,
+// or any point of the only visible edge.
 struct Axes {
   Matrix3 from_box = Matrix3::Identity();  // columns are unit
   Vector3 corner = Vector3::Zero();
@@ -90,11 +91,11 @@ Axes axes_of(const Faces& faces, bool hollow) {
   return axes;
 }
 
-// How far a face reaches along an axis: where its points end in strips along it, and half a gap
-// more, for a border lies anywhere between the last point and the next.
+// Extent of a face along an axis: mean end of its points in strips, plus half a gap, since the
+// border lies between the last point and the next.
 struct Reach {
   double to_m = 0.0;
-  double gap_m = 0.0;  // half the distance to the next point, as a random place has it
+  double gap_m = 0.0;  // half the point spacing
 };
 
 double median_of(std::vector<double>& values) {
@@ -140,8 +141,7 @@ Reach reach_of(const std::vector<Vector3>& in_box, Eigen::Index along, Eigen::In
   return {.to_m = median_of(ends) + gap_m, .gap_m = gap_m};
 }
 
-// The length of an edge from the corner on, as both faces beside it show it; the finer the points,
-// the more a face counts.
+// Length of an edge, from both adjacent faces, weighted by their point density.
 Reach length_of(const std::vector<std::vector<Vector3>>& in_box, Eigen::Index along) {
   double sum = 0.0;
   double weights = 0.0;
@@ -150,7 +150,7 @@ Reach length_of(const std::vector<std::vector<Vector3>>& in_box, Eigen::Index al
     if (of_face == along) continue;
     const Eigen::Index across = 3 - along - of_face;
     Reach far = reach_of(in_box[face], along, across, 1.0);
-    // The edge between the only two faces seen ends freely on both sides.
+    // The edge between the only two visible faces ends freely on both sides.
     if (static_cast<std::size_t>(along) >= in_box.size()) {
       far.to_m += reach_of(in_box[face], along, across, -1.0).to_m;
     }
@@ -182,7 +182,7 @@ FoundBox measure(const Faces& faces, const Vector3& size_m, bool hollow) {
     lengths_m[static_cast<std::size_t>(k)] = length.to_m;
     box.border_m = std::max(box.border_m, length.gap_m);
   }
-  // Which edge is which is told by what fits best.
+  // The edges are assigned to the nominal size by the best fit.
   std::array<std::size_t, 3> order = {0, 1, 2};
   double least = INFINITY;
   do {
@@ -199,7 +199,7 @@ FoundBox measure(const Faces& faces, const Vector3& size_m, bool hollow) {
   for (std::size_t i = 0; i < faces.size(); ++i) {
     for (std::size_t j = i + 1; j < faces.size(); ++j) {
       const double cosine = faces[i]->normal.dot(faces[j]->normal);
-      // Faces that look away from each other by more than 90 degrees meet at less.
+      // Faces whose normals differ by more than 90 degrees meet at less.
       box.angles_rad.push_back(pi - std::acos(std::clamp(cosine, -1.0, 1.0)));
     }
   }
@@ -215,7 +215,7 @@ std::string told(const Vector3& size_m) {
 
 Result<FoundBox> find_box(const PointCloud& cloud, const Vector3& size_m) {
   const double diagonal_m = size_m.norm();
-  // A box up to twice the size is found, so that its wrong scale can be told.
+  // Searches up to twice the size, so that a wrong scale is found and reported.
   const auto faces = find_faces(cloud, 2.0 * diagonal_m);
   for (const bool hollow : {false, true}) {
     const Faces chosen = choose(faces, 2.0 * diagonal_m, hollow);

@@ -13,7 +13,7 @@ namespace tuina::scanner {
 namespace {
 
 constexpr int tries = 4000;
-constexpr std::size_t judged_points = 3000;
+constexpr std::size_t sampled_points = 3000;
 constexpr double on_sphere_m = 3.0_mm;
 constexpr std::size_t min_points = 300;
 constexpr double allowed_m = 2.0_mm;
@@ -23,7 +23,7 @@ bool on(const FoundSphere& sphere, const Vector3& point) {
   return std::abs((point - sphere.centre).norm() - 0.5 * sphere.diameter_m) < on_sphere_m;
 }
 
-// Least squares of |p|^2 = 2 c . p + k, which is linear in the centre c and k = r^2 - |c|^2.
+// Least squares of |p|^2 = 2 c . p + k, linear in the centre c and k = r^2 - |c|^2.
 FoundSphere fitted(const PointCloud& cloud, const FoundSphere& near) {
   Eigen::Matrix4d sums = Eigen::Matrix4d::Zero();
   Eigen::Vector4d moments = Eigen::Vector4d::Zero();
@@ -67,11 +67,11 @@ Result<FoundSphere> find_sphere(const PointCloud& cloud, double diameter_m) {
         static_cast<std::size_t>(uniform(random, 0.0, 1.0) * static_cast<double>(cloud.size()));
     return std::min(i, cloud.size() - 1);
   };
-  const std::size_t step = std::max<std::size_t>(1, cloud.size() / judged_points);
+  const std::size_t step = std::max<std::size_t>(1, cloud.size() / sampled_points);
   FoundSphere best;
   std::size_t most = 0;
   for (int i = 0; i < tries; ++i) {
-    // The normals of two points of a ball meet in its centre.
+    // The normals of two points intersect in the centre of the ball.
     const std::size_t a = draw();
     const std::size_t b = draw();
     const Vector3 between = cloud.points[a] - cloud.points[b];

@@ -13,15 +13,15 @@ struct FoundSphere {
   double diameter_m = 0.0;
   bool hollow = false;  ///< seen from inside: near and far, or left and right, are exchanged
   std::size_t points = 0;
-  double rms_m = 0.0;  ///< of its points from the sphere
+  double rms_m = 0.0;  ///< RMS distance of its points from the sphere
 };
 
-/// The ball of about this size that most points of a scan (with normals) lie on. Fails when there
-/// is none between half and twice the size.
+/// Finds the ball of about this size with most points of a scan (with normals). Fails without one
+/// between half and twice the size.
 [[nodiscard]] Result<FoundSphere> find_sphere(const PointCloud& cloud, double diameter_m);
 
-/// Refuses a scan whose ball is hollow, or off its size by more than 1 % and 2 mm: sign or scale of
-/// the calibration are wrong.
+/// Fails when the scanned ball is hollow or off its size by more than 1 % and 2 mm: sign or scale
+/// of the calibration are wrong.
 [[nodiscard]] Result<FoundSphere> check_sphere(const PointCloud& cloud, double diameter_m);
 
 }  // namespace tuina::scanner

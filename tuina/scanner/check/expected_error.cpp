@@ -21,15 +21,15 @@ double ExpectedError::variance_m2(const Vector3& at_in_couch, const Vector3& nor
                                   double deviation_m) const {
   const auto square = [](double x) { return x * x; };
   const Vector3 sight = at_in_couch - eye_;
-  // An error along the ray moves the surface by its share along the normal.
+  // A range error moves the surface by its component along the normal.
   const double cosine2 = square(normal.dot(sight)) / sight.squaredNorm();
   const double range2 = square(errors_.range_at_m(sight.dot(forward_))) + square(deviation_m);
-  // A time that is off by e turns the point by yaw speed times e about the axis.
+  // A time error e rotates the point by yaw speed times e.
   const Vector3 from_axis = at_in_couch - axis_point_;
   const double late2 =
       square(axis_.cross(from_axis).dot(normal) * yaw_rad_per_s_ * errors_.latency_s);
-  // A turn by yaw about an axis d aside is off by (1 - turn) d; about an axis tilted by t, by
-  // yaw (t x r): t . (r x n) along the normal. Only d and t upright to the axis count.
+  // An axis shifted by d moves points by (1 - rotation) d; an axis tilted by t by yaw (t x r),
+  // along the normal t . (r x n). Only d and t perpendicular to the axis count.
   const auto upright2 = [this, &square](const Vector3& v) {
     return v.squaredNorm() - square(axis_.dot(v));
   };

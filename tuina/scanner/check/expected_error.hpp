@@ -5,13 +5,13 @@
 
 namespace tuina::scanner {
 
-/// What a calibration and the noise of the line are expected to do to the points of one profile.
+/// Error propagation from calibration and line noise to the points of one profile.
 class ExpectedError {
  public:
-  /// `yaw_rad_per_s`: how fast the unit turned then.
+  /// `yaw_rad_per_s`: turning speed of the unit at that profile.
   ExpectedError(const ScannerCalibration& calibration, double yaw_rad, double yaw_rad_per_s);
 
-  /// Variance of the error along the normal, of a point with this deviation of its range.
+  /// Error variance along the normal, for a point with the given range deviation.
   [[nodiscard]] double variance_m2(const Vector3& at_in_couch, const Vector3& normal,
                                    double deviation_m) const;
 

@@ -35,8 +35,8 @@ class ClearRows {
         steps_(method == LineMethod::centroid ? 2 : 3),
         hint_(scene.hint_column) {}
 
-  // Takes the rows [first, first + count): the points of the clear ones are added, the numbers of
-  // those in doubt too.
+  // Processes the rows [first, first + count): appends points of clear rows and numbers of doubtful
+  // ones.
   void take(const ImageView& image, int first, int count, std::vector<LinePoint>& points,
             std::vector<int>& in_doubt) {
     RowBatch rows;
@@ -44,7 +44,7 @@ class ClearRows {
       rows[i] = image.row(first + std::min(static_cast<int>(i), count - 1));
     }
     BatchView seen;
-    reader_.look(rows, rule_, hint_, seen);
+    reader_.classify(rows, rule_, hint_, seen);
     LineWalk walk = {};
     int lines = 0;
     for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -79,7 +79,7 @@ class ClearRows {
   const LineKernel& kernel_;
   float min_amplitude_dn_;
   float max_distance_px_;  // from the brightest pixel to the line
-  float deviation_px_dn_;  // of the column, times the amplitude
+  float deviation_px_dn_;  // standard deviation of the column times the amplitude
   int steps_;
   int hint_;
 };

@@ -9,9 +9,8 @@
 
 namespace tuina::scanner {
 
-/// The lines of the rows in which one unclipped line stands away from the borders with nothing
-/// beside it: nearly all rows, and the ones that must be fast. The numbers of the rows that show
-/// something else go to `in_doubt`; rows that show nothing go nowhere.
+/// Measures the rows with a single unclipped line away from the borders, by far the most. Rows with
+/// anything else go to `in_doubt`; dark rows are dropped.
 void find_clear_lines(ImageView image, const LineScene& scene, const LineKernel& kernel,
                       LineMethod method, std::vector<LinePoint>& points,
                       std::vector<int>& in_doubt);

@@ -16,7 +16,7 @@ float sum_of_eight(const std::uint8_t* pixels) {
   return static_cast<float>(sum);
 }
 
-// Around the brightest pixel of a row, which has margin.
+// Features around the brightest pixel of a row, which has the margin.
 RowFacts<float> facts_of(const std::uint8_t* row, int at, const RowRule& rule) {
   const std::uint8_t* peak = row + at;
   const auto rival = std::max(largest(row + rule.first, at - rule.beside_px - rule.first + 1),
@@ -33,7 +33,7 @@ RowFacts<float> facts_of(const std::uint8_t* row, int at, const RowRule& rule) {
           .spike = static_cast<float>(spike)};
 }
 
-void look(const RowBatch& rows, const RowRule& rule, int /*hint*/, BatchView& seen) noexcept {
+void classify(const RowBatch& rows, const RowRule& rule, int /*hint*/, BatchView& seen) noexcept {
   const int count = rule.last - rule.first + 1;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const std::uint8_t* begin = rows[i] + rule.first;
@@ -43,7 +43,7 @@ void look(const RowBatch& rows, const RowRule& rule, int /*hint*/, BatchView& se
     seen.brightest[i] = static_cast<int>(found - rows[i]);
     bool clear = false;
     if (most >= rule.min_dn && rule.has_margin(seen.brightest[i])) {
-      judge(facts_of(rows[i], seen.brightest[i], rule), rule, clear);
+      test_clear(facts_of(rows[i], seen.brightest[i], rule), rule, clear);
     }
     seen.view[i] = clear                ? RowView::one_line
                    : most < rule.min_dn ? RowView::dark
@@ -69,7 +69,7 @@ void walk(const RowBatch& rows, const LineKernel& kernel, int steps, LineWalk& w
   walk_with(weigh, rows, kernel, steps, walk);
 }
 
-constexpr RowReader plain = {look, walk};
+constexpr RowReader plain = {classify, walk};
 
 }  // namespace
 

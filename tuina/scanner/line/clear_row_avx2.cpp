@@ -9,23 +9,23 @@
 #if defined(__x86_64__) && defined(__GNUC__)
 #include <immintrin.h>
 
-// The attribute of each function, not a flag of the whole file: what this file shares with others
-// inline must run on every processor.
+// Attribute per function instead of a file-wide flag: inline functions shared with other files must
+// run on every processor.
 #define TUINA_AVX2 __attribute__((target("avx2")))
 
 namespace tuina::scanner {
 namespace {
 
-constexpr int block = 32;          // pixels in a register
-constexpr int window = 2 * block;  // of a batch of rows, in which their lines are expected
+constexpr int block = 32;          // pixels per register
+constexpr int window = 2 * block;  // columns in which the lines of a batch are expected
 
 TUINA_AVX2 inline __m256i load(const std::uint8_t* pixels) {
   return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(pixels));
 }
 
-// The largest byte, in every byte.
+// Broadcasts the largest byte.
 TUINA_AVX2 inline __m256i largest_everywhere(__m256i bytes) {
-  // The smallest of eight 16-bit numbers is one instruction, so the complements go through it.
+  // The minimum of eight 16-bit numbers is one instruction, so complements are used.
   const __m128i half =
       _mm_max_epu8(_mm256_castsi256_si128(bytes), _mm256_extracti128_si256(bytes, 1));
   const __m128i less = _mm_xor_si128(half, _mm_set1_epi8(-1));
@@ -41,18 +41,18 @@ TUINA_AVX2 inline std::uint64_t places_of(__m256i wanted, __m256i pixels) {
   return static_cast<std::uint32_t>(_mm256_movemask_epi8(_mm256_cmpeq_epi8(pixels, wanted)));
 }
 
-// Ones but for the columns nearer to the line than `beside_px`, which are zeros.
+// Mask: zero within `beside_px` of the line, else ones.
 struct Gap {
   std::array<std::uint8_t, 3 * window> bytes = {};
   int nearest = 0;  // columns from the line to the first one of the gap
 
-  // Begins with the column that is `after` columns after the line.
+  // The mask beginning `after` columns after the line.
   [[nodiscard]] const std::uint8_t* from(int after) const {
     return bytes.data() + window + nearest + after;
   }
 };
 
-// Made before the program starts: a row that waits for bytes just written waits long.
+// Constexpr: loading bytes just written would stall.
 constexpr int max_beside_px = window / 4;
 constexpr auto gaps = [] {
   std::array<Gap, max_beside_px + 1> all;
@@ -65,13 +65,11 @@ constexpr auto gaps = [] {
   return all;
 }();
 
-// The largest pixel of the rows of a group at each place of a register, left and right of the
-// window.
+// Lane-wise maximum over the rows of a group, left and right of the window.
 TUINA_AVX2 inline __m256i max_outside(const std::uint8_t* const* rows, int first, int begin,
                                       int last) {
   __m256i most[4] = {};
-  // A picture that comes from main memory is asked for a group of rows ahead, as many bytes as are
-  // read here.
+  // Prefetches the next group of rows when the picture comes from main memory.
   const std::uint8_t* ahead = rows[0] + static_cast<std::ptrdiff_t>(group) * (rows[1] - rows[0]);
   const auto take = [&](int x) __attribute__((target("avx2"), always_inline)) {
 #pragma GCC unroll 8
@@ -82,15 +80,14 @@ TUINA_AVX2 inline __m256i max_outside(const std::uint8_t* const* rows, int first
     ahead += group * block;
   };
   for (int x = first; x < begin; x += block) take(x);
-  // The last register ends with the span.
+  // The last register ends with the span and may overlap.
   for (int x = begin + window; x + block <= last; x += block) take(x);
   take(last + 1 - block);
   return _mm256_max_epu8(_mm256_max_epu8(most[0], most[1]), _mm256_max_epu8(most[2], most[3]));
 }
 
-// One pass over the rows of a group whose lines all lie well inside one window: true when every row
-// shows one line, `dark` when none shows any. Otherwise it cannot tell. What rivals a line and what
-// outshines its neighbours is not kept apart by rows.
+// One pass over a group whose lines lie well inside one window: true when every row shows one line,
+// `dark` when none does; otherwise undecided, since rivals and spikes are pooled over the rows.
 TUINA_AVX2 inline bool all_show_one_line(const std::uint8_t* const* rows, const RowRule& rule,
                                          int begin, const Gap& gap, int* brightest, bool& dark) {
   const int beside_px = rule.beside_px;
@@ -136,20 +133,21 @@ TUINA_AVX2 inline bool all_show_one_line(const std::uint8_t* const* rows, const 
   const Wholes right = byte >> 16 & 255;
   const Wholes most = byte >> 8 & 255;
   Wholes clear;
-  judge(RowFacts<Floats>{.most = __builtin_convertvector(most, Floats),
-                         .neighbour = __builtin_convertvector(left > right ? left : right, Floats),
-                         .beside_sum = __builtin_convertvector(sum, Floats),
-                         .rival = Floats{} + static_cast<float>(rival),
-                         .spike = Floats{} + static_cast<float>(largest_of(spikes))},
-        rule, clear);
+  test_clear(
+      RowFacts<Floats>{.most = __builtin_convertvector(most, Floats),
+                       .neighbour = __builtin_convertvector(left > right ? left : right, Floats),
+                       .beside_sum = __builtin_convertvector(sum, Floats),
+                       .rival = Floats{} + static_cast<float>(rival),
+                       .spike = Floats{} + static_cast<float>(largest_of(spikes))},
+      rule, clear);
   clear &= (most >= rule.min_dn) & (most >= rival);
   return within && _mm256_movemask_epi8(reinterpret_cast<__m256i>(clear)) == -1;
 }
 
-TUINA_AVX2 void look(const RowBatch& rows, const RowRule& rule, int hint,
-                     BatchView& seen) noexcept {
-  // The first column of the window lies whole registers from the first of the span, and every
-  // column of the window has margin and a register of its own to the right.
+TUINA_AVX2 void classify(const RowBatch& rows, const RowRule& rule, int hint,
+                         BatchView& seen) noexcept {
+  // The window begins whole registers after the span's first column, and all its columns have
+  // margin and a register to the right.
   const int room = rule.last - rule.first + 1 - window - 2 * block;
   if (room >= block && rule.beside_px <= max_beside_px && rule.margin_px() <= block) {
     const int wanted = (hint - rule.first - block / 2) / block;
@@ -166,14 +164,14 @@ TUINA_AVX2 void look(const RowBatch& rows, const RowRule& rule, int hint,
     if (all_dark) return seen.view.fill(RowView::dark);
     if (all_clear) return seen.view.fill(RowView::one_line);
   }
-  plain_row_reader().look(rows, rule, hint, seen);
+  plain_row_reader().classify(rows, rule, hint, seen);
 }
 
 TUINA_AVX2 inline __m256i words(const std::int16_t* weights) {
   return _mm256_load_si256(reinterpret_cast<const __m256i*>(weights));
 }
 
-// The sums of four registers each, in the halves of one; lane by lane of four numbers.
+// Horizontal sums of four registers, per half.
 TUINA_AVX2 inline __m256i sums_of_four(const __m256i* parts) {
   return _mm256_hadd_epi32(_mm256_hadd_epi32(parts[0], parts[1]),
                            _mm256_hadd_epi32(parts[2], parts[3]));
@@ -210,7 +208,7 @@ TUINA_AVX2 void walk(const RowBatch& rows, const LineKernel& kernel, int steps,
   walk_with(weigh, rows, kernel, steps, walk);
 }
 
-constexpr RowReader reader = {look, walk};
+constexpr RowReader reader = {classify, walk};
 
 }  // namespace
 

@@ -5,7 +5,7 @@
 
 namespace tuina::scanner {
 
-/// The reader for processors with AVX2; null on any other, and where the compiler knows none.
+/// Reader for processors with AVX2; null on others, and if the compiler cannot build it.
 [[nodiscard]] const RowReader* avx2_row_reader() noexcept;
 
 }  // namespace tuina::scanner

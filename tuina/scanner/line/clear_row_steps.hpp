@@ -8,30 +8,29 @@
 
 namespace tuina::scanner {
 
-// Vectors of the compiler, a number for each row of a group: it makes of them what the instructions
-// allow. A batch is several groups, because a step of one waits for the step before while the steps
-// of another can be done.
+// Compiler vectors, one lane per row of a group. A batch has several groups, whose steps are
+// independent and overlap in the pipeline.
 inline constexpr std::size_t group = 8;
 inline constexpr std::size_t groups = rows_at_once / group;
 static_assert(rows_at_once % group == 0);
 using Floats [[gnu::vector_size(4 * group)]] = float;
 using Wholes [[gnu::vector_size(4 * group)]] = std::int32_t;
 
-/// What the pixels around the brightest one of a row tell; `Number` is a float, or as many of them
-/// as a group has rows.
+/// Features around the brightest pixel of a row; `Number` is a float or a vector with one lane per
+/// row.
 template <typename Number>
 struct RowFacts {
-  Number most;        ///< the brightest pixel
-  Number neighbour;   ///< the brighter pixel next to it
-  Number beside_sum;  ///< eight pixels `beside_px` away from it, on the brighter side
-  Number rival;       ///< the brightest pixel at least `beside_px` away
-  Number spike;       ///< by how much a pixel of the kernel's window outshines both its neighbours
+  Number most;        ///< brightest pixel
+  Number neighbour;   ///< brighter of its neighbours
+  Number beside_sum;  ///< sum of eight pixels `beside_px` away, on the brighter side
+  Number rival;       ///< brightest pixel at least `beside_px` away
+  Number spike;       ///< largest excess of a pixel in the kernel's window over both neighbours
 };
 
-/// Whether that is one clear line: `clear` is not zero.
+/// Tests for one clear line: `clear` is then not zero.
 template <typename Number, typename Answer>
-[[gnu::always_inline]] inline void judge(const RowFacts<Number>& facts, const RowRule& rule,
-                                         Answer& clear) {
+[[gnu::always_inline]] inline void test_clear(const RowFacts<Number>& facts, const RowRule& rule,
+                                              Answer& clear) {
   const Number beside = 0.125F * facts.beside_sum;
   const Number height = facts.most - beside;
   const Number rival = facts.rival - beside;
@@ -41,9 +40,9 @@ template <typename Number, typename Answer>
           (facts.spike <= rule.min_spike_dn + rule.spike_share * height);
 }
 
-/// Steps of the kernel in all rows of a batch; `weigh(rows, first, phase, kernel, offset, height)`
-/// gives the two weighted sums over the windows that begin at these columns of the rows of a group.
-/// Each set of instructions inlines it with a `weigh` of its own.
+/// Kernel steps in all rows of a batch. `weigh(rows, first, phase, kernel, offset, height)` returns
+/// the two weighted sums over the windows beginning at these columns of a group. Each instruction
+/// set inlines its own `weigh`.
 template <typename Weigh>
 [[gnu::always_inline]] inline void walk_with(Weigh weigh, const RowBatch& rows,
                                              const LineKernel& kernel, int steps, LineWalk& walk) {
@@ -68,7 +67,7 @@ template <typename Weigh>
           __builtin_convertvector(offset, Floats) / __builtin_convertvector(divisor, Floats);
       const Floats to = pixel + (__builtin_convertvector(phase, Floats) + 0.5F) * (1.0F / phases) +
                         move * kernel.whole_offset;
-      // No line leads so far; the height says so, and the walk goes on from where it began.
+      // A line so far away is none: the height becomes zero, and the next step starts again.
       const Wholes led =
           (height[g] > 0) & (to - from[g] <= max_walk_px) & (from[g] - to <= max_walk_px);
       column[g] = led ? to : from[g];

@@ -17,13 +17,13 @@
 namespace tuina::scanner {
 namespace {
 
-// However bright, a line clips no more pixels than this and eight widths.
+// Maximum width of a clipped line: this and eight line widths.
 constexpr float max_plateau_px = 16.0F;
-// So many rows tell noise and width of the line well enough.
+// Number of rows that suffices to estimate noise and line width.
 constexpr int sampled_rows = 20;
 
-// Gives the rows of an image as samples: as they are, or as float when a dark frame is taken off or
-// the samples have 16 bits. Clipped pixels keep the value of saturation, so they are known as such.
+// Rows of an image as samples: unchanged, or as float after subtracting a dark frame or for 16
+// bits. Clipped pixels keep the saturation value.
 template <typename Pixel>
 class Rows {
  public:
@@ -58,11 +58,11 @@ class Rows {
   std::vector<float> row_;
 };
 
-enum class Seen : std::uint8_t { nothing, one_line, several };
+enum class Shows : std::uint8_t { nothing, one_line, several };
 
-// One look at a row: its brightest place, and whether that is all there is to see.
-struct Look {
-  Seen seen = Seen::nothing;
+// Classification of a row: its brightest position, and what else it shows.
+struct RowContent {
+  Shows shows = Shows::nothing;
   Candidate brightest;
 };
 
@@ -75,7 +75,7 @@ const float* where_is(float value, const float* from, const float* to) {
 }
 
 template <typename Sample>
-Look look_at(const Sample* row, const LineScene& scene) {
+RowContent inspect(const Sample* row, const LineScene& scene) {
   const int first = scene.first_column;
   const int last = scene.last_column;
   const auto most = largest(row + first, last - first + 1);
@@ -84,12 +84,11 @@ Look look_at(const Sample* row, const LineScene& scene) {
   const Sample* at = where_is(most, row + first, row + last + 1);
   int left = static_cast<int>(at - row);
   int right = left;
-  // Where the line is clipped its middle is the middle of the plateau; the first of equal pixels
-  // lies to one side.
+  // The centre of a clipped line is the centre of its plateau, not the first of equal pixels.
   if (static_cast<float>(most) >= scene.saturated_dn) {
     while (right < last && static_cast<float>(row[right + 1]) >= scene.saturated_dn) ++right;
     if (static_cast<float>(right - left) > max_plateau_px + 8.0F * scene.width_px) {
-      return {Seen::several, {}};  // a lamp or a white field
+      return {Shows::several, {}};  // a lamp or a white field
     }
   }
   const int reach = scene.beside_px + (right - left) / 2;
@@ -106,23 +105,23 @@ Look look_at(const Sample* row, const LineScene& scene) {
   const float beside_dn = std::max(left_dn, right_dn);
   const float height = static_cast<float>(most) - beside_dn;
   if (height < min_pixel_snr * scene.noise_dn)
-    return {Seen::several, {}};  // an edge, or a bright field
+    return {Shows::several, {}};  // an edge, or a bright field
 
-  // A single hot pixel has dark neighbours; even a sharp line is wider than that.
+  // A hot pixel has dark neighbours; even a sharp line is wider.
   const auto above = [&](int x) {
     return x < first || x > last ? 0.0F : static_cast<float>(row[x]) - beside_dn;
   };
   if (left == right && std::max(above(left - 1), above(left + 1)) < 0.25F * height) {
-    return {Seen::several, {}};
+    return {Shows::several, {}};
   }
   const float rival = beside_dn + std::max(rival_share * height, min_pixel_snr * scene.noise_dn);
   const int until = middle - reach;
   const int from = middle + reach;
   if ((until > first && static_cast<float>(largest(row + first, until - first)) > rival) ||
       (from<last&& static_cast<float>(largest(row + from, last - from + 1))> rival)) {
-    return {Seen::several, {}};
+    return {Shows::several, {}};
   }
-  return {Seen::one_line,
+  return {Shows::one_line,
           {.column_px = 0.5F * static_cast<float>(left + right), .height_dn = height}};
 }
 
@@ -131,7 +130,7 @@ Look look_at(const Sample* row, const LineScene& scene) {
   return start >= scene.first_column && start + LineKernel::taps <= scene.last_column + 1;
 }
 
-// The kernels of the slow rows weigh floats.
+// The kernels of the slow rows take floats.
 const float* window(const float* samples, std::array<float, LineKernel::taps>&) {
   return samples;
 }
@@ -140,7 +139,7 @@ const float* window(const std::uint8_t* samples, std::array<float, LineKernel::t
   return room.data();
 }
 
-// Three steps of the kernel from a pixel near the line; nothing when they do not lead to a line.
+// Three kernel steps from a pixel near the line; nothing if they diverge.
 template <typename Sample>
 std::optional<LinePoint> weigh_line(const Sample* row, float column_px, const LineKernel& kernel,
                                     const LineScene& scene) {
@@ -171,9 +170,8 @@ std::optional<LinePoint> weigh_line(const Sample* row, float column_px, const Li
                    .deviation_px = kernel.deviation_factor * scene.noise_dn / height};
 }
 
-// The exact place of the line near a candidate. Lines that are clipped, cut by the border, wider
-// than the kernels or disturbed by a hot pixel are fitted pixel by pixel with the unusable pixels
-// left out.
+// Sub-pixel position near a candidate. Lines that are clipped, cut by the border, wider than the
+// kernels or next to a hot pixel are fitted to the usable pixels.
 template <typename Sample>
 std::optional<LinePoint> measure(const Sample* row, int y, const Candidate& candidate,
                                  const LineKernel& kernel, const LineScene& scene) {
@@ -200,27 +198,27 @@ LaserLine find_in(Rows<Pixel>& rows, int height, const LineScene& scene,
   line.width_px = scene.width_px;
   line.points.reserve(static_cast<std::size_t>(height));
   std::vector<CandidateRow> unclear;
-  const auto look_closely = [&](int y) {
+  const auto inspect_row = [&](int y) {
     const auto* row = rows.template samples<Sample>(y);
-    const Look look = look_at(row, scene);
-    if (look.seen == Seen::one_line) {
-      if (const auto point = measure(row, y, look.brightest, kernel, scene))
+    const RowContent content = inspect(row, scene);
+    if (content.shows == Shows::one_line) {
+      if (const auto point = measure(row, y, content.brightest, kernel, scene))
         line.points.push_back(*point);
-    } else if (look.seen == Seen::several) {
+    } else if (content.shows == Shows::several) {
       auto found = find_candidates(row, scene);
       if (!found.empty()) unclear.push_back({y, std::move(found)});
     }
   };
   std::vector<int> in_doubt;
-  int looked_at = 0;
+  int inspected = 0;
   if constexpr (std::is_same_v<Sample, std::uint8_t>) {
     if (scene.width_px <= static_cast<float>(max_kernel_px)) {
       find_clear_lines(rows.image(), scene, kernel, options.method, line.points, in_doubt);
-      looked_at = height;
-      for (const int y : in_doubt) look_closely(y);
+      inspected = height;
+      for (const int y : in_doubt) inspect_row(y);
     }
   }
-  for (int y = looked_at; y < height; ++y) look_closely(y);
+  for (int y = inspected; y < height; ++y) inspect_row(y);
   const auto by_row = [](const LinePoint& a, const LinePoint& b) { return a.row < b.row; };
   if (!in_doubt.empty()) std::sort(line.points.begin(), line.points.end(), by_row);
   if (unclear.empty()) return line;
@@ -287,7 +285,7 @@ LaserLine find(BasicImageView<Pixel> image, const LineOptions& options,
     for (int y = step / 2; y < image.height; y += step) {
       sample.add(rows.template samples<Sample>(y), y);
     }
-    sample.judge(scene, options.noise_dn, options.width_px);
+    sample.estimate(scene, options.noise_dn, options.width_px);
     return options.method == LineMethod::thesis
                ? find_as_thesis<Sample>(rows, image.height, scene, options.thesis_threshold_dn)
                : find_in<Sample>(rows, image.height, scene, options);

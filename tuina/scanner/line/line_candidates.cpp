@@ -14,7 +14,7 @@ namespace {
 
 constexpr int segment = 16;
 constexpr int lag = 4;
-constexpr float mean_difference_per_deviation = 1.1284F;  // of two equal Gaussian noises
+constexpr float mean_difference_per_deviation = 1.1284F;  // of two equal Gaussians
 constexpr std::size_t max_candidates = 4;
 constexpr float min_snr = 5.0F;
 
@@ -25,7 +25,7 @@ float median_of(std::vector<float> values) {
   return *middle;
 }
 
-// The mean of the middle half: steadier than the median where the samples are whole numbers.
+// Interquartile mean: steadier than the median for integer samples.
 float middle_mean(std::vector<float> values) {
   if (values.empty()) return 0.0F;
   std::sort(values.begin(), values.end());
@@ -36,7 +36,7 @@ float middle_mean(std::vector<float> values) {
   return sum / static_cast<float>(to - from);
 }
 
-// From the median to the 84th percentile.
+// 84th percentile minus median.
 template <typename Sample>
 float upper_spread(const Sample* pixels) {
   std::array<float, segment> values;
@@ -65,8 +65,7 @@ template <typename Sample>
 std::vector<Candidate> ridges(const Sample* row, const LineScene& scene) {
   const int first = scene.first_column;
   const int count = scene.last_column - first + 1;
-  // A pixel may not outshine its brighter neighbour by more than noise: hot pixels vanish, lines
-  // stay.
+  // Clamps each pixel to its brighter neighbour plus noise: removes hot pixels, keeps lines.
   std::vector<float> sums(static_cast<std::size_t>(count) + 1, 0.0F);
   for (int i = 0; i < count; ++i) {
     const auto value = static_cast<float>(row[first + i]);
@@ -100,7 +99,7 @@ std::vector<Candidate> ridges(const Sample* row, const LineScene& scene) {
     const int to = std::min(count - 1, i + apart);
     const auto best = std::max_element(ridge.begin() + from, ridge.begin() + to + 1);
     if (best != ridge.begin() + i) continue;
-    // A clipped line is flat on top; its middle is meant.
+    // The centre of a clipped, flat ridge.
     int end = i;
     while (end < to && ridge[static_cast<std::size_t>(end) + 1] >= here) ++end;
     found.push_back({static_cast<float>(first) + 0.5F * static_cast<float>(i + end), here});
@@ -120,11 +119,10 @@ void SceneSample::add_row(const Sample* row, int y) {
   const int first = scene_.first_column;
   const int last = scene_.last_column;
   if (last - first + 1 >= segment + lag) {
-    // The place of the segment wanders with the row, so that no column is preferred. Differences of
-    // pixels a few columns apart tell noise from the slope of the room light, also where a camera
-    // blends neighbours.
+    // The segment moves with the row so that no column is preferred. Differences over a few columns
+    // separate noise from gradients of the room light, also when the camera blends neighbours.
     const int start = first + (y * 211) % (last - first - segment - lag + 2);
-    // Whole numbers add up exactly in any order, so the compiler may take several at once.
+    // Integer sums are exact in any order, so the compiler can vectorise.
     using Sum = std::conditional_t<std::is_floating_point_v<Sample>, float, int>;
     Sum sum = 0;
     Sum differences = 0;
@@ -136,7 +134,7 @@ void SceneSample::add_row(const Sample* row, int y) {
     }
     means_.push_back(static_cast<float>(sum) / segment);
     spreads_.push_back(static_cast<float>(differences) / (segment * mean_difference_per_deviation));
-    // Of a row that is black half the noise is cut off; the brighter half still tells it.
+    // A black row clips half of the noise; the upper half determines it.
     if (black > segment / 8) spreads_.back() = upper_spread(row + start);
   }
   const Sample* brightest = brightest_of(row, first, last);
@@ -144,7 +142,7 @@ void SceneSample::add_row(const Sample* row, int y) {
   auto most = static_cast<float>(*brightest);
   const auto value = [&](int x) { return static_cast<float>(row[std::clamp(x, first, last)]); };
   if (std::max(value(peak - 1), value(peak + 1)) < 0.5F * most) {
-    // A hot pixel, it seems. The dimmer one of the brightest pair is the line.
+    // Probably a hot pixel: the dimmer one of the brightest pair is the line.
     most = 0.0F;
     for (int x = first; x < last; ++x) {
       const float dimmer = std::min(value(x), value(x + 1));
@@ -183,16 +181,15 @@ void SceneSample::add(const float* row, int y) {
   add_row(row, y);
 }
 
-void SceneSample::judge(LineScene& scene, double noise_dn, double width_px) const {
-  // The darker parts of the image: in them a line can be seen even if a lamp or a white wall fills
-  // the rest.
+void SceneSample::estimate(LineScene& scene, double noise_dn, double width_px) const {
+  // Background of the darker parts, where a line is visible even if a lamp or white wall fills the
+  // rest.
   if (!means_.empty()) {
     auto sorted = means_;
     std::sort(sorted.begin(), sorted.end());
     scene.background_dn = sorted[sorted.size() / 4];
   }
-  // Rounding to whole numbers alone is a noise of 0.29 DN; a picture without any is not to be
-  // believed.
+  // Rounding alone is 0.29 DN of noise, so a lower estimate is implausible.
   scene.noise_dn =
       noise_dn > 0.0 ? static_cast<float>(noise_dn) : std::max(0.5F, middle_mean(spreads_));
   const float usual_dn = median_of(means_);
@@ -221,8 +218,9 @@ std::vector<Candidate> find_candidates(const float* row, const LineScene& scene)
 }
 
 void choose_by_continuity(const std::vector<LinePoint>& clear, std::vector<CandidateRow>& unclear) {
-  // The cheapest way through all rows (Viterbi): a step aside costs up to 2, the dimmer of two
-  // lines up to 0.1 a row, so a reflection must be brighter over a good part of the image to win.
+  // Viterbi: the cheapest path through all rows. A lateral step costs up to 2, the dimmer of two
+  // lines up to 0.1 per row, so that a reflection wins only if brighter over a large part of the
+  // image.
   struct Stage {
     int y;
     std::vector<Candidate> candidates;

@@ -8,34 +8,34 @@
 
 namespace tuina::scanner {
 
-/// What is known of a whole image before its rows are judged one by one.
+/// Image-wide parameters of the line search.
 struct LineScene {
   int width = 0;
   int first_column = 0;
   int last_column = 0;
   float saturated_dn = 255.0F;
   float noise_dn = 1.0F;
-  float background_dn = 0.0F;  ///< of a usual pixel
+  float background_dn = 0.0F;  ///< level of a usual pixel
   float width_px = 2.5F;       ///< standard deviation across the line
-  int beside_px = 9;           ///< from here on a pixel beside the line shows background
-  int hint_column = 0;         ///< where the line may begin; it only saves time
+  int beside_px = 9;           ///< distance at which a pixel beside the line shows background
+  int hint_column = 0;         ///< start of the search, for speed only
 };
 
-/// A line must stand this many standard deviations above the noise: the brightest pixel of a row to
-/// be looked at, and the fitted amplitude to be believed (of 10^5 rows without a line none passes).
+/// Thresholds in standard deviations of the noise: brightest pixel of a row to be examined, and
+/// fitted amplitude to be accepted (no false line in 10^5 dark rows).
 inline constexpr float min_pixel_snr = 4.5F;
 inline constexpr float min_amplitude_snr = 6.5F;
-/// A second line counts as a rival of the first from this share of its height.
+/// Minimum height ratio at which a second line counts as ambiguous.
 inline constexpr float rival_share = 0.5F;
 
-/// Learns noise, background and width of the line from a few rows of the image.
+/// Estimates noise, background and line width from a sample of rows.
 class SceneSample {
  public:
   SceneSample(const LineScene& scene, std::size_t rows);
   void add(const std::uint8_t* row, int y);
   void add(const float* row, int y);
-  /// Fills in the scene; values above zero are taken instead of estimates.
-  void judge(LineScene& scene, double noise_dn, double width_px) const;
+  /// Fills in the scene; arguments above zero replace estimates.
+  void estimate(LineScene& scene, double noise_dn, double width_px) const;
 
  private:
   template <typename Sample>
@@ -43,13 +43,13 @@ class SceneSample {
 
   LineScene scene_;
   int first_peak_ = -1;
-  std::vector<float> means_;      ///< of short segments
-  std::vector<float> spreads_;    ///< standard deviation of the noise in the same segments
-  std::vector<float> brightest_;  ///< of each row
-  std::vector<float> widths_;     ///< of each row at half the height of its brightest place
+  std::vector<float> means_;      ///< means of short segments
+  std::vector<float> spreads_;    ///< noise standard deviation in the same segments
+  std::vector<float> brightest_;  ///< brightest pixel of each row
+  std::vector<float> widths_;     ///< width of each row's line at half height
 };
 
-/// A place in a row that looks like a line.
+/// A possible line position in a row.
 struct Candidate {
   float column_px = 0.0F;
   float height_dn = 0.0F;
@@ -60,13 +60,12 @@ struct CandidateRow {
   std::vector<Candidate> candidates;  ///< brightest first
 };
 
-/// All places in a row where a ridge stands above what is on both sides of it, at most four.
+/// Up to four ridges of a row that stand above both sides.
 [[nodiscard]] std::vector<Candidate> find_candidates(const std::uint8_t* row,
                                                      const LineScene& scene);
 [[nodiscard]] std::vector<Candidate> find_candidates(const float* row, const LineScene& scene);
 
-/// Moves to the front of each row the candidate that continues the line best, the clear rows being
-/// given.
+/// Moves the candidate that best continues the line to the front of each unclear row.
 void choose_by_continuity(const std::vector<LinePoint>& clear, std::vector<CandidateRow>& unclear);
 
 }  // namespace tuina::scanner

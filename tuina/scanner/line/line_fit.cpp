@@ -54,8 +54,7 @@ std::optional<LinePoint> fit(const Sample* row, float column_px, const LineScene
   }
   if (used.size() < 6) return {};
 
-  // A plateau of n clipped pixels belongs to a line of this height, before the flanks say it
-  // better.
+  // Initial height of a line with n clipped pixels.
   double width = scene.width_px;
   double amplitude = highest - lowest;
   if (clipped(left)) {
@@ -79,12 +78,12 @@ std::optional<LinePoint> fit(const Sample* row, float column_px, const LineScene
         for (int j = 0; j <= i; ++j) normal(i, j) += slope[i] * slope[j];
       }
     }
-    // The flanks of a clipped line tell its height from its width badly. That its width is about
-    // the usual one, within a third, keeps the fit in the world.
+    // The flanks of a clipped line hardly separate height from width; a prior of the usual width
+    // within a third keeps the fit plausible.
     const double trust = noise2 / std::pow(0.33 * static_cast<double>(scene.width_px), 2);
     normal(3, 3) += trust;
     rhs(3) += trust * (static_cast<double>(scene.width_px) - width);
-    // Only the lower half of `normal` is filled in; the factorisation reads no other.
+    // Only the lower half of `normal` is set; the factorisation reads no other.
     const Eigen::Vector4d move = normal.ldlt().solve(rhs);
     if (!move.allFinite()) return {};
     amplitude = std::clamp(amplitude + move(0), 0.5 * amplitude, 2.0 * amplitude);
@@ -93,12 +92,12 @@ std::optional<LinePoint> fit(const Sample* row, float column_px, const LineScene
     width = std::clamp(width + move(3), 0.7 * width, 1.4 * width);
     if (std::abs(move(1)) < 1e-4 && std::abs(move(3)) < 1e-2) break;
   }
-  // Half of the line must be in the image, and the fit must have stayed where the line was seen.
+  // Half of the line must be in the image, and the fit near its start.
   if (x0 < scene.first_column + 0.5 * width || x0 > scene.last_column - 0.5 * width) return {};
   if (std::abs(x0 - 0.5 * (left + right)) > 2.0 + 0.5 * (right - left) + scene.width_px) return {};
   const Eigen::Matrix4d covariance = noise2 * normal.ldlt().solve(Eigen::Matrix4d::Identity());
   if (!(covariance(0, 0) > 0.0 && covariance(1, 1) > 0.0)) return {};
-  // A narrow fit to a few noisy pixels is high but not sure of its height.
+  // A narrow fit to a few noisy pixels is high but uncertain.
   if (!clipped(left) && amplitude < 5.0 * std::sqrt(covariance(0, 0))) return {};
   return LinePoint{.row = 0,
                    .column_px = static_cast<float>(x0),

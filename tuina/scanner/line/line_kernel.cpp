@@ -8,9 +8,8 @@
 
 #include "tuina/core/units.hpp"
 
-// One function, compiled twice; the loader takes the version that the processor can run. The
-// sanitizers' own start-up comes too late for that choice, so sanitized builds have the plain
-// version only.
+// Compiled twice; the loader selects the version for the processor. Sanitizers start too late for
+// that selection, so sanitized builds have the plain version only.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
     !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define TUINA_TWICE __attribute__((target_clones("arch=haswell", "default")))
@@ -32,8 +31,7 @@ double centre_of(int phase) {
 using Taps = std::array<float, LineKernel::taps>;
 using WholeTaps = std::array<std::int16_t, LineKernel::taps>;
 
-// Rounded so that the error of each weight is carried to the next: the weights still add up to
-// nothing, or the background would count.
+// Rounds with error diffusion: the weights still sum to zero, else the background would bias them.
 WholeTaps rounded(const Taps& weights, double unit) {
   WholeTaps whole;
   double carried = 0.0;
@@ -47,7 +45,7 @@ WholeTaps rounded(const Taps& weights, double unit) {
 }
 
 void add_whole_weights(LineKernel& kernel) {
-  constexpr double most = 32000.0;  // of 32767, the rest for what is carried
+  constexpr double most = 32000.0;  // of 32767; the rest is for the carried error
   double offset_unit = 0.0;
   double height_unit = 0.0;
   for (const auto& weights : kernel.of_phase) {
@@ -66,8 +64,7 @@ void add_whole_weights(LineKernel& kernel) {
 }
 
 // Least squares of amplitude A, shift and background b in A g(u) + (A shift) g(u) u / width^2 + b:
-// for equal Gaussian noise of the pixels one Gauss-Newton step to the most likely place of a
-// Gaussian line.
+// one Gauss-Newton step to the maximum-likelihood position for equal Gaussian pixel noise.
 LineKernel make_gaussian(double width_px) {
   LineKernel kernel{};
   for (int phase = 0; phase < LineKernel::phases; ++phase) {
@@ -90,8 +87,8 @@ LineKernel make_gaussian(double width_px) {
   return kernel;
 }
 
-// [thesis] (4.10) within a window that is symmetric about the centre to a fraction of a pixel,
-// above the mean of the pixels beside it. 2.4 widths lose little light and let in little noise.
+// [thesis] (4.10) within a window centred to a fraction of a pixel, above the mean of the pixels
+// beside it. 2.4 widths lose little light and admit little noise.
 LineKernel make_centroid(double width_px) {
   const double half = std::max(1.5, 2.4 * width_px);
   LineKernel kernel{};
@@ -105,13 +102,12 @@ LineKernel make_centroid(double width_px) {
       beside(i) = std::abs(u(i)) > std::max(3.2 * width_px, half + 0.5) ? 1.0 : 0.0;
     }
     beside /= beside.sum();
-    // A line of this width keeps the share `kept` of its light inside; the amplitude follows from
-    // that light.
+    // The share `kept` of the line's light is inside the window; amplitude follows from it.
     const double kept = std::erf(half / width_px / std::sqrt(2.0)) * width_px * std::sqrt(2.0 * pi);
     const Eigen::Array<double, LineKernel::taps, 1> height =
         (inside - inside.sum() * beside) / kept;
-    // The window holds still while the line moves in it, so the centroid follows by a little less
-    // than the line.
+    // The window is fixed while the line moves in it, so the centroid moves slightly less than the
+    // line.
     const double k = half / width_px;
     const double follows =
         1.0 - 2.0 * k * std::exp(-0.5 * k * k) / std::sqrt(2.0 * pi) / std::erf(k / std::sqrt(2.0));
@@ -142,8 +138,8 @@ std::size_t index_of(double width_px) {
   return static_cast<std::size_t>(std::clamp(static_cast<int>(std::lround(step)), 0, widths - 1));
 }
 
-// Eight sums side by side, as wide as a vector register, so the order of the additions is fixed
-// here and not by the compiler.
+// Eight parallel sums, one vector register, so that the order of additions does not depend on the
+// compiler.
 [[gnu::always_inline]] inline LineStep weigh_all(const float* samples,
                                                  const LineKernel::Weights& weights) noexcept {
   constexpr std::size_t lanes = 8;

@@ -10,13 +10,12 @@
 namespace tuina::scanner {
 namespace {
 
-constexpr double beside_line =
-    2.0;  // standard deviations of the line, to where its light is a tenth
-constexpr double min_chroma_dn = 12.0;  // three times the noise of a pixel, after the mean of nine
+// In standard deviations of the line, where its light is a tenth.
+constexpr double beside_line = 2.0;
+constexpr double min_chroma_dn = 12.0;  // three times the noise of a mean of nine pixels
 constexpr double min_purity = 0.5;      // skin has 0.25 to 0.45
 
-/// Hues in degrees that a sticker may show in the light of a room and of the laser beside it. Skin
-/// lies between 10 and 30.
+/// Hue range in degrees of a sticker in room and laser light. Skin lies between 10 and 30.
 struct HueRange {
   StickerColour colour;
   const char* name;
@@ -27,7 +26,7 @@ constexpr std::array<HueRange, 4> hues = {{{StickerColour::yellow, "yellow", 30.
                                            {StickerColour::blue, "blue", 185.0, 255.0},
                                            {StickerColour::magenta, "magenta", 280.0, 350.0}}};
 
-/// The mean of nine pixels around a place.
+/// Mean of nine pixels.
 Vector3 colour_at(const Image& frame, int row, int column) {
   Vector3 sum = Vector3::Zero();
   for (int y = row - 1; y <= row + 1; ++y) {
@@ -43,7 +42,7 @@ std::optional<StickerColour> colour_of(const Vector3& rgb) {
   const double most = rgb.maxCoeff();
   const double chroma = most - rgb.minCoeff();
   if (chroma < min_chroma_dn || chroma < min_purity * most) return {};
-  double sixth = 0.0;  // of the circle of hues
+  double sixth = 0.0;  // hue in sixths of the circle
   if (most == rgb.x()) {
     sixth = (rgb.y() - rgb.z()) / chroma;
   } else if (most == rgb.y()) {

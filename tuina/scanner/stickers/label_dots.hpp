@@ -12,23 +12,22 @@
 
 namespace tuina::scanner {
 
-/// What stickers on the skin may be coloured: far from every skin in hue, or in how pure it is.
+/// Sticker colours, far from every skin in hue or saturation.
 enum class StickerColour : std::uint8_t { yellow, green, blue, magenta };
 inline constexpr std::array<StickerColour, 4> sticker_colours = {
     StickerColour::yellow, StickerColour::green, StickerColour::blue, StickerColour::magenta};
 [[nodiscard]] const char* name_of(StickerColour colour);
 [[nodiscard]] std::optional<StickerColour> sticker_colour(std::string_view name);
 
-/// A place of the laser line that lies on a sticker.
+/// A point of the laser line on a sticker.
 struct LabelDot {
   StickerColour colour = StickerColour::blue;
   int row = 0;
   double column_px = 0.0;
 };
 
-/// [thesis] Algorithm 1 on one colour frame: a laser dot counts when it is surrounded by dots of a
-/// label. Beside the line, on both sides, the picture has the colour of one sticker. `frame` has
-/// three channels, red first.
+/// [thesis] Algorithm 1 on one colour frame: a laser point counts when the picture beside the line
+/// has one sticker colour on both sides. `frame`: three channels, red first.
 [[nodiscard]] std::vector<LabelDot> find_label_dots(const Image& frame, const LaserLine& line);
 
 }  // namespace tuina::scanner

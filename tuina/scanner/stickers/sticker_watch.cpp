@@ -10,7 +10,7 @@
 namespace tuina::scanner {
 namespace {
 
-// Frames of a usual sweep are 4 mm apart at 1.1 m; dots of one sticker are nearer than three of
+// Frames of a usual sweep are 4 mm apart at 1.1 m; points of one sticker are nearer than three of
 // those.
 constexpr double together_m = 12_mm;
 constexpr int enough_dots = 3;
@@ -27,7 +27,7 @@ Image red_of(const Image& colour) {
   return red;
 }
 
-/// Dots that hang together, gathered around the first of them.
+/// Takes the cluster around the first remaining point.
 std::vector<std::size_t> take_group(const std::vector<PlacedDot>& dots, std::size_t first,
                                     std::vector<bool>& taken) {
   std::vector<std::size_t> group = {first};

@@ -12,24 +12,24 @@
 
 namespace tuina::scanner {
 
-/// A coloured sticker on the skin: the mean of its laser dots in space.
+/// A coloured sticker on the skin: mean of its laser points in space.
 struct Sticker {
   StickerColour colour = StickerColour::blue;
   Vector3 at_in_couch = Vector3::Zero();
   int dots = 0;
-  double spread_m = 0.0;  ///< RMS distance of the dots from their mean
+  double spread_m = 0.0;  ///< RMS distance of the points from their mean
 };
 
-/// Stands between a camera and the reader of a sweep and notes where the laser crosses stickers, so
-/// that one turn gives the cloud and the stickers. Grey frames are refused.
+/// Passes a camera through and records where the laser crosses stickers, so that one sweep gives
+/// cloud and stickers. Fails on grey frames.
 class StickerWatch final : public Camera {
  public:
   StickerWatch(Camera& camera, const ScannerCalibration& calibration, double near_m, double far_m);
 
   [[nodiscard]] Result<Frame> next_frame(double timeout_s) override;
 
-  /// After the sweep: dots that lie together are one sticker; too few of them are none. Fails when
-  /// the readings do not cover the frames.
+  /// Clusters the points of the sweep; small clusters are dropped. Fails when the readings do not
+  /// cover the frames.
   [[nodiscard]] Result<std::vector<Sticker>> stickers(std::span<const YawReading> readings) const;
 
  private:
@@ -37,7 +37,7 @@ class StickerWatch final : public Camera {
   ScannerCalibration calibration_;
   LineOptions line_options_;
   std::vector<double> times_s_;
-  std::vector<std::vector<LabelDot>> dots_;  ///< of each frame
+  std::vector<std::vector<LabelDot>> dots_;  ///< points of each frame
 };
 
 }  // namespace tuina::scanner

@@ -43,7 +43,7 @@ Name named(const Json& text, std::initializer_list<Name> choices) {
   throw std::invalid_argument("\"" + text.get<std::string>() + "\" is not known");
 }
 
-/// Throws what nlohmann::json throws, and std::invalid_argument; `load_person` turns both into an
+/// Throws exceptions of nlohmann::json and std::invalid_argument; `load_person` converts them to an
 /// Error.
 void read_truth(const Json& truth, Person& person) {
   person.position = named(truth.at("position"), {Position::sitting, Position::prone});
@@ -59,7 +59,7 @@ void read_truth(const Json& truth, Person& person) {
   add_acupoints(truth.at("acupoints"), person.acupoints);
   if (truth.contains("more_acupoints")) add_acupoints(truth["more_acupoints"], person.acupoints);
 
-  // The order of Table 5-1 of the thesis, whatever order the file has.
+  // The order of Table 5-1 of the thesis, independent of the file.
   for (std::size_t i = 0; i < seven_acupoints.size(); ++i) {
     const auto begin = person.acupoints.begin() + static_cast<std::ptrdiff_t>(i);
     const auto found = std::find_if(begin, person.acupoints.end(), [&](const Acupoint& a) {

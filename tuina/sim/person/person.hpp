@@ -24,36 +24,34 @@ enum class BodyType : std::uint8_t { slim, medium, hefty };
   return bmi < 18.5 ? BodyType::slim : bmi <= 25.0 ? BodyType::medium : BodyType::hefty;
 }
 
-/// A simulated person in the `couch` frame, with what only a simulation knows.
+/// A simulated person in the `couch` frame, with ground truth.
 struct Person {
   std::string name;
   Position position = Position::sitting;
   BodyType body_type = BodyType::medium;
   bool woman = false;
-  double height_m = 0.0;     ///< standing; 0 where a file does not say
-  double bmi = 0.0;          ///< 0 where a file does not say
-  double three_cun_m = 0.0;  ///< midline to the medial border of the scapula, standing; 0: not said
+  double height_m = 0.0;     ///< standing; 0: unknown
+  double bmi = 0.0;          ///< 0: unknown
+  double three_cun_m = 0.0;  ///< midline to the medial border of the scapula, standing; 0: unknown
   Mesh skin_in_couch;
-  std::vector<Landmark> landmarks;  ///< truth; names as in docs/bodies.md
-  std::vector<Acupoint> acupoints;  ///< truth; the seven first, then the further ones
+  std::vector<Landmark> landmarks;  ///< ground truth; names as in docs/bodies.md
+  std::vector<Acupoint> acupoints;  ///< ground truth; the seven first, then the others
 };
 
-/// A labelled body: FILE.ply with FILE.json beside it (docs/bodies.md). Fails when either is
-/// missing, malformed, or lacks one of the seven acupoints.
+/// Loads a labelled body: FILE.ply and FILE.json beside it (docs/bodies.md). Fails when either is
+/// missing or malformed, or lacks one of the seven acupoints.
 [[nodiscard]] Result<Person> load_person(const std::filesystem::path& ply);
 
-/// Writes NAME.ply and NAME.json of `person.name` into a folder that exists; load_person reads them
-/// back.
+/// Writes `person.name`.ply and .json into an existing folder; load_person reads them back.
 [[nodiscard]] Result<void> write_person(const Person& person, const std::filesystem::path& folder);
 
-/// What every verb accepts after --person: `phantom:slim`, `phantom:medium` or `phantom:hefty`
-/// (another person for another seed; sitting unless `position` says prone), or the path of a
-/// labelled body. A `position` that contradicts the file's is refused.
+/// Parses the value of --person: `phantom:slim`, `phantom:medium` or `phantom:hefty` (drawn by the
+/// seed; sitting unless `position` says prone), or the path of a labelled body. Fails when
+/// `position` contradicts the file.
 [[nodiscard]] Result<Person> parse_person(std::string_view words, std::optional<Position> position,
                                           std::uint64_t seed);
 
-/// Breathing as motion of the back along its mean outward normal: amplitude * (1 - cos(2 pi f t))
-/// / 2.
+/// Breathing motion of the back along its mean outward normal, amplitude * (1 - cos(2 pi f t)) / 2.
 struct Breathing {
   double amplitude_m = 0.0;
   double frequency_hz = 0.25;

@@ -17,8 +17,9 @@ double score(Random& random) {
   return std::clamp(gaussian(random, 1.0), -2.5, 2.5);
 }
 
-/// Heights of young adults: 1.72 m and 1.60 m, spread 6 cm, as in the people of phantom_table.cpp
-/// (worldwide means of men and women born in 1996: 1.71 m and 1.59 m [ncdrisc2016]).
+/// Heights of young adults, 1.72 m and 1.60 m, standard deviation 6 cm, as the people of
+/// phantom_table.cpp (worldwide means of men and women born in 1996: 1.71 m and 1.59 m
+/// [ncdrisc2016]).
 PhantomShape draw(double lowest_bmi, double highest_bmi, std::uint64_t seed) {
   Random random = make_random(seed, "phantom");
   PhantomShape shape;
@@ -32,12 +33,12 @@ PhantomShape draw(double lowest_bmi, double highest_bmi, std::uint64_t seed) {
   return shape;
 }
 
-/// What a camera behind (sitting) or above (prone) can see, cut off at the seat, the thighs and the
-/// elbows.
+/// Visibility from a camera behind (sitting) or above (prone), cut off at the seat, the thighs and
+/// the elbows.
 std::vector<double> seen_from_behind(const Mesh& body, const PhantomForm& form,
                                      const PhantomPose& pose, const Mesh& posed) {
-  constexpr double slightly_from_the_side =
-      0.36;  // the labelled bodies end where the normal turns away this far
+  // The labelled bodies end where the normal turns away this far.
+  constexpr double slightly_from_the_side = 0.36;
   std::vector<Vector3> normals(posed.vertices.size(), Vector3::Zero());
   for (const auto& [a, b, c] : posed.triangles) {
     const auto at = [&](int i) { return posed.vertices[static_cast<std::size_t>(i)]; };
@@ -49,7 +50,7 @@ std::vector<double> seen_from_behind(const Mesh& body, const PhantomForm& form,
     const double facing =
         normals[i].normalized()[back_axis(pose.position)] + slightly_from_the_side;
     const Vector3& at = body.vertices[i];
-    // Prone the surface ends above the bed and, rounding off towards the hips, below the buttocks.
+    // Prone, the surface ends above the bed and, rounded towards the hips, below the buttocks.
     const double aside = at.x() / form.length_m();
     const double above_seat =
         pose.position == Position::sitting

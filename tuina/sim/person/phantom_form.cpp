@@ -9,14 +9,14 @@
 namespace tuina::sim {
 namespace {
 
-constexpr double lowest = -0.50;  // of the fine table of radii, in lengths
+constexpr double lowest = -0.50;  // start of the fine table of radii, in lengths
 constexpr double highest = 1.14;
 constexpr double height_step = 0.005;
 constexpr int rows = 329;  // from lowest to highest
 constexpr double angle_step = pi / 90.0;
 constexpr int columns = 92;  // from straight back to straight forward, and one more
 
-/// The smaller of two distances, rounded where they are nearer to each other than k.
+/// Smooth minimum with blending distance k.
 double blend(double a, double b, double k) {
   const double h = std::max(k - std::abs(a - b), 0.0) / k;
   return std::min(a, b) - h * h * k * 0.25;
@@ -26,8 +26,7 @@ double blend(double a, double b, double k) {
 
 Curve::Curve(std::vector<double> x, std::vector<double> y)
     : x_(std::move(x)), y_(std::move(y)), slope_(x_.size(), 0.0) {
-  // Slopes that make the second derivative continuous, zero at the ends: a tridiagonal system,
-  // solved by one sweep down and one up.
+  // Slopes of the natural spline: a tridiagonal system (Thomas algorithm).
   const std::size_t n = x_.size();
   std::vector<double> upper(n, 0.0);
   for (std::size_t i = 0; i < n; ++i) {
@@ -107,7 +106,7 @@ void PhantomForm::lay_sections(const Proportions& proportions) {
   for (int row = 0; row < rows; ++row) {
     const double height = lowest + height_step * row;
     axis_y_[static_cast<std::size_t>(row)] = static_cast<float>(spine_(height) - axis_depth);
-    // The section mirrored at the midline, and closed in front, which nobody sees.
+    // The section mirrored at the midline, and closed in front, which is never seen.
     std::vector<double> angle = {-12.0, -6.0};
     std::vector<double> radius = {by_height[2](height), by_height[1](height)};
     for (std::size_t k = 0; k < section_angles_deg.size(); ++k) {

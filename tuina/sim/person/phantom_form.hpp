@@ -8,7 +8,7 @@
 
 namespace tuina::sim {
 
-/// The natural cubic spline through points of rising x, constant beyond the ends.
+/// Natural cubic spline through points of rising x, constant beyond the ends.
 class Curve {
  public:
   Curve(std::vector<double> x, std::vector<double> y);
@@ -18,9 +18,9 @@ class Curve {
   std::vector<double> x_, y_, slope_;
 };
 
-/// The body of a phantom in the frame of its trunk, in metres, as a field: negative inside, about a
-/// distance outside. The trunk is given by its sections; shoulders, arms, neck and head are round
-/// bodies blended into it.
+/// Implicit surface of a phantom in the trunk frame (m): negative inside, about a distance outside.
+/// The trunk is interpolated from sections; shoulders, arms, neck and head are round bodies blended
+/// into it.
 class PhantomForm {
  public:
   PhantomForm(const Proportions& proportions, const PhantomShape& shape, const PhantomPose& pose,
@@ -28,9 +28,9 @@ class PhantomForm {
 
   [[nodiscard]] double operator()(const Vector3& at) const;
 
-  /// The first point of the skin straight in front of somebody who looks at the back there.
+  /// First point of the skin along the viewing direction from behind.
   [[nodiscard]] Vector3 skin_at(double x_m, double z_m) const;
-  /// A point moved onto the skin along the gradient of the field.
+  /// Projects a point onto the skin along the gradient.
   [[nodiscard]] Vector3 onto_skin(Vector3 at) const;
 
   [[nodiscard]] double length_m() const { return length_m_; }  ///< C7 to S2
@@ -44,7 +44,7 @@ class PhantomForm {
 
   double length_m_;
   Curve spine_;
-  std::vector<float> radius_;  ///< over height and angle, in units of the length
+  std::vector<float> radius_;  ///< over height and angle, in units of length_m
   std::vector<float> axis_y_;  ///< over height
   Parts parts_;
   double neck_blend_m_, skull_blend_m_, girdle_blend_m_, arm_blend_m_;

@@ -7,7 +7,7 @@
 namespace tuina::sim {
 
 double RoundCone::distance(const Vector3& at) const {
-  // The exact distance to the hull of two balls [quilez_sdf].
+  // Exact distance to the hull of two balls [quilez_sdf].
   const Vector3 axis = to - from;
   const double l2 = axis.squaredNorm();
   const double dr = from_radius - to_radius;
@@ -30,7 +30,7 @@ double Ellipsoid::distance(const Vector3& at) const {
   const double norm =
       boxy ? std::pow((q.array().square() * q.array().sqrt()).sum(), 0.4) : q.norm();
   if (norm < 1e-6) return -half.minCoeff();
-  // Along the ray from the middle, shortened by how slantingly the ray meets the surface.
+  // Distance along the ray from the centre, shortened by the obliquity of the surface.
   const double k1 = p.cwiseQuotient(half.cwiseAbs2()).norm();
   return (norm - 1.0) * std::min(p.norm() / norm, q.norm() / k1);
 }

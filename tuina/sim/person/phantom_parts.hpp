@@ -8,7 +8,7 @@
 
 namespace tuina::sim {
 
-/// A ball that changes its size while it moves from one point to the other.
+/// Convex hull of two balls.
 struct RoundCone {
   Vector3 from = Vector3::Zero();
   Vector3 to = Vector3::UnitZ();
@@ -17,7 +17,7 @@ struct RoundCone {
   [[nodiscard]] double distance(const Vector3& at) const;
 };
 
-/// A ball stretched along the axes; boxy: with 2.5 in place of the square of its equation.
+/// Axis-aligned ellipsoid; boxy: exponent 2.5 instead of 2.
 struct Ellipsoid {
   Vector3 middle = Vector3::Zero();
   Vector3 half = Vector3::Ones();
@@ -25,9 +25,9 @@ struct Ellipsoid {
   [[nodiscard]] double distance(const Vector3& at) const;
 };
 
-/// Places and sizes of what is blended into the trunk, in lengths C7-S2, in the frame of the trunk;
-/// found by least squares on the people of phantom_table.cpp (man, BMI 22; `_woman` and `_bmi` are
-/// added, the latter per 10).
+/// Positions and sizes of the parts blended into the trunk, in lengths C7-S2 in the trunk frame.
+/// Least-squares fit to the people of phantom_table.cpp (man, BMI 22; `_woman` and `_bmi`, per 10,
+/// are added).
 struct PartSizes {
   double neck_low_y = -0.101, neck_low_z = 0.980, neck_low_r = 0.061;
   double neck_high_y = -0.116, neck_high_z = 1.170, neck_high_r = 0.085;
@@ -46,16 +46,15 @@ struct PartSizes {
 };
 
 struct Parts {
-  bool raised = false;  ///< arms; then the folds count
+  bool raised = false;  ///< arms raised: the folds count
   RoundCone neck;
   Ellipsoid skull, face;
   std::array<Ellipsoid, 2> ear;
   std::array<RoundCone, 2> fold, girdle, upper_arm,
-      lower_arm;  ///< the arm in two halves, which meet at the triceps
+      lower_arm;  ///< the halves meet at the triceps
 };
 
-/// `spine_depth`: how far the skin over the spine is out of the line C7-S2 at the height of the
-/// shoulder girdle.
+/// `spine_depth`: distance of the skin over the spine from the line C7-S2 at the shoulder girdle.
 [[nodiscard]] Parts place_parts(const PartSizes& sizes, const Proportions& proportions,
                                 const PhantomShape& shape, const PhantomPose& pose,
                                 double spine_depth);

@@ -9,14 +9,14 @@
 namespace tuina::sim {
 namespace {
 
-/// Heights of the spinous processes, counted from C7 = 0 over T1 = 1, T12 = 12, L1 = 13, S1 = 18 to
-/// S2 = 19; between the named ones they are evenly spaced.
+/// Heights of the spinous processes, counted C7 = 0, T1 = 1, T12 = 12, L1 = 13, S1 = 18, S2 = 19;
+/// linear between the named ones.
 class Processes {
  public:
   explicit Processes(const Proportions& p)
       : height_({1.0, p.of[height_t3], p.of[height_t7], p.of[height_t9], p.of[height_t12],
                  p.of[height_l2], p.of[height_l4], 0.0}) {}
-  /// The hollow is half way down to the next process.
+  /// Half way down to the next process.
   [[nodiscard]] double hollow_below(int process) const {
     std::size_t i = 0;
     while (number[i + 1] <= process) ++i;
@@ -31,8 +31,8 @@ class Processes {
 
 constexpr int c7 = 0, t3 = 3, t5 = 5, t7 = 7, t9 = 9, t11 = 11, t12 = 12, l2 = 14, l4 = 16;
 
-/// The rules hold for somebody who stands; arms that reach up or forward draw the skin beside the
-/// spine outwards, up to 5 mm at the height of the scapula's tip and 2 mm above it, measured on the
+/// Outward shift of the skin beside the spine by arms that reach up or forward, since the rules
+/// hold for a standing person: up to 5 mm at the inferior angle and 2 mm above it, measured on the
 /// people of phantom_table.cpp.
 double drawn_outwards(Position position, bool arms_up, double height) {
   const auto around = [&](double middle) {
@@ -69,7 +69,7 @@ void mark_points(const Proportions& proportions, const PhantomForm& form, const 
   landmark_pair("scapula_root", of[scapula_root_x], of[scapula_root_z]);
   landmark_pair("scapula_spine_mid", of[scapula_spine_mid_x], of[scapula_spine_mid_z]);
   landmark_pair("scapula_inferior_angle", of[inferior_angle_x], of[inferior_angle_z]);
-  // Where the surface turns away from somebody behind it, the point is found by depth too.
+  // Where the surface turns away from the viewer, depth locates the point too.
   const auto at_side = [&](const std::string& name, double x, double y, double z) {
     landmark(name + "_L", form.onto_skin(length_m * Vector3(x, y, z)));
     landmark(name + "_R", form.onto_skin(length_m * Vector3(-x, y, z)));
@@ -96,8 +96,8 @@ void mark_points(const Proportions& proportions, const PhantomForm& form, const 
   const auto third_down = [&](Measure from, Measure to) {
     return of[from] + (of[to] - of[from]) / 3.0;
   };
-  // When the arms leave the standing position the skin over the scapula slides inwards: 4 mm
-  // forward, 2 mm prone.
+  // Arms that leave the standing position pull the skin over the scapula inwards: 4 mm forward, 2
+  // mm prone.
   const double slid = pose.position == Position::sitting ? 0.008 : 0.003;
   point_pair("SI11", third_down(scapula_spine_mid_x, inferior_angle_x) - slid,
              third_down(scapula_spine_mid_z, inferior_angle_z) + 0.002);

@@ -5,8 +5,8 @@
 
 namespace tuina::sim {
 
-/// Landmarks and acupoints of a phantom by the rules of docs/bodies.md, written into `person` in
-/// `couch`.
+/// Places landmarks and acupoints of a phantom by the rules of docs/bodies.md, in `couch`, into
+/// `person`.
 void mark_points(const Proportions& proportions, const PhantomForm& form, const PhantomPose& pose,
                  bool arms_up, Person& person);
 

@@ -9,9 +9,8 @@
 namespace tuina::sim {
 namespace {
 
-/// Mean, dependence and spread of posture, measured on the people of phantom_table.cpp. Where two
-/// numbers go together (who bends to the side also curves the spine and tilts the pelvis) the
-/// correlation stands in pose_of.
+/// Mean, dependence and spread of posture, measured on the people of phantom_table.cpp.
+/// Correlations (bending curves the spine and tilts the pelvis) are in pose_of.
 struct PostureTable {
   double lean_deg, lean_woman_deg, lean_sd_deg;
   double bend_sd_deg, yaw_sd_deg, twist_sd_deg, shoulder_tilt_sd_deg, pelvis_tilt_sd_deg;
@@ -59,13 +58,12 @@ double smooth_step(double x) {
   return x * x * (3.0 - 2.0 * x);
 }
 
-/// Upper arms from the shoulder to the elbow, x outwards: sitting they hang forward (hands on a
-/// rest), prone they lie beside the trunk or reach up past the head.
+/// Upper arms from shoulder to elbow, x outwards: sitting they hang forward (hands on a rest),
+/// prone they lie beside the trunk or reach past the head.
 Vector3 arm_direction(const PhantomShape& shape, Position position, double forward_score,
                       double outward_score, double lean_rad) {
   if (position == Position::sitting) {
-    // The arm hangs by gravity and its support, so it keeps its angle to the vertical when the
-    // trunk leans.
+    // The arm keeps its angle to the vertical (gravity, hand rest) when the trunk leans.
     const double forward = from_deg(23.0 + 13.0 * forward_score) + lean_rad;
     const double outward = from_deg(12.7 + 5.5 * outward_score);
     const double down = std::cos(outward);
@@ -119,8 +117,7 @@ Vector3 PhantomPose::couch_from_trunk(const Vector3& at) const {
   p.x() += length_m * side_curve * 4.0 * along * (1.0 - along);
   p.z() += at.x() * (std::tan(shoulder_tilt_rad) * smooth_step((u - 0.3) / 0.5) +
                      std::tan(pelvis_tilt_rad) * (1.0 - smooth_step(u / 0.4)));
-  // Rounding: half a wave of the back, which tilts the head and the pelvis straight on beyond its
-  // ends.
+  // Rounding: half a wave of the back, continued straight at head and pelvis.
   const double beyond = u < 0.0 ? u : u > 1.0 ? 1.0 - u : 0.0;
   p.y() += length_m * flex * (std::sin(pi * along) + pi * beyond);
   const Vector3 axis(0.0, -0.1 * length_m, 0.0);
@@ -130,7 +127,7 @@ Vector3 PhantomPose::couch_from_trunk(const Vector3& at) const {
           (Eigen::AngleAxisd(lean_rad, Vector3::UnitX()) *
            (Eigen::AngleAxisd(bend_rad, Vector3::UnitY()) * p)) +
       sacrum_in_sitting;
-  if (position == Position::prone) return {p.x(), -p.z(), p.y()};  // turned by 90 degrees about x
+  if (position == Position::prone) return {p.x(), -p.z(), p.y()};  // rotation by 90 degrees about x
   return p;
 }
 

@@ -8,18 +8,18 @@
 
 namespace tuina::sim {
 
-/// Sections of the trunk: at these heights between the sacrum (S2, 0) and the neck (C7, 1), the
-/// distance of the skin from a point 0.18 in front of the spine, in these directions from straight
-/// back (0) to the side (90 degrees).
+/// Trunk sections: at these heights between sacrum (S2, 0) and neck (C7, 1), the distance of the
+/// skin from a point 0.18 in front of the spine, in these directions from straight back (0) to the
+/// side (90 degrees).
 inline constexpr std::array<double, 22> section_heights = {
     -.36, -.30, -.24, -.18, -.12, -.06, 0.0, .08, .16, .24, .32,
     .40,  .48,  .55,  .62,  .69,  .76,  .82, .88, .93, .97, 1.01};
 inline constexpr std::array<double, 9> section_angles_deg = {0, 6, 12, 20, 30, 42, 55, 72, 90};
 inline constexpr double axis_depth = 0.18;
 
-/// What is measured besides the sections, in the order of the table. Heights (z) and distances from
-/// the midline (x) are taken in the frame of the trunk: S2 at the origin, z towards C7, x to the
-/// left, y out of the back.
+/// Measures besides the sections, in the order of the table. Heights (z) and distances from the
+/// midline (x) are in the trunk frame: S2 at the origin, z towards C7, x to the left, y out of the
+/// back.
 enum Measure : std::size_t {
   height_l4,
   height_l2,
@@ -62,9 +62,8 @@ enum Measure : std::size_t {
 inline constexpr std::size_t section_numbers = section_heights.size() * section_angles_deg.size();
 inline constexpr std::size_t table_rows = measure_count + section_numbers;
 
-/// One proportion: its mean over men of BMI 22 who sit, what is added for a woman, per 10 of BMI,
-/// lying prone and (prone) with the arms up, and how it moves with one standard deviation of each
-/// way of differing.
+/// Linear model of one proportion: mean of sitting men of BMI 22, offsets for women, per 10 of BMI,
+/// prone, and prone with the arms up; loadings of the principal components.
 struct Proportion {
   const char* name;
   double mean, woman, per_10_bmi, prone, arms_up;
@@ -72,8 +71,7 @@ struct Proportion {
 };
 extern const std::array<Proportion, table_rows> phantom_table;
 
-/// The proportions of one person, in units of the length C7-S2, but for `trunk_length`: C7-S2 over
-/// the height.
+/// Proportions of one person in lengths C7-S2; `trunk_length` is C7-S2 over the height.
 struct Proportions {
   std::array<double, measure_count> of = {};
   std::array<std::array<double, section_angles_deg.size()>, section_heights.size()> section = {};

@@ -13,10 +13,10 @@ namespace {
 using Field = std::function<double(const Vector3&)>;
 using Cell = std::array<int, 3>;
 
-constexpr int coarse = 8;  // cells along a block that is judged by its middle alone
+constexpr int coarse = 8;  // cells per side of a block that is rejected by its centre alone
 constexpr int fine = 4;
 
-/// The values of the field at the corners of the cells near its zero surface.
+/// Field values at the corners of the cells near the zero surface.
 class Lattice {
  public:
   Lattice(const Field& field, const Box& box, double cell_m)
@@ -48,8 +48,7 @@ class Lattice {
 
  private:
   void visit(const Cell& low, const Cell& high, int step) {
-    // The field may grow a little faster or slower than a distance, hence the third more than half
-    // a diagonal.
+    // Half a diagonal, and a margin since the field is only roughly a distance.
     const double reach_m = 1.3 * std::sqrt(3.0) / 2.0 * step * cell_m_;
     for (int z = low[2]; z < high[2]; z += step) {
       for (int y = low[1]; y < high[1]; y += step) {
@@ -106,7 +105,7 @@ Cell plus(const Cell& a, const Cell& b) {
   return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
 }
 
-/// The mean of the places where the surface crosses the edges of a cell; false when it does not.
+/// Mean of the surface's crossings with the edges of a cell; false without any.
 bool crossing(const Lattice& lattice, const Cell& cell, Vector3& mean) {
   std::array<float, 8> value = {};
   int inside = 0;
@@ -155,8 +154,7 @@ Mesh polygonise(const Field& field, const Box& box, double cell_m) {
       cells.push_back(cell);
     }
   }
-  // One quadrilateral around every edge of the lattice that the surface crosses: the four cells at
-  // that edge.
+  // One quadrilateral per lattice edge that the surface crosses, from the four cells at that edge.
   for (const Cell& cell : cells) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const std::size_t u = (axis + 1) % 3;
@@ -191,7 +189,7 @@ Mesh polygonise(const Field& field, const Box& box, double cell_m) {
 
 namespace {
 
-/// The largest set of triangles that hang together, with only the vertices it uses.
+/// Largest connected set of triangles, with only the vertices it uses.
 Mesh largest_piece(const Mesh& mesh) {
   std::vector<int> root(mesh.vertices.size());
   std::iota(root.begin(), root.end(), 0);
@@ -255,7 +253,7 @@ Mesh cut(const Mesh& mesh, const std::vector<double>& keep) {
       rest.triangles.push_back(triangle);
       continue;
     }
-    // Turned so that the corner which is alone on its side of the cut comes first.
+    // Rotated so that the corner alone on its side of the cut comes first.
     while (kept(triangle[0]) != (inside == 1) || kept(triangle[1]) == (inside == 1)) {
       std::rotate(triangle.begin(), triangle.begin() + 1, triangle.end());
     }

@@ -5,14 +5,14 @@
 
 namespace tuina::sim {
 
-/// A ball, finely meshed.
+/// A finely meshed ball.
 [[nodiscard]] Mesh ball_mesh(const Vector3& centre, double radius_m);
 
-/// A box about its middle.
+/// A box about its centre.
 [[nodiscard]] Mesh box_mesh(const Vector3& middle, const Matrix3& turned, const Vector3& size_m);
 
-/// The turn that shows a scanner far along +y three faces of a box: an edge upright to the sight,
-/// then tipped so that the lid shows.
+/// Rotation that shows a scanner far along +y three faces of a box: an edge faces the view, tipped
+/// to show the lid.
 [[nodiscard]] Matrix3 corner_towards_y();
 
 }  // namespace tuina::sim

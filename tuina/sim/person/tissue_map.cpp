@@ -21,7 +21,7 @@ double fades(double distance, double from, double to) {
 
 struct Nearest {
   double distance_m = 1e9;
-  double along = 0.0;  ///< number of the segment and the fraction on it
+  double along = 0.0;  ///< index of the segment and fraction on it
   Vector3 at = Vector3::Zero();
 };
 
@@ -39,7 +39,7 @@ Nearest nearest_on(const std::vector<Vector3>& line, const Vector3& point) {
   return nearest;
 }
 
-/// How far a point is outside a triangle when looked at along the triangle's normal; 0 inside.
+/// Distance of a point from a triangle in its plane; 0 inside.
 double outside_triangle(const std::array<Vector3, 3>& corner, const Vector3& point) {
   const Vector3 normal = (corner[1] - corner[0]).cross(corner[2] - corner[0]).normalized();
   const Vector3 flat = point - normal * normal.dot(point - corner[0]);
@@ -52,10 +52,10 @@ double outside_triangle(const std::array<Vector3, 3>& corner, const Vector3& poi
   return nearest_on({corner[0], corner[1], corner[2], corner[0]}, flat).distance_m;
 }
 
-/// The bones of one person as far as the landmarks on the skin tell.
+/// Bones of one person, from the landmarks on the skin.
 struct Bones {
   std::vector<Vector3> spine;  ///< C7 to S2
-  double t12 = 0.0;            ///< where on it the last rib leaves
+  double t12 = 0.0;            ///< position of the last rib along the spine
   std::array<std::vector<Vector3>, 2> scapula_spine;
   std::array<std::array<Vector3, 3>, 2> scapula, sacrum;
   Vector3 left = Vector3::UnitX();
@@ -86,7 +86,7 @@ std::optional<Bones> find_bones(const Person& person) {
     const Vector3* psis = find(person, "psis" + suffix);
     if (!root || !middle || !tip || !angle || !psis) return std::nullopt;
     bones.scapula_spine[side] = {*root, *middle, *angle};
-    // The lateral border runs from the tip to the socket, which lies inwards of the acromial angle.
+    // The lateral border runs from the tip to the socket, inwards of the acromial angle.
     bones.scapula[side] = {*root, *tip, *root + 0.85 * (*angle - *root)};
     // The sacrum narrows from the hips towards a point below S2, away from the spine above it.
     const Vector3 below = bones.spine[7] + 0.5 * (bones.spine[7] - bones.spine[6]);
@@ -106,17 +106,17 @@ TissueShares shares_at(const Bones& bones, const Vector3& skin) {
   const double ridge_m = nearest_on(bones.scapula_spine[side], skin).distance_m;
   const double sacrum_m =
       std::min(outside_triangle(bones.sacrum[0], skin), outside_triangle(bones.sacrum[1], skin));
-  // Straight bone: the tips of the spinous processes, the ridge of the scapula, the sacrum.
+  // Superficial bone: spinous processes, ridge of the scapula, sacrum.
   double bone = std::max({fades(spine.distance_m, 5_mm, 23_mm) * (on_spine ? 1.0 : 0.7),
                           fades(ridge_m, 6_mm, 26_mm),
                           0.9 * fades(sacrum_m, 3_mm, 25_mm) * fades(aside_cun, 1.2, 2.2)});
-  // Thin muscle over a plate of bone: the scapula, and the ribs outside the muscles of the spine.
+  // Thin muscle over bone: the scapula, and the ribs outside the muscles of the spine.
   bone = std::max(bone, 0.45 * fades(plate_m, 2_mm, 25_mm));
   const double above_loins = fades(spine.along, bones.t12 - 0.3, bones.t12 + 0.45);
   bone = std::max(bone, 0.35 * above_loins * (1.0 - fades(aside_cun, 3.6, 5.0)) *
                             (1.0 - fades(spine.along, 0.6, 1.6)));
-  // What is not bone is hard muscle over the ribs, beside the spine down to L3, and in shoulder and
-  // neck; soft muscle at the loins and below.
+  // The rest is hard muscle over the ribs, beside the spine down to L3, and in shoulder and neck,
+  // and soft muscle at the loins and below.
   const double loins = 1.0 - above_loins;
   const double beside_spine = fades(aside_cun, 1.9, 2.9) * fades(spine.along, 5.2, 6.6);
   const double soft = loins * (1.0 - beside_spine);
@@ -145,8 +145,7 @@ TissueLaws tissue_laws_of(BodyType type, bool woman) {
                                             .hard = {6.36, 260.0},
                                             .soft = {4.10, 250.0}};
   if (type == BodyType::medium) return woman_of_medium_build;
-  // No slim or hefty woman was measured: half way (geometrically) between the man of that type and
-  // the one woman.
+  // No slim or hefty woman was measured: geometric mean of the man of that type and the one woman.
   const auto between = [](const TangentTissue& a, const TangentTissue& b) {
     return TangentTissue{.alpha_n = std::sqrt(a.alpha_n * b.alpha_n),
                          .beta_per_m = std::sqrt(a.beta_per_m * b.beta_per_m)};
@@ -174,7 +173,7 @@ std::vector<TangentTissue> lay_tissue(const Person& person, std::uint64_t seed) 
     law->alpha_n *= std::exp(std::clamp(gaussian(random, 0.05), -0.12, 0.12));
     law->beta_per_m *= std::exp(std::clamp(gaussian(random, 0.03), -0.08, 0.08));
   }
-  // From place to place one person's muscle varies too, in waves of 12 to 40 cm.
+  // Muscle varies within a person, in waves of 12 to 40 cm.
   struct Wave {
     Vector3 way;
     double phase, alpha, beta;

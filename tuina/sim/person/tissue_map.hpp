@@ -9,24 +9,23 @@
 
 namespace tuina::sim {
 
-/// What lies under one place of the skin; the three shares sum to one.
+/// Tissue under a point of the skin; the shares sum to one.
 struct TissueShares {
   double bone = 0.0;  ///< skin over bone: spine, scapula, ribs, sacrum
-  double hard = 0.0;  ///< hard muscle
-  double soft = 0.0;  ///< soft muscle
+  double hard = 0.0;
+  double soft = 0.0;
 };
 
-/// The three laws of one person, before they are mixed.
+/// Pure tissue laws of one person, before mixing.
 struct TissueLaws {
   TangentTissue bone, hard, soft;
 };
 
-/// One true law F = alpha tan(beta x) per vertex of the skin, for loaded bodies and phantoms alike:
-/// it is laid out from the landmarks. Neighbouring kinds pass into each other over 15 mm and more.
-/// Same seed, same tissue.
+/// True tissue law F = alpha tan(beta x) of each skin vertex, derived from the landmarks, for
+/// labelled bodies and phantoms. Kinds blend over at least 15 mm. Deterministic in the seed.
 [[nodiscard]] std::vector<TangentTissue> lay_tissue(const Person& person, std::uint64_t seed);
 
-/// The kinds under each vertex, for reports. Needs the landmarks of docs/bodies.md; without the
+/// Tissue shares of each vertex, for reports. Needs the landmarks of docs/bodies.md; without the
 /// spine, all is hard.
 [[nodiscard]] std::vector<TissueShares> find_tissue_shares(const Person& person);
 

@@ -30,7 +30,7 @@ std::vector<Vector3> normals_of(const Mesh& mesh) {
   return normals;
 }
 
-/// Vertices of edges that only one triangle has.
+/// True for vertices of edges with only one triangle.
 std::vector<bool> rim_of(const Mesh& mesh) {
   std::map<std::pair<int, int>, int> uses;
   for (const auto& t : mesh.triangles) {
@@ -126,12 +126,12 @@ const ContactTruth& BackContact::touch(Arm arm, double time_s, const Vector3& ce
                                        const Vector3& velocity_in_couch) noexcept {
   Side& side = sides_[arm];
   ContactTruth& truth = side.truth;
-  // The skin moves as one piece, so instead the tool is brought to where the mesh lies.
+  // The skin moves as one piece, so the tool is moved into the mesh's rest frame instead.
   const Vector3 centre = centre_in_couch - moved_in_couch(time_s);
   truth.on_tool_in_couch = {};
   truth.force_n = 0.0;
   truth.depth_m = 0.0;
-  // Far from the skin nothing can have changed before the tool has gone the free way found last.
+  // Far from the skin, contact is impossible until the tool has moved the last free distance.
   if (const double way_m = (centre - side.last_on_mesh).norm(); way_m < side.free_way_m) {
     truth.gap_m = side.free_way_m - way_m;
     return truth;
@@ -145,9 +145,8 @@ const ContactTruth& BackContact::touch(Arm arm, double time_s, const Vector3& ce
   truth.at_in_couch = place.at;
   truth.tissue = tissue_at(place);
 
-  // The sphere pushes along the line from the closest point to its centre. Once the centre itself
-  // comes near the skin that line has no direction, and the skin's own normal, which it then nearly
-  // is, takes its place.
+  // The force acts along the line from the closest point to the sphere's centre. When the centre is
+  // near the skin that direction is undefined, and the skin's normal replaces it.
   const Vector3 skin_normal = normal_at(place);
   const Vector3 apart = centre - place.at;
   const bool inside = apart.dot(skin_normal) < 0.0;
@@ -157,7 +156,7 @@ const ContactTruth& BackContact::touch(Arm arm, double time_s, const Vector3& ce
   const double height_m = inside ? -place.distance_m : place.distance_m;
   truth.normal_in_couch = normal;
   truth.gap_m = height_m - radius_m;
-  // Beyond the rim of an open mesh there is no skin, whatever lies behind its plane.
+  // Beyond the rim of an open mesh there is no skin.
   if (inside && on_the_rim(place)) truth.gap_m = place.distance_m;
   if (truth.gap_m >= 0.0) return truth;
 
@@ -179,9 +178,8 @@ double depth_in_series(const TangentTissue& tissue, double torso_n_per_m,
                        double travel_m) noexcept {
   if (travel_m <= 0.0) return 0.0;
   const double softness = 1.0 / torso_n_per_m;  // zero for a rigid torso
-  // depth + F(depth) / torso - travel is convex and rises: Newton from above, where all the travel
-  // is depth, comes down without ever passing the root. Above the pole's share the law is straight,
-  // so few steps do.
+  // Newton on depth + F(depth) / torso - travel, which is convex and increasing: from above (depth
+  // = travel) it converges monotonically.
   double depth_m = travel_m;
   for (int i = 0; i < 60; ++i) {
     const double force = tissue::force_at_depth(tissue, depth_m);

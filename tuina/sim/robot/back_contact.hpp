@@ -14,8 +14,8 @@ namespace tuina::sim {
 
 inline constexpr double rigid = std::numeric_limits<double>::infinity();
 
-/// The whole person moves by `by_in_couch`, from a time on: with a constant acceleration up to a
-/// constant speed. The speed may jump, which no body can do and is the hardest test.
+/// Translation of the whole person from a time on: constant acceleration up to a constant speed.
+/// With infinite acceleration the speed jumps, the hardest test.
 struct Shift {
   double start_s = 0.0;
   Vector3 by_in_couch = Vector3::Zero();
@@ -25,40 +25,40 @@ struct Shift {
 
 struct ContactOptions {
   double tool_radius_m = 17_mm;
-  double torso_n_per_m = 35'000.0;  ///< gives way beneath the tissue; `rigid` for a torso of stone
-  double friction = 0.1;            ///< Coulomb, of an oiled skin
-  double creep_m_per_s = 5_mm;      ///< below this sliding speed the friction is viscous
+  double torso_n_per_m = 35'000.0;  ///< stiffness beneath the tissue; may be `rigid`
+  double friction = 0.1;            ///< Coulomb coefficient of oiled skin
+  double creep_m_per_s = 5_mm;      ///< below this sliding speed friction is viscous
   Breathing breathing = {};
   std::vector<Shift> shifts = {};
 };
 
-/// What only the simulation knows of one tool and the skin.
+/// Ground truth of one tool on the skin.
 struct ContactTruth {
-  double force_n = 0.0;  ///< normal to the skin: THE contact force all controllers are judged by
-  double depth_m = 0.0;  ///< of the indentation of the tissue; the torso's giving way is not in it
-  double gap_m = 0.0;  ///< sphere to skin, negative when they touch: depth and torso; a bound from
-                       ///< below when far
-  Vector3 at_in_couch = Vector3::Zero();  ///< the skin's point, where it lies when the person rests
+  /// Normal to the skin: the contact force that all controllers are judged by.
+  double force_n = 0.0;
+  double depth_m = 0.0;  ///< indentation of the tissue, without the torso's
+  double gap_m = 0.0;    ///< sphere to skin; negative: depth plus torso; far away a lower bound
+  Vector3 at_in_couch = Vector3::Zero();  ///< closest point of the skin, on the resting person
   Vector3 normal_in_couch = Vector3::UnitZ();
-  TangentTissue tissue;     ///< there
+  TangentTissue tissue;     ///< at the closest point
   Wrench on_tool_in_couch;  ///< about the centre of the sphere, friction included
 };
 
-/// Two sphere tools against a person's back: a mesh in which every vertex has its own tangent
-/// tissue, in series with the torso, breathing, moving. Quasi-static: tissue and torso have no mass
-/// and no damping.
+/// Contact of two sphere tools with a person's back: a mesh with one tangent law per vertex, in
+/// series with the torso, breathing, moving. Quasi-static: tissue and torso have no mass and no
+/// damping.
 class BackContact {
  public:
-  /// One tissue per vertex of the skin.
+  /// `per_vertex`: one tissue per vertex of the skin.
   BackContact(Mesh skin_in_couch, std::vector<TangentTissue> per_vertex,
               ContactOptions options = {});
 
-  /// What the skin does to a tool whose centre is there, moving so. No heap.
+  /// Contact of a tool at this centre and velocity. No heap.
   const ContactTruth& touch(Arm arm, double time_s, const Vector3& centre_in_couch,
                             const Vector3& velocity_in_couch) noexcept;
 
   [[nodiscard]] const ContactTruth& truth(Arm arm) const noexcept { return sides_[arm].truth; }
-  /// How far, and how fast, the person has moved from where the mesh lies: breathing and shifts.
+  /// Displacement and velocity of the person from the mesh: breathing and shifts.
   [[nodiscard]] Vector3 moved_in_couch(double time_s) const noexcept;
   [[nodiscard]] Vector3 moving_m_per_s(double time_s) const noexcept;
   [[nodiscard]] const Vector3& mean_normal_in_couch() const noexcept { return mean_normal_; }
@@ -67,8 +67,8 @@ class BackContact {
  private:
   struct Side {
     ContactTruth truth;
-    int triangle = 0;         // where the last answer was
-    double free_way_m = 0.0;  // the tool may move so far before it could touch
+    int triangle = 0;         // triangle of the last answer
+    double free_way_m = 0.0;  // distance the tool may move before contact is possible
     Vector3 last_on_mesh = Vector3::Constant(std::numeric_limits<double>::max());
   };
   [[nodiscard]] Vector3 normal_at(const ClosestPoint::Place& place) const noexcept;
@@ -84,12 +84,12 @@ class BackContact {
   PerArm<Side> sides_;
 };
 
-/// Depth of the tissue when tissue and torso together are pressed in by `travel_m`.
+/// Indentation of the tissue when tissue and torso together are indented by `travel_m`.
 [[nodiscard]] double depth_in_series(const TangentTissue& tissue, double torso_n_per_m,
                                      double travel_m) noexcept;
 
 /// A square of skin for contact experiments, flat or bent like a back about its long axis (couch z
-/// where the patch is upright, else couch y).
+/// for an upright patch, else couch y).
 struct Patch {
   Vector3 centre_in_couch = Vector3::Zero();
   Vector3 normal_in_couch = Vector3::UnitY();

@@ -10,7 +10,8 @@ namespace tuina::sim {
 namespace {
 
 constexpr int leaf_triangles = 4;
-constexpr int deepest = 64;  // of the tree, which is balanced: enough for 2^64 triangles
+// Depth limit; the tree is balanced, so this suffices for 2^64 triangles.
+constexpr int deepest = 64;
 
 }  // namespace
 
@@ -46,8 +47,7 @@ void ClosestPoint::split(int node, int first, int last, const std::vector<Vector
   int axis = 0;
   of_centres.sizes().maxCoeff(&axis);
   const int middle = first + (last - first) / 2;
-  // Equal centres are told apart by number, so the tree does not depend on the library's
-  // nth_element.
+  // Ties are broken by index, so that the tree does not depend on the library's nth_element.
   std::nth_element(order_.begin() + first, order_.begin() + middle, order_.begin() + last,
                    [&](int a, int b) {
                      const double at_a = centres[static_cast<std::size_t>(a)][axis];
@@ -63,7 +63,7 @@ void ClosestPoint::split(int node, int first, int last, const std::vector<Vector
   split(left + 1, middle, last, centres);
 }
 
-// The regions of the plane around a triangle, as in [ericson2005] 5.1.5.
+// Closest point by Voronoi regions, [ericson2005] 5.1.5.
 ClosestPoint::Place ClosestPoint::on_triangle(int triangle, const Vector3& p) const noexcept {
   const auto& corners = mesh_.triangles[static_cast<std::size_t>(triangle)];
   const Vector3& a = mesh_.vertices[static_cast<std::size_t>(corners[0])];
@@ -92,7 +92,7 @@ ClosestPoint::Place ClosestPoint::on_triangle(int triangle, const Vector3& p) co
     return place(0, 1 - w, w);
   }
   const double sum = va + vb + vc;
-  if (!(sum > 0.0)) return place(1, 0, 0);  // a triangle without area
+  if (!(sum > 0.0)) return place(1, 0, 0);  // degenerate triangle
   return place(va / sum, vb / sum, vc / sum);
 }
 

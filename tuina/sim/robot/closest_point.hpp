@@ -17,11 +17,11 @@ class ClosestPoint {
   struct Place {
     int triangle = -1;
     Vector3 at = Vector3::Zero();
-    std::array<double, 3> weights = {};  ///< barycentric, of the triangle's three corners
+    std::array<double, 3> weights = {};  ///< barycentric
     double distance_m = 0.0;
   };
 
-  /// Fails an assertion on a mesh without triangles.
+  /// Asserts at least one triangle.
   explicit ClosestPoint(Mesh mesh);
 
   [[nodiscard]] const Mesh& mesh() const noexcept { return mesh_; }
@@ -30,8 +30,8 @@ class ClosestPoint {
  private:
   struct Node {
     Vector3 low, high;
-    int first = 0;  // leaf: place in order_; inner: the left child, the right one follows it
-    int count = 0;  // of triangles; 0 in inner nodes
+    int first = 0;  // leaf: index into order_; inner: left child, followed by the right one
+    int count = 0;  // number of triangles; 0 in inner nodes
   };
   [[nodiscard]] Place on_triangle(int triangle, const Vector3& point) const noexcept;
   void split(int node, int first, int last, const std::vector<Vector3>& centres);

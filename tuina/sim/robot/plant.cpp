@@ -17,9 +17,9 @@
 namespace tuina::sim {
 namespace {
 
-constexpr double windup_damping_ratio = 0.2;  // of a rotor on the spring of its gear
+constexpr double windup_damping_ratio = 0.2;  // rotor on the spring of its gear
 
-// MuJoCo's own handler writes a file beside the program; the plant reads the counters instead.
+// MuJoCo's own handler writes a log file; the plant reads the counters instead.
 void keep_quiet(const char*) {}
 
 Result<ModelPointer> load(const std::string& mjcf) {
@@ -36,6 +36,30 @@ Result<ModelPointer> load(const std::string& mjcf) {
   mj_deleteVFS(files.get());
   if (!model) return fail(Fault::device, "MuJoCo refuses the robot: {}", error);
   return model;
+}
+
+/// Drives and gears of an arm by its table, and where MuJoCo has its joints and tool.
+ArmDevices devices_of(const mjModel& model, Arm side, const robot::ArmTable& table,
+                      double friction_windup_rad) {
+  ArmDevices arm;
+  arm.joints = table.joints;
+  arm.site = mj_name2id(&model, mjOBJ_SITE, fmt::format("{}_tool", name_of(side)).c_str());
+  arm.tool_body = model.site_bodyid[arm.site];
+  arm.tool_mass_kg = table.tool_mass_kg;
+  for (int i = 0; i < table.joints; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const robot::Link& link = table.links[k];
+    const int joint =
+        mj_name2id(&model, mjOBJ_JOINT, fmt::format("{}_{}", name_of(side), link.name).c_str());
+    arm.dof[k] = model.jnt_dofadr[joint];
+    arm.torque_limit_nm[k] = link.torque_limit_nm;
+    arm.coulomb_nm[k] = link.coulomb_nm;
+    arm.viscous[k] = link.viscous_nm_s_per_rad;
+    arm.windup_damping[k] =
+        2.0 * windup_damping_ratio *
+        std::sqrt(link.coulomb_nm / friction_windup_rad * link.rotor_inertia_kg_m2);
+  }
+  return arm;
 }
 
 }  // namespace
@@ -86,7 +110,8 @@ Result<std::unique_ptr<Plant>> Plant::make(const robot::Standing& standing,
   if (!world->data) return fail(Fault::device, "MuJoCo has no memory for the robot");
   mjModel* m = world->model.get();
   mjData* d = world->data.get();
-  // Friction is ours (below): MuJoCo's is a constraint that costs more than the rest of the arm.
+  // Friction is modelled in plant_devices.cpp: MuJoCo's constraint would cost more than the rest of
+  // the arm.
   std::fill_n(m->dof_frictionloss, m->nv, 0.0);
   std::fill_n(m->dof_damping, m->nv, 0.0);
 
@@ -102,22 +127,9 @@ Result<std::unique_ptr<Plant>> Plant::make(const robot::Standing& standing,
       return fail(Fault::usage, "the {} arm has {} joints, its start {}", name_of(side),
                   table.joints, start.q_rad[side].size());
     }
-    arm.joints = table.joints;
-    arm.site = mj_name2id(m, mjOBJ_SITE, fmt::format("{}_tool", name_of(side)).c_str());
-    arm.tool_body = m->site_bodyid[arm.site];
-    arm.tool_mass_kg = table.tool_mass_kg;
+    arm = devices_of(*m, side, table, options.friction_windup_rad);
     for (int i = 0; i < table.joints; ++i) {
       const auto k = static_cast<std::size_t>(i);
-      const robot::Link& link = table.links[k];
-      const int joint =
-          mj_name2id(m, mjOBJ_JOINT, fmt::format("{}_{}", name_of(side), link.name).c_str());
-      arm.dof[k] = m->jnt_dofadr[joint];
-      arm.torque_limit_nm[k] = link.torque_limit_nm;
-      arm.coulomb_nm[k] = link.coulomb_nm;
-      arm.viscous[k] = link.viscous_nm_s_per_rad;
-      arm.windup_damping[k] =
-          2.0 * windup_damping_ratio *
-          std::sqrt(link.coulomb_nm / options.friction_windup_rad * link.rotor_inertia_kg_m2);
       of_arms.insert(arm.dof[k]);
       d->qpos[arm.dof[k]] = arm.encoder_rad[k] = start.q_rad[side][i];
     }
@@ -139,7 +151,7 @@ Result<std::unique_ptr<Plant>> Plant::make(const robot::Standing& standing,
   mj_forward(m, d);
   for (const Arm side : both_arms) {
     ArmDevices& arm = world->arms[side];
-    // The sensor has hung there long before the start and feels the tool's weight.
+    // The sensor starts in steady state under the tool's weight.
     const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> turn(d->site_xmat +
                                                                               9 * arm.site);
     arm.felt.head<3>() = turn.transpose() * Vector3(0, 0, -gravity_m_per_s2 * arm.tool_mass_kg);
@@ -148,7 +160,7 @@ Result<std::unique_ptr<Plant>> Plant::make(const robot::Standing& standing,
     arm.velocity_rad_per_s = {};
     if (world->person != nullptr) world->touch(side);
   }
-  world->look();
+  world->sample_truth();
   return std::unique_ptr<Plant>(new Plant(std::move(world)));
 }
 
@@ -195,8 +207,8 @@ std::optional<robot::RobotReading> Plant::read() noexcept {
     for (int i = 0; i < world.substeps; ++i) world.step();
     ++world.tick;
     for (const Arm side : both_arms) world.read_encoders(world.arms[side]);
-    world.look();
-    world.judge();
+    world.sample_truth();
+    world.check_physics();
   }
   robot::RobotReading reading;
   reading.time_s = world.truth.time_s;
@@ -218,7 +230,7 @@ std::optional<robot::RobotReading> Plant::read() noexcept {
 void Plant::World::step() noexcept {
   mjModel* m = model.get();
   mjData* d = data.get();
-  mj_step1(m, d);  // positions and velocities of now
+  mj_step1(m, d);  // present positions and velocities
   mju_zero(d->qfrc_applied, m->nv);
   for (const Arm side : both_arms) {
     drive(arms[side]);
@@ -229,8 +241,8 @@ void Plant::World::step() noexcept {
   mj_step2(m, d);
 }
 
-void Plant::World::look() noexcept {
-  // After the last step the places are a quarter of a millisecond old; they are brought up to date.
+void Plant::World::sample_truth() noexcept {
+  // After the last substep the kinematics are a quarter of a millisecond old, so they are updated.
   mj_kinematics(model.get(), data.get());
   mj_comPos(model.get(), data.get());
   mj_comVel(model.get(), data.get());
@@ -258,7 +270,7 @@ void Plant::World::look() noexcept {
   }
 }
 
-void Plant::World::judge() noexcept {
+void Plant::World::check_physics() noexcept {
   if (broken != nullptr) return;
   for (int kind = 0; kind < mjNWARNING; ++kind) {
     if (data->warning[kind].number == 0) continue;

@@ -14,39 +14,39 @@
 
 namespace tuina::sim {
 
-/// How wrong the table that a controller believes is about the arm that stands there.
+/// Spread of the true arm about the table that a controller believes.
 struct TableErrors {
-  double mass_spread = 0.10;      ///< each link's mass is drawn within this share
-  double friction_spread = 0.20;  ///< each joint's friction
+  double mass_spread = 0.10;      ///< relative, per link
+  double friction_spread = 0.20;  ///< relative, per joint
   double rotor_spread = 0.05;
-  double mass_scale = 1.0;      ///< of all links alike, on top
-  double friction_scale = 1.0;  ///< 0: an arm without friction
+  double mass_scale = 1.0;      ///< all links alike, in addition
+  double friction_scale = 1.0;  ///< 0: no friction
 };
 
-/// The arm that truly stands there, drawn around the one that is believed.
+/// Draws the true arm around the believed one.
 [[nodiscard]] robot::ArmTable draw_arm(const robot::ArmTable& believed, const TableErrors& errors,
                                        Random& random);
 
-/// Sensors and drives: what the simulated devices can do. The thesis names the card (16-bit DAC,
-/// Table 2-4) and the kind of wrist sensor; the rest are the values of devices of that kind.
+/// Sensors and drives. The thesis names the card (16-bit DAC, Table 2-4) and the kind of wrist
+/// sensor; the rest is typical of such devices.
 struct PlantOptions {
   std::uint64_t seed = 1;
   double physics_hz = 4000.0;           ///< a multiple of 1 kHz
   double encoder_counts = 200'000.0;    ///< per turn of the joint; 0: exact
-  double velocity_low_pass_hz = 100.0;  ///< of the differenced encoder
+  double velocity_low_pass_hz = 100.0;  ///< of the differentiated encoder
   int dac_bits = 16;                    ///< over plus and minus the torque limit
   double wrist_low_pass_hz = 100.0;
   double wrist_noise_n = 0.05;  ///< standard deviation of a sample
   double wrist_noise_nm = 0.001;
-  double friction_windup_rad = 0.3e-3;  ///< a gear gives by so much before it slips
+  double friction_windup_rad = 0.3e-3;  ///< travel of a gear before it slips
 };
 
-/// What only the simulation knows of one arm.
+/// Ground truth of one arm.
 struct ArmTruth {
   JointVector q_rad;
   JointVector dq_rad_per_s;
   Transform couch_from_tool = Transform::Identity();
-  Vector3 velocity_in_couch = Vector3::Zero();  ///< of the tool's origin
+  Vector3 velocity_in_couch = Vector3::Zero();  ///< velocity of the tool's origin
   ContactTruth contact;
 };
 
@@ -56,22 +56,22 @@ struct PlantTruth {
   PerArm<ArmTruth> arms;
 };
 
-/// A two-armed robot in MuJoCo with a person (or none) in front of it. `read` lets one millisecond
-/// pass with the torques applied last and then looks; the first `read` looks at the start. Reading
-/// and applying take no heap.
+/// A two-armed robot in MuJoCo, optionally with a person. `read` advances one millisecond under the
+/// last applied torques and then samples; the first `read` samples the start. No heap in `read` and
+/// `apply`.
 class Plant final : public robot::Robot {
  public:
   struct Start {
     PerArm<JointVector> q_rad;
     double rail_m = 0.0;
   };
-  /// The robot of the thesis. `arms` are the true tables, `mount` the true one. The person may be
-  /// null and must outlive the plant.
+  /// The robot of the thesis. `arms` and `mount` are the true ones. `person` may be null and must
+  /// outlive the plant.
   [[nodiscard]] static Result<std::unique_ptr<Plant>> make(const robot::RobotMount& mount,
                                                            const PerArm<robot::ArmTable>& arms,
                                                            const Start& start, BackContact* person,
                                                            const PlantOptions& options = {});
-  /// Any robot: drives hold what belongs to neither arm nor linear base where it stands.
+  /// Any robot; joints outside arms and linear base are held by drives.
   [[nodiscard]] static Result<std::unique_ptr<Plant>> make(const robot::Standing& standing,
                                                            const PerArm<robot::ArmTable>& arms,
                                                            const Start& start, BackContact* person,
@@ -86,11 +86,11 @@ class Plant final : public robot::Robot {
   void apply(const robot::RobotCommand& command) noexcept override;
   [[nodiscard]] const char* fault() const noexcept override;
 
-  /// A hand that leads the arm, at the tool's centre but above the wrist sensor, which does not
-  /// feel it; it lasts until it is changed.
+  /// Force of a hand on the tool centre, above the wrist sensor, which does not feel it. Lasts
+  /// until changed.
   void push(Arm arm, const Wrench& hand_in_base) noexcept;
 
-  /// As of the last `read`.
+  /// State at the last `read`.
   [[nodiscard]] const PlantTruth& truth() const noexcept;
 
  private:

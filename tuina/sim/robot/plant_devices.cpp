@@ -14,7 +14,7 @@ constexpr double rail_stiffness_per_s2 = 60.0 * 60.0;  // a servo of 60 rad/s, c
 constexpr double rail_speed_m_per_s = 0.1;
 constexpr double rail_acceleration_m_per_s2 = 0.3;
 
-/// Share of the way a first-order low-pass goes towards its input in one step.
+/// Share of the step response of a first-order low-pass within one step.
 double low_pass_share(double cutoff_hz, double step_s) {
   return cutoff_hz > 0.0 ? 1.0 - std::exp(-2.0 * pi * cutoff_hz * step_s) : 1.0;
 }
@@ -24,9 +24,8 @@ double low_pass_share(double cutoff_hz, double step_s) {
 void Plant::World::drive(ArmDevices& arm) noexcept {
   for (std::size_t k = 0; k < static_cast<std::size_t>(arm.joints); ++k) {
     const double speed = data->qvel[arm.dof[k]];
-    // Dahl's friction, [dahl1968]: a gear winds up like a spring before it slips, so a resting arm
-    // truly sticks. What the gear dissipates while wound keeps a sticking arm from ringing on that
-    // spring, as in [canudas1995].
+    // Dahl's friction [dahl1968]: a gear winds up like a spring before it slips, so a resting arm
+    // really sticks. Damping of the wound gear keeps it from ringing, as in [canudas1995].
     double friction = 0.0;
     if (arm.coulomb_nm[k] > 0.0) {
       const double most = arm.coulomb_nm[k];
@@ -65,8 +64,7 @@ void Plant::World::touch(Arm side) noexcept {
   const Wrench& hand = hands[side];
   mj_applyFT(model.get(), data.get(), hand.force_n.data(), hand.torque_nm.data(), at_in_base.data(),
              arm.tool_body, data->qfrc_applied);
-  // The sensor carries the tool: it feels the contact, the tool's weight, and what it takes to move
-  // the tool.
+  // The sensor carries the tool: it measures contact, tool weight and tool inertia.
   const Vector3 acceleration = (velocity_in_base - arm.last_velocity) / step_s;
   arm.last_velocity = velocity_in_base;
   Vector6 felt;
@@ -78,8 +76,7 @@ void Plant::World::touch(Arm side) noexcept {
 }
 
 void Plant::World::drive_rail() noexcept {
-  // The set point runs to where it is wanted with bounded speed and acceleration, the servo follows
-  // it.
+  // The set point moves with bounded speed and acceleration; the servo follows it.
   const double left = rail_wanted_m - rail_now_m;
   const double fastest =
       std::min(rail_speed_m_per_s, std::sqrt(2.0 * rail_acceleration_m_per_s2 * std::abs(left)));
@@ -96,7 +93,7 @@ void Plant::World::drive_rail() noexcept {
                    2.0 * rate * (rail_speed - data->qvel[rail_dof]));
 }
 
-/// A position drive like that of the rail, which knows what gravity asks of it.
+/// A position drive with gravity compensation, like that of the rail.
 void Plant::World::hold(const Held& joint) noexcept {
   const double inertia = data->qM[model->dof_Madr[joint.dof]];
   const double rate = std::sqrt(rail_stiffness_per_s2);

@@ -26,27 +26,27 @@ using DataPointer = std::unique_ptr<mjData_, FreeData>;
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
-/// What one arm has besides its bodies: drives, gears, sensors.
+/// Drives, gears and sensors of one arm.
 struct ArmDevices {
   int joints = 0;
-  std::array<int, max_joints> dof =
-      {};  // in qvel; every joint before it is a hinge or slide, so in qpos too
+  // Index in qvel, and in qpos, since all joints before are hinges or slides.
+  std::array<int, max_joints> dof = {};
   int site = -1;
   int tool_body = -1;
   double tool_mass_kg = 0.0;
   std::array<double, max_joints> torque_limit_nm = {}, coulomb_nm = {}, viscous = {};
   std::array<double, max_joints> windup_damping = {};
 
-  std::array<double, max_joints> torque_nm = {};    // out of the amplifiers
-  std::array<double, max_joints> friction_nm = {};  // Coulomb part, kept wound up
+  std::array<double, max_joints> torque_nm = {};    // output of the amplifiers
+  std::array<double, max_joints> friction_nm = {};  // Coulomb part
   std::array<double, max_joints> encoder_rad = {}, velocity_rad_per_s = {};
   Vector3 last_velocity = Vector3::Zero();
-  Vector6 felt = Vector6::Zero();     // in the tool frame, behind the sensor's low-pass
+  Vector6 felt = Vector6::Zero();     // in the tool frame, after the sensor's low-pass
   Vector6 sampled = Vector6::Zero();  // a millisecond ago
 };
 
-/// Physics, devices and what is true of them; plant.cpp builds and steps it, plant_devices.cpp is
-/// what drives, gears and sensors add to MuJoCo's bodies.
+/// Physics, devices and ground truth. plant.cpp builds and steps it; plant_devices.cpp models
+/// drives, gears and sensors.
 struct Plant::World {
   PlantOptions options;
   Transform couch_from_base;
@@ -61,7 +61,7 @@ struct Plant::World {
   struct Held {
     int dof = 0;
     double q = 0.0;
-    double effort_limit = 0.0;  ///< 0: none is known
+    double effort_limit = 0.0;  ///< 0: unknown
   };
   std::vector<Held> held;
   int rail_dof = 0;
@@ -72,7 +72,7 @@ struct Plant::World {
   const char* broken = nullptr;
   PlantTruth truth;
 
-  void look() noexcept;
+  void sample_truth() noexcept;
   void touch(Arm arm) noexcept;
   void drive(ArmDevices& arm) noexcept;
   void drive_rail() noexcept;
@@ -80,7 +80,7 @@ struct Plant::World {
   void step() noexcept;
   void read_encoders(ArmDevices& arm) noexcept;
   [[nodiscard]] Wrench sample_wrist(ArmDevices& arm) noexcept;
-  void judge() noexcept;
+  void check_physics() noexcept;
 };
 
 }  // namespace tuina::sim

@@ -13,13 +13,13 @@ struct Spot {
   Vector3 normal_in_couch;
 };
 
-// The middle of a back.
+// Centre of a usual back.
 Vector3 middle_in_couch(Position position) {
   return position == Position::sitting ? Vector3(0.0, 20_mm, 420_mm)
                                        : Vector3(0.0, -350_mm, 190_mm);
 }
 
-// Three columns, 120 mm apart, along 260 mm of where a spine would be.
+// Three columns, 120 mm apart, along 260 mm of a spine.
 std::vector<Spot> spots_of(Position position, int rows) {
   std::vector<Spot> spots;
   for (int row = 0; row < rows; ++row) {
@@ -60,7 +60,7 @@ Result<std::vector<robot::Touch>> touch_board(const robot::ArmTable& table,
                                          mount.min_rail_m, mount.max_rail_m);
   std::vector<robot::Touch> touches;
   for (const Spot& spot : spots_of(position, rows)) {
-    // The middle column is touched by both, so that each ties the other to the same place.
+    // Both arms touch the middle column, which ties their frames together.
     for (const Arm arm : both_arms) {
       const double side = arm == Arm::left ? 1.0 : -1.0;
       if (side * spot.at_in_couch.x() < 0.0) continue;

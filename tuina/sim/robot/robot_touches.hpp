@@ -10,16 +10,15 @@
 
 namespace tuina::sim {
 
-/// What goes wrong while a hand leads the tool onto marked spots; standard deviations.
+/// Standard deviations of the errors when a hand leads the tool onto marked spots.
 struct TouchErrors {
   double hand_m = 1_mm;              ///< from the spot, along each axis
-  double joint_zero_rad = 0.03_deg;  ///< of each joint, the same in all touches
-  double spot_m = 0.5_mm;            ///< of the place that is written down, along each axis
+  double joint_zero_rad = 0.03_deg;  ///< per joint, the same in all touches
+  double spot_m = 0.5_mm;            ///< of the recorded spot, along each axis
 };
 
-/// Spots on a board that stands where a back would be, and both arms led to those they reach:
-/// `rows` rows of three. The robot stands as `mount` says. Rows for `calibrate --robot`, with the
-/// errors in them.
+/// Simulates both arms led to the reachable spots of a board in place of a back (`rows` rows of
+/// three), for a robot placed by `mount`. Touches for `calibrate --robot`, with errors.
 [[nodiscard]] Result<std::vector<robot::Touch>> touch_board(const robot::ArmTable& table,
                                                             const robot::RobotMount& mount,
                                                             Position position, int rows,

@@ -12,20 +12,20 @@
 namespace tuina::sim {
 namespace {
 
-constexpr double blur_px = 0.75;  // of a webcam's lens and its square pixels together
+constexpr double blur_px = 0.75;  // lens of a webcam and its square pixels together
 constexpr double line_width_px = 2.2;
 constexpr double rim_squares = 0.5;  // white paper around the squares
 constexpr double wall_m = 2.6;
 constexpr double laser_reference_m = 1.1;
-constexpr double black_share = 0.15;  // of the laser's light that printed black sends back
+constexpr double black_share = 0.15;  // share of the laser light that printed black reflects
 
-// Where a pixel looks on the board, in squares, and how far apart its neighbours look.
+// Board point of a pixel in squares, and the spacing of its neighbours.
 struct Place {
   Vector2 at = Vector2::Zero();
   Vector2 blur = Vector2::Ones();
 };
 
-// From -1 before an edge to 1 behind it.
+// From -1 before an edge to 1 behind it, blurred.
 double edge(double squares, double blur) {
   if (std::abs(squares) > 4.0 * blur) return squares < 0.0 ? -1.0 : 1.0;
   return std::erf(squares / (blur * std::numbers::sqrt2));
@@ -69,7 +69,7 @@ class Scene {
     return (1.0 - within(place, 1.0) * black) * (1.0 - marker(place));
   }
 
-  // The column in which a row sees the light plane on the board or on the wall behind it.
+  // Column in which a row sees the light plane on the board or the wall.
   struct Light {
     double column_px = 0.0;
     double range_m = 1.0;
@@ -84,7 +84,7 @@ class Scene {
   }
 
  private:
-  // 1 on the board and so many squares around its inner corners, 0 beyond.
+  // 1 on the board up to `squares` around its inner corners, 0 beyond.
   [[nodiscard]] double within(const Place& place, double squares) const {
     const auto between = [](double x, double last, double blur) {
       return 0.25 * (1.0 + edge(x, blur)) * (1.0 + edge(last - x, blur));
@@ -97,7 +97,7 @@ class Scene {
     return static_cast<std::size_t>(row * (board_.columns + 1) + column);
   }
 
-  // How black the marker of this square is here: the sum of its black cells and its frame.
+  // Blackness of the marker of this square: black cells and frame.
   [[nodiscard]] double marker(const Place& place) const {
     if (!board_.has_markers()) return 0.0;
     const auto column = static_cast<int>(std::floor(place.at.x())) + 1;
@@ -126,14 +126,14 @@ class Scene {
     return sum;
   }
 
-  // A plane as the n with n . X = 1.
+  // A plane as n with n . X = 1.
   [[nodiscard]] Vector3 board_plane() const {
     const Vector3 normal = board_from_camera_.linear().row(2);
     return -normal / board_from_camera_.translation().z();
   }
 
-  // Light plane and plane meet where (light - plane) . ray = 0; linear in the column but for the
-  // lens.
+  // Light plane and board intersect where (light - plane) . ray = 0; linear in the column but for
+  // distortion.
   [[nodiscard]] std::optional<Light> solve(double row_px, const Vector3& plane) const {
     const Vector3 across = truth_.laser_normal_in_camera / truth_.laser_distance_m - plane;
     double column_px = truth_.camera.cx_px;
@@ -152,7 +152,7 @@ class Scene {
   const scanner::ScannerCalibration& truth_;
   const scanner::Board& board_;
   Transform board_from_camera_;
-  std::vector<std::uint64_t> black_cells_;  ///< of the marker in each square; 0: none
+  std::vector<std::uint64_t> black_cells_;  ///< marker in each square; 0: none
 };
 
 }  // namespace

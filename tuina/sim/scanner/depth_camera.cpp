@@ -14,14 +14,15 @@
 namespace tuina::sim {
 namespace {
 
-constexpr double camera_m = 1.3;       // from the middle of the person
-constexpr double half_width_m = 0.45;  // of what is in view, at the middle of the person
+constexpr double camera_m = 1.3;       // distance to the middle of the person
+constexpr double half_width_m = 0.45;  // half width of the view at the middle of the person
 constexpr double half_height_m = 0.60;
 constexpr double floor_m = -0.45;
-constexpr double patch_share = 1.0 / 60.0;  // a hole's largest radius, of the picture's width
-constexpr double edge_m = 40_mm;            // a step in depth that light mixes across
+// Maximum radius of a hole, share of the picture's width.
+constexpr double patch_share = 1.0 / 60.0;
+constexpr double edge_m = 40_mm;  // depth step across which pixels mix
 
-/// Everything in one mesh.
+/// Person, couch and floor in one mesh.
 Mesh scene_of(const Mesh& skin, Position position) {
   Mesh scene = skin;
   const auto add = [&](const Mesh& more) {
@@ -56,14 +57,14 @@ View view_of(const Mesh& skin, Position position) {
           .up = sitting ? Vector3(Vector3::UnitZ()) : Vector3(-Vector3::UnitY())};
 }
 
-/// The line of sight through a pixel, from the upper left.
+/// Ray of a pixel, counted from the upper left.
 Vector3 sight_of(const View& view, int x, int y, int width, int height) {
   const double u = half_width_m * (2.0 * (x + 0.5) / width - 1.0);
   const double v = half_height_m * (1.0 - 2.0 * (y + 0.5) / height);
   return (camera_m * view.forward + u * view.right + v * view.up).normalized();
 }
 
-/// The share of a picture in which anything is seen.
+/// Share of the picture with an answer.
 double share_seen(const RayScene& scene, const View& view) {
   constexpr int size = 60;
   int seen = 0;
@@ -75,7 +76,7 @@ double share_seen(const RayScene& scene, const View& view) {
   return std::max(1, seen) / static_cast<double>(size * size);
 }
 
-/// Patches without an answer that cover a share of the picture.
+/// Holes that cover a share of the picture.
 std::vector<bool> holes_of(int width, int height, double share, Random& random) {
   std::vector<bool> lost(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), false);
   double area = share * width * height;
@@ -118,7 +119,7 @@ PointCloud depth_picture(const Mesh& skin_in_couch, Position position, std::uint
       const auto hit = scene.first_hit(view.eye, sight);
       if (!hit) continue;
       double range_m = hit->distance_m;
-      // A pixel on an edge sees both sides of it.
+      // A pixel on an edge mixes both sides.
       const bool on_edge = std::abs(range_m - before_m) > edge_m;
       const double mixed_m = before_m + uniform(random, 0.0, 1.0) * (range_m - before_m);
       before_m = range_m;

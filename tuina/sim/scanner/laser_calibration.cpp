@@ -20,10 +20,9 @@ using scanner::ScannerCalibration;
 constexpr double focal_px = 6.25e-3 / 6e-6;
 constexpr double baseline_m = 200.0_mm;
 constexpr double lean_rad = 73.0_deg;
-constexpr double reference_m = 1.1;  // the usual distance of a back
+constexpr double reference_m = 1.1;  // usual distance of a back
 
-// What is left after calibrating from 40 poses with 0.1 px of corner and line noise
-// (docs/scanner.md).
+// Errors after calibrating from 40 poses with 0.1 px of corner and line noise (docs/scanner.md).
 constexpr int poses = 40;
 constexpr double focal_error_px = 0.4;
 constexpr double centre_error_px = 0.7;
@@ -32,13 +31,12 @@ constexpr double board_depth_error_per_m = 0.13_mm;  // at 1 m; grows with the s
 constexpr double axis_error_rad = 0.03_deg;
 constexpr double axis_error_m = 0.5_mm;
 constexpr double latency_error_s = 0.002;
-// The flat board on the couch and the mark on its middle are laid by hand.
+// The flat board on the couch and the mark on its middle are placed by hand.
 constexpr double board_height_error_m = 0.3_mm;
 constexpr double board_tilt_error_rad = 0.03_deg;
 
-// The light plane through points on boards, as a calibration finds it: each board is believed too
-// far or too near by the error of the focal length and by the noise of its corners. Weighted by
-// 1/z^2, total least squares.
+// Fits the light plane to points on boards as a calibration does: each board depth has the errors
+// of focal length and corner noise. Total least squares, weighted by 1/z^2.
 void fit_laser_plane(const ScannerCalibration& truth, ScannerCalibration& believed,
                      Random& random) {
   Vector3 middle = Vector3::Zero();
@@ -77,7 +75,7 @@ void fit_laser_plane(const ScannerCalibration& truth, ScannerCalibration& believ
   believed.laser_distance_m = normal.dot(middle);
 }
 
-// Where the believed calibration sees a true point of the light plane.
+// True point of the light plane as located by the believed calibration.
 std::optional<Vector3> seen_in_couch(const ScannerCalibration& truth,
                                      const ScannerCalibration& believed, const Vector3& at_in_couch,
                                      double yaw_rad) {
@@ -88,9 +86,8 @@ std::optional<Vector3> seen_in_couch(const ScannerCalibration& truth,
   return believed.couch_from_camera_at(yaw_rad) * *point;
 }
 
-// The pose of the scanner over the couch, as a user finds it: a scanned flat board gives height and
-// tilt, and at yaw 0 the line falls on the middle of the couch. Where x and y begin is the
-// scanner's own to say.
+// Couch pose as a user finds it: height and tilt from a scanned flat board, and at yaw 0 the line
+// falls on the middle of the couch. The origin of x and y is the scanner's choice.
 void place_on_couch(const ScannerCalibration& truth, ScannerCalibration& believed, Random& random) {
   Vector3 sum = Vector3::Zero();
   Matrix3 sums = Matrix3::Zero();
@@ -98,7 +95,7 @@ void place_on_couch(const ScannerCalibration& truth, ScannerCalibration& believe
   const double tilt_y = std::tan(gaussian(random, board_tilt_error_rad));
   const double height_m = gaussian(random, board_height_error_m);
   for (double yaw_rad = -12.0_deg; yaw_rad <= 12.0_deg; yaw_rad += 2.0_deg) {
-    // Along y, the light plane at this yaw cuts the couch in a line; the board is 0.4 m of it.
+    // The light plane at this yaw cuts the couch in a line along y; the board covers 0.4 m of it.
     const Transform couch_from_camera = truth.couch_from_camera_at(yaw_rad);
     const Vector3 normal = couch_from_camera.linear() * truth.laser_normal_in_camera;
     const double offset_m = truth.laser_distance_m + normal.dot(couch_from_camera.translation());
@@ -112,7 +109,7 @@ void place_on_couch(const ScannerCalibration& truth, ScannerCalibration& believe
     }
   }
   const Vector3 plane = sums.inverse() * sum + Vector3(height_m, tilt_x, tilt_y);
-  // Turning by these angles about x and y lays z = plane(0) + plane(1) x + plane(2) y flat.
+  // Rotation by these angles about x and y levels z = plane(0) + plane(1) x + plane(2) y.
   Transform level = Transform::Identity();
   level.linear() = (Eigen::AngleAxisd(-std::atan(plane(2)), Vector3::UnitX()) *
                     Eigen::AngleAxisd(std::atan(plane(1)), Vector3::UnitY()))
@@ -126,8 +123,7 @@ void place_on_couch(const ScannerCalibration& truth, ScannerCalibration& believe
       0.0, reference_m);
   const Vector3 mark = truth.couch_from_camera * mark_in_camera;
   if (const auto seen = seen_in_couch(truth, believed, mark, 0.0)) {
-    // Someone who sits is looked at along y, so the heading is wrong; someone who lies, from above,
-    // the place.
+    // Viewed along y (sitting) the mark determines the heading, from above (prone) the position.
     const Vector3 eye = truth.couch_from_camera.translation();
     const double away_m = eye.y() - mark.y();
     Transform aside = Transform::Identity();
@@ -145,8 +141,8 @@ void place_on_couch(const ScannerCalibration& truth, ScannerCalibration& believe
 }  // namespace
 
 ScannerMount usual_mount(Position position) {
-  // Chosen so that 640 rows see from the sacrum to C7 of people from 1.5 to 2 m at about 1.1 m. The
-  // back of one who sits is near y = 0; of one who lies, near z = 0.24 m.
+  // 640 rows see from sacrum to C7 of people from 1.5 to 2 m at about 1.1 m. The back is near y = 0
+  // (sitting) or z = 0.24 m (prone).
   return position == Position::sitting ? ScannerMount{.distance_m = 1.13, .along_spine_m = 0.41}
                                        : ScannerMount{.distance_m = 1.34, .along_spine_m = 0.34};
 }
@@ -166,8 +162,8 @@ ScannerCalibration true_calibration(Position position, const ScannerMount& mount
   truth.axis_direction_in_camera = -Vector3::UnitY();
   truth.latency_s = latency_s;
 
-  // Behind one who sits: camera x is minus couch x, down is down, forward is into the back. At yaw
-  // 0 the unit is turned so that the line falls onto the middle of the couch at 1.1 m.
+  // Behind a sitting person: camera x is minus couch x, y is down, z into the back. At yaw 0 the
+  // line falls on the middle of the couch at 1.1 m.
   Matrix3 looking;
   looking << -1.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, -1.0, 0.0;
   const double line_m = baseline_m - reference_m / std::tan(lean_rad) - 0.5 * baseline_m;

@@ -15,12 +15,12 @@ namespace {
 constexpr double count_rad = from_deg(300.0 / 1024.0);
 constexpr double speed_step_rad_per_s = from_deg(0.111 * 6.0);  // 0.111 rpm, the unit of the AX-12A
 constexpr double max_rad = 150.0_deg;
-// The gear of a 40-dollar servo does not turn quite evenly.
+// The gear of a 40-dollar servo turns unevenly.
 constexpr double ripple_rad = 0.02_deg;
 constexpr double ripple_period_rad = 7.0_deg;
 constexpr double run_up_s = 0.3;  // readings begin before the first frame and end after the last
 constexpr double step_s = 0.117;  // [thesis] chapter 4: 400 ms per degree in steps of 0.29 degrees
-constexpr double rest_share = 0.35;  // of a step, before and after its frame
+constexpr double rest_share = 0.35;  // share of a step at rest, before and after its frame
 constexpr std::size_t frames_at_once = 16;
 
 Vector3 out_of_back(Position position) {
@@ -39,13 +39,13 @@ struct LaserScanner::World {
 
   double from_rad = 0.0;
   double rad_per_s = 0.0;
-  double step_rad = 0.0;  // of stop and shoot; else 0
-  double start_s = 0.0;   // of this turn, on the clock of the camera
-  double end_s = 0.0;     // of this turn and its run-down
+  double step_rad = 0.0;  // stop and shoot; else 0
+  double start_s = 0.0;   // start of this turn on the camera's clock
+  double end_s = 0.0;     // end of this turn and its run-down
   std::size_t turns = 0;
   std::size_t frames = 0;
   std::size_t given = 0;
-  std::vector<Image> ahead;  // rendered and not yet given
+  std::vector<Image> ahead;  // rendered frames not yet returned
   std::vector<Image> dark_ahead;
   std::vector<std::vector<bool>> visible_ahead;
   VisibleRows visible;
@@ -57,7 +57,7 @@ struct LaserScanner::World {
   [[nodiscard]] double yaw_at(double time_s) const {
     double even = from_rad + rad_per_s * (time_s - start_s);
     if (step_rad != 0.0) {
-      // Each frame is taken in the middle of a rest; between rests the unit turns on.
+      // Each frame is taken in the middle of a rest; between rests the unit turns.
       const double steps = (time_s - start_s) / step_s;
       const double rest = std::round(steps);
       const double on_the_way = std::max(0.0, std::abs(steps - rest) - rest_share) /
@@ -72,11 +72,11 @@ struct LaserScanner::World {
     return start_s + static_cast<double>(frame) * per_frame_s;
   }
 
-  // A new turn: clock, frames and readings of the motor.
+  // Starts a turn: clock, frames and motor readings.
   void begin(double duration_s) {
     given = 0;
     if (end_s > 0.0) {
-      // The clock goes on, and with it the breath.
+      // The clock, and with it the breath, continues.
       start_s = end_s + run_up_s;
       ++turns;
     }
@@ -90,8 +90,8 @@ struct LaserScanner::World {
     readings.clear();
     const double poll_s = 1.0 / options.readings_per_s;
     double last_s = -1e9;
-    // Polling over a serial line is not even; it is as well, for at some speeds an even one would
-    // meet the same two phases of a count again and again, and rounding would not average out.
+    // Polling over a serial line is irregular. At some speeds regular polling would always sample
+    // the same two phases of a count, and rounding would not average out.
     for (double time_s = start_s - run_up_s; time_s < end_s;
          time_s += poll_s * uniform(jitter, 0.7, 1.3)) {
       const double counts = std::round(yaw_at(time_s) / count_rad);
@@ -101,7 +101,7 @@ struct LaserScanner::World {
     }
   }
 
-  // The next frames, shared out among threads; each depends on its number only.
+  // Renders the next frames in parallel; each depends on its number only.
   void render_ahead() {
     const std::size_t count = std::min(frames_at_once, frames - given);
     ahead.assign(count, {});
@@ -111,7 +111,7 @@ struct LaserScanner::World {
       for (std::size_t i = first; i < count; i += step) {
         const std::size_t number = given + i;
         const double time_s = time_of(number);
-        const std::uint64_t frame = number + turns * 1000003;  // for noise of its own
+        const std::uint64_t frame = number + turns * 1000003;  // seed of the frame's noise
         const double breath_m = 0.5 * breathing.amplitude_m *
                                 (1.0 - std::cos(2.0 * pi * breathing.frequency_hz * time_s));
         const Vector3 shift = breath_m * breath_direction;

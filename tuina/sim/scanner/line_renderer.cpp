@@ -17,22 +17,21 @@ constexpr double fan_half_rad = 20.0_deg;
 constexpr int fan_rays = 1601;  // more than two for each of 640 rows
 constexpr double fan_step_rad = 2.0 * fan_half_rad / (fan_rays - 1);
 constexpr double sheet_deviation_m = 0.7_mm;  // half the 1/e^2 width of a cheap line laser at 1 m
-// A Gaussian sheet as three thin ones (Gauss-Hermite): the edge of a shoulder cuts off a part of
-// the light.
+// A Gaussian sheet as three thin ones (Gauss-Hermite), since a depth edge cuts off a part of the
+// light.
 constexpr std::array<double, 3> sheet_aside = {-1.7320508, 0.0, 1.7320508};
 constexpr std::array<double, 3> sheet_share = {1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0};
 constexpr std::size_t noise_samples = std::size_t{1} << 19;
 constexpr float leak = 0.04F;
 constexpr std::size_t speckle_rows = std::size_t{1} << 16;
 
-// Light of one fan ray per pixel of line, from a surface that shines alike in all directions
-// (Lambert): what reaches the lens falls with the square of the distance and the cosine of the
-// viewing angle.
+// Light per pixel of line of one fan ray on a Lambertian surface: proportional to the viewing
+// cosine over the squared distance.
 double light_of(double cosine_to_eye, double distance_to_eye_m) {
   return cosine_to_eye / (distance_to_eye_m * distance_to_eye_m);
 }
 
-// A fast generator for the places in the noise table; one per frame (SplitMix64).
+// SplitMix64, one per frame, selects places in the noise table.
 std::uint64_t next(std::uint64_t& state) {
   state += 0x9E3779B97F4A7C15ULL;
   std::uint64_t z = state;
@@ -48,11 +47,9 @@ LineRenderer::LineRenderer(const Mesh& skin_in_couch, const Mesh& couch,
                            const LaserScannerOptions& options, std::uint64_t seed)
     : skin_(skin_in_couch), couch_(couch), truth_(truth), options_(options), seed_(seed) {
   if (!options_.stickers.empty()) room_light_.emplace(options_.stickers, options_.room_white_dn);
-  // A white wall upright to the camera at the reference: its line has the amplitude that the
-  // options name.
+  // Reference: a white wall facing the camera gives the amplitude of the options.
   const Vector3& normal = truth_.laser_normal_in_camera;
-  const double slant =
-      reference_m / std::abs(normal.x());  // along the laser, which leans against the depth
+  const double slant = reference_m / std::abs(normal.x());  // distance along the leaning laser
   const double pixels_per_ray = truth_.camera.fy_px * slant * fan_step_rad / reference_m;
   light_at_reference_ = light_of(1.0, reference_m) / pixels_per_ray;
   const double sheet_px =
@@ -60,14 +57,14 @@ LineRenderer::LineRenderer(const Mesh& skin_in_couch, const Mesh& couch,
   spot_width_px_ =
       std::sqrt(std::max(0.25, options_.width_px * options_.width_px - sheet_px * sheet_px));
 
-  // Half a million draws made once; each row of each frame reads them from another place.
+  // Half a million draws made once; each row of each frame reads from another place.
   Random random = make_random(seed, "camera noise");
   noise_.reserve(noise_samples);
   for (std::size_t i = 0; i < noise_samples; ++i) {
     noise_.push_back(static_cast<float>(gaussian(random, options_.noise_dn)));
   }
   if (options_.speckle_px <= 0.0) return;
-  // Grains of about three rows: a moving sum of Gaussian draws, weighted 1, 2, 1.
+  // Grains of about three rows: Gaussian draws smoothed with 1, 2, 1.
   Random grains = make_random(seed, "speckle");
   double before[2] = {gaussian(grains, 1.0), gaussian(grains, 1.0)};
   for (std::size_t i = 0; i < speckle_rows; ++i) {
@@ -91,7 +88,7 @@ void LineRenderer::displace(Strokes& strokes, std::uint64_t state) const {
 LineRenderer::Spot LineRenderer::trace(const Vector3& laser, const Vector3& direction,
                                        const Vector3& eye, const Transform& camera_from_couch,
                                        const Vector3& shift) const {
-  // The person moves with the breath; instead, the light is moved the other way.
+  // The person moves with the breath; the rays are moved the other way instead.
   auto hit = skin_.first_hit(laser - shift, direction);
   const auto on_couch = couch_.first_hit(laser, direction);
   const bool on_skin = hit && (!on_couch || hit->distance_m <= on_couch->distance_m);
@@ -116,8 +113,7 @@ LineRenderer::Spot LineRenderer::trace(const Vector3& laser, const Vector3& dire
 
 void LineRenderer::join(const Spot& a, const Spot& b, double share, Strokes& strokes) const {
   if (!a.visible || !b.visible) return;
-  // Two rays side by side that land far apart have met two surfaces, with a depth edge between
-  // them.
+  // Adjacent rays that land far apart have hit two surfaces, with a depth edge between.
   constexpr double steepest = 10.0;
   const double apart_m = (a.point - b.point).norm();
   if (apart_m > steepest * 3.0 * fan_step_rad) return;
@@ -125,7 +121,7 @@ void LineRenderer::join(const Spot& a, const Spot& b, double share, Strokes& str
   const double length_px = step.norm();
   if (length_px < 1e-6 || std::abs(step.y()) < 1e-6) return;
   const double light = 0.5 * (a.light + b.light) / length_px / light_at_reference_;
-  // A line that runs askew through the rows is wider along each of them.
+  // A line oblique to the rows is wider along each of them.
   const double askew = std::min(4.0, length_px / std::abs(step.y()));
   const double narrowing = options_.width_px / spot_width_px_;  // the same light in a narrower line
   const int first = std::max(0, static_cast<int>(std::ceil(std::min(a.pixel.y(), b.pixel.y()))));
@@ -142,7 +138,7 @@ void LineRenderer::join(const Spot& a, const Spot& b, double share, Strokes& str
 void LineRenderer::draw_sheet(const Transform& couch_from_camera, const Vector3& shift,
                               double aside_m, double share, Strokes& strokes) const {
   const Vector3& normal = truth_.laser_normal_in_camera;
-  // The laser sits on the baseline, where its plane cuts the camera's x axis, and shines forward.
+  // The laser is on the baseline, where its plane cuts the camera's x axis, and shines forward.
   const Vector3 laser_in_camera =
       Vector3(truth_.laser_distance_m / normal.x(), 0.0, 0.0) + aside_m * normal;
   const Vector3 down = (Vector3::UnitY() - normal.y() * normal).normalized();
@@ -175,7 +171,7 @@ Image LineRenderer::render(double yaw_rad, const Vector3& skin_shift_in_couch, s
   for (std::size_t i = 0; i < sheet_aside.size(); ++i) {
     const Vector3& shift = skin_shift_in_couch;
     const double aside_m = sheet_aside[i] * sheet_deviation_m;
-    // A row sees the line when it sees the middle of it.
+    // A row counts as visible by the centre of the sheet.
     if (visible != nullptr && aside_m == 0.0) {
       Strokes middle(strokes.size());
       draw_sheet(couch_from_camera, shift, aside_m, sheet_share[i], middle);
@@ -251,7 +247,7 @@ Image LineRenderer::expose_colour(const Strokes& strokes, const RoomPicture& roo
     const Rgb* behind = room.data() + static_cast<std::size_t>(y) * width;
     for (std::size_t channel = 0; channel < 3; ++channel) {
       for (std::size_t x = 0; x < width; ++x) light[x] = behind[x][channel];
-      // The green and blue filters of a sensor let a little of the red laser through.
+      // Green and blue filters of a sensor transmit a little of the red laser.
       add_line(strokes[static_cast<std::size_t>(y)], channel == 0 ? 1.0F : leak, light);
       add_noise(light, state, image.row(y) + channel, 3);
     }

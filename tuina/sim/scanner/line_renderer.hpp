@@ -12,27 +12,26 @@
 
 namespace tuina::sim {
 
-/// Draws what the camera of the scanner sees at one moment. May be used from several threads at
-/// once.
+/// Renders the picture of the scanner's camera at one moment. Thread-safe.
 class LineRenderer {
  public:
   LineRenderer(const Mesh& skin_in_couch, const Mesh& couch,
                const scanner::ScannerCalibration& truth, const LaserScannerOptions& options,
                std::uint64_t seed);
 
-  /// `skin_shift_in_couch` is how far breathing has moved the person. The same `frame` gives the
-  /// same noise. `visible`, if wanted, tells the rows in which there is a line.
+  /// `skin_shift_in_couch`: displacement by breathing. Equal `frame`, equal noise. `visible`, if
+  /// given, receives the rows with a line.
   [[nodiscard]] Image render(double yaw_rad, const Vector3& skin_shift_in_couch,
                              std::uint64_t frame, std::vector<bool>* visible = nullptr,
                              const RoomPicture& room = {}) const;
-  /// The same moment with the laser off, with noise of its own.
+  /// The same moment with the laser off, with its own noise.
   [[nodiscard]] Image render_dark(std::uint64_t frame, const RoomPicture& room = {}) const;
-  /// What the light of the room shows at that moment, for the two above: they are in colour then.
+  /// Room-light picture of that moment, input of the two functions above, which then render colour.
   /// Empty without stickers.
   [[nodiscard]] RoomPicture room(double yaw_rad, const Vector3& skin_shift_in_couch) const;
 
  private:
-  // A short piece of the line as a row of the image sees it.
+  // A piece of the line in one image row.
   struct Stroke {
     float column_px;
     float amplitude_dn;
@@ -40,12 +39,12 @@ class LineRenderer {
   };
   using Strokes = std::vector<std::vector<Stroke>>;
 
-  // One place where a ray of the laser's fan meets a surface and the camera sees it.
+  // Intersection of a ray of the laser's fan with a surface, if the camera sees it.
   struct Spot {
     bool visible = false;
     Vector3 point = Vector3::Zero();
     Vector2 pixel = Vector2::Zero();
-    double light = 0.0;  ///< per length on the image, before it is spread along the line
+    double light = 0.0;  ///< per length on the image, before spreading along the line
   };
 
   [[nodiscard]] Spot trace(const Vector3& laser, const Vector3& direction, const Vector3& eye,
@@ -54,7 +53,7 @@ class LineRenderer {
                   double share, Strokes& strokes) const;
   [[nodiscard]] Image expose(const Strokes& strokes, const RoomPicture& room,
                              std::uint64_t state) const;
-  /// The same in colour, with the light of the room behind the line.
+  /// In colour, over the room-light picture.
   [[nodiscard]] Image expose_colour(const Strokes& strokes, const RoomPicture& room,
                                     std::uint64_t state) const;
   void add_line(const std::vector<Stroke>& strokes, float share, std::vector<float>& light) const;
@@ -67,12 +66,12 @@ class LineRenderer {
   RayScene couch_;
   scanner::ScannerCalibration truth_;
   LaserScannerOptions options_;
-  std::optional<RoomLight> room_light_;  // with stickers: frames in colour
+  std::optional<RoomLight> room_light_;  // set with stickers: frames in colour
   std::uint64_t seed_;
   double light_at_reference_;
   double spot_width_px_;
   std::vector<float> noise_;
-  std::vector<float> speckle_;  // a line displaced from row to row; empty when there is none
+  std::vector<float> speckle_;  // line displacement from row to row; empty: none
 };
 
 }  // namespace tuina::sim

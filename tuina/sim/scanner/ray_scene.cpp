@@ -10,7 +10,7 @@
 namespace tuina::sim {
 namespace {
 
-// Single precision resolves 0.1 um at 1 m; a ray starts this far off the surface that it leaves.
+// Single precision resolves 0.1 um at 1 m; rays start this far off the surface.
 constexpr double off_surface_m = 1e-4;
 
 struct NearestQuery {
@@ -19,8 +19,7 @@ struct NearestQuery {
   double best2;
 };
 
-// [ericson2005] 5.1.5: the point of a triangle nearest to p, by the region of the triangle it
-// projects into.
+// [ericson2005] 5.1.5: closest point of a triangle by Voronoi regions.
 double distance2_to_triangle(const Vector3& p, const Vector3& a, const Vector3& b,
                              const Vector3& c) {
   const Vector3 ab = b - a;
@@ -59,7 +58,7 @@ bool visit(RTCPointQueryFunctionArguments* arguments) {
   if (distance2 >= query.best2) return false;
   query.best2 = distance2;
   arguments->query->radius = static_cast<float>(std::sqrt(distance2));
-  return true;  // the radius has shrunk
+  return true;  // the query radius has shrunk
 }
 
 RTCRay ray_from(const Vector3& origin, const Vector3& direction, double from_m, double to_m) {
@@ -91,7 +90,7 @@ struct RayScene::Scene {
 
 RayScene::RayScene(const Mesh& mesh) : scene_(std::make_unique<Scene>()) {
   scene_->mesh = mesh;
-  // One thread builds the tree, so it is the same tree every time.
+  // A single thread builds the same tree every time.
   scene_->device = rtcNewDevice("threads=1,set_affinity=0");
   scene_->scene = rtcNewScene(scene_->device);
   rtcSetSceneFlags(scene_->scene, RTC_SCENE_FLAG_ROBUST);
@@ -128,7 +127,7 @@ std::optional<RayScene::Hit> RayScene::first_hit(const Vector3& origin,
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   rtcIntersect1(scene_->scene, &context, &query);
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
-  // Where the ray meets the plane of the triangle is computed again in double precision.
+  // The intersection with the triangle's plane is recomputed in double precision.
   const auto& triangle = scene_->mesh.triangles[query.hit.primID];
   const Vector3& a = scene_->mesh.vertices[static_cast<std::size_t>(triangle[0])];
   const Vector3& b = scene_->mesh.vertices[static_cast<std::size_t>(triangle[1])];

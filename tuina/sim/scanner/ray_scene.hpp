@@ -9,7 +9,7 @@
 
 namespace tuina::sim {
 
-/// A mesh that light meets (Embree). All questions may be asked from several threads at once.
+/// Ray tracing and distances on a mesh (Embree). Thread-safe.
 class RayScene {
  public:
   explicit RayScene(const Mesh& mesh);
@@ -21,15 +21,15 @@ class RayScene {
 
   struct Hit {
     double distance_m = 0.0;
-    Vector3 normal = Vector3::Zero();  ///< unit, of the triangle, on the side its corners turn left
+    Vector3 normal = Vector3::Zero();  ///< unit normal of the triangle, by the right-hand rule
   };
-  /// The first surface along a ray; `direction` is unit.
+  /// First intersection of a ray; `direction` is unit.
   [[nodiscard]] std::optional<Hit> first_hit(const Vector3& origin, const Vector3& direction) const;
 
-  /// Whether anything stands between two points.
+  /// True when the segment between two points is obstructed.
   [[nodiscard]] bool blocks(const Vector3& from, const Vector3& to) const;
 
-  /// How far a point is from the nearest place of the surface.
+  /// Distance of a point from the surface.
   [[nodiscard]] double distance_to(const Vector3& point) const;
 
  private:

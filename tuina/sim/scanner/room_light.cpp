@@ -11,8 +11,8 @@ namespace {
 
 constexpr Rgb skin_albedo = {0.72F, 0.53F, 0.43F};
 constexpr Rgb couch_albedo = {0.30F, 0.30F, 0.32F};
-constexpr Rgb room_albedo = {0.06F, 0.06F, 0.06F};  // what is far away and dark
-constexpr double from_all_sides = 0.6;              // of the light; the rest comes from the camera
+constexpr Rgb room_albedo = {0.06F, 0.06F, 0.06F};  // far and dark surroundings
+constexpr double from_all_sides = 0.6;  // share of diffuse light; the rest comes from the camera
 
 constexpr Rgb albedo_of(scanner::StickerColour colour) {
   switch (colour) {

@@ -21,11 +21,11 @@ struct SkinSticker {
 using Rgb = std::array<float, 3>;
 using RoomPicture = std::vector<Rgb>;
 
-/// What the light of the room shows to a colour camera: skin, stickers and couch, matt. A colour
-/// sensor has each colour at every second pixel only, and that is how often a ray is cast.
+/// Picture of skin, stickers and couch (matt) by a colour camera in room light. A colour sensor has
+/// each colour at every second pixel only, so rays are cast at every second row and column.
 class RoomLight {
  public:
-  /// `white_dn` is what a white wall gives that faces the camera.
+  /// `white_dn`: level of a white wall facing the camera.
   RoomLight(std::vector<SkinSticker> stickers, double white_dn);
 
   [[nodiscard]] RoomPicture render(const RayScene& skin, const RayScene& couch,
@@ -33,7 +33,7 @@ class RoomLight {
                                    const Transform& couch_from_camera,
                                    const Vector3& skin_shift_in_couch) const;
 
-  /// How much of the red light of a laser comes back from a place of the skin, against bare skin.
+  /// Reflectance for the red laser, relative to bare skin.
   [[nodiscard]] double laser_share(const Vector3& on_skin_in_couch) const;
 
  private:

@@ -29,13 +29,13 @@ constexpr double middle_m = 1.0;
 constexpr double max_tilt_rad = 40.0_deg;
 constexpr double max_roll_rad = 30.0_deg;
 constexpr double standing_step_rad = 2.0_deg;
-// Near boards show the axis best: depth is known with the square of the distance.
+// Near boards determine the axis best: depth error grows with the square of the distance.
 constexpr double nearest_standing_m = 0.75;
 constexpr double max_standing_m = 1.25;
 constexpr std::size_t min_standing_views = 5;
 constexpr double sweep_rad = 12.0_deg;
 constexpr double sweep_rad_per_s = 5.994_deg;
-constexpr double couch_board_m = 12.0_mm;  // its thickness; its upper face is z = 0
+constexpr double couch_board_m = 12.0_mm;  // thickness; the upper face is z = 0
 
 using Picture = RehearsalPicture;
 
@@ -47,12 +47,12 @@ Transform about(const Vector3& centre, const Matrix3& rotation, const scanner::B
   return pose;
 }
 
-// A board somewhere on the light plane, tilted any way, wholly in the picture.
+// A randomly tilted board on the light plane, wholly in the picture.
 Transform hold_board(const ScannerCalibration& truth, const RehearsalOptions& options,
                      double depth_m, Random& random) {
   const auto& camera = truth.camera;
   for (double tries = 0.0;; tries += 1.0) {
-    // Where a board does not fit it is held nearer to the middle of the range after a while.
+    // A board that does not fit is gradually moved to the middle of the range.
     const double z = depth_m + (middle_m - depth_m) * std::min(1.0, 5e-4 * tries);
     const double row = uniform(random, 0.2, 0.8) * camera.height_px;
     const double y = (row - camera.cy_px) / camera.fy_px * z;
@@ -72,7 +72,7 @@ Transform hold_board(const ScannerCalibration& truth, const RehearsalOptions& op
   }
 }
 
-// How the unit at a yaw sees what it saw at yaw 0.
+// Camera frame at yaw 0 to camera frame at a yaw.
 Transform turned_back(const ScannerCalibration& truth, double yaw_rad) {
   return truth.couch_from_camera_at(yaw_rad).inverse() * truth.couch_from_camera;
 }
@@ -81,7 +81,7 @@ double told(double yaw_rad) {
   return count_rad * std::round(yaw_rad / count_rad) + 0.0;  // never -0
 }
 
-// One standing board from every yaw from which it is wholly seen.
+// One standing board from every yaw at which it is wholly visible.
 std::vector<Picture> stand_board(const ScannerCalibration& truth, const RehearsalOptions& options,
                                  int pose, double depth_m, Random& random) {
   for (;;) {
@@ -158,8 +158,7 @@ Mesh lowered(Mesh mesh, double by_m) {
   return mesh;
 }
 
-// Three open books standing like tents under the scanner: slanted surfaces tell when they were
-// seen.
+// Three open books standing like tents under the scanner: slanted surfaces determine the latency.
 Mesh still_scene() {
   Mesh mesh;
   for (const double x : {-0.22, 0.0, 0.22}) {
@@ -322,7 +321,7 @@ Result<void> rehearse_calibration(const ScannerCalibration& truth, std::uint64_t
     fs::remove_all(part, error);
     return written;
   }
-  fs::remove(folder, error);  // an empty folder of that name, or none
+  fs::remove(folder, error);  // removes an empty folder of that name
   fs::rename(part, folder, error);
   if (error) return fail(Fault::file, "{}: {}", folder.string(), error.message());
   return {};

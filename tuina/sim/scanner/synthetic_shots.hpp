@@ -12,39 +12,38 @@
 
 namespace tuina::sim {
 
-/// A scanner as somebody built it: over the couch, looking down, every part a little off its
-/// drawing. The camera stands upright, or else its rows lie across the spine.
+/// A scanner with building tolerances, over the couch, looking down. `upright`: image rows along
+/// the spine's direction; else across.
 [[nodiscard]] scanner::ScannerCalibration built_scanner(std::uint64_t seed, bool upright = true);
 
-/// A ChArUco board that fits a sheet of A4, 5 x 7 squares of OpenCV's DICT_4X4_50.
+/// A ChArUco board on a sheet of A4, 5 x 7 squares of OpenCV's DICT_4X4_50.
 [[nodiscard]] inline scanner::Board charuco_board() {
   return {.columns = 4, .rows = 6, .square_m = 0.035, .marker_m = 0.026};
 }
 
 struct RehearsalOptions {
   scanner::Board board;
-  int poses = 40;          ///< of a board held in the hand, each with and without laser
-  int standing_poses = 8;  ///< of a board that stands while the unit turns
+  int poses = 40;          ///< hand-held board poses, each with and without laser
+  int standing_poses = 8;  ///< poses of boards that stand while the unit turns
   double nearest_m = 0.5;
   double max_distance_m = 1.75;
-  bool sweeps = true;  ///< sweep_left, sweep_right and couch as well
+  bool sweeps = true;  ///< also sweep_left, sweep_right and couch
   int threads = 2;
 };
 
-/// One picture of a set: what is in it, and where the board truly is.
+/// One picture of a set, with the true board pose.
 struct RehearsalPicture {
   bool laser = false;
   int pose = 0;
-  double yaw_rad = 0.0;  ///< as the motor tells it, in its counts
+  double yaw_rad = 0.0;  ///< motor reading, in counts
   Transform camera_from_board = Transform::Identity();
 };
 [[nodiscard]] std::vector<RehearsalPicture> rehearsal_pictures(
     const scanner::ScannerCalibration& truth, std::uint64_t seed,
     const RehearsalOptions& options = {});
 
-/// Photographs a whole set of calibration shots with that scanner into a new folder, as `tuina
-/// calibrate` reads it. What is true of the scanner is not in it. The folder appears when it is
-/// whole.
+/// Renders a set of calibration shots into a new folder, as `tuina calibrate` reads it, without the
+/// ground truth. The folder appears when it is complete.
 [[nodiscard]] Result<void> rehearse_calibration(const scanner::ScannerCalibration& truth,
                                                 std::uint64_t seed,
                                                 const std::filesystem::path& folder,

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <type_traits>
+
+#include "tuina/core/contact.hpp"
+
+namespace tuina::tissue {
+
+/// A recursive estimator of the tangent law, fed sample by sample at 1 kHz: times in seconds, of
+/// any origin and increasing; depth along the inward normal. Real-time: no heap, no exceptions.
+template <typename T>
+concept Estimator = std::is_nothrow_constructible_v<T, const typename T::Options&> &&
+    requires(T estimator, const T& fed, double time_s, const Press& sample) {
+  requires noexcept(estimator.update(time_s, sample));
+  requires noexcept(fed.estimate());
+  requires std::is_convertible_v<decltype(fed.estimate()), TissueEstimate>;
+};
+
+/// An estimator that may decide forces in a session: it tells whether the law fits and how well
+/// stiffness is known, and can be reset for the next place.
+template <typename T>
+concept SteeringEstimator = Estimator<T> && requires(T estimator, const T& fed, double force_n) {
+  requires noexcept(estimator.reset());
+  requires std::is_same_v<decltype(fed.chi()), double>;
+  requires std::is_same_v<decltype(fed.stiffness_sd(force_n)), double>;
+};
+
+}  // namespace tuina::tissue
