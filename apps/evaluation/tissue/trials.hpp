@@ -38,17 +38,20 @@ inline constexpr std::array<TrialMethod, 5> trial_methods = {
 /// interval) is NaN.
 struct TrialResult {
   int runs = 0;
-  double t95_s = 0.0;            ///< from then on 95 % of the runs stay within 5 %
+  double t95_s = 0.0;            ///< time from which 95 % of the runs stay within 5 %
   double first_press_q95 = 0.0;  ///< 95 % quantile of the worse error after one press
   double last_q95 = 0.0;         ///< the same at the end
   double alpha_bias = 0.0, beta_bias = 0.0;
-  double coverage_alpha = 0.0, coverage_beta = 0.0;        ///< of the 95 % intervals, at the end
-  double converged_share = 0.0, converged_median_s = 0.0;  ///< from the first contact
-  double false_converged_share = 0.0;  ///< of all runs: called converged while beyond the promise
+  double coverage_alpha = 0.0,
+         coverage_beta = 0.0;  ///< share of the 95 % intervals that hold the truth, at the end
+  double converged_share = 0.0, converged_median_s = 0.0;  ///< share, and time since first contact
+  double false_converged_share =
+      0.0;                  ///< share of all runs called converged while beyond the promise
   double kept_share = 0.0;  ///< at the end within what `converged` promises, called so or not
-  double detectable_change = 0.0;  ///< of alpha between two such records, 2.77 standard deviations
-  std::vector<double> worse_q95;   ///< every `curve_step_s` the quantile of the worse error; online
-                                   ///< methods only
+  double detectable_change =
+      0.0;  ///< smallest change of alpha between two such records: 2.77 standard deviations
+  std::vector<double> worse_q95;  ///< every `curve_step_s` the quantile of the worse error; online
+                                  ///< methods only
 };
 inline constexpr double curve_step_s = 0.05;
 
