@@ -1,55 +1,49 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/cli/table.hpp"
 
-#include <fmt/format.h>
-
-#include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "tuina/telemetry/plot/svg_plot.hpp"
-
 namespace tuina::app {
+namespace {
 
-std::string to_text(const ResultTable& table) {
-  std::string text = table.title + "\n";
-  std::vector<std::size_t> widths(table.heads.size());
-  const auto measure = [&](const std::vector<std::string>& cells) {
-    for (std::size_t i = 0; i < cells.size(); ++i) widths[i] = std::max(widths[i], cells[i].size());
-  };
-  measure(table.heads);
-  for (const auto& row : table.rows) measure(row);
-  const auto add = [&](const std::vector<std::string>& cells) {
-    for (std::size_t i = 0; i < cells.size(); ++i)
-      text += fmt::format("  {:<{}}", cells[i], widths[i]);
-    text.erase(text.find_last_not_of(' ') + 1);
-    text += "\n";
-  };
-  add(table.heads);
-  for (const auto& row : table.rows) add(row);
-  return text + "  " + table.note + "\n\n";
+using nlohmann::ordered_json;
+
+struct AsJson {
+  ordered_json operator()(std::monostate) const { return {}; }
+  ordered_json operator()(double number) const {
+    return std::isfinite(number) ? ordered_json(number) : ordered_json();
+  }
+  ordered_json operator()(const auto& value) const { return value; }
+};
+
+}  // namespace
+
+ordered_json to_json(const telemetry::Table& table, const telemetry::Row& row) {
+  ordered_json object = ordered_json::object();
+  for (std::size_t i = 0; i < row.cells.size(); ++i) {
+    const std::string& key = table.columns[i].key;
+    const telemetry::Cell::Value& value = row.cells[i].value;
+    if (key.empty() || std::holds_alternative<std::monostate>(value)) continue;
+    const std::size_t inner = key.find('/');
+    ordered_json& place = inner == std::string::npos
+                              ? object[key]
+                              : object[key.substr(0, inner)][key.substr(inner + 1)];
+    place = std::visit(AsJson{}, value);
+  }
+  return object;
 }
 
-std::string to_html(const ResultTable& table, const std::string& figures) {
-  std::string html =
-      fmt::format("<section><h2>{}</h2><p>{}</p>{}<div class=\"wide\"><table><thead><tr>",
-                  table.title, table.note, figures);
-  for (const auto& head : table.heads) html += fmt::format("<th>{}</th>", head);
-  html += "</tr></thead><tbody>";
-  for (const auto& row : table.rows) {
-    html += "<tr>";
-    for (const auto& cell : row) html += fmt::format("<td>{}</td>", telemetry::escaped(cell));
-    html += "</tr>";
-  }
-  return html + "</tbody></table></div></section>";
+ordered_json to_json(const telemetry::Table& table) {
+  ordered_json rows = ordered_json::array();
+  for (const telemetry::Row& row : table.rows) rows.push_back(to_json(table, row));
+  return rows;
 }
 
-nlohmann::json to_json(const ResultTable& table) {
-  nlohmann::json rows = nlohmann::json::array();
-  for (const auto& row : table.rows) {
-    nlohmann::json object;
-    for (std::size_t i = 0; i < row.size(); ++i) object[table.heads[i]] = row[i];
-    rows.push_back(object);
-  }
+ordered_json to_json_by_name(const telemetry::Table& table) {
+  ordered_json rows = ordered_json::object();
+  for (const telemetry::Row& row : table.rows)
+    rows[telemetry::shown(row.cells.front(), {})] = to_json(table, row);
   return rows;
 }
 

@@ -2,22 +2,20 @@
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
-#include <string>
-#include <vector>
+
+#include "tuina/telemetry/table.hpp"
 
 namespace tuina::app {
 
-/// A row is its cells; the same rows go to the terminal, the page and the JSON.
-struct ResultTable {
-  std::string title, note;
-  std::vector<std::string> heads;
-  std::vector<std::vector<std::string>> rows = {};
-};
+/// One row as an object by the keys of the columns. An empty cell leaves its key out, a number that
+/// is not finite is null.
+[[nodiscard]] nlohmann::ordered_json to_json(const telemetry::Table& table,
+                                             const telemetry::Row& row);
 
-[[nodiscard]] std::string to_text(const ResultTable& table);
-/// A `<section>` of a report page; `figures` is HTML and stands above the table.
-[[nodiscard]] std::string to_html(const ResultTable& table, const std::string& figures);
-/// An array with one object for every row, its keys the heads.
-[[nodiscard]] nlohmann::json to_json(const ResultTable& table);
+/// An array with one object for every row.
+[[nodiscard]] nlohmann::ordered_json to_json(const telemetry::Table& table);
+
+/// An object that has each row under its first cell.
+[[nodiscard]] nlohmann::ordered_json to_json_by_name(const telemetry::Table& table);
 
 }  // namespace tuina::app

@@ -119,9 +119,15 @@ class EvaluateAcupoints final : public Verb {
       const auto written = write_file(page_, acupoint_page(json, scores, *bodies));
       if (!written) return tl::unexpected(written.error());
     }
-    return Answer{.json = json.dump(2),
-                  .text = fmt::format("{} people, {} scan; millimetres over the seven points\n{}",
-                                      bodies->size(), scan_, text_of(table))};
+    std::string text = fmt::format("{} people, {} scan; millimetres over the seven points\n",
+                                   bodies->size(), scan_) +
+                       to_text(place_table(table)) + to_text(spread_table(table));
+    for (const char* method : acupoint_methods) {
+      for (const std::string& failure : scores.at(method).failures)
+        text += fmt::format("{}: {}\n", method, failure);
+    }
+    text.pop_back();
+    return Answer{.json = json.dump(2), .text = text};
   }
 
  private:

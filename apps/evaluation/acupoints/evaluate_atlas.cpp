@@ -189,22 +189,21 @@ class EvaluateAtlas final : public Verb {
   }
 
   [[nodiscard]] static std::string text_of_rows(const json& rows) {
-    const auto mean = [](const json& group) {
-      return group.is_null() ? std::string("-")
-                             : fmt::format("{:.1f}", group["mean_mm"].get<double>());
-    };
-    std::string text =
-        "mean over the seven points, mm\npeople                sitting  prone  95 %  refused";
+    telemetry::Table table{.title = "mean over the seven points, mm",
+                           .columns = {{.head = "people"},
+                                       {.head = "learned from"},
+                                       {.head = "sitting", .digits = 1},
+                                       {.head = "prone", .digits = 1},
+                                       {.head = "95 %", .digits = 0},
+                                       {.head = "refused"}}};
     for (const json& row : rows) {
-      const std::string covered =
-          row["coverage"].is_null() ? "-"
-                                    : fmt::format("{:.0f}", 100.0 * row["coverage"].get<double>());
-      text += fmt::format("\n{:>4} {:<16} {:>7} {:>6} {:>5} {:>8}", row["bodies"].get<int>(),
-                          row["prior"].get<bool>() ? "and the shipped" : "alone",
-                          mean(row["by_position"]["sitting"]), mean(row["by_position"]["prone"]),
-                          covered, row["failures"].get<std::size_t>());
+      table.add({row["bodies"].get<int>(),
+                 row["prior"].get<bool>() ? "them and the shipped atlas" : "them alone",
+                 number_in(row["by_position"]["sitting"], "mean_mm"),
+                 number_in(row["by_position"]["prone"], "mean_mm"),
+                 number_in(row, "coverage", 100.0), row["failures"].get<std::size_t>()});
     }
-    return text;
+    return to_text(table);
   }
 
   std::string train_, bodies_, figure_;

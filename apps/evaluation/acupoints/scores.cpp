@@ -11,6 +11,9 @@ namespace tuina::app {
 namespace {
 
 using nlohmann::json;
+using telemetry::Cell;
+using telemetry::Column;
+using telemetry::Table;
 
 double mean_of(const std::vector<double>& values) {
   double sum = 0.0;
@@ -59,6 +62,25 @@ json summary(const Score& score, const Chosen& chosen) {
           {"max_mm", quantile_of(errors, 1.0)},
           {"rmse_mm", {{"x", rmse.x()}, {"y", rmse.y()}, {"z", rmse.z()}}},
           {"coverage", coverage(score, chosen)}};
+}
+
+std::vector<Column> spread_columns(const char* first) {
+  std::vector<Column> columns = {{.head = first}};
+  for (const char* head : {"mean", "SD", "95 %", "max", "x RMSE", "y RMSE", "z RMSE"})
+    columns.push_back({.head = head, .digits = 1});
+  return columns;
+}
+
+std::vector<Cell> spread_cells(const char* first, const json& group) {
+  const json rmse = group.is_object() ? group.value("rmse_mm", json()) : json();
+  return {first,
+          number_in(group, "mean_mm"),
+          number_in(group, "sd_mm"),
+          number_in(group, "p95_mm"),
+          number_in(group, "max_mm"),
+          number_in(rmse, "x"),
+          number_in(rmse, "y"),
+          number_in(rmse, "z")};
 }
 
 }  // namespace
@@ -117,32 +139,67 @@ json to_json(const Times& times) {
   return row;
 }
 
-std::string text_of(const json& methods) {
-  const auto shown = [](const json& group, const char* key = "mean_mm") {
-    return group.is_object() && group.contains(key)
-               ? fmt::format("{:.1f}", group[key].get<double>())
-               : std::string("-");
-  };
-  std::string text = fmt::format(
-      "{:<15} {:>8} {:>6} {:>6} {:>6} {:>6} {:>6} {:>6} {:>6} {:>5} {:>8} {:>6}", "", "sitting",
-      "prone", "p95", "max", "slim", "medium", "hefty", "all 27", "95 %", "failures", "ms");
+Cell number_in(const json& group, const char* key, double scale) {
+  const json value = group.is_object() ? group.value(key, json()) : json();
+  return value.is_number() ? scale * value.get<double>() : std::nan("");
+}
+
+Table place_table(const json& methods) {
+  Table table{.columns = {{.head = "mean, mm"}}};
+  for (const char* head :
+       {"sitting", "slim", "medium", "hefty", "prone", "slim", "medium", "hefty", "all points"})
+    table.columns.push_back({.head = head, .digits = 1});
   for (const char* method : acupoint_methods) {
     if (!methods.contains(method)) continue;
     const json& row = methods[method];
-    const std::string covered = row["coverage"].is_null()
-                                    ? "-"
-                                    : fmt::format("{:.0f}", 100.0 * row["coverage"].get<double>());
-    text += fmt::format(
-        "\n{:<15} {:>8} {:>6} {:>6} {:>6} {:>6} {:>6} {:>6} {:>6} {:>5} {:>8} {:>6.0f}", method,
-        shown(row["by_position"]["sitting"]), shown(row["by_position"]["prone"]),
-        shown(row, "p95_mm"), shown(row, "max_mm"), shown(row["by_type"]["slim"]),
-        shown(row["by_type"]["medium"]), shown(row["by_type"]["hefty"]), shown(row["all_points"]),
-        covered, row["failures"].get<std::size_t>(), row["compute_ms_median"].get<double>());
-    for (const auto& failure : row["failed"]) {
-      text += fmt::format("\n  {}", failure.get<std::string>());
+    std::vector<Cell> cells = {method};
+    for (const char* position : {"sitting", "prone"}) {
+      cells.push_back(number_in(row["by_position"][position], "mean_mm"));
+      for (const char* type : {"slim", "medium", "hefty"})
+        cells.push_back(number_in(row["by_position_and_type"][position][type], "mean_mm"));
     }
+    cells.push_back(number_in(row["all_points"], "mean_mm"));
+    table.add(std::move(cells));
   }
-  return text;
+  return table;
+}
+
+Table spread_table(const json& methods) {
+  Table table{.columns = spread_columns("mm")};
+  table.columns.push_back({.head = "within the radius, %", .digits = 0});
+  table.columns.push_back({.head = "failures"});
+  table.columns.push_back({.head = "ms", .digits = 0});
+  for (const char* method : acupoint_methods) {
+    if (!methods.contains(method)) continue;
+    const json& row = methods[method];
+    std::vector<Cell> cells = spread_cells(method, row);
+    cells.push_back(number_in(row, "coverage", 100.0));
+    cells.emplace_back(row["failures"].get<std::size_t>());
+    cells.push_back(number_in(row, "compute_ms_median"));
+    table.add(std::move(cells));
+  }
+  return table;
+}
+
+Table point_table(const json& method) {
+  Table table{.columns = spread_columns("point")};
+  for (const char* point : seven_acupoints)
+    table.add(spread_cells(point, method["by_point"][point]));
+  return table;
+}
+
+Table time_table(const json& times) {
+  Table table{.columns = {{.head = "median"}}};
+  std::vector<Cell> cells = {"seconds"};
+  for (const auto& [head, key] :
+       {std::pair{"scan", "scan_s"}, std::pair{"map", "map_s"}, std::pair{"plan", "plan_s"},
+        std::pair{"all", "total_s"}, std::pair{"thesis", "thesis_s"},
+        std::pair{"teach and play", "teach_and_play_s"}}) {
+    table.columns.push_back({.head = head, .digits = 2});
+    cells.push_back(number_in(times, key));
+  }
+  table.add(std::move(cells));
+  return table;
 }
 
 }  // namespace tuina::app

@@ -4,6 +4,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "apps/evaluation/acupoints/trials.hpp"
+#include "tuina/telemetry/table.hpp"
 
 namespace tuina::app {
 
@@ -15,7 +16,16 @@ namespace tuina::app {
 /// Seconds from the person on the couch to the plan beside the thesis and teach-and-play.
 [[nodiscard]] nlohmann::json to_json(const Times& times);
 
-/// The tables for people.
-[[nodiscard]] std::string text_of(const nlohmann::json& methods);
+/// The methods beside each other: by position and body type, and how errors are spread.
+[[nodiscard]] telemetry::Table place_table(const nlohmann::json& methods);
+[[nodiscard]] telemetry::Table spread_table(const nlohmann::json& methods);
+/// How the errors of one method are spread, point by point.
+[[nodiscard]] telemetry::Table point_table(const nlohmann::json& method);
+/// Seconds to the plan.
+[[nodiscard]] telemetry::Table time_table(const nlohmann::json& times);
+
+/// A number of a group that may be missing: a cell that says "-" then.
+[[nodiscard]] telemetry::Cell number_in(const nlohmann::json& group, const char* key,
+                                        double scale = 1.0);
 
 }  // namespace tuina::app

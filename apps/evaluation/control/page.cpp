@@ -7,14 +7,13 @@
 
 #include "apps/evaluation/control/report.hpp"
 #include "tuina/core/units.hpp"
+#include "tuina/telemetry/page.hpp"
 #include "tuina/telemetry/plot/heat_map.hpp"
 #include "tuina/telemetry/plot/svg_plot.hpp"
-#include "tuina/telemetry/report/style.hpp"
 
 namespace tuina::app {
 namespace {
 
-using telemetry::escaped;
 using telemetry::Plot;
 using telemetry::Series;
 namespace palette = telemetry::palette;
@@ -140,39 +139,6 @@ std::string stability_maps(const ControlTable& stability, const std::string& law
   return telemetry::to_svg(maps);
 }
 
-std::string html_table(const ControlTable& table) {
-  std::string html = "<div class=\"wide\"><table><tr>";
-  for (const auto& [name, value] : table.rows.front().labels)
-    html += fmt::format("<th class=\"l\">{}</th>", escaped(name == "what" ? "" : name));
-  html +=
-      "<th>error, N rms</th><th>over target, N</th><th>ripple, N</th><th>highest, N</th><th>tool, "
-      "mm/s</th><th>second contact, N</th><th>stopped</th><th></th></tr>\n";
-  for (const ControlRow& row : table.rows) {
-    html += "<tr>";
-    for (const auto& [name, value] : row.labels)
-      html += fmt::format("<td class=\"l\">{}</td>", escaped(value));
-    const ControlResult& r = row.result;
-    html += fmt::format(
-        "<td>{:.2f}</td><td>{:.1f}</td><td>{:.2f}</td><td>{:.1f}</td><td>{:.0f}</td><td>{:.1f}</td>"
-        "<td>{} of {}</td><td>{}</td></tr>\n",
-        r.rmse_n, r.overshoot_n, r.ripple_n, r.highest_n, to_mm(r.max_speed_m_per_s),
-        r.second_impact_n, r.stopped, r.runs,
-        !row.target              ? ""
-        : row.target->reached(r) ? "reached"
-                                 : "<b>not reached</b>");
-  }
-  return html + "</table></div>\n";
-}
-
-std::string section(const std::string& title, const std::string& text, const std::string& body) {
-  return fmt::format("<section class=\"long\"><h2>{}</h2><p>{}</p>{}</section>\n", escaped(title),
-                     escaped(text), body);
-}
-
-std::string wide(const std::string& svg) {
-  return "<div class=\"wide\">" + svg + "</div>";
-}
-
 }  // namespace
 
 std::vector<std::pair<std::string, std::string>> figures_of(const ControlReport& report) {
@@ -193,88 +159,63 @@ std::vector<std::pair<std::string, std::string>> figures_of(const ControlReport&
 }
 
 std::string page_of(const ControlReport& report) {
+  telemetry::Page page(
+      {.title = "tuina: control",
+       .over = "tuina evaluate control",
+       .badges = {"simulation"},
+       .heading = "Robot in contact",
+       .lead = "Every number is the worst of its runs, and every error is of the true contact "
+               "force. Nothing here was tried on a real arm or on people.",
+       .footer = fmt::format("seed {}, {} form", report.seed, report.full ? "full" : "quick")});
   const auto figures = figures_of(report);
   const auto figure = [&](const std::string& name) {
     for (const auto& [key, svg] : figures)
-      if (key == name) return wide(svg);
+      if (key == name) return svg;
     return std::string();
   };
-  std::string body;
-  const auto add = [&](const char* name, const char* title, const std::string& figure_html,
-                       const std::string& more = "") {
+  const auto add = [&](const char* name, const char* title, const char* drawing = "",
+                       const char* more = "") {
     const ControlTable* table = report.table(name);
     if (table == nullptr) return;
-    const bool many = table->name == "controllers";
-    body +=
-        section(title, table->about + more,
-                figure_html + html_table(many ? grouped(*table, {"controller", "torso", "force_n"})
-                                              : *table));
+    page.section(title, table->about + more).figure(figure(drawing)).table(shown_table(*table));
   };
-  add("targets", "Targets", "");
-  body += section("One press by five controllers",
-                  "30 N on soft muscle over a rigid torso; the tissue is believed 30 % wrong. The "
-                  "laws of the thesis and the one without trim have no force loop.",
-                  figure("control_press"));
-  add("controllers", "Controllers", figure("control_errors"),
+  add("targets", "Targets");
+  page.section(
+          "One press by five controllers",
+          "30 N on soft muscle over a rigid torso; the tissue is believed 30 % wrong. The laws "
+          "of the thesis and the one without trim have no force loop.")
+      .figure(figure("control_press"));
+  add("controllers", "Controllers", "control_errors",
       " A run that lost contact and was stopped counts with the force it did not give.");
-  body +=
-      section("A person rises",
-              "30 mm at 0.1 m/s under 40 N on hard muscle, from 2.5 s on; tuina is startled and "
-              "lets go.",
-              figure("control_rise"));
-  add("events", "What a person may do", "");
-  add("curved_back", "Curved back", "");
-  add("taps", "Taps", "");
+  page.section("A person rises",
+               "30 mm at 0.1 m/s under 40 N on hard muscle, from 2.5 s on; tuina is startled and "
+               "lets go.")
+      .figure(figure("control_rise"));
+  add("events", "What a person may do");
+  add("curved_back", "Curved back");
+  add("taps", "Taps");
   if (const ControlTable* table = report.table("stability")) {
-    body +=
-        section("Where contact trembles",
-                table->about + " The number is the ripple in newtons; `stop`: the guard ended it.",
-                "<h3>tuina</h3>" + figure("control_stability") + "<h3>[thesis] (3.5)</h3>" +
-                    figure("control_stability_thesis"));
+    page.section("Where contact trembles",
+                 table->about + " The number is the ripple in newtons; `stop`: the guard ended it.")
+        .heading("tuina")
+        .figure(figure("control_stability"))
+        .heading("[thesis] (3.5)")
+        .figure(figure("control_stability_thesis"));
   }
-  add("stiffness", "Stiffness", figure("control_stiffness"));
-  add("devices", "Sensors and drives", "");
-  std::string pulls =
-      "<table><tr><th class=\"l\">law</th><th>torque, Nm</th><th>joint, "
-      "rad/s</th><th></th></tr>";
-  for (const BeyondReach& pull : report.beyond_reach) {
-    pulls +=
-        fmt::format("<tr><td class=\"l\">{}</td><td>{:.3g}</td><td>{:.3g}</td><td>{}</td></tr>",
-                    escaped(pull.law), pull.max_torque_nm, pull.max_speed_rad_per_s,
-                    pull.survived ? "" : "diverges");
-  }
-  body += section("Beyond reach", "The target walks 0.2 m beyond the stretched arm.",
-                  pulls + "</table>");
-  std::string bounds =
-      "<table><tr><th class=\"l\">tissue</th><th>held, N</th><th>answer after, ms</th><th>push, "
-      "N</th><th>highest force, N</th></tr>";
-  for (const ReflexBound& bound : report.reflex_bounds) {
-    bounds += fmt::format(
-        "<tr><td "
-        "class=\"l\">{}</td><td>{:.0f}</td><td>{:.1f}</td><td>{:.0f}</td><td>{:.0f}</td></tr>",
-        bound.tissue, bound.force_n, bound.after_ms, bound.push_n, bound.highest_n);
-  }
-  body += section("What no reflex can do better",
-                  "A person on a rigid torso rises at 0.1 m/s; the arm pushes itself away after a "
-                  "time, at once and with nothing in its way.",
-                  bounds + "</table>");
-  body += section(
-      "The thesis' 140 N",
-      fmt::format("On a seated person's back the drives hold {:.0f} N at the weakest of {} places "
-                  "and {:.0f} N in the median, their torques being an assumption of "
-                  "docs/robot.md. The stretched arm reaches {:.2f} m.",
-                  report.force_at_tool.min_n, report.force_at_tool.reached,
-                  report.force_at_tool.median_n, report.force_at_tool.reach_m),
-      "");
-  return fmt::format(
-      "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
-      "content=\"width=device-width,initial-scale=1\"><title>tuina: control</title>\n"
-      "<style>{}</style></head><body><main>\n<p class=\"over\"><span>evaluate control</span><span "
-      "class=\"badge\">simulation</span></p><h1>Robot in contact</h1>\n<p class=\"lead\">Every "
-      "number is the worst of its runs, and every error is of the true contact force. Nothing here "
-      "was tried on a real arm or on people.</p>\n{}<footer>seed {}, {} form</footer>\n"
-      "</main></body></html>\n",
-      telemetry::report_style, body, report.seed, report.full ? "full" : "quick");
+  add("stiffness", "Stiffness", "control_stiffness");
+  add("devices", "Sensors and drives");
+  add("rules", "Rules of the tissue");
+  page.section("Beyond reach", "The target walks 0.2 m beyond the stretched arm.")
+      .table(beyond_reach_table(report));
+  page.section(
+          "What no reflex can do better",
+          "A person on a rigid torso rises at 0.1 m/s; the arm pushes itself away after a time, "
+          "at once and with nothing in its way.")
+      .table(reflex_table(report));
+  page.section("The thesis' 140 N", force_sentence(report.force_at_tool) +
+                                        " The torques of the drives are an assumption of "
+                                        "docs/robot.md.");
+  return page.str();
 }
 
 }  // namespace tuina::app

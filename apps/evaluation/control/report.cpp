@@ -6,47 +6,84 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "apps/cli/table.hpp"
 #include "tuina/core/units.hpp"
 
 namespace tuina::app {
 namespace {
 
-nlohmann::ordered_json json_of(const ControlRow& row) {
-  nlohmann::ordered_json json;
-  for (const auto& [name, value] : row.labels) json[name] = value;
-  const ControlResult& result = row.result;
-  json["runs"] = result.runs;
-  json["stopped"] = result.stopped;
-  json["rmse_n"] = result.rmse_n;
-  json["overshoot_n"] = result.overshoot_n;
-  json["ripple_n"] = result.ripple_n;
-  json["highest_n"] = result.highest_n;
-  json["fastest_mm_per_s"] = to_mm(result.max_speed_m_per_s);
-  json["second_impact_n"] = result.second_impact_n;
-  if (row.target) {
-    const auto limit = [&](const char* key, const std::optional<double>& value, double scale) {
-      if (value) json["target"][key] = scale * *value;
-    };
-    limit("rmse_n", row.target->rmse_n, 1.0);
-    limit("overshoot_n", row.target->overshoot_n, 1.0);
-    limit("highest_n", row.target->highest_n, 1.0);
-    limit("fastest_mm_per_s", row.target->max_speed_m_per_s, 1e3);
-    limit("second_impact_n", row.target->second_impact_n, 1.0);
-    json["reached"] = row.target->reached(result);
+using telemetry::Cell;
+using telemetry::Column;
+using telemetry::Table;
+
+/// The names of all labels, in the order in which they come; rows may have different ones.
+std::vector<std::string> labels_of(const ControlTable& table) {
+  std::vector<std::string> names;
+  for (const ControlRow& row : table.rows) {
+    for (const auto& label : row.labels) {
+      if (std::find(names.begin(), names.end(), label.first) == names.end())
+        names.push_back(label.first);
+    }
   }
-  return json;
+  return names;
 }
 
-std::string line_of(const ControlRow& row) {
-  std::string what;
-  for (const auto& [name, value] : row.labels) what += (what.empty() ? "" : ", ") + value;
+std::vector<Column> columns_of(const ControlTable& table) {
+  std::vector<Column> columns;
+  for (const std::string& name : labels_of(table)) {
+    std::string head = name == "what" ? " " : name;
+    std::replace(head.begin(), head.end(), '_', ' ');
+    columns.push_back({.head = head, .key = name});
+  }
+  const bool judged = std::any_of(table.rows.begin(), table.rows.end(),
+                                  [](const ControlRow& row) { return row.target.has_value(); });
+  const std::vector<Column> results = {
+      {.head = "runs", .key = "runs"},
+      {.head = "stopped", .key = "stopped"},
+      {.head = "error, N rms", .key = "rmse_n", .digits = 2},
+      {.head = "over target, N", .key = "overshoot_n", .digits = 1},
+      {.head = "ripple, N", .key = "ripple_n", .digits = 2},
+      {.head = "highest, N", .key = "highest_n", .digits = 1},
+      {.head = "tool, mm/s", .key = "fastest_mm_per_s", .digits = 0},
+      {.head = "second contact, N", .key = "second_impact_n", .digits = 1},
+      {.key = "target/rmse_n"},
+      {.key = "target/overshoot_n"},
+      {.key = "target/highest_n"},
+      {.key = "target/fastest_mm_per_s"},
+      {.key = "target/second_impact_n"},
+      {.key = "reached"},
+      {.head = judged ? "target" : ""}};
+  columns.insert(columns.end(), results.begin(), results.end());
+  return columns;
+}
+
+std::vector<Cell> cells_of(const ControlRow& row, const std::vector<std::string>& labels) {
+  std::vector<Cell> cells(labels.size());
+  for (const auto& [name, value] : row.labels) {
+    const auto column = std::find(labels.begin(), labels.end(), name) - labels.begin();
+    cells[static_cast<std::size_t>(column)] = value;
+  }
   const ControlResult& r = row.result;
-  return fmt::format("{:<52} {:6.2f} {:6.1f} {:6.1f} {:6.0f} {:6.1f} {:>5}/{}{}\n", what, r.rmse_n,
-                     r.overshoot_n, r.highest_n, to_mm(r.max_speed_m_per_s), r.second_impact_n,
-                     r.stopped, r.runs,
-                     !row.target              ? ""
-                     : row.target->reached(r) ? "  reached"
-                                              : "  NOT REACHED");
+  cells.insert(cells.end(), {r.runs, r.stopped, r.rmse_n, r.overshoot_n, r.ripple_n, r.highest_n,
+                             to_mm(r.max_speed_m_per_s), r.second_impact_n});
+  if (!row.target) {
+    cells.resize(cells.size() + 7);
+    return cells;
+  }
+  const ControlTarget& target = *row.target;
+  const Cell speed = target.max_speed_m_per_s ? Cell(to_mm(*target.max_speed_m_per_s)) : Cell();
+  const bool reached = target.reached(r);
+  cells.insert(cells.end(), {target.rmse_n, target.overshoot_n, target.highest_n, speed,
+                             target.second_impact_n, reached, reached ? "reached" : "NOT REACHED"});
+  return cells;
+}
+
+Table table_of(const ControlTable& table) {
+  Table rows{.note = table.about};
+  rows.columns = columns_of(table);
+  const auto labels = labels_of(table);
+  for (const ControlRow& row : table.rows) rows.add(cells_of(row, labels));
+  return rows;
 }
 
 }  // namespace
@@ -57,63 +94,68 @@ const ControlTable* ControlReport::table(const std::string& name) const {
   return found == tables.end() ? nullptr : &*found;
 }
 
+Table shown_table(const ControlTable& table) {
+  const bool many = table.name == "controllers";
+  return table_of(many ? grouped(table, {"controller", "torso", "force_n"}) : table);
+}
+
+Table beyond_reach_table(const ControlReport& report) {
+  Table table{.title = "A target 0.2 m beyond the stretched arm",
+              .columns = {{.head = "law", .key = "law"},
+                          {.head = "torque, Nm", .key = "highest_torque_nm"},
+                          {.head = "joint, rad/s", .key = "fastest_rad_per_s"},
+                          {.key = "survived"},
+                          {.head = "outcome"}}};
+  for (const BeyondReach& pull : report.beyond_reach) {
+    table.add({pull.law, pull.max_torque_nm, pull.max_speed_rad_per_s, pull.survived,
+               pull.survived ? "" : "diverges"});
+  }
+  return table;
+}
+
+Table reflex_table(const ControlReport& report) {
+  Table table{.title =
+                  "A person on a rigid torso rises at 0.1 m/s against an arm that pushes "
+                  "itself away",
+              .columns = {{.head = "tissue", .key = "tissue"},
+                          {.head = "held, N", .key = "force_n", .digits = 0},
+                          {.head = "answer after, ms", .key = "after_ms", .digits = 1},
+                          {.head = "push, N", .key = "push_n", .digits = 0},
+                          {.head = "highest force, N", .key = "highest_n", .digits = 0}}};
+  for (const ReflexBound& bound : report.reflex_bounds)
+    table.add({bound.tissue, bound.force_n, bound.after_ms, bound.push_n, bound.highest_n});
+  return table;
+}
+
+std::string force_sentence(const ForceAtTool& force) {
+  return fmt::format(
+      "On a seated person's back the drives hold {:.0f} N at the weakest of {} places out of {} "
+      "and "
+      "{:.0f} N in the median. The stretched arm reaches {:.2f} m.",
+      force.min_n, force.reached, force.places, force.median_n, force.reach_m);
+}
+
 std::string to_json(const ControlReport& report) {
   nlohmann::ordered_json json = {{"seed", report.seed}, {"full", report.full}};
-  for (const ControlTable& table : report.tables) {
-    auto& rows = json["control"][table.name] = nlohmann::ordered_json::array();
-    for (const ControlRow& row : table.rows) rows.push_back(json_of(row));
-  }
-  for (const BeyondReach& pull : report.beyond_reach) {
-    json["control"]["beyond_reach"].push_back({{"law", pull.law},
-                                               {"highest_torque_nm", pull.max_torque_nm},
-                                               {"fastest_rad_per_s", pull.max_speed_rad_per_s},
-                                               {"survived", pull.survived}});
-  }
-  for (const ReflexBound& bound : report.reflex_bounds) {
-    json["control"]["reflex_bound"].push_back({{"tissue", bound.tissue},
-                                               {"force_n", bound.force_n},
-                                               {"after_ms", bound.after_ms},
-                                               {"push_n", bound.push_n},
-                                               {"highest_n", bound.highest_n}});
-  }
+  nlohmann::ordered_json& control = json["control"];
+  for (const ControlTable& table : report.tables) control[table.name] = to_json(table_of(table));
+  control["beyond_reach"] = to_json(beyond_reach_table(report));
+  control["reflex_bound"] = to_json(reflex_table(report));
   const ForceAtTool& force = report.force_at_tool;
-  json["control"]["force_at_tool"] = {{"places", force.places},
-                                      {"reached", force.reached},
-                                      {"least_n", force.min_n},
-                                      {"median_n", force.median_n},
-                                      {"reach_m", force.reach_m}};
+  control["force_at_tool"] = {{"places", force.places},
+                              {"reached", force.reached},
+                              {"least_n", force.min_n},
+                              {"median_n", force.median_n},
+                              {"reach_m", force.reach_m}};
   return json.dump(2);
 }
 
 std::string to_text(const ControlReport& report) {
-  std::string text = fmt::format(
-      "The worst of all runs of a row; errors of the true contact force. Simulation only.\n{:<52} "
-      "{:>6} {:>6} {:>6} {:>6} {:>6} {:>7}\n{:<52} {:>6} {:>6} {:>6} {:>6} {:>6}\n",
-      "", "rmse", "over", "high", "fast", "second", "stopped", "", "N", "N", "N", "mm/s", "N");
-  for (const ControlTable& whole : report.tables) {
-    const bool many = whole.name == "controllers";
-    const ControlTable table = many ? grouped(whole, {"controller", "torso", "force_n"}) : whole;
-    text += fmt::format("\n{}\n", table.about);
-    for (const ControlRow& row : table.rows) text += line_of(row);
-  }
-  text += "\nA target 0.2 m beyond the stretched arm:\n";
-  for (const BeyondReach& pull : report.beyond_reach) {
-    text += fmt::format("{:<52} {:.3g} Nm, {:.3g} rad/s{}\n", pull.law, pull.max_torque_nm,
-                        pull.max_speed_rad_per_s, pull.survived ? "" : ", diverges");
-  }
-  text += "\nA person on a rigid torso rises at 0.1 m/s against an arm that pushes itself away:\n";
-  for (const ReflexBound& bound : report.reflex_bounds) {
-    text += fmt::format("{:<52} {:6.0f} N\n",
-                        fmt::format("{}, {:.0f} N, after {:.1f} ms with {:.0f} N", bound.tissue,
-                                    bound.force_n, bound.after_ms, bound.push_n),
-                        bound.highest_n);
-  }
-  text += fmt::format(
-      "\nForce that the drives hold on a seated back, {} of {} places reached: {:.0f} N at the "
-      "weakest place, {:.0f} N in the median. Reach {:.2f} m.",
-      report.force_at_tool.reached, report.force_at_tool.places, report.force_at_tool.min_n,
-      report.force_at_tool.median_n, report.force_at_tool.reach_m);
-  return text;
+  std::string text =
+      "The worst of all runs of a row; errors of the true contact force. Simulation only.\n";
+  for (const ControlTable& table : report.tables) text += "\n" + to_text(shown_table(table));
+  return text + "\n" + to_text(beyond_reach_table(report)) + "\n" + to_text(reflex_table(report)) +
+         "\n" + force_sentence(report.force_at_tool);
 }
 
 }  // namespace tuina::app

@@ -8,6 +8,7 @@
 #include "apps/evaluation/control/reach_trials.hpp"
 #include "apps/evaluation/control/reflex_bound.hpp"
 #include "apps/evaluation/control/trials.hpp"
+#include "tuina/telemetry/table.hpp"
 
 namespace tuina::app {
 
@@ -30,6 +31,13 @@ struct ControlReport {
 
   [[nodiscard]] const ControlTable* table(const std::string& name) const;
 };
+
+/// The tables as people see them; of `controllers` only the groups.
+[[nodiscard]] telemetry::Table shown_table(const ControlTable& table);
+[[nodiscard]] telemetry::Table beyond_reach_table(const ControlReport& report);
+[[nodiscard]] telemetry::Table reflex_table(const ControlReport& report);
+/// A sentence about the force that the drives hold.
+[[nodiscard]] std::string force_sentence(const ForceAtTool& force);
 
 [[nodiscard]] std::string to_json(const ControlReport& report);
 [[nodiscard]] std::string to_text(const ControlReport& report);

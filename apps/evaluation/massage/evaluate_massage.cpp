@@ -5,56 +5,18 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "apps/cli/table.hpp"
 #include "apps/evaluation/massage/page.hpp"
 #include "apps/evaluation/massage/store.hpp"
 #include "apps/evaluation/verbs.hpp"
 #include "tuina/core/io/file.hpp"
 #include "tuina/core/random.hpp"
-#include "tuina/core/units.hpp"
 
 namespace tuina::app {
 namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::ordered_json;
-
-ordered_json to_json(const SessionSummary& sum) {
-  return {
-      {"sessions", sum.sessions},
-      {"refused", sum.refused},
-      {"stopped", sum.stopped},
-      {"with_trouble", sum.troubled},
-      {"paths_left_out", sum.paths_left_out},
-      {"duration_s", sum.mean_duration_s},
-      {"force_rmse_n", {{"mean", sum.mean_rmse_n}, {"worst", sum.worst_rmse_n}}},
-      {"overshoot_n", sum.worst_overshoot_n},
-      {"over_zone_cap_n", sum.max_over_cap_n},
-      {"over_zone_trip_n", sum.max_over_trip_n},
-      {"bony_peak_n", sum.bony_peak_n},
-      {"min_arm_distance_mm", to_mm(sum.min_arm_distance_m)},
-      {"tool_to_acupoint_mm",
-       {{"mean", to_mm(sum.mean_tool_to_acupoint_m)}, {"max", to_mm(sum.max_tool_to_acupoint_m)}}},
-      {"scan_to_touch_s", sum.worst_scan_to_touch_s},
-      {"plan_ms", sum.worst_plan_ms},
-      {"real_time_factor", sum.median_real_time_factor}};
-}
-
-std::string text_of(const std::vector<SessionRow>& rows) {
-  std::string text =
-      fmt::format("{:<22}{:>9}{:>9}{:>9}{:>9}{:>8}{:>9}{:>9}{:>9}{:>9}{:>10}{:>13}{:>9}{:>8}\n", "",
-                  "sessions", "refused", "stopped", "RMS, N", "worst", "over, N", "cap, N",
-                  "zone, N", "bony, N", "arms, mm", "to point, mm", "largest", "time, s");
-  for (const auto& [name, sum] : rows) {
-    text += fmt::format(
-        "{:<22}{:>9}{:>9}{:>9}{:>9.2f}{:>8.2f}{:>9.1f}{:>9.1f}{:>9.1f}{:>9.1f}{:>10.0f}{:>13.1f}"
-        "{:>9.1f}{:>8.0f}\n",
-        name, sum.sessions, sum.refused, sum.stopped, sum.mean_rmse_n, sum.worst_rmse_n,
-        sum.worst_overshoot_n, sum.max_over_cap_n, sum.max_over_trip_n, sum.bony_peak_n,
-        to_mm(sum.min_arm_distance_m), to_mm(sum.mean_tool_to_acupoint_m),
-        to_mm(sum.max_tool_to_acupoint_m), sum.mean_duration_s);
-  }
-  return text;
-}
 
 /// Many whole sessions against the truth: of every programme on every labelled body, or of
 /// simulated people drawn at random.
@@ -210,11 +172,8 @@ class EvaluateMassage final : public Verb {
       for (const std::string& beyond : outcomes[i].beyond) tell(beyond);
       for (const std::string& note : outcomes[i].left_out) tell(note);
     }
-    ordered_json programmes = ordered_json::object(), steering = ordered_json::object();
-    for (const SessionRow& row : rows) programmes[row.name] = to_json(row.sum);
-    for (const SessionRow& row : adaptive) steering[row.name] = to_json(row.sum);
-    ordered_json json{{"massages", programmes}, {"incidents", incidents}};
-    if (!adaptive.empty()) json["adaptive"] = steering;
+    ordered_json json{{"massages", to_json_by_name(session_table(rows))}, {"incidents", incidents}};
+    if (!adaptive.empty()) json["adaptive"] = to_json_by_name(session_table(adaptive));
     if (!html_.empty()) {
       std::vector<SessionOutcome> judged;
       for (std::size_t i = 0; i < trials.size(); ++i) {
@@ -223,8 +182,8 @@ class EvaluateMassage final : public Verb {
       const auto written = write_file(html_, session_page(rows, adaptive, judged, incidents));
       if (!written) return tl::unexpected(written.error());
     }
-    std::string text = text_of(rows);
-    if (!adaptive.empty()) text += "\n" + text_of(adaptive);
+    std::string text = to_text(session_table(rows));
+    if (!adaptive.empty()) text += "\n" + to_text(session_table(adaptive));
     for (const std::string& incident : incidents) text += incident + "\n";
     return Answer{.json = json.dump(2), .text = text};
   }

@@ -4,6 +4,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "apps/cli/table.hpp"
 #include "apps/evaluation/verbs.hpp"
 #include "tuina/core/stopwatch.hpp"
 #include "tuina/core/units.hpp"
@@ -180,37 +181,30 @@ class EvaluateRobots final : public Verb {
   }
 
   static Answer answer(const std::vector<Row>& rows) {
-    std::string text =
-        fmt::format("{:<10}{:<16}{:<9}{:>10}{:>8}{:>11}  {:<17}{:>7}{:>9}{:>9}{:>8}{:>9}{:>8}\n",
-                    "robot", "person", "position", "reach, %", "m/rad", "room, deg", "programme",
-                    "s", "left out", "arms, mm", "couch", "own body", "plan, ms");
-    ordered_json list = ordered_json::array();
+    telemetry::Table table{
+        .columns = {{.head = "robot", .key = "robot"},
+                    {.head = "person", .key = "person"},
+                    {.head = "position", .key = "position"},
+                    {.head = "reach, %", .key = "reached_percent", .digits = 1},
+                    {.head = "m/rad", .key = "dexterity_m_per_rad", .digits = 3},
+                    {.head = "room, deg", .key = "limit_room_deg", .digits = 1},
+                    {.head = "programme", .key = "programme"},
+                    {.head = "s", .key = "duration_s", .digits = 0},
+                    {.key = "paths"},
+                    {.head = "left out", .key = "left_out"},
+                    {.head = "arms, mm", .key = "min_arm_distance_mm", .digits = 0},
+                    {.head = "couch, mm", .key = "min_couch_distance_mm", .digits = 0},
+                    {.head = "own body, mm", .key = "min_body_distance_mm", .digits = 0},
+                    {.head = "plan, ms", .key = "plan_ms", .digits = 0}}};
     for (const Row& row : rows) {
-      const double share = 100.0 * row.workspace.reached / std::max(row.workspace.places, 1);
-      const double couch_mm = to_mm(row.clear[robot::Surrounding::couch]);
-      const double body_mm = to_mm(row.clear[robot::Surrounding::body]);
-      text += fmt::format(
-          "{:<10}{:<16}{:<9}{:>10.1f}{:>8.3f}{:>11.1f}  {:<17}{:>7.0f}{:>9}{:>9.0f}{:>8.0f}{:>9.0f}"
-          "{:>8.0f}\n",
-          name_of(row.kind), row.who, name_of(row.position), share, row.workspace.dexterity,
-          to_deg(row.workspace.limit_room_rad), row.programme, row.duration_s, row.left_out,
-          to_mm(row.arms_m), couch_mm, body_mm, row.plan_ms);
-      list.push_back({{"robot", name_of(row.kind)},
-                      {"person", row.who},
-                      {"position", name_of(row.position)},
-                      {"reached_percent", share},
-                      {"dexterity_m_per_rad", row.workspace.dexterity},
-                      {"limit_room_deg", to_deg(row.workspace.limit_room_rad)},
-                      {"programme", row.programme},
-                      {"duration_s", row.duration_s},
-                      {"paths", row.paths},
-                      {"left_out", row.left_out},
-                      {"min_arm_distance_mm", to_mm(row.arms_m)},
-                      {"min_couch_distance_mm", couch_mm},
-                      {"min_body_distance_mm", body_mm},
-                      {"plan_ms", row.plan_ms}});
+      table.add({name_of(row.kind), row.who, name_of(row.position),
+                 100.0 * row.workspace.reached / std::max(row.workspace.places, 1),
+                 row.workspace.dexterity, to_deg(row.workspace.limit_room_rad), row.programme,
+                 row.duration_s, row.paths, row.left_out, to_mm(row.arms_m),
+                 to_mm(row.clear[robot::Surrounding::couch]),
+                 to_mm(row.clear[robot::Surrounding::body]), row.plan_ms});
     }
-    return {.json = ordered_json{{"robots", list}}.dump(2), .text = text};
+    return {.json = ordered_json{{"robots", to_json(table)}}.dump(2), .text = to_text(table)};
   }
 
   std::vector<std::string> programmes_ = {"relax", "full_back_20min"};

@@ -7,6 +7,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "apps/cli/table.hpp"
 #include "apps/evaluation/verbs.hpp"
 #include "apps/simulated/play_motion.hpp"
 #include "apps/simulated/simulated_session.hpp"
@@ -123,17 +124,21 @@ Given by_session(const std::string& person, const std::string& programme,
           .force_rmse_n = done->truth.force.rmse_n};
 }
 
-std::string text_of(const Given& given) {
-  if (!given.failed.empty()) return fmt::format("{:<26}", given.failed.substr(0, 25));
-  return fmt::format("{:>5.0f} s {:>5.1f} mm {:>5.2f} N  ", given.time_s, to_mm(given.passes_m),
-                     given.force_rmse_n);
+/// Three columns of one way to get the stroke.
+void add_columns(std::vector<telemetry::Column>& columns, const std::string& key,
+                 const std::string& head) {
+  columns.push_back({.head = head + ", s", .key = key + "/time_s", .digits = 0});
+  columns.push_back({.head = "passes by, mm", .key = key + "/passes_mm", .digits = 1});
+  columns.push_back({.head = "force error, N", .key = key + "/force_rmse_n", .digits = 2});
+  columns.push_back({.key = key + "/failed"});
 }
 
-ordered_json json_of(const Given& given) {
-  if (!given.failed.empty()) return {{"failed", given.failed}};
-  return {{"time_s", given.time_s},
-          {"passes_mm", to_mm(given.passes_m)},
-          {"force_rmse_n", given.force_rmse_n}};
+void add_cells(std::vector<telemetry::Cell>& cells, const Given& given) {
+  if (given.failed.empty()) {
+    cells.insert(cells.end(), {given.time_s, to_mm(given.passes_m), given.force_rmse_n, {}});
+  } else {
+    cells.insert(cells.end(), {{}, {}, {}, given.failed});
+  }
 }
 
 /// Over those who got it.
@@ -149,7 +154,9 @@ Given mean_of(const std::vector<Ways>& all, Given Ways::*way) {
     count += 1.0;
   }
   if (count == 0.0) return {.failed = "nobody got it"};
-  mean.time_s /= count, mean.passes_m /= count, mean.force_rmse_n /= count;
+  mean.time_s /= count;
+  mean.passes_m /= count;
+  mean.force_rmse_n /= count;
   return mean;
 }
 
@@ -207,24 +214,27 @@ class EvaluateTeach final : public Verb {
 
  private:
   [[nodiscard]] static Answer answer(const std::vector<Ways>& all) {
-    std::string text = fmt::format("{:<26}{:<27}{:<27}{:<27}\n", "", "shown and played",
-                                   "shown once, carried", "planned");
-    ordered_json people = ordered_json::array();
+    telemetry::Table table{.note =
+                               "time until it was given; mean distance by which it passes SI11, "
+                               "BL47 and BL50; force error, RMS",
+                           .columns = {{.head = "person", .key = "person"}}};
+    add_columns(table.columns, "taught", "shown and played");
+    add_columns(table.columns, "carried", "shown once, carried");
+    add_columns(table.columns, "automatic", "planned");
+    std::string failures;
     for (const Ways& one : all) {
-      text += fmt::format("{:<26}{} {} {}\n", one.person, text_of(one.taught), text_of(one.carried),
-                          text_of(one.automatic));
-      people.push_back({{"person", one.person},
-                        {"taught", json_of(one.taught)},
-                        {"carried", json_of(one.carried)},
-                        {"automatic", json_of(one.automatic)}});
+      std::vector<telemetry::Cell> cells = {one.person};
+      for (const Given& given : {one.taught, one.carried, one.automatic}) {
+        add_cells(cells, given);
+        if (!given.failed.empty()) failures += fmt::format("{}: {}\n", one.person, given.failed);
+      }
+      table.add(std::move(cells));
     }
+    ordered_json people = to_json(table);
     const ordered_json mean = people.back();
     people.erase(people.size() - 1);
     const ordered_json json = {{"teach", {{"people", people}, {"mean", mean}}}};
-    return {.json = json.dump(2),
-            .text = text +
-                    "time until it was given; mean distance by which it passes SI11, BL47 "
-                    "and BL50; force error, RMS\n"};
+    return {.json = json.dump(2), .text = to_text(table) + failures};
   }
 
   int people_ = 10;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "apps/evaluation/massage/trials.hpp"
+#include "tuina/telemetry/table.hpp"
 
 namespace tuina::app {
 
@@ -13,6 +14,9 @@ struct SessionRow {
   std::string name;
   SessionSummary sum;
 };
+
+/// The keys of one row in `evaluate massage`, and what people see of them.
+[[nodiscard]] telemetry::Table session_table(const std::vector<SessionRow>& rows);
 
 /// What `evaluate massage` found, as one page that needs nothing else. `adaptive` are the same
 /// sessions with steering and without, or empty.

@@ -26,11 +26,11 @@ struct SessionOutcome {
   std::vector<std::string> beyond =
       {};  ///< force beyond a true zone's cap, press far off its point
   double duration_s = 0.0;
-  double rmse_n = 0.0, overshoot_n = 0.0;  ///< errors of the true force over all techniques
+  double rmse_n = 0.0, overshoot_n = 0.0;  ///< errors of the true force, all techniques
   double bony_peak_n = 0.0;                ///< largest force where bone truly is near
-  double over_cap_n = 0.0;                 ///< largest beyond what the true zone may be asked for
-  double over_trip_n = 0.0;                ///< and beyond what it bears
-  double arm_distance_m = 0.0;             ///< smallest
+  double over_cap_n = 0.0;                 ///< largest excess over the true zone's cap
+  double over_trip_n = 0.0;     ///< largest excess over the force that trips the guard there
+  double arm_distance_m = 0.0;  ///< smallest
   std::vector<double> tool_to_acupoint_m =
       {};  ///< distance of each press of one of the seven points
   double scan_to_touch_s = 0.0;

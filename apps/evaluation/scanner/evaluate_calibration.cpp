@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <span>
 
+#include "apps/cli/table.hpp"
 #include "apps/evaluation/verbs.hpp"
 #include "tuina/calibration/calibrate.hpp"
 #include "tuina/core/random.hpp"
@@ -39,13 +40,22 @@ struct Errors {
     stated2 += stated * stated;
     ++sets;
   }
-  [[nodiscard]] nlohmann::json json() const {
-    return {{"mean", sum / sets},
-            {"rms", std::sqrt(true2 / sets)},
-            {"stated", std::sqrt(stated2 / sets)},
-            {"rms_over_stated", stated2 > 0.0 ? std::sqrt(true2 / stated2) : 0.0}};
-  }
 };
+
+telemetry::Table error_table(const std::string& name,
+                             const std::map<std::string, Errors>& quantities) {
+  telemetry::Table table{.title = name,
+                         .columns = {{.head = "error"},
+                                     {.head = "mean", .key = "mean", .digits = 3},
+                                     {.head = "rms", .key = "rms", .digits = 3},
+                                     {.head = "stated", .key = "stated", .digits = 3},
+                                     {.head = "ratio", .key = "rms_over_stated", .digits = 2}}};
+  for (const auto& [quantity, e] : quantities) {
+    table.add({quantity, e.sum / e.sets, std::sqrt(e.true2 / e.sets), std::sqrt(e.stated2 / e.sets),
+               e.stated2 > 0.0 ? std::sqrt(e.true2 / e.stated2) : 0.0});
+  }
+  return table;
+}
 
 struct Case {
   int poses;
@@ -103,20 +113,15 @@ class EvaluateCalibration final : public Verb {
       if (!done) return tl::unexpected(done.error());
       if (bar) bar((set + 1.0) / sets_);
     }
-    nlohmann::json json;
+    nlohmann::ordered_json json;
     std::string text;
     for (const auto& [name, quantities] : table) {
-      text += fmt::format("{}{}\n", text.empty() ? "" : "\n", name);
-      for (const auto& [quantity, errors] : quantities) {
-        const auto one = errors.json();
-        json[name][quantity] = one;
-        text += fmt::format("  {:<26} mean {:8.3f}  rms {:8.3f}  stated {:8.3f}  ratio {:5.2f}\n",
-                            quantity, one["mean"].get<double>(), one["rms"].get<double>(),
-                            one["stated"].get<double>(), one["rms_over_stated"].get<double>());
-      }
+      const telemetry::Table errors = error_table(name, quantities);
+      json[name] = to_json_by_name(errors);
+      text += (text.empty() ? "" : "\n") + to_text(errors);
     }
     text.pop_back();
-    return Answer{.json = nlohmann::json{{"sets", sets_}, {"calibration", json}}.dump(2),
+    return Answer{.json = nlohmann::ordered_json{{"sets", sets_}, {"calibration", json}}.dump(2),
                   .text = text};
   }
 

@@ -14,17 +14,17 @@ namespace tuina::app {
 /// Scans of backs over one condition that is made worse and worse.
 struct Curve {
   std::string name;     ///< key in JSON
-  std::string x_label;  ///< label with its unit
+  std::string x_label;  ///< quantity and unit
   std::vector<double> x = {};
   std::vector<BackTrial> y = {};
 };
 
-/// What was wanted of the scanner, and what is so.
+/// A quantity that the scanner should reach, and what was measured.
 struct Target {
-  std::string name;  ///< label with its unit
+  std::string name;  ///< quantity and unit
   double wanted = 0.0;
   double measured = 0.0;
-  bool at_least = false;  ///< else at most
+  bool at_least = false;  ///< true: at least; false: at most
   [[nodiscard]] bool reached() const { return at_least ? measured >= wanted : measured <= wanted; }
 };
 
@@ -34,21 +34,21 @@ struct ScannerProof {
   std::vector<Target> targets = {};
   std::vector<WallTrial> walls = {};
   std::vector<WallTrial> speckled_walls = {};
-  std::map<std::string, BackTrial> backs = {};  ///< by condition
+  std::map<std::string, BackTrial> backs = {};  ///< keyed by condition
   std::vector<Curve> curves = {};
   std::optional<BoxTrial> box = {};
   std::optional<SphereTrial> sphere = {};
-  PointCloud back_in_couch = {};  ///< scan of one person who sits, to be looked at
+  PointCloud back_in_couch = {};  ///< scan of one sitting person, to be looked at
 };
 
 struct ProofOptions {
   bool walls = true, backs = true, curves = true, bodies = true;
   int people = 6;
-  std::vector<BuiltScanner> upright = {};  ///< scanners for backs; without any, errors are drawn
+  std::vector<BuiltScanner> upright = {};  ///< scanners for backs; none: errors are drawn
   std::vector<BuiltScanner> across = {};   ///< scanners for walls and the camera across
 };
 
-/// Of walls and backs that were measured, and of the latency of these scanners.
+/// Targets for the walls and backs that were measured, and for the latency of these scanners.
 [[nodiscard]] std::vector<Target> targets_of(const ScannerProof& proof,
                                              std::span<const BuiltScanner> upright);
 

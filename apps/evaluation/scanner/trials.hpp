@@ -51,7 +51,7 @@ struct WallTrial {
 struct ScanConditions {
   sim::LaserScannerOptions options;
   sim::Breathing breathing;
-  double latency_error_s = 0.0;  ///< by which the calibration knows the latency wrongly
+  double latency_error_s = 0.0;  ///< error of the latency in the calibration
   bool upright = true;           ///< the mount: 640 rows along the spine, or 480
   scanner::SweepOptions sweep;
 };
@@ -60,7 +60,7 @@ struct BackTrial {
   double rms_m = 0.0;
   double expected_m = 0.0;      ///< error that the scan itself expects
   double outlier_share = 0.0;   ///< farther than 5 mm from the surface
-  double seen_share = 0.0;      ///< share of the places that laser and camera both see
+  double seen_share = 0.0;      ///< share of the places seen by both laser and camera
   double covered_points = 0.0;  ///< share of the acupoints with a point of the scan within 6 mm
   bool refused = false;
 };

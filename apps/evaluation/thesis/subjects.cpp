@@ -98,43 +98,43 @@ std::string name_of(std::size_t subject) {
 
 using Places = std::vector<std::array<Place, 3>>;  // of every subject over bone, hard and soft
 
-ResultTable table_of_presses(const Places& all) {
-  ResultTable table{
+telemetry::Table table_of_presses(const Places& all) {
+  telemetry::Table table{
       "6.3.2: the seven subjects of Table 6-2, pressed for a minute",
       "Simulated bodies with the printed alpha and beta, pressed to 25-30 N every two seconds by "
       "the simulated arm under force control, with its friction and sensors, on a breath of 3 mm "
       "and a torso of 35 N/mm known to 20 %; depth from joint angles. The thesis' least squares "
       "(gain 0.1) is told where the skin is at the first touch and holds in the air. Errors are "
       "the worse one of alpha and beta.",
-      {"subject", "tissue", "alpha N", "beta /mm", "thesis after 60 s %", "ours after 60 s %",
-       "ours converged s", "error then %"}};
+      telemetry::named_columns({"subject", "tissue", "alpha N", "beta /mm", "thesis after 60 s %",
+                                "ours after 60 s %", "ours converged s", "error then %"})};
   const auto percent = [](double error) {
     return error < 10.0 ? fmt::format("{:.1f}", 100.0 * error) : std::string(">999");
   };
   for (std::size_t s = 0; s < all.size(); ++s) {
     for (std::size_t k = 0; k < 3; ++k) {
       const Place& place = all[s][k];
-      table.rows.push_back(
-          {name_of(s), trial_tissues[k].name, fmt::format("{:.2f}", place.truth.alpha_n),
-           fmt::format("{:.3f}", from_mm(place.truth.beta_per_m)), percent(place.theirs_error),
-           place.stopped ? "stopped" : percent(worse_error(place.found, place.truth)),
-           place.converged_s ? fmt::format("{:.1f}", *place.converged_s) : "never",
-           place.error_then ? percent(*place.error_then) : "-"});
+      table.add({name_of(s), trial_tissues[k].name, fmt::format("{:.2f}", place.truth.alpha_n),
+                 fmt::format("{:.3f}", from_mm(place.truth.beta_per_m)),
+                 percent(place.theirs_error),
+                 place.stopped ? "stopped" : percent(worse_error(place.found, place.truth)),
+                 place.converged_s ? fmt::format("{:.1f}", *place.converged_s) : "never",
+                 place.error_then ? percent(*place.error_then) : "-"});
     }
   }
   return table;
 }
 
-ResultTable table_of_people(const Places& all) {
-  ResultTable table{
+telemetry::Table table_of_people(const Places& all) {
+  telemetry::Table table{
       "6.3.2: what slim, hefty and female look like in (alpha, beta)",
       "Felt after the minute, and what that says of the person by the other six of Table 6-2. The "
       "slim have a thin, hard layer; the hefty a thick one and softer muscle; the one woman little "
       "alpha and much beta, and being the only one cannot be judged by the others. Seven people "
       "are "
       "few: a hint, never a finding.",
-      {"subject", "alpha N, bone/hard/soft", "beta /mm, bone/hard/soft", "slim %", "medium %",
-       "hefty %"}};
+      telemetry::named_columns({"subject", "alpha N, bone/hard/soft", "beta /mm, bone/hard/soft",
+                                "slim %", "medium %", "hefty %"})};
   const auto printed = tissue::table_6_2();
   for (std::size_t s = 0; s < all.size(); ++s) {
     std::vector<tissue::Subject> others;
@@ -146,19 +146,18 @@ ResultTable table_of_people(const Places& all) {
       felt.push_back({all[s][k].found, static_cast<tissue::TissueClass>(k)});
     const tissue::BodyCondition is = tissue::find_body_condition(felt, {}, others);
     const auto percent = [](double share) { return fmt::format("{:.0f}", 100.0 * share); };
-    table.rows.push_back(
-        {name_of(s),
-         fmt::format("{:.2f}/{:.2f}/{:.2f}", felt[0].tissue.alpha_n, felt[1].tissue.alpha_n,
-                     felt[2].tissue.alpha_n),
-         fmt::format("{:.3f}/{:.3f}/{:.3f}", from_mm(felt[0].tissue.beta_per_m),
-                     from_mm(felt[1].tissue.beta_per_m), from_mm(felt[2].tissue.beta_per_m)),
-         percent(is.slim), percent(is.medium), percent(is.hefty)});
+    table.add({name_of(s),
+               fmt::format("{:.2f}/{:.2f}/{:.2f}", felt[0].tissue.alpha_n, felt[1].tissue.alpha_n,
+                           felt[2].tissue.alpha_n),
+               fmt::format("{:.3f}/{:.3f}/{:.3f}", from_mm(felt[0].tissue.beta_per_m),
+                           from_mm(felt[1].tissue.beta_per_m), from_mm(felt[2].tissue.beta_per_m)),
+               percent(is.slim), percent(is.medium), percent(is.hefty)});
   }
   return table;
 }
 
 /// Fig. 6-10: displacement and force over bone in the first ten seconds.
-std::string signals_of(const Place& place) {
+void add_signals(telemetry::Part& part, const Place& place) {
   telemetry::Series depth{.colour = palette::ink}, force{.colour = palette::press};
   for (const tissue::TimedPress& sample : place.signals) {
     depth.x.push_back(sample.time_s);
@@ -178,14 +177,12 @@ std::string signals_of(const Place& place) {
              .series = {force},
              .width_px = 500,
              .height_px = 200};
-  return fmt::format(
-      "<h3>As Fig. 6-10: displacement and force of subject 1 over bone, as felt</h3><div "
-      "class=\"even\">{}{}</div>",
-      telemetry::to_svg(first), telemetry::to_svg(second));
+  part.heading("As Fig. 6-10: displacement and force of subject 1 over bone, as felt")
+      .figures({{.svg = telemetry::to_svg(first)}, {.svg = telemetry::to_svg(second)}});
 }
 
 /// Figs. 6-9 and 6-12: the estimates of one subject over the minute, dashed what is true.
-std::string curves_of(std::size_t subject, const std::array<Place, 3>& places) {
+void add_curves(telemetry::Part& part, std::size_t subject, const std::array<Place, 3>& places) {
   telemetry::Plot alpha{.title = "alpha over time",
                         .x_label = "time, s",
                         .y_label = "alpha, N",
@@ -217,8 +214,8 @@ std::string curves_of(std::size_t subject, const std::array<Place, 3>& places) {
     add(alpha, place.alpha_n, place.truth.alpha_n);
     add(beta, beta_per_mm, from_mm(place.truth.beta_per_m));
   }
-  return fmt::format("<h3>Subject {}</h3><div class=\"even\">{}{}</div>", name_of(subject),
-                     telemetry::to_svg(alpha), telemetry::to_svg(beta));
+  part.heading("Subject " + name_of(subject))
+      .figures({{.svg = telemetry::to_svg(alpha)}, {.svg = telemetry::to_svg(beta)}});
 }
 
 std::string map_of(const Places& all) {
@@ -238,7 +235,7 @@ std::string map_of(const Places& all) {
     }
   }
   map.series = {truth, felt[0], felt[1], felt[2]};
-  return "<h3>All seven</h3>" + telemetry::to_svg(map);
+  return telemetry::to_svg(map);
 }
 
 }  // namespace
@@ -264,12 +261,11 @@ Result<ThesisSubjects> press_thesis_subjects(std::uint64_t seed, const Progress&
       progress);
   if (failed) return tl::unexpected(*failed);
 
-  ThesisSubjects result{table_of_presses(all), table_of_people(all), signals_of(all[0][0])};
-  result.figures +=
-      "<p class=\"note\">As Figs. 6-9 and 6-12: what is felt over the minute; dashed what is "
-      "true.</p>";
-  for (std::size_t s = 0; s < shown_people; ++s) result.figures += curves_of(s, all[s]);
-  result.figures += map_of(all);
+  ThesisSubjects result{table_of_presses(all), table_of_people(all), {}};
+  add_signals(result.figures, all[0][0]);
+  result.figures.note("As Figs. 6-9 and 6-12: what is felt over the minute; dashed what is true.");
+  for (std::size_t s = 0; s < shown_people; ++s) add_curves(result.figures, s, all[s]);
+  result.figures.heading("All seven").figure(map_of(all));
   return result;
 }
 

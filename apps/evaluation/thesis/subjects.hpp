@@ -4,18 +4,18 @@
 #include <cstdint>
 #include <string>
 
-#include "apps/cli/table.hpp"
 #include "tuina/core/progress.hpp"
 #include "tuina/core/result.hpp"
+#include "tuina/telemetry/page.hpp"
 
 namespace tuina::app {
 
 /// [thesis] 6.3.2 again: the seven subjects of Table 6-2 as simulated bodies, each pressed over
-/// bone, hard and soft muscle for a minute by the simulated arm. `figures` is HTML with what Figs.
-/// 6-9, 6-10 and 6-12 show.
+/// bone, hard and soft muscle for a minute by the simulated arm. `figures` is what Figs. 6-9, 6-10
+/// and 6-12 show.
 struct ThesisSubjects {
-  ResultTable presses, people;
-  std::string figures;
+  telemetry::Table presses, people;
+  telemetry::Part figures;
 };
 [[nodiscard]] Result<ThesisSubjects> press_thesis_subjects(std::uint64_t seed,
                                                            const Progress& progress);

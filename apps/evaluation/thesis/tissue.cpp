@@ -14,8 +14,8 @@
 #include "tuina/baselines/model_fits.hpp"
 #include "tuina/baselines/thesis_estimator.hpp"
 #include "tuina/core/units.hpp"
+#include "tuina/telemetry/page.hpp"
 #include "tuina/telemetry/plot/svg_plot.hpp"
-#include "tuina/telemetry/report/style.hpp"
 #include "tuina/tissue/classification.hpp"
 #include "tuina/tissue/press_estimator.hpp"
 #include "tuina/tissue/tangent_model.hpp"
@@ -42,15 +42,36 @@ Record press_at(const Law& law, double deepest_m, double speed, Random& random) 
   return record;
 }
 
-ResultTable table_6_1(Random& random, std::string& figures) {
-  ResultTable table{
+/// What was pressed, and the law that was fitted to it.
+std::string press_plot(const Record& record, const baselines::LawFit& fit,
+                       const TangentTissue& truth, const std::string& name) {
+  telemetry::Series dots{.name = "pressed", .colour = palette::grey, .dots = true};
+  telemetry::Series curve{.name = "fit", .colour = palette::press};
+  for (std::size_t i = 0; i < record.size(); i += 4) {
+    dots.x.push_back(to_mm(record[i].press.depth_m));
+    dots.y.push_back(record[i].press.force_n);
+  }
+  for (double x = 0.0; x < tissue::depth_at_force(truth, pressed_to_n); x += 0.05_mm) {
+    curve.x.push_back(to_mm(x));
+    curve.y.push_back(
+        tissue::force_at_depth({fit.parameters[0], fit.parameters[1]}, x - fit.contact_m));
+  }
+  return telemetry::to_svg(telemetry::Plot{.title = name,
+                                           .x_label = "depth, mm",
+                                           .y_label = "force, N",
+                                           .series = {dots, curve},
+                                           .width_px = 400,
+                                           .height_px = 240});
+}
+
+telemetry::Table table_6_1(Random& random, std::vector<telemetry::Figure>& figures) {
+  telemetry::Table table{
       "6.1: Table 6-1, pressed at 5, 20 and 40 mm/s",
       "Simulated tissue that follows the tangent, force noise 0.2 N, so this shows that the "
       "procedure finds what is there and that an error of 0.2 N is the sensor's; it does "
       "not show that people follow the law.",
-      {"tissue", "speed mm/s", "printed alpha N", "alpha N", "printed beta /mm", "beta /mm",
-       "printed RMSE N", "RMSE N"},
-      {}};
+      telemetry::named_columns({"tissue", "speed mm/s", "printed alpha N", "alpha N",
+                                "printed beta /mm", "beta /mm", "printed RMSE N", "RMSE N"})};
   constexpr std::array printed_rmse_n = {0.1896, 0.2343, 0.3936};
   for (std::size_t k = 0; k < trial_tissues.size(); ++k) {
     const TangentTissue& truth = trial_tissues[k].tissue;
@@ -59,48 +80,28 @@ ResultTable table_6_1(Random& random, std::string& figures) {
           press_at([&](double x, double) { return tissue::force_at_depth(truth, x); },
                    tissue::depth_at_force(truth, pressed_to_n), speed, random);
       const baselines::LawFit fit = baselines::fit_law(record, baselines::TissueLaw::tangent);
-      table.rows.push_back(
-          {trial_tissues[k].name, fmt::format("{:.0f}", to_mm(speed)),
-           fmt::format("{:.3f}", truth.alpha_n), fmt::format("{:.3f}", fit.parameters[0]),
-           fmt::format("{:.4f}", from_mm(truth.beta_per_m)),
-           fmt::format("{:.4f}", from_mm(fit.parameters[1])),
-           fmt::format("{:.4f}", printed_rmse_n[k]), fmt::format("{:.4f}", fit.rmse_n)});
+      table.add({trial_tissues[k].name, fmt::format("{:.0f}", to_mm(speed)),
+                 fmt::format("{:.3f}", truth.alpha_n), fmt::format("{:.3f}", fit.parameters[0]),
+                 fmt::format("{:.4f}", from_mm(truth.beta_per_m)),
+                 fmt::format("{:.4f}", from_mm(fit.parameters[1])),
+                 fmt::format("{:.4f}", printed_rmse_n[k]), fmt::format("{:.4f}", fit.rmse_n)});
       if (speed != 20_mm) continue;
-      telemetry::Series dots{.name = "pressed", .colour = palette::grey, .dots = true};
-      telemetry::Series curve{.name = "fit", .colour = palette::press};
-      for (std::size_t i = 0; i < record.size(); i += 4) {
-        dots.x.push_back(to_mm(record[i].press.depth_m));
-        dots.y.push_back(record[i].press.force_n);
-      }
-      for (double x = 0.0; x < tissue::depth_at_force(truth, pressed_to_n); x += 0.05_mm) {
-        curve.x.push_back(to_mm(x));
-        curve.y.push_back(
-            tissue::force_at_depth({fit.parameters[0], fit.parameters[1]}, x - fit.contact_m));
-      }
-      telemetry::Plot plot{.title = trial_tissues[k].name,
-                           .x_label = "depth, mm",
-                           .y_label = "force, N",
-                           .series = {dots, curve},
-                           .width_px = 400,
-                           .height_px = 240};
-      figures +=
-          fmt::format("<div><h3>{}</h3>{}</div>", trial_tissues[k].name, telemetry::to_svg(plot));
+      figures.push_back(
+          {press_plot(record, fit, truth, trial_tissues[k].name), trial_tissues[k].name});
     }
   }
-  figures = "<div style=\"display:grid;grid-template-columns:repeat(3,1fr);gap:20px\">" + figures +
-            "</div>";
   return table;
 }
 
-ResultTable table_of_laws(Random& random) {
-  ResultTable table{
+telemetry::Table table_of_laws(Random& random) {
+  telemetry::Table table{
       "6.1: when is the tangent the right law?",
       "Presses to 20 N at 20 mm/s on tissue of the law at the left; by how much the "
       "criterion of Akaike of each fitted law exceeds the best one's. Below 10 two laws "
       "cannot be told apart. The place of the skin is fitted with every law.",
-      {"truth"},
-      {}};
-  for (const auto law : baselines::tissue_laws) table.heads.emplace_back(baselines::name_of(law));
+      telemetry::named_columns({"truth"})};
+  for (const auto law : baselines::tissue_laws)
+    table.columns.push_back({.head = baselines::name_of(law), .key = baselines::name_of(law)});
   const TangentTissue hard = trial_tissues[1].tissue;
   const double deepest_m = tissue::depth_at_force(hard, pressed_to_n);
   const auto row = [&](const std::string& name, double to_m, const auto& law) {
@@ -108,9 +109,9 @@ ResultTable table_of_laws(Random& random) {
     std::vector<double> aic;
     for (const auto fitted : baselines::tissue_laws) aic.push_back(fit_law(record, fitted).aic);
     const double best = *std::min_element(aic.begin(), aic.end());
-    std::vector<std::string> cells = {name};
-    for (const double value : aic) cells.push_back(fmt::format("{:.0f}", value - best));
-    table.rows.push_back(cells);
+    std::vector<telemetry::Cell> cells = {name};
+    for (const double value : aic) cells.emplace_back(fmt::format("{:.0f}", value - best));
+    table.add(std::move(cells));
   };
   const auto tangent = [&](double x, double) { return tissue::force_at_depth(hard, x); };
   row("tangent, to 2 alpha", deepest_m, tangent);
@@ -163,18 +164,34 @@ Convergence converge(const baselines::ThesisEstimatorOptions& options, const Tan
   return result;
 }
 
-ResultTable table_6_3_1(std::uint64_t seed, std::string& figures) {
+/// What was found relative to what is true, over time.
+std::string convergence_plot(Convergence found, const std::string& name) {
+  found.alpha.name = "alpha";
+  found.alpha.colour = palette::press;
+  found.beta.name = "beta";
+  found.beta.colour = palette::rub;
+  return telemetry::to_svg(telemetry::Plot{.title = name,
+                                           .x_label = "time, s",
+                                           .y_label = "found / true",
+                                           .series = {found.alpha, found.beta},
+                                           .y_low = 0.0,
+                                           .y_high = 2.0,
+                                           .width_px = 400,
+                                           .height_px = 200});
+}
+
+telemetry::Table table_6_3_1(std::uint64_t seed, std::vector<telemetry::Figure>& figures) {
   const baselines::ThesisEstimatorOptions r1{
       .gain_per_s = 0.2, .initial_covariance = 1000.0, .normalised = false};
   const baselines::ThesisEstimatorOptions r2{.gain_per_s = 5.0, .unit_m = 1.0};
-  ResultTable table{
+  telemetry::Table table{
       "6.3.1: Fig. 6-7, the simulated convergence",
       "Printed: bone in 10 s, both muscles in 20 s, with a gain of 5. Two readings of what "
       "is not printed come close: R1, millimetres, gain 0.2, P(0) = 1000, judged at 1 %; "
       "R2, metres, gain 5, P(0) = 1, normalised, judged at 5 %. Below them the same with "
       "what every sensor has.",
-      {"configuration", "bone s", "hard s", "soft s", "error at 45 s, bone/hard/soft %"},
-      {}};
+      telemetry::named_columns(
+          {"configuration", "bone s", "hard s", "soft s", "error at 45 s, bone/hard/soft %"})};
   struct Case {
     const char* name;
     baselines::ThesisEstimatorOptions options;
@@ -202,29 +219,14 @@ ResultTable table_6_3_1(std::uint64_t seed, std::string& figures) {
     const auto time_of = [&](const Convergence& f) {
       return seconds(c.at_one_percent ? f.within_1_s : f.within_5_s);
     };
-    table.rows.push_back({c.name, time_of(found[0]), time_of(found[1]), time_of(found[2]),
-                          fmt::format("{}/{}/{}", percent(found[0].last), percent(found[1].last),
-                                      percent(found[2].last))});
+    table.add({c.name, time_of(found[0]), time_of(found[1]), time_of(found[2]),
+               fmt::format("{}/{}/{}", percent(found[0].last), percent(found[1].last),
+                           percent(found[2].last))});
     if (c.noise_n + c.late_m > 0.0 || c.deeper > 1.0) continue;
-    for (std::size_t k = 0; k < 3; ++k) {
-      found[k].alpha.name = "alpha";
-      found[k].alpha.colour = palette::press;
-      found[k].beta.name = "beta";
-      found[k].beta.colour = palette::rub;
-      telemetry::Plot plot{.title = c.name,
-                           .x_label = "time, s",
-                           .y_label = "found / true",
-                           .series = {found[k].alpha, found[k].beta},
-                           .y_low = 0.0,
-                           .y_high = 2.0,
-                           .width_px = 400,
-                           .height_px = 200};
-      figures += fmt::format("<div><h3>{}, {}</h3>{}</div>", c.name, trial_tissues[k].name,
-                             telemetry::to_svg(plot));
-    }
+    for (std::size_t k = 0; k < 3; ++k)
+      figures.push_back({convergence_plot(found[k], c.name),
+                         fmt::format("{}, {}", c.name, trial_tissues[k].name)});
   }
-  figures = "<div style=\"display:grid;grid-template-columns:repeat(3,1fr);gap:20px\">" + figures +
-            "</div>";
   return table;
 }
 
@@ -234,13 +236,13 @@ Result<ThesisTissue> redo_thesis_tissue(std::uint64_t seed, const Progress& prog
   Random random = make_random(seed, "thesis chapter 6");
   auto subjects = press_thesis_subjects(seed, progress);
   if (!subjects) return tl::unexpected(subjects.error());
-  std::string fits, curves;
-  const ResultTable t1 = table_6_1(random, fits), t2 = table_of_laws(random);
-  const ResultTable t3 = table_6_3_1(seed, curves);
+  std::vector<telemetry::Figure> fits, curves;
+  const telemetry::Table t1 = table_6_1(random, fits), t2 = table_of_laws(random);
+  const telemetry::Table t3 = table_6_3_1(seed, curves);
   ThesisTissue result;
-  result.text = to_text(t1) + to_text(t2) + to_text(t3) + to_text(subjects->presses) +
-                to_text(subjects->people) +
-                "Simulation only: nothing here was shown on living tissue.";
+  for (const telemetry::Table& table : {t1, t2, t3, subjects->presses, subjects->people})
+    result.text += to_text(table) + "\n";
+  result.text += "Simulation only: nothing here was shown on living tissue.";
   result.json = nlohmann::json{{"seed", seed},
                                {"table_6_1", to_json(t1)},
                                {"laws", to_json(t2)},
@@ -248,15 +250,21 @@ Result<ThesisTissue> redo_thesis_tissue(std::uint64_t seed, const Progress& prog
                                {"subjects", to_json(subjects->presses)},
                                {"body_condition", to_json(subjects->people)}}
                     .dump(2);
-  result.html = fmt::format(
-      "<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\"><title>Chapter 6 "
-      "again</title><style>{}</style></head><body><main><div class=\"over\"><span>tuina "
-      "evaluate tissue --thesis</span><span class=\"badge\">simulation</span></div>"
-      "<h1>Chapter 6 of the thesis, again</h1><p class=\"lead\">Soft tissue as F = "
-      "&alpha; tan(&beta; x): what is printed, and what comes out when it is done "
-      "again. Nothing here was shown on living tissue.</p>{}{}{}{}{}</main></body></html>\n",
-      telemetry::report_style, to_html(t1, fits), to_html(t2, ""), to_html(t3, curves),
-      to_html(subjects->presses, subjects->figures), to_html(subjects->people, ""));
+  telemetry::Page page({.title = "Chapter 6 again",
+                        .over = "tuina evaluate tissue --thesis",
+                        .badges = {"simulation"},
+                        .heading = "Chapter 6 of the thesis, again",
+                        .lead =
+                            "Soft tissue as F = α tan(β x): what is printed, and what comes out "
+                            "when it is done again. Nothing here was shown on living tissue."});
+  page.section(t1.title, t1.note).figures(fits, 3).table(t1);
+  page.section(t2.title, t2.note).table(t2);
+  page.section(t3.title, t3.note).figures(curves, 3).table(t3);
+  page.section(subjects->presses.title, subjects->presses.note)
+      .html(subjects->figures.str())
+      .table(subjects->presses);
+  page.section(subjects->people.title, subjects->people.note).table(subjects->people);
+  result.html = page.str();
   return result;
 }
 

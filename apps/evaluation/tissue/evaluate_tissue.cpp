@@ -74,32 +74,43 @@ std::string cell(double value, double scale) {
   return fmt::format("{:.{}f}", shown, std::abs(shown) >= 99.95 ? 0 : scale == 1.0 ? 2 : 1);
 }
 
-std::vector<std::string> cells_of(TrialMethod method, const std::array<TrialResult, 3>& r) {
-  const auto three = [&](auto member, double scale) {
-    return fmt::format("{}/{}/{}", cell(r[0].*member, scale), cell(r[1].*member, scale),
-                       cell(r[2].*member, scale));
-  };
+/// Three tissues in one cell; "never/never/never" says no more than "never".
+std::string three_of(const std::array<TrialResult, 3>& r, double TrialResult::*member,
+                     double scale) {
+  const std::array cells = {cell(r[0].*member, scale), cell(r[1].*member, scale),
+                            cell(r[2].*member, scale)};
+  if (cells[0] == cells[1] && cells[1] == cells[2]) return cells[0];
+  return fmt::format("{}/{}/{}", cells[0], cells[1], cells[2]);
+}
+
+telemetry::Table empty_table() {
+  telemetry::Table table{
+      .note =
+          "Bone/hard/soft. t95: from then on 95 % of the runs stay within 5 %. Errors: 95 % "
+          "quantile of the worse one of α and β. Bias and coverage of the 95 % intervals: α/β of "
+          "the worst tissue. Detectable: smallest change of α between two such records that can "
+          "be told from noise. False: called converged while beyond the promise, of all runs."};
+  for (const char* head : {"method", "t95, s", "one press, %", "at the end, %", "bias, %",
+                           "coverage", "detectable, %", "converged, %", "after, s", "false, %"})
+    table.columns.push_back({.head = head});
+  return table;
+}
+
+std::vector<telemetry::Cell> cells_of(TrialMethod method, const std::array<TrialResult, 3>& r) {
   const TrialResult worst = worst_of(r);
   const bool ours = method == TrialMethod::tuina;
-  return {three(&TrialResult::t95_s, 1.0),
-          three(&TrialResult::first_press_q95, 100.0),
-          three(&TrialResult::last_q95, 100.0),
+  return {name_of(method),
+          three_of(r, &TrialResult::t95_s, 1.0),
+          three_of(r, &TrialResult::first_press_q95, 100.0),
+          three_of(r, &TrialResult::last_q95, 100.0),
           fmt::format("{}/{}", cell(worst.alpha_bias, 100.0), cell(worst.beta_bias, 100.0)),
           has_interval(method)
               ? fmt::format("{:.2f}/{:.2f}", worst.coverage_alpha, worst.coverage_beta)
               : "-",
-          three(&TrialResult::detectable_change, 100.0),
-          ours ? three(&TrialResult::converged_share, 100.0) : "-",
-          ours ? three(&TrialResult::converged_median_s, 1.0) : "-",
+          three_of(r, &TrialResult::detectable_change, 100.0),
+          ours ? three_of(r, &TrialResult::converged_share, 100.0) : "-",
+          ours ? three_of(r, &TrialResult::converged_median_s, 1.0) : "-",
           ours ? cell(worst.false_converged_share, 100.0) : "-"};
-}
-
-std::string row_of(const TissueRow& row) {
-  std::string text = fmt::format("{:<17} {:<12}", row.scenario, row.method);
-  constexpr std::array widths = {17, 18, 16, 10, 10, 16, 15, 15, 6};
-  for (std::size_t i = 0; i < row.cells.size(); ++i)
-    text += fmt::format(" {:<{}}", row.cells[i], widths[i]);
-  return text.substr(0, text.find_last_not_of(' ') + 1) + "\n";
 }
 
 /// Every estimator on many simulated people, sensors and disturbances (docs/tissue.md).
@@ -193,7 +204,9 @@ class EvaluateTissue final : public Verb {
       for (std::size_t k = 0; k < results.size(); ++k)
         entry["by_tissue"][trial_tissues[k].name] = to_json(results[k], method);
       table_[name][name_of(method)] = entry;
-      page_.rows.push_back({name, about, name_of(method), cells_of(method, results)});
+      page_.table.rows.push_back({.cells = cells_of(method, results),
+                                  .group = name + ": " + about,
+                                  .emphasised = method == TrialMethod::tuina});
       for (std::size_t k = 0; k < results.size(); ++k)
         page_.curves.push_back(
             {name, name_of(method), trial_tissues[k].name, results[k].worse_q95});
@@ -223,17 +236,9 @@ class EvaluateTissue final : public Verb {
     }
     Answer answer;
     answer.text = fmt::format(
-        "{} runs each, {} by the arm; bone/hard/soft. t95: from when 95 % of the runs stay within "
-        "5 %; errors: 95 % quantile of the\nworse one of alpha and beta; bias and coverage: "
-        "alpha/beta of the worst tissue. Simulated presses only; nothing here was shown on "
-        "people.\n",
-        runs_, arm_runs_);
-    answer.text += row_of({"scenario",
-                           "",
-                           "method",
-                           {"t95 s", "one press %", "at the end %", "bias %", "coverage",
-                            "detectable %", "converged %", "after s", "falsely %"}});
-    for (const TissueRow& row : page_.rows) answer.text += row_of(row);
+        "{} runs each, {} by the arm. Simulated presses only; nothing here was "
+        "shown on people.\n{}",
+        runs_, arm_runs_, to_text(page_.table));
     answer.text.pop_back();
     answer.json = nlohmann::json{
         {"runs", runs_},
@@ -249,7 +254,7 @@ class EvaluateTissue final : public Verb {
   bool thesis_ = false;
   std::string scenario_, out_;
   nlohmann::json table_;
-  TissuePage page_;
+  TissuePage page_{.table = empty_table(), .curves = {}};
 };
 
 }  // namespace

@@ -4,17 +4,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 
 #include "apps/evaluation/tissue/trials.hpp"
+#include "tuina/telemetry/page.hpp"
 #include "tuina/telemetry/plot/svg_plot.hpp"
-#include "tuina/telemetry/report/style.hpp"
 
 namespace tuina::app {
 namespace {
-
-using telemetry::escaped;
 
 constexpr double top_percent = 60.0;
 
@@ -55,81 +51,43 @@ std::string curves_of(const TissuePage& page, const std::string& scenario,
   return telemetry::to_svg(plot);
 }
 
-/// "never/never/never" says no more than "never".
-std::string shortened(const std::string& cell) {
-  const std::size_t n = cell.find('/');
-  const bool three = n != std::string::npos && cell.size() == 3 * n + 2;
-  const std::string part = cell.substr(0, n);
-  return three && cell == part + "/" + part + "/" + part ? part : cell;
-}
-
-std::string table_of(const TissuePage& page) {
-  constexpr std::array heads = {"method",   "t95, s",   "one press, %",  "at the end, %",
-                                "bias, %",  "coverage", "detectable, %", "converged, %",
-                                "after, s", "false, %"};
-  std::string html =
-      "<div class=\"wide\"><table style=\"font-size:11.5px;letter-spacing:-.01em\"><thead><tr>";
-  for (const char* head : heads) html += fmt::format("<th>{}</th>", head);
-  html += "</tr></thead><tbody>";
-  std::string before;
-  for (const TissueRow& row : page.rows) {
-    if (row.scenario != before) {
-      html += fmt::format(
-          "<tr><td class=\"l\" colspan=\"{}\" style=\"padding-top:16px;white-space:normal\">"
-          "<b>{}</b> <em>{}</em></td></tr>",
-          heads.size(), escaped(row.scenario), escaped(row.about));
-      before = row.scenario;
-    }
-    html += fmt::format("<tr{}><td>{}</td>",
-                        row.method == "tuina" ? " style=\"background:#fdf3e7\"" : "",
-                        escaped(row.method));
-    for (const std::string& cell : row.cells)
-      html += fmt::format("<td>{}</td>", escaped(shortened(cell)));
-    html += "</tr>";
+void add_curves(telemetry::Page& html, const TissuePage& page, const std::string& scenario,
+                const char* title, const std::string& about) {
+  std::vector<telemetry::Figure> figures;
+  for (const TrialTissue& tissue : trial_tissues) {
+    const std::string svg = curves_of(page, scenario, tissue.name);
+    if (!svg.empty()) figures.push_back({svg, tissue.name});
   }
-  return html + "</tbody></table></div>";
+  if (figures.empty()) return;
+  html.section(title, about +
+                          " The worse error of α and β, below which 95 % of the runs are; dashed 5 "
+                          "%, lines at the upper edge are beyond it.")
+      .figures(figures, 3);
 }
 
 }  // namespace
 
 std::string to_html(const TissuePage& page) {
-  std::string html = fmt::format(
-      "<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
-      "content=\"width=device-width\"><title>Estimators of tissue</title><style>{}</style></head>"
-      "<body><main><div class=\"over\"><span>tuina evaluate tissue</span><span class=\"badge\">"
-      "simulation</span></div><h1>How fast, how well and how honestly the tissue is known</h1>"
-      "<p class=\"lead\">F = &alpha; tan(&beta; x), felt by {} simulated presses for each tissue "
-      "and scenario and by {} of the simulated arm under control; seed {}. Nothing here was shown "
-      "on living tissue.</p>",
-      telemetry::report_style, page.runs, page.arm_runs, page.seed);
-  for (const auto& [scenario, title, about] :
-       {std::array{"N0", "Presses with good sensors",
-                   "|sin| once a second, force noise 0.2 N, position noise 0.05 mm, skin known to "
-                   "0.5 mm."},
-        std::array{"arm_1Hz", "Presses by the arm",
-                   "Two presses of a second to 20-30 N under force control; the person breathes "
-                   "by 3 mm and gives way beneath the tissue; depth from joint angles. Time "
-                   "counts from the first contact."}}) {
-    std::string plots;
-    for (const TrialTissue& tissue : trial_tissues) {
-      const std::string svg = curves_of(page, scenario, tissue.name);
-      if (!svg.empty()) plots += fmt::format("<div><h3>{}</h3>{}</div>", tissue.name, svg);
-    }
-    if (plots.empty()) continue;
-    html += fmt::format(
-        "<section><h2>{}</h2><p>{} The worse error of &alpha; and &beta;, below which 95 % of the "
-        "runs are; dashed 5 %, lines at the upper edge are beyond it.</p><div "
-        "style=\"display:grid;grid-template-columns:repeat(3,1fr);gap:20px\">{}</div></section>",
-        title, about, plots);
-  }
-  html +=
-      "<section><h2>All scenarios</h2><p>Bone/hard/soft. t95: from then on 95 % of the runs stay "
-      "within 5 %. Errors: 95 % quantile of the worse one of &alpha; and &beta;. Bias and coverage "
-      "of the 95 % intervals: &alpha;/&beta; of the worst tissue. Detectable: smallest change of "
-      "&alpha; between two such records that can be told from noise. False: called converged "
-      "while beyond the promise, of all runs.</p>" +
-      table_of(page) + "</section></main></body></html>\n";
-  return html;
+  telemetry::Page html(
+      {.title = "Estimators of tissue",
+       .over = "tuina evaluate tissue",
+       .badges = {"simulation"},
+       .heading = "How fast, how well and how honestly the tissue is known",
+       .lead =
+           fmt::format("F = α tan(β x), felt by {} simulated presses for each tissue and "
+                       "scenario and by {} of the simulated arm under control; seed {}. Nothing "
+                       "here was shown on living tissue.",
+                       page.runs, page.arm_runs, page.seed)});
+  add_curves(html, page, "N0", "Presses with good sensors",
+             "|sin| once a second, force noise 0.2 N, position noise 0.05 mm, skin known to 0.5 "
+             "mm.");
+  add_curves(
+      html, page, "arm_1Hz", "Presses by the arm",
+      "Two presses of a second to 20-30 N under force control; the person breathes by 3 mm "
+      "and gives way beneath the tissue; depth from joint angles. Time counts from the first "
+      "contact.");
+  html.section("All scenarios", page.table.note).table(page.table);
+  return html.str();
 }
 
 }  // namespace tuina::app

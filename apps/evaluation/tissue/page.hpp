@@ -5,12 +5,9 @@
 #include <string>
 #include <vector>
 
-namespace tuina::app {
+#include "tuina/telemetry/table.hpp"
 
-struct TissueRow {
-  std::string scenario, about, method;
-  std::vector<std::string> cells;
-};
+namespace tuina::app {
 
 /// The worse error of alpha and beta over time, 95 % quantile of the runs; empty if the method
 /// gives none.
@@ -20,7 +17,7 @@ struct TissueCurve {
 };
 
 struct TissuePage {
-  std::vector<TissueRow> rows;
+  telemetry::Table table;
   std::vector<TissueCurve> curves;
   int runs = 0, arm_runs = 0;
   std::uint64_t seed = 1;

@@ -43,13 +43,13 @@ struct TrialResult {
   double last_q95 = 0.0;         ///< the same at the end
   double alpha_bias = 0.0, beta_bias = 0.0;
   double coverage_alpha = 0.0,
-         coverage_beta = 0.0;  ///< share of 95 % intervals that hold the truth at the end
-  double converged_share = 0.0,
-         converged_median_s = 0.0;     ///< share and median time, from the first contact
-  double false_converged_share = 0.0;  ///< share of runs called converged beyond the promise
+         coverage_beta = 0.0;  ///< share of the 95 % intervals that hold the truth, at the end
+  double converged_share = 0.0, converged_median_s = 0.0;  ///< share, and time since first contact
+  double false_converged_share =
+      0.0;                  ///< share of all runs called converged while beyond the promise
   double kept_share = 0.0;  ///< at the end within what `converged` promises, called so or not
   double detectable_change =
-      0.0;  ///< change of alpha between two such records, 2.77 standard deviations
+      0.0;  ///< smallest change of alpha between two such records: 2.77 standard deviations
   std::vector<double> worse_q95;  ///< every `curve_step_s` the quantile of the worse error; online
                                   ///< methods only
 };

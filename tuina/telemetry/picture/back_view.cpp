@@ -21,8 +21,13 @@ BackPose pose_of(const ReportData& data) {
   int lower_count = 0;
   for (const FoundAcupoint& found : data.acupoints) {
     out += found.acupoint.normal_in_couch;
-    if (found.acupoint.name.starts_with("SI11")) upper += found.acupoint.at_in_couch, ++upper_count;
-    if (found.acupoint.name == "GV4") lower += found.acupoint.at_in_couch, ++lower_count;
+    if (found.acupoint.name.starts_with("SI11")) {
+      upper += found.acupoint.at_in_couch;
+      ++upper_count;
+    } else if (found.acupoint.name == "GV4") {
+      lower += found.acupoint.at_in_couch;
+      ++lower_count;
+    }
   }
   if (out.norm() > 1e-6) pose.out = out.normalized();
   if (upper_count > 0 && lower_count > 0) {

@@ -6,7 +6,7 @@
 #include "tuina/telemetry/picture/scan_mesh.hpp"
 #include "tuina/telemetry/report/report_data.hpp"
 
-/// What all pictures of a back begin with.
+/// The beginning of every picture of a back.
 namespace tuina::telemetry::figures {
 
 /// Out of the back and towards the head, from the points if there are any and else from the
@@ -17,8 +17,8 @@ struct BackPose {
 };
 [[nodiscard]] BackPose pose_of(const ReportData& data);
 
-/// What the scanner saw of the person; the couch would only draw the eye away. No triangles if
-/// there is no scan.
+/// The part of the scan that shows the person; the couch would only draw the eye away. No triangles
+/// if there is no scan.
 [[nodiscard]] PictureMesh person_of(const ReportData& data, const BackPose& pose,
                                     double cell_m = 0.003);
 

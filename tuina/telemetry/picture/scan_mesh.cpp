@@ -165,53 +165,95 @@ void add_normals(PictureMesh& picture) {
   for (Vector3& normal : picture.normals) normal.normalize();
 }
 
-}  // namespace
-
-PictureMesh mesh_scan(const PointCloud& scan, const Vector3& toward_eye, double cell_m) {
-  const Vector3 forward = toward_eye.normalized();
-  const Vector3 right = forward.unitOrthogonal();
-  const Vector3 up = forward.cross(right);
+/// Where a grid lies: its axes, the place of its first cell, and the size of a cell.
+struct Place {
   Matrix3 grid_from_couch;
-  grid_from_couch << right.transpose(), up.transpose(), forward.transpose();
+  Vector3 low;
+  double cell_m;
 
-  PictureMesh picture;
-  if (scan.size() == 0) return picture;
+  [[nodiscard]] Vector3 in_couch(int column, int row, float height) const {
+    const Vector3 at(low.x() + (column + 0.5) * cell_m, low.y() + (row + 0.5) * cell_m,
+                     static_cast<double>(height));
+    return grid_from_couch.transpose() * at;
+  }
+};
+
+/// The mean height of the foremost layer in each cell; around it stay a few empty cells.
+Grid front_layer(const PointCloud& scan, Place& place) {
+  constexpr int margin = 5, max_cells = 1500;
   Eigen::AlignedBox3d box;
-  for (const Vector3& point : scan.points) box.extend(grid_from_couch * point);
-  constexpr int margin = 5;
-  constexpr int max_cells = 1500;
+  for (const Vector3& point : scan.points) box.extend(place.grid_from_couch * point);
   // A cloud with a stray point far away would ask for an endless grid; it gets coarser cells
   // instead.
-  cell_m = std::max(cell_m, box.sizes().head<2>().maxCoeff() / (max_cells - 2 * margin));
+  place.cell_m =
+      std::max(place.cell_m, box.sizes().head<2>().maxCoeff() / (max_cells - 2 * margin));
+  place.low = box.min() - Vector3::Constant(margin * place.cell_m);
   const auto cells = [&](double length) {
-    return static_cast<int>(length / cell_m) + 1 + 2 * margin;
+    return static_cast<int>(length / place.cell_m) + 1 + 2 * margin;
   };
   Grid front{.width = cells(box.sizes().x()), .height = cells(box.sizes().y()), .at = {}};
   front.at.assign(front.index(0, front.height), nothing);
   const auto cell_of = [&](const Vector3& p) {
-    return front.index(static_cast<int>((p.x() - box.min().x()) / cell_m) + margin,
-                       static_cast<int>((p.y() - box.min().y()) / cell_m) + margin);
+    return front.index(static_cast<int>((p.x() - box.min().x()) / place.cell_m) + margin,
+                       static_cast<int>((p.y() - box.min().y()) / place.cell_m) + margin);
   };
   for (const Vector3& point : scan.points) {
-    const Vector3 p = grid_from_couch * point;
+    const Vector3 p = place.grid_from_couch * point;
     front.at[cell_of(p)] = std::max(front.at[cell_of(p)], static_cast<float>(p.z()));
   }
   std::vector<float> sum(front.at.size(), 0.F);
   std::vector<float> count(front.at.size(), 0.F);
   for (const Vector3& point : scan.points) {
-    const Vector3 p = grid_from_couch * point;
+    const Vector3 p = place.grid_from_couch * point;
     const std::size_t cell = cell_of(p);
     if (static_cast<float>(p.z()) < front.at[cell] - layer_m) continue;
     sum[cell] += static_cast<float>(p.z());
     count[cell] += 1.F;
   }
-  Grid grid = front;
   for (std::size_t k = 0; k < count.size(); ++k) {
-    if (count[k] > 0.F) grid.at[k] = sum[k] / count[k];
+    if (count[k] > 0.F) front.at[k] = sum[k] / count[k];
   }
+  return front;
+}
+
+/// Two triangles for every four neighbours that are known and lie on one surface.
+void add_triangles(PictureMesh& picture, const Grid& grid, const std::vector<int>& vertex_of) {
+  for (int row = 0; row + 1 < grid.height; ++row) {
+    for (int column = 0; column + 1 < grid.width; ++column) {
+      const std::array<std::size_t, 4> corner = {
+          grid.index(column, row), grid.index(column + 1, row), grid.index(column + 1, row + 1),
+          grid.index(column, row + 1)};
+      for (const std::array<std::size_t, 3>& three :
+           {std::array<std::size_t, 3>{0, 1, 2}, std::array<std::size_t, 3>{0, 2, 3}}) {
+        float low = std::numeric_limits<float>::infinity();
+        float high = nothing;
+        std::array<int, 3> triangle = {};
+        for (std::size_t k = 0; k < 3; ++k) {
+          const std::size_t cell = corner[three[k]];
+          triangle[k] = vertex_of[cell];
+          low = std::min(low, grid.at[cell]);
+          high = std::max(high, grid.at[cell]);
+        }
+        // An unknown corner is infinitely low.
+        if (high - low < step_m) picture.mesh.triangles.push_back(triangle);
+      }
+    }
+  }
+}
+
+}  // namespace
+
+PictureMesh mesh_scan(const PointCloud& scan, const Vector3& toward_eye, double cell_m) {
+  PictureMesh picture;
+  if (scan.size() == 0) return picture;
+  const Vector3 forward = toward_eye.normalized();
+  const Vector3 right = forward.unitOrthogonal();
+  Place place{.grid_from_couch = Matrix3(), .low = Vector3::Zero(), .cell_m = cell_m};
+  place.grid_from_couch << right.transpose(), forward.cross(right).transpose(), forward.transpose();
+  Grid grid = front_layer(scan, place);
   for (int k = 0; k < 4; ++k) grow(grid, 4);
   for (int k = 0; k < 4; ++k) smooth(grid);
-  drop_steep(grid, static_cast<float>(cell_m));
+  drop_steep(grid, static_cast<float>(place.cell_m));
   drop_specks(grid);
   for (int k = 0; k < 3; ++k) grow(grid, 5);
   for (int k = 0; k < 2; ++k) smooth(grid);
@@ -226,35 +268,11 @@ PictureMesh mesh_scan(const PointCloud& scan, const Vector3& toward_eye, double 
       if (!grid.known(column, row)) continue;
       const std::size_t cell = grid.index(column, row);
       vertex_of[cell] = static_cast<int>(picture.mesh.vertices.size());
-      const Vector3 at(box.min().x() + (column - margin + 0.5) * cell_m,
-                       box.min().y() + (row - margin + 0.5) * cell_m,
-                       static_cast<double>(grid.at[cell]));
-      picture.mesh.vertices.push_back(grid_from_couch.transpose() * at);
+      picture.mesh.vertices.push_back(place.in_couch(column, row, grid.at[cell]));
       picture.inside.push_back(mask[cell]);
     }
   }
-  for (int row = 0; row + 1 < grid.height; ++row) {
-    for (int column = 0; column + 1 < grid.width; ++column) {
-      const std::array<std::size_t, 4> corner = {
-          grid.index(column, row), grid.index(column + 1, row), grid.index(column + 1, row + 1),
-          grid.index(column, row + 1)};
-      for (const std::array<std::size_t, 3>& three :
-           {std::array<std::size_t, 3>{0, 1, 2}, std::array<std::size_t, 3>{0, 2, 3}}) {
-        float low = std::numeric_limits<float>::infinity();
-        float high = nothing;
-        std::array<int, 3> triangle = {};
-        bool whole = true;
-        for (std::size_t k = 0; k < 3; ++k) {
-          const std::size_t cell = corner[three[k]];
-          triangle[k] = vertex_of[cell];
-          whole = whole && triangle[k] >= 0;
-          low = std::min(low, grid.at[cell]);
-          high = std::max(high, grid.at[cell]);
-        }
-        if (whole && high - low < step_m) picture.mesh.triangles.push_back(triangle);
-      }
-    }
-  }
+  add_triangles(picture, grid, vertex_of);
   add_normals(picture);
   return picture;
 }

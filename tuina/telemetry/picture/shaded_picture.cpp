@@ -4,9 +4,8 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <limits>
 
-#include "tuina/telemetry/picture/raster.hpp"
+#include "tuina/telemetry/picture/ray_picture.hpp"
 
 namespace tuina::telemetry {
 namespace {
@@ -14,7 +13,6 @@ namespace {
 using Light = Eigen::Vector3f;
 
 constexpr int samples_per_pixel = 3;  // across and down
-constexpr int shadow_size = 1024;
 
 /// Where the light comes from, in the picture's axes: x right, y up, z towards the eye.
 const Eigen::Vector3f key_direction = Eigen::Vector3f(-0.72F, 0.58F, 0.46F).normalized();
@@ -24,147 +22,51 @@ const Light fill_light(0.52F, 0.50F, 0.52F);
 const Light sky_light(0.50F, 0.52F, 0.56F);
 const Light ground_light(0.30F, 0.25F, 0.22F);
 
-/// Everything in the axes of the picture, ready to be rastered.
-struct Prepared {
-  std::vector<RasterVertex> vertices;
-  std::vector<RasterBall> balls;
-};
-
-Prepared prepare(const Scene& scene, const Projection& projection) {
-  Prepared ready;
-  const auto& mesh = scene.surface.mesh;
-  ready.vertices.reserve(mesh.vertices.size());
-  for (std::size_t k = 0; k < mesh.vertices.size(); ++k) {
-    const auto light = to_light(scene.colours.empty() ? scene.colour : scene.colours[k]);
-    ready.vertices.push_back({.at = projection(mesh.vertices[k]).cast<float>(),
-                              .normal = projection.turned(scene.surface.normals[k]).cast<float>(),
-                              .albedo = Light(light[0], light[1], light[2]),
-                              .inside = scene.surface.inside[k]});
-  }
-  const auto add_ball = [&](const Vector3& at, double radius_m, Colour colour) {
-    const auto light = to_light(colour);
-    ready.balls.push_back({.at = projection(at).cast<float>(),
-                           .radius_px = static_cast<float>(radius_m * projection.px_per_m()),
-                           .radius_m = static_cast<float>(radius_m),
-                           .albedo = Light(light[0], light[1], light[2])});
-  };
-  for (const Thread& thread : scene.threads) {
-    for (std::size_t k = 0; k + 1 < thread.points.size(); ++k) {
-      const Vector3 along = thread.points[k + 1] - thread.points[k];
-      // Balls as close as this look like one smooth thread, thick or thin.
-      const double apart_m =
-          std::min(0.5 * thread.radius_m, std::max(0.0015, 0.1 * thread.radius_m));
-      const int balls = std::clamp(static_cast<int>(along.norm() / apart_m) + 1, 1, 2000);
-      for (int ball = 0; ball < balls; ++ball) {
-        add_ball(thread.points[k] + along * (static_cast<double>(ball) / balls), thread.radius_m,
-                 thread.colour);
-      }
-    }
-    if (!thread.points.empty()) add_ball(thread.points.back(), thread.radius_m, thread.colour);
-  }
-  for (const Bead& bead : scene.beads) add_ball(bead.at, bead.radius_m, bead.colour);
-  return ready;
-}
-
-/// The scene's depth as the key light sees it. A place is turned into the light's own axes first.
-class Shadow {
+/// Means over squares of those pixels that have a value, each from four sums over corners.
+class SquareMean {
  public:
-  Shadow(const Prepared& ready, const std::vector<std::array<int, 3>>& triangles, float px_per_m)
-      : px_per_m_(px_per_m) {
-    const Eigen::Vector3f right = Eigen::Vector3f::UnitY().cross(key_direction).normalized();
-    light_from_picture_ << right.transpose(), key_direction.cross(right).transpose(),
-        key_direction.transpose();
-    Eigen::AlignedBox3f box;
-    for (const auto& vertex : ready.vertices) box.extend(turned(vertex.at));
-    low_ = box.min();
-    texels_per_m_ = (shadow_size - 4) / std::max(1e-6F, box.sizes().head<2>().maxCoeff());
-    Raster raster(0, shadow_size, shadow_size);
-    std::vector<RasterVertex> vertices = ready.vertices;
-    for (auto& vertex : vertices) vertex.at = in_map(vertex.at);
-    for (const auto& triangle : triangles) raster.draw(vertices, triangle);
-    for (RasterBall ball : ready.balls) {
-      ball.at = in_map(ball.at);
-      ball.radius_px = ball.radius_m * texels_per_m_;
-      raster.draw(ball);
-    }
-    depth_ = std::move(raster.depth);
+  SquareMean(int width, int height) : width_(width), height_(height) {
+    sums_.resize(index(0, height + 1), Eigen::Vector2d::Zero());
   }
-
-  /// The share of the key light that reaches a place, 0 to 1; the edge is soft over a few
-  /// millimetres.
-  [[nodiscard]] float lit(const Eigen::Vector3f& at) const {
-    static constexpr std::array<std::array<float, 2>, 12> taps = {{{-0.326F, -0.406F},
-                                                                   {-0.840F, -0.074F},
-                                                                   {-0.696F, 0.457F},
-                                                                   {-0.203F, 0.621F},
-                                                                   {0.962F, -0.195F},
-                                                                   {0.473F, -0.480F},
-                                                                   {0.519F, 0.767F},
-                                                                   {0.185F, -0.893F},
-                                                                   {0.507F, 0.064F},
-                                                                   {0.896F, 0.412F},
-                                                                   {-0.322F, -0.933F},
-                                                                   {-0.792F, -0.598F}}};
-    const float spread = 0.0035F * texels_per_m_;
-    const Eigen::Vector3f p = in_map(at);
-    float sum = 0.F;
-    for (const auto& tap : taps) {
-      const int x = static_cast<int>(p.x() + spread * tap[0]);
-      const int y = static_cast<int>(p.y() + spread * tap[1]);
-      const bool outside = x < 0 || y < 0 || x >= shadow_size || y >= shadow_size;
-      const float blocker =
-          outside ? no_depth : depth_[static_cast<std::size_t>(y * shadow_size + x)];
-      // A little slack keeps a surface from shading itself; the shadow sets in over two
-      // millimetres.
-      sum += std::clamp(1.F - (blocker - p.z() - 0.0025F) / 0.002F, 0.F, 1.F);
-    }
-    return sum / static_cast<float>(taps.size());
+  /// Pixels come row by row, each once.
+  void add(int x, int y, std::optional<float> value) {
+    const Eigen::Vector2d here(value.value_or(0.F), value ? 1.0 : 0.0);
+    sums_[index(x + 1, y + 1)] =
+        here + sums_[index(x, y + 1)] + sums_[index(x + 1, y)] - sums_[index(x, y)];
+  }
+  /// Of the squares of this half width and of half of it, which nears a Gaussian.
+  [[nodiscard]] float around(int x, int y, int radius) const {
+    return 0.5F * (square(x, y, radius) + square(x, y, (radius + 1) / 2));
   }
 
  private:
-  [[nodiscard]] Eigen::Vector3f turned(const Eigen::Vector3f& at) const {
-    const Eigen::Vector3f metres(at.x() / px_per_m_, -at.y() / px_per_m_, at.z());
-    return light_from_picture_ * metres;
+  [[nodiscard]] std::size_t index(int x, int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_ + 1) +
+           static_cast<std::size_t>(x);
   }
-  [[nodiscard]] Eigen::Vector3f in_map(const Eigen::Vector3f& at) const {
-    const Eigen::Vector3f p = turned(at);
-    return {(p.x() - low_.x()) * texels_per_m_ + 2.F, (p.y() - low_.y()) * texels_per_m_ + 2.F,
-            p.z()};
+  [[nodiscard]] float square(int x, int y, int radius) const {
+    const int left = std::max(0, x - radius), right = std::min(width_, x + radius + 1);
+    const int top = std::max(0, y - radius), bottom = std::min(height_, y + radius + 1);
+    const Eigen::Vector2d sum = sums_[index(right, bottom)] - sums_[index(left, bottom)] -
+                                sums_[index(right, top)] + sums_[index(left, top)];
+    return sum.y() > 0.5 ? static_cast<float>(sum.x() / sum.y()) : 0.F;
   }
 
-  float px_per_m_;
-  Eigen::Matrix3f light_from_picture_;
-  Eigen::Vector3f low_;
-  float texels_per_m_;
-  std::vector<float> depth_;
+  int width_, height_;
+  std::vector<Eigen::Vector2d> sums_;  // of values and of how many there are, up to each pixel
 };
 
-/// How hollow each pixel is at three scales: the mean depth around it against its own, in metres.
+/// How hollow a place is at three scales: the mean depth around it against its own, in metres.
 /// After T. Luft et al., Image Enhancement by Unsharp Masking the Depth Buffer (2006), which stands
 /// in for ambient occlusion.
-std::vector<float> hollowness(const Raster& surface, float px_per_m) {
-  const std::size_t pixels = surface.depth.size();
-  std::vector<float> hollow(pixels, 0.F);
+float hollowness(const SquareMean& depth, int x, int y, float here, float px_per_m) {
   struct Scale {
     float radius_m, gain;
   };
-  for (const Scale scale : {Scale{0.006F, 110.F}, Scale{0.018F, 60.F}, Scale{0.05F, 20.F}}) {
-    std::vector<float> mean(pixels);
-    std::vector<float> weight(pixels);
-    for (std::size_t k = 0; k < pixels; ++k) {
-      weight[k] = surface.depth[k] == no_depth ? 0.F : 1.F;
-      mean[k] = weight[k] * (weight[k] > 0.F ? surface.depth[k] : 0.F);
-    }
+  float hollow = 0.F;
+  for (const Scale scale : {Scale{0.010F, 110.F}, Scale{0.030F, 60.F}, Scale{0.08F, 20.F}}) {
     const int radius = std::max(1, static_cast<int>(scale.radius_m * px_per_m));
-    for (int pass = 0; pass < 2; ++pass) {
-      box_blur(mean, surface.width, surface.height, radius);
-      box_blur(weight, surface.width, surface.height, radius);
-    }
-    for (std::size_t k = 0; k < pixels; ++k) {
-      if (surface.depth[k] == no_depth || weight[k] <= 0.F) continue;
-      const float relative = mean[k] / weight[k] - surface.depth[k];
-      hollow[k] += std::clamp(scale.gain * relative, -0.16F, 0.45F);
-    }
+    hollow += std::clamp(scale.gain * (depth.around(x, y, radius) - here), -0.16F, 0.45F);
   }
   return hollow;
 }
@@ -206,110 +108,110 @@ float exposed(float light) {
 /// Turns the samples of a pixel into its colour.
 class Painter {
  public:
-  Painter(const Scene& scene, const Projection& projection, const Prepared& ready)
-      : px_per_m_(static_cast<float>(projection.px_per_m())),
+  Painter(const Scene& scene, const Projection& projection)
+      : rays_(scene, projection),
         width_(projection.width_px()),
-        shadow_(ready, scene.surface.mesh.triangles, px_per_m_) {
-    Raster coarse(0, projection.width_px(), projection.height_px());
-    for (const auto& triangle : scene.surface.mesh.triangles) coarse.draw(ready.vertices, triangle);
-    hollow_ = hollowness(coarse, px_per_m_);
+        height_(projection.height_px()),
+        px_per_m_(static_cast<float>(projection.px_per_m())),
+        depth_(width_, height_),
+        key_(width_, height_) {
     for (const Disc& disc : scene.discs) {
       const auto light = to_light(disc.colour);
-      discs_.push_back({projection(disc.at).cast<float>(), static_cast<float>(disc.radius_m),
-                        Light(light[0], light[1], light[2])});
+      discs_.push_back({projection.in_view(disc.at).cast<float>(),
+                        static_cast<float>(disc.radius_m), Light(light[0], light[1], light[2])});
+    }
+    first_.reserve(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_));
+    for (int y = 0; y < height_; ++y) {
+      for (int x = 0; x < width_; ++x) {
+        const auto& sample = first_.emplace_back(
+            rays_.seen_through(static_cast<float>(x) + 0.5F, static_cast<float>(y) + 0.5F));
+        const bool skin = sample && sample->skin;
+        depth_.add(x, y, skin ? std::optional(sample->at.z()) : std::nullopt);
+        key_.add(x, y, skin ? std::optional(key_share(sample->at)) : std::nullopt);
+      }
     }
   }
 
-  /// `raster` holds `samples_per_pixel` squared samples of each pixel.
-  [[nodiscard]] Colour pixel(const Raster& raster, int x, int y) const {
-    constexpr int all = samples_per_pixel * samples_per_pixel;
-    std::array<Sample, all> samples;
-    int seen = 0;
-    int skin = 0;
-    float nearest = no_depth;
-    float farthest = -no_depth;
-    for (int k = 0; k < all; ++k) {
-      const int sx = x * samples_per_pixel + k % samples_per_pixel;
-      const int sy = y * samples_per_pixel + k / samples_per_pixel - raster.top;
-      const std::size_t at = static_cast<std::size_t>(sy) * static_cast<std::size_t>(raster.width) +
-                             static_cast<std::size_t>(sx);
-      if (raster.depth[at] == no_depth) continue;
-      Sample& sample = samples[static_cast<std::size_t>(seen++)];
-      const float column = (static_cast<float>(sx) + 0.5F) / samples_per_pixel;
-      const float row = (static_cast<float>(sy + raster.top) + 0.5F) / samples_per_pixel;
-      sample = {.at = {column, row, raster.depth[at]},
-                .normal = raster.normal[at],
-                .albedo = raster.albedo[at],
-                .cover = raster.inside[at],
-                .skin = raster.skin[at] != 0};
-      if (sample.skin) tint(sample);
-      skin += sample.skin ? 1 : 0;
-      nearest = std::max(nearest, sample.at.z());
-      farthest = std::min(farthest, sample.at.z());
-    }
-    const float hollow = hollow_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
-                                 static_cast<std::size_t>(x)];
+  [[nodiscard]] Colour pixel(int x, int y) const {
     Light sum = Light::Zero();
     float covered = 0.F;
-    // Where all samples are one piece of skin the light is worked out once, which is most of the
-    // picture.
-    const bool smooth = skin == all && nearest - farthest < 0.004F;
-    if (smooth) {
-      Sample mean = samples[all / 2];
-      for (const Sample& sample : samples) {
-        if (&sample == &samples[all / 2]) continue;
-        mean.normal += sample.normal;
-        mean.albedo += sample.albedo;
-        covered += sample.cover;
-      }
-      covered += mean.cover;
-      mean.albedo /= all;
-      sum = covered * lit(mean, hollow);
+    const auto add = [&](const std::optional<Sample>& sample, float share) {
+      if (!sample) return;
+      sum += share * sample->cover * lit(*sample, x, y);
+      covered += share * sample->cover;
+    };
+    constexpr int all = samples_per_pixel * samples_per_pixel;
+    const bool smooth = is_smooth(x, y);
+    for (int k = 0; k < all && !smooth; ++k) {
+      const float column = (static_cast<float>(k % samples_per_pixel) + 0.5F) / samples_per_pixel;
+      const float row = (static_cast<float>(k / samples_per_pixel) + 0.5F) / samples_per_pixel;
+      add(rays_.seen_through(static_cast<float>(x) + column, static_cast<float>(y) + row),
+          1.F / all);
     }
-    for (int k = 0; k < seen && !smooth; ++k) {
-      const Sample& sample = samples[static_cast<std::size_t>(k)];
-      sum += sample.cover * lit(sample, sample.skin ? hollow : 0.F);
-      covered += sample.cover;
-    }
-    sum = sum / all + Light::Constant(1.F - covered / all);
+    if (smooth) add(first_[index(x, y)], 1.F);
+    sum += Light::Constant(1.F - covered);  // paper
     return from_light({sum.x(), sum.y(), sum.z()});
   }
 
  private:
-  struct Sample {
-    Eigen::Vector3f at;
-    Eigen::Vector3f normal;
-    Light albedo;
-    float cover = 0.F;
-    bool skin = false;
-  };
   struct FlatDisc {
     Eigen::Vector3f at;
     float radius_m;
     Light tint;
   };
 
-  void tint(Sample& sample) const {
-    for (const FlatDisc& disc : discs_) {
-      const Eigen::Vector2f across = (sample.at - disc.at).head<2>() / px_per_m_;
-      if (across.squaredNorm() > disc.radius_m * disc.radius_m) continue;
-      const float d = std::hypot(across.norm(), 0.7F * (sample.at.z() - disc.at.z()));
-      if (d > disc.radius_m) continue;
-      const float share = d > disc.radius_m - 0.0012F ? 0.8F : 0.30F;
-      sample.albedo += share * (disc.tint - sample.albedo);
-    }
+  [[nodiscard]] std::size_t index(int x, int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
+           static_cast<std::size_t>(x);
   }
-  [[nodiscard]] Light lit(const Sample& sample, float hollow) const {
-    return lit_colour(sample.normal.normalized(), sample.albedo, sample.skin,
-                      shadow_.lit(sample.at), hollow)
+
+  /// One ray is enough where a pixel and its neighbours show one piece of skin, or nothing.
+  [[nodiscard]] bool is_smooth(int x, int y) const {
+    const std::optional<Sample>& here = first_[index(x, y)];
+    for (int k = 0; k < 9; ++k) {
+      const std::optional<Sample>& there = first_[index(std::clamp(x + k % 3 - 1, 0, width_ - 1),
+                                                        std::clamp(y + k / 3 - 1, 0, height_ - 1))];
+      if (here.has_value() != there.has_value()) return false;
+      if (!here) continue;
+      if (!there->skin || there->cover < 1.F || std::abs(here->at.z() - there->at.z()) > 0.006F)
+        return false;
+    }
+    return true;
+  }
+
+  [[nodiscard]] float key_share(const Eigen::Vector3f& at) const {
+    return rays_.in_shadow(at, key_direction) ? 0.F : 1.F;
+  }
+
+  /// How much a disc tints a place of the skin: more in its rim, and softly over a pixel.
+  [[nodiscard]] float share_of(const FlatDisc& disc, const Eigen::Vector3f& at) const {
+    const Eigen::Vector3f away = at - disc.at;
+    const float inward_m = disc.radius_m - std::hypot(away.head<2>().norm(), 0.7F * away.z());
+    const auto past = [&](float m) {
+      return std::clamp((inward_m - m) * px_per_m_ + 0.5F, 0.F, 1.F);
+    };
+    return 0.8F * past(0.F) - 0.5F * past(0.0012F);
+  }
+
+  [[nodiscard]] Light lit(const Sample& sample, int x, int y) const {
+    if (!sample.skin)
+      return lit_colour(sample.normal, sample.albedo, false, key_share(sample.at), 0.F)
+          .unaryExpr(&exposed);
+    Light albedo = sample.albedo;
+    for (const FlatDisc& disc : discs_) albedo += share_of(disc, sample.at) * (disc.tint - albedo);
+    // The edge of a shadow is soft over a few millimetres, as of a wide lamp.
+    const int soft = std::max(1, static_cast<int>(0.004F * px_per_m_));
+    return lit_colour(sample.normal, albedo, true, key_.around(x, y, soft),
+                      hollowness(depth_, x, y, sample.at.z(), px_per_m_))
         .unaryExpr(&exposed);
   }
 
+  RayPicture rays_;
+  int width_, height_;
   float px_per_m_;
-  int width_;
-  Shadow shadow_;
-  std::vector<float> hollow_;
   std::vector<FlatDisc> discs_;
+  std::vector<std::optional<Sample>> first_;  // through the middle of each pixel
+  SquareMean depth_, key_;  // of the skin: metres towards the eye, share of the key light
 };
 
 }  // namespace
@@ -337,8 +239,17 @@ Projection::Projection(const View& view, const std::vector<Vector3>& seen)
   height_px_ = static_cast<int>(std::ceil(scale_ * size.y() + 2 * view.margin_px));
 }
 
+Vector3 Projection::in_view(const Vector3& place) const {
+  return view_from_world_ * (place - centre_);
+}
+
+Vector3 Projection::ray(double column, double row) const {
+  const Vector2 at = (Vector2(column, row) - shift_px_) / scale_;
+  return {at.x(), -at.y(), -1.0};
+}
+
 Vector3 Projection::operator()(const Vector3& place) const {
-  const Vector3 p = view_from_world_ * (place - centre_);
+  const Vector3 p = in_view(place);
   const Vector2 at = shift_px_ + scale_ * Vector2(p.x(), -p.y()) / (distance_m_ - p.z());
   return {at.x(), at.y(), p.z()};
 }
@@ -352,31 +263,15 @@ ShadedPicture shade(const Scene& scene, const View& view) {
   ShadedPicture picture{.image = {}, .projection = Projection(view, seen)};
   const int width = picture.projection.width_px();
   const int height = picture.projection.height_px();
-  const auto& triangles = scene.surface.mesh.triangles;
-  Prepared ready = prepare(scene, picture.projection);
-  const Painter painter(scene, picture.projection, ready);
-
-  // The picture is made in strips, so that its many samples never need much memory at once.
+  const Painter painter(scene, picture.projection);
   picture.image = Image(width, height, 3);
-  constexpr int strip_rows = 64;
-  for (auto& vertex : ready.vertices) vertex.at.head<2>() *= samples_per_pixel;
-  for (auto& ball : ready.balls) {
-    ball.at.head<2>() *= samples_per_pixel;
-    ball.radius_px *= samples_per_pixel;
-  }
-  for (int top = 0; top < height; top += strip_rows) {
-    const int rows = std::min(strip_rows, height - top);
-    Raster raster(top * samples_per_pixel, width * samples_per_pixel, rows * samples_per_pixel);
-    for (const auto& triangle : triangles) raster.draw(ready.vertices, triangle);
-    for (const RasterBall& ball : ready.balls) raster.draw(ball);
-    for (int y = top; y < top + rows; ++y) {
-      std::uint8_t* out = picture.image.row(y);
-      for (int x = 0; x < width; ++x) {
-        const Colour colour = painter.pixel(raster, x, y);
-        out[3 * x] = colour.red;
-        out[3 * x + 1] = colour.green;
-        out[3 * x + 2] = colour.blue;
-      }
+  for (int y = 0; y < height; ++y) {
+    std::uint8_t* out = picture.image.row(y);
+    for (int x = 0; x < width; ++x) {
+      const Colour colour = painter.pixel(x, y);
+      *out++ = colour.red;
+      *out++ = colour.green;
+      *out++ = colour.blue;
     }
   }
   return picture;

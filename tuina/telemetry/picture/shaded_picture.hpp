@@ -9,7 +9,7 @@
 
 namespace tuina::telemetry {
 
-/// From where a picture is taken: an eye a few metres away, so that the perspective is gentle.
+/// Viewpoint of a picture: an eye a few metres away, so that the perspective is gentle.
 struct View {
   Vector3 toward_eye = Vector3::UnitY();
   Vector3 up = Vector3::UnitZ();
@@ -40,7 +40,7 @@ struct Disc {
   Colour colour;
 };
 
-/// What a picture shows.
+/// Everything that a picture shows.
 struct Scene {
   PictureMesh surface;
   std::vector<Colour> colours = {};  ///< one per vertex, or empty for `colour`
@@ -58,6 +58,11 @@ class Projection {
 
   /// x right and y down in pixels; z is the height towards the eye, in metres.
   [[nodiscard]] Vector3 operator()(const Vector3& place) const;
+  /// The axes of the picture: x right, y up, z towards the eye, in metres from what it shows.
+  [[nodiscard]] Vector3 in_view(const Vector3& place) const;
+  /// From the eye through a point of the picture, in the axes of the picture; one metre deep.
+  [[nodiscard]] Vector3 ray(double column, double row) const;
+  [[nodiscard]] double distance_m() const { return distance_m_; }  ///< distance of the eye
   [[nodiscard]] Vector3 turned(const Vector3& direction) const {
     return view_from_world_ * direction;
   }

@@ -12,7 +12,7 @@ namespace tuina::telemetry {
 struct Moment {
   double begin_s = 0.0;
   double end_s = 0.0;
-  std::vector<const PerformedPath*> paths;  ///< of the data, at most one of each arm
+  std::vector<const PerformedPath*> paths;  ///< paths in the data, at most one of each arm
 };
 
 /// The session in the order of time. Paths of the two arms that ran together for most of the

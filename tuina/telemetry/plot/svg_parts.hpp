@@ -7,7 +7,7 @@
 
 #include "tuina/telemetry/plot/colours.hpp"
 
-/// What drawings as SVG have in common.
+/// Pieces that all SVG drawings share.
 namespace tuina::telemetry {
 
 /// Mean width of a letter at 11.5 px, for laying out.

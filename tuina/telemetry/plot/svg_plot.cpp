@@ -26,8 +26,14 @@ struct Range {
   }
   /// Never empty, whatever the data.
   void settle(std::optional<double> fixed_low, std::optional<double> fixed_high, double margin) {
-    if (low > high) low = 0.0, high = 1.0;
-    if (high - low < 1e-12 * std::max(1.0, std::abs(high))) low -= 0.5, high += 0.5;
+    if (low > high) {
+      low = 0.0;
+      high = 1.0;
+    }
+    if (high - low < 1e-12 * std::max(1.0, std::abs(high))) {
+      low -= 0.5;
+      high += 0.5;
+    }
     const double spare = margin * (high - low);
     low = fixed_low.value_or(low - spare);
     high = fixed_high.value_or(high + spare);
@@ -144,9 +150,8 @@ std::string legend(const Plot& plot, double right) {
   return svg;
 }
 
-}  // namespace
-
-std::string to_svg(const Plot& plot) {
+/// The frame that holds all data, or what the plot fixes.
+Frame frame_of(const Plot& plot) {
   const bool tails = std::any_of(plot.series.begin(), plot.series.end(),
                                  [](const Series& series) { return !series.tail.empty(); });
   const double top = tails ? 84.0 : plot.marks.empty() ? 24.0 : 40.0;
@@ -168,43 +173,38 @@ std::string to_svg(const Plot& plot) {
   }
   frame.x.settle(plot.x_low, plot.x_high, 0.0);
   frame.y.settle(plot.y_low, plot.y_high, 0.06);
+  return frame;
+}
 
-  std::string svg = open_svg(plot.width_px, plot.height_px, plot.title) + axes(plot, frame) +
-                    legend(plot, frame.left + frame.width);
-  // Several drawings share a page, so the clip is an inner <svg> and needs no name.
-  svg += fmt::format(
-      "<svg x=\"{0:.1f}\" y=\"{1:.1f}\" width=\"{2:.1f}\" height=\"{3:.1f}\" viewBox=\"{0:.1f} "
-      "{1:.1f} {2:.1f} {3:.1f}\" fill=\"none\" stroke-linejoin=\"round\">",
-      frame.left, frame.top, frame.width, frame.height);
-  for (const Band& band : plot.bands) {
-    std::string d;
-    for (std::size_t k = 0; k < band.x.size(); ++k) {
-      d += fmt::format("{}{:.1f} {:.1f}", k == 0 ? 'M' : 'L', frame.px(band.x[k]),
-                       frame.py(band.high[k]));
-    }
-    for (std::size_t k = band.x.size(); k-- > 0;)
-      d += fmt::format("L{:.1f} {:.1f}", frame.px(band.x[k]), frame.py(band.low[k]));
-    svg += fmt::format("<path d=\"{}Z\" fill=\"{}\" fill-opacity=\".2\"/>", d, css(band.colour));
+std::string drawn(const Band& band, const Frame& frame) {
+  std::string d;
+  for (std::size_t k = 0; k < band.x.size(); ++k) {
+    d += fmt::format("{}{:.1f} {:.1f}", k == 0 ? 'M' : 'L', frame.px(band.x[k]),
+                     frame.py(band.high[k]));
   }
-  for (const Mark& mark : plot.marks) {
-    svg += fmt::format("<path d=\"M{:.1f} {:.1f}v{:.1f}\" stroke=\"{}\"/>", frame.px(mark.x),
-                       frame.top, frame.height, css(mark.colour));
-  }
-  for (const Series& series : plot.series) {
-    if (series.dots) {
-      for (std::size_t k = 0; k < series.x.size(); ++k) {
-        if (!std::isfinite(series.x[k]) || !std::isfinite(series.y[k])) continue;
-        svg += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{:.1f}\" fill=\"{}\"/>",
-                           frame.px(series.x[k]), frame.py(series.y[k]), 1.6 * series.width_px,
-                           css(series.colour));
-      }
-      continue;
-    }
-    svg += fmt::format("<path d=\"{}\" stroke=\"{}\" stroke-width=\"{:.1f}\"{}/>",
+  for (std::size_t k = band.x.size(); k-- > 0;)
+    d += fmt::format("L{:.1f} {:.1f}", frame.px(band.x[k]), frame.py(band.low[k]));
+  return fmt::format("<path d=\"{}Z\" fill=\"{}\" fill-opacity=\".2\"/>", d, css(band.colour));
+}
+
+std::string drawn(const Series& series, const Frame& frame) {
+  if (!series.dots)
+    return fmt::format("<path d=\"{}\" stroke=\"{}\" stroke-width=\"{:.1f}\"{}/>",
                        path_of(series, frame), css(series.colour), series.width_px,
                        series.dashed ? " stroke-dasharray=\"5 3\"" : "");
+  std::string svg;
+  for (std::size_t k = 0; k < series.x.size(); ++k) {
+    if (!std::isfinite(series.x[k]) || !std::isfinite(series.y[k])) continue;
+    svg += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{:.1f}\" fill=\"{}\"/>",
+                       frame.px(series.x[k]), frame.py(series.y[k]), 1.6 * series.width_px,
+                       css(series.colour));
   }
-  svg += "</svg>";
+  return svg;
+}
+
+/// The words at the ends of lines, beside each other where they would meet.
+std::string tails(const Plot& plot, const Frame& frame) {
+  std::string svg;
   std::vector<double> taken;
   for (const Series& series : plot.series) {
     if (series.tail.empty() || series.x.empty()) continue;
@@ -218,9 +218,15 @@ std::string to_svg(const Plot& plot) {
         x, frame.py(series.y.back()) - 5, css(mix(series.colour, palette::ink, 0.35)),
         escaped(series.tail));
   }
+  return svg;
+}
+
+/// The words above the hairlines. One that would cover its neighbour is left out; its hairline
+/// stays.
+std::string mark_words(const Plot& plot, const Frame& frame) {
+  std::string svg;
   double free_from = 0.0;
   for (const Mark& mark : plot.marks) {
-    // A word that would cover its neighbour is left out; the hairline stays.
     const double x = frame.px(mark.x) + 3;
     if (x < free_from || x + letter_px * static_cast<double>(mark.text.size()) > plot.width_px)
       continue;
@@ -228,7 +234,27 @@ std::string to_svg(const Plot& plot) {
                        x, frame.top - 4, css(palette::grey), escaped(mark.text));
     free_from = x + letter_px * static_cast<double>(mark.text.size()) + 4;
   }
-  return svg + "</svg>";
+  return svg;
+}
+
+}  // namespace
+
+std::string to_svg(const Plot& plot) {
+  const Frame frame = frame_of(plot);
+  std::string svg = open_svg(plot.width_px, plot.height_px, plot.title) + axes(plot, frame) +
+                    legend(plot, frame.left + frame.width);
+  // Several drawings share a page, so the clip is an inner <svg> and needs no name.
+  svg += fmt::format(
+      "<svg x=\"{0:.1f}\" y=\"{1:.1f}\" width=\"{2:.1f}\" height=\"{3:.1f}\" viewBox=\"{0:.1f} "
+      "{1:.1f} {2:.1f} {3:.1f}\" fill=\"none\" stroke-linejoin=\"round\">",
+      frame.left, frame.top, frame.width, frame.height);
+  for (const Band& band : plot.bands) svg += drawn(band, frame);
+  for (const Mark& mark : plot.marks) {
+    svg += fmt::format("<path d=\"M{:.1f} {:.1f}v{:.1f}\" stroke=\"{}\"/>", frame.px(mark.x),
+                       frame.top, frame.height, css(mark.colour));
+  }
+  for (const Series& series : plot.series) svg += drawn(series, frame);
+  return svg + "</svg>" + tails(plot, frame) + mark_words(plot, frame) + "</svg>";
 }
 
 std::string hardness_bar_svg(double low, double high, std::string_view label) {

@@ -13,7 +13,7 @@ namespace tuina::telemetry {
 
 /// One line, or cloud of dots, of a plot. A value that is not a number interrupts the line.
 struct Series {
-  std::string name;  ///< in the legend; empty for none
+  std::string name;  ///< word in the legend; empty: none
   std::vector<double> x = {};
   std::vector<double> y = {};
   Colour colour = palette::ink;
@@ -34,12 +34,13 @@ struct Band {
 
 struct Plot {
   std::string title;    ///< read out by screen readers and shown by no one
-  std::string x_label;  ///< with its unit: "time, s"
+  std::string x_label;  ///< quantity and unit: "time, s"
   std::string y_label;
   std::vector<Series> series = {};
   std::vector<Band> bands = {};
   std::vector<Mark> marks = {};
-  std::optional<double> x_low = {}, x_high = {}, y_low = {}, y_high = {};  ///< else from the data
+  std::optional<double> x_low = {}, x_high = {}, y_low = {},
+                        y_high = {};  ///< ends of the axes; none: those of the data
   int width_px = 760;
   int height_px = 260;
 };

@@ -28,10 +28,10 @@ View view_of(const BackPose& pose) {
 }
 
 struct Label {
-  Vector2 at;  ///< of the point, in the drawing
+  Vector2 at;  ///< place of the point in the drawing
   std::string name;
   std::string remark;
-  double y = 0.0;  ///< of the text
+  double y = 0.0;  ///< height of the text
 };
 
 /// Moves the labels of one side apart, keeping their order, as near to their points as they can be.

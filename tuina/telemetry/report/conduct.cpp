@@ -42,9 +42,9 @@ std::vector<Distance> distances_of(const ReportData& data) {
   return known;
 }
 
-std::string distance_figure(const ReportData& data) {
+void add_distances(Part& part, const ReportData& data) {
   const std::vector<Distance> distances = distances_of(data);
-  if (distances.empty()) return "";
+  if (distances.empty()) return;
   const double stop_mm = to_mm(data.stopping_distance_m);
   double max_mm = stop_mm;
   std::vector<std::string> least;
@@ -69,77 +69,75 @@ std::string distance_figure(const ReportData& data) {
                          .colour = palette::stop,
                          .dashed = true});
   for (const Distance& distance : distances) plot.series.push_back(distance.series);
-  return "<div class=wide>" + to_svg(plot) +
-         "</div><p>At the least: " + escaped(fmt::format("{}", fmt::join(least, ", "))) + ".</p>";
+  part.heading("How far they stayed apart")
+      .figure(to_svg(plot))
+      .text(fmt::format("At the least: {}.", fmt::join(least, ", ")))
+      .note(
+          "Between surfaces. Nearer to each other, to the couch or to the robot's body than the "
+          "dashed line both arms stop. An arm's last link, with the tool, is meant to touch the "
+          "person and is left out there; the upper arm hangs on the body and is left out beside "
+          "it.");
 }
 
 }  // namespace
 
-std::string technique_key(const ReportData& data, bool moving) {
-  std::string html = "<ul class=key>";
+std::vector<KeyEntry> technique_key(const ReportData& data, bool moving) {
+  std::vector<KeyEntry> key;
   for (const Technique technique : figures::all_techniques) {
     const bool used =
         std::any_of(data.paths.begin(), data.paths.end(),
                     [&](const PerformedPath& p) { return p.path.technique == technique; });
     if (!used) continue;
     const bool line = technique == Technique::rub || technique == Technique::stroke;
-    html += fmt::format("<li><i{} style=\"background:{}\"></i>{}</li>", line ? " class=flat" : "",
-                        css(colour_of(technique)), figures::doing(technique));
+    key.push_back({colour_of(technique), figures::doing(technique), line});
   }
   if (moving) {
-    html += fmt::format(
-        "<li><i class=flat style=\"background:{}\"></i>Moving through the air</li><li><i "
-        "class=flat "
-        "style=\"background:#e9ebee;height:12px\"></i>Waiting</li>",
-        css(mix(palette::paper, palette::grey, 0.7)));
+    key.push_back({mix(palette::paper, palette::grey, 0.7), "Moving through the air", true});
+    key.push_back({Colour{233, 235, 238}, "Waiting"});
   }
-  return html + "</ul>";
+  return key;
 }
 
-std::string conduct_section(const ReportData& data) {
-  std::string html =
-      "<section class=long><h2>How it went</h2><p>The session in the order of time: what is being "
-      "done, faintly what has been done, and the two arms that do "
-      "it, drawn thinner than they are so that they hide less.</p>";
+void add_conduct(Page& page, const ReportData& data) {
+  Part& part = page.section(
+      "How it went",
+      "The session in the order of time: what is being done, faintly what has been done, and the "
+      "two arms that do it, drawn thinner than they are so that they hide less.");
   const std::size_t moments = moments_of(data).size();
   const std::string strip = session_strip(data);
-  html += strip.empty() ? "<p class=note>There is nothing to picture.</p>" : strip;
+  part.html(strip);
+  if (strip.empty()) part.note("There is nothing to picture.");
   if (!strip.empty() && moments > max_pictures)
-    html +=
-        fmt::format("<p class=note>{} of {} moments, evenly picked.</p>", max_pictures, moments);
-  html += "<h3>What each arm did when</h3>";
+    part.note(fmt::format("{} of {} moments, evenly picked.", max_pictures, moments));
+  part.heading("What each arm did when");
   const std::string timeline = figures::timeline(data);
-  html += timeline.empty() ? "<p class=note>No path was carried out.</p>"
-                           : "<div class=wide>" + timeline + "</div>" + technique_key(data, true);
-  const std::string distance = distance_figure(data);
-  if (!distance.empty()) {
-    html += "<h3>How far they stayed apart</h3>" + distance +
-            "<p class=note>Between surfaces. Nearer to each other, to the couch or to the robot's "
-            "body than the dashed line both arms stop. An arm's last link, with the tool, is meant "
-            "to touch the person and is left out there; the upper arm hangs on the body and is "
-            "left out beside it.</p>";
+  if (timeline.empty()) {
+    part.note("No path was carried out.");
+  } else {
+    part.figure(timeline).key(technique_key(data, true));
   }
-  return html + "</section>";
+  add_distances(part, data);
 }
 
-std::string decisions_section(const ReportData& data) {
-  if (data.decisions.empty()) return "";
-  std::string html =
-      "<section class=long><h2>What the tissue decided</h2><p>While it presses, the robot feels "
-      "how "
-      "hard and how thick the tissue is, and does less where less is right. Every change, with its "
-      "reason; the rules are those of the manual.</p><div class=wide><table><thead><tr><th>time, s"
-      "<th class=l>arm<th class=l>path<th class=l>rule<th class=l>reason<th>planned, N<th>"
-      "decided, N</thead><tbody>";
+void add_decisions(Page& page, const ReportData& data) {
+  if (data.decisions.empty()) return;
+  Table table{.columns = {{.head = "time, s", .digits = 1},
+                          {.head = "arm"},
+                          {.head = "path"},
+                          {.head = "rule"},
+                          {.head = "reason"},
+                          {.head = "planned, N", .digits = 1},
+                          {.head = "decided, N", .digits = 1}}};
   for (const SteeringDecision& made : data.decisions) {
-    html += fmt::format(
-        "<tr><td>{:.1f}<td class=l>{}<td class=l>{}<td class=l>{}<td class=l "
-        "style=\"white-space:normal\">{}<td>{}<td>{:.1f}",
-        made.time_s, name_of(made.arm), escaped(made.path), escaped(made.rule),
-        escaped(made.reason), made.from_n > 0.0 ? fmt::format("{:.1f}", made.from_n) : "",
-        made.to_n);
+    table.add({made.time_s, name_of(made.arm), made.path, made.rule, made.reason,
+               made.from_n > 0.0 ? Cell(made.from_n) : Cell(), made.to_n});
   }
-  return html + "</tbody></table></div></section>";
+  page.section(
+          "What the tissue decided",
+          "While it presses, the robot feels how hard and how thick the tissue is, and does "
+          "less where less is right. Every change, with its reason; the rules are those of the "
+          "manual.")
+      .table(table);
 }
 
 }  // namespace tuina::telemetry

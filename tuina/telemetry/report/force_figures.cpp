@@ -86,8 +86,10 @@ Plot force_plot(const ReportData& data, const std::vector<Contact>& contacts, Te
       truth.y.push_back(row->true_force_n);
       target.y.push_back(row->target_n);
     }
-    for (Series* series : {&measured, &truth, &target})
-      series->x.push_back(last_s), series->y.push_back(nan);
+    for (Series* series : {&measured, &truth, &target}) {
+      series->x.push_back(last_s);
+      series->y.push_back(nan);
+    }
     begin_s = last_s + 0.15;
   }
   plot.series.push_back(std::move(measured));

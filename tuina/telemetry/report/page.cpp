@@ -8,10 +8,10 @@
 #include <set>
 
 #include "tuina/core/units.hpp"
-#include "tuina/telemetry/plot/svg_plot.hpp"
+#include "tuina/telemetry/page.hpp"
+#include "tuina/telemetry/plot/svg_parts.hpp"
 #include "tuina/telemetry/report/conduct.hpp"
 #include "tuina/telemetry/report/figures.hpp"
-#include "tuina/telemetry/report/style.hpp"
 #include "tuina/telemetry/report/tissue.hpp"
 
 namespace tuina::telemetry {
@@ -137,164 +137,157 @@ std::string summary(const ReportData& data) {
   else
     text += fmt::format("The session was stopped for safety after {}: {}.",
                         minutes(data.stops.front().time_s), data.stops.front().cause);
-  return escaped(text);
+  return text;
 }
 
-std::string tile(const std::string& label, const std::string& value, const std::string& unit,
-                 const std::string& remark) {
-  return fmt::format(
-      "<div class=tile><span class=label>{}</span><b>{}<small>{}</small></b><i>{}</i></div>",
-      escaped(label), escaped(value), escaped(unit), escaped(remark));
-}
-
-std::string tiles(const ReportData& data) {
-  std::string html = "<div class=tiles>";
+std::vector<KeyNumber> tiles(const ReportData& data) {
   const long whole = std::lround(std::max(0.0, data.duration_s));
-  html += tile("Massage", fmt::format("{}:{:02}", whole / 60, whole % 60), "min",
-               fmt::format("{} paths of two arms", data.paths.size()));
+  std::vector<KeyNumber> tiles = {{"Massage", fmt::format("{}:{:02}", whole / 60, whole % 60),
+                                   "min", fmt::format("{} paths of two arms", data.paths.size())}};
   if (!data.acupoints.empty()) {
     const auto error = mean_error(data);
-    html += error ? tile("Acupoints", fmt::format("{:.1f}", to_mm(error->mean_m)), "mm",
-                         fmt::format("mean distance of {} to the truth", error->points))
-                  : tile("Acupoints", fmt::format("{}", data.acupoints.size()), "", "found");
+    tiles.push_back(
+        error ? KeyNumber{"Acupoints", fmt::format("{:.1f}", to_mm(error->mean_m)), "mm",
+                          fmt::format("mean distance of {} to the truth", error->points)}
+              : KeyNumber{"Acupoints", fmt::format("{}", data.acupoints.size()), "", "found"});
   }
   if (!data.trace.empty())
-    html += tile("Peak force", fmt::format("{:.1f}", peak_force_n(data)), "N",
-                 data.simulated ? "true force, whole session" : "measured, whole session");
+    tiles.push_back({"Peak force", fmt::format("{:.1f}", peak_force_n(data)), "N",
+                     data.simulated ? "true force, whole session" : "measured, whole session"});
   for (const TechniqueForce& force : data.forces) {
     if (force.technique == Technique::press)
-      html += tile("Force error", fmt::format("{:.2f}", force.rmse_n), "N",
-                   "root mean square while pressing");
+      tiles.push_back({"Force error", fmt::format("{:.2f}", force.rmse_n), "N",
+                       "root mean square while pressing"});
   }
-  for (const KeyNumber& number : data.numbers)
-    html += tile(capital(number.label), number.value, number.unit, number.remark);
-  return html +
-         tile("Stops", fmt::format("{}", data.stops.size()), "",
-              data.stops.empty() ? "the guard never stepped in" : "see below") +
-         "</div>";
+  for (const KeyNumber& number : data.numbers) {
+    tiles.push_back(number);
+    tiles.back().label = capital(number.label);
+  }
+  tiles.push_back({"Stops", fmt::format("{}", data.stops.size()), "",
+                   data.stops.empty() ? "the guard never stepped in" : "see below"});
+  return tiles;
 }
 
-std::string acupoint_table(const ReportData& data) {
+Table acupoint_table(const ReportData& data) {
   const bool truth = std::any_of(data.acupoints.begin(), data.acupoints.end(),
                                  [](const FoundAcupoint& f) { return f.error_m.has_value(); });
-  std::string html = "<table><thead><tr><th>Point<th>within, mm";
-  if (truth) html += "<th class=sim>distance to<br>the truth, mm";
-  html += "</thead><tbody>";
+  Table table{
+      .columns = {{.head = "Point"},
+                  {.head = "within, mm", .digits = 1},
+                  {.head = truth ? "distance to the truth, mm" : "", .digits = 1, .truth = true}}};
   for (const FoundAcupoint& found : data.acupoints) {
     const Acupoint& point = found.acupoint;
-    html += fmt::format("<tr><td>{}<em>{}</em><td>{:.1f}", escaped(figures::spoken(point.name)),
-                        escaped(figures::chinese_name(point.name)), to_mm(point.uncertainty_m));
-    if (truth)
-      html += found.error_m ? fmt::format("<td class=sim>{:.1f}", to_mm(*found.error_m))
-                            : "<td class=sim>";
+    table.add({{figures::spoken(point.name), figures::chinese_name(point.name)},
+               to_mm(point.uncertainty_m),
+               found.error_m ? Cell(to_mm(*found.error_m)) : Cell()});
   }
-  return html + "</tbody></table>";
+  return table;
 }
 
-std::string back_section(const ReportData& data) {
+void add_back(Page& page, const ReportData& data) {
   const std::string figure = figures::back(data);
-  std::string html =
-      "<section><h2>The back</h2><p>The surface that the scanner saw, with the acupoints that were "
-      "found on it and the paths of both arms.</p><div class=two><div>";
-  html +=
-      figure.empty() ? "<p class=note>There is no scan to show.</p>" : figure + technique_key(data);
-  html += "</div><div>";
-  if (data.acupoints.empty()) {
-    html += "<p class=note>No acupoint was located.</p>";
+  Part picture, points;
+  if (figure.empty()) {
+    picture.note("There is no scan to show.");
   } else {
-    html +=
-        acupoint_table(data) +
-        "<p class=note>The pale ring around a point, and the column <i>within</i>, is the radius "
-        "that holds the true point in 95 of 100 cases. Left and right are the person’s own.";
-    if (mean_error(data))
-      html +=
-          " The last column compares with the simulated person’s true points, which only a "
-          "simulation knows.";
-    html += "</p>";
+    picture.html(figure).key(technique_key(data));
   }
-  return html + "</div></div></section>";
+  if (data.acupoints.empty()) {
+    points.note("No acupoint was located.");
+  } else {
+    points.table(acupoint_table(data))
+        .note(
+            std::string("The pale ring around a point, and the column “within”, is the radius that "
+                        "holds the true point in 95 of 100 cases. Left and right are the person’s "
+                        "own.") +
+            (mean_error(data) ? " The last column compares with the simulated person’s true "
+                                "points, which only a simulation knows."
+                              : ""));
+  }
+  page.section("The back",
+               "The surface that the scanner saw, with the acupoints that were found on it and the "
+               "paths of both arms.",
+               false)
+      .beside(picture, points);
 }
 
-std::string force_section(const ReportData& data) {
-  std::string html =
-      "<section class=long><h2>The force on the skin</h2><p>What was asked for, what the "
-      "person truly felt, and what the sensor at the wrist said. Contacts stand one behind the "
-      "other; the travel between them is left out.</p>";
+void add_forces(Page& page, const ReportData& data) {
+  Part& part = page.section(
+      "The force on the skin",
+      "What was asked for, what the person truly felt, and what the sensor at the wrist said. "
+      "Contacts stand one behind the other; the travel between them is left out.");
   bool any = false;
   for (const Technique technique : figures::all_techniques) {
     const std::string figure = figures::force(data, technique);
     if (figure.empty()) continue;
     any = true;
-    html += fmt::format("<h3 style=\"color:{}\">{}</h3>", css(colour_of(technique)),
-                        figures::doing(technique));
+    part.heading(figures::doing(technique), colour_of(technique));
     for (const TechniqueForce& force : data.forces) {
       if (force.technique == technique)
-        html += fmt::format(
-            "<p class=note>Root mean square error {:.2f} N, peak {:.1f} N (true force{}).</p>",
-            force.rmse_n, force.peak_n, data.simulated ? ", known only in simulation" : "");
+        part.note(fmt::format("Root mean square error {:.2f} N, peak {:.1f} N (true force{}).",
+                              force.rmse_n, force.peak_n,
+                              data.simulated ? ", known only in simulation" : ""));
     }
-    html += "<div class=wide>" + figure + "</div>";
+    part.figure(figure);
   }
   const std::string close_up = figures::first_press_force(data);
-  if (!close_up.empty()) {
-    html += "<h3>The first press, close up</h3><div class=even><div class=\"wide half\">" +
-            close_up + "</div><div class=\"wide half\">" + figures::first_press_depth(data) +
-            "</div></div>";
-  }
-  if (!any) html += "<p class=note>There is no record of forces.</p>";
-  return html + "</section>";
+  if (!close_up.empty())
+    part.heading("The first press, close up")
+        .figures({{.svg = close_up}, {.svg = figures::first_press_depth(data)}});
+  if (!any) part.note("There is no record of forces.");
 }
 
-std::string stops_section(const ReportData& data) {
-  std::string html = "<section><h2>Stops</h2>";
+void add_stops(Page& page, const ReportData& data) {
+  Part& part = page.section("Stops", "", false);
   if (data.stops.empty())
-    html += "<p class=calm>The guard watched every millisecond and had no cause to stop.</p>";
+    part.calm("The guard watched every millisecond and had no cause to stop.");
   for (const Stop& stop : data.stops)
-    html +=
-        fmt::format("<p class=stop><b>{:.3f} s</b> &ensp;{}</p>", stop.time_s, escaped(stop.cause));
-  std::string troubles;
+    part.alarm(fmt::format("{:.3f} s: {}", stop.time_s, stop.cause));
+  std::vector<std::string> troubles;
   for (const PerformedPath& performed : data.paths) {
-    if (performed.trouble.empty()) continue;
-    troubles += fmt::format("<li>{} arm, {}: {}</li>", name_of(performed.arm),
-                            escaped(performed.path.name), escaped(performed.trouble));
+    if (!performed.trouble.empty())
+      troubles.push_back(fmt::format("{} arm, {}: {}", name_of(performed.arm), performed.path.name,
+                                     performed.trouble));
   }
-  if (!troubles.empty()) html += "<h3>Not carried out as planned</h3><ul>" + troubles + "</ul>";
-  return html + "</section>";
+  if (!troubles.empty()) part.heading("Not carried out as planned").list(troubles);
+}
+
+PageHead head_of(const ReportData& data) {
+  PageHead head{
+      .title = fmt::format("Massage of {}, {} · tuina", data.person, name_of(data.position)),
+      .over = "tuina massage report",
+      .heading = data.person + ", " + name_of(data.position),
+      .lead = summary(data)};
+  if (data.simulated) head.badges.emplace_back("simulation");
+  if (!data.stops.empty()) head.alarms.emplace_back("stopped");
+  if (!data.programme.empty()) head.meta += "programme " + data.programme + "  ·  ";
+  if (!data.version.empty()) head.meta += "tuina " + data.version + "  ·  ";
+  head.meta += fmt::format("seed {}", data.seed);
+  if (data.simulated)
+    head.footer =
+        "No person and no robot took part: everything on this page happened in a simulation. ";
+  head.footer +=
+      "tuina is open research software. It is not a medical device and makes no diagnosis.";
+  return head;
 }
 
 }  // namespace
 
 std::string report_page(const ReportData& data) {
-  const std::string title = fmt::format("Massage of {}, {}", data.person, name_of(data.position));
-  std::string html = fmt::format(
-      "<!doctype html><html lang=en><head><meta charset=utf-8><meta name=viewport "
-      "content=\"width=device-width,initial-scale=1\">"
-      "<title>{} · tuina</title><style>{}</style></head><body><main>",
-      escaped(title), report_style);
-  html += "<header><div class=over><span>tuina massage report</span>";
-  if (data.simulated) html += "<span class=badge>simulation</span>";
-  if (!data.stops.empty()) html += "<span class=\"badge bad\">stopped</span>";
-  html += fmt::format(
-      "</div><h1>{}</h1><div class=meta>{}{}seed {}</div><p class=lead>{}</p></header>",
-      escaped(data.person + ", " + name_of(data.position)),
-      data.programme.empty() ? "" : "programme " + escaped(data.programme) + " &ensp;·&ensp; ",
-      data.version.empty() ? "" : "tuina " + escaped(data.version) + " &ensp;·&ensp; ", data.seed,
-      summary(data));
-  html += tiles(data) + back_section(data) + conduct_section(data) + force_section(data) +
-          tissue_section(data) + decisions_section(data) + stops_section(data);
+  Page page(head_of(data));
+  page.opening().tiles(tiles(data));
+  add_back(page, data);
+  add_conduct(page, data);
+  add_forces(page, data);
+  add_tissue(page, data);
+  add_decisions(page, data);
+  add_stops(page, data);
   if (!data.config_toml.empty()) {
-    html +=
-        "<section class=long><h2>Configuration</h2><details><summary>Every setting of this "
-        "session</summary><pre>" +
-        escaped(data.config_toml) + "</pre></details></section>";
+    page.section("Configuration")
+        .folded("Every setting of this session",
+                Part().html("<pre>" + escaped(data.config_toml) + "</pre>"));
   }
-  html += fmt::format(
-      "<footer>{}tuina is open research software. It is not a medical device and makes no "
-      "diagnosis.</footer></main></body></html>\n",
-      data.simulated
-          ? "No person and no robot took part: everything on this page happened in a simulation. "
-          : "");
-  return html;
+  return page.str();
 }
 
 std::string back_picture(const ReportData& data) {

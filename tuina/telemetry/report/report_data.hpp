@@ -12,6 +12,7 @@
 #include "tuina/core/arm.hpp"
 #include "tuina/core/contact.hpp"
 #include "tuina/core/surface.hpp"
+#include "tuina/telemetry/page.hpp"
 
 namespace tuina::telemetry {
 
@@ -27,8 +28,8 @@ struct PerformedPath {
   Arm arm = Arm::left;
   double begin_s = 0.0;
   ContactPath path = {};
-  std::optional<double> end_s = {};  ///< when the arm had left it, if that is known
-  std::string trouble = {};          ///< why it was not carried out as planned; empty when it was
+  std::optional<double> end_s = {};  ///< time at which the arm had left it; none: not known
+  std::string trouble = {};  ///< reason why it was not carried out as planned; empty: it was
 
   [[nodiscard]] double ended_s() const { return end_s.value_or(begin_s + path.duration_s()); }
 };
@@ -48,7 +49,7 @@ struct TraceRow {
 /// What was felt at one place; `truth` is known only in simulation. Of several for one name the
 /// last is drawn.
 struct FeltTissue {
-  std::string name = {};  ///< of the acupoint
+  std::string name = {};  ///< name of the acupoint
   Vector3 at_in_couch = Vector3::Zero();
   TissueEstimate estimate = {};
   std::optional<TangentTissue> truth = {};
@@ -67,7 +68,7 @@ struct MappedStiffness {
 
 /// One place pressed at the beginning of a session and again at its end.
 struct StiffnessChange {
-  std::string name = {};  ///< of the acupoint
+  std::string name = {};  ///< name of the acupoint
   double before_n_per_mm = 0.0;
   double after_n_per_mm = 0.0;
   double detectable = 0.0;  ///< the smallest relative change that can be told at 95 %
@@ -127,14 +128,6 @@ struct Stop {
   std::string cause = {};  ///< a sentence for people
 };
 
-/// A figure worth a tile on the page: {"scan error", "0.42", "mm", "RMS to the true surface"}.
-struct KeyNumber {
-  std::string label = {};
-  std::string value = {};
-  std::string unit = {};
-  std::string remark = {};
-};
-
 /// Everything that the report of one session shows. Places are in `couch`, times in session time.
 /// Text may hold anything; the page escapes it.
 struct ReportData {
@@ -148,7 +141,7 @@ struct ReportData {
   std::vector<FoundAcupoint> acupoints = {};
   std::vector<PerformedPath> paths = {};
   std::vector<TraceRow> trace = {};
-  std::vector<TechniqueForce> forces = {};  ///< only of techniques that were used
+  std::vector<TechniqueForce> forces = {};  ///< one for each technique that was used
   std::vector<FeltTissue> tissue = {};
   double stiffness_force_n = 10.0;
   /// Nothing where no press was near enough. Empty: there is no map.
@@ -158,7 +151,7 @@ struct ReportData {
   std::vector<SteeringDecision> decisions = {};
   std::vector<ArmDistance> distances = {};
   double stopping_distance_m = 0.0;  ///< arms nearer than this stop
-  std::vector<ArmsPose> poses = {};  ///< in the order of time; a picture takes the nearest
+  std::vector<ArmsPose> poses = {};  ///< ordered by time; a picture takes the nearest
   std::vector<Stop> stops = {};
   std::vector<KeyNumber> numbers = {};  ///< besides those that the page counts itself
   std::string config_toml = {};         ///< the whole effective configuration

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "tuina/telemetry/plot/svg_plot.hpp"
+#include "tuina/core/units.hpp"
 #include "tuina/telemetry/report/figures.hpp"
 
 namespace tuina::telemetry {
@@ -16,107 +16,114 @@ bool has_truth(const ReportData& data) {
                      [](const FeltTissue& f) { return f.truth.has_value(); });
 }
 
-std::string tissue_table(const ReportData& data) {
+Table tissue_table(const ReportData& data) {
   const bool truth = has_truth(data);
   const bool classes = std::any_of(data.tissue.begin(), data.tissue.end(),
                                    [](const FeltTissue& f) { return !f.tissue_class.empty(); });
-  std::string html = "<div class=wide><table><thead><tr><th>Point<th>&alpha;, N";
-  if (truth) html += "<th class=sim>true &alpha;<br>(simulation only)";
-  html += "<th>&beta;, 1/mm";
-  if (truth) html += "<th class=sim>true &beta;<br>(simulation only)";
-  html += fmt::format("<th>at {:.0f} N,<br>N/mm<th>presses<th>settled<br>after, s",
-                      data.stiffness_force_n);
-  if (classes) html += "<th class=l>felt like";
-  html += "</thead><tbody>";
+  const auto only_if = [](bool wanted, const char* head) { return wanted ? head : ""; };
+  Table table{
+      .columns = {{.head = "Point"},
+                  {.head = "α, N", .digits = 1},
+                  {.head = only_if(truth, "true α (simulation only)"), .digits = 1, .truth = true},
+                  {.head = "β, 1/mm", .digits = 3},
+                  {.head = only_if(truth, "true β (simulation only)"), .digits = 3, .truth = true},
+                  {.head = fmt::format("at {:.0f} N, N/mm", data.stiffness_force_n), .digits = 1},
+                  {.head = "presses"},
+                  {.head = "settled after, s", .digits = 1},
+                  {.head = only_if(classes, "felt like")}}};
+  const auto within = [](double half_width, int digits) {
+    return fmt::format("± {:.{}f}", half_width, digits);
+  };
   for (const FeltTissue& felt : data.tissue) {
     const TissueEstimate& e = felt.estimate;
-    html += fmt::format("<tr><td>{}<td>{:.1f}<em>± {:.1f}</em>",
-                        escaped(figures::spoken(felt.name)), e.tissue.alpha_n, e.alpha_ci95_n);
-    if (truth)
-      html +=
-          felt.truth ? fmt::format("<td class=sim>{:.1f}", felt.truth->alpha_n) : "<td class=sim>";
-    html += fmt::format("<td>{:.3f}<em>± {:.3f}</em>", e.tissue.beta_per_m * 1e-3,
-                        e.beta_ci95_per_m * 1e-3);
-    if (truth)
-      html += felt.truth ? fmt::format("<td class=sim>{:.3f}", felt.truth->beta_per_m * 1e-3)
-                         : "<td class=sim>";
-    html += fmt::format("<td>{:.1f}<em>± {:.1f}</em><td>{}", felt.stiffness_n_per_mm,
-                        felt.stiffness_ci95_n_per_mm, e.presses);
-    html += e.converged ? fmt::format("<td>{:.1f}", e.converged_after_s) : "<td>not settled";
-    if (classes)
-      html += felt.tissue_class.empty()
-                  ? "<td>"
-                  : fmt::format("<td class=l>{}<em>{:.0f} %</em>", escaped(felt.tissue_class),
-                                100.0 * felt.class_probability);
+    const auto& truly = felt.truth;
+    table.add(
+        {figures::spoken(felt.name),
+         {e.tissue.alpha_n, within(e.alpha_ci95_n, 1)},
+         truly ? Cell(truly->alpha_n) : Cell(),
+         {from_mm(e.tissue.beta_per_m), within(from_mm(e.beta_ci95_per_m), 3)},
+         truly ? Cell(from_mm(truly->beta_per_m)) : Cell(),
+         {felt.stiffness_n_per_mm, within(felt.stiffness_ci95_n_per_mm, 1)},
+         e.presses,
+         e.converged ? Cell(e.converged_after_s) : Cell("not settled"),
+         felt.tissue_class.empty()
+             ? Cell()
+             : Cell(felt.tissue_class, fmt::format("{:.0f} %", 100.0 * felt.class_probability))});
   }
-  return html + "</tbody></table></div>";
+  return table;
 }
 
-std::string before_and_after(const ReportData& data) {
-  if (data.changes.empty()) return "";
-  std::string html = fmt::format(
-      "<h3>Before and after</h3><div class=wide><table><thead><tr><th>Point<th>before, N/mm"
-      "<th>after, N/mm<th>change<th>smallest change<br>that can be told<th class=l>so it is"
-      "</thead><tbody>");
+void add_before_and_after(Part& part, const ReportData& data) {
+  if (data.changes.empty()) return;
+  Table table{.columns = {{.head = "Point"},
+                          {.head = "before, N/mm", .digits = 2},
+                          {.head = "after, N/mm", .digits = 2},
+                          {.head = "change"},
+                          {.head = "smallest change that can be told"},
+                          {.head = "so it is"}}};
   for (const StiffnessChange& place : data.changes) {
     const double change = place.after_n_per_mm / place.before_n_per_mm - 1.0;
-    html += fmt::format("<tr><td>{}<td>{:.2f}<td>{:.2f}<td>{:+.1f} %<td>{:.1f} %<td class=l>{}",
-                        escaped(figures::spoken(place.name)), place.before_n_per_mm,
-                        place.after_n_per_mm, 100.0 * change, 100.0 * place.detectable,
-                        !place.detected ? "no detectable change"
-                        : change < 0.0  ? "softer"
-                                        : "stiffer");
+    table.add({figures::spoken(place.name), place.before_n_per_mm, place.after_n_per_mm,
+               fmt::format("{:+.1f} %", 100.0 * change),
+               fmt::format("{:.1f} %", 100.0 * place.detectable),
+               !place.detected ? "no detectable change"
+               : change < 0.0  ? "softer"
+                               : "stiffer"});
   }
-  return html + fmt::format(
-                    "</tbody></table></div><p class=note>Stiffness under {:.0f} N in the first and "
-                    "the last presses of each point. A change counts when it is told from noise "
-                    "with 95 % at its own point; of twenty points that did not change, one may "
-                    "still seem to. Reported effects of massage on stiffness are small and gone "
-                    "within minutes, so no detectable change is the usual answer.</p>",
-                    data.stiffness_force_n);
+  part.heading("Before and after")
+      .table(table)
+      .note(fmt::format(
+          "Stiffness under {:.0f} N in the first and the last presses of each point. A change "
+          "counts when it is told from noise with 95 % at its own point; of twenty points that did "
+          "not change, one may still seem to. Reported effects of massage on stiffness are small "
+          "and gone within minutes, so no detectable change is the usual answer.",
+          data.stiffness_force_n));
 }
 
-std::string condition(const ReportData& data) {
-  if (!data.condition) return "";
+void add_condition(Part& part, const ReportData& data) {
+  if (!data.condition) return;
   const BodyCondition& body = *data.condition;
-  return fmt::format(
-      "<h3>Body condition</h3><p>What was felt is what one feels on a person of slim build with a "
-      "probability of {:.0f} %, of medium build with {:.0f} %, of hefty build with {:.0f} %; on a "
-      "woman with {:.0f} %.</p><p class=note>With caution: seven people stand behind these "
-      "numbers, "
-      "one of them a woman, and neighbouring builds overlap.</p>",
-      100.0 * body.slim, 100.0 * body.medium, 100.0 * body.hefty, 100.0 * body.female);
+  part.heading("Body condition")
+      .text(fmt::format(
+          "What was felt is what one feels on a person of slim build with a probability of {:.0f} "
+          "%, of medium build with {:.0f} %, of hefty build with {:.0f} %; on a woman with {:.0f} "
+          "%.",
+          100.0 * body.slim, 100.0 * body.medium, 100.0 * body.hefty, 100.0 * body.female))
+      .note(
+          "With caution: seven people stand behind these numbers, one of them a woman, and "
+          "neighbouring builds overlap.");
 }
 
 }  // namespace
 
-std::string tissue_section(const ReportData& data) {
-  std::string html =
-      "<section class=long><h2>What was felt</h2><p>From depth and force of each press the tissue "
-      "under it is estimated: <i>F</i> = &alpha; tan(&beta; <i>x</i>). "
-      "&alpha; is its hardness; &beta; is larger where the layer over the bone is thinner; their "
-      "product is the stiffness at first touch.</p>";
-  if (data.tissue.empty()) return html + "<p class=note>No tissue was estimated.</p></section>";
-  const std::string figure = figures::tissue(data);
-  html +=
-      "<div class=two><div>" + figure +
-      "</div><div><p class=note>Colour is the stiffness of the tissue, smooth between the places "
-      "that were pressed and paler the less it is known; plain grey is skin too far from any "
-      "press to tell.</p>";
+void add_tissue(Page& page, const ReportData& data) {
+  Part& part = page.section(
+      "What was felt",
+      "From depth and force of each press the tissue under it is estimated: F = α tan(β x). α is "
+      "its hardness; β is larger where the layer over the bone is thinner; their product is the "
+      "stiffness at first touch.");
+  if (data.tissue.empty()) {
+    part.note("No tissue was estimated.");
+    return;
+  }
+  const bool truth = has_truth(data);
+  Part laws;
+  laws.note(
+      "Colour is the stiffness of the tissue, smooth between the places that were pressed and "
+      "paler the less it is known; plain grey is skin too far from any press to tell.");
   const std::string curves = figures::tissue_curves(data);
   if (!curves.empty()) {
-    html += "<h3>Force against depth</h3>" + curves;
-    if (has_truth(data))
-      html += "<p class=note>Lines: as estimated. Dashed: the truth, simulation only.</p>";
+    laws.heading("Force against depth").html(curves);
+    if (truth) laws.note("Lines: as estimated. Dashed: the truth, simulation only.");
   }
-  html += "</div></div>" + tissue_table(data) +
-          "<p class=note>± is the half-width of the 95 % interval.";
-  const bool truth = has_truth(data);
-  if (truth)
-    html +=
-        " The shaded columns are the tissue that the simulated person was given; they exist in "
-        "simulation only and no part of tuina reads them.";
-  return html + "</p>" + before_and_after(data) + condition(data) + "</section>";
+  part.beside(Part().html(figures::tissue(data)), laws)
+      .table(tissue_table(data))
+      .note(std::string("± is the half-width of the 95 % interval.") +
+            (truth ? " The shaded columns are the tissue that the simulated person was given; they "
+                     "exist in simulation only and no part of tuina reads them."
+                   : ""));
+  add_before_and_after(part, data);
+  add_condition(part, data);
 }
 
 }  // namespace tuina::telemetry

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <string>
-
+#include "tuina/telemetry/page.hpp"
 #include "tuina/telemetry/report/report_data.hpp"
 
 namespace tuina::telemetry {
 
-/// The section of the report about what was felt: the map of stiffness, the laws of the points,
-/// before and after, and what they say of the person's build.
-[[nodiscard]] std::string tissue_section(const ReportData& data);
+/// The section about the tissue: its map on the back, the law at each point, what changed, and what
+/// that says of the person.
+void add_tissue(Page& page, const ReportData& data);
 
 }  // namespace tuina::telemetry

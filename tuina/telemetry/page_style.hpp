@@ -3,9 +3,9 @@
 
 namespace tuina::telemetry {
 
-/// The style sheet of the report page: light, for desktop, phone and paper, with the fonts that are
+/// The style sheet of every page: light, for desktop, phone and paper, with the fonts that are
 /// there.
-inline constexpr const char* report_style = R"css(
+inline constexpr const char* page_style = R"css(
 :root{--ink:#1f232a;--soft:#5b626d;--line:#e3e5e9;--paper:#fbfaf8;--card:#fff;--accent:#c8342c}
 *{box-sizing:border-box}
 html{-webkit-text-size-adjust:100%}
@@ -31,6 +31,7 @@ section{background:var(--card);border:1px solid var(--line);border-radius:14px;p
 section>p:first-of-type{color:var(--soft)}
 .two{display:grid;grid-template-columns:minmax(0,1.6fr) minmax(0,1fr);gap:30px;align-items:start}
 .even{display:grid;grid-template-columns:1fr 1fr;gap:24px}
+.three{display:grid;grid-template-columns:repeat(3,minmax(0,1fr));gap:20px}
 svg{max-width:100%;height:auto;display:block}
 svg.back{width:100%}
 .strip{display:grid;grid-template-columns:repeat(auto-fill,minmax(226px,1fr));gap:22px 20px;margin:14px 0 6px}
@@ -44,7 +45,10 @@ figcaption i{width:9px;height:9px;border-radius:99px;display:inline-block;margin
 table{border-collapse:collapse;width:100%;font-size:14.5px;margin:6px 0 10px}
 th{font-size:12.5px;font-weight:600;color:var(--soft);text-align:right;padding:7px 8px;border-bottom:1.5px solid #c9cdd4;vertical-align:bottom;line-height:1.3}
 td{text-align:right;padding:7px 8px;border-bottom:1px solid var(--line);white-space:nowrap}
-th:first-child,td:first-child,.l{text-align:left}
+.l{text-align:left}
+td.long{white-space:normal;min-width:16em}
+td.group{text-align:left;white-space:normal;padding-top:18px;font-weight:600}
+tr.ours{background:#fdf3e7}
 td em{font-style:normal;color:var(--soft);font-size:13px;margin-left:6px}
 .sim{background:#fdf8f1}
 th.sim{color:#8a4b12}
@@ -63,7 +67,7 @@ footer{color:var(--soft);font-size:13.5px;padding:8px 4px 0}
 main{padding:28px 16px}
 h1{font-size:32px}.lead{font-size:17.5px;margin:18px 0 24px}
 section{padding:22px 18px 20px;margin-left:-6px;margin-right:-6px}
-.two,.even{grid-template-columns:minmax(0,1fr);gap:18px}
+.two,.even,.three{grid-template-columns:minmax(0,1fr);gap:18px}
 .wide>svg{width:820px;max-width:none}
 .wide.half>svg{width:100%;max-width:100%}
 svg.back .remark{display:none}svg.back .name{font-size:21px}
