@@ -21,13 +21,14 @@ ContactPath press_path(const body::SurfacePoint& place, const PatchTask& task) {
     if (massage::plan_press(place, options, "").duration_s() > task.duration_s) break;
   }
   options.repeats -= 1;
-  return massage::plan_press(place, options, "press");
+  return massage::plan_press(place, options, name_of(Technique::press));
 }
 
 ContactPath tap_path(const body::SurfacePoint& place, const PatchTask& task) {
   const double time_s = std::max(task.duration_s - 2.0 * massage::landing_s, 1.0);
-  return massage::plan_tap(
-      place, {.force_n = task.force_n, .rate_hz = task.tap_hz, .time_s = time_s}, "tap");
+  return massage::plan_tap(place,
+                           {.force_n = task.force_n, .rate_hz = task.tap_hz, .time_s = time_s},
+                           name_of(Technique::tap));
 }
 
 /// The place `across_m` along the bent skin and `along_m` up it.

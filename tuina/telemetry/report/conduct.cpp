@@ -77,14 +77,14 @@ std::string distance_figure(const ReportData& data) {
 
 std::string technique_key(const ReportData& data, bool moving) {
   std::string html = "<ul class=key>";
-  for (const Technique technique : figures::all_techniques) {
+  for (const Technique technique : all_techniques) {
     const bool used =
         std::any_of(data.paths.begin(), data.paths.end(),
                     [&](const PerformedPath& p) { return p.path.technique == technique; });
     if (!used) continue;
-    const bool line = technique == Technique::rub || technique == Technique::stroke;
-    html += fmt::format("<li><i{} style=\"background:{}\"></i>{}</li>", line ? " class=flat" : "",
-                        css(colour_of(technique)), figures::doing(technique));
+    html += fmt::format("<li><i{} style=\"background:{}\"></i>{}</li>",
+                        slides(technique) ? " class=flat" : "", css(colour_of(technique)),
+                        figures::capital(row_of(technique).doing));
   }
   if (moving) {
     html += fmt::format(

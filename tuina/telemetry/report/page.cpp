@@ -17,12 +17,6 @@
 namespace tuina::telemetry {
 namespace {
 
-std::string capital(std::string text) {
-  if (!text.empty() && text[0] >= 'a' && text[0] <= 'z')
-    text[0] = static_cast<char>(text[0] - 'a' + 'A');
-  return text;
-}
-
 std::string minutes(double seconds) {
   const auto whole = static_cast<long>(std::lround(std::max(0.0, seconds)));
   if (whole < 60) return fmt::format("{} seconds", whole);
@@ -102,7 +96,7 @@ std::string summary(const ReportData& data) {
     text += ". ";
   }
   std::vector<std::string> done;
-  for (const Technique technique : figures::all_techniques) {
+  for (const Technique technique : all_techniques) {
     std::set<std::string> places;
     std::size_t count = 0;
     for (const PerformedPath& performed : data.paths) {
@@ -111,11 +105,9 @@ std::string summary(const ReportData& data) {
       places.insert(performed.path.acupoints.begin(), performed.path.acupoints.end());
     }
     if (count == 0) continue;
-    constexpr std::array<const char*, 4> verbs = {"pressed", "rubbed in circles around",
-                                                  "stroked along", "tapped"};
     const std::size_t served = places.empty() ? count : places.size();
-    done.push_back(fmt::format("{} {} {}", verbs[static_cast<std::size_t>(technique)],
-                               in_words(served), served == 1 ? "point" : "points"));
+    done.push_back(fmt::format("{} {} {}", row_of(technique).did, in_words(served),
+                               served == 1 ? "point" : "points"));
   }
   if (!done.empty()) text += fmt::format("Two arms {}. ", listed(done));
   if (!data.trace.empty())
@@ -167,7 +159,7 @@ std::string tiles(const ReportData& data) {
                    "root mean square while pressing");
   }
   for (const KeyNumber& number : data.numbers)
-    html += tile(capital(number.label), number.value, number.unit, number.remark);
+    html += tile(figures::capital(number.label), number.value, number.unit, number.remark);
   return html +
          tile("Stops", fmt::format("{}", data.stops.size()), "",
               data.stops.empty() ? "the guard never stepped in" : "see below") +
@@ -221,12 +213,12 @@ std::string force_section(const ReportData& data) {
       "person truly felt, and what the sensor at the wrist said. Contacts stand one behind the "
       "other; the travel between them is left out.</p>";
   bool any = false;
-  for (const Technique technique : figures::all_techniques) {
+  for (const Technique technique : all_techniques) {
     const std::string figure = figures::force(data, technique);
     if (figure.empty()) continue;
     any = true;
     html += fmt::format("<h3 style=\"color:{}\">{}</h3>", css(colour_of(technique)),
-                        figures::doing(technique));
+                        figures::capital(row_of(technique).doing));
     for (const TechniqueForce& force : data.forces) {
       if (force.technique == technique)
         html += fmt::format(
