@@ -105,7 +105,7 @@ TEST_CASE("tapping beats at its rate, and no tap is stronger than its rate allow
   for (const double rate_hz : {1.0, 3.0, 5.0}) {
     const ContactPath path =
         plan_tap(somewhere, {.force_n = 40.0, .rate_hz = rate_hz, .time_s = 4.0}, "tap");
-    const double force_n = std::min(40.0, strongest_tap_n(rate_hz));
+    const double force_n = std::min(40.0, strongest_beat_n(rate_hz));
     check_path(path, force_n);
     int taps = 0;
     const double middle_n = 0.5 * (force_n + kept_force_n);

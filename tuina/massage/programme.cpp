@@ -148,6 +148,26 @@ void check_turns(const TomlTable& table, const Part& part, const char* key) {
   }
 }
 
+/// The tool must not slide too fast round its circle.
+void check_speed(const TomlTable& table, const Part& part) {
+  const double speed = 2.0 * pi * part.radius_m * part.rate_hz;
+  if (speed <= max_slide_m_per_s) return;
+  table.reject(
+      "rate_hz",
+      fmt::format("a circle of radius {:.0f} mm at {} turns per second slides with "
+                  "{:.0f} mm/s, {:.0f} allowed",
+                  to_mm(part.radius_m), part.rate_hz, to_mm(speed), to_mm(max_slide_m_per_s)));
+}
+
+/// A force that beats must not change too fast.
+void check_beat(const TomlTable& table, const Part& part) {
+  const double strongest_n = strongest_beat_n(part.rate_hz);
+  if (part.force_n <= strongest_n) return;
+  table.reject("force_n", fmt::format("{} times per second with {} N change the force faster than "
+                                      "{:.0f} N/s; at this rate {:.1f} N are allowed",
+                                      part.rate_hz, part.force_n, max_beat_n_per_s, strongest_n));
+}
+
 /// Refuses keys that are right one by one and contradict each other.
 void check_part(const TomlTable& table, const Part& part) {
   if (table.has("repeats") && table.has("time_s")) {
@@ -167,21 +187,8 @@ void check_part(const TomlTable& table, const Part& part) {
   } else if (part.alternating || part.hand_over_hand) {
     check_turns(table, part, part.alternating ? "alternating" : "hand_over_hand");
   }
-  const double speed = 2.0 * pi * part.radius_m * part.rate_hz;
-  if (part.technique == Technique::rub && speed > max_slide_m_per_s) {
-    table.reject(
-        "rate_hz",
-        fmt::format("a circle of radius {:.0f} mm at {} turns per second slides with "
-                    "{:.0f} mm/s, {:.0f} allowed",
-                    to_mm(part.radius_m), part.rate_hz, to_mm(speed), to_mm(max_slide_m_per_s)));
-  }
-  if (part.technique == Technique::tap && part.force_n > strongest_tap_n(part.rate_hz)) {
-    table.reject(
-        "force_n",
-        fmt::format("{} taps per second with {} N change the force faster than {:.0f} "
-                    "N/s; at this rate {:.1f} N are allowed",
-                    part.rate_hz, part.force_n, max_force_n_per_s, strongest_tap_n(part.rate_hz)));
-  }
+  if (part.technique == Technique::rub) check_speed(table, part);
+  if (part.technique == Technique::tap) check_beat(table, part);
 }
 
 std::optional<Part> read_part(const TomlTable& table) {
