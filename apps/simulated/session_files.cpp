@@ -111,8 +111,7 @@ std::string session_json(const SessionResult& result, const FeltBack& felt_back,
   }
   // Every technique has its key; one that the programme does not use has no errors.
   ordered_json techniques = ordered_json::object();
-  for (const Technique technique :
-       {Technique::press, Technique::rub, Technique::stroke, Technique::tap}) {
+  for (const Technique technique : all_techniques) {
     const auto found = result.truth.techniques.find(technique);
     const bool used = found != result.truth.techniques.end();
     techniques[name_of(technique)] = {

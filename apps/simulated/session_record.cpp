@@ -57,13 +57,13 @@ void take_conduct(const json& session, const massage::Plan& plan, ReportData& da
                           .trouble = trouble == "none" ? "" : trouble});
   }
   const json& techniques = session.at("massage").at("techniques");
-  for (const Technique technique :
-       {Technique::press, Technique::rub, Technique::stroke, Technique::tap}) {
-    const json& errors = techniques.at(name_of(technique));
-    if (errors.at("rmse_n").is_null()) continue;
+  for (const Technique technique : all_techniques) {
+    // A version that knew fewer techniques may have written the session.
+    const auto errors = techniques.find(name_of(technique));
+    if (errors == techniques.end() || errors->at("rmse_n").is_null()) continue;
     data.forces.push_back({.technique = technique,
-                           .rmse_n = number(errors, "rmse_n"),
-                           .peak_n = number(errors, "peak_n")});
+                           .rmse_n = number(*errors, "rmse_n"),
+                           .peak_n = number(*errors, "peak_n")});
   }
   for (const json& made : session.at("decisions")) {
     data.decisions.push_back({.time_s = number(made, "time_s"),

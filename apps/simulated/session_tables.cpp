@@ -49,10 +49,7 @@ std::optional<telemetry::TraceRow> row_of(std::string_view line) {
   const std::string_view arm = cells.word(), technique = cells.word();
   if (arm == name_of(Arm::right)) row.arm = Arm::right;
   if (arm != name_of(row.arm)) cells.spoil();
-  for (const Technique known :
-       {Technique::press, Technique::rub, Technique::stroke, Technique::tap}) {
-    if (technique == name_of(known)) row.technique = known;
-  }
+  row.technique = parse_technique(technique);
   if (!row.technique && technique != "none") cells.spoil();
   row.target_n = cells.number();
   row.true_force_n = cells.number();

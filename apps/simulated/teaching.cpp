@@ -10,8 +10,8 @@
 #include "tuina/core/units.hpp"
 #include "tuina/massage/plan.hpp"
 #include "tuina/massage/programme.hpp"
-#include "tuina/massage/zones.hpp"
 #include "tuina/motion/ready_plan.hpp"
+#include "tuina/session/guarded_zone.hpp"
 #include "tuina/session/scan_step.hpp"
 #include "tuina/sim/person/person.hpp"
 
@@ -19,13 +19,6 @@ namespace tuina::app {
 namespace {
 
 using control::ToolPose;
-
-safety::Zone guarded_zone(const massage::PlannedPath& planned) {
-  for (const safety::Zone zone : {safety::Zone::muscle, safety::Zone::kidney}) {
-    if (safety::ceiling_of(zone).set_n <= massage::rule_of(planned.zone).cap_n) return zone;
-  }
-  return safety::Zone::bony;
-}
 
 /// The first path of this technique on this side of the true back, and how the arm gets there.
 Result<motion::ReadyPlan> plan_for(const sim::Person& person, const TeachOrder& order) {
@@ -156,7 +149,7 @@ Result<TaughtByHand> record_by_hand(const TeachOrder& order, const session::Conf
                                  .position = order.position,
                                  .arm = arm,
                                  .rail_m = ready->rail_m,
-                                 .zone = guarded_zone(planned)}};
+                                 .zone = session::guarded_zone(planned.zone)}};
   Hand hand;
   constexpr double learning_s = 3.5;  // the arm learns its friction before it is led
   const double end_s = learning_s + wanted.duration_s() + 0.5;

@@ -40,7 +40,7 @@ std::string picture_of(const SurfaceFile& scan, const body::BackSurface& back,
   for (const massage::PlannedPath& planned : plan.paths) {
     const telemetry::Colour colour = telemetry::colour_of(planned.path.technique);
     const auto& points = planned.path.points;
-    if (planned.path.technique == Technique::press || planned.path.technique == Technique::tap) {
+    if (!slides(planned.path.technique)) {
       scene.beads.push_back(
           {.at = points.front().at_in_couch, .radius_m = 0.006, .colour = colour});
       continue;

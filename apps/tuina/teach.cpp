@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <CLI/CLI.hpp>
 #include <filesystem>
-#include <map>
 #include <nlohmann/json.hpp>
 
 #include "apps/simulated/play_motion.hpp"
@@ -9,6 +8,7 @@
 #include "apps/tuina/verbs.hpp"
 #include "tuina/core/io/file.hpp"
 #include "tuina/core/units.hpp"
+#include "tuina/massage/programme.hpp"
 #include "tuina/telemetry/plot/svg_plot.hpp"
 
 namespace tuina::app {
@@ -16,8 +16,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::map<std::string, Technique> techniques = {
-    {"press", Technique::press}, {"rub", Technique::rub}, {"stroke", Technique::stroke}};
+/// The programme `relax` is what the hand shows, so its techniques are the ones to choose from.
+std::vector<std::string> shown_techniques() {
+  std::vector<std::string> names;
+  const auto relax = massage::load_programme("relax");
+  if (!relax) return names;
+  for (const massage::Part& part : relax->parts) names.emplace_back(name_of(part.technique));
+  return names;
+}
 
 double contact_s(const session::TaughtMotion& motion) {
   double sum_s = 0.0;
@@ -101,7 +107,7 @@ class TeachRecord final : public Verb {
         ->check(CLI::IsMember({"sitting", "prone"}))
         ->capture_default_str();
     command.add_option("--technique", technique_, "what the hand shows: as in the programme relax")
-        ->check(CLI::IsMember({"press", "rub", "stroke"}))
+        ->check(CLI::IsMember(shown_techniques()))
         ->capture_default_str();
     command.add_option("--arm", arm_, "that is led")
         ->check(CLI::IsMember({"left", "right"}))
@@ -116,7 +122,7 @@ class TeachRecord final : public Verb {
       return fail(Fault::usage, "--out {}: the name must end in .toml", out_);
     if (const auto good = check_folder_of(out_); !good) return tl::unexpected(good.error());
     order_.position = position_ == "prone" ? Position::prone : Position::sitting;
-    order_.technique = techniques.at(technique_);
+    order_.technique = *parse_technique(technique_);  // checked by the option
     order_.arm = arm_ == "left" ? Arm::left : Arm::right;
     const auto taught = record_by_hand(order_, *config, common);
     if (!taught) return tl::unexpected(taught.error());
@@ -134,7 +140,7 @@ class TeachRecord final : public Verb {
 
  private:
   TeachOrder order_;
-  std::string position_ = "sitting", technique_ = "stroke", arm_ = "left", out_;
+  std::string position_ = "sitting", technique_ = name_of(Technique::stroke), arm_ = "left", out_;
 };
 
 class TeachPlay final : public Verb {

@@ -1,29 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstdint>
 #include <string>
 #include <vector>
 
 #include "tuina/core/arm.hpp"
 #include "tuina/core/geometry.hpp"
+#include "tuina/core/technique.hpp"
 
 namespace tuina {
-
-enum class Technique : std::uint8_t { press, rub, stroke, tap };
-[[nodiscard]] constexpr const char* name_of(Technique technique) {
-  switch (technique) {
-    case Technique::press:
-      return "press";
-    case Technique::rub:
-      return "rub";
-    case Technique::stroke:
-      return "stroke";
-    case Technique::tap:
-      return "tap";
-  }
-  return "";
-}
 
 /// Set point of the tool on the skin at one time.
 struct ContactPoint {

@@ -8,8 +8,9 @@
 
 #include "tuina/core/units.hpp"
 #include "tuina/massage/technique/contact_path.hpp"
+#include "tuina/massage/technique/knead.hpp"
 #include "tuina/massage/technique/press.hpp"
-#include "tuina/massage/technique/stroke.hpp"
+#include "tuina/massage/technique/rub.hpp"
 #include "tuina/massage/technique/tap.hpp"
 #include "tuina/massage/zone_walk.hpp"
 
@@ -17,8 +18,8 @@ namespace tuina::massage {
 namespace {
 
 constexpr double min_stroke_m = 60_mm;
-constexpr double max_uncertainty_m = 50_mm;  // beyond, the tool may come down anywhere
-constexpr double off_skin_m = 20_mm;  // an acupoint further from the scanned skin is not on it
+constexpr double max_uncertainty_m = 50_mm;  // a tool sent farther off may come down anywhere
+constexpr double off_skin_m = 20_mm;         // an acupoint farther from the scan is not on it
 
 }  // namespace
 
@@ -35,7 +36,7 @@ std::optional<double> PathLayer::hand_over_hand_s(const Part& part, std::span<co
       return zones_.around_denied(guide, target.side);
     };
     auto curve = line(part, target, bend);
-    if (!curve) return std::nullopt;  // told where it is left out
+    if (!curve) return std::nullopt;  // `lay` will say why the line is left out
     pass_s = std::max(pass_s, hand_over_hand_pass_s(curve->length_m(), part.speed_m_per_s));
     laid.push_back(std::move(*curve));
   }
@@ -142,15 +143,15 @@ PathLayer::MaybePath PathLayer::lay_sliding(const Part& part, const Target& targ
     bent_m = std::max(bent_m, (moved - guide).norm());
     return moved;
   };
-  const bool rubs = part.technique == Technique::rub;
-  auto curve = rubs ? circle(part, target, bend) : line(part, target, bend);
+  const bool strokes = part.technique == Technique::stroke;
+  auto curve = strokes ? line(part, target, bend) : circle(part, target, bend);
   if (!curve) return tl::unexpected(curve.error());
   if (bent_m > 1_mm) note("bent by up to {:.0f} mm around what must not be touched", to_mm(bent_m));
 
   ZoneWalk zones = walk(*curve, zones_, part.technique);
   if (zones.denied != Zone::muscle) {
     const double kept_m = zones.to_m - zones.from_m;
-    if (rubs || kept_m < min_stroke_m) return left_out(zones.denied);
+    if (!strokes || kept_m < min_stroke_m) return left_out(zones.denied);
     note("cut from {:.0f} to {:.0f} mm at {}", to_mm(curve->length_m()), to_mm(kept_m),
          name_of(zones.denied));
     curve = stretch_of(*curve, zones.from_m, zones.to_m);
@@ -163,29 +164,43 @@ PathLayer::MaybePath PathLayer::lay_sliding(const Part& part, const Target& targ
                       .zone = zones.strictest,
                       .cap_n = cap_of(part.technique, zones.strictest, zones.perhaps_spine),
                       .arm = arm_of(curve->at(0.5 * curve->length_m()).at_in_couch)};
-  if (rubs) {
-    const double round_m = std::min(2.0 * pi * part.radius_m * part.rate_hz, max_slide_m_per_s);
-    const double one_s = part.spiral ? curve->length_m() / round_m + 1.0 : 1.0 / part.rate_hz;
-    const int turns = repeats_of(part, one_s, zones.strictest);
-    waiting.path = plan_rub(
-        *curve,
-        {.force_n = force_n, .rate_hz = part.rate_hz, .turns = turns, .radius_m = part.radius_m},
-        name_);
-  } else {
-    const double one_s = pass_s ? 2.0 * (*pass_s - hands_overlap_s)
-                                : 2.0 * (curve->length_m() / part.speed_m_per_s + 0.5);
-    StrokeOptions stroke{.force_n = force_n,
-                         .speed_m_per_s = part.speed_m_per_s,
-                         .repeats = repeats_of(part, one_s, zones.strictest)};
-    if (pass_s) stroke.turn = HandOverHand{.pass_s = *pass_s, .second = target.side < 0.0};
-    waiting.path = plan_stroke(*curve, stroke, name_);
-  }
+  std::optional<HandOverHand> turn;
+  if (pass_s) turn = HandOverHand{.pass_s = *pass_s, .second = target.side < 0.0};
+  waiting.path = along(*curve, part, zones.strictest, force_n, turn);
   return waiting;
+}
+
+/// The technique of the part along its curve, as often as ordered or as the zone bears.
+ContactPath PathLayer::along(const SurfaceCurve& curve, const Part& part, Zone zone, double force_n,
+                             const std::optional<HandOverHand>& turn) {
+  if (part.technique == Technique::rub) {
+    const double round_m = std::min(2.0 * pi * part.radius_m * part.rate_hz, max_slide_m_per_s);
+    const double one_s = part.spiral ? curve.length_m() / round_m + 1.0 : 1.0 / part.rate_hz;
+    return plan_rub(curve,
+                    {.force_n = force_n,
+                     .rate_hz = part.rate_hz,
+                     .turns = repeats_of(part, one_s, zone),
+                     .radius_m = part.radius_m},
+                    name_);
+  }
+  if (part.technique == Technique::knead) {
+    KneadOptions knead{.force_n = force_n, .rate_hz = part.rate_hz};
+    knead.turns = repeats_of(part, 1.0 / knead_hz(curve, knead), zone);
+    return plan_knead(curve, knead, name_);
+  }
+  const double one_s = turn ? 2.0 * (turn->pass_s - hands_overlap_s)
+                            : 2.0 * (curve.length_m() / part.speed_m_per_s + 0.5);
+  return plan_stroke(curve,
+                     {.force_n = force_n,
+                      .speed_m_per_s = part.speed_m_per_s,
+                      .repeats = repeats_of(part, one_s, zone),
+                      .turn = turn},
+                     name_);
 }
 
 int PathLayer::repeats_of(const Part& part, double one_s, Zone zone) {
   constexpr double usual = 3.0;
-  constexpr double ramps_s = 3.0;  // landing, gaining speed and leaving, at most
+  constexpr double ramps_s = 3.0;  // landing, gaining speed and leaving take no longer
   const double max_duration_s = rule_of(zone).max_duration_s;
   const double most = std::max(1.0, std::floor((max_duration_s - ramps_s) / one_s));
   double wanted = usual;
@@ -205,8 +220,10 @@ Result<SurfaceCurve> PathLayer::circle(const Part& part, const Target& target,
   // Both hands begin outside and go round as mirror images of each other.
   const bool left = target.side >= 0.0;
   const Vector3 outside = left ? chart_.left() : Vector3(-chart_.left());
+  // A knead begins on the side of the spine, where its force is least.
+  const Vector3 first = part.technique == Technique::knead ? Vector3(-outside) : outside;
   const auto curve_on = part.spiral ? spiral_on : circle_on;
-  return curve_on(back_, *centre, part.radius_m, outside, left, bend);
+  return curve_on(back_, *centre, part.radius_m, first, left, bend);
 }
 
 Result<SurfaceCurve> PathLayer::line(const Part& part, const Target& target,

@@ -9,7 +9,7 @@
 
 #include "tuina/massage/plan.hpp"
 #include "tuina/massage/targets.hpp"
-#include "tuina/massage/technique/rub.hpp"
+#include "tuina/massage/technique/stroke.hpp"
 
 namespace tuina::massage {
 
@@ -39,6 +39,8 @@ class PathLayer {
                                       std::optional<double> pass_s);
   [[nodiscard]] ContactPath pressed(const body::SurfacePoint& place, const Part& part, Zone zone,
                                     double force_n);
+  [[nodiscard]] ContactPath along(const SurfaceCurve& curve, const Part& part, Zone zone,
+                                  double force_n, const std::optional<HandOverHand>& turn);
   [[nodiscard]] int repeats_of(const Part& part, double one_s, Zone zone);
 
   [[nodiscard]] Result<SurfaceCurve> circle(const Part& part, const Target& target,
@@ -58,7 +60,7 @@ class PathLayer {
   const ZoneMap& zones_;
   const PlanOptions& options_;
   double force_scale_;
-  std::string name_;  // of the path being laid
+  std::string name_;  // name of the path being laid
   std::set<Zone> touched_;
   std::vector<std::string> notes_;
 };

@@ -29,7 +29,7 @@ Result<void> check_finite(std::span<const Acupoint> acupoints,
   return {};
 }
 
-/// Over all pairs of paths that run together.
+/// The smallest distance of two paths that run together.
 double min_tool_distance_m(const std::vector<PlannedPath>& paths) {
   double nearest_m = 0.0;
   for (std::size_t i = 1; i < paths.size(); ++i) {
@@ -65,7 +65,7 @@ bool other_side_of(const ContactPath& one, const ContactPath& other) {
                     [](char a, char b) { return a == b || (a == 'L' && b == 'R'); });
 }
 
-/// As they come, or the two sides of a place taking turns.
+/// Adds the paths of a part in their order, or lets the two sides of a place take turns.
 void add_in_turns(std::vector<WaitingPath>& waiting, const std::vector<WaitingPath>& of_part,
                   const Part& part) {
   constexpr int usual = 3;

@@ -17,18 +17,19 @@ namespace tuina::massage {
 struct Plan {
   std::string programme;
   std::vector<PlannedPath> paths;
-  double duration_s = 0.0;                 ///< until both arms have left the skin for good
-  double min_tool_distance_m = 0.0;        ///< between paths of one step; 0 if no two run together
-  std::vector<std::string> zones_touched;  ///< names, from the least to the most restricted
-  std::vector<std::string> notes;  ///< what was lowered, bent, cut or left out, and why, for people
+  double duration_s = 0.0;           ///< Time until both arms have left the skin for good.
+  double min_tool_distance_m = 0.0;  ///< Least distance of paths of one step; 0 if none has two.
+  std::vector<std::string> zones_touched;  ///< Names, from the least to the most restricted.
+  /// Sentences for people: which force was lowered, which path bent, cut or left out, and why.
+  std::vector<std::string> notes;
 };
 
 struct PlanOptions {
-  double force_scale = 1.0;       ///< on every force, besides the programme's intensity
-  double muscle_cap_n = 30.0;     ///< at most the ceiling of the zone
-  double force_ceiling_n = 45.0;  ///< everywhere
+  double force_scale = 1.0;       ///< Factor on every force, besides the programme's intensity.
+  double muscle_cap_n = 30.0;     ///< Cap in muscle; the zone's own cap holds too.
+  double force_ceiling_n = 45.0;  ///< Cap in every zone.
   Transfers transfers = {};
-  std::vector<NoGo> no_go = {};  ///< ruled out by the therapist
+  std::vector<NoGo> no_go = {};  ///< Places that the therapist has ruled out.
 };
 
 /// Lays a programme onto one person's back. Forces are lowered to the cap of the strictest zone

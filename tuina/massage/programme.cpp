@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tuina/massage/programme.hpp"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,6 +12,7 @@
 #include "tuina/core/io/toml_reader.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/massage/technique/contact_path.hpp"
+#include "tuina/massage/technique/knead.hpp"
 #include "tuina/massage/technique/tap.hpp"
 #include "tuina/massage/zones.hpp"
 
@@ -29,24 +32,49 @@ constexpr std::array<NamedLine, 4> lines = {{
     {"loin", "across the loin, from beside the spine outwards below the ribs"},
 }};
 
-const Words& keys_of(Technique technique) {
-  static const std::array<Words, 4> keys = {{
-      {"technique", "points", "side", "order", "together", "alternating", "force_n", "repeats",
-       "time_s", "hold_s", "rise_s"},
-      {"technique", "points", "side", "order", "together", "alternating", "force_n", "repeats",
-       "time_s", "rate_hz", "radius_mm", "spiral"},
-      {"technique", "points", "line", "places", "side", "together", "alternating", "hand_over_hand",
-       "force_n", "repeats", "time_s", "speed_mm_per_s"},
-      {"technique", "points", "side", "order", "together", "force_n", "time_s", "rate_hz"},
-  }};
-  return keys[static_cast<std::size_t>(technique)];
+/// A number that a programme may give.
+struct Range {
+  double usual, min, max;
+};
+
+/// The keys that a technique knows, and the numbers whose meaning depends on the technique.
+struct TechniqueKeys {
+  Words words;
+  Range rate_hz = {.usual = 0.35, .min = 0.1, .max = 1.0};
+  Range radius_mm = {.usual = 30.0, .min = 10.0, .max = 50.0};
+};
+
+TechniqueKeys keys_of(Technique technique) {
+  switch (technique) {
+    case Technique::press:
+      return {.words = {"technique", "points", "side", "order", "together", "alternating",
+                        "force_n", "repeats", "time_s", "hold_s", "rise_s"}};
+    case Technique::rub:
+      return {.words = {"technique", "points", "side", "order", "together", "alternating",
+                        "force_n", "repeats", "time_s", "rate_hz", "radius_mm", "spiral"}};
+    case Technique::stroke:
+      return {.words = {"technique", "points", "line", "places", "side", "together", "alternating",
+                        "hand_over_hand", "force_n", "repeats", "time_s", "speed_mm_per_s"}};
+    case Technique::tap:
+      return {.words = {"technique", "points", "side", "order", "together", "force_n", "time_s",
+                        "rate_hz"},
+              .rate_hz = {.usual = 3.0, .min = min_tap_hz, .max = max_tap_hz}};
+    case Technique::knead:
+      return {
+          .words = {"technique", "points", "side", "order", "together", "alternating", "force_n",
+                    "repeats", "time_s", "rate_hz", "radius_mm"},
+          .rate_hz = {.usual = 0.8, .min = min_knead_hz, .max = max_knead_hz},
+          .radius_mm = {
+              .usual = 15.0, .min = to_mm(min_knead_radius_m), .max = to_mm(max_knead_radius_m)}};
+  }
+  return {};
 }
 
 Words keys_of_any() {
   Words all;
-  for (const Technique technique :
-       {Technique::press, Technique::rub, Technique::stroke, Technique::tap}) {
-    all.insert(all.end(), keys_of(technique).begin(), keys_of(technique).end());
+  for (const Technique technique : all_techniques) {
+    const Words words = keys_of(technique).words;
+    all.insert(all.end(), words.begin(), words.end());
   }
   std::sort(all.begin(), all.end());
   all.erase(std::unique(all.begin(), all.end()), all.end());
@@ -128,7 +156,27 @@ void check_turns(const TomlTable& table, const Part& part, const char* key) {
   }
 }
 
-/// What single keys cannot say wrongly but several together can.
+/// The tool must not slide too fast round its circle.
+void check_speed(const TomlTable& table, const Part& part) {
+  const double speed = 2.0 * pi * part.radius_m * part.rate_hz;
+  if (speed <= max_slide_m_per_s) return;
+  table.reject(
+      "rate_hz",
+      fmt::format("a circle of radius {:.0f} mm at {} turns per second slides with "
+                  "{:.0f} mm/s, {:.0f} allowed",
+                  to_mm(part.radius_m), part.rate_hz, to_mm(speed), to_mm(max_slide_m_per_s)));
+}
+
+/// A force that beats must not change too fast.
+void check_beat(const TomlTable& table, const Part& part) {
+  const double strongest_n = strongest_beat_n(part.rate_hz);
+  if (part.force_n <= strongest_n) return;
+  table.reject("force_n", fmt::format("{} times per second with {} N change the force faster than "
+                                      "{:.0f} N/s; at this rate {:.1f} N are allowed",
+                                      part.rate_hz, part.force_n, max_beat_n_per_s, strongest_n));
+}
+
+/// Refuses keys that are right one by one and contradict each other.
 void check_part(const TomlTable& table, const Part& part) {
   if (table.has("repeats") && table.has("time_s")) {
     table.reject("time_s", "repeats and time_s exclude each other");
@@ -147,39 +195,25 @@ void check_part(const TomlTable& table, const Part& part) {
   } else if (part.alternating || part.hand_over_hand) {
     check_turns(table, part, part.alternating ? "alternating" : "hand_over_hand");
   }
-  const double speed = 2.0 * pi * part.radius_m * part.rate_hz;
-  if (part.technique == Technique::rub && speed > max_slide_m_per_s) {
-    table.reject(
-        "rate_hz",
-        fmt::format("a circle of radius {:.0f} mm at {} turns per second slides with "
-                    "{:.0f} mm/s, {:.0f} allowed",
-                    to_mm(part.radius_m), part.rate_hz, to_mm(speed), to_mm(max_slide_m_per_s)));
-  }
-  if (part.technique == Technique::tap && part.force_n > strongest_tap_n(part.rate_hz)) {
-    table.reject(
-        "force_n",
-        fmt::format("{} taps per second with {} N change the force faster than {:.0f} "
-                    "N/s; at this rate {:.1f} N are allowed",
-                    part.rate_hz, part.force_n, max_force_n_per_s, strongest_tap_n(part.rate_hz)));
-  }
+  const bool kneads = part.technique == Technique::knead;
+  if (kneads || part.technique == Technique::rub) check_speed(table, part);
+  if (kneads || part.technique == Technique::tap) check_beat(table, part);
 }
 
 std::optional<Part> read_part(const TomlTable& table) {
-  const auto technique = table.word("technique", {"press", "rub", "stroke", "tap"});
+  const auto technique = table.word("technique", technique_names());
   if (!technique) {
     if (!table.has("technique")) {
-      table.reject("technique", "a part needs a technique: press, rub, stroke, tap");
+      table.reject("technique",
+                   fmt::format("a part needs a technique: {}", fmt::join(technique_names(), ", ")));
     }
     table.only(keys_of_any(), {}, "a part");
     return std::nullopt;
   }
   Part part;
-  part.technique = static_cast<Technique>(*technique);
-  // A default each that suits the technique; pressing is the strongest.
-  constexpr std::array<double, 4> usual_force_n = {22.0, 15.0, 12.0, 10.0};
-  part.force_n = usual_force_n[*technique];
-  if (part.technique == Technique::tap) part.rate_hz = 3.0;
-  table.only(keys_of(part.technique), {}, name_of(part.technique));
+  part.technique = all_techniques[*technique];
+  const TechniqueKeys keys = keys_of(part.technique);
+  table.only(keys.words, {}, name_of(part.technique));
   read_points(table, part);
   read_places(table, part);
   Words line_names;
@@ -195,18 +229,19 @@ std::optional<Part> read_part(const TomlTable& table) {
   part.alternating = table.flag("alternating").value_or(part.alternating);
   part.hand_over_hand = table.flag("hand_over_hand").value_or(part.hand_over_hand);
   const double ceiling_n = rule_of(Zone::muscle).cap_n;
-  part.force_n = table.number("force_n", kept_force_n, ceiling_n).value_or(part.force_n);
+  part.force_n = table.number("force_n", kept_force_n, ceiling_n)
+                     .value_or(row_of(part.technique).usual_force_n);
   part.repeats = table.whole("repeats", 1, 20);
   part.time_s = table.number("time_s", 1.0, 60.0);
   part.hold_s = table.number("hold_s", 0.2, 10.0).value_or(part.hold_s);
   part.rise_s = table.number("rise_s", 0.3, 5.0).value_or(part.rise_s);
-  part.radius_m = from_mm(table.number("radius_mm", 10.0, 50.0).value_or(to_mm(part.radius_m)));
+  part.radius_m = from_mm(table.number("radius_mm", keys.radius_mm.min, keys.radius_mm.max)
+                              .value_or(keys.radius_mm.usual));
   part.spiral = table.flag("spiral").value_or(part.spiral);
   part.speed_m_per_s = from_mm(table.number("speed_mm_per_s", 10.0, to_mm(max_slide_m_per_s))
                                    .value_or(to_mm(part.speed_m_per_s)));
-  const bool taps = part.technique == Technique::tap;
-  part.rate_hz = table.number("rate_hz", taps ? min_tap_hz : 0.1, taps ? max_tap_hz : 1.0)
-                     .value_or(part.rate_hz);
+  part.rate_hz =
+      table.number("rate_hz", keys.rate_hz.min, keys.rate_hz.max).value_or(keys.rate_hz.usual);
   check_part(table, part);
   return part;
 }

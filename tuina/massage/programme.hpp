@@ -25,36 +25,37 @@ struct Part {
   /// Acupoints, `BL47` for both sides or `BL47_L` for one. Stroking goes through them in their
   /// order; the other techniques serve one after the other.
   std::vector<std::string> points;
-  std::string line;  ///< stroking: a named line of the back instead of points
-  /// Stroking: a line of its own instead, for either side, from its beginning.
+  std::string line;  ///< Named line of the back, which a stroke may have instead of points.
+  /// Line of its own, which a stroke may have instead, for either side, from its beginning.
   std::vector<RelativePlace> places;
   Side side = Side::both;
   Order order = Order::listed;
   /// The sides take turns, one press, turn or stroke each: hand after hand.
   bool alternating = false;
-  /// Stroking: likewise, but one hand takes over before the other has left.
+  /// The sides stroke in turn, and one hand takes over before the other has left.
   bool hand_over_hand = false;
-  bool together = true;  ///< both arms at once where they stay apart, else one after the other
+  bool together =
+      true;  ///< Both arms work at once where they stay apart, else one after the other.
   double force_n = 20.0;
-  std::optional<int> repeats;    ///< presses, turns, strokes
-  std::optional<double> time_s;  ///< instead of repeats: at each point
-  double hold_s = 2.0;           ///< pressing
-  double rise_s = 0.9;           ///< pressing
-  double radius_m = 0.030;       ///< rubbing
-  bool spiral = false;           ///< rubbing: out to the radius and in again, instead of a circle
-  double rate_hz = 0.35;         ///< rubbing: turns, tapping: taps
-  double speed_m_per_s = 0.060;  ///< stroking
+  std::optional<int> repeats;    ///< Number of presses, turns or strokes.
+  std::optional<double> time_s;  ///< Time at each point, instead of repeats.
+  double hold_s = 2.0;           ///< Time of a press at its full force.
+  double rise_s = 0.9;           ///< Time in which a press gains its force.
+  double radius_m = 0.030;       ///< Radius of a rub or a knead.
+  bool spiral = false;           ///< A rub winds out to the radius and in again.
+  double rate_hz = 0.35;         ///< Turns or taps a second.
+  double speed_m_per_s = 0.060;  ///< Speed of a stroke.
 };
 
-/// What the therapist orders.
+/// A massage as the therapist orders it.
 struct Programme {
   std::string name;
-  std::string description;  ///< two lines for people
-  int intensity = 3;        ///< 1 to 5; 3 leaves the forces as written
+  std::string description;  ///< Two lines for people.
+  int intensity = 3;        ///< 1 to 5; 3 leaves the forces as written.
   std::vector<Part> parts;
 };
 
-/// On every force of a programme.
+/// Factor of an intensity on every force of a programme.
 [[nodiscard]] constexpr double force_scale_of(int intensity) {
   return 0.4 + 0.2 * intensity;
 }

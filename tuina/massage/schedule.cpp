@@ -30,7 +30,7 @@ double Transfers::approach_s() const {
 }
 
 double distance_between_m(const ContactPath& one, const ContactPath& other_path) {
-  constexpr std::size_t every = 10;  // samples; at most 8 mm of way
+  constexpr std::size_t every = 10;  // tenth sample, at most 8 mm farther along
   double nearest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < one.points.size(); i += every) {
     for (std::size_t k = 0; k < other_path.points.size(); k += every) {
@@ -46,7 +46,7 @@ std::vector<PlannedPath> schedule(std::vector<WaitingPath> paths, const Transfer
   std::vector<bool> done(paths.size(), false);
   PerArm<std::optional<Vector3>> last_place;
   PerArm<double> work_s;
-  double free_s = 0.0;  // when all arms are off the skin
+  double free_s = 0.0;  // time at which all arms are off the skin
   int step = 0;
   for (std::size_t i = 0; i < paths.size(); ++i) {
     if (done[i]) continue;

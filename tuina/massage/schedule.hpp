@@ -14,11 +14,11 @@ namespace tuina::massage {
 /// A path that waits for an arm and a time.
 struct WaitingPath {
   ContactPath path;
-  Zone zone = Zone::muscle;  ///< the strictest that it touches
+  Zone zone = Zone::muscle;  ///< Strictest zone that the path touches.
   double cap_n = 0.0;
-  std::optional<Arm> arm;  ///< nothing: either may do it, as on the spine
+  std::optional<Arm> arm;  ///< Empty where either arm may do it, as on the spine.
   bool together = true;
-  int part = 0;  ///< of the programme; only paths of one part run at the same time
+  int part = 0;  ///< Part of the programme; only paths of one part run at the same time.
 };
 
 /// A path with its arm and its time. Paths of one step run at the same time, one per arm, and stay
@@ -28,9 +28,9 @@ struct PlannedPath {
   ContactPath path;
   Arm arm = Arm::left;
   int step = 0;          ///< 0, 1, 2, ...
-  double start_s = 0.0;  ///< of its first touch, if all goes to plan
+  double start_s = 0.0;  ///< Time of the first touch, if all goes to plan.
   Zone zone = Zone::muscle;
-  double cap_n = 0.0;  ///< the force must stay below, whatever steering asks for
+  double cap_n = 0.0;  ///< Largest force that steering may ask for.
 
   [[nodiscard]] double end_s() const { return start_s + path.duration_s(); }
 };
@@ -41,9 +41,9 @@ struct Transfers {
   double retract_m_per_s = 0.100;
   double travel_m_per_s = 0.200;
   double approach_m_per_s = 0.050;
-  double last_m = 0.010;  ///< searched for contact with `search_m_per_s`
+  double last_m = 0.010;  ///< Last bit of the way down, searched for contact.
   double search_m_per_s = 0.020;
-  double start_and_stop_s = 0.4;  ///< added to each of the three for gaining and losing speed
+  double start_and_stop_s = 0.4;  ///< Time that each move needs to gain and lose speed.
 
   [[nodiscard]] double retract_s() const;
   [[nodiscard]] double travel_s(double distance_m) const;

@@ -12,11 +12,11 @@
 
 namespace tuina::massage {
 
-/// What one path serves: an acupoint, or the points or the named line that a stroke runs along.
+/// The place that one path serves: an acupoint, or the points or the line that a stroke runs along.
 struct Target {
   std::string name;              ///< "BL47_L", "SI11_L to BL50_L", "scapula_R"
-  std::vector<Acupoint> points;  ///< empty for a named line
-  double side = 1.0;             ///< where it begins: positive on the person's left
+  std::vector<Acupoint> points;  ///< Empty for a named line.
+  double side = 1.0;             ///< Positive where the path begins on the person's left.
 };
 
 /// The targets of a part in the order in which they are served; the two sides of a point follow

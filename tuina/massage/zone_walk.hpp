@@ -11,11 +11,11 @@ namespace tuina::massage {
 /// The zones that a technique passes along a curve.
 struct ZoneWalk {
   std::set<Zone> touched;
-  Zone strictest = Zone::muscle;  ///< of those that are allowed
-  Zone denied = Zone::muscle;     ///< one that is denied; muscle if none is
-  bool perhaps_spine = false;     ///< somewhere on the allowed parts
-  double from_m = 0.0;            ///< the longest allowed stretch
-  double to_m = 0.0;
+  Zone strictest = Zone::muscle;  ///< Strictest of the allowed zones.
+  Zone denied = Zone::muscle;     ///< A denied zone; muscle if none is denied.
+  bool perhaps_spine = false;     ///< The spine cannot be ruled out on an allowed part.
+  double from_m = 0.0;            ///< Beginning of the longest allowed stretch.
+  double to_m = 0.0;              ///< End of it.
 };
 
 [[nodiscard]] ZoneWalk walk(const SurfaceCurve& curve, const ZoneMap& zones, Technique technique);

@@ -12,12 +12,12 @@ namespace {
 
 constexpr double spine_half_width_m = 15_mm;
 constexpr double gv4_radius_m = 10_mm;
-constexpr double bone_edge_m = 10_mm;  // what counts as on an edge, to either side
+constexpr double bone_edge_m = 10_mm;  // an edge counts this far to either side
 constexpr double kidney_inner_m = 40_mm;
 constexpr double kidney_outer_m = 90_mm;
-constexpr double ribs_from_cun = 3.5;  // beside the muscles that cover the angles of the ribs
+constexpr double ribs_from_cun = 3.5;  // muscles cover the angles of the ribs up to here
 constexpr double neck_half_width_m = 60_mm;
-constexpr double robot_sd_m = 2_mm;   // of the tool where it was sent, by the scanner's place
+constexpr double robot_sd_m = 2_mm;   // deviation of the tool, by the scanner's place
 constexpr double once_in_2000 = 3.3;  // deviations to one side
 constexpr double slack_m = 2.5_mm;    // a path guided along a border keeps this beside it
 
@@ -52,6 +52,32 @@ bool is_within(const Place& place, const std::vector<Place>& line) {
   return within;
 }
 
+/// Largest uncertainty, in one direction, of the points whose names begin so.
+double uncertainty_m(std::span<const Acupoint> acupoints, std::string_view prefix) {
+  double largest = 0.0;
+  for (const Acupoint& point : acupoints) {
+    if (point.name.starts_with(prefix)) largest = std::max(largest, point.uncertainty_m);
+  }
+  return across(largest);
+}
+
+/// The landmarks of a scan on its chart, or places that stand in for those it lacks.
+struct Bones {
+  const BackChart& chart;
+  std::span<const Landmark> landmarks;
+
+  [[nodiscard]] Place place(const std::string& name, const Place& otherwise) const {
+    const auto found = std::find_if(landmarks.begin(), landmarks.end(),
+                                    [&](const Landmark& l) { return l.name == name; });
+    return found == landmarks.end() ? otherwise : chart.place_of(found->at_in_couch);
+  }
+  [[nodiscard]] Place half_width(const std::string& name, const Place& otherwise) const {
+    const Place left = place(name + "_L", otherwise);
+    const Place right = place(name + "_R", {-otherwise.left_m, otherwise.up_m});
+    return {0.5 * (left.left_m - right.left_m), 0.5 * (left.up_m + right.up_m)};
+  }
+};
+
 }  // namespace
 
 ZoneMap::ZoneMap(const BackChart& chart, std::span<const Acupoint> acupoints,
@@ -64,58 +90,52 @@ ZoneMap::ZoneMap(const BackChart& chart, std::span<const Acupoint> acupoints,
     }
     corners.push_back(corners.front());
   }
-  const auto uncertainty = [&](std::string_view prefix) {
-    double largest = 0.0;
-    for (const Acupoint& point : acupoints) {
-      if (point.name.starts_with(prefix)) largest = std::max(largest, point.uncertainty_m);
-    }
-    return across(largest);
-  };
   for (const Acupoint& point : acupoints) {
     if (point.name == "GV4") gv4_ = chart_.place_of(point.at_in_couch);
   }
-  midline_uncertainty_m_ = uncertainty("GV4");
+  midline_uncertainty_m_ = uncertainty_m(acupoints, "GV4");
   midline_sd_m_ = std::hypot(midline_uncertainty_m_ / 1.96, robot_sd_m);
-  shoulder_uncertainty_m_ = uncertainty("SI11");
-  loin_uncertainty_m_ = uncertainty("BL50");
+  shoulder_uncertainty_m_ = uncertainty_m(acupoints, "SI11");
+  loin_uncertainty_m_ = uncertainty_m(acupoints, "BL50");
+  draw_edges(landmarks);
+  draw_outline(landmarks, uncertainty_m(acupoints, "BL47"));
+}
 
-  const auto landmark = [&](const std::string& name, const Place& otherwise) {
-    const auto found = std::find_if(landmarks.begin(), landmarks.end(),
-                                    [&](const Landmark& l) { return l.name == name; });
-    return found == landmarks.end() ? otherwise : chart_.place_of(found->at_in_couch);
-  };
-  const auto half_width = [&](const std::string& name, const Place& otherwise) {
-    const Place left = landmark(name + "_L", otherwise);
-    const Place right = landmark(name + "_R", {-otherwise.left_m, otherwise.up_m});
-    return Place{0.5 * (left.left_m - right.left_m), 0.5 * (left.up_m + right.up_m)};
-  };
+void ZoneMap::draw_edges(std::span<const Landmark> landmarks) {
   // Where a scan says nothing of a bone the rules of [who2008] do: the medial border of the scapula
   // is 3 cun beside the spine from T3 to T7, the iliac crest is level with L4.
+  const Bones bones{chart_, landmarks};
   const double cun = chart_.cun_m();
   for (const std::size_t i : {std::size_t{0}, std::size_t{1}}) {
     const double side = i == 0 ? 1.0 : -1.0;
     const std::string end = i == 0 ? "_L" : "_R";
-    const Place root = landmark("scapula_root" + end, {side * 3.0 * cun, chart_.up_of(Level::T3)});
-    scapula_border_[i] = {root, landmark("scapula_inferior_angle" + end,
-                                         {side * 3.5 * cun, chart_.up_of(Level::T7)})};
+    const Place root =
+        bones.place("scapula_root" + end, {side * 3.0 * cun, chart_.up_of(Level::T3)});
+    scapula_border_[i] = {root, bones.place("scapula_inferior_angle" + end,
+                                            {side * 3.5 * cun, chart_.up_of(Level::T7)})};
     scapula_spine_[i] = {
-        root, landmark("scapula_spine_mid" + end, {side * 5.0 * cun, chart_.up_of(Level::T3)}),
-        landmark("acromial_angle" + end, {side * 7.0 * cun, chart_.up_of(Level::T3) - 0.5 * cun})};
+        root, bones.place("scapula_spine_mid" + end, {side * 5.0 * cun, chart_.up_of(Level::T3)}),
+        bones.place("acromial_angle" + end,
+                    {side * 7.0 * cun, chart_.up_of(Level::T3) - 0.5 * cun})};
     const double crest_up = chart_.up_of(Level::L4);
-    iliac_crest_[i] = {landmark("psis" + end, {side * 1.5 * cun, chart_.up_of(Level::S2)}),
+    iliac_crest_[i] = {bones.place("psis" + end, {side * 1.5 * cun, chart_.up_of(Level::S2)}),
                        {side * 3.0 * cun, crest_up - cun},
                        {side * 5.0 * cun, crest_up}};
   }
+}
+
+void ZoneMap::draw_outline(std::span<const Landmark> landmarks, double middle_uncertainty_m) {
+  const Bones bones{chart_, landmarks};
+  const double cun = chart_.cun_m();
   const double fold_up = 0.5 * (chart_.up_of(Level::T7) + chart_.up_of(Level::T9));
-  outline_ = {half_width("waist", {5.0 * cun, chart_.up_of(Level::L4)}),
-              half_width("axillary_fold", {6.0 * cun, fold_up}),
-              half_width("acromial_angle", {7.0 * cun, chart_.up_of(Level::T3)})};
+  outline_ = {bones.half_width("waist", {5.0 * cun, chart_.up_of(Level::L4)}),
+              bones.half_width("axillary_fold", {6.0 * cun, fold_up}),
+              bones.half_width("acromial_angle", {7.0 * cun, chart_.up_of(Level::T3)})};
   // Nothing near a flank warns that it is one; each height is known as well as the points there.
-  const std::array<double, 3> uncertainty_m = {
-      std::max(loin_uncertainty_m_, midline_uncertainty_m_), uncertainty("BL47"),
-      shoulder_uncertainty_m_};
+  const std::array<double, 3> known_to_m = {std::max(loin_uncertainty_m_, midline_uncertainty_m_),
+                                            middle_uncertainty_m, shoulder_uncertainty_m_};
   for (std::size_t i = 0; i < outline_.size(); ++i)
-    outline_[i].left_m -= once_in_2000 / 1.96 * uncertainty_m[i];
+    outline_[i].left_m -= once_in_2000 / 1.96 * known_to_m[i];
   std::sort(outline_.begin(), outline_.end(),
             [](const Place& a, const Place& b) { return a.up_m < b.up_m; });
 }

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "tuina/core/contact.hpp"
+#include "tuina/core/technique.hpp"
 #include "tuina/massage/back_chart.hpp"
 #include "tuina/massage/no_go.hpp"
 
@@ -14,31 +14,31 @@ namespace tuina::massage {
 
 /// Regions of a back by what lies under the skin, from the least to the most restricted.
 enum class Zone : std::uint8_t {
-  muscle,        ///< beside the spine, on and around the shoulder blade, the loin
+  muscle,        ///< Muscle beside the spine, around the shoulder blade, the loin.
   kidney,        ///< T12 to L3, 40 to 90 mm beside the spine
-  ribs,          ///< beside the muscle, below the shoulder blade, above T12
-  scapula_edge,  ///< medial border and spine of the shoulder blade
-  iliac_crest,   ///< rim of the pelvis
-  spine_margin,  ///< next to the spine: the rim of the tool may reach the spinous processes
-  gv4,           ///< the one place on the spine that may be pressed, between two processes
-  spine,         ///< spinous processes
-  neck,          ///< and head
-  outside,       ///< beyond the outline of the back: arms, flanks, below the sacrum
-  no_go,         ///< ruled out by the therapist, the tool's contact radius around it
+  ribs,          ///< Ribs beside the muscle, below the shoulder blade, above T12.
+  scapula_edge,  ///< Medial border and spine of the shoulder blade.
+  iliac_crest,   ///< Rim of the pelvis.
+  spine_margin,  ///< Band beside the spine from which the tool's rim may reach it.
+  gv4,           ///< The one place on the spine that may be pressed.
+  spine,         ///< Spinous processes.
+  neck,          ///< Neck and head.
+  outside,       ///< Arms, flanks, below the sacrum: beyond the outline of the back.
+  no_go,         ///< Ruled out by the therapist, with the tool's radius around it.
 };
 
-/// Of the skin under the sphere tool, [thesis] 5.5.
+/// Radius of the skin under the sphere tool, [thesis] 5.5.
 inline constexpr double contact_radius_m = 0.017;
 
-/// What a zone bears. These are compiled ceilings, starting values that a therapist must confirm;
-/// nothing that is read from a file can raise them.
+/// The forces and techniques that a zone bears. These are compiled ceilings, starting values that a
+/// therapist must confirm; nothing that is read from a file can raise them.
 struct ZoneRule {
   const char* name;
-  double cap_n;           ///< largest true force that is meant to be felt; 0: not to be touched
-  double trip_n;          ///< largest before the arm has to give way
-  bool sliding;           ///< rubbing and stroking allowed
-  bool tapping;           ///< tapping allowed
-  double max_duration_s;  ///< of contact at one place
+  double cap_n;           ///< Largest true force that is meant to be felt; 0: not to be touched.
+  double trip_n;          ///< Largest true force before the arm has to give way.
+  bool sliding;           ///< Techniques that slide are allowed.
+  bool tapping;           ///< Techniques that strike are allowed.
+  double max_duration_s;  ///< Longest contact at one place.
 };
 inline constexpr std::array<ZoneRule, 11> zone_rules = {{
     {"muscle", 45.0, 60.0, true, true, 60.0},
@@ -59,25 +59,19 @@ inline constexpr std::array<ZoneRule, 11> zone_rules = {{
 [[nodiscard]] constexpr const char* name_of(Zone zone) {
   return rule_of(zone).name;
 }
-[[nodiscard]] constexpr bool slides(Technique technique) {
-  return technique == Technique::rub || technique == Technique::stroke;
-}
-/// How far the true force may come to be over the largest one asked for: control has 0.7 N while a
-/// place is pressed and 1.8 N on a rub (docs/massage.md), and one is careful.
-[[nodiscard]] constexpr double overshoot_n(Technique technique) {
-  return slides(technique) ? 3.0 : 2.0;
-}
 /// Newtons that a technique may ask for in a zone, so that the true force keeps to its cap; 0 where
 /// it is denied.
 [[nodiscard]] constexpr double cap_n(Zone zone, Technique technique) {
   const ZoneRule& rule = rule_of(zone);
-  const bool denied = rule.cap_n <= 0.0 || (technique == Technique::tap && !rule.tapping) ||
-                      (slides(technique) && !rule.sliding);
-  return denied ? 0.0 : rule.cap_n - overshoot_n(technique);
+  const TechniqueRow& row = row_of(technique);
+  const bool denied =
+      rule.cap_n <= 0.0 || (row.strikes && !rule.tapping) || (row.slides && !rule.sliding);
+  return denied ? 0.0 : rule.cap_n - row.overshoot_n;
 }
-/// What may be asked for where the spine cannot be ruled out: a spinous process may feel 10 N.
+/// Newtons that a technique may ask for where the spine cannot be ruled out: a spinous process may
+/// feel 10 N.
 [[nodiscard]] constexpr double perhaps_spine_n(Technique technique) {
-  return rule_of(Zone::spine).trip_n - overshoot_n(technique);
+  return rule_of(Zone::spine).trip_n - row_of(technique).overshoot_n;
 }
 
 /// Which zone a place of one person's back is in. Every border stands on the careful side by the
@@ -99,17 +93,19 @@ class ZoneMap {
   [[nodiscard]] Vector3 around_denied(const Vector3& in_couch, double side_m) const;
 
  private:
+  void draw_edges(std::span<const Landmark> landmarks);
+  void draw_outline(std::span<const Landmark> landmarks, double middle_uncertainty_m);
   [[nodiscard]] double half_width_m(double up_m) const;
 
   BackChart chart_;
   Place gv4_;
   double midline_uncertainty_m_ = 0.0;
-  double midline_sd_m_ = 0.0;  ///< of the tool against the midline, the robot's own error included
+  double midline_sd_m_ = 0.0;  ///< Deviation of tool from midline, the robot's own error included.
   double shoulder_uncertainty_m_ = 0.0;
   double loin_uncertainty_m_ = 0.0;
   std::array<std::vector<Place>, 2> scapula_border_, scapula_spine_, iliac_crest_;  // left, right
-  std::vector<std::vector<Place>> no_go_;                                           // corners
-  std::vector<Place> outline_;  // half width that is surely back over height, from low to high
+  std::vector<std::vector<Place>> no_go_;  // corners of each
+  std::vector<Place> outline_;             // half width of sure back over height, from low to high
 };
 
 }  // namespace tuina::massage

@@ -73,7 +73,8 @@ Vector3 vector_of(const json& node) {
 massage::PlannedPath planned_of(const json& node) {
   massage::PlannedPath planned;
   planned.path.name = node.at("name").get<std::string>();
-  planned.path.technique = named<Technique, 4>(node.at("technique"), "technique");
+  planned.path.technique =
+      named<Technique, all_techniques.size()>(node.at("technique"), "technique");
   planned.path.acupoints = node.at("acupoints").get<std::vector<std::string>>();
   planned.arm = named<Arm, 2>(node.at("arm"), "arm");
   planned.step = node.at("step").get<int>();

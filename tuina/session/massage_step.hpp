@@ -17,6 +17,7 @@
 #include "tuina/safety/guard.hpp"
 #include "tuina/session/base_path.hpp"
 #include "tuina/session/guarded_arm.hpp"
+#include "tuina/session/guarded_zone.hpp"
 #include "tuina/session/live_command.hpp"
 #include "tuina/session/playback.hpp"
 #include "tuina/session/steering.hpp"
@@ -177,29 +178,5 @@ class MassageStep {
   std::vector<Performed> performed_;
   std::vector<Stop> stops_;
 };
-
-/// Zones of the plan are finer than the guard's.
-[[nodiscard]] constexpr safety::Zone guarded_zone(massage::Zone zone) noexcept {
-  switch (zone) {
-    case massage::Zone::muscle:
-      return safety::Zone::muscle;
-    case massage::Zone::kidney:
-      return safety::Zone::kidney;
-    case massage::Zone::ribs:
-    case massage::Zone::scapula_edge:
-    case massage::Zone::iliac_crest:
-    case massage::Zone::spine_margin:
-      return safety::Zone::bony;
-    case massage::Zone::gv4:
-      return safety::Zone::mingmen;
-    case massage::Zone::spine:
-      return safety::Zone::spine;
-    case massage::Zone::neck:
-    case massage::Zone::outside:
-    case massage::Zone::no_go:
-      return safety::Zone::denied;
-  }
-  return safety::Zone::denied;
-}
 
 }  // namespace tuina::session

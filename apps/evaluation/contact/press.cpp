@@ -21,10 +21,6 @@ const std::map<std::string, TangentTissue> thesis_tissues = {
 const std::map<std::string, control::Law> laws = {{"tuina", control::Law::tuina},
                                                   {"thesis", control::Law::thesis},
                                                   {"joint", control::Law::joint}};
-const std::map<std::string, Technique> techniques = {{"press", Technique::press},
-                                                     {"rub", Technique::rub},
-                                                     {"stroke", Technique::stroke},
-                                                     {"tap", Technique::tap}};
 const std::map<std::string, RubShape> rub_shapes = {
     {"circle", RubShape::circle}, {"ellipse", RubShape::ellipse}, {"spiral", RubShape::spiral}};
 
@@ -99,7 +95,7 @@ class Press final : public Verb {
         ->required()
         ->check(between(1.0, safety::ceiling_of(safety::Zone::bench).set_n));
     command.add_option("--technique", technique_, "what the arm does there")
-        ->check(CLI::IsMember(names(techniques)))
+        ->check(CLI::IsMember(technique_names()))
         ->capture_default_str();
     command.add_option("--rub-shape", rub_shape_, "way of a rub")
         ->check(CLI::IsMember(names(rub_shapes)))
@@ -176,7 +172,7 @@ class Press final : public Verb {
     experiment.tissue =
         alpha_n_ > 0.0 ? TangentTissue{alpha_n_, 1e3 * beta_per_mm_} : thesis_tissues.at(tissue_);
     experiment.force_n = force_n_;
-    experiment.technique = techniques.at(technique_);
+    experiment.technique = *parse_technique(technique_);  // checked by the option
     experiment.rub_shape = rub_shapes.at(rub_shape_);
     experiment.controller.law = laws.at(controller_);
     experiment.surface_error_m = from_mm(surface_error_mm_);

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tuina/core/units.hpp"
+
 namespace tuina::massage {
 
 double smooth_step(double time_s, double length_s) {
@@ -20,11 +22,19 @@ double smooth_step_integral(double time_s, double length_s) {
   return length_s * u * u * u * u * (2.5 + u * (-3.0 + u));
 }
 
+double smooth_window(double time_s, double length_s, double ramp_s) {
+  return smooth_step(time_s, ramp_s) - smooth_step(time_s - (length_s - ramp_s), ramp_s);
+}
+
 double force_ramp_s(double change_n, double wanted_s) {
   // A twentieth is kept back, so that two laws that overlap for a moment stay below the bound too.
   const double min_duration_s =
       smooth_step_steepest * std::abs(change_n) / (0.95 * max_force_n_per_s);
   return std::max(wanted_s, min_duration_s);
+}
+
+double strongest_beat_n(double rate_hz) {
+  return kept_force_n + max_beat_n_per_s / (pi * rate_hz);
 }
 
 double Slide::top_speed_m_per_s() const {

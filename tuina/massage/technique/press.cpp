@@ -43,8 +43,7 @@ ContactPath plan_press(const body::SurfacePoint& place, const PressOptions& opti
   return sampled(std::move(name), Technique::press, duration_s, [&](double t) {
     const double since = t - landing_s;
     const int cycle = std::clamp(static_cast<int>(since / cycle_s), 0, options.repeats - 1);
-    const double touch =
-        smooth_step(t, landing_s) - smooth_step(t - (duration_s - landing_s), landing_s);
+    const double touch = smooth_window(t, duration_s, landing_s);
     return ContactPoint{.at_in_couch = place.at_in_couch,
                         .normal_in_couch = place.normal_in_couch,
                         .force_n = kept_n * touch + pressed_n * window.at(since - cycle * cycle_s)};

@@ -15,18 +15,18 @@ namespace tuina::massage {
 struct PressWindow {
   double edge_s = 0.9;
   double hold_s = 2.0;
-  double steepness = 10.0;  ///< a x eta, without a unit
+  double steepness = 10.0;  ///< Product a x eta, without a unit.
 
   [[nodiscard]] double length_s() const { return 2.0 * edge_s + hold_s; }
-  [[nodiscard]] double at(double time_s) const;  ///< 0 to 1; 0 outside of the window
-  [[nodiscard]] double max_slope_per_s() const;  ///< largest slope, in the middle of an edge
+  [[nodiscard]] double at(double time_s) const;  ///< 0 to 1; 0 outside of the window.
+  [[nodiscard]] double max_slope_per_s() const;  ///< Slope in the middle of an edge.
 };
 
 struct PressOptions {
   double force_n = 25.0;
   int repeats = 2;
   PressWindow window = {};
-  double pause_s = 0.2;  ///< at the kept force between two presses
+  double pause_s = 0.2;  ///< Time at the kept force between two presses.
 };
 
 /// Pressing, [thesis] 3.5.1: the force rises and falls on one place, with a light contact kept

@@ -83,10 +83,8 @@ ContactPath plan_rub(const SurfaceCurve& curve, const RubOptions& options, std::
     const int way = std::clamp(static_cast<int>(since / way_s), 0, ways - 1);
     const double gone_m = slide.way_m(since - way * way_s);
     const body::SurfacePoint point = curve.at(way % 2 == 0 ? gone_m : curve.length_m() - gone_m);
-    const double touch =
-        smooth_step(t, landing_s) - smooth_step(t - (duration_s - landing_s), landing_s);
-    const double rub =
-        smooth_step(since, rise_s) - smooth_step(since - (moving_s - rise_s), rise_s);
+    const double touch = smooth_window(t, duration_s, landing_s);
+    const double rub = smooth_window(since, moving_s, rise_s);
     return ContactPoint{.at_in_couch = point.at_in_couch,
                         .normal_in_couch = point.normal_in_couch,
                         .force_n = kept_n * touch + rubbed_n * rub};

@@ -14,9 +14,9 @@ using Bend = std::function<Vector3(const Vector3& in_couch)>;
 
 struct RubOptions {
   double force_n = 15.0;
-  double rate_hz = 0.35;  ///< turns per second of an undisturbed circle, the outermost of a spiral
-  int turns = 4;          ///< of a circle; ways out or in again of a spiral
-  double radius_m = 0.030;  ///< of a spiral
+  double rate_hz = 0.35;    ///< Turns a second of a circle, or of a spiral where it is widest.
+  int turns = 4;            ///< Turns of a circle; ways out or in again of a spiral.
+  double radius_m = 0.030;  ///< Radius of a spiral.
 };
 
 /// The circle of [thesis] (3.21) on the skin around a place: drawn in the tangent plane, where

@@ -85,10 +85,8 @@ ContactPath plan_stroke(const SurfaceCurve& line, const StrokeOptions& options, 
     const double way_m =
         back_again ? line.length_m() - back.way_m(in_cycle - pass_s) : slide.way_m(in_cycle);
     const body::SurfacePoint point = line.at(way_m);
-    const double touch =
-        smooth_step(t, landing_s) - smooth_step(t - (duration_s - landing_s), landing_s);
-    const double stroke =
-        smooth_step(in_cycle, rise_s) - smooth_step(in_cycle - (pass_s - rise_s), rise_s);
+    const double touch = smooth_window(t, duration_s, landing_s);
+    const double stroke = smooth_window(in_cycle, pass_s, rise_s);
     return ContactPoint{.at_in_couch = point.at_in_couch,
                         .normal_in_couch = point.normal_in_couch,
                         .force_n = kept_n * touch + stroked_n * stroke};

@@ -15,8 +15,8 @@ namespace tuina::massage {
 /// in which the force of most strokes rises, and half a second in which they may touch apart.
 inline constexpr double hands_overlap_s = 1.5;
 struct HandOverHand {
-  double pass_s = 0.0;  ///< of one stroke, the same for both hands
-  bool second = false;  ///< this hand waits for its turn on the skin, with the kept force
+  double pass_s = 0.0;  ///< Time of one stroke, the same for both hands.
+  bool second = false;  ///< The hand waits for its turn on the skin, with the kept force.
 };
 /// The time of one stroke that leaves the other hand enough to slide back meanwhile.
 [[nodiscard]] double hand_over_hand_pass_s(double length_m, double speed_m_per_s);
@@ -24,8 +24,8 @@ struct HandOverHand {
 struct StrokeOptions {
   double force_n = 12.0;
   double speed_m_per_s = 0.060;
-  int repeats = 2;  ///< strokes forward; between two the tool slides back with the kept force
-  std::optional<HandOverHand> turn = {};  ///< sets the speed
+  int repeats = 2;  ///< Strokes forward; between two the tool slides back with the kept force.
+  std::optional<HandOverHand> turn = {};  ///< Turn that sets the speed.
 };
 
 /// The line over the skin through places in their order, bent where a guide point must move.

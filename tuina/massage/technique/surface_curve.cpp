@@ -12,7 +12,7 @@ namespace tuina::massage {
 namespace {
 
 constexpr double knot_distance_m = 15_mm;
-constexpr int parts_per_span = 16;  // of the table of length
+constexpr int parts_per_span = 16;  // rows of the table of length for a span
 // Third differences of the controls cost this much against squared distances: enough to make the
 // fit unique where points are few, far too little to flatten a circle.
 constexpr double roughness = 1e-3;

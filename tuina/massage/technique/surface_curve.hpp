@@ -27,14 +27,14 @@ class SurfaceCurve {
   [[nodiscard]] body::SurfacePoint at(double way_m) const;
 
  private:
-  using Controls = Eigen::Matrix<double, Eigen::Dynamic, 6>;  // place and normal
+  using Controls = Eigen::Matrix<double, Eigen::Dynamic, 6>;  // places and normals
   [[nodiscard]] Eigen::Matrix<double, 1, 6> value(double u) const;
   [[nodiscard]] Vector3 slope(double u) const;
 
   bool closed_;
   int spans_;
   Controls controls_;
-  std::vector<double> way_m_;  // length from the start to evenly spaced parameters
+  std::vector<double> way_m_;  // lengths from the start to evenly spaced parameters
 };
 
 /// Brings a guide line onto the person's skin: each guide point is looked for along its own inward

@@ -10,23 +10,16 @@ namespace tuina::massage {
 
 inline constexpr double min_tap_hz = 1.0;
 inline constexpr double max_tap_hz = 5.0;
-/// Slower than other changes of force: within a tap no feedback corrects a tissue that is softer
-/// than believed, so the error grows with this rate.
-inline constexpr double max_tap_n_per_s = 70.0;
 
 struct TapOptions {
-  double force_n = 10.0;  ///< at the top of each tap
-  double rate_hz = 3.0;   ///< 1 to 5
-  double time_s = 4.0;    ///< of tapping, rounded to whole taps
+  double force_n = 10.0;  ///< Force at the top of each tap.
+  double rate_hz = 3.0;   ///< Taps a second, 1 to 5.
+  double time_s = 4.0;    ///< Time of tapping, rounded to whole taps.
 };
-
-/// The largest tap that keeps the bound on the rate of force: a raised cosine between the kept
-/// force and the peak is steepest with pi x rate x (peak - kept).
-[[nodiscard]] double strongest_tap_n(double rate_hz);
 
 /// Tapping. The thesis names it and never specifies it; here it is light percussion without leaving
 /// the skin: raised cosines of force from the kept force to the peak. A force above
-/// `strongest_tap_n` is lowered to it.
+/// `strongest_beat_n` is lowered to it.
 [[nodiscard]] ContactPath plan_tap(const body::SurfacePoint& place, const TapOptions& options,
                                    std::string name);
 

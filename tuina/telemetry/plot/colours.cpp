@@ -8,20 +8,6 @@
 
 namespace tuina::telemetry {
 
-Colour colour_of(Technique technique) {
-  switch (technique) {
-    case Technique::press:
-      return palette::press;
-    case Technique::rub:
-      return palette::rub;
-    case Technique::stroke:
-      return palette::stroke;
-    case Technique::tap:
-      return palette::tap;
-  }
-  return palette::grey;
-}
-
 Colour colour_of(Arm arm) {
   return arm == Arm::left ? Colour{214, 128, 36} : Colour{70, 92, 156};
 }

@@ -2,20 +2,19 @@
 #pragma once
 
 #include <array>
-#include <cstdint>
 #include <string>
 
 #include "tuina/core/arm.hpp"
-#include "tuina/core/contact.hpp"
+#include "tuina/core/colour.hpp"
+#include "tuina/core/technique.hpp"
 
 namespace tuina::telemetry {
 
-/// A colour as screens and paper show it (sRGB).
-struct Colour {
-  std::uint8_t red = 0;
-  std::uint8_t green = 0;
-  std::uint8_t blue = 0;
-};
+using tuina::Colour;
+
+[[nodiscard]] constexpr Colour colour_of(Technique technique) {
+  return row_of(technique).colour;
+}
 
 /// One palette for every picture, plot and page, so that a colour means the same everywhere. The
 /// techniques and arms stay apart for red-green blind eyes and in grey print.
@@ -26,15 +25,14 @@ inline constexpr Colour hairline = {222, 225, 230};
 inline constexpr Colour paper = {255, 255, 255};
 inline constexpr Colour skin = {219, 170, 143};
 inline constexpr Colour clay = {205, 203, 198};
-inline constexpr Colour press = {200, 52, 44};
-inline constexpr Colour rub = {24, 104, 178};
-inline constexpr Colour stroke = {16, 132, 106};
-inline constexpr Colour tap = {122, 72, 160};
+inline constexpr Colour press = colour_of(Technique::press);
+inline constexpr Colour rub = colour_of(Technique::rub);
+inline constexpr Colour stroke = colour_of(Technique::stroke);
+inline constexpr Colour tap = colour_of(Technique::tap);
 inline constexpr Colour stop = {214, 30, 62};
 inline constexpr Colour marker = {250, 246, 236};
 }  // namespace palette
 
-[[nodiscard]] Colour colour_of(Technique technique);
 [[nodiscard]] Colour colour_of(Arm arm);
 
 /// From soft (0) to hard (1): yellow over green and blue to violet, evenly darker all the way.

@@ -56,7 +56,7 @@ void draw_path(Scene& scene, const ContactPath& path, bool now) {
   const Colour colour =
       now ? colour_of(path.technique) : mix(palette::skin, colour_of(path.technique), 0.45);
   const ContactPoint& middle = path.points[path.points.size() / 2];
-  if (path.technique == Technique::press || path.technique == Technique::tap) {
+  if (!slides(path.technique)) {
     scene.beads.push_back(
         {.at = middle.at_in_couch, .radius_m = now ? 9_mm : 6_mm, .colour = colour});
     if (now) scene.discs.push_back({.at = middle.at_in_couch, .radius_m = 35_mm, .colour = colour});
@@ -66,18 +66,13 @@ void draw_path(Scene& scene, const ContactPath& path, bool now) {
   }
 }
 
-const char* verb_of(Technique technique) {
-  constexpr std::array<const char*, 4> verbs = {"press", "rub", "stroke", "tap"};
-  return verbs[static_cast<std::size_t>(technique)];
-}
-
 std::string caption_of(const Moment& moment) {
   const auto whole = static_cast<long>(std::lround(std::max(0.0, moment.begin_s)));
   std::string html = fmt::format("<figcaption><b>{}:{:02}</b>", whole / 60, whole % 60);
   for (const PerformedPath* performed : moment.paths) {
     html += fmt::format("<span><i style=\"background:{}\"></i>{} arm: {} {}</span>",
                         css(colour_of(performed->arm)), name_of(performed->arm),
-                        verb_of(performed->path.technique),
+                        name_of(performed->path.technique),
                         escaped(figures::place_of(performed->path)));
   }
   return html + "</figcaption>";

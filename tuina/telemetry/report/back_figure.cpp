@@ -138,6 +138,12 @@ bool is_one_of_seven(const std::string& name) {
 
 }  // namespace
 
+std::string capital(std::string text) {
+  if (!text.empty() && text[0] >= 'a' && text[0] <= 'z')
+    text[0] = static_cast<char>(text[0] - 'a' + 'A');
+  return text;
+}
+
 std::string spoken(const std::string& acupoint) {
   if (acupoint.ends_with("_L")) return acupoint.substr(0, acupoint.size() - 2) + " left";
   if (acupoint.ends_with("_R")) return acupoint.substr(0, acupoint.size() - 2) + " right";
@@ -175,7 +181,7 @@ std::string back(const ReportData& data) {
   for (const PerformedPath& performed : data.paths) {
     const ContactPath& path = performed.path;
     if (path.points.empty()) continue;
-    if (path.technique == Technique::press || path.technique == Technique::tap) {
+    if (!slides(path.technique)) {
       const ContactPoint& place = path.points[path.points.size() / 2];
       const double radius_m = path.technique == Technique::press ? 5.5_mm : 4_mm;
       scene.beads.push_back(

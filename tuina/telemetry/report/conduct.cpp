@@ -83,13 +83,12 @@ void add_distances(Part& part, const ReportData& data) {
 
 std::vector<KeyEntry> technique_key(const ReportData& data, bool moving) {
   std::vector<KeyEntry> key;
-  for (const Technique technique : figures::all_techniques) {
+  for (const Technique technique : all_techniques) {
     const bool used =
         std::any_of(data.paths.begin(), data.paths.end(),
                     [&](const PerformedPath& p) { return p.path.technique == technique; });
     if (!used) continue;
-    const bool line = technique == Technique::rub || technique == Technique::stroke;
-    key.push_back({colour_of(technique), figures::doing(technique), line});
+    key.push_back({colour_of(technique), figures::capital(row_of(technique).doing), slides(technique)});
   }
   if (moving) {
     key.push_back({mix(palette::paper, palette::grey, 0.7), "Moving through the air", true});

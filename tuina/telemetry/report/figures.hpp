@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
 #include <string>
 
 #include "tuina/telemetry/report/report_data.hpp"
@@ -30,10 +29,8 @@ namespace tuina::telemetry::figures {
 [[nodiscard]] std::string first_press_force(const ReportData& data);
 [[nodiscard]] std::string first_press_depth(const ReportData& data);
 
-inline constexpr std::array<Technique, 4> all_techniques = {Technique::press, Technique::rub,
-                                                            Technique::stroke, Technique::tap};
-/// "Pressing"
-[[nodiscard]] const char* doing(Technique technique);
+/// "Pressing" of "pressing".
+[[nodiscard]] std::string capital(std::string text);
 
 /// "BL47 left", with its Chinese name where it is known: "Hunmen".
 [[nodiscard]] std::string spoken(const std::string& acupoint);

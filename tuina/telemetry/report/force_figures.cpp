@@ -63,10 +63,7 @@ std::vector<Contact> contacts_of(const ReportData& data, Technique technique) {
 
 /// Target, true and measured force of contacts set one behind the other.
 Plot force_plot(const ReportData& data, const std::vector<Contact>& contacts, Technique technique) {
-  Plot plot{.title = fmt::format("Force while {}", technique == Technique::press    ? "pressing"
-                                                   : technique == Technique::rub    ? "rubbing"
-                                                   : technique == Technique::stroke ? "stroking"
-                                                                                    : "tapping"),
+  Plot plot{.title = fmt::format("Force while {}", row_of(technique).doing),
             .x_label = "time in contact, s",
             .y_label = "force, N"};
   Series measured{
@@ -128,20 +125,6 @@ std::vector<Span> travels_of(const ReportData& data, Arm arm) {
 }
 
 }  // namespace
-
-const char* doing(Technique technique) {
-  switch (technique) {
-    case Technique::press:
-      return "Pressing";
-    case Technique::rub:
-      return "Rubbing";
-    case Technique::stroke:
-      return "Stroking";
-    case Technique::tap:
-      return "Tapping";
-  }
-  return "";
-}
 
 std::string force(const ReportData& data, Technique technique) {
   const auto contacts = contacts_of(data, technique);

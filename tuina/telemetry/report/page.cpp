@@ -17,12 +17,6 @@
 namespace tuina::telemetry {
 namespace {
 
-std::string capital(std::string text) {
-  if (!text.empty() && text[0] >= 'a' && text[0] <= 'z')
-    text[0] = static_cast<char>(text[0] - 'a' + 'A');
-  return text;
-}
-
 std::string minutes(double seconds) {
   const auto whole = static_cast<long>(std::lround(std::max(0.0, seconds)));
   if (whole < 60) return fmt::format("{} seconds", whole);
@@ -102,7 +96,7 @@ std::string summary(const ReportData& data) {
     text += ". ";
   }
   std::vector<std::string> done;
-  for (const Technique technique : figures::all_techniques) {
+  for (const Technique technique : all_techniques) {
     std::set<std::string> places;
     std::size_t count = 0;
     for (const PerformedPath& performed : data.paths) {
@@ -111,11 +105,9 @@ std::string summary(const ReportData& data) {
       places.insert(performed.path.acupoints.begin(), performed.path.acupoints.end());
     }
     if (count == 0) continue;
-    constexpr std::array<const char*, 4> verbs = {"pressed", "rubbed in circles around",
-                                                  "stroked along", "tapped"};
     const std::size_t served = places.empty() ? count : places.size();
-    done.push_back(fmt::format("{} {} {}", verbs[static_cast<std::size_t>(technique)],
-                               in_words(served), served == 1 ? "point" : "points"));
+    done.push_back(fmt::format("{} {} {}", row_of(technique).did, in_words(served),
+                               served == 1 ? "point" : "points"));
   }
   if (!done.empty()) text += fmt::format("Two arms {}. ", listed(done));
   if (!data.trace.empty())
@@ -161,7 +153,7 @@ std::vector<KeyNumber> tiles(const ReportData& data) {
   }
   for (const KeyNumber& number : data.numbers) {
     tiles.push_back(number);
-    tiles.back().label = capital(number.label);
+    tiles.back().label = figures::capital(number.label);
   }
   tiles.push_back({"Stops", fmt::format("{}", data.stops.size()), "",
                    data.stops.empty() ? "the guard never stepped in" : "see below"});
@@ -217,11 +209,11 @@ void add_forces(Page& page, const ReportData& data) {
       "What was asked for, what the person truly felt, and what the sensor at the wrist said. "
       "Contacts stand one behind the other; the travel between them is left out.");
   bool any = false;
-  for (const Technique technique : figures::all_techniques) {
+  for (const Technique technique : all_techniques) {
     const std::string figure = figures::force(data, technique);
     if (figure.empty()) continue;
     any = true;
-    part.heading(figures::doing(technique), colour_of(technique));
+    part.heading(figures::capital(row_of(technique).doing), colour_of(technique));
     for (const TechniqueForce& force : data.forces) {
       if (force.technique == technique)
         part.note(fmt::format("Root mean square error {:.2f} N, peak {:.1f} N (true force{}).",
