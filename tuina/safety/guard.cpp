@@ -36,6 +36,11 @@ constexpr double push_out_m_per_s = 0.25;
 constexpr double mostly = 0.9;
 constexpr double own_rate_factor = 10.0;  // leaving may be more sudden than pressing
 
+/// False for a vector that is not finite, too.
+bool is_unit(const Vector3& normal) {
+  return std::abs(normal.norm() - 1.0) < 1e-3;
+}
+
 double median(double a, double b, double c) {
   return std::max(std::min(a, b), std::min(std::max(a, b), c));
 }
@@ -96,23 +101,14 @@ Guard::Guard(const Options& options) noexcept : options_(options) {
   lower(limits.joint_speed_rad_per_s, ceilings.joint_speed_rad_per_s);
   lower(limits.stale_freeze_s, ceilings.stale_freeze_s);
   lower(limits.stale_retract_s, ceilings.stale_retract_s);
-  reset();
+  gravity_nm_ = allowed_nm_ = JointVector::Zero(options.torque_limit_nm.size());
+  spike_times_s_.fill(-std::numeric_limits<double>::infinity());
 }
 
 void Guard::reset() noexcept {
-  const Options options = options_;
-  const auto joints = options.torque_limit_nm.size();
-  latched_ = taken_over_ = Action::pass;
-  latched_cause_ = Cause::none;
-  started_ = false;
-  tick_ = 0;
-  q_rad_ = gravity_nm_ = allowed_nm_ = hold_rad_ = JointVector::Zero(joints);
-  samples_n_ = {};
-  medians_n_ = {};
-  spike_times_s_.fill(-1e9);
-  suspects_ = too_fast_ = swinging_ = over_cap_ = saturated_ = not_finite_ = pushed_out_ = rising_ =
-      0;
-  frozen_until_s_ = -1e9;
+  const Vector3 way_out_in_base = normal_in_base_;  // the last one known stays the best guess
+  *this = Guard(options_);
+  normal_in_base_ = way_out_in_base;
 }
 
 Verdict Guard::check(const Observation& seen, const Proposal& proposal) noexcept {
@@ -128,7 +124,6 @@ Verdict Guard::check(const Observation& seen, const Proposal& proposal) noexcept
     finding.add(Action::brake, Cause::state_not_finite, true);
   } else {
     if (!started_) {
-      gravity_nm_ = seen.gravity_nm;
       allowed_nm_ =
           seen.gravity_nm.cwiseMin(options_.torque_limit_nm).cwiseMax(-options_.torque_limit_nm);
       const double force_n = seen.force_in_base_n.norm();
@@ -141,10 +136,7 @@ Verdict Guard::check(const Observation& seen, const Proposal& proposal) noexcept
       tick_ = seen.tick - 1;
       started_ = true;
     }
-    if (proposal.normal_in_base.allFinite() &&
-        std::abs(proposal.normal_in_base.norm() - 1.0) < 1e-3) {
-      normal_in_base_ = proposal.normal_in_base;
-    }
+    if (is_unit(proposal.normal_in_base)) normal_in_base_ = proposal.normal_in_base;
     judge_time(seen, finding);
     judge_joints(seen, finding);
     judge_force(seen, proposal, finding);
@@ -166,7 +158,7 @@ Verdict Guard::check(const Observation& seen, const Proposal& proposal) noexcept
     rate *= own_rate_factor;
   } else {
     taken_over_ = Action::pass;
-    if (proposal.phase == Phase::contact && proposal_fits && pushes_outward(seen, torque_nm))
+    if (proposal.phase == Phase::contact && pushes_outward(seen, torque_nm))
       rate *= own_rate_factor;
   }
   allowed_nm_ = limited(torque_nm, rate, finding);
@@ -262,12 +254,10 @@ void Guard::judge_proposal(const Observation& seen, const Proposal& proposal,
   if (not_finite_ >= bad_torques) finding.add(Action::retract, Cause::torque_not_finite, true);
 
   const auto zone = static_cast<std::size_t>(proposal.zone);
-  const bool usable = zone < zones && static_cast<std::size_t>(proposal.phase) <= 3 &&
-                      proposal.normal_in_base.allFinite() &&
-                      std::abs(proposal.normal_in_base.norm() - 1.0) < 1e-3 &&
-                      proposal.virtual_target_in_base.allFinite() &&
-                      std::isfinite(proposal.stiffness_n_per_m) &&
-                      proposal.stiffness_n_per_m >= 0.0;
+  const bool usable =
+      zone < zones && static_cast<std::size_t>(proposal.phase) <= 3 &&
+      is_unit(proposal.normal_in_base) && proposal.virtual_target_in_base.allFinite() &&
+      std::isfinite(proposal.stiffness_n_per_m) && proposal.stiffness_n_per_m >= 0.0;
   if (!usable) {
     finding.add(Action::retract, Cause::bad_proposal, true);
     return;

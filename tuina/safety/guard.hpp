@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 
 #include "tuina/core/arm.hpp"
 #include "tuina/safety/limits.hpp"
@@ -144,7 +145,7 @@ class Guard {
   // Checks that need several milliseconds count them here.
   int too_fast_ = 0, swinging_ = 0, over_cap_ = 0, saturated_ = 0, not_finite_ = 0, pushed_out_ = 0,
       rising_ = 0;
-  double frozen_until_s_ = 0.0;
+  double frozen_until_s_ = -std::numeric_limits<double>::infinity();
 
   Action latched_ = Action::pass;
   Cause latched_cause_ = Cause::none;

@@ -1,0 +1,407 @@
+// SPDX-License-Identifier: Apache-2.0
+// Each limit, its number written out once more: at the limit nothing happens, above it the guard
+// acts.
+#include <string>
+
+#include "tests/safety/scene.hpp"
+
+using namespace tuina;
+using namespace tuina::safety;
+
+namespace {
+
+/// The first sample fills the guard's memory, so a scene may begin with any force.
+Scene pressing(double force_n, Zone zone = Zone::muscle) {
+  Scene scene;
+  scene.force_n = force_n;
+  scene.proposal.zone = zone;
+  scene.proposal.set_force_n = 0.0;
+  scene.proposal.virtual_target_in_base = scene.seen.tool_in_base;
+  return scene;
+}
+
+}  // namespace
+
+TEST_CASE("the ceilings are those of docs/safety.md") {
+  const std::array<ForceLimits, 7> force = {{{45.0, 60.0},
+                                             {15.0, 25.0},
+                                             {20.0, 30.0},
+                                             {10.0, 15.0},
+                                             {0.0, 10.0},
+                                             {0.0, 10.0},
+                                             {60.0, 90.0}}};
+  REQUIRE(zones == force.size());
+  for (std::size_t i = 0; i < zones; ++i) {
+    CHECK(ceiling_of(static_cast<Zone>(i)).set_n == force[i].set_n);
+    CHECK(ceiling_of(static_cast<Zone>(i)).trip_n == force[i].trip_n);
+  }
+  CHECK(ceilings.tool_speed_m_per_s == std::array<double, 4>{0.30, 0.15, 0.25, 0.30});
+  CHECK(ceilings.pushed_out_m_per_s == 0.12);
+  CHECK(ceilings.force_rate_n_per_s == 2000.0);
+  CHECK(ceilings.over_cap_n == 10.0);
+  CHECK(ceilings.torque_rate_nm_per_s == 1000.0);
+  CHECK(ceilings.encoder_jump_rad == 5e-3);
+  CHECK(ceilings.joint_speed_rad_per_s == 3.0);
+  CHECK(ceilings.stale_freeze_s == 3e-3);
+  CHECK(ceilings.stale_retract_s == 5e-3);
+}
+
+TEST_CASE("options lower every ceiling, raise none, and what is no number or below zero is none") {
+  const auto each = [](Guard::Options& options, auto&& visit) {
+    for (auto& force : options.force) visit(force.set_n), visit(force.trip_n);
+    for (double& speed : options.limits.tool_speed_m_per_s) visit(speed);
+    Ceilings& limits = options.limits;
+    for (double* limit :
+         {&limits.pushed_out_m_per_s, &limits.force_rate_n_per_s, &limits.over_cap_n,
+          &limits.torque_rate_nm_per_s, &limits.encoder_jump_rad, &limits.joint_speed_rad_per_s,
+          &limits.stale_freeze_s, &limits.stale_retract_s})
+      visit(*limit);
+  };
+  const auto as_guarded = [&](double factor, double shift) {
+    Guard::Options options = six_joints();
+    each(options, [&](double& limit) { limit = limit * factor + shift; });
+    options = Guard(options).options();
+    std::vector<double> limits;
+    each(options, [&](double limit) { limits.push_back(limit); });
+    return limits;
+  };
+  const std::vector<double> compiled = as_guarded(1.0, 0.0), halved = as_guarded(0.5, 0.0);
+  CHECK(as_guarded(1.01, 1e-6) == compiled);
+  CHECK(as_guarded(0.0, infinity) == compiled);
+  CHECK(as_guarded(0.0, not_a_number) == compiled);
+  CHECK(as_guarded(0.0, -0.5) == std::vector<double>(compiled.size(), 0.0));
+  for (std::size_t i = 0; i < compiled.size(); ++i) CHECK(halved[i] == 0.5 * compiled[i]);
+}
+
+TEST_CASE("what nobody has filled in asks for nothing and allows nothing") {
+  CHECK(Observation{}.tick == 0);
+  CHECK(Observation{}.time_s == 0.0);
+  CHECK(Observation{}.wrench_time_s == 0.0);
+  CHECK(Proposal{}.phase == Phase::free);
+  CHECK(Proposal{}.zone == Zone::denied);
+  CHECK(Proposal{}.set_force_n == 0.0);
+  CHECK(Proposal{}.stiffness_n_per_m == 0.0);
+  CHECK(Verdict{}.action == Action::pass);
+  CHECK(Verdict{}.cause == Cause::none);
+  CHECK_FALSE(Verdict{}.latched);
+}
+
+TEST_CASE("actions, causes and zones have names of their own") {
+  CHECK(std::string(name_of(Action::brake)) == "brake");
+  CHECK(std::string(name_of(Cause::not_as_planned)) == "does not stand as planned");
+  CHECK(std::string(name_of(Cause::force_over_trip)) == "force over the trip");
+  CHECK(std::string(name_of(Zone::bench)) == "bench");
+}
+
+TEST_CASE("a quiet contact passes for ever and its torques come out unchanged") {
+  Scene scene;
+  for (int i = 0; i < 5000; ++i) {
+    REQUIRE(scene.tick().action == Action::pass);
+    REQUIRE(scene.verdict.cause == Cause::none);
+    REQUIRE_FALSE(scene.verdict.latched);
+    REQUIRE(scene.verdict.allowed_nm == scene.proposal.torque_nm);
+  }
+}
+
+TEST_CASE("nothing wrong passes in every zone and phase, up to what may be asked for there") {
+  for (std::size_t zone = 0; zone < zones; ++zone) {
+    for (int phase = 0; phase < 4; ++phase) {
+      const ForceLimits limits = force_ceilings[zone];
+      Scene scene =
+          pressing(std::min(limits.set_n + 9.0, limits.trip_n - 0.1), static_cast<Zone>(zone));
+      scene.proposal.phase = static_cast<Phase>(phase);
+      scene.proposal.set_force_n = limits.set_n;
+      CHECK(scene.tick(2000).action == Action::pass);
+    }
+  }
+}
+
+TEST_CASE("the trip of each zone is borne, more retracts at once") {
+  for (std::size_t zone = 0; zone < zones; ++zone) {
+    const double trip_n = force_ceilings[zone].trip_n;
+    CHECK(pressing(trip_n, static_cast<Zone>(zone)).tick(3).action == Action::pass);
+    const Verdict verdict = pressing(trip_n + 0.001, static_cast<Zone>(zone)).tick();
+    CHECK(verdict.action == Action::retract);
+    CHECK(verdict.cause == Cause::force_over_trip);
+  }
+}
+
+TEST_CASE("it is the median of three samples that counts") {
+  for (const double middle_n : {59.9, 60.1}) {
+    std::array<double, 3> samples_n = {50.0, middle_n, 70.0};
+    do {
+      Scene scene = pressing(50.0);
+      scene.tick(3);
+      for (const double sample_n : samples_n) scene.force_n = sample_n, scene.tick();
+      CHECK((scene.verdict.action == Action::retract) == (middle_n > 60.0));
+    } while (std::next_permutation(samples_n.begin(), samples_n.end()));
+  }
+}
+
+TEST_CASE("ten newton over the ceiling are borne for ever, more for a tenth of a second") {
+  CHECK(pressing(55.0).tick(200).action == Action::pass);
+  Scene scene = pressing(55.001);
+  CHECK(scene.ticks_until_it_acts() == 99);
+  CHECK(scene.verdict.action == Action::retract);
+  CHECK(scene.verdict.cause == Cause::force_over_cap);
+  CHECK(scene.verdict.latched);
+  Scene twice = pressing(55.001);
+  CHECK(twice.tick(98).action == Action::pass);
+  twice.force_n = 54.0;
+  CHECK(twice.tick(3).action == Action::pass);
+  twice.force_n = 55.001;
+  twice.tick();  // the median takes a second sample
+  CHECK(twice.ticks_until_it_acts() == 99);
+}
+
+TEST_CASE(
+    "a force that rises by 2000 N/s is followed, one that rises faster ends the contact in seven "
+    "milliseconds") {
+  const auto rising = [](double step_n) {
+    Scene scene = pressing(0.0);
+    scene.tick(20);
+    int ticks = 0;
+    for (; ticks < 25 && scene.verdict.action < Action::freeze; ++ticks)
+      scene.force_n += step_n, scene.tick();
+    CHECK((scene.verdict.cause == Cause::force_rising) ==
+          (scene.verdict.action == Action::retract));
+    CHECK(scene.verdict.latched == (scene.verdict.action == Action::retract));
+    return ticks;
+  };
+  CHECK(rising(2.0) == 25);
+  CHECK(rising(1.99) == 25);
+  // The median is a millisecond late, five steps of it are judged, and three judgements must agree.
+  CHECK(rising(2.01) == 8);
+  CHECK(rising(3.0) == 7);
+  CHECK(rising(6.0) == 5);
+}
+
+TEST_CASE("a rise of two milliseconds is forgotten") {
+  Scene scene = pressing(0.0);
+  scene.tick(20);
+  for (int rise = 0; rise < 3; ++rise) {
+    for (const double step_n : {4.0, 4.0, 3.0}) scene.force_n += step_n, scene.tick();
+    scene.force_n -= 9.0;
+    CHECK(scene.tick().action == Action::pass);
+    CHECK(scene.tick(6).action == Action::pass);
+  }
+}
+
+TEST_CASE("each phase has its speed, and noise of two milliseconds is not speed") {
+  const std::array<double, 4> limit_m_per_s = {0.30, 0.15, 0.25, 0.30};
+  for (std::size_t phase = 0; phase < 4; ++phase) {
+    Scene scene;
+    scene.proposal.phase = static_cast<Phase>(phase);
+    scene.seen.tool_velocity_m_per_s = {limit_m_per_s[phase], 0.0, 0.0};
+    CHECK(scene.proposal.normal_in_base.x() * limit_m_per_s[phase] <= 0.12);  // no person gets up
+    CHECK(scene.tick(100).action == Action::pass);
+    for (int i = 0; i < 3; ++i) {
+      scene.seen.tool_velocity_m_per_s = {1.001 * limit_m_per_s[phase], 0.0, 0.0};
+      CHECK(scene.tick(2).action == Action::pass);
+      scene.seen.tool_velocity_m_per_s.setZero();
+      CHECK(scene.tick().action == Action::pass);
+    }
+    scene.seen.tool_velocity_m_per_s = {-1.001 * limit_m_per_s[phase], 0.0, 0.0};
+    CHECK(scene.ticks_until_it_acts() == 2);
+    CHECK(scene.verdict.action == Action::comply);
+    CHECK(scene.verdict.cause == Cause::tool_too_fast);
+  }
+}
+
+TEST_CASE(
+    "a person who gets up pushes the tool out of contact faster than 0.12 m/s and is let go") {
+  const auto moving = [](Phase phase, double outward_m_per_s) {
+    Scene scene;
+    scene.proposal.normal_in_base = Vector3::UnitZ();
+    scene.proposal.virtual_target_in_base = scene.seen.tool_in_base;
+    scene.proposal.phase = phase;
+    scene.seen.tool_velocity_m_per_s = {0.0, 0.0, outward_m_per_s};
+    return scene;
+  };
+  CHECK(moving(Phase::contact, 0.12).tick(10).action == Action::pass);
+  CHECK(moving(Phase::contact, -0.13).tick(10).action == Action::pass);
+  Scene scene = moving(Phase::contact, 0.1201);
+  CHECK(scene.tick(2).action == Action::pass);
+  scene.seen.tool_velocity_m_per_s.setZero();
+  CHECK(scene.tick().action == Action::pass);
+  scene.seen.tool_velocity_m_per_s.z() = 0.1201;
+  CHECK(scene.ticks_until_it_acts() == 2);
+  CHECK(scene.verdict.action == Action::retract);
+  CHECK(scene.verdict.cause == Cause::pushed_out);
+  for (const Phase phase : {Phase::free, Phase::approach, Phase::retract})
+    CHECK(moving(phase, 0.149).tick(10).action == Action::pass);
+}
+
+TEST_CASE("an encoder may turn by 5 mrad in a millisecond, either way") {
+  for (const double direction : {1.0, -1.0}) {
+    Scene scene;
+    scene.seen.q_rad[2] = 0.0;
+    scene.tick(10);
+    scene.seen.q_rad[2] = direction * 5e-3;
+    CHECK(scene.tick().action == Action::pass);
+    scene.seen.q_rad[2] += direction * 4.99e-3;
+    CHECK(scene.tick().action == Action::pass);
+    scene.seen.q_rad[2] += direction * 5.01e-3;
+    CHECK(scene.tick().action == Action::comply);
+    CHECK(scene.verdict.cause == Cause::encoder_jump);
+  }
+}
+
+TEST_CASE("an arm whose encoders do not stand at zero when it begins has not jumped") {
+  Scene scene;
+  scene.seen.q_rad.setConstant(2.0);
+  CHECK(scene.tick(5).action == Action::pass);
+}
+
+TEST_CASE("an elbow that swings makes the arm comply, however still the tool is; a hand may turn") {
+  for (Eigen::Index joint = 0; joint < 6; ++joint) {
+    Scene scene;
+    scene.seen.dq_rad_per_s[joint] = -3.0;
+    CHECK(scene.tick(20).action == Action::pass);
+    scene.seen.dq_rad_per_s[joint] = -3.01;
+    CHECK(scene.tick(2).action == Action::pass);
+    scene.seen.dq_rad_per_s[joint] = 0.0;
+    CHECK(scene.tick().action == Action::pass);
+    scene.seen.dq_rad_per_s[joint] = -3.01;
+    CHECK(scene.ticks_until_it_acts(20) == (joint < 4 ? 2 : 20));
+    if (joint < 4) CHECK(scene.verdict.cause == Cause::joint_too_fast);
+    if (joint < 4) CHECK(scene.verdict.action == Action::comply);
+  }
+  Guard::Options three;
+  three.torque_limit_nm = JointVector::Constant(3, 50.0);
+  Scene scene(three);
+  for (JointVector* of_joints : {&scene.seen.q_rad, &scene.seen.dq_rad_per_s,
+                                 &scene.seen.gravity_nm, &scene.proposal.torque_nm})
+    of_joints->setZero(3);
+  scene.seen.jacobian.setZero(3, 3);
+  CHECK(scene.tick(5).action == Action::pass);
+}
+
+TEST_CASE("a leash may press as hard as the trip, in contact only, and only along the normal") {
+  Scene scene;
+  scene.proposal.normal_in_base = Vector3::UnitZ();
+  scene.seen.tool_in_base = {0.0, 0.0, 0.125};
+  const auto drawn = [&](const Vector3& by_m, double stiffness_n_per_m, Phase phase) {
+    Scene copy = scene;
+    copy.proposal.virtual_target_in_base = copy.seen.tool_in_base + by_m;
+    copy.proposal.stiffness_n_per_m = stiffness_n_per_m;
+    copy.proposal.phase = phase;
+    return copy.tick();
+  };
+  const Vector3 inward_m(0.0, 0.0, -0.0625);
+  CHECK(drawn(inward_m, 960.0, Phase::contact).action == Action::pass);  // 60 N
+  CHECK(drawn(inward_m, 960.1, Phase::contact).action == Action::retract);
+  CHECK(drawn(inward_m, 960.1, Phase::contact).cause == Cause::leash_too_long);
+  CHECK(drawn(-inward_m, 5000.0, Phase::contact).action == Action::pass);
+  CHECK(drawn({0.1, 0.1, 0.0}, 5000.0, Phase::contact).action == Action::pass);
+  for (const Phase phase : {Phase::free, Phase::approach, Phase::retract})
+    CHECK(drawn(inward_m, 5000.0, phase).action == Action::pass);
+}
+
+TEST_CASE("a set force over the ceiling of its zone, or none, is not pressed") {
+  for (std::size_t zone = 0; zone < zones; ++zone) {
+    const double set_n = force_ceilings[zone].set_n;
+    for (const double force_n : {set_n, set_n + 1e-9, not_a_number, infinity}) {
+      Scene scene = pressing(0.0, static_cast<Zone>(zone));
+      scene.proposal.set_force_n = force_n;
+      CHECK(scene.tick().action == (force_n == set_n ? Action::pass : Action::retract));
+      if (force_n != set_n) CHECK(scene.verdict.cause == Cause::set_force_too_high);
+    }
+  }
+}
+
+TEST_CASE("torque is clamped in size, to the drives' limits on both sides") {
+  for (const double direction : {1.0, -1.0}) {
+    Scene scene;
+    scene.seen.gravity_nm.setConstant(direction * 49.5);
+    scene.proposal.torque_nm.setConstant(direction * 50.0);
+    CHECK(scene.tick().action == Action::pass);
+    scene.proposal.torque_nm[3] = direction * 50.5;
+    CHECK(scene.tick().action == Action::warn);
+    CHECK(scene.verdict.cause == Cause::torque_clamped);
+    CHECK_FALSE(scene.verdict.latched);
+    CHECK(scene.verdict.allowed_nm == JointVector::Constant(6, direction * 50.0));
+  }
+}
+
+TEST_CASE("torque is clamped in its rate: 1 Nm in a millisecond, both ways") {
+  for (const double direction : {1.0, -1.0}) {
+    Scene scene;
+    scene.tick(10);
+    const double before_nm = scene.proposal.torque_nm[4];
+    scene.proposal.torque_nm[4] += direction * 30.0;
+    CHECK(scene.tick().allowed_nm[4] == doctest::Approx(before_nm + direction));
+    CHECK(scene.verdict.action == Action::warn);
+    CHECK(scene.verdict.cause == Cause::torque_rate_clamped);
+    CHECK_FALSE(scene.verdict.latched);
+    CHECK(scene.tick(29).allowed_nm[4] == doctest::Approx(scene.proposal.torque_nm[4]));
+    CHECK(scene.tick().action == Action::pass);
+  }
+}
+
+TEST_CASE("the first torque may be gravity's, however large, and is held to the drives' limits") {
+  for (const double gravity_nm : {40.0, 80.0, -80.0}) {
+    Scene scene;
+    scene.seen.gravity_nm.setConstant(gravity_nm);
+    scene.proposal.torque_nm.setConstant(std::clamp(gravity_nm, -50.0, 50.0));
+    CHECK(scene.tick().action == Action::pass);
+    CHECK(scene.verdict.allowed_nm == scene.proposal.torque_nm);
+  }
+}
+
+TEST_CASE(
+    "drives at their limit for ever are no fault, asked for more for a tenth of a second they "
+    "are") {
+  for (const double direction : {1.0, -1.0}) {
+    Scene scene;
+    scene.seen.gravity_nm[3] = scene.proposal.torque_nm[3] = direction * 50.0;
+    CHECK(scene.tick(300).action == Action::pass);
+    scene.proposal.torque_nm[3] = direction * 50.001;
+    CHECK(scene.tick(99).action == Action::warn);
+    scene.proposal.torque_nm[3] = direction * 50.0;
+    CHECK(scene.tick().action == Action::pass);
+    scene.proposal.torque_nm[3] = direction * 50.001;
+    CHECK(scene.ticks_until_it_acts() == 99);
+    CHECK(scene.verdict.action == Action::comply);
+    CHECK(scene.verdict.cause == Cause::torque_saturated);
+  }
+}
+
+TEST_CASE("a controller may let go ten times as suddenly as it may press, in contact") {
+  for (const double direction : {1.0, -1.0}) {
+    for (int phase = 0; phase < 4; ++phase) {
+      Scene scene;
+      scene.proposal.normal_in_base = Vector3::UnitX();
+      scene.proposal.virtual_target_in_base = scene.seen.tool_in_base;
+      scene.tick(10);
+      scene.proposal.phase = static_cast<Phase>(phase);
+      const double before_nm = scene.proposal.torque_nm[0];
+      scene.proposal.torque_nm[0] += direction * 40.0;  // the first joint moves the tool along x
+      const double step_nm = scene.tick().allowed_nm[0] - before_nm;
+      const bool lets_go = scene.proposal.phase == Phase::contact && direction > 0.0;
+      CHECK(step_nm == doctest::Approx(lets_go ? 10.0 : direction));
+    }
+  }
+}
+
+TEST_CASE("letting go is a change that points outward by nine tenths") {
+  for (const double along : {0.905, 0.895}) {
+    Scene scene;
+    scene.proposal.normal_in_base = Vector3::UnitX();
+    scene.proposal.virtual_target_in_base = scene.seen.tool_in_base;
+    scene.tick(10);
+    const double before_nm = scene.proposal.torque_nm[0];
+    scene.proposal.torque_nm[0] += 20.0 * along;
+    scene.proposal.torque_nm[1] += 20.0 * std::sqrt(1.0 - along * along);
+    CHECK(scene.tick().allowed_nm[0] - before_nm == doctest::Approx(along > 0.9 ? 10.0 : 1.0));
+  }
+}
+
+TEST_CASE("a tool that no joint moves is not let go suddenly") {
+  Scene scene;
+  scene.seen.jacobian.setZero();
+  scene.tick(10);
+  const double before_nm = scene.proposal.torque_nm[0];
+  scene.proposal.torque_nm[0] += 20.0;
+  CHECK(scene.tick().allowed_nm[0] - before_nm == doctest::Approx(1.0));
+}
