@@ -88,10 +88,22 @@ Result<SessionSetting> read_setting(const SessionOrder& order, const session::Co
   if (!order.robot_pose.empty()) {
     const auto read = session::read_robot_pose(order.robot_pose);
     if (!read) return tl::unexpected(read.error());
+    if (read->robot != order.robot) {
+      return fail(Fault::usage, "{}: was measured with the arms of `{}`, and the robot is `{}`",
+                  order.robot_pose, read->robot, order.robot);
+    }
     robot = *read;
   }
-  return SessionSetting{
-      order, config, common, std::move(*programme), std::move(*options), std::move(*atlas), robot};
+  auto model = robot::load_robot(order.robot);
+  if (!model) return tl::unexpected(model.error());
+  return SessionSetting{order,
+                        config,
+                        common,
+                        std::move(*programme),
+                        std::move(*options),
+                        std::move(*atlas),
+                        robot,
+                        std::move(*model)};
 }
 
 Result<Preparation> prepare(const SessionSetting& setting, const sim::Person& person,
@@ -133,12 +145,12 @@ Result<Preparation> prepare(const SessionSetting& setting, const sim::Person& pe
                 setting.order.robot_pose, name_of(setting.robot->position),
                 name_of(back->position()));
   }
-  result.standing =
-      robot::stand(setting.order.kind, back->position(), head_at_plus_y(result.located.acupoints));
-  const robot::RobotMount& mount = result.standing.mount;
+  result.placement =
+      robot::place_robot(setting.model, back->position(), head_at_plus_y(result.located.acupoints));
+  const robot::RobotMount& mount = result.placement.mount;
   result.base_from_couch = believed_base_from_couch(setting, mount);
   auto ready = motion::make_ready(std::move(*plan), *back, mount,
-                                  robot::both_models(result.standing.arm, mount),
+                                  robot::both_models(result.placement.arm, mount),
                                   result.base_from_couch, from_mm(config.massage.standoff_mm),
                                   resumed ? std::optional(resumed->rail_m) : std::nullopt);
   if (!ready) return tl::unexpected(ready.error());

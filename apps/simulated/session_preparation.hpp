@@ -13,7 +13,7 @@
 #include "tuina/massage/plan.hpp"
 #include "tuina/massage/programme.hpp"
 #include "tuina/motion/ready_plan.hpp"
-#include "tuina/robot/standing.hpp"
+#include "tuina/robot/robot_model.hpp"
 #include "tuina/scanner/sweep.hpp"
 #include "tuina/session/config.hpp"
 #include "tuina/session/live_command.hpp"
@@ -27,7 +27,7 @@ struct SessionOrder {
   std::string person = "phantom:medium";
   std::optional<Position> position;
   std::string programme = "relax";
-  robot::Kind kind = robot::Kind::thesis;  ///< of the robot
+  std::string robot = "thesis";  ///< a shipped robot or the file of its table
   body::Method method = body::Method::surface;
   std::string atlas;       ///< a file or a labelled body; empty: the shipped one
   std::string no_go;       ///< a file with what the therapist rules out; empty: nothing
@@ -54,6 +54,7 @@ struct SessionSetting {
   massage::PlanOptions plan_options;
   body::Atlas atlas;
   std::optional<session::PlacedRobot> robot;  ///< as measured
+  robot::RobotModel model;
 };
 [[nodiscard]] Result<SessionSetting> read_setting(const SessionOrder& order,
                                                   const session::Config& config,
@@ -69,7 +70,7 @@ struct Preparation {
   body::Mapping located;
   std::vector<double> acupoint_errors_m;  ///< per point of `located`, against the truth
   double locate_ms = 0.0;
-  robot::Standing standing;
+  robot::RobotPlacement placement;
   motion::ReadyPlan ready;
   double plan_ms = 0.0;
   Transform base_from_couch = Transform::Identity();  ///< as the session believes it

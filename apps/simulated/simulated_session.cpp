@@ -29,16 +29,16 @@ class Room {
     const auto chart = massage::BackChart::from(person.acupoints, person.landmarks);
     if (!chart) return tl::unexpected(chart.error());
     auto room = std::unique_ptr<Room>(
-        new Room(setting, person, prepared.standing,
+        new Room(setting, person, prepared.placement,
                  massage::ZoneMap(*chart, person.acupoints, person.landmarks)));
     Random arm_errors = make_random(setting.common.seed, "true arms");
     PerArm<robot::ArmTable> true_arms;
     for (const Arm arm : both_arms) {
       true_arms[arm] =
-          sim::draw_arm(prepared.standing.arm,
+          sim::draw_arm(prepared.placement.arm,
                         {.friction_scale = setting.config.simulation.friction}, arm_errors);
     }
-    auto plant = sim::Plant::make(prepared.standing, true_arms,
+    auto plant = sim::Plant::make(prepared.placement, true_arms,
                                   {.q_rad = ready.ready_rad, .rail_m = ready.rail_m},
                                   &room->contact_, {.seed = setting.common.seed});
     if (!plant) return tl::unexpected(plant.error());
@@ -63,7 +63,7 @@ class Room {
   Witness witness;
 
  private:
-  Room(const SessionSetting& setting, const sim::Person& person, const robot::Standing& robot,
+  Room(const SessionSetting& setting, const sim::Person& person, const robot::RobotPlacement& robot,
        massage::ZoneMap true_zones)
       : witness(models_, mount_.obstacles, believed_base_from_couch(setting, robot.mount).inverse(),
                 std::move(true_zones),

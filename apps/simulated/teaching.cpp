@@ -27,7 +27,8 @@ safety::Zone guarded_zone(const massage::PlannedPath& planned) {
 }
 
 /// The first path of this technique on this side of the true back, and how the arm gets there.
-Result<motion::ReadyPlan> plan_for(const sim::Person& person, const TeachOrder& order) {
+Result<motion::ReadyPlan> plan_for(const sim::Person& person, const TeachOrder& order,
+                                   const robot::RobotPlacement& placement) {
   PointCloud skin;
   skin.points = person.skin_in_couch.vertices;
   const auto back = body::fit_back(skin, {.position = order.position});
@@ -46,10 +47,10 @@ Result<motion::ReadyPlan> plan_for(const sim::Person& person, const TeachOrder& 
   }
   plan->paths = {massage::PlannedPath(*wanted)};
   plan->paths.front().step = 0;
-  const robot::RobotMount mount = robot::mount_for(order.position);
+  const robot::RobotMount& mount = placement.mount;
   constexpr double standoff_m = 40_mm;
   return motion::make_ready(std::move(*plan), *back, mount,
-                            robot::both_models(robot::thesis_arm(), mount), mount.base_from_couch,
+                            robot::both_models(placement.arm, mount), mount.base_from_couch,
                             standoff_m);
 }
 
@@ -74,13 +75,15 @@ HandMotion hand_motion(const motion::ReadyPlan& ready, const ToolPose& home, Arm
 /// The way of the tool from its first touch to its farthest place, told by the points that the
 /// session's own scan and map find on this back.
 Result<void> add_line(const TeachOrder& order, const sim::Person& person,
-                      const CommonOptions& common, const robot::ArmModel& model,
+                      const CommonOptions& common, const TeachingStage& stage,
                       session::TaughtMotion& motion) {
+  const robot::ArmModel& model = stage.models[order.arm];
   CommonOptions quiet = common;
   quiet.quiet = true;
   SessionOrder session;
   session.person = order.person;
   session.position = order.position;
+  session.robot = order.robot;
   const auto setting = read_setting(session, {}, quiet);
   if (!setting) return tl::unexpected(setting.error());
   const auto prepared = prepare(*setting, person);
@@ -88,8 +91,7 @@ Result<void> add_line(const TeachOrder& order, const sim::Person& person,
   const auto chart =
       massage::BackChart::from(prepared->located.acupoints, prepared->located.landmarks);
   if (!chart) return tl::unexpected(chart.error());
-  const Transform couch_from_base =
-      believed_base_from_couch(*setting, robot::mount_for(order.position)).inverse();
+  const Transform couch_from_base = believed_base_from_couch(*setting, stage.mount).inverse();
 
   constexpr double working_n = 6.0, apart_m = 15_mm;
   std::vector<Vector3> way;
@@ -137,10 +139,15 @@ Result<TaughtByHand> record_by_hand(const TeachOrder& order, const session::Conf
                                     const CommonOptions& common) {
   const auto person = sim::parse_person(order.person, order.position, common.seed);
   if (!person) return tl::unexpected(person.error());
-  const auto ready = plan_for(*person, order);
+  const auto robot = robot::load_robot(order.robot);
+  if (!robot) return tl::unexpected(robot.error());
+  const robot::RobotPlacement placement =
+      robot::place_robot(*robot, order.position, head_at_plus_y(person->acupoints));
+  const auto ready = plan_for(*person, order, placement);
   if (!ready) return tl::unexpected(ready.error());
-  auto made = TeachingStage::make(*person, {.q_rad = ready->ready_rad, .rail_m = ready->rail_m},
-                                  config, common.seed);
+  auto made =
+      TeachingStage::make(*person, placement, {.q_rad = ready->ready_rad, .rail_m = ready->rail_m},
+                          config, common.seed);
   if (!made) return tl::unexpected(made.error());
   TeachingStage& stage = **made;
   const Arm arm = order.arm;
@@ -155,6 +162,7 @@ Result<TaughtByHand> record_by_hand(const TeachOrder& order, const session::Conf
   const massage::PlannedPath& planned = ready->plan.paths.front();
   TaughtByHand taught{.motion = {.name = planned.path.name,
                                  .position = order.position,
+                                 .robot = order.robot,
                                  .arm = arm,
                                  .rail_m = ready->rail_m,
                                  .zone = guarded_zone(planned)}};
@@ -218,7 +226,7 @@ Result<TaughtByHand> record_by_hand(const TeachOrder& order, const session::Conf
   if (bar) bar(1.0);
   taught.motion = session::smoothed(taught.motion);
   if (order.technique == Technique::stroke) {
-    if (auto added = add_line(order, *person, common, model, taught.motion); !added)
+    if (auto added = add_line(order, *person, common, stage, taught.motion); !added)
       return tl::unexpected(added.error());
   }
   return taught;

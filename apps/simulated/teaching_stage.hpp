@@ -5,6 +5,7 @@
 
 #include "apps/simulated/guarded_arm.hpp"
 #include "tuina/motion/arm_separation.hpp"
+#include "tuina/robot/robot_model.hpp"
 #include "tuina/session/config.hpp"
 #include "tuina/sim/person/person.hpp"
 #include "tuina/sim/person/tissue_map.hpp"
@@ -23,6 +24,7 @@ struct TeachRow {
 struct TeachingStage {
   static constexpr double tick_s = 1e-3;
 
+  robot::RobotPlacement robot;
   robot::RobotMount mount;
   PerArm<robot::ArmModel> models;
   sim::BackContact person;
@@ -30,9 +32,11 @@ struct TeachingStage {
   motion::ArmSeparation separation;
   PerArm<GuardedArm> arms;  // they look at `models`
 
-  TeachingStage(const sim::Person& who, const session::Config& config, std::uint64_t seed)
-      : mount(robot::mount_for(who.position)),
-        models(robot::both_models(robot::thesis_arm(), mount)),
+  TeachingStage(const sim::Person& who, const robot::RobotPlacement& placement,
+                const session::Config& config, std::uint64_t seed)
+      : robot(placement),
+        mount(placement.mount),
+        models(robot::both_models(placement.arm, mount)),
         person(who.skin_in_couch, sim::lay_tissue(who, seed),
                {.torso_n_per_m = 1e3 * config.simulation.torso_n_per_mm,
                 .breathing = {.amplitude_m = from_mm(config.simulation.breathing_mm),
@@ -42,18 +46,17 @@ struct TeachingStage {
   TeachingStage(const TeachingStage&) = delete;
   TeachingStage& operator=(const TeachingStage&) = delete;
 
-  [[nodiscard]] static Result<std::unique_ptr<TeachingStage>> make(const sim::Person& who,
-                                                                   const sim::Plant::Start& start,
-                                                                   const session::Config& config,
-                                                                   std::uint64_t seed) {
-    auto stage = std::make_unique<TeachingStage>(who, config, seed);
+  [[nodiscard]] static Result<std::unique_ptr<TeachingStage>> make(
+      const sim::Person& who, const robot::RobotPlacement& placement,
+      const sim::Plant::Start& start, const session::Config& config, std::uint64_t seed) {
+    auto stage = std::make_unique<TeachingStage>(who, placement, config, seed);
     Random errors = make_random(seed, "true arms");
     PerArm<robot::ArmTable> tables;
     for (const Arm arm : both_arms) {
-      tables[arm] = sim::draw_arm(robot::thesis_arm(),
-                                  {.friction_scale = config.simulation.friction}, errors);
+      tables[arm] =
+          sim::draw_arm(placement.arm, {.friction_scale = config.simulation.friction}, errors);
     }
-    auto plant = sim::Plant::make(stage->mount, tables, start, &stage->person, {.seed = seed});
+    auto plant = sim::Plant::make(placement, tables, start, &stage->person, {.seed = seed});
     if (!plant) return tl::unexpected(plant.error());
     stage->plant = std::move(*plant);
     return stage;

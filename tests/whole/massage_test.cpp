@@ -377,7 +377,12 @@ TEST_CASE("massage refuses what it cannot use, with the right exit code and an e
   fails({"--position", "standing"}, 1, "standing");
   fails({"--pace", "slow"}, 1, "slow");
   fails({"--robot", "predecessor"}, 1, "predecessor");
-  fails({"--robot", "successor", "--robot-pose", "robot.toml"}, 1, "arms of the thesis only");
+  const std::string pose = folder.with(
+      "robot.toml",
+      "[robot]\nposition = \"prone\"\n[base_from_couch]\nrotation_vector_rad = [0, 0, 1]\n"
+      "translation_m = [0, 0, 0]\n");
+  fails({"--robot", "successor", "--robot-pose", pose}, 1,
+        "was measured with the arms of `thesis`");
   fails({"--set", "massage.stear=true"}, 1, "is `massage.steer` meant?");
   fails({"--sed", "1"}, 1, "--sed");
 }

@@ -40,7 +40,7 @@ PostureChoice postures_for(const robot::ArmModel& model, Arm arm, double rail_m,
                            std::span<const robot::ContactGoal> goals, const JointVector& ready_rad,
                            const JointVector& arrival_rad) {
   constexpr double alike_rad = 0.2;
-  const auto elbow = static_cast<std::size_t>(robot::elbow_origin(model.table()));
+  const std::size_t elbow = model.elbow();
   PostureChoice choice{.least_bad_m = -own_side_m};
   std::vector<Candidate> all;
   const std::array places = {goals.front(), goals[goals.size() / 2], goals.back()};

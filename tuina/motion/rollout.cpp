@@ -132,7 +132,7 @@ void Rehearsal::slide(std::span<const robot::ContactGoal> places, const JointVec
     step_to(place.at_in_base + radius_m * place.normal_in_base, place.normal_in_base, posture_rad,
             passage);
     passage.off_m = std::max(passage.off_m, off_m_);
-    const auto elbow = static_cast<std::size_t>(robot::elbow_origin(model_->table()));
+    const std::size_t elbow = model_->elbow();
     const Vector3 at = now_.origins_in_base[elbow];
     passage.elbow_height_m =
         std::min(passage.elbow_height_m, (at - place.at_in_base).dot(place.normal_in_base));

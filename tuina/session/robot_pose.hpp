@@ -18,7 +18,7 @@ namespace tuina::session {
 /// measures this with a tape and a camera (5.5).
 struct RobotPose {
   Transform base_from_couch = Transform::Identity();
-  Vector3 middle_in_couch = Vector3::Zero();       ///< of the spots: here the pose is known best
+  Vector3 middle_in_couch = Vector3::Zero();  ///< middle of the spots: here the pose is known best
   Matrix3 turn_covariance_rad2 = Matrix3::Zero();  ///< about `middle_in_couch`, axes of the couch
   Matrix3 place_covariance_m2 = Matrix3::Zero();   ///< of `middle_in_couch`, axes of the couch
   std::vector<double> residual_m;  ///< of each touch: from the spot to where the arm says it is
@@ -43,6 +43,7 @@ struct RobotPose {
 
 /// What robot.toml tells: for people in which position the robot stands so, and where.
 struct PlacedRobot {
+  std::string robot = "thesis";  ///< whose arms touched: a shipped robot or the file of its table
   Position position = Position::sitting;
   Transform base_from_couch = Transform::Identity();
 };

@@ -9,6 +9,7 @@
 
 #include "tuina/core/io/file.hpp"
 #include "tuina/core/units.hpp"
+#include "tuina/robot/robot_model.hpp"
 #include "tuina/session/robot_pose.hpp"
 #include "tuina/sim/person/person.hpp"
 #include "tuina/sim/robot/robot_touches.hpp"
@@ -17,15 +18,20 @@ namespace tuina::app {
 
 namespace fs = std::filesystem;
 
-Result<Answer> calibrate_robot(const fs::path& folder, Position position, const fs::path& out) {
-  const robot::ArmTable table = robot::thesis_arm();
-  const auto arms = robot::both_models(table, robot::mount_for(position));
+Result<Answer> calibrate_robot(const fs::path& folder, const std::string& robot, Position position,
+                               const fs::path& out) {
+  const auto model = robot::load_robot(robot);
+  if (!model) return tl::unexpected(model.error());
+  const robot::RobotPlacement there = robot::place_robot(*model, position);
+  const robot::ArmTable& table = there.arm;
+  const auto arms = robot::both_models(table, there.mount);
   const fs::path file = folder / "touches.csv";
   const auto touches = session::read_touches(file, table);
   if (!touches) return tl::unexpected(touches.error());
   const auto pose = session::locate_robot(*touches, arms);
   if (!pose) return fail(pose.error().fault, "{}: {}", file.string(), pose.error().message);
-  const session::PlacedRobot placed{.position = position, .base_from_couch = pose->base_from_couch};
+  const session::PlacedRobot placed{
+      .robot = robot, .position = position, .base_from_couch = pose->base_from_couch};
   if (const auto written = write_file(out, session::to_toml(placed)); !written) {
     return tl::unexpected(written.error());
   }
@@ -58,15 +64,18 @@ Result<Answer> calibrate_robot(const fs::path& folder, Position position, const 
                     touches->size(), rms_mm, max_mm, out.string())};
 }
 
-Result<Answer> rehearse_robot(const fs::path& folder, Position position, std::uint64_t seed) {
+Result<Answer> rehearse_robot(const fs::path& folder, const std::string& robot, Position position,
+                              std::uint64_t seed) {
+  const auto model = robot::load_robot(robot);
+  if (!model) return tl::unexpected(model.error());
+  const robot::RobotPlacement there = robot::place_robot(*model, position);
   std::error_code fault;
   if (!fs::create_directory(folder, fault)) {
     return fail(Fault::file, "{}: {}", folder.string(),
                 fault ? fault.message() : "there is such a folder already");
   }
   constexpr int rows = 3;
-  const auto touches =
-      sim::touch_board(robot::thesis_arm(), robot::mount_for(position), position, rows, {}, seed);
+  const auto touches = sim::touch_board(there.arm, there.mount, position, rows, {}, seed);
   if (!touches) return tl::unexpected(touches.error());
   const fs::path file = folder / "touches.csv";
   if (const auto written = write_file(file, session::to_csv(*touches)); !written) {
