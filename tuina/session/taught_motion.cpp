@@ -190,11 +190,11 @@ Result<void> write_taught(const TaughtMotion& motion, const fs::path& file) {
   if (auto written = write_file(samples, csv); !written) return written;
   return write_file(
       file,
-      fmt::format("name = \"{}\"\nposition = \"{}\"\nrobot = \"{}\"\narm = \"{}\"\n"
+      fmt::format("name = \"{}\"\nposition = \"{}\"\narm = \"{}\"\n"
                   "rail_mm = {}\nzone = \"{}\"  # the most delicate it touches\n"
-                  "samples = \"{}\"\n",
-                  motion.name, name_of(motion.position), motion.robot, name_of(motion.arm),
-                  to_mm(motion.rail_m), safety::name_of(motion.zone), samples.filename().string()) +
+                  "samples = \"{}\"\nrobot = \"{}\"\n",
+                  motion.name, name_of(motion.position), name_of(motion.arm), to_mm(motion.rail_m),
+                  safety::name_of(motion.zone), samples.filename().string(), motion.robot) +
           line_toml(motion));
 }
 
