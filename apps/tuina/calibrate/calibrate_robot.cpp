@@ -18,6 +18,15 @@ namespace tuina::app {
 
 namespace fs = std::filesystem;
 
+namespace {
+
+/// The option that names a robot, with a blank behind it; nothing of the usual one.
+std::string option(const char* name, const std::string& robot) {
+  return robot == "thesis" ? "" : fmt::format("{} {} ", name, robot);
+}
+
+}  // namespace
+
 Result<Answer> calibrate_robot(const fs::path& folder, const std::string& robot, Position position,
                                const fs::path& out) {
   const auto model = robot::load_robot(robot);
@@ -60,8 +69,8 @@ Result<Answer> calibrate_robot(const fs::path& folder, const std::string& robot,
                             .dump(2),
                 .text = fmt::format(
                     "{} touches agree to {:.1f} mm; an acupoint is expected to be off by {:.1f} mm "
-                    "or less for this\nnow: tuina massage --robot-pose {}",
-                    touches->size(), rms_mm, max_mm, out.string())};
+                    "or less for this\nnow: tuina massage {}--robot-pose {}",
+                    touches->size(), rms_mm, max_mm, option("--robot", robot), out.string())};
 }
 
 Result<Answer> rehearse_robot(const fs::path& folder, const std::string& robot, Position position,
@@ -83,9 +92,10 @@ Result<Answer> rehearse_robot(const fs::path& folder, const std::string& robot, 
   }
   return Answer{
       .json = nlohmann::json{{"folder", folder.string()}, {"touches", touches->size()}}.dump(2),
-      .text = fmt::format("{}: {} touches; now: tuina calibrate {} --robot --position {} "
+      .text = fmt::format("{}: {} touches; now: tuina calibrate {} --robot {}--position {} "
                           "--out robot.toml",
-                          file.string(), touches->size(), folder.string(), name_of(position))};
+                          file.string(), touches->size(), folder.string(), option("--arms", robot),
+                          name_of(position))};
 }
 
 }  // namespace tuina::app
