@@ -85,6 +85,24 @@ TEST_CASE("the successor's seven joints do a programme within their ranges, noth
   }
 }
 
+TEST_CASE("arms of another build do the programme relax, nothing left out") {
+  for (const char* name : {"panda", "ur"}) {
+    for (const Position position : {Position::sitting, Position::prone}) {
+      CAPTURE(name);
+      CAPTURE(name_of(position));
+      const motion::ReadyPlan ready = ready_for("phantom:medium", position, "relax", 5, name);
+      CHECK(ready.reachable);
+      CHECK(ready.plan.paths.size() == 13);
+      CHECK(ready.min_arm_distance_m >= 45e-3);
+      const robot::ArmTable table = robot::load_robot(name)->arm;
+      for (const Arm arm : both_arms) {
+        for (const motion::ArmJob& job : ready.jobs[arm])
+          CHECK(robot::limit_room_rad(table, job.posture_rad) > 0.0);
+      }
+    }
+  }
+}
+
 TEST_CASE("hand after hand, the idle arm hovers over its place instead of flying home") {
   const test::Folder folder;
   const std::string hands = folder.with("hands.toml",
