@@ -51,9 +51,11 @@ std::optional<Matrix3> turn_of(const TomlTable& table, const std::string& x_key,
                  fmt::format("{} and {} are not two unit vectors at a right angle", x_key, z_key));
     return std::nullopt;
   }
-  along_z.normalize();
-  along_x -= along_x.dot(along_z) * along_z;
-  along_x.normalize();
+  // What is exact already stays as it is, so that a table written and read again is the same.
+  constexpr double exact = 1e-12;
+  if (std::abs(along_z.norm() - 1.0) > exact) along_z.normalize();
+  if (std::abs(along_x.dot(along_z)) > exact) along_x -= along_x.dot(along_z) * along_z;
+  if (std::abs(along_x.norm() - 1.0) > exact) along_x.normalize();
   Matrix3 turn;
   turn << along_x, along_z.cross(along_x), along_z;
   return turn;
@@ -220,6 +222,11 @@ Result<RobotModel> parse_robot(std::string_view text, std::string_view name) {
     if (root.has("name") && !plain_name(model.name))
       root.wrong("name", "is not 1 to 60 letters, digits, - or _");
     take(model.about, root.text("about"));
+    const auto quotes = [](char c) {
+      return c == '"' || c == '\\' || (c >= 0 && c < ' ') || c == 127;
+    };
+    if (std::any_of(model.about.begin(), model.about.end(), quotes))
+      root.reject("about", "about is not one line without quotes and backslashes");
     if (const auto carrier = root.word("carrier", {"linear_base", "wheeled_body"}))
       model.carrier = static_cast<Carrier>(*carrier);
     read_arm(root, model.arm);

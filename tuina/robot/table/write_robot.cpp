@@ -10,7 +10,7 @@ namespace {
 template <typename Convert>
 std::string shown(double value, double converted, Convert read) {
   const double round = std::round(converted * 1e9) / 1e9;
-  if (read(round) == value) return fmt::format("{}", round);
+  if (read(round) == value) return fmt::format("{}", round + 0.0);  // never "-0"
   for (const double toward : {-1e300, 1e300}) {
     double near = converted;
     for (int i = 0; i < 4; ++i, near = std::nextafter(near, toward)) {
@@ -30,7 +30,7 @@ std::string mm(const Vector3& m) {
 }
 template <typename Three>
 std::string three(const Three& v) {
-  return fmt::format("[{}, {}, {}]", v[0], v[1], v[2]);
+  return fmt::format("[{}, {}, {}]", v[0] + 0.0, v[1] + 0.0, v[2] + 0.0);
 }
 
 std::string text_of(const Link& link) {
@@ -46,8 +46,8 @@ std::string text_of(const Link& link) {
   return text + fmt::format(
                     "rotor_inertia_kg_m2 = {}\ncoulomb_nm = {}\nviscous_nm_s_per_rad = {}\n"
                     "radius_mm = {}\n",
-                    link.rotor_inertia_kg_m2, link.coulomb_nm, link.viscous_nm_s_per_rad,
-                    mm(link.radius_m));
+                    link.rotor_inertia_kg_m2 + 0.0, link.coulomb_nm + 0.0,
+                    link.viscous_nm_s_per_rad + 0.0, mm(link.radius_m));
 }
 
 std::string text_of(const Mounting& mounting, Carrier carrier, Position position) {
