@@ -62,7 +62,7 @@ class MyScanner final : public scanner::Camera, public scanner::Turntable {
 
 int main() {
   const auto person = sim::parse_person("phantom:slim", Position::sitting, 1).value();
-  const auto stand = robot::stand(robot::Kind::thesis, person.position);
+  const auto stand = robot::place_robot(robot::load_robot("thesis").value(), person.position);
   const auto world = sim::World::make(person, stand, {}, 1).value();
   MyScanner mine(person, sim::true_calibration(person.position));
   session::Observers nobody({});

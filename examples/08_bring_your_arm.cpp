@@ -15,7 +15,7 @@ namespace {
 
 class MyRobot final : public robot::Robot {
  public:
-  MyRobot(const sim::Person& person, const robot::Standing& stand)
+  MyRobot(const sim::Person& person, const robot::RobotPlacement& stand)
       : models_(robot::both_models(stand.arm, stand.mount)),
         base_from_couch_(stand.mount.base_from_couch),
         skin_(person.skin_in_couch, sim::lay_tissue(person, 1)) {}
@@ -69,7 +69,7 @@ class MyRobot final : public robot::Robot {
 
 int main() {
   const auto person = sim::parse_person("phantom:medium", Position::prone, 1).value();
-  const auto stand = robot::stand(robot::Kind::thesis, person.position);
+  const auto stand = robot::place_robot(robot::load_robot("thesis").value(), person.position);
   const auto world = sim::World::make(person, stand, {}, 1).value();
   MyRobot mine(person, stand);
   session::Observers nobody({});

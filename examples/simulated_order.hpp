@@ -11,6 +11,7 @@ inline tuina::session::Order simulated_order(const tuina::sim::World& world) {
           .plan_options = {},
           .atlas = tuina::body::read_atlas(TUINA_MODELS "/atlas.tuina").value(),
           .calibration = world.believed_calibration(),
-          .placed = {world.person().position, world.believed_base_from_couch()},
+          .robot = tuina::robot::load_robot("thesis").value(),
+          .placed = {"thesis", world.person().position, world.believed_base_from_couch()},
           .commands = {}};
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/simulated/session_preparation.hpp"
 #include "tuina/control/cartesian_impedance.hpp"
 #include "tuina/control/friction.hpp"
 #include "tuina/robot/inverse_kinematics.hpp"
@@ -15,11 +16,15 @@ Result<PlayedMotion> play_motion(const session::TaughtMotion& motion, const std:
                                  const session::Config& config, const CommonOptions& common) {
   const auto person = sim::parse_person(name, motion.position, common.seed);
   if (!person) return tl::unexpected(person.error());
-  const robot::ArmTable table = robot::thesis_arm();
-  robot::ReadyPose start{.q_rad = robot::ready_posture(table, robot::mount_for(motion.position)),
-                         .rail_m = motion.rail_m};
+  const auto robot = robot::load_robot(motion.robot);
+  if (!robot) return tl::unexpected(robot.error());
+  const robot::RobotPlacement placement =
+      robot::place_robot(*robot, motion.position, session::head_at_plus_y(person->acupoints));
+  const robot::ArmTable& table = placement.arm;
+  robot::ReadyPose start{.q_rad = robot::ready_posture(table, placement.mount),
+                          .rail_m = motion.rail_m};
   start.q_rad[motion.arm] = motion.samples.front().q_rad;
-  auto made = TeachingStage::make(*person, start, config, common.seed);
+  auto made = TeachingStage::make(*person, placement, start, config, common.seed);
   if (!made) return tl::unexpected(made.error());
   TeachingStage& stage = **made;
   const robot::ArmModel& model = stage.models[motion.arm];

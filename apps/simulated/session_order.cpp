@@ -38,7 +38,9 @@ Result<void> read_order(const SessionOrder& order, const session::Config& config
   read.atlas = std::move(*atlas);
   read.method = order.method;
   read.position = order.position;
-  read.robot = order.kind;
+  auto model = robot::load_robot(order.robot);
+  if (!model) return tl::unexpected(model.error());
+  read.robot = std::move(*model);
   read.adaptive = order.adaptive;
   return {};
 }
@@ -81,15 +83,20 @@ Result<SimulatedRoom> make_room(const SessionOrder& order, const session::Config
   options.real_pace = order.real_time;
   auto world = sim::World::make(
       *person,
-      robot::stand(order.kind, person->position, session::head_at_plus_y(person->acupoints)),
+      robot::place_robot(room.order.robot, person->position,
+                         session::head_at_plus_y(person->acupoints)),
       options, common.seed);
   if (!world) return tl::unexpected(world.error());
   room.world = std::move(*world);
   room.order.calibration = room.world->believed_calibration();
-  room.order.placed = {person->position, room.world->believed_base_from_couch()};
+  room.order.placed = {order.robot, person->position, room.world->believed_base_from_couch()};
   if (!order.robot_pose.empty()) {
     const auto placed = session::read_robot_pose(order.robot_pose);
     if (!placed) return tl::unexpected(placed.error());
+    if (placed->robot != order.robot) {
+      return fail(Fault::usage, "{}: was measured with the arms of `{}`, and the robot is `{}`",
+                  order.robot_pose, placed->robot, order.robot);
+    }
     if (placed->position != person->position) {
       return fail(Fault::config, "{}: the robot stands there for a person {}, and this one is {}",
                   order.robot_pose, name_of(placed->position), name_of(person->position));

@@ -19,7 +19,7 @@ struct SessionOrder {
   std::string person = "phantom:medium";
   std::optional<Position> position;
   std::string programme = "relax";
-  robot::Kind kind = robot::Kind::thesis;  ///< of the robot
+  std::string robot = "thesis";  ///< a shipped robot or the file of its table
   body::Method method = body::Method::surface;
   std::string atlas;       ///< a file or a labelled body; empty: the shipped one
   std::string no_go;       ///< a file with what the therapist rules out; empty: nothing

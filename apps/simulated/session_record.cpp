@@ -149,10 +149,10 @@ void take_numbers(const json& session, ReportData& data) {
 
 /// The arms as the session believed them to stand, four times a second.
 std::vector<telemetry::ArmsPose> poses_of(const std::vector<JointRow>& joints,
-                                          const robot::Standing& standing,
+                                          const robot::RobotPlacement& placement,
                                           const Transform& base_from_couch) {
   constexpr double every_s = 0.25;
-  const auto models = robot::both_models(standing.arm, standing.mount);
+  const auto models = robot::both_models(placement.arm, placement.mount);
   const Transform couch_from_base = base_from_couch.inverse();
   std::vector<telemetry::ArmsPose> poses;
   for (const JointRow& row : joints) {
@@ -220,13 +220,12 @@ Result<ReportData> read_record(const fs::path& folder) {
     base_from_couch.translation() = three(placed.at("translation_m"));
     std::vector<Acupoint> acupoints;
     for (const auto& shown : data.acupoints) acupoints.push_back(shown.acupoint);
-    const auto kind = robot::parse_kind(session.at("order").value("robot", "thesis"));
-    if (!kind) {
-      return fail(Fault::bad_input, "{}: order.robot: no robot is called `{}`", file,
-                  word(session.at("order"), "robot"));
+    const auto model = robot::load_robot(session.at("order").value("robot", "thesis"));
+    if (!model) {
+      return fail(Fault::bad_input, "{}: order.robot: {}", file, model.error().message);
     }
     data.poses =
-        poses_of(*joints, robot::stand(*kind, data.position, session::head_at_plus_y(acupoints)),
+        poses_of(*joints, robot::place_robot(*model, data.position, session::head_at_plus_y(acupoints)),
                  base_from_couch);
     return data;
   } catch (const json::exception& error) {

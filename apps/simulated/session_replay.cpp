@@ -21,7 +21,7 @@ ordered_json order_json(const SessionOrder& order) {
   return {{"person", order.person},
           {"position", order.position ? name_of(*order.position) : "auto"},
           {"programme", order.programme},
-          {"robot", robot::name_of(order.kind)},
+          {"robot", order.robot},
           {"method", name_of(order.method)},
           {"atlas", order.atlas},
           {"no_go", order.no_go},
@@ -66,11 +66,6 @@ Result<RecordedSession> read_session(const fs::path& folder) {
       return fail(Fault::bad_input, "{}: order.method: no method is called `{}`", file,
                   word("method"));
     }
-    const auto kind = robot::parse_kind(order.value("robot", "thesis"));
-    if (!kind) {
-      return fail(Fault::bad_input, "{}: order.robot: no robot is called `{}`", file,
-                  word("robot"));
-    }
     const auto fact = [&](const char* key) {
       const json& value = order.at(key);
       return value.is_null() ? std::nullopt : std::optional(value.get<double>());
@@ -81,7 +76,7 @@ Result<RecordedSession> read_session(const fs::path& folder) {
     session.order.person = word("person");
     session.order.programme = word("programme");
     session.order.method = *method;
-    session.order.kind = *kind;
+    session.order.robot = order.value("robot", "thesis");
     session.order.atlas = word("atlas");
     session.order.no_go = word("no_go");
     session.order.consent = (folder / "consent.toml").string();

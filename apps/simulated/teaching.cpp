@@ -21,7 +21,8 @@ namespace {
 using control::ToolPose;
 
 /// The first path of this technique on this side of the true back, and how the arm gets there.
-Result<motion::ReadyPlan> plan_for(const sim::Person& person, const TeachOrder& order) {
+Result<motion::ReadyPlan> plan_for(const sim::Person& person, const TeachOrder& order,
+                                   const robot::RobotPlacement& placement) {
   PointCloud skin;
   skin.points = person.skin_in_couch.vertices;
   const auto back = body::fit_back(skin, {.position = order.position});
@@ -40,10 +41,10 @@ Result<motion::ReadyPlan> plan_for(const sim::Person& person, const TeachOrder& 
   }
   plan->paths = {massage::PlannedPath(*wanted)};
   plan->paths.front().step = 0;
-  const robot::RobotMount mount = robot::mount_for(order.position);
+  const robot::RobotMount& mount = placement.mount;
   constexpr double standoff_m = 40_mm;
   return motion::make_ready(std::move(*plan), *back, mount,
-                            robot::both_models(robot::thesis_arm(), mount), mount.base_from_couch,
+                            robot::both_models(placement.arm, mount), mount.base_from_couch,
                             standoff_m);
 }
 
@@ -72,6 +73,7 @@ Result<void> add_line(const TeachOrder& order, const CommonOptions& common,
   SessionOrder ordered;
   ordered.person = order.person;
   ordered.position = order.position;
+  ordered.robot = order.robot;
   const session::Config config;
   const auto room = make_room(ordered, config, common);
   if (!room) return tl::unexpected(room.error());
@@ -129,10 +131,15 @@ Result<TaughtByHand> record_by_hand(const TeachOrder& order, const session::Conf
                                     const CommonOptions& common) {
   const auto person = sim::parse_person(order.person, order.position, common.seed);
   if (!person) return tl::unexpected(person.error());
-  const auto ready = plan_for(*person, order);
+  const auto robot = robot::load_robot(order.robot);
+  if (!robot) return tl::unexpected(robot.error());
+  const robot::RobotPlacement placement =
+      robot::place_robot(*robot, order.position, head_at_plus_y(person->acupoints));
+  const auto ready = plan_for(*person, order, placement);
   if (!ready) return tl::unexpected(ready.error());
-  auto made = TeachingStage::make(*person, {.q_rad = ready->ready_rad, .rail_m = ready->rail_m},
-                                  config, common.seed);
+  auto made =
+      TeachingStage::make(*person, placement, {.q_rad = ready->ready_rad, .rail_m = ready->rail_m},
+                          config, common.seed);
   if (!made) return tl::unexpected(made.error());
   TeachingStage& stage = **made;
   const Arm arm = order.arm;
@@ -147,6 +154,7 @@ Result<TaughtByHand> record_by_hand(const TeachOrder& order, const session::Conf
   const massage::PlannedPath& planned = ready->plan.paths.front();
   TaughtByHand taught{.motion = {.name = planned.path.name,
                                  .position = order.position,
+                                 .robot = order.robot,
                                  .arm = arm,
                                  .rail_m = ready->rail_m,
                                  .zone = session::guarded_zone(planned.zone)}};

@@ -15,16 +15,16 @@ namespace tuina::app {
 /// What a simulated masseur shows to an arm.
 struct TeachOrder {
   std::string person = "phantom:medium";
+  std::string robot = "thesis";  ///< a shipped robot or the file of its table
   Position position = Position::sitting;
-  Technique technique =
-      Technique::stroke;  ///< technique whose first path of `relax` on that side is shown
+  Technique technique = Technique::stroke;  ///< shown as the first of `relax` on that side
   Arm arm = Arm::left;
 };
 
 struct TaughtByHand {
   session::TaughtMotion motion;  ///< smoothed
   std::vector<TeachRow> truth;   ///< while it was led
-  double peak_hand_n = 0.0;      ///< largest push of the hand
+  double peak_hand_n = 0.0;      ///< largest force that the hand needed
 };
 
 /// The arm in lead-through, a hand that leads it through the air, over the skin and home again.

@@ -4,7 +4,8 @@
 
 #include "apps/tuina/verbs.hpp"
 #include "tuina/core/io/file.hpp"
-#include "tuina/robot/successor.hpp"
+#include "tuina/robot/robot_model.hpp"
+#include "tuina/robot/wheeled_body.hpp"
 
 namespace tuina::app {
 namespace {
@@ -22,23 +23,21 @@ class Export final : public Verb {
                  : "tuina export mjcf --out robot.xml";
   }
   void describe(CLI::App& command) override {
-    command
-        .add_option("--robot", robot_,
-                    "thesis: linear base, arms of six joints; successor: "
-                    "omnidirectional base, waist, head, arms of seven")
-        ->check(CLI::IsMember({"thesis", "successor"}))
-        ->capture_default_str();
-    command.add_option("--position", position_, "how the thesis' arms hang")
+    add_robot_option(command, robot_);
+    command.add_option("--position", position_, "how arms on a linear base are mounted")
         ->check(CLI::IsMember({"sitting", "prone"}))
         ->capture_default_str();
     command.add_option("--out", out_, "the file; else it goes to stdout");
   }
   [[nodiscard]] Result<Answer> run(const CommonOptions&) override {
-    const robot::ArmTable arm = robot::thesis_arm();
+    const auto model = robot::load_robot(robot_);
+    if (!model) return tl::unexpected(model.error());
     const Position position = position_ == "prone" ? Position::prone : Position::sitting;
+    const PerArm<robot::ArmTable> arms{.of = {model->arm, model->arm}};
     const robot::Description robot =
-        robot_ == "successor" ? robot::successor_robot()
-                              : robot::describe(robot::mount_for(position), {.of = {arm, arm}});
+        model->carrier == robot::Carrier::wheeled_body
+            ? robot::wheeled_robot(arms, model->mounting(position).upright_from_shoulder)
+            : robot::describe(robot::place_robot(*model, position).mount, arms);
     const std::string text = urdf_ ? robot::to_urdf(robot) : robot::to_mjcf(robot, 1e-3);
     if (!out_.empty()) {
       if (auto written = write_file(out_, text); !written) return tl::unexpected(written.error());

@@ -35,12 +35,7 @@ class Massage final : public Verb {
         ->capture_default_str();
     command.add_option("--programme", order_.programme, "a shipped programme or a TOML file")
         ->capture_default_str();
-    command
-        .add_option("--robot", robot_,
-                    "thesis: linear base, arms of six joints; successor: wheels, a waist, arms of "
-                    "seven")
-        ->check(CLI::IsMember({"thesis", "successor"}))
-        ->capture_default_str();
+    add_robot_option(command, order_.robot);
     command.add_option("--no-go", order_.no_go, "a TOML file with what must not be touched");
     command.add_option("--consent", order_.consent,
                        "a TOML file with the answers to the health questions; without it the "
@@ -91,10 +86,6 @@ class Massage final : public Verb {
     order_.method = body::parse_method(method_).value_or(order_.method);
     order_.real_time = pace_ == "real" || order_.keys;
     order_.adaptive = adaptive_ == "on";
-    order_.kind = robot::parse_kind(robot_).value_or(order_.kind);
-    if (order_.kind != robot::Kind::thesis && !order_.robot_pose.empty()) {
-      return fail(Fault::usage, "--robot-pose: is measured with the arms of the thesis only");
-    }
     std::string recorded;
     if (!replay_.empty()) {
       auto session = read_session(replay_);
@@ -149,7 +140,6 @@ class Massage final : public Verb {
   std::string replay_;
   std::string position_ = "auto";
   std::string method_;
-  std::string robot_ = "thesis";
   std::string pace_ = "max";
   std::string adaptive_ = "on";
   std::string out_ = "massage-report";

@@ -104,9 +104,7 @@ class PlanVerb final : public Verb {
     }
     command.add_option("--programme", programme_, "a file, or one of " + names)
         ->capture_default_str();
-    command.add_option("--robot", robot_, "whose arms: the thesis', or its successor's")
-        ->check(CLI::IsMember({"thesis", "successor"}))
-        ->capture_default_str();
+    add_robot_option(command, robot_);
     command.add_option("--no-go", no_go_, "a TOML file with what must not be touched");
     command.add_option("--picture", picture_, "draw the paths on the back into this PNG file");
   }
@@ -114,6 +112,8 @@ class PlanVerb final : public Verb {
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
     const auto config = effective_config(common);
     if (!config) return tl::unexpected(config.error());
+    const auto model = robot::load_robot(robot_);
+    if (!model) return tl::unexpected(model.error());
     const auto programme = massage::load_programme(programme_);
     if (!programme) return tl::unexpected(programme.error());
     const auto options = plan_options(*config, no_go_);
@@ -130,9 +130,8 @@ class PlanVerb final : public Verb {
     const double standoff_m = from_mm(config->massage.standoff_mm);
     auto plan = massage::plan(*back, map->acupoints, map->landmarks, *programme, *options);
     if (!plan) return tl::unexpected(plan.error());
-    const robot::Standing robot =
-        robot::stand(robot::parse_kind(robot_).value_or(robot::Kind::thesis), back->position(),
-                     session::head_at_plus_y(map->acupoints));
+    const robot::RobotPlacement robot =
+        robot::place_robot(*model, back->position(), session::head_at_plus_y(map->acupoints));
     const robot::RobotMount& mount = robot.mount;
     const PerArm<robot::ArmModel> arms = robot::both_models(robot.arm, mount);
     auto ready =

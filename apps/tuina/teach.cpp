@@ -106,6 +106,7 @@ class TeachRecord final : public Verb {
     command.add_option("--position", position_, "of the person")
         ->check(CLI::IsMember({"sitting", "prone"}))
         ->capture_default_str();
+    add_robot_option(command, order_.robot);
     command.add_option("--technique", technique_, "what the hand shows: as in the programme relax")
         ->check(CLI::IsMember(shown_techniques()))
         ->capture_default_str();
@@ -163,7 +164,7 @@ class TeachPlay final : public Verb {
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
     const auto config = effective_config(common);
     if (!config) return tl::unexpected(config.error());
-    const auto motion = session::read_taught(file_, robot::thesis_arm());
+    const auto motion = session::read_taught(file_);
     if (!motion) return tl::unexpected(motion.error());
     const auto played = play_motion(*motion, person_, *config, common);
     if (!played) return tl::unexpected(played.error());
@@ -206,7 +207,7 @@ class TeachShow final : public Verb {
     command.add_option("--joints", joints_, "joint angles over time as SVG");
   }
   [[nodiscard]] Result<Answer> run(const CommonOptions&) override {
-    const auto motion = session::read_taught(file_, robot::thesis_arm());
+    const auto motion = session::read_taught(file_);
     if (!motion) return tl::unexpected(motion.error());
     if (!plot_.empty()) {
       if (const auto written = write_file(plot_, draw(*motion, nullptr)); !written)
@@ -243,7 +244,7 @@ class TeachCarry final : public Verb {
     command.add_option("--out", out_, "a programme, as TOML")->required();
   }
   [[nodiscard]] Result<Answer> run(const CommonOptions&) override {
-    const auto motion = session::read_taught(file_, robot::thesis_arm());
+    const auto motion = session::read_taught(file_);
     if (!motion) return tl::unexpected(motion.error());
     const auto programme = session::programme_of(*motion);
     if (!programme) return fail(Fault::bad_input, "{}: {}", file_, programme.error().message);

@@ -3,6 +3,10 @@
 
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
+
+#include "tuina/robot/robot_model.hpp"
+
 namespace tuina::app {
 
 std::string summary_of_group(std::string_view group) {
@@ -12,8 +16,23 @@ std::string summary_of_group(std::string_view group) {
   if (group == "tissue") return "what a record of presses says about the tissue";
   if (group == "evaluate") return "the tables of the documentation, judged against the truth";
   if (group == "export") return "the robot for other programs: URDF, MJCF";
+  if (group == "robot") return "tables of robots: show one, make one from a URDF file";
   if (group == "config") return "the settings, their limits and a file of them";
   return fmt::format("see `tuina {} --help`", group);
+}
+
+std::string shipped_robot_names() {
+  std::string names;
+  for (const robot::ShippedRobot& shipped : robot::shipped_robots())
+    names += (names.empty() ? "" : ", ") + std::string(shipped.name);
+  return names;
+}
+
+void add_robot_option(CLI::App& command, std::string& robot) {
+  command
+      .add_option("--robot", robot,
+                  "a TOML file (docs/robot.md), or one of " + shipped_robot_names())
+      ->capture_default_str();
 }
 
 std::vector<std::unique_ptr<Verb>> make_verbs() {
@@ -41,6 +60,8 @@ std::vector<std::unique_ptr<Verb>> make_verbs() {
   verbs.push_back(make_config_check());
   verbs.push_back(make_export_urdf());
   verbs.push_back(make_export_mjcf());
+  verbs.push_back(make_robot_show());
+  verbs.push_back(make_robot_import());
   verbs.push_back(make_doctor());
   return verbs;
 }

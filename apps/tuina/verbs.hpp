@@ -24,6 +24,8 @@ std::unique_ptr<Verb> make_atlas_show();
 std::unique_ptr<Verb> make_doctor();
 std::unique_ptr<Verb> make_export_urdf();
 std::unique_ptr<Verb> make_export_mjcf();
+std::unique_ptr<Verb> make_robot_import();
+std::unique_ptr<Verb> make_robot_show();
 std::unique_ptr<Verb> make_line();
 std::unique_ptr<Verb> make_calibrate();  // only where its room is built
 std::unique_ptr<Verb> make_scan();
@@ -32,6 +34,11 @@ std::unique_ptr<Verb> make_teach_record();
 std::unique_ptr<Verb> make_teach_play();
 std::unique_ptr<Verb> make_teach_show();
 std::unique_ptr<Verb> make_teach_carry();
+
+/// Names of the robots that are built in, for --help.
+std::string shipped_robot_names();
+/// `--robot NAME|FILE.toml`.
+void add_robot_option(CLI::App& command, std::string& robot);
 
 /// One line for --help about the verbs that begin with the same word.
 std::string summary_of_group(std::string_view group);

@@ -9,6 +9,9 @@
 #include "tuina/massage/no_go.hpp"
 #include "tuina/massage/programme.hpp"
 #include "tuina/record/plan_file.hpp"
+#include "tuina/robot/arm_model.hpp"
+#include "tuina/robot/table/read_urdf.hpp"
+#include "tuina/robot/table/robot_table.hpp"
 #include "tuina/session/config.hpp"
 #include "tuina/session/consent.hpp"
 #include "tuina/session/robot_pose.hpp"
@@ -77,6 +80,32 @@ bool accepts_robot_pose(std::string_view content) {
   return true;
 }
 
+bool accepts_robot(std::string_view content) {
+  const auto model = robot::parse_robot(content, "f.toml");
+  if (!model) return false;
+  demand(model->arm.joints == 6 || model->arm.joints == 7, "an arm of six or seven joints");
+  for (const Position position : {Position::sitting, Position::prone}) {
+    const robot::RobotPlacement there = robot::place_robot(*model, position);
+    for (const robot::ArmModel& arm : robot::both_models(there.arm, there.mount).of) {
+      const auto pose = arm.kinematics(JointVector::Zero(arm.joints()), 0.0);
+      demand(pose.base_from_tool.matrix().allFinite(), "the tool is somewhere");
+    }
+  }
+  const auto again = robot::parse_robot(robot::to_toml(*model), "again");
+  demand(again && robot::to_toml(*again) == robot::to_toml(*model), "what is written is read");
+  return true;
+}
+
+bool accepts_urdf(std::string_view content) {
+  const auto arm = robot::read_urdf(content, "f.urdf", "rail", "left_tool");
+  if (!arm) return false;
+  demand(arm->table.joints == 6 || arm->table.joints == 7, "an arm of six or seven joints");
+  const robot::ArmModel model(arm->table, {}, Arm::left);
+  demand(model.base_from_tool(JointVector::Zero(model.joints()), 0.0).matrix().allFinite(),
+         "the tool is somewhere");
+  return true;
+}
+
 bool accepts_plan(std::string_view content) {
   const auto file = record::parse_plan(content, "plan.json");
   if (!file) return false;
@@ -140,7 +169,7 @@ std::function<bool(std::string_view)> accepts_taught(const std::string& name) {
     static const Folder folder;
     demand(session::write_taught(some_motion(), folder / "fro.toml").has_value(), "written");
     (void)folder.with(name, std::string(content));
-    const auto motion = session::read_taught(folder / "fro.toml", robot::thesis_arm());
+    const auto motion = session::read_taught(folder / "fro.toml");
     if (!motion) return false;
     demand(motion->samples.size() >= 50, "a motion has samples");
     for (const session::TaughtSample& sample : motion->samples) {
@@ -156,6 +185,8 @@ std::function<bool(std::string_view)> accepts_taught(const std::string& name) {
 std::vector<Parser> session_parsers() {
   std::vector<std::string> programmes;
   for (const auto& shipped : massage::shipped_programmes()) programmes.emplace_back(shipped.toml);
+  std::vector<std::string> robots;
+  for (const auto& shipped : robot::shipped_robots()) robots.emplace_back(shipped.toml);
   const Folder folder;
   demand(session::write_taught(some_motion(), folder / "fro.toml").has_value(), "written");
   const std::string motion = read_file(folder / "fro.toml").value_or("");
@@ -168,6 +199,11 @@ std::vector<Parser> session_parsers() {
           {"consent", {session::consent_form("P. Smith", "no")}, accepts_consent},
           {"config", {session::to_toml(session::Config{})}, accepts_config},
           {"robot.toml", {session::to_toml(session::PlacedRobot{})}, accepts_robot_pose},
+          {"robot table", robots, accepts_robot},
+          {"urdf",
+           {robot::to_urdf(robot::describe(robot::mount_for(Position::sitting),
+                                           {.of = {robot::thesis_arm(), robot::thesis_arm()}}))},
+           accepts_urdf},
           {"plan.json", {record::to_json(some_plan())}, accepts_plan},
           {"touches.csv", {some_touches()}, accepts_touches},
           {"taught.toml", {motion}, accepts_taught("fro.toml")},

@@ -6,8 +6,7 @@
 #include "tests/folder.hpp"
 #include "tuina/motion/ready_plan.hpp"
 #include "tuina/motion/rollout.hpp"
-#include "tuina/robot/standing.hpp"
-#include "tuina/robot/successor.hpp"
+#include "tuina/robot/robot_model.hpp"
 #include "tuina/sim/person/person.hpp"
 
 using namespace tuina;
@@ -15,7 +14,7 @@ using namespace tuina;
 namespace {
 
 motion::ReadyPlan ready_for(const char* who, Position position, const char* what,
-                            std::uint64_t seed, robot::Kind kind = robot::Kind::thesis) {
+                            std::uint64_t seed, const char* robot = "thesis") {
   const auto person = sim::parse_person(who, position, seed);
   REQUIRE(person.has_value());
   PointCloud skin_in_couch;
@@ -26,9 +25,10 @@ motion::ReadyPlan ready_for(const char* who, Position position, const char* what
   REQUIRE(programme.has_value());
   auto plan = massage::plan(*back, person->acupoints, person->landmarks, *programme);
   REQUIRE(plan.has_value());
-  const robot::Standing standing = robot::stand(kind, position);
-  const robot::RobotMount& mount = standing.mount;
-  const auto models = robot::both_models(standing.arm, mount);
+  const robot::RobotPlacement placement =
+      robot::place_robot(robot::load_robot(robot).value(), position);
+  const robot::RobotMount& mount = placement.mount;
+  const auto models = robot::both_models(placement.arm, mount);
   auto ready =
       motion::make_ready(std::move(*plan), *back, mount, models, mount.base_from_couch, 40e-3);
   REQUIRE(ready.has_value());
@@ -69,8 +69,7 @@ TEST_CASE("the whole back is worked on, nothing left out because of the other ar
 TEST_CASE("the successor's seven joints do a programme within their ranges, nothing left out") {
   for (const auto& [position, what] :
        {std::pair(Position::sitting, "full_back_20min"), std::pair(Position::prone, "relax")}) {
-    const motion::ReadyPlan ready =
-        ready_for("phantom:medium", position, what, 5, robot::Kind::successor);
+    const motion::ReadyPlan ready = ready_for("phantom:medium", position, what, 5, "successor");
     CAPTURE(name_of(position));
     CHECK(ready.reachable);
     CHECK(ready.min_arm_distance_m >= 45e-3);
@@ -80,7 +79,25 @@ TEST_CASE("the successor's seven joints do a programme within their ranges, noth
     for (const Arm arm : both_arms) {
       for (const motion::ArmJob& job : ready.jobs[arm]) {
         REQUIRE(job.posture_rad.size() == 7);
-        CHECK(robot::limit_room_rad(robot::successor_arm(), job.posture_rad) > 0.0);
+        CHECK(robot::limit_room_rad(robot::load_robot("successor")->arm, job.posture_rad) > 0.0);
+      }
+    }
+  }
+}
+
+TEST_CASE("arms of another build do the programme relax, nothing left out") {
+  for (const char* name : {"panda", "ur"}) {
+    for (const Position position : {Position::sitting, Position::prone}) {
+      CAPTURE(name);
+      CAPTURE(name_of(position));
+      const motion::ReadyPlan ready = ready_for("phantom:medium", position, "relax", 5, name);
+      CHECK(ready.reachable);
+      CHECK(ready.plan.paths.size() == 13);
+      CHECK(ready.min_arm_distance_m >= 45e-3);
+      const robot::ArmTable table = robot::load_robot(name)->arm;
+      for (const Arm arm : both_arms) {
+        for (const motion::ArmJob& job : ready.jobs[arm])
+          CHECK(robot::limit_room_rad(table, job.posture_rad) > 0.0);
       }
     }
   }

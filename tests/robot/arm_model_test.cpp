@@ -11,7 +11,8 @@
 #include "tests/allocation.hpp"
 #include "tests/robot/oracles.hpp"
 #include "tuina/core/random.hpp"
-#include "tuina/robot/successor.hpp"
+#include "tuina/robot/inverse_kinematics.hpp"
+#include "tuina/robot/robot_model.hpp"
 
 using namespace tuina;
 using namespace tuina::robot;
@@ -103,8 +104,10 @@ TEST_CASE("the bent arm of the thesis' table has its tool at (0.3, 0.4, 0) m fro
 
 TEST_CASE(
     "pose, Jacobian, its derivative, mass, Coriolis and gravity agree with KDL on 10^4 states") {
-  CHECK(difference_to_kdl(thesis_arm()) < agreement);
-  CHECK(difference_to_kdl(successor_arm()) < agreement);
+  for (const ShippedRobot& robot : shipped_robots()) {
+    CAPTURE(robot.name);
+    CHECK(difference_to_kdl(load_robot(robot.name)->arm) < agreement);
+  }
 }
 
 TEST_CASE("both arms agree with MuJoCo's reading of the generated MJCF on 10^4 states") {
@@ -179,7 +182,7 @@ TEST_CASE("the short forms say the same as the full evaluation") {
   }
 }
 
-TEST_CASE("the apparent mass is the operational inertia seen along one direction") {
+TEST_CASE("the apparent mass is the inverse of the mobility along one direction") {
   const ArmModel model(thesis_arm(), mount_for(Position::sitting), Arm::left);
   Random random = make_random(4, "arm states");
   for (int n = 0; n < 100; ++n) {
@@ -188,8 +191,6 @@ TEST_CASE("the apparent mass is the operational inertia seen along one direction
     const Vector3 along = Vector3(uniform(random, -1, 1), uniform(random, -1, 1), 1).normalized();
     const double mobility = along.dot(tool_mobility(dynamics).topLeftCorner<3, 3>() * along);
     CHECK(apparent_mass_kg(dynamics, along) == doctest::Approx(1.0 / mobility));
-    const Matrix6 product = operational_inertia(dynamics, 1e12) * tool_mobility(dynamics);
-    CHECK(largest(product - Matrix6::Identity()) < 1e-3);
   }
 }
 
@@ -201,7 +202,7 @@ TEST_CASE("an arm in a mirrored posture is the other arm's mirror image") {
   for (int n = 0; n < 100; ++n) {
     const JointVector q = draw(random).q;
     const auto one = left.kinematics(q, 0.0).origins_in_base;
-    const auto other = right.kinematics(mirrored(table, q), 0.0).origins_in_base;
+    const auto other = right.kinematics(mirrored(table, mount, q), 0.0).origins_in_base;
     for (std::size_t i = 0; i <= 6; ++i) {
       CHECK((one[i].cwiseProduct(Vector3(1, -1, 1)) - other[i]).norm() < 1e-12);
     }
@@ -214,9 +215,8 @@ TEST_CASE("the model takes nothing from the heap") {
   const State state = draw(random);
   const auto before = test::allocations();
   const ArmDynamics dynamics = model.evaluate(state.q, state.dq, 0.0);
-  const Matrix6 inertia = operational_inertia(dynamics);
   const double mass = apparent_mass_kg(dynamics, Vector3::UnitX());
   const auto kinematics = model.kinematics(state.q, 0.0);
   CHECK(test::allocations() == before);
-  CHECK(std::isfinite(inertia.sum() + mass + kinematics.jacobian.sum()));
+  CHECK(std::isfinite(mass + kinematics.jacobian.sum()));
 }

@@ -7,14 +7,14 @@
 #include "tuina/robot/elbow_turn.hpp"
 #include "tuina/robot/inverse_kinematics.hpp"
 #include "tuina/robot/mount.hpp"
-#include "tuina/robot/successor.hpp"
+#include "tuina/robot/robot_model.hpp"
 
 using namespace tuina;
 using namespace tuina::robot;
 
 TEST_CASE("the elbow turns from one side to the other while the tool stays where it is") {
   const RobotMount mount = mount_for(Position::sitting);
-  for (const ArmTable& table : {thesis_arm(), successor_arm()}) {
+  for (const ArmTable& table : {thesis_arm(), load_robot("successor")->arm}) {
     const ArmModel left(table, mount, Arm::left);
     const JointVector ready = ready_posture(table, mount)[Arm::left];
     const auto postures = turn_elbow(left, 0.0, ready);

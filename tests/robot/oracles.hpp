@@ -35,14 +35,19 @@ inline KDL::Chain kdl_chain(const ArmTable& table, const Transform& base_from_sh
                                       KDL::Frame(KDL::Rotation::RotX(link.alpha_rad));
     const auto& c = link.com_in_joint;
     const auto& inertia = link.inertia_kg_m2;
+    const auto& products = link.inertia_products_kg_m2;
     const KDL::RigidBodyInertia at_joint(
         link.mass_kg, KDL::Vector(c[0], c[1], c[2]),
-        KDL::RotationalInertia(inertia[0], inertia[1], inertia[2]));
+        KDL::RotationalInertia(inertia[0], inertia[1], inertia[2], products[0], products[1],
+                               products[2]));
     const KDL::Joint joint(link.name, KDL::Joint::RotZ, 1, 0, link.rotor_inertia_kg_m2);
     chain.addSegment(
         KDL::Segment(joint, KDL::Frame::DH(link.a_m, link.alpha_rad, link.d_m, link.offset_rad),
                      joint_from_end.Inverse() * at_joint));
   }
+  Transform end_from_tool = Transform::Identity();
+  end_from_tool.linear() = table.end_from_tool_turn;
+  chain.addSegment(KDL::Segment(KDL::Joint(KDL::Joint::None), to_kdl(end_from_tool)));
   return chain;
 }
 

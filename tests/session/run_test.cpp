@@ -20,13 +20,14 @@ namespace {
 struct Room {
   sim::Person person = sim::parse_person("phantom:medium", Position::prone, 3).value();
   std::unique_ptr<sim::World> world =
-      sim::World::make(person, robot::stand(robot::Kind::thesis, person.position), {}, 3).value();
+      sim::World::make(person, robot::place_robot(robot::load_robot("thesis").value(), person.position), {}, 3).value();
   Order order = {.consent = {.answered_by = "the simulated person"},
                  .programme = massage::load_programme("lower_back").value(),
                  .plan_options = {},
                  .atlas = body::read_atlas(TUINA_SOURCE_DIR "/models/atlas.tuina").value(),
                  .calibration = world->believed_calibration(),
-                 .placed = {person.position, world->believed_base_from_couch()},
+                 .robot = robot::load_robot("thesis").value(),
+                 .placed = {"thesis", person.position, world->believed_base_from_couch()},
                  .commands = {}};
   Observers nobody{{}};
 

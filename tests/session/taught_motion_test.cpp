@@ -64,7 +64,7 @@ TEST_CASE("a taught motion survives its files") {
   const auto file = folder / "fro.toml";
   const session::TaughtMotion motion = session::smoothed(led(0.0));
   REQUIRE(session::write_taught(motion, file).has_value());
-  const auto again = session::read_taught(file, table);
+  const auto again = session::read_taught(file);
   REQUIRE(again.has_value());
   CHECK(again->name == motion.name);
   CHECK(again->arm == Arm::right);
@@ -86,7 +86,7 @@ TEST_CASE("a taught motion that cannot be played is refused with file and line")
     REQUIRE(at != std::string::npos);
     wrong.replace(at, from.size(), to);
     REQUIRE(write_file(path, wrong).has_value());
-    const auto read = session::read_taught(file, table);
+    const auto read = session::read_taught(file);
     REQUIRE_FALSE(read.has_value());
     REQUIRE(write_file(path, in).has_value());
     return read.error().message;

@@ -25,7 +25,7 @@ const std::array<ArmModel, 2> models = {ArmModel(believed, mount, Arm::left),
 PerArm<JointVector> bent() {
   JointVector q(6);
   q << 0.5, 0.4, 0.3, 0.2, -0.3, 0.4;
-  return {.of = {q, robot::mirrored(believed, q)}};
+  return {.of = {q, robot::mirrored(believed, mount, q)}};
 }
 
 ArmTable without_friction(double mass_scale = 1.0) {
@@ -237,11 +237,12 @@ TEST_CASE(
     "while the successor's arms are held against their weight, waist and wheels stand still") {
   for (const Position position : {Position::sitting, Position::prone}) {
     CAPTURE(name_of(position));
-    const robot::Standing standing = robot::stand(robot::Kind::successor, position);
-    const auto its = robot::both_models(standing.arm, standing.mount);
-    const auto ready = robot::ready_posture(standing.arm, standing.mount);
+    const robot::RobotPlacement placement =
+        robot::place_robot(robot::load_robot("successor").value(), position);
+    const auto its = robot::both_models(placement.arm, placement.mount);
+    const auto ready = robot::ready_posture(placement.arm, placement.mount);
     auto made =
-        Plant::make(standing, {.of = {standing.arm, standing.arm}}, {.q_rad = ready}, nullptr);
+        Plant::make(placement, {.of = {placement.arm, placement.arm}}, {.q_rad = ready}, nullptr);
     REQUIRE_MESSAGE(made.has_value(), test::reason(made));
     Plant& plant = **made;
     for (int ms = 0; ms < 1'000; ++ms) {
@@ -252,7 +253,7 @@ TEST_CASE(
       plant.apply(command);
     }
     CHECK(plant.fault() == nullptr);
-    const Transform base_from_couch = standing.mount.base_from_couch;
+    const Transform base_from_couch = placement.mount.base_from_couch;
     for (const Arm arm : both_arms) {
       const Transform tool = base_from_couch * plant.truth().arms[arm].couch_from_tool;
       const Transform wanted = its[arm].base_from_tool(ready[arm], 0.0);

@@ -130,18 +130,21 @@ TEST_CASE("a massage of a person who sits or lies presses all seven points witho
   }
 }
 
-TEST_CASE("the successor's seven-joint arms give a massage too, and its record says whose arms") {
+TEST_CASE("robots of another build give a massage too, and its record says whose arms") {
   const Folder folder;
   const std::string brief = folder.with("brief.toml",
                                         "name = \"brief\"\n[[part]]\ntechnique = \"press\"\n"
                                         "repeats = 1\n"
                                         "points = [\"SI11\", \"BL47\", \"BL50\", \"GV4\"]\n");
-  for (const char* position : {"sitting", "prone"}) {
+  for (const auto& [robot, position] :
+       {std::pair("successor", "sitting"), std::pair("successor", "prone"),
+        std::pair("panda", "prone"), std::pair("ur", "sitting")}) {
+    CAPTURE(robot);
     CAPTURE(position);
-    const Given massage({"--robot", "successor", "--position", position, "--programme", brief});
+    const Given massage({"--robot", robot, "--position", position, "--programme", brief});
     REQUIRE(massage.outcome.exit_code == 0);
     CHECK(massage.session["stops"].empty());
-    CHECK(massage.session["order"]["robot"] == "successor");
+    CHECK(massage.session["order"]["robot"] == robot);
     std::set<std::string> pressed;
     for (const json& done : massage.session["massage"]["performed"])
       if (done["trouble"] == "none") pressed.insert(done["name"]);
@@ -378,7 +381,12 @@ TEST_CASE("massage refuses what it cannot use, with the right exit code and an e
   fails({"--position", "standing"}, 1, "standing");
   fails({"--pace", "slow"}, 1, "slow");
   fails({"--robot", "predecessor"}, 1, "predecessor");
-  fails({"--robot", "successor", "--robot-pose", "robot.toml"}, 1, "arms of the thesis only");
+  const std::string pose = folder.with(
+      "robot.toml",
+      "[robot]\nposition = \"prone\"\n[base_from_couch]\nrotation_vector_rad = [0, 0, 1]\n"
+      "translation_m = [0, 0, 0]\n");
+  fails({"--robot", "successor", "--robot-pose", pose}, 1,
+        "was measured with the arms of `thesis`");
   fails({"--set", "massage.stear=true"}, 1, "is `massage.steer` meant?");
   fails({"--sed", "1"}, 1, "--sed");
 }

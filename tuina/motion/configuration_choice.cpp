@@ -41,7 +41,7 @@ ConfigurationChoice choose_configurations(const robot::ArmModel& model, Arm arm,
                                           const JointVector& ready_rad,
                                           const JointVector& arrival_rad) {
   constexpr double alike_rad = 0.2;
-  const auto elbow = static_cast<std::size_t>(robot::elbow_origin(model.table()));
+  const auto elbow = model.elbow();
   ConfigurationChoice choice{.min_cost_m = -own_side_m};
   std::vector<Candidate> all;
   const std::array places = {goals.front(), goals[goals.size() / 2], goals.back()};

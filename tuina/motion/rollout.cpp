@@ -136,7 +136,7 @@ void Rollout::slide(std::span<const robot::ContactGoal> places, const JointVecto
         control::centre_pose({place.at_in_base, place.normal_in_base}, radius_m);
     step_to(centre.at_in_base, centre.normal_in_base, posture_rad, joint_path);
     joint_path.tool_error_m = std::max(joint_path.tool_error_m, tool_error_m_);
-    const auto elbow = static_cast<std::size_t>(robot::elbow_origin(model_->table()));
+    const auto elbow = model_->elbow();
     const Vector3 at = now_.origins_in_base[elbow];
     joint_path.elbow_height_m =
         std::min(joint_path.elbow_height_m, (at - place.at_in_base).dot(place.normal_in_base));

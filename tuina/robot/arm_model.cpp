@@ -2,7 +2,6 @@
 #include "tuina/robot/arm_model.hpp"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <cassert>
 #include <cmath>
 
@@ -44,6 +43,11 @@ struct Symmetric {
     const Triple w = weight * u;
     xx += w.x * u.x, yy += w.y * u.y, zz += w.z * u.z;
     xy += w.x * u.y, xz += w.x * u.z, yz += w.y * u.z;
+  }
+  void add_products(double weight, const Triple& u, const Triple& v) {  // weight * (u v^T + v u^T)
+    xx += 2.0 * weight * u.x * v.x, yy += 2.0 * weight * u.y * v.y, zz += 2.0 * weight * u.z * v.z;
+    xy += weight * (u.x * v.y + u.y * v.x), xz += weight * (u.x * v.z + u.z * v.x);
+    yz += weight * (u.y * v.z + u.z * v.y);
   }
   void add_to_diagonal(double value) { xx += value, yy += value, zz += value; }
   void operator+=(const Symmetric& o) {
@@ -88,7 +92,11 @@ ArmModel::ArmModel(const ArmTable& table, const RobotMount& mount, Arm arm) noex
     turns_[i] = {std::cos(link.alpha_rad), std::sin(link.alpha_rad)};
     has_length_[i] = link.d_m != 0.0 || link.a_m != 0.0;
     reach_m_ += std::hypot(link.d_m, link.a_m);
+    const auto& products = link.inertia_products_kg_m2;
+    has_products_[i] = products[0] != 0.0 || products[1] != 0.0 || products[2] != 0.0;
   }
+  turned_tool_ = !table_.end_from_tool_turn.isIdentity(0.0);
+  elbow_ = static_cast<std::size_t>(elbow_origin(table_));
 }
 
 // Everything is expressed along the axes of base and about the shoulder, so no quantity is ever
@@ -98,15 +106,15 @@ ArmModel::ArmModel(const ArmTable& table, const RobotMount& mount, Arm arm) noex
 template <int N>
 void ArmModel::evaluate_all(const double* q, const double* dq, double rail_m,
                             ArmDynamics& out) const noexcept {
-  Triple axis[N], at_shoulder[N];  // of joint i turning with 1 rad/s: angular velocity, velocity at
-                                   // the shoulder
+  // While joint i alone turns with 1 rad/s: angular velocity, and velocity at the shoulder.
+  Triple axis[N], at_shoulder[N];
   Inertia body[N];
-  Triple force[N], torque[N];  // that the motion dq alone needs
+  Triple force[N], torque[N];  // needed by the motion dq alone
 
   Triple x(base_from_shoulder_turn_.col(0)), y(base_from_shoulder_turn_.col(1)),
       z(base_from_shoulder_turn_.col(2));
   Triple origin;
-  Triple acceleration;  // of the origin, as all others while ddq = 0
+  Triple acceleration;  // the origin's, as all others while ddq = 0
   Triple w, dw;
   for (int i = 0; i < N; ++i) {
     const Link& link = table_.links[static_cast<std::size_t>(i)];
@@ -129,6 +137,12 @@ void ArmModel::evaluate_all(const double* q, const double* dq, double rail_m,
     inertia.add_to_diagonal(link.inertia_kg_m2[0]);
     inertia.add(link.inertia_kg_m2[1] - link.inertia_kg_m2[0], turned_y);
     inertia.add(link.inertia_kg_m2[2] - link.inertia_kg_m2[0], z);
+    if (has_products_[static_cast<std::size_t>(i)]) {
+      const auto& products = link.inertia_products_kg_m2;
+      inertia.add_products(products[0], turned_x, turned_y);
+      inertia.add_products(products[1], turned_x, z);
+      inertia.add_products(products[2], turned_y, z);
+    }
     force[i] = link.mass_kg * (acceleration + swing * from_joint);
     torque[i] = inertia * dw + cross(w, inertia * w) + cross(centre, force[i]);
 
@@ -150,6 +164,7 @@ void ArmModel::evaluate_all(const double* q, const double* dq, double rail_m,
   }
 
   out.base_from_tool.linear() << x.x, y.x, z.x, x.y, y.y, z.y, x.z, y.z, z.z;
+  if (turned_tool_) out.base_from_tool.linear() *= table_.end_from_tool_turn;
   out.base_from_tool.translation() = origin.eigen() + shoulder_in_base(rail_m);
   out.base_from_tool.makeAffine();
   out.jacobian_dot_dq << acceleration.eigen(), dw.eigen();
@@ -158,7 +173,7 @@ void ArmModel::evaluate_all(const double* q, const double* dq, double rail_m,
   out.mass_kg_m2.resize(N, N);
   out.coriolis_nm.resize(N);
   out.gravity_nm.resize(N);
-  Inertia carried;  // by joint i: link i and all beyond
+  Inertia carried;  // link i and all beyond, which joint i carries
   Triple carried_force, carried_torque;
   for (int i = N - 1; i >= 0; --i) {
     out.jacobian.col(i) << (at_shoulder[i] + cross(axis[i], origin)).eigen(), axis[i].eigen();
@@ -225,6 +240,7 @@ ArmModel::Kinematics ArmModel::kinematics(const JointVector& q_rad, double rail_
         axis.cross(origin - out.origins_in_base[static_cast<std::size_t>(i)]);
   }
   out.base_from_tool.linear() = turn;
+  if (turned_tool_) out.base_from_tool.linear() *= table_.end_from_tool_turn;
   out.base_from_tool.translation() = origin;
   out.base_from_tool.makeAffine();
   return out;
@@ -247,12 +263,6 @@ Matrix6 tool_mobility(const ArmDynamics& dynamics) noexcept {
   Eigen::Matrix<double, Eigen::Dynamic, 6, 0, max_joints, 6> half = dynamics.jacobian.transpose();
   factor.matrixL().solveInPlace(half);  // M = L L^T, so J M^-1 J^T = (L^-1 J^T)^T (L^-1 J^T)
   return half.transpose() * half;
-}
-
-Matrix6 operational_inertia(const ArmDynamics& dynamics, double max_kg) noexcept {
-  const Eigen::SelfAdjointEigenSolver<Matrix6> eigen(tool_mobility(dynamics));
-  const Vector6 inertia = eigen.eigenvalues().cwiseMax(1.0 / max_kg).cwiseInverse();
-  return eigen.eigenvectors() * inertia.asDiagonal() * eigen.eigenvectors().transpose();
 }
 
 double apparent_mass_kg(const ArmDynamics& dynamics, const Vector3& direction_in_base) noexcept {

@@ -16,7 +16,7 @@ using Jacobian = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, max_joints>;
 /// mass * ddq + coriolis + gravity = motor torque - friction + jacobian^T * wrench on the tool.
 struct ArmDynamics {
   Transform base_from_tool;
-  Jacobian jacobian;        ///< of the tool's origin: rows 0-2 velocity, rows 3-5 angular velocity
+  Jacobian jacobian;        ///< rows 0-2 velocity of the tool's origin, rows 3-5 angular velocity
   Vector6 jacobian_dot_dq;  ///< the tool's acceleration when no joint accelerates
   JointMatrix mass_kg_m2;   ///< rotors included
   JointVector coriolis_nm;  ///< Coriolis and centrifugal torque
@@ -33,6 +33,8 @@ class ArmModel {
   [[nodiscard]] int joints() const noexcept { return table_.joints; }
   /// Distance from the shoulder to the tool's origin of the stretched arm.
   [[nodiscard]] double reach_m() const noexcept { return reach_m_; }
+  /// Number of the DH frame whose origin is the elbow; the one before it is the shoulder's.
+  [[nodiscard]] std::size_t elbow() const noexcept { return elbow_; }
   [[nodiscard]] Vector3 shoulder_in_base(double rail_m) const noexcept {
     return shoulder_in_base_ + rail_m * rail_axis_in_base_;
   }
@@ -66,6 +68,9 @@ class ArmModel {
   Matrix3 base_from_shoulder_turn_;
   Vector3 shoulder_in_base_;
   Vector3 rail_axis_in_base_;
+  std::array<bool, max_joints> has_products_ = {};
+  bool turned_tool_ = false;
+  std::size_t elbow_ = 0;
   double reach_m_ = 0.0;
 };
 
@@ -75,11 +80,6 @@ class ArmModel {
 /// Inverse of the inertia that the tool shows to a force: J M^-1 J^T, [thesis] chapter 3. Always
 /// defined.
 [[nodiscard]] Matrix6 tool_mobility(const ArmDynamics& dynamics) noexcept;
-
-/// The operational-space inertia (J M^-1 J^T)^-1; near a singularity its eigenvalues are capped at
-/// `max_kg` (kg, kg m2), where the exact one grows without bound.
-[[nodiscard]] Matrix6 operational_inertia(const ArmDynamics& dynamics,
-                                          double max_kg = 1e3) noexcept;
 
 /// The mass that a push along the unit `direction_in_base` on the tool's origin feels.
 [[nodiscard]] double apparent_mass_kg(const ArmDynamics& dynamics,

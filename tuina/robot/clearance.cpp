@@ -87,7 +87,7 @@ Clearances clearances(const ArmModel& arm, const ArmModel::Kinematics& pose, dou
                       std::span<const Obstacle> obstacles) noexcept {
   constexpr double point_m = 1e-6;
   Clearances nearest;
-  const auto elbow = static_cast<std::size_t>(elbow_origin(arm.table()));
+  const std::size_t elbow = arm.elbow();
   const Vector3 ridden_m = arm.shoulder_in_base(rail_m) - arm.shoulder_in_base(0.0);
   for (const Obstacle& obstacle : obstacles) {
     const Matrix3 box_from_base = obstacle.base_from_box.linear().transpose();

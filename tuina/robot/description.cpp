@@ -39,7 +39,8 @@ void add_arm(Description& robot, const ArmTable& table, const std::string& side,
               .viscous = link.viscous_nm_s_per_rad,
               .mass_kg = link.mass_kg,
               .com = link.com_in_joint,
-              .inertia_kg_m2 = link.inertia_kg_m2};
+              .inertia_kg_m2 = link.inertia_kg_m2,
+              .inertia_products_kg_m2 = link.inertia_products_kg_m2};
     part.parent_from_part = parent_from_here * Eigen::AngleAxisd(link.offset_rad, Vector3::UnitZ());
     const Transform end = joint_from_end(link);
     const Vector3 to_end = end.translation();
@@ -54,7 +55,9 @@ void add_arm(Description& robot, const ArmTable& table, const std::string& side,
   robot.parts.back().solids.push_back({.shape = Solid::Shape::sphere,
                                        .part_from_solid = parent_from_here,
                                        .radius_m = table.tool_radius_m});
-  robot.markers.push_back({side + "_tool", parent, parent_from_here});
+  Transform tool = parent_from_here;
+  if (!table.end_from_tool_turn.isIdentity(0.0)) tool.linear() *= table.end_from_tool_turn;
+  robot.markers.push_back({side + "_tool", parent, tool});
 }
 
 Description describe(const RobotMount& mount, const PerArm<ArmTable>& tables, double column_kg) {

@@ -15,8 +15,8 @@ struct Solid {
   enum class Shape : std::uint8_t { capsule, cylinder, sphere, box } shape = Shape::capsule;
   Transform part_from_solid = Transform::Identity();
   double radius_m = 0.0;
-  double length_m = 0.0;              ///< of the straight stretch of a capsule or cylinder
-  Vector3 edges_m = Vector3::Zero();  ///< of a box
+  double length_m = 0.0;              ///< straight stretch of a capsule or cylinder
+  Vector3 edges_m = Vector3::Zero();  ///< lengths of a box
 };
 
 /// One body of a robot and the joint that carries it. Mass properties are in the part's own frame,
@@ -37,7 +37,8 @@ struct Part {
   double coulomb = 0.0, viscous = 0.0;  ///< Nm, Nm s/rad
   double mass_kg = 0.0;
   std::array<double, 3> com = {};
-  std::array<double, 3> inertia_kg_m2 = {};  ///< about the centre of mass
+  std::array<double, 3> inertia_kg_m2 = {};           ///< xx, yy, zz about the centre of mass
+  std::array<double, 3> inertia_products_kg_m2 = {};  ///< xy, xz, yz
   std::vector<Solid> solids = {};
 };
 

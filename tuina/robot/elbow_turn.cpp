@@ -11,7 +11,7 @@ namespace {
 using ToolJacobian = Eigen::Matrix<double, 5, Eigen::Dynamic, 0, 5, max_joints>;
 using ToolError = Eigen::Matrix<double, 5, 1>;
 
-constexpr double step_rad = 6_deg;  // of the joint that turns most
+constexpr double step_rad = 6_deg;  // turn of the joint that turns most
 
 /// Tip and axis of the tool; turning about its own axis is free.
 struct Hold {
@@ -48,10 +48,11 @@ bool within_limits(const ArmTable& table, const JointVector& q_rad, double margi
 
 /// How the joints move the elbow about the line from the shoulder to the tool.
 JointVector elbow_gradient(const ArmModel& arm, const ArmModel::Kinematics& now) {
-  const auto elbow = static_cast<std::size_t>(elbow_origin(arm.table()));
+  const std::size_t elbow = arm.elbow();
   const auto& origins = now.origins_in_base;
-  const Vector3 line = now.base_from_tool.translation() - origins[0];
-  const Vector3 around = line.cross(origins[elbow] - origins[0]).normalized();
+  const Vector3& shoulder = origins[elbow - 1];
+  const Vector3 line = now.base_from_tool.translation() - shoulder;
+  const Vector3 around = line.cross(origins[elbow] - shoulder).normalized();
   JointVector gradient = JointVector::Zero(arm.joints());
   for (std::size_t i = 0; i < elbow; ++i) {
     const auto column = static_cast<Eigen::Index>(i);

@@ -16,7 +16,7 @@ constexpr double direction_close_rad = 1e-3;
 constexpr double max_step_rad = 0.3;
 constexpr int max_iterations = 60;
 constexpr int seeds = 10;
-constexpr double jump_rad = 0.35;  // between neighbours on a path
+constexpr double jump_rad = 0.35;  // too far between neighbours on a path
 
 double lowest(const Link& link, double margin) {
   return link.min_rad + margin;
@@ -89,7 +89,7 @@ TaskState look(const Task& task, const JointVector& q, double cone_rad) {
   }
   state.error << off, radian_m * correction;
   state.weighted = state.jacobian * state.jacobian.transpose();
-  const auto elbow = static_cast<std::size_t>(elbow_origin(task.arm.table()));
+  const std::size_t elbow = task.arm.elbow();
   state.elbow_height_m = (k.origins_in_base[elbow] - task.skin_in_base).dot(-task.press_in_base);
   return state;
 }
@@ -105,7 +105,7 @@ JointVector wish(const Task& task, const TaskState& state, const JointVector& q)
     const double from_middle = (q[i] - 0.5 * (link.max_rad + link.min_rad)) / half;
     wish[i] = -0.05 * from_middle;
   }
-  const auto elbow = static_cast<std::size_t>(elbow_origin(table));
+  const std::size_t elbow = task.arm.elbow();
   const auto& origins = state.kinematics.origins_in_base;
   // The base's origin is midway between the shoulders.
   const Vector3 outward = task.arm.shoulder_in_base(0.0).normalized();
@@ -188,6 +188,10 @@ Task make_task(const ArmModel& arm, double rail_m, const ContactGoal& goal,
           -goal.normal_in_base,
           goal.at_in_base,
           options};
+}
+
+JointVector zero_posture(const ArmTable& table) {
+  return JointVector::Zero(table.joints);
 }
 
 /// No posture reaches farther than the stretched arm, whatever the tilt.
@@ -296,9 +300,44 @@ PerArm<JointVector> ready_posture(const ArmTable& table, const RobotMount& mount
   // The elbow stands outward: from there it leads to the postures that keep off the other arm.
   const ContactGoal goal{.at_in_base = left.shoulder_in_base(0.0) + mount.ready_from_shoulder,
                          .normal_in_base = -mount.ahead_in_base};
-  const JointVector near = JointVector::Zero(table.joints);
-  const JointVector q = find_posture(left, 0.0, goal, near, {.elbow_outward_m = 420_mm}).q_rad;
-  return {.of = {q, mirrored(table, q)}};
+  const JointVector near =
+      mount.ready_near_rad.size() == table.joints ? mount.ready_near_rad : zero_posture(table);
+  const PostureOptions outward{.elbow_outward_m = mount.ready_elbow_outward_m};
+  const JointVector q = find_posture(left, 0.0, goal, near, outward).q_rad;
+  const JointVector alike = mirrored(table, mount, q);
+  const ArmModel right(table, mount, Arm::right);
+  const Transform held = left.base_from_tool(q, 0.0), other = right.base_from_tool(alike, 0.0);
+  const Vector3 across(1.0, -1.0, 1.0);
+  const auto image = [&](const Vector3& v) { return Vector3(v.cwiseProduct(across)); };
+  constexpr double same = 1e-6;
+  if ((image(held.translation()) - other.translation()).norm() < same &&
+      (image(held.linear().col(0)) - other.linear().col(0)).norm() < same &&
+      limit_room_rad(table, alike) > 0.0) {
+    return {.of = {q, alike}};
+  }
+  const ContactGoal opposite{.at_in_base = image(goal.at_in_base),
+                             .normal_in_base = image(goal.normal_in_base)};
+  return {.of = {q, find_posture(right, 0.0, opposite, alike, outward).q_rad}};
+}
+
+JointVector mirrored(const ArmTable& table, const RobotMount& mount,
+                     const JointVector& q_rad) noexcept {
+  // The plane that the arm itself is mirrored at follows from how the two shoulders stand. A joint
+  // whose axis stands on it at q = 0 turns alike in the mirror, one whose axis lies in it turns the
+  // other way. The axes follow from the table: each next one is Rx(alpha) on.
+  const Matrix3 own_mirror = mount.base_from_shoulder[Arm::left].linear().transpose() *
+                             Vector3(1.0, -1.0, 1.0).asDiagonal() *
+                             mount.base_from_shoulder[Arm::right].linear();
+  JointVector mirror = q_rad;
+  Matrix3 orientation = Matrix3::Identity();
+  for (int i = 0; i < table.joints; ++i) {
+    const Link& link = table.links[static_cast<std::size_t>(i)];
+    const Vector3 axis = orientation.col(2);
+    if (axis.dot(own_mirror * axis) > 0.0) mirror[i] = -mirror[i];
+    orientation = orientation * Eigen::AngleAxisd(link.offset_rad, Vector3::UnitZ()) *
+                  Eigen::AngleAxisd(link.alpha_rad, Vector3::UnitX());
+  }
+  return mirror;
 }
 
 Result<double> choose_rail(const PerArm<const ArmModel*>& arms, const RobotMount& mount,

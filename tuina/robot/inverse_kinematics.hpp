@@ -24,15 +24,15 @@ enum class Reach : std::uint8_t { reached, too_far, joint_limits, elbow_in_perso
 struct ContactPosture {
   JointVector q_rad;
   Reach reach = Reach::too_far;
-  double limit_room_rad = 0.0;  ///< from the joint that is closest to its end
-  double tilt_rad = 0.0;        ///< of the tool's axis away from the normal
+  double limit_room_rad = 0.0;  ///< room at the joint that is closest to its end
+  double tilt_rad = 0.0;        ///< angle of the tool's axis away from the normal
   double dexterity = 0.0;       ///< m/rad
 };
 
 struct PostureOptions {
   double max_tilt_rad = 20_deg;
-  double limit_margin_rad = 3_deg;   ///< kept from the end of every joint
-  double elbow_clearance_m = 80_mm;  ///< of the elbow above the tangent plane of the skin
+  double limit_margin_rad = 3_deg;   ///< room kept at the end of every joint
+  double elbow_clearance_m = 80_mm;  ///< height of the elbow above the tangent plane of the skin
   /// The elbow is drawn outward, away from the other arm, until it is so far from the middle
   /// between the shoulders; softly, the task comes first. Zero: not at all.
   double elbow_outward_m = 0.0;
@@ -60,9 +60,16 @@ struct PostureOptions {
                                                          const JointVector& near_rad,
                                                          const PostureOptions& options = {});
 
-/// Both tools held before the person with nothing near: the start and end of every massage, mirror
-/// images.
+/// Both tools held before the person with nothing near: the start and end of every massage. The
+/// tools are mirror images, and so are the arms where they are built so.
 [[nodiscard]] PerArm<JointVector> ready_posture(const ArmTable& table, const RobotMount& mount);
+
+/// Joint angles of the mirror image of a posture: the right arm holds mirrored(q) where the left
+/// holds q. True of arms that are mounted as each other's mirror image and whose axes at q = 0
+/// stand on a plane of their own or lie in it; of others it is the likeness that a search begins
+/// from.
+[[nodiscard]] JointVector mirrored(const ArmTable& table, const RobotMount& mount,
+                                   const JointVector& q_rad) noexcept;
 
 /// Where the linear base has to stand so that each arm reaches all its goals, as dexterous as can
 /// be at the worst of them. Fails with how many goals are reached at best and the first that is

@@ -56,8 +56,13 @@ std::string body(const Description& robot, std::size_t index) {
   std::string xml =
       fmt::format(R"(<body name="{}" {}>)", part.name, pose_text(part.parent_from_part));
   xml += joint(part);
-  xml += fmt::format("<inertial pos=\"{}\" mass=\"{}\" diaginertia=\"{}\"/>\n", text(part.com),
-                     part.mass_kg, text(part.inertia_kg_m2));
+  const auto& products = part.inertia_products_kg_m2;
+  const std::string inertia =
+      products == std::array<double, 3>{}
+          ? fmt::format(R"(diaginertia="{}")", text(part.inertia_kg_m2))
+          : fmt::format(R"(fullinertia="{} {}")", text(part.inertia_kg_m2), text(products));
+  xml +=
+      fmt::format("<inertial pos=\"{}\" mass=\"{}\" {}/>\n", text(part.com), part.mass_kg, inertia);
   for (const Solid& solid : part.solids) xml += geom(solid);
   for (const Marker& marker : robot.markers) {
     if (marker.part != static_cast<int>(index)) continue;

@@ -21,9 +21,11 @@ struct RobotMount {
   Vector3 rail_axis_in_base = Vector3::UnitX();
   double min_rail_m = 0.0;
   double max_rail_m = 0.0;
-  /// Of the tools before and after a massage, from the shoulder on the left; the right is its
+  /// Place of the left tool before and after a massage, from the left shoulder; the right is its
   /// mirror image.
   Vector3 ready_from_shoulder = Vector3::Zero();
+  double ready_elbow_outward_m = 420_mm;     ///< distance from the middle between the shoulders
+  JointVector ready_near_rad = {};           ///< where its search begins; empty: all at zero
   Vector3 ahead_in_base = Vector3::UnitX();  ///< towards the person
   std::vector<Obstacle> obstacles = {};      ///< chair or bed, and the robot's own body
 
@@ -32,12 +34,7 @@ struct RobotMount {
   }
 };
 
-/// Sitting: the robot stands behind the person, upright. Prone: it hangs from a gantry over the bed
-/// and looks down. In both the left arm is on the side of the couch's positive x, and the rail runs
-/// along the couch's y.
+/// How the shipped robot `thesis` is mounted, for what judges it by name.
 [[nodiscard]] RobotMount mount_for(Position position);
-
-/// The seat of the chair, or the bed, in `base`.
-[[nodiscard]] Obstacle couch_of(Position position, const Transform& base_from_couch);
 
 }  // namespace tuina::robot

@@ -17,7 +17,7 @@ inline constexpr std::array both_surroundings = {Surrounding::couch, Surrounding
 /// A solid box: part of the chair or bed that the person is on, or of the robot's own body.
 struct Obstacle {
   Surrounding kind = Surrounding::couch;
-  Transform base_from_box = Transform::Identity();  ///< of its middle, linear base at zero
+  Transform base_from_box = Transform::Identity();  ///< pose of its middle, linear base at zero
   Vector3 edges_m = Vector3::Zero();
   bool rides = false;  ///< moves with the linear base
 };

@@ -14,7 +14,7 @@ namespace tuina::robot {
 struct ArmReading {
   JointVector q_rad;
   JointVector dq_rad_per_s;
-  Wrench wrench_in_tool;       ///< of the environment ON the tool, tool weight included
+  Wrench wrench_in_tool;       ///< force of the environment ON the tool, tool weight included
   double wrench_time_s = 0.0;  ///< when the wrist sensor took it
 };
 
@@ -26,7 +26,7 @@ struct RobotReading {
 };
 
 struct RobotCommand {
-  PerArm<JointVector> torque_nm;  ///< at the joints, gravity compensation included
+  PerArm<JointVector> torque_nm;  ///< joint torques, gravity compensation included
   double rail_m = 0.0;            ///< where the position-controlled linear base should be
 };
 

@@ -58,9 +58,10 @@ std::string link(const Part& part) {
   if (part.mass_kg > 0.0) {
     xml += fmt::format(
         "  <inertial><origin xyz=\"{} {} {}\" rpy=\"0 0 0\"/><mass value=\"{}\"/>"
-        "<inertia ixx=\"{}\" ixy=\"0\" ixz=\"0\" iyy=\"{}\" iyz=\"0\" izz=\"{}\"/></inertial>\n",
+        "<inertia ixx=\"{}\" ixy=\"{}\" ixz=\"{}\" iyy=\"{}\" iyz=\"{}\" izz=\"{}\"/></inertial>\n",
         part.com[0], part.com[1], part.com[2], part.mass_kg, part.inertia_kg_m2[0],
-        part.inertia_kg_m2[1], part.inertia_kg_m2[2]);
+        part.inertia_products_kg_m2[0], part.inertia_products_kg_m2[1], part.inertia_kg_m2[1],
+        part.inertia_products_kg_m2[2], part.inertia_kg_m2[2]);
   }
   for (const Solid& solid : part.solids) xml += visuals(solid);
   return xml + "</link>\n";

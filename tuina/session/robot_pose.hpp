@@ -45,6 +45,7 @@ struct RobotPose {
 
 /// Content of robot.toml: where the robot stands, and for people in which position.
 struct PlacedRobot {
+  std::string robot = "thesis";  ///< whose arms touched: a shipped robot or the file of its table
   Position position = Position::sitting;
   Transform base_from_couch = Transform::Identity();
 };

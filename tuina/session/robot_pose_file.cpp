@@ -91,11 +91,11 @@ std::string to_toml(const PlacedRobot& robot) {
     return fmt::format("[{:.17g}, {:.17g}, {:.17g}]", v.x(), v.y(), v.z());
   };
   return fmt::format(
-      "[robot]\nposition = \"{}\"  # of the people for whom it stands so\n\n"
+      "[robot]\nname = \"{}\"\nposition = \"{}\"  # of the people for whom it stands so\n\n"
       "[base_from_couch]  # X_in_base = R X_in_couch + translation; R turns about the vector by "
       "its length\n"
       "rotation_vector_rad = {}\ntranslation_m = {}\n",
-      name_of(robot.position), list(turn_rad), list(place_m));
+      robot.robot, name_of(robot.position), list(turn_rad), list(place_m));
 }
 
 Result<PlacedRobot> parse_robot_pose(std::string_view text, std::string_view name) {
@@ -103,7 +103,8 @@ Result<PlacedRobot> parse_robot_pose(std::string_view text, std::string_view nam
   const auto read = read_toml(text, name, Fault::bad_input, [&](const TomlTable& root) {
     root.only({}, {"robot", "base_from_couch"});
     if (const auto section = root.table("robot")) {
-      section->only({}, {"position"});
+      section->only({"name"}, {"position"});
+      robot.robot = section->text("name").value_or(robot.robot);
       const auto position =
           section->word("position", {name_of(Position::sitting), name_of(Position::prone)});
       robot.position = position == 1U ? Position::prone : Position::sitting;

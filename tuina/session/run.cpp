@@ -33,11 +33,11 @@ Result<void> prepare(Devices devices, const Order& order, const Config& config, 
                             order.plan_options);
   if (!plan) return tl::unexpected(plan.error());
   leave_out(*plan, done);
-  const robot::Standing standing =
-      robot::stand(order.robot, position, head_at_plus_y(located.acupoints));
+  const robot::RobotPlacement placement =
+      robot::place_robot(order.robot, position, head_at_plus_y(located.acupoints));
   auto ready =
-      motion::make_ready(std::move(*plan), mapped->back, standing.mount,
-                         robot::both_models(standing.arm, standing.mount),
+      motion::make_ready(std::move(*plan), mapped->back, placement.mount,
+                         robot::both_models(placement.arm, placement.mount),
                          order.placed.base_from_couch, from_mm(config.massage.standoff_mm), rail_m);
   if (!ready) return tl::unexpected(ready.error());
   observer.on_progress(Stage::plan, 1.0);
@@ -45,7 +45,7 @@ Result<void> prepare(Devices devices, const Order& order, const Config& config, 
   session.scan = std::move(mapped->scan);
   session.located = std::move(mapped->located);
   session.locate_ms = mapped->locate_ms;
-  session.standing = standing;
+  session.placement = placement;
   session.base_from_couch = order.placed.base_from_couch;
   session.ready = std::move(*ready);
   session.plan_ms = 1e3 * watch.seconds();
@@ -56,7 +56,7 @@ Result<void> prepare(Devices devices, const Order& order, const Config& config, 
 Result<bool> carry_out(robot::Robot& robot, const Order& order, const Config& config,
                        Observer& observer, Session& session) {
   const motion::ReadyPlan& ready = session.ready;
-  const auto models = robot::both_models(session.standing.arm, session.standing.mount);
+  const auto models = robot::both_models(session.placement.arm, session.placement.mount);
   MassageStep massage(ready.plan, ready.jobs, models,
                       {.base_from_couch = session.base_from_couch,
                        .rail_m = ready.rail_m,
@@ -64,7 +64,7 @@ Result<bool> carry_out(robot::Robot& robot, const Order& order, const Config& co
                        .force_ceiling_n = config.safety.force_ceiling_n,
                        .steer = config.massage.steer,
                        .adaptive = order.adaptive,
-                       .obstacles = session.standing.mount.obstacles});
+                       .obstacles = session.placement.mount.obstacles});
   observer.on_plan(ready, session.base_from_couch);
   // A contact that never ends is a fault of the robot, not of the person; it must not hold anyone.
   const double max_s = 3.0 * ready.plan.duration_s + 60.0;

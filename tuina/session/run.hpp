@@ -14,7 +14,7 @@
 #include "tuina/massage/programme.hpp"
 #include "tuina/motion/ready_plan.hpp"
 #include "tuina/robot/robot.hpp"
-#include "tuina/robot/standing.hpp"
+#include "tuina/robot/robot_model.hpp"
 #include "tuina/scanner/camera.hpp"
 #include "tuina/scanner/sweep.hpp"
 #include "tuina/scanner/turntable.hpp"
@@ -43,7 +43,7 @@ struct Order {
   body::Method method = body::Method::surface;
   std::optional<Position> position;  ///< position of the person; nothing: recognised from the scan
   scanner::ScannerCalibration calibration;
-  robot::Kind robot = robot::Kind::thesis;
+  robot::RobotModel robot;
   PlacedRobot placed;    ///< measured place of the robot
   bool adaptive = true;  ///< presses follow the tissue that was felt
   /// Asked in every millisecond for a command of the therapist; it must not wait.
@@ -55,7 +55,7 @@ struct Order {
 struct Session {
   scanner::Scan scan;
   body::Mapping located;
-  robot::Standing standing;
+  robot::RobotPlacement placement;
   motion::ReadyPlan ready;
   Transform base_from_couch = Transform::Identity();  ///< pose that the session believes
   double locate_ms = 0.0;                             ///< computing time

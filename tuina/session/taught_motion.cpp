@@ -14,6 +14,7 @@
 #include "tuina/core/io/toml_reader.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/massage/technique/contact_path.hpp"
+#include "tuina/robot/robot_model.hpp"
 
 namespace tuina::session {
 namespace {
@@ -191,9 +192,9 @@ Result<void> write_taught(const TaughtMotion& motion, const fs::path& file) {
       file,
       fmt::format("name = \"{}\"\nposition = \"{}\"\narm = \"{}\"\n"
                   "rail_mm = {}\nzone = \"{}\"  # the most delicate it touches\n"
-                  "samples = \"{}\"\n",
+                  "samples = \"{}\"\nrobot = \"{}\"\n",
                   motion.name, name_of(motion.position), name_of(motion.arm), to_mm(motion.rail_m),
-                  safety::name_of(motion.zone), samples.filename().string()) +
+                  safety::name_of(motion.zone), samples.filename().string(), motion.robot) +
           line_toml(motion));
 }
 
@@ -213,16 +214,17 @@ Result<std::string> programme_of(const TaughtMotion& motion) {
                  to_mm(massage::max_slide_m_per_s)));
 }
 
-Result<TaughtMotion> read_taught(const fs::path& file, const robot::ArmTable& table) {
+Result<TaughtMotion> read_taught(const fs::path& file) {
   constexpr std::size_t max_bytes = 1 << 20;
   const auto text = read_file(file, max_bytes);
   if (!text) return tl::unexpected(text.error());
   TaughtMotion motion;
   std::string samples_name;
   const auto read = read_toml(*text, file.string(), Fault::bad_input, [&](const TomlTable& taught) {
-    taught.only({"line", "force_n", "speed_mm_per_s"},
+    taught.only({"robot", "line", "force_n", "speed_mm_per_s"},
                 {"name", "position", "arm", "rail_mm", "zone", "samples"});
     motion.name = taught.text("name").value_or("");
+    motion.robot = taught.text("robot").value_or(motion.robot);
     const auto position =
         taught.word("position", {name_of(Position::sitting), name_of(Position::prone)});
     motion.position = position == 1U ? Position::prone : Position::sitting;
@@ -241,7 +243,9 @@ Result<TaughtMotion> read_taught(const fs::path& file, const robot::ArmTable& ta
     motion.speed_m_per_s = from_mm(taught.number("speed_mm_per_s", 0.0, 1e4).value_or(0.0));
   });
   if (!read) return tl::unexpected(read.error());
-  auto samples = read_samples(file.parent_path() / samples_name, table, motion.zone);
+  const auto robot = robot::load_robot(motion.robot);
+  if (!robot) return fail(Fault::bad_input, "{}: robot: {}", file.string(), robot.error().message);
+  auto samples = read_samples(file.parent_path() / samples_name, robot->arm, motion.zone);
   if (!samples) return tl::unexpected(samples.error());
   motion.samples = std::move(*samples);
   return motion;

@@ -25,6 +25,7 @@ struct TaughtSample {
 struct TaughtMotion {
   std::string name;
   Position position = Position::sitting;
+  std::string robot = "thesis";  ///< whose arm: a shipped robot or the file of its table
   Arm arm = Arm::left;
   double rail_m = 0.0;
   safety::Zone zone = safety::Zone::muscle;  ///< most delicate zone that it touches
@@ -57,9 +58,9 @@ struct TaughtMotion {
 /// it is no line that a stroke could follow.
 [[nodiscard]] Result<std::string> programme_of(const TaughtMotion& motion);
 
-/// Refused by file and line: keys and columns that are missing or unknown, times that are not even,
-/// joints beyond their ends or faster than 1.5 rad/s, forces beyond the trip of the zone.
-[[nodiscard]] Result<TaughtMotion> read_taught(const std::filesystem::path& file,
-                                               const robot::ArmTable& table);
+/// Refused by file and line: robots that are not there, keys and columns that are missing or
+/// unknown, times that are not even, joints beyond their ends or faster than 1.5 rad/s, forces
+/// beyond the trip of the zone.
+[[nodiscard]] Result<TaughtMotion> read_taught(const std::filesystem::path& file);
 
 }  // namespace tuina::session

@@ -103,10 +103,10 @@ struct World::Parts {
     bool started_ = false;
   };
 
-  Parts(const Person& who, const robot::Standing& standing, const WorldOptions& given,
+  Parts(const Person& who, const robot::RobotPlacement& placement, const WorldOptions& given,
         std::uint64_t seed)
       : person(who),
-        robot(standing),
+        robot(placement),
         options(given),
         seed(seed),
         contact(who.skin_in_couch, lay_tissue(who, seed),
@@ -115,7 +115,7 @@ struct World::Parts {
         ready_robot(*this) {
     Random errors = make_random(seed, "true arms");
     for (const Arm arm : both_arms)
-      true_arms[arm] = draw_arm(standing.arm, given.arm_errors, errors);
+      true_arms[arm] = draw_arm(placement.arm, given.arm_errors, errors);
     if (given.shift_m == 0.0) return;
     contact.add_shift({.start_s = given.shift_at_s,
                        .by_in_couch = given.shift_m * contact.mean_normal_in_couch(),
@@ -131,7 +131,7 @@ struct World::Parts {
   }
 
   Person person;
-  robot::Standing robot;
+  robot::RobotPlacement robot;
   WorldOptions options;
   std::uint64_t seed;
   PerArm<robot::ArmTable> true_arms;
@@ -144,7 +144,7 @@ struct World::Parts {
 World::World(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
 World::~World() = default;
 
-Result<std::unique_ptr<World>> World::make(const Person& person, const robot::Standing& robot,
+Result<std::unique_ptr<World>> World::make(const Person& person, const robot::RobotPlacement& robot,
                                            const WorldOptions& options, std::uint64_t seed) {
   if (person.skin_in_couch.vertices.empty())
     return fail(Fault::bad_input, "{}: the person has no skin", person.name);

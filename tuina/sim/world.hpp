@@ -6,7 +6,7 @@
 
 #include "tuina/core/result.hpp"
 #include "tuina/robot/robot.hpp"
-#include "tuina/robot/standing.hpp"
+#include "tuina/robot/robot_model.hpp"
 #include "tuina/scanner/camera.hpp"
 #include "tuina/scanner/turntable.hpp"
 #include "tuina/sim/person/person.hpp"
@@ -33,7 +33,7 @@ struct WorldOptions {
 class World {
  public:
   [[nodiscard]] static Result<std::unique_ptr<World>> make(const Person& person,
-                                                           const robot::Standing& robot,
+                                                           const robot::RobotPlacement& robot,
                                                            const WorldOptions& options,
                                                            std::uint64_t seed);
   ~World();

@@ -12,7 +12,7 @@
 #include "tuina/massage/plan.hpp"
 #include "tuina/motion/ready_plan.hpp"
 #include "tuina/robot/inverse_kinematics.hpp"
-#include "tuina/robot/standing.hpp"
+#include "tuina/robot/robot_model.hpp"
 #include "tuina/sim/person/person.hpp"
 
 namespace tuina::app {
@@ -73,14 +73,14 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
-Workspace workspace_of(const robot::Standing& standing, const Subject& subject,
+Workspace workspace_of(const robot::RobotPlacement& placement, const Subject& subject,
                        const massage::BackChart& chart) {
   constexpr double step_m = 100_mm;
-  const auto arms = robot::both_models(standing.arm, standing.mount);
-  const auto ready = robot::ready_posture(standing.arm, standing.mount);
-  const auto goals = patch_on(subject, chart, standing.mount.base_from_couch);
+  const auto arms = robot::both_models(placement.arm, placement.mount);
+  const auto ready = robot::ready_posture(placement.arm, placement.mount);
+  const auto goals = patch_on(subject, chart, placement.mount.base_from_couch);
   Workspace best;
-  for (double rail_m = standing.mount.min_rail_m; rail_m < standing.mount.max_rail_m + 1e-9;
+  for (double rail_m = placement.mount.min_rail_m; rail_m < placement.mount.max_rail_m + 1e-9;
        rail_m += step_m) {
     Workspace here;
     std::vector<double> dexterities, rooms;
@@ -102,7 +102,7 @@ Workspace workspace_of(const robot::Standing& standing, const Subject& subject,
 }
 
 struct Row {
-  robot::Kind kind;
+  std::string robot;
   std::string who;
   Position position;
   std::string programme;
@@ -112,19 +112,19 @@ struct Row {
   robot::Clearances clear;
 };
 
-/// Thesis and successor beside each other: what they reach of a back, and how long their sessions
-/// are.
+/// Robots beside each other: what they reach of a back, and how long their sessions are.
 class EvaluateRobots final : public Verb {
  public:
   [[nodiscard]] const char* name() const override { return "evaluate robots"; }
   [[nodiscard]] const char* summary() const override {
-    return "the thesis' robot and its successor: workspace, session times, distances";
+    return "robots beside each other: workspace, session times, distances";
   }
   [[nodiscard]] const char* example() const override {
     return "tuina evaluate robots --programmes relax full_back_20min";
   }
   void describe(CLI::App& command) override {
     command.add_option("--programmes", programmes_, "shipped ones or files")->capture_default_str();
+    command.add_option("--robots", robots_, "shipped ones or files")->capture_default_str();
   }
 
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
@@ -134,6 +134,12 @@ class EvaluateRobots final : public Verb {
       if (!programme) return tl::unexpected(programme.error());
       programmes.push_back(std::move(*programme));
     }
+    std::vector<robot::RobotModel> robots;
+    for (const std::string& name : robots_) {
+      auto robot = robot::load_robot(name);
+      if (!robot) return tl::unexpected(robot.error());
+      robots.push_back(std::move(*robot));
+    }
     const Progress bar = progress_bar(common, "robots");
     std::vector<Row> rows;
     double done = 0.0;
@@ -141,14 +147,14 @@ class EvaluateRobots final : public Verb {
       for (const char* who : {"phantom:slim", "phantom:medium", "phantom:hefty"}) {
         const auto subject = subject_of(who, position, common.seed);
         if (!subject) return tl::unexpected(subject.error());
-        for (const robot::Kind kind : {robot::Kind::thesis, robot::Kind::successor}) {
+        for (const robot::RobotModel& robot : robots) {
           for (const massage::Programme& programme : programmes) {
-            auto row = row_of(kind, *subject, programme);
+            auto row = row_of(robot, *subject, programme);
             if (!row) return tl::unexpected(row.error());
             row->who = who;
             rows.push_back(std::move(*row));
           }
-          if (bar) bar((done += 1.0) / 12.0);
+          if (bar) bar((done += 1.0) / (6.0 * static_cast<double>(robots.size())));
         }
       }
     }
@@ -156,21 +162,22 @@ class EvaluateRobots final : public Verb {
   }
 
  private:
-  static Result<Row> row_of(robot::Kind kind, const Subject& subject,
+  static Result<Row> row_of(const robot::RobotModel& model, const Subject& subject,
                             const massage::Programme& programme) {
     const sim::Person& person = subject.person;
     const auto chart = massage::BackChart::from(person.acupoints, person.landmarks);
     if (!chart) return tl::unexpected(chart.error());
     auto plan = massage::plan(subject.back, person.acupoints, person.landmarks, programme);
     if (!plan) return tl::unexpected(plan.error());
-    Row row{.kind = kind, .who = {}, .position = person.position, .programme = programme.name};
+    Row row{
+        .robot = model.name, .who = {}, .position = person.position, .programme = programme.name};
     row.paths = plan->paths.size();
-    const robot::Standing standing = robot::stand(kind, person.position, false);
-    row.workspace = workspace_of(standing, subject, *chart);
+    const robot::RobotPlacement placement = robot::place_robot(model, person.position, false);
+    row.workspace = workspace_of(placement, subject, *chart);
     const Stopwatch watch;
-    const auto ready = motion::make_ready(std::move(*plan), subject.back, standing.mount,
-                                          robot::both_models(standing.arm, standing.mount),
-                                          standing.mount.base_from_couch, 40_mm);
+    const auto ready = motion::make_ready(std::move(*plan), subject.back, placement.mount,
+                                          robot::both_models(placement.arm, placement.mount),
+                                          placement.mount.base_from_couch, 40_mm);
     row.plan_ms = watch.ms();
     if (!ready) return tl::unexpected(ready.error());
     row.left_out = row.paths - ready->plan.paths.size();
@@ -197,7 +204,7 @@ class EvaluateRobots final : public Verb {
                     {.head = "own body, mm", .key = "min_body_distance_mm", .digits = 0},
                     {.head = "plan, ms", .key = "plan_ms", .digits = 0}}};
     for (const Row& row : rows) {
-      table.add({name_of(row.kind), row.who, name_of(row.position),
+      table.add({row.robot, row.who, name_of(row.position),
                  100.0 * row.workspace.reached / std::max(row.workspace.places, 1),
                  row.workspace.dexterity, to_deg(row.workspace.limit_room_rad), row.programme,
                  row.duration_s, row.paths, row.left_out, to_mm(row.arms_m),
@@ -207,6 +214,7 @@ class EvaluateRobots final : public Verb {
     return {.json = ordered_json{{"robots", to_json(table)}}.dump(2), .text = to_text(table)};
   }
 
+  std::vector<std::string> robots_ = {"thesis", "successor"};
   std::vector<std::string> programmes_ = {"relax", "full_back_20min"};
 };
 

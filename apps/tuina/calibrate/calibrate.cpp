@@ -139,6 +139,11 @@ class Calibrate final : public Verb {
         ->check(CLI::IsMember({"sitting", "prone"}))
         ->capture_default_str()
         ->needs(robot);
+    command
+        .add_option("--arms", arms_,
+                    "with --robot: whose arms touch, a TOML file or " + shipped_robot_names())
+        ->capture_default_str()
+        ->needs(robot);
     auto* rehearse = command.add_option(
         "--rehearse", rehearse_,
         "make such a set with the simulated scanner or robot, in this new folder");
@@ -156,13 +161,13 @@ class Calibrate final : public Verb {
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
     const Position position = position_ == "prone" ? Position::prone : Position::sitting;
     if (!rehearse_.empty()) {
-      return robot_ ? rehearse_robot(rehearse_, position, common.seed) : rehearse(common);
+      return robot_ ? rehearse_robot(rehearse_, arms_, position, common.seed) : rehearse(common);
     }
     if (shots_.empty() || out_.empty()) {
       return fail(Fault::usage,
                   "calibrate needs a folder of pictures and --out, or --rehearse to make one");
     }
-    if (robot_) return calibrate_robot(shots_, position, out_);
+    if (robot_) return calibrate_robot(shots_, arms_, position, out_);
     for (const std::string& path : {out_, report_}) {
       if (const auto good = check_folder_of(path); !good) return tl::unexpected(good.error());
     }
@@ -201,6 +206,7 @@ class Calibrate final : public Verb {
   std::string shots_;
   std::string out_;
   std::string report_;
+  std::string arms_ = "thesis";
   std::string rehearse_;
   std::string position_ = "sitting";
   std::string board_ = "chessboard";

@@ -9,6 +9,7 @@
 
 #include "tuina/core/io/file.hpp"
 #include "tuina/core/units.hpp"
+#include "tuina/robot/robot_model.hpp"
 #include "tuina/session/robot_pose.hpp"
 #include "tuina/sim/person/person.hpp"
 #include "tuina/sim/robot/robot_touches.hpp"
@@ -17,15 +18,29 @@ namespace tuina::app {
 
 namespace fs = std::filesystem;
 
-Result<Answer> calibrate_robot(const fs::path& folder, Position position, const fs::path& out) {
-  const robot::ArmTable table = robot::thesis_arm();
-  const auto arms = robot::both_models(table, robot::mount_for(position));
+namespace {
+
+/// The option that names a robot, with a blank behind it; nothing of the usual one.
+std::string option(const char* name, const std::string& robot) {
+  return robot == "thesis" ? "" : fmt::format("{} {} ", name, robot);
+}
+
+}  // namespace
+
+Result<Answer> calibrate_robot(const fs::path& folder, const std::string& robot, Position position,
+                               const fs::path& out) {
+  const auto model = robot::load_robot(robot);
+  if (!model) return tl::unexpected(model.error());
+  const robot::RobotPlacement there = robot::place_robot(*model, position);
+  const robot::ArmTable& table = there.arm;
+  const auto arms = robot::both_models(table, there.mount);
   const fs::path file = folder / "touches.csv";
   const auto touches = session::read_touches(file, table);
   if (!touches) return tl::unexpected(touches.error());
   const auto pose = session::locate_robot(*touches, arms);
   if (!pose) return fail(pose.error().fault, "{}: {}", file.string(), pose.error().message);
-  const session::PlacedRobot placed{.position = position, .base_from_couch = pose->base_from_couch};
+  const session::PlacedRobot placed{
+      .robot = robot, .position = position, .base_from_couch = pose->base_from_couch};
   if (const auto written = write_file(out, session::to_toml(placed)); !written) {
     return tl::unexpected(written.error());
   }
@@ -54,19 +69,22 @@ Result<Answer> calibrate_robot(const fs::path& folder, Position position, const 
                             .dump(2),
                 .text = fmt::format(
                     "{} touches agree to {:.1f} mm; an acupoint is expected to be off by {:.1f} mm "
-                    "or less for this\nnow: tuina massage --robot-pose {}",
-                    touches->size(), rms_mm, max_mm, out.string())};
+                    "or less for this\nnow: tuina massage {}--robot-pose {}",
+                    touches->size(), rms_mm, max_mm, option("--robot", robot), out.string())};
 }
 
-Result<Answer> rehearse_robot(const fs::path& folder, Position position, std::uint64_t seed) {
+Result<Answer> rehearse_robot(const fs::path& folder, const std::string& robot, Position position,
+                              std::uint64_t seed) {
+  const auto model = robot::load_robot(robot);
+  if (!model) return tl::unexpected(model.error());
+  const robot::RobotPlacement there = robot::place_robot(*model, position);
   std::error_code fault;
   if (!fs::create_directory(folder, fault)) {
     return fail(Fault::file, "{}: {}", folder.string(),
                 fault ? fault.message() : "there is such a folder already");
   }
   constexpr int rows = 3;
-  const auto touches =
-      sim::touch_board(robot::thesis_arm(), robot::mount_for(position), position, rows, {}, seed);
+  const auto touches = sim::touch_board(there.arm, there.mount, position, rows, {}, seed);
   if (!touches) return tl::unexpected(touches.error());
   const fs::path file = folder / "touches.csv";
   if (const auto written = write_file(file, session::to_csv(*touches)); !written) {
@@ -74,9 +92,10 @@ Result<Answer> rehearse_robot(const fs::path& folder, Position position, std::ui
   }
   return Answer{
       .json = nlohmann::json{{"folder", folder.string()}, {"touches", touches->size()}}.dump(2),
-      .text = fmt::format("{}: {} touches; now: tuina calibrate {} --robot --position {} "
+      .text = fmt::format("{}: {} touches; now: tuina calibrate {} --robot {}--position {} "
                           "--out robot.toml",
-                          file.string(), touches->size(), folder.string(), name_of(position))};
+                          file.string(), touches->size(), folder.string(), option("--arms", robot),
+                          name_of(position))};
 }
 
 }  // namespace tuina::app

@@ -80,6 +80,7 @@ robot::ArmTable draw_arm(const robot::ArmTable& believed, const TableErrors& err
     const double mass = errors.mass_scale * near_one(errors.mass_spread);
     link.mass_kg *= mass;
     for (double& inertia : link.inertia_kg_m2) inertia *= mass;
+    for (double& product : link.inertia_products_kg_m2) product *= mass;
     link.rotor_inertia_kg_m2 *= near_one(errors.rotor_spread);
     const double friction = errors.friction_scale * near_one(errors.friction_spread);
     link.coulomb_nm *= friction;
@@ -91,14 +92,14 @@ robot::ArmTable draw_arm(const robot::ArmTable& believed, const TableErrors& err
 Result<std::unique_ptr<Plant>> Plant::make(const robot::RobotMount& mount,
                                            const PerArm<robot::ArmTable>& arms, const Start& start,
                                            BackContact* person, const PlantOptions& options) {
-  return make(robot::Standing{.arm = arms[Arm::left], .mount = mount}, arms, start, person,
+  return make(robot::RobotPlacement{.arm = arms[Arm::left], .mount = mount}, arms, start, person,
               options);
 }
 
-Result<std::unique_ptr<Plant>> Plant::make(const robot::Standing& standing,
+Result<std::unique_ptr<Plant>> Plant::make(const robot::RobotPlacement& placement,
                                            const PerArm<robot::ArmTable>& arms, const Start& start,
                                            BackContact* person, const PlantOptions& options) {
-  const robot::WholeRobot whole = robot::whole_of(standing, arms);
+  const robot::WholeRobot whole = robot::whole_of(placement, arms);
   auto world = std::make_unique<World>();
   world->options = options;
   world->substeps = std::max(1, static_cast<int>(std::lround(options.physics_hz * tick_s)));
@@ -115,7 +116,7 @@ Result<std::unique_ptr<Plant>> Plant::make(const robot::Standing& standing,
   std::fill_n(m->dof_frictionloss, m->nv, 0.0);
   std::fill_n(m->dof_damping, m->nv, 0.0);
 
-  world->couch_from_base = standing.mount.base_from_couch.inverse();
+  world->couch_from_base = placement.mount.base_from_couch.inverse();
   world->person = person;
   world->noise = make_random(options.seed, "robot sensors");
   world->rail_wanted_m = world->rail_now_m = start.rail_m;

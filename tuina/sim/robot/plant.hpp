@@ -9,7 +9,7 @@
 #include "tuina/robot/arm_table.hpp"
 #include "tuina/robot/mount.hpp"
 #include "tuina/robot/robot.hpp"
-#include "tuina/robot/standing.hpp"
+#include "tuina/robot/robot_model.hpp"
 #include "tuina/sim/robot/back_contact.hpp"
 
 namespace tuina::sim {
@@ -72,7 +72,7 @@ class Plant final : public robot::Robot {
                                                            const Start& start, BackContact* person,
                                                            const PlantOptions& options = {});
   /// Any robot; joints outside arms and linear base are held by drives.
-  [[nodiscard]] static Result<std::unique_ptr<Plant>> make(const robot::Standing& standing,
+  [[nodiscard]] static Result<std::unique_ptr<Plant>> make(const robot::RobotPlacement& placement,
                                                            const PerArm<robot::ArmTable>& arms,
                                                            const Start& start, BackContact* person,
                                                            const PlantOptions& options = {});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tuina/robot/standing.hpp"
+#include "tuina/robot/robot_model.hpp"
 
 #include <doctest/doctest.h>
 
@@ -16,39 +16,45 @@ using namespace tuina::robot;
 namespace {
 
 struct Place {
-  Kind kind;
+  const char* robot;
   Position position;
   bool head_at_plus_y;
 };
 constexpr std::array places = {
-    Place{Kind::thesis, Position::sitting, false}, Place{Kind::thesis, Position::prone, false},
-    Place{Kind::successor, Position::sitting, false},
-    Place{Kind::successor, Position::prone, false}, Place{Kind::successor, Position::prone, true}};
+    Place{"thesis", Position::sitting, false},    Place{"thesis", Position::prone, false},
+    Place{"successor", Position::sitting, false}, Place{"successor", Position::prone, false},
+    Place{"successor", Position::prone, true},    Place{"panda", Position::sitting, false},
+    Place{"panda", Position::prone, false},       Place{"ur", Position::sitting, false},
+    Place{"ur", Position::prone, false}};
+
+RobotPlacement placed(const Place& place) {
+  return place_robot(load_robot(place.robot).value(), place.position, place.head_at_plus_y);
+}
 
 }  // namespace
 
 TEST_CASE(
     "each arm's model and the whole robot put the tool in the same place, base moved or not") {
-  Random random = make_random(7, "standing");
+  Random random = make_random(7, "placement");
   for (const Place& place : places) {
-    const Standing standing = stand(place.kind, place.position, place.head_at_plus_y);
-    CAPTURE(name_of(place.kind));
+    const RobotPlacement placement = placed(place);
+    CAPTURE(place.robot);
     CAPTURE(name_of(place.position));
     CAPTURE(place.head_at_plus_y);
-    WholeRobot whole = whole_of(standing, {.of = {standing.arm, standing.arm}});
-    const auto models = both_models(standing.arm, standing.mount);
-    const double rail_m = 0.5 * standing.mount.min_rail_m;
+    WholeRobot whole = whole_of(placement, {.of = {placement.arm, placement.arm}});
+    const auto models = both_models(placement.arm, placement.mount);
+    const double rail_m = 0.5 * placement.mount.min_rail_m;
     PerArm<JointVector> q_rad;
     for (const Arm arm : both_arms) {
-      q_rad[arm] = JointVector(standing.arm.joints);
+      q_rad[arm] = JointVector(placement.arm.joints);
       for (double& q : q_rad[arm]) q = uniform(random, -1.0, 1.0);
     }
     for (std::size_t i = 0; i < whole.q.size(); ++i) {
       const std::string& name = whole.description.parts[i].name;
       if (name == whole.rail) whole.q[i] = rail_m;
       for (const Arm arm : both_arms) {
-        for (int k = 0; k < standing.arm.joints; ++k) {
-          const char* link = standing.arm.links[static_cast<std::size_t>(k)].name;
+        for (int k = 0; k < placement.arm.joints; ++k) {
+          const std::string& link = placement.arm.links[static_cast<std::size_t>(k)].name;
           if (name == std::string(name_of(arm)) + "_" + link) whole.q[i] = q_rad[arm][k];
         }
       }
@@ -71,30 +77,30 @@ TEST_CASE(
 
 TEST_CASE("every robot waits with both arms in their ranges, clear of couch, body and each other") {
   for (const Place& place : places) {
-    const Standing standing = stand(place.kind, place.position, place.head_at_plus_y);
-    CAPTURE(name_of(place.kind));
+    const RobotPlacement placement = placed(place);
+    CAPTURE(place.robot);
     CAPTURE(name_of(place.position));
     CAPTURE(place.head_at_plus_y);
-    const auto models = both_models(standing.arm, standing.mount);
-    const auto ready = ready_posture(standing.arm, standing.mount);
+    const auto models = both_models(placement.arm, placement.mount);
+    const auto ready = ready_posture(placement.arm, placement.mount);
     PerArm<ArmModel::Kinematics> pose;
     for (const Arm arm : both_arms) {
-      CHECK(limit_room_rad(standing.arm, ready[arm]) > 0.0);
+      CHECK(limit_room_rad(placement.arm, ready[arm]) > 0.0);
       pose[arm] = models[arm].kinematics(ready[arm], 0.0);
-      CHECK(clearances(models[arm], pose[arm], 0.0, standing.mount.obstacles).min_m() > 60e-3);
+      CHECK(clearances(models[arm], pose[arm], 0.0, placement.mount.obstacles).min_m() > 60e-3);
     }
     CHECK(distance_between_m(models[Arm::left], pose[Arm::left], models[Arm::right],
                              pose[Arm::right]) > 60e-3);
     // The arm that the session calls the left is on the side of the couch's positive x.
-    const Transform couch_from_base = standing.mount.base_from_couch.inverse();
+    const Transform couch_from_base = placement.mount.base_from_couch.inverse();
     CHECK((couch_from_base * models[Arm::left].shoulder_in_base(0.0)).x() > 0.1);
   }
 }
 
 TEST_CASE("the successor's body stands clear of chair and bed wherever its base goes") {
   for (const Place& place : places) {
-    if (place.kind != Kind::successor) continue;
-    const RobotMount mount = stand(place.kind, place.position, place.head_at_plus_y).mount;
+    if (std::string(place.robot) != "successor") continue;
+    const RobotMount mount = placed(place).mount;
     const Obstacle& couch = mount.obstacles.front();
     REQUIRE(couch.kind == Surrounding::couch);
     int parts = 0;

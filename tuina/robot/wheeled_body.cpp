@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tuina/robot/successor.hpp"
+#include "tuina/robot/wheeled_body.hpp"
 
 namespace tuina::robot {
 namespace {
 
 constexpr double wheel_radius_m = 100_mm, half_track_m = 250_mm, half_wheelbase_m = 220_mm;
-constexpr double deck_m = 300_mm;   // of the base's upper face above the floor
-constexpr double torso_m = 500_mm;  // from the waist to the line between the shoulders
+constexpr double deck_m = 300_mm;   // height of the base's upper face above the floor
+constexpr double torso_m = 500_mm;  // length from the waist to the line between the shoulders
 constexpr double half_shoulders_m = 165_mm;
 
 using Motion = Part::Motion;
@@ -124,33 +124,14 @@ void add_head(Description& robot, int torso) {
 
 }  // namespace
 
-ArmTable successor_arm() noexcept {
-  ArmTable table = thesis_arm();
-  table.joints = 7;
-  table.links[6] = table.links[5];  // the fist hangs on the second bend
-  table.links[6].name = "wrist_yaw";
-  table.links[6].offset_rad = 0.0;
-  table.links[6].min_rad = -70_deg;
-  table.links[6].max_rad = 70_deg;
-  Link& pitch = table.links[5];
-  pitch.name = "wrist_pitch";
-  pitch.a_m = 0.0;
-  pitch.alpha_rad = 90_deg;
-  pitch.mass_kg = 0.35;
-  pitch.com_in_joint = {};
-  pitch.inertia_kg_m2 = {2e-4, 2e-4, 2e-4};
-  return table;
-}
-
-Description successor_robot(const PerArm<ArmTable>& arms) {
+Description wheeled_robot(const PerArm<ArmTable>& arms,
+                          const PerArm<Matrix3>& torso_from_shoulder) {
   Description robot{.name = "tuina_successor", .parts = {}, .markers = {}};
   const int torso = add_waist(robot, add_base(robot));
   add_head(robot, torso);
-  Matrix3 upright;  // columns: x0 down, y0 ahead, z0 to the right
-  upright << 0, 1, 0, 0, 0, -1, -1, 0, 0;
   for (const Arm arm : both_arms) {
     Transform shoulder = at(0.0, arm == Arm::left ? half_shoulders_m : -half_shoulders_m, torso_m);
-    shoulder.linear() = upright;
+    shoulder.linear() = torso_from_shoulder[arm];
     robot.markers.push_back({std::string(name_of(arm)) + "_shoulder", torso, shoulder});
     add_arm(robot, arms[arm], name_of(arm), torso, shoulder);
   }
@@ -168,15 +149,6 @@ RobotMount mount_in(const Description& robot, const std::vector<double>& q) {
     }
   }
   return mount;
-}
-
-std::array<double, 4> wheel_speeds(double ahead_m_per_s, double left_m_per_s,
-                                   double turn_rad_per_s) noexcept {
-  const double turn = (half_track_m + half_wheelbase_m) * turn_rad_per_s;
-  return {(ahead_m_per_s - left_m_per_s - turn) / wheel_radius_m,
-          (ahead_m_per_s + left_m_per_s + turn) / wheel_radius_m,
-          (ahead_m_per_s + left_m_per_s - turn) / wheel_radius_m,
-          (ahead_m_per_s - left_m_per_s + turn) / wheel_radius_m};
 }
 
 }  // namespace tuina::robot

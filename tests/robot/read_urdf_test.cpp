@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tuina/robot/table/read_urdf.hpp"
+
+#include <doctest/doctest.h>
+
+#include "tuina/core/random.hpp"
+#include "tuina/robot/arm_model.hpp"
+#include "tuina/robot/robot_model.hpp"
+
+using namespace tuina;
+using namespace tuina::robot;
+
+namespace {
+
+std::string urdf_of(const char* name) {
+  const RobotModel model = load_robot(name).value();
+  return to_urdf(
+      describe(place_robot(model, Position::sitting).mount, {.of = {model.arm, model.arm}}));
+}
+
+std::string with(std::string text, const std::string& from, const std::string& to) {
+  const auto at = text.find(from);
+  REQUIRE(at != std::string::npos);
+  return text.replace(at, from.size(), to);
+}
+
+void refused(const std::string& text, const std::string& sentence, const char* tip = "left_tool") {
+  const auto arm = read_urdf(text, "arm.urdf", "rail", tip);
+  REQUIRE_FALSE(arm.has_value());
+  CAPTURE(arm.error().message);
+  CHECK(arm.error().message.starts_with("arm.urdf:"));
+  CHECK(arm.error().message.find(sentence) != std::string::npos);
+}
+
+}  // namespace
+
+TEST_CASE("every shipped arm, written as URDF and read again, moves and weighs as before") {
+  for (const char* name : {"thesis", "successor", "panda", "ur"}) {
+    CAPTURE(name);
+    RobotModel model = load_robot(name).value();
+    model.carrier = Carrier::linear_base;
+    const RobotMount mount = place_robot(model, Position::sitting).mount;
+    const std::string text = to_urdf(describe(mount, {.of = {model.arm, model.arm}}));
+    auto read = read_urdf(text, "arm.urdf", "rail", "right_tool");
+    REQUIRE_MESSAGE(read.has_value(), read.error().message);
+    ArmTable& table = read->table;
+    for (int i = 0; i < table.joints; ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      const Link& link = model.arm.links[k];
+      CHECK(table.links[k].max_rad == link.max_rad);
+      CHECK(table.links[k].torque_limit_nm == link.torque_limit_nm);
+      CHECK(table.links[k].coulomb_nm == link.coulomb_nm);
+      table.links[k].rotor_inertia_kg_m2 = link.rotor_inertia_kg_m2;  // URDF has no place for it
+    }
+    RobotMount mounted;
+    mounted.base_from_shoulder[Arm::right] = read->link_from_shoulder;
+    const ArmModel before(model.arm, mount, Arm::right), after(table, mounted, Arm::right);
+    Random random = make_random(4, "urdf round trip");
+    double worst = 0.0;
+    for (int n = 0; n < 1'000; ++n) {
+      JointVector q(table.joints), dq(table.joints);
+      for (int i = 0; i < table.joints; ++i) {
+        q[i] = uniform(random, -pi, pi);
+        dq[i] = uniform(random, -3.0, 3.0);
+      }
+      const ArmDynamics one = before.evaluate(q, dq, 0.0), other = after.evaluate(q, dq, 0.0);
+      const auto differ = [&](const auto& a, const auto& b) {
+        worst = std::max(worst, (a - b).cwiseAbs().maxCoeff());
+      };
+      differ(one.base_from_tool.matrix(), other.base_from_tool.matrix());
+      differ(one.jacobian, other.jacobian);
+      differ(one.jacobian_dot_dq, other.jacobian_dot_dq);
+      differ(one.mass_kg_m2, other.mass_kg_m2);
+      differ(one.coriolis_nm, other.coriolis_nm);
+      differ(one.gravity_nm, other.gravity_nm);
+    }
+    CHECK(worst < 1e-9);
+  }
+}
+
+TEST_CASE("joints about any axis, fixed ones between them and turned inertias are understood") {
+  // The first joint turns about x, and the hand is a link of its own behind a fixed joint.
+  std::string text = "<robot name=\"odd\"><link name=\"rail\"/>";
+  for (int i = 1; i <= 6; ++i) {
+    text += fmt::format(
+        "<link name=\"l{0}\"><inertial><origin xyz=\"0.01 0.02 0.1\" rpy=\"0.3 0.1 0.2\"/><mass "
+        "value=\"1\"/><inertia ixx=\"0.02\" ixy=\"0.001\" ixz=\"0\" iyy=\"0.03\" iyz=\"0\" "
+        "izz=\"0.02\"/></inertial></link><joint name=\"j{0}\" type=\"revolute\"><origin "
+        "xyz=\"0.02 0 0.2\" rpy=\"0.{0} 0 0\"/><parent link=\"{1}\"/><child link=\"l{0}\"/><axis "
+        "xyz=\"{2}\"/><limit lower=\"-2\" upper=\"2\" effort=\"50\" velocity=\"2\"/></joint>",
+        i, i == 1 ? "rail" : fmt::format("l{}", i - 1), i % 2 == 1 ? "2 0 0" : "0 1 0");
+  }
+  text +=
+      "<link name=\"hand\"/><joint name=\"wrist\" type=\"fixed\"><origin xyz=\"0 0.1 0.1\" "
+      "rpy=\"0 -1.5 0\"/><parent link=\"l6\"/><child link=\"hand\"/></joint></robot>";
+  const auto arm = read_urdf(text, "odd.urdf", "rail", "hand");
+  REQUIRE_MESSAGE(arm.has_value(), arm.error().message);
+  RobotMount mount;
+  mount.base_from_shoulder[Arm::left] = arm->link_from_shoulder;
+  const ArmModel model(arm->table, mount, Arm::left);
+  Random random = make_random(5, "odd");
+  for (int n = 0; n < 100; ++n) {
+    JointVector q(6);
+    for (double& angle : q) angle = uniform(random, -2.0, 2.0);
+    Transform tool = Transform::Identity();
+    double weight_nm = 0.0;  // about the first joint, whose axis is x
+    for (int i = 1; i <= 6; ++i) {
+      tool = tool * Eigen::Translation3d(0.02, 0.0, 0.2) *
+             Eigen::AngleAxisd(0.1 * i, Vector3::UnitX()) *
+             Eigen::AngleAxisd(q[i - 1], i % 2 == 1 ? Vector3::UnitX() : Vector3::UnitY());
+      weight_nm += gravity_m_per_s2 * (tool * Vector3(0.01, 0.02, 0.1)).y();
+    }
+    tool = tool * Eigen::Translation3d(0.0, 0.1, 0.1) * Eigen::AngleAxisd(-1.5, Vector3::UnitY());
+    CHECK((tool.matrix() - model.base_from_tool(q, 0.0).matrix()).cwiseAbs().maxCoeff() < 1e-9);
+    CHECK(model.gravity_nm(q)[0] == doctest::Approx(weight_nm).epsilon(1e-9));
+  }
+}
+
+TEST_CASE("what is no arm of six or seven joints is refused with line, element and value") {
+  const std::string good = urdf_of("thesis");
+  REQUIRE(read_urdf(good, "arm.urdf", "rail", "left_tool").has_value());
+  refused("<robot", "is not XML");
+  refused("<mujoco/>", "no element <robot>");
+  refused(good, "there is no link called `hand`", "hand");
+  refused(good, "no joints lead from `rail` down to `base`", "base");
+  refused(good, "5 turning joints", "left_forearm_roll");
+  refused(with(good, "name=\"left_elbow_joint\" type=\"revolute\"",
+               "name=\"left_elbow_joint\" type=\"prismatic\""),
+          "type = \"prismatic\": an arm has");
+  refused(with(good, "effort=\"120\"", "effort=\"strong\""), "effort = \"strong\" is not 1 number");
+  const auto first = good.find("<limit", good.find("left_shoulder_pitch_joint"));
+  refused(std::string(good).erase(first, good.find("/>", first) + 2 - first),
+          "left_shoulder_pitch_joint: <limit> is missing");
+  refused(with(good, "<mass value=\"1.15\"/>", ""), "<mass> and <inertia> are both needed");
+}

@@ -1,0 +1,330 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tuina/robot/table/read_urdf.hpp"
+
+#include <tinyxml2.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+namespace tuina::robot {
+namespace {
+
+using tinyxml2::XMLElement;
+
+/// What stands in one file; the first thing that is wrong is kept.
+struct Reader {
+  std::string name;
+  std::optional<Error> fault = {};
+
+  template <typename... Args>
+  void reject(const XMLElement& at, fmt::format_string<Args...> format, Args&&... args) {
+    if (fault) return;
+    fault = Error{Fault::bad_input, fmt::format("{}:{}: <{}>: {}", name, at.GetLineNum(), at.Name(),
+                                                fmt::format(format, std::forward<Args>(args)...))};
+  }
+
+  /// So many finite numbers of an attribute, separated by blanks.
+  std::vector<double> numbers(const XMLElement& at, const char* key, std::size_t count) {
+    const char* text = at.Attribute(key);
+    std::vector<double> all;
+    std::string_view rest = text != nullptr ? text : "";
+    for (;;) {
+      const auto begin = rest.find_first_not_of(" \t\n\r");
+      if (begin == std::string_view::npos) break;
+      rest.remove_prefix(begin);
+      if (rest.starts_with('+')) rest.remove_prefix(1);
+      double value = 0.0;
+      const auto [end, problem] = std::from_chars(rest.data(), rest.data() + rest.size(), value);
+      if (problem != std::errc{} || !(std::abs(value) < 1e6)) {
+        all.clear();
+        break;
+      }
+      all.push_back(value);
+      rest.remove_prefix(static_cast<std::size_t>(end - rest.data()));
+    }
+    if (all.size() != count) {
+      reject(at, "{} = \"{}\" is not {} number{} below a million", key, text != nullptr ? text : "",
+             count, count == 1 ? "" : "s");
+      all.assign(count, 0.0);
+    }
+    return all;
+  }
+  double number(const XMLElement& at, const char* key) { return numbers(at, key, 1)[0]; }
+  Vector3 three(const XMLElement& at, const char* key, const Vector3& absent) {
+    if (at.Attribute(key) == nullptr) return absent;
+    const auto all = numbers(at, key, 3);
+    return {all[0], all[1], all[2]};
+  }
+
+  /// The <origin> of an element; the identity where it has none.
+  Transform origin(const XMLElement& of) {
+    const XMLElement* at = of.FirstChildElement("origin");
+    if (at == nullptr) return Transform::Identity();
+    const Vector3 xyz = three(*at, "xyz", Vector3::Zero()),
+                  rpy = three(*at, "rpy", Vector3::Zero());
+    return Eigen::Translation3d(xyz) * Eigen::AngleAxisd(rpy.z(), Vector3::UnitZ()) *
+           Eigen::AngleAxisd(rpy.y(), Vector3::UnitY()) *
+           Eigen::AngleAxisd(rpy.x(), Vector3::UnitX());
+  }
+};
+
+/// Mass, first moment and inertia about the origin of the base link of bodies that move as one, all
+/// joints at zero.
+struct Mass {
+  double kg = 0.0;
+  Vector3 moment = Vector3::Zero();
+  Matrix3 about_origin = Matrix3::Zero();
+
+  void add(double mass_kg, const Vector3& centre, const Matrix3& about_centre) {
+    kg += mass_kg;
+    moment += mass_kg * centre;
+    about_origin += about_centre + mass_kg * (centre.squaredNorm() * Matrix3::Identity() -
+                                              centre * centre.transpose());
+  }
+};
+
+/// One turning joint and what it carries, in the base link's frame, all joints at zero.
+struct Turning {
+  Link link;
+  Vector3 at, axis;
+  Mass mass = {};
+};
+
+const XMLElement* find(const XMLElement& robot, const char* element, const char* child,
+                       const char* attribute, const std::string& value) {
+  for (const XMLElement* at = robot.FirstChildElement(element); at != nullptr;
+       at = at->NextSiblingElement(element)) {
+    const XMLElement* holder = child != nullptr ? at->FirstChildElement(child) : at;
+    const char* given = holder != nullptr ? holder->Attribute(attribute) : nullptr;
+    if (given != nullptr && value == given) return at;
+  }
+  return nullptr;
+}
+
+void add_mass(Reader& reader, const XMLElement& link, const Transform& base_from_link, Mass& mass) {
+  const XMLElement* inertial = link.FirstChildElement("inertial");
+  if (inertial == nullptr) return;
+  const XMLElement* weight = inertial->FirstChildElement("mass");
+  const XMLElement* tensor = inertial->FirstChildElement("inertia");
+  if (weight == nullptr || tensor == nullptr) {
+    reader.reject(*inertial, "<mass> and <inertia> are both needed");
+    return;
+  }
+  const Transform pose = base_from_link * reader.origin(*inertial);
+  const double xx = reader.number(*tensor, "ixx"), yy = reader.number(*tensor, "iyy"),
+               zz = reader.number(*tensor, "izz"), xy = reader.number(*tensor, "ixy"),
+               xz = reader.number(*tensor, "ixz"), yz = reader.number(*tensor, "iyz");
+  Matrix3 inertia;
+  inertia << xx, xy, xz, xy, yy, yz, xz, yz, zz;
+  mass.add(reader.number(*weight, "value"), pose.translation(),
+           pose.linear() * inertia * pose.linear().transpose());
+}
+
+/// The joints of the chain with what they carry, and the pose of the tip at zero.
+std::vector<Turning> read_chain(Reader& reader, const XMLElement& robot,
+                                const std::vector<const XMLElement*>& joints, Transform& tip) {
+  std::vector<Turning> chain;
+  tip = Transform::Identity();
+  for (const XMLElement* joint : joints) {
+    tip = tip * reader.origin(*joint);
+    const char* given = joint->Attribute("type");
+    const std::string type = given != nullptr ? given : "";
+    if (type == "revolute" || type == "continuous") {
+      Turning turning;
+      const char* name = joint->Attribute("name");
+      turning.link.name = name != nullptr ? name : fmt::format("joint{}", chain.size() + 1);
+      const XMLElement* axis = joint->FirstChildElement("axis");
+      Vector3 along = axis != nullptr ? reader.three(*axis, "xyz", Vector3::UnitX())
+                                      : Vector3(Vector3::UnitX());
+      if (!(along.norm() > 1e-6)) {
+        reader.reject(*axis, "xyz = \"{}\" is no direction", axis->Attribute("xyz"));
+        along = Vector3::UnitX();
+      }
+      turning.at = tip.translation();
+      turning.axis = tip.linear() * along.normalized();
+      const XMLElement* limit = joint->FirstChildElement("limit");
+      if (limit == nullptr) {
+        reader.reject(*joint, "{}: <limit> is missing", turning.link.name);
+      } else {
+        turning.link.torque_limit_nm = reader.number(*limit, "effort");
+        turning.link.speed_limit_rad_per_s = reader.number(*limit, "velocity");
+        if (type == "revolute") {
+          turning.link.min_rad = reader.number(*limit, "lower");
+          turning.link.max_rad = reader.number(*limit, "upper");
+        }
+      }
+      if (const XMLElement* dynamics = joint->FirstChildElement("dynamics")) {
+        if (dynamics->Attribute("damping") != nullptr)
+          turning.link.viscous_nm_s_per_rad = reader.number(*dynamics, "damping");
+        if (dynamics->Attribute("friction") != nullptr)
+          turning.link.coulomb_nm = reader.number(*dynamics, "friction");
+      }
+      chain.push_back(std::move(turning));
+    } else if (type != "fixed") {
+      reader.reject(*joint, "type = \"{}\": an arm has revolute, continuous and fixed joints only",
+                    type);
+    }
+    const XMLElement* child = joint->FirstChildElement("child");
+    const char* link_name = child != nullptr ? child->Attribute("link") : nullptr;
+    const XMLElement* link = find(robot, "link", nullptr, "name", link_name ? link_name : "");
+    if (link == nullptr) {
+      reader.reject(*joint, "there is no link called `{}`", link_name ? link_name : "");
+    } else if (!chain.empty()) {
+      add_mass(reader, *link, tip, chain.back().mass);
+    }
+  }
+  return chain;
+}
+
+/// Signed angle about `axis` that turns `from` into `to`, both across it.
+double angle_about(const Vector3& axis, const Vector3& from, const Vector3& to) {
+  return std::atan2(axis.dot(from.cross(to)), from.dot(to));
+}
+
+/// Frame of the next joint on its axis: x along the common normal of both axes, out of this one.
+/// Where the axes meet or are parallel, the file's own place of the next joint decides.
+Transform next_frame(const Transform& here, const Vector3& next_at, const Vector3& next_axis) {
+  const Vector3 z = here.linear().col(2), apart = next_at - here.translation();
+  constexpr double parallel = 1e-7, meets_m = 1e-7;
+  const Vector3 across = z.cross(next_axis);
+  const double sine = across.norm();
+  Vector3 x = across, origin = next_at;
+  if (sine < parallel) {
+    const Vector3 aside = apart - apart.dot(z) * z;
+    x = aside.norm() > meets_m ? aside : Vector3(here.linear().col(0));
+  } else {
+    // Where the common normal meets the next axis.
+    const Vector3 normal = across / sine;
+    const double along_next = z.cross(normal).dot(apart) / sine;
+    origin = next_at + along_next * next_axis;
+    const double distance_m = normal.dot(apart);
+    if (distance_m < -meets_m) x = -x;
+  }
+  Transform next = Transform::Identity();
+  next.translation() = origin;
+  next.linear().col(2) = next_axis;
+  next.linear().col(0) = (x - x.dot(next_axis) * next_axis).normalized();
+  next.linear().col(1) = next_axis.cross(next.linear().col(0));
+  return next;
+}
+
+/// The row between two frames whose x axis of the second crosses z of the first at a right angle.
+void set_row(Link& link, const Transform& here, const Transform& next) {
+  const Vector3 z = here.linear().col(2), x = next.linear().col(0);
+  const Vector3 apart = next.translation() - here.translation();
+  link.offset_rad = angle_about(z, here.linear().col(0), x);
+  link.d_m = apart.dot(z);
+  link.a_m = apart.dot(x);
+  link.alpha_rad = angle_about(x, z, next.linear().col(2));
+}
+
+/// The last row leads to the tip's place; its turn is the tool's own.
+Transform last_frame(const Transform& here, const Transform& tip) {
+  const Vector3 z = here.linear().col(2);
+  const Vector3 apart = tip.translation() - here.translation();
+  const Vector3 aside = apart - apart.dot(z) * z;
+  Transform last = here;
+  last.translation() = tip.translation();
+  if (aside.norm() > 1e-7) {
+    last.linear().col(0) = aside.normalized();
+    last.linear().col(1) = z.cross(last.linear().col(0));
+  }
+  return last;
+}
+
+void set_mass(Link& link, const Mass& mass, const Transform& joint) {
+  link.mass_kg = mass.kg;
+  if (!(mass.kg > 0.0)) return;
+  const Vector3 centre = mass.moment / mass.kg;
+  const Matrix3 about_centre =
+      mass.about_origin -
+      mass.kg * (centre.squaredNorm() * Matrix3::Identity() - centre * centre.transpose());
+  const Vector3 com = joint.inverse() * centre;
+  const Matrix3 inertia = joint.linear().transpose() * about_centre * joint.linear();
+  link.com_in_joint = {com.x(), com.y(), com.z()};
+  link.inertia_kg_m2 = {inertia(0, 0), inertia(1, 1), inertia(2, 2)};
+  link.inertia_products_kg_m2 = {inertia(0, 1), inertia(0, 2), inertia(1, 2)};
+  // What rounding leaves of a product that is none.
+  for (double& product : link.inertia_products_kg_m2) {
+    if (std::abs(product) < 1e-12 * inertia.trace()) product = 0.0;
+  }
+}
+
+UrdfArm arm_of(const std::vector<Turning>& chain, const Transform& tip) {
+  UrdfArm arm;
+  arm.table.joints = static_cast<int>(chain.size());
+  arm.table.tool_mass_kg = 0.16;
+  Transform here = Transform::Identity();
+  // Frame 0 is on the first axis, nearest to the base link's origin, x as nearly as can be its x.
+  const Vector3 axis = chain.front().axis;
+  here.translation() = chain.front().at - chain.front().at.dot(axis) * axis;
+  const Vector3 ahead = Vector3::UnitX() - axis.x() * axis;
+  here.linear().col(2) = axis;
+  here.linear().col(0) = ahead.norm() > 1e-3 ? Vector3(ahead.normalized()) : axis.unitOrthogonal();
+  here.linear().col(1) = axis.cross(here.linear().col(0));
+  arm.link_from_shoulder = here;
+  for (std::size_t i = 0; i < chain.size(); ++i) {
+    Link& link = arm.table.links[i];
+    link = chain[i].link;
+    link.radius_m = 50_mm;
+    const Transform next = i + 1 < chain.size()
+                               ? next_frame(here, chain[i + 1].at, chain[i + 1].axis)
+                               : last_frame(here, tip);
+    set_row(link, here, next);
+    set_mass(link, chain[i].mass, here * Eigen::AngleAxisd(link.offset_rad, Vector3::UnitZ()));
+    here = next;
+  }
+  const Matrix3 turn = here.linear().transpose() * tip.linear();
+  if (!turn.isIdentity(1e-12)) arm.table.end_from_tool_turn = turn;
+  return arm;
+}
+
+}  // namespace
+
+Result<UrdfArm> read_urdf(std::string_view text, std::string_view name,
+                          const std::string& base_link, const std::string& tip_link) {
+  tinyxml2::XMLDocument document;
+  if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS)
+    return fail(Fault::bad_input, "{}:{}: is not XML: {}", name, document.ErrorLineNum(),
+                document.ErrorName());
+  const XMLElement* robot = document.FirstChildElement("robot");
+  if (robot == nullptr) return fail(Fault::bad_input, "{}: has no element <robot>", name);
+  for (const std::string& link : {base_link, tip_link}) {
+    if (find(*robot, "link", nullptr, "name", link) == nullptr)
+      return fail(Fault::bad_input, "{}:{}: <robot>: there is no link called `{}`", name,
+                  robot->GetLineNum(), link);
+  }
+  std::vector<const XMLElement*> joints;
+  constexpr std::size_t max_joints_of_a_chain = 100;
+  for (std::string link = tip_link; link != base_link;) {
+    const XMLElement* joint = find(*robot, "joint", "child", "link", link);
+    const XMLElement* parent = joint != nullptr ? joint->FirstChildElement("parent") : nullptr;
+    const char* above = parent != nullptr ? parent->Attribute("link") : nullptr;
+    if (above == nullptr || joints.size() == max_joints_of_a_chain) {
+      return fail(Fault::bad_input, "{}:{}: <link>: no joints lead from `{}` down to `{}`", name,
+                  find(*robot, "link", nullptr, "name", tip_link)->GetLineNum(), base_link,
+                  tip_link);
+    }
+    joints.push_back(joint);
+    link = above;
+  }
+  std::reverse(joints.begin(), joints.end());
+  Reader reader{.name = std::string(name)};
+  Transform tip;
+  const std::vector<Turning> chain = read_chain(reader, *robot, joints, tip);
+  if (reader.fault) return tl::unexpected(*reader.fault);
+  if (chain.size() != 6 && chain.size() != 7) {
+    return fail(Fault::bad_input,
+                "{}:{}: <robot>: {} turning joints lead from `{}` to `{}`, 6 or 7 needed", name,
+                robot->GetLineNum(), chain.size(), base_link, tip_link);
+  }
+  UrdfArm arm = arm_of(chain, tip);
+  const char* called = robot->Attribute("name");
+  arm.robot = called != nullptr ? called : "";
+  return arm;
+}
+
+}  // namespace tuina::robot
