@@ -25,7 +25,7 @@ ordered_json to_json(const telemetry::Table& table, const telemetry::Row& row) {
     const std::string& key = table.columns[i].key;
     const telemetry::Cell::Value& value = row.cells[i].value;
     if (key.empty() || std::holds_alternative<std::monostate>(value)) continue;
-    const std::size_t inner = key.find('/');
+    const std::size_t inner = key.find('.');
     ordered_json& place = inner == std::string::npos
                               ? object[key]
                               : object[key.substr(0, inner)][key.substr(inner + 1)];

@@ -48,6 +48,7 @@ td{text-align:right;padding:7px 8px;border-bottom:1px solid var(--line);white-sp
 .l{text-align:left}
 td.long{white-space:normal;min-width:16em}
 td.group{text-align:left;white-space:normal;padding-top:18px;font-weight:600}
+table.dense{font-size:12px}.dense th{font-size:11px}.dense th,.dense td{padding:6px 5px}
 tr.ours{background:#fdf3e7}
 td em{font-style:normal;color:var(--soft);font-size:13px;margin-left:6px}
 .sim{background:#fdf8f1}

@@ -22,7 +22,7 @@ std::size_t letters(std::string_view text) {
 std::string number_text(double number, std::optional<int> digits) {
   if (!std::isfinite(number)) return "-";
   const std::string text =
-      digits ? fmt::format("{:.{}f}", number, *digits) : fmt::format("{:g}", number);
+      digits ? fmt::format("{:.{}f}", number, *digits) : fmt::format("{:.4g}", number);
   const bool zero = text.find_first_not_of("-0.") == std::string::npos;
   return zero && text.starts_with('-') ? text.substr(1) : text;
 }
@@ -144,9 +144,10 @@ std::string to_text(const Table& table) {
 }
 
 std::string to_html(const Table& table) {
-  std::string html = "<div class=\"wide\"><table><thead><tr>";
+  constexpr std::size_t many_columns = 10;
   std::vector<std::size_t> visible;
   std::vector<bool> right;
+  std::string html;
   for (std::size_t i = 0; i < table.columns.size(); ++i) {
     right.push_back(stands_right(table, i));
     if (table.columns[i].head.empty()) continue;
@@ -154,6 +155,8 @@ std::string to_html(const Table& table) {
     html += fmt::format("<th class=\"{}{}\">{}</th>", right[i] ? "" : "l",
                         table.columns[i].truth ? " sim" : "", escaped(table.columns[i].head));
   }
+  html = fmt::format("<div class=\"wide\"><table{}><thead><tr>{}",
+                     visible.size() < many_columns ? "" : " class=\"dense\"", html);
   html += "</tr></thead><tbody>";
   std::string group;
   for (const Row& row : table.rows) {

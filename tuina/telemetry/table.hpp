@@ -36,8 +36,8 @@ struct Cell {
 /// other it is not in the JSON.
 struct Column {
   std::string head = {};
-  std::string key = {};            ///< "force/rmse_n" is the key `rmse_n` of an object `force`
-  std::optional<int> digits = {};  ///< decimals that people see; none: as few as say it all
+  std::string key = {};            ///< "force.rmse_n" is the key `rmse_n` of an object `force`
+  std::optional<int> digits = {};  ///< decimals that people see; none: four digits in all
   bool truth = false;              ///< shaded: known only in simulation
 };
 

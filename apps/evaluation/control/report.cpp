@@ -46,11 +46,11 @@ std::vector<Column> columns_of(const ControlTable& table) {
       {.head = "highest, N", .key = "highest_n", .digits = 1},
       {.head = "tool, mm/s", .key = "fastest_mm_per_s", .digits = 0},
       {.head = "second contact, N", .key = "second_impact_n", .digits = 1},
-      {.key = "target/rmse_n"},
-      {.key = "target/overshoot_n"},
-      {.key = "target/highest_n"},
-      {.key = "target/fastest_mm_per_s"},
-      {.key = "target/second_impact_n"},
+      {.key = "target.rmse_n"},
+      {.key = "target.overshoot_n"},
+      {.key = "target.highest_n"},
+      {.key = "target.fastest_mm_per_s"},
+      {.key = "target.second_impact_n"},
       {.key = "reached"},
       {.head = judged ? "target" : ""}};
   columns.insert(columns.end(), results.begin(), results.end());

@@ -127,10 +127,10 @@ Given by_session(const std::string& person, const std::string& programme,
 /// Three columns of one way to get the stroke.
 void add_columns(std::vector<telemetry::Column>& columns, const std::string& key,
                  const std::string& head) {
-  columns.push_back({.head = head + ", s", .key = key + "/time_s", .digits = 0});
-  columns.push_back({.head = "passes by, mm", .key = key + "/passes_mm", .digits = 1});
-  columns.push_back({.head = "force error, N", .key = key + "/force_rmse_n", .digits = 2});
-  columns.push_back({.key = key + "/failed"});
+  columns.push_back({.head = head + ", s", .key = key + ".time_s", .digits = 0});
+  columns.push_back({.head = "passes by, mm", .key = key + ".passes_mm", .digits = 1});
+  columns.push_back({.head = "force error, N", .key = key + ".force_rmse_n", .digits = 2});
+  columns.push_back({.key = key + ".failed"});
 }
 
 void add_cells(std::vector<telemetry::Cell>& cells, const Given& given) {
