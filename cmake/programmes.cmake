@@ -6,6 +6,7 @@ set(TUINA_PROGRAMMES
   before_and_after
   demonstration
   shoulders
+  knead_shoulders
   lower_back
   full_back_20min
 )

@@ -26,8 +26,8 @@ bool accepts_programme(std::string_view content) {
     demand(!part.points.empty() || !part.line.empty() || part.places.size() > 1,
            "a part has a place");
     demand(part.repeats.value_or(1) >= 1 && part.time_s.value_or(1.0) >= 1.0, "it takes place");
-    demand(2.0 * pi * part.radius_m * part.rate_hz < 0.081 || part.technique != Technique::rub,
-           "a tool slides slowly");
+    const bool circles = part.technique == Technique::rub || part.technique == Technique::knead;
+    demand(2.0 * pi * part.radius_m * part.rate_hz < 0.081 || !circles, "a tool slides slowly");
   }
   return true;
 }

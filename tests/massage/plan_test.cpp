@@ -257,6 +257,43 @@ TEST_CASE("paths that come too close to each other are done one after the other"
   CHECK(ordered->paths.at(0).step != ordered->paths.at(1).step);
 }
 
+TEST_CASE("both hands knead at once as mirror images, lightest towards the spine") {
+  const Person person;
+  const auto plan = massage::plan(
+      person.back, person.points, {},
+      programme_of("[[part]]\ntechnique = \"knead\"\npoints = [\"SI11\"]\nforce_n = 15\n"
+                   "radius_mm = 15\nrepeats = 6\n"));
+  REQUIRE_MESSAGE(plan.has_value(), test::reason(plan));
+  REQUIRE(plan->paths.size() == 2);
+  CHECK(plan->paths[0].step == plan->paths[1].step);
+  for (const PlannedPath& planned : plan->paths) {
+    CAPTURE(planned.path.name);
+    CHECK(planned.path.technique == Technique::knead);
+    CHECK(planned.path.duration_s() == doctest::Approx(6.0 / 0.8 + 0.5 + 2.0 * landing_s));
+    const auto firmest = std::max_element(
+        planned.path.points.begin(), planned.path.points.end(),
+        [](const ContactPoint& a, const ContactPoint& b) { return a.force_n < b.force_n; });
+    CHECK(firmest->force_n == doctest::Approx(15.0).epsilon(0.01));
+    const double begin_m = std::abs(planned.path.points.front().at_in_couch.x());
+    CHECK(std::abs(firmest->at_in_couch.x()) > begin_m + 25_mm);
+  }
+}
+
+TEST_CASE("a knead is lowered to what its zone bears") {
+  const Person person;
+  const auto plan =
+      massage::plan(person.back, person.points, {},
+                    programme_of("[[part]]\ntechnique = \"knead\"\npoints = [\"SI11\", \"BL50\"]\n"
+                                 "force_n = 25\n"));
+  REQUIRE_MESSAGE(plan.has_value(), test::reason(plan));
+  CHECK(noted(*plan, "knead BL50_L: 25.0 N lowered to "));
+  for (const PlannedPath& planned : plan->paths) {
+    if (planned.path.acupoints.at(0).starts_with("BL50"))
+      CHECK(planned.cap_n <= cap_n(Zone::kidney, Technique::knead));
+    for (const ContactPoint& point : planned.path.points) CHECK(point.force_n <= planned.cap_n);
+  }
+}
+
 TEST_CASE("forces above the cap of a zone are lowered, and the plan says so") {
   const Person person;
   const auto plan =

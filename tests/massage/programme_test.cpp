@@ -98,6 +98,28 @@ TEST_CASE("what a body would not bear is refused before anyone moves") {
       "at this rate 7.5 N are allowed"));
 }
 
+TEST_CASE("a knead has a small circle and a swelling force, and refuses what is beyond them") {
+  const std::string knead = "[[part]]\ntechnique = \"knead\"\n";
+  const auto plain = parse_programme("name = \"x\"\n" + knead + "points = [\"SI11\"]\n", "my.toml");
+  REQUIRE_MESSAGE(plain.has_value(), test::reason(plain));
+  CHECK(plain->parts.at(0).technique == Technique::knead);
+  CHECK(plain->parts.at(0).radius_m == doctest::Approx(0.015));
+  CHECK(plain->parts.at(0).rate_hz == 0.8);
+  CHECK(plain->parts.at(0).force_n == 18.0);
+
+  const std::string si11 = knead + "points = [\"SI11\"]\n";
+  CHECK(says(fault_of(si11 + "radius_mm = 30\n"), "is not a number from 10 to 20"));
+  CHECK(says(fault_of(si11 + "radius_mm = 5\n"), "is not a number from 10 to 20"));
+  CHECK(says(fault_of(si11 + "rate_hz = 2\n"), "is not a number from 0.5 to 1.25"));
+  CHECK(says(fault_of(si11 + "rate_hz = 0.3\n"), "is not a number from 0.5 to 1.25"));
+  CHECK(says(fault_of(si11 + "radius_mm = 20\n"), "slides with 101 mm/s, 80 allowed"));
+  CHECK(says(fault_of(si11 + "force_n = 40\n"), "at this rate 30.9 N are allowed"));
+  CHECK(says(fault_of(si11 + "spiral = true\n"), "knead has no `spiral`"));
+  CHECK(says(fault_of(si11 + "hold_s = 2\n"), "knead has no `hold_s`"));
+  CHECK(says(fault_of(knead + "points = [\"GV4\"]\n"), "lies on the spine"));
+  CHECK(says(fault_of(knead), "knead needs points"));
+}
+
 TEST_CASE("what is missing or contradicts itself is refused") {
   CHECK(says(fault_of(""), "at least one [[part]]"));
   CHECK(says(fault_of("[[part]]\nforce_n = 10\n"), "needs a technique"));

@@ -6,6 +6,7 @@
 
 #include "tests/massage/backs.hpp"
 #include "tuina/massage/technique/contact_path.hpp"
+#include "tuina/massage/technique/knead.hpp"
 #include "tuina/massage/technique/press.hpp"
 #include "tuina/massage/technique/rub.hpp"
 #include "tuina/massage/technique/stroke.hpp"
@@ -131,6 +132,52 @@ TEST_CASE("a rub circle on a wall is (3.21) without a slope: round, closed, walk
   const auto [slowest, fastest] = speeds_at_full_force(path, 15.0);
   CHECK(fastest / slowest < 1.001);
   CHECK(fastest == doctest::Approx(0.35 * circle->length_m()).epsilon(0.001));
+}
+
+TEST_CASE("a knead circles in its place, lightest where it begins and firmest opposite of it") {
+  const body::BackSurface back = test::wall();
+  struct Case {
+    double radius_m, force_n, rate_hz, given_hz;
+  };
+  // The third turns slower than asked for by its force, the fourth by its speed along the skin.
+  for (const auto& [radius_m, force_n, rate_hz, given_hz] :
+       {Case{15_mm, 18.0, 0.8, 0.8}, Case{10_mm, 10.0, 1.25, 1.25},
+        Case{10_mm, 45.0, 1.25, 70.0 / (pi * 42.0)}, Case{20_mm, 12.0, 1.25, 0.64},
+        Case{12_mm, 3.0, 1.0, 1.0}}) {
+    CAPTURE(force_n);
+    const auto circle = circle_on(back, somewhere, radius_m, Vector3::UnitX(), true);
+    REQUIRE(circle.has_value());
+    const KneadOptions options{.force_n = force_n, .rate_hz = rate_hz, .turns = 5};
+    CHECK(knead_hz(*circle, options) == doctest::Approx(given_hz).epsilon(0.02));
+    const ContactPath path = plan_knead(*circle, options, "knead");
+    check_path(path, force_n);
+    const double turning_s = path.duration_s() - 2.0 * landing_s;
+    CHECK(turning_s == doctest::Approx(5.0 / given_hz + 0.5).epsilon(0.02));
+    int swells = 0;
+    for (std::size_t i = 1; i < path.points.size(); ++i) {
+      const ContactPoint& point = path.points[i];
+      const Vector3 aside = point.at_in_couch - somewhere.at_in_couch;
+      CHECK(aside.norm() == doctest::Approx(radius_m).epsilon(0.02));
+      CHECK(std::abs(aside.y()) < 0.1_mm);
+      const double middle_n = 0.5 * (force_n + kept_force_n);
+      swells += path.points[i - 1].force_n < middle_n && point.force_n >= middle_n;
+      const double landed_s = std::min(point.time_s, path.duration_s() - point.time_s);
+      if (landed_s < landing_s + sample_s) {
+        CHECK(point.force_n <= kept_force_n + 0.01 * force_n);
+        continue;
+      }
+      // The force belongs to the place: a raised cosine of the angle, also while speed is gained.
+      const double expected_n =
+          kept_force_n + (force_n - kept_force_n) * 0.5 * (1.0 - aside.x() / aside.norm());
+      CHECK(point.force_n == doctest::Approx(expected_n).epsilon(0.01).scale(force_n));
+    }
+    CHECK(swells == (force_n > kept_force_n ? 5 : swells));
+    const Vector3 first = path.points.front().at_in_couch, last = path.points.back().at_in_couch;
+    CHECK((first - last).norm() < 0.01_mm);
+    // From rest to rest: nothing moves before the tool has landed, nor after the last turn.
+    CHECK((path.points[49].at_in_couch - first).norm() < 1e-9);
+    CHECK((path.points[path.points.size() - 50].at_in_couch - last).norm() < 0.01_mm);
+  }
 }
 
 TEST_CASE(

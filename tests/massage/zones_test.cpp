@@ -75,12 +75,15 @@ TEST_CASE("the caps are below what the zones may feel, and only muscle may be ta
     CHECK(rule_of(zone).cap_n < rule_of(zone).trip_n);
     CHECK(cap_n(zone, Technique::press) <= std::max(0.0, rule_of(zone).cap_n - 2.0));
     CHECK((cap_n(zone, Technique::tap) > 0.0) == (zone == Zone::muscle));
-    for (const Technique technique : {Technique::rub, Technique::stroke, Technique::tap}) {
+    CHECK((cap_n(zone, Technique::knead) > 0.0) == rule_of(zone).sliding);
+    for (const Technique technique : all_techniques) {
       CHECK(cap_n(zone, technique) <= cap_n(zone, Technique::press));
     }
   }
   CHECK(cap_n(Zone::gv4, Technique::press) == 8.0);
   CHECK(cap_n(Zone::gv4, Technique::rub) == 0.0);
+  CHECK(cap_n(Zone::gv4, Technique::knead) == 0.0);
+  CHECK(cap_n(Zone::kidney, Technique::knead) == 17.0);
   CHECK(cap_n(Zone::spine, Technique::press) == 0.0);
 }
 

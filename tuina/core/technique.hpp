@@ -13,7 +13,7 @@
 
 namespace tuina {
 
-enum class Technique : std::uint8_t { press, rub, stroke, tap };
+enum class Technique : std::uint8_t { press, rub, stroke, tap, knead };
 
 /// Everything that is said of a technique in more than one place. A new technique is an enumerator
 /// and a row; its law is a file of room `massage`.
@@ -63,6 +63,14 @@ inline constexpr std::array technique_table = {
                  .usual_force_n = 10.0,
                  .overshoot_n = 2.0,
                  .colour = {122, 72, 160}},
+    TechniqueRow{.technique = Technique::knead,
+                 .name = "knead",
+                 .doing = "kneading",
+                 .did = "kneaded",
+                 .slides = true,
+                 .usual_force_n = 18.0,
+                 .overshoot_n = 3.0,
+                 .colour = {0, 158, 196}},
 };
 
 inline constexpr auto all_techniques = [] {
@@ -75,7 +83,7 @@ static_assert(
       for (std::size_t i = 0; i < all_techniques.size(); ++i) {
         if (static_cast<std::size_t>(all_techniques[i]) != i) return false;
       }
-      return static_cast<std::size_t>(Technique::tap) + 1 == all_techniques.size();
+      return static_cast<std::size_t>(Technique::knead) + 1 == all_techniques.size();
     }(),
     "each technique has its row, in the order of the enumerators");
 

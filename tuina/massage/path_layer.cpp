@@ -8,6 +8,7 @@
 
 #include "tuina/core/units.hpp"
 #include "tuina/massage/technique/contact_path.hpp"
+#include "tuina/massage/technique/knead.hpp"
 #include "tuina/massage/technique/press.hpp"
 #include "tuina/massage/technique/rub.hpp"
 #include "tuina/massage/technique/tap.hpp"
@@ -182,6 +183,11 @@ ContactPath PathLayer::along(const SurfaceCurve& curve, const Part& part, Zone z
                      .radius_m = part.radius_m},
                     name_);
   }
+  if (part.technique == Technique::knead) {
+    KneadOptions knead{.force_n = force_n, .rate_hz = part.rate_hz};
+    knead.turns = repeats_of(part, 1.0 / knead_hz(curve, knead), zone);
+    return plan_knead(curve, knead, name_);
+  }
   const double one_s = turn ? 2.0 * (turn->pass_s - hands_overlap_s)
                             : 2.0 * (curve.length_m() / part.speed_m_per_s + 0.5);
   return plan_stroke(curve,
@@ -214,8 +220,10 @@ Result<SurfaceCurve> PathLayer::circle(const Part& part, const Target& target,
   // Both hands begin outside and go round as mirror images of each other.
   const bool left = target.side >= 0.0;
   const Vector3 outside = left ? chart_.left() : Vector3(-chart_.left());
+  // A knead begins on the side of the spine, where its force is least.
+  const Vector3 first = part.technique == Technique::knead ? Vector3(-outside) : outside;
   const auto curve_on = part.spiral ? spiral_on : circle_on;
-  return curve_on(back_, *centre, part.radius_m, outside, left, bend);
+  return curve_on(back_, *centre, part.radius_m, first, left, bend);
 }
 
 Result<SurfaceCurve> PathLayer::line(const Part& part, const Target& target,

@@ -12,6 +12,7 @@
 #include "tuina/core/io/toml_reader.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/massage/technique/contact_path.hpp"
+#include "tuina/massage/technique/knead.hpp"
 #include "tuina/massage/technique/tap.hpp"
 #include "tuina/massage/zones.hpp"
 
@@ -58,6 +59,13 @@ TechniqueKeys keys_of(Technique technique) {
       return {.words = {"technique", "points", "side", "order", "together", "force_n", "time_s",
                         "rate_hz"},
               .rate_hz = {.usual = 3.0, .min = min_tap_hz, .max = max_tap_hz}};
+    case Technique::knead:
+      return {
+          .words = {"technique", "points", "side", "order", "together", "alternating", "force_n",
+                    "repeats", "time_s", "rate_hz", "radius_mm"},
+          .rate_hz = {.usual = 0.8, .min = min_knead_hz, .max = max_knead_hz},
+          .radius_mm = {
+              .usual = 15.0, .min = to_mm(min_knead_radius_m), .max = to_mm(max_knead_radius_m)}};
   }
   return {};
 }
@@ -187,8 +195,9 @@ void check_part(const TomlTable& table, const Part& part) {
   } else if (part.alternating || part.hand_over_hand) {
     check_turns(table, part, part.alternating ? "alternating" : "hand_over_hand");
   }
-  if (part.technique == Technique::rub) check_speed(table, part);
-  if (part.technique == Technique::tap) check_beat(table, part);
+  const bool kneads = part.technique == Technique::knead;
+  if (kneads || part.technique == Technique::rub) check_speed(table, part);
+  if (kneads || part.technique == Technique::tap) check_beat(table, part);
 }
 
 std::optional<Part> read_part(const TomlTable& table) {

@@ -41,7 +41,7 @@ struct Part {
   std::optional<double> time_s;  ///< Time at each point, instead of repeats.
   double hold_s = 2.0;           ///< Time of a press at its full force.
   double rise_s = 0.9;           ///< Time in which a press gains its force.
-  double radius_m = 0.030;       ///< Radius of a rub.
+  double radius_m = 0.030;       ///< Radius of a rub or a knead.
   bool spiral = false;           ///< A rub winds out to the radius and in again.
   double rate_hz = 0.35;         ///< Turns or taps a second.
   double speed_m_per_s = 0.060;  ///< Speed of a stroke.

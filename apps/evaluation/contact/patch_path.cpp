@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "tuina/massage/technique/contact_path.hpp"
+#include "tuina/massage/technique/knead.hpp"
 #include "tuina/massage/technique/surface_curve.hpp"
 #include "tuina/massage/technique/tap.hpp"
 
@@ -43,6 +44,21 @@ body::SurfacePoint place_on(const BelievedPatch& patch, double across_m, double 
           .normal_in_couch = normal};
 }
 
+/// A circle through the centre of the patch, where the force is least.
+ContactPath knead_path(const BelievedPatch& patch, const PatchTask& task) {
+  constexpr double radius_m = 15_mm, step = 0.05;
+  std::vector<body::SurfacePoint> points;
+  for (double angle = 0.0; angle < 2.0 * pi - 0.5 * step; angle += step)
+    points.push_back(
+        place_on(patch, radius_m - radius_m * std::cos(angle), radius_m * std::sin(angle)));
+  const massage::SurfaceCurve circle(points, true);
+  massage::KneadOptions knead{.force_n = task.force_n};
+  const double kneading_s = task.duration_s - 2.0 * massage::landing_s;
+  knead.turns =
+      std::max(1, static_cast<int>(std::lround(kneading_s * massage::knead_hz(circle, knead))));
+  return massage::plan_knead(circle, knead, name_of(Technique::knead));
+}
+
 struct Rub {
   massage::SurfaceCurve curve;
   double speed_m_per_s;
@@ -74,6 +90,7 @@ Rub rub_on(const BelievedPatch& patch, RubShape shape) {
 ContactPath path_on(const BelievedPatch& patch, const PatchTask& task) {
   if (task.technique == Technique::press) return press_path(place_on(patch, 0.0, 0.0), task);
   if (task.technique == Technique::tap) return tap_path(place_on(patch, 0.0, 0.0), task);
+  if (task.technique == Technique::knead) return knead_path(patch, task);
 
   const bool rub = task.technique == Technique::rub;
   const double ramp_s = massage::force_ramp_s(task.force_n, 0.9);
@@ -93,8 +110,7 @@ ContactPath path_on(const BelievedPatch& patch, const PatchTask& task) {
     const body::SurfacePoint place = rub ? rubbed.curve.at(way_m)
                                          : place_on(patch, task.stroke_across ? stroked_m : 0.0,
                                                     task.stroke_across ? 0.0 : stroked_m);
-    const double share =
-        massage::smooth_step(t, ramp_s) - massage::smooth_step(t - (duration_s - ramp_s), ramp_s);
+    const double share = massage::smooth_window(t, duration_s, ramp_s);
     return ContactPoint{.at_in_couch = place.at_in_couch,
                         .normal_in_couch = place.normal_in_couch,
                         .force_n = task.force_n * share};

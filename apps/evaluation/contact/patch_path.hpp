@@ -23,8 +23,8 @@ struct BelievedPatch {
 /// to 30 mm and in again, both at 66 mm/s.
 enum class RubShape : std::uint8_t { circle, ellipse, spiral };
 
-/// What is done there. A stroke is 250 mm at 50 mm/s. What the techniques are on a person, room
-/// `massage` works out from its surface.
+/// What is done there. A stroke is 250 mm at 50 mm/s, a knead a circle of 15 mm at 0.8 Hz. What the
+/// techniques are on a person, room `massage` works out from its surface.
 struct PatchTask {
   Technique technique = Technique::press;
   double force_n = 30.0;
