@@ -115,6 +115,16 @@ TEST_CASE("a force sensor that says NaN counts as silent, from its first sample 
   CHECK(scene.tick().cause == Cause::none);
 }
 
+TEST_CASE("after a first sample that is NaN nothing counts as felt") {
+  for (const double force_n : {24.5, 25.5}) {
+    Scene scene;
+    scene.force_n = not_a_number;
+    scene.tick();
+    scene.force_n = force_n;
+    CHECK(scene.tick().cause == (force_n > 25.0 ? Cause::force_spike : Cause::none));
+  }
+}
+
 TEST_CASE("a sample is as old as it may be to the last bit") {
   const double first_s = 4.0 / 1024.0, second_s = 5.5 / 1024.0;
   const double age_s = second_s - (first_s - 1e-3) - 1e-6;
