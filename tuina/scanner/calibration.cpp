@@ -49,8 +49,7 @@ std::vector<double> read_list(const TomlTable& table, const char* key, double hi
     const auto number = entry.number();
     if (number && *number > 0.0 && *number <= high) found.push_back(*number);
   }
-  if (table.has(key) &&
-      (found.empty() || found.size() != list.size() || found.size() > max_listed))
+  if (table.has(key) && (found.empty() || found.size() != list.size() || found.size() > max_listed))
     table.wrong(key, fmt::format("is not 1 to {} numbers up to {}", max_listed, high));
   return found;
 }
