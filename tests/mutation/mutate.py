@@ -278,7 +278,7 @@ def write_mutants():
     sources = {path: Source(path) for path in paths}
     walk = Walk(sources)
     for unit in (p for p in paths if p.endswith(".cpp")):
-        tree = subprocess.run(["clang++", *FLAGS, "-I.", "-fsyntax-only", "-Xclang", "-ast-dump=json", "-Xclang",
+        tree = subprocess.run(["clang++-14", *FLAGS, "-I.", "-fsyntax-only", "-Xclang", "-ast-dump=json", "-Xclang",
                                f"-ast-dump-filter=tuina::{ROOM}", unit], cwd=ROOT, check=True,
                               capture_output=True, text=True).stdout
         at, walk.file = 0, ""

@@ -18,7 +18,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little);
 constexpr std::string_view magic = "TUINAATL";
 constexpr std::uint32_t version = 4;
-constexpr double most_in_a_byte_m = 10_mm;
+constexpr double max_in_a_byte_m = 10_mm;
 constexpr std::uint32_t max_entries = 1U << 22;
 
 std::uint64_t fnv1a(std::string_view bytes) {
@@ -53,7 +53,7 @@ class Writer {
     count(static_cast<std::size_t>(m.cols()));
     for (Eigen::Index j = 0; j < m.cols(); ++j) {
       const double most = std::max(1e-12, m.col(j).cwiseAbs().maxCoeff());
-      const bool two = most > most_in_a_byte_m;
+      const bool two = most > max_in_a_byte_m;
       const auto scale = static_cast<float>(most / (two ? 32766.0 : 127.0));
       plain(static_cast<std::uint8_t>(two ? 2 : 1));
       plain(scale);

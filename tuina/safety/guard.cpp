@@ -47,40 +47,6 @@ double median(double a, double b, double c) {
 
 }  // namespace
 
-const char* name_of(Action action) noexcept {
-  constexpr std::array names = {"pass", "warn", "freeze", "comply", "retract", "brake"};
-  return names[static_cast<std::size_t>(action)];
-}
-
-const char* name_of(Cause cause) noexcept {
-  constexpr std::array names = {"none",
-                                "torque clamped",
-                                "torque rate clamped",
-                                "late tick",
-                                "force spike",
-                                "force sensor stale",
-                                "encoder jump",
-                                "joint too fast",
-                                "tool too fast",
-                                "torque saturated",
-                                "tool pushed out",
-                                "proposal not usable",
-                                "torque not finite",
-                                "leash too long",
-                                "force sensor spikes",
-                                "force rising too fast",
-                                "force over the zone's ceiling",
-                                "force over the trip",
-                                "set force over the zone's ceiling",
-                                "joint state not finite",
-                                "arms too close",
-                                "too close to the couch or its own body",
-                                "asked to stop",
-                                "person moved, a new scan is needed",
-                                "does not stand as planned"};
-  return names[static_cast<std::size_t>(cause)];
-}
-
 Guard::Guard(const Options& options) noexcept : options_(options) {
   const auto lower = [](double& value, double ceiling) {
     value = value <= ceiling ? std::max(value, 0.0) : ceiling;  // NaN counts as the ceiling
@@ -127,10 +93,8 @@ Verdict Guard::check(const Observation& seen, const Proposal& proposal) noexcept
       allowed_nm_ =
           seen.gravity_nm.cwiseMin(options_.torque_limit_nm).cwiseMax(-options_.torque_limit_nm);
       const double force_n = seen.force_in_base_n.norm();
-      if (std::isfinite(force_n)) {
-        samples_n_.fill(force_n);
-        medians_n_.fill(force_n);
-      }
+      samples_n_.fill(std::isfinite(force_n) ? force_n : 0.0);
+      medians_n_.fill(samples_n_[0]);
       q_rad_ = seen.q_rad;
       last_force_time_s_ = seen.time_s;
       tick_ = seen.tick - 1;
@@ -285,8 +249,7 @@ JointVector Guard::own_torque(const Observation& seen, Action action) noexcept {
     hold_in_base_ = taken_over_in_base_ = seen.tool_in_base;
     hold_rad_ = seen.q_rad;
   }
-  // Friction and a person who follows may hold the tool back, so the way is counted on the tool
-  // itself.
+  // Friction and a person who follows may hold the tool back, so the way is the tool's own.
   const double way_m = (seen.tool_in_base - taken_over_in_base_).dot(normal_in_base_);
   const double lead_m = (hold_in_base_ - seen.tool_in_base).dot(normal_in_base_);
   if (action == Action::retract && way_m < retract_m &&

@@ -16,7 +16,7 @@ namespace {
 // mistakes.
 constexpr double typed_tolerance = 2e-3;
 constexpr double exact = 1e-12;
-constexpr std::size_t most_listed = 100;
+constexpr std::size_t max_listed = 100;
 
 Vector3 vector_of(const std::vector<double>& numbers) {
   return {numbers[0], numbers[1], numbers[2]};
@@ -49,9 +49,8 @@ std::vector<double> read_list(const TomlTable& table, const char* key, double hi
     const auto number = entry.number();
     if (number && *number > 0.0 && *number <= high) found.push_back(*number);
   }
-  if (table.has(key) &&
-      (found.empty() || found.size() != list.size() || found.size() > most_listed))
-    table.wrong(key, fmt::format("is not 1 to {} numbers up to {}", most_listed, high));
+  if (table.has(key) && (found.empty() || found.size() != list.size() || found.size() > max_listed))
+    table.wrong(key, fmt::format("is not 1 to {} numbers up to {}", max_listed, high));
   return found;
 }
 
