@@ -28,7 +28,7 @@ struct Side {
   control::ContactTarget target;
 
   explicit Side(Arm arm)
-      : model(robot::thesis_arm(), robot::mount_for(Position::sitting), arm),
+      : model(robot::thesis_arm(), robot::mount_for(BodyPosture::sitting), arm),
         controller(model, {.learn_s = 0.0}),
         guard({.torque_limit_nm = JointVector::Constant(6, 120.0)}) {
     reading.q_rad = reading.dq_rad_per_s = JointVector::Zero(6);

@@ -21,7 +21,7 @@ using namespace tuina::robot;
 
 namespace {
 
-const RobotMount mount = mount_for(Position::sitting);
+const RobotMount mount = mount_for(BodyPosture::sitting);
 const ArmTable table = thesis_arm();
 const ArmModel left(table, mount, Arm::left);
 const ArmModel right(table, mount, Arm::right);

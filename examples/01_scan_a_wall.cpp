@@ -16,7 +16,7 @@ int main() {
   const Mesh wall = sim::make_patch({.centre_in_couch = Vector3(0.0, 0.0, 0.41), .size_m = 0.6});
 
   // The scanner as it is, and what its user knows of it after a careful calibration.
-  sim::LaserScanner scanner(wall, Position::sitting, {}, seed);
+  sim::LaserScanner scanner(wall, BodyPosture::sitting, {}, seed);
   const auto calibration = sim::believed_calibration(scanner.true_calibration(), seed);
   const auto scan = scanner::scan_sweep(scanner, scanner, calibration);
   if (!scan) {

@@ -29,7 +29,7 @@ Result<void> run(const char* file) {
     if (!surface) return tl::unexpected(surface.error());
     scan_in_couch = std::move(surface->cloud);
   } else {
-    const auto person = sim::parse_person("phantom:medium", Position::sitting, 1);
+    const auto person = sim::parse_person("phantom:medium", BodyPosture::sitting, 1);
     if (!person) return tl::unexpected(person.error());
     scan_in_couch.points = person->skin_in_couch.vertices;
     truth = person->acupoints;
@@ -37,7 +37,8 @@ Result<void> run(const char* file) {
 
   const auto found = find_acupoints(scan_in_couch);
   if (!found) return tl::unexpected(found.error());
-  fmt::print("a person {}\n", found->position == Position::sitting ? "who sits" : "who lies prone");
+  fmt::print("a person {}\n",
+             found->position == BodyPosture::sitting ? "who sits" : "who lies prone");
   for (std::size_t i = 0; i < seven_acupoints.size(); ++i) {
     const Acupoint& point = found->acupoints[i];
     const Vector3 at_mm = 1e3 * point.at_in_couch;

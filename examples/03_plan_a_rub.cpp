@@ -10,7 +10,7 @@
 using namespace tuina;
 
 int main() {
-  const auto person = sim::parse_person("phantom:medium", Position::sitting, 1);
+  const auto person = sim::parse_person("phantom:medium", BodyPosture::sitting, 1);
   PointCloud skin_in_couch;
   skin_in_couch.points = person->skin_in_couch.vertices;
   const auto back = body::fit_back(skin_in_couch);

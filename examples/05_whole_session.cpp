@@ -32,7 +32,7 @@ class ForceWatch final : public session::Observer {
 
 int main() {
   constexpr std::uint64_t seed = 1;
-  const auto person = sim::parse_person("phantom:medium", Position::prone, seed).value();
+  const auto person = sim::parse_person("phantom:medium", BodyPosture::prone, seed).value();
   const auto stand = robot::place_robot(robot::load_robot("thesis").value(), person.position);
   const auto world = sim::World::make(person, stand, {}, seed).value();
 

@@ -12,7 +12,7 @@
 using namespace tuina;
 
 int main() {
-  const auto mount = robot::mount_for(Position::sitting);
+  const auto mount = robot::mount_for(BodyPosture::sitting);
   const robot::ArmTable table = robot::thesis_arm();
   const auto ready_rad = robot::ready_posture(table, mount);
   const robot::ArmModel left(table, mount, Arm::left), right(table, mount, Arm::right);

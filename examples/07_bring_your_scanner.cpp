@@ -61,7 +61,7 @@ class MyScanner final : public scanner::Camera, public scanner::Turntable {
 }  // namespace
 
 int main() {
-  const auto person = sim::parse_person("phantom:slim", Position::sitting, 1).value();
+  const auto person = sim::parse_person("phantom:slim", BodyPosture::sitting, 1).value();
   const auto stand = robot::place_robot(robot::load_robot("thesis").value(), person.position);
   const auto world = sim::World::make(person, stand, {}, 1).value();
   MyScanner mine(person, sim::true_calibration(person.position));

@@ -68,7 +68,7 @@ class MyRobot final : public robot::Robot {
 }  // namespace
 
 int main() {
-  const auto person = sim::parse_person("phantom:medium", Position::prone, 1).value();
+  const auto person = sim::parse_person("phantom:medium", BodyPosture::prone, 1).value();
   const auto stand = robot::place_robot(robot::load_robot("thesis").value(), person.position);
   const auto world = sim::World::make(person, stand, {}, 1).value();
   MyRobot mine(person, stand);

@@ -23,7 +23,7 @@ tissue::ClassProbabilities prior_of(massage::Zone zone) {
 }  // namespace
 
 FeltBack felt_back(const SessionResult& result, const tissue::BodyFacts& facts) {
-  constexpr double max_chi = 4.0;  // beyond, the press does not follow the law
+  constexpr double max_nis = 4.0;  // beyond, the press does not follow the law
   FeltBack felt;
   std::vector<tissue::Visit> visits;
   std::vector<tissue::KnownPress> presses;
@@ -35,12 +35,12 @@ FeltBack felt_back(const SessionResult& result, const tissue::BodyFacts& facts) 
         .planned = &planned,
         .estimate = *done.felt,
         .truth = result.truth.touched[i].tissue,
-        .classified = tissue::classify(*done.felt, done.chi, prior_of(planned.zone)),
+        .classified = tissue::classify(*done.felt, done.nis, prior_of(planned.zone)),
         .place = {.at_in_couch = planned.path.points.front().at_in_couch,
                   .log_stiffness = std::log(
                       tissue::stiffness_at_force(done.felt->tissue, session::reference_force_n)),
                   .sd = done.stiffness_sd},
-        .mapped = done.felt->presses >= 1 && done.chi <= max_chi};
+        .mapped = done.felt->presses >= 1 && done.nis <= max_nis};
     felt.points.push_back(point);
     if (!point.mapped) continue;
     visits.push_back({planned.path.acupoints.front(), point.place});

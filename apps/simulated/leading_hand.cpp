@@ -38,10 +38,9 @@ HandMotion::Now HandMotion::at(double time_s) const {
   const double s = u * u * u * (10.0 + u * (6.0 * u - 15.0));
   const double ds = 30.0 * u * u * (1.0 - u) * (1.0 - u) / length_s;
   const Vector3 way = leg.to.at_in_base - leg.from.at_in_base;
-  return {
-      .foremost = {leg.from.at_in_base + s * way,
-                   ((1.0 - s) * leg.from.normal_in_base + s * leg.to.normal_in_base).normalized()},
-      .velocity = ds * way};
+  return {.tip = {leg.from.at_in_base + s * way,
+                  ((1.0 - s) * leg.from.normal_in_base + s * leg.to.normal_in_base).normalized()},
+          .velocity = ds * way};
 }
 
 ToolPose HandMotion::pose(const ContactPoint& point) const {
@@ -55,8 +54,8 @@ HandMotion::Now HandMotion::along(const ContactPath& path, double path_s) const 
   const auto k = static_cast<std::size_t>(place);
   const double u = place - static_cast<double>(k);
   const ToolPose a = pose(path.points[k]), b = pose(path.points[k + 1]);
-  return {.foremost = {(1.0 - u) * a.at_in_base + u * b.at_in_base,
-                       ((1.0 - u) * a.normal_in_base + u * b.normal_in_base).normalized()},
+  return {.tip = {(1.0 - u) * a.at_in_base + u * b.at_in_base,
+                  ((1.0 - u) * a.normal_in_base + u * b.normal_in_base).normalized()},
           .velocity = (b.at_in_base - a.at_in_base) / step_s,
           .press_n = (1.0 - u) * path.points[k].force_n + u * path.points[k + 1].force_n};
 }
@@ -66,8 +65,8 @@ Wrench Hand::push(const HandMotion::Now& wanted, const Transform& base_from_tool
   constexpr double tick_s = 1e-3;
   constexpr double stiffness = 1500.0, damping = 60.0, max_n = 60.0;
   constexpr double turn_stiffness = 10.0, turn_damping = 0.5, force_per_s = 3.0;
-  const Vector3& normal = wanted.foremost.normal_in_base;
-  const Vector3 centre = wanted.foremost.at_in_base + radius_m * normal;
+  const Vector3& normal = wanted.tip.normal_in_base;
+  const Vector3 centre = wanted.tip.at_in_base + radius_m * normal;
   Vector3 force =
       stiffness * (centre - base_from_tool.translation()) + damping * (wanted.velocity - velocity);
   if (wanted.press_n > 0.0) {
@@ -81,7 +80,7 @@ Wrench Hand::push(const HandMotion::Now& wanted, const Transform& base_from_tool
   const Vector3 turning =
       last_axis_.isZero() ? Vector3::Zero() : Vector3((axis - last_axis_) / tick_s);
   last_axis_ = axis;
-  return {.force_n = control::shortened(force, max_n),
+  return {.force_n = control::clamp_norm(force, max_n),
           .torque_nm = turn_stiffness * axis.cross(normal) - turn_damping * axis.cross(turning)};
 }
 

@@ -13,7 +13,7 @@ namespace tuina::app {
 class HandMotion {
  public:
   struct Now {
-    control::ToolPose foremost;
+    control::ToolPose tip;
     Vector3 velocity = Vector3::Zero();
     double press_n = 0.0;  ///< 0 in the air
   };

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apps/simulated/session_preparation.hpp"
+#include "apps/simulated/session_order.hpp"
 #include "tuina/control/cartesian_impedance.hpp"
 #include "tuina/control/friction.hpp"
 #include "tuina/robot/inverse_kinematics.hpp"
@@ -22,7 +22,7 @@ Result<PlayedMotion> play_motion(const session::TaughtMotion& motion, const std:
       robot::place_robot(*robot, motion.position, session::head_at_plus_y(person->acupoints));
   const robot::ArmTable& table = placement.arm;
   robot::ReadyPose start{.q_rad = robot::ready_posture(table, placement.mount),
-                          .rail_m = motion.rail_m};
+                         .rail_m = motion.rail_m};
   start.q_rad[motion.arm] = motion.samples.front().q_rad;
   auto made = TeachingStage::make(*person, placement, start, config, common.seed);
   if (!made) return tl::unexpected(made.error());

@@ -160,7 +160,7 @@ std::string session_json(const SessionResult& result, const FeltBack& felt_back,
          {"arm", name_of(done.arm)},
          {"begin_s", done.begin_s},
          {"end_s", done.end_s},
-         {"trouble", control::name_of(done.trouble)},
+         {"trouble", control::name_of(done.contact_fault)},
          {"true_peak_n", result.truth.touched[i].peak_n},
          {"true_over_trip_n", number(result.truth.touched[i].over_trip_n)}});
     if (const auto off_m = tool_to_acupoint_m(result, i))
@@ -235,12 +235,9 @@ Result<void> write_session(const SessionResult& result, const session::Config& c
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) return fail(Fault::file, "{}: cannot be made: {}", folder.string(), error.message());
-  const record::MapFile map{.method = name_of(result.session.located.method),
-                            .position = result.session.located.position,
-                            .arms = name_of(result.session.located.arms),
-                            .compute_ms = result.session.locate_ms,
-                            .acupoints = result.session.located.acupoints,
-                            .landmarks = result.session.located.landmarks};
+  const record::MapFile map{.mapping = result.session.located,
+                            .points = result.session.scan.cloud_in_couch.size(),
+                            .compute_ms = result.session.locate_ms};
   const std::pair<const char*, std::string> files[] = {
       {"session.json", json + "\n"},
       {"config.toml", session::to_toml(config)},
@@ -272,10 +269,10 @@ std::string session_text(const SessionResult& result) {
       result.session.performed.size(), result.session.massage_s, result.truth.force.rmse_n,
       result.truth.force.peak_n, result.real_time_factor());
   for (const session::Performed& done : result.session.performed) {
-    if (done.trouble == control::Trouble::none) continue;
+    if (done.contact_fault == control::ContactFault::none) continue;
     text += fmt::format(
         "\n{}: {}", result.session.ready.plan.paths[static_cast<std::size_t>(done.path)].path.name,
-        control::name_of(done.trouble));
+        control::name_of(done.contact_fault));
   }
   for (const std::string& note : result.session.ready.plan.notes) text += "\n" + note;
   for (const session::Stop& stop : result.session.stops) {

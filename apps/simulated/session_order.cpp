@@ -81,11 +81,10 @@ Result<SimulatedRoom> make_room(const SessionOrder& order, const session::Config
 
   sim::WorldOptions options = world_options(config);
   options.real_pace = order.real_time;
-  auto world = sim::World::make(
-      *person,
-      robot::place_robot(room.order.robot, person->position,
-                         session::head_at_plus_y(person->acupoints)),
-      options, common.seed);
+  auto world = sim::World::make(*person,
+                                robot::place_robot(room.order.robot, person->position,
+                                                   session::head_at_plus_y(person->acupoints)),
+                                options, common.seed);
   if (!world) return tl::unexpected(world.error());
   room.world = std::move(*world);
   room.order.calibration = room.world->believed_calibration();

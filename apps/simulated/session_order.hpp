@@ -17,7 +17,7 @@ namespace tuina::app {
 /// What somebody at a terminal orders of a simulated session: names and files.
 struct SessionOrder {
   std::string person = "phantom:medium";
-  std::optional<Position> position;
+  std::optional<BodyPosture> position;
   std::string programme = "relax";
   std::string robot = "thesis";  ///< a shipped robot or the file of its table
   body::Method method = body::Method::surface;

@@ -49,12 +49,12 @@ void take_acupoints(const json& session, ReportData& data) {
 
 void take_conduct(const json& session, const massage::Plan& plan, ReportData& data) {
   for (const json& done : session.at("massage").at("performed")) {
-    const std::string trouble = word(done, "trouble");
+    const std::string contact_fault = word(done, "trouble");
     data.paths.push_back({.arm = arm_of(done),
                           .begin_s = number(done, "begin_s"),
                           .path = plan.paths.at(done.at("path").get<std::size_t>()).path,
                           .end_s = number(done, "end_s"),
-                          .trouble = trouble == "none" ? "" : trouble});
+                          .contact_fault = contact_fault == "none" ? "" : contact_fault});
   }
   const json& techniques = session.at("massage").at("techniques");
   for (const Technique technique : all_techniques) {
@@ -197,9 +197,9 @@ Result<ReportData> read_record(const fs::path& folder) {
   try {
     const json session = json::parse(*text);
     ReportData data{.person = word(session, "person"),
-                    .position = word(session, "position") == name_of(Position::prone)
-                                    ? Position::prone
-                                    : Position::sitting,
+                    .position = word(session, "position") == name_of(BodyPosture::prone)
+                                    ? BodyPosture::prone
+                                    : BodyPosture::sitting,
                     .programme = word(session.at("order"), "programme"),
                     .seed = session.at("seed").get<std::uint64_t>(),
                     .duration_s = number(session.at("massage"), "duration_s"),
@@ -224,9 +224,9 @@ Result<ReportData> read_record(const fs::path& folder) {
     if (!model) {
       return fail(Fault::bad_input, "{}: order.robot: {}", file, model.error().message);
     }
-    data.poses =
-        poses_of(*joints, robot::place_robot(*model, data.position, session::head_at_plus_y(acupoints)),
-                 base_from_couch);
+    data.poses = poses_of(
+        *joints, robot::place_robot(*model, data.position, session::head_at_plus_y(acupoints)),
+        base_from_couch);
     return data;
   } catch (const json::exception& error) {
     // "[json.exception.out_of_range.403] key 'order' not found": the sentence is behind the

@@ -87,7 +87,7 @@ Result<RecordedSession> read_session(const fs::path& folder) {
     session.config = *config;
     session.seed = recorded.at("seed").get<std::uint64_t>();
     session.json = std::move(*text);
-    for (const Position position : {Position::sitting, Position::prone}) {
+    for (const BodyPosture position : {BodyPosture::sitting, BodyPosture::prone}) {
       if (word("position") == name_of(position)) session.order.position = position;
     }
     return session;

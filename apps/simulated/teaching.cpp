@@ -51,7 +51,7 @@ Result<motion::ReadyPlan> plan_for(const sim::Person& person, const TeachOrder& 
 HandMotion hand_motion(const motion::ReadyPlan& ready, const ToolPose& home, Arm arm,
                        const Transform& base_from_couch) {
   const ContactPath& path = ready.plan.paths.front().path;
-  const auto& way = ready.jobs[arm].front().way_in_base;
+  const auto& way = ready.jobs[arm].front().waypoints_in_base;
   const auto over = [&](const ContactPoint& point, double height_m) {
     const Vector3 normal = base_from_couch.linear() * point.normal_in_couch;
     return ToolPose{base_from_couch * point.at_in_couch + height_m * normal, normal};
@@ -91,9 +91,9 @@ Result<void> add_line(const TeachOrder& order, const CommonOptions& common,
   for (const session::TaughtSample& sample : motion.samples) {
     if (sample.force_n < working_n) continue;
     const Transform tool = model.base_from_tool(sample.q_rad, motion.rail_m);
-    const Vector3 foremost =
+    const Vector3 tip =
         tool.translation() - model.table().tool_radius_m * control::tool_normal(tool);
-    way.push_back(couch_from_base * foremost);
+    way.push_back(couch_from_base * tip);
     worked.push_back(&sample);
   }
   if (way.empty()) return {};
@@ -134,7 +134,7 @@ Result<TaughtByHand> record_by_hand(const TeachOrder& order, const session::Conf
   const auto robot = robot::load_robot(order.robot);
   if (!robot) return tl::unexpected(robot.error());
   const robot::RobotPlacement placement =
-      robot::place_robot(*robot, order.position, head_at_plus_y(person->acupoints));
+      robot::place_robot(*robot, order.position, session::head_at_plus_y(person->acupoints));
   const auto ready = plan_for(*person, order, placement);
   if (!ready) return tl::unexpected(ready.error());
   auto made =
@@ -169,7 +169,7 @@ Result<TaughtByHand> record_by_hand(const TeachOrder& order, const session::Conf
     if (bar && reading.tick % 100 == 0) bar(reading.time_s / end_s);
     for (const Arm side : both_arms) stage.arms[side].sense(reading, side);
     control::ArmController& led = stage.arms[arm].controller;
-    if (time_s >= 0.0 && led.status().doing != control::Doing::lead) led.lead();
+    if (time_s >= 0.0 && led.status().mode != control::Mode::lead) led.lead();
     robot::RobotCommand command{.rail_m = ready->rail_m};
     for (const Arm side : both_arms) {
       session::GuardedArm& one = stage.arms[side];

@@ -16,7 +16,7 @@ namespace tuina::app {
 struct TeachOrder {
   std::string person = "phantom:medium";
   std::string robot = "thesis";  ///< a shipped robot or the file of its table
-  Position position = Position::sitting;
+  BodyPosture position = BodyPosture::sitting;
   Technique technique = Technique::stroke;  ///< shown as the first of `relax` on that side
   Arm arm = Arm::left;
 };

@@ -34,11 +34,9 @@ struct TeachingStage {
   TeachingStage(const TeachingStage&) = delete;
   TeachingStage& operator=(const TeachingStage&) = delete;
 
-  [[nodiscard]] static Result<std::unique_ptr<TeachingStage>> make(const sim::Person& who,
-                                                                   const robot::RobotPlacement& placement,
-                                                                   const robot::ReadyPose& start,
-                                                                   const session::Config& config,
-                                                                   std::uint64_t seed) {
+  [[nodiscard]] static Result<std::unique_ptr<TeachingStage>> make(
+      const sim::Person& who, const robot::RobotPlacement& placement, const robot::ReadyPose& start,
+      const session::Config& config, std::uint64_t seed) {
     auto world = sim::World::make(who, placement, world_options(config), seed);
     if (!world) return tl::unexpected(world.error());
     if (auto stands = (*world)->robot().stand_ready(start); !stands)

@@ -32,7 +32,7 @@ class Export final : public Verb {
   [[nodiscard]] Result<Answer> run(const CommonOptions&) override {
     const auto model = robot::load_robot(robot_);
     if (!model) return tl::unexpected(model.error());
-    const Position position = position_ == "prone" ? Position::prone : Position::sitting;
+    const BodyPosture position = position_ == "prone" ? BodyPosture::prone : BodyPosture::sitting;
     const PerArm<robot::ArmTable> arms{.of = {model->arm, model->arm}};
     const robot::Description robot =
         model->carrier == robot::Carrier::wheeled_body

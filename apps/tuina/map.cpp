@@ -2,7 +2,6 @@
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "apps/simulated/atlas_source.hpp"
@@ -13,6 +12,7 @@
 #include "tuina/core/io/file.hpp"
 #include "tuina/core/io/surface_file.hpp"
 #include "tuina/core/units.hpp"
+#include "tuina/record/acupoint_file.hpp"
 
 namespace tuina::app {
 namespace {
@@ -61,7 +61,7 @@ class MapVerb final : public Verb {
     const auto start = std::chrono::steady_clock::now();
     body::BackOptions options;
     if (position_ != "auto")
-      options.position = position_ == "prone" ? Position::prone : Position::sitting;
+      options.position = position_ == "prone" ? BodyPosture::prone : BodyPosture::sitting;
     // A mesh says what lies between its vertices.
     const auto back =
         scan->triangles.empty()
@@ -75,27 +75,10 @@ class MapVerb final : public Verb {
         std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     if (bar) bar(1.0);
 
-    nlohmann::json acupoints = nlohmann::json::object();
-    for (const auto& point : mapping->acupoints) {
-      acupoints[point.name] = {{"position_m", numbers(point.at_in_couch)},
-                               {"normal", numbers(point.normal_in_couch)},
-                               {"uncertainty_mm", to_mm(point.uncertainty_m)}};
-    }
-    nlohmann::json landmarks = nlohmann::json::object();
-    for (const auto& landmark : mapping->landmarks)
-      landmarks[landmark.name] = numbers(landmark.at_in_couch);
-    const nlohmann::json json{{"method", name_of(mapping->method)},
-                              {"position", name_of(mapping->position)},
-                              {"arms", name_of(mapping->arms)},
-                              {"compute_ms", compute_ms},
-                              {"points", scan->cloud.size()},
-                              {"dropped_points", scan->dropped_points},
-                              {"seen_percent", 100.0 * mapping->seen},
-                              {"misfit_mm", to_mm(mapping->misfit_m)},
-                              {"strangeness", mapping->strangeness},
-                              {"acupoints", acupoints},
-                              {"landmarks", landmarks}};
-    const std::string text = json.dump(2);
+    const std::string text = record::to_json({.mapping = *mapping,
+                                              .points = scan->cloud.size(),
+                                              .dropped_points = scan->dropped_points,
+                                              .compute_ms = compute_ms});
     if (!out_.empty()) {
       if (const auto written = write_file(out_, text + "\n"); !written)
         return tl::unexpected(written.error());
@@ -128,7 +111,6 @@ class MapVerb final : public Verb {
     return std::optional(body::plane_normal(*places));
   }
 
-  static std::array<double, 3> numbers(const Vector3& v) { return {v.x(), v.y(), v.z()}; }
   [[nodiscard]] tl::unexpected<Error> refused(const Error& error) const {
     return tl::unexpected(Error{error.fault, fmt::format("{}: {}", scan_, error.message)});
   }

@@ -81,8 +81,8 @@ class Massage final : public Verb {
     CommonOptions common = given;
     auto config = effective_config(common);
     if (!config) return tl::unexpected(config.error());
-    if (position_ == "sitting") order_.position = Position::sitting;
-    if (position_ == "prone") order_.position = Position::prone;
+    if (position_ == "sitting") order_.position = BodyPosture::sitting;
+    if (position_ == "prone") order_.position = BodyPosture::prone;
     order_.method = body::parse_method(method_).value_or(order_.method);
     order_.real_time = pace_ == "real" || order_.keys;
     order_.adaptive = adaptive_ == "on";

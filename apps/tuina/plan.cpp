@@ -59,7 +59,7 @@ std::string picture_of(const SurfaceFile& scan, const body::BackSurface& back,
   return to_png(telemetry::shade(scene, view).image);
 }
 
-std::string text_of(const record::PlanFile& file, Position position) {
+std::string text_of(const record::PlanFile& file, BodyPosture position) {
   const massage::Plan& plan = file.plan;
   std::string text =
       fmt::format("{}: {} paths, {:.0f} s, {}\n", plan.programme, plan.paths.size(),
@@ -78,7 +78,8 @@ std::string text_of(const record::PlanFile& file, Position position) {
       "planned in {:.0f} ms",
       to_mm(file.min_arm_distance_m),
       at_once ? fmt::format(", their tools {:.0f} mm", to_mm(plan.min_tool_distance_m)) : "",
-      to_mm(file.clear[robot::Surrounding::couch]), position == Position::sitting ? "chair" : "bed",
+      to_mm(file.clear[robot::Surrounding::couch]),
+      position == BodyPosture::sitting ? "chair" : "bed",
       to_mm(file.clear[robot::Surrounding::body]), file.compute_ms);
   return text;
 }

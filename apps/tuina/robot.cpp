@@ -35,7 +35,7 @@ ordered_json json_of(const robot::Link& link) {
 
 /// How the arms wait before a person: whether they can at all is the first thing to know of a
 /// mounting.
-ordered_json waiting(const robot::RobotModel& model, Position position, std::string& text) {
+ordered_json waiting(const robot::RobotModel& model, BodyPosture position, std::string& text) {
   const robot::RobotPlacement there = robot::place_robot(model, position);
   const auto arms = robot::both_models(there.arm, there.mount);
   const auto ready = robot::ready_posture(there.arm, there.mount);
@@ -105,7 +105,7 @@ class RobotShow final : public Verb {
                          {"tool_radius_mm", to_mm(arm.tool_radius_m)},
                          {"tool_mass_kg", arm.tool_mass_kg},
                          {"links", links}};
-    for (const Position position : {Position::sitting, Position::prone})
+    for (const BodyPosture position : {BodyPosture::sitting, BodyPosture::prone})
       json[name_of(position)] = waiting(*model, position, text);
     text.pop_back();
     return Answer{.json = json.dump(2), .text = text};

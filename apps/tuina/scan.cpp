@@ -173,8 +173,9 @@ class ScanVerb final : public Verb {
   Result<Answer> simulate(const CommonOptions& common, const session::Config& config,
                           const std::optional<scanner::ScannerCalibration>& given,
                           const scanner::SweepOptions& options) {
-    std::optional<Position> position;
-    if (!position_.empty()) position = position_ == "prone" ? Position::prone : Position::sitting;
+    std::optional<BodyPosture> position;
+    if (!position_.empty())
+      position = position_ == "prone" ? BodyPosture::prone : BodyPosture::sitting;
     const auto person = sim::parse_person(person_, position, common.seed);
     if (!person) return tl::unexpected(person.error());
     const sim::Breathing breathing{.amplitude_m = from_mm(breathing_mm_),

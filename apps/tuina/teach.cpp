@@ -122,7 +122,7 @@ class TeachRecord final : public Verb {
     if (fs::path(out_).extension() != ".toml")
       return fail(Fault::usage, "--out {}: the name must end in .toml", out_);
     if (const auto good = check_folder_of(out_); !good) return tl::unexpected(good.error());
-    order_.position = position_ == "prone" ? Position::prone : Position::sitting;
+    order_.position = position_ == "prone" ? BodyPosture::prone : BodyPosture::sitting;
     order_.technique = *parse_technique(technique_);  // checked by the option
     order_.arm = arm_ == "left" ? Arm::left : Arm::right;
     const auto taught = record_by_hand(order_, *config, common);

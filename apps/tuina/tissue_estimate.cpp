@@ -34,7 +34,7 @@ void append_row(std::string& trace, double time_s, const TissueEstimate& e, bool
 /// What an estimator made of a record.
 struct Estimated {
   TissueEstimate last;
-  double chi = 1.0;
+  double nis = 1.0;
   std::string trace = trace_header;
   std::vector<TimedEstimate> history = {};
 };
@@ -49,7 +49,7 @@ Estimated by_tuina(const std::vector<tissue::TimedPress>& record,
     result.history.push_back({sample.time_s, estimator.estimate()});
   }
   result.last = estimator.estimate();
-  result.chi = estimator.chi();
+  result.nis = estimator.nis();
   return result;
 }
 
@@ -162,7 +162,7 @@ class TissueEstimateVerb final : public Verb {
 
   static Answer answer(const Estimated& result, const tissue::SensorNoise& noise, bool ours) {
     const TissueEstimate& e = result.last;
-    const tissue::Classification found = tissue::classify(e, result.chi);
+    const tissue::Classification found = tissue::classify(e, result.nis);
     const auto number = [](bool there, double value) {
       return there ? nlohmann::json(value) : nlohmann::json();
     };
@@ -178,7 +178,7 @@ class TissueEstimateVerb final : public Verb {
             {"converged", e.converged},
             {"converged_after_s", number(e.converged, e.converged_after_s)},
             {"presses", e.presses},
-            {"chi", number(ours, result.chi)},
+            {"chi", number(ours, result.nis)},
             {"class", tissue::name_of(found.label)},
             {"class_probability", found.probability},
             {"class_probabilities",

@@ -46,7 +46,7 @@ class TissueFit final : public Verb {
             {"contact_mm", to_mm(fit->contact_m)},
             {"force_offset_n", fit->offset_n},
             {"rmse_n", fit->rmse_n},
-            {"chi", fit->chi},
+            {"chi", fit->reduced_chi_square},
             {"peak_force_n", fit->peak_force_n},
             {"samples", fit->samples},
             {"noise", {{"force_n", noise.force_n}, {"position_mm", to_mm(noise.position_m)}}},

@@ -71,8 +71,8 @@ std::string laid_out(const std::vector<Tile>& tiles, int columns) {
   return drawn;
 }
 
-telemetry::View view_of(Position position) {
-  const bool sitting = position == Position::sitting;
+telemetry::View view_of(BodyPosture position) {
+  const bool sitting = position == BodyPosture::sitting;
   return {.toward_eye = sitting ? Vector3::UnitY() : Vector3::UnitZ(),
           .up = sitting ? Vector3(Vector3::UnitZ()) : Vector3(-Vector3::UnitY()),
           .width_px = 2 * (tile_px - 10),
@@ -90,7 +90,7 @@ struct Scanned {
   body::BackSurface back;
 };
 
-Result<Scanned> scanned(sim::BodyType type, std::uint64_t seed, Position position) {
+Result<Scanned> scanned(sim::BodyType type, std::uint64_t seed, BodyPosture position) {
   auto person = sim::make_phantom(sim::draw_phantom(type, seed), position);
   sim::LaserScanner unit(person.skin_in_couch, position, {}, seed);
   auto scan =
@@ -172,7 +172,7 @@ std::vector<Tile> tiles_of_fit(const Scanned& seen, const body::ShapeModel& mode
       {beads(seen, mean, [&](Eigen::Index i) { return telemetry::hardness_colour(rigid_off(i)); }),
        "3  the mean back, laid on",
        {fmt::format("best of {} beginnings, {:.0f} mm off (RMS)",
-                    seen.back.position() == Position::sitting ? 7 : 14, to_mm(rigid.residual_m)),
+                    seen.back.position() == BodyPosture::sitting ? 7 : 14, to_mm(rigid.residual_m)),
         "yellow: on it, violet: 30 mm off"}},
       {beads(seen, shaped,
              [&](Eigen::Index i) {
@@ -216,12 +216,12 @@ Result<Tile> tile_of_points(const Scanned& seen, const body::Atlas& atlas) {
 }
 
 Result<std::string> method_figure(const body::Atlas& atlas) {
-  const auto seen = scanned(sim::BodyType::hefty, 21, Position::sitting);
+  const auto seen = scanned(sim::BodyType::hefty, 21, BodyPosture::sitting);
   if (!seen) return tl::unexpected(seen.error());
   const auto outline = body::find_outline(seen->back);
   if (!outline) return tl::unexpected(outline.error());
   std::vector<Tile> tiles = {tile_of_scan(*seen), tile_of_outline(*seen, *outline)};
-  for (Tile& tile : tiles_of_fit(*seen, atlas.of(Position::sitting)->shape)) {
+  for (Tile& tile : tiles_of_fit(*seen, atlas.of(BodyPosture::sitting)->shape)) {
     tiles.push_back(std::move(tile));
   }
   auto points = tile_of_points(*seen, atlas);
@@ -251,8 +251,8 @@ std::string plane_picture(const baselines::PlanePicture& picture,
 }
 
 Result<std::string> morphing_figure() {
-  const auto standard = scanned(sim::BodyType::medium, 3, Position::sitting);
-  const auto person = scanned(sim::BodyType::hefty, 21, Position::sitting);
+  const auto standard = scanned(sim::BodyType::medium, 3, BodyPosture::sitting);
+  const auto person = scanned(sim::BodyType::hefty, 21, BodyPosture::sitting);
   if (!standard || !person) return tl::unexpected((standard ? person : standard).error());
   const auto of_standard = body::find_outline(standard->back);
   const auto of_person = body::find_outline(person->back);
@@ -289,7 +289,7 @@ Result<std::string> morphing_figure() {
 // --- Paths ------------------------------------------------------------------------------------
 
 Result<std::string> path_figure() {
-  const auto seen = scanned(sim::BodyType::medium, 6, Position::sitting);
+  const auto seen = scanned(sim::BodyType::medium, 6, BodyPosture::sitting);
   if (!seen) return tl::unexpected(seen.error());
   constexpr double speed = 0.06;
   telemetry::Scene older = clay(*seen);
@@ -317,11 +317,11 @@ Result<std::string> path_figure() {
     ours.threads.push_back(std::move(smooth));
   }
   const std::vector<Tile> tiles = {
-      {centred(telemetry::shade(older, view_of(Position::sitting))),
+      {centred(telemetry::shade(older, view_of(BodyPosture::sitting))),
        "two planes",
        {"nearest scan points to lines on two planes",
         fmt::format("mean square jerk {:.3g} m\u00b2/s\u2076", older_jerk)}},
-      {centred(telemetry::shade(ours, view_of(Position::sitting))),
+      {centred(telemetry::shade(ours, view_of(BodyPosture::sitting))),
        "tuina",
        {"a spline on the smoothed skin",
         fmt::format("mean square jerk {:.3g} m\u00b2/s\u2076 (1/{:.0f})", our_jerk,

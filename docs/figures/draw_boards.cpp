@@ -39,7 +39,7 @@ int main(int argc, char** argv) {
   };
   int left = 0;
   for (const Shown& shown : {Shown{{}, 3}, Shown{sim::charuco_board(), 5}}) {
-    const auto pictures = sim::rehearsal_pictures(truth, 1, {.board = shown.board});
+    const auto pictures = sim::synthetic_pictures(truth, 1, {.board = shown.board});
     for (const std::size_t i : {2 * shown.pose, 2 * shown.pose + 1}) {
       Random random = make_random(1, "figure");
       const auto light = pictures[i].laser ? sim::laser_exposure() : sim::board_exposure();

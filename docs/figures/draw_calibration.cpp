@@ -14,7 +14,8 @@ namespace fs = std::filesystem;
 namespace {
 
 Result<void> draw(const fs::path& shots, const std::string& folder) {
-  const auto taken = sim::rehearse_calibration(sim::built_scanner(1), 1, shots, {.sweeps = false});
+  const auto taken =
+      sim::render_calibration_shots(sim::built_scanner(1), 1, shots, {.sweeps = false});
   if (!taken) return taken;
   calibration::Views views;
   const auto found = calibration::calibrate_folder(shots, views);

@@ -153,11 +153,11 @@ void add_robot(Drawing& drawing, const sim::Person& person) {
     const Transform couch_from_tool = couch_from_base * kinematics.base_from_tool;
     if (arm == Arm::left) {
       drawing.add_axes(couch_from_tool, 0.12, "tool",
-                       person.position == Position::prone ? Vector2{-44, 22} : Vector2{-10, 32});
+                       person.position == BodyPosture::prone ? Vector2{-44, 22} : Vector2{-10, 32});
     }
   }
   // What the arms keep away from, as the planner knows it.
-  const bool prone = person.position == Position::prone;
+  const bool prone = person.position == BodyPosture::prone;
   for (const robot::Obstacle& solid : mount.obstacles) {
     const Vector3 ridden =
         solid.rides ? Vector3(rail_m * mount.rail_axis_in_base) : Vector3::Zero();
@@ -190,7 +190,7 @@ void add_scanner(Drawing& drawing, const sim::Person& person) {
                            .colour = palette::grey,
                            .shift_px = {0, -6}});
   drawing.add_axes(couch_from_camera, 0.15, "camera",
-                   person.position == Position::prone ? Vector2{-62, 4} : Vector2{14, 26});
+                   person.position == BodyPosture::prone ? Vector2{-62, 4} : Vector2{14, 26});
 
   // The line on the skin: where triangles that face the camera cross the light plane.
   const Vector3 normal = couch_from_camera.linear() * truth.laser_normal_in_camera;
@@ -221,11 +221,11 @@ void add_scanner(Drawing& drawing, const sim::Person& person) {
   drawing.light_plane = {couch_from_camera * laser_in_camera, *first, *last};
 }
 
-std::string panel(Position position, double left_px, int width_px) {
+std::string panel(BodyPosture position, double left_px, int width_px) {
   const sim::Person person = sim::make_phantom({}, position);
   Drawing drawing;
   drawing.add(person.skin_in_couch, palette::skin);
-  const bool prone = position == Position::prone;
+  const bool prone = position == BodyPosture::prone;
   add_robot(drawing, person);
   add_scanner(drawing, person);
   drawing.add_axes(Transform::Identity(), 0.22, "couch",
@@ -292,7 +292,7 @@ int main(int count, char** words) {
       "font-family=\"Inter,system-ui,'Segoe UI',Helvetica,Arial,sans-serif\">"
       "<title>The frames of tuina, sitting and prone</title><rect width=\"1240\" height=\"655\" "
       "fill=\"#fff\"/>";
-  svg += panel(Position::sitting, 0, 560) + panel(Position::prone, 570, 660) + "</svg>\n";
+  svg += panel(BodyPosture::sitting, 0, 560) + panel(BodyPosture::prone, 570, 660) + "</svg>\n";
   const auto written = write_file(words[1], svg);
   if (!written) return std::fputs((written.error().message + "\n").c_str(), stderr), 2;
   return 0;

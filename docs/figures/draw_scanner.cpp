@@ -44,7 +44,7 @@ std::string dot(const Vector2& at, double radius_px, const char* colour) {
 
 int main(int count, char** arguments) {
   if (count != 2) return 1;
-  const auto unit = sim::true_calibration(Position::sitting);
+  const auto unit = sim::true_calibration(BodyPosture::sitting);
   const auto& camera = unit.camera;
   const Vector3& n = unit.laser_normal_in_camera;
   const auto light_x = [&](double z_m) { return (unit.laser_distance_m - n.z() * z_m) / n.x(); };

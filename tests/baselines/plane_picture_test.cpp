@@ -18,7 +18,7 @@ struct Seen {
 };
 
 Seen see(sim::BodyType type, std::uint64_t seed) {
-  const auto person = sim::make_phantom(sim::draw_phantom(type, seed), Position::sitting);
+  const auto person = sim::make_phantom(sim::draw_phantom(type, seed), BodyPosture::sitting);
   auto back = fit_back({.points = sample(person.skin_in_couch, 5_mm).points});
   REQUIRE(back);
   const auto outline = find_outline(*back);

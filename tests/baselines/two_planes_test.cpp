@@ -26,11 +26,11 @@ TEST_CASE("a path that bends evenly has the jerk of its circle, however its poin
 }
 
 TEST_CASE("strokes are at least ten times smoother than the paths of the two planes, Fig. 5-12") {
-  for (const Position position : {Position::sitting, Position::prone}) {
+  for (const BodyPosture position : {BodyPosture::sitting, BodyPosture::prone}) {
     const auto person = sim::make_phantom(sim::draw_phantom(sim::BodyType::medium, 6), position);
     PointCloud scan{.points = sample(person.skin_in_couch, 5_mm).points};
     Random random = make_random(1, "scan noise");
-    const Vector3 out = position == Position::sitting ? Vector3::UnitY() : Vector3::UnitZ();
+    const Vector3 out = position == BodyPosture::sitting ? Vector3::UnitY() : Vector3::UnitZ();
     for (Vector3& p : scan.points) p += gaussian(random, 0.4_mm) * out;
     const auto back = fit_back(scan);
     REQUIRE(back);

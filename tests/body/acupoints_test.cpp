@@ -26,7 +26,7 @@ const Atlas& shipped() {
   return atlas;
 }
 
-LabelledBody phantom(Position position, std::uint64_t seed = 77) {
+LabelledBody phantom(BodyPosture position, std::uint64_t seed = 77) {
   return app::labelled(sim::make_phantom(sim::draw_phantom(seed), position));
 }
 
@@ -73,7 +73,7 @@ PointCloud only(const PointCloud& cloud, const Kept& kept) {
 }  // namespace
 
 TEST_CASE("the points of a fresh phantom are found in both positions by both methods") {
-  for (const Position position : {Position::sitting, Position::prone}) {
+  for (const BodyPosture position : {BodyPosture::sitting, BodyPosture::prone}) {
     for (const Method method : {Method::surface, Method::field_morphing}) {
       const LabelledBody person = phantom(position);
       const auto found = map(scan_of(person), method);
@@ -94,7 +94,7 @@ TEST_CASE("the points of a fresh phantom are found in both positions by both met
 
 TEST_CASE(
     "where on the couch the person is carries no information: the points move with the cloud") {
-  for (const Position position : {Position::sitting, Position::prone}) {
+  for (const BodyPosture position : {BodyPosture::sitting, BodyPosture::prone}) {
     const PointCloud cloud = scan_of(phantom(position));
     const auto here = map(cloud);
     const Transform motion = turn(12_deg, Vector3(0.08, -0.06, 0.0));
@@ -109,7 +109,7 @@ TEST_CASE(
 }
 
 TEST_CASE("a lying person may have the head at either end of the bed") {
-  const PointCloud cloud = scan_of(phantom(Position::prone));
+  const PointCloud cloud = scan_of(phantom(BodyPosture::prone));
   const auto usual = map(cloud);
   const Transform half_turn = turn(pi);
   const auto other = map(moved(cloud, half_turn));
@@ -122,7 +122,7 @@ TEST_CASE("a lying person may have the head at either end of the bed") {
 }
 
 TEST_CASE("a noisy scan with flying pixels and the couch in view gives the same points") {
-  const LabelledBody person = phantom(Position::sitting);
+  const LabelledBody person = phantom(BodyPosture::sitting);
   PointCloud cloud = scan_of(person);
   Random random = make_random(5, "camera");
   for (Vector3& p : cloud.points) p += Vector3(0.0, gaussian(random, 3_mm), 0.0);
@@ -144,10 +144,10 @@ TEST_CASE("a noisy scan with flying pixels and the couch in view gives the same 
 }
 
 TEST_CASE("what is no whole back is refused, with the cause") {
-  for (const Position position : {Position::sitting, Position::prone}) {
+  for (const BodyPosture position : {BodyPosture::sitting, BodyPosture::prone}) {
     CAPTURE(name_of(position));
     const PointCloud cloud = scan_of(phantom(position));
-    const bool sitting = position == Position::sitting;
+    const bool sitting = position == BodyPosture::sitting;
     double head = -1e9;
     double centre = 0.0;
     const auto height = [&](const Vector3& p) { return sitting ? p.z() : -p.y(); };
@@ -214,9 +214,9 @@ TEST_CASE("what is no whole back is refused, with the cause") {
 }
 
 TEST_CASE("a rucksack, long hair or an arm across the back is refused or said in the radius") {
-  for (const Position position : {Position::sitting, Position::prone}) {
+  for (const BodyPosture position : {BodyPosture::sitting, BodyPosture::prone}) {
     const LabelledBody person = phantom(position);
-    const bool sitting = position == Position::sitting;
+    const bool sitting = position == BodyPosture::sitting;
     std::map<std::string, Vector3> at;
     for (const Landmark& landmark : person.landmarks) at[landmark.name] = landmark.at_in_couch;
     const Vector3 along = (at["C7"] - at["sacrum_S2"]).normalized();
@@ -272,7 +272,7 @@ TEST_CASE("an atlas survives its file, and a damaged file is refused") {
 }
 
 TEST_CASE("one labelled body makes an atlas of one that finds its own points") {
-  const LabelledBody person = phantom(Position::sitting, 5);
+  const LabelledBody person = phantom(BodyPosture::sitting, 5);
   const auto atlas = learn_atlas({person}, nullptr, {}, nullptr);
   REQUIRE(atlas);
   for (const Method method : {Method::surface, Method::field_morphing}) {
@@ -289,7 +289,7 @@ TEST_CASE("one labelled body makes an atlas of one that finds its own points") {
 TEST_CASE("a few labelled people teach the shipped atlas what a therapist marks differently") {
   // This therapist marks everything 12 mm nearer to the head.
   const auto marked = [](std::uint64_t seed) {
-    LabelledBody person = phantom(Position::sitting, seed);
+    LabelledBody person = phantom(BodyPosture::sitting, seed);
     for (Acupoint& point : person.acupoints) point.at_in_couch.z() += 12_mm;
     return person;
   };
@@ -302,7 +302,7 @@ TEST_CASE("a few labelled people teach the shipped atlas what a therapist marks 
   REQUIRE(back);
   CHECK(error_of_seven_mm(*back, *adapted, another) <
         0.7 * error_of_seven_mm(*back, shipped(), another));
-  CHECK(adapted->of(Position::sitting)->shape.bodies == 45);
+  CHECK(adapted->of(BodyPosture::sitting)->shape.bodies == 45);
 }
 
 TEST_CASE("five people who all look alike do not spoil the shipped atlas for others") {
@@ -312,14 +312,14 @@ TEST_CASE("five people who all look alike do not spoil the shipped atlas for oth
     sim::PhantomShape shape = sim::draw_phantom(seed);
     shape.bmi = 30.0;
     shape.build.fill(2.0);
-    people.push_back(app::labelled(sim::make_phantom(shape, Position::sitting)));
+    people.push_back(app::labelled(sim::make_phantom(shape, BodyPosture::sitting)));
   }
   const auto adapted = learn_atlas(people, &shipped(), {}, nullptr);
   REQUIRE(adapted);
   double shipped_mm = 0.0;
   double adapted_mm = 0.0;
   for (std::uint64_t seed = 77; seed < 81; ++seed) {
-    const LabelledBody other = phantom(Position::sitting, seed);
+    const LabelledBody other = phantom(BodyPosture::sitting, seed);
     const auto back = fit_back(scan_of(other));
     REQUIRE(back);
     shipped_mm += error_of_seven_mm(*back, shipped(), other) / 4.0;
@@ -330,7 +330,7 @@ TEST_CASE("five people who all look alike do not spoil the shipped atlas for oth
 }
 
 TEST_CASE("simpler methods find the seven points of a phantom, less well than the surface does") {
-  const LabelledBody person = phantom(Position::sitting, 31);
+  const LabelledBody person = phantom(BodyPosture::sitting, 31);
   const auto back = fit_back(scan_of(person));
   REQUIRE(back);
   const auto error_mm = [&](const Result<Mapping>& found) {

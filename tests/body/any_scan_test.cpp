@@ -18,7 +18,7 @@ const Atlas& shipped() {
   return atlas;
 }
 
-LabelledBody phantom(Position position) {
+LabelledBody phantom(BodyPosture position) {
   return app::labelled(sim::make_phantom(sim::draw_phantom(78), position));
 }
 
@@ -29,10 +29,10 @@ Result<Mapping> map(const PointCloud& cloud) {
 }
 
 /// Chair or bed in view.
-PointCloud couch(Position position) {
+PointCloud couch(BodyPosture position) {
   PointCloud cloud;
   Random random = make_random(4, "couch");
-  const double half_m = position == Position::sitting ? 0.3 : 0.95;
+  const double half_m = position == BodyPosture::sitting ? 0.3 : 0.95;
   for (int i = 0; i < 20000; ++i) {
     cloud.points.emplace_back(uniform(random, -0.35, 0.35), uniform(random, -half_m, half_m),
                               gaussian(random, 3_mm));
@@ -61,7 +61,7 @@ double max_distance_mm(const Mapping& a, const Mapping& b) {
 }  // namespace
 
 TEST_CASE("an empty couch is refused, with how much stands on it") {
-  for (const Position position : {Position::sitting, Position::prone}) {
+  for (const BodyPosture position : {BodyPosture::sitting, BodyPosture::prone}) {
     const auto found = map(couch(position));
     REQUIRE_FALSE(found);
     CHECK(found.error().message.find("0 of 20000 points are above the couch") != std::string::npos);
@@ -69,7 +69,7 @@ TEST_CASE("an empty couch is refused, with how much stands on it") {
 }
 
 TEST_CASE("another thing on the couch beside the person changes nothing") {
-  for (const Position position : {Position::sitting, Position::prone}) {
+  for (const BodyPosture position : {BodyPosture::sitting, BodyPosture::prone}) {
     CAPTURE(name_of(position));
     PointCloud cloud = sample(phantom(position).skin_in_couch, 5_mm);
     const auto alone = map(cloud);
@@ -84,7 +84,7 @@ TEST_CASE("another thing on the couch beside the person changes nothing") {
 }
 
 TEST_CASE("ten thousand points or a million of one person give the same answer") {
-  for (const Position position : {Position::sitting, Position::prone}) {
+  for (const BodyPosture position : {BodyPosture::sitting, BodyPosture::prone}) {
     const LabelledBody person = phantom(position);
     PointCloud many = sample(person.skin_in_couch, 1_mm);
     Random random = make_random(7, "camera");
@@ -108,7 +108,7 @@ TEST_CASE("ten thousand points or a million of one person give the same answer")
 }
 
 TEST_CASE("a coarse or fine picture of a depth camera shows the points, couch and floor in view") {
-  for (const Position position : {Position::sitting, Position::prone}) {
+  for (const BodyPosture position : {BodyPosture::sitting, BodyPosture::prone}) {
     for (const int points : {10'000, 1'000'000}) {
       CAPTURE(name_of(position));
       CAPTURE(points);
@@ -127,7 +127,7 @@ TEST_CASE("a coarse or fine picture of a depth camera shows the points, couch an
 }
 
 TEST_CASE("pixels that fly above the back of a very dense picture do not change the answer") {
-  const LabelledBody person = phantom(Position::prone);
+  const LabelledBody person = phantom(BodyPosture::prone);
   PointCloud cloud = sample(person.skin_in_couch, 0.5_mm);
   REQUIRE(cloud.points.size() > 1'500'000);
   const auto clear = map(cloud);

@@ -46,7 +46,7 @@ double elliptic_distance(const Vector3& p) {  // to first order
 TEST_CASE("a place beside the skin falls onto it, with the normal of the skin") {
   const auto back = fit_back(sitting_log(2_mm));
   REQUIRE(back);
-  CHECK(back->position() == Position::sitting);
+  CHECK(back->position() == BodyPosture::sitting);
   Random random = make_random(3, "places");
   for (int i = 0; i < 200; ++i) {
     const double angle = uniform(random, 0.3, pi - 0.3);
@@ -80,7 +80,7 @@ TEST_CASE("what is not a person on the couch is refused with the cause") {
         std::string::npos);
   CHECK(fit_back(scaled(sitting_log(0.0), 100.0)).error().message.find("centimetres") !=
         std::string::npos);
-  CHECK_FALSE(fit_back(sitting_log(0.0), {.position = Position::prone}));
+  CHECK_FALSE(fit_back(sitting_log(0.0), {.position = BodyPosture::prone}));
   PointCloud two = sitting_log(0.0);
   for (const Vector3& p : sitting_log(0.0).points) two.points.push_back(p + Vector3(0.6, 0.0, 0.0));
   CHECK(fit_back(two).error().message.find("two people") != std::string::npos);

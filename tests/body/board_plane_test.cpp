@@ -47,7 +47,7 @@ TEST_CASE("what is no board is refused with the cause") {
 
 TEST_CASE("the outline is found on the plane of a board as on that of the back itself") {
   const auto person =
-      sim::make_phantom(sim::draw_phantom(sim::BodyType::medium, 3), Position::sitting);
+      sim::make_phantom(sim::draw_phantom(sim::BodyType::medium, 3), BodyPosture::sitting);
   const auto back = fit_back({.points = sample(person.skin_in_couch, 5_mm).points});
   REQUIRE(back);
   const auto own = find_outline(*back);

@@ -19,8 +19,8 @@ using tuina::test::Folder;
 TEST_CASE("a scanner that nobody has measured is known after one rehearsed set") {
   const Folder folder;
   const auto truth = sim::built_scanner(3);
-  const auto written = sim::rehearse_calibration(truth, 3, folder.path() / "shots",
-                                                 {.poses = 14, .standing_poses = 2});
+  const auto written = sim::render_calibration_shots(truth, 3, folder.path() / "shots",
+                                                     {.poses = 14, .standing_poses = 2});
   REQUIRE_MESSAGE(written.has_value(), test::reason(written));
   Views views;
   const auto result = calibrate_folder(folder.path() / "shots", views);

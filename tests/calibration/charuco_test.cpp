@@ -125,7 +125,7 @@ TEST_CASE("a board that OpenCV printed before version 4.6 begins with a white sq
 
 TEST_CASE("a scanner is known from a board with markers as well") {
   const test::Folder folder;
-  const auto written = sim::rehearse_calibration(
+  const auto written = sim::render_calibration_shots(
       truth, 4, folder.path() / "shots",
       {.board = sim::charuco_board(), .poses = 12, .standing_poses = 2, .sweeps = false});
   REQUIRE_MESSAGE(written.has_value(), test::reason(written));

@@ -19,7 +19,7 @@ using tuina::test::seen_boards;
 namespace {
 
 constexpr int held = 16;
-const sim::RehearsalOptions usual{.poses = held, .standing_poses = 2};
+const sim::SyntheticShotsOptions usual{.poses = held, .standing_poses = 2};
 
 Views good_views(std::uint64_t seed = 1) {
   return seen_boards(sim::built_scanner(seed), seed, usual);
@@ -112,17 +112,17 @@ TEST_CASE("one mirrored picture among good ones") {
 }
 
 TEST_CASE("all boards at one distance") {
-  sim::RehearsalOptions options = usual;
+  sim::SyntheticShotsOptions options = usual;
   options.nearest_m = 0.98;
   options.max_distance_m = 1.02;
-  auto pictures = sim::rehearsal_pictures(sim::built_scanner(1), 1, options);
+  auto pictures = sim::synthetic_pictures(sim::built_scanner(1), 1, options);
   refused_saying(seen_boards(sim::built_scanner(1), pictures, options.board, 1),
                  "about one distance");
 }
 
 TEST_CASE("all boards parallel") {
   const auto truth = sim::built_scanner(1);
-  auto pictures = sim::rehearsal_pictures(truth, 1, usual);
+  auto pictures = sim::synthetic_pictures(truth, 1, usual);
   for (auto& picture : pictures) {
     if (picture.pose < held) picture.camera_from_board.linear().setIdentity();
   }

@@ -14,13 +14,13 @@ namespace tuina::test {
 /// What the pictures of a set would give, without taking them: corners and lines where they truly
 /// are, with noise.
 inline calibration::Views seen_boards(const scanner::ScannerCalibration& truth,
-                                      const std::vector<sim::RehearsalPicture>& pictures,
+                                      const std::vector<sim::SyntheticPicture>& pictures,
                                       const scanner::Board& board, std::uint64_t seed,
                                       double noise_px = 0.05) {
   Random random = make_random(seed, "seen boards");
   calibration::Views views{
       .board = board, .width_px = truth.camera.width_px, .height_px = truth.camera.height_px};
-  for (const sim::RehearsalPicture& picture : pictures) {
+  for (const sim::SyntheticPicture& picture : pictures) {
     const Transform& pose = picture.camera_from_board;
     if (picture.laser) {
       // Rows of the light plane on the board, which lies where z of the board is 0.
@@ -66,9 +66,9 @@ inline calibration::Views seen_boards(const scanner::ScannerCalibration& truth,
 }
 
 inline calibration::Views seen_boards(const scanner::ScannerCalibration& truth, std::uint64_t seed,
-                                      const sim::RehearsalOptions& options = {},
+                                      const sim::SyntheticShotsOptions& options = {},
                                       double noise_px = 0.05) {
-  return seen_boards(truth, sim::rehearsal_pictures(truth, seed, options), options.board, seed,
+  return seen_boards(truth, sim::synthetic_pictures(truth, seed, options), options.board, seed,
                      noise_px);
 }
 

@@ -150,12 +150,12 @@ TEST_CASE("skin that is nowhere is not searched for ever") {
 TEST_CASE("the law of the thesis below the apparent mass rings where tuina's is quiet") {
   ContactExperiment experiment = {
       .tissue = bone, .surface_error_m = 0.0, .torso_n_per_m = sim::rigid, .duration_s = 4.0};
-  experiment.controller.law = control::Law::thesis;
+  experiment.controller.law = control::ControlLaw::thesis;
   experiment.controller.thesis = {.mass_kg = 0.5, .below_apparent_mass = true};
   const auto rings = run(experiment);
   experiment.controller.thesis = {.mass_kg = 0.5};  // raised to the apparent mass
   const auto raised = run(experiment);
-  experiment.controller.law = control::Law::tuina;
+  experiment.controller.law = control::ControlLaw::tuina;
   const auto quiet = run(experiment);
   CHECK(rings.force.peak_n > quiet.force.peak_n + 10.0);
   CHECK(raised.force.peak_n < rings.force.peak_n);

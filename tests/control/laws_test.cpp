@@ -12,7 +12,7 @@ using namespace tuina::control;
 
 namespace {
 
-const robot::ArmModel model(robot::thesis_arm(), robot::mount_for(Position::sitting), Arm::left);
+const robot::ArmModel model(robot::thesis_arm(), robot::mount_for(BodyPosture::sitting), Arm::left);
 
 JointVector bent() {
   JointVector q(6);
@@ -26,7 +26,7 @@ ArmState at_rest(const JointVector& q) {
           .base_from_tool = model.base_from_tool(q, 0.0)};
 }
 
-ToolPose foremost_of(const JointVector& q) {
+ToolPose tip_pose(const JointVector& q) {
   const Transform tool = model.base_from_tool(q, 0.0);
   const Vector3 normal = tool_normal(tool);
   return {tool.translation() - model.table().tool_radius_m * normal, normal};
@@ -46,7 +46,7 @@ TEST_CASE("an arm at rest where it should be is given its weight and nothing els
   ArmController controller = still_controller();
   const JointVector torque = controller.step(at_rest(bent()), 0.0, 1e-3);
   CHECK((torque - model.gravity_nm(bent())).cwiseAbs().maxCoeff() < 1e-9);
-  CHECK(controller.status().doing == Doing::hold);
+  CHECK(controller.status().mode == Mode::hold);
 }
 
 TEST_CASE("a virtual target pulls the tool's centre with the force of its spring") {
@@ -135,18 +135,18 @@ TEST_CASE(
   controller.hold();
   live(1000, Vector3::Zero());
   CHECK((state.base_from_tool.translation() - left).norm() < 5e-3);
-  CHECK(controller.status().doing == Doing::hold);
+  CHECK(controller.status().mode == Mode::hold);
 }
 
 TEST_CASE("commands that are no numbers leave the arm where it is and say so") {
   const double bad = std::numeric_limits<double>::quiet_NaN();
   ArmController controller = still_controller();
   controller.move_to({Vector3(bad, 0.0, 0.0), Vector3::UnitX()});
-  CHECK(controller.status().trouble == Trouble::bad_command);
+  CHECK(controller.status().contact_fault == ContactFault::bad_command);
   controller.approach({Vector3(bad, 0.0, 0.0), Vector3::UnitX()});
-  CHECK(controller.status().trouble == Trouble::bad_command);
+  CHECK(controller.status().contact_fault == ContactFault::bad_command);
   controller.approach({Vector3::Zero(), Vector3::Zero()});
-  CHECK(controller.status().trouble == Trouble::bad_command);
+  CHECK(controller.status().contact_fault == ContactFault::bad_command);
   CHECK(controller.step(at_rest(bent()), 0.0, 1e-3).allFinite());
 }
 
@@ -251,7 +251,7 @@ TEST_CASE("changes of the target can put in no more energy than the tank holds")
 TEST_CASE("a tick of both arms takes no memory from the heap, in any phase") {
   ArmController controller = still_controller();
   ArmState state = at_rest(bent());
-  const ToolPose skin = foremost_of(bent());
+  const ToolPose skin = tip_pose(bent());
   const auto before = test::allocations();
   for (int i = 0; i < 10; ++i) (void)controller.step(state, 0.0, 1e-3);
   controller.move_to({skin.at_in_base + 0.05 * skin.normal_in_base, skin.normal_in_base});
@@ -260,7 +260,7 @@ TEST_CASE("a tick of both arms takes no memory from the heap, in any phase") {
   for (int i = 0; i < 10; ++i) (void)controller.step(state, 0.0, 1e-3);
   state.contact_in_base.force_n = 5.0 * skin.normal_in_base;
   for (int i = 0; i < 10; ++i) (void)controller.step(state, 0.0, 1e-3);
-  const Doing then = controller.status().doing;
+  const Mode then = controller.status().mode;
   for (int i = 0; i < 10; ++i) {
     controller.track(
         {.at_in_base = skin.at_in_base, .normal_in_base = skin.normal_in_base, .force_n = 20.0});
@@ -270,5 +270,5 @@ TEST_CASE("a tick of both arms takes no memory from the heap, in any phase") {
   for (int i = 0; i < 10; ++i) (void)controller.step(state, 0.0, 1e-3);
   const auto after = test::allocations();
   CHECK(after == before);
-  CHECK(then == Doing::contact);
+  CHECK(then == Mode::contact);
 }

@@ -123,9 +123,8 @@ std::string some_labels() {
 }  // namespace
 
 std::vector<Parser> person_parsers() {
-  const record::MapFile map{.method = "surface",
-                            .acupoints = some_acupoints(),
-                            .landmarks = {{"C7", Vector3(0.0, 0.1, 0.7)}}};
+  const record::MapFile map{
+      .mapping = {.acupoints = some_acupoints(), .landmarks = {{"C7", Vector3(0.0, 0.1, 0.7)}}}};
   return {{"acupoints.json", {record::to_json(map)}, accepts_map},
           {"atlas", {body::to_bytes(little_atlas())}, accepts_atlas},
           {"labels.json", {some_labels()}, accepts_labels}};

@@ -84,7 +84,7 @@ bool accepts_robot(std::string_view content) {
   const auto model = robot::parse_robot(content, "f.toml");
   if (!model) return false;
   demand(model->arm.joints == 6 || model->arm.joints == 7, "an arm of six or seven joints");
-  for (const Position position : {Position::sitting, Position::prone}) {
+  for (const BodyPosture position : {BodyPosture::sitting, BodyPosture::prone}) {
     const robot::RobotPlacement there = robot::place_robot(*model, position);
     for (const robot::ArmModel& arm : robot::both_models(there.arm, there.mount).of) {
       const auto pose = arm.kinematics(JointVector::Zero(arm.joints()), 0.0);
@@ -201,7 +201,7 @@ std::vector<Parser> session_parsers() {
           {"robot.toml", {session::to_toml(session::PlacedRobot{})}, accepts_robot_pose},
           {"robot table", robots, accepts_robot},
           {"urdf",
-           {robot::to_urdf(robot::describe(robot::mount_for(Position::sitting),
+           {robot::to_urdf(robot::describe(robot::mount_for(BodyPosture::sitting),
                                            {.of = {robot::thesis_arm(), robot::thesis_arm()}}))},
            accepts_urdf},
           {"plan.json", {record::to_json(some_plan())}, accepts_plan},

@@ -26,7 +26,7 @@ inline body::BackSurface back_of(const std::function<double(double x, double z)>
       cloud.normals.push_back(slope.normalized());
     }
   }
-  return {std::move(cloud), Position::sitting, step};
+  return {std::move(cloud), BodyPosture::sitting, step};
 }
 
 inline body::BackSurface wall(double noise_m = 0.0) {

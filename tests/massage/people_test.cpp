@@ -124,7 +124,7 @@ void lay_programmes_on(const sim::Person& person, std::uint64_t seed) {
 TEST_CASE("no programme asks a phantom's zones for more than they bear, however the map errs") {
   std::uint64_t seed = 1;
   for (const char* words : {"phantom:slim", "phantom:medium", "phantom:hefty"}) {
-    for (const Position position : {Position::sitting, Position::prone}) {
+    for (const BodyPosture position : {BodyPosture::sitting, BodyPosture::prone}) {
       const auto person = sim::parse_person(words, position, seed);
       REQUIRE_MESSAGE(person.has_value(), test::reason(person));
       lay_programmes_on(*person, seed++);
@@ -134,7 +134,7 @@ TEST_CASE("no programme asks a phantom's zones for more than they bear, however 
 
 TEST_CASE("a map a centimetre aside asks no more of the spine than a process bears") {
   for (const std::uint64_t seed : {3, 4}) {
-    const auto person = sim::parse_person("phantom:medium", Position::sitting, seed);
+    const auto person = sim::parse_person("phantom:medium", BodyPosture::sitting, seed);
     REQUIRE_MESSAGE(person.has_value(), test::reason(person));
     lay_aside(*person);
   }

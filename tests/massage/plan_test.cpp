@@ -211,7 +211,7 @@ TEST_CASE("a person with the head at the other end keeps the arms uncrossed") {
   PointCloud cloud = person.back.points();
   for (Vector3& point : cloud.points) point = turned * point;
   for (Vector3& normal : cloud.normals) normal = turned * normal;
-  const body::BackSurface back(std::move(cloud), Position::prone, 4_mm);
+  const body::BackSurface back(std::move(cloud), BodyPosture::prone, 4_mm);
   for (Acupoint& point : person.points) point.at_in_couch = turned * point.at_in_couch;
   const auto plan = massage::plan(back, person.points, {}, load_programme("relax").value());
   for (const PlannedPath& planned : plan->paths) {
@@ -390,7 +390,7 @@ TEST_CASE(
     upper.points.push_back(point);
     upper.normals.push_back(person.back.nearest(point).normal_in_couch);
   }
-  const body::BackSurface cropped(std::move(upper), Position::sitting, 4_mm);
+  const body::BackSurface cropped(std::move(upper), BodyPosture::sitting, 4_mm);
   const char* low = "[[part]]\ntechnique = \"stroke\"\nplaces = [[3.0, 0.1], [3.0, -0.5]]\n";
   const auto plan = massage::plan(
       cropped, person.points, {},

@@ -13,7 +13,7 @@ using namespace tuina;
 
 namespace {
 
-motion::ReadyPlan ready_for(const char* who, Position position, const char* what,
+motion::ReadyPlan ready_for(const char* who, BodyPosture position, const char* what,
                             std::uint64_t seed, const char* robot = "thesis") {
   const auto person = sim::parse_person(who, position, seed);
   REQUIRE(person.has_value());
@@ -39,7 +39,7 @@ motion::ReadyPlan ready_for(const char* who, Position position, const char* what
 
 TEST_CASE("whatever the timing, the arms are planned at least 45 mm apart, travel included") {
   for (const char* who : {"phantom:slim", "phantom:medium", "phantom:hefty"}) {
-    for (const Position position : {Position::sitting, Position::prone}) {
+    for (const BodyPosture position : {BodyPosture::sitting, BodyPosture::prone}) {
       for (const char* what : {"relax", "demonstration", "lower_back", "shoulders"}) {
         const motion::ReadyPlan ready = ready_for(who, position, what, 5);
         CAPTURE(who);
@@ -57,7 +57,7 @@ TEST_CASE("whatever the timing, the arms are planned at least 45 mm apart, trave
 }
 
 TEST_CASE("the whole back is worked on, nothing left out because of the other arm") {
-  for (const Position position : {Position::sitting, Position::prone}) {
+  for (const BodyPosture position : {BodyPosture::sitting, BodyPosture::prone}) {
     const motion::ReadyPlan ready = ready_for("phantom:medium", position, "full_back_20min", 5);
     CAPTURE(name_of(position));
     CHECK(ready.reachable);
@@ -67,8 +67,8 @@ TEST_CASE("the whole back is worked on, nothing left out because of the other ar
 }
 
 TEST_CASE("the successor's seven joints do a programme within their ranges, nothing left out") {
-  for (const auto& [position, what] :
-       {std::pair(Position::sitting, "full_back_20min"), std::pair(Position::prone, "relax")}) {
+  for (const auto& [position, what] : {std::pair(BodyPosture::sitting, "full_back_20min"),
+                                       std::pair(BodyPosture::prone, "relax")}) {
     const motion::ReadyPlan ready = ready_for("phantom:medium", position, what, 5, "successor");
     CAPTURE(name_of(position));
     CHECK(ready.reachable);
@@ -87,7 +87,7 @@ TEST_CASE("the successor's seven joints do a programme within their ranges, noth
 
 TEST_CASE("arms of another build do the programme relax, nothing left out") {
   for (const char* name : {"panda", "ur"}) {
-    for (const Position position : {Position::sitting, Position::prone}) {
+    for (const BodyPosture position : {BodyPosture::sitting, BodyPosture::prone}) {
       CAPTURE(name);
       CAPTURE(name_of(position));
       const motion::ReadyPlan ready = ready_for("phantom:medium", position, "relax", 5, name);
@@ -109,7 +109,7 @@ TEST_CASE("hand after hand, the idle arm hovers over its place instead of flying
                                         "name = \"hands\"\n[[part]]\ntechnique = \"press\"\n"
                                         "points = [\"BL47\", \"BL50\"]\n"
                                         "alternating = true\nrepeats = 4\n");
-  const motion::ReadyPlan ready = ready_for("phantom:medium", Position::prone, hands.c_str(), 5);
+  const motion::ReadyPlan ready = ready_for("phantom:medium", BodyPosture::prone, hands.c_str(), 5);
   REQUIRE(ready.plan.paths.size() == 16);
   int home = 0;
   for (const Arm arm : both_arms) {
@@ -121,7 +121,7 @@ TEST_CASE("hand after hand, the idle arm hovers over its place instead of flying
 }
 
 TEST_CASE("both arms end where they began, and their steps run in one order") {
-  const motion::ReadyPlan ready = ready_for("phantom:medium", Position::prone, "relax", 5);
+  const motion::ReadyPlan ready = ready_for("phantom:medium", BodyPosture::prone, "relax", 5);
   for (const Arm arm : both_arms) {
     REQUIRE_FALSE(ready.jobs[arm].empty());
     CHECK(ready.jobs[arm].back().path == -1);
@@ -142,7 +142,7 @@ TEST_CASE("both arms end where they began, and their steps run in one order") {
 }
 
 TEST_CASE("an arm on its own side is as far from its mirror image as twice its way to the middle") {
-  const robot::RobotMount mount = robot::mount_for(Position::prone);
+  const robot::RobotMount mount = robot::mount_for(BodyPosture::prone);
   const auto models = robot::both_models(robot::thesis_arm(), mount);
   const auto ready = robot::ready_posture(models[Arm::left].table(), mount);
   PerArm<motion::JointPath> stays;

@@ -38,7 +38,7 @@ std::string fault_of(const std::string& text) {
 TEST_CASE("acupoints.json says position, points and landmarks") {
   const auto back = parse_acupoints(acupoints_text(), "points.json");
   REQUIRE_MESSAGE(back.has_value(), test::reason(back));
-  CHECK(back->position == Position::sitting);
+  CHECK(back->position == BodyPosture::sitting);
   REQUIRE(back->acupoints.size() == 7);
   CHECK(back->acupoints[0].name == "BL47_L");
   CHECK(back->acupoints[0].uncertainty_m == doctest::Approx(0.0085));

@@ -37,7 +37,7 @@ State draw(Random& random, int joints = 6) {
 
 /// A mount that stands on no axis, so that a wrong gravity or rail direction cannot hide.
 RobotMount askew() {
-  RobotMount mount = mount_for(Position::prone);
+  RobotMount mount = mount_for(BodyPosture::prone);
   const Transform tilt(Eigen::AngleAxisd(0.4, Vector3(1, 2, 3).normalized()));
   for (const Arm arm : both_arms)
     mount.base_from_shoulder[arm] = tilt * mount.base_from_shoulder[arm];
@@ -183,7 +183,7 @@ TEST_CASE("the short forms say the same as the full evaluation") {
 }
 
 TEST_CASE("the apparent mass is the inverse of the mobility along one direction") {
-  const ArmModel model(thesis_arm(), mount_for(Position::sitting), Arm::left);
+  const ArmModel model(thesis_arm(), mount_for(BodyPosture::sitting), Arm::left);
   Random random = make_random(4, "arm states");
   for (int n = 0; n < 100; ++n) {
     const State state = draw(random);
@@ -195,7 +195,7 @@ TEST_CASE("the apparent mass is the inverse of the mobility along one direction"
 }
 
 TEST_CASE("an arm in a mirrored posture is the other arm's mirror image") {
-  const RobotMount mount = mount_for(Position::prone);
+  const RobotMount mount = mount_for(BodyPosture::prone);
   const ArmTable table = thesis_arm();
   const ArmModel left(table, mount, Arm::left), right(table, mount, Arm::right);
   Random random = make_random(5, "arm states");
@@ -210,7 +210,7 @@ TEST_CASE("an arm in a mirrored posture is the other arm's mirror image") {
 }
 
 TEST_CASE("the model takes nothing from the heap") {
-  const ArmModel model(thesis_arm(), mount_for(Position::sitting), Arm::left);
+  const ArmModel model(thesis_arm(), mount_for(BodyPosture::sitting), Arm::left);
   Random random = make_random(6, "arm states");
   const State state = draw(random);
   const auto before = test::allocations();

@@ -12,7 +12,7 @@ using namespace tuina;
 using namespace tuina::robot;
 
 TEST_CASE("the distance of two arms is that of their closest sampled points") {
-  const RobotMount mount = mount_for(Position::sitting);
+  const RobotMount mount = mount_for(BodyPosture::sitting);
   const ArmModel left(thesis_arm(), mount, Arm::left), right(thesis_arm(), mount, Arm::right);
   Random random = make_random(3, "clearance");
   for (int trial = 0; trial < 200; ++trial) {
@@ -41,7 +41,7 @@ TEST_CASE("the distance of two arms is that of their closest sampled points") {
 }
 
 TEST_CASE("two arms that wait before a person are far from each other") {
-  const RobotMount mount = mount_for(Position::sitting);
+  const RobotMount mount = mount_for(BodyPosture::sitting);
   const ArmModel left(thesis_arm(), mount, Arm::left), right(thesis_arm(), mount, Arm::right);
   const auto ready = ready_posture(thesis_arm(), mount);
   CHECK(distance_between_m(left, left.kinematics(ready[Arm::left], 0.0), right,
@@ -75,7 +75,7 @@ TEST_CASE("a segment is as far from a box as its closest sampled place") {
 }
 
 TEST_CASE("an arm is far from the couch when it waits and in it when it hangs through") {
-  for (const Position position : {Position::sitting, Position::prone}) {
+  for (const BodyPosture position : {BodyPosture::sitting, BodyPosture::prone}) {
     const RobotMount mount = mount_for(position);
     const ArmModel left(thesis_arm(), mount, Arm::left);
     const JointVector ready_rad = ready_posture(thesis_arm(), mount)[Arm::left];

@@ -13,7 +13,7 @@ using namespace tuina;
 using namespace tuina::robot;
 
 TEST_CASE("the elbow turns from one side to the other while the tool stays where it is") {
-  const RobotMount mount = mount_for(Position::sitting);
+  const RobotMount mount = mount_for(BodyPosture::sitting);
   for (const ArmTable& table : {thesis_arm(), load_robot("successor")->arm}) {
     const ArmModel left(table, mount, Arm::left);
     const JointVector ready = ready_posture(table, mount)[Arm::left];
@@ -37,7 +37,7 @@ TEST_CASE("the elbow turns from one side to the other while the tool stays where
 
 TEST_CASE(
     "waiting arms hold their elbows outward, off the way of an arm that works in the middle") {
-  for (const Position position : {Position::sitting, Position::prone}) {
+  for (const BodyPosture position : {BodyPosture::sitting, BodyPosture::prone}) {
     const RobotMount mount = mount_for(position);
     const ArmModel left(thesis_arm(), mount, Arm::left);
     const auto pose = left.kinematics(ready_posture(thesis_arm(), mount)[Arm::left], 0.0);

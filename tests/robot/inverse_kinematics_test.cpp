@@ -12,7 +12,7 @@ using namespace tuina::robot;
 namespace {
 
 const ArmTable table = thesis_arm();
-const RobotMount mount = mount_for(Position::sitting);
+const RobotMount mount = mount_for(BodyPosture::sitting);
 const ArmModel left(table, mount, Arm::left);
 const ArmModel right(table, mount, Arm::right);
 const PerArm<JointVector> ready = ready_posture(table, mount);
@@ -89,14 +89,15 @@ TEST_CASE("a rub and a long stroke are followed without a jump of any joint") {
 
 TEST_CASE(
     "ready arms are mirror images, bent, level with each other and a hand's breadth off any back") {
-  for (const auto position : {Position::sitting, Position::prone}) {
+  for (const auto position : {BodyPosture::sitting, BodyPosture::prone}) {
     const RobotMount here = mount_for(position);
     const ArmModel one(table, here, Arm::left), other(table, here, Arm::right);
     const auto q = ready_posture(table, here);
     const Transform a = one.base_from_tool(q[Arm::left], 0.0),
                     b = other.base_from_tool(q[Arm::right], 0.0);
     CHECK(a.translation().cwiseProduct(Vector3(1, -1, 1)).isApprox(b.translation(), 1e-9));
-    const Vector3 pressing = position == Position::sitting ? Vector3(1, 0, 0) : Vector3(0, 0, -1);
+    const Vector3 pressing =
+        position == BodyPosture::sitting ? Vector3(1, 0, 0) : Vector3(0, 0, -1);
     CHECK(a.linear().col(0).dot(pressing) > 0.999);
     CHECK((a.translation() - one.shoulder_in_base(0.0)).dot(pressing) < 0.27);
   }

@@ -15,7 +15,7 @@ namespace {
 std::string urdf_of(const char* name) {
   const RobotModel model = load_robot(name).value();
   return to_urdf(
-      describe(place_robot(model, Position::sitting).mount, {.of = {model.arm, model.arm}}));
+      describe(place_robot(model, BodyPosture::sitting).mount, {.of = {model.arm, model.arm}}));
 }
 
 std::string with(std::string text, const std::string& from, const std::string& to) {
@@ -39,7 +39,7 @@ TEST_CASE("every shipped arm, written as URDF and read again, moves and weighs a
     CAPTURE(name);
     RobotModel model = load_robot(name).value();
     model.carrier = Carrier::linear_base;
-    const RobotMount mount = place_robot(model, Position::sitting).mount;
+    const RobotMount mount = place_robot(model, BodyPosture::sitting).mount;
     const std::string text = to_urdf(describe(mount, {.of = {model.arm, model.arm}}));
     auto read = read_urdf(text, "arm.urdf", "rail", "right_tool");
     REQUIRE_MESSAGE(read.has_value(), read.error().message);

@@ -17,15 +17,15 @@ namespace {
 
 struct Place {
   const char* robot;
-  Position position;
+  BodyPosture position;
   bool head_at_plus_y;
 };
 constexpr std::array places = {
-    Place{"thesis", Position::sitting, false},    Place{"thesis", Position::prone, false},
-    Place{"successor", Position::sitting, false}, Place{"successor", Position::prone, false},
-    Place{"successor", Position::prone, true},    Place{"panda", Position::sitting, false},
-    Place{"panda", Position::prone, false},       Place{"ur", Position::sitting, false},
-    Place{"ur", Position::prone, false}};
+    Place{"thesis", BodyPosture::sitting, false},    Place{"thesis", BodyPosture::prone, false},
+    Place{"successor", BodyPosture::sitting, false}, Place{"successor", BodyPosture::prone, false},
+    Place{"successor", BodyPosture::prone, true},    Place{"panda", BodyPosture::sitting, false},
+    Place{"panda", BodyPosture::prone, false},       Place{"ur", BodyPosture::sitting, false},
+    Place{"ur", BodyPosture::prone, false}};
 
 RobotPlacement placed(const Place& place) {
   return place_robot(load_robot(place.robot).value(), place.position, place.head_at_plus_y);

@@ -75,7 +75,7 @@ TEST_CASE("a table that is written is read as the same robot") {
       CHECK(one.inertia_products_kg_m2 == other.inertia_products_kg_m2);
     }
     CHECK(to_toml(*again) == to_toml(model));
-    for (const Position position : {Position::sitting, Position::prone}) {
+    for (const BodyPosture position : {BodyPosture::sitting, BodyPosture::prone}) {
       const RobotMount one = place_robot(model, position).mount;
       const RobotMount other = place_robot(*again, position).mount;
       CHECK(one.base_from_couch.matrix() == other.base_from_couch.matrix());

@@ -21,7 +21,7 @@ const RobotModel successor = load_robot("successor").value();
 
 Description successor_robot() {
   return wheeled_robot({.of = {successor.arm, successor.arm}},
-                       successor.mounting(Position::prone).upright_from_shoulder);
+                       successor.mounting(BodyPosture::prone).upright_from_shoulder);
 }
 
 double largest(const Eigen::Ref<const Eigen::MatrixXd>& difference) {
@@ -130,7 +130,7 @@ TEST_CASE("in the whole successor, however it stands, MuJoCo finds arms and part
 TEST_CASE("URDF and MJCF of both robots are the same machine, but for the rotors URDF cannot say") {
   const ArmTable arm = thesis_arm();
   for (Description robot :
-       {successor_robot(), describe(mount_for(Position::sitting), {.of = {arm, arm}})}) {
+       {successor_robot(), describe(mount_for(BodyPosture::sitting), {.of = {arm, arm}})}) {
     for (Part& part : robot.parts) part.rotor_inertia_kg_m2 = 0.0;
     Simulated mjcf(to_mjcf(robot, 1e-3)), urdf(to_urdf(robot));
     REQUIRE(urdf.model->nv == mjcf.model->nv);
@@ -160,7 +160,7 @@ TEST_CASE("URDF and MJCF of both robots are the same machine, but for the rotors
 }
 
 TEST_CASE("with seven joints the arm still has a mirror image") {
-  const RobotMount mount = mount_for(Position::prone);
+  const RobotMount mount = mount_for(BodyPosture::prone);
   const ArmTable table = successor.arm;
   const ArmModel left(table, mount, Arm::left), right(table, mount, Arm::right);
   Random random = make_random(5, "mirror");

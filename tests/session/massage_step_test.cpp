@@ -31,7 +31,7 @@ struct Room {
 };
 
 /// `spoil` may change what the session believes to be ready.
-std::unique_ptr<Room> enter(Position position,
+std::unique_ptr<Room> enter(BodyPosture position,
                             const std::function<void(motion::ReadyPlan&)>& spoil = {}) {
   constexpr std::uint64_t seed = 3;
   auto person = sim::parse_person("phantom:medium", position, seed);
@@ -82,7 +82,7 @@ double force_n(const Room& room, Arm arm) {
 }  // namespace
 
 TEST_CASE("twenty seconds of massage by two arms take nothing from the heap") {
-  for (const Position position : {Position::sitting, Position::prone}) {
+  for (const BodyPosture position : {BodyPosture::sitting, BodyPosture::prone}) {
     const auto room = enter(position);
     PerArm<double> highest_n;
     const auto before = test::allocations();
@@ -102,7 +102,7 @@ TEST_CASE("twenty seconds of massage by two arms take nothing from the heap") {
 }
 
 TEST_CASE("a person who jumps up stops the massage: the cause is told, and both arms let go") {
-  const auto room = enter(Position::prone);
+  const auto room = enter(BodyPosture::prone);
   double time_s = 0.0;
   while (time_s < 60.0 && (force_n(*room, Arm::left) < 15.0 || force_n(*room, Arm::right) < 15.0)) {
     time_s = live(*room);
@@ -136,10 +136,10 @@ TEST_CASE("a person who jumps up stops the massage: the cause is told, and both 
 
 TEST_CASE("arms that are sent into each other stop before they touch, and nobody is pressed") {
   // The right arm is sent to where the left one works, as if nobody had planned for two.
-  const auto room = enter(Position::prone, [](motion::ReadyPlan& ready) {
+  const auto room = enter(BodyPosture::prone, [](motion::ReadyPlan& ready) {
     for (motion::ArmJob& job : ready.jobs[Arm::right]) {
       job.path = -1;
-      job.way_in_base = {ready.jobs[Arm::left].front().way_in_base.back()};
+      job.waypoints_in_base = {ready.jobs[Arm::left].front().waypoints_in_base.back()};
     }
   });
   double time_s = 0.0, nearest_m = 1.0;
@@ -157,20 +157,20 @@ TEST_CASE("arms that are sent into each other stop before they touch, and nobody
 
 TEST_CASE("an arm that is sent into the bed stops before it gets there") {
   // Beside the person and down, as if nobody had planned with a bed.
-  const auto room = enter(Position::prone, [](motion::ReadyPlan& ready) {
-    const Transform base_from_couch = robot::mount_for(Position::prone).base_from_couch;
+  const auto room = enter(BodyPosture::prone, [](motion::ReadyPlan& ready) {
+    const Transform base_from_couch = robot::mount_for(BodyPosture::prone).base_from_couch;
     for (motion::ArmJob& job : ready.jobs[Arm::left]) {
       job.path = -1;
       control::ToolPose pose{.normal_in_base = Vector3::UnitZ()};
       for (const double height_m : {0.3, 0.01}) {
         pose.at_in_base = base_from_couch * Vector3(0.33, -0.1, height_m);
-        if (height_m > 0.1) job.way_in_base = {pose};
+        if (height_m > 0.1) job.waypoints_in_base = {pose};
       }
-      job.way_in_base.push_back(pose);
+      job.waypoints_in_base.push_back(pose);
     }
     ready.jobs[Arm::right].clear();
   });
-  const robot::RobotMount mount = robot::mount_for(Position::prone);
+  const robot::RobotMount mount = robot::mount_for(BodyPosture::prone);
   double time_s = 0.0, nearest_m = 1.0;
   while (!room->massage.finished() && time_s < 60.0) {
     time_s = live(*room);
@@ -189,7 +189,7 @@ TEST_CASE("an arm that is sent into the bed stops before it gets there") {
 
 TEST_CASE("an arm that does not stand where its plan begins stays there, and the stop says so") {
   // Somebody turned an elbow by thirty degrees between planning and the start.
-  const auto room = enter(Position::sitting,
+  const auto room = enter(BodyPosture::sitting,
                           [](motion::ReadyPlan& ready) { ready.ready_rad[Arm::left][3] -= 0.52; });
   const double began_rad = room->plan.ready_rad[Arm::left][3];
   double time_s = 0.0;
@@ -235,7 +235,7 @@ TEST_CASE("each live command shows within 100 ms, and no force jumps") {
   for (const LiveCommand command : {LiveCommand::pause, LiveCommand::skip, LiveCommand::softer,
                                     LiveCommand::firmer, LiveCommand::stop}) {
     CAPTURE(session::name_of(command));
-    const auto asked = enter(Position::prone), left_alone = enter(Position::prone);
+    const auto asked = enter(BodyPosture::prone), left_alone = enter(BodyPosture::prone);
     until_pressing(*asked);
     until_pressing(*left_alone);
     asked->massage.obey(command);
@@ -261,7 +261,7 @@ TEST_CASE("each live command shows within 100 ms, and no force jumps") {
 }
 
 TEST_CASE("a pause keeps a light touch where the tools are, and resume goes on") {
-  const auto room = enter(Position::prone);
+  const auto room = enter(BodyPosture::prone);
   until_pressing(*room);
   room->massage.obey(session::LiveCommand::pause);
   live_for(*room, 1.5);
@@ -279,15 +279,15 @@ TEST_CASE("a pause keeps a light touch where the tools are, and resume goes on")
 }
 
 TEST_CASE("skip leaves a path for the next one, repeat does it once more") {
-  const auto skipped = enter(Position::prone);
+  const auto skipped = enter(BodyPosture::prone);
   const double began_s = until_pressing(*skipped);
   skipped->massage.obey(session::LiveCommand::skip);
   live_for(*skipped, 1.5);
   REQUIRE(skipped->massage.performed().size() == 2);
   CHECK(skipped->massage.performed().front().end_s < began_s + 1.0);
-  CHECK(skipped->massage.performed().front().trouble == control::Trouble::none);
+  CHECK(skipped->massage.performed().front().contact_fault == control::ContactFault::none);
 
-  const auto repeated = enter(Position::prone);
+  const auto repeated = enter(BodyPosture::prone);
   until_pressing(*repeated);
   repeated->massage.obey(session::LiveCommand::repeat);
   double time_s = 0.0;
@@ -303,7 +303,7 @@ TEST_CASE("skip leaves a path for the next one, repeat does it once more") {
 
 TEST_CASE(
     "a person who lies 20 mm higher than scanned is let go: the arms fly home for a new scan") {
-  const auto room = enter(Position::prone);
+  const auto room = enter(BodyPosture::prone);
   live(*room);
   PerArm<Vector3> home;
   for (const Arm arm : both_arms) home[arm] = room->massage.view()[arm].tool_in_base;
@@ -325,7 +325,7 @@ TEST_CASE(
 
 TEST_CASE(
     "what the presses feel lowers the force where the plan asks for more than the tissue bears") {
-  const auto room = enter(Position::prone);
+  const auto room = enter(BodyPosture::prone);
   double time_s = 0.0;
   while (time_s < 30.0 && room->massage.performed().size() < 2) time_s = live(*room);
   REQUIRE(room->massage.performed().size() >= 2);

@@ -17,24 +17,24 @@ namespace {
 
 const robot::ArmTable table = robot::thesis_arm();
 
-PerArm<robot::ArmModel> arms_for(Position position) {
+PerArm<robot::ArmModel> arms_for(BodyPosture position) {
   return robot::both_models(table, robot::mount_for(position));
 }
 
-std::vector<robot::Touch> touched(Position position, int rows, std::uint64_t seed,
+std::vector<robot::Touch> touched(BodyPosture position, int rows, std::uint64_t seed,
                                   const sim::TouchErrors& errors = {}) {
   auto touches = sim::touch_board(table, robot::mount_for(position), position, rows, errors, seed);
   REQUIRE(touches.has_value());
   return *touches;
 }
 
-Vector3 middle_of_back(Position position) {
-  return position == Position::sitting ? Vector3(0.0, 20_mm, 420_mm)
-                                       : Vector3(0.0, -350_mm, 190_mm);
+Vector3 middle_of_back(BodyPosture position) {
+  return position == BodyPosture::sitting ? Vector3(0.0, 20_mm, 420_mm)
+                                          : Vector3(0.0, -350_mm, 190_mm);
 }
 
 std::string why_refused(const std::vector<robot::Touch>& touches) {
-  const auto pose = session::locate_robot(touches, arms_for(Position::sitting));
+  const auto pose = session::locate_robot(touches, arms_for(BodyPosture::sitting));
   REQUIRE_FALSE(pose.has_value());
   return pose.error().message;
 }
@@ -42,7 +42,7 @@ std::string why_refused(const std::vector<robot::Touch>& touches) {
 }  // namespace
 
 TEST_CASE("touches without errors give the pose of the robot exactly") {
-  for (const Position position : {Position::sitting, Position::prone}) {
+  for (const BodyPosture position : {BodyPosture::sitting, BodyPosture::prone}) {
     const auto touches =
         touched(position, 2, 1, {.hand_m = 0.0, .joint_zero_rad = 0.0, .spot_m = 0.0});
     CHECK(touches.size() == 8);
@@ -55,7 +55,7 @@ TEST_CASE("touches without errors give the pose of the robot exactly") {
 }
 
 TEST_CASE("the error of the robot's pose is a millimetre or two, and what it is said to be") {
-  for (const Position position : {Position::sitting, Position::prone}) {
+  for (const BodyPosture position : {BodyPosture::sitting, BodyPosture::prone}) {
     for (const std::size_t count : {5U, 8U, 12U}) {
       double true2 = 0.0, said2 = 0.0;
       constexpr int runs = 100;
@@ -83,8 +83,8 @@ TEST_CASE("the error of the robot's pose is a millimetre or two, and what it is 
 }
 
 TEST_CASE("touches that cannot be right are refused, and the cause is named") {
-  const auto good = touched(Position::sitting, 3, 5);
-  REQUIRE(session::locate_robot(good, arms_for(Position::sitting)).has_value());
+  const auto good = touched(BodyPosture::sitting, 3, 5);
+  REQUIRE(session::locate_robot(good, arms_for(BodyPosture::sitting)).has_value());
 
   auto two = good;
   two.resize(2);
@@ -109,7 +109,7 @@ TEST_CASE("touches that cannot be right are refused, and the cause is named") {
   another[4].spot_in_couch.z() += 60_mm;
   CHECK(why_refused(another).find("line 6: the arm was") != std::string::npos);
 
-  CHECK(why_refused(touched(Position::prone, 3, 5)).find("would lean by") != std::string::npos);
+  CHECK(why_refused(touched(BodyPosture::prone, 3, 5)).find("would lean by") != std::string::npos);
 
   auto behind = good;
   for (robot::Touch& touch : behind) touch.spot_in_couch.x() *= -1.0;
@@ -117,23 +117,23 @@ TEST_CASE("touches that cannot be right are refused, and the cause is named") {
 }
 
 TEST_CASE("touches and pose survive their files, and a file that is wrong is refused by line") {
-  const auto touches = touched(Position::prone, 2, 7);
+  const auto touches = touched(BodyPosture::prone, 2, 7);
   const test::Folder folder;
   const auto file = folder / "touches.csv";
   REQUIRE(write_file(file, session::to_csv(touches)).has_value());
   const auto again = session::read_touches(file, table);
   REQUIRE(again.has_value());
-  const auto pose = session::locate_robot(*again, arms_for(Position::prone));
-  const auto direct = session::locate_robot(touches, arms_for(Position::prone));
+  const auto pose = session::locate_robot(*again, arms_for(BodyPosture::prone));
+  const auto direct = session::locate_robot(touches, arms_for(BodyPosture::prone));
   REQUIRE(pose.has_value());
   REQUIRE(direct.has_value());
   CHECK((pose->base_from_couch.matrix() - direct->base_from_couch.matrix()).norm() < 1e-4);
 
   const std::string text =
-      session::to_toml({.position = Position::prone, .base_from_couch = pose->base_from_couch});
+      session::to_toml({.position = BodyPosture::prone, .base_from_couch = pose->base_from_couch});
   const auto read = session::parse_robot_pose(text, "robot.toml");
   REQUIRE(read.has_value());
-  CHECK(read->position == Position::prone);
+  CHECK(read->position == BodyPosture::prone);
   CHECK((read->base_from_couch.matrix() - pose->base_from_couch.matrix()).norm() < 1e-12);
 
   for (const auto& [from, to] :

@@ -18,9 +18,11 @@ using namespace tuina::session;
 namespace {
 
 struct Room {
-  sim::Person person = sim::parse_person("phantom:medium", Position::prone, 3).value();
+  sim::Person person = sim::parse_person("phantom:medium", BodyPosture::prone, 3).value();
   std::unique_ptr<sim::World> world =
-      sim::World::make(person, robot::place_robot(robot::load_robot("thesis").value(), person.position), {}, 3).value();
+      sim::World::make(
+          person, robot::place_robot(robot::load_robot("thesis").value(), person.position), {}, 3)
+          .value();
   Order order = {.consent = {.answered_by = "the simulated person"},
                  .programme = massage::load_programme("lower_back").value(),
                  .plan_options = {},
@@ -83,7 +85,7 @@ TEST_CASE("a session ends with the words of the device that failed") {
     const auto session = room.run_with(robot);
     if (session) {
       for (const Performed& path : session->performed)
-        CHECK(path.trouble == control::Trouble::blocked);
+        CHECK(path.contact_fault == control::ContactFault::blocked);
     } else {
       CHECK(says(session.error().message, "was not done after"));
     }
@@ -92,7 +94,7 @@ TEST_CASE("a session ends with the words of the device that failed") {
 
 TEST_CASE("a robot that stands for a person sitting is not used for one who lies") {
   Room room;
-  room.order.placed.position = Position::sitting;
+  room.order.placed.position = BodyPosture::sitting;
   tests::FakeRobot robot;
   const auto session = room.run_with(robot);
   REQUIRE_FALSE(session.has_value());

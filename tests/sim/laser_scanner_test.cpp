@@ -51,7 +51,7 @@ double nearest_m(const PointCloud& cloud, const Vector3& place) {
 
 TEST_CASE(
     "at yaw 0 the line falls onto the middle of the couch at 1.1 m, on whoever sits or lies") {
-  for (const Position position : {Position::sitting, Position::prone}) {
+  for (const BodyPosture position : {BodyPosture::sitting, BodyPosture::prone}) {
     const auto truth = true_calibration(position);
     const double column =
         truth.camera.cx_px + truth.camera.fx_px * (200_mm / 1.1 - 1.0 / std::tan(73.0_deg));
@@ -61,7 +61,7 @@ TEST_CASE(
     CHECK(std::abs(in_couch.x()) < 1e-9);
     const ScannerMount mount = usual_mount(position);
     const Vector3 eye = truth.couch_from_camera.translation();
-    if (position == Position::sitting) {
+    if (position == BodyPosture::sitting) {
       CHECK(in_couch.z() == doctest::Approx(mount.along_spine_m));
       CHECK(eye.y() > 1.0);
     } else {
@@ -73,7 +73,7 @@ TEST_CASE(
 
 TEST_CASE("a flat wall at 1.1 m comes back flat within 0.3 mm, in its place") {
   const Mesh mesh = wall(-0.3, 0.3, 0.1, 0.7, 0.03);
-  LaserScanner scanner(mesh, Position::sitting, {}, 1);
+  LaserScanner scanner(mesh, BodyPosture::sitting, {}, 1);
   const auto scan = scan_of(scanner, scanner.true_calibration());
   REQUIRE(scan.has_value());
   const ScanTruth truth = compare_with_truth(scan->cloud_in_couch, mesh);
@@ -84,7 +84,7 @@ TEST_CASE("a flat wall at 1.1 m comes back flat within 0.3 mm, in its place") {
 
 TEST_CASE("stop and shoot sees the same wall, in more time, and each profile is told as it comes") {
   const Mesh mesh = wall(-0.3, 0.3, 0.1, 0.7, 0.03);
-  LaserScanner scanner(mesh, Position::sitting, {}, 1);
+  LaserScanner scanner(mesh, BodyPosture::sitting, {}, 1);
   scanner::SweepOptions options{.step_rad = 2.0 * 300.0_deg / 1024.0};
   std::vector<scanner::LiveProfile> live;
   options.on_profile = [&](const scanner::LiveProfile& profile) { live.push_back(profile); };
@@ -111,7 +111,7 @@ TEST_CASE("stop and shoot sees the same wall, in more time, and each profile is 
 TEST_CASE("what is seen is counted place by place, both ways too, and what is lost is missing") {
   const Mesh mesh = wall(-0.3, 0.3, 0.1, 0.7, 0.03);
   const auto share_of = [&](double dropped, bool both_ways) {
-    LaserScanner scanner(mesh, Position::sitting, {}, 1, {.dropped_share = dropped});
+    LaserScanner scanner(mesh, BodyPosture::sitting, {}, 1, {.dropped_share = dropped});
     const scanner::SweepOptions options{.both_ways = both_ways, .max_lost_share = 1.0};
     const auto scan = scanner::scan_sweep(scanner, scanner, scanner.true_calibration(), options);
     REQUIRE_MESSAGE(scan.has_value(), test::reason(scan));
@@ -129,7 +129,7 @@ TEST_CASE("what is seen is counted place by place, both ways too, and what is lo
 TEST_CASE("a post hides what is behind it from the laser or from the camera") {
   const Mesh back = wall(-0.3, 0.3, 0.1, 0.7, -0.2);
   const Mesh post = wall(-0.02, 0.02, 0.1, 0.7, 0.3);
-  LaserScanner scanner(both(back, post), Position::sitting, {}, 1);
+  LaserScanner scanner(both(back, post), BodyPosture::sitting, {}, 1);
   const auto scan = scan_of(scanner, scanner.true_calibration());
   REQUIRE(scan.has_value());
   int on_post = 0;
@@ -154,7 +154,7 @@ TEST_CASE(
     "ones") {
   const Mesh mesh = wall(-0.3, 0.3, 0.1, 0.7, 0.03);
   const auto first_frames = [&](std::uint64_t seed, int threads) {
-    LaserScanner scanner(mesh, Position::sitting, {}, seed, {.threads = threads});
+    LaserScanner scanner(mesh, BodyPosture::sitting, {}, seed, {.threads = threads});
     REQUIRE(scanner.sweep(-3.0_deg, 3.0_deg, 6.0_deg).has_value());
     std::vector<std::uint8_t> pixels;
     while (scanner.arrived() == false) {
@@ -170,7 +170,7 @@ TEST_CASE(
 }
 
 TEST_CASE("the motor speaks in counts, on a clock of its own, at speeds that it has") {
-  LaserScanner scanner(wall(-0.3, 0.3, 0.1, 0.7, 0.03), Position::sitting, {}, 1);
+  LaserScanner scanner(wall(-0.3, 0.3, 0.1, 0.7, 0.03), BodyPosture::sitting, {}, 1);
   REQUIRE(scanner.sweep(-18.0_deg, 18.0_deg, 2.5_deg).has_value());  // becomes 4 steps: 2.664 deg/s
   const auto readings = scanner.readings();
   REQUIRE(readings.has_value());
@@ -190,7 +190,7 @@ TEST_CASE(
   double sum2[3] = {};
   constexpr int seeds = 60;
   const double depths_m[3] = {0.65, 1.0, 1.75};
-  const auto truth = true_calibration(Position::sitting);
+  const auto truth = true_calibration(BodyPosture::sitting);
   for (int seed = 1; seed <= seeds; ++seed) {
     const auto believed = believed_calibration(truth, static_cast<std::uint64_t>(seed));
     for (int k = 0; k < 3; ++k) {
@@ -218,7 +218,7 @@ TEST_CASE(
     "shoulders") {
   double sum2 = 0.0;
   int scans = 0;
-  for (const Position position : {Position::sitting, Position::prone}) {
+  for (const BodyPosture position : {BodyPosture::sitting, BodyPosture::prone}) {
     for (const BodyType type : {BodyType::slim, BodyType::medium, BodyType::hefty}) {
       const auto seed = static_cast<std::uint64_t>(scans) + 1;
       const Person person = make_phantom(draw_phantom(type, seed), position);
@@ -253,7 +253,8 @@ TEST_CASE(
 
 TEST_CASE("a person who breathes is smeared by about the breath") {
   const Mesh mesh = wall(-0.3, 0.3, 0.1, 0.7, 0.03);
-  LaserScanner scanner(mesh, Position::sitting, {.amplitude_m = 6.0_mm, .frequency_hz = 0.25}, 1);
+  LaserScanner scanner(mesh, BodyPosture::sitting, {.amplitude_m = 6.0_mm, .frequency_hz = 0.25},
+                       1);
   const auto scan = scan_of(scanner, scanner.true_calibration());
   REQUIRE(scan.has_value());
   // (1 - cos) / 2 of 6 mm has the RMS sqrt(3/8) * 6 mm.
@@ -269,7 +270,7 @@ TEST_CASE("the distance to a surface is the distance to its nearest place") {
 }
 
 TEST_CASE("what the simulated user believes to know of a calibration is as good as is said of it") {
-  const auto truth = true_calibration(Position::sitting);
+  const auto truth = true_calibration(BodyPosture::sitting);
   double axis2 = 0.0;
   double point2 = 0.0;
   double latency2 = 0.0;

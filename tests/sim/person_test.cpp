@@ -14,7 +14,7 @@ using tuina::test::Folder;
 
 TEST_CASE("a phantom that is written as a labelled body is read back as the same person") {
   const Folder folder;
-  for (const Position position : {Position::sitting, Position::prone}) {
+  for (const BodyPosture position : {BodyPosture::sitting, BodyPosture::prone}) {
     const Person person = make_phantom(draw_phantom(BodyType::medium, 3), position);
     REQUIRE(write_person(person, folder.path()).has_value());
     const auto read = load_person(folder.path() / (person.name + ".ply"));
@@ -35,7 +35,7 @@ TEST_CASE("a phantom that is written as a labelled body is read back as the same
 
 TEST_CASE("a surface without its truth beside it is refused with the name of the missing file") {
   const Folder folder;
-  const Person person = make_phantom(draw_phantom(BodyType::slim, 1), Position::sitting);
+  const Person person = make_phantom(draw_phantom(BodyType::slim, 1), BodyPosture::sitting);
   REQUIRE(write_person(person, folder.path()).has_value());
   std::filesystem::remove(folder.path() / (person.name + ".json"));
   const auto read = load_person(folder.path() / (person.name + ".ply"));
@@ -46,7 +46,7 @@ TEST_CASE("a surface without its truth beside it is refused with the name of the
 
 TEST_CASE("a truth that is no truth is refused with its file and the cause") {
   const Folder folder;
-  const Person person = make_phantom(draw_phantom(BodyType::slim, 1), Position::sitting);
+  const Person person = make_phantom(draw_phantom(BodyType::slim, 1), BodyPosture::sitting);
   REQUIRE(write_person(person, folder.path()).has_value());
   const auto json = folder.path() / (person.name + ".json");
   const std::string good = read_file(json).value();
@@ -71,8 +71,8 @@ TEST_CASE("a truth that is no truth is refused with its file and the cause") {
 
 TEST_CASE("the words after --person mean a phantom or a file, and nothing else") {
   CHECK(parse_person("phantom:hefty", {}, 5)->body_type == BodyType::hefty);
-  CHECK(parse_person("phantom:hefty", {}, 5)->position == Position::sitting);
-  CHECK(parse_person("phantom:slim", Position::prone, 5)->position == Position::prone);
+  CHECK(parse_person("phantom:hefty", {}, 5)->position == BodyPosture::sitting);
+  CHECK(parse_person("phantom:slim", BodyPosture::prone, 5)->position == BodyPosture::prone);
   for (const char* words : {"phantom", "phantom:", "phantom:fat", "phantom:medium "}) {
     const auto person = parse_person(words, {}, 5);
     REQUIRE_FALSE(person.has_value());
@@ -84,12 +84,12 @@ TEST_CASE("the words after --person mean a phantom or a file, and nothing else")
 
 TEST_CASE("a position that contradicts the file is refused, the file's own is accepted") {
   const Folder folder;
-  const Person person = make_phantom(draw_phantom(BodyType::slim, 1), Position::prone);
+  const Person person = make_phantom(draw_phantom(BodyType::slim, 1), BodyPosture::prone);
   REQUIRE(write_person(person, folder.path()).has_value());
   const std::string ply = folder.path() / (person.name + ".ply");
-  CHECK(parse_person(ply, Position::prone, 1).has_value());
-  CHECK(parse_person(ply, {}, 1)->position == Position::prone);
-  const auto refused = parse_person(ply, Position::sitting, 1);
+  CHECK(parse_person(ply, BodyPosture::prone, 1).has_value());
+  CHECK(parse_person(ply, {}, 1)->position == BodyPosture::prone);
+  const auto refused = parse_person(ply, BodyPosture::sitting, 1);
   REQUIRE_FALSE(refused.has_value());
   CHECK(refused.error().fault == Fault::usage);
 }

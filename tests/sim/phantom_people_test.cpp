@@ -62,7 +62,7 @@ TEST_CASE("phantoms and people have their acupoints at the same places of the tr
     MESSAGE("skipped: no labelled bodies in " << folder.string());
     return;
   }
-  for (const Position position : {Position::sitting, Position::prone}) {
+  for (const BodyPosture position : {BodyPosture::sitting, BodyPosture::prone}) {
     Places people;
     Places phantoms;
     for (int i = 1; i <= 80; i += 2) {

@@ -30,9 +30,9 @@ double distance_to_skin(const Person& person, const Vector3& at) {
 }  // namespace
 
 TEST_CASE("the same shape gives the same person bit for bit, another seed another person") {
-  const Person once = make_phantom(draw_phantom(BodyType::medium, 7), Position::sitting);
-  const Person again = make_phantom(draw_phantom(BodyType::medium, 7), Position::sitting);
-  const Person other = make_phantom(draw_phantom(BodyType::medium, 8), Position::sitting);
+  const Person once = make_phantom(draw_phantom(BodyType::medium, 7), BodyPosture::sitting);
+  const Person again = make_phantom(draw_phantom(BodyType::medium, 7), BodyPosture::sitting);
+  const Person other = make_phantom(draw_phantom(BodyType::medium, 8), BodyPosture::sitting);
   CHECK(once.skin_in_couch.vertices == again.skin_in_couch.vertices);
   CHECK(once.skin_in_couch.triangles == again.skin_in_couch.triangles);
   CHECK((once.acupoints[0].at_in_couch - other.acupoints[0].at_in_couch).norm() > 1e-3);
@@ -40,13 +40,13 @@ TEST_CASE("the same shape gives the same person bit for bit, another seed anothe
 
 TEST_CASE("whoever is drawn, the skin is fine, open towards the front, and carries all points") {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
-    for (const Position position : {Position::sitting, Position::prone}) {
+    for (const BodyPosture position : {BodyPosture::sitting, BodyPosture::prone}) {
       CAPTURE(seed);
       CAPTURE(name_of(position));
       const Person person = make_phantom(draw_phantom(seed), position);
       const Mesh& skin = person.skin_in_couch;
       CHECK(skin.triangles.size() >= 20000);
-      const int out = position == Position::sitting ? 1 : 2;
+      const int out = position == BodyPosture::sitting ? 1 : 2;
       double facing_away = 0.0;
       double area = 0.0;
       for (const auto& [a, b, c] : skin.triangles) {
@@ -69,7 +69,7 @@ TEST_CASE("whoever is drawn, the skin is fine, open towards the front, and carri
 
 TEST_CASE("the acupoints of a straight phantom obey the rules of the World Health Organization") {
   for (const bool woman : {false, true}) {
-    const Person person = make_phantom({.woman = woman, .height_m = 1.7}, Position::sitting);
+    const Person person = make_phantom({.woman = woman, .height_m = 1.7}, BodyPosture::sitting);
     auto at = points_of(person);
     const double cun = person.three_cun_m / 3.0;
     CHECK(std::abs(at["BL47_L"].x() - 3.0 * cun) < 0.0005);  // the arms draw the skin a little
@@ -93,7 +93,7 @@ TEST_CASE("the body types differ as their names say") {
   const auto waist_m = [](BodyType type) {
     double sum = 0.0;
     for (std::uint64_t seed = 1; seed <= 5; ++seed) {
-      auto at = points_of(make_phantom(draw_phantom(type, seed), Position::sitting));
+      auto at = points_of(make_phantom(draw_phantom(type, seed), BodyPosture::sitting));
       sum += (at["waist_L"] - at["waist_R"]).norm();
     }
     return sum / 5.0;
@@ -104,8 +104,8 @@ TEST_CASE("the body types differ as their names say") {
 
 TEST_CASE("a phantom sits on the seat and lies on the bed") {
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
-    const Person sitting = make_phantom(draw_phantom(seed), Position::sitting);
-    const Person prone = make_phantom(draw_phantom(seed), Position::prone);
+    const Person sitting = make_phantom(draw_phantom(seed), BodyPosture::sitting);
+    const Person prone = make_phantom(draw_phantom(seed), BodyPosture::prone);
     double lowest = 1.0;
     double head = 0.0;
     for (const Vector3& v : sitting.skin_in_couch.vertices) {

@@ -17,7 +17,7 @@ using robot::ArmTable;
 
 namespace {
 
-const robot::RobotMount mount = robot::mount_for(Position::sitting);
+const robot::RobotMount mount = robot::mount_for(BodyPosture::sitting);
 const ArmTable believed = robot::thesis_arm();
 const std::array<ArmModel, 2> models = {ArmModel(believed, mount, Arm::left),
                                         ArmModel(believed, mount, Arm::right)};
@@ -235,7 +235,7 @@ TEST_CASE("an arm that breaks loose from the numbers is reported, not hidden") {
 
 TEST_CASE(
     "while the successor's arms are held against their weight, waist and wheels stand still") {
-  for (const Position position : {Position::sitting, Position::prone}) {
+  for (const BodyPosture position : {BodyPosture::sitting, BodyPosture::prone}) {
     CAPTURE(name_of(position));
     const robot::RobotPlacement placement =
         robot::place_robot(robot::load_robot("successor").value(), position);

@@ -117,7 +117,7 @@ void report(const char* what, const Tally& tally) {
 TEST_CASE("every massaged place of phantoms of all types is reached, sitting and prone") {
   Tally tally;
   for (const auto type : {sim::BodyType::slim, sim::BodyType::medium, sim::BodyType::hefty}) {
-    for (const auto position : {Position::sitting, Position::prone}) {
+    for (const auto position : {BodyPosture::sitting, BodyPosture::prone}) {
       try_person(sim::make_phantom(sim::draw_phantom(type, 1), position), Transform::Identity(),
                  tally);
     }
@@ -154,7 +154,7 @@ TEST_CASE(
     const double sign = file.stem().string().back() % 2 == 0 ? 1.0 : -1.0;
     Transform moved(Eigen::AngleAxisd(sign * 15_deg, Vector3::UnitZ()));
     // A prone person may lie with the head at either end.
-    if (person->position == Position::prone && sign > 0)
+    if (person->position == BodyPosture::prone && sign > 0)
       moved = moved * Eigen::AngleAxisd(pi, Vector3::UnitZ());
     moved.pretranslate(Vector3(sign * 0.1, -sign * 0.1, 0.0));
     try_person(*person, moved, aside.of[which]);

@@ -14,7 +14,7 @@
 namespace tuina::sim {
 
 TEST_CASE("laser dots on a sticker, averaged in space, find its middle, [thesis] 5.1") {
-  const Person person = make_phantom(draw_phantom(BodyType::medium, 4), Position::sitting);
+  const Person person = make_phantom(draw_phantom(BodyType::medium, 4), BodyPosture::sitting);
   using scanner::StickerColour;
   const std::map<std::string, StickerColour> worn = {{"GV4", StickerColour::green},
                                                      {"BL50_L", StickerColour::blue},

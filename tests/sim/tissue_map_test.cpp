@@ -60,7 +60,7 @@ void check_anatomy(const Person& person) {
 
 TEST_CASE("bone, hard and soft muscle lie where anatomy has them, on phantoms of every kind") {
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
-    for (const Position position : {Position::sitting, Position::prone}) {
+    for (const BodyPosture position : {BodyPosture::sitting, BodyPosture::prone}) {
       check_anatomy(make_phantom(draw_phantom(seed), position));
     }
   }
@@ -81,7 +81,7 @@ TEST_CASE("and on a labelled body from a file") {
 
 TEST_CASE("the tissue of a person stays in the range of the seven people of Table 6-2") {
   for (const BodyType type : {BodyType::slim, BodyType::medium, BodyType::hefty}) {
-    const Person person = make_phantom(draw_phantom(type, 2), Position::sitting);
+    const Person person = make_phantom(draw_phantom(type, 2), BodyPosture::sitting);
     for (const auto& [alpha_n, beta_per_m] : lay_tissue(person, 2)) {
       REQUIRE(alpha_n > 3.3);
       REQUIRE(alpha_n < 14.5);
@@ -92,7 +92,7 @@ TEST_CASE("the tissue of a person stays in the range of the seven people of Tabl
 }
 
 TEST_CASE("tissue has no edges: over one triangle its stiffness changes little") {
-  const Person person = make_phantom(draw_phantom(BodyType::medium, 4), Position::sitting);
+  const Person person = make_phantom(draw_phantom(BodyType::medium, 4), BodyPosture::sitting);
   const auto tissue = lay_tissue(person, 4);
   double steepest = 0.0;
   for (const auto& triangle : person.skin_in_couch.triangles) {
@@ -111,7 +111,7 @@ TEST_CASE("tissue has no edges: over one triangle its stiffness changes little")
 }
 
 TEST_CASE("the same seed lays the same tissue, another seed another") {
-  const Person person = make_phantom(draw_phantom(BodyType::medium, 4), Position::sitting);
+  const Person person = make_phantom(draw_phantom(BodyType::medium, 4), BodyPosture::sitting);
   const auto once = lay_tissue(person, 4);
   const auto again = lay_tissue(person, 4);
   const auto other = lay_tissue(person, 5);

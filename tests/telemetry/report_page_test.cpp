@@ -97,7 +97,7 @@ TEST_CASE("a stop is on the page with its time and cause") {
 TEST_CASE("a path that was not carried out as planned is named with its trouble") {
   ReportData data = sample_without_pictures();
   CHECK_FALSE(holds(report_page(data), "Not carried out as planned"));
-  data.paths[2].trouble = "no skin found";
+  data.paths[2].contact_fault = "no skin found";
   CHECK(holds(report_page(data), "right arm, press SI11_R: no skin found"));
 }
 

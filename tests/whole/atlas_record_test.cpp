@@ -50,7 +50,7 @@ TEST_CASE("a person with stickers becomes a labelled back that an atlas is learn
   const auto json = nlohmann::json::parse(made.out);
   CHECK(json["position"] == "sitting");
   CHECK(json["points"] == 7);
-  const auto truth = sim::parse_person("phantom:medium", Position::sitting, 3);
+  const auto truth = sim::parse_person("phantom:medium", BodyPosture::sitting, 3);
   const auto person = sim::load_person(people / "anna.ply");
   REQUIRE(truth);
   REQUIRE_MESSAGE(person.has_value(), test::reason(person));

@@ -30,12 +30,12 @@ constexpr int poses = 9;
 
 void rehearse(const fs::path& folder, double nearest_m = 0.5,
               const ScannerCalibration& truth = tuina::sim::built_scanner(2)) {
-  const auto written = tuina::sim::rehearse_calibration(truth, 2, folder,
-                                                        {.poses = poses,
-                                                         .standing_poses = 1,
-                                                         .nearest_m = nearest_m,
-                                                         .max_distance_m = 1.4,
-                                                         .sweeps = false});
+  const auto written = tuina::sim::render_calibration_shots(truth, 2, folder,
+                                                            {.poses = poses,
+                                                             .standing_poses = 1,
+                                                             .nearest_m = nearest_m,
+                                                             .max_distance_m = 1.4,
+                                                             .sweeps = false});
   REQUIRE_MESSAGE(written.has_value(), tuina::test::reason(written));
 }
 
@@ -138,7 +138,7 @@ void record(const fs::path& folder, double from_rad, const tuina::Mesh& scene) {
   REQUIRE(recorder->sweep(from_rad, -from_rad, 6.0_deg).has_value());
   while (recorder->arrived() == false)
     REQUIRE(recorder->next_frame(tuina::scanner::frame_timeout_s).has_value());
-  REQUIRE(recorder->finish(tuina::sim::true_calibration(tuina::Position::prone)).has_value());
+  REQUIRE(recorder->finish(tuina::sim::true_calibration(tuina::BodyPosture::prone)).has_value());
 }
 
 bool says(const std::string& message, std::string_view words) {

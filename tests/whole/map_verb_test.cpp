@@ -19,7 +19,7 @@ using test::run_tuina;
 /// A person on the chair and a board that lay there before, as files of a folder.
 void put_scene(const Folder& folder) {
   const auto person =
-      sim::make_phantom(sim::draw_phantom(sim::BodyType::medium, 3), Position::sitting);
+      sim::make_phantom(sim::draw_phantom(sim::BodyType::medium, 3), BodyPosture::sitting);
   REQUIRE(write_cloud(folder / "person.ply", {.points = person.skin_in_couch.vertices}));
   PointCloud board;
   Random random = make_random(1, "board");
@@ -59,7 +59,7 @@ TEST_CASE("map takes the plane of the thesis from the scan of a board") {
 TEST_CASE("a picture of a depth camera says the same as PLY and as PCD") {
   const Folder folder;
   const auto person =
-      sim::make_phantom(sim::draw_phantom(sim::BodyType::medium, 3), Position::prone);
+      sim::make_phantom(sim::draw_phantom(sim::BodyType::medium, 3), BodyPosture::prone);
   const PointCloud picture =
       sim::depth_picture(person.skin_in_couch, person.position, 5, {.points = 50'000});
   REQUIRE(write_cloud(folder / "person.ply", picture));

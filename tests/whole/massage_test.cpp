@@ -359,7 +359,7 @@ TEST_CASE("a session given once more from its record is the same in every number
 
 TEST_CASE("massage refuses what it cannot use, with the right exit code and an empty stdout") {
   const Folder folder;
-  auto person = tuina::sim::parse_person("phantom:slim", tuina::Position::sitting, 1).value();
+  auto person = tuina::sim::parse_person("phantom:slim", tuina::BodyPosture::sitting, 1).value();
   person.name = "sitter";
   REQUIRE(tuina::sim::write_person(person, std::filesystem::path(folder / "x").parent_path()));
   const std::string out = folder / "out";

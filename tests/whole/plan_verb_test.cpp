@@ -21,7 +21,7 @@ namespace {
 /// scan.ply and acupoints.json of a phantom, as `scan` and `map` would leave them.
 void write_phantom(const Folder& folder) {
   const auto person =
-      tuina::sim::parse_person("phantom:medium", tuina::Position::sitting, 1).value();
+      tuina::sim::parse_person("phantom:medium", tuina::BodyPosture::sitting, 1).value();
   json map = {
       {"position", "sitting"}, {"acupoints", json::object()}, {"landmarks", json::object()}};
   const auto three = [](const tuina::Vector3& v) { return json{v.x(), v.y(), v.z()}; };

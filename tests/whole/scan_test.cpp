@@ -37,8 +37,8 @@ std::string line_png() {
 void record_box(const std::string& folder) {
   using namespace tuina;
   const Mesh box = sim::box_mesh({0.0, 0.13, 0.41}, sim::corner_towards_y(), {0.15, 0.15, 0.2});
-  sim::LaserScanner unit(box, sim::couch_mesh(Position::sitting),
-                         sim::true_calibration(Position::sitting), 1, {});
+  sim::LaserScanner unit(box, sim::couch_mesh(BodyPosture::sitting),
+                         sim::true_calibration(BodyPosture::sitting), 1, {});
   auto recorder = scanner::Recorder::open(unit, unit, folder);
   REQUIRE(recorder.has_value());
   REQUIRE(scanner::scan_sweep(*recorder, *recorder, unit.true_calibration()).has_value());

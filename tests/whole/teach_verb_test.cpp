@@ -55,7 +55,7 @@ TEST_CASE("what a hand has shown is played to the same person, and not to one of
   // The stroke was shown from SI11 to BL50: on this back, too, it passes them.
   const json plan = json::parse(tuina::read_file(folder / "report/plan.json").value());
   const auto person =
-      tuina::sim::parse_person("phantom:hefty", tuina::Position::sitting, 1).value();
+      tuina::sim::parse_person("phantom:hefty", tuina::BodyPosture::sitting, 1).value();
   for (const tuina::Acupoint& point : person.acupoints) {
     if (point.name != "SI11_L" && point.name != "BL47_L" && point.name != "BL50_L") continue;
     double nearest_m = 1.0;

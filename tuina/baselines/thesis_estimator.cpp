@@ -22,7 +22,7 @@ void ThesisEstimator::update(double time_s, const Press& sample) noexcept {
 
   Eigen::Vector3d theta;
   Eigen::Matrix3d P = P_;
-  if (options_.law == ThesisEstimatorOptions::Law::gradient) {
+  if (options_.law == ThesisEstimatorOptions::UpdateRule::gradient) {
     // (6.9), implicit over the step, so it is stable for any gain.
     const double gain = gamma * dt_s / ms2;
     theta =

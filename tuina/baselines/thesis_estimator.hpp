@@ -11,7 +11,7 @@ namespace tuina::baselines {
 /// What the thesis leaves open or gets wrong is an option here; the defaults are those of its
 /// experiments on people (gain 0.1, lengths in millimetres).
 struct ThesisEstimatorOptions {
-  enum class Law : std::uint8_t { least_squares, gradient } law = Law::least_squares;
+  enum class UpdateRule : std::uint8_t { least_squares, gradient } law = UpdateRule::least_squares;
   double gain_per_s = 0.1;          ///< gamma of (6.17), the forgetting; or of (6.9), the step
   double initial_covariance = 1.0;  ///< P(0) as a multiple of the unit matrix; not printed
   bool normalised = true;           ///< m_s^2 = 1 + phi' phi instead of 1; not printed

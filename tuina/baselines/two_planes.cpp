@@ -53,7 +53,7 @@ std::vector<Vector3> laid_out(std::span<const Vector3> path, double step_m) {
 std::vector<Vector3> two_plane_path(const PointCloud& scan_in_couch, const BackSurface& back,
                                     std::span<const Vector3> places_in_couch, double step_m) {
   assert(places_in_couch.size() > 1);
-  const int along = back.position() == Position::sitting ? 2 : 1;
+  const int along = back.position() == BodyPosture::sitting ? 2 : 1;
   double middle = 0.0;
   for (const Vector3& p : back.points().points) {
     middle += p[along] / static_cast<double>(back.points().size());

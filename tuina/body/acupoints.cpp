@@ -21,10 +21,10 @@ constexpr double max_turn_rad = 35_deg;
 // or more.
 constexpr double unusual_anyway = 1.6;
 constexpr double beyond_known = 1.3;
-constexpr double most_unusual = 2.7;
+constexpr double max_outlier_score = 2.7;
 
 double unusual_allowed(const ShapeModel& shape) {
-  return std::clamp(beyond_known * shape.most_unusual, unusual_anyway, most_unusual);
+  return std::clamp(beyond_known * shape.max_outlier_score, unusual_anyway, max_outlier_score);
 }
 
 void add(Mapping& mapping, const ShapeModel& shape, std::size_t label, const SurfacePoint& skin,
@@ -64,24 +64,24 @@ Result<void> check_turn(double turned_rad) {
 }
 
 /// Rotation of a fitted person about the vertical; lying, from the nearer end of the bed.
-double turn_of(const ShapeFit& fit, Position position) {
-  const Vector3 along = fit.couch_from_model.linear().col(position == Position::sitting ? 1 : 2);
+double turn_of(const ShapeFit& fit, BodyPosture position) {
+  const Vector3 along = fit.couch_from_model.linear().col(position == BodyPosture::sitting ? 1 : 2);
   const double angle = std::atan2(-along.x(), along.y());
-  return position == Position::sitting ? angle : std::remainder(angle, pi);
+  return position == BodyPosture::sitting ? angle : std::remainder(angle, pi);
 }
 
 Result<void> fit(Mapping& mapping, const BackSurface& back, const ShapeModel& shape) {
   const LabelEstimate estimate = estimate_labels(shape, back);
-  mapping.seen = estimate.fit.seen;
-  mapping.misfit_m = estimate.fit.residual_m;
-  mapping.strangeness = estimate.fit.strangeness();
-  if (estimate.fit.seen < enough_seen) {
+  mapping.coverage = estimate.fit.coverage;
+  mapping.rms_residual_m = estimate.fit.residual_m;
+  mapping.mahalanobis2_per_mode = estimate.fit.mahalanobis2_per_mode();
+  if (estimate.fit.coverage < enough_seen) {
     const double turned_rad = std::abs(heading(back.points(), back.position()));
     return fail(
         Fault::not_found, "less than a back{}: the scan shows {:.0f} % of it, {:.0f} needed",
         turned_rad > max_turn_rad ? fmt::format(", or turned by {:.0f} degrees", to_deg(turned_rad))
                                   : "",
-        100.0 * estimate.fit.seen, 100.0 * enough_seen);
+        100.0 * estimate.fit.coverage, 100.0 * enough_seen);
   }
   if (estimate.fit.residual_m > worst_residual_m) {
     return fail(Fault::not_found,
@@ -89,13 +89,14 @@ Result<void> fit(Mapping& mapping, const BackSurface& back, const ShapeModel& sh
                 "knows, {:.0f} allowed",
                 to_mm(estimate.fit.residual_m), to_mm(worst_residual_m));
   }
-  const double unusual = estimate.fit.unusualness();
+  const double unusual = estimate.fit.outlier_score();
   if (unusual > unusual_allowed(shape)) {
     return fail(
         Fault::not_found,
         "no whole back that the atlas knows: {:.0f} % of it is seen, and its shape would be "
         "{:.1f} times as unusual as people usually are; together {:.1f}, {:.1f} allowed",
-        100.0 * estimate.fit.seen, estimate.fit.strangeness(), unusual, unusual_allowed(shape));
+        100.0 * estimate.fit.coverage, estimate.fit.mahalanobis2_per_mode(), unusual,
+        unusual_allowed(shape));
   }
   if (auto turned = check_turn(turn_of(estimate.fit, back.position())); !turned) return turned;
   for (std::size_t i = 0; i < shape.labels.size(); ++i) {

@@ -18,13 +18,14 @@ enum class Method : std::uint8_t { field_morphing, surface };
 /// Acupoints of one person, located on their back.
 struct Mapping {
   Method method = Method::surface;
-  Position position = Position::sitting;
+  BodyPosture position = BodyPosture::sitting;
   Arms arms = Arms::unknown;
   std::vector<Acupoint> acupoints;  ///< the seven first
   std::vector<Landmark> landmarks;
-  double seen = 1.0;         ///< share of the atlas' back that the scan shows
-  double misfit_m = 0.0;     ///< RMS distance of the scan from the fitted back; `surface` only
-  double strangeness = 0.0;  ///< about 1 or less for backs like those learned from; `surface` only
+  double coverage = 1.0;        ///< share of the atlas' back that the scan shows
+  double rms_residual_m = 0.0;  ///< RMS distance of the scan from the fitted back; `surface` only
+  double mahalanobis2_per_mode =
+      0.0;  ///< about 1 or less for backs like those learned from; `surface` only
 };
 
 /// Locates the atlas' acupoints on this person. `field_morphing` is the method of [thesis] 5.2-5.4

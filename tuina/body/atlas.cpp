@@ -67,7 +67,7 @@ Result<Standard> make_standard(std::vector<Example>& examples, const ShapeModel&
 
 }  // namespace
 
-const PositionAtlas* Atlas::of(Position position) const {
+const PositionAtlas* Atlas::of(BodyPosture position) const {
   for (const auto& candidate : positions) {
     if (candidate.shape.position == position) return &candidate;
   }
@@ -90,12 +90,12 @@ Result<Atlas> learn_atlas(const std::vector<LabelledBody>& bodies, const Atlas* 
   LearnReport learned;
   double sum_mm = 0.0;
   double parts = 0.0;
-  for (const Position position : {Position::sitting, Position::prone}) {
+  for (const BodyPosture position : {BodyPosture::sitting, BodyPosture::prone}) {
     const auto count = std::count_if(bodies.begin(), bodies.end(),
                                      [&](const LabelledBody& b) { return b.position == position; });
     if (count == 0) continue;
     const double share = static_cast<double>(count) / static_cast<double>(bodies.size());
-    const double from = position == Position::sitting ? 0.0 : 1.0 - share;
+    const double from = position == BodyPosture::sitting ? 0.0 : 1.0 - share;
     const auto step = [&](double done) {
       if (progress) progress(from + share * done);
     };

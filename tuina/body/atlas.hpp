@@ -32,7 +32,7 @@ struct Atlas {
   std::string made;  ///< origin, for people
   std::vector<PositionAtlas> positions;
 
-  [[nodiscard]] const PositionAtlas* of(Position position) const;
+  [[nodiscard]] const PositionAtlas* of(BodyPosture position) const;
 };
 
 /// Results of learning.

@@ -146,7 +146,7 @@ void write(Writer& out, const PositionAtlas& atlas) {
   out.matrix(shape.radius95_m);
   out.matrix(shape.nominal_var_m2 * 1e6);
   out.plain(static_cast<float>(shape.usual_residual_m));
-  out.plain(static_cast<float>(shape.most_unusual));
+  out.plain(static_cast<float>(shape.max_outlier_score));
   out.count(atlas.standard.lines.size());
   for (const auto& line : atlas.standard.lines) {
     out.matrix(line.p);
@@ -161,7 +161,7 @@ PositionAtlas read(Reader& in) {
   ShapeModel& shape = atlas.shape;
   const auto position = in.plain<std::uint32_t>();
   expect(position <= 1, "a position is unknown");
-  shape.position = static_cast<Position>(position);
+  shape.position = static_cast<BodyPosture>(position);
   shape.bodies = static_cast<int>(in.plain<std::uint32_t>());
   const auto acupoints = in.plain<std::uint32_t>();
   const std::size_t labels = in.count(4);
@@ -189,7 +189,7 @@ PositionAtlas read(Reader& in) {
   shape.radius95_m = radius95_m;
   shape.nominal_var_m2 = nominal_var_mm2 * 1e-6;
   shape.usual_residual_m = in.number();
-  shape.most_unusual = in.number();
+  shape.max_outlier_score = in.number();
   expect(shape.modes.rows() == 3 * mean.cols() && shape.radius95_m.size() == count &&
              shape.nominal_var_m2.size() == count &&
              (shape.correction.size() == 0 || (shape.correction.rows() == 3 * count &&

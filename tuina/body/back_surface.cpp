@@ -35,12 +35,12 @@ constexpr double reach_m = 3.0;
 
 struct BackSurface::Tree {
   PointCloud cloud;
-  Position position;
+  BodyPosture position;
   double spacing_m;
   Adaptor adaptor;
   KdTree index;
 
-  Tree(PointCloud cloud_in_couch, Position how, double spacing)
+  Tree(PointCloud cloud_in_couch, BodyPosture how, double spacing)
       : cloud(std::move(cloud_in_couch)),
         position(how),
         spacing_m(spacing),
@@ -91,7 +91,7 @@ struct BackSurface::Tree {
   }
 };
 
-BackSurface::BackSurface(PointCloud cloud_in_couch, Position position, double spacing_m)
+BackSurface::BackSurface(PointCloud cloud_in_couch, BodyPosture position, double spacing_m)
     : tree_(std::make_unique<Tree>(std::move(cloud_in_couch), position, spacing_m)) {
   tree_->index.buildIndex();
 }
@@ -102,7 +102,7 @@ BackSurface::~BackSurface() = default;
 std::size_t BackSurface::closest(const Vector3& place_in_couch) const {
   return tree_->closest(place_in_couch).first;
 }
-Position BackSurface::position() const {
+BodyPosture BackSurface::position() const {
   return tree_->position;
 }
 const PointCloud& BackSurface::points() const {

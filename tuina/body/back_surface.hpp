@@ -22,7 +22,7 @@ struct SurfacePoint {
 class BackSurface {
  public:
   /// `cloud_in_couch` needs normals. `fit_back` is the usual constructor.
-  BackSurface(PointCloud cloud_in_couch, Position position, double spacing_m);
+  BackSurface(PointCloud cloud_in_couch, BodyPosture position, double spacing_m);
   BackSurface(BackSurface&&) noexcept;
   BackSurface& operator=(BackSurface&&) noexcept;
   ~BackSurface();
@@ -37,7 +37,7 @@ class BackSurface {
   /// Index of the nearest point of the cloud.
   [[nodiscard]] std::size_t closest(const Vector3& place_in_couch) const;
 
-  [[nodiscard]] Position position() const;
+  [[nodiscard]] BodyPosture position() const;
   [[nodiscard]] const PointCloud& points() const;
   [[nodiscard]] double spacing_m() const;  ///< typical distance of neighbouring points
 
@@ -49,10 +49,10 @@ class BackSurface {
 /// Rotation of the person about the vertical from the usual pose on the couch (rad), from the skin
 /// alone, so that it turns exactly with the person. Within a quarter turn, since a lying head may
 /// be at either end.
-[[nodiscard]] double heading(const PointCloud& back_in_couch, Position position);
+[[nodiscard]] double heading(const PointCloud& back_in_couch, BodyPosture position);
 
 struct BackOptions {
-  std::optional<Position> position;  ///< absent: recognised from the scan
+  std::optional<BodyPosture> position;  ///< absent: recognised from the scan
 };
 
 /// Segments the person in a scan: removes couch, chair, bed and disconnected parts, recognises the

@@ -110,7 +110,7 @@ MatrixXd learn_correction(const LeftOut& left_out, ShapeModel& model) {
   std::vector<double> misfits(left_out.residual_m.begin(), left_out.residual_m.end());
   std::nth_element(misfits.begin(), misfits.begin() + misfits.size() / 2, misfits.end());
   model.usual_residual_m = misfits[misfits.size() / 2];
-  model.most_unusual = std::max(model.most_unusual, left_out.most_unusual);
+  model.max_outlier_score = std::max(model.max_outlier_score, left_out.max_outlier_score);
   // The 95 % radius is calibrated on widened radii, as it is used.
   std::vector<std::vector<double>> errors_m(static_cast<std::size_t>(model.radius95_m.size()));
   for (Index i = 0; i < wrong_mm.cols(); ++i) {

@@ -11,8 +11,8 @@ struct LeftOut {
   Eigen::MatrixXd targets_mm;   ///< label errors, three rows per label, in the model's frame
   Eigen::MatrixXd variance_m2;  ///< variance of each label that the fit leaves
   Eigen::VectorXd residual_m;
-  double most_unusual = 0.0;  ///< maximum outlier score of these fits
-  Eigen::Index views = 1;     ///< columns per person
+  double max_outlier_score = 0.0;  ///< maximum outlier score of these fits
+  Eigen::Index views = 1;          ///< columns per person
 };
 
 /// Learns correction, 95 % radii and outlier limits from left-out backs. Returns their label errors

@@ -146,15 +146,16 @@ Result<std::vector<Vector3>> find_person(const std::vector<Vector3>& above) {
   return person;
 }
 
-Result<Position> recognise(const std::vector<Vector3>& person, std::optional<Position> wanted) {
+Result<BodyPosture> recognise(const std::vector<Vector3>& person,
+                              std::optional<BodyPosture> wanted) {
   const double top = quantile_along(person, 2, 0.98);
-  const Position seen = top > sitting_height_m ? Position::sitting : Position::prone;
+  const BodyPosture seen = top > sitting_height_m ? BodyPosture::sitting : BodyPosture::prone;
   if (wanted && *wanted != seen) {
     return fail(
         Fault::bad_input,
         "the person is said to be {}, but reaches {:.0f} mm above the couch; {} is {} {:.0f} mm",
-        name_of(*wanted), to_mm(top), *wanted == Position::sitting ? "sitting" : "lying",
-        *wanted == Position::sitting ? "above" : "below", to_mm(sitting_height_m));
+        name_of(*wanted), to_mm(top), *wanted == BodyPosture::sitting ? "sitting" : "lying",
+        *wanted == BodyPosture::sitting ? "above" : "below", to_mm(sitting_height_m));
   }
   return seen;
 }
@@ -250,10 +251,10 @@ PointCloud thin_with_normals(const std::vector<Vector3>& person, double spacing_
 }
 
 /// Orients normals towards the scanner, whose direction turns with the person.
-void turn_normals_out(PointCloud& cloud, Position position) {
+void turn_normals_out(PointCloud& cloud, BodyPosture position) {
   Vector3 eye = Vector3::Zero();
   for (const Vector3& p : cloud.points) eye += p / static_cast<double>(cloud.size());
-  const Vector3 out = position == Position::prone ? Vector3::UnitZ() : Vector3::UnitY();
+  const Vector3 out = position == BodyPosture::prone ? Vector3::UnitZ() : Vector3::UnitY();
   eye += 1.5 * (Eigen::AngleAxisd(heading(cloud, position), Vector3::UnitZ()) * out);
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     if (cloud.normals[i].dot(eye - cloud.points[i]) < 0.0) cloud.normals[i] = -cloud.normals[i];
@@ -271,8 +272,8 @@ double spacing_of(const std::vector<Vector3>& points) {
 
 }  // namespace
 
-double heading(const PointCloud& back_in_couch, Position position) {
-  if (position == Position::prone) {
+double heading(const PointCloud& back_in_couch, BodyPosture position) {
+  if (position == BodyPosture::prone) {
     // Principal axis seen from above; a lying person is long.
     const Transform own_from_couch = own_frame(back_in_couch.points);
     const double axis = std::atan2(-own_from_couch(0, 1),
@@ -330,7 +331,7 @@ Result<BackSurface> fit_back(const PointCloud& scan_in_couch, const BackOptions&
   const auto position = recognise(*person, options.position);
   if (!position) return tl::unexpected(position.error());
 
-  if (*position == Position::prone) {
+  if (*position == BodyPosture::prone) {
     if (auto whole = check_lying(*person); !whole) return tl::unexpected(whole.error());
   }
 

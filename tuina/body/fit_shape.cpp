@@ -179,7 +179,7 @@ ShapeFit answer_of(const ShapeModel& model, const Descent& at) {
     seen += 1.0;
     squared += at.residual[i] * at.residual[i];
   }
-  fit.seen = seen / static_cast<double>(n);
+  fit.coverage = seen / static_cast<double>(n);
   fit.residual_m = std::sqrt(squared / std::max(1.0, seen));
   const Index labels = static_cast<Index>(model.labels.size());
   fit.labels_in_couch = fit.couch_from_model * placed(model, fit.weights, n, labels);
@@ -208,7 +208,7 @@ std::vector<Transform> couch_from_person(const BackSurface& back) {
   Transform usual = Transform::Identity();
   usual.translate(Vector3(middle.x(), middle.y(), 0.0));
   usual.rotate(Eigen::AngleAxisd(heading(back.points(), back.position()), Vector3::UnitZ()));
-  if (back.position() == Position::sitting) return {usual};
+  if (back.position() == BodyPosture::sitting) return {usual};
   Transform other = usual;
   other.rotate(Eigen::AngleAxisd(pi, Vector3::UnitZ()));
   return {usual, other};

@@ -24,18 +24,20 @@ struct ShapeFit {
   Eigen::VectorXd label_var_m2;  ///< posterior variance of each label, mean over the axes
   Eigen::VectorXd
       label_doubt_m;        ///< distance of each label to a nearly equally good solution; usually 0
-  double seen = 0.0;        ///< share of the skin points that the scan covers
+  double coverage = 0.0;    ///< share of the skin points that the scan covers
   double residual_m = 0.0;  ///< RMS over those, along the normals
   /// Mean square of the weights of the ten strongest modes, the squared Mahalanobis distance per
   /// mode: 1 or less for a back like those learned from.
-  [[nodiscard]] double strangeness() const {
+  [[nodiscard]] double mahalanobis2_per_mode() const {
     const Eigen::Index strongest = std::min<Eigen::Index>(10, weights.size());
     return strongest > 0 ? weights.head(strongest).squaredNorm() / static_cast<double>(strongest)
                          : 0.0;
   }
   /// Mahalanobis distance plus a penalty for low coverage. A model squeezed onto half a back is
   /// unusual or poorly covered.
-  [[nodiscard]] double unusualness() const { return strangeness() + 4.0 * (1.0 - seen); }
+  [[nodiscard]] double outlier_score() const {
+    return mahalanobis2_per_mode() + 4.0 * (1.0 - coverage);
+  }
 };
 
 /// Frames that move with the person on the couch, axes as `couch` in the usual pose, z = 0 on the

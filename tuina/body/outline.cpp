@@ -17,9 +17,9 @@ constexpr double hollow_m = 10_mm;  // sides of a back lie some 40 mm behind its
 constexpr double max_search_turn_rad = 60_deg;
 
 /// Axes of an upright sitting or a straight lying person; the head may be at either end.
-Matrix3 nominal(Position position, bool head_at_far_end) {
+Matrix3 nominal(BodyPosture position, bool head_at_far_end) {
   Matrix3 back_from_couch = Matrix3::Identity();
-  if (position == Position::prone) {
+  if (position == BodyPosture::prone) {
     back_from_couch = Eigen::AngleAxisd(-pi / 2.0, Vector3::UnitX()).toRotationMatrix();
     if (head_at_far_end) {
       back_from_couch =
@@ -112,7 +112,7 @@ Result<Outline> find_outline_from(const BackSurface& back, const Matrix3& start,
     // upper end.
     const Vector2 upper = 0.5 * (neck + Vector2(shoulders.x(), neck.y()));
     const Vector2 along = (upper - seen->lower_trunk).normalized();
-    const Vector3 plane = plane_of(in_back, *seen, back.position() == Position::sitting);
+    const Vector3 plane = plane_of(in_back, *seen, back.position() == BodyPosture::sitting);
     outline = {.back_from_couch = Transform::Identity(),
                .neck = seen->neck,
                .shoulder = seen->shoulder,
@@ -179,7 +179,7 @@ Result<Outline> find_outline(const BackSurface& back, const std::optional<Vector
   const double turned_rad = heading(back.points(), back.position());
   const Matrix3 ahead = Eigen::AngleAxisd(-turned_rad, Vector3::UnitZ()).toRotationMatrix();
   const Matrix3 usual = nominal(back.position(), false) * ahead;
-  if (back.position() == Position::sitting) return find_outline_from(back, usual, board_normal);
+  if (back.position() == BodyPosture::sitting) return find_outline_from(back, usual, board_normal);
   const Matrix3 other = nominal(back.position(), true) * ahead;
   const bool usual_first = head_width(back, usual) <= head_width(back, other);
   auto first = find_outline_from(back, usual_first ? usual : other, board_normal);

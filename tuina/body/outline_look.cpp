@@ -215,7 +215,7 @@ void find_shoulders(const Trunk& trunk, const Neck& neck, double trunk_width,
 
 Result<SilhouetteFeatures> find_features(const std::vector<Vector3>& in_back, double spacing_m,
                                          const Vector3& couch_up_in_back,
-                                         double couch_height_of_origin, Position position) {
+                                         double couch_height_of_origin, BodyPosture position) {
   const Trunk trunk = follow_trunk(in_back, spacing_m);
   const Silhouette& silhouette = trunk.silhouette;
   const auto neck = find_neck(trunk);
@@ -234,7 +234,7 @@ Result<SilhouetteFeatures> find_features(const std::vector<Vector3>& in_back, do
   // The lower end of the midline.
   const auto& under = trunk.run(silhouette.row_of(neck->height - 0.38));
   const double lower_middle = under ? under->middle() : neck->run.middle();
-  if (position == Position::sitting) {
+  if (position == BodyPosture::sitting) {
     // Down the plane of the back to the reference height above the seat.
     features.bottom = (std::clamp(sacrum_per_width * slim, 0.09, 0.25) - couch_height_of_origin) /
                       couch_up_in_back.z();

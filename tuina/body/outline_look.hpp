@@ -25,6 +25,6 @@ struct SilhouetteFeatures {
                                                        double spacing_m,
                                                        const Vector3& couch_up_in_back,
                                                        double couch_height_of_origin,
-                                                       Position position);
+                                                       BodyPosture position);
 
 }  // namespace tuina::body

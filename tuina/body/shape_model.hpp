@@ -17,7 +17,7 @@ using Places = Eigen::Matrix3Xd;
 /// together. Column k of `modes` is one standard deviation of mode k; rows are x, y, z of point 0,
 /// of point 1, ...
 struct ShapeModel {
-  Position position = Position::sitting;
+  BodyPosture position = BodyPosture::sitting;
   int bodies = 0;                   ///< number of bodies learned from
   int acupoints = 0;                ///< the first labels are acupoints, the others landmarks
   std::vector<std::string> labels;  ///< names, `BL47_L`
@@ -31,7 +31,7 @@ struct ShapeModel {
   Eigen::VectorXd radius95_m;      ///< 95 % radius of each label on left-out bodies
   Eigen::VectorXd nominal_var_m2;  ///< variance of each label after a fit to a whole back
   double usual_residual_m = 0.0;   ///< median RMS residual of the skin on left-out bodies
-  double most_unusual = 0.0;       ///< maximum ShapeFit outlier score of left-out bodies
+  double max_outlier_score = 0.0;  ///< maximum ShapeFit outlier score of left-out bodies
 
   [[nodiscard]] Eigen::Index skin_points() const {
     return mean.cols() - static_cast<Eigen::Index>(labels.size());

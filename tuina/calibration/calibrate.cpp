@@ -166,7 +166,7 @@ void sum_up(const Views& views, Calibrated& result) {
   result.reprojection_px = std::sqrt(corners2 / static_cast<double>(views.views.size()));
   result.laser_rms_m = std::sqrt(line2 / std::max(1, lines));
   result.axis_rms_m = std::sqrt(axis2 / std::max(1, standing_views));
-  for (const double depth : told_depths_m) {
+  for (const double depth : reported_depths_m) {
     result.expected.push_back(
         expected_range_error(result.fit.geometry, result.fit.covariance, depth));
   }

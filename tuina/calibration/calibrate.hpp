@@ -26,7 +26,7 @@ struct Calibrated {
   double reprojection_px = 0.0;
   double laser_rms_m = 0.0;
   double axis_rms_m = 0.0;  ///< of the corners of standing boards from their predicted places
-  std::vector<std::optional<RangeError>> expected;  ///< at told_depths_m
+  std::vector<std::optional<RangeError>> expected;  ///< at reported_depths_m
   std::optional<Latency> latency;
   std::optional<CouchPose> couch;
   std::vector<std::string> remarks;  ///< advice for a better calibration

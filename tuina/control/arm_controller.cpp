@@ -6,20 +6,20 @@
 #include <limits>
 
 namespace tuina::control {
-const char* name_of(Doing doing) noexcept {
+const char* name_of(Mode mode) noexcept {
   constexpr std::array names = {"hold", "move", "approach", "contact", "retract", "lead"};
-  return names[static_cast<std::size_t>(doing)];
+  return names[static_cast<std::size_t>(mode)];
 }
 
-const char* name_of(Trouble trouble) noexcept {
+const char* name_of(ContactFault contact_fault) noexcept {
   constexpr std::array names = {"none",        "no skin found", "contact lost",
                                 "pushed away", "blocked",       "bad command"};
-  return names[static_cast<std::size_t>(trouble)];
+  return names[static_cast<std::size_t>(contact_fault)];
 }
 
 ArmController::ArmController(const robot::ArmModel& model, const Options& options) noexcept
     : model_(&model), options_(options), sense_(model), friction_(model.table(), options.friction) {
-  if (options_.law != Law::tuina) {
+  if (options_.law != ControlLaw::tuina) {
     options_.force.trim_per_s = 0.0;
     options_.force.gain_share = 0.0;
     options_.force.finds_skin = false;
@@ -62,41 +62,42 @@ void ArmController::keep_posture(const JointVector& q_rad) noexcept {
   if (q_rad.size() == posture_rad_.size() && q_rad.allFinite()) posture_rad_ = q_rad;
 }
 
-void ArmController::give_up(Trouble trouble) noexcept {
+void ArmController::give_up(ContactFault contact_fault) noexcept {
   hold();
-  status_.trouble = trouble;
+  status_.contact_fault = contact_fault;
 }
 
 // A free motion starts where its springs would pull like the present ones, so that the torque does
 // not step.
 void ArmController::travel(const Vector3& centre, const Vector3& normal,
-                           const ToolMotion::Limits& limits, Doing doing) noexcept {
+                           const ToolMotion::Limits& limits, Mode mode) noexcept {
   stop_learning();
-  if (status_.doing == Doing::contact || status_.doing == Doing::approach) {
-    motion_.start({centre_ + shortened(spring_n_, options_.max_pull_n) / options_.stiffness_n_per_m,
-                   reference_.pose.normal_in_base});
+  if (status_.mode == Mode::contact || status_.mode == Mode::approach) {
+    motion_.start(
+        {centre_ + clamp_norm(spring_n_, options_.max_pull_n) / options_.stiffness_n_per_m,
+         reference_.pose.normal_in_base});
     motion_s_ = 0.0;
   }
-  if (status_.doing == Doing::lead) {
+  if (status_.mode == Mode::lead) {
     motion_.start({centre_, tool_normal(dynamics_.base_from_tool)});
     motion_s_ = 0.0;
   }
-  status_.trouble = Trouble::none;
+  status_.contact_fault = ContactFault::none;
   if (motion_.plan(motion_s_, {centre, normal}, limits)) {
     motion_s_ = 0.0;
-    status_.doing = doing;
+    status_.mode = mode;
   } else {
-    status_.doing = Doing::hold;
-    status_.trouble = Trouble::bad_command;
+    status_.mode = Mode::hold;
+    status_.contact_fault = ContactFault::bad_command;
   }
   status_.settled = false;
   blocked_s_ = quiet_s_ = 0.0;
 }
 
 void ArmController::hold() noexcept {
-  const bool led = status_.doing == Doing::lead;
+  const bool led = status_.mode == Mode::lead;
   travel(centre_, led ? tool_normal(dynamics_.base_from_tool) : reference_.pose.normal_in_base,
-         options_.motion, Doing::hold);
+         options_.motion, Mode::hold);
 }
 
 // Holds the measured position: a reference that runs ahead would pull the arm on for a tenth of a
@@ -105,32 +106,32 @@ void ArmController::halt() noexcept {
   posture_rad_ = here_rad_;
   motion_.start({centre_, tool_normal(dynamics_.base_from_tool)});
   motion_s_ = 0.0;
-  travel(centre_, motion_.goal().normal_in_base, options_.motion, Doing::hold);
+  travel(centre_, motion_.goal().normal_in_base, options_.motion, Mode::hold);
 }
 
 void ArmController::move_to(const ToolPose& tip) noexcept {
   if (learning_s_ >= 0.0) {
     move_after_learning_ = tip;
-    status_.doing = Doing::move;
+    status_.mode = Mode::move;
     status_.settled = false;
     return;
   }
   const Vector3 normal = tip.normal_in_base.normalized();
   const ToolPose centre = centre_pose({tip.at_in_base, normal}, model_->table().tool_radius_m);
-  travel(centre.at_in_base, normal, options_.motion, Doing::move);
+  travel(centre.at_in_base, normal, options_.motion, Mode::move);
 }
 
 void ArmController::retract(double distance_m) noexcept {
   ToolMotion::Limits limits = options_.motion;
   limits.travel.speed_per_s = options_.retract_m_per_s;
   const Vector3& normal = reference_.pose.normal_in_base;
-  travel(centre_ + distance_m * normal, normal, limits, Doing::retract);
+  travel(centre_ + distance_m * normal, normal, limits, Mode::retract);
 }
 
 void ArmController::lead() noexcept {
   stop_learning();
-  status_.doing = Doing::lead;
-  status_.trouble = Trouble::none;
+  status_.mode = Mode::lead;
+  status_.contact_fault = ContactFault::none;
   status_.settled = true;
   spring_n_.setZero();
 }
@@ -138,7 +139,7 @@ void ArmController::lead() noexcept {
 void ArmController::approach(const ToolPose& skin) noexcept {
   const Vector3 normal = skin.normal_in_base.normalized();
   const bool usable = skin.at_in_base.allFinite() && std::abs(normal.norm() - 1.0) < 1e-6;
-  if (!usable) return give_up(Trouble::bad_command);
+  if (!usable) return give_up(ContactFault::bad_command);
   stop_learning();
   sense_.tare();
   settling_n_.setZero();
@@ -149,16 +150,16 @@ void ArmController::approach(const ToolPose& skin) noexcept {
   search_m_ = above.dot(normal) - spring_n_.dot(normal) / options_.force.stiffness_n_per_m;
   search_speed_ = 0.0;
   touched_s_ = quiet_s_ = 0.0;
-  status_ = {.doing = Doing::approach, .settled = false, .normal_in_base = normal};
+  status_ = {.mode = Mode::approach, .settled = false, .normal_in_base = normal};
 }
 
 void ArmController::track(const ContactTarget& target) noexcept {
-  if (status_.doing != Doing::contact) return;
+  if (status_.mode != Mode::contact) return;
   const bool usable = target.at_in_base.allFinite() && target.velocity_m_per_s.allFinite() &&
                       std::abs(target.normal_in_base.norm() - 1.0) < 1e-3 &&
                       std::isfinite(target.force_n) && target.model.tissue.alpha_n > 0.0 &&
                       target.model.tissue.beta_per_m > 0.0 && target.model.torso_n_per_m > 0.0;
-  if (!usable) return give_up(Trouble::bad_command);
+  if (!usable) return give_up(ContactFault::bad_command);
   target_ = target;
   reference_ = {.pose = centre_pose({target.at_in_base, target.normal_in_base},
                                     model_->table().tool_radius_m),

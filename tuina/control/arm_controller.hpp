@@ -25,12 +25,12 @@ struct ContactTarget {
   ContactModel model;  ///< tissue prior or estimate
 };
 
-/// State of the controller. Commands change it; approach to contact and back is its own doing.
-enum class Doing : std::uint8_t { hold, move, approach, contact, retract, lead };
-[[nodiscard]] const char* name_of(Doing doing) noexcept;
+/// State of the controller. Commands change it; approach to contact and back is its own mode.
+enum class Mode : std::uint8_t { hold, move, approach, contact, retract, lead };
+[[nodiscard]] const char* name_of(Mode mode) noexcept;
 
 /// Why a command failed; the arm then holds its position.
-enum class Trouble : std::uint8_t {
+enum class ContactFault : std::uint8_t {
   none,
   no_skin_found,
   contact_lost,
@@ -38,9 +38,9 @@ enum class Trouble : std::uint8_t {
   blocked,
   bad_command
 };
-[[nodiscard]] const char* name_of(Trouble trouble) noexcept;
+[[nodiscard]] const char* name_of(ContactFault contact_fault) noexcept;
 
-enum class Law : std::uint8_t {
+enum class ControlLaw : std::uint8_t {
   tuina,           ///< J^T impedance, virtual target, force trim
   virtual_target,  ///< as tuina, without the force trim
   thesis,          ///< [thesis] (3.5), target placed by the tissue model
@@ -48,8 +48,8 @@ enum class Law : std::uint8_t {
 };
 
 struct ArmStatus {
-  Doing doing = Doing::hold;
-  Trouble trouble = Trouble::none;
+  Mode mode = Mode::hold;
+  ContactFault contact_fault = ContactFault::none;
   bool settled = true;  ///< command finished: arrived and still, or in steady contact
   bool touching = false;
   double force_n = 0.0;      ///< measured, along the inward normal
@@ -67,7 +67,7 @@ struct ArmStatus {
 class ArmController {
  public:
   struct Options {
-    Law law = Law::tuina;
+    ControlLaw law = ControlLaw::tuina;
     ForceTarget::Options force = {};
     ThesisImpedance thesis = {};
     double joint_stiffness_nm_per_rad = 400.0;
@@ -134,8 +134,8 @@ class ArmController {
   [[nodiscard]] JointVector baseline_torque(const ArmState& state, double dt_s) noexcept;
   [[nodiscard]] JointVector learning_torque(const ArmState& state, double dt_s) noexcept;
   void travel(const Vector3& centre, const Vector3& normal, const ToolMotion::Limits& limits,
-              Doing doing) noexcept;
-  void give_up(Trouble trouble) noexcept;
+              Mode mode) noexcept;
+  void give_up(ContactFault contact_fault) noexcept;
   void stop_learning() noexcept;
 
   const robot::ArmModel* model_;

@@ -63,23 +63,23 @@ Vector3 ArmController::free_force(const ArmState& state, double dt_s) noexcept {
   reference_ = motion_.at(motion_s_);
   const Vector3 error = reference_.pose.at_in_base - centre_;
   const Vector3 velocity_error = reference_.velocity_m_per_s - velocity_;
-  spring_n_ = shortened(options_.stiffness_n_per_m * error, options_.max_pull_n);
+  spring_n_ = clamp_norm(options_.stiffness_n_per_m * error, options_.max_pull_n);
   const double damping =
       2.0 * options_.damping_ratio * std::sqrt(typical_mass_kg * options_.stiffness_n_per_m);
 
   // Friction and gravity errors at the goal are removed slowly, within bounds.
   const bool over = motion_s_ >= motion_.duration_s();
   if (over)
-    settling_n_ = shortened(settling_n_ + settling_per_s * dt_s * spring_n_, max_settling_n);
+    settling_n_ = clamp_norm(settling_n_ + settling_per_s * dt_s * spring_n_, max_settling_n);
   const bool patient = motion_s_ < motion_.duration_s() + patience_s;
   const double near_m = patient ? arrived_m : nearly_arrived_m;
   const bool still = over && error.norm() < near_m && velocity_.norm() < still_m_per_s;
   quiet_s_ = still ? quiet_s_ + dt_s : 0.0;
   status_.settled = quiet_s_ >= quiet_after_s;
   const bool pushed =
-      status_.doing == Doing::move && state.contact_in_base.force_n.norm() > options_.blocked_n;
+      status_.mode == Mode::move && state.contact_in_base.force_n.norm() > options_.blocked_n;
   blocked_s_ = pushed ? blocked_s_ + dt_s : 0.0;
-  if (blocked_s_ > blocked_after_s) give_up(Trouble::blocked);
+  if (blocked_s_ > blocked_after_s) give_up(ContactFault::blocked);
   status_.stiffness_n_per_m = options_.stiffness_n_per_m;
   return spring_n_ + settling_n_ + damping * velocity_error;
 }
@@ -107,9 +107,9 @@ double ArmController::approach_force(double depth_m, double speed, double dt_s) 
     force_target_.begin({.depth_m = depth_m, .force_n = status_.force_n, .model = target_.model},
                         spring_n);
     target_.force_n = options_.touch_n;
-    status_.doing = Doing::contact;
+    status_.mode = Mode::contact;
   } else if (depth_m > options_.search_to_m) {
-    give_up(Trouble::no_skin_found);
+    give_up(ContactFault::no_skin_found);
   }
   return spring_n + damping * (search_speed_ - speed);
 }
@@ -122,7 +122,7 @@ Vector3 ArmController::contact_force(double dt_s) noexcept {
   status_.depth_m = depth_m;
 
   double normal_n = 0.0, normal_spring_n = 0.0;
-  if (status_.doing == Doing::approach) {
+  if (status_.mode == Mode::approach) {
     normal_n = approach_force(depth_m, speed, dt_s);
     normal_spring_n =
         std::min(options_.force.stiffness_n_per_m * (search_m_ - depth_m), options_.touch_pull_n);
@@ -143,9 +143,9 @@ Vector3 ArmController::contact_force(double dt_s) noexcept {
     const bool quiet = std::abs(status_.force_n - status_.set_force_n) < 1.0;
     quiet_s_ = quiet ? quiet_s_ + dt_s : 0.0;
     status_.settled = quiet_s_ >= quiet_after_s;
-    status_.trouble = force_target_.pushed_away() ? Trouble::pushed_away
-                      : force_target_.lost()      ? Trouble::contact_lost
-                                                  : Trouble::none;
+    status_.contact_fault = force_target_.pushed_away() ? ContactFault::pushed_away
+                            : force_target_.lost()      ? ContactFault::contact_lost
+                                                        : ContactFault::none;
   }
   status_.stiffness_n_per_m = options_.force.stiffness_n_per_m;
 
@@ -153,7 +153,7 @@ Vector3 ArmController::contact_force(double dt_s) noexcept {
   const double damping = 2.0 * options_.damping_ratio * std::sqrt(typical_mass_kg * K);
   const Vector3 along_error = error - error.dot(normal) * normal;
   const Vector3 velocity_error = reference_.velocity_m_per_s - velocity_;
-  const Vector3 drag_spring_n = shortened(K * along_error, options_.max_drag_n);
+  const Vector3 drag_spring_n = clamp_norm(K * along_error, options_.max_drag_n);
   spring_n_ = drag_spring_n - normal_spring_n * normal;
   return drag_spring_n + damping * (velocity_error - velocity_error.dot(normal) * normal) -
          normal_n * normal;
@@ -168,7 +168,7 @@ JointVector ArmController::baseline_torque(const ArmState& state, double dt_s) n
   const double expected_m = depth_at(target_.model, set_n);
   ToolReference reference = reference_;
   reference.pose.at_in_base -= expected_m * normal;
-  if (options_.law == Law::thesis) {
+  if (options_.law == ControlLaw::thesis) {
     const double K = options_.thesis.stiffness_n_per_m;
     reference.pose.at_in_base -= set_n / K * normal;
     status_.virtual_target_in_base = reference.pose.at_in_base;
@@ -197,8 +197,8 @@ JointVector ArmController::step(const ArmState& state, double rail_m, double dt_
   status_.force_n = state.contact_in_base.force_n.dot(reference_.pose.normal_in_base);
   status_.touching = status_.force_n > 0.5 * options_.touch_n;
 
-  const bool touching = status_.doing == Doing::approach || status_.doing == Doing::contact;
-  const bool baseline = options_.law == Law::thesis || options_.law == Law::joint;
+  const bool touching = status_.mode == Mode::approach || status_.mode == Mode::contact;
+  const bool baseline = options_.law == ControlLaw::thesis || options_.law == ControlLaw::joint;
   JointVector torque_nm;
   if (learning_s_ >= 0.0) {
     const JointVector learning_nm = learning_torque(state, dt_s);
@@ -206,7 +206,7 @@ JointVector ArmController::step(const ArmState& state, double rail_m, double dt_
     status_.normal_in_base = reference_.pose.normal_in_base;
     return learning_nm + dynamics_.gravity_nm + dynamics_.coriolis_nm;
   }
-  if (status_.doing == Doing::lead) {
+  if (status_.mode == Mode::lead) {
     reference_ = {.pose = {centre_, tool_normal(dynamics_.base_from_tool)}};
     posture_rad_ = state.q_rad;
     follower_.start(state.q_rad);
@@ -215,7 +215,7 @@ JointVector ArmController::step(const ArmState& state, double rail_m, double dt_
     torque_nm = lead_through_torque(model_->table(), state.q_rad, state.dq_rad_per_s, gains);
     status_.virtual_target_in_base = centre_;
     status_.stiffness_n_per_m = 0.0;
-  } else if (status_.doing == Doing::contact && baseline) {
+  } else if (status_.mode == Mode::contact && baseline) {
     torque_nm = baseline_torque(state, dt_s);
   } else {
     const Vector3 force = touching ? contact_force(dt_s) : free_force(state, dt_s);

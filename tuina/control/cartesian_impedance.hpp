@@ -7,7 +7,7 @@
 namespace tuina::control {
 
 /// Clamps the length of a vector and keeps its direction.
-[[nodiscard]] inline Vector3 shortened(const Vector3& vector, double most) {
+[[nodiscard]] inline Vector3 clamp_norm(const Vector3& vector, double most) {
   const double length = vector.norm();
   return length > most ? Vector3(vector * (most / length)) : vector;
 }

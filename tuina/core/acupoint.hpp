@@ -13,10 +13,10 @@ namespace tuina {
 /// Posture of the person on the couch. It decides the axes of the `couch` frame
 /// (docs/frames_and_units.md): x to the person's left (nominally), z up, z = 0 the seat or bed
 /// plane; sitting: y out of the back; prone: y towards the feet.
-enum class Position : std::uint8_t { sitting, prone };
+enum class BodyPosture : std::uint8_t { sitting, prone };
 
-[[nodiscard]] constexpr const char* name_of(Position position) {
-  return position == Position::sitting ? "sitting" : "prone";
+[[nodiscard]] constexpr const char* name_of(BodyPosture position) {
+  return position == BodyPosture::sitting ? "sitting" : "prone";
 }
 
 /// A named point on the skin: `BL47_L` (acupoint) or `scapula_root_R` (landmark). _L and _R are the

@@ -13,7 +13,7 @@ namespace tuina::motion {
 struct ArmJob {
   int path = -1;
   int step = 0;  ///< jobs of one step run together; the next step waits for all of them
-  std::vector<control::ToolPose> way_in_base;
+  std::vector<control::ToolPose> waypoints_in_base;
   JointVector posture_rad;
   JointVector from_rad = {};  ///< configuration before leaving the parking place; empty otherwise
 };

@@ -58,7 +58,7 @@ void roll_out(const Stage& stage, Arm arm, const ArmRest& from, ArmMove& move,
   };
   for (const double posture_share : {0.05, 0.3}) {
     Rollout rollout(stage.models.get()[arm], stage.rail_m, from.q_rad, posture_share);
-    for (const control::ToolPose& pose : move.way_in_base) {
+    for (const control::ToolPose& pose : move.waypoints_in_base) {
       rollout.transfer(pose, move.posture_rad, move.transfer);
       // A lag on a leg is made up at its end, unless the arm is stuck.
       move.transfer.tool_error_m = std::max(move.transfer.tool_error_m, rollout.tool_error_m());
@@ -133,10 +133,10 @@ ArmRest rest_at_ready(const Stage& stage, Arm arm) {
 
 ArmMove move_home(const Stage& stage, Arm arm, const ArmRest& from) {
   const ApproachPose home = tool_approach_pose(stage, arm, stage.ready_rad[arm]);
-  ArmMove move{
-      .way_in_base = free_path(stage.back, from.over, home, clear_m(stage), stage.base_from_couch),
-      .posture_rad = stage.ready_rad[arm]};
-  move.transfer_s = transfer_time_s(pose_of(stage, from.over), move.way_in_base);
+  ArmMove move{.waypoints_in_base =
+                   free_path(stage.back, from.over, home, clear_m(stage), stage.base_from_couch),
+               .posture_rad = stage.ready_rad[arm]};
+  move.transfer_s = transfer_time_s(pose_of(stage, from.over), move.waypoints_in_base);
   roll_out(stage, arm, from, move, {}, home, home);
   move.above.parked = move.after.parked = true;
   return move;
@@ -171,7 +171,8 @@ Result<ArmMove> move_to_path(const Stage& stage, Arm arm, const ArmRest& from,
   Result<ArmMove> best = fail(Fault::not_found, "no posture of the arm suits it");
   double min_cost = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < std::min(choice.configurations_rad.size(), max_rollouts); ++i) {
-    ArmMove move{.path = index, .way_in_base = way, .posture_rad = choice.configurations_rad[i]};
+    ArmMove move{
+        .path = index, .waypoints_in_base = way, .posture_rad = choice.configurations_rad[i]};
     roll_out(stage, arm, from, move, goals, above, after);
     const double cost_m = move_cost_m(stage, arm, move);
     if (best && cost_m >= min_cost)

@@ -40,7 +40,7 @@ struct ArmRest {
 /// One transfer and, unless the arm parks, one contact at its end.
 struct ArmMove {
   int path = -1;
-  std::vector<control::ToolPose> way_in_base;
+  std::vector<control::ToolPose> waypoints_in_base;
   JointVector posture_rad;
   JointPath transfer;
   JointPath contact;  ///< from the approach pose down, along the path, and up again

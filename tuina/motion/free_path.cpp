@@ -21,7 +21,7 @@ std::vector<control::ToolPose> free_path(const body::BackSurface& back, const Ap
     return control::ToolPose{.at_in_base = base_from_couch * at,
                              .normal_in_base = base_from_couch.linear() * normal};
   };
-  const Vector3 out = back.position() == Position::sitting ? Vector3::UnitY() : Vector3::UnitZ();
+  const Vector3 out = back.position() == BodyPosture::sitting ? Vector3::UnitY() : Vector3::UnitZ();
   const auto clear = [&](double lift_m) {
     constexpr int samples = 16;
     for (int i = 0; i <= samples; ++i) {

@@ -21,13 +21,6 @@ struct ApproachPose {
           .normal_in_couch = point.normal_in_couch};
 }
 
-/// Tip and outward normal of a sphere tool.
-[[nodiscard]] inline control::ToolPose foremost_of(const Transform& base_from_tool,
-                                                   double radius_m) noexcept {
-  const Vector3 normal = control::tool_normal(base_from_tool);
-  return {.at_in_base = base_from_tool.translation() - radius_m * normal, .normal_in_base = normal};
-}
-
 [[nodiscard]] inline control::ToolPose above(const control::ToolPose& pose,
                                              double more_m) noexcept {
   return {.at_in_base = pose.at_in_base + more_m * pose.normal_in_base,

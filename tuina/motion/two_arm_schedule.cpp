@@ -39,13 +39,13 @@ void TwoArmSchedule::add_job(Arm arm, int path, const std::vector<control::ToolP
                              const JointVector& posture_rad) {
   jobs[arm].push_back({.path = path,
                        .step = job_step_,
-                       .way_in_base = way,
+                       .waypoints_in_base = way,
                        .posture_rad = posture_rad,
                        .from_rad = rest_[arm].parked ? rest_[arm].q_rad : JointVector()});
 }
 
 void TwoArmSchedule::add_transfer(Arm arm, const ArmMove& move) {
-  add_job(arm, -1, move.way_in_base, move.posture_rad);
+  add_job(arm, -1, move.waypoints_in_base, move.posture_rad);
   clear.take_least(move.clear);
   ++job_step_;
   end_s += move.transfer_s;
@@ -63,7 +63,7 @@ void TwoArmSchedule::add_contacts(const Moves& moves, const PerArm<Planned>& pla
     const bool transferred = rest_[arm].q_rad == move.above.q_rad;
     if (!transferred) transfer_s = std::max(transfer_s, move.transfer_s);
     const std::vector<control::ToolPose> way =
-        transferred ? std::vector{move.way_in_base.back()} : move.way_in_base;
+        transferred ? std::vector{move.waypoints_in_base.back()} : move.waypoints_in_base;
     const int path = planned[arm] == nullptr ? -1 : static_cast<int>(paths.size());
     add_job(arm, path, way, move.posture_rad);
     if (planned[arm] != nullptr) {
@@ -207,7 +207,7 @@ void TwoArmSchedule::finish() {
     double max_duration_s = 0.0;
     for (const Arm arm : both_arms) {
       if (rest_[arm].parked) continue;
-      add_job(arm, -1, home[arm].way_in_base, home[arm].posture_rad);
+      add_job(arm, -1, home[arm].waypoints_in_base, home[arm].posture_rad);
       clear.take_least(home[arm].clear);
       max_duration_s = std::max(max_duration_s, home[arm].transfer_s);
       rest_[arm] = home[arm].after;

@@ -64,8 +64,8 @@ Result<MappedBack> mapped_back(const json& root, std::string_view file) {
   MappedBack back;
   if (root.contains("position")) {
     const json& position = root["position"];
-    if (position == "sitting") back.position = Position::sitting;
-    if (position == "prone") back.position = Position::prone;
+    if (position == "sitting") back.position = BodyPosture::sitting;
+    if (position == "prone") back.position = BodyPosture::prone;
     if (!back.position) {
       return fail(Fault::bad_input, "{}: position is not \"sitting\" or \"prone\"", file);
     }
@@ -121,18 +121,23 @@ Result<MappedBack> read_acupoints(const std::filesystem::path& file) {
 
 std::string to_json(const MapFile& map) {
   const auto three = [](const Vector3& v) { return nlohmann::ordered_json{v.x(), v.y(), v.z()}; };
-  nlohmann::ordered_json json = {{"method", map.method},
-                                 {"position", name_of(map.position)},
-                                 {"arms", map.arms},
+  const body::Mapping& mapping = map.mapping;
+  nlohmann::ordered_json json = {{"method", name_of(mapping.method)},
+                                 {"position", name_of(mapping.position)},
+                                 {"arms", name_of(mapping.arms)},
                                  {"compute_ms", map.compute_ms},
-                                 {"dropped_points", map.dropped_points}};
-  for (const Acupoint& point : map.acupoints) {
+                                 {"points", map.points},
+                                 {"dropped_points", map.dropped_points},
+                                 {"seen_percent", 100.0 * mapping.coverage},
+                                 {"misfit_mm", to_mm(mapping.rms_residual_m)},
+                                 {"strangeness", mapping.mahalanobis2_per_mode}};
+  for (const Acupoint& point : mapping.acupoints) {
     json["acupoints"][point.name] = {{"position_m", three(point.at_in_couch)},
                                      {"normal", three(point.normal_in_couch)},
                                      {"uncertainty_mm", to_mm(point.uncertainty_m)}};
   }
   json["landmarks"] = nlohmann::ordered_json::object();
-  for (const Landmark& landmark : map.landmarks) {
+  for (const Landmark& landmark : mapping.landmarks) {
     json["landmarks"][landmark.name] = three(landmark.at_in_couch);
   }
   return json.dump(2);

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "tuina/body/acupoints.hpp"
 #include "tuina/core/acupoint.hpp"
 #include "tuina/core/result.hpp"
 
@@ -13,7 +14,7 @@ namespace tuina::record {
 
 /// What acupoints.json says of one scan, in the scan's frame.
 struct MappedBack {
-  std::optional<Position> position;
+  std::optional<BodyPosture> position;
   std::vector<Acupoint> acupoints;
   std::vector<Landmark> landmarks;
 };
@@ -24,15 +25,12 @@ struct MappedBack {
 [[nodiscard]] Result<MappedBack> read_acupoints(const std::filesystem::path& file);
 [[nodiscard]] Result<MappedBack> parse_acupoints(std::string_view text, std::string_view name);
 
-/// What `map` answers and acupoints.json holds.
+/// Answer of `map`, and content of acupoints.json.
 struct MapFile {
-  std::string method;
-  Position position = Position::sitting;
-  std::string arms = "unknown";  ///< up, down or unknown
-  double compute_ms = 0.0;
+  body::Mapping mapping;
+  std::size_t points = 0;          ///< points of the scan
   std::size_t dropped_points = 0;  ///< points of the scan that were not finite
-  std::vector<Acupoint> acupoints;
-  std::vector<Landmark> landmarks;
+  double compute_ms = 0.0;
 };
 [[nodiscard]] std::string to_json(const MapFile& map);
 

@@ -35,6 +35,6 @@ struct RobotMount {
 };
 
 /// How the shipped robot `thesis` is mounted, for what judges it by name.
-[[nodiscard]] RobotMount mount_for(Position position);
+[[nodiscard]] RobotMount mount_for(BodyPosture position);
 
 }  // namespace tuina::robot

@@ -13,8 +13,8 @@ namespace tuina::robot {
 namespace {
 
 /// Upright directions as they lie in `base`: prone, the robot looks down.
-Matrix3 base_from_upright(Position position) {
-  if (position == Position::sitting) return Matrix3::Identity();
+Matrix3 base_from_upright(BodyPosture position) {
+  if (position == BodyPosture::sitting) return Matrix3::Identity();
   return Eigen::AngleAxisd(90_deg, Vector3::UnitY()).toRotationMatrix();
 }
 
@@ -27,7 +27,7 @@ Transform base_from_couch_at(const Vector3& midway_in_couch) {
   return base_from_couch;
 }
 
-RobotMount on_linear_base(const Mounting& mounting, Position position) {
+RobotMount on_linear_base(const Mounting& mounting, BodyPosture position) {
   RobotMount mount{.base_from_couch = base_from_couch_at(mounting.midway_in_couch),
                    .min_rail_m = mounting.min_rail_m,
                    .max_rail_m = mounting.max_rail_m,
@@ -75,9 +75,9 @@ Transform base_from_floor(const RobotMount& on_floor, bool turned) {
   return pose * Eigen::Translation3d(-middle);
 }
 
-RobotMount on_wheels(const RobotModel& model, Position position, bool head_at_plus_y) {
+RobotMount on_wheels(const RobotModel& model, BodyPosture position, bool head_at_plus_y) {
   const Mounting& mounting = model.mounting(position);
-  const bool sits = position == Position::sitting;
+  const bool sits = position == BodyPosture::sitting;
   const bool turned = !sits && !head_at_plus_y;  // it faces the couch's plus y
   const Description robot =
       wheeled_robot({.of = {model.arm, model.arm}}, mounting.upright_from_shoulder);
@@ -158,13 +158,13 @@ ArmTable thesis_arm() {
   return thesis().arm;
 }
 
-RobotMount mount_for(Position position) {
+RobotMount mount_for(BodyPosture position) {
   return place_robot(thesis(), position).mount;
 }
 
-Obstacle couch_of(Position position, const Transform& base_from_couch) {
+Obstacle couch_of(BodyPosture position, const Transform& base_from_couch) {
   constexpr double thick_m = 80_mm;
-  const bool sits = position == Position::sitting;
+  const bool sits = position == BodyPosture::sitting;
   Obstacle couch{.edges_m =
                      sits ? Vector3(500_mm, 500_mm, thick_m) : Vector3(760_mm, 2000_mm, thick_m)};
   couch.base_from_box =
@@ -191,7 +191,7 @@ Result<RobotModel> load_robot(std::string_view name_or_file) {
   return parse_robot(*text, name_or_file);
 }
 
-RobotPlacement place_robot(const RobotModel& model, Position position, bool head_at_plus_y) {
+RobotPlacement place_robot(const RobotModel& model, BodyPosture position, bool head_at_plus_y) {
   const Mounting& mounting = model.mounting(position);
   return {.carrier = model.carrier,
           .arm = model.arm,

@@ -55,7 +55,7 @@ struct RobotModel {
   Carrier carrier = Carrier::linear_base;
   ArmTable arm;
   std::array<Mounting, 2> mountings;  ///< indexed by position
-  [[nodiscard]] const Mounting& mounting(Position position) const {
+  [[nodiscard]] const Mounting& mounting(BodyPosture position) const {
     return mountings[static_cast<std::size_t>(position)];
   }
 };
@@ -84,11 +84,11 @@ struct RobotPlacement {
 /// says. On wheels it bends over its waist: sitting, it stands behind the person; prone, before the
 /// head, its base under the bed. In all the left arm is the one on the side of the couch's positive
 /// x.
-[[nodiscard]] RobotPlacement place_robot(const RobotModel& model, Position position,
+[[nodiscard]] RobotPlacement place_robot(const RobotModel& model, BodyPosture position,
                                          bool head_at_plus_y = false);
 
 /// The seat of the chair, or the bed, in `base`.
-[[nodiscard]] Obstacle couch_of(Position position, const Transform& base_from_couch);
+[[nodiscard]] Obstacle couch_of(BodyPosture position, const Transform& base_from_couch);
 
 /// The whole of it in `base` with what it stands around, and where its joints are: those of the
 /// arms at zero, those of the rest held there by their drives.

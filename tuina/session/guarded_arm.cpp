@@ -56,7 +56,7 @@ const JointVector& GuardedArm::step_on_bench(const robot::RobotReading& reading,
                                    safety::Phase::retract,  safety::Phase::free};
   return allow(reading, arm, controller.dynamics(),
                {.torque_nm = torque,
-                .phase = phase_of[static_cast<std::size_t>(status.doing)],
+                .phase = phase_of[static_cast<std::size_t>(status.mode)],
                 .zone = safety::Zone::bench,
                 .set_force_n = status.set_force_n,
                 .normal_in_base = status.normal_in_base,

@@ -59,12 +59,12 @@ void MassageStep::press_on(Side& side, Arm arm, double time_s) noexcept {
     side.playback.fade();
     side.cut_short = leaves;
   }
-  if (status.trouble != control::Trouble::none || side.playback.faded() ||
+  if (status.contact_fault != control::ContactFault::none || side.playback.faded() ||
       side.playback.path_s() >= planned.path.duration_s()) {
-    side.trouble = status.trouble;
-    side.cut_short = side.cut_short || status.trouble != control::Trouble::none;
+    side.contact_fault = status.contact_fault;
+    side.cut_short = side.cut_short || status.contact_fault != control::ContactFault::none;
     end_contact(side, arm, time_s);
-    if (side.trouble == control::Trouble::contact_lost) leave(time_s);
+    if (side.contact_fault == control::ContactFault::contact_lost) leave(time_s);
     return;
   }
   register_skin(side, time_s);
@@ -103,13 +103,13 @@ void MassageStep::end_contact(Side& side, Arm arm, double time_s) noexcept {
                  .arm = arm,
                  .begin_s = side.contact_s,
                  .end_s = time_s,
-                 .trouble = side.trouble,
+                 .contact_fault = side.contact_fault,
                  .whole = !side.cut_short,
                  .felt = {}};
   const bool feels = planned.path.technique == Technique::press;
   if (feels && time_s > side.contact_s) {
     done.felt = steering_.estimate(arm);
-    done.chi = steering_.chi(arm);
+    done.nis = steering_.nis(arm);
     done.stiffness_sd = steering_.stiffness_sd(arm);
   }
   steering_.end(arm);
@@ -123,9 +123,9 @@ void MassageStep::feel(Side& side, Arm arm, double time_s, const ArmState& state
   // The approach counts too: in the air the estimator learns the zero of the force sensor.
   if (side.phase != ArmPhase::approach && side.phase != ArmPhase::contact) return;
   const Vector3& normal = side.wanted.normal_in_base;
-  const Vector3 foremost = state.base_from_tool.translation() - tool_radius_m_ * normal;
+  const Vector3 tip = state.base_from_tool.translation() - tool_radius_m_ * normal;
   steering_.feel(arm, time_s,
-                 {.depth_m = normal.dot(side.wanted.at_in_base - foremost),
+                 {.depth_m = normal.dot(side.wanted.at_in_base - tip),
                   .force_n = normal.dot(state.contact_in_base.force_n)});
   const TissueEstimate& estimate = steering_.estimate(arm);
   if (options_.steer && estimate.converged) side.expected = estimate.tissue;

@@ -96,7 +96,7 @@ robot::RobotCommand MassageStep::step(const robot::RobotReading& reading) noexce
     const ArmState& state = guarded.state;
     side.q_rad = state.q_rad;
     if (!started_) {
-      side.home = motion::foremost_of(state.base_from_tool, tool_radius_m_);
+      side.home = control::tip_pose(state.base_from_tool, tool_radius_m_);
       side.home_rad = state.q_rad;
     }
     conduct(arm, reading.time_s);
@@ -116,7 +116,7 @@ robot::RobotCommand MassageStep::step(const robot::RobotReading& reading) noexce
         .path = path_of(side) != nullptr ? job_of(side)->path : -1,
         .target_n = side.phase == ArmPhase::contact ? side.wanted.force_n : 0.0,
         .measured_n = guarded.controller.status().force_n,
-        .tool_in_base = motion::foremost_of(state.base_from_tool, tool_radius_m_).at_in_base};
+        .tool_in_base = control::tip_pose(state.base_from_tool, tool_radius_m_).at_in_base};
   }
   started_ = true;
   if (!separation_.keeps(reading) && stopped_s_ < 0.0) part_arms(reading.time_s);
@@ -167,7 +167,7 @@ void MassageStep::obey(LiveCommand command) noexcept {
           side.controller().hold();
         } else {
           side.controller().move_to(leg >= 0 ? side.detour[static_cast<std::size_t>(leg)]
-                                             : job_of(side)->way_in_base[side.waypoint]);
+                                             : job_of(side)->waypoints_in_base[side.waypoint]);
           side.leg_s = -1.0;
         }
       }
@@ -204,10 +204,10 @@ void MassageStep::conduct(Arm arm, double time_s) noexcept {
       if (stopped_s_ >= 0.0 || job->step > step_ || paused_) return;
       if (!stands_as_planned(side, arm, time_s)) return;
       side.waypoint = 0;
-      side.trouble = control::Trouble::none;
+      side.contact_fault = control::ContactFault::none;
       side.skip = side.again = side.cut_short = false;
       side.controller().keep_posture(job->posture_rad);
-      side.controller().move_to(job->way_in_base.front());
+      side.controller().move_to(job->waypoints_in_base.front());
       side.leg_s = time_s;
       side.phase = ArmPhase::travel;
       return;
@@ -218,12 +218,12 @@ void MassageStep::conduct(Arm arm, double time_s) noexcept {
       if (status.settled || time_s - side.leg_s > max_leg_s) end_travel(side, arm, time_s);
       return;
     case ArmPhase::approach:
-      if (status.trouble != control::Trouble::none || side.skip) {
+      if (status.contact_fault != control::ContactFault::none || side.skip) {
         side.contact_s = time_s;
-        side.trouble = status.trouble;
+        side.contact_fault = status.contact_fault;
         end_contact(side, arm, time_s);
-        if (side.trouble == control::Trouble::no_skin_found) leave(time_s);
-      } else if (status.doing == control::Doing::contact) {
+        if (side.contact_fault == control::ContactFault::no_skin_found) leave(time_s);
+      } else if (status.mode == control::Mode::contact) {
         begin_contact(side, arm, time_s);
       }
       return;

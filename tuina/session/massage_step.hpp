@@ -42,10 +42,11 @@ struct Performed {
   Arm arm = Arm::left;
   double begin_s = 0.0;  ///< first touch
   double end_s = 0.0;
-  control::Trouble trouble = control::Trouble::none;  ///< reason why it was cut short, if it was
+  control::ContactFault contact_fault =
+      control::ContactFault::none;     ///< reason why it was cut short, if it was
   bool whole = true;                   ///< true when every point of the path was served
   std::optional<TissueEstimate> felt;  ///< tissue after the last press; only pressing feels it
-  double chi = 1.0;                    ///< misfit of the tissue model; about 1 is good
+  double nis = 1.0;                    ///< misfit of the tissue model; about 1 is good
   double stiffness_sd = 0.0;           ///< relative error of the stiffness at `reference_force_n`
 };
 
@@ -127,7 +128,7 @@ class MassageStep {
     std::array<control::ToolPose, 3> detour =
         {};  ///< waypoints back to where the next free path begins, or home
     int detour_at = -1, detour_legs = 0;
-    control::Trouble trouble = control::Trouble::none;
+    control::ContactFault contact_fault = control::ContactFault::none;
     TangentTissue expected = {};  ///< tissue that is fed forward
     BasePoint wanted = {};        ///< the place of the path where the tool should be now
     JointVector q_rad = {};       ///< joint angles of this millisecond

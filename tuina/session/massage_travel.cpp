@@ -33,7 +33,7 @@ bool MassageStep::stands_as_planned(Side& side, Arm arm, double time_s) noexcept
 bool MassageStep::above_path(const Side& side) const noexcept {
   const motion::ArmJob* job = job_of(side);
   return side.phase == ArmPhase::travel && job != nullptr && job->path >= 0 && side.detour_at < 0 &&
-         side.waypoint + 1 == job->way_in_base.size() && side.controller().status().settled;
+         side.waypoint + 1 == job->waypoints_in_base.size() && side.controller().status().settled;
 }
 
 /// It works in this step and has not come above its path yet: both hands go down together.
@@ -65,12 +65,12 @@ void MassageStep::end_travel(Side& side, Arm arm, double time_s) noexcept {
   }
   if (!arrived && job.path >= 0) {
     side.contact_s = time_s;
-    side.trouble = control::Trouble::blocked;
+    side.contact_fault = control::ContactFault::blocked;
     return end_contact(side, arm, time_s);
   }
   if (!arrived) return next_job(side);
-  if (++side.waypoint < job.way_in_base.size()) {
-    side.controller().move_to(job.way_in_base[side.waypoint]);
+  if (++side.waypoint < job.waypoints_in_base.size()) {
+    side.controller().move_to(job.waypoints_in_base[side.waypoint]);
   } else if (job.path < 0) {
     next_job(side);
   } else {
@@ -99,7 +99,7 @@ void MassageStep::detour(Side& side, const control::ToolPose& goal, bool from_ab
                          double time_s) noexcept {
   constexpr double lifted_m = 80e-3;
   const control::ToolPose here =
-      motion::foremost_of(side.controller().dynamics().base_from_tool, tool_radius_m_);
+      control::tip_pose(side.controller().dynamics().base_from_tool, tool_radius_m_);
   side.detour = {motion::above(here, lifted_m), from_above ? motion::above(goal, lifted_m) : goal,
                  goal};
   side.detour_legs = from_above ? 3 : 2;
@@ -112,7 +112,7 @@ void MassageStep::detour(Side& side, const control::ToolPose& goal, bool from_ab
 void MassageStep::fly_home(Side& side, double time_s) noexcept {
   constexpr double at_home_m = 20e-3;
   const control::ToolPose here =
-      motion::foremost_of(side.controller().dynamics().base_from_tool, tool_radius_m_);
+      control::tip_pose(side.controller().dynamics().base_from_tool, tool_radius_m_);
   if ((here.at_in_base - side.home.at_in_base).norm() < at_home_m) {
     side.job = side.jobs.size();
     side.phase = ArmPhase::waiting;

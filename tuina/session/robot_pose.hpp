@@ -46,7 +46,7 @@ struct RobotPose {
 /// Content of robot.toml: where the robot stands, and for people in which position.
 struct PlacedRobot {
   std::string robot = "thesis";  ///< whose arms touched: a shipped robot or the file of its table
-  Position position = Position::sitting;
+  BodyPosture position = BodyPosture::sitting;
   Transform base_from_couch = Transform::Identity();
 };
 [[nodiscard]] std::string to_toml(const PlacedRobot& robot);

@@ -106,8 +106,8 @@ Result<PlacedRobot> parse_robot_pose(std::string_view text, std::string_view nam
       section->only({"name"}, {"position"});
       robot.robot = section->text("name").value_or(robot.robot);
       const auto position =
-          section->word("position", {name_of(Position::sitting), name_of(Position::prone)});
-      robot.position = position == 1U ? Position::prone : Position::sitting;
+          section->word("position", {name_of(BodyPosture::sitting), name_of(BodyPosture::prone)});
+      robot.position = position == 1U ? BodyPosture::prone : BodyPosture::sitting;
     }
     if (const auto pose = root.table("base_from_couch")) {
       pose->only({}, {"rotation_vector_rad", "translation_m"});

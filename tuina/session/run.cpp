@@ -23,7 +23,7 @@ Result<void> prepare(Devices devices, const Order& order, const Config& config, 
   if (!mapped) return tl::unexpected(mapped.error());
 
   const Stopwatch watch;
-  const Position position = mapped->back.position();
+  const BodyPosture position = mapped->back.position();
   if (order.placed.position != position) {
     return fail(Fault::config, "the robot stands there for a person {}, and this one is {}",
                 name_of(order.placed.position), name_of(position));

@@ -41,7 +41,8 @@ struct Order {
   massage::PlanOptions plan_options;
   body::Atlas atlas;
   body::Method method = body::Method::surface;
-  std::optional<Position> position;  ///< position of the person; nothing: recognised from the scan
+  std::optional<BodyPosture>
+      position;  ///< position of the person; nothing: recognised from the scan
   scanner::ScannerCalibration calibration;
   robot::RobotModel robot;
   PlacedRobot placed;    ///< measured place of the robot

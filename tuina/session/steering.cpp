@@ -94,9 +94,9 @@ void Steering::end(Arm arm) noexcept {
   Side& side = sides_[arm];
   const int number = side.path < 0 ? -1 : place_of_path_[static_cast<std::size_t>(side.path)];
   if (number < 0 || !side.presses) return;
-  if (!tissue::may_steer(side.whole.estimate(), side.whole.chi())) return;
+  if (!tissue::may_steer(side.whole.estimate(), side.whole.nis())) return;
   places_[static_cast<std::size_t>(number)] = {
-      .felt = true, .estimate = side.whole.estimate(), .chi = side.whole.chi()};
+      .felt = true, .estimate = side.whole.estimate(), .nis = side.whole.nis()};
 }
 
 void Steering::feel(Arm arm, double time_s, const Press& press) noexcept {
@@ -144,17 +144,17 @@ void Steering::judge(Arm arm, double time_s) noexcept {
   const auto index = static_cast<std::size_t>(side.path);
   const massage::PlannedPath& planned = paths_[index];
   const int number = place_of_path_[index];
-  Place fresh{.felt = false, .estimate = side.whole.estimate(), .chi = side.whole.chi()};
+  Place fresh{.felt = false, .estimate = side.whole.estimate(), .nis = side.whole.nis()};
   Place& place = number >= 0 ? places_[static_cast<std::size_t>(number)] : fresh;
-  const bool unknown = !place.felt || !tissue::may_steer(place.estimate, place.chi);
-  if (unknown && side.presses) place = {.felt = true, .estimate = fresh.estimate, .chi = fresh.chi};
+  const bool unknown = !place.felt || !tissue::may_steer(place.estimate, place.nis);
+  if (unknown && side.presses) place = {.felt = true, .estimate = fresh.estimate, .nis = fresh.nis};
   const double before_n = std::min(side.reference_n, planned.cap_n);
 
-  side.known = tissue::may_steer(place.estimate, place.chi);
+  side.known = tissue::may_steer(place.estimate, place.nis);
   if (!side.known) {
     // Only pressing goes deep enough for the half of an unknown place to matter.
     if (!side.presses) return;
-    side.cap_n = tissue::force_cap_n(place.estimate, place.chi, planned.cap_n);
+    side.cap_n = tissue::force_cap_n(place.estimate, place.nis, planned.cap_n);
     decide(arm, time_s, "A2", "the tissue is not known well enough: at most half of the zone's cap",
            before_n, std::min(before_n, side.cap_n));
     return;
@@ -172,13 +172,13 @@ void Steering::judge(Arm arm, double time_s) noexcept {
       planned.zone == massage::Zone::spine_margin || planned.zone == massage::Zone::gv4;
   const double bears_n = massage::perhaps_spine_n(planned.path.technique);
   if (near_spine && before_n > bears_n &&
-      tissue::classify(place.estimate, place.chi).label == tissue::TissueClass::bone) {
+      tissue::classify(place.estimate, place.nis).label == tissue::TissueClass::bone) {
     side.cap_n = bears_n;
     decide(arm, time_s, "A8", "bone where the spine may be: no more than a process bears", before_n,
            side.cap_n);
     return;
   }
-  side.cap_n = tissue::force_cap_n(place.estimate, place.chi, planned.cap_n);
+  side.cap_n = tissue::force_cap_n(place.estimate, place.nis, planned.cap_n);
   if (side.cap_n < before_n) {
     decide(arm, time_s, "A3",
            "three times the hardness is enough: beyond, the tissue is compressed", before_n,
@@ -190,7 +190,7 @@ void Steering::judge(Arm arm, double time_s) noexcept {
       .log_stiffness = sum_log_stiffness_ / static_cast<double>(betas_.size()),
       .median_beta_per_m = betas_[betas_.size() / 2]};
   const tissue::TechniqueAdvice advice =
-      tissue::technique_for(place.estimate, place.chi, person, side.reference_n, planned.cap_n);
+      tissue::technique_for(place.estimate, place.nis, person, side.reference_n, planned.cap_n);
   if (!advice.known) return;
   const double now_n = std::min(before_n, side.cap_n);
   if (advice.technique == Technique::stroke && advice.force_n < now_n) {
@@ -210,13 +210,13 @@ void Steering::watch(Arm arm, double time_s) noexcept {
   const TissueEstimate now = side.last.estimate();
   side.last.reset();
   count_press(arm, time_s);
-  if (!side.known && tissue::may_steer(side.whole.estimate(), side.whole.chi())) {
+  if (!side.known && tissue::may_steer(side.whole.estimate(), side.whole.nis())) {
     // What the probing presses could not tell, a full one has.
     side.reference = side.whole.estimate();
     side.elsewhen = false;
     return judge(arm, time_s);
   }
-  if (!tissue::may_steer(side.reference, side.whole.chi())) return;
+  if (!tissue::may_steer(side.reference, side.whole.nis())) return;
   if (std::exchange(side.elsewhen, false)) side.reference.contact_m = now.contact_m;
   const tissue::Alarm alarm = tissue::compare(side.reference, now, reference_force_n);
   if (alarm == tissue::Alarm::none) return;
@@ -236,7 +236,7 @@ void Steering::count_press(Arm arm, double time_s) noexcept {
   constexpr int presses_of_a_set = 6;
   Side& side = sides_[arm];
   if (++side.set_presses < presses_of_a_set || side.sets_felt == max_sets) return;
-  if (!side.known || !tissue::follows_law(side.set.estimate(), side.set.chi())) return;
+  if (!side.known || !tissue::follows_law(side.set.estimate(), side.set.nis())) return;
   side.sets[side.sets_felt++] = {.log_stiffness = log_stiffness(side.set.estimate().tissue),
                                  .sd = side.set.stiffness_sd(reference_force_n)};
   side.set.reset();

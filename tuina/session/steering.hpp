@@ -61,7 +61,7 @@ class Steering {
   [[nodiscard]] const TissueEstimate& estimate(Arm arm) const noexcept {
     return sides_[arm].whole.estimate();
   }
-  [[nodiscard]] double chi(Arm arm) const noexcept { return sides_[arm].whole.chi(); }
+  [[nodiscard]] double nis(Arm arm) const noexcept { return sides_[arm].whole.nis(); }
   [[nodiscard]] double stiffness_sd(Arm arm) const noexcept {
     return sides_[arm].whole.stiffness_sd(reference_force_n);
   }
@@ -72,7 +72,7 @@ class Steering {
   struct Place {
     bool felt = false;
     TissueEstimate estimate = {};
-    double chi = 1.0;
+    double nis = 1.0;
   };
   struct Side {
     explicit Side(const tissue::PressEstimatorOptions& options)

@@ -226,8 +226,8 @@ Result<TaughtMotion> read_taught(const fs::path& file) {
     motion.name = taught.text("name").value_or("");
     motion.robot = taught.text("robot").value_or(motion.robot);
     const auto position =
-        taught.word("position", {name_of(Position::sitting), name_of(Position::prone)});
-    motion.position = position == 1U ? Position::prone : Position::sitting;
+        taught.word("position", {name_of(BodyPosture::sitting), name_of(BodyPosture::prone)});
+    motion.position = position == 1U ? BodyPosture::prone : BodyPosture::sitting;
     const auto arm = taught.word("arm", {name_of(Arm::left), name_of(Arm::right)});
     motion.arm = arm == 1U ? Arm::right : Arm::left;
     motion.rail_m = from_mm(taught.number("rail_mm", -2000.0, 2000.0).value_or(0.0));

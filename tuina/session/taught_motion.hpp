@@ -24,7 +24,7 @@ struct TaughtSample {
 /// the force that was felt.
 struct TaughtMotion {
   std::string name;
-  Position position = Position::sitting;
+  BodyPosture position = BodyPosture::sitting;
   std::string robot = "thesis";  ///< whose arm: a shipped robot or the file of its table
   Arm arm = Arm::left;
   double rail_m = 0.0;

@@ -14,7 +14,7 @@ constexpr double step_s = 1e-3;
 
 std::vector<PressScenario> make_scenarios() {
   using Shape = PressScenario::Shape;
-  using Law = PressScenario::Law;
+  using TissueModel = PressScenario::TissueModel;
   std::vector<PressScenario> all = {
       {.name = "N0", .about = "nominal"},
       {.name = "N0_half_force", .about = "half of the force", .force_share = 0.5},
@@ -49,11 +49,13 @@ std::vector<PressScenario> make_scenarios() {
       {.name = "light",
        .about = "pressed to one alpha only: must not converge",
        .force_share = -1.0},
-      {.name = "quadratic", .about = "tissue of another law, F ~ d^2", .law = Law::quadratic},
-      {.name = "hertz", .about = "tissue of another law, F ~ d^1.5", .law = Law::hertz},
+      {.name = "quadratic",
+       .about = "tissue of another law, F ~ d^2",
+       .law = TissueModel::quadratic},
+      {.name = "hertz", .about = "tissue of another law, F ~ d^1.5", .law = TissueModel::hertz},
       {.name = "exponential",
        .about = "tissue of another law, F ~ e^d - 1",
-       .law = Law::exponential},
+       .law = TissueModel::exponential},
   };
   PressScenario loop{.name = "L0",
                      .about = "by a robot: torso, delay, 3 N kept; no breath",
@@ -79,7 +81,7 @@ std::vector<PressScenario> make_scenarios() {
 
 /// Force and depth of the tissue law; the other laws agree with the tangent law at the peak.
 struct Law {
-  PressScenario::Law kind;
+  PressScenario::TissueModel kind;
   TangentTissue tissue;
   double peak_m, peak_n;
 
@@ -87,13 +89,13 @@ struct Law {
     if (depth_m <= 0.0) return 0.0;
     const double share = depth_m / peak_m;
     switch (kind) {
-      case PressScenario::Law::tangent:
+      case PressScenario::TissueModel::tangent:
         return tissue::force_at_depth(tissue, depth_m);
-      case PressScenario::Law::quadratic:
+      case PressScenario::TissueModel::quadratic:
         return peak_n * share * share;
-      case PressScenario::Law::hertz:
+      case PressScenario::TissueModel::hertz:
         return peak_n * std::pow(share, 1.5);
-      case PressScenario::Law::exponential:
+      case PressScenario::TissueModel::exponential:
         return peak_n * std::expm1(3.0 * share) / std::expm1(3.0);
     }
     return 0.0;

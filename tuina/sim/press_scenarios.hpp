@@ -19,7 +19,12 @@ struct PressScenario {
     sigmoid,  ///< [thesis] (3.20) in depth, with a hold
     force     ///< force-controlled press on a compliant torso; 3 N between presses
   } shape = Shape::sine;
-  enum class Law : std::uint8_t { tangent, quadratic, hertz, exponential } law = Law::tangent;
+  enum class TissueModel : std::uint8_t {
+    tangent,
+    quadratic,
+    hertz,
+    exponential
+  } law = TissueModel::tangent;
   double force_noise_n = 0.2;
   double position_noise_m = 0.05e-3;
   double position_correlation_s = 0.0;  ///< 0: white position noise

@@ -104,16 +104,16 @@ struct World::Parts {
   };
 
   Parts(const Person& who, const robot::RobotPlacement& placement, const WorldOptions& given,
-        std::uint64_t seed)
+        std::uint64_t drawn_by)
       : person(who),
         robot(placement),
         options(given),
-        seed(seed),
-        contact(who.skin_in_couch, lay_tissue(who, seed),
+        seed(drawn_by),
+        contact(who.skin_in_couch, lay_tissue(who, drawn_by),
                 {.torso_n_per_m = given.torso_n_per_m, .breathing = given.breathing}),
         scanner(*this),
         ready_robot(*this) {
-    Random errors = make_random(seed, "true arms");
+    Random errors = make_random(drawn_by, "true arms");
     for (const Arm arm : both_arms)
       true_arms[arm] = draw_arm(placement.arm, given.arm_errors, errors);
     if (given.shift_m == 0.0) return;

@@ -21,7 +21,7 @@ constexpr std::array<Subject, 8> subjects = {{
 }};
 
 constexpr double label_from = 0.6;  // minimum probability of a named class
-constexpr double max_chi = 4.0;  // beyond it the tangent law does not fit and alpha means nothing
+constexpr double max_nis = 4.0;  // beyond it the tangent law does not fit and alpha means nothing
 // A twentieth of all presses are none of the three classes, spread over three times their range.
 constexpr double none_prior = 0.05, none_spread = 9.0;
 
@@ -83,7 +83,7 @@ std::span<const Subject, 8> tables_6_1_and_6_2() noexcept {
   return subjects;
 }
 
-Classification classify(const TissueEstimate& estimate, double chi, const ClassProbabilities& prior,
+Classification classify(const TissueEstimate& estimate, double nis, const ClassProbabilities& prior,
                         std::span<const Subject> table) noexcept {
   const Statistics s = statistics_of(table);
   const Eigen::Vector2d x = logs(estimate.tissue);
@@ -98,7 +98,7 @@ Classification classify(const TissueEstimate& estimate, double chi, const ClassP
     result.of[k] = (1.0 - none_prior) * prior[k] * density(x - s.mean[k], spread);
     sum += result.of[k];
   }
-  const bool usable = estimate.converged && chi <= max_chi && std::isfinite(sum) && sum > 0.0;
+  const bool usable = estimate.converged && nis <= max_nis && std::isfinite(sum) && sum > 0.0;
   if (!usable) {
     result.of = prior;
     result.probability = 1.0 - *std::max_element(prior.begin(), prior.end());

@@ -42,7 +42,7 @@ struct KnownPress {
 /// label has a probability. `prior`: class probabilities of the place on the body. Not converged,
 /// nis above 4 or no class above 60 %: unknown.
 [[nodiscard]] Classification classify(
-    const TissueEstimate& estimate, double chi = 1.0,
+    const TissueEstimate& estimate, double nis = 1.0,
     const ClassProbabilities& prior = nothing_known,
     std::span<const Subject> table = tables_6_1_and_6_2()) noexcept;
 

@@ -197,11 +197,12 @@ Result<CurveFit> fit_curve(std::span<const TimedPress> raw, const SensorNoise& n
     count += 1.0;
   }
   fit.rmse_n = count > 0.0 ? std::sqrt(squares / count) : 0.0;
-  fit.chi = best->sum.cost / std::max(1.0, static_cast<double>(record.size()) - 4.0);
+  fit.reduced_chi_square = best->sum.cost / std::max(1.0, static_cast<double>(record.size()) - 4.0);
   Normal information = best->sum.information;
   information.diagonal().array() += 1e-9;  // keeps undetermined directions finite
   const Normal covariance = information.ldlt().solve(Normal::Identity());
-  const double scale = 1.96 * std::sqrt(std::max(1.0, fit.chi) * correlation_length(residuals));
+  const double scale =
+      1.96 * std::sqrt(std::max(1.0, fit.reduced_chi_square) * correlation_length(residuals));
   fit.alpha_ci95_n = scale * fit.tissue.alpha_n * std::sqrt(std::max(0.0, covariance(0, 0)));
   fit.beta_ci95_per_m = scale * fit.tissue.beta_per_m * std::sqrt(std::max(0.0, covariance(1, 1)));
   fit.contact_ci95_m = scale * std::sqrt(std::max(0.0, covariance(2, 2)));

@@ -16,8 +16,8 @@ struct CurveFit {
   double alpha_ci95_n = 0.0;  ///< half-widths of the 95 % intervals
   double beta_ci95_per_m = 0.0;
   double contact_ci95_m = 0.0;
-  double rmse_n = 0.0;  ///< of the force, over samples above 1 N
-  double chi = 0.0;     ///< mean squared residual over that expected from the noise
+  double rmse_n = 0.0;              ///< of the force, over samples above 1 N
+  double reduced_chi_square = 0.0;  ///< mean squared residual over that expected from the noise
   double peak_force_n = 0.0;
   int samples = 0;
 };

@@ -13,7 +13,7 @@ namespace {
 constexpr double bend_alphas = 2.5;  // force / alpha where alpha and beta can be separated
 constexpr double cap_alphas = 3.0;
 constexpr double first_probe_n = 8.0;
-constexpr double max_chi = 4.0;
+constexpr double max_nis = 4.0;
 constexpr double thin_layer_n = 10.0;
 
 double relative_sd(double ci95, double value) noexcept {
@@ -54,16 +54,16 @@ bool probed_enough(const TissueEstimate& estimate, double peak_force_n,
   return peak_force_n >= 0.9 * wanted_n;
 }
 
-bool may_steer(const TissueEstimate& estimate, double chi) noexcept {
-  return follows_law(estimate, chi) && estimate.converged;
+bool may_steer(const TissueEstimate& estimate, double nis) noexcept {
+  return follows_law(estimate, nis) && estimate.converged;
 }
 
-bool follows_law(const TissueEstimate& estimate, double chi) noexcept {
-  return sound(estimate) && chi <= max_chi;
+bool follows_law(const TissueEstimate& estimate, double nis) noexcept {
+  return sound(estimate) && nis <= max_nis;
 }
 
-double force_cap_n(const TissueEstimate& estimate, double chi, double region_cap_n) noexcept {
-  if (!may_steer(estimate, chi)) return 0.5 * region_cap_n;
+double force_cap_n(const TissueEstimate& estimate, double nis, double region_cap_n) noexcept {
+  if (!may_steer(estimate, nis)) return 0.5 * region_cap_n;
   const double min_alpha_n = std::max(0.0, estimate.tissue.alpha_n - estimate.alpha_ci95_n);
   return std::min(region_cap_n, cap_alphas * min_alpha_n);
 }
@@ -122,10 +122,10 @@ Dwell dwell_after(std::span<const PressSet> sets, double elapsed_s) noexcept {
   return unchanged(last) && unchanged(last - 1) ? Dwell::no_change : Dwell::go_on;
 }
 
-TechniqueAdvice technique_for(const TissueEstimate& estimate, double chi, const PersonMean& person,
+TechniqueAdvice technique_for(const TissueEstimate& estimate, double nis, const PersonMean& person,
                               double reference_force_n, double region_cap_n) noexcept {
-  const double cap_n = force_cap_n(estimate, chi, region_cap_n);
-  if (!may_steer(estimate, chi))
+  const double cap_n = force_cap_n(estimate, nis, region_cap_n);
+  if (!may_steer(estimate, nis))
     return {Technique::stroke, std::min({thin_layer_n, reference_force_n, cap_n}), false};
   const double z =
       (std::log(stiffness_at_force(estimate.tissue, reference_force_n)) - person.log_stiffness) /

@@ -21,13 +21,13 @@ namespace tuina::tissue {
                                  double region_cap_n) noexcept;
 
 /// A2. True when an estimate may change the massage: converged, and the tangent law fits.
-[[nodiscard]] bool may_steer(const TissueEstimate& estimate, double chi) noexcept;
+[[nodiscard]] bool may_steer(const TissueEstimate& estimate, double nis) noexcept;
 /// A2. True when the tangent law fits, converged or not.
-[[nodiscard]] bool follows_law(const TissueEstimate& estimate, double chi) noexcept;
+[[nodiscard]] bool follows_law(const TissueEstimate& estimate, double nis) noexcept;
 
 /// A3. Minimum of the region's cap and three times the lower bound of alpha: beyond that the tissue
 /// is compressed, not massaged. Unknown tissue gets half the cap.
-[[nodiscard]] double force_cap_n(const TissueEstimate& estimate, double chi,
+[[nodiscard]] double force_cap_n(const TissueEstimate& estimate, double nis,
                                  double region_cap_n) noexcept;
 /// A5. Robot impedance from the tangent stiffness of the tissue at the working force: half as
 /// stiff, damping ratio 0.7 together.
@@ -74,7 +74,7 @@ struct TechniqueAdvice {
 };
 /// A8. Much stiffer than the person's mean and not a thin layer over bone: slow pressing, a fifth
 /// harder. Thin layer: stroking with 10 N at most. Else rubbing. All below the cap of A3.
-[[nodiscard]] TechniqueAdvice technique_for(const TissueEstimate& estimate, double chi,
+[[nodiscard]] TechniqueAdvice technique_for(const TissueEstimate& estimate, double nis,
                                             const PersonMean& person, double reference_force_n,
                                             double region_cap_n) noexcept;
 

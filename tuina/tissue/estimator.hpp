@@ -22,7 +22,7 @@ concept Estimator = std::is_nothrow_constructible_v<T, const typename T::Options
 template <typename T>
 concept SteeringEstimator = Estimator<T> && requires(T estimator, const T& fed, double force_n) {
   requires noexcept(estimator.reset());
-  requires std::is_same_v<decltype(fed.chi()), double>;
+  requires std::is_same_v<decltype(fed.nis()), double>;
   requires std::is_same_v<decltype(fed.stiffness_sd(force_n)), double>;
 };
 

@@ -105,7 +105,7 @@ void PressEstimator::reset() noexcept {
   next_ = pass_size_ = 0;
   idle_passes_ = passes_at_rest;
   seen_blocks_ = 0;
-  chi_ = 1.0;
+  nis_ = 1.0;
   step_limit_ = max_step;
   last_step_.setZero();
   settled_ = false;
@@ -284,13 +284,13 @@ void PressEstimator::finish_pass() noexcept {
   state_(log_alpha) = std::clamp(state_(log_alpha), std::log(0.1), std::log(200.0));
   state_(log_beta) = std::clamp(state_(log_beta), std::log(10.0), std::log(5000.0));
   covariance_ = pass_.covariance;
-  chi_ = count_ > 8.0 ? std::max(1.0, sum_nis_ / count_) : 1.0;
+  nis_ = count_ > 8.0 ? std::max(1.0, sum_nis_ / count_) : 1.0;
 
   // Marginalised segments are never linearised again, so marginalisation waits for a settled answer
   // while the window has room.
   if (segments_.size() >= marginalise_at && (settled_ || segments_.size() >= max_window)) {
     prior_ = middle_;
-    prior_.covariance *= chi_;
+    prior_.covariance *= nis_;
     prior_.covariance(log_alpha, log_alpha) += forgetting_sd * forgetting_sd;
     prior_.covariance(log_beta, log_beta) += forgetting_sd * forgetting_sd;
     segments_.drop_oldest(marginalise_at / 2);
@@ -300,8 +300,8 @@ void PressEstimator::finish_pass() noexcept {
 
 void PressEstimator::publish() noexcept {
   const double alpha = std::exp(state_(log_alpha)), beta = std::exp(state_(log_beta));
-  const double alpha_ci = 1.96 * std::sqrt(chi_ * covariance_(log_alpha, log_alpha));
-  const double beta_ci = 1.96 * std::sqrt(chi_ * covariance_(log_beta, log_beta));
+  const double alpha_ci = 1.96 * std::sqrt(nis_ * covariance_(log_alpha, log_alpha));
+  const double beta_ci = 1.96 * std::sqrt(nis_ * covariance_(log_beta, log_beta));
   estimate_.tissue = {alpha, beta};
   estimate_.alpha_ci95_n = alpha * alpha_ci;
   estimate_.beta_ci95_per_m = beta * beta_ci;
@@ -311,7 +311,7 @@ void PressEstimator::publish() noexcept {
   const bool deep_enough = segments_.peak_force_n() > 1.2 * alpha * (1.0 + alpha_ci);
   const bool was = estimate_.converged;
   estimate_.converged = estimate_.presses >= 1 && sureness * alpha_ci < options_.converged_alpha &&
-                        sureness * beta_ci < options_.converged_beta && chi_ < 4.0 && deep_enough;
+                        sureness * beta_ci < options_.converged_beta && nis_ < 4.0 && deep_enough;
   if (!estimate_.converged)
     estimate_.converged_after_s = -1.0;
   else if (!was)
@@ -326,7 +326,7 @@ double PressEstimator::stiffness_sd(double force_n) const noexcept {
   // ln k = ln beta + ln(alpha^2 + F^2) - ln alpha, so d ln k / d ln alpha = (1 - q^2) / (1 + q^2).
   const double q = std::max(0.0, force_n) / estimate_.tissue.alpha_n;
   const Eigen::Vector2d gradient((1.0 - q * q) / (1.0 + q * q), 1.0);
-  return std::sqrt(chi_ * gradient.dot(covariance_.topLeftCorner<2, 2>() * gradient));
+  return std::sqrt(nis_ * gradient.dot(covariance_.topLeftCorner<2, 2>() * gradient));
 }
 
 }  // namespace tuina::tissue

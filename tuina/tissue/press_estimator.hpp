@@ -60,7 +60,7 @@ class PressEstimator {
 
   /// Normalised innovation squared: about 1 if the tangent law describes the tissue, above 4 if
   /// not.
-  [[nodiscard]] double chi() const noexcept { return chi_; }
+  [[nodiscard]] double nis() const noexcept { return nis_; }
   [[nodiscard]] double damping_s_per_m() const noexcept { return state_(mu); }
   [[nodiscard]] double tare_n() const noexcept { return segments_.tare_n(); }
   [[nodiscard]] double peak_force_n() const noexcept { return segments_.peak_force_n(); }
@@ -109,7 +109,7 @@ class PressEstimator {
   std::size_t next_ = 0, pass_size_ = 0;
   int idle_passes_ = 0;
   long seen_blocks_ = 0;
-  double chi_ = 1.0;
+  double nis_ = 1.0;
   TissueEstimate estimate_;
 };
 static_assert(SteeringEstimator<PressEstimator>);

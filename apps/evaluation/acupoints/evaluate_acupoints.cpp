@@ -143,7 +143,7 @@ class EvaluateAcupoints final : public Verb {
       // Seeds that the shipped atlas has not drawn.
       const auto shape =
           sim::draw_phantom(common.seed * 1000000007ULL + static_cast<std::uint64_t>(i));
-      for (const Position position : {Position::sitting, Position::prone}) {
+      for (const BodyPosture position : {BodyPosture::sitting, BodyPosture::prone}) {
         drawn.push_back(labelled(sim::make_phantom(shape, position)));
       }
     }

@@ -29,14 +29,14 @@ struct Judged {
 struct Curve {
   const char* name;
   bool prior;
-  Position position;
+  BodyPosture position;
   telemetry::Colour colour;
 };
 constexpr std::array<Curve, 4> curves = {
-    {{"sitting, adapted", true, Position::sitting, palette::press},
-     {"lying, adapted", true, Position::prone, palette::rub},
-     {"sitting, alone", false, Position::sitting, palette::press},
-     {"lying, alone", false, Position::prone, palette::rub}}};
+    {{"sitting, adapted", true, BodyPosture::sitting, palette::press},
+     {"lying, adapted", true, BodyPosture::prone, palette::rub},
+     {"sitting, alone", false, BodyPosture::sitting, palette::press},
+     {"lying, alone", false, BodyPosture::prone, palette::rub}}};
 
 /// How the error falls with the number of labelled people that an atlas learns from.
 class EvaluateAtlas final : public Verb {
@@ -142,7 +142,7 @@ class EvaluateAtlas final : public Verb {
     std::array<int, 2> taken = {};
     std::vector<body::LabelledBody> some;
     for (const std::size_t i : order) {
-      int& of_position = taken[bodies[i].position == Position::sitting ? 0 : 1];
+      int& of_position = taken[bodies[i].position == BodyPosture::sitting ? 0 : 1];
       if (of_position >= count) continue;
       ++of_position;
       some.push_back(bodies[i]);

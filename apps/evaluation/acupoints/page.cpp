@@ -52,7 +52,7 @@ std::string share_plot(const std::map<std::string, Score>& scores) {
 
 telemetry::Figure portrait(const body::LabelledBody& person, std::size_t index,
                            const Score& surface) {
-  const bool sitting = person.position == Position::sitting;
+  const bool sitting = person.position == BodyPosture::sitting;
   telemetry::Scene scene;
   if (person.skin_in_couch.triangles.empty()) return {.svg = ""};
   scene.surface = telemetry::mesh_for_picture(person.skin_in_couch);

@@ -72,7 +72,7 @@ control::ContactTarget target_at(const ContactPath& path, const Transform& base_
           .model = model};
 }
 
-JointVector posture_for(const robot::ArmModel& model, const control::ToolPose& foremost) {
+JointVector posture_for(const robot::ArmModel& model, const control::ToolPose& tip) {
   JointVector q(model.joints());
   q.setZero();
   q.head<6>() << -0.3, model.shoulder_in_base(0.0).y() > 0.0 ? -0.3 : 0.3, 0.0, 0.3, 0.0, 0.0;
@@ -80,8 +80,7 @@ JointVector posture_for(const robot::ArmModel& model, const control::ToolPose& f
   control::JointFollower follower;
   follower.start(q);
   const control::ToolPose centre = {
-      foremost.at_in_base + model.table().tool_radius_m * foremost.normal_in_base,
-      foremost.normal_in_base};
+      tip.at_in_base + model.table().tool_radius_m * tip.normal_in_base, tip.normal_in_base};
   for (int i = 0; i < 3000; ++i) q = follower.step(model, 0.0, centre, preferred);
   return q;
 }
@@ -90,7 +89,7 @@ JointVector posture_for(const robot::ArmModel& model, const control::ToolPose& f
 
 Result<ContactOutcome> run_contact(const ContactExperiment& experiment, const Progress& progress) {
   Random random = make_random(experiment.seed, "contact experiment");
-  const robot::RobotMount mount = robot::mount_for(Position::sitting);
+  const robot::RobotMount mount = robot::mount_for(BodyPosture::sitting);
   const robot::ArmTable believed = robot::thesis_arm();
   PerArm<robot::ArmTable> arms;
   for (const Arm arm : both_arms) {
@@ -180,7 +179,7 @@ Result<ContactOutcome> run_contact(const ContactExperiment& experiment, const Pr
           controller.approach(pose_above(0.0)), next(Act::approach);
         break;
       case Act::approach:
-        if (status.doing != control::Doing::contact || (!status.settled && act_s < 4.0)) break;
+        if (status.mode != control::Mode::contact || (!status.settled && act_s < 4.0)) break;
         next(Act::track);
         for (sim::Shift shift : experiment.shifts) {
           shift.start_s += reading.time_s;
@@ -212,7 +211,7 @@ Result<ContactOutcome> run_contact(const ContactExperiment& experiment, const Pr
   const auto look = [&](const robot::RobotReading& reading, const robot::RobotCommand&) {
     const sim::ArmTruth& truth = (*plant)->truth().arms[arm];
     // The approach counts too: in the air the estimator learns the zero of the force sensor.
-    if (status.doing == control::Doing::approach || status.doing == control::Doing::contact) {
+    if (status.mode == control::Mode::approach || status.mode == control::Mode::contact) {
       const Press sample = {.depth_m = status.depth_m, .force_n = status.force_n};
       estimator.update(reading.time_s, sample);
       outcome.felt.push_back({reading.time_s, sample});
@@ -232,13 +231,13 @@ Result<ContactOutcome> run_contact(const ContactExperiment& experiment, const Pr
     outcome.trace.push_back({reading.time_s, target_n, truth.contact.force_n, status.force_n,
                              truth.contact.depth_m, truth.velocity_in_couch.norm()});
     // After a stop the guard drives; a second and a half shows where that ends.
-    const auto trouble = status.trouble;
+    const auto contact_fault = status.contact_fault;
     const safety::Verdict& verdict = guarded[arm].verdict;
-    if (!outcome.stopped && (verdict.latched || trouble != control::Trouble::none)) {
+    if (!outcome.stopped && (verdict.latched || contact_fault != control::ContactFault::none)) {
       outcome.stopped = true;
       stopped_s = reading.time_s;
       outcome.stops.push_back(
-          {reading.time_s, verdict.latched ? name_of(verdict.cause) : name_of(trouble)});
+          {reading.time_s, verdict.latched ? name_of(verdict.cause) : name_of(contact_fault)});
       if (!verdict.latched) controller.retract(standoff_m);
     }
     if (outcome.stopped && reading.time_s > stopped_s + 1.5) next(Act::done);

@@ -18,9 +18,9 @@ namespace {
 // [thesis] chapter 6: what a robot of seven joints pressed at 20 mm/s.
 const std::map<std::string, TangentTissue> thesis_tissues = {
     {"bone", {4.559, 263.2}}, {"hard", {9.786, 185.4}}, {"soft", {4.275, 143.6}}};
-const std::map<std::string, control::Law> laws = {{"tuina", control::Law::tuina},
-                                                  {"thesis", control::Law::thesis},
-                                                  {"joint", control::Law::joint}};
+const std::map<std::string, control::ControlLaw> laws = {{"tuina", control::ControlLaw::tuina},
+                                                         {"thesis", control::ControlLaw::thesis},
+                                                         {"joint", control::ControlLaw::joint}};
 const std::map<std::string, RubShape> rub_shapes = {
     {"circle", RubShape::circle}, {"ellipse", RubShape::ellipse}, {"spiral", RubShape::spiral}};
 

@@ -82,7 +82,7 @@ double max_force_n(const robot::ArmTable& table, const JointVector& gravity_nm,
 }  // namespace
 
 std::vector<BeyondReach> pull_beyond_reach() {
-  const robot::ArmModel arm(robot::thesis_arm(), robot::mount_for(Position::sitting), Arm::left);
+  const robot::ArmModel arm(robot::thesis_arm(), robot::mount_for(BodyPosture::sitting), Arm::left);
   const control::ThesisImpedance impedance = {.mass_kg = 4.0, .below_apparent_mass = true};
   const JointVector none = JointVector::Zero(0);
   return {pull("(3.5), J^-1 as printed", arm,
@@ -116,7 +116,7 @@ std::vector<BeyondReach> pull_beyond_reach() {
 }
 
 ForceAtTool force_at_tool() {
-  const robot::RobotMount mount = robot::mount_for(Position::sitting);
+  const robot::RobotMount mount = robot::mount_for(BodyPosture::sitting);
   const PerArm<robot::ArmModel> arms{
       .of = {robot::ArmModel(robot::thesis_arm(), mount, Arm::left),
              robot::ArmModel(robot::thesis_arm(), mount, Arm::right)}};

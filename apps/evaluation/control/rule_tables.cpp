@@ -39,12 +39,12 @@ ControlTable rules_table(std::uint64_t seed) {
   rows = varied(rows, "technique",
                 {{"press", [](auto& run) { run.technique = Technique::press; }},
                  {"rub", [](auto& run) { run.technique = Technique::rub; }}});
-  rows = varied(
-      rows, "rule",
-      {{"as it is: 1 N/mm and force control", [](auto&) {}},
-       {"A5: half the tangent stiffness", half_the_tangent_stiffness},
-       {"A6: share by tangent stiffness", share_by_tangent_stiffness},
-       {"impedance only", [](auto& run) { run.controller.law = control::Law::virtual_target; }}});
+  rows = varied(rows, "rule",
+                {{"as it is: 1 N/mm and force control", [](auto&) {}},
+                 {"A5: half the tangent stiffness", half_the_tangent_stiffness},
+                 {"A6: share by tangent stiffness", share_by_tangent_stiffness},
+                 {"impedance only",
+                  [](auto& run) { run.controller.law = control::ControlLaw::virtual_target; }}});
   return {.name = "rules",
           .about =
               "A breathing person (3 mm) pressed and rubbed: the spring of the session, springs by "

@@ -9,8 +9,8 @@ namespace {
 std::vector<Choice> springs(const std::vector<double>& n_per_m) {
   return numbers(n_per_m, [](auto& run, double K) {
     auto& controller = run.controller;
-    (controller.law == control::Law::thesis ? controller.thesis.stiffness_n_per_m
-                                            : controller.force.stiffness_n_per_m) = K;
+    (controller.law == control::ControlLaw::thesis ? controller.thesis.stiffness_n_per_m
+                                                   : controller.force.stiffness_n_per_m) = K;
   });
 }
 
@@ -37,18 +37,19 @@ ControlRow standing_still(const ControllerChoice& law, int late_ms, bool full, s
 ControlTable stiffness_table(bool full, std::uint64_t seed) {
   const auto without_trim = [](const std::vector<sim::Shift>& shifts) {
     return [shifts](ContactExperiment& run) {
-      run.controller.law = control::Law::virtual_target;
+      run.controller.law = control::ControlLaw::virtual_target;
       run.shifts = shifts;
     };
   };
   auto rows = varied({on_all_tissues(30.0, 1, seed)}, "stiffness_n_per_m",
                      springs(full ? std::vector{250.0, 500.0, 1000.0, 2000.0, 4000.0}
                                   : std::vector{250.0, 1000.0, 4000.0}));
-  rows = varied(rows, "what",
-                {{"press, tuina", [](auto& run) { run.controller.law = control::Law::tuina; }},
-                 {"press, without trim", without_trim({})},
-                 {"leaves, without trim", without_trim({person_moves(-50.0, 0.5)})},
-                 {"rises, without trim", without_trim({person_moves(30.0, 0.1)})}});
+  rows =
+      varied(rows, "what",
+             {{"press, tuina", [](auto& run) { run.controller.law = control::ControlLaw::tuina; }},
+              {"press, without trim", without_trim({})},
+              {"leaves, without trim", without_trim({person_moves(-50.0, 0.5)})},
+              {"rises, without trim", without_trim({person_moves(30.0, 0.1)})}});
   return {.name = "stiffness",
           .about =
               "The spring along the normal: what it means for tracking 30 N, for skin that leaves "
@@ -98,8 +99,8 @@ ControlTable stability_table(bool full, std::uint64_t seed) {
     table.rows.insert(table.rows.end(), rows.begin(), rows.end());
   };
   for (const int late_ms : full ? std::vector{1, 3, 5} : std::vector{1, 5}) {
-    add({"tuina", control::Law::tuina, 0.0}, late_ms, "damping_share", damping);
-    add({"thesis", control::Law::thesis, 1.0}, late_ms, "mass_kg", masses);
+    add({"tuina", control::ControlLaw::tuina, 0.0}, late_ms, "damping_share", damping);
+    add({"thesis", control::ControlLaw::thesis, 1.0}, late_ms, "mass_kg", masses);
   }
   return table;
 }

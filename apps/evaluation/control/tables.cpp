@@ -179,17 +179,17 @@ ControlTable taps(std::uint64_t seed) {
 
 const std::vector<ControllerChoice>& controller_choices() {
   static const std::vector<ControllerChoice> all = {
-      {"joint", control::Law::joint, 0.0},
-      {"thesis M_e 1 kg", control::Law::thesis, 1.0},
-      {"thesis M_e 4 kg", control::Law::thesis, 4.0},
-      {"without trim", control::Law::virtual_target, 0.0},
-      {"tuina", control::Law::tuina, 0.0}};
+      {"joint", control::ControlLaw::joint, 0.0},
+      {"thesis M_e 1 kg", control::ControlLaw::thesis, 1.0},
+      {"thesis M_e 4 kg", control::ControlLaw::thesis, 4.0},
+      {"without trim", control::ControlLaw::virtual_target, 0.0},
+      {"tuina", control::ControlLaw::tuina, 0.0}};
   return all;
 }
 
 void choose(ContactExperiment& experiment, const ControllerChoice& choice) {
   experiment.controller.law = choice.law;
-  if (choice.law == control::Law::thesis)
+  if (choice.law == control::ControlLaw::thesis)
     experiment.controller.thesis = {.mass_kg = choice.mass_kg, .below_apparent_mass = true};
 }
 

@@ -62,7 +62,7 @@ struct ControlTable {
 /// The controllers that are compared: name and what makes them.
 struct ControllerChoice {
   std::string name;
-  control::Law law;
+  control::ControlLaw law;
   double mass_kg;  ///< M_e of [thesis] (3.5); others do not use it
 };
 [[nodiscard]] const std::vector<ControllerChoice>& controller_choices();

@@ -107,7 +107,7 @@ class EvaluateMassage final : public Verb {
       trials.push_back(
           {.order = order(people[person], programmes_[(seed + k - 1) % programmes_.size()]),
            .seed = seed + k});
-      trials.back().order.position = sitting ? Position::sitting : Position::prone;
+      trials.back().order.position = sitting ? BodyPosture::sitting : BodyPosture::prone;
     }
     return trials;
   }
@@ -168,7 +168,7 @@ class EvaluateMassage final : public Verb {
       };
       if (!outcomes[i].refused.empty()) tell("refused: " + outcomes[i].refused);
       for (const std::string& stop : outcomes[i].stops) tell("stopped: " + stop);
-      for (const std::string& trouble : outcomes[i].troubles) tell(trouble);
+      for (const std::string& contact_fault : outcomes[i].troubles) tell(contact_fault);
       for (const std::string& beyond : outcomes[i].beyond) tell(beyond);
       for (const std::string& note : outcomes[i].left_out) tell(note);
     }

@@ -26,7 +26,7 @@ struct Subject {
   body::BackSurface back;
 };
 
-Result<Subject> subject_of(const std::string& who, Position position, std::uint64_t seed) {
+Result<Subject> subject_of(const std::string& who, BodyPosture position, std::uint64_t seed) {
   auto person = sim::parse_person(who, position, seed);
   if (!person) return tl::unexpected(person.error());
   PointCloud skin_in_couch;
@@ -104,7 +104,7 @@ Workspace workspace_of(const robot::RobotPlacement& placement, const Subject& su
 struct Row {
   std::string robot;
   std::string who;
-  Position position;
+  BodyPosture position;
   std::string programme;
   Workspace workspace;
   std::size_t paths = 0, left_out = 0;
@@ -143,7 +143,7 @@ class EvaluateRobots final : public Verb {
     const Progress bar = progress_bar(common, "robots");
     std::vector<Row> rows;
     double done = 0.0;
-    for (const Position position : {Position::sitting, Position::prone}) {
+    for (const BodyPosture position : {BodyPosture::sitting, BodyPosture::prone}) {
       for (const char* who : {"phantom:slim", "phantom:medium", "phantom:hefty"}) {
         const auto subject = subject_of(who, position, common.seed);
         if (!subject) return tl::unexpected(subject.error());

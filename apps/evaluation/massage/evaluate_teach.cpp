@@ -106,14 +106,15 @@ Given by_teaching(const std::string& person, const session::Config& config,
 /// Scan, map, plan and stroke; the person sits.
 Given by_session(const std::string& person, const std::string& programme,
                  const session::Config& config, const CommonOptions& common) {
-  SessionOrder order{.person = person, .position = Position::sitting, .programme = programme};
+  SessionOrder order{.person = person, .position = BodyPosture::sitting, .programme = programme};
   const auto done = run_simulated_session(order, config, common);
   if (!done) return {.failed = done.error().message};
   if (!done->session.stops.empty())
     return {.failed = safety::name_of(done->session.stops.front().cause)};
   // The record has places as the session believed the robot to stand.
   const Transform true_from_believed =
-      robot::mount_for(Position::sitting).base_from_couch.inverse() * done->session.base_from_couch;
+      robot::mount_for(BodyPosture::sitting).base_from_couch.inverse() *
+      done->session.base_from_couch;
   const double compute_s =
       1e-3 * (done->session.scan.compute_ms + done->session.locate_ms + done->session.plan_ms);
   return {.time_s = done->session.scan.sweep_s + compute_s + done->session.massage_s,

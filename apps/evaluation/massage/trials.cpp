@@ -61,9 +61,9 @@ SessionOutcome run_session_trial(const SessionTrial& trial, const session::Confi
         done->session.ready.plan.paths[static_cast<std::size_t>(performed.path)];
     const ContactPath& path = planned.path;
     const Touched& touched = done->truth.touched[i];
-    if (performed.trouble != control::Trouble::none) {
+    if (performed.contact_fault != control::ContactFault::none) {
       outcome.troubles.push_back(
-          fmt::format("{}: {}", path.name, control::name_of(performed.trouble)));
+          fmt::format("{}: {}", path.name, control::name_of(performed.contact_fault)));
     }
     if (bony(touched.zone)) outcome.bony_peak_n = std::max(outcome.bony_peak_n, touched.peak_n);
     outcome.over_cap_n = std::max(outcome.over_cap_n, touched.over_cap_n);

@@ -21,7 +21,7 @@ struct SessionTrial {
 /// What became of it, judged by what only the simulation knows.
 struct SessionOutcome {
   std::string refused = {};  ///< why there was no session; the rest is then empty
-  Position position = Position::sitting;
+  BodyPosture position = BodyPosture::sitting;
   std::vector<std::string> stops = {}, troubles = {}, left_out = {};
   std::vector<std::string> beyond =
       {};  ///< force beyond a true zone's cap, press far off its point

@@ -100,7 +100,7 @@ class EvaluateCalibration final : public Verb {
   }
 
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
-    const sim::RehearsalOptions options;
+    const sim::SyntheticShotsOptions options;
     const Case cases[] = {{options.poses, false},
                           {options.poses, true},
                           {options.poses / 2, false},
@@ -126,14 +126,14 @@ class EvaluateCalibration final : public Verb {
   }
 
  private:
-  static Result<void> one_set(std::uint64_t seed, const sim::RehearsalOptions& options,
+  static Result<void> one_set(std::uint64_t seed, const sim::SyntheticShotsOptions& options,
                               std::span<const Case> cases,
                               std::map<std::string, std::map<std::string, Errors>>& table) {
     std::error_code error;
     const fs::path folder =
         fs::temp_directory_path(error) / fmt::format("tuina-rehearsal-{}-{}", ::getpid(), seed);
     const auto truth = sim::built_scanner(seed);
-    const auto written = sim::rehearse_calibration(truth, seed, folder, options);
+    const auto written = sim::render_calibration_shots(truth, seed, folder, options);
     if (!written) return written;
     const auto measured = measure(truth, seed, folder, options, cases, table);
     fs::remove_all(folder, error);
@@ -141,7 +141,7 @@ class EvaluateCalibration final : public Verb {
   }
 
   static Result<void> measure(const scanner::ScannerCalibration& truth, std::uint64_t seed,
-                              const fs::path& folder, const sim::RehearsalOptions& options,
+                              const fs::path& folder, const sim::SyntheticShotsOptions& options,
                               std::span<const Case> cases,
                               std::map<std::string, std::map<std::string, Errors>>& table) {
     Views all;
@@ -177,8 +177,8 @@ class EvaluateCalibration final : public Verb {
     const auto two = [&](int i, int k) { return std::sqrt(covariance(i, i) + covariance(k, k)); };
     for (std::size_t i = 0; i < result.expected.size(); ++i) {
       if (!result.expected[i]) continue;
-      quantities[fmt::format("range at {:.2f} m, mm", told_depths_m[i])].add(
-          to_mm(sim::range_error_m(truth, found, told_depths_m[i])),
+      quantities[fmt::format("range at {:.2f} m, mm", reported_depths_m[i])].add(
+          to_mm(sim::range_error_m(truth, found, reported_depths_m[i])),
           to_mm(result.expected[i]->systematic_m));
     }
     quantities["focal length, px"].add(std::abs(found.camera.fx_px - truth.camera.fx_px),

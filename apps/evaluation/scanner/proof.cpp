@@ -104,7 +104,7 @@ Result<ScannerProof> prove_scanner(const ProofOptions& options, std::uint64_t se
     proof.box = std::move(*box);
     proof.sphere = std::move(*sphere);
     const auto person =
-        sim::make_phantom(sim::draw_phantom(sim::BodyType::medium, seed), Position::sitting);
+        sim::make_phantom(sim::draw_phantom(sim::BodyType::medium, seed), BodyPosture::sitting);
     sim::LaserScanner scanner(person.skin_in_couch, person.position, {}, seed);
     auto scan = scanner::scan_sweep(scanner, scanner,
                                     sim::believed_calibration(scanner.true_calibration(), seed));

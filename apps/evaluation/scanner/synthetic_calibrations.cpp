@@ -26,7 +26,7 @@ Result<std::vector<BuiltScanner>> rehearsed_scanners(int count, std::uint64_t se
         if (progress) progress((k + from + (to - from) * done) / count);
       };
     };
-    const auto taken = sim::rehearse_calibration(truth, own_seed, folder, {}, part(0.0, 0.5));
+    const auto taken = sim::render_calibration_shots(truth, own_seed, folder, {}, part(0.0, 0.5));
     if (!taken) return tl::unexpected(taken.error());
     calibration::Views views;
     const auto found = calibration::calibrate_folder(folder, views, part(0.5, 1.0));

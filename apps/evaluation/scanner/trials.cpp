@@ -35,7 +35,7 @@ Mesh far_away() {
 
 // That of [thesis] Fig. 4-9, whose rows lie across the light plane's turn; it is the world's frame.
 ScannerCalibration drawing_of_walls() {
-  ScannerCalibration drawing = sim::true_calibration(Position::prone, {.upright = false});
+  ScannerCalibration drawing = sim::true_calibration(BodyPosture::prone, {.upright = false});
   drawing.couch_from_camera = Transform::Identity();
   return drawing;
 }
@@ -168,7 +168,7 @@ void add_line_noise(const Lines& lines, int rows, double& deviation2, double& bo
   bound2 += points > 0.0 ? bounds2 / points : 0.0;
 }
 
-BuiltScanner as_drawn(Position position, const sim::ScannerMount& mount, std::uint64_t seed) {
+BuiltScanner as_drawn(BodyPosture position, const sim::ScannerMount& mount, std::uint64_t seed) {
   const auto truth = sim::true_calibration(position, mount);
   return {.truth = truth, .believed = sim::believed_calibration(truth, seed)};
 }
@@ -185,12 +185,13 @@ void set_heading_right(BuiltScanner& built) {
 }
 
 // The same scanner on the stand for one who sits or lies.
-BuiltScanner moved_to(BuiltScanner built, Position position, const sim::ScannerMount& mount) {
+BuiltScanner moved_to(BuiltScanner built, BodyPosture position, const sim::ScannerMount& mount) {
   set_heading_right(built);
-  sim::ScannerMount lying = sim::usual_mount(Position::prone);
+  sim::ScannerMount lying = sim::usual_mount(BodyPosture::prone);
   lying.upright = mount.upright;
-  const Transform moved = sim::true_calibration(position, mount).couch_from_camera *
-                          sim::true_calibration(Position::prone, lying).couch_from_camera.inverse();
+  const Transform moved =
+      sim::true_calibration(position, mount).couch_from_camera *
+      sim::true_calibration(BodyPosture::prone, lying).couch_from_camera.inverse();
   built.truth.couch_from_camera = moved * built.truth.couch_from_camera;
   built.believed.couch_from_camera = moved * built.believed.couch_from_camera;
   return built;
@@ -273,7 +274,7 @@ BackTrial back_trial(const ScanConditions& conditions, int people, std::uint64_t
   double covered = 0.0, acupoints = 0.0;
   for (int k = 0; k < people; ++k) {
     const auto own_seed = seed * 100 + static_cast<std::uint64_t>(k);
-    const Position position = k % 2 == 0 ? Position::sitting : Position::prone;
+    const BodyPosture position = k % 2 == 0 ? BodyPosture::sitting : BodyPosture::prone;
     constexpr std::array types = {sim::BodyType::medium, sim::BodyType::slim, sim::BodyType::hefty};
     const auto shape =
         sim::draw_phantom(types[static_cast<std::size_t>(k) % types.size()], own_seed);
@@ -320,7 +321,7 @@ BackTrial back_trial(const ScanConditions& conditions, int people, std::uint64_t
 
 Result<PointCloud> scan_of_body(const Mesh& body_in_couch, const sim::LaserScannerOptions& options,
                                 std::uint64_t seed) {
-  const auto drawing = sim::true_calibration(Position::sitting);
+  const auto drawing = sim::true_calibration(BodyPosture::sitting);
   sim::LaserScanner scanner(body_in_couch, far_away(), drawing, seed, options);
   auto scan = scanner::scan_sweep(scanner, scanner, sim::believed_calibration(drawing, seed));
   if (!scan) return tl::unexpected(scan.error());

@@ -172,7 +172,7 @@ class EvaluateTissue final : public Verb {
         results[k] = run_trials(scenario, trial_tissues[k], runs_, seed, threads, part(runs_));
         done += runs_;
         // Tissue of another law has no true alpha: there only the claim to know it can be judged.
-        if (scenario.law != sim::PressScenario::Law::tangent) {
+        if (scenario.law != sim::PressScenario::TissueModel::tangent) {
           for (TrialResult& r : results[k]) r.false_converged_share = r.converged_share;
         }
       }

@@ -63,7 +63,7 @@ class AtlasLearn final : public Verb {
     }
     for (int i = 0; i < phantoms_; ++i) {
       const auto shape = sim::draw_phantom(common.seed * 100000 + static_cast<std::uint64_t>(i));
-      for (const Position position : {Position::sitting, Position::prone}) {
+      for (const BodyPosture position : {BodyPosture::sitting, BodyPosture::prone}) {
         bodies->push_back(labelled(sim::make_phantom(shape, position)));
       }
     }
@@ -146,7 +146,7 @@ class AtlasShow final : public Verb {
       positions.push_back({{"position", name_of(shape.position)},
                            {"bodies", shape.bodies},
                            {"skin_points", shape.skin_points()},
-                           {"most_unusual", shape.most_unusual},
+                           {"most_unusual", shape.max_outlier_score},
                            {"radius95_mm", radii}});
       text += fmt::format("\n{}: {} bodies, {} skin points, {} labels ({} acupoints), {} modes",
                           name_of(shape.position), shape.bodies, shape.skin_points(),

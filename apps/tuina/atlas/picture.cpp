@@ -20,7 +20,7 @@ constexpr int shown_modes = 3;
 constexpr double deviations = 2.0;
 
 /// The skin between the model's points, as a grid seen from behind.
-Mesh grid_over(const body::Places& skin, const body::Places& normals, Position position) {
+Mesh grid_over(const body::Places& skin, const body::Places& normals, BodyPosture position) {
   constexpr double cell_m = 4_mm;
   PointCloud cloud;
   for (Index i = 0; i < skin.cols(); ++i) {

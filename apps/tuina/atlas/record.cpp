@@ -93,7 +93,7 @@ class AtlasRecord final : public Verb {
 
     body::BackOptions back_options;
     if (position_ != "auto") {
-      back_options.position = position_ == "prone" ? Position::prone : Position::sitting;
+      back_options.position = position_ == "prone" ? BodyPosture::prone : BodyPosture::sitting;
     }
     const auto back = body::fit_back(scan->cloud_in_couch, back_options);
     if (!back) return refused(back.error());

@@ -102,8 +102,9 @@ std::string text_of(const Calibrated& result, const Views& views) {
   text += "\nexpected range error:";
   for (std::size_t i = 0; i < result.expected.size(); ++i) {
     if (!result.expected[i]) continue;
-    text += fmt::format(" {:.2f} mm at {} m{}", to_mm(result.expected[i]->total_m()),
-                        calibration::told_depths_m[i], i + 1 < result.expected.size() ? "," : "");
+    text +=
+        fmt::format(" {:.2f} mm at {} m{}", to_mm(result.expected[i]->total_m()),
+                    calibration::reported_depths_m[i], i + 1 < result.expected.size() ? "," : "");
   }
   for (const std::string& sentence : advice(result, views)) text += "\n" + sentence;
   return text;
@@ -159,7 +160,7 @@ class Calibrate final : public Verb {
   }
 
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
-    const Position position = position_ == "prone" ? Position::prone : Position::sitting;
+    const BodyPosture position = position_ == "prone" ? BodyPosture::prone : BodyPosture::sitting;
     if (!rehearse_.empty()) {
       return robot_ ? rehearse_robot(rehearse_, arms_, position, common.seed) : rehearse(common);
     }
@@ -190,11 +191,11 @@ class Calibrate final : public Verb {
 
  private:
   Result<Answer> rehearse(const CommonOptions& common) {
-    sim::RehearsalOptions options;
+    sim::SyntheticShotsOptions options;
     if (board_ == "charuco") options.board = sim::charuco_board();
     const auto done =
-        sim::rehearse_calibration(sim::built_scanner(common.seed), common.seed, rehearse_, options,
-                                  progress_bar(common, "rehearse"));
+        sim::render_calibration_shots(sim::built_scanner(common.seed), common.seed, rehearse_,
+                                      options, progress_bar(common, "rehearse"));
     if (!done) return tl::unexpected(done.error());
     return Answer{
         .json = nlohmann::json{{"folder", rehearse_}}.dump(2),

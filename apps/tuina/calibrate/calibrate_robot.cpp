@@ -27,8 +27,8 @@ std::string option(const char* name, const std::string& robot) {
 
 }  // namespace
 
-Result<Answer> calibrate_robot(const fs::path& folder, const std::string& robot, Position position,
-                               const fs::path& out) {
+Result<Answer> calibrate_robot(const fs::path& folder, const std::string& robot,
+                               BodyPosture position, const fs::path& out) {
   const auto model = robot::load_robot(robot);
   if (!model) return tl::unexpected(model.error());
   const robot::RobotPlacement there = robot::place_robot(*model, position);
@@ -73,8 +73,8 @@ Result<Answer> calibrate_robot(const fs::path& folder, const std::string& robot,
                     touches->size(), rms_mm, max_mm, option("--robot", robot), out.string())};
 }
 
-Result<Answer> rehearse_robot(const fs::path& folder, const std::string& robot, Position position,
-                              std::uint64_t seed) {
+Result<Answer> rehearse_robot(const fs::path& folder, const std::string& robot,
+                              BodyPosture position, std::uint64_t seed) {
   const auto model = robot::load_robot(robot);
   if (!model) return tl::unexpected(model.error());
   const robot::RobotPlacement there = robot::place_robot(*model, position);

@@ -11,12 +11,12 @@ namespace tuina::app {
 /// `tuina calibrate --robot`: where the robot stands, from the touches in touches.csv of `folder`,
 /// written to `out`.
 [[nodiscard]] Result<Answer> calibrate_robot(const std::filesystem::path& folder,
-                                             const std::string& robot, Position position,
+                                             const std::string& robot, BodyPosture position,
                                              const std::filesystem::path& out);
 
 /// Has the simulated robot touch a board, and writes touches.csv into this new folder.
 [[nodiscard]] Result<Answer> rehearse_robot(const std::filesystem::path& folder,
-                                            const std::string& robot, Position position,
+                                            const std::string& robot, BodyPosture position,
                                             std::uint64_t seed);
 
 }  // namespace tuina::app

@@ -41,7 +41,7 @@ std::vector<telemetry::KeyNumber> tiles(const Calibrated& result) {
   for (std::size_t i = 0; i < result.expected.size(); ++i) {
     const auto& error = result.expected[i];
     if (!error) continue;
-    tiles.push_back({fmt::format("Range error at {} m", told_depths_m[i]),
+    tiles.push_back({fmt::format("Range error at {} m", reported_depths_m[i]),
                      fmt::format("{:.2f}", to_mm(error->total_m())), "mm",
                      fmt::format("{:.2f} the same in every scan, {:.2f} noise of the line",
                                  to_mm(error->systematic_m), to_mm(error->random_m))});

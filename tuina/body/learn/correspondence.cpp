@@ -72,8 +72,8 @@ void find_neighbours(Template& made) {
 }
 
 /// Rotation from couch to axes like those of `back`.
-Matrix3 back_axes(Position position) {
-  return position == Position::sitting
+Matrix3 back_axes(BodyPosture position) {
+  return position == BodyPosture::sitting
              ? Matrix3(Matrix3::Identity())
              : Eigen::AngleAxisd(-pi / 2.0, Vector3::UnitX()).toRotationMatrix();
 }

@@ -50,7 +50,7 @@ Result<LabelledBody> read_labelled_body(const std::filesystem::path& ply) {
       return fail(Fault::bad_input, "{}: position is '{}', sitting or prone is known",
                   labels.string(), position);
     }
-    body.position = position == "sitting" ? Position::sitting : Position::prone;
+    body.position = position == "sitting" ? BodyPosture::sitting : BodyPosture::prone;
     body.body_type = object.value("body_type", "medium");
     const json& seven = object.at("acupoints");
     for (const char* name : seven_acupoints) {
@@ -81,7 +81,7 @@ Result<void> write_labelled_body(const LabelledBody& body, const std::filesystem
               {"body_type", body.body_type},
               {"position", name_of(body.position)},
               {"units", "m"},
-              {"frame", body.position == Position::sitting
+              {"frame", body.position == BodyPosture::sitting
                             ? "z up; x to the left of the subject; y out of the back"
                             : "z up; x to the left of the subject; y towards the feet"},
               {"vertices", body.skin_in_couch.vertices.size()},

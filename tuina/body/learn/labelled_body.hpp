@@ -16,7 +16,7 @@ namespace tuina::body {
 struct LabelledBody {
   std::string id;
   std::string body_type;  ///< slim, medium or hefty
-  Position position = Position::sitting;
+  BodyPosture position = BodyPosture::sitting;
   Mesh skin_in_couch;
   PointCloud scan_in_couch;         ///< scan of the same person; empty: the skin is used
   std::vector<Acupoint> acupoints;  ///< the seven first, then the others, each group sorted by name

@@ -119,7 +119,7 @@ LeftOut leave_out(const People& people, const ShapeModel& model, std::size_t fol
       left.targets_mm.col(column) = Eigen::Map<const VectorXd>(off.data(), off.size());
       left.variance_m2.col(column) = fit.label_var_m2;
       left.residual_m[column] = fit.residual_m;
-      left.most_unusual = std::max(left.most_unusual, fit.unusualness());
+      left.max_outlier_score = std::max(left.max_outlier_score, fit.outlier_score());
     }
     if (progress) progress(static_cast<double>(fold + 1) / static_cast<double>(folds));
   }
@@ -204,7 +204,7 @@ Learned corrected_prior(const People& people, const ShapeModel& prior, const Pro
     model.radius95_m = prior.radius95_m;
     model.nominal_var_m2 = prior.nominal_var_m2;
     model.usual_residual_m = prior.usual_residual_m;
-    model.most_unusual = prior.most_unusual;
+    model.max_outlier_score = prior.max_outlier_score;
   }
   return learned;
 }

@@ -104,7 +104,7 @@ std::optional<RangeError> expected_range_error(const Geometry& geometry,
 Covariance covariance_to_state(const JointFit& fit) {
   double range = 0.0;
   double depths = 0.0;
-  for (const double depth_m : told_depths_m) {
+  for (const double depth_m : reported_depths_m) {
     const auto of_rows = expected_range_error(fit.geometry, fit.covariance, depth_m);
     const auto of_poses = expected_range_error(fit.geometry, fit.covariance_of_poses, depth_m);
     if (!of_rows || !of_poses) continue;

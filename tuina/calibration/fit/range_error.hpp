@@ -8,7 +8,7 @@
 namespace tuina::calibration {
 
 /// Depths for which a calibration states its range error.
-inline constexpr double told_depths_m[] = {0.65, 1.0, 1.75};
+inline constexpr double reported_depths_m[] = {0.65, 1.0, 1.75};
 
 /// Expected RMS range error over the image at one depth.
 struct RangeError {

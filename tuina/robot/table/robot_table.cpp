@@ -161,7 +161,7 @@ BodyBox read_box(const TomlTable& table) {
   return box;
 }
 
-Mounting read_mounting(const TomlTable& table, Carrier carrier, Position position, int joints) {
+Mounting read_mounting(const TomlTable& table, Carrier carrier, BodyPosture position, int joints) {
   Words needed = {"left_shoulder_x", "left_shoulder_z", "rail_mm", "ready_mm"};
   Words known = {"right_shoulder_x", "right_shoulder_z", "ready_elbow_outward_mm",
                  "ready_near_deg"};
@@ -170,7 +170,7 @@ Mounting read_mounting(const TomlTable& table, Carrier carrier, Position positio
     known.emplace_back("body");
   } else {
     needed.insert(needed.end(), {"couch_height_mm", "waist_pitch_deg"});
-    if (position == Position::sitting) needed.emplace_back("behind_person_mm");
+    if (position == BodyPosture::sitting) needed.emplace_back("behind_person_mm");
   }
   table.only(known, needed, fmt::format("[{}] on a {}", name_of(position), name_of(carrier)));
 
@@ -230,7 +230,7 @@ Result<RobotModel> parse_robot(std::string_view text, std::string_view name) {
     if (const auto carrier = root.word("carrier", {"linear_base", "wheeled_body"}))
       model.carrier = static_cast<Carrier>(*carrier);
     read_arm(root, model.arm);
-    for (const Position position : {Position::sitting, Position::prone}) {
+    for (const BodyPosture position : {BodyPosture::sitting, BodyPosture::prone}) {
       if (const auto table = root.table(name_of(position))) {
         model.mountings[static_cast<std::size_t>(position)] =
             read_mounting(*table, model.carrier, position, model.arm.joints);

@@ -50,7 +50,7 @@ std::string text_of(const Link& link) {
                     link.viscous_nm_s_per_rad + 0.0, mm(link.radius_m));
 }
 
-std::string text_of(const Mounting& mounting, Carrier carrier, Position position) {
+std::string text_of(const Mounting& mounting, Carrier carrier, BodyPosture position) {
   const Matrix3& left = mounting.upright_from_shoulder[Arm::left];
   const Matrix3& right = mounting.upright_from_shoulder[Arm::right];
   std::string text = fmt::format("\n[{}]\nleft_shoulder_x = {}\nleft_shoulder_z = {}\n",
@@ -64,7 +64,7 @@ std::string text_of(const Mounting& mounting, Carrier carrier, Position position
   } else {
     text += fmt::format("couch_height_mm = {}\nwaist_pitch_deg = {}\n", mm(mounting.couch_height_m),
                         deg(mounting.waist_pitch_rad));
-    if (position == Position::sitting)
+    if (position == BodyPosture::sitting)
       text += fmt::format("behind_person_mm = {}\n", mm(mounting.behind_person_m));
   }
   text += fmt::format("rail_mm = [{}, {}]\nready_mm = {}\nready_elbow_outward_mm = {}\n",
@@ -97,7 +97,7 @@ std::string to_toml(const RobotModel& model) {
                         three(arm.end_from_tool_turn.col(2)));
   }
   for (int i = 0; i < arm.joints; ++i) text += text_of(arm.links[static_cast<std::size_t>(i)]);
-  for (const Position position : {Position::sitting, Position::prone})
+  for (const BodyPosture position : {BodyPosture::sitting, BodyPosture::prone})
     text += text_of(model.mounting(position), model.carrier, position);
   return text;
 }

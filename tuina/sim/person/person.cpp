@@ -46,7 +46,7 @@ Name named(const Json& text, std::initializer_list<Name> choices) {
 /// Throws exceptions of nlohmann::json and std::invalid_argument; `load_person` converts them to an
 /// Error.
 void read_truth(const Json& truth, Person& person) {
-  person.position = named(truth.at("position"), {Position::sitting, Position::prone});
+  person.position = named(truth.at("position"), {BodyPosture::sitting, BodyPosture::prone});
   person.body_type =
       named(truth.at("body_type"), {BodyType::slim, BodyType::medium, BodyType::hefty});
   person.woman = truth.value("sex", "male") == "female";
@@ -126,13 +126,13 @@ Result<void> write_person(const Person& person, const std::filesystem::path& fol
   return write_file(folder / (person.name + ".json"), truth.dump(1) + "\n");
 }
 
-Result<Person> parse_person(std::string_view words, std::optional<Position> position,
+Result<Person> parse_person(std::string_view words, std::optional<BodyPosture> position,
                             std::uint64_t seed) {
   constexpr std::string_view phantom = "phantom";
   if (words.substr(0, words.find(':')) == phantom) {
     for (const BodyType type : {BodyType::slim, BodyType::medium, BodyType::hefty}) {
       if (words == fmt::format("phantom:{}", name_of(type))) {
-        return make_phantom(draw_phantom(type, seed), position.value_or(Position::sitting));
+        return make_phantom(draw_phantom(type, seed), position.value_or(BodyPosture::sitting));
       }
     }
     return fail(

@@ -27,7 +27,7 @@ enum class BodyType : std::uint8_t { slim, medium, hefty };
 /// A simulated person in the `couch` frame, with ground truth.
 struct Person {
   std::string name;
-  Position position = Position::sitting;
+  BodyPosture position = BodyPosture::sitting;
   BodyType body_type = BodyType::medium;
   bool woman = false;
   double height_m = 0.0;     ///< standing; 0: unknown
@@ -48,8 +48,8 @@ struct Person {
 /// Parses the value of --person: `phantom:slim`, `phantom:medium` or `phantom:hefty` (drawn by the
 /// seed; sitting unless `position` says prone), or the path of a labelled body. Fails when
 /// `position` contradicts the file.
-[[nodiscard]] Result<Person> parse_person(std::string_view words, std::optional<Position> position,
-                                          std::uint64_t seed);
+[[nodiscard]] Result<Person> parse_person(std::string_view words,
+                                          std::optional<BodyPosture> position, std::uint64_t seed);
 
 /// Breathing motion of the back along its mean outward normal, amplitude * (1 - cos(2 pi f t)) / 2.
 struct Breathing {

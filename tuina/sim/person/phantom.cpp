@@ -53,7 +53,7 @@ std::vector<double> seen_from_behind(const Mesh& body, const PhantomForm& form,
     // Prone, the surface ends above the bed and, rounded towards the hips, below the buttocks.
     const double aside = at.x() / form.length_m();
     const double above_seat =
-        pose.position == Position::sitting
+        pose.position == BodyPosture::sitting
             ? posed.vertices[i].z() - 70_mm
             : std::min(posed.vertices[i].z() - 10_mm,
                        at.z() + form.length_m() * (0.35 - 1.1 * aside * aside));
@@ -81,7 +81,7 @@ PhantomShape draw_phantom(std::uint64_t seed) {
   return draw(16.0, 34.0, seed);
 }
 
-Person make_phantom(const PhantomShape& shape, Position position) {
+Person make_phantom(const PhantomShape& shape, BodyPosture position) {
   constexpr double cell_m = 7_mm;
   const Proportions proportions = proportions_of(shape, position);
   const double length_m = proportions.of[trunk_length] * shape.height_m;
@@ -102,7 +102,7 @@ Person make_phantom(const PhantomShape& shape, Position position) {
   Mesh posed = body;
   for (Vector3& vertex : posed.vertices) vertex = pose.couch_from_trunk(vertex);
   person.skin_in_couch = cut(posed, seen_from_behind(body, form, pose, posed));
-  mark_points(proportions, form, pose, shape.arms_up && position == Position::prone, person);
+  mark_points(proportions, form, pose, shape.arms_up && position == BodyPosture::prone, person);
   return person;
 }
 

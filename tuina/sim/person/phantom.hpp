@@ -27,6 +27,6 @@ struct PhantomShape {
 
 /// Back of a phantom as an open surface seen from behind, with at least 20 000 triangles, landmarks
 /// and acupoints by the rules of docs/bodies.md. Deterministic.
-[[nodiscard]] Person make_phantom(const PhantomShape& shape, Position position);
+[[nodiscard]] Person make_phantom(const PhantomShape& shape, BodyPosture position);
 
 }  // namespace tuina::sim

@@ -41,7 +41,7 @@ Parts place_parts(const PartSizes& s, const Proportions& proportions, const Phan
   const double length_m = pose.length_m;
   const double heavier = (shape.bmi - 22.0) / 10.0;
   const double woman = shape.woman ? 1.0 : 0.0;
-  const bool prone = pose.position == Position::prone;
+  const bool prone = pose.position == BodyPosture::prone;
   const bool raised = shape.arms_up && prone;
   Parts parts;
   parts.raised = raised;

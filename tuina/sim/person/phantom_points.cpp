@@ -34,12 +34,12 @@ constexpr int c7 = 0, t3 = 3, t5 = 5, t7 = 7, t9 = 9, t11 = 11, t12 = 12, l2 = 1
 /// Outward shift of the skin beside the spine by arms that reach up or forward, since the rules
 /// hold for a standing person: up to 5 mm at the inferior angle and 2 mm above it, measured on the
 /// people of phantom_table.cpp.
-double drawn_outwards(Position position, bool arms_up, double height) {
+double drawn_outwards(BodyPosture position, bool arms_up, double height) {
   const auto around = [&](double middle) {
     const double off = (height - middle) / 0.11;
     return std::exp(-0.5 * off * off);
   };
-  if (position == Position::sitting) return 0.0036 * around(0.80);
+  if (position == BodyPosture::sitting) return 0.0036 * around(0.80);
   return arms_up ? 0.0098 * around(0.69) : 0.0;
 }
 
@@ -98,7 +98,7 @@ void mark_points(const Proportions& proportions, const PhantomForm& form, const 
   };
   // Arms that leave the standing position pull the skin over the scapula inwards: 4 mm forward, 2
   // mm prone.
-  const double slid = pose.position == Position::sitting ? 0.008 : 0.003;
+  const double slid = pose.position == BodyPosture::sitting ? 0.008 : 0.003;
   point_pair("SI11", third_down(scapula_spine_mid_x, inferior_angle_x) - slid,
              third_down(scapula_spine_mid_z, inferior_angle_z) + 0.002);
   point_pair("BL47", 3.0 * cun, processes.hollow_below(t9));

@@ -60,9 +60,9 @@ double smooth_step(double x) {
 
 /// Upper arms from shoulder to elbow, x outwards: sitting they hang forward (hands on a rest),
 /// prone they lie beside the trunk or reach past the head.
-Vector3 arm_direction(const PhantomShape& shape, Position position, double forward_score,
+Vector3 arm_direction(const PhantomShape& shape, BodyPosture position, double forward_score,
                       double outward_score, double lean_rad) {
-  if (position == Position::sitting) {
+  if (position == BodyPosture::sitting) {
     // The arm keeps its angle to the vertical (gravity, hand rest) when the trunk leans.
     const double forward = from_deg(23.0 + 13.0 * forward_score) + lean_rad;
     const double outward = from_deg(12.7 + 5.5 * outward_score);
@@ -78,13 +78,13 @@ Vector3 arm_direction(const PhantomShape& shape, Position position, double forwa
 
 }  // namespace
 
-PhantomPose pose_of(const PhantomShape& shape, Position position, double length_m) {
-  const PostureTable& t = position == Position::sitting ? sitting_table : prone_table;
+PhantomPose pose_of(const PhantomShape& shape, BodyPosture position, double length_m) {
+  const PostureTable& t = position == BodyPosture::sitting ? sitting_table : prone_table;
   const auto& score = shape.posture;
   const double woman = shape.woman ? 1.0 : 0.0;
   const double heavier = (shape.bmi - 22.0) / 10.0;
   const double yaw_score =
-      position == Position::sitting ? .65 * score[1] + .76 * score[2] : score[2];
+      position == BodyPosture::sitting ? .65 * score[1] + .76 * score[2] : score[2];
   PhantomPose pose;
   pose.position = position;
   pose.length_m = length_m;
@@ -127,7 +127,8 @@ Vector3 PhantomPose::couch_from_trunk(const Vector3& at) const {
           (Eigen::AngleAxisd(lean_rad, Vector3::UnitX()) *
            (Eigen::AngleAxisd(bend_rad, Vector3::UnitY()) * p)) +
       sacrum_in_sitting;
-  if (position == Position::prone) return {p.x(), -p.z(), p.y()};  // rotation by 90 degrees about x
+  if (position == BodyPosture::prone)
+    return {p.x(), -p.z(), p.y()};  // rotation by 90 degrees about x
   return p;
 }
 

@@ -7,7 +7,7 @@ namespace tuina::sim {
 
 /// Posture of a phantom: the deformation from its straight trunk frame to `couch`.
 struct PhantomPose {
-  Position position = Position::sitting;
+  BodyPosture position = BodyPosture::sitting;
   double length_m = 0.5;   ///< C7 to S2
   double lean_rad = 0.0;   ///< forward
   double bend_rad = 0.0;   ///< to the left
@@ -29,11 +29,11 @@ struct PhantomPose {
   [[nodiscard]] Vector3 normal_in_couch(const Vector3& at, const Vector3& normal_in_trunk) const;
 };
 
-[[nodiscard]] PhantomPose pose_of(const PhantomShape& shape, Position position, double length_m);
+[[nodiscard]] PhantomPose pose_of(const PhantomShape& shape, BodyPosture position, double length_m);
 
 /// Index of the axis out of the back, towards a camera behind or above the person.
-[[nodiscard]] constexpr int back_axis(Position position) {
-  return position == Position::sitting ? 1 : 2;
+[[nodiscard]] constexpr int back_axis(BodyPosture position) {
+  return position == BodyPosture::sitting ? 1 : 2;
 }
 
 }  // namespace tuina::sim

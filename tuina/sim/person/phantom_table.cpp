@@ -482,8 +482,8 @@ const std::array<Proportion, table_rows> phantom_table = {{
 }};
 // clang-format on
 
-Proportions proportions_of(const PhantomShape& shape, Position position) {
-  const double prone = position == Position::prone ? 1.0 : 0.0;
+Proportions proportions_of(const PhantomShape& shape, BodyPosture position) {
+  const double prone = position == BodyPosture::prone ? 1.0 : 0.0;
   const double arms_up = shape.arms_up ? prone : 0.0;
   const auto value = [&](const Proportion& row) {
     double sum = row.mean + row.woman * (shape.woman ? 1.0 : 0.0) +

@@ -76,6 +76,6 @@ struct Proportions {
   std::array<double, measure_count> of = {};
   std::array<std::array<double, section_angles_deg.size()>, section_heights.size()> section = {};
 };
-[[nodiscard]] Proportions proportions_of(const PhantomShape& shape, Position position);
+[[nodiscard]] Proportions proportions_of(const PhantomShape& shape, BodyPosture position);
 
 }  // namespace tuina::sim

@@ -14,18 +14,18 @@ struct Spot {
 };
 
 // Centre of a usual back.
-Vector3 middle_in_couch(Position position) {
-  return position == Position::sitting ? Vector3(0.0, 20_mm, 420_mm)
-                                       : Vector3(0.0, -350_mm, 190_mm);
+Vector3 middle_in_couch(BodyPosture position) {
+  return position == BodyPosture::sitting ? Vector3(0.0, 20_mm, 420_mm)
+                                          : Vector3(0.0, -350_mm, 190_mm);
 }
 
 // Three columns, 120 mm apart, along 260 mm of a spine.
-std::vector<Spot> spots_of(Position position, int rows) {
+std::vector<Spot> spots_of(BodyPosture position, int rows) {
   std::vector<Spot> spots;
   for (int row = 0; row < rows; ++row) {
     const double along = rows > 1 ? 260_mm * (static_cast<double>(row) / (rows - 1) - 0.5) : 0.0;
     for (const double aside : {-120_mm, 0.0, 120_mm}) {
-      const bool sitting = position == Position::sitting;
+      const bool sitting = position == BodyPosture::sitting;
       const Vector3 from_middle = sitting ? Vector3(aside, 0.0, along) : Vector3(aside, along, 0.0);
       spots.push_back(
           {middle_in_couch(position) + from_middle, sitting ? Vector3::UnitY() : Vector3::UnitZ()});
@@ -42,7 +42,7 @@ Vector3 scatter(Random& random, double sd) {
 }  // namespace
 
 Result<std::vector<robot::Touch>> touch_board(const robot::ArmTable& table,
-                                              const robot::RobotMount& mount, Position position,
+                                              const robot::RobotMount& mount, BodyPosture position,
                                               int rows, const TouchErrors& errors,
                                               std::uint64_t seed) {
   Random random = make_random(seed, "touches of the robot");
@@ -54,7 +54,7 @@ Result<std::vector<robot::Touch>> touch_board(const robot::ArmTable& table,
     for (double& q : zero_rad[arm]) q = gaussian(random, errors.joint_zero_rad);
   }
   const Vector3 middle_in_base = mount.base_from_couch * middle_in_couch(position);
-  const double rail_m = position == Position::sitting
+  const double rail_m = position == BodyPosture::sitting
                             ? 0.0
                             : std::clamp(mount.rail_axis_in_base.dot(middle_in_base),
                                          mount.min_rail_m, mount.max_rail_m);

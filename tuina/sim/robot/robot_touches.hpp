@@ -21,7 +21,7 @@ struct TouchErrors {
 /// three), for a robot placed by `mount`. Touches for `calibrate --robot`, with errors.
 [[nodiscard]] Result<std::vector<robot::Touch>> touch_board(const robot::ArmTable& table,
                                                             const robot::RobotMount& mount,
-                                                            Position position, int rows,
+                                                            BodyPosture position, int rows,
                                                             const TouchErrors& errors,
                                                             std::uint64_t seed);
 

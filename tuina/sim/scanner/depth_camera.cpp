@@ -23,7 +23,7 @@ constexpr double patch_share = 1.0 / 60.0;
 constexpr double edge_m = 40_mm;  // depth step across which pixels mix
 
 /// Person, couch and floor in one mesh.
-Mesh scene_of(const Mesh& skin, Position position) {
+Mesh scene_of(const Mesh& skin, BodyPosture position) {
   Mesh scene = skin;
   const auto add = [&](const Mesh& more) {
     const auto first = static_cast<int>(scene.vertices.size());
@@ -42,14 +42,14 @@ struct View {
   Vector3 eye, forward, right, up;
 };
 
-View view_of(const Mesh& skin, Position position) {
+View view_of(const Mesh& skin, BodyPosture position) {
   Vector3 low = skin.vertices.front();
   Vector3 high = low;
   for (const Vector3& p : skin.vertices) {
     low = low.cwiseMin(p);
     high = high.cwiseMax(p);
   }
-  const bool sitting = position == Position::sitting;
+  const bool sitting = position == BodyPosture::sitting;
   const Vector3 out = sitting ? Vector3(Vector3::UnitY()) : Vector3(Vector3::UnitZ());
   return {.eye = 0.5 * (low + high) + camera_m * out,
           .forward = -out,
@@ -101,7 +101,7 @@ std::vector<bool> holes_of(int width, int height, double share, Random& random) 
 
 }  // namespace
 
-PointCloud depth_picture(const Mesh& skin_in_couch, Position position, std::uint64_t seed,
+PointCloud depth_picture(const Mesh& skin_in_couch, BodyPosture position, std::uint64_t seed,
                          const DepthCameraOptions& options) {
   const RayScene scene(scene_of(skin_in_couch, position));
   const View view = view_of(skin_in_couch, position);

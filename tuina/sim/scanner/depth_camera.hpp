@@ -17,7 +17,7 @@ struct DepthCameraOptions {
 
 /// Picture of a depth camera from behind (sitting) or above (prone), in `couch`, row by row:
 /// person, couch and floor, with flying pixels at depth edges.
-[[nodiscard]] PointCloud depth_picture(const Mesh& skin_in_couch, Position position,
+[[nodiscard]] PointCloud depth_picture(const Mesh& skin_in_couch, BodyPosture position,
                                        std::uint64_t seed, const DepthCameraOptions& options = {});
 
 }  // namespace tuina::sim

@@ -140,14 +140,14 @@ void place_on_couch(const ScannerCalibration& truth, ScannerCalibration& believe
 
 }  // namespace
 
-ScannerMount usual_mount(Position position) {
+ScannerMount usual_mount(BodyPosture position) {
   // 640 rows see from sacrum to C7 of people from 1.5 to 2 m at about 1.1 m. The back is near y = 0
   // (sitting) or z = 0.24 m (prone).
-  return position == Position::sitting ? ScannerMount{.distance_m = 1.13, .along_spine_m = 0.41}
-                                       : ScannerMount{.distance_m = 1.34, .along_spine_m = 0.34};
+  return position == BodyPosture::sitting ? ScannerMount{.distance_m = 1.13, .along_spine_m = 0.41}
+                                          : ScannerMount{.distance_m = 1.34, .along_spine_m = 0.34};
 }
 
-ScannerCalibration true_calibration(Position position, const ScannerMount& mount,
+ScannerCalibration true_calibration(BodyPosture position, const ScannerMount& mount,
                                     double latency_s) {
   ScannerCalibration truth;
   CameraModel& camera = truth.camera;
@@ -173,7 +173,7 @@ ScannerCalibration true_calibration(Position position, const ScannerMount& mount
   couch_from_camera.linear() = looking * turn.toRotationMatrix();
   couch_from_camera.translation() = Vector3(0.0, mount.distance_m, mount.along_spine_m) -
                                     couch_from_camera.linear() * truth.axis_point_in_camera;
-  if (position == Position::prone) {
+  if (position == BodyPosture::prone) {
     couch_from_camera = Eigen::AngleAxisd(90.0_deg, Vector3::UnitX()) * couch_from_camera;
   }
   truth.couch_from_camera = couch_from_camera;
@@ -211,11 +211,11 @@ ScannerCalibration believed_calibration(const ScannerCalibration& truth, std::ui
   return believed;
 }
 
-Mesh couch_mesh(Position position) {
+Mesh couch_mesh(BodyPosture position) {
   // A seat of 0.5 x 0.5 m under the hips, or a bed of 0.8 x 2 m.
-  const double half_width_m = position == Position::sitting ? 0.25 : 0.4;
-  const double from_m = position == Position::sitting ? -0.3 : -1.1;
-  const double to_m = position == Position::sitting ? 0.2 : 0.9;
+  const double half_width_m = position == BodyPosture::sitting ? 0.25 : 0.4;
+  const double from_m = position == BodyPosture::sitting ? -0.3 : -1.1;
+  const double to_m = position == BodyPosture::sitting ? 0.2 : 0.9;
   Mesh mesh;
   mesh.vertices = {{-half_width_m, from_m, 0.0},
                    {half_width_m, from_m, 0.0},

@@ -23,8 +23,8 @@ constexpr double step_s = 0.117;  // [thesis] chapter 4: 400 ms per degree in st
 constexpr double rest_share = 0.35;  // share of a step at rest, before and after its frame
 constexpr std::size_t frames_at_once = 16;
 
-Vector3 out_of_back(Position position) {
-  return position == Position::sitting ? Vector3::UnitY() : Vector3::UnitZ();
+Vector3 out_of_back(BodyPosture position) {
+  return position == BodyPosture::sitting ? Vector3::UnitY() : Vector3::UnitZ();
 }
 
 }  // namespace
@@ -145,12 +145,12 @@ struct LaserScanner::World {
   }
 };
 
-LaserScanner::LaserScanner(const Mesh& skin_in_couch, Position position, Breathing breathing,
+LaserScanner::LaserScanner(const Mesh& skin_in_couch, BodyPosture position, Breathing breathing,
                            std::uint64_t seed, const LaserScannerOptions& options)
     : LaserScanner(skin_in_couch, position, breathing, seed, options,
                    sim::true_calibration(position, usual_mount(position), options.latency_s)) {}
 
-LaserScanner::LaserScanner(const Mesh& skin_in_couch, Position position, Breathing breathing,
+LaserScanner::LaserScanner(const Mesh& skin_in_couch, BodyPosture position, Breathing breathing,
                            std::uint64_t seed, const LaserScannerOptions& options,
                            const scanner::ScannerCalibration& truth)
     : LaserScanner(skin_in_couch, couch_mesh(position), truth, seed, options) {

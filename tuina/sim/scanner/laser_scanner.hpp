@@ -26,7 +26,7 @@ struct ScannerMount {
 };
 
 /// Sitting: 1.1 m behind the usual back; prone: 1.1 m above it.
-[[nodiscard]] ScannerMount usual_mount(Position position);
+[[nodiscard]] ScannerMount usual_mount(BodyPosture position);
 
 struct LaserScannerOptions {
   double noise_dn = 4.0;        ///< noise of one pixel
@@ -49,10 +49,10 @@ struct LaserScannerOptions {
 
 /// True scanner of the thesis: 640x480 pixels of 6 um, f 6.25 mm, baseline 200 mm, laser leaning by
 /// 73 degrees to it, yaw axis half way, placed before the couch.
-[[nodiscard]] scanner::ScannerCalibration true_calibration(Position position,
+[[nodiscard]] scanner::ScannerCalibration true_calibration(BodyPosture position,
                                                            const ScannerMount& mount,
                                                            double latency_s = 0.12);
-[[nodiscard]] inline scanner::ScannerCalibration true_calibration(Position position) {
+[[nodiscard]] inline scanner::ScannerCalibration true_calibration(BodyPosture position) {
   return true_calibration(position, usual_mount(position));
 }
 
@@ -72,9 +72,9 @@ struct VisibleRows {
 /// camera and turntable in one; frames depend on the seed, never on the number of threads.
 class LaserScanner final : public scanner::Camera, public scanner::Turntable {
  public:
-  LaserScanner(const Mesh& skin_in_couch, Position position, Breathing breathing,
+  LaserScanner(const Mesh& skin_in_couch, BodyPosture position, Breathing breathing,
                std::uint64_t seed, const LaserScannerOptions& options = {});
-  LaserScanner(const Mesh& skin_in_couch, Position position, Breathing breathing,
+  LaserScanner(const Mesh& skin_in_couch, BodyPosture position, Breathing breathing,
                std::uint64_t seed, const LaserScannerOptions& options,
                const scanner::ScannerCalibration& truth);
   /// Any scanner before any still scene.
@@ -102,7 +102,7 @@ class LaserScanner final : public scanner::Camera, public scanner::Turntable {
 };
 
 /// The seat (sitting) or bed (prone) as the scanner sees it, top at z = 0.
-[[nodiscard]] Mesh couch_mesh(Position position);
+[[nodiscard]] Mesh couch_mesh(BodyPosture position);
 
 /// Distance of a cloud from the scanned surface.
 struct ScanTruth {

@@ -37,7 +37,7 @@ constexpr double sweep_rad = 12.0_deg;
 constexpr double sweep_rad_per_s = 5.994_deg;
 constexpr double couch_board_m = 12.0_mm;  // thickness; the upper face is z = 0
 
-using Picture = RehearsalPicture;
+using Picture = SyntheticPicture;
 
 Transform about(const Vector3& centre, const Matrix3& rotation, const scanner::Board& board) {
   Transform pose = Transform::Identity();
@@ -48,7 +48,7 @@ Transform about(const Vector3& centre, const Matrix3& rotation, const scanner::B
 }
 
 // A randomly tilted board on the light plane, wholly in the picture.
-Transform hold_board(const ScannerCalibration& truth, const RehearsalOptions& options,
+Transform hold_board(const ScannerCalibration& truth, const SyntheticShotsOptions& options,
                      double depth_m, Random& random) {
   const auto& camera = truth.camera;
   for (double tries = 0.0;; tries += 1.0) {
@@ -82,8 +82,9 @@ double told(double yaw_rad) {
 }
 
 // One standing board from every yaw at which it is wholly visible.
-std::vector<Picture> stand_board(const ScannerCalibration& truth, const RehearsalOptions& options,
-                                 int pose, double depth_m, Random& random) {
+std::vector<Picture> stand_board(const ScannerCalibration& truth,
+                                 const SyntheticShotsOptions& options, int pose, double depth_m,
+                                 Random& random) {
   for (;;) {
     const Transform standing = hold_board(truth, options, depth_m, random);
     std::vector<Picture> pictures;
@@ -98,7 +99,7 @@ std::vector<Picture> stand_board(const ScannerCalibration& truth, const Rehearsa
 }
 
 Result<void> take(const ScannerCalibration& truth, std::uint64_t seed, const fs::path& folder,
-                  const RehearsalOptions& options, const std::vector<Picture>& pictures,
+                  const SyntheticShotsOptions& options, const std::vector<Picture>& pictures,
                   const Progress& progress) {
   std::atomic<std::size_t> next = 0;
   std::size_t done = 0;
@@ -204,12 +205,13 @@ Result<void> record(const Mesh& scene, const Mesh& couch, const ScannerCalibrati
     const auto frame = recorder->next_frame(scanner::frame_timeout_s);
     if (!frame) return tl::unexpected(frame.error());
   }
-  return recorder->finish(true_calibration(Position::prone, usual_mount(Position::prone), 0.1));
+  return recorder->finish(
+      true_calibration(BodyPosture::prone, usual_mount(BodyPosture::prone), 0.1));
 }
 
 Result<void> record_sweeps(const ScannerCalibration& truth, std::uint64_t seed,
                            const fs::path& folder, const Progress& progress) {
-  const Mesh bed = lowered(couch_mesh(Position::prone), couch_board_m);
+  const Mesh bed = lowered(couch_mesh(BodyPosture::prone), couch_board_m);
   struct Part {
     const char* name;
     Mesh scene;
@@ -231,8 +233,8 @@ Result<void> record_sweeps(const ScannerCalibration& truth, std::uint64_t seed,
 }
 
 Result<void> write_set(const ScannerCalibration& truth, std::uint64_t seed, const fs::path& folder,
-                       const RehearsalOptions& options, const Progress& progress) {
-  const auto pictures = rehearsal_pictures(truth, seed, options);
+                       const SyntheticShotsOptions& options, const Progress& progress) {
+  const auto pictures = synthetic_pictures(truth, seed, options);
   std::error_code error;
   fs::create_directories(folder / "frames", error);
   if (error) return fail(Fault::file, "{}: {}", folder.string(), error.message());
@@ -255,9 +257,9 @@ Result<void> write_set(const ScannerCalibration& truth, std::uint64_t seed, cons
 
 ScannerCalibration built_scanner(std::uint64_t seed, bool upright) {
   Random random = make_random(seed, "built scanner");
-  ScannerMount mount = usual_mount(Position::prone);
+  ScannerMount mount = usual_mount(BodyPosture::prone);
   mount.upright = upright;
-  ScannerCalibration built = true_calibration(Position::prone, mount);
+  ScannerCalibration built = true_calibration(BodyPosture::prone, mount);
   auto& camera = built.camera;
   camera.fx_px += gaussian(random, 15.0);
   camera.fy_px = camera.fx_px + gaussian(random, 1.0);
@@ -283,9 +285,9 @@ ScannerCalibration built_scanner(std::uint64_t seed, bool upright) {
   return built;
 }
 
-std::vector<RehearsalPicture> rehearsal_pictures(const ScannerCalibration& truth,
+std::vector<SyntheticPicture> synthetic_pictures(const ScannerCalibration& truth,
                                                  std::uint64_t seed,
-                                                 const RehearsalOptions& options) {
+                                                 const SyntheticShotsOptions& options) {
   Random random = make_random(seed, "calibration poses");
   std::vector<Picture> pictures;
   for (int pose = 0; pose < options.poses; ++pose) {
@@ -305,9 +307,9 @@ std::vector<RehearsalPicture> rehearsal_pictures(const ScannerCalibration& truth
   return pictures;
 }
 
-Result<void> rehearse_calibration(const ScannerCalibration& truth, std::uint64_t seed,
-                                  const fs::path& folder, const RehearsalOptions& options,
-                                  const Progress& progress) {
+Result<void> render_calibration_shots(const ScannerCalibration& truth, std::uint64_t seed,
+                                      const fs::path& folder, const SyntheticShotsOptions& options,
+                                      const Progress& progress) {
   std::error_code error;
   if (fs::exists(folder, error) && !fs::is_empty(folder, error)) {
     return fail(Fault::file, "{}: it exists already and is not an empty folder", folder.string());

@@ -21,7 +21,7 @@ namespace tuina::sim {
   return {.columns = 4, .rows = 6, .square_m = 0.035, .marker_m = 0.026};
 }
 
-struct RehearsalOptions {
+struct SyntheticShotsOptions {
   scanner::Board board;
   int poses = 40;          ///< hand-held board poses, each with and without laser
   int standing_poses = 8;  ///< poses of boards that stand while the unit turns
@@ -32,22 +32,22 @@ struct RehearsalOptions {
 };
 
 /// One picture of a set, with the true board pose.
-struct RehearsalPicture {
+struct SyntheticPicture {
   bool laser = false;
   int pose = 0;
   double yaw_rad = 0.0;  ///< motor reading, in counts
   Transform camera_from_board = Transform::Identity();
 };
-[[nodiscard]] std::vector<RehearsalPicture> rehearsal_pictures(
+[[nodiscard]] std::vector<SyntheticPicture> synthetic_pictures(
     const scanner::ScannerCalibration& truth, std::uint64_t seed,
-    const RehearsalOptions& options = {});
+    const SyntheticShotsOptions& options = {});
 
 /// Renders a set of calibration shots into a new folder, as `tuina calibrate` reads it, without the
 /// ground truth. The folder appears when it is complete.
-[[nodiscard]] Result<void> rehearse_calibration(const scanner::ScannerCalibration& truth,
-                                                std::uint64_t seed,
-                                                const std::filesystem::path& folder,
-                                                const RehearsalOptions& options = {},
-                                                const Progress& progress = {});
+[[nodiscard]] Result<void> render_calibration_shots(const scanner::ScannerCalibration& truth,
+                                                    std::uint64_t seed,
+                                                    const std::filesystem::path& folder,
+                                                    const SyntheticShotsOptions& options = {},
+                                                    const Progress& progress = {});
 
 }  // namespace tuina::sim

@@ -11,7 +11,7 @@ constexpr double couch_m = 20_mm;  // below this a point is the couch's, not the
 }  // namespace
 
 BackPose pose_of(const ReportData& data) {
-  const bool sitting = data.position == Position::sitting;
+  const bool sitting = data.position == BodyPosture::sitting;
   BackPose pose{.out = sitting ? Vector3(0, 1, 0) : Vector3(0, 0, 1),
                 .up = sitting ? Vector3(0, 0, 1) : Vector3(0, -1, 0)};
   Vector3 out = Vector3::Zero();

@@ -19,13 +19,13 @@ namespace {
 constexpr double shown_share = 0.6;  // arms as thick as they are would hide the back
 
 /// Obliquely from above and from the side, so that neither arm hides the other or the back.
-View view_of(Position position, const figures::BackPose& pose) {
+View view_of(BodyPosture position, const figures::BackPose& pose) {
   const Vector3 right = pose.up.cross(pose.out).normalized();
   View view;
-  view.toward_eye = position == Position::sitting
+  view.toward_eye = position == BodyPosture::sitting
                         ? Vector3(0.75 * pose.out - 0.12 * right + 0.70 * pose.up)
                         : Vector3(0.50 * pose.out + 0.80 * right - 0.25 * pose.up);
-  view.up = position == Position::sitting ? pose.up : pose.out;
+  view.up = position == BodyPosture::sitting ? pose.up : pose.out;
   view.width_px = 400;
   view.height_px = 360;
   view.margin_px = 14.0;

@@ -88,7 +88,8 @@ std::vector<KeyEntry> technique_key(const ReportData& data, bool moving) {
         std::any_of(data.paths.begin(), data.paths.end(),
                     [&](const PerformedPath& p) { return p.path.technique == technique; });
     if (!used) continue;
-    key.push_back({colour_of(technique), figures::capital(row_of(technique).doing), slides(technique)});
+    key.push_back(
+        {colour_of(technique), figures::capital(row_of(technique).doing), slides(technique)});
   }
   if (moving) {
     key.push_back({mix(palette::paper, palette::grey, 0.7), "Moving through the air", true});

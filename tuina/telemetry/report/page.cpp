@@ -78,7 +78,7 @@ std::string summary(const ReportData& data) {
   std::string text;
   text += fmt::format(
       "{} {} for a massage of {}. ", data.simulated ? "A simulated person" : "A person",
-      data.position == Position::sitting ? "sat" : "lay face down", minutes(data.duration_s));
+      data.position == BodyPosture::sitting ? "sat" : "lay face down", minutes(data.duration_s));
   if (!data.acupoints.empty()) {
     double widest = 0.0;
     for (const FoundAcupoint& found : data.acupoints)
@@ -237,9 +237,9 @@ void add_stops(Page& page, const ReportData& data) {
     part.alarm(fmt::format("{:.3f} s: {}", stop.time_s, stop.cause));
   std::vector<std::string> troubles;
   for (const PerformedPath& performed : data.paths) {
-    if (!performed.trouble.empty())
+    if (!performed.contact_fault.empty())
       troubles.push_back(fmt::format("{} arm, {}: {}", name_of(performed.arm), performed.path.name,
-                                     performed.trouble));
+                                     performed.contact_fault));
   }
   if (!troubles.empty()) part.heading("Not carried out as planned").list(troubles);
 }

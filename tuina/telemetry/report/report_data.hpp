@@ -29,7 +29,7 @@ struct PerformedPath {
   double begin_s = 0.0;
   ContactPath path = {};
   std::optional<double> end_s = {};  ///< time at which the arm had left it; none: not known
-  std::string trouble = {};  ///< reason why it was not carried out as planned; empty: it was
+  std::string contact_fault = {};  ///< reason why it was not carried out as planned; empty: it was
 
   [[nodiscard]] double ended_s() const { return end_s.value_or(begin_s + path.duration_s()); }
 };
@@ -132,7 +132,7 @@ struct Stop {
 /// Text may hold anything; the page escapes it.
 struct ReportData {
   std::string person = {};  ///< "phantom:medium", "ds01"
-  Position position = Position::sitting;
+  BodyPosture position = BodyPosture::sitting;
   std::string programme = {};
   std::uint64_t seed = 0;
   bool simulated = true;
