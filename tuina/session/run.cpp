@@ -52,19 +52,22 @@ Result<void> prepare(Devices devices, const Order& order, const Config& config, 
   return {};
 }
 
+MassageOptions massage_options(const Order& order, const Config& config, const Session& session) {
+  return {.base_from_couch = session.base_from_couch,
+          .rail_m = session.ready.rail_m,
+          .standoff_m = from_mm(config.massage.standoff_mm),
+          .force_ceiling_n = config.safety.force_ceiling_n,
+          .steer = config.massage.steer,
+          .adaptive = order.adaptive,
+          .obstacles = session.placement.mount.obstacles};
+}
+
 /// Carries the plan of the session out. Returns whether the person lies elsewhere than scanned.
 Result<bool> carry_out(robot::Robot& robot, const Order& order, const Config& config,
                        Observer& observer, Session& session) {
   const motion::ReadyPlan& ready = session.ready;
   const auto models = robot::both_models(session.placement.arm, session.placement.mount);
-  MassageStep massage(ready.plan, ready.jobs, models,
-                      {.base_from_couch = session.base_from_couch,
-                       .rail_m = ready.rail_m,
-                       .standoff_m = from_mm(config.massage.standoff_mm),
-                       .force_ceiling_n = config.safety.force_ceiling_n,
-                       .steer = config.massage.steer,
-                       .adaptive = order.adaptive,
-                       .obstacles = session.placement.mount.obstacles});
+  MassageStep massage(ready.plan, ready.jobs, models, massage_options(order, config, session));
   observer.on_plan(ready, session.base_from_couch);
   // A contact that never ends is a fault of the robot, not of the person; it must not hold anyone.
   const double max_s = 3.0 * ready.plan.duration_s + 60.0;

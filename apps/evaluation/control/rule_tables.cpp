@@ -37,8 +37,8 @@ ControlTable rules_table(std::uint64_t seed) {
   }
   auto rows = varied({row}, "tissue", all_tissues());
   rows = varied(rows, "technique",
-                {{"press", [](auto& run) { run.technique = Technique::press; }},
-                 {"rub", [](auto& run) { run.technique = Technique::rub; }}});
+                {{name_of(Technique::press), [](auto& run) { run.technique = Technique::press; }},
+                 {name_of(Technique::rub), [](auto& run) { run.technique = Technique::rub; }}});
   rows = varied(rows, "rule",
                 {{"as it is: 1 N/mm and force control", [](auto&) {}},
                  {"A5: half the tangent stiffness", half_the_tangent_stiffness},
