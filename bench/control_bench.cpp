@@ -11,71 +11,57 @@
 
 #include "tuina/control/arm_controller.hpp"
 #include "tuina/core/random.hpp"
-#include "tuina/safety/guard.hpp"
+#include "tuina/session/guarded_arm.hpp"
 
 using namespace tuina;
 
 namespace {
 
 constexpr double limit_us = 10.0, tail_limit_us = 40.0, axis_limit_us = 5.0;
-constexpr double dt_s = 1e-3;
+constexpr double dt_s = control_period_s;
 
 struct Side {
   robot::ArmModel model;
-  control::ArmController controller;
-  safety::Guard guard;
-  robot::ArmReading reading;
+  session::GuardedArm guarded;
+  robot::RobotReading reading;
   control::ContactTarget target;
 
   explicit Side(Arm arm)
       : model(robot::thesis_arm(), robot::mount_for(BodyPosture::sitting), arm),
-        controller(model, {.learn_s = 0.0}),
-        guard({.torque_limit_nm = JointVector::Constant(6, 120.0)}) {
-    reading.q_rad = reading.dq_rad_per_s = JointVector::Zero(6);
-    reading.q_rad << -0.3, -0.2, 0.1, 0.4, 0.1, -0.2;
-    controller.start(controller.sense(reading, 0.0, 0.0));
-    const Transform tool = model.base_from_tool(reading.q_rad, 0.0);
+        guarded(model, {.learn_s = 0.0}) {
+    robot::ArmReading& sensed = reading.arms[Arm::left];
+    sensed.q_rad = sensed.dq_rad_per_s = JointVector::Zero(6);
+    sensed.q_rad << -0.3, -0.2, 0.1, 0.4, 0.1, -0.2;
+    guarded.sense(reading, Arm::left);
+    const Transform tool = model.base_from_tool(sensed.q_rad, 0.0);
     const Vector3 normal = control::tool_normal(tool);
     target = {.at_in_base = tool.translation() - 0.016 * normal,
               .normal_in_base = normal,
               .force_n = 20.0};
-    controller.approach({target.at_in_base, normal});
-    reading.wrench_in_tool.force_n = Vector3(-20.0, 0.0, 0.0);
+    guarded.controller.approach({target.at_in_base, normal});
+    sensed.wrench_in_tool.force_n = Vector3(-20.0, 0.0, 0.0);
   }
 
   const JointVector& tick(std::uint64_t number, double noise) {
     const double time_s = static_cast<double>(number) * dt_s;
-    reading.dq_rad_per_s.setConstant(1e-3 * noise);
-    reading.wrench_in_tool.force_n.y() = noise;
-    reading.wrench_time_s = time_s;
-    const ArmState state = controller.sense(reading, time_s, 0.0);
-    controller.track(target);
-    const JointVector torque = controller.step(state, 0.0, dt_s);
-    const auto& dynamics = controller.dynamics();
-    const auto& status = controller.status();
-    safety::Observation seen{
-        .tick = number,
-        .time_s = time_s,
-        .wrench_time_s = time_s,
-        .q_rad = state.q_rad,
-        .dq_rad_per_s = state.dq_rad_per_s,
-        .force_in_base_n = state.contact_in_base.force_n,
-        .tool_in_base = dynamics.base_from_tool.translation(),
-        .tool_velocity_m_per_s = dynamics.jacobian.topRows<3>() * state.dq_rad_per_s,
-        .jacobian = dynamics.jacobian.topRows<3>(),
-        .gravity_nm = dynamics.gravity_nm};
-    allowed = guard
-                  .check(seen, {.torque_nm = torque,
-                                .phase = safety::Phase::contact,
-                                .zone = safety::Zone::muscle,
-                                .set_force_n = status.set_force_n,
-                                .normal_in_base = status.normal_in_base,
-                                .virtual_target_in_base = status.virtual_target_in_base,
-                                .stiffness_n_per_m = status.stiffness_n_per_m})
-                  .allowed_nm;
-    return allowed;
+    robot::ArmReading& sensed = reading.arms[Arm::left];
+    sensed.dq_rad_per_s.setConstant(1e-3 * noise);
+    sensed.wrench_in_tool.force_n.y() = noise;
+    reading.tick = number;
+    reading.time_s = sensed.wrench_time_s = time_s;
+    guarded.sense(reading, Arm::left);
+    guarded.controller.track(target);
+    const JointVector torque = guarded.torque_nm(reading);
+    const control::ArmStatus& status = guarded.controller.status();
+    return guarded.allow(reading, Arm::left, guarded.controller.dynamics(),
+                         {.torque_nm = torque,
+                          .phase = safety::Phase::contact,
+                          .zone = safety::Zone::muscle,
+                          .set_force_n = status.set_force_n,
+                          .normal_in_base = status.normal_in_base,
+                          .virtual_target_in_base = status.virtual_target_in_base,
+                          .stiffness_n_per_m = status.stiffness_n_per_m});
   }
-  JointVector allowed;
 };
 
 double median_us = 0.0, tail_us = 0.0;

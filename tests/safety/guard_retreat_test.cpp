@@ -267,3 +267,19 @@ TEST_CASE("a complying tool is pushed away with the force of its brakes") {
   CHECK(world.contact_n() < 60.0 * 0.06 + 1.0);
   CHECK(world.way_out_m() > 0.012);
 }
+
+TEST_CASE("a controller that turns its normal round after a stop does not turn the retreat") {
+  Scene scene = pressed_scene();
+  const Vector3 out = scene.normal();
+  scene.retract();
+  REQUIRE(scene.verdict.latched);
+  scene.proposal.normal_in_base = -out;
+  scene.tick(200);
+  CHECK(scene.allowed_n().dot(out) > 10.0);
+  // A guard that is begun anew listens again.
+  scene.guard.reset();
+  scene.tick(5);
+  scene.retract();
+  scene.tick(200);
+  CHECK(scene.allowed_n().dot(out) < -10.0);
+}

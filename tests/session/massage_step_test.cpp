@@ -13,8 +13,8 @@
 #include "tuina/motion/ready_plan.hpp"
 #include "tuina/robot/clearance.hpp"
 #include "tuina/session/massage_step.hpp"
-#include "tuina/sim/person/tissue_map.hpp"
-#include "tuina/sim/robot/plant.hpp"
+#include "tuina/sim/robot/back_contact.hpp"
+#include "tuina/sim/world.hpp"
 
 using namespace tuina;
 
@@ -22,11 +22,9 @@ namespace {
 
 /// A phantom, a robot, and a plan on the phantom's true back.
 struct Room {
-  sim::Person person;
+  std::unique_ptr<sim::World> world;
   PerArm<robot::ArmModel> models;
   motion::ReadyPlan plan;
-  sim::BackContact contact;
-  std::unique_ptr<sim::Plant> plant;
   session::MassageStep massage;
 };
 
@@ -53,30 +51,31 @@ std::unique_ptr<Room> enter(BodyPosture position,
                                   standoff_m);
   REQUIRE(ready.has_value());
   if (spoil) spoil(*ready);
-  sim::BackContact contact(person->skin_in_couch, sim::lay_tissue(*person, seed));
   session::MassageStep massage(ready->plan, ready->jobs, models,
                                {.base_from_couch = mount.base_from_couch,
                                 .rail_m = ready->rail_m,
                                 .obstacles = mount.obstacles});
-  auto room = std::make_unique<Room>(Room{std::move(*person), models, std::move(*ready),
-                                          std::move(contact), nullptr, std::move(massage)});
-  auto plant = sim::Plant::make(mount, {.of = {table, table}},
-                                {.q_rad = room->plan.ready_rad, .rail_m = room->plan.rail_m},
-                                &room->contact, {.seed = seed});
-  REQUIRE(plant.has_value());
-  room->plant = std::move(*plant);
-  return room;
+  // The robot is as its table says: here the session is judged, not its model.
+  const robot::RobotPlacement placement =
+      robot::place_robot(robot::load_robot("thesis").value(), position);
+  auto world = sim::World::make(
+      *person, placement,
+      {.arm_errors = {.mass_spread = 0.0, .friction_spread = 0.0, .rotor_spread = 0.0}}, seed);
+  REQUIRE(world.has_value());
+  REQUIRE((*world)->robot().stand_ready({ready->ready_rad, ready->rail_m}).has_value());
+  return std::make_unique<Room>(
+      Room{std::move(*world), models, std::move(*ready), std::move(massage)});
 }
 
 /// One millisecond; the time it is.
 double live(Room& room) noexcept {
-  const robot::RobotReading reading = *room.plant->read();
-  room.plant->apply(room.massage.step(reading));
+  const robot::RobotReading reading = *room.world->robot().read();
+  room.world->robot().apply(room.massage.step(reading));
   return reading.time_s;
 }
 
 double force_n(const Room& room, Arm arm) {
-  return room.plant->truth().arms[arm].contact.force_n;
+  return room.world->truth().arms[arm].contact.force_n;
 }
 
 }  // namespace
@@ -87,8 +86,8 @@ TEST_CASE("twenty seconds of massage by two arms take nothing from the heap") {
     PerArm<double> highest_n;
     const auto before = test::allocations();
     for (int ms = 0; ms < 20'000; ++ms) {
-      const robot::RobotReading reading = *room->plant->read();
-      room->plant->apply(room->massage.step(reading));
+      const robot::RobotReading reading = *room->world->robot().read();
+      room->world->robot().apply(room->massage.step(reading));
       for (const Arm arm : both_arms)
         highest_n[arm] = std::max(highest_n[arm], force_n(*room, arm));
     }
@@ -111,9 +110,10 @@ TEST_CASE("a person who jumps up stops the massage: the cause is told, and both 
   REQUIRE(time_s < 60.0);
 
   const double jump_s = time_s;
-  room->contact.add_shift({.start_s = jump_s,
-                           .by_in_couch = 60e-3 * room->contact.mean_normal_in_couch(),
-                           .speed_m_per_s = 0.4});
+  room->world->contact().add_shift(
+      {.start_s = jump_s,
+       .by_in_couch = 60e-3 * room->world->contact().mean_normal_in_couch(),
+       .speed_m_per_s = 0.4});
   double highest_n = 0.0;
   while (!room->massage.finished() && time_s < jump_s + 10.0) {
     time_s = live(*room);
@@ -130,7 +130,7 @@ TEST_CASE("a person who jumps up stops the massage: the cause is told, and both 
   for (const Arm arm : both_arms) {
     CAPTURE(name_of(arm));
     CHECK(force_n(*room, arm) == 0.0);
-    CHECK(room->plant->truth().arms[arm].contact.gap_m > 0.0);
+    CHECK(room->world->truth().arms[arm].contact.gap_m > 0.0);
   }
 }
 
@@ -174,7 +174,7 @@ TEST_CASE("an arm that is sent into the bed stops before it gets there") {
   double time_s = 0.0, nearest_m = 1.0;
   while (!room->massage.finished() && time_s < 60.0) {
     time_s = live(*room);
-    const sim::PlantTruth& truth = room->plant->truth();
+    const sim::PlantTruth& truth = room->world->truth();
     const auto pose = room->models[Arm::left].kinematics(truth.arms[Arm::left].q_rad, truth.rail_m);
     nearest_m = std::min(
         nearest_m,
@@ -202,7 +202,7 @@ TEST_CASE("an arm that does not stand where its plan begins stays there, and the
         "left arm: does not stand as planned: joint 4 is 30 degrees off, 20 are allowed");
   CHECK(time_s < 10.0);
   CHECK(room->massage.performed().empty());
-  const double ends_rad = room->plant->truth().arms[Arm::left].q_rad[3];
+  const double ends_rad = room->world->truth().arms[Arm::left].q_rad[3];
   CHECK(ends_rad == doctest::Approx(began_rad).epsilon(0.05));
 }
 
@@ -307,9 +307,10 @@ TEST_CASE(
   live(*room);
   PerArm<Vector3> home;
   for (const Arm arm : both_arms) home[arm] = room->massage.view()[arm].tool_in_base;
-  room->contact.add_shift({.start_s = 0.0,
-                           .by_in_couch = 20e-3 * room->contact.mean_normal_in_couch(),
-                           .speed_m_per_s = 0.2});
+  room->world->contact().add_shift(
+      {.start_s = 0.0,
+       .by_in_couch = 20e-3 * room->world->contact().mean_normal_in_couch(),
+       .speed_m_per_s = 0.2});
   double time_s = 0.0;
   while (!room->massage.finished() && time_s < 60.0) time_s = live(*room);
   CHECK(room->massage.wants_scan());

@@ -100,7 +100,9 @@ Verdict Guard::check(const Observation& seen, const Proposal& proposal) noexcept
       tick_ = seen.tick - 1;
       started_ = true;
     }
-    if (is_unit(proposal.normal_in_base)) normal_in_base_ = proposal.normal_in_base;
+    // Once latched, the way out is the guard's own: the controller cannot turn it round.
+    if (latched_ == Action::pass && is_unit(proposal.normal_in_base))
+      normal_in_base_ = proposal.normal_in_base;
     judge_time(seen, finding);
     judge_joints(seen, finding);
     judge_force(seen, proposal, finding);
@@ -182,7 +184,6 @@ void Guard::judge_force(const Observation& seen, const Proposal& proposal,
     finding.add(Action::freeze, Cause::force_stale, false);
   if (age_s > options_.limits.stale_retract_s)
     finding.add(Action::retract, Cause::force_stale, true);
-
   std::rotate(medians_n_.begin(), medians_n_.begin() + 1, medians_n_.end());
   medians_n_.back() = median(samples_n_[0], samples_n_[1], samples_n_[2]);
   const ForceLimits limits =
@@ -216,7 +217,6 @@ void Guard::judge_proposal(const Observation& seen, const Proposal& proposal,
   not_finite_ = torque_fits ? 0 : not_finite_ + 1;
   if (!torque_fits) finding.add(Action::warn, Cause::torque_not_finite, false);
   if (not_finite_ >= bad_torques) finding.add(Action::retract, Cause::torque_not_finite, true);
-
   const auto zone = static_cast<std::size_t>(proposal.zone);
   const bool usable =
       zone < zones && static_cast<std::size_t>(proposal.phase) <= 3 &&

@@ -3,6 +3,8 @@
 
 #include <chrono>
 
+#include "tuina/core/stopwatch.hpp"
+
 namespace tuina::session {
 
 Relay::Relay(Observer& slow)
@@ -22,17 +24,27 @@ void Relay::on_progress(Stage stage, double share) noexcept {
 }
 
 void Relay::on_plan(const motion::ReadyPlan& plan, const Transform& base_from_couch) {
-  wait_until_empty();  // between two plans nobody is touched, and the old plan goes
-  slow_.on_plan(plan, base_from_couch);
+  // The old plan goes, and the observer may still be reading it.
+  constexpr double patience_s = 1.0;
+  given_up_ = given_up_ || !empties_within(patience_s);
+  if (!given_up_) slow_.on_plan(plan, base_from_couch);
 }
 
 void Relay::on_tick(const Tick& tick) noexcept {
-  idle_ = false;
-  if (!ring_->push(tick)) ++left_out_;
+  if (!given_up_ && ring_->push(tick)) {
+    ++pushed_;
+  } else {
+    ++left_out_;
+  }
 }
 
-void Relay::wait_until_empty() noexcept {
-  while (!idle_) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+bool Relay::empties_within(double seconds) const noexcept {
+  const Stopwatch watch;
+  while (carried_ != pushed_) {
+    if (watch.seconds() > seconds) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  return true;
 }
 
 void Relay::carry() {
@@ -44,14 +56,12 @@ void Relay::carry() {
     while (ring_->pop(tick)) {
       any = true;
       slow_.on_tick(tick);
+      ++carried_;
     }
     const double share = massage_share_;
     if (share != told_share) slow_.on_progress(Stage::massage, told_share = share);
     if (last) return;
-    if (!any) {
-      idle_ = true;
-      std::this_thread::sleep_for(std::chrono::milliseconds(2));
-    }
+    if (!any) std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
 }
 

@@ -14,7 +14,8 @@ namespace tuina::session {
 /// Carries the milliseconds of a session to an observer that may be slow - a terminal, a file, a
 /// network - on a thread of its own. The session never waits for it: when the observer falls more
 /// than four seconds behind, milliseconds are left out and counted. What comes before the massage
-/// is passed on at once.
+/// is passed on at once; `on_performed` is not, since a `Tick` counts the performed paths. An
+/// observer that has not caught up within a second when a new plan comes is told nothing any more.
 class Relay final : public Observer {
  public:
   /// `slow` must outlive it.
@@ -35,15 +36,17 @@ class Relay final : public Observer {
 
  private:
   void carry();
-  void wait_until_empty() noexcept;
+  [[nodiscard]] bool empties_within(double seconds) const noexcept;
 
   static constexpr std::size_t ticks = 4096;
   Observer& slow_;
   std::unique_ptr<Ring<Tick, ticks>> ring_;
   std::atomic<double> massage_share_ = -1.0;
-  std::atomic<bool> idle_ = true;
+  std::uint64_t pushed_ = 0;                ///< milliseconds given to the ring
+  std::atomic<std::uint64_t> carried_ = 0;  ///< milliseconds that the observer has seen
   std::atomic<bool> ends_ = false;
   std::uint64_t left_out_ = 0;
+  bool given_up_ = false;
   std::thread thread_;
 };
 
