@@ -3,6 +3,7 @@
 
 #include <doctest/doctest.h>
 
+#include <atomic>
 #include <chrono>
 #include <string>
 #include <thread>
@@ -102,33 +103,30 @@ TEST_CASE("a robot that stands for a person sitting is not used for one who lies
   CHECK(robot.stood == 0);
 }
 
-TEST_CASE("an observer that takes 20 ms for a millisecond does not delay the session") {
-  class Slow final : public Observer {
+TEST_CASE("an observer that hangs does not delay the session: it misses what a ring cannot hold") {
+  class Hanging final : public Observer {
    public:
-    void on_tick(const Tick& tick) noexcept override {
-      if (tick.reading.tick < 5) std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    void on_tick(const Tick&) noexcept override {
+      while (hangs) std::this_thread::sleep_for(std::chrono::milliseconds(1));
       ++ticks;
     }
+    std::atomic<bool> hangs = true;
     std::uint64_t ticks = 0;
-  } slow;
+  } observer;
   constexpr std::uint64_t given = 5000;
-  double longest_s = 0.0;
   std::uint64_t left_out = 0;
   {
-    Relay relay(slow);
+    Relay relay(observer);
     Tick tick;
     for (std::uint64_t i = 0; i < given; ++i) {
       tick.reading.tick = i;
-      const auto start = std::chrono::steady_clock::now();
       relay.on_tick(tick);
-      const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
-      longest_s = std::max(longest_s, taken.count());
     }
     left_out = relay.left_out();
+    observer.hangs = false;
   }
-  CHECK(longest_s < 10e-3);  // a push takes 0.1 us; the rest is what the machine's scheduler takes
-  CHECK(left_out > 0);       // more came at once than four seconds
-  CHECK(slow.ticks + left_out == given);
+  CHECK(left_out > 0);  // a session that waited would leave nothing out, and never end
+  CHECK(observer.ticks + left_out == given);
 }
 
 TEST_CASE("every millisecond reaches an observer that keeps up, in order") {

@@ -107,6 +107,7 @@ static_assert(
 
 [[nodiscard]] inline std::vector<std::string> technique_names() {
   std::vector<std::string> names;
+  names.reserve(technique_table.size());
   for (const TechniqueRow& row : technique_table) names.emplace_back(row.name);
   return names;
 }

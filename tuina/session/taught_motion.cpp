@@ -34,6 +34,7 @@ std::vector<std::string> columns_of(int joints) {
 
 std::string list_of(const std::vector<massage::RelativePlace>& line) {
   std::vector<std::string> places;
+  places.reserve(line.size());
   for (const auto& place : line) {
     places.push_back(fmt::format("[{:.3f}, {:.4f}]", place.aside_cun, place.up_share));
   }
