@@ -8,7 +8,6 @@
 #include "examples/simulated_order.hpp"
 #include "tuina/robot/arm_model.hpp"
 #include "tuina/sim/person/tissue_map.hpp"
-
 using namespace tuina;
 
 namespace {
@@ -34,9 +33,7 @@ class MyRobot final : public robot::Robot {
     now_.time_s = control_period_s * static_cast<double>(++now_.tick);
     return now_;
   }
-  void apply(const robot::RobotCommand& command) noexcept override {
-    torque_nm_ = command.torque_nm;
-  }
+  void apply(const robot::RobotCommand& now) noexcept override { torque_nm_ = now.torque_nm; }
   const char* fault() const noexcept override { return nullptr; }
 
  private:
