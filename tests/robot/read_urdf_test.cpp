@@ -120,6 +120,7 @@ TEST_CASE("what is no arm of six or seven joints is refused with line, element a
   const std::string good = urdf_of("thesis");
   REQUIRE(read_urdf(good, "arm.urdf", "rail", "left_tool").has_value());
   refused("<robot", "is not XML");
+  refused(" \n", "is empty");
   refused("<mujoco/>", "no element <robot>");
   refused(good, "there is no link called `hand`", "hand");
   refused(good, "no joints lead from `rail` down to `base`", "base");

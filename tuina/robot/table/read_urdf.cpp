@@ -286,10 +286,13 @@ UrdfArm arm_of(const std::vector<Turning>& chain, const Transform& tip) {
 
 Result<UrdfArm> read_urdf(std::string_view text, std::string_view name,
                           const std::string& base_link, const std::string& tip_link) {
+  if (text.find_first_not_of(" \t\r\n") == std::string_view::npos)
+    return fail(Fault::bad_input, "{}: is empty; a URDF begins with <robot>", name);
   tinyxml2::XMLDocument document;
-  if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS)
-    return fail(Fault::bad_input, "{}:{}: is not XML: {}", name, document.ErrorLineNum(),
-                document.ErrorName());
+  if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS) {
+    return fail(Fault::bad_input, "{}:{}: is not XML: an element does not end or is misspelled",
+                name, document.ErrorLineNum());
+  }
   const XMLElement* robot = document.FirstChildElement("robot");
   if (robot == nullptr) return fail(Fault::bad_input, "{}: has no element <robot>", name);
   for (const std::string& link : {base_link, tip_link}) {
