@@ -6,7 +6,7 @@
 
 #include "tuina/robot/arm_model.hpp"
 #include "tuina/robot/inverse_kinematics.hpp"
-#include "tuina/safety/guard.hpp"
+#include "tuina/safety/robot_guard.hpp"
 #include "tuina/sim/robot/plant.hpp"
 
 using namespace tuina;
@@ -22,43 +22,30 @@ int main() {
     return 1;
   }
 
-  safety::Guard::Options options;
-  options.torque_limit_nm.resize(table.joints);
-  for (int i = 0; i < table.joints; ++i) {
-    options.torque_limit_nm[i] = table.links[static_cast<std::size_t>(i)].torque_limit_nm;
-  }
-  safety::Guard guard(options);
+  safety::RobotGuard guard({.of = {left, right}}, {});
 
   double max_speed_m_per_s = 0.0, stopped_s = -1.0;
   for (int tick = 0; tick < 1500; ++tick) {
     const robot::RobotReading reading = *(*robot)->read();
-    const robot::ArmReading& arm = reading.arms[Arm::left];
-    const auto dynamics = left.evaluate(arm.q_rad, arm.dq_rad_per_s, reading.rail_m);
-    const Vector3 velocity_m_per_s = dynamics.jacobian.topRows<3>() * arm.dq_rad_per_s;
-    max_speed_m_per_s = std::max(max_speed_m_per_s, velocity_m_per_s.norm());
-
     // The controller: a spring at each joint, until it is not.
-    JointVector torque_nm = dynamics.gravity_nm;
-    torque_nm += 200.0 * (ready_rad[Arm::left] - arm.q_rad) - 10.0 * arm.dq_rad_per_s;
-    if (reading.time_s > 0.5) torque_nm[0] = options.torque_limit_nm[0];
+    safety::RobotProposal wanted;
+    for (const Arm side : both_arms) {
+      const robot::ArmReading& arm = reading.arms[side];
+      wanted.arms[side].torque_nm = (side == Arm::left ? left : right).gravity_nm(arm.q_rad) +
+                                    200.0 * (ready_rad[side] - arm.q_rad) - 10.0 * arm.dq_rad_per_s;
+    }
+    if (reading.time_s > 0.5)
+      wanted.arms[Arm::left].torque_nm[0] = table.links.front().torque_limit_nm;
 
-    const safety::Verdict verdict = guard.check(
-        {.tick = reading.tick,
-         .time_s = reading.time_s,
-         .wrench_time_s = arm.wrench_time_s,
-         .q_rad = arm.q_rad,
-         .dq_rad_per_s = arm.dq_rad_per_s,
-         .tool_in_base = dynamics.base_from_tool.translation(),
-         .tool_velocity_m_per_s = velocity_m_per_s,
-         .jacobian = dynamics.jacobian.topRows<3>(),
-         .gravity_nm = dynamics.gravity_nm},
-        {.torque_nm = torque_nm, .virtual_target_in_base = dynamics.base_from_tool.translation()});
-    (*robot)->apply({.torque_nm = {.of = {verdict.allowed_nm,
-                                          right.gravity_nm(reading.arms[Arm::right].q_rad)}}});
-    if (verdict.latched && stopped_s < 0.0) {
+    const safety::RobotVerdict verdict = guard.check(reading, wanted);
+    (*robot)->apply(verdict.command);
+    max_speed_m_per_s = std::max(
+        max_speed_m_per_s, (*robot)->truth().arms[Arm::left].velocity_in_couch.norm());
+    const safety::Verdict& of_left = verdict.arms[Arm::left];
+    if (of_left.latched && stopped_s < 0.0) {
       stopped_s = reading.time_s;
-      fmt::print("{:.3f} s: {} after {}\n", stopped_s, safety::name_of(verdict.action),
-                 safety::name_of(verdict.cause));
+      fmt::print("{:.3f} s: {} after {}\n", stopped_s, safety::name_of(of_left.action),
+                 safety::name_of(of_left.cause));
     }
   }
   const double speed_m_per_s = (*robot)->truth().arms[Arm::left].velocity_in_couch.norm();

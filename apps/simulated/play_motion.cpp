@@ -39,9 +39,9 @@ Result<PlayedMotion> play_motion(const session::TaughtMotion& motion, const std:
   constexpr double settle_s = 0.5;
   double stopped_s = -1.0;
   const Progress bar = progress_bar(common, "play");
-  // The torques of the arm that plays.
-  const auto play = [&](const robot::RobotReading& reading, double time_s) {
-    session::GuardedArm& one = stage.arms[motion.arm];
+  // What the arm that plays proposes.
+  const auto play = [&](const robot::RobotReading& reading, double time_s) -> safety::Proposal {
+    session::ControlledArm& one = stage.arms[motion.arm];
     const auto wanted = motion.at(time_s);
     const robot::ArmDynamics dynamics =
         model.evaluate(one.state.q_rad, one.state.dq_rad_per_s, reading.rail_m);
@@ -58,15 +58,14 @@ Result<PlayedMotion> play_motion(const session::TaughtMotion& motion, const std:
     // The springs of the joints, seen along the tool's axis.
     const double n_per_m = 1.0 / lever.cwiseAbs2().cwiseQuotient(stiffness).sum();
     const bool skin = wanted.force_n > 0.5 || one.state.contact_in_base.force_n.norm() > 1.5;
-    return one.allow(
-        reading, motion.arm, dynamics,
-        {.torque_nm = torque,
-         .phase = skin ? safety::Phase::contact : safety::Phase::free,
-         .zone = motion.zone,
-         .set_force_n = press_n,
-         .normal_in_base = out,
-         .virtual_target_in_base = model.base_from_tool(wanted.q_rad, reading.rail_m).translation(),
-         .stiffness_n_per_m = n_per_m});
+    return {.torque_nm = torque,
+            .phase = skin ? safety::Phase::contact : safety::Phase::free,
+            .zone = motion.zone,
+            .set_force_n = press_n,
+            .normal_in_base = out,
+            .virtual_target_in_base =
+                model.base_from_tool(wanted.q_rad, reading.rail_m).translation(),
+            .stiffness_n_per_m = n_per_m};
   };
   // How well it plays, against the truth.
   const auto judge = [&](double time_s) {
@@ -84,30 +83,33 @@ Result<PlayedMotion> play_motion(const session::TaughtMotion& motion, const std:
     played.peak_n = std::max(played.peak_n, row.true_force_n);
     played.truth.push_back(row);
   };
-  const auto step = [&](const robot::RobotReading& reading) -> std::optional<robot::RobotCommand> {
+  const auto propose =
+      [&](const robot::RobotReading& reading) -> std::optional<safety::RobotProposal> {
     const double time_s = reading.time_s - settle_s;
     if (time_s > motion.duration_s() + 0.5) return std::nullopt;
     if (stopped_s >= 0.0 && reading.time_s > stopped_s + 1.5) return std::nullopt;
     if (bar && reading.tick % 100 == 0) bar(std::clamp(time_s / motion.duration_s(), 0.0, 1.0));
-    robot::RobotCommand command{.rail_m = motion.rail_m};
+    safety::RobotProposal wanted{.rail_m = motion.rail_m};
     for (const Arm side : both_arms) {
-      session::GuardedArm& one = stage.arms[side];
+      session::ControlledArm& one = stage.arms[side];
       one.sense(reading, side);
-      command.torque_nm[side] =
-          side == motion.arm ? play(reading, time_s) : one.step_on_bench(reading, side);
+      wanted.arms[side] = side == motion.arm ? play(reading, time_s)
+                                             : one.propose(reading, safety::Zone::denied);
     }
     if (time_s >= 0.0) judge(time_s);
-    const bool apart = stage.separation.keeps(reading);
-    for (const Arm side : both_arms) {
-      const safety::Verdict& verdict = stage.arms[side].verdict;
-      if (stopped_s >= 0.0 || (apart && !verdict.latched)) continue;
-      stopped_s = reading.time_s;
-      played.stop = safety::name_of(apart ? verdict.cause : safety::Cause::arms_too_close);
-    }
-    return command;
+    return wanted;
   };
-  const auto look = [](const robot::RobotReading&, const robot::RobotCommand&) { return true; };
-  if (auto driven = session::run_control_loop(stage.world->robot(), step, look); !driven)
+  const auto look = [&](const robot::RobotReading& reading, const safety::RobotVerdict& verdict) {
+    for (const safety::Verdict& one : verdict.arms.of) {
+      if (stopped_s >= 0.0 || !one.latched) continue;
+      stopped_s = reading.time_s;
+      played.stop = safety::name_of(one.cause);
+    }
+    return true;
+  };
+  if (auto driven =
+          session::run_control_loop(stage.world->robot(), stage.guard, propose, look);
+      !driven)
     return tl::unexpected(driven.error());
   if (bar) bar(1.0);
   const auto rms = [](double sum, double count) { return std::sqrt(sum / std::max(1.0, count)); };

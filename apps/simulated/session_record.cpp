@@ -9,7 +9,7 @@
 #include "tuina/core/io/file.hpp"
 #include "tuina/core/io/surface_file.hpp"
 #include "tuina/core/units.hpp"
-#include "tuina/motion/arm_separation.hpp"
+#include "tuina/safety/arm_separation.hpp"
 #include "tuina/record/plan_file.hpp"
 #include "tuina/robot/arm_model.hpp"
 #include "tuina/tissue/stiffness_map.hpp"
@@ -206,7 +206,7 @@ Result<ReportData> read_record(const fs::path& folder) {
                     .scan_in_couch = std::move(scan->cloud),
                     .trace = std::move(*trace),
                     .distances = std::move(*distances),
-                    .stopping_distance_m = motion::stopping_arm_distance_m,
+                    .stopping_distance_m = safety::stopping_arm_distance_m,
                     .config_toml = std::move(*config),
                     .version = word(session, "version")};
     take_acupoints(session, data);

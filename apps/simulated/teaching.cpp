@@ -163,37 +163,36 @@ Result<TaughtByHand> record_by_hand(const TeachOrder& order, const session::Conf
   const double end_s = learning_s + wanted.duration_s() + 0.5;
   const Progress bar = progress_bar(common, "teach");
   std::optional<Error> stopped;
-  const auto step = [&](const robot::RobotReading& reading) -> std::optional<robot::RobotCommand> {
+  const auto propose =
+      [&](const robot::RobotReading& reading) -> std::optional<safety::RobotProposal> {
     const double time_s = reading.time_s - learning_s;
     if (reading.time_s > end_s) return std::nullopt;
     if (bar && reading.tick % 100 == 0) bar(reading.time_s / end_s);
     for (const Arm side : both_arms) stage.arms[side].sense(reading, side);
     control::ArmController& led = stage.arms[arm].controller;
     if (time_s >= 0.0 && led.status().mode != control::Mode::lead) led.lead();
-    robot::RobotCommand command{.rail_m = ready->rail_m};
+    safety::RobotProposal wanted{.rail_m = ready->rail_m};
     for (const Arm side : both_arms) {
-      session::GuardedArm& one = stage.arms[side];
+      session::ControlledArm& one = stage.arms[side];
       const JointVector torque = one.torque_nm(reading);
       const robot::ArmDynamics& dynamics = one.controller.dynamics();
       const bool skin = side == arm && one.state.contact_in_base.force_n.norm() > 1.5;
-      command.torque_nm[side] =
-          one.allow(reading, side, dynamics,
-                    {.torque_nm = torque,
-                     .phase = skin ? safety::Phase::contact : safety::Phase::free,
-                     .zone = side == arm ? taught.motion.zone : safety::Zone::denied,
-                     .normal_in_base = control::tool_normal(dynamics.base_from_tool),
-                     .virtual_target_in_base = dynamics.base_from_tool.translation()});
-      if (!one.verdict.latched) continue;
-      stopped =
-          Error{Fault::stopped, fmt::format("the {} arm stopped while it was led: {}",
-                                            name_of(side), safety::name_of(one.verdict.cause))};
-      return std::nullopt;
+      wanted.arms[side] = {.torque_nm = torque,
+                           .phase = skin ? safety::Phase::contact : safety::Phase::free,
+                           .zone = side == arm ? taught.motion.zone : safety::Zone::denied,
+                           .normal_in_base = control::tool_normal(dynamics.base_from_tool),
+                           .virtual_target_in_base = dynamics.base_from_tool.translation()};
     }
-    if (stage.separation.keeps(reading)) return command;
-    stopped = Error{Fault::stopped, "the arm was led too near to the other one"};
-    return std::nullopt;
+    return wanted;
   };
-  const auto lead = [&](const robot::RobotReading& reading, const robot::RobotCommand&) {
+  const auto lead = [&](const robot::RobotReading& reading, const safety::RobotVerdict& verdict) {
+    for (const Arm side : both_arms) {
+      if (!verdict.arms[side].latched) continue;
+      stopped =
+          Error{Fault::stopped, fmt::format("the {} arm stopped while it was led: {}", name_of(side),
+                                            safety::name_of(verdict.arms[side].cause))};
+      return false;
+    }
     const double time_s = reading.time_s - learning_s;
     if (time_s < 0.0) return true;
     const sim::ArmTruth& truth = stage.world->truth().arms[arm];
@@ -211,7 +210,7 @@ Result<TaughtByHand> record_by_hand(const TeachOrder& order, const session::Conf
          .force_n = state.contact_in_base.force_n.dot(control::tool_normal(state.base_from_tool))});
     return true;
   };
-  if (auto driven = session::run_control_loop(stage.world->robot(), step, lead); !driven)
+  if (auto driven = session::run_control_loop(stage.world->robot(), stage.guard, propose, lead); !driven)
     return tl::unexpected(driven.error());
   if (stopped) return tl::unexpected(*stopped);
   if (bar) bar(1.0);

@@ -4,9 +4,8 @@
 #include <memory>
 
 #include "apps/simulated/session_order.hpp"
-#include "tuina/motion/arm_separation.hpp"
 #include "tuina/session/control_loop.hpp"
-#include "tuina/session/guarded_arm.hpp"
+#include "tuina/session/controlled_arm.hpp"
 #include "tuina/sim/world.hpp"
 
 namespace tuina::app {
@@ -18,19 +17,19 @@ struct TeachRow {
   double true_force_n = 0.0;
 };
 
-/// A robot before a person, its two arms guarded, for motions that a hand shows.
+/// A guarded robot before a person, for motions that a hand shows.
 struct TeachingStage {
   std::unique_ptr<sim::World> world;
   PerArm<robot::ArmModel> models;
-  motion::ArmSeparation separation;
-  PerArm<session::GuardedArm> arms;  // they look at `models`
+  safety::RobotGuard guard;
+  PerArm<session::ControlledArm> arms;  // they look at `models`
 
   explicit TeachingStage(std::unique_ptr<sim::World> made)
       : world(std::move(made)),
         models(robot::both_models(world->robot_table(), world->mount())),
-        separation(models),
-        arms{.of = {session::GuardedArm(models[Arm::left]),
-                    session::GuardedArm(models[Arm::right])}} {}
+        guard(models, {}),
+        arms{.of = {session::ControlledArm(models[Arm::left]),
+                    session::ControlledArm(models[Arm::right])}} {}
   TeachingStage(const TeachingStage&) = delete;
   TeachingStage& operator=(const TeachingStage&) = delete;
 

@@ -245,7 +245,7 @@ TEST_CASE("an elbow that swings makes the arm comply, however still the tool is;
 
 TEST_CASE("a leash may press as hard as the trip, in contact only, and only along the normal") {
   Scene scene;
-  scene.proposal.normal_in_base = Vector3::UnitZ();
+  scene.face(Vector3::UnitZ());
   scene.seen.tool_in_base = {0.0, 0.0, 0.125};
   const auto drawn = [&](const Vector3& by_m, double stiffness_n_per_m, Phase phase) {
     Scene copy = scene;

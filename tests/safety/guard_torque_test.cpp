@@ -19,7 +19,7 @@ TEST_CASE(
     "a person who gets up pushes the tool out of contact faster than 0.12 m/s and is let go") {
   const auto moving = [](Phase phase, double outward_m_per_s) {
     Scene scene;
-    scene.proposal.normal_in_base = Vector3::UnitZ();
+    scene.face(Vector3::UnitZ());
     scene.proposal.virtual_target_in_base = scene.seen.tool_in_base;
     scene.proposal.phase = phase;
     scene.seen.tool_velocity_m_per_s = {0.0, 0.0, outward_m_per_s};
@@ -100,7 +100,7 @@ TEST_CASE("a controller may let go ten times as suddenly as it may press, in con
   for (const double direction : {1.0, -1.0}) {
     for (int phase = 0; phase < 4; ++phase) {
       Scene scene;
-      scene.proposal.normal_in_base = Vector3::UnitX();
+      scene.face(Vector3::UnitX());
       scene.proposal.virtual_target_in_base = scene.seen.tool_in_base;
       scene.tick(10);
       scene.proposal.phase = static_cast<Phase>(phase);
@@ -116,7 +116,7 @@ TEST_CASE("a controller may let go ten times as suddenly as it may press, in con
 TEST_CASE("letting go is a change that points outward by nine tenths") {
   for (const double along : {0.905, 0.895}) {
     Scene scene;
-    scene.proposal.normal_in_base = Vector3::UnitX();
+    scene.face(Vector3::UnitX());
     scene.proposal.virtual_target_in_base = scene.seen.tool_in_base;
     scene.tick(10);
     const double before_nm = scene.proposal.torque_nm[0];

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "tests/fake_robot.hpp"
+#include "tuina/robot/inverse_kinematics.hpp"
 
 using namespace tuina;
 using tests::FakeRobot;
@@ -16,14 +17,25 @@ constexpr int planned_ticks = 50;
 
 /// Runs the loop for so many readings; what it fails with, or nothing.
 std::string drive(FakeRobot& robot, int& seen) {
-  const auto step = [&](const robot::RobotReading& reading) -> std::optional<robot::RobotCommand> {
+  const robot::RobotMount mount = robot::mount_for(BodyPosture::sitting);
+  const robot::ArmTable table = robot::thesis_arm();
+  REQUIRE(robot.stand_ready({.q_rad = robot::ready_posture(table, mount)}).has_value());
+  const PerArm<robot::ArmModel> models = robot::both_models(table, mount);
+  safety::RobotGuard guard(models, {});
+  const auto propose = [&](const robot::RobotReading& reading) {
     ++seen;
-    return robot::RobotCommand{.torque_nm = {}, .rail_m = reading.time_s};
+    safety::RobotProposal still;
+    for (const Arm arm : both_arms)
+      still.arms[arm].torque_nm = models[arm].gravity_nm(reading.arms[arm].q_rad);
+    return still;
   };
-  const auto look = [&](const robot::RobotReading&, const robot::RobotCommand&) {
+  const auto look = [&](const robot::RobotReading& reading, const safety::RobotVerdict& verdict) {
+    for (const Arm arm : both_arms)
+      CHECK(verdict.command.torque_nm[arm].isApprox(
+          models[arm].gravity_nm(reading.arms[arm].q_rad)));
     return seen < planned_ticks;
   };
-  const auto driven = session::run_control_loop(robot, step, look);
+  const auto driven = session::run_control_loop(robot, guard, propose, look);
   return driven ? "" : driven.error().message;
 }
 
@@ -35,7 +47,7 @@ TEST_CASE("each reading is answered once, and the loop ends when it is told to")
   CHECK(drive(robot, seen).empty());
   CHECK(seen == planned_ticks);
   CHECK(robot.applied == planned_ticks);
-  CHECK(robot.last.rail_m == doctest::Approx((planned_ticks - 1) * control_period_s));
+  CHECK(robot.last.torque_nm[Arm::left].size() == robot::thesis_arm().joints);
 }
 
 TEST_CASE("a few readings that do not come are borne, ten in a row end the loop") {

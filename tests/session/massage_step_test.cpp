@@ -12,6 +12,7 @@
 #include "tests/allocation.hpp"
 #include "tuina/motion/ready_plan.hpp"
 #include "tuina/robot/clearance.hpp"
+#include "tuina/session/guarded_field.hpp"
 #include "tuina/session/massage_step.hpp"
 #include "tuina/sim/robot/back_contact.hpp"
 #include "tuina/sim/world.hpp"
@@ -26,6 +27,7 @@ struct Room {
   PerArm<robot::ArmModel> models;
   motion::ReadyPlan plan;
   session::MassageStep massage;
+  safety::RobotGuard guard;
 };
 
 /// `spoil` may change what the session believes to be ready.
@@ -52,9 +54,11 @@ std::unique_ptr<Room> enter(BodyPosture position,
   REQUIRE(ready.has_value());
   if (spoil) spoil(*ready);
   session::MassageStep massage(ready->plan, ready->jobs, models,
-                               {.base_from_couch = mount.base_from_couch,
-                                .rail_m = ready->rail_m,
-                                .obstacles = mount.obstacles});
+                               {.base_from_couch = mount.base_from_couch, .rail_m = ready->rail_m});
+  const auto field = session::zone_field(*back, person->acupoints, person->landmarks, {},
+                                         mount.base_from_couch);
+  REQUIRE(field.has_value());
+  safety::RobotGuard guard(models, {.obstacles = mount.obstacles, .field = *field});
   // The robot is as its table says: here the session is judged, not its model.
   const robot::RobotPlacement placement =
       robot::place_robot(robot::load_robot("thesis").value(), position);
@@ -64,13 +68,15 @@ std::unique_ptr<Room> enter(BodyPosture position,
   REQUIRE(world.has_value());
   REQUIRE((*world)->robot().stand_ready({ready->ready_rad, ready->rail_m}).has_value());
   return std::make_unique<Room>(
-      Room{std::move(*world), models, std::move(*ready), std::move(massage)});
+      Room{std::move(*world), models, std::move(*ready), std::move(massage), std::move(guard)});
 }
 
 /// One millisecond; the time it is.
 double live(Room& room) noexcept {
   const robot::RobotReading reading = *room.world->robot().read();
-  room.world->robot().apply(room.massage.step(reading));
+  const safety::RobotVerdict verdict = room.guard.check(reading, room.massage.propose(reading));
+  room.world->robot().apply(verdict.command);
+  room.massage.heed(verdict);
   return reading.time_s;
 }
 
@@ -86,8 +92,7 @@ TEST_CASE("twenty seconds of massage by two arms take nothing from the heap") {
     PerArm<double> highest_n;
     const auto before = test::allocations();
     for (int ms = 0; ms < 20'000; ++ms) {
-      const robot::RobotReading reading = *room->world->robot().read();
-      room->world->robot().apply(room->massage.step(reading));
+      live(*room);
       for (const Arm arm : both_arms)
         highest_n[arm] = std::max(highest_n[arm], force_n(*room, arm));
     }
@@ -145,7 +150,7 @@ TEST_CASE("arms that are sent into each other stop before they touch, and nobody
   double time_s = 0.0, nearest_m = 1.0;
   while (!room->massage.finished() && time_s < 60.0) {
     time_s = live(*room);
-    nearest_m = std::min(nearest_m, room->massage.arm_distance_m());
+    nearest_m = std::min(nearest_m, room->guard.arm_distance_m());
   }
   REQUIRE_FALSE(room->massage.stops().empty());
   CHECK(room->massage.stops().front().cause == safety::Cause::arms_too_close);

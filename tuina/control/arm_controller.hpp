@@ -107,6 +107,9 @@ class ArmController {
   void hold() noexcept;
   /// Stops at once, for an arm that must not go on.
   void halt() noexcept;
+  /// Begins anew from what is measured, for an arm that another law has just moved: a contact from
+  /// the force that is felt, a free motion from where the tool is.
+  void resume_from_here() noexcept;
   /// Moves the tip to a pose in the air in a straight line, the shaft along the normal.
   void move_to(const ToolPose& tip) noexcept;
   /// Moves inward along the normal until contact, then keeps a light contact. Tares the wrist

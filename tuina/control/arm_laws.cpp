@@ -188,6 +188,15 @@ JointVector ArmController::baseline_torque(const ArmState& state, double dt_s) n
                                 stiffness, 0.8);
 }
 
+void ArmController::resume_from_here() noexcept {
+  const bool in_contact = status_.mode == Mode::contact;
+  if (!in_contact) motion_s_ = std::max(0.0, motion_s_ - control_period_s);
+  if (!in_contact) return;
+  force_target_.begin(
+      {.depth_m = status_.depth_m, .force_n = status_.force_n, .model = target_.model},
+      status_.force_n);
+}
+
 JointVector ArmController::step(const ArmState& state, double rail_m, double dt_s) noexcept {
   rail_m_ = rail_m;
   here_rad_ = state.q_rad;

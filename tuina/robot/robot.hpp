@@ -28,6 +28,7 @@ struct RobotReading {
 struct RobotCommand {
   PerArm<JointVector> torque_nm;  ///< joint torques, gravity compensation included
   double rail_m = 0.0;            ///< where the position-controlled linear base should be
+  PerArm<bool> brake = {};        ///< whether the brakes of all joints of an arm hold it
 };
 
 /// How the robot stands before a massage: on its linear base, the arms where the plan begins.

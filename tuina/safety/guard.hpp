@@ -7,6 +7,7 @@
 
 #include "tuina/core/arm.hpp"
 #include "tuina/safety/limits.hpp"
+#include "tuina/safety/zone_field.hpp"
 
 namespace tuina::safety {
 
@@ -47,10 +48,18 @@ enum class Cause : std::uint8_t {
   asked_to,                ///< somebody asked to stop
   person_moved,            ///< the skin is not where it was scanned
   not_as_planned,  ///< an arm about to leave its parking place does not stand in its posture
+  clock,           ///< the robot's clock does not go with its ticks
+  force_stuck,     ///< the wrist sensor repeats itself while the tool moves
+  force_reversed,  ///< what is felt and the way out of the body point apart
+  inward_force,    ///< the torques would press harder than the zone bears
+  not_obeyed,      ///< the arm does not do what the guard's own law tells it
+  torques_amiss,   ///< the joints do not move as their torques and the wrist sensor say
+  rail_moved,
+  no_proposal,  ///< the controller is silent
 };
 [[nodiscard]] const char* name_of(Cause cause) noexcept;
 
-/// What one arm's sensors and the model say in one millisecond.
+/// What the raw sensors of one arm and the guard's own model of it say in one millisecond.
 struct Observation {
   std::uint64_t tick = 0;
   double time_s = 0.0;
@@ -60,9 +69,14 @@ struct Observation {
   Vector3 force_in_base_n =
       Vector3::Zero();  ///< of the environment ON the tool, its weight taken off
   Vector3 tool_in_base = Vector3::Zero();
+  Vector3 tip_in_base = Vector3::Zero();  ///< where the tool touches first
   Vector3 tool_velocity_m_per_s = Vector3::Zero();
   Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, max_joints> jacobian;  ///< of the tool's position
+  JointMatrix mass_kg_m2;                                               ///< rotors included
   JointVector gravity_nm;
+  /// Torque that neither model, wrist nor friction explains, as a share of what a sound arm leaves.
+  double torque_misfit = 0.0;
+  const ZoneField::Cell* skin = nullptr;  ///< under the tool, where the guard knows the person
 };
 
 /// What somebody wants the arm to do next.
@@ -74,35 +88,48 @@ struct Proposal {
   Vector3 normal_in_base = Vector3::UnitZ();         ///< unit, out of the body
   Vector3 virtual_target_in_base = Vector3::Zero();  ///< where the springs pull the tool to
   double stiffness_n_per_m = 0.0;
+  std::uint32_t age_ticks = 0;  ///< milliseconds since the controller last said anything
 };
 
 struct Verdict {
   JointVector allowed_nm;
-  Action action = Action::pass;
+  Action action = Action::pass;  ///< at `brake` the drives' brakes are to hold the joints
   Cause cause = Cause::none;
-  bool latched = false;  ///< a stop: lasts until `reset`
+  bool latched = false;  ///< a stop: lasts as long as this guard
 };
+
+/// True for a unit vector; false for one that is not finite, too.
+[[nodiscard]] bool is_unit(const Vector3& normal) noexcept;
 
 /// The gate between a controller it does not know and one arm. It judges each millisecond by
 /// itself, takes the arm over with a small law of its own when it must, and never lets out a torque
-/// that is not finite, too large or too sudden. Real-time: no heap, no exceptions.
+/// that is not finite, too large or too sudden. What it has latched ends with it: who goes on after
+/// a stop begins with a new guard. Real-time: no heap, no exceptions.
 class Guard {
  public:
   struct Options {
-    JointVector torque_limit_nm;  ///< of the drives; one per joint
+    JointVector torque_limit_nm;  ///< of the drives; one per joint, 0 where it is no number
     std::array<ForceLimits, zones> force = force_ceilings;
     Ceilings limits = {};
     double period_s = control_period_s;
+    bool bench = false;  ///< a patch of tissue in a laboratory, no person: Zone::bench may be told
   };
 
-  /// Every option above its compiled ceiling counts as the ceiling.
+  /// Every option above its compiled ceiling counts as the ceiling. A lower set force lowers the
+  /// trip with it.
   explicit Guard(const Options& options) noexcept;
 
   [[nodiscard]] Verdict check(const Observation& seen, const Proposal& proposal) noexcept;
 
-  /// After the cause is gone and a person has said so.
-  void reset() noexcept;
+  /// A stop that others than this guard found the reason for; it shows in the next `check`.
+  void stop(Action action, Cause cause) noexcept {
+    if (action <= latched_) return;
+    latched_ = action;
+    latched_cause_ = latched_cause_ == Cause::none ? cause : latched_cause_;
+  }
 
+  /// Median of the last three forces on the tool.
+  [[nodiscard]] double felt_n() const noexcept { return medians_n_.back(); }
   [[nodiscard]] const Options& options() const noexcept { return options_; }
 
  private:
@@ -116,11 +143,25 @@ class Guard {
     }
   };
 
+  void begin(const Observation& seen) noexcept;
   void judge_time(const Observation& seen, Finding& finding) noexcept;
   void judge_joints(const Observation& seen, Finding& finding) noexcept;
+  void judge_sensor(const Observation& seen, Finding& finding) noexcept;
+  void take_sample(const Observation& seen, Finding& finding) noexcept;
   void judge_force(const Observation& seen, const Proposal& proposal, Finding& finding) noexcept;
   void judge_motion(const Observation& seen, const Proposal& proposal, Finding& finding) noexcept;
   void judge_proposal(const Observation& seen, const Proposal& proposal, Finding& finding) noexcept;
+  void judge_obedience(const Observation& seen, Finding& finding) noexcept;
+  [[nodiscard]] bool torque_fits(const Proposal& proposal) const noexcept;
+  void judge_torques(const Observation& seen, const Proposal& proposal, Finding& finding) noexcept;
+  [[nodiscard]] ForceLimits limits_of(const Observation& seen,
+                                      const Proposal& proposal) const noexcept;
+  [[nodiscard]] double inward_cap_n(const Observation& seen,
+                                    const Proposal& proposal) const noexcept;
+  void find_way_out(const Observation& seen, const Proposal& proposal) noexcept;
+  [[nodiscard]] double inward_n(const Observation& seen,
+                                const JointVector& torque_nm) const noexcept;
+  [[nodiscard]] bool pressed() const noexcept;
   [[nodiscard]] JointVector own_torque(const Observation& seen, Action action) noexcept;
   [[nodiscard]] JointVector limited(const JointVector& torque_nm, double rate_nm_per_s,
                                     Finding& finding) const noexcept;
@@ -129,23 +170,27 @@ class Guard {
 
   Options options_;
   bool started_ = false;
-  std::uint64_t tick_ = 0;
-  JointVector q_rad_;
+  std::uint64_t tick_ = 0, ticks_ = 1;  ///< the last one, and how many have gone by since the one before
+  double time_s_ = 0.0;
+  JointVector q_rad_, drift_rad_;
   JointVector gravity_nm_;
   JointVector allowed_nm_;
   Vector3 normal_in_base_ = Vector3::UnitZ();
 
   // Force: the last samples taken as true, their medians, and the spikes among them.
-  double last_force_time_s_ = 0.0;
+  double sample_time_s_ = 0.0, sample_age_s_ = 0.0;
+  Vector3 sample_in_base_n_ = Vector3::Zero();
+  int samples_ = 0;
   std::array<double, 3> samples_n_ = {};
   std::array<double, 6> medians_n_ = {};
   int suspects_ = 0;
-  std::array<double, 5> spike_times_s_ = {};
+  std::array<int, 5> spike_ages_ = {};
 
   // Checks that need several milliseconds count them here.
-  int too_fast_ = 0, swinging_ = 0, over_cap_ = 0, saturated_ = 0, not_finite_ = 0, pushed_out_ = 0,
-      rising_ = 0;
-  double frozen_until_s_ = -std::numeric_limits<double>::infinity();
+  int clock_ = 0, repeated_ = 0, too_fast_ = 0, swinging_ = 0, over_cap_ = 0, saturated_ = 0,
+      not_finite_ = 0, pushed_out_ = 0, rising_ = 0, stuck_ = 0, reversed_ = 0, inward_ = 0,
+      not_obeyed_ = 0, frozen_ = 0, blind_ = 0, amiss_ = 0;
+  bool encoders_doubted_ = false, force_doubted_ = false;
 
   Action latched_ = Action::pass;
   Cause latched_cause_ = Cause::none;
@@ -153,6 +198,7 @@ class Guard {
   Vector3 hold_in_base_ = Vector3::Zero();
   JointVector hold_rad_;
   Vector3 taken_over_in_base_ = Vector3::Zero();
+  double held_n_ = 0.0;
 };
 
 }  // namespace tuina::safety

@@ -33,7 +33,15 @@ const char* name_of(Cause cause) noexcept {
                                 "too close to the couch or its own body",
                                 "asked to stop",
                                 "person moved, a new scan is needed",
-                                "does not stand as planned"};
+                                "does not stand as planned",
+                                "clock does not go with the ticks",
+                                "force sensor stuck",
+                                "felt force against the way out",
+                                "pressing harder than the zone bears",
+                                "arm does not obey",
+                                "torques and motion disagree",
+                                "linear base moved",
+                                "controller is silent"};
   return names[static_cast<std::size_t>(cause)];
 }
 

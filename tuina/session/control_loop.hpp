@@ -3,6 +3,7 @@
 
 #include "tuina/core/result.hpp"
 #include "tuina/robot/robot.hpp"
+#include "tuina/safety/robot_guard.hpp"
 
 namespace tuina::session {
 
@@ -10,11 +11,13 @@ namespace tuina::session {
 /// sooner (docs/safety.md).
 inline constexpr int max_missed_readings = 10;
 
-/// The one 1 kHz loop: read, step, apply, look. `step` turns a reading into the torques that the
-/// guards have allowed, or into nothing to end; `look` sees what was applied and returns false to
-/// end. Fails with Fault::device when the robot has a fault or gives no readings.
-template <typename Step, typename Look>
-[[nodiscard]] Result<void> run_control_loop(robot::Robot& robot, Step&& step, Look&& look) {
+/// The one 1 kHz loop: read, propose, judge, apply, look. `propose` turns a reading into what a
+/// controller wants, or into nothing to end; `guard` makes of it what the robot does; `look` sees
+/// both and returns false to end. Fails with Fault::device when the robot has a fault or gives no
+/// readings.
+template <typename Propose, typename Look>
+[[nodiscard]] Result<void> run_control_loop(robot::Robot& robot, safety::RobotGuard& guard,
+                                            Propose&& propose, Look&& look) {
   int missed = 0;
   for (;;) {
     const std::optional<robot::RobotReading> reading = robot.read();
@@ -24,10 +27,11 @@ template <typename Step, typename Look>
       return fail(Fault::device, "the robot has given no reading for {} ms", missed);
     }
     missed = 0;
-    const std::optional<robot::RobotCommand> command = step(*reading);
-    if (!command) return {};
-    robot.apply(*command);
-    if (!look(*reading, *command)) return {};
+    const std::optional<safety::RobotProposal> proposal = propose(*reading);
+    if (!proposal) return {};
+    const safety::RobotVerdict verdict = guard.check(*reading, *proposal);
+    robot.apply(verdict.command);
+    if (!look(*reading, verdict)) return {};
   }
 }
 

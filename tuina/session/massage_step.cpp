@@ -50,16 +50,12 @@ std::string explain(const Stop& stop) {
   return text;
 }
 
-MassageStep::Side::Side(const robot::ArmModel& model, const MassageOptions& options)
-    : guarded(model, {}, options.force_ceiling_n) {}
-
 MassageStep::MassageStep(const massage::Plan& plan, PerArm<std::vector<motion::ArmJob>> jobs,
                          const PerArm<robot::ArmModel>& models, const MassageOptions& options)
     : plan_(plan),
       models_(models),
-      separation_(models, options.obstacles),
       options_(options),
-      sides_{.of = {Side(models_[Arm::left], options), Side(models_[Arm::right], options)}},
+      sides_{.of = {Side(models_[Arm::left]), Side(models_[Arm::right])}},
       steering_(
           plan,
           tissue::pressed_by_robot(options.torso_n_per_m, models_[Arm::left].table().tool_mass_kg),
@@ -87,48 +83,35 @@ const BasePath& MassageStep::base_path_of(const Side& side) const noexcept {
   return paths_in_base_[static_cast<std::size_t>(job_of(side)->path)];
 }
 
-robot::RobotCommand MassageStep::step(const robot::RobotReading& reading) noexcept {
-  robot::RobotCommand command{.torque_nm = {}, .rail_m = options_.rail_m};
+safety::RobotProposal MassageStep::propose(const robot::RobotReading& reading) noexcept {
+  time_s_ = reading.time_s;
+  safety::RobotProposal wanted{.rail_m = options_.rail_m};
   for (const Arm arm : both_arms) {
     Side& side = sides_[arm];
-    GuardedArm& guarded = side.guarded;
-    guarded.sense(reading, arm);
-    const ArmState& state = guarded.state;
+    side.controlled.sense(reading, arm);
+    const ArmState& state = side.controlled.state;
     side.q_rad = state.q_rad;
     if (!started_) {
       side.home = control::tip_pose(state.base_from_tool, tool_radius_m_);
       side.home_rad = state.q_rad;
     }
     conduct(arm, reading.time_s);
-    const JointVector torque_nm = guarded.torque_nm(reading);
-    command.torque_nm[arm] =
-        guarded.allow(reading, arm, guarded.controller.dynamics(), proposal(side, torque_nm));
-    const safety::Verdict& verdict = guarded.verdict;
-    if (verdict.latched && side.phase != ArmPhase::stopped) {
-      if (side.phase == ArmPhase::contact) end_contact(side, arm, reading.time_s);
-      side.phase = ArmPhase::stopped;
-      stops_.push_back({.time_s = reading.time_s, .arm = arm, .cause = verdict.cause});
-      let_go(reading.time_s);
-    }
-    feel(side, arm, reading.time_s, state);
-    view_[arm] = {
-        .phase = side.phase,
-        .path = path_of(side) != nullptr ? job_of(side)->path : -1,
-        .target_n = side.phase == ArmPhase::contact ? side.wanted.force_n : 0.0,
-        .measured_n = guarded.controller.status().force_n,
-        .tool_in_base = control::tip_pose(state.base_from_tool, tool_radius_m_).at_in_base};
+    wanted.arms[arm] = proposal(side, side.controlled.torque_nm(reading));
   }
   started_ = true;
-  if (!separation_.keeps(reading) && stopped_s_ < 0.0) part_arms(reading.time_s);
-  if (stop_asked_ && stopped_s_ < 0.0) {
-    stops_.push_back({reading.time_s, Arm::left, safety::Cause::asked_to});
-    let_go(reading.time_s);
-  }
+  return wanted;
+}
 
+void MassageStep::heed(const safety::RobotVerdict& verdict) noexcept {
+  for (const Arm arm : both_arms) heed(arm, verdict.arms[arm]);
+  if (stop_asked_ && stopped_s_ < 0.0) {
+    stops_.push_back({time_s_, Arm::left, safety::Cause::asked_to});
+    let_go(time_s_);
+  }
   if (stopped_s_ >= 0.0) {
     constexpr double letting_go_s = 2.0;
-    finished_ = reading.time_s - stopped_s_ > letting_go_s;
-    return command;
+    finished_ = time_s_ - stopped_s_ > letting_go_s;
+    return;
   }
   const auto beyond_step = [&](const Side& side) {
     return job_of(side) == nullptr || job_of(side)->step > step_;
@@ -138,19 +121,27 @@ robot::RobotCommand MassageStep::step(const robot::RobotReading& reading) noexce
     shift_in_base_ = next_shift_in_base_;  // never under a tool in contact
   }
   finished_ = job_of(sides_[Arm::left]) == nullptr && job_of(sides_[Arm::right]) == nullptr;
-  return command;
 }
 
-void MassageStep::part_arms(double time_s) noexcept {
-  for (const Arm arm : both_arms) {
-    const bool moves = sides_[arm].phase != ArmPhase::waiting;
-    if (moves) {
-      stops_.push_back({time_s, arm,
-                        separation_.arms_keep() ? safety::Cause::surroundings_too_close
-                                                : safety::Cause::arms_too_close});
-    }
+void MassageStep::heed(Arm arm, const safety::Verdict& verdict) noexcept {
+  Side& side = sides_[arm];
+  if (verdict.latched && side.phase != ArmPhase::stopped) {
+    if (side.phase == ArmPhase::contact) end_contact(side, arm, time_s_);
+    side.phase = ArmPhase::stopped;
+    if (stops_.size() < stops_.capacity())
+      stops_.push_back({.time_s = time_s_, .arm = arm, .cause = verdict.cause});
+    let_go(time_s_);
   }
-  let_go(time_s);
+  // While another law moves the arm, the controller must not wind up against it.
+  side.frozen = verdict.action == safety::Action::freeze;
+  if (side.frozen) side.controller().resume_from_here();
+  feel(side, arm, time_s_, side.controlled.state);
+  view_[arm] = {.phase = side.phase,
+                .path = path_of(side) != nullptr ? job_of(side)->path : -1,
+                .target_n = side.phase == ArmPhase::contact ? side.wanted.force_n : 0.0,
+                .measured_n = side.controller().status().force_n,
+                .tool_in_base =
+                    control::tip_pose(side.controlled.state.base_from_tool, tool_radius_m_).at_in_base};
 }
 
 void MassageStep::obey(LiveCommand command) noexcept {
@@ -197,7 +188,7 @@ void MassageStep::conduct(Arm arm, double time_s) noexcept {
   const control::ArmStatus& status = side.controller().status();
   const motion::ArmJob* job = job_of(side);
   if (job == nullptr || side.phase == ArmPhase::stopped) return;
-  side.playback.step(control_period_s);
+  if (!side.frozen) side.playback.step(control_period_s);
 
   switch (side.phase) {
     case ArmPhase::waiting:

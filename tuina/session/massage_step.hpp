@@ -11,12 +11,11 @@
 #include "tuina/core/contact.hpp"
 #include "tuina/massage/plan.hpp"
 #include "tuina/motion/arm_job.hpp"
-#include "tuina/motion/arm_separation.hpp"
 #include "tuina/robot/arm_model.hpp"
 #include "tuina/robot/robot.hpp"
-#include "tuina/safety/guard.hpp"
+#include "tuina/safety/robot_guard.hpp"
 #include "tuina/session/base_path.hpp"
-#include "tuina/session/guarded_arm.hpp"
+#include "tuina/session/controlled_arm.hpp"
 #include "tuina/session/guarded_zone.hpp"
 #include "tuina/session/live_command.hpp"
 #include "tuina/session/playback.hpp"
@@ -74,20 +73,21 @@ struct MassageOptions {
   bool adaptive = true;         ///< presses follow the tissue that was felt
   double max_shift_m =
       10e-3;  ///< largest shift of the skin since the scan; beyond it a new scan is needed
-  std::vector<robot::Obstacle> obstacles =
-      {};  ///< couch and the robot's own body, which the arms keep away from
 };
 
 /// The massage itself, one millisecond at a time: travel, approach, contact, retract, for both
 /// arms, one step of the plan after the other. What it knows of the world comes in with the
-/// readings; what goes out has passed the guard. Memory is taken in the constructor; `step` is
-/// real-time.
+/// readings; what goes out is a proposal, of which a guard decides. Memory is taken in the
+/// constructor; `propose` and `heed` are real-time.
 class MassageStep {
  public:
   MassageStep(const massage::Plan& plan, PerArm<std::vector<motion::ArmJob>> jobs,
               const PerArm<robot::ArmModel>& models, const MassageOptions& options);
 
-  [[nodiscard]] robot::RobotCommand step(const robot::RobotReading& reading) noexcept;
+  /// What both arms should do in this millisecond.
+  [[nodiscard]] safety::RobotProposal propose(const robot::RobotReading& reading) noexcept;
+  /// What the guard made of it; call it after each `propose`.
+  void heed(const safety::RobotVerdict& verdict) noexcept;
 
   /// Takes effect in the next step, and shows within 100 ms. Call it between two steps.
   void obey(LiveCommand command) noexcept;
@@ -105,16 +105,14 @@ class MassageStep {
   [[nodiscard]] bool wants_scan() const noexcept { return wants_scan_; }
   /// How far the skin was found from the scan, from the contacts so far.
   [[nodiscard]] const Vector3& shift_in_base() const noexcept { return shift_in_base_; }
-  /// Between the surfaces of the arms as measured, in the last millisecond.
-  [[nodiscard]] double arm_distance_m() const noexcept { return separation_.apart_m(); }
 
  private:
   struct Side {
-    Side(const robot::ArmModel& model, const MassageOptions& options);
-    GuardedArm guarded;
-    control::ArmController& controller() noexcept { return guarded.controller; }
+    explicit Side(const robot::ArmModel& model) : controlled(model) {}
+    ControlledArm controlled;
+    control::ArmController& controller() noexcept { return controlled.controller; }
     [[nodiscard]] const control::ArmController& controller() const noexcept {
-      return guarded.controller;
+      return controlled.controller;
     }
     std::vector<motion::ArmJob> jobs = {};
     std::size_t job = 0;
@@ -125,6 +123,7 @@ class MassageStep {
     double contact_s = 0.0;
     Playback playback = {};
     bool skip = false, again = false, cut_short = false;
+    bool frozen = false;  ///< the guard holds the arm for a moment
     std::array<control::ToolPose, 3> detour =
         {};  ///< waypoints back to where the next free path begins, or home
     int detour_at = -1, detour_legs = 0;
@@ -153,7 +152,7 @@ class MassageStep {
   void leave(double time_s) noexcept;
   void detour(Side& side, const control::ToolPose& goal, bool from_above, double time_s) noexcept;
   void fly_home(Side& side, double time_s) noexcept;
-  void part_arms(double time_s) noexcept;
+  void heed(Arm arm, const safety::Verdict& verdict) noexcept;
   [[nodiscard]] const motion::ArmJob* job_of(const Side& side) const noexcept;
   [[nodiscard]] const massage::PlannedPath* path_of(const Side& side) const noexcept;
   [[nodiscard]] const BasePath& base_path_of(const Side& side) const noexcept;
@@ -163,7 +162,6 @@ class MassageStep {
   massage::Plan plan_;
   std::vector<BasePath> paths_in_base_;  // of the plan, in its order
   PerArm<robot::ArmModel> models_;
-  motion::ArmSeparation separation_;
   MassageOptions options_;
   PerArm<Side> sides_;
   Steering steering_;
@@ -172,6 +170,7 @@ class MassageStep {
   double intensity_ = 1.0;
   bool paused_ = false, stop_asked_ = false, wants_scan_ = false;
   Vector3 shift_in_base_ = Vector3::Zero(), next_shift_in_base_ = Vector3::Zero();
+  double time_s_ = 0.0;  ///< of the last reading
   bool started_ = false;
   bool finished_ = false;
   double stopped_s_ = -1.0;

@@ -6,6 +6,7 @@
 #include "tuina/core/stopwatch.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/session/control_loop.hpp"
+#include "tuina/session/guarded_field.hpp"
 #include "tuina/session/performed_paths.hpp"
 #include "tuina/session/scan_step.hpp"
 
@@ -40,6 +41,9 @@ Result<void> prepare(Devices devices, const Order& order, const Config& config, 
                          robot::both_models(placement.arm, placement.mount),
                          order.placed.base_from_couch, from_mm(config.massage.standoff_mm), rail_m);
   if (!ready) return tl::unexpected(ready.error());
+  auto field = zone_field(mapped->back, located.acupoints, located.landmarks,
+                          order.plan_options.no_go, order.placed.base_from_couch);
+  if (!field) return tl::unexpected(field.error());
   observer.on_progress(Stage::plan, 1.0);
   // Only now, so that a session whose second scan fails still tells of its first.
   session.scan = std::move(mapped->scan);
@@ -48,6 +52,7 @@ Result<void> prepare(Devices devices, const Order& order, const Config& config, 
   session.placement = placement;
   session.base_from_couch = order.placed.base_from_couch;
   session.ready = std::move(*ready);
+  session.field = std::move(*field);
   session.plan_ms = 1e3 * watch.seconds();
   return {};
 }
@@ -58,8 +63,7 @@ MassageOptions massage_options(const Order& order, const Config& config, const S
           .standoff_m = from_mm(config.massage.standoff_mm),
           .force_ceiling_n = config.safety.force_ceiling_n,
           .steer = config.massage.steer,
-          .adaptive = order.adaptive,
-          .obstacles = session.placement.mount.obstacles};
+          .adaptive = order.adaptive};
 }
 
 /// Carries the plan of the session out. Returns whether the person lies elsewhere than scanned.
@@ -68,6 +72,9 @@ Result<bool> carry_out(robot::Robot& robot, const Order& order, const Config& co
   const motion::ReadyPlan& ready = session.ready;
   const auto models = robot::both_models(session.placement.arm, session.placement.mount);
   MassageStep massage(ready.plan, ready.jobs, models, massage_options(order, config, session));
+  safety::RobotGuard guard(models, {.obstacles = session.placement.mount.obstacles,
+                                    .max_set_force_n = config.safety.force_ceiling_n,
+                                    .field = session.field});
   observer.on_plan(ready, session.base_from_couch);
   // A contact that never ends is a fault of the robot, not of the person; it must not hold anyone.
   const double max_s = 3.0 * ready.plan.duration_s + 60.0;
@@ -79,18 +86,20 @@ Result<bool> carry_out(robot::Robot& robot, const Order& order, const Config& co
   std::size_t told = 0;
   const Stopwatch watch;
 
-  const auto step = [&](const robot::RobotReading& reading) {
+  const auto propose = [&](const robot::RobotReading& reading) {
     if (const auto command = order.commands ? order.commands(reading.time_s) : std::nullopt) {
       massage.obey(*command);
+      if (*command == LiveCommand::stop) guard.expect_stop();
       session.commands.emplace_back(reading.time_s, *command);
     }
-    return massage.step(reading);
+    return massage.propose(reading);
   };
-  const auto look = [&](const robot::RobotReading& reading, const robot::RobotCommand& command) {
+  const auto look = [&](const robot::RobotReading& reading, const safety::RobotVerdict& verdict) {
+    massage.heed(verdict);
     session.massage_s = reading.time_s;
     while (told < massage.performed().size()) observer.on_performed(massage.performed()[told++]);
     observer.on_tick({.reading = reading,
-                      .command = command,
+                      .command = verdict.command,
                       .view = massage.view(),
                       .performed = massage.performed().size()});
     if (ended_s < 0.0 && massage.finished()) {
@@ -105,7 +114,7 @@ Result<bool> carry_out(robot::Robot& robot, const Order& order, const Config& co
       observer.on_progress(Stage::massage, std::min(0.999, past_s / ready.plan.duration_s));
     return !late;
   };
-  const auto driven = run_control_loop(robot, step, look);
+  const auto driven = run_control_loop(robot, guard, propose, look);
   session.compute_s += watch.seconds();
   if (!driven) return tl::unexpected(driven.error());
   if (late) {

@@ -58,6 +58,7 @@ struct Session {
   body::Mapping located;
   robot::RobotPlacement placement;
   motion::ReadyPlan ready;
+  safety::ZoneField field;  ///< what the guard knows of the person
   Transform base_from_couch = Transform::Identity();  ///< pose that the session believes
   double locate_ms = 0.0;                             ///< computing time
   double plan_ms = 0.0;

@@ -7,7 +7,7 @@
 #include "apps/evaluation/contact/patch_path.hpp"
 #include "tuina/massage/technique/contact_path.hpp"
 #include "tuina/session/control_loop.hpp"
-#include "tuina/session/guarded_arm.hpp"
+#include "tuina/session/controlled_arm.hpp"
 #include "tuina/tissue/press_estimator.hpp"
 
 namespace tuina::app {
@@ -16,21 +16,26 @@ namespace {
 constexpr double dt_s = control_period_s;
 constexpr double standoff_m = 40_mm;
 
-/// Torques on their way to the drives.
-class Delay {
+/// A robot whose drives do what they are told some milliseconds late.
+class LateRobot final : public robot::Robot {
  public:
-  explicit Delay(int ticks) : ticks_(static_cast<std::size_t>(std::max(ticks, 0))) {}
-  const robot::RobotCommand& pass(const robot::RobotCommand& command) {
-    if (queue_.size() <= ticks_) {
-      queue_.push_back(command);
-      return queue_.front();
-    }
-    std::rotate(queue_.begin(), queue_.begin() + 1, queue_.end());
-    queue_.back() = command;
-    return queue_.front();
+  LateRobot(robot::Robot& robot, int ticks)
+      : robot_(robot), ticks_(static_cast<std::size_t>(std::max(ticks, 0))) {}
+  [[nodiscard]] Result<void> stand_ready(const robot::ReadyPose& pose) override {
+    return robot_.stand_ready(pose);
   }
+  [[nodiscard]] std::optional<robot::RobotReading> read() noexcept override {
+    return robot_.read();
+  }
+  void apply(const robot::RobotCommand& command) noexcept override {
+    if (queue_.size() > ticks_) queue_.erase(queue_.begin());
+    queue_.push_back(command);
+    robot_.apply(queue_.front());
+  }
+  [[nodiscard]] const char* fault() const noexcept override { return robot_.fault(); }
 
  private:
+  robot::Robot& robot_;
   std::size_t ticks_;
   std::vector<robot::RobotCommand> queue_;
 };
@@ -148,8 +153,9 @@ Result<ContactOutcome> run_contact(const ContactExperiment& experiment, const Pr
   auto plant = sim::Plant::make(mount, arms, start, &person, devices);
   if (!plant) return tl::unexpected(plant.error());
 
-  PerArm<session::GuardedArm> guarded = {
-      {session::GuardedArm(models[0], experiment.controller), session::GuardedArm(models[1])}};
+  PerArm<session::ControlledArm> controlled = {
+      {session::ControlledArm(models[0], experiment.controller), session::ControlledArm(models[1])}};
+  safety::RobotGuard guard({.of = models}, {.bench = true});
   tissue::PressEstimator estimator(tissue::pressed_by_robot(35'000.0, believed.tool_mass_kg));
   ContactOutcome outcome;
   session::ForceErrorSum errors;
@@ -157,17 +163,17 @@ Result<ContactOutcome> run_contact(const ContactExperiment& experiment, const Pr
   enum class Act { settle, move, approach, track, retract, done } act = Act::settle;
   double act_s = 0.0, stopped_s = 0.0;
   bool left_skin = false;
-  Delay delay(experiment.late_ticks);
+  LateRobot robot(**plant, experiment.late_ticks);
   Ripple ripple;
   const double max_duration_s = path.duration_s() + 30.0;
   Arm arm = Arm::left;
-  control::ArmController& controller = guarded[arm].controller;
+  control::ArmController& controller = controlled[arm].controller;
 
   double target_n = 0.0;
   const control::ArmStatus& status = controller.status();
   const auto next = [&](Act now) { act = now, act_s = 0.0; };
-  const auto step = [&](const robot::RobotReading& reading) {
-    for (const Arm side : both_arms) guarded[side].sense(reading, side);
+  const auto propose = [&](const robot::RobotReading& reading) {
+    for (const Arm side : both_arms) controlled[side].sense(reading, side);
     act_s += dt_s;
     target_n = 0.0;
     switch (act) {
@@ -203,12 +209,12 @@ Result<ContactOutcome> run_contact(const ContactExperiment& experiment, const Pr
     }
     if (reading.time_s > max_duration_s) next(Act::done);
 
-    robot::RobotCommand command;
+    safety::RobotProposal wanted;
     for (const Arm side : both_arms)
-      command.torque_nm[side] = guarded[side].step_on_bench(reading, side);
-    return delay.pass(command);
+      wanted.arms[side] = controlled[side].propose(reading, safety::Zone::bench);
+    return wanted;
   };
-  const auto look = [&](const robot::RobotReading& reading, const robot::RobotCommand&) {
+  const auto look = [&](const robot::RobotReading& reading, const safety::RobotVerdict& judged) {
     const sim::ArmTruth& truth = (*plant)->truth().arms[arm];
     // The approach counts too: in the air the estimator learns the zero of the force sensor.
     if (status.mode == control::Mode::approach || status.mode == control::Mode::contact) {
@@ -232,7 +238,7 @@ Result<ContactOutcome> run_contact(const ContactExperiment& experiment, const Pr
                              truth.contact.depth_m, truth.velocity_in_couch.norm()});
     // After a stop the guard drives; a second and a half shows where that ends.
     const auto contact_fault = status.contact_fault;
-    const safety::Verdict& verdict = guarded[arm].verdict;
+    const safety::Verdict& verdict = judged.arms[arm];
     if (!outcome.stopped && (verdict.latched || contact_fault != control::ContactFault::none)) {
       outcome.stopped = true;
       stopped_s = reading.time_s;
@@ -245,7 +251,7 @@ Result<ContactOutcome> run_contact(const ContactExperiment& experiment, const Pr
       progress(std::min(reading.time_s / (path.duration_s() + 5.0), 0.99));
     return act != Act::done;
   };
-  if (auto driven = session::run_control_loop(**plant, step, look); !driven)
+  if (auto driven = session::run_control_loop(robot, guard, propose, look); !driven)
     return tl::unexpected(driven.error());
   if (progress) progress(1.0);
   if (!errors.empty()) outcome.force = errors.errors();

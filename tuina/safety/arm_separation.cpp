@@ -1,15 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tuina/motion/arm_separation.hpp"
+#include "tuina/safety/arm_separation.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "tuina/robot/clearance.hpp"
 
-namespace tuina::motion {
+namespace tuina::safety {
 
 bool ArmSeparation::keeps(const robot::RobotReading& reading) noexcept {
   PerArm<robot::ArmModel::Kinematics> now;
   for (const Arm arm : both_arms) {
+    const JointVector& q_rad = reading.arms[arm].q_rad;
+    // Nobody knows where such an arm is, so nothing keeps clear of it.
+    if (q_rad.size() != models_[arm].joints() || !q_rad.allFinite() || !std::isfinite(reading.rail_m))
+      return arms_keep_ = false;
     now[arm] = models_[arm].kinematics(reading.arms[arm].q_rad, reading.rail_m);
   }
   const auto between_m = [&](const robot::ArmModel::Kinematics& left,
@@ -50,4 +55,4 @@ bool ArmSeparation::keeps(const robot::RobotReading& reading) noexcept {
   return arms_keep_ && clear;
 }
 
-}  // namespace tuina::motion
+}  // namespace tuina::safety

@@ -7,7 +7,7 @@
 #include "tuina/robot/obstacle.hpp"
 #include "tuina/robot/robot.hpp"
 
-namespace tuina::motion {
+namespace tuina::safety {
 
 /// Arms stop when they come nearer than this to each other, to the couch or to the robot's body, or
 /// when braking at `halting_m_per_s2` per arm would end nearer.
@@ -41,4 +41,4 @@ class ArmSeparation {
   PerArm<double> nearing_m_per_s_ = {};  ///< closing speed towards couch and robot body
 };
 
-}  // namespace tuina::motion
+}  // namespace tuina::safety

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+
+#include "tuina/robot/arm_model.hpp"
+#include "tuina/robot/robot.hpp"
+#include "tuina/safety/guard.hpp"
+
+namespace tuina::safety {
+
+/// Turns the raw readings of one arm into what its guard sees, by a model and a zero of the wrist
+/// sensor of its own. Nothing of it comes from the controller. Real-time: no heap, no exceptions.
+class ArmWatch {
+ public:
+  explicit ArmWatch(const robot::ArmModel& model) noexcept : model_(model) {}
+
+  /// `applied_nm` moved the arm since the last reading; empty at the first. `phase` is what the
+  /// controller says: when it begins to approach, the wrist sensor is zeroed, by 3 N at most.
+  [[nodiscard]] Observation observe(const robot::RobotReading& reading, Arm arm, Phase phase,
+                                    const JointVector& applied_nm) noexcept;
+
+  [[nodiscard]] const robot::ArmModel& model() const noexcept { return model_; }
+
+ private:
+  static constexpr std::size_t window = 20;  ///< ticks over which torques and motion are compared
+
+  [[nodiscard]] double misfit(const robot::ArmDynamics& dynamics, const robot::ArmReading& reading,
+                              const Vector3& force_in_base_n,
+                              const JointVector& applied_nm) noexcept;
+
+  robot::ArmModel model_;
+  Phase phase_ = Phase::free;
+  bool started_ = false;
+  Vector3 mean_in_tool_n_ = Vector3::Zero(), zero_in_tool_n_ = Vector3::Zero();
+
+  std::array<JointVector, window> speeds_ = {}, unexplained_nm_ = {};
+  std::size_t next_ = 0, filled_ = 0;
+};
+
+}  // namespace tuina::safety

@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a guard looks for in each millisecond: one function for each thing that can be amiss.
+#include <algorithm>
+#include <cmath>
+
+#include "tuina/safety/guard.hpp"
+
+namespace tuina::safety {
+namespace {
+
+// A real contact cannot change the wrist's force by this much in a millisecond: the sensor's filter
+// alone spreads a blow over ten. A jump is a fault of the sensor until a third sample says the
+// same.
+constexpr double spike_n = 25.0;
+constexpr int believed_after = 3;
+constexpr int spikes_window_ticks = 1000;
+constexpr int first_samples = 3;  // until then one wild sample would be all that is known
+
+constexpr int repeated_ticks = 3;
+constexpr int clock_ticks = 3;
+constexpr int fast_ticks = 3;  // encoder noise reaches one or two
+constexpr int rising_ticks = 3;
+constexpr int over_cap_ticks = 100;
+constexpr int saturated_ticks = 100;
+constexpr int inward_ticks = 100;
+constexpr int amiss_ticks = 20;
+constexpr int bad_torques = 3;
+constexpr int late_freeze_ticks = 100;
+constexpr std::uint32_t silent_freeze_ticks = 3;
+constexpr std::uint32_t silent_retract_ticks = 10;
+constexpr std::uint64_t too_many_missed = 10;
+
+// The joint speeds follow the angles by a filter of some milliseconds; what does not fade is doubt.
+constexpr double drift_kept = 0.9;
+
+constexpr int stuck_ticks = 20;
+constexpr double moving_m_per_s = 0.01;  // slower, a quiet sensor may well say the same twice
+
+constexpr double reversed_n = 8.0;  // more than drift and weight can feign
+constexpr double agreeing = 0.25;   // cosine: what rubs along the skin is felt at 40 degrees at most
+constexpr int reversed_ticks = 10;
+
+// A blind arm gives way with its joints damped; once nobody is felt, or after this time, it is
+// held: an arm that gives way without knowing where it is helps nobody for longer.
+constexpr int blind_ticks = 300;
+constexpr double let_go_n = 2.0;
+
+double median(double a, double b, double c) {
+  return std::max(std::min(a, b), std::min(std::max(a, b), c));
+}
+
+}  // namespace
+
+bool is_unit(const Vector3& normal) noexcept {
+  return std::abs(normal.norm() - 1.0) < 1e-3;
+}
+
+// A late tick is survived by holding the last torques; one that is very late by leaving. The clock
+// may jump once, when somebody sets it; a clock that goes on being wrong is broken.
+void Guard::judge_time(const Observation& seen, Finding& finding) noexcept {
+  const std::uint64_t gone = seen.tick - tick_;  // going backwards counts as very many
+  repeated_ = gone == 0 ? repeated_ + 1 : 0;
+  ticks_ = std::clamp<std::uint64_t>(gone, 1, too_many_missed + 1);
+  tick_ = seen.tick;
+  frozen_ -= std::min(frozen_, static_cast<int>(ticks_));
+  if (gone != 1) finding.add(Action::warn, Cause::late_tick, false);
+  if (gone > too_many_missed || repeated_ >= repeated_ticks)
+    finding.add(Action::retract, Cause::late_tick, true);
+  if (gone > 3) frozen_ = late_freeze_ticks;
+  if (frozen_ > 0) finding.add(Action::freeze, Cause::late_tick, false);
+
+  const double expected_s = static_cast<double>(gone) * options_.period_s;
+  const double passed_s = seen.time_s - time_s_;
+  time_s_ = seen.time_s;
+  const bool odd = !(std::abs(passed_s - expected_s) <= 0.5 * std::max(expected_s, options_.period_s));
+  clock_ = odd ? clock_ + 1 : 0;
+  if (odd) sample_time_s_ += passed_s - expected_s;  // the sensor's stamps have jumped with it
+  if (clock_ >= clock_ticks) finding.add(Action::retract, Cause::clock, true);
+}
+
+void Guard::judge_joints(const Observation& seen, Finding& finding) noexcept {
+  const double ticks = static_cast<double>(ticks_);
+  const JointVector turned_rad = seen.q_rad - q_rad_;
+  q_rad_ = seen.q_rad;
+  const double jump_rad = turned_rad.cwiseAbs().maxCoeff();
+  drift_rad_ = drift_kept * drift_rad_ + turned_rad - ticks * options_.period_s * seen.dq_rad_per_s;
+  const double drift_rad = drift_rad_.cwiseAbs().maxCoeff();
+  const double limit_rad = ticks * options_.limits.encoder_jump_rad;
+  if (jump_rad > limit_rad || drift_rad > 2.0 * limit_rad) {
+    finding.add(Action::comply, Cause::encoder_jump, true);
+    encoders_doubted_ = true;
+  }
+  constexpr Eigen::Index carry_forearm = 4;  // three of the shoulder, and the elbow
+  const auto carrying = seen.dq_rad_per_s.head(std::min(seen.q_rad.size(), carry_forearm));
+  const double joint_speed = carrying.cwiseAbs().maxCoeff();
+  swinging_ = joint_speed > options_.limits.joint_speed_rad_per_s ? swinging_ + 1 : 0;
+  if (swinging_ >= fast_ticks) finding.add(Action::comply, Cause::joint_too_fast, true);
+  if (!encoders_doubted_) return;
+  ++blind_;
+  const bool let_go = blind_ > fast_ticks && medians_n_.back() < let_go_n;
+  if (let_go || blind_ > blind_ticks) finding.add(Action::brake, Cause::encoder_jump, true);
+}
+
+void Guard::take_sample(const Observation& seen, Finding& finding) noexcept {
+  const double force_n = seen.force_in_base_n.norm();
+  const bool repeats = samples_ > 0 && seen.force_in_base_n == sample_in_base_n_;
+  const bool moves = seen.tool_velocity_m_per_s.norm() > moving_m_per_s;
+  stuck_ = repeats ? stuck_ + (moves ? 1 : 0) : 0;
+  if (stuck_ >= stuck_ticks) {
+    finding.add(Action::retract, Cause::force_stuck, true);
+    force_doubted_ = true;
+  }
+  const bool suspect = samples_ >= first_samples && std::abs(force_n - samples_n_[2]) > spike_n &&
+                       suspects_ < believed_after - 1;
+  if (suspect) {
+    if (suspects_++ == 0) {
+      std::rotate(spike_ages_.begin(), spike_ages_.begin() + 1, spike_ages_.end());
+      spike_ages_.back() = 0;
+    }
+    finding.add(Action::warn, Cause::force_spike, false);
+    return;
+  }
+  suspects_ = 0;
+  sample_in_base_n_ = seen.force_in_base_n;
+  samples_n_ = {samples_n_[1], samples_n_[2], force_n};
+  samples_ = std::min(samples_ + 1, first_samples);
+}
+
+// A sample is new when its stamp is: one that is sent again, or comes from another time, is none.
+void Guard::judge_sensor(const Observation& seen, Finding& finding) noexcept {
+  const int ticks = static_cast<int>(ticks_);
+  sample_age_s_ += ticks * options_.period_s;
+  for (int& age : spike_ages_) age = std::min(age, spikes_window_ticks) + ticks;
+  const double age_s = seen.time_s - seen.wrench_time_s;
+  const bool fresh = seen.force_in_base_n.allFinite() && seen.wrench_time_s > sample_time_s_ &&
+                     std::abs(age_s) <= options_.limits.stale_retract_s;
+  if (fresh) {
+    sample_time_s_ = seen.wrench_time_s;
+    sample_age_s_ = std::max(age_s, 0.0);
+    take_sample(seen, finding);
+  }
+  if (spike_ages_.front() < spikes_window_ticks)
+    finding.add(Action::retract, Cause::force_spikes, true);
+  const double rounding_s = 1e-6;
+  if (sample_age_s_ > options_.limits.stale_freeze_s + rounding_s)
+    finding.add(Action::freeze, Cause::force_stale, false);
+  if (sample_age_s_ > options_.limits.stale_retract_s + rounding_s)
+    finding.add(Action::retract, Cause::force_stale, true);
+  const double median_n = median(samples_n_[0], samples_n_[1], samples_n_[2]);
+  if (samples_ < first_samples) return medians_n_.fill(median_n);
+  std::rotate(medians_n_.begin(), medians_n_.begin() + 1, medians_n_.end());
+  medians_n_.back() = median_n;
+}
+
+void Guard::judge_force(const Observation& seen, const Proposal& proposal,
+                        Finding& finding) noexcept {
+  if (samples_ < first_samples) return;
+  const ForceLimits limits = limits_of(seen, proposal);
+  const double now_n = medians_n_.back();
+  const double rate = (now_n - medians_n_.front()) / (5.0 * options_.period_s);
+  rising_ = rate > options_.limits.force_rate_n_per_s ? rising_ + 1 : 0;
+  if (rising_ >= rising_ticks) finding.add(Action::retract, Cause::force_rising, true);
+  over_cap_ = now_n > limits.set_n + options_.limits.over_cap_n ? over_cap_ + 1 : 0;
+  if (over_cap_ >= over_cap_ticks) finding.add(Action::retract, Cause::force_over_cap, true);
+  if (now_n > limits.trip_n) finding.add(Action::retract, Cause::force_over_trip, true);
+  // Either the sensor or the way out is wrong. Where the way out is the guard's own, it is the
+  // sensor; else no law that trusts one of them may drive.
+  const bool touches = proposal.phase == Phase::contact || proposal.phase == Phase::approach;
+  const double outward_n = sample_in_base_n_.dot(normal_in_base_);
+  const bool reversed = touches && now_n > reversed_n && outward_n < agreeing * now_n;
+  reversed_ = reversed ? reversed_ + 1 : 0;
+  if (reversed_ >= reversed_ticks) {
+    finding.add(seen.skin != nullptr ? Action::retract : Action::comply, Cause::force_reversed,
+                true);
+    force_doubted_ = true;
+  }
+}
+
+void Guard::judge_motion(const Observation& seen, const Proposal& proposal,
+                         Finding& finding) noexcept {
+  const auto phase = std::min(static_cast<std::size_t>(proposal.phase), std::size_t{3});
+  const double speed = seen.tool_velocity_m_per_s.norm();
+  too_fast_ = speed > options_.limits.tool_speed_m_per_s[phase] ? too_fast_ + 1 : 0;
+  if (too_fast_ >= fast_ticks) finding.add(Action::comply, Cause::tool_too_fast, true);
+  const double outward = seen.tool_velocity_m_per_s.dot(normal_in_base_);
+  const bool pushed =
+      proposal.phase == Phase::contact && outward > options_.limits.pushed_out_m_per_s;
+  pushed_out_ = pushed ? pushed_out_ + 1 : 0;
+  if (pushed_out_ >= fast_ticks) finding.add(Action::retract, Cause::pushed_out, true);
+}
+
+void Guard::judge_proposal(const Observation& seen, const Proposal& proposal,
+                           Finding& finding) noexcept {
+  if (proposal.age_ticks >= silent_freeze_ticks)
+    finding.add(Action::freeze, Cause::no_proposal, false);
+  if (proposal.age_ticks >= silent_retract_ticks)
+    finding.add(Action::retract, Cause::no_proposal, true);
+  const bool fits = torque_fits(proposal);
+  not_finite_ = fits ? 0 : not_finite_ + 1;
+  if (!fits) finding.add(Action::warn, Cause::torque_not_finite, false);
+  if (not_finite_ >= bad_torques) finding.add(Action::retract, Cause::torque_not_finite, true);
+  const bool usable =
+      static_cast<std::size_t>(proposal.zone) < zones &&
+      (proposal.zone != Zone::bench || options_.bench) &&
+      static_cast<std::size_t>(proposal.phase) <= 3 && is_unit(proposal.normal_in_base) &&
+      proposal.virtual_target_in_base.allFinite() && std::isfinite(proposal.stiffness_n_per_m) &&
+      proposal.stiffness_n_per_m >= 0.0;
+  if (!usable) {
+    finding.add(Action::retract, Cause::bad_proposal, true);
+    return;
+  }
+  // The force that the springs can build up against a person who rises, whatever the sensor says.
+  const ForceLimits limits = limits_of(seen, proposal);
+  const Vector3 leash_m = proposal.virtual_target_in_base - seen.tool_in_base;
+  const double pull_n = -leash_m.dot(normal_in_base_) * proposal.stiffness_n_per_m;
+  if (proposal.phase == Phase::contact && pull_n > limits.trip_n) {
+    finding.add(Action::retract, Cause::leash_too_long, true);
+  }
+  if (!(proposal.set_force_n <= limits.set_n)) {
+    finding.add(Action::retract, Cause::set_force_too_high, true);
+  }
+}
+
+void Guard::judge_torques(const Observation& seen, const Proposal& proposal,
+                          Finding& finding) noexcept {
+  const bool fits = torque_fits(proposal);
+  const bool saturated =
+      fits && (proposal.torque_nm.cwiseAbs() - options_.torque_limit_nm).maxCoeff() >= 0.0;
+  saturated_ = saturated ? saturated_ + 1 : 0;
+  if (saturated_ >= saturated_ticks) finding.add(Action::comply, Cause::torque_saturated, true);
+  // What the controller says of its springs may be untrue; what its torques press is not.
+  const bool presses = fits && inward_n(seen, proposal.torque_nm) > inward_cap_n(seen, proposal);
+  inward_ = presses ? inward_ + 1 : 0;
+  if (presses) finding.add(Action::warn, Cause::inward_force, false);
+  if (inward_ >= inward_ticks) finding.add(Action::retract, Cause::inward_force, true);
+  amiss_ = seen.torque_misfit > 1.0 ? amiss_ + 1 : 0;
+  if (amiss_ >= amiss_ticks) finding.add(Action::comply, Cause::torques_amiss, true);
+}
+
+}  // namespace tuina::safety

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+// The law with which a guard drives an arm that it has taken over, and whether the arm obeys it.
+#include <algorithm>
+#include <cmath>
+
+#include "tuina/safety/guard.hpp"
+
+namespace tuina::safety {
+namespace {
+
+// The law is soft enough to be safe on any tissue, damped enough to stop a moving arm.
+constexpr double own_stiffness_n_per_m = 800.0;
+constexpr double own_damping_n_s_per_m = 60.0;
+constexpr double own_posture_nm_per_rad = 4.0;
+constexpr double own_joint_damping = 0.8;   // N m s / rad
+constexpr double blind_joint_damping = 8.0;  // likewise, where the tool's place is not known
+constexpr double retract_m_per_s = 0.1;
+constexpr double retract_m = 0.06;
+constexpr double max_inward_n = 5.0;
+constexpr double max_outward_n = 40.0;
+constexpr double pressed_n = 5.0;  // from here the person is still in the way of leaving
+constexpr double push_out_n = 80.0;
+// A person sits up at 0.6 m/s at most (docs/safety.md); the tool must be able to be faster.
+constexpr double push_out_m_per_s = 0.8;
+
+constexpr int disobedient_ticks = 50;
+constexpr double disobedient_m_per_s = 0.05;  // into the body, against 80 N outward
+constexpr double runaway_m_per_s = 1.2;       // beyond what a person and the push together reach
+constexpr int runaway_ticks = 10;
+
+}  // namespace
+
+// Pressed is a tool on which a living sensor feels a force out of the body, whatever else it feels.
+bool Guard::pressed() const noexcept {
+  return !force_doubted_ && sample_age_s_ <= options_.limits.stale_freeze_s &&
+         medians_n_.back() > pressed_n && sample_in_base_n_.dot(normal_in_base_) > pressed_n;
+}
+
+// An arm that goes into the body although it is pushed out, or that races, has drives or encoders
+// that no law of its own can mend.
+void Guard::judge_obedience(const Observation& seen, Finding& finding) noexcept {
+  const double speed_m_per_s = seen.tool_velocity_m_per_s.norm();
+  const double inward_m_per_s = -seen.tool_velocity_m_per_s.dot(normal_in_base_);
+  const bool driven = latched_ >= Action::comply;
+  const bool races = driven && speed_m_per_s > runaway_m_per_s;
+  const bool against = latched_ == Action::retract && pressed() && inward_m_per_s > disobedient_m_per_s;
+  not_obeyed_ = races ? not_obeyed_ + disobedient_ticks / runaway_ticks
+                      : (against ? not_obeyed_ + 1 : 0);
+  if (not_obeyed_ >= disobedient_ticks) finding.add(Action::brake, Cause::not_obeyed, true);
+}
+
+JointVector Guard::own_torque(const Observation& seen, Action action) noexcept {
+  if (action == Action::brake) return gravity_nm_;
+  // Where the joints are in doubt the tool's place is too: only the joints are braked.
+  if (encoders_doubted_) return gravity_nm_ - blind_joint_damping * seen.dq_rad_per_s;
+  if (taken_over_ != action) {
+    taken_over_ = action;
+    hold_in_base_ = taken_over_in_base_ = seen.tool_in_base;
+    hold_rad_ = seen.q_rad;
+    held_n_ = pressed() ? sample_in_base_n_.dot(normal_in_base_) : 0.0;
+  }
+  const double outward_m_per_s = seen.tool_velocity_m_per_s.dot(normal_in_base_);
+  // A person who comes after the tool is met by nothing that holds it in place, nor aside, nor in
+  // its posture, however far it is followed.
+  if (action == Action::retract && pressed()) {
+    hold_in_base_ = seen.tool_in_base;
+    hold_rad_ = seen.q_rad;
+    const double push_n = outward_m_per_s < push_out_m_per_s ? push_out_n : 0.0;
+    return seen.gravity_nm - own_joint_damping * seen.dq_rad_per_s +
+           seen.jacobian.transpose() * (push_n * normal_in_base_);
+  }
+  // Friction and a person who follows may hold the tool back, so the way is the tool's own.
+  const double way_m = (seen.tool_in_base - taken_over_in_base_).dot(normal_in_base_);
+  const double lead_m = (hold_in_base_ - seen.tool_in_base).dot(normal_in_base_);
+  if (action == Action::retract && way_m < retract_m &&
+      lead_m < max_outward_n / own_stiffness_n_per_m) {
+    hold_in_base_ += retract_m_per_s * options_.period_s * normal_in_base_;
+  }
+  const double spared_m_per_s = pressed() ? std::max(outward_m_per_s, 0.0) : 0.0;
+  Vector3 force_n =
+      -own_damping_n_s_per_m * (seen.tool_velocity_m_per_s - spared_m_per_s * normal_in_base_);
+  JointVector torque_nm = seen.gravity_nm - own_joint_damping * seen.dq_rad_per_s;
+  if (action != Action::comply) {
+    const Vector3 spring_n = own_stiffness_n_per_m * (hold_in_base_ - seen.tool_in_base);
+    const double outward_n = spring_n.dot(normal_in_base_);
+    const Vector3 aside_n = spring_n - outward_n * normal_in_base_;
+    force_n += std::clamp(outward_n, -max_inward_n, max_outward_n) * normal_in_base_;
+    force_n += aside_n * std::min(1.0, max_outward_n / std::max(aside_n.norm(), max_outward_n));
+    torque_nm += own_posture_nm_per_rad * (hold_rad_ - seen.q_rad);
+  }
+  // A frozen tool goes on pressing as hard as it did, and no harder than it is felt to: neither a
+  // person who keeps still nor one who leaves or comes notices it.
+  if (action == Action::freeze && pressed())
+    force_n -= std::min(held_n_, sample_in_base_n_.dot(normal_in_base_)) * normal_in_base_;
+  return torque_nm + seen.jacobian.transpose() * force_n;
+}
+
+}  // namespace tuina::safety

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tuina/safety/robot_guard.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tuina::safety {
+namespace {
+
+// A person may have shifted by 10 mm since the scan before a new one is asked for; the rest is the
+// error of the guard's cells.
+constexpr double reach_m = 15e-3;
+
+constexpr double rail_step_m = 1e-3;   // of a command; a base that stands is told the same for ever
+constexpr double rail_moved_m = 5e-3;  // of the base itself, by whatever moves it
+constexpr double still_m_per_s = 5e-3;
+
+// A controller that was asked to stop lets go within a quarter of a second.
+constexpr int patience_ticks = 300;
+constexpr double let_go_n = 2.0;
+
+Guard::Options guard_options(const robot::ArmModel& model, const RobotGuard::Options& options) {
+  Guard::Options guard{.torque_limit_nm = model.table().torque_limits_nm(), .bench = options.bench};
+  for (ForceLimits& limits : guard.force)
+    limits.set_n = std::min(limits.set_n, options.max_set_force_n);
+  return guard;
+}
+
+}  // namespace
+
+RobotGuard::Side::Side(const robot::ArmModel& model, const Options& options)
+    : watch(model), guard(guard_options(model, options)) {}
+
+RobotGuard::RobotGuard(const PerArm<robot::ArmModel>& models, const Options& options)
+    : field_(options.field.reaching(reach_m)),
+      separation_(models, options.obstacles),
+      sides_{.of = {Side(models[Arm::left], options), Side(models[Arm::right], options)}} {}
+
+void RobotGuard::stop(Cause cause) noexcept {
+  for (Side& side : sides_.of) side.guard.stop(Action::retract, cause);
+}
+
+void RobotGuard::expect_stop() noexcept {
+  if (asked_ticks_ == 0) asked_ticks_ = patience_ticks;
+}
+
+// Only arms that move are stopped; the other one cannot have come nearer. On the skin an arm leaves
+// it, in the air it stands still.
+void RobotGuard::keep_apart(const PerArm<Observation>& seen,
+                            const RobotProposal& proposal) noexcept {
+  const Cause cause =
+      separation_.arms_keep() ? Cause::surroundings_too_close : Cause::arms_too_close;
+  const auto moves = [&](Arm arm) {
+    return proposal.arms[arm].phase != Phase::free ||
+           !(seen[arm].tool_velocity_m_per_s.norm() < still_m_per_s);
+  };
+  const bool nobody = !moves(Arm::left) && !moves(Arm::right);
+  for (const Arm arm : both_arms) {
+    if (!nobody && !moves(arm)) continue;
+    const Phase phase = proposal.arms[arm].phase;
+    const bool on_skin = phase == Phase::contact || phase == Phase::approach;
+    sides_[arm].guard.stop(on_skin ? Action::retract : Action::freeze, cause);
+  }
+}
+
+RobotVerdict RobotGuard::check(const robot::RobotReading& reading,
+                               const RobotProposal& proposal) noexcept {
+  if (!started_) rail_m_ = reading.rail_m;
+  started_ = true;
+  if (!(std::abs(reading.rail_m - rail_m_) <= rail_moved_m)) stop(Cause::rail_moved);
+  PerArm<Observation> seen;
+  for (const Arm arm : both_arms) {
+    Side& side = sides_[arm];
+    seen[arm] = side.watch.observe(reading, arm, proposal.arms[arm].phase, side.applied_nm);
+    if (!field_.empty()) seen[arm].skin = field_.at(seen[arm].tip_in_base);
+  }
+  if (!separation_.keeps(reading)) keep_apart(seen, proposal);
+  const bool patience_is_over = asked_ticks_ > 0 && --asked_ticks_ == 0;
+  RobotVerdict verdict;
+  const bool stands = std::abs(proposal.rail_m - rail_m_) <= rail_step_m;
+  verdict.command.rail_m = stands ? proposal.rail_m : rail_m_;
+  for (const Arm arm : both_arms) {
+    Side& side = sides_[arm];
+    if (patience_is_over && side.guard.felt_n() > let_go_n)
+      side.guard.stop(Action::retract, Cause::asked_to);
+    verdict.arms[arm] = side.guard.check(seen[arm], proposal.arms[arm]);
+    side.applied_nm = verdict.arms[arm].allowed_nm;
+    verdict.command.torque_nm[arm] = side.applied_nm;
+    verdict.command.brake[arm] = verdict.arms[arm].action == Action::brake;
+  }
+  return verdict;
+}
+
+}  // namespace tuina::safety

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <type_traits>
+
+#include "tuina/robot/robot.hpp"
+#include "tuina/safety/robot_guard.hpp"
+
+// What goes between the processes of one robot in each millisecond: the drives tell what they
+// sense, the controller what it proposes, the guard what is done. All are plain bytes of one fixed
+// layout; `layout` changes with it.
+namespace tuina::safety::wire {
+
+inline constexpr std::uint64_t layout = 0x7475'696e'6100'0001;  // "tuina", version 1
+
+struct Joints {
+  std::array<double, max_joints> of = {};
+  std::int32_t count = 0;
+};
+
+struct SensorArm {
+  Joints q_rad, dq_rad_per_s;
+  std::array<double, 6> wrench_in_tool = {};  ///< force, then torque
+  double wrench_time_s = 0.0;
+};
+struct SensorFrame {
+  std::uint64_t tick = 0;
+  double time_s = 0.0;
+  double rail_m = 0.0;
+  std::array<SensorArm, 2> arms = {};
+};
+
+struct ProposedArm {
+  Joints torque_nm;
+  std::array<double, 3> normal_in_base = {}, virtual_target_in_base = {};
+  double set_force_n = 0.0;
+  double stiffness_n_per_m = 0.0;
+  std::uint8_t phase = 0, zone = 0;
+};
+struct ProposalFrame {
+  std::uint64_t answers_tick = 0;
+  double rail_m = 0.0;
+  std::uint8_t stop_asked = 0;
+  std::array<ProposedArm, 2> arms = {};
+};
+
+struct DrivenArm {
+  Joints torque_nm;
+  std::uint8_t brake = 0, action = 0, cause = 0, latched = 0;
+};
+struct DriveFrame {
+  std::uint64_t answers_tick = 0;
+  double rail_m = 0.0;
+  std::array<DrivenArm, 2> arms = {};
+};
+
+static_assert(std::is_trivially_copyable_v<SensorFrame> &&
+              std::is_trivially_copyable_v<ProposalFrame> &&
+              std::is_trivially_copyable_v<DriveFrame>);
+
+[[nodiscard]] SensorFrame to_frame(const robot::RobotReading& reading) noexcept;
+[[nodiscard]] ProposalFrame to_frame(const RobotProposal& proposal, std::uint64_t answers_tick,
+                                     bool stop_asked) noexcept;
+[[nodiscard]] DriveFrame to_frame(const RobotVerdict& verdict, std::uint64_t answers_tick) noexcept;
+
+/// Whatever the bytes are, no index leaves its array: a count of joints that cannot be is taken as
+/// none, an enumerator that does not exist stays one that the guard refuses.
+[[nodiscard]] robot::RobotReading from_frame(const SensorFrame& frame) noexcept;
+[[nodiscard]] RobotProposal from_frame(const ProposalFrame& frame) noexcept;
+[[nodiscard]] RobotVerdict from_frame(const DriveFrame& frame) noexcept;
+
+/// Cyclic redundancy check of some bytes, CRC-32 of IEEE 802.3.
+[[nodiscard]] std::uint32_t crc_of(const std::byte* bytes, std::size_t size) noexcept;
+
+}  // namespace tuina::safety::wire

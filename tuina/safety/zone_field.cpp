@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tuina/safety/zone_field.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tuina::safety {
+
+const ZoneField::Cell* ZoneField::at(const Vector3& in_base) const noexcept {
+  const Vector3 from_corner = in_base - corner_in_base;
+  const double column = std::floor(from_corner.dot(along_in_base) / cell_m);
+  const double row = std::floor(from_corner.dot(up_in_base) / cell_m);
+  if (!(column >= 0.0 && column < columns && row >= 0.0 && row < rows)) return nullptr;
+  return &cells[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
+                static_cast<std::size_t>(column)];
+}
+
+ZoneField ZoneField::reaching(double reach_m) const {
+  ZoneField wide = *this;
+  const auto reach = static_cast<std::int32_t>(reach_m / cell_m);
+  const auto index = [&](std::int32_t row, std::int32_t column) {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
+           static_cast<std::size_t>(column);
+  };
+  for (std::int32_t row = 0; row < rows; ++row) {
+    for (std::int32_t column = 0; column < columns; ++column) {
+      Zone& zone = wide.cells[index(row, column)].zone;
+      for (std::int32_t i = std::max(row - reach, 0); i <= std::min(row + reach, rows - 1); ++i) {
+        for (std::int32_t j = std::max(column - reach, 0); j <= std::min(column + reach, columns - 1);
+             ++j) {
+          const bool near = (i - row) * (i - row) + (j - column) * (j - column) <= reach * reach;
+          const Zone other = cells[index(i, j)].zone;
+          if (near && ceiling_of(other).trip_n > ceiling_of(zone).trip_n) zone = other;
+        }
+      }
+    }
+  }
+  return wide;
+}
+
+}  // namespace tuina::safety
