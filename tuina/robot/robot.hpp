@@ -28,7 +28,7 @@ struct RobotReading {
 struct RobotCommand {
   PerArm<JointVector> torque_nm;  ///< joint torques, gravity compensation included
   double rail_m = 0.0;            ///< where the position-controlled linear base should be
-  PerArm<bool> brake = {};        ///< whether the brakes of all joints of an arm hold it
+  PerArm<bool> brake = {};        ///< holding brakes on, drives off; the torques then count nothing
 };
 
 /// How the robot stands before a massage: on its linear base, the arms where the plan begins.
@@ -39,6 +39,12 @@ struct ReadyPose {
 
 /// The interface to a two-armed torque-controlled robot, simulated or real. Its 1 kHz loop stands
 /// in session/control_loop.hpp. `read`, `apply` and `fault` neither allocate nor throw.
+///
+/// Its drives must have a watchdog of their own, for whoever commands them may die. When no command
+/// has come for 20 ms, 30 ms at most, they keep the torque that held the arm against gravity and
+/// damp the joints; the brakes close when the wrist feels less than 2 N, after 300 ms in any case.
+/// An arm without power is braked within 50 ms. A brake that closes on a pressing tool holds it
+/// there, so it comes last.
 class Robot {
  public:
   virtual ~Robot() = default;

@@ -173,18 +173,24 @@ const char* Plant::fault() const noexcept {
 void Plant::push(Arm arm, const Wrench& hand_in_base) noexcept {
   world_->hands[arm] = hand_in_base;
 }
+void Plant::cut_power(Arm arm) noexcept {
+  world_->arms[arm].powered = false;
+}
 const PlantTruth& Plant::truth() const noexcept {
   return world_->truth;
 }
 
 void Plant::apply(const robot::RobotCommand& command) noexcept {
   World& world = *world_;
+  world.unanswered = 0;
   const double levels = std::ldexp(1.0, world.options.dac_bits - 1);
   for (const Arm side : both_arms) {
     ArmDevices& arm = world.arms[side];
+    arm.brake_wanted = command.brake[side];
     const JointVector& wanted = command.torque_nm[side];
     for (int i = 0; i < arm.joints; ++i) {
       const auto k = static_cast<std::size_t>(i);
+      arm.gravity_nm[k] = world.data->qfrc_bias[arm.dof[k]];
       if (i >= wanted.size() || !std::isfinite(wanted[i])) {
         if (world.broken == nullptr) world.broken = "a torque command was not a number";
         arm.torque_nm[k] = 0.0;
@@ -205,6 +211,8 @@ void Plant::apply(const robot::RobotCommand& command) noexcept {
 std::optional<robot::RobotReading> Plant::read() noexcept {
   World& world = *world_;
   if (world.started) {
+    for (ArmDevices& arm : world.arms.of) world.choose_drive(arm);
+    ++world.unanswered;
     for (int i = 0; i < world.substeps; ++i) world.step();
     ++world.tick;
     for (const Arm side : both_arms) world.read_encoders(world.arms[side]);
@@ -268,6 +276,7 @@ void Plant::World::sample_truth() noexcept {
     base_from_tool.makeAffine();
     seen.couch_from_tool = couch_from_base * base_from_tool;
     if (person != nullptr) seen.contact = person->truth(side);
+    seen.drive = arm.drive;
   }
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 
@@ -39,7 +40,20 @@ struct PlantOptions {
   double wrist_noise_n = 0.05;  ///< standard deviation of a sample
   double wrist_noise_nm = 0.001;
   double friction_windup_rad = 0.3e-3;  ///< travel of a gear before it slips
+  int watchdog_ticks = 20;  ///< readings without a command that the drives bear; 0: any number
 };
+
+/// Who has the joints of an arm.
+enum class Drive : std::uint8_t {
+  commanded,  ///< whoever applied torques last
+  damped,     ///< the drives themselves: nobody has commanded them for too long
+  off,        ///< nobody: no power, and the brakes have not closed yet
+  braked,
+};
+[[nodiscard]] constexpr const char* name_of(Drive drive) {
+  constexpr std::array names = {"commanded", "damped", "off", "braked"};
+  return names[static_cast<std::size_t>(drive)];
+}
 
 /// Ground truth of one arm.
 struct ArmTruth {
@@ -48,6 +62,7 @@ struct ArmTruth {
   Transform couch_from_tool = Transform::Identity();
   Vector3 velocity_in_couch = Vector3::Zero();  ///< velocity of the tool's origin
   ContactTruth contact;
+  Drive drive = Drive::commanded;
 };
 
 struct PlantTruth {
@@ -57,8 +72,9 @@ struct PlantTruth {
 };
 
 /// A two-armed robot in MuJoCo, optionally with a person. `read` advances one millisecond under the
-/// last applied torques and then samples; the first `read` samples the start. No heap in `read` and
-/// `apply`.
+/// last applied torques and then samples; the first `read` samples the start. When the commands
+/// stop coming, the drives do what `robot::Robot` asks of them, and obey again unless they have
+/// braked. No heap in `read` and `apply`.
 class Plant final : public robot::Robot {
  public:
   struct Start {
@@ -89,6 +105,8 @@ class Plant final : public robot::Robot {
   /// Force of a hand on the tool centre, above the wrist sensor, which does not feel it. Lasts
   /// until changed.
   void push(Arm arm, const Wrench& hand_in_base) noexcept;
+  /// From the next millisecond on the arm has no power: no torque, and brakes after 50 ms.
+  void cut_power(Arm arm) noexcept;
 
   /// State at the last `read`.
   [[nodiscard]] const PlantTruth& truth() const noexcept;

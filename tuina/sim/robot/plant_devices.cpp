@@ -35,7 +35,7 @@ void Plant::World::drive(ArmDevices& arm) noexcept {
           std::clamp(arm.friction_nm[k] + spring * speed * step_s * (1.0 - wound), -most, most);
       friction = std::clamp(arm.friction_nm[k] + arm.windup_damping[k] * speed, -most, most);
     }
-    data->qfrc_applied[arm.dof[k]] += arm.torque_nm[k] - friction - arm.viscous[k] * speed;
+    data->qfrc_applied[arm.dof[k]] += motor_nm(arm, k) - friction - arm.viscous[k] * speed;
   }
 }
 

@@ -37,16 +37,23 @@ struct ArmDevices {
   std::array<double, max_joints> torque_limit_nm = {}, coulomb_nm = {}, viscous = {};
   std::array<double, max_joints> windup_damping = {};
 
-  std::array<double, max_joints> torque_nm = {};    // output of the amplifiers
+  std::array<double, max_joints> torque_nm = {};    // asked of the amplifiers
+  std::array<double, max_joints> gravity_nm = {};   // held the arm when the last command came
   std::array<double, max_joints> friction_nm = {};  // Coulomb part
   std::array<double, max_joints> encoder_rad = {}, velocity_rad_per_s = {};
   Vector3 last_velocity = Vector3::Zero();
   Vector6 felt = Vector6::Zero();     // in the tool frame, after the sensor's low-pass
   Vector6 sampled = Vector6::Zero();  // a millisecond ago
+
+  Drive drive = Drive::commanded;
+  bool powered = true, brake_wanted = false;
+  bool caught = false;  // braked by the watchdog, for good
+  int damped_ticks = 0, unpowered_ticks = 0;
+  std::array<double, max_joints> braked_at_rad = {};  // joint angles that the brakes hold
 };
 
 /// Physics, devices and ground truth. plant.cpp builds and steps it; plant_devices.cpp models
-/// drives, gears and sensors.
+/// drives, gears and sensors, plant_brakes.cpp the brakes and what the drives do by themselves.
 struct Plant::World {
   PlantOptions options;
   Transform couch_from_base;
@@ -69,12 +76,17 @@ struct Plant::World {
   double moving_kg = 0.0;
   std::uint64_t tick = 0;
   bool started = false;
+  int unanswered = 0;  // readings since the last command
   const char* broken = nullptr;
   PlantTruth truth;
 
   void sample_truth() noexcept;
   void touch(Arm arm) noexcept;
   void drive(ArmDevices& arm) noexcept;
+  void choose_drive(ArmDevices& arm) noexcept;
+  [[nodiscard]] double motor_nm(ArmDevices& arm, std::size_t joint) const noexcept;
+  [[nodiscard]] double brake_nm(ArmDevices& arm, std::size_t joint) const noexcept;
+  [[nodiscard]] double felt_n(const ArmDevices& arm) const noexcept;
   void drive_rail() noexcept;
   void hold(const Held& held) noexcept;
   void step() noexcept;

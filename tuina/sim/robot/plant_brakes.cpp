@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+// Brakes of the simulated robot, and what its drives do when nobody commands them.
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tuina/sim/robot/plant_world.hpp"
+
+namespace tuina::sim {
+namespace {
+
+// A holding brake is dry friction that gives way like a stiff spring before it slips. It holds
+// twice what its drive can give, as such brakes are sized; its spring lets the joint ring at 80 Hz,
+// a third of what the step of the physics bears.
+constexpr double brake_share = 2.0;
+constexpr double brake_rate_per_s = 500.0, brake_damping_ratio = 0.7;
+
+// Drives without commands take the speed out of a joint within 20 ms: at the tool this is about
+// 200 N s/m, which a tool at 43 N leaves the skin against in a tenth of a second.
+constexpr double damped_rate_per_s = 50.0;
+constexpr double released_n = 2.0;
+constexpr int max_damped_ticks = 300;
+constexpr int brakes_close_ticks = 50;  // without power
+
+}  // namespace
+
+void Plant::World::choose_drive(ArmDevices& arm) noexcept {
+  const bool alone = options.watchdog_ticks > 0 && unanswered >= options.watchdog_ticks;
+  arm.damped_ticks = alone ? arm.damped_ticks + 1 : 0;
+  arm.unpowered_ticks = arm.powered ? 0 : arm.unpowered_ticks + 1;
+  // One millisecond of damping at least, so that the first sample after a jolt does not decide.
+  if (alone && arm.damped_ticks > 1 &&
+      (felt_n(arm) < released_n || arm.damped_ticks > max_damped_ticks)) {
+    arm.caught = true;
+  }
+  const Drive before = arm.drive;
+  if (!arm.powered) {
+    arm.drive = arm.caught || arm.unpowered_ticks > brakes_close_ticks ? Drive::braked : Drive::off;
+  } else if (arm.caught || arm.brake_wanted) {
+    arm.drive = Drive::braked;
+  } else {
+    arm.drive = alone ? Drive::damped : Drive::commanded;
+  }
+  if (arm.drive != Drive::braked || before == Drive::braked) return;
+  for (std::size_t k = 0; k < static_cast<std::size_t>(arm.joints); ++k)
+    arm.braked_at_rad[k] = data->qpos[arm.dof[k]];
+}
+
+/// Contact force by the wrist sensor, the tool's weight taken off.
+double Plant::World::felt_n(const ArmDevices& arm) const noexcept {
+  const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> base_from_tool(
+      data->site_xmat + 9 * arm.site);
+  const Vector3 weight_n(0.0, 0.0, -gravity_m_per_s2 * arm.tool_mass_kg);
+  return (arm.felt.head<3>() - base_from_tool.transpose() * weight_n).norm();
+}
+
+double Plant::World::motor_nm(ArmDevices& arm, std::size_t joint) const noexcept {
+  switch (arm.drive) {
+    case Drive::commanded:
+      return arm.torque_nm[joint];
+    case Drive::damped: {
+      const int dof = arm.dof[joint];
+      const double damping = damped_rate_per_s * data->qM[model->dof_Madr[dof]];
+      const double limit_nm = arm.torque_limit_nm[joint];
+      return std::clamp(arm.gravity_nm[joint] - damping * data->qvel[dof], -limit_nm, limit_nm);
+    }
+    case Drive::off:
+      return 0.0;
+    case Drive::braked:
+      return brake_nm(arm, joint);
+  }
+  return 0.0;
+}
+
+double Plant::World::brake_nm(ArmDevices& arm, std::size_t joint) const noexcept {
+  const int dof = arm.dof[joint];
+  const double inertia = data->qM[model->dof_Madr[dof]];
+  const double spring = inertia * brake_rate_per_s * brake_rate_per_s;
+  const double max_nm = brake_share * arm.torque_limit_nm[joint];
+  const double wound_nm =
+      std::clamp(spring * (arm.braked_at_rad[joint] - data->qpos[dof]), -max_nm, max_nm);
+  arm.braked_at_rad[joint] = data->qpos[dof] + wound_nm / spring;  // beyond that it slips
+  const double damping = 2.0 * brake_damping_ratio * inertia * brake_rate_per_s;
+  return std::clamp(wound_nm - damping * data->qvel[dof], -max_nm, max_nm);
+}
+
+}  // namespace tuina::sim
