@@ -58,14 +58,14 @@ Result<PlayedMotion> play_motion(const session::TaughtMotion& motion, const std:
     // The springs of the joints, seen along the tool's axis.
     const double n_per_m = 1.0 / lever.cwiseAbs2().cwiseQuotient(stiffness).sum();
     const bool skin = wanted.force_n > 0.5 || one.state.contact_in_base.force_n.norm() > 1.5;
-    return {.torque_nm = torque,
-            .phase = skin ? safety::Phase::contact : safety::Phase::free,
-            .zone = motion.zone,
-            .set_force_n = press_n,
-            .normal_in_base = out,
-            .virtual_target_in_base =
-                model.base_from_tool(wanted.q_rad, reading.rail_m).translation(),
-            .stiffness_n_per_m = n_per_m};
+    return {
+        .torque_nm = torque,
+        .phase = skin ? safety::Phase::contact : safety::Phase::free,
+        .zone = motion.zone,
+        .set_force_n = press_n,
+        .normal_in_base = out,
+        .virtual_target_in_base = model.base_from_tool(wanted.q_rad, reading.rail_m).translation(),
+        .stiffness_n_per_m = n_per_m};
   };
   // How well it plays, against the truth.
   const auto judge = [&](double time_s) {
@@ -93,8 +93,8 @@ Result<PlayedMotion> play_motion(const session::TaughtMotion& motion, const std:
     for (const Arm side : both_arms) {
       session::ControlledArm& one = stage.arms[side];
       one.sense(reading, side);
-      wanted.arms[side] = side == motion.arm ? play(reading, time_s)
-                                             : one.propose(reading, safety::Zone::denied);
+      wanted.arms[side] =
+          side == motion.arm ? play(reading, time_s) : one.propose(reading, safety::Zone::denied);
     }
     if (time_s >= 0.0) judge(time_s);
     return wanted;
@@ -107,8 +107,7 @@ Result<PlayedMotion> play_motion(const session::TaughtMotion& motion, const std:
     }
     return true;
   };
-  if (auto driven =
-          session::run_control_loop(stage.world->robot(), stage.guard, propose, look);
+  if (auto driven = session::run_control_loop(stage.world->robot(), stage.guard, propose, look);
       !driven)
     return tl::unexpected(driven.error());
   if (bar) bar(1.0);

@@ -31,6 +31,7 @@ struct SessionOrder {
   /// Commands as they were given in a session before, and when; instead of keys.
   std::vector<std::pair<double, session::LiveCommand>> commands;
   bool real_time = false;
+  bool processes = false;  ///< guard and robot are processes of their own
 };
 
 /// How the config and the therapist want a plan.

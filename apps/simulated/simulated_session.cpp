@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/simulated/simulated_session.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "apps/simulated/keyboard.hpp"
+#include "apps/simulated/robot_process.hpp"
 #include "apps/simulated/truth_recorder.hpp"
 #include "tuina/session/relay.hpp"
 
@@ -63,6 +66,18 @@ class JointRecorder final : public session::Observer {
   std::vector<JointRow> rows;
 };
 
+/// The processes that an order asks for; null when all is to happen in this one.
+Result<std::unique_ptr<Processes>> processes_of(const SessionOrder& order,
+                                                const CommonOptions& common) {
+  if (!order.processes) return std::unique_ptr<Processes>();
+  std::vector<std::string> same = {"--person",  order.person, "--robot",
+                                   order.robot, "--seed",     fmt::format("{}", common.seed)};
+  if (order.position) same.insert(same.end(), {"--position", name_of(*order.position)});
+  if (!common.config_file.empty()) same.insert(same.end(), {"--config", common.config_file});
+  for (const std::string& setting : common.settings) same.insert(same.end(), {"--set", setting});
+  return Processes::start(same, order.real_time ? safety::Pace::real : safety::Pace::max);
+}
+
 }  // namespace
 
 std::optional<double> tool_to_acupoint_m(const SessionResult& result, std::size_t performed) {
@@ -104,9 +119,19 @@ Result<SessionResult> run_simulated_session(const SessionOrder& order,
   {
     // A terminal may be slow; the truth is read in the millisecond in which it is true.
     session::Relay terminal(bars);
-    session::Observers observers({&truth, &joints, &terminal});
-    auto session = session::run({world.camera(), world.turntable(), world.robot()}, room->order,
-                                config, observers);
+    auto processes = processes_of(order, common);
+    if (!processes) return tl::unexpected(processes.error());
+    std::optional<LinkedTruth> told;
+    std::vector<session::Observer*> all = {&truth, &joints, &terminal};
+    if (*processes) {
+      told.emplace((*processes)->truth(), world);
+      all.insert(all.begin(), &*told);
+    }
+    session::Observers observers(all);
+    session::LinkedRobot* linked = *processes ? &(*processes)->robot() : nullptr;
+    auto session = session::run(
+        {world.camera(), world.turntable(), linked != nullptr ? *linked : world.robot(), linked},
+        room->order, config, observers);
     if (!session) return tl::unexpected(session.error());
     result.session = std::move(*session);
   }

@@ -171,26 +171,26 @@ Result<TaughtByHand> record_by_hand(const TeachOrder& order, const session::Conf
     for (const Arm side : both_arms) stage.arms[side].sense(reading, side);
     control::ArmController& led = stage.arms[arm].controller;
     if (time_s >= 0.0 && led.status().mode != control::Mode::lead) led.lead();
-    safety::RobotProposal wanted{.rail_m = ready->rail_m};
+    safety::RobotProposal proposal{.rail_m = ready->rail_m};
     for (const Arm side : both_arms) {
       session::ControlledArm& one = stage.arms[side];
       const JointVector torque = one.torque_nm(reading);
       const robot::ArmDynamics& dynamics = one.controller.dynamics();
       const bool skin = side == arm && one.state.contact_in_base.force_n.norm() > 1.5;
-      wanted.arms[side] = {.torque_nm = torque,
-                           .phase = skin ? safety::Phase::contact : safety::Phase::free,
-                           .zone = side == arm ? taught.motion.zone : safety::Zone::denied,
-                           .normal_in_base = control::tool_normal(dynamics.base_from_tool),
-                           .virtual_target_in_base = dynamics.base_from_tool.translation()};
+      proposal.arms[side] = {.torque_nm = torque,
+                             .phase = skin ? safety::Phase::contact : safety::Phase::free,
+                             .zone = side == arm ? taught.motion.zone : safety::Zone::denied,
+                             .normal_in_base = control::tool_normal(dynamics.base_from_tool),
+                             .virtual_target_in_base = dynamics.base_from_tool.translation()};
     }
-    return wanted;
+    return proposal;
   };
   const auto lead = [&](const robot::RobotReading& reading, const safety::RobotVerdict& verdict) {
     for (const Arm side : both_arms) {
       if (!verdict.arms[side].latched) continue;
-      stopped =
-          Error{Fault::stopped, fmt::format("the {} arm stopped while it was led: {}", name_of(side),
-                                            safety::name_of(verdict.arms[side].cause))};
+      stopped = Error{Fault::stopped,
+                      fmt::format("the {} arm stopped while it was led: {}", name_of(side),
+                                  safety::name_of(verdict.arms[side].cause))};
       return false;
     }
     const double time_s = reading.time_s - learning_s;
@@ -210,7 +210,8 @@ Result<TaughtByHand> record_by_hand(const TeachOrder& order, const session::Conf
          .force_n = state.contact_in_base.force_n.dot(control::tool_normal(state.base_from_tool))});
     return true;
   };
-  if (auto driven = session::run_control_loop(stage.world->robot(), stage.guard, propose, lead); !driven)
+  if (auto driven = session::run_control_loop(stage.world->robot(), stage.guard, propose, lead);
+      !driven)
     return tl::unexpected(driven.error());
   if (stopped) return tl::unexpected(*stopped);
   if (bar) bar(1.0);

@@ -63,6 +63,9 @@ class Massage final : public Verb {
     command.add_option("--pace", pace_, "of the simulation")
         ->check(CLI::IsMember({"max", "real"}))
         ->capture_default_str();
+    command.add_flag("--processes", order_.processes,
+                     "guard and robot as processes of their own, `tuina guard` and `tuina robot "
+                     "simulate`");
     command
         .add_option(
             "--out", out_,

@@ -16,7 +16,7 @@ std::string summary_of_group(std::string_view group) {
   if (group == "tissue") return "what a record of presses says about the tissue";
   if (group == "evaluate") return "the tables of the documentation, judged against the truth";
   if (group == "export") return "the robot for other programs: URDF, MJCF";
-  if (group == "robot") return "tables of robots: show one, make one from a URDF file";
+  if (group == "robot") return "robots: show a table, make one from a URDF file, simulate one as a process";
   if (group == "config") return "the settings, their limits and a file of them";
   return fmt::format("see `tuina {} --help`", group);
 }
@@ -62,6 +62,8 @@ std::vector<std::unique_ptr<Verb>> make_verbs() {
   verbs.push_back(make_export_mjcf());
   verbs.push_back(make_robot_show());
   verbs.push_back(make_robot_import());
+  verbs.push_back(make_robot_simulate());
+  verbs.push_back(make_guard());
   verbs.push_back(make_doctor());
   return verbs;
 }

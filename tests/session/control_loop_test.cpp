@@ -31,8 +31,8 @@ std::string drive(FakeRobot& robot, int& seen) {
   };
   const auto look = [&](const robot::RobotReading& reading, const safety::RobotVerdict& verdict) {
     for (const Arm arm : both_arms)
-      CHECK(verdict.command.torque_nm[arm].isApprox(
-          models[arm].gravity_nm(reading.arms[arm].q_rad)));
+      CHECK(
+          verdict.command.torque_nm[arm].isApprox(models[arm].gravity_nm(reading.arms[arm].q_rad)));
     return seen < planned_ticks;
   };
   const auto driven = session::run_control_loop(robot, guard, propose, look);

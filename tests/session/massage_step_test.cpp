@@ -55,8 +55,8 @@ std::unique_ptr<Room> enter(BodyPosture position,
   if (spoil) spoil(*ready);
   session::MassageStep massage(ready->plan, ready->jobs, models,
                                {.base_from_couch = mount.base_from_couch, .rail_m = ready->rail_m});
-  const auto field = session::zone_field(*back, person->acupoints, person->landmarks, {},
-                                         mount.base_from_couch);
+  const auto field =
+      session::zone_field(*back, person->acupoints, person->landmarks, {}, mount.base_from_couch);
   REQUIRE(field.has_value());
   safety::RobotGuard guard(models, {.obstacles = mount.obstacles, .field = *field});
   // The robot is as its table says: here the session is judged, not its model.

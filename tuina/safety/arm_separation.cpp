@@ -13,7 +13,8 @@ bool ArmSeparation::keeps(const robot::RobotReading& reading) noexcept {
   for (const Arm arm : both_arms) {
     const JointVector& q_rad = reading.arms[arm].q_rad;
     // Nobody knows where such an arm is, so nothing keeps clear of it.
-    if (q_rad.size() != models_[arm].joints() || !q_rad.allFinite() || !std::isfinite(reading.rail_m))
+    if (q_rad.size() != models_[arm].joints() || !q_rad.allFinite() ||
+        !std::isfinite(reading.rail_m))
       return arms_keep_ = false;
     now[arm] = models_[arm].kinematics(reading.arms[arm].q_rad, reading.rail_m);
   }

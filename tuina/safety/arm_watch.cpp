@@ -65,12 +65,10 @@ Observation ArmWatch::observe(const robot::RobotReading& reading, Arm arm, Phase
                    .dq_rad_per_s = raw.dq_rad_per_s};
   if (raw.q_rad.size() != model_.joints() || raw.dq_rad_per_s.size() != model_.joints())
     return seen;  // the guard brakes an arm that it does not know
-  const robot::ArmDynamics dynamics =
-      model_.evaluate(raw.q_rad, raw.dq_rad_per_s, reading.rail_m);
+  const robot::ArmDynamics dynamics = model_.evaluate(raw.q_rad, raw.dq_rad_per_s, reading.rail_m);
   const Matrix3 base_from_tool = dynamics.base_from_tool.linear();
   const Vector3 weight_n(0.0, 0.0, -model_.table().tool_mass_kg * gravity_m_per_s2);
-  const Vector3 felt_in_tool_n =
-      raw.wrench_in_tool.force_n - base_from_tool.transpose() * weight_n;
+  const Vector3 felt_in_tool_n = raw.wrench_in_tool.force_n - base_from_tool.transpose() * weight_n;
   if (felt_in_tool_n.allFinite()) {
     if (!started_) mean_in_tool_n_ = felt_in_tool_n;
     started_ = true;

@@ -22,7 +22,7 @@ constexpr std::uint32_t max_items = 1'000'000;  // of a list: cells of a back, m
 class Writer {
  public:
   template <typename Number>
-    requires std::is_arithmetic_v<Number> || std::is_enum_v<Number>
+  requires std::is_arithmetic_v<Number> || std::is_enum_v<Number>
   void item(const Number& number) {
     bytes.append(reinterpret_cast<const char*>(&number), sizeof number);
   }
@@ -39,7 +39,7 @@ class Reader {
  public:
   explicit Reader(const std::string& bytes) : bytes_(bytes) {}
   template <typename Number>
-    requires std::is_arithmetic_v<Number> || std::is_enum_v<Number>
+  requires std::is_arithmetic_v<Number> || std::is_enum_v<Number>
   void item(Number& number) {
     ok = ok && bytes_.size() - at_ >= sizeof number;
     if (!ok) return;
@@ -76,10 +76,10 @@ void visit_pose(Archive& archive, Pose& pose) {
 template <typename Archive, typename Link>
 void visit_link(Archive& archive, Link& link) {
   archive.list(link.name, [&](auto& letter) { archive.item(letter); });
-  for (auto* number : {&link.offset_rad, &link.d_m, &link.a_m, &link.alpha_rad, &link.mass_kg,
-                       &link.rotor_inertia_kg_m2, &link.coulomb_nm, &link.viscous_nm_s_per_rad,
-                       &link.min_rad, &link.max_rad, &link.torque_limit_nm,
-                       &link.speed_limit_rad_per_s, &link.radius_m})
+  for (auto* number :
+       {&link.offset_rad, &link.d_m, &link.a_m, &link.alpha_rad, &link.mass_kg,
+        &link.rotor_inertia_kg_m2, &link.coulomb_nm, &link.viscous_nm_s_per_rad, &link.min_rad,
+        &link.max_rad, &link.torque_limit_nm, &link.speed_limit_rad_per_s, &link.radius_m})
     archive.item(*number);
   for (auto* three : {&link.com_in_joint, &link.inertia_kg_m2, &link.inertia_products_kg_m2})
     for (auto& number : *three) archive.item(number);
@@ -188,12 +188,12 @@ Result<Arming> read_arming(const std::string& file) {
 }
 
 std::string describe(const Arming& arming) {
-  return fmt::format("{} joints an arm, {} obstacles, {} places of a back{}, at most {:.0f} N, {:08x}",
-                     arming.arm.joints, arming.options.obstacles.size(),
-                     arming.options.field.cells.size(),
-                     arming.options.bench ? " (a laboratory's bench: no person)" : "",
-                     std::min(arming.options.max_set_force_n, ceiling_of(Zone::muscle).set_n),
-                     crc_of(bytes_of(arming)));
+  return fmt::format(
+      "{} joints an arm, {} obstacles, {} places of a back{}, at most {:.0f} N, {:08x}",
+      arming.arm.joints, arming.options.obstacles.size(), arming.options.field.cells.size(),
+      arming.options.bench ? " (a laboratory's bench: no person)" : "",
+      std::min(arming.options.max_set_force_n, ceiling_of(Zone::muscle).set_n),
+      crc_of(bytes_of(arming)));
 }
 
 }  // namespace tuina::safety

@@ -55,7 +55,8 @@ enum class Cause : std::uint8_t {
   not_obeyed,      ///< the arm does not do what the guard's own law tells it
   torques_amiss,   ///< the joints do not move as their torques and the wrist sensor say
   rail_moved,
-  no_proposal,  ///< the controller is silent
+  no_proposal,   ///< the controller is silent
+  guard_silent,  ///< found by the controller
 };
 [[nodiscard]] const char* name_of(Cause cause) noexcept;
 
@@ -170,7 +171,8 @@ class Guard {
 
   Options options_;
   bool started_ = false;
-  std::uint64_t tick_ = 0, ticks_ = 1;  ///< the last one, and how many have gone by since the one before
+  std::uint64_t tick_ = 0,
+                ticks_ = 1;  ///< the last one, and how many have gone by since the one before
   double time_s_ = 0.0;
   JointVector q_rad_, drift_rad_;
   JointVector gravity_nm_;

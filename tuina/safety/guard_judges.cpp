@@ -37,7 +37,7 @@ constexpr int stuck_ticks = 20;
 constexpr double moving_m_per_s = 0.01;  // slower, a quiet sensor may well say the same twice
 
 constexpr double reversed_n = 8.0;  // more than drift and weight can feign
-constexpr double agreeing = 0.25;   // cosine: what rubs along the skin is felt at 40 degrees at most
+constexpr double agreeing = 0.25;  // cosine: what rubs along the skin is felt at 40 degrees at most
 constexpr int reversed_ticks = 10;
 
 // A blind arm gives way with its joints damped; once nobody is felt, or after this time, it is
@@ -72,7 +72,8 @@ void Guard::judge_time(const Observation& seen, Finding& finding) noexcept {
   const double expected_s = static_cast<double>(gone) * options_.period_s;
   const double passed_s = seen.time_s - time_s_;
   time_s_ = seen.time_s;
-  const bool odd = !(std::abs(passed_s - expected_s) <= 0.5 * std::max(expected_s, options_.period_s));
+  const bool odd =
+      !(std::abs(passed_s - expected_s) <= 0.5 * std::max(expected_s, options_.period_s));
   clock_ = odd ? clock_ + 1 : 0;
   if (odd) sample_time_s_ += passed_s - expected_s;  // the sensor's stamps have jumped with it
   if (clock_ >= clock_ticks) finding.add(Action::retract, Cause::clock, true);

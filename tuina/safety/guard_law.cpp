@@ -12,7 +12,7 @@ namespace {
 constexpr double own_stiffness_n_per_m = 800.0;
 constexpr double own_damping_n_s_per_m = 60.0;
 constexpr double own_posture_nm_per_rad = 4.0;
-constexpr double own_joint_damping = 0.8;   // N m s / rad
+constexpr double own_joint_damping = 0.8;    // N m s / rad
 constexpr double blind_joint_damping = 8.0;  // likewise, where the tool's place is not known
 constexpr double retract_m_per_s = 0.1;
 constexpr double retract_m = 0.06;
@@ -43,9 +43,10 @@ void Guard::judge_obedience(const Observation& seen, Finding& finding) noexcept 
   const double inward_m_per_s = -seen.tool_velocity_m_per_s.dot(normal_in_base_);
   const bool driven = latched_ >= Action::comply;
   const bool races = driven && speed_m_per_s > runaway_m_per_s;
-  const bool against = latched_ == Action::retract && pressed() && inward_m_per_s > disobedient_m_per_s;
-  not_obeyed_ = races ? not_obeyed_ + disobedient_ticks / runaway_ticks
-                      : (against ? not_obeyed_ + 1 : 0);
+  const bool against =
+      latched_ == Action::retract && pressed() && inward_m_per_s > disobedient_m_per_s;
+  not_obeyed_ =
+      races ? not_obeyed_ + disobedient_ticks / runaway_ticks : (against ? not_obeyed_ + 1 : 0);
   if (not_obeyed_ >= disobedient_ticks) finding.add(Action::brake, Cause::not_obeyed, true);
 }
 

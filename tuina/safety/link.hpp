@@ -1,92 +1,80 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <atomic>
+#include <semaphore.h>
+
+#include <array>
 #include <chrono>
-#include <cstring>
-#include <memory>
-#include <optional>
 #include <string>
 
 #include "tuina/core/result.hpp"
+#include "tuina/safety/shared_page.hpp"
 #include "tuina/safety/wire.hpp"
 
 namespace tuina::safety {
 
-/// Which process of a robot somebody is; each writes one kind of frame and reads the others.
+/// Which process of a robot somebody is.
 enum class Role : std::uint8_t { drives, guard, controller };
 inline constexpr std::size_t roles = 3;
-[[nodiscard]] constexpr const char* name_of(Role role) {
-  constexpr const char* names[] = {"drives", "guard", "controller"};
-  return names[static_cast<std::size_t>(role)];
-}
 
-/// One frame in shared memory, written by one process and read by any. A reader never waits for the
-/// writer: a frame that is being written, or that was torn or spoilt, is none (a sequence lock with
-/// a check sum).
-template <typename Frame>
-class Slot {
- public:
-  void write(const Frame& frame) noexcept {
-    const std::uint64_t count = count_.load(std::memory_order_relaxed) | 1U;
-    count_.store(count, std::memory_order_relaxed);
-    std::atomic_thread_fence(std::memory_order_release);
-    frame_ = frame;
-    crc_ = wire::crc_of(reinterpret_cast<const std::byte*>(&frame_), sizeof frame_);
-    std::atomic_thread_fence(std::memory_order_release);
-    count_.store(count + 1, std::memory_order_release);
-  }
-
-  [[nodiscard]] std::optional<Frame> read() const noexcept {
-    constexpr int tries = 16;
-    for (int i = 0; i < tries; ++i) {
-      const std::uint64_t before = count_.load(std::memory_order_acquire);
-      if (before == 0 || before % 2 != 0) continue;
-      Frame frame;
-      std::memcpy(&frame, &frame_, sizeof frame);
-      const std::uint32_t crc = crc_;
-      std::atomic_thread_fence(std::memory_order_acquire);
-      if (count_.load(std::memory_order_relaxed) != before) continue;
-      if (crc != wire::crc_of(reinterpret_cast<const std::byte*>(&frame), sizeof frame)) continue;
-      return frame;
-    }
-    return std::nullopt;
-  }
-
- private:
-  std::atomic<std::uint64_t> count_ = 0;  ///< odd while the frame is being written
-  std::uint32_t crc_ = 0;
-  Frame frame_ = {};
-};
-
-/// The shared memory of the processes of one robot, by its name. Each maps what it may write, its
-/// own frames, and all else for reading only. Bells wake who waits; nobody trusts them, so a
-/// process that rings them wildly or never delays the others by their deadlines at most.
+/// The shared memory of the processes of one robot. Each writes its own frames and has those of the
+/// others for reading only. Bells wake who waits; nobody trusts them: a process that rings them
+/// wildly or never delays the others by their own deadlines at most.
 class Link {
  public:
+  using Deadline = std::chrono::steady_clock::time_point;
+
   /// Makes the memory anew; the process that does so takes it away when it ends.
   [[nodiscard]] static Result<Link> create(const std::string& name, Role role);
   /// Fails with Fault::device when there is none, or one of another layout.
   [[nodiscard]] static Result<Link> open(const std::string& name, Role role);
-  Link(Link&&) noexcept;
-  Link& operator=(Link&&) noexcept;
-  ~Link();
 
+  /// Writes a frame of this process' own kind and rings.
   void write(const wire::SensorFrame& frame) noexcept;
   void write(const wire::ProposalFrame& frame) noexcept;
+  void write(const wire::StandFrame& frame) noexcept;
   void write(const wire::DriveFrame& frame) noexcept;
 
-  [[nodiscard]] std::optional<wire::SensorFrame> sensors() const noexcept;
-  [[nodiscard]] std::optional<wire::ProposalFrame> proposal() const noexcept;
-  [[nodiscard]] std::optional<wire::DriveFrame> drive() const noexcept;
+  [[nodiscard]] auto sensors() const noexcept { return drives_->sensors.read(); }
+  [[nodiscard]] auto proposal() const noexcept { return controller_->proposal.read(); }
+  [[nodiscard]] auto stand() const noexcept { return controller_->stand.read(); }
+  [[nodiscard]] auto drive() const noexcept { return guard_->drive.read(); }
 
-  /// Waits until somebody writes or until the deadline; may return sooner.
-  void wait(std::chrono::steady_clock::time_point deadline) noexcept;
+  /// Waits until somebody rings or until the deadline; may return sooner.
+  void wait(Deadline deadline) noexcept;
+
+  /// Waits until `there` gives something, or until the deadline; asks it at least once.
+  template <typename There>
+  [[nodiscard]] auto wait_for(Deadline deadline, There&& there) noexcept {
+    for (;;) {
+      auto found = there();
+      if (found || std::chrono::steady_clock::now() >= deadline) return found;
+      wait(deadline);
+    }
+  }
 
  private:
-  struct Memory;
-  explicit Link(std::unique_ptr<Memory> memory);
-  std::unique_ptr<Memory> memory_;
+  struct Drives {
+    Slot<wire::SensorFrame> sensors;
+  };
+  struct Controller {
+    Slot<wire::ProposalFrame> proposal;
+    Slot<wire::StandFrame> stand;
+  };
+  struct Guard {
+    Slot<wire::DriveFrame> drive;
+  };
+  struct Bells {
+    std::array<sem_t, roles> of;
+  };
+  [[nodiscard]] static Result<Link> map(const std::string& name, Role role, bool make);
+  void ring() noexcept;
+
+  Role role_ = Role::controller;
+  SharedPage<Drives> drives_;
+  SharedPage<Controller> controller_;
+  SharedPage<Guard> guard_;
+  SharedPage<Bells> bells_;
 };
 
 }  // namespace tuina::safety

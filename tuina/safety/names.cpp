@@ -41,7 +41,8 @@ const char* name_of(Cause cause) noexcept {
                                 "arm does not obey",
                                 "torques and motion disagree",
                                 "linear base moved",
-                                "controller is silent"};
+                                "controller is silent",
+                                "guard is silent"};
   return names[static_cast<std::size_t>(cause)];
 }
 

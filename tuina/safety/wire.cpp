@@ -37,11 +37,11 @@ SensorFrame to_frame(const robot::RobotReading& reading) noexcept {
     const robot::ArmReading& arm = reading.arms.of[i];
     const Vector3& force = arm.wrench_in_tool.force_n;
     const Vector3& torque = arm.wrench_in_tool.torque_nm;
-    frame.arms[i] = {.q_rad = pack(arm.q_rad),
-                     .dq_rad_per_s = pack(arm.dq_rad_per_s),
-                     .wrench_in_tool = {force.x(), force.y(), force.z(), torque.x(), torque.y(),
-                                        torque.z()},
-                     .wrench_time_s = arm.wrench_time_s};
+    frame.arms[i] = {
+        .q_rad = pack(arm.q_rad),
+        .dq_rad_per_s = pack(arm.dq_rad_per_s),
+        .wrench_in_tool = {force.x(), force.y(), force.z(), torque.x(), torque.y(), torque.z()},
+        .wrench_time_s = arm.wrench_time_s};
   }
   return frame;
 }
@@ -58,6 +58,17 @@ robot::RobotReading from_frame(const SensorFrame& frame) noexcept {
                           .wrench_time_s = arm.wrench_time_s};
   }
   return reading;
+}
+
+StandFrame to_frame(const robot::ReadyPose& pose, std::uint64_t number) noexcept {
+  return {.number = number,
+          .rail_m = pose.rail_m,
+          .q_rad = {pack(pose.q_rad[Arm::left]), pack(pose.q_rad[Arm::right])}};
+}
+
+robot::ReadyPose from_frame(const StandFrame& frame) noexcept {
+  return {.q_rad = {.of = {unpack(frame.q_rad[0]), unpack(frame.q_rad[1])}},
+          .rail_m = frame.rail_m};
 }
 
 ProposalFrame to_frame(const RobotProposal& proposal, std::uint64_t answers_tick,
@@ -116,10 +127,10 @@ RobotVerdict from_frame(const DriveFrame& frame) noexcept {
     verdict.command.brake[arm] = one.brake != 0;
     verdict.arms[arm] = {
         .allowed_nm = verdict.command.torque_nm[arm],
-        .action = static_cast<Action>(
-            std::min(one.action, static_cast<std::uint8_t>(Action::brake))),
-        .cause = static_cast<Cause>(
-            std::min(one.cause, static_cast<std::uint8_t>(Cause::no_proposal))),
+        .action =
+            static_cast<Action>(std::min(one.action, static_cast<std::uint8_t>(Action::brake))),
+        .cause =
+            static_cast<Cause>(std::min(one.cause, static_cast<std::uint8_t>(Cause::guard_silent))),
         .latched = one.latched != 0};
   }
   return verdict;

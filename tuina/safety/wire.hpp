@@ -16,6 +16,8 @@ namespace tuina::safety::wire {
 
 inline constexpr std::uint64_t layout = 0x7475'696e'6100'0001;  // "tuina", version 1
 
+inline constexpr std::uint64_t no_tick = ~std::uint64_t{0};
+
 struct Joints {
   std::array<double, max_joints> of = {};
   std::int32_t count = 0;
@@ -28,6 +30,7 @@ struct SensorArm {
 };
 struct SensorFrame {
   std::uint64_t tick = 0;
+  std::uint64_t stands = 0;  ///< number of the wish to stand that was fulfilled last
   double time_s = 0.0;
   double rail_m = 0.0;
   std::array<SensorArm, 2> arms = {};
@@ -47,12 +50,21 @@ struct ProposalFrame {
   std::array<ProposedArm, 2> arms = {};
 };
 
+/// What a session asks of the drives before its first millisecond and after its last.
+struct StandFrame {
+  std::uint64_t number = 0;  ///< a new one for each wish
+  double rail_m = 0.0;
+  std::array<Joints, 2> q_rad = {};
+  std::uint8_t ends = 0;  ///< the session is over
+};
+
 struct DrivenArm {
   Joints torque_nm;
   std::uint8_t brake = 0, action = 0, cause = 0, latched = 0;
 };
 struct DriveFrame {
   std::uint64_t answers_tick = 0;
+  std::uint64_t armed = 0;  ///< number of the guard that wrote this; 0: there was none yet
   double rail_m = 0.0;
   std::array<DrivenArm, 2> arms = {};
 };
@@ -62,6 +74,7 @@ static_assert(std::is_trivially_copyable_v<SensorFrame> &&
               std::is_trivially_copyable_v<DriveFrame>);
 
 [[nodiscard]] SensorFrame to_frame(const robot::RobotReading& reading) noexcept;
+[[nodiscard]] StandFrame to_frame(const robot::ReadyPose& pose, std::uint64_t number) noexcept;
 [[nodiscard]] ProposalFrame to_frame(const RobotProposal& proposal, std::uint64_t answers_tick,
                                      bool stop_asked) noexcept;
 [[nodiscard]] DriveFrame to_frame(const RobotVerdict& verdict, std::uint64_t answers_tick) noexcept;
@@ -69,6 +82,7 @@ static_assert(std::is_trivially_copyable_v<SensorFrame> &&
 /// Whatever the bytes are, no index leaves its array: a count of joints that cannot be is taken as
 /// none, an enumerator that does not exist stays one that the guard refuses.
 [[nodiscard]] robot::RobotReading from_frame(const SensorFrame& frame) noexcept;
+[[nodiscard]] robot::ReadyPose from_frame(const StandFrame& frame) noexcept;
 [[nodiscard]] RobotProposal from_frame(const ProposalFrame& frame) noexcept;
 [[nodiscard]] RobotVerdict from_frame(const DriveFrame& frame) noexcept;
 

@@ -26,8 +26,8 @@ ZoneField ZoneField::reaching(double reach_m) const {
     for (std::int32_t column = 0; column < columns; ++column) {
       Zone& zone = wide.cells[index(row, column)].zone;
       for (std::int32_t i = std::max(row - reach, 0); i <= std::min(row + reach, rows - 1); ++i) {
-        for (std::int32_t j = std::max(column - reach, 0); j <= std::min(column + reach, columns - 1);
-             ++j) {
+        for (std::int32_t j = std::max(column - reach, 0);
+             j <= std::min(column + reach, columns - 1); ++j) {
           const bool near = (i - row) * (i - row) + (j - column) * (j - column) <= reach * reach;
           const Zone other = cells[index(i, j)].zone;
           if (near && ceiling_of(other).trip_n > ceiling_of(zone).trip_n) zone = other;

@@ -13,11 +13,11 @@ inline constexpr int max_missed_readings = 10;
 
 /// The one 1 kHz loop: read, propose, judge, apply, look. `propose` turns a reading into what a
 /// controller wants, or into nothing to end; `guard` makes of it what the robot does; `look` sees
-/// both and returns false to end. Fails with Fault::device when the robot has a fault or gives no
-/// readings.
-template <typename Propose, typename Look>
-[[nodiscard]] Result<void> run_control_loop(robot::Robot& robot, safety::RobotGuard& guard,
-                                            Propose&& propose, Look&& look) {
+/// both and returns false to end. `guard` is a RobotGuard or a Supervisor. Fails with Fault::device
+/// when the robot has a fault or gives no readings.
+template <typename Guard, typename Propose, typename Look>
+[[nodiscard]] Result<void> run_control_loop(robot::Robot& robot, Guard& guard, Propose&& propose,
+                                            Look&& look) {
   int missed = 0;
   for (;;) {
     const std::optional<robot::RobotReading> reading = robot.read();

@@ -136,12 +136,13 @@ void MassageStep::heed(Arm arm, const safety::Verdict& verdict) noexcept {
   side.frozen = verdict.action == safety::Action::freeze;
   if (side.frozen) side.controller().resume_from_here();
   feel(side, arm, time_s_, side.controlled.state);
-  view_[arm] = {.phase = side.phase,
-                .path = path_of(side) != nullptr ? job_of(side)->path : -1,
-                .target_n = side.phase == ArmPhase::contact ? side.wanted.force_n : 0.0,
-                .measured_n = side.controller().status().force_n,
-                .tool_in_base =
-                    control::tip_pose(side.controlled.state.base_from_tool, tool_radius_m_).at_in_base};
+  view_[arm] = {
+      .phase = side.phase,
+      .path = path_of(side) != nullptr ? job_of(side)->path : -1,
+      .target_n = side.phase == ArmPhase::contact ? side.wanted.force_n : 0.0,
+      .measured_n = side.controller().status().force_n,
+      .tool_in_base =
+          control::tip_pose(side.controlled.state.base_from_tool, tool_radius_m_).at_in_base};
 }
 
 void MassageStep::obey(LiveCommand command) noexcept {

@@ -44,6 +44,13 @@ Result<void> prepare(Devices devices, const Order& order, const Config& config, 
   auto field = zone_field(mapped->back, located.acupoints, located.landmarks,
                           order.plan_options.no_go, order.placed.base_from_couch);
   if (!field) return tl::unexpected(field.error());
+  auto armed =
+      devices.supervisor->arm({.arm = placement.arm,
+                               .mount = placement.mount,
+                               .options = {.obstacles = placement.mount.obstacles,
+                                           .max_set_force_n = config.safety.force_ceiling_n,
+                                           .field = std::move(*field)}});
+  if (!armed) return armed;
   observer.on_progress(Stage::plan, 1.0);
   // Only now, so that a session whose second scan fails still tells of its first.
   session.scan = std::move(mapped->scan);
@@ -52,7 +59,6 @@ Result<void> prepare(Devices devices, const Order& order, const Config& config, 
   session.placement = placement;
   session.base_from_couch = order.placed.base_from_couch;
   session.ready = std::move(*ready);
-  session.field = std::move(*field);
   session.plan_ms = 1e3 * watch.seconds();
   return {};
 }
@@ -67,14 +73,11 @@ MassageOptions massage_options(const Order& order, const Config& config, const S
 }
 
 /// Carries the plan of the session out. Returns whether the person lies elsewhere than scanned.
-Result<bool> carry_out(robot::Robot& robot, const Order& order, const Config& config,
+Result<bool> carry_out(Devices devices, const Order& order, const Config& config,
                        Observer& observer, Session& session) {
   const motion::ReadyPlan& ready = session.ready;
   const auto models = robot::both_models(session.placement.arm, session.placement.mount);
   MassageStep massage(ready.plan, ready.jobs, models, massage_options(order, config, session));
-  safety::RobotGuard guard(models, {.obstacles = session.placement.mount.obstacles,
-                                    .max_set_force_n = config.safety.force_ceiling_n,
-                                    .field = session.field});
   observer.on_plan(ready, session.base_from_couch);
   // A contact that never ends is a fault of the robot, not of the person; it must not hold anyone.
   const double max_s = 3.0 * ready.plan.duration_s + 60.0;
@@ -89,7 +92,7 @@ Result<bool> carry_out(robot::Robot& robot, const Order& order, const Config& co
   const auto propose = [&](const robot::RobotReading& reading) {
     if (const auto command = order.commands ? order.commands(reading.time_s) : std::nullopt) {
       massage.obey(*command);
-      if (*command == LiveCommand::stop) guard.expect_stop();
+      if (*command == LiveCommand::stop) devices.supervisor->expect_stop();
       session.commands.emplace_back(reading.time_s, *command);
     }
     return massage.propose(reading);
@@ -114,7 +117,7 @@ Result<bool> carry_out(robot::Robot& robot, const Order& order, const Config& co
       observer.on_progress(Stage::massage, std::min(0.999, past_s / ready.plan.duration_s));
     return !late;
   };
-  const auto driven = run_control_loop(robot, guard, propose, look);
+  const auto driven = run_control_loop(devices.robot, *devices.supervisor, propose, look);
   session.compute_s += watch.seconds();
   if (!driven) return tl::unexpected(driven.error());
   if (late) {
@@ -144,6 +147,8 @@ bool head_at_plus_y(std::span<const Acupoint> acupoints) {
 Result<Session> run(Devices devices, const Order& order, const Config& config, Observer& observer) {
   if (order.consent.answered_by.empty())
     return fail(Fault::stopped, "nobody has answered the health questions");
+  safety::OwnSupervisor own;
+  if (devices.supervisor == nullptr) devices.supervisor = &own;
   Session session;
   if (auto ready = prepare(devices, order, config, observer, std::nullopt, {}, session); !ready)
     return tl::unexpected(ready.error());
@@ -153,7 +158,7 @@ Result<Session> run(Devices devices, const Order& order, const Config& config, O
 
   PerformedPaths performed;
   for (;;) {
-    const auto wants_scan = carry_out(devices.robot, order, config, observer, session);
+    const auto wants_scan = carry_out(devices, order, config, observer, session);
     if (!wants_scan) return tl::unexpected(wants_scan.error());
     if (!*wants_scan) break;
     performed.set_aside(session);

@@ -15,6 +15,7 @@
 #include "tuina/motion/ready_plan.hpp"
 #include "tuina/robot/robot.hpp"
 #include "tuina/robot/robot_model.hpp"
+#include "tuina/safety/supervisor.hpp"
 #include "tuina/scanner/camera.hpp"
 #include "tuina/scanner/sweep.hpp"
 #include "tuina/scanner/turntable.hpp"
@@ -32,6 +33,7 @@ struct Devices {
   scanner::Camera& camera;
   scanner::Turntable& turntable;
   robot::Robot& robot;
+  safety::Supervisor* supervisor = nullptr;  ///< null: the guard runs in this process
 };
 
 /// What is known and wanted before a session begins.
@@ -58,7 +60,6 @@ struct Session {
   body::Mapping located;
   robot::RobotPlacement placement;
   motion::ReadyPlan ready;
-  safety::ZoneField field;  ///< what the guard knows of the person
   Transform base_from_couch = Transform::Identity();  ///< pose that the session believes
   double locate_ms = 0.0;                             ///< computing time
   double plan_ms = 0.0;

@@ -124,7 +124,7 @@ struct World::Parts {
   }
 
   [[nodiscard]] Vector3 shift_in_couch() const {
-    const double time_s = plant ? plant->truth().time_s : 0.0;
+    const double time_s = told ? told->time_s : plant ? plant->truth().time_s : 0.0;
     const bool has_moved = options.shift_m != 0.0 && time_s >= options.shift_at_s;
     return has_moved ? Vector3(options.shift_m * contact.mean_normal_in_couch())
                      : Vector3(Vector3::Zero());
@@ -137,6 +137,7 @@ struct World::Parts {
   PerArm<robot::ArmTable> true_arms;
   BackContact contact;
   std::unique_ptr<Plant> plant;
+  std::optional<PlantTruth> told;  ///< by another process
   Scanner scanner;
   ReadyRobot ready_robot;
 };
@@ -194,7 +195,10 @@ Vector3 World::shift_in_couch() const {
   return parts_->shift_in_couch();
 }
 const PlantTruth& World::truth() const {
-  return parts_->plant->truth();
+  return parts_->told ? *parts_->told : parts_->plant->truth();
+}
+void World::tell_truth(const PlantTruth& truth) {
+  parts_->told = truth;
 }
 Plant& World::plant() {
   return *parts_->plant;

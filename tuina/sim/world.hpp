@@ -57,6 +57,8 @@ class World {
   [[nodiscard]] Vector3 shift_in_couch() const;
   /// The robot's true state and contacts; only after it stands ready.
   [[nodiscard]] const PlantTruth& truth() const;
+  /// The truth of a robot that is simulated in another process: told here, read from `truth`.
+  void tell_truth(const PlantTruth& truth);
   /// The robot itself, for hands that lead it; only after it stands ready.
   [[nodiscard]] Plant& plant();
   [[nodiscard]] BackContact& contact();

@@ -154,7 +154,8 @@ Result<ContactOutcome> run_contact(const ContactExperiment& experiment, const Pr
   if (!plant) return tl::unexpected(plant.error());
 
   PerArm<session::ControlledArm> controlled = {
-      {session::ControlledArm(models[0], experiment.controller), session::ControlledArm(models[1])}};
+      {session::ControlledArm(models[0], experiment.controller),
+       session::ControlledArm(models[1])}};
   safety::RobotGuard guard({.of = models}, {.bench = true});
   tissue::PressEstimator estimator(tissue::pressed_by_robot(35'000.0, believed.tool_mass_kg));
   ContactOutcome outcome;

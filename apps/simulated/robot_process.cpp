@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/simulated/robot_process.hpp"
+
+#include <fmt/format.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstring>
+#include <filesystem>
+#include <thread>
+
+extern char** environ;
+
+namespace tuina::app {
+namespace {
+
+using std::chrono::steady_clock;
+using namespace std::chrono_literals;
+
+constexpr auto guard_patience = 20s;
+constexpr auto lock_step_patience = 200ms;      // for a guard that may be dead ...
+constexpr auto gone_patience = 2ms;             // ... and for one that is
+constexpr std::uint64_t given_up_ticks = 3000;  // virtual time that nobody has said anything in
+
+const char* name_of(safety::Pace pace) {
+  return pace == safety::Pace::real ? "real" : "max";
+}
+
+}  // namespace
+
+std::string truth_name(const std::string& link) {
+  return "/tuina-" + link + "-truth";
+}
+
+Result<RobotReport> keep_robot(safety::Link& link, SharedTruth& truth, sim::World& world,
+                               safety::Pace pace, const std::atomic<bool>& ends) {
+  const auto wish = link.wait_for(steady_clock::now() + guard_patience, [&]() {
+    const auto frame = link.stand();
+    return frame && frame->number > 0 ? frame : std::nullopt;
+  });
+  if (!wish) return fail(Fault::device, "no session has come to this robot");
+  if (auto stands = world.robot().stand_ready(safety::wire::from_frame(*wish)); !stands)
+    return tl::unexpected(stands.error());
+  const auto guard = link.wait_for(steady_clock::now() + guard_patience, [&]() {
+    const auto frame = link.drive();
+    return frame && frame->armed != 0 ? frame : std::nullopt;
+  });
+  if (!guard) return fail(Fault::device, "no guard has come to this robot");
+
+  RobotReport report;
+  double over_60_n_s = 0.0;
+  std::uint64_t silent = 0;
+  auto next = steady_clock::now();
+  while (!ends && silent < given_up_ticks) {
+    if (const auto stand = link.stand(); stand && stand->ends != 0) break;
+    const auto reading = world.robot().read();
+    if (!reading) continue;
+    TruthPage::Bytes bytes{.tick = reading->tick};
+    std::memcpy(bytes.of.data(), &world.truth(), sizeof(sim::PlantTruth));
+    truth->ticks[reading->tick % TruthPage::kept].write(bytes);
+    safety::wire::SensorFrame frame = safety::wire::to_frame(*reading);
+    frame.stands = wish->number;
+    link.write(frame);
+    double force_n = 0.0;
+    for (const sim::ArmTruth& arm : world.truth().arms.of)
+      force_n = std::max(force_n, arm.contact.force_n);
+    report.max_force_n = std::max(report.max_force_n, force_n);
+    over_60_n_s = force_n > 60.0 ? over_60_n_s + control_period_s : 0.0;
+    report.max_over_60_n_s = std::max(report.max_over_60_n_s, over_60_n_s);
+
+    next += 1ms;
+    const auto patience = steady_clock::now() + (silent == 0 ? lock_step_patience : gone_patience);
+    const auto answer = link.wait_for(pace == safety::Pace::real ? next : patience, [&]() {
+      const auto said = link.drive();
+      return said && said->answers_tick == reading->tick ? said : std::nullopt;
+    });
+    if (answer) world.robot().apply(safety::wire::from_frame(*answer).command);
+    silent = answer ? 0 : silent + 1;
+    report.silent_ticks += answer ? 0 : 1;
+    ++report.ticks;
+    // A simulation that was held up goes on from now: its robot's clock stood still with it.
+    if (pace == safety::Pace::real) std::this_thread::sleep_until(next);
+    next = std::max(next, steady_clock::now() - 1ms);
+  }
+  return report;
+}
+
+void LinkedTruth::on_tick(const session::Tick& tick) noexcept {
+  const auto bytes = shared_->ticks[tick.reading.tick % TruthPage::kept].read();
+  if (!bytes || bytes->tick != tick.reading.tick) return;
+  sim::PlantTruth truth;
+  std::memcpy(static_cast<void*>(&truth), bytes->of.data(), sizeof truth);
+  world_.tell_truth(truth);
+}
+
+Result<void> Processes::run(const std::vector<std::string>& arguments) {
+  std::vector<char*> pointers;
+  for (const std::string& argument : arguments)
+    pointers.push_back(const_cast<char*>(argument.c_str()));
+  pointers.push_back(nullptr);
+  pid_t child = 0;
+  const int failed =
+      posix_spawn(&child, "/proc/self/exe", nullptr, nullptr, pointers.data(), environ);
+  if (failed != 0) return fail(Fault::device, "tuina {}: {}", arguments[1], std::strerror(failed));
+  children_.push_back(child);
+  return {};
+}
+
+Result<std::unique_ptr<Processes>> Processes::start(const std::vector<std::string>& robot_arguments,
+                                                    safety::Pace pace) {
+  std::unique_ptr<Processes> made(new Processes);
+  Processes& all = *made;
+  all.link_name_ = fmt::format("{}", getpid());
+  all.arming_file_ =
+      (std::filesystem::temp_directory_path() / fmt::format("tuina-{}.arming", all.link_name_))
+          .string();
+  auto link = safety::Link::create(all.link_name_, safety::Role::controller);
+  if (!link) return tl::unexpected(link.error());
+  auto truth = SharedTruth::map(truth_name(all.link_name_), safety::SharedMemory::Use::make);
+  if (!truth) return tl::unexpected(truth.error());
+  all.truth_ = std::move(*truth);
+  const std::vector<std::string> shared = {"--link", all.link_name_, "--pace", name_of(pace),
+                                           "--quiet"};
+  const auto with_link = [shared](std::vector<std::string> arguments) {
+    arguments.insert(arguments.end(), shared.begin(), shared.end());
+    return arguments;
+  };
+  const auto start_guard = [&all, with_link](const safety::Arming& arming) -> Result<void> {
+    if (auto written = safety::write_arming(all.arming_file_, arming); !written) return written;
+    return all.run(with_link({"tuina", "guard", "--arm", all.arming_file_}));
+  };
+  all.robot_ = std::make_unique<session::LinkedRobot>(std::move(*link), pace, start_guard);
+  std::vector<std::string> robot = {"tuina", "robot", "simulate"};
+  robot.insert(robot.end(), robot_arguments.begin(), robot_arguments.end());
+  if (auto started = all.run(with_link(std::move(robot))); !started)
+    return tl::unexpected(started.error());
+  return made;
+}
+
+// Both end by themselves when the session is over; a process that does not within its own patience
+// is one that hangs.
+Processes::~Processes() {
+  robot_.reset();
+  const auto deadline = steady_clock::now() + 5s;
+  for (const int child : children_) {
+    while (waitpid(child, nullptr, WNOHANG) == 0) {
+      if (steady_clock::now() > deadline) kill(child, SIGKILL);
+      std::this_thread::sleep_for(10ms);
+    }
+  }
+  std::error_code ignored;
+  if (!arming_file_.empty()) std::filesystem::remove(arming_file_, ignored);
+}
+
+}  // namespace tuina::app

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <memory>
+#include <string>
+
+#include "tuina/safety/guard_process.hpp"
+#include "tuina/session/linked_robot.hpp"
+#include "tuina/session/observer.hpp"
+#include "tuina/sim/world.hpp"
+
+namespace tuina::app {
+
+/// What only the simulation knows of the last milliseconds, from the process that simulates the
+/// robot to the one that judges the session. Both are the same program, so it goes as it is in
+/// memory.
+struct TruthPage {
+  static constexpr std::size_t kept = 8;  ///< in lock-step nobody is more than one behind
+  struct Bytes {
+    std::uint64_t tick = 0;
+    alignas(sim::PlantTruth) std::array<std::byte, sizeof(sim::PlantTruth)> of = {};
+  };
+  std::array<safety::Slot<Bytes>, kept> ticks;
+};
+using SharedTruth = safety::SharedPage<TruthPage>;
+[[nodiscard]] std::string truth_name(const std::string& link);
+
+/// What a simulated robot tells when it ends.
+struct RobotReport {
+  std::uint64_t ticks = 0;
+  std::uint64_t silent_ticks = 0;  ///< without a word from the guard
+  double max_force_n = 0.0;        ///< largest true force on either tool
+  double max_over_60_n_s = 0.0;    ///< longest time above 60 N
+};
+
+/// The robot of a world as a process: stands where the session wants it, then tells its sensors and
+/// does what the guard says, until the session is over, `ends`, or nobody says anything for two
+/// seconds. Fails with Fault::device when no guard comes.
+[[nodiscard]] Result<RobotReport> keep_robot(safety::Link& link, SharedTruth& truth,
+                                             sim::World& world, safety::Pace pace,
+                                             const std::atomic<bool>& ends);
+
+/// Tells the world of a session what the process with its robot says to be true; the first of its
+/// observers.
+class LinkedTruth final : public session::Observer {
+ public:
+  /// Both must outlive it.
+  LinkedTruth(const SharedTruth& shared, sim::World& world) : shared_(shared), world_(world) {}
+  void on_tick(const session::Tick& tick) noexcept override;
+
+ private:
+  const SharedTruth& shared_;
+  sim::World& world_;
+};
+
+/// A robot and a guard in processes of their own, started by this one and ended with it.
+class Processes {
+ public:
+  /// `robot_arguments` are those of `tuina robot simulate`, without the link.
+  [[nodiscard]] static Result<std::unique_ptr<Processes>> start(
+      const std::vector<std::string>& robot_arguments, safety::Pace pace);
+  ~Processes();
+  Processes(const Processes&) = delete;
+  Processes& operator=(const Processes&) = delete;
+
+  [[nodiscard]] session::LinkedRobot& robot() noexcept { return *robot_; }
+  [[nodiscard]] const SharedTruth& truth() const noexcept { return truth_; }
+
+ private:
+  Processes() = default;
+  [[nodiscard]] Result<void> run(const std::vector<std::string>& arguments);
+
+  std::string link_name_, arming_file_;
+  SharedTruth truth_;
+  std::unique_ptr<session::LinkedRobot> robot_;
+  std::vector<int> children_;
+};
+
+}  // namespace tuina::app

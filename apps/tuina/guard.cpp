@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+// The processes that a session can be given: the guard, and a simulated robot.
+#include <CLI/CLI.hpp>
+#include <csignal>
+#include <nlohmann/json.hpp>
+
+#include "apps/simulated/robot_process.hpp"
+#include "apps/simulated/session_order.hpp"
+#include "apps/tuina/verbs.hpp"
+
+namespace tuina::app {
+namespace {
+
+using nlohmann::ordered_json;
+
+std::atomic<bool> ends = false;
+
+void end_when_asked() {
+  for (const int asked : {SIGINT, SIGTERM}) std::signal(asked, [](int) { ends = true; });
+}
+
+void add_link_options(CLI::App& command, std::string& link, std::string& pace) {
+  command.add_option("--link", link, "name of the memory that the processes of a robot share")
+      ->required();
+  command.add_option("--pace", pace, "real, or max: each waits for the others")
+      ->check(CLI::IsMember({"max", "real"}))
+      ->capture_default_str();
+}
+
+safety::Pace pace_of(const std::string& name) {
+  return name == "real" ? safety::Pace::real : safety::Pace::max;
+}
+
+/// The guard of one robot, which has the last word and outlives the session that armed it.
+class GuardVerb final : public Verb {
+ public:
+  [[nodiscard]] const char* name() const override { return "guard"; }
+  [[nodiscard]] const char* summary() const override {
+    return "guard a robot in a process of its own";
+  }
+  [[nodiscard]] const char* example() const override {
+    return "tuina guard --arm person.arming --link clinic";
+  }
+  void describe(CLI::App& command) override {
+    command.add_option("--arm", file_, "what a session has written for its guard")->required();
+    add_link_options(command, link_, pace_);
+  }
+  [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
+    const auto arming = safety::read_arming(file_);
+    if (!arming) return tl::unexpected(arming.error());
+    auto link = safety::Link::open(link_, safety::Role::guard);
+    if (!link) return tl::unexpected(link.error());
+    end_when_asked();
+    const std::string granted = safety::be_real_time();
+    if (!common.quiet) fmt::print(stderr, "armed: {}; {}\n", safety::describe(*arming), granted);
+    const auto report = safety::keep_guard(*link, *arming, pace_of(pace_), ends);
+    if (!report) return tl::unexpected(report.error());
+    ordered_json json = {{"ticks", report->ticks},
+                         {"silent_ticks", report->silent_ticks},
+                         {"max_check_us", report->max_check_us}};
+    bool stopped = false;
+    for (const Arm arm : both_arms) {
+      const safety::Verdict& last = report->last[arm];
+      json["last"][tuina::name_of(arm)] = {{"action", safety::name_of(last.action)},
+                                           {"cause", safety::name_of(last.cause)}};
+      stopped = stopped || last.latched;
+    }
+    return Answer{.json = json.dump(2),
+                  .text = fmt::format("{} ticks guarded, {} without a proposal, longest {:.0f} us",
+                                      report->ticks, report->silent_ticks, report->max_check_us),
+                  .exit_code = stopped ? 4 : 0};
+  }
+
+ private:
+  std::string file_, link_, pace_ = "real";
+};
+
+/// A simulated robot before its simulated person, at the other end of a link.
+class RobotSimulate final : public Verb {
+ public:
+  [[nodiscard]] const char* name() const override { return "robot simulate"; }
+  [[nodiscard]] const char* summary() const override {
+    return "a simulated robot before a person, as a process that a guard drives";
+  }
+  [[nodiscard]] const char* example() const override {
+    return "tuina robot simulate --link clinic --person phantom:hefty --position prone";
+  }
+  void describe(CLI::App& command) override {
+    command.add_option("--person", order_.person, "as of `tuina massage`")->capture_default_str();
+    command.add_option("--position", position_, "sitting or prone")
+        ->check(CLI::IsMember({"auto", "sitting", "prone"}))
+        ->capture_default_str();
+    add_robot_option(command, order_.robot);
+    add_link_options(command, link_, pace_);
+  }
+  [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
+    const auto config = effective_config(common);
+    if (!config) return tl::unexpected(config.error());
+    if (position_ == "sitting") order_.position = BodyPosture::sitting;
+    if (position_ == "prone") order_.position = BodyPosture::prone;
+    auto room = make_room(order_, *config, common);
+    if (!room) return tl::unexpected(room.error());
+    auto link = safety::Link::open(link_, safety::Role::drives);
+    if (!link) return tl::unexpected(link.error());
+    auto truth = SharedTruth::map(truth_name(link_), safety::SharedMemory::Use::write);
+    if (!truth) return tl::unexpected(truth.error());
+    end_when_asked();
+    const auto report = keep_robot(*link, *truth, *room->world, pace_of(pace_), ends);
+    if (!report) return tl::unexpected(report.error());
+    return Answer{.json = ordered_json{{"ticks", report->ticks},
+                                       {"silent_ticks", report->silent_ticks},
+                                       {"max_force_n", report->max_force_n},
+                                       {"max_over_60_n_ms", 1e3 * report->max_over_60_n_s}}
+                              .dump(2),
+                  .text = fmt::format("{} ticks, {} without a guard, {:.1f} N at most",
+                                      report->ticks, report->silent_ticks, report->max_force_n)};
+  }
+
+ private:
+  SessionOrder order_;
+  std::string position_ = "auto", link_, pace_ = "real";
+};
+
+}  // namespace
+
+std::unique_ptr<Verb> make_guard() {
+  return std::make_unique<GuardVerb>();
+}
+
+std::unique_ptr<Verb> make_robot_simulate() {
+  return std::make_unique<RobotSimulate>();
+}
+
+}  // namespace tuina::app

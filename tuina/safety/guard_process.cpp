@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tuina/safety/guard_process.hpp"
+
+#include <fmt/format.h>
+#include <sched.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+
+#include "tuina/core/units.hpp"
+
+namespace tuina::safety {
+namespace {
+
+using std::chrono::steady_clock;
+using namespace std::chrono_literals;
+
+constexpr auto silence = 2s;
+constexpr auto lock_step_patience = 200ms;  // for a process that may be dead ...
+constexpr auto gone_patience = 2ms;         // ... and for one that is
+constexpr auto proposal_patience = 600us;   // of the millisecond, at real pace
+constexpr double max_in_air_n = 5.0;
+
+RobotProposal still(const PerArm<robot::ArmModel>& models, const robot::RobotReading& reading) {
+  RobotProposal proposal{.rail_m = reading.rail_m};
+  for (const Arm arm : both_arms)
+    proposal.arms[arm].torque_nm = models[arm].gravity_nm(reading.arms[arm].q_rad);
+  return proposal;
+}
+
+/// What is wrong with a guard that was just armed, or with what it sees first; null: nothing.
+const char* try_out(const PerArm<robot::ArmModel>& models, const Arming& arming,
+                    robot::RobotReading reading) {
+  for (const Arm arm : both_arms) {
+    const robot::ArmReading& sensed = reading.arms[arm];
+    if (sensed.q_rad.size() != models[arm].joints()) return "the robot has other joints";
+    const Matrix3 base_from_tool =
+        models[arm].base_from_tool(sensed.q_rad, reading.rail_m).linear();
+    const Vector3 weight_n(0.0, 0.0, -models[arm].table().tool_mass_kg * gravity_m_per_s2);
+    const Vector3 felt_n = base_from_tool * sensed.wrench_in_tool.force_n - weight_n;
+    if (!(felt_n.norm() <= max_in_air_n)) return "a wrist sensor feels a force in the air";
+  }
+  const RobotProposal quiet = still(models, reading);
+  const auto next = [&] { ++reading.tick, reading.time_s += control_period_s; };
+  const auto step = [&](RobotGuard& guard, const RobotProposal& proposal) {
+    next();
+    for (robot::ArmReading& sensed : reading.arms.of) sensed.wrench_time_s = reading.time_s;
+    return guard.check(reading, proposal);
+  };
+  RobotGuard trial(models, arming.options);
+  RobotVerdict verdict;
+  for (int i = 0; i < 10; ++i) verdict = step(trial, quiet);
+  for (const Verdict& one : verdict.arms.of)
+    if (one.action >= Action::freeze) return "the guard stops an arm that stands still";
+  RobotProposal broken = quiet;
+  for (Proposal& one : broken.arms.of)
+    one.torque_nm.setConstant(std::numeric_limits<double>::quiet_NaN());
+  for (int i = 0; i < 10; ++i) verdict = step(trial, broken);
+  for (const Verdict& one : verdict.arms.of)
+    if (!one.latched) return "the guard does not stop torques that are no numbers";
+  RobotGuard asked(models, arming.options);
+  asked.stop(Cause::asked_to);
+  verdict = step(asked, quiet);
+  for (const Verdict& one : verdict.arms.of)
+    if (!one.latched) return "the guard does not stop when it is asked to";
+  return nullptr;
+}
+
+}  // namespace
+
+std::string be_real_time() {
+  const bool locked = mlockall(MCL_CURRENT | MCL_FUTURE) == 0;
+  constexpr int above_all_else_of_tuina = 80;
+  const sched_param priority = {.sched_priority = above_all_else_of_tuina};
+  const bool first = sched_setscheduler(0, SCHED_FIFO, &priority) == 0;
+  return fmt::format("memory {}, priority {}", locked ? "locked" : "not locked",
+                     first ? "real-time" : "as any other process");
+}
+
+Result<GuardReport> keep_guard(Link& link, const Arming& arming, Pace pace,
+                               const std::atomic<bool>& ends) {
+  const PerArm<robot::ArmModel> models = robot::both_models(arming.arm, arming.mount);
+  RobotGuard guard(models, arming.options);
+  GuardReport report;
+  const auto number = static_cast<std::uint64_t>(getpid());
+  link.write(wire::DriveFrame{.answers_tick = wire::no_tick, .armed = number});
+  std::optional<std::uint64_t> last_tick;
+  RobotProposal proposal;
+  std::uint64_t answered = 0;
+  bool heard = false, there = true, told_to_stop = false;
+  while (!ends) {
+    const auto sensed = link.wait_for(steady_clock::now() + silence, [&]() {
+      const auto frame = link.sensors();
+      const bool fresh = frame && frame->stands > 0 && (!last_tick || frame->tick != *last_tick);
+      return fresh ? frame : std::nullopt;
+    });
+    if (!sensed && last_tick) break;
+    if (!sensed) continue;
+    const robot::RobotReading reading = wire::from_frame(*sensed);
+    if (!last_tick) {
+      if (const char* wrong = try_out(models, arming, reading))
+        return fail(Fault::device, "not armed: {}", wrong);
+      proposal = still(models, reading);  // until the controller has said its first word
+    }
+    last_tick = reading.tick;
+    const auto patience = pace == Pace::real ? steady_clock::duration(proposal_patience)
+                          : there            ? steady_clock::duration(lock_step_patience)
+                                             : steady_clock::duration(gone_patience);
+    const auto answer = link.wait_for(steady_clock::now() + patience, [&]() {
+      const auto frame = link.proposal();
+      return frame && frame->answers_tick == reading.tick ? frame : std::nullopt;
+    });
+    there = answer.has_value();
+    if (answer) {
+      proposal = wire::from_frame(*answer);
+      answered = reading.tick;
+      heard = true;
+      if (answer->stop_asked != 0 && !told_to_stop) guard.expect_stop();
+      told_to_stop = answer->stop_asked != 0;
+    } else {
+      ++report.silent_ticks;
+    }
+    const std::uint64_t age = heard ? reading.tick - answered : report.silent_ticks;
+    for (Proposal& one : proposal.arms.of)
+      one.age_ticks = static_cast<std::uint32_t>(std::min<std::uint64_t>(age, 1000));
+    const auto before = steady_clock::now();
+    const RobotVerdict verdict = guard.check(reading, proposal);
+    const std::chrono::duration<double, std::micro> took = steady_clock::now() - before;
+    wire::DriveFrame frame = wire::to_frame(verdict, reading.tick);
+    frame.armed = number;
+    link.write(frame);
+    ++report.ticks;
+    report.max_check_us = std::max(report.max_check_us, took.count());
+    report.last = verdict.arms;
+  }
+  return report;
+}
+
+}  // namespace tuina::safety

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tuina/session/linked_robot.hpp"
+
+#include <chrono>
+
+#include "tuina/session/control_loop.hpp"
+
+namespace tuina::session {
+namespace {
+
+using std::chrono::steady_clock;
+using namespace std::chrono_literals;
+
+constexpr auto start_patience = 20s;        // of the other processes
+constexpr auto lock_step_patience = 200ms;  // likewise, in each millisecond of a simulation ...
+constexpr auto gone_patience = 2ms;         // ... and once they were silent
+constexpr int silent_guard_ticks = 20;      // then the drives brake
+
+}  // namespace
+
+LinkedRobot::~LinkedRobot() {
+  link_.write(safety::wire::StandFrame{.number = wish_, .ends = 1});
+}
+
+safety::Link::Deadline LinkedRobot::patience(bool there) const noexcept {
+  const auto now = steady_clock::now();
+  if (pace_ == safety::Pace::real) return now + 2ms;
+  return now + (there ? lock_step_patience : gone_patience);
+}
+
+Result<void> LinkedRobot::arm(const safety::Arming& arming) {
+  if (armed_)
+    return fail(Fault::stopped, "a guard in a process of its own is armed for one massage only");
+  if (auto started = start_guard_(arming); !started) return started;
+  const auto ready = link_.wait_for(steady_clock::now() + start_patience, [&]() {
+    const auto frame = link_.drive();
+    return frame && frame->armed != 0 ? frame : std::nullopt;
+  });
+  if (!ready)
+    return fail(Fault::device, "the guard has not begun within {} s", start_patience.count());
+  armed_ = true;
+  return {};
+}
+
+Result<void> LinkedRobot::stand_ready(const robot::ReadyPose& pose) {
+  ++wish_;
+  link_.write(safety::wire::to_frame(pose, wish_));
+  const auto stands = link_.wait_for(steady_clock::now() + start_patience, [&]() {
+    const auto frame = link_.sensors();
+    return frame && frame->stands == wish_ ? frame : std::nullopt;
+  });
+  if (stands) return {};
+  return fail(Fault::device, "the robot does not stand ready after {} s", start_patience.count());
+}
+
+std::optional<robot::RobotReading> LinkedRobot::read() noexcept {
+  const auto fresh = link_.wait_for(patience(true), [&]() {
+    const auto frame = link_.sensors();
+    const bool next = frame && (!last_tick_ || frame->tick != *last_tick_);
+    return next ? frame : std::nullopt;
+  });
+  if (!fresh) return std::nullopt;
+  last_tick_ = fresh->tick;
+  return safety::wire::from_frame(*fresh);
+}
+
+safety::RobotVerdict LinkedRobot::check(const robot::RobotReading& reading,
+                                        const safety::RobotProposal& proposal) noexcept {
+  link_.write(safety::wire::to_frame(proposal, reading.tick, stop_asked_));
+  const auto answer = link_.wait_for(patience(silent_ticks_ == 0), [&]() {
+    const auto frame = link_.drive();
+    return frame && frame->answers_tick == reading.tick ? frame : std::nullopt;
+  });
+  silent_ticks_ = answer ? 0 : silent_ticks_ + 1;
+  if (answer) return last_ = safety::wire::from_frame(*answer);
+  for (safety::Verdict& one : last_.arms.of) {
+    if (one.latched) continue;
+    one.action = safety::Action::freeze;
+    one.cause = safety::Cause::guard_silent;
+    one.latched = silent_ticks_ >= silent_guard_ticks;
+  }
+  return last_;
+}
+
+}  // namespace tuina::session
