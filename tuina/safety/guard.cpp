@@ -112,7 +112,8 @@ bool Guard::torque_fits(const Proposal& proposal) const noexcept {
 void Guard::find_way_out(const Observation& seen, const Proposal& proposal) noexcept {
   if (latched_ != Action::pass) return;
   if (seen.skin != nullptr) {
-    normal_in_base_ = seen.skin->normal_in_base.cast<double>();
+    const Vector3 out_in_base = seen.skin->normal_in_base.cast<double>();
+    if (is_unit(out_in_base)) normal_in_base_ = out_in_base;
     return;
   }
   const double force_n = sample_in_base_n_.norm();
@@ -124,12 +125,14 @@ void Guard::find_way_out(const Observation& seen, const Proposal& proposal) noex
 // A zone that does not exist, or one that is not for people, is borne as the most careful one is;
 // what the guard knows of the place can only lower the limits of what it is told.
 ForceLimits Guard::limits_of(const Observation& seen, const Proposal& proposal) const noexcept {
-  const bool usable = static_cast<std::size_t>(proposal.zone) < zones &&
-                      (proposal.zone != Zone::bench || options_.bench);
-  const ForceLimits told =
-      options_.force[static_cast<std::size_t>(usable ? proposal.zone : Zone::denied)];
+  const auto limits_in = [&](Zone zone) {
+    const bool usable =
+        static_cast<std::size_t>(zone) < zones && (zone != Zone::bench || options_.bench);
+    return options_.force[static_cast<std::size_t>(usable ? zone : Zone::denied)];
+  };
+  const ForceLimits told = limits_in(proposal.zone);
   if (seen.skin == nullptr) return told;
-  const ForceLimits here = options_.force[static_cast<std::size_t>(seen.skin->zone)];
+  const ForceLimits here = limits_in(seen.skin->zone);
   return {std::min(told.set_n, here.set_n), std::min(told.trip_n, here.trip_n)};
 }
 
