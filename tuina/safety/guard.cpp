@@ -86,20 +86,29 @@ Verdict Guard::check(const Observation& seen, const Proposal& proposal) noexcept
   if (finding.latches) stop(finding.action, finding.cause);
   if (latched_ >= finding.action) finding.action = latched_, finding.cause = latched_cause_;
 
-  JointVector torque_nm = torque_fits(proposal) ? proposal.torque_nm : allowed_nm_;
-  double rate = options_.limits.torque_rate_nm_per_s;
   if (finding.action >= Action::freeze) {
-    torque_nm = own_torque(seen, finding.action);
-    rate *= own_rate_factor;
+    const double rate = own_rate_factor * options_.limits.torque_rate_nm_per_s;
+    allowed_nm_ = limited(own_torque(seen, finding.action), rate, finding);
   } else {
     taken_over_ = Action::pass;
-    if (proposal.phase == Phase::contact && pushes_outward(seen, torque_nm))
-      rate *= own_rate_factor;
-    const double over_n = inward_n(seen, torque_nm) - inward_cap_n(seen, proposal);
-    if (over_n > 0.0) torque_nm += over_n * (seen.jacobian.transpose() * normal_in_base_);
+    allowed_nm_ = let_through(seen, proposal, finding);
   }
-  allowed_nm_ = limited(torque_nm, rate, finding);
   return {allowed_nm_, finding.action, finding.cause, latched_ != Action::pass};
+}
+
+// The torques are limited before they are asked how hard they press: joints that reach what is
+// proposed one after the other can press harder on the way than at its end.
+JointVector Guard::let_through(const Observation& seen, const Proposal& proposal,
+                               Finding& finding) const noexcept {
+  const JointVector wanted_nm = torque_fits(proposal) ? proposal.torque_nm : allowed_nm_;
+  const double rate = options_.limits.torque_rate_nm_per_s;
+  const bool lets_go = proposal.phase == Phase::contact && pushes_outward(seen, wanted_nm);
+  const JointVector torque_nm = limited(wanted_nm, lets_go ? own_rate_factor * rate : rate, finding);
+  const double over_n = inward_n(seen, torque_nm) - inward_cap_n(seen, proposal);
+  if (over_n <= 0.0) return torque_nm;
+  finding.add(Action::warn, Cause::inward_force, false);
+  const JointVector outward = seen.jacobian.transpose() * normal_in_base_;
+  return limited(torque_nm + over_n * outward, own_rate_factor * rate, finding);
 }
 
 bool Guard::torque_fits(const Proposal& proposal) const noexcept {

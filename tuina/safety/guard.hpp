@@ -164,6 +164,8 @@ class Guard {
                                 const JointVector& torque_nm) const noexcept;
   [[nodiscard]] bool pressed() const noexcept;
   [[nodiscard]] JointVector own_torque(const Observation& seen, Action action) noexcept;
+  [[nodiscard]] JointVector let_through(const Observation& seen, const Proposal& proposal,
+                                        Finding& finding) const noexcept;
   [[nodiscard]] JointVector limited(const JointVector& torque_nm, double rate_nm_per_s,
                                     Finding& finding) const noexcept;
   [[nodiscard]] bool pushes_outward(const Observation& seen,
