@@ -58,7 +58,8 @@ JointVector Guard::own_torque(const Observation& seen, Action action) noexcept {
     taken_over_ = action;
     hold_in_base_ = taken_over_in_base_ = seen.tool_in_base;
     hold_rad_ = seen.q_rad;
-    held_n_ = pressed() ? sample_in_base_n_.dot(normal_in_base_) : 0.0;
+    // The median, for a single sample may be a blow that nobody has judged yet.
+    held_n_ = pressed() ? std::min(felt_n(), sample_in_base_n_.dot(normal_in_base_)) : 0.0;
   }
   const double outward_m_per_s = seen.tool_velocity_m_per_s.dot(normal_in_base_);
   // A person who comes after the tool is met by nothing that holds it in place, nor aside, nor in
