@@ -120,9 +120,8 @@ bool Guard::torque_fits(const Proposal& proposal) const noexcept {
 // a tool that is pushed is not turned against what pushes it; and once latched it stays.
 void Guard::find_way_out(const Observation& seen, const Proposal& proposal) noexcept {
   if (latched_ != Action::pass) return;
-  if (seen.skin != nullptr) {
-    const Vector3 out_in_base = seen.skin->normal_in_base.cast<double>();
-    if (is_unit(out_in_base)) normal_in_base_ = out_in_base;
+  if (seen.skin != nullptr && is_unit(seen.skin->normal_in_base.cast<double>())) {
+    normal_in_base_ = seen.skin->normal_in_base.cast<double>();
     return;
   }
   const double force_n = sample_in_base_n_.norm();
