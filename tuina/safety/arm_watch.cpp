@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "tuina/core/units.hpp"
 
@@ -22,9 +23,9 @@ constexpr double drive_share = 0.1;
 // Torque that neither the model, nor what the wrist sensor feels, nor friction explains, as a share
 // of what a sound arm may leave unexplained: mass * ddq + coriolis + gravity = motor - friction +
 // J^T wrench, averaged over the window, the acceleration being the change of speed in it.
-double ArmWatch::misfit(const robot::ArmDynamics& dynamics, const robot::ArmReading& reading,
-                        const Vector3& force_in_base_n, const JointVector& applied_nm) noexcept {
-  if (applied_nm.size() != reading.q_rad.size()) return 0.0;
+void ArmWatch::compare(const robot::ArmDynamics& dynamics, const robot::ArmReading& reading,
+                       const Vector3& force_in_base_n, const JointVector& applied_nm) noexcept {
+  if (applied_nm.size() != reading.q_rad.size() || !force_in_base_n.allFinite()) return;
   const Matrix3 base_from_tool = dynamics.base_from_tool.linear();
   robot::Vector6 wrench;
   wrench << force_in_base_n, base_from_tool * reading.wrench_in_tool.torque_nm;
@@ -35,13 +36,13 @@ double ArmWatch::misfit(const robot::ArmDynamics& dynamics, const robot::ArmRead
   unexplained_nm_[next_] = unexplained_nm;
   next_ = (next_ + 1) % window;
   filled_ = std::min(filled_ + 1, window + 1);
-  if (filled_ <= window) return 0.0;
+  if (filled_ <= window) return;
   JointVector mean_nm = JointVector::Zero(reading.q_rad.size());
   for (const JointVector& one_nm : unexplained_nm_) mean_nm += one_nm / double{window};
   const JointVector acceleration =
       (reading.dq_rad_per_s - before) / (double{window} * control_period_s);
   mean_nm -= dynamics.mass_kg_m2 * acceleration;
-  double worst = 0.0;
+  misfit_ = 0.0;
   for (Eigen::Index i = 0; i < mean_nm.size(); ++i) {
     const robot::Link& link = model_.table().links[static_cast<std::size_t>(i)];
     // A joint that leans against its stop is held by that, and by nothing that is known here.
@@ -50,9 +51,8 @@ double ArmWatch::misfit(const robot::ArmDynamics& dynamics, const robot::ArmRead
     const double friction_nm =
         link.coulomb_nm + link.viscous_nm_s_per_rad * std::abs(reading.dq_rad_per_s[i]);
     const double allowed_nm = friction_share * friction_nm + drive_share * link.torque_limit_nm;
-    worst = std::max(worst, std::abs(mean_nm[i]) / allowed_nm);
+    misfit_ = std::max(misfit_, std::abs(mean_nm[i]) / allowed_nm);
   }
-  return worst;
 }
 
 Observation ArmWatch::observe(const robot::RobotReading& reading, Arm arm, Phase phase,
@@ -68,14 +68,16 @@ Observation ArmWatch::observe(const robot::RobotReading& reading, Arm arm, Phase
   const robot::ArmDynamics dynamics = model_.evaluate(raw.q_rad, raw.dq_rad_per_s, reading.rail_m);
   const Matrix3 base_from_tool = dynamics.base_from_tool.linear();
   const Vector3 weight_n(0.0, 0.0, -model_.table().tool_mass_kg * gravity_m_per_s2);
-  const Vector3 felt_in_tool_n = raw.wrench_in_tool.force_n - base_from_tool.transpose() * weight_n;
+  Vector3 felt_in_tool_n = raw.wrench_in_tool.force_n - base_from_tool.transpose() * weight_n;
+  if (!raw.wrench_in_tool.torque_nm.allFinite())
+    felt_in_tool_n.setConstant(std::numeric_limits<double>::quiet_NaN());
   if (felt_in_tool_n.allFinite()) {
     if (!started_) mean_in_tool_n_ = felt_in_tool_n;
     started_ = true;
     mean_in_tool_n_ += (felt_in_tool_n - mean_in_tool_n_) / averaged_ticks;
   }
   if (phase == Phase::approach && phase_ != Phase::approach)
-    zero_in_tool_n_ = mean_in_tool_n_.cwiseMin(max_zero_n).cwiseMax(-max_zero_n);
+    zero_in_tool_n_ = mean_in_tool_n_ * (max_zero_n / std::max(mean_in_tool_n_.norm(), max_zero_n));
   phase_ = phase;
   seen.force_in_base_n = base_from_tool * (felt_in_tool_n - zero_in_tool_n_);
   seen.tool_in_base = dynamics.base_from_tool.translation();
@@ -84,7 +86,8 @@ Observation ArmWatch::observe(const robot::RobotReading& reading, Arm arm, Phase
   seen.tool_velocity_m_per_s = seen.jacobian * raw.dq_rad_per_s;
   seen.mass_kg_m2 = dynamics.mass_kg_m2;
   seen.gravity_nm = dynamics.gravity_nm;
-  seen.torque_misfit = misfit(dynamics, raw, seen.force_in_base_n, applied_nm);
+  compare(dynamics, raw, seen.force_in_base_n, applied_nm);
+  seen.torque_misfit = misfit_;
   return seen;
 }
 

@@ -16,7 +16,8 @@ class ArmWatch {
   explicit ArmWatch(const robot::ArmModel& model) noexcept : model_(model) {}
 
   /// `applied_nm` moved the arm since the last reading; empty at the first. `phase` is what the
-  /// controller says: when it begins to approach, the wrist sensor is zeroed, by 3 N at most.
+  /// controller says: when it begins to approach, the wrist sensor is zeroed, by 3 N at most. A
+  /// sensor whose torques are no numbers has no force either.
   [[nodiscard]] Observation observe(const robot::RobotReading& reading, Arm arm, Phase phase,
                                     const JointVector& applied_nm) noexcept;
 
@@ -25,9 +26,8 @@ class ArmWatch {
  private:
   static constexpr std::size_t window = 20;  ///< ticks over which torques and motion are compared
 
-  [[nodiscard]] double misfit(const robot::ArmDynamics& dynamics, const robot::ArmReading& reading,
-                              const Vector3& force_in_base_n,
-                              const JointVector& applied_nm) noexcept;
+  void compare(const robot::ArmDynamics& dynamics, const robot::ArmReading& reading,
+               const Vector3& force_in_base_n, const JointVector& applied_nm) noexcept;
 
   robot::ArmModel model_;
   Phase phase_ = Phase::free;
@@ -36,6 +36,7 @@ class ArmWatch {
 
   std::array<JointVector, window> speeds_ = {}, unexplained_nm_ = {};
   std::size_t next_ = 0, filled_ = 0;
+  double misfit_ = 0.0;  ///< the last one; a millisecond without the wrist's torques leaves it so
 };
 
 }  // namespace tuina::safety
