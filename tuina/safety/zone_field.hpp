@@ -22,7 +22,7 @@ struct ZoneField {
   Vector3 up_in_base = Vector3::UnitY();     ///< unit, across `along`; the way from row to row
   double cell_m = 5e-3;
   std::int32_t columns = 0, rows = 0;
-  std::vector<Cell> cells;  ///< row after row
+  std::vector<Cell> cells;  ///< row after row; columns * rows of them, or none
 
   [[nodiscard]] bool empty() const noexcept { return cells.empty(); }
   /// The cell that a place lies over; null beside the grid.
