@@ -83,7 +83,9 @@ RobotVerdict RobotGuard::check(const robot::RobotReading& reading,
     Side& side = sides_[arm];
     if (patience_is_over && side.guard.felt_n() > let_go_n)
       side.guard.stop(Action::retract, Cause::asked_to);
-    verdict.arms[arm] = side.guard.check(seen[arm], proposal.arms[arm]);
+    Proposal told = proposal.arms[arm];
+    if (!field_.empty() && seen[arm].skin == nullptr) told.zone = Zone::denied;
+    verdict.arms[arm] = side.guard.check(seen[arm], told);
     side.applied_nm = verdict.arms[arm].allowed_nm;
     verdict.command.torque_nm[arm] = side.applied_nm;
     verdict.command.brake[arm] = verdict.arms[arm].action == Action::brake;

@@ -32,7 +32,7 @@ class RobotGuard {
   struct Options {
     std::vector<robot::Obstacle> obstacles = {};  ///< couch and the robot's own body
     double max_set_force_n = std::numeric_limits<double>::infinity();  ///< in every zone
-    ZoneField field = {};  ///< the person's back; empty where nobody has scanned one
+    ZoneField field = {};  ///< the person's back, all beside it denied; empty where nobody scanned
     bool bench = false;    ///< tissue in a laboratory instead of a person
   };
 
