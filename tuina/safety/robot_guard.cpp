@@ -65,7 +65,7 @@ void RobotGuard::keep_apart(const PerArm<Observation>& seen,
 
 RobotVerdict RobotGuard::check(const robot::RobotReading& reading,
                                const RobotProposal& proposal) noexcept {
-  if (!started_) rail_m_ = reading.rail_m;
+  if (!started_) rail_m_ = std::isfinite(reading.rail_m) ? reading.rail_m : proposal.rail_m;
   started_ = true;
   if (!(std::abs(reading.rail_m - rail_m_) <= rail_moved_m)) stop(Cause::rail_moved);
   PerArm<Observation> seen;
