@@ -96,19 +96,25 @@ Verdict Guard::check(const Observation& seen, const Proposal& proposal) noexcept
   return {allowed_nm_, finding.action, finding.cause, latched_ != Action::pass};
 }
 
-// The torques are limited before they are asked how hard they press: joints that reach what is
-// proposed one after the other can press harder on the way than at its end.
+// Torques are asked how hard they press before they are limited, and after: joints that reach what
+// is proposed one after the other can press harder on the way than at its end.
 JointVector Guard::let_through(const Observation& seen, const Proposal& proposal,
                                Finding& finding) const noexcept {
-  const JointVector wanted_nm = torque_fits(proposal) ? proposal.torque_nm : allowed_nm_;
-  const double rate = options_.limits.torque_rate_nm_per_s;
-  const bool lets_go = proposal.phase == Phase::contact && pushes_outward(seen, wanted_nm);
-  const JointVector torque_nm = limited(wanted_nm, lets_go ? own_rate_factor * rate : rate, finding);
-  const double over_n = inward_n(seen, torque_nm) - inward_cap_n(seen, proposal);
-  if (over_n <= 0.0) return torque_nm;
-  finding.add(Action::warn, Cause::inward_force, false);
+  const double cap_n = inward_cap_n(seen, proposal);
   const JointVector outward = seen.jacobian.transpose() * normal_in_base_;
-  return limited(torque_nm + over_n * outward, own_rate_factor * rate, finding);
+  const auto over_n = [&](const JointVector& torque_nm) {
+    return std::max(inward_n(seen, torque_nm) - cap_n, 0.0);
+  };
+  JointVector torque_nm = torque_fits(proposal) ? proposal.torque_nm : allowed_nm_;
+  double rate = options_.limits.torque_rate_nm_per_s;
+  if (proposal.phase == Phase::contact && pushes_outward(seen, torque_nm)) rate *= own_rate_factor;
+  torque_nm += over_n(torque_nm) * outward;
+  torque_nm = limited(torque_nm, rate, finding);
+  const double still_over_n = over_n(torque_nm);
+  if (still_over_n == 0.0) return torque_nm;
+  finding.add(Action::warn, Cause::inward_force, false);
+  rate = own_rate_factor * options_.limits.torque_rate_nm_per_s;
+  return limited(torque_nm + still_over_n * outward, rate, finding);
 }
 
 bool Guard::torque_fits(const Proposal& proposal) const noexcept {
