@@ -137,6 +137,7 @@ void Guard::judge_sensor(const Observation& seen, Finding& finding) noexcept {
   const double age_s = seen.time_s - seen.wrench_time_s;
   const bool fresh = seen.force_in_base_n.allFinite() && seen.wrench_time_s > sample_time_s_ &&
                      std::abs(age_s) <= options_.limits.stale_retract_s;
+  const bool begins = samples_ < first_samples;
   if (fresh) {
     sample_time_s_ = seen.wrench_time_s;
     sample_age_s_ = std::max(age_s, 0.0);
@@ -150,7 +151,7 @@ void Guard::judge_sensor(const Observation& seen, Finding& finding) noexcept {
   if (sample_age_s_ > options_.limits.stale_retract_s + rounding_s)
     finding.add(Action::retract, Cause::force_stale, true);
   const double median_n = median(samples_n_[0], samples_n_[1], samples_n_[2]);
-  if (samples_ < first_samples) return medians_n_.fill(median_n);
+  if (begins) return medians_n_.fill(median_n);
   std::rotate(medians_n_.begin(), medians_n_.begin() + 1, medians_n_.end());
   medians_n_.back() = median_n;
 }
