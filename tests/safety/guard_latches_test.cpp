@@ -19,7 +19,7 @@ const std::vector<Stop> stops = {
     {"ten ticks missed", [](Scene& s) { s.seen.tick += 10; }, Action::retract, Cause::late_tick},
     {"encoder jumps", [](Scene& s) { s.seen.q_rad[1] -= 0.1; }, Action::comply,
      Cause::encoder_jump},
-    {"joint too fast", [](Scene& s) { s.seen.dq_rad_per_s[1] = 5.0; }, Action::comply,
+    {"joint too fast", [](Scene& s) { s.seen.dq_rad_per_s[1] = 4.0; }, Action::comply,
      Cause::joint_too_fast, 3},
     {"tool too fast", [](Scene& s) { s.seen.tool_velocity_m_per_s.x() = 0.31; }, Action::comply,
      Cause::tool_too_fast, 3},
@@ -39,6 +39,16 @@ const std::vector<Stop> stops = {
      Cause::set_force_too_high},
     {"saturated", [](Scene& s) { s.proposal.torque_nm[3] = 51.0; }, Action::comply,
      Cause::torque_saturated, 100},
+    {"presses too hard", [](Scene& s) { s.pull(-71.0 * s.normal()); }, Action::retract,
+     Cause::inward_force, 100},
+    {"torques amiss", [](Scene& s) { s.seen.torque_misfit = 2.0; }, Action::comply,
+     Cause::torques_amiss, 25},
+    {"sensor turned round", [](Scene& s) { s.pushed_along = -s.normal(); }, Action::comply,
+     Cause::force_reversed, 10},
+    {"sensor stuck", [](Scene& s) { s.noise_n = 0.0, s.seen.tool_velocity_m_per_s.x() = 0.02; },
+     Action::retract, Cause::force_stuck, 22},
+    {"a stop from outside", [](Scene& s) { s.guard.stop(Action::freeze, Cause::arms_too_close); },
+     Action::freeze, Cause::arms_too_close},
     {"no state", [](Scene& s) { s.seen.q_rad[0] = not_a_number; }, Action::brake,
      Cause::state_not_finite},
 };
@@ -53,6 +63,8 @@ void stop(Scene& scene, const Stop& fault) {
   scene.seen.time_s = well.seen.time_s + 0.2;
   scene.proposal = well.proposal;
   scene.force_n = well.force_n;
+  scene.pushed_along = well.pushed_along;
+  scene.noise_n = well.noise_n;
   scene.sensor_alive = true;
 }
 

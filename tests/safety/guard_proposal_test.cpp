@@ -21,6 +21,7 @@ TEST_CASE("a proposal with a broken normal, target, stiffness, zone or phase is 
       [](Proposal& proposal) { proposal.phase = static_cast<Phase>(99); }};
   for (const auto& spoil : faults) {
     Scene scene;
+    scene.force_n = 5.0;  // which a zone that does not exist bears
     scene.tick(3);
     spoil(scene.proposal);
     CHECK(scene.tick().action == Action::retract);
@@ -38,9 +39,33 @@ TEST_CASE("a proposal with a broken normal, target, stiffness, zone or phase is 
   CHECK(scene.tick().action == Action::pass);
 }
 
-TEST_CASE("of a zone or phase that does not exist the hardest limits there are are judged too") {
-  Scene scene;
-  scene.proposal.zone = static_cast<Zone>(99);
-  scene.force_n = 90.5;  // over the trip of the bench
-  CHECK(scene.tick().cause == Cause::force_over_trip);
+TEST_CASE("a zone that does not exist, or is not for people, is borne as the most careful one is") {
+  for (const Zone zone : {static_cast<Zone>(7), static_cast<Zone>(99), Zone::bench}) {
+    for (const double force_n : {9.99, 10.01}) {
+      Guard::Options options = six_joints();
+      options.bench = false;
+      Scene scene(options);
+      scene.force_n = force_n;
+      scene.tick(3);
+      scene.proposal.zone = zone;  // the force is judged before the proposal is
+      CHECK(scene.tick().cause == (force_n > 10.0 ? Cause::force_over_trip : Cause::bad_proposal));
+      CHECK(scene.verdict.action == Action::retract);
+    }
+  }
+}
+
+TEST_CASE("a bench is refused where nobody has said so, be it for one tick in fifty") {
+  Guard::Options options = six_joints();
+  options.bench = false;
+  Scene scene(options);
+  scene.force_n = 59.5;
+  scene.tick(49);
+  scene.proposal.zone = Zone::bench;
+  CHECK(scene.tick().action == Action::retract);
+  CHECK(scene.verdict.cause == Cause::force_over_trip);
+  Scene laboratory;
+  laboratory.proposal.zone = Zone::bench;
+  laboratory.force_n = 59.5;
+  CHECK(laboratory.tick(200).action == Action::pass);
+  CHECK_FALSE(Guard::Options{}.bench);
 }

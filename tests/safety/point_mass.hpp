@@ -30,7 +30,7 @@ struct PointMass : private Scene {
     seen.wrench_time_s = seen.time_s - 1e-3;
     seen.tool_in_base = tool_m * normal();
     seen.tool_velocity_m_per_s = speed_m_per_s * normal();
-    seen.force_in_base_n = felt_n_ * normal();
+    seen.force_in_base_n = (felt_n_ + 1e-9 * static_cast<double>(seen.tick % 2)) * normal();
     const double pull_n = -press_n_ - 1000.0 * (tool_m - target_m_) - 80.0 * speed_m_per_s;
     proposal.virtual_target_in_base = target_m_ * normal();
     proposal.torque_nm = torque_of(std::clamp(pull_n, -press_n_, press_n_) * normal());
@@ -54,12 +54,12 @@ struct PointMass : private Scene {
     step();
     proposal.set_force_n = 20.0;
   }
-  void skip_ticks(std::uint64_t ticks) {
-    seen.tick += ticks;
+  void skip_ticks(int ticks) {
+    miss(ticks);
     step();
   }
-  void jump_encoder() {
-    seen.q_rad[5] += 6e-3;
+  void comply() {
+    guard.stop(Action::comply, Cause::tool_too_fast);
     step();
   }
 

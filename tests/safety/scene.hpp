@@ -5,49 +5,28 @@
 
 #include <limits>
 
-#include "tuina/safety/guard.hpp"
+#include "tests/safety/standing_arm.hpp"
 
 namespace tuina::safety {
 
 inline constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 inline constexpr double infinity = std::numeric_limits<double>::infinity();
 
-inline Guard::Options six_joints() {
-  Guard::Options options;
-  options.torque_limit_nm = JointVector::Constant(6, 50.0);
-  options.bench = true;
-  return options;
-}
-
 /// An arm that stands still and presses tilted skin with 20 N, all sensors well; tests spoil one
-/// thing. The first three joints move the tool along the axes of the base, 0.2 m for each radian,
-/// the others not at all; the tool is felt as 3 kg.
+/// thing.
 struct Scene {
-  Observation seen;
-  Proposal proposal;
+  Observation seen = standing_arm();
+  Proposal proposal = pressing(seen);
   Guard guard;
   double force_n = 20.0;
+  double noise_n = 1e-9;  ///< no sensor says the same twice to the last bit
+  double sensor_lag_s = 1e-3;
   bool sensor_alive = true;
   Vector3 pushed_along;  ///< where the body pushes the tool; unit
   Verdict verdict;
 
-  explicit Scene(const Guard::Options& options = six_joints()) : guard(options) {
-    seen.q_rad = JointVector::LinSpaced(6, -1.0, 1.5);
-    seen.dq_rad_per_s = JointVector::Zero(6);
-    seen.gravity_nm = JointVector::LinSpaced(6, -2.0, 3.0);
-    seen.jacobian.setZero(3, 6);
-    seen.jacobian.leftCols<3>() = 0.2 * Eigen::Matrix3d::Identity();
-    seen.mass_kg_m2 = 3.0 * 0.2 * 0.2 * JointMatrix::Identity(6, 6);
-    seen.tool_in_base = {0.5, -0.2, 0.3};
-    proposal = {.torque_nm = seen.gravity_nm,
-                .phase = Phase::contact,
-                .zone = Zone::muscle,
-                .set_force_n = 20.0,
-                .normal_in_base = Vector3(1.0, 2.0, 2.0) / 3.0,
-                .stiffness_n_per_m = 1000.0};
-    proposal.virtual_target_in_base = seen.tool_in_base - 0.02 * normal();
-    pushed_along = normal();
-  }
+  explicit Scene(const Guard::Options& options = six_joints())
+      : guard(options), pushed_along(normal()) {}
 
   [[nodiscard]] const Vector3& normal() const { return proposal.normal_in_base; }
   /// Skin that faces another way.
@@ -64,13 +43,15 @@ struct Scene {
   }
   [[nodiscard]] double outward_n() const { return allowed_n().dot(normal()); }
 
+  /// The controller wants the arm to push its tool with this force.
+  void pull(const Vector3& force) { proposal.torque_nm = torque_of(force); }
+
   /// One tick at a time of its own.
   const Verdict& tick_at(double time_s) {
     seen.tick += 1;
     seen.time_s = time_s;
-    if (sensor_alive) seen.wrench_time_s = time_s - 1e-3;
-    // No sensor says the same twice to the last bit.
-    seen.force_in_base_n = (force_n - 1e-9 * static_cast<double>(seen.tick % 2)) * pushed_along;
+    if (sensor_alive) seen.wrench_time_s = time_s - sensor_lag_s;
+    seen.force_in_base_n = (force_n - noise_n * static_cast<double>(seen.tick % 2)) * pushed_along;
     seen.q_rad += 1e-3 * seen.dq_rad_per_s;
     return verdict = guard.check(seen, proposal);
   }
@@ -86,13 +67,21 @@ struct Scene {
     return limit;
   }
 
+  /// The next tick comes after so many that did not.
+  void miss(int ticks) {
+    seen.tick += static_cast<std::uint64_t>(ticks);
+    seen.time_s += 1e-3 * ticks;
+    seen.q_rad += 1e-3 * ticks * seen.dq_rad_per_s;
+  }
+
   void freeze() {
-    seen.tick += 3;  // that many were missed
+    miss(3);
     tick();
     REQUIRE(verdict.action == Action::freeze);
   }
+  /// Of an arm whose joints are known.
   void comply() {
-    seen.q_rad[5] += 6e-3;
+    guard.stop(Action::comply, Cause::tool_too_fast);
     tick();
     REQUIRE(verdict.action == Action::comply);
   }

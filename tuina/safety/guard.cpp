@@ -61,13 +61,13 @@ void Guard::begin(const Observation& seen) noexcept {
 Verdict Guard::check(const Observation& seen, const Proposal& proposal) noexcept {
   Finding finding;
   const auto joints = options_.torque_limit_nm.size();
-  const bool known = joints > 0 && seen.q_rad.size() == joints && seen.dq_rad_per_s.size() == joints &&
-                     seen.gravity_nm.size() == joints && seen.jacobian.cols() == joints &&
-                     seen.mass_kg_m2.cols() == joints && seen.mass_kg_m2.rows() == joints &&
-                     seen.q_rad.allFinite() && seen.dq_rad_per_s.allFinite() &&
-                     seen.gravity_nm.allFinite() && seen.jacobian.allFinite() &&
-                     seen.mass_kg_m2.allFinite() && seen.tool_in_base.allFinite() &&
-                     seen.tool_velocity_m_per_s.allFinite() && std::isfinite(seen.time_s);
+  const bool known =
+      joints > 0 && seen.q_rad.size() == joints && seen.dq_rad_per_s.size() == joints &&
+      seen.gravity_nm.size() == joints && seen.jacobian.cols() == joints &&
+      seen.mass_kg_m2.cols() == joints && seen.mass_kg_m2.rows() == joints &&
+      seen.q_rad.allFinite() && seen.dq_rad_per_s.allFinite() && seen.gravity_nm.allFinite() &&
+      seen.jacobian.allFinite() && seen.mass_kg_m2.allFinite() && seen.tool_in_base.allFinite() &&
+      seen.tool_velocity_m_per_s.allFinite() && std::isfinite(seen.time_s);
   if (!known) {
     finding.add(Action::brake, Cause::state_not_finite, true);
   } else {

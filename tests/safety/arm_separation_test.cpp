@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tuina/safety/arm_separation.hpp"
+
+#include "tests/safety/two_arms.hpp"
+
+using namespace tuina;
+using namespace tuina::safety;
+
+namespace {
+
+constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
+
+robot::RobotReading both_at_zero() {
+  robot::RobotReading reading;
+  for (const Arm arm : both_arms)
+    reading.arms[arm] = {.q_rad = JointVector::Zero(6), .dq_rad_per_s = JointVector::Zero(6)};
+  return reading;
+}
+
+/// A box below both forearms, so far from their surface.
+robot::Obstacle box_below(double apart_m) {
+  const Vector3 edges_m(2.0, 2.0, 0.1);
+  const Vector3 tool =
+      two_arms()[Arm::left].base_from_tool(JointVector::Zero(6), 0.0).translation();
+  robot::Obstacle box{.edges_m = edges_m};
+  box.base_from_box.translation() = Vector3(0.2, 0.0, tool.z() - 0.05 - apart_m - 0.05);
+  return box;
+}
+
+/// How near the arms, or the arm and a box, are when motion at that speed is no longer allowed.
+struct Approach {
+  double gap_m = 0.0, speed_m_per_s = 0.0;
+};
+Approach approach_each_other(double rad_per_s, bool both) {
+  ArmSeparation separation(two_arms(0.25));
+  robot::RobotReading reading = both_at_zero();
+  double before_m = 0.0;
+  for (int ms = 0; ms < 5000; ++ms) {
+    const bool keeps = separation.keeps(reading);
+    const Approach now{separation.apart_m(), (before_m - separation.apart_m()) / 1e-3};
+    if (!keeps) {
+      CHECK_FALSE(separation.arms_keep());
+      return now;
+    }
+    CHECK(separation.arms_keep());
+    before_m = separation.apart_m();
+    reading.arms[Arm::left].q_rad[1] += 1e-3 * rad_per_s;
+    if (both) reading.arms[Arm::right].q_rad[1] -= 1e-3 * rad_per_s;
+  }
+  return {};
+}
+
+}  // namespace
+
+TEST_CASE("arms that stand 25 mm apart keep, nearer they do not") {
+  for (const double gap_m : {0.0251, 0.0249}) {
+    ArmSeparation separation(two_arms(0.1 + gap_m));
+    for (int i = 0; i < 3; ++i) CHECK(separation.keeps(both_at_zero()) == (gap_m > 0.025));
+    CHECK(separation.apart_m() == doctest::Approx(gap_m));
+    CHECK(separation.arms_keep() == (gap_m > 0.025));
+  }
+}
+
+TEST_CASE("before the first reading nobody is near and nothing is violated") {
+  const ArmSeparation separation(two_arms());
+  CHECK(separation.arms_keep());
+  CHECK(separation.apart_m() == 0.0);
+}
+
+TEST_CASE("arms stop when braking by 2 m/s2 each would end nearer than 25 mm") {
+  for (const double rad_per_s : {0.1, 0.5, 1.0}) {
+    const Approach one = approach_each_other(rad_per_s, false);
+    REQUIRE(one.speed_m_per_s > 0.2 * rad_per_s);
+    const double way_m = one.speed_m_per_s * one.speed_m_per_s / 4.0;
+    CHECK(one.gap_m == doctest::Approx(0.025 + way_m).epsilon(0.05));
+    // Two that share a closing speed have half the way.
+    const Approach two = approach_each_other(0.5 * rad_per_s, true);
+    CHECK(two.gap_m == doctest::Approx(0.025 + 0.5 * way_m).epsilon(0.05));
+  }
+}
+
+TEST_CASE("arms that part need no way to brake, and a jump of an encoder is no speed") {
+  ArmSeparation separation(two_arms(0.15));
+  robot::RobotReading reading = both_at_zero();
+  for (int ms = 0; ms < 200; ++ms) {
+    REQUIRE(separation.keeps(reading));
+    reading.arms[Arm::left].q_rad[1] -= 2e-3;
+  }
+  ArmSeparation jumping(two_arms(0.2));
+  reading = both_at_zero();
+  CHECK(jumping.keeps(reading));
+  reading.arms[Arm::left].q_rad[1] += 5e-3;
+  CHECK(jumping.keeps(reading));  // 3 m/s in one millisecond, a twentieth of it after smoothing
+}
+
+TEST_CASE("arms that stand 25 mm from couch or body keep, nearer they do not") {
+  for (const double gap_m : {0.0251, 0.0249}) {
+    ArmSeparation separation(two_arms(), {box_below(gap_m)});
+    for (int i = 0; i < 3; ++i) CHECK(separation.keeps(both_at_zero()) == (gap_m > 0.025));
+    CHECK(separation.arms_keep());  // it is not the arms
+  }
+}
+
+TEST_CASE("an arm that nears the couch stops when braking by 2 m/s2 would end within 25 mm") {
+  for (const Arm arm : both_arms) {
+    ArmSeparation separation(two_arms(), {box_below(0.3)});
+    robot::RobotReading reading = both_at_zero();
+    const auto model = two_arms()[arm];
+    double before_m = 0.0, gap_m = 0.0, speed_m_per_s = 0.0;
+    const auto lowest_m = [&] {
+      return model.base_from_tool(reading.arms[arm].q_rad, 0.0).translation().z();
+    };
+    const double floor_m = lowest_m() - 0.05 - 0.3;
+    for (int ms = 0; ms < 5000; ++ms) {
+      gap_m = lowest_m() - 0.05 - floor_m;
+      speed_m_per_s = (before_m - gap_m) / 1e-3;
+      before_m = gap_m;
+      if (!separation.keeps(reading)) break;
+      reading.arms[arm].q_rad[3] -= 0.5e-3;
+    }
+    CHECK(separation.arms_keep());
+    REQUIRE(std::abs(speed_m_per_s) > 0.1);
+    CHECK(gap_m == doctest::Approx(0.025 + speed_m_per_s * speed_m_per_s / 4.0).epsilon(0.1));
+  }
+}
+
+TEST_CASE("nothing keeps clear of an arm that nobody can place; a moment later all is as before") {
+  const std::vector<void (*)(robot::RobotReading&)> faults = {
+      [](robot::RobotReading& r) { r.arms[Arm::left].q_rad[2] = not_a_number; },
+      [](robot::RobotReading& r) { r.arms[Arm::right].q_rad[5] = not_a_number; },
+      [](robot::RobotReading& r) { r.arms[Arm::right].q_rad.setZero(5); },
+      [](robot::RobotReading& r) { r.arms[Arm::left].q_rad.setZero(0); },
+      [](robot::RobotReading& r) { r.rail_m = not_a_number; }};
+  for (const auto& spoil : faults) {
+    ArmSeparation separation(two_arms(), {box_below(0.1)});
+    for (int ms = 0; ms < 5; ++ms) CHECK(separation.keeps(both_at_zero()));
+    robot::RobotReading bad = both_at_zero();
+    spoil(bad);
+    CHECK_FALSE(separation.keeps(bad));
+    CHECK_FALSE(separation.arms_keep());
+    for (int ms = 0; ms < 100; ++ms) CHECK(separation.keeps(both_at_zero()));
+    CHECK(separation.apart_m() == doctest::Approx(0.3));
+  }
+}

@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: Apache-2.0
+// How hard the torques would press, whatever the controller says of them.
+#include <cmath>
+
+#include "tests/safety/scene.hpp"
+
+using namespace tuina;
+using namespace tuina::safety;
+
+namespace {
+
+/// A scene whose controller has been pushing its tool inward with a force for a while.
+Scene pushing(double inward_n, Phase phase = Phase::contact, Zone zone = Zone::muscle,
+              int ticks = 50) {
+  Scene scene;
+  scene.proposal.phase = phase;
+  scene.proposal.zone = zone;
+  scene.proposal.set_force_n = 0.0;
+  scene.force_n = 5.0;
+  scene.proposal.virtual_target_in_base = scene.seen.tool_in_base;
+  scene.tick(3);
+  scene.pull(-inward_n * scene.normal());
+  scene.tick(ticks);
+  return scene;
+}
+
+}  // namespace
+
+TEST_CASE("torques may press as hard as the trip and friction, or 60 N where nobody is to press") {
+  const std::array<double, 7> trip_n = {60.0, 25.0, 30.0, 15.0, 10.0, 10.0, 90.0};
+  for (std::size_t zone = 0; zone < zones; ++zone) {
+    for (int phase = 0; phase < 4; ++phase) {
+      CAPTURE(zone);
+      CAPTURE(phase);
+      const bool presses = phase == 1 || phase == 2;
+      const double limit_n = presses ? trip_n[zone] + 10.0 : 60.0;
+      const auto at = [&](double inward_n) {
+        return pushing(inward_n, static_cast<Phase>(phase), static_cast<Zone>(zone));
+      };
+      CHECK(at(limit_n - 0.01).verdict.action == Action::pass);
+      Scene over = at(limit_n + 1.0);
+      CHECK(over.verdict.action == Action::warn);
+      CHECK(over.verdict.cause == Cause::inward_force);
+      CHECK_FALSE(over.verdict.latched);
+      check_same(over.allowed_n(), -limit_n * over.normal());
+    }
+  }
+}
+
+TEST_CASE("pressing too hard is clamped at once, and for a tenth of a second ends the contact") {
+  Scene scene = pushing(200.0, Phase::contact, Zone::muscle, 99);
+  CHECK(scene.verdict.action == Action::warn);
+  check_same(scene.allowed_n(), -70.0 * scene.normal());
+  Scene pause = scene;
+  CHECK(scene.tick().action == Action::retract);
+  CHECK(scene.verdict.cause == Cause::inward_force);
+  CHECK(scene.verdict.latched);
+  pause.pull(-20.0 * pause.normal());
+  CHECK(pause.tick().cause != Cause::inward_force);
+  pause.pull(-200.0 * pause.normal());
+  CHECK(pause.tick(99).action == Action::warn);
+  CHECK(pause.tick().action == Action::retract);
+}
+
+TEST_CASE("130 N inward behind springs of no stiffness, or along the skin, are not let through") {
+  for (const bool along_skin : {false, true}) {
+    Scene scene = pushing(0.0);
+    scene.proposal.stiffness_n_per_m = along_skin ? 1000.0 : 0.0;
+    if (along_skin)
+      scene.proposal.virtual_target_in_base =
+          scene.seen.tool_in_base + scene.normal().unitOrthogonal();
+    scene.pull(-130.0 * scene.normal());
+    double max_n = 0.0;
+    for (int i = 0; i < 100; ++i) scene.tick(), max_n = std::max(max_n, -scene.outward_n());
+    CHECK(max_n < 70.001);
+    CHECK(scene.verdict.action == Action::retract);
+  }
+}
+
+TEST_CASE("a push aside or outward, however hard, presses nobody") {
+  Scene scene = pushing(0.0);
+  scene.pull(150.0 * scene.normal());
+  CHECK(scene.tick(150).cause != Cause::inward_force);
+  CHECK(scene.verdict.action == Action::pass);
+  Scene aside = pushing(0.0);
+  aside.pull(150.0 * aside.normal().unitOrthogonal());
+  CHECK(aside.tick(150).action == Action::pass);
+}
+
+TEST_CASE("a heavy joint presses less with its torque than a light one") {
+  // The body holds the tool still: what it must push back is torque that would speed the tool up.
+  Scene scene;
+  scene.face(Vector3(1.0, 1.0, 0.0).normalized());
+  scene.force_n = 0.0;
+  scene.seen.mass_kg_m2 = JointMatrix::Identity(6, 6);
+  scene.seen.mass_kg_m2(0, 0) = 0.25;
+  scene.tick(3);
+  // By hand: 4 Nm on the light joint count 4, the mobility is 0.2^2 (4 + 1) / 2.
+  scene.proposal.torque_nm = scene.seen.gravity_nm;
+  scene.proposal.torque_nm[0] -= 10.0;
+  const double implied_n = 0.2 * 4.0 * 10.0 / std::sqrt(2.0) / (0.2 * 0.2 * 2.5);
+  REQUIRE(implied_n == doctest::Approx(56.57).epsilon(1e-3));
+  CHECK(scene.tick(50).action == Action::pass);
+  scene.proposal.torque_nm[0] -= 2.3;
+  CHECK(scene.tick(3).action == Action::pass);  // 69.6 N
+  scene.proposal.torque_nm[0] -= 0.2;
+  CHECK(scene.tick().cause == Cause::inward_force);  // 70.7 N
+}
+
+TEST_CASE("joints that reach their torques one after the other press no harder on the way") {
+  for (const double second_nm : {40.0, 200.0}) {  // which a drive can give, or cannot
+    Scene scene;
+    scene.face(Vector3(1.0, 1.0, 0.0).normalized());
+    scene.seen.gravity_nm.setZero(6);
+    scene.proposal.torque_nm.setZero(6);
+    scene.seen.jacobian(1, 1) = 0.05;
+    scene.tick(3);
+    const Vector3 lever = 0.5 * std::sqrt(2.0) * Vector3(0.2, 0.05, 0.0);
+    const auto implied_n = [&](const JointVector& torque_nm) {
+      return -lever.dot(torque_nm.head<3>()) / lever.squaredNorm();
+    };
+    scene.proposal.torque_nm[0] = second_nm > 50.0 ? -40.0 : -20.0;
+    scene.proposal.torque_nm[1] = second_nm;
+    REQUIRE(implied_n(scene.proposal.torque_nm) < 69.0);
+    double max_n = 0.0;
+    JointVector before_nm = scene.verdict.allowed_nm;
+    bool warned = false;
+    for (int i = 0; i < 60; ++i) {
+      scene.tick();
+      warned = warned || scene.verdict.cause != Cause::none;
+      max_n = std::max(max_n, implied_n(scene.verdict.allowed_nm));
+      CHECK((scene.verdict.allowed_nm - before_nm).cwiseAbs().maxCoeff() <= 10.0 + 1e-9);
+      before_nm = scene.verdict.allowed_nm;
+    }
+    CHECK(warned);
+    CHECK(max_n > 65.0);
+    CHECK(max_n < (second_nm > 50.0 ? 71.0 : 70.001));  // a drive at its limit cannot help
+  }
+}
+
+TEST_CASE("a tool that no joint moves presses nobody") {
+  Scene scene;
+  scene.seen.jacobian.setZero();
+  scene.proposal.torque_nm[0] -= 40.0;
+  CHECK(scene.tick(200).cause == Cause::none);
+}
+
+TEST_CASE("a leash may press as hard as the trip, in contact only, and only along the normal") {
+  Scene scene;
+  scene.face(Vector3::UnitZ());
+  scene.seen.tool_in_base = {0.0, 0.0, 0.125};
+  const auto drawn = [&](const Vector3& by_m, double stiffness_n_per_m, Phase phase) {
+    Scene copy = scene;
+    copy.proposal.virtual_target_in_base = copy.seen.tool_in_base + by_m;
+    copy.proposal.stiffness_n_per_m = stiffness_n_per_m;
+    copy.proposal.phase = phase;
+    return copy.tick();
+  };
+  const Vector3 inward_m(0.0, 0.0, -0.0625);
+  CHECK(drawn(inward_m, 960.0, Phase::contact).action == Action::pass);  // 60 N
+  CHECK(drawn(inward_m, 960.1, Phase::contact).action == Action::retract);
+  CHECK(drawn(inward_m, 960.1, Phase::contact).cause == Cause::leash_too_long);
+  CHECK(drawn(inward_m, 960.1, Phase::contact).latched);
+  CHECK(drawn(-inward_m, 5000.0, Phase::contact).action == Action::pass);
+  CHECK(drawn({0.1, 0.1, 0.0}, 5000.0, Phase::contact).action == Action::pass);
+  for (const Phase phase : {Phase::free, Phase::approach, Phase::retract})
+    CHECK(drawn(inward_m, 5000.0, phase).action == Action::pass);
+}
+
+TEST_CASE("a set force over the ceiling of its zone, or none, is not pressed") {
+  for (std::size_t zone = 0; zone < zones; ++zone) {
+    const double set_n = force_ceilings[zone].set_n;
+    for (const double force_n : {set_n, set_n + 1e-9, not_a_number, infinity}) {
+      Scene scene;
+      scene.force_n = 0.0;
+      scene.proposal.virtual_target_in_base = scene.seen.tool_in_base;
+      scene.proposal.zone = static_cast<Zone>(zone);
+      scene.proposal.set_force_n = force_n;
+      CHECK(scene.tick().action == (force_n == set_n ? Action::pass : Action::retract));
+      if (force_n != set_n) CHECK(scene.verdict.cause == Cause::set_force_too_high);
+    }
+  }
+}
