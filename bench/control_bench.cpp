@@ -11,80 +11,90 @@
 
 #include "tuina/control/arm_controller.hpp"
 #include "tuina/core/random.hpp"
-#include "tuina/session/guarded_arm.hpp"
+#include "tuina/safety/robot_guard.hpp"
+#include "tuina/session/controlled_arm.hpp"
 
 using namespace tuina;
 
 namespace {
 
 constexpr double limit_us = 10.0, tail_limit_us = 40.0, axis_limit_us = 5.0;
+constexpr double guard_limit_us = 5.0, guard_tail_limit_us = 30.0;
 constexpr double dt_s = control_period_s;
 
-struct Side {
-  robot::ArmModel model;
-  session::GuardedArm guarded;
+/// Both arms in contact, their controllers, and the guard of the robot.
+struct Pressing {
+  PerArm<robot::ArmModel> models =
+      robot::both_models(robot::thesis_arm(), robot::mount_for(BodyPosture::sitting));
+  PerArm<session::ControlledArm> arms = {
+      .of = {session::ControlledArm(models[Arm::left], {.learn_s = 0.0}),
+             session::ControlledArm(models[Arm::right], {.learn_s = 0.0})}};
+  safety::RobotGuard guard{models, {}};
   robot::RobotReading reading;
-  control::ContactTarget target;
+  PerArm<control::ContactTarget> targets;
 
-  explicit Side(Arm arm)
-      : model(robot::thesis_arm(), robot::mount_for(BodyPosture::sitting), arm),
-        guarded(model, {.learn_s = 0.0}) {
-    robot::ArmReading& sensed = reading.arms[Arm::left];
-    sensed.q_rad = sensed.dq_rad_per_s = JointVector::Zero(6);
-    sensed.q_rad << -0.3, -0.2, 0.1, 0.4, 0.1, -0.2;
-    guarded.sense(reading, Arm::left);
-    const Transform tool = model.base_from_tool(sensed.q_rad, 0.0);
-    const Vector3 normal = control::tool_normal(tool);
-    target = {.at_in_base = tool.translation() - 0.016 * normal,
-              .normal_in_base = normal,
-              .force_n = 20.0};
-    guarded.controller.approach({target.at_in_base, normal});
-    sensed.wrench_in_tool.force_n = Vector3(-20.0, 0.0, 0.0);
+  Pressing() {
+    for (const Arm arm : both_arms) {
+      const double side = arm == Arm::left ? 1.0 : -1.0;
+      robot::ArmReading& sensed = reading.arms[arm];
+      sensed.q_rad = sensed.dq_rad_per_s = JointVector::Zero(6);
+      sensed.q_rad << -0.3 * side, -0.2, 0.1, 0.4, 0.1, -0.2;
+      arms[arm].sense(reading, arm);
+      const Transform tool = models[arm].base_from_tool(sensed.q_rad, 0.0);
+      const Vector3 normal = control::tool_normal(tool);
+      targets[arm] = {.at_in_base = tool.translation() - 0.016 * normal,
+                      .normal_in_base = normal,
+                      .force_n = 20.0};
+      arms[arm].controller.approach({targets[arm].at_in_base, normal});
+      sensed.wrench_in_tool.force_n = Vector3(-20.0, 0.0, 0.0);
+    }
   }
 
-  const JointVector& tick(std::uint64_t number, double noise) {
-    const double time_s = static_cast<double>(number) * dt_s;
-    robot::ArmReading& sensed = reading.arms[Arm::left];
-    sensed.dq_rad_per_s.setConstant(1e-3 * noise);
-    sensed.wrench_in_tool.force_n.y() = noise;
+  [[nodiscard]] safety::RobotProposal propose(std::uint64_t number, double noise) {
     reading.tick = number;
-    reading.time_s = sensed.wrench_time_s = time_s;
-    guarded.sense(reading, Arm::left);
-    guarded.controller.track(target);
-    const JointVector torque = guarded.torque_nm(reading);
-    const control::ArmStatus& status = guarded.controller.status();
-    return guarded.allow(reading, Arm::left, guarded.controller.dynamics(),
-                         {.torque_nm = torque,
-                          .phase = safety::Phase::contact,
-                          .zone = safety::Zone::muscle,
-                          .set_force_n = status.set_force_n,
-                          .normal_in_base = status.normal_in_base,
-                          .virtual_target_in_base = status.virtual_target_in_base,
-                          .stiffness_n_per_m = status.stiffness_n_per_m});
+    reading.time_s = static_cast<double>(number) * dt_s;
+    safety::RobotProposal proposal;
+    for (const Arm arm : both_arms) {
+      robot::ArmReading& sensed = reading.arms[arm];
+      sensed.dq_rad_per_s.setConstant(1e-3 * noise);
+      sensed.wrench_in_tool.force_n.y() = noise;
+      sensed.wrench_time_s = reading.time_s;
+      arms[arm].sense(reading, arm);
+      arms[arm].controller.track(targets[arm]);
+      proposal.arms[arm] = arms[arm].propose(reading, safety::Zone::muscle);
+    }
+    return proposal;
   }
 };
 
-double median_us = 0.0, tail_us = 0.0;
+double median_us = 0.0, tail_us = 0.0, guard_median_us = 0.0, guard_tail_us = 0.0;
 
 void dual_arm_tick(benchmark::State& state) {
   Random random = make_random(1, "bench noise");
   std::vector<double> noise(1024);
   for (double& value : noise) value = gaussian(random, 0.05);
   constexpr std::size_t ticks = 1'000'000;
-  std::vector<float> took_us(ticks);
+  std::vector<float> took_us(ticks), guard_us(ticks);
   for (auto _ : state) {
-    Side left(Arm::left), right(Arm::right);
+    Pressing robot;
     for (std::size_t n = 0; n < ticks; ++n) {
       const auto start = std::chrono::steady_clock::now();
-      benchmark::DoNotOptimize(left.tick(n + 1, noise[n % noise.size()]));
-      benchmark::DoNotOptimize(right.tick(n + 1, noise[(n + 7) % noise.size()]));
+      const safety::RobotProposal proposal = robot.propose(n + 1, noise[n % noise.size()]);
+      const auto proposed = std::chrono::steady_clock::now();
+      benchmark::DoNotOptimize(robot.guard.check(robot.reading, proposal));
       const auto end = std::chrono::steady_clock::now();
       took_us[n] = std::chrono::duration<float, std::micro>(end - start).count();
+      guard_us[n] = std::chrono::duration<float, std::micro>(end - proposed).count();
     }
   }
   std::sort(took_us.begin(), took_us.end());
+  std::sort(guard_us.begin(), guard_us.end());
   median_us = took_us[ticks / 2];
   tail_us = took_us[ticks - ticks / 1000];
+  guard_median_us = guard_us[ticks / 2];
+  guard_tail_us = guard_us[ticks - ticks / 1000];
+  state.counters["guard_median_us"] = guard_median_us;
+  state.counters["guard_p99.9_us"] = guard_tail_us;
   state.counters["median_us"] = median_us;
   state.counters["p99.9_us"] = tail_us;
   state.SetItemsProcessed(static_cast<std::int64_t>(state.iterations() * ticks));
@@ -153,6 +163,9 @@ int main(int argc, char** argv) {
              median_us / limit_us);
   fmt::print("dual-arm tick: 99.9 % below {:.2f} us, limit {:.0f}, ratio {:.2f}\n", tail_us,
              tail_limit_us, tail_us / tail_limit_us);
+  fmt::print(
+      "of that the guard: median {:.2f} us, limit {:.0f}; 99.9 % below {:.2f} us, limit {:.0f}\n",
+      guard_median_us, guard_limit_us, guard_tail_us, guard_tail_limit_us);
   fmt::print(
       "motion of a joint, planned anew: median {:.2f} us, 99.9 % below {:.2f} us, limit {:.0f}\n",
       axis_median_us, axis_tail_us, axis_limit_us);
