@@ -18,6 +18,7 @@ std::vector<std::unique_ptr<Verb>> make_evaluations() {
   verbs.push_back(make_evaluate_massage());
   verbs.push_back(make_evaluate_teach());
   verbs.push_back(make_evaluate_robots());
+  verbs.push_back(make_evaluate_processes());
   return verbs;
 }
 

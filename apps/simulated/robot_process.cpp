@@ -64,6 +64,7 @@ Result<RobotReport> keep_robot(safety::Link& link, SharedTruth& truth, sim::Worl
     truth->ticks[reading->tick % TruthPage::kept].write(bytes);
     safety::wire::SensorFrame frame = safety::wire::to_frame(*reading);
     frame.stands = wish->number;
+    frame.process = static_cast<std::uint64_t>(getpid());
     link.write(frame);
     double force_n = 0.0;
     for (const sim::ArmTruth& arm : world.truth().arms.of)
@@ -111,10 +112,11 @@ Result<void> Processes::run(const std::vector<std::string>& arguments) {
 }
 
 Result<std::unique_ptr<Processes>> Processes::start(const std::vector<std::string>& robot_arguments,
-                                                    safety::Pace pace) {
+                                                    safety::Pace pace,
+                                                    const std::string& link_name) {
   std::unique_ptr<Processes> made(new Processes);
   Processes& all = *made;
-  all.link_name_ = fmt::format("{}", getpid());
+  all.link_name_ = link_name.empty() ? fmt::format("{}", getpid()) : link_name;
   all.arming_file_ =
       (std::filesystem::temp_directory_path() / fmt::format("tuina-{}.arming", all.link_name_))
           .string();

@@ -58,9 +58,11 @@ class LinkedTruth final : public session::Observer {
 /// A robot and a guard in processes of their own, started by this one and ended with it.
 class Processes {
  public:
-  /// `robot_arguments` are those of `tuina robot simulate`, without the link.
+  /// `robot_arguments` are those of `tuina robot simulate`, without the link; without a name the
+  /// link gets that of this process.
   [[nodiscard]] static Result<std::unique_ptr<Processes>> start(
-      const std::vector<std::string>& robot_arguments, safety::Pace pace);
+      const std::vector<std::string>& robot_arguments, safety::Pace pace,
+      const std::string& link_name);
   ~Processes();
   Processes(const Processes&) = delete;
   Processes& operator=(const Processes&) = delete;

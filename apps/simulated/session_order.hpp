@@ -32,6 +32,7 @@ struct SessionOrder {
   std::vector<std::pair<double, session::LiveCommand>> commands;
   bool real_time = false;
   bool processes = false;  ///< guard and robot are processes of their own
+  std::string link;        ///< name of the memory that they share; empty: one of this process
 };
 
 /// How the config and the therapist want a plan.

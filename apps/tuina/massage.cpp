@@ -63,9 +63,11 @@ class Massage final : public Verb {
     command.add_option("--pace", pace_, "of the simulation")
         ->check(CLI::IsMember({"max", "real"}))
         ->capture_default_str();
-    command.add_flag("--processes", order_.processes,
-                     "guard and robot as processes of their own, `tuina guard` and `tuina robot "
-                     "simulate`");
+    auto* processes = command.add_flag("--processes", order_.processes,
+                                       "guard and robot as processes of their own, `tuina guard` "
+                                       "and `tuina robot simulate`");
+    command.add_option("--link", order_.link, "name of the memory that these share")
+        ->needs(processes);
     command
         .add_option(
             "--out", out_,

@@ -19,7 +19,9 @@ Result<Link> Link::map(const std::string& name, Role role, bool make) {
   if (!controller) return tl::unexpected(controller.error());
   auto guard = SharedPage<Guard>::map(prefix + "guard", use(Role::guard));
   if (!guard) return tl::unexpected(guard.error());
-  auto bells = SharedPage<Bells>::map(prefix + "bells", make ? Use::make : Use::write);
+  auto bells = SharedPage<Bells>::map(prefix + "bells", make                     ? Use::make
+                                                        : role == Role::onlooker ? Use::read
+                                                                                 : Use::write);
   if (!bells) return tl::unexpected(bells.error());
   link.drives_ = std::move(*drives);
   link.controller_ = std::move(*controller);

@@ -13,9 +13,9 @@
 
 namespace tuina::safety {
 
-/// Which process of a robot somebody is.
-enum class Role : std::uint8_t { drives, guard, controller };
-inline constexpr std::size_t roles = 3;
+/// Which process of a robot somebody is. An onlooker only reads, and neither rings nor waits.
+enum class Role : std::uint8_t { drives, guard, controller, onlooker };
+inline constexpr std::size_t roles = 3;  ///< that write
 
 /// The shared memory of the processes of one robot. Each writes its own frames and has those of the
 /// others for reading only. Bells wake who waits; nobody trusts them: a process that rings them

@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/evaluation/safety/process_trials.hpp"
+
+#include <fmt/format.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/mman.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstring>
+#include <filesystem>
+#include <optional>
+#include <thread>
+
+#include "apps/simulated/robot_process.hpp"
+
+extern char** environ;
+
+namespace tuina::app {
+namespace {
+
+using std::chrono::steady_clock;
+using namespace std::chrono_literals;
+
+constexpr double pressing_n = 8.0;
+constexpr std::uint64_t pressing_ticks = 300;
+constexpr double let_go_n = 0.5;
+constexpr double max_release_ms = 600.0, max_force_n = 90.0;
+constexpr std::uint64_t watched_ticks = 1500;  // after the blow
+constexpr auto patience = 120s;                // for the scan, the plan and the first contact
+
+/// A process that is killed with the one that has started it.
+class Child {
+ public:
+  explicit Child(const std::vector<std::string>& arguments) {
+    std::vector<char*> pointers;
+    for (const std::string& argument : arguments)
+      pointers.push_back(const_cast<char*>(argument.c_str()));
+    pointers.push_back(nullptr);
+    if (posix_spawn(&process_, "/proc/self/exe", nullptr, nullptr, pointers.data(), environ) != 0)
+      process_ = 0;
+  }
+  ~Child() {
+    if (process_ == 0) return;
+    kill(process_, SIGKILL);
+    waitpid(process_, nullptr, 0);
+  }
+  Child(const Child&) = delete;
+  Child& operator=(const Child&) = delete;
+  [[nodiscard]] pid_t process() const { return process_; }
+  [[nodiscard]] bool ended() {
+    if (process_ != 0 && waitpid(process_, nullptr, WNOHANG) == process_) process_ = 0;
+    return process_ == 0;
+  }
+
+ private:
+  pid_t process_ = 0;
+};
+
+/// Looks at the true force of the newest millisecond that can be seen.
+class Onlooker {
+ public:
+  Onlooker(safety::Link link, SharedTruth truth)
+      : link_(std::move(link)), truth_(std::move(truth)) {}
+
+  struct Sight {
+    std::uint64_t tick = 0;
+    double force_n = 0.0;
+  };
+  /// The next millisecond, or nothing when none comes within two seconds.
+  [[nodiscard]] std::optional<Sight> next() {
+    const auto deadline = steady_clock::now() + 2s;
+    while (steady_clock::now() < deadline) {
+      const auto sensed = link_.sensors();
+      if (sensed && sensed->stands > 0 && (!seen_ || sensed->tick != *seen_)) {
+        const auto bytes = truth_->ticks[sensed->tick % TruthPage::kept].read();
+        if (bytes && bytes->tick == sensed->tick) {
+          seen_ = sensed->tick;
+          robot_ = static_cast<pid_t>(sensed->process);
+          sim::PlantTruth truth;
+          std::memcpy(static_cast<void*>(&truth), bytes->of.data(), sizeof truth);
+          Sight sight{.tick = sensed->tick};
+          for (const sim::ArmTruth& arm : truth.arms.of)
+            sight.force_n = std::max(sight.force_n, arm.contact.force_n);
+          return sight;
+        }
+      }
+      std::this_thread::sleep_for(50us);
+    }
+    return std::nullopt;
+  }
+  [[nodiscard]] pid_t guard() const {
+    const auto frame = link_.drive();
+    return frame ? static_cast<pid_t>(frame->armed) : 0;
+  }
+  [[nodiscard]] pid_t robot() const { return robot_; }
+  [[nodiscard]] bool guard_acts() const {
+    const auto frame = link_.drive();
+    if (!frame) return false;
+    const safety::RobotVerdict verdict = safety::wire::from_frame(*frame);
+    return std::any_of(verdict.arms.of.begin(), verdict.arms.of.end(),
+                       [](const auto& one) { return one.action >= safety::Action::freeze; });
+  }
+
+ private:
+  safety::Link link_;
+  SharedTruth truth_;
+  std::optional<std::uint64_t> seen_;
+  pid_t robot_ = 0;
+};
+
+std::optional<Onlooker> look_at(const std::string& name) {
+  auto link = safety::Link::open(name, safety::Role::onlooker);
+  auto truth = SharedTruth::map(truth_name(name), safety::SharedMemory::Use::read);
+  if (!link || !truth) return std::nullopt;
+  return Onlooker(std::move(*link), std::move(*truth));
+}
+
+/// Waits until a tool has pressed for some time; the force then.
+std::optional<Onlooker::Sight> wait_for_contact(Onlooker& onlooker) {
+  std::uint64_t light_tick = 0;  // the last in which no tool pressed
+  while (const auto sight = onlooker.next()) {
+    if (sight->force_n < pressing_n) light_tick = sight->tick;
+    if (sight->tick - light_tick >= pressing_ticks) return sight;
+  }
+  return std::nullopt;
+}
+
+void watch(Onlooker& onlooker, const Onlooker::Sight& blow, ProcessOutcome& outcome) {
+  // Drives without a guard damp the arm after 20 ms by themselves; nobody else tells of it.
+  constexpr double drives_act_ms = 20.0;
+  const bool guard_is_gone = outcome.trial.victim == Victim::guard;
+  std::uint64_t last_tick = blow.tick, pressed_tick = blow.tick;
+  while (const auto sight = onlooker.next()) {
+    const auto after_ms = static_cast<double>(sight->tick - blow.tick);
+    outcome.max_force_n = std::max(outcome.max_force_n, sight->force_n);
+    const bool acts = guard_is_gone ? after_ms >= drives_act_ms : onlooker.guard_acts();
+    if (outcome.first_action_ms < 0.0 && acts) outcome.first_action_ms = after_ms;
+    if (sight->force_n > let_go_n) pressed_tick = sight->tick;
+    outcome.left_n = sight->force_n;
+    last_tick = sight->tick;
+    if (last_tick - blow.tick >= watched_ticks) break;
+  }
+  if (last_tick > pressed_tick)
+    outcome.released_ms = static_cast<double>(pressed_tick + 1 - blow.tick);
+}
+
+}  // namespace
+
+const char* name_of(Blow blow) {
+  constexpr std::array names = {"kill -9", "SIGSTOP", "segmentation fault"};
+  return names[static_cast<std::size_t>(blow)];
+}
+
+const char* name_of(Victim victim) {
+  return victim == Victim::guard ? "guard" : "controller";
+}
+
+Result<ProcessOutcome> run_process_trial(const ProcessTrial& trial) {
+  const std::string name = fmt::format("trial-{}-{}", getpid(), trial.seed);
+  const std::string out = (std::filesystem::temp_directory_path() / ("tuina-" + name)).string();
+  Child session({"tuina", "massage", "--quiet", "--processes", "--link", name, "--programme",
+                 "lower_back", "--pace", trial.real_pace ? "real" : "max", "--seed",
+                 fmt::format("{}", trial.seed), "--out", out});
+  std::optional<Onlooker> onlooker;
+  const auto deadline = steady_clock::now() + patience;
+  while (!onlooker && !session.ended() && steady_clock::now() < deadline) {
+    std::this_thread::sleep_for(20ms);
+    onlooker = look_at(name);
+  }
+  std::optional<Onlooker::Sight> contact;
+  while (onlooker && !contact && !session.ended() && steady_clock::now() < deadline)
+    contact = wait_for_contact(*onlooker);
+  if (!contact) return fail(Fault::device, "{}: the session never pressed", name);
+
+  ProcessOutcome outcome{.trial = trial, .before_n = contact->force_n};
+  constexpr std::array signals = {SIGKILL, SIGSTOP, SIGSEGV};
+  const pid_t guard = onlooker->guard();
+  const pid_t victim = trial.victim == Victim::guard ? guard : session.process();
+  kill(victim, signals[static_cast<std::size_t>(trial.blow)]);
+  watch(*onlooker, *contact, outcome);
+  const bool released = outcome.released_ms >= 0.0 && outcome.released_ms <= max_release_ms;
+  // Drives without a guard do not know the way out: the tool stays, held by nothing but brakes.
+  outcome.held = outcome.max_force_n <= max_force_n && (released || trial.victim == Victim::guard);
+  for (const pid_t left : {guard, onlooker->robot()})
+    if (left > 0) kill(left, SIGKILL);
+  std::error_code ignored;
+  std::filesystem::remove_all(out, ignored);
+  for (const char* part : {"drives", "controller", "guard", "bells", "truth"})
+    shm_unlink(fmt::format("/tuina-{}-{}", name, part).c_str());
+  return outcome;
+}
+
+}  // namespace tuina::app

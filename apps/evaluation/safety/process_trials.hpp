@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "tuina/core/result.hpp"
+
+namespace tuina::app {
+
+/// What is done to one of the three processes of a session while a tool presses.
+enum class Blow : std::uint8_t { kill, stop, crash };
+[[nodiscard]] const char* name_of(Blow blow);
+enum class Victim : std::uint8_t { controller, guard };
+[[nodiscard]] const char* name_of(Victim victim);
+
+struct ProcessTrial {
+  Victim victim = Victim::controller;
+  Blow blow = Blow::kill;
+  std::uint64_t seed = 1;
+  bool real_pace = false;
+};
+
+/// What became of the person, from the truth of the process that simulates the robot.
+struct ProcessOutcome {
+  ProcessTrial trial;
+  double before_n = 0.0;        ///< true force when it happened
+  double max_force_n = 0.0;     ///< largest true force afterwards
+  double released_ms = -1.0;    ///< until both tools had let go, in the robot's time; -1: never
+  double first_action_ms = -1;  ///< until guard or drives acted; -1: never
+  double left_n = 0.0;          ///< true force 1.5 s later
+  bool held = false;            ///< never more than 90 N, and a guard that lives lets go in 600 ms
+};
+
+/// A whole session in three processes, of which one is killed, stopped or made to crash while a
+/// tool presses a phantom with more than 8 N. Fails when the session never gets there.
+[[nodiscard]] Result<ProcessOutcome> run_process_trial(const ProcessTrial& trial);
+
+}  // namespace tuina::app
