@@ -6,6 +6,7 @@
 #include "tests/massage/backs.hpp"
 #include "tests/reason.hpp"
 #include "tuina/record/acupoint_file.hpp"
+#include "tuina/record/session_file.hpp"
 
 using namespace tuina;
 using namespace tuina::record;
@@ -47,15 +48,17 @@ TEST_CASE("acupoints.json says position, points and landmarks") {
 }
 
 TEST_CASE("a wrong acupoints.json is refused with the name of what is wrong") {
-  CHECK(fault_of("{").find("points.json: not JSON: at line 1") != std::string::npos);
-  CHECK(fault_of("[]").find("no object `acupoints`") != std::string::npos);
+  CHECK(fault_of("{").find("points.json:1: is no answer of `tuina map`") != std::string::npos);
+  CHECK(fault_of("[]").find("acupoints is missing") != std::string::npos);
   CHECK(fault_of(R"({"acupoints": {}})").find("lacks SI11_L, SI11_R") != std::string::npos);
   CHECK(fault_of(R"({"acupoints": {}, "position": "lying"})").find("\"sitting\" or \"prone\"") !=
         std::string::npos);
-  CHECK(fault_of(acupoints_text("3")).find("acupoints.GV4 has no position_m") != std::string::npos);
+  CHECK(fault_of(acupoints_text("3")).find("acupoints.GV4 is 3, an object is needed") !=
+        std::string::npos);
   CHECK(fault_of(acupoints_text(
                      R"({"position_m": [0, null, 1], "normal": [0, 1, 0], "uncertainty_mm": 6})"))
-            .find("GV4.position_m is not three numbers") != std::string::npos);
+            .find("GV4.position_m is [0,null,1], a list of three numbers is needed") !=
+        std::string::npos);
   CHECK(fault_of(acupoints_text(
                      R"({"position_m": [0, 100, 280], "normal": [0, 1, 0], "uncertainty_mm": 6})"))
             .find("metres are needed") != std::string::npos);
@@ -93,6 +96,43 @@ TEST_CASE("a plan that is written is the plan that is read, to a micrometre and 
 
 TEST_CASE("what is no plan is refused") {
   for (const char* text : {"", "{", "[]", "{}", R"({"programme": 3})"}) {
-    CHECK(parse_plan(text, "plan.json").error().message.find("plan.json: not a plan") == 0);
+    const std::string fault = parse_plan(text, "plan.json").error().message;
+    CHECK_MESSAGE(fault.find("is no plan of `tuina plan`: ") != std::string::npos, fault);
   }
+}
+
+TEST_CASE("a session that is written is the session that is read, and what is amiss is named") {
+  SessionFile file{.seed = 7, .person = "phantom:slim", .position = BodyPosture::prone};
+  file.order.position = BodyPosture::prone;
+  file.order.facts.mass_index = 21.5;
+  file.order.commands = {{3.5, session::LiveCommand::softer}};
+  file.base_from_couch.translate(Vector3(0.1, -0.2, 0.3))
+      .rotate(Eigen::AngleAxisd(0.3, Vector3::UnitZ()));
+  file.acupoints.points = {{{"GV4", Vector3(0.0, 0.1, 0.3), Vector3::UnitY(), 8_mm}, std::nullopt}};
+  file.massage.techniques = {{Technique::rub, 0.5, 16.0}};
+  file.massage.performed = {{.name = "press GV4", .contact_fault = "none"}};
+  file.tissue = {{.name = "GV4", .truth = TangentTissue{4.5, 250.0}, .mapped = true}};
+  file.stops = {{9.25, "left arm: the force is too large"}};
+  const std::string text = to_json(file);
+  const auto again = parse_session(text, "session.json");
+  REQUIRE_MESSAGE(again.has_value(), test::reason(again));
+  CHECK(to_json(*again) == text);
+  CHECK(again->order.commands == file.order.commands);
+  CHECK(again->base_from_couch.isApprox(file.base_from_couch));
+  REQUIRE(again->massage.techniques.size() == 1);
+  CHECK(again->massage.techniques[0].technique == Technique::rub);
+
+  const auto fault_with = [&](const std::string& right, const std::string& wrong) {
+    std::string spoilt = text;
+    spoilt.replace(spoilt.find(right), right.size(), wrong);
+    return parse_session(spoilt, "session.json").error().message;
+  };
+  CHECK(fault_with("\"seed\": 7", "\"seed\": -7") ==
+        "session.json: is no record of a session: seed is -7, a whole number is needed");
+  CHECK(fault_with("\"trouble\": \"none\"", "\"trouble\": null") ==
+        "session.json: is no record of a session: massage.performed[0].trouble is null, a text is "
+        "needed");
+  CHECK(fault_with("\"softer\"", "\"louder\"")
+            .find("commands[0].command is \"louder\", \"pause\",") != std::string::npos);
+  CHECK(fault_with("\"stops\"", "\"halts\"").find("stops is missing") != std::string::npos);
 }

@@ -9,7 +9,7 @@
 #include "tuina/telemetry/report/report_data.hpp"
 
 /// The tables in the folder of a session, written and read.
-namespace tuina::app {
+namespace tuina::record {
 
 /// Every joint at one moment.
 struct JointRow {
@@ -31,4 +31,4 @@ struct JointRow {
 [[nodiscard]] Result<std::vector<telemetry::ArmDistance>> read_distances(
     const std::filesystem::path& file);
 
-}  // namespace tuina::app
+}  // namespace tuina::record

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/simulated/session_tables.hpp"
+#include "tuina/record/session_tables.hpp"
 
 #include <fmt/format.h>
 
@@ -10,7 +10,7 @@
 #include "tuina/core/io/file.hpp"
 #include "tuina/core/units.hpp"
 
-namespace tuina::app {
+namespace tuina::record {
 namespace {
 
 constexpr const char* trace_header =
@@ -180,4 +180,4 @@ Result<std::vector<telemetry::ArmDistance>> read_distances(const std::filesystem
   return rows;
 }
 
-}  // namespace tuina::app
+}  // namespace tuina::record
