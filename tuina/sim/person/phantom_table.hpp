@@ -62,15 +62,6 @@ enum Measure : std::size_t {
 inline constexpr std::size_t section_numbers = section_heights.size() * section_angles_deg.size();
 inline constexpr std::size_t table_rows = measure_count + section_numbers;
 
-/// Linear model of one proportion: mean of sitting men of BMI 22, offsets for women, per 10 of BMI,
-/// prone, and prone with the arms up; loadings of the principal components.
-struct Proportion {
-  const char* name;
-  double mean, woman, per_10_bmi, prone, arms_up;
-  std::array<double, 12> build;
-};
-extern const std::array<Proportion, table_rows> phantom_table;
-
 /// Proportions of one person in lengths C7-S2; `trunk_length` is C7-S2 over the height.
 struct Proportions {
   std::array<double, measure_count> of = {};
