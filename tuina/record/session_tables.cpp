@@ -6,178 +6,195 @@
 #include <charconv>
 #include <optional>
 
-#include "tuina/core/io/csv.hpp"
 #include "tuina/core/io/file.hpp"
 #include "tuina/core/units.hpp"
 
 namespace tuina::record {
 namespace {
 
-constexpr const char* trace_header =
-    "time_s,arm,technique,target_n,true_force_n,measured_force_n,depth_mm,x_m,y_m,z_m";
+double as_it_is(double value) {
+  return value;
+}
 
-/// The cells of one line, taken one after the other.
-class Cells {
+/// How a column states a number: digits behind the point, and the way to its unit and back.
+struct Stated {
+  int digits;
+  double (*in_file)(double) = as_it_is;
+  double (*in_si)(double) = as_it_is;
+};
+constexpr Stated mm(int digits) {
+  return {digits, to_mm, from_mm};
+}
+
+// The columns of each table, once: for its header, its rows and for reading them again.
+
+constexpr auto trace_columns = [](auto& visit, auto& row) {
+  visit("time_s", row.time_s, Stated{3});
+  visit("arm", row.arm);
+  visit("technique", row.technique);
+  visit("target_n", row.target_n, Stated{4});
+  visit("true_force_n", row.true_force_n, Stated{4});
+  visit("measured_force_n", row.measured_force_n, Stated{4});
+  visit("depth_mm", row.depth_m, mm(4));
+  visit("x_m", row.tool_in_couch.x(), Stated{5});
+  visit("y_m", row.tool_in_couch.y(), Stated{5});
+  visit("z_m", row.tool_in_couch.z(), Stated{5});
+};
+
+constexpr auto joint_columns = [](auto& visit, auto& row) {
+  visit("time_s", row.time_s, Stated{3});
+  visit("rail_mm", row.rail_m, mm(2));
+  for (const Arm arm : both_arms) {
+    const auto name = [&](const char* what, Eigen::Index j, const char* unit) {
+      return fmt::format("{}_{}{}_{}", name_of(arm), what, j + 1, unit);
+    };
+    for (Eigen::Index j = 0; j < row.q_rad[arm].size(); ++j)
+      visit(name("q", j, "deg"), row.q_rad[arm][j], Stated{4, to_deg, from_deg});
+    for (Eigen::Index j = 0; j < row.torque_nm[arm].size(); ++j)
+      visit(name("torque", j, "nm"), row.torque_nm[arm][j], Stated{3});
+  }
+};
+
+constexpr auto distance_columns = [](auto& visit, auto& row) {
+  visit("time_s", row.time_s, Stated{3});
+  visit("arm_to_arm_mm", row.apart_m, mm(2));
+  visit("arm_to_person_mm", row.to_person_m, mm(2));
+  visit("arm_to_couch_mm", row.to_couch_m, mm(2));
+  visit("arm_to_body_mm", row.to_body_m, mm(2));
+};
+
+constexpr const char* no_technique = "none";
+
+/// Header and cells of one row.
+struct RowWriter {
+  void operator()(std::string_view name, double value, Stated stated) {
+    add(name, fmt::format("{:.{}f}", stated.in_file(value), stated.digits));
+  }
+  void operator()(std::string_view name, Arm arm) { add(name, name_of(arm)); }
+  void operator()(std::string_view name, std::optional<Technique> technique) {
+    add(name, technique ? name_of(*technique) : no_technique);
+  }
+  void add(std::string_view name, std::string_view cell) {
+    const char* comma = header.empty() ? "" : ",";
+    header.append(comma).append(name);
+    cells.append(comma).append(cell);
+  }
+  std::string header, cells;
+};
+
+/// Takes the cells of one line one after the other.
+class RowReader {
  public:
-  explicit Cells(std::string_view line) : rest_(line) {}
-  std::string_view word() {
+  explicit RowReader(std::string_view line) : rest_(line) {}
+  void operator()(std::string_view, double& value, Stated stated) {
+    const std::string_view cell = next();
+    const auto [end, fault] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
+    good_ = good_ && fault == std::errc() && end == cell.data() + cell.size();
+    value = stated.in_si(value);
+  }
+  void operator()(std::string_view, Arm& arm) {
+    const std::string_view cell = next();
+    if (cell == name_of(Arm::right)) arm = Arm::right;
+    good_ = good_ && cell == name_of(arm);
+  }
+  void operator()(std::string_view, std::optional<Technique>& technique) {
+    const std::string_view cell = next();
+    technique = parse_technique(cell);
+    good_ = good_ && (technique || cell == no_technique);
+  }
+  [[nodiscard]] bool all_read() const { return good_ && !more_; }
+
+ private:
+  std::string_view next() {
     const std::size_t comma = rest_.find(',');
     const std::string_view cell = rest_.substr(0, comma);
     more_ = comma != std::string_view::npos;
     rest_ = more_ ? rest_.substr(comma + 1) : std::string_view();
     return cell;
   }
-  double number() {
-    const std::string_view cell = word();
-    double value = 0.0;
-    const auto [end, fault] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
-    good_ = good_ && fault == std::errc() && end == cell.data() + cell.size();
-    return value;
-  }
-  void spoil() { good_ = false; }
-  [[nodiscard]] bool all_read() const { return good_ && !more_; }
-
- private:
   std::string_view rest_;
   bool more_ = true, good_ = true;
 };
 
-std::optional<telemetry::TraceRow> row_of(std::string_view line) {
-  Cells cells(line);
-  telemetry::TraceRow row;
-  row.time_s = cells.number();
-  const std::string_view arm = cells.word(), technique = cells.word();
-  if (arm == name_of(Arm::right)) row.arm = Arm::right;
-  if (arm != name_of(row.arm)) cells.spoil();
-  row.technique = parse_technique(technique);
-  if (!row.technique && technique != "none") cells.spoil();
-  row.target_n = cells.number();
-  row.true_force_n = cells.number();
-  row.measured_force_n = cells.number();
-  row.depth_m = from_mm(cells.number());
-  for (int axis = 0; axis < 3; ++axis) row.tool_in_couch[axis] = cells.number();
-  return cells.all_read() ? std::optional(row) : std::nullopt;
+template <typename Row, typename Columns>
+RowWriter written(const Row& row, const Columns& columns) {
+  RowWriter writer;
+  columns(writer, row);
+  return writer;
 }
 
-std::string angle_name(Arm arm, int joint) {
-  return fmt::format("{}_q{}_deg", name_of(arm), joint);
+template <typename Row, typename Columns>
+std::string table_of(const std::vector<Row>& rows, const Columns& columns) {
+  std::string text = written(rows.empty() ? Row() : rows.front(), columns).header + "\n";
+  for (const Row& row : rows) text += written(row, columns).cells + "\n";
+  return text;
+}
+
+/// The rows of a table that has the columns of the row that `like` makes of its first line.
+template <typename Like, typename Columns>
+auto read_rows(const std::filesystem::path& file, const Like& like_of, const Columns& columns)
+    -> Result<std::vector<decltype(like_of(""))>> {
+  constexpr std::size_t max_bytes = std::size_t{1} << 29;
+  const auto read = read_file(file, max_bytes);
+  if (!read) return tl::unexpected(read.error());
+  std::string_view text = *read;
+  const auto like = like_of(text.substr(0, text.find('\n')));
+  const std::string header = written(like, columns).header;
+  std::vector<decltype(like_of(""))> rows;
+  for (int line = 1; line == 1 || !text.empty(); ++line) {
+    const std::size_t end = text.find('\n');
+    std::string_view words = text.substr(0, end);
+    if (words.ends_with('\r')) words.remove_suffix(1);
+    text = end == std::string_view::npos ? std::string_view() : text.substr(end + 1);
+    if (line == 1) {
+      if (words == header) continue;
+      return fail(Fault::bad_input, "{}:1: no {} of a session: the header is not `{}`",
+                  file.string(), file.stem().string(), header);
+    }
+    RowReader cells(words);
+    columns(cells, rows.emplace_back(like));
+    if (!cells.all_read()) {
+      return fail(Fault::bad_input, "{}:{}: `{}` is not a row of {}", file.string(), line,
+                  words.substr(0, 100), header);
+    }
+  }
+  return rows;
 }
 
 }  // namespace
 
 std::string csv_of(const std::vector<telemetry::TraceRow>& trace) {
-  std::string text = fmt::format("{}\n", trace_header);
-  text.reserve(90 * trace.size());
-  for (const telemetry::TraceRow& row : trace) {
-    fmt::format_to(std::back_inserter(text),
-                   "{:.3f},{},{},{:.4f},{:.4f},{:.4f},{:.4f},{:.5f},{:.5f},{:.5f}\n", row.time_s,
-                   name_of(row.arm), row.technique ? name_of(*row.technique) : "none", row.target_n,
-                   row.true_force_n, row.measured_force_n, to_mm(row.depth_m),
-                   row.tool_in_couch.x(), row.tool_in_couch.y(), row.tool_in_couch.z());
-  }
-  return text;
+  return table_of(trace, trace_columns);
 }
-
 std::string csv_of(const std::vector<JointRow>& joints) {
-  std::string text = "time_s,rail_mm";
-  const auto count = joints.empty() ? 0 : joints.front().q_rad[Arm::left].size();
-  for (const Arm arm : both_arms) {
-    for (const char* what : {"q{}_deg", "torque{}_nm"}) {
-      for (int j = 1; j <= count; ++j) {
-        text += fmt::format(",{}_{}", name_of(arm), fmt::format(fmt::runtime(what), j));
-      }
-    }
-  }
-  text += "\n";
-  const auto out = std::back_inserter(text);
-  for (const JointRow& row : joints) {
-    fmt::format_to(out, "{:.3f},{:.2f}", row.time_s, to_mm(row.rail_m));
-    for (const Arm arm : both_arms) {
-      for (const double q : row.q_rad[arm]) fmt::format_to(out, ",{:.4f}", to_deg(q));
-      for (const double torque : row.torque_nm[arm]) fmt::format_to(out, ",{:.3f}", torque);
-    }
-    text += "\n";
-  }
-  return text;
+  return table_of(joints, joint_columns);
 }
-
 std::string csv_of(const std::vector<telemetry::ArmDistance>& distances) {
-  std::string text = "time_s,arm_to_arm_mm,arm_to_person_mm,arm_to_couch_mm,arm_to_body_mm\n";
-  for (const telemetry::ArmDistance& row : distances) {
-    text += fmt::format("{:.3f},{:.2f},{:.2f},{:.2f},{:.2f}\n", row.time_s, to_mm(row.apart_m),
-                        to_mm(row.to_person_m), to_mm(row.to_couch_m), to_mm(row.to_body_m));
-  }
-  return text;
+  return table_of(distances, distance_columns);
 }
 
 Result<std::vector<telemetry::TraceRow>> read_trace(const std::filesystem::path& file) {
-  constexpr std::size_t max_bytes = std::size_t{1} << 29;
-  const auto text = read_file(file, max_bytes);
-  if (!text) return tl::unexpected(text.error());
-  std::vector<telemetry::TraceRow> rows;
-  std::string_view rest = *text;
-  for (int line = 1; !rest.empty(); ++line) {
-    const std::size_t end = rest.find('\n');
-    std::string_view words = rest.substr(0, end);
-    if (words.ends_with('\r')) words.remove_suffix(1);
-    rest = end == std::string_view::npos ? std::string_view() : rest.substr(end + 1);
-    if (line == 1) {
-      if (words == trace_header) continue;
-      return fail(Fault::bad_input, "{}:1: no trace of a session: the header is not `{}`",
-                  file.string(), trace_header);
-    }
-    const auto row = row_of(words);
-    if (!row) {
-      return fail(Fault::bad_input, "{}:{}: `{}` is not a row of {}", file.string(), line,
-                  words.substr(0, 100), trace_header);
-    }
-    rows.push_back(*row);
-  }
-  return rows;
+  return read_rows(
+      file, [](std::string_view) { return telemetry::TraceRow(); }, trace_columns);
 }
 
 Result<std::vector<JointRow>> read_joints(const std::filesystem::path& file) {
-  const auto text = read_file(file);
-  if (!text) return tl::unexpected(text.error());
-  const std::string header = text->substr(0, text->find('\n'));
-  std::vector<std::string> wanted = {"time_s", "rail_mm"};
-  int joints = 0;
-  while (joints < max_joints &&
-         header.find(angle_name(Arm::left, joints + 1)) != std::string::npos) {
-    ++joints;
-  }
-  for (const Arm arm : both_arms) {
-    for (int j = 1; j <= joints; ++j) wanted.push_back(angle_name(arm, j));
-  }
-  const auto table = parse_csv(*text, file.string(), wanted);
-  if (!table) return tl::unexpected(table.error());
-  std::vector<JointRow> rows(table->rows());
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    rows[i].time_s = table->columns[0][i];
-    rows[i].rail_m = from_mm(table->columns[1][i]);
-    std::size_t column = 2;
-    for (const Arm arm : both_arms) {
-      rows[i].q_rad[arm] = JointVector(joints);
-      for (int j = 0; j < joints; ++j) rows[i].q_rad[arm][j] = 1_deg * table->columns[column++][i];
-    }
-  }
-  return rows;
+  // Arms have as many joints as the header names.
+  const auto like = [](std::string_view header) {
+    int joints = 0;
+    while (joints < max_joints &&
+           header.find(fmt::format("left_q{}_deg", joints + 1)) != std::string_view::npos)
+      ++joints;
+    JointRow row;
+    for (const Arm arm : both_arms) row.q_rad[arm] = row.torque_nm[arm] = JointVector(joints);
+    return row;
+  };
+  return read_rows(file, like, joint_columns);
 }
 
 Result<std::vector<telemetry::ArmDistance>> read_distances(const std::filesystem::path& file) {
-  const auto table = read_csv(
-      file, {"time_s", "arm_to_arm_mm", "arm_to_person_mm", "arm_to_couch_mm", "arm_to_body_mm"});
-  if (!table) return tl::unexpected(table.error());
-  std::vector<telemetry::ArmDistance> rows;
-  for (std::size_t i = 0; i < table->rows(); ++i) {
-    const auto metres = [&](std::size_t column) { return from_mm(table->columns[column][i]); };
-    rows.push_back({.time_s = table->columns[0][i],
-                    .apart_m = metres(1),
-                    .to_person_m = metres(2),
-                    .to_couch_m = metres(3),
-                    .to_body_m = metres(4)});
-  }
-  return rows;
+  return read_rows(
+      file, [](std::string_view) { return telemetry::ArmDistance(); }, distance_columns);
 }
 
 }  // namespace tuina::record

@@ -26,7 +26,6 @@ struct JointRow {
 /// Refused, with file and line: what is not as it was written.
 [[nodiscard]] Result<std::vector<telemetry::TraceRow>> read_trace(
     const std::filesystem::path& file);
-/// Without the torques.
 [[nodiscard]] Result<std::vector<JointRow>> read_joints(const std::filesystem::path& file);
 [[nodiscard]] Result<std::vector<telemetry::ArmDistance>> read_distances(
     const std::filesystem::path& file);
