@@ -6,7 +6,6 @@
 #include "tests/massage/backs.hpp"
 #include "tests/reason.hpp"
 #include "tuina/record/acupoint_file.hpp"
-#include "tuina/record/session_file.hpp"
 
 using namespace tuina;
 using namespace tuina::record;
@@ -99,40 +98,4 @@ TEST_CASE("what is no plan is refused") {
     const std::string fault = parse_plan(text, "plan.json").error().message;
     CHECK_MESSAGE(fault.find("is no plan of `tuina plan`: ") != std::string::npos, fault);
   }
-}
-
-TEST_CASE("a session that is written is the session that is read, and what is amiss is named") {
-  SessionFile file{.seed = 7, .person = "phantom:slim", .position = BodyPosture::prone};
-  file.order.position = BodyPosture::prone;
-  file.order.facts.mass_index = 21.5;
-  file.order.commands = {{3.5, session::LiveCommand::softer}};
-  file.base_from_couch.translate(Vector3(0.1, -0.2, 0.3))
-      .rotate(Eigen::AngleAxisd(0.3, Vector3::UnitZ()));
-  file.acupoints.points = {{{"GV4", Vector3(0.0, 0.1, 0.3), Vector3::UnitY(), 8_mm}, std::nullopt}};
-  file.massage.techniques = {{Technique::rub, 0.5, 16.0}};
-  file.massage.performed = {{.name = "press GV4", .contact_fault = "none"}};
-  file.tissue = {{.name = "GV4", .truth = TangentTissue{4.5, 250.0}, .mapped = true}};
-  file.stops = {{9.25, "left arm: the force is too large"}};
-  const std::string text = to_json(file);
-  const auto again = parse_session(text, "session.json");
-  REQUIRE_MESSAGE(again.has_value(), test::reason(again));
-  CHECK(to_json(*again) == text);
-  CHECK(again->order.commands == file.order.commands);
-  CHECK(again->base_from_couch.isApprox(file.base_from_couch));
-  REQUIRE(again->massage.techniques.size() == 1);
-  CHECK(again->massage.techniques[0].technique == Technique::rub);
-
-  const auto fault_with = [&](const std::string& right, const std::string& wrong) {
-    std::string spoilt = text;
-    spoilt.replace(spoilt.find(right), right.size(), wrong);
-    return parse_session(spoilt, "session.json").error().message;
-  };
-  CHECK(fault_with("\"seed\": 7", "\"seed\": -7") ==
-        "session.json: is no record of a session: seed is -7, a whole number is needed");
-  CHECK(fault_with("\"trouble\": \"none\"", "\"trouble\": null") ==
-        "session.json: is no record of a session: massage.performed[0].trouble is null, a text is "
-        "needed");
-  CHECK(fault_with("\"softer\"", "\"louder\"")
-            .find("commands[0].command is \"louder\", \"pause\",") != std::string::npos);
-  CHECK(fault_with("\"stops\"", "\"halts\"").find("stops is missing") != std::string::npos);
 }

@@ -258,6 +258,11 @@ inline constexpr auto tangent_fields = [](auto& visit, auto& tissue) {
   visit("beta_per_mm", tissue.beta_per_m, per_mm);
 };
 
+inline constexpr auto noise_fields = [](auto& visit, auto& noise) {
+  visit("force_n", noise.force_n);
+  visit("position_mm", noise.position_m, mm);
+};
+
 inline constexpr auto force_fields = [](auto& visit, auto& errors) {
   visit("rmse_n", errors.rmse_n);
   visit("peak_n", errors.peak_n);
