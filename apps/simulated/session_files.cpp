@@ -28,15 +28,6 @@ std::pair<double, double> error_of_seven_m(const SessionResult& result) {
   return {sum_m / static_cast<double>(seven_acupoints.size()), max_m};
 }
 
-record::PlanFile plan_file_of(const SessionResult& result) {
-  return {.plan = result.session.ready.plan,
-          .reachable = result.session.ready.reachable,
-          .min_arm_distance_m = result.session.ready.min_arm_distance_m,
-          .clear = result.session.ready.clear,
-          .rail_m = result.session.ready.rail_m,
-          .compute_ms = result.session.plan_ms};
-}
-
 record::SessionFile::Acupoints acupoints_of(const SessionResult& result) {
   const auto [mean_error_m, max_error_m] = error_of_seven_m(result);
   record::SessionFile::Acupoints acupoints{.method = result.session.located.method,
@@ -140,7 +131,8 @@ Result<void> write_session(const SessionResult& result, const session::Config& c
       {"consent.toml", result.consent_toml},
       {"scan.ply", to_ply(result.session.scan.cloud_in_couch)},
       {"acupoints.json", record::to_json(map) + "\n"},
-      {"plan.json", record::to_json(plan_file_of(result)) + "\n"},
+      {"plan.json",
+       record::to_json(record::plan_file_of(result.session.ready, result.session.plan_ms)) + "\n"},
       {"trace.csv", record::csv_of(result.truth.trace)},
       {"joints.csv", record::csv_of(result.joints)},
       {"distances.csv", record::csv_of(result.truth.distances)}};

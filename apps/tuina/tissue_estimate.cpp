@@ -10,7 +10,7 @@
 #include "tuina/baselines/thesis_estimator.hpp"
 #include "tuina/core/io/file.hpp"
 #include "tuina/core/units.hpp"
-#include "tuina/record/json_fields.hpp"
+#include "tuina/record/shared_fields.hpp"
 #include "tuina/tissue/classification.hpp"
 #include "tuina/tissue/press_estimator.hpp"
 #include "tuina/tissue/press_segments.hpp"

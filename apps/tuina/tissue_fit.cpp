@@ -7,7 +7,7 @@
 #include "apps/tuina/verbs.hpp"
 #include "tuina/core/io/file.hpp"
 #include "tuina/core/units.hpp"
-#include "tuina/record/json_fields.hpp"
+#include "tuina/record/shared_fields.hpp"
 #include "tuina/tissue/curve_fit.hpp"
 
 namespace tuina::app {

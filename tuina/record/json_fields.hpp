@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "tuina/body/acupoints.hpp"
 #include "tuina/core/acupoint.hpp"
 #include "tuina/core/arm.hpp"
 #include "tuina/core/result.hpp"
@@ -35,9 +36,15 @@ struct Unit {
 };
 inline constexpr Unit mm{1e3, 1e-3}, per_mm{1e-3, 1e3}, percent{100.0, 0.01};
 
-/// Enumerators with a `name_of`, which count from zero.
+/// How many enumerators count from zero, each with a `name_of`; zero of those that are not read.
 template <typename Enum>
-inline constexpr std::size_t count_of = 2;  // `Arm`, `BodyPosture` and `body::Method`
+inline constexpr std::size_t count_of = 0;
+template <>
+inline constexpr std::size_t count_of<Arm> = both_arms.size();
+template <>
+inline constexpr std::size_t count_of<BodyPosture> = 2;
+template <>
+inline constexpr std::size_t count_of<body::Method> = 2;
 template <>
 inline constexpr std::size_t count_of<Technique> = all_techniques.size();
 template <>
@@ -209,6 +216,7 @@ class JsonReader {
   }
   template <Enumeration E>
   void take(const Json& node, const std::string& path, E& value, Unit) {
+    static_assert(count_of<E> > 0);
     std::string names;
     for (std::size_t i = 0; i < count_of<E>; ++i) {
       const auto one = static_cast<E>(i);
@@ -244,29 +252,6 @@ class JsonReader {
   const Json& object_;
   std::string path_;
   std::string& fault_;
-};
-
-/// An acupoint without its name, which stands before it in some files and is its key in others.
-inline constexpr auto acupoint_fields = [](auto& visit, auto& point) {
-  visit("position_m", point.at_in_couch);
-  visit("normal", point.normal_in_couch);
-  visit("uncertainty_mm", point.uncertainty_m, mm);
-};
-
-inline constexpr auto tangent_fields = [](auto& visit, auto& tissue) {
-  visit("alpha_n", tissue.alpha_n);
-  visit("beta_per_mm", tissue.beta_per_m, per_mm);
-};
-
-inline constexpr auto noise_fields = [](auto& visit, auto& noise) {
-  visit("force_n", noise.force_n);
-  visit("position_mm", noise.position_m, mm);
-};
-
-inline constexpr auto force_fields = [](auto& visit, auto& errors) {
-  visit("rmse_n", errors.rmse_n);
-  visit("peak_n", errors.peak_n);
-  visit("overshoot_n", errors.overshoot_n);
 };
 
 /// Text as JSON. `what` ends the sentence "FILE: is no ...".

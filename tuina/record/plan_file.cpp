@@ -53,6 +53,15 @@ constexpr auto plan_fields = [](auto& visit, auto& file) {
 
 }  // namespace
 
+PlanFile plan_file_of(const motion::ReadyPlan& ready, double compute_ms) {
+  return {.plan = ready.plan,
+          .reachable = ready.reachable,
+          .min_arm_distance_m = ready.min_arm_distance_m,
+          .clear = ready.clear,
+          .rail_m = ready.rail_m,
+          .compute_ms = compute_ms};
+}
+
 std::string to_json(const PlanFile& file) {
   return to_json(file, plan_fields).dump();
 }

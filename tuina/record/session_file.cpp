@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "tuina/record/json_fields.hpp"
+#include "tuina/record/shared_fields.hpp"
 #include "tuina/session/consent.hpp"
 
 namespace tuina::record {

@@ -9,7 +9,7 @@
 #include "apps/evaluation/verbs.hpp"
 #include "tuina/core/io/file.hpp"
 #include "tuina/core/units.hpp"
-#include "tuina/record/json_fields.hpp"
+#include "tuina/record/shared_fields.hpp"
 #include "tuina/session/config.hpp"
 #include "tuina/telemetry/plot/svg_plot.hpp"
 

@@ -9,15 +9,6 @@
 
 namespace tuina::sim {
 
-/// Text of models/phantom.csv, which is built in: proportions of the phantoms and their spread, in
-/// lengths C7-S2. Means of sitting men of BMI 22, offsets for women, per 10 of BMI, prone, and
-/// prone with the arms up, and loadings of twelve principal components, of 160 synthetic people
-/// made with MakeHuman (CC0 1.0), half of each sex, BMI 16 to 34, half sitting and half prone.
-/// Distances between landmarks, heights of the spinous processes, and depth of the back at 22
-/// heights in 9 directions, left and right averaged. docs/bodies.md compares them with
-/// anthropometry.
-extern const char* const phantom_csv;
-
 namespace {
 
 constexpr std::size_t offsets = 5;  // columns before those of the build
@@ -27,7 +18,7 @@ const CsvTable& phantom_table() {
     std::vector<std::string> columns = {"mean", "woman", "per_10_bmi", "prone", "arms_up"};
     for (std::size_t i = 0; i < PhantomShape{}.build.size(); ++i)
       columns.push_back(fmt::format("build_{}", i + 1));
-    return parse_csv(phantom_csv, "models/phantom.csv", columns).value();
+    return parse_csv(phantom_csv(), "models/phantom.csv", columns).value();
   }();
   assert(table.rows() == table_rows);
   return table;
