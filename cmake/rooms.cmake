@@ -15,7 +15,7 @@ set(TUINA_MAY_INCLUDE_safety core robot)
 set(TUINA_MAY_INCLUDE_control core robot)
 set(TUINA_MAY_INCLUDE_motion core body massage robot control)
 set(TUINA_MAY_INCLUDE_session core scanner body massage tissue robot safety control motion)
-set(TUINA_MAY_INCLUDE_record core body massage robot motion session)
+set(TUINA_MAY_INCLUDE_record core telemetry body massage tissue robot safety motion session)
 set(TUINA_MAY_INCLUDE_sim core scanner robot tissue)
 # What the thesis and peers do, to judge tuina by: no room of the product may include it.
 set(TUINA_MAY_INCLUDE_baselines core body tissue control)

@@ -3,11 +3,14 @@
 
 #include <unistd.h>
 
+#include <CLI/CLI.hpp>
 #include <charconv>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <memory>
+
+#include "tuina/robot/robot_model.hpp"
 
 namespace tuina::app {
 
@@ -53,6 +56,20 @@ std::function<std::string(const std::string&)> number_between(double low, double
     }
     return {};
   };
+}
+
+std::string shipped_robot_names() {
+  std::string names;
+  for (const robot::ShippedRobot& shipped : robot::shipped_robots())
+    names += (names.empty() ? "" : ", ") + std::string(shipped.name);
+  return names;
+}
+
+void add_robot_option(CLI::App& command, std::string& robot) {
+  command
+      .add_option("--robot", robot,
+                  "a TOML file (docs/robot.md), or one of " + shipped_robot_names())
+      ->capture_default_str();
 }
 
 }  // namespace tuina::app

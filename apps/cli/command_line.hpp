@@ -60,6 +60,11 @@ class Verb {
 /// after it. An empty path is none.
 [[nodiscard]] Result<void> check_folder_of(const std::string& path);
 
+/// Names of the robots that are built in, for --help.
+[[nodiscard]] std::string shipped_robot_names();
+/// `--robot NAME|FILE.toml`.
+void add_robot_option(CLI::App& command, std::string& robot);
+
 /// Refuses NaN and numbers outside [low, high] as wrong use; for CLI::Option::check.
 [[nodiscard]] std::function<std::string(const std::string&)> number_between(double low,
                                                                             double high);

@@ -4,14 +4,14 @@
 #include <filesystem>
 #include <string>
 
-#include "apps/simulated/felt_back.hpp"
 #include "apps/simulated/simulated_session.hpp"
+#include "tuina/record/session_file.hpp"
 
 namespace tuina::app {
 
-/// The JSON object of `massage`.
-[[nodiscard]] std::string session_json(const SessionResult& result, const FeltBack& felt_back,
-                                       const SessionOrder& order, std::uint64_t seed);
+/// The numbers of a session, with the truth beside them: the answer of `massage`.
+[[nodiscard]] record::SessionFile session_file(const SessionResult& result,
+                                               const SessionOrder& order, std::uint64_t seed);
 
 /// session.json, config.toml, consent.toml, scan.ply, acupoints.json, plan.json, trace.csv,
 /// joints.csv and distances.csv, into a folder that is made if it is not there; and of these files,
@@ -21,6 +21,6 @@ namespace tuina::app {
                                          const std::filesystem::path& folder);
 
 /// What happened, in a few lines for people.
-[[nodiscard]] std::string session_text(const SessionResult& result);
+[[nodiscard]] std::string session_text(const record::SessionFile& file);
 
 }  // namespace tuina::app

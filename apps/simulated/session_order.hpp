@@ -2,38 +2,16 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 #include <string>
-#include <utility>
-#include <vector>
 
 #include "apps/cli/command_line.hpp"
+#include "tuina/record/session_file.hpp"
 #include "tuina/session/run.hpp"
 #include "tuina/sim/world.hpp"
-#include "tuina/tissue/body_condition.hpp"
 
 namespace tuina::app {
 
-/// What somebody at a terminal orders of a simulated session: names and files.
-struct SessionOrder {
-  std::string person = "phantom:medium";
-  std::optional<BodyPosture> position;
-  std::string programme = "relax";
-  std::string robot = "thesis";  ///< a shipped robot or the file of its table
-  body::Method method = body::Method::surface;
-  std::string atlas;       ///< a file or a labelled body; empty: the shipped one
-  std::string no_go;       ///< a file with what the therapist rules out; empty: nothing
-  std::string consent;     ///< a file with answers; empty: the simulated person answers
-  std::string robot_pose;  ///< a file of `calibrate --robot`; empty: as good a one
-  bool adaptive = true;
-  tissue::BodyFacts facts;
-  bool keys = false;  ///< live commands from standard input
-  /// Commands as they were given in a session before, and when; instead of keys.
-  std::vector<std::pair<double, session::LiveCommand>> commands;
-  bool real_time = false;
-  bool processes = false;  ///< guard and robot are processes of their own
-  std::string link;        ///< name of the memory that they share; empty: one of this process
-};
+using record::SessionOrder;
 
 /// How the config and the therapist want a plan.
 [[nodiscard]] Result<massage::PlanOptions> plan_options(const session::Config& config,

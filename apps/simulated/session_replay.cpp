@@ -3,101 +3,27 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "tuina/core/io/file.hpp"
 
 namespace tuina::app {
 
-namespace fs = std::filesystem;
 using nlohmann::json;
-using nlohmann::ordered_json;
 
-ordered_json order_json(const SessionOrder& order) {
-  const auto or_null = [](const std::optional<double>& value) {
-    return value ? ordered_json(*value) : ordered_json();
-  };
-  return {{"person", order.person},
-          {"position", order.position ? name_of(*order.position) : "auto"},
-          {"programme", order.programme},
-          {"robot", order.robot},
-          {"method", name_of(order.method)},
-          {"atlas", order.atlas},
-          {"no_go", order.no_go},
-          {"robot_pose", order.robot_pose},
-          {"body_mass_index", or_null(order.facts.mass_index)},
-          {"body_fat_percent", or_null(order.facts.fat_percent)},
-          {"adaptive", order.adaptive}};
-}
-
-namespace {
-
-Result<std::vector<std::pair<double, session::LiveCommand>>> commands_of(const json& list,
-                                                                         const std::string& file) {
-  std::vector<std::pair<double, session::LiveCommand>> commands;
-  for (const json& entry : list) {
-    const std::string name = entry.at("command").get<std::string>();
-    const auto& names = session::live_command_names;
-    const auto found = std::find(names.begin(), names.end(), name);
-    if (found == names.end()) {
-      return fail(Fault::bad_input, "{}: no command is called `{}`", file, name);
-    }
-    commands.emplace_back(entry.at("time_s").get<double>(),
-                          static_cast<session::LiveCommand>(found - names.begin()));
-  }
-  return commands;
-}
-
-}  // namespace
-
-Result<RecordedSession> read_session(const fs::path& folder) {
-  const std::string file = (folder / "session.json").string();
-  auto text = read_file(file);
+Result<RecordedSession> read_session(const std::filesystem::path& folder) {
+  const std::string name = (folder / "session.json").string();
+  auto text = read_file(name);
   if (!text) return tl::unexpected(text.error());
   auto config = session::load_config(folder / "config.toml");
   if (!config) return tl::unexpected(config.error());
-  try {
-    const json recorded = json::parse(*text);
-    const json& order = recorded.at("order");
-    const auto word = [&](const char* key) { return order.at(key).get<std::string>(); };
-    const auto method = body::parse_method(word("method"));
-    if (!method) {
-      return fail(Fault::bad_input, "{}: order.method: no method is called `{}`", file,
-                  word("method"));
-    }
-    const auto fact = [&](const char* key) {
-      const json& value = order.at(key);
-      return value.is_null() ? std::nullopt : std::optional(value.get<double>());
-    };
-    auto commands = commands_of(recorded.at("commands"), file);
-    if (!commands) return tl::unexpected(commands.error());
-    RecordedSession session;
-    session.order.person = word("person");
-    session.order.programme = word("programme");
-    session.order.method = *method;
-    session.order.robot = order.value("robot", "thesis");
-    session.order.atlas = word("atlas");
-    session.order.no_go = word("no_go");
-    session.order.consent = (folder / "consent.toml").string();
-    session.order.robot_pose = word("robot_pose");
-    session.order.adaptive = order.at("adaptive").get<bool>();
-    session.order.facts = {fact("body_mass_index"), fact("body_fat_percent")};
-    session.order.commands = std::move(*commands);
-    session.config = *config;
-    session.seed = recorded.at("seed").get<std::uint64_t>();
-    session.json = std::move(*text);
-    for (const BodyPosture position : {BodyPosture::sitting, BodyPosture::prone}) {
-      if (word("position") == name_of(position)) session.order.position = position;
-    }
-    return session;
-  } catch (const json::exception& error) {
-    // "[json.exception.out_of_range.403] key 'order' not found": the sentence is behind the
-    // bracket.
-    const std::string_view what = error.what();
-    return fail(Fault::bad_input, "{}: is no session to give once more: {}", file,
-                what.substr(std::min(what.size(), what.find("] ") + 2)));
-  }
+  auto recorded = record::parse_session(*text, name);
+  if (!recorded) return tl::unexpected(recorded.error());
+  recorded->order.consent = (folder / "consent.toml").string();
+  return RecordedSession{.order = std::move(recorded->order),
+                         .config = std::move(*config),
+                         .seed = recorded->seed,
+                         .json = std::move(*text)};
 }
 
 std::vector<std::string> differences(const std::string& recorded_json,

@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -11,10 +10,7 @@
 
 namespace tuina::app {
 
-/// What was asked for, as session.json keeps it. Files that it names are not copied.
-[[nodiscard]] nlohmann::ordered_json order_json(const SessionOrder& order);
-
-/// A session in its folder, ready to be given once more.
+/// A session in its folder, ready to be given once more. Files that its order names are not copied.
 struct RecordedSession {
   SessionOrder order;
   session::Config config;

@@ -63,7 +63,7 @@ class JointRecorder final : public session::Observer {
                     .q_rad = {.of = {arms[Arm::left].q_rad, arms[Arm::right].q_rad}},
                     .torque_nm = tick.command.torque_nm});
   }
-  std::vector<JointRow> rows;
+  std::vector<record::JointRow> rows;
 };
 
 /// The processes that an order asks for; null when all is to happen in this one.

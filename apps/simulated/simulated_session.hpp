@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "apps/simulated/session_order.hpp"
-#include "apps/simulated/session_tables.hpp"
 #include "tuina/massage/zones.hpp"
+#include "tuina/record/session_tables.hpp"
 #include "tuina/session/force_errors.hpp"
 #include "tuina/session/run.hpp"
 #include "tuina/sim/person/person.hpp"
@@ -48,8 +48,8 @@ struct SessionResult {
   SessionTruth truth;
   sim::Person person;
   session::Consent consent;
-  std::string consent_toml;      ///< answers as they were given
-  std::vector<JointRow> joints;  ///< joints, twenty times a second
+  std::string consent_toml;              ///< answers as they were given
+  std::vector<record::JointRow> joints;  ///< joints, twenty times a second
 
   [[nodiscard]] double real_time_factor() const { return session.massage_s / session.compute_s; }
 };

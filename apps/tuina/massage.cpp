@@ -122,9 +122,9 @@ class Massage final : public Verb {
       return tl::unexpected(result.error());
     }
 
-    const FeltBack felt = felt_back(*result, order_.facts);
-    Answer answer{.json = session_json(*result, felt, order_, common.seed),
-                  .text = session_text(*result),
+    const record::SessionFile file = session_file(*result, order_, common.seed);
+    Answer answer{.json = record::to_json(file),
+                  .text = session_text(file),
                   .exit_code = result->session.stops.empty() ? 0 : 4};
     if (const auto written = write_session(*result, *config, answer.json, out_); !written) {
       return tl::unexpected(written.error());

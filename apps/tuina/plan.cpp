@@ -141,12 +141,7 @@ class PlanVerb final : public Verb {
     const std::chrono::duration<double, std::milli> taken =
         std::chrono::steady_clock::now() - start;
 
-    const record::PlanFile file{.plan = std::move(ready->plan),
-                                .reachable = ready->reachable,
-                                .min_arm_distance_m = ready->min_arm_distance_m,
-                                .clear = ready->clear,
-                                .rail_m = ready->rail_m,
-                                .compute_ms = taken.count()};
+    const record::PlanFile file = record::plan_file_of(*ready, taken.count());
     if (!picture_.empty()) {
       const std::string png = picture_of(*scan, *back, *map, file.plan);
       if (auto written = write_file(picture_, png); !written)

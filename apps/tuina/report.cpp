@@ -2,9 +2,9 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "apps/simulated/session_record.hpp"
 #include "apps/tuina/verbs.hpp"
 #include "tuina/core/io/file.hpp"
+#include "tuina/record/session_report.hpp"
 #include "tuina/telemetry/report/page.hpp"
 
 namespace tuina::app {
@@ -26,7 +26,7 @@ class Report final : public Verb {
   }
 
   [[nodiscard]] Result<Answer> run(const CommonOptions&) override {
-    const auto data = read_record(folder_);
+    const auto data = record::read_record(folder_);
     if (!data) return tl::unexpected(data.error());
     const std::string page = telemetry::report_page(*data);
     if (const auto written = write_file(out_, page); !written)

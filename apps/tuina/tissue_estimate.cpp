@@ -10,6 +10,7 @@
 #include "tuina/baselines/thesis_estimator.hpp"
 #include "tuina/core/io/file.hpp"
 #include "tuina/core/units.hpp"
+#include "tuina/record/shared_fields.hpp"
 #include "tuina/tissue/classification.hpp"
 #include "tuina/tissue/press_estimator.hpp"
 #include "tuina/tissue/press_segments.hpp"
@@ -166,25 +167,21 @@ class TissueEstimateVerb final : public Verb {
     const auto number = [](bool there, double value) {
       return there ? nlohmann::json(value) : nlohmann::json();
     };
-    Answer answer;
-    answer.json =
-        nlohmann::json{
-            {"alpha_n", e.tissue.alpha_n},
-            {"beta_per_mm", from_mm(e.tissue.beta_per_m)},
-            {"contact_mm", to_mm(e.contact_m)},
-            {"ci95",
-             {{"alpha_n", number(ours, e.alpha_ci95_n)},
-              {"beta_per_mm", number(ours, from_mm(e.beta_ci95_per_m))}}},
-            {"converged", e.converged},
-            {"converged_after_s", number(e.converged, e.converged_after_s)},
-            {"presses", e.presses},
-            {"chi", number(ours, result.nis)},
-            {"class", tissue::name_of(found.label)},
-            {"class_probability", found.probability},
-            {"class_probabilities",
-             {{"bone", found.of[0]}, {"hard", found.of[1]}, {"soft", found.of[2]}}},
-            {"noise", {{"force_n", noise.force_n}, {"position_mm", to_mm(noise.position_m)}}}}
-            .dump(2);
+    nlohmann::json json = record::to_json(e.tissue, record::tangent_fields);
+    json.update({{"contact_mm", to_mm(e.contact_m)},
+                 {"ci95",
+                  {{"alpha_n", number(ours, e.alpha_ci95_n)},
+                   {"beta_per_mm", number(ours, from_mm(e.beta_ci95_per_m))}}},
+                 {"converged", e.converged},
+                 {"converged_after_s", number(e.converged, e.converged_after_s)},
+                 {"presses", e.presses},
+                 {"chi", number(ours, result.nis)},
+                 {"class", tissue::name_of(found.label)},
+                 {"class_probability", found.probability},
+                 {"class_probabilities",
+                  {{"bone", found.of[0]}, {"hard", found.of[1]}, {"soft", found.of[2]}}},
+                 {"noise", record::to_json(noise, record::noise_fields)}});
+    Answer answer{.json = json.dump(2)};
     answer.text = fmt::format(
         "{} after {} press{}: alpha {:.3f}{} N, beta {:.4f}{} /mm, {} ({:.0f} %)",
         e.converged ? "Converged" : "Not converged", e.presses, e.presses == 1 ? "" : "es",

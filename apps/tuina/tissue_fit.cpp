@@ -7,6 +7,7 @@
 #include "apps/tuina/verbs.hpp"
 #include "tuina/core/io/file.hpp"
 #include "tuina/core/units.hpp"
+#include "tuina/record/shared_fields.hpp"
 #include "tuina/tissue/curve_fit.hpp"
 
 namespace tuina::app {
@@ -38,23 +39,19 @@ class TissueFit final : public Verb {
     // Per metre to per millimetre is the same factor as metres to millimetres, the other way round.
     const double beta_per_mm = from_mm(fit->tissue.beta_per_m),
                  beta_ci = from_mm(fit->beta_ci95_per_m);
-    Answer answer;
-    answer.json =
-        nlohmann::json{
-            {"alpha_n", fit->tissue.alpha_n},
-            {"beta_per_mm", beta_per_mm},
-            {"contact_mm", to_mm(fit->contact_m)},
-            {"force_offset_n", fit->offset_n},
-            {"rmse_n", fit->rmse_n},
-            {"chi", fit->reduced_chi_square},
-            {"peak_force_n", fit->peak_force_n},
-            {"samples", fit->samples},
-            {"noise", {{"force_n", noise.force_n}, {"position_mm", to_mm(noise.position_m)}}},
-            {"ci95",
-             {{"alpha_n", fit->alpha_ci95_n},
-              {"beta_per_mm", beta_ci},
-              {"contact_mm", to_mm(fit->contact_ci95_m)}}}}
-            .dump(2);
+    nlohmann::json json = record::to_json(fit->tissue, record::tangent_fields);
+    json.update({{"contact_mm", to_mm(fit->contact_m)},
+                 {"force_offset_n", fit->offset_n},
+                 {"rmse_n", fit->rmse_n},
+                 {"chi", fit->reduced_chi_square},
+                 {"peak_force_n", fit->peak_force_n},
+                 {"samples", fit->samples},
+                 {"noise", record::to_json(noise, record::noise_fields)},
+                 {"ci95",
+                  {{"alpha_n", fit->alpha_ci95_n},
+                   {"beta_per_mm", beta_ci},
+                   {"contact_mm", to_mm(fit->contact_ci95_m)}}}});
+    Answer answer{.json = json.dump(2)};
     answer.text = fmt::format(
         "F = {:.3f} N tan({:.4f}/mm x)\n  alpha {:.3f} +- {:.3f} N, beta {:.4f} +- {:.4f} /mm, "
         "skin at {:.2f} mm\n"

@@ -3,10 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
-
-#include "tuina/robot/robot_model.hpp"
-
 namespace tuina::app {
 
 std::string summary_of_group(std::string_view group) {
@@ -19,20 +15,6 @@ std::string summary_of_group(std::string_view group) {
   if (group == "robot") return "robots: show a table, make one from a URDF file, simulate one as a process";
   if (group == "config") return "the settings, their limits and a file of them";
   return fmt::format("see `tuina {} --help`", group);
-}
-
-std::string shipped_robot_names() {
-  std::string names;
-  for (const robot::ShippedRobot& shipped : robot::shipped_robots())
-    names += (names.empty() ? "" : ", ") + std::string(shipped.name);
-  return names;
-}
-
-void add_robot_option(CLI::App& command, std::string& robot) {
-  command
-      .add_option("--robot", robot,
-                  "a TOML file (docs/robot.md), or one of " + shipped_robot_names())
-      ->capture_default_str();
 }
 
 std::vector<std::unique_ptr<Verb>> make_verbs() {

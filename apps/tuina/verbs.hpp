@@ -37,11 +37,6 @@ std::unique_ptr<Verb> make_teach_play();
 std::unique_ptr<Verb> make_teach_show();
 std::unique_ptr<Verb> make_teach_carry();
 
-/// Names of the robots that are built in, for --help.
-std::string shipped_robot_names();
-/// `--robot NAME|FILE.toml`.
-void add_robot_option(CLI::App& command, std::string& robot);
-
 /// One line for --help about the verbs that begin with the same word.
 std::string summary_of_group(std::string_view group);
 

@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "apps/evaluation/contact/contact_experiment.hpp"
+#include "tuina/robot/robot_model.hpp"
 
 using namespace tuina;
 using namespace tuina::app;
@@ -189,4 +190,15 @@ TEST_CASE(
       CHECK(estimate.tissue.beta_per_m == doctest::Approx(tissue.beta_per_m).epsilon(0.05));
     }
   }
+}
+
+TEST_CASE("every shipped robot holds a press, from where its own table has it begin") {
+  for (const robot::ShippedRobot& shipped : robot::shipped_robots()) {
+    CAPTURE(shipped.name);
+    const auto outcome =
+        run({.robot = std::string(shipped.name), .force_n = 20.0, .duration_s = 3.0});
+    CHECK(outcome.stops.empty());
+    CHECK(outcome.force.rmse_n < 0.8);
+  }
+  CHECK_FALSE(run_contact({.robot = "predecessor"}).has_value());
 }

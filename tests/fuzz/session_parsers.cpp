@@ -9,6 +9,7 @@
 #include "tuina/massage/no_go.hpp"
 #include "tuina/massage/programme.hpp"
 #include "tuina/record/plan_file.hpp"
+#include "tuina/record/session_file.hpp"
 #include "tuina/robot/arm_model.hpp"
 #include "tuina/robot/table/read_urdf.hpp"
 #include "tuina/robot/table/robot_table.hpp"
@@ -135,6 +136,26 @@ record::PlanFile some_plan() {
   return file;
 }
 
+bool accepts_session(std::string_view content) {
+  const auto file = record::parse_session(content, "session.json");
+  if (!file) return false;
+  demand(record::parse_session(record::to_json(*file), "again").has_value(),
+         "what is written can be read");
+  return true;
+}
+
+record::SessionFile some_session() {
+  record::SessionFile file{.person = "phantom:slim"};
+  file.order.commands = {{3.5, session::LiveCommand::softer}};
+  file.acupoints.points = {{{"GV4", Vector3(0.0, 0.1, 0.3), Vector3::UnitY(), 8_mm}, 2_mm}};
+  file.massage.techniques = {{Technique::rub, 0.5, 16.0}};
+  file.massage.performed = {{.name = "press GV4", .contact_fault = "none"}};
+  file.tissue = {{.name = "GV4", .truth = TangentTissue{4.5, 250.0}}};
+  file.changes = {{.name = "GV4", .before_n_per_mm = 3.0, .after_n_per_mm = 2.7}};
+  file.stops = {{9.25, "left arm: the force is too large"}};
+  return file;
+}
+
 bool accepts_touches(std::string_view content) {
   static const Folder folder;
   const auto touches =
@@ -205,6 +226,7 @@ std::vector<Parser> session_parsers() {
                                            {.of = {robot::thesis_arm(), robot::thesis_arm()}}))},
            accepts_urdf},
           {"plan.json", {record::to_json(some_plan())}, accepts_plan},
+          {"session.json", {record::to_json(some_session())}, accepts_session},
           {"touches.csv", {some_touches()}, accepts_touches},
           {"taught.toml", {motion}, accepts_taught("fro.toml")},
           {"taught.csv", {samples}, accepts_taught("fro.csv")}};

@@ -47,15 +47,17 @@ TEST_CASE("acupoints.json says position, points and landmarks") {
 }
 
 TEST_CASE("a wrong acupoints.json is refused with the name of what is wrong") {
-  CHECK(fault_of("{").find("points.json: not JSON: at line 1") != std::string::npos);
-  CHECK(fault_of("[]").find("no object `acupoints`") != std::string::npos);
+  CHECK(fault_of("{").find("points.json:1: is no answer of `tuina map`") != std::string::npos);
+  CHECK(fault_of("[]").find("acupoints is missing") != std::string::npos);
   CHECK(fault_of(R"({"acupoints": {}})").find("lacks SI11_L, SI11_R") != std::string::npos);
   CHECK(fault_of(R"({"acupoints": {}, "position": "lying"})").find("\"sitting\" or \"prone\"") !=
         std::string::npos);
-  CHECK(fault_of(acupoints_text("3")).find("acupoints.GV4 has no position_m") != std::string::npos);
+  CHECK(fault_of(acupoints_text("3")).find("acupoints.GV4 is 3, an object is needed") !=
+        std::string::npos);
   CHECK(fault_of(acupoints_text(
                      R"({"position_m": [0, null, 1], "normal": [0, 1, 0], "uncertainty_mm": 6})"))
-            .find("GV4.position_m is not three numbers") != std::string::npos);
+            .find("GV4.position_m is [0,null,1], a list of three numbers is needed") !=
+        std::string::npos);
   CHECK(fault_of(acupoints_text(
                      R"({"position_m": [0, 100, 280], "normal": [0, 1, 0], "uncertainty_mm": 6})"))
             .find("metres are needed") != std::string::npos);
@@ -93,6 +95,7 @@ TEST_CASE("a plan that is written is the plan that is read, to a micrometre and 
 
 TEST_CASE("what is no plan is refused") {
   for (const char* text : {"", "{", "[]", "{}", R"({"programme": 3})"}) {
-    CHECK(parse_plan(text, "plan.json").error().message.find("plan.json: not a plan") == 0);
+    const std::string fault = parse_plan(text, "plan.json").error().message;
+    CHECK_MESSAGE(fault.find("is no plan of `tuina plan`: ") != std::string::npos, fault);
   }
 }

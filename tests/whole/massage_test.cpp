@@ -359,7 +359,7 @@ TEST_CASE("a session given once more from its record is the same in every number
               .has_value());
   const auto none = run_tuina({"massage", "--replay", out, "--out", folder / "third"});
   CHECK(none.exit_code == 2);
-  CHECK(none.err.find("session.json: is no session to give once more: key 'order' not found") !=
+  CHECK(none.err.find("session.json: is no record of a session: order is missing") !=
         std::string::npos);
 }
 
@@ -522,7 +522,7 @@ TEST_CASE("report refuses what is not the record of a session and says where it 
   session["massage"].erase("performed");
   const std::filesystem::path file = std::filesystem::path(folder / "session") / "session.json";
   REQUIRE(tuina::write_file(file, session.dump()).has_value());
-  refused("key 'performed' not found");
+  refused("massage.performed is missing");
   session = massage.session;
   session["massage"]["performed"][0]["path"] = 1000;
   REQUIRE(tuina::write_file(file, session.dump()).has_value());

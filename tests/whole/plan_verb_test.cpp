@@ -97,6 +97,8 @@ TEST_CASE("plan refuses what it cannot use, says where, and leaves no file") {
         "bad.toml:4: the point `BL74` is unknown; is `BL47` meant?");
   fails({scan, folder / "absent.json"}, 2, "absent.json");
   fails({folder / "absent.ply", points}, 2, "absent.ply");
-  fails({scan, folder.with("empty.json", "{}")}, 2, "empty.json: no object `acupoints`");
-  fails({scan, folder.with("half.json", "{\"acupoints\": {")}, 2, "half.json: not JSON: at line 1");
+  fails({scan, folder.with("empty.json", "{}")}, 2,
+        "empty.json: is no answer of `tuina map`: acupoints is missing");
+  fails({scan, folder.with("half.json", "{\"acupoints\": {")}, 2,
+        "half.json:1: is no answer of `tuina map`: what stands there is not JSON");
 }

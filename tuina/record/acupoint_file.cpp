@@ -4,112 +4,87 @@
 #include <fmt/ranges.h>
 
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <string>
 
 #include "tuina/core/io/file.hpp"
 #include "tuina/core/units.hpp"
+#include "tuina/record/shared_fields.hpp"
 
 namespace tuina::record {
 namespace {
 
-using nlohmann::json;
+constexpr auto places_fields = [](auto& visit, auto& acupoints, auto& landmarks) {
+  visit.named("acupoints", acupoints, [](auto& all, const char* name, auto& point) {
+    all.object(name, [&](auto& inside) { acupoint_fields(inside, point); });
+  });
+  if (!visit.has("landmarks")) return;
+  visit.named("landmarks", landmarks,
+              [](auto& all, const char* name, auto& landmark) { all(name, landmark.at_in_couch); });
+};
 
-constexpr double furthest_m = 10.0;  // from the couch; beyond it the numbers are not metres
+constexpr auto map_fields = [](auto& visit, auto& map) {
+  const body::Mapping& mapping = map.mapping;
+  visit("method", mapping.method);
+  visit("position", mapping.position);
+  visit("arms", mapping.arms);
+  visit("compute_ms", map.compute_ms);
+  visit("points", map.points);
+  visit("dropped_points", map.dropped_points);
+  visit("seen_percent", mapping.coverage, percent);
+  visit("misfit_mm", mapping.rms_residual_m, mm);
+  visit("strangeness", mapping.mahalanobis2_per_mode);
+  places_fields(visit, mapping.acupoints, mapping.landmarks);
+};
 
-Result<Vector3> three_numbers(const json& node, std::string_view where) {
-  const bool three = node.is_array() && node.size() == 3 && node[0].is_number() &&
-                     node[1].is_number() && node[2].is_number();
-  if (!three) return fail(Fault::bad_input, "{} is not three numbers", where);
-  return Vector3(node[0].get<double>(), node[1].get<double>(), node[2].get<double>());
+/// What of it is read again: other hands may have written it, with no more than the points.
+constexpr auto back_fields = [](auto& visit, auto& back) {
+  if (visit.has("position")) visit("position", back.position);
+  places_fields(visit, back.acupoints, back.landmarks);
+};
+
+/// Refuses a place that is not on the couch, as millimetres for metres would put it.
+Result<void> check_place(const Vector3& at_in_couch, std::string_view where) {
+  constexpr double furthest_m = 10.0;
+  const double away_m = at_in_couch.cwiseAbs().maxCoeff();
+  if (away_m <= furthest_m) return {};
+  return fail(Fault::bad_input, "{} lies {:.0f} m from the couch; metres are needed", where,
+              away_m);
 }
 
-Result<Vector3> place(const json& node, std::string_view where) {
-  auto at = three_numbers(node, where);
-  if (at && !(at->cwiseAbs().maxCoeff() <= furthest_m)) {
-    return fail(Fault::bad_input, "{} lies {:.0f} m from the couch; metres are needed", where,
-                at->cwiseAbs().maxCoeff());
-  }
-  return at;
-}
-
-Result<Acupoint> acupoint(const std::string& name, const json& node, std::string_view file) {
-  const std::string where = fmt::format("{}: acupoints.{}", file, name);
-  for (const char* key : {"position_m", "normal", "uncertainty_mm"}) {
-    if (!node.is_object() || !node.contains(key)) {
-      return fail(Fault::bad_input, "{} has no {}", where, key);
-    }
-  }
-  const auto at = place(node["position_m"], where + ".position_m");
-  if (!at) return tl::unexpected(at.error());
-  const auto normal = three_numbers(node["normal"], where + ".normal");
-  if (!normal) return tl::unexpected(normal.error());
+Result<void> check_acupoint(const Acupoint& point, std::string_view where) {
+  if (auto good = check_place(point.at_in_couch, fmt::format("{}.position_m", where)); !good)
+    return good;
   constexpr double rounding = 0.01;  // a file may carry two or three digits
-  if (!(std::abs(normal->norm() - 1.0) <= rounding)) {
-    return fail(Fault::bad_input, "{}.normal has length {:.3f}, 1 is needed", where,
-                normal->norm());
-  }
-  const json& uncertainty = node["uncertainty_mm"];
-  const double uncertainty_mm = uncertainty.is_number() ? uncertainty.get<double>() : -1.0;
-  if (!(uncertainty_mm >= 0.0 && uncertainty_mm <= 1000.0)) {
+  const double length = point.normal_in_couch.norm();
+  if (!(std::abs(length - 1.0) <= rounding))
+    return fail(Fault::bad_input, "{}.normal has length {:.3f}, 1 is needed", where, length);
+  if (!(point.uncertainty_m >= 0.0 && point.uncertainty_m <= 1.0))
     return fail(Fault::bad_input, "{}.uncertainty_mm is not a number from 0 to 1000", where);
-  }
-  return Acupoint{name, *at, normal->normalized(), from_mm(uncertainty_mm)};
-}
-
-Result<MappedBack> mapped_back(const json& root, std::string_view file) {
-  if (!root.is_object() || !root.contains("acupoints") || !root["acupoints"].is_object()) {
-    return fail(Fault::bad_input, "{}: no object `acupoints`, as `tuina map` writes it", file);
-  }
-  MappedBack back;
-  if (root.contains("position")) {
-    const json& position = root["position"];
-    if (position == "sitting") back.position = BodyPosture::sitting;
-    if (position == "prone") back.position = BodyPosture::prone;
-    if (!back.position) {
-      return fail(Fault::bad_input, "{}: position is not \"sitting\" or \"prone\"", file);
-    }
-  }
-  for (const auto& [name, node] : root["acupoints"].items()) {
-    auto point = acupoint(name, node, file);
-    if (!point) return tl::unexpected(point.error());
-    back.acupoints.push_back(std::move(*point));
-  }
-  std::vector<std::string> missing;
-  for (const char* name : seven_acupoints) {
-    if (!root["acupoints"].contains(name)) missing.emplace_back(name);
-  }
-  if (!missing.empty()) {
-    return fail(Fault::bad_input, "{}: acupoints lacks {}; all seven of the thesis are needed",
-                file, fmt::join(missing, ", "));
-  }
-  if (!root.contains("landmarks")) return back;
-  if (!root["landmarks"].is_object()) {
-    return fail(Fault::bad_input, "{}: landmarks is not an object of names", file);
-  }
-  for (const auto& [name, node] : root["landmarks"].items()) {
-    const auto at = place(node, fmt::format("{}: landmarks.{}", file, name));
-    if (!at) return tl::unexpected(at.error());
-    back.landmarks.push_back({name, *at});
-  }
-  return back;
+  return {};
 }
 
 }  // namespace
 
 Result<MappedBack> parse_acupoints(std::string_view text, std::string_view name) {
-  json root;
-  try {
-    root = json::parse(text);
-  } catch (const json::exception& error) {
-    // The library's message ends in what it found where: "... parse error at line 3, column 7:
-    // ...".
-    const std::string what = error.what();
-    const auto at = what.find("at line");
-    return fail(Fault::bad_input, "{}: not JSON: {}", name,
-                at == std::string::npos ? what : what.substr(at));
+  auto back = parse_json<MappedBack>(text, name, "answer of `tuina map`", back_fields);
+  if (!back) return back;
+  std::vector<std::string> missing(seven_acupoints.begin(), seven_acupoints.end());
+  for (Acupoint& point : back->acupoints) {
+    const auto good = check_acupoint(point, fmt::format("{}: acupoints.{}", name, point.name));
+    if (!good) return tl::unexpected(good.error());
+    point.normal_in_couch.normalize();
+    std::erase(missing, point.name);
   }
-  return mapped_back(root, name);
+  if (!missing.empty()) {
+    return fail(Fault::bad_input, "{}: acupoints lacks {}; all seven of the thesis are needed",
+                name, fmt::join(missing, ", "));
+  }
+  for (const Landmark& landmark : back->landmarks) {
+    const auto good =
+        check_place(landmark.at_in_couch, fmt::format("{}: landmarks.{}", name, landmark.name));
+    if (!good) return tl::unexpected(good.error());
+  }
+  return back;
 }
 
 Result<MappedBack> read_acupoints(const std::filesystem::path& file) {
@@ -120,27 +95,7 @@ Result<MappedBack> read_acupoints(const std::filesystem::path& file) {
 }
 
 std::string to_json(const MapFile& map) {
-  const auto three = [](const Vector3& v) { return nlohmann::ordered_json{v.x(), v.y(), v.z()}; };
-  const body::Mapping& mapping = map.mapping;
-  nlohmann::ordered_json json = {{"method", name_of(mapping.method)},
-                                 {"position", name_of(mapping.position)},
-                                 {"arms", name_of(mapping.arms)},
-                                 {"compute_ms", map.compute_ms},
-                                 {"points", map.points},
-                                 {"dropped_points", map.dropped_points},
-                                 {"seen_percent", 100.0 * mapping.coverage},
-                                 {"misfit_mm", to_mm(mapping.rms_residual_m)},
-                                 {"strangeness", mapping.mahalanobis2_per_mode}};
-  for (const Acupoint& point : mapping.acupoints) {
-    json["acupoints"][point.name] = {{"position_m", three(point.at_in_couch)},
-                                     {"normal", three(point.normal_in_couch)},
-                                     {"uncertainty_mm", to_mm(point.uncertainty_m)}};
-  }
-  json["landmarks"] = nlohmann::ordered_json::object();
-  for (const Landmark& landmark : mapping.landmarks) {
-    json["landmarks"][landmark.name] = three(landmark.at_in_couch);
-  }
-  return json.dump(2);
+  return to_json(map, map_fields).dump(2);
 }
 
 }  // namespace tuina::record

@@ -7,6 +7,7 @@
 
 #include "tuina/core/result.hpp"
 #include "tuina/massage/plan.hpp"
+#include "tuina/motion/ready_plan.hpp"
 #include "tuina/robot/obstacle.hpp"
 
 namespace tuina::record {
@@ -20,6 +21,8 @@ struct PlanFile {
   double rail_m = 0.0;           ///< place of the linear base
   double compute_ms = 0.0;
 };
+
+[[nodiscard]] PlanFile plan_file_of(const motion::ReadyPlan& ready, double compute_ms);
 
 /// The JSON object of plan.json; places in `couch`, in metres.
 [[nodiscard]] std::string to_json(const PlanFile& file);

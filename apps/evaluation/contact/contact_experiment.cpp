@@ -6,6 +6,8 @@
 
 #include "apps/evaluation/contact/patch_path.hpp"
 #include "tuina/massage/technique/contact_path.hpp"
+#include "tuina/robot/inverse_kinematics.hpp"
+#include "tuina/robot/robot_model.hpp"
 #include "tuina/session/control_loop.hpp"
 #include "tuina/session/controlled_arm.hpp"
 #include "tuina/tissue/press_estimator.hpp"
@@ -77,16 +79,32 @@ control::ContactTarget target_at(const ContactPath& path, const Transform& base_
           .model = model};
 }
 
-JointVector posture_for(const robot::ArmModel& model, const control::ToolPose& tip) {
-  JointVector q(model.joints());
-  q.setZero();
-  q.head<6>() << -0.3, model.shoulder_in_base(0.0).y() > 0.0 ? -0.3 : 0.3, 0.0, 0.3, 0.0, 0.0;
-  const JointVector preferred = q;
+/// Configuration in which the tool has this pose, found from where the robot's table says that the
+/// search for its ready posture begins; without a word there, from arms bent a little, since those
+/// stretched out at zero are singular.
+Result<JointVector> configuration_for(const PerArm<robot::ArmModel>& models,
+                                      const robot::RobotMount& mount, Arm arm,
+                                      const control::ToolPose& tip) {
+  const robot::ArmTable& table = models[arm].table();
+  JointVector near = mount.ready_near_rad;
+  if (near.size() != table.joints) {
+    near = JointVector::Zero(table.joints);
+    near.head<4>() << -0.3, -0.3, 0.0, 0.3;
+  }
+  if (arm == Arm::right) near = robot::mirrored(table, mount, near);
   control::JointFollower follower;
-  follower.start(q);
-  const control::ToolPose centre = {
-      tip.at_in_base + model.table().tool_radius_m * tip.normal_in_base, tip.normal_in_base};
-  for (int i = 0; i < 3000; ++i) q = follower.step(model, 0.0, centre, preferred);
+  follower.start(near);
+  const control::ToolPose centre = {tip.at_in_base + table.tool_radius_m * tip.normal_in_base,
+                                    tip.normal_in_base};
+  constexpr int enough_steps = 3000;
+  JointVector q = near;
+  for (int i = 0; i < enough_steps; ++i) q = follower.step(models[arm], 0.0, centre, near);
+  const double off_m =
+      (models[arm].base_from_tool(q, 0.0).translation() - centre.at_in_base).norm();
+  if (off_m > 1_mm) {
+    return fail(Fault::not_found, "the {} arm comes to {:.0f} mm of the place where it is to begin",
+                name_of(arm), to_mm(off_m));
+  }
   return q;
 }
 
@@ -94,8 +112,11 @@ JointVector posture_for(const robot::ArmModel& model, const control::ToolPose& t
 
 Result<ContactOutcome> run_contact(const ContactExperiment& experiment, const Progress& progress) {
   Random random = make_random(experiment.seed, "contact experiment");
-  const robot::RobotMount mount = robot::mount_for(BodyPosture::sitting);
-  const robot::ArmTable believed = robot::thesis_arm();
+  const auto model_of_robot = robot::load_robot(experiment.robot);
+  if (!model_of_robot) return tl::unexpected(model_of_robot.error());
+  const robot::RobotPlacement placement = robot::place_robot(*model_of_robot, BodyPosture::sitting);
+  const robot::RobotMount& mount = placement.mount;
+  const robot::ArmTable& believed = placement.arm;
   PerArm<robot::ArmTable> arms;
   for (const Arm arm : both_arms) {
     arms[arm] = sim::draw_arm(believed,
@@ -136,8 +157,7 @@ Result<ContactOutcome> run_contact(const ContactExperiment& experiment, const Pr
   model.tissue.alpha_n = experiment.tissue.alpha_n * wrong();
   model.tissue.beta_per_m = experiment.tissue.beta_per_m * wrong();
 
-  const std::array<robot::ArmModel, 2> models = {robot::ArmModel(believed, mount, Arm::left),
-                                                 robot::ArmModel(believed, mount, Arm::right)};
+  const PerArm<robot::ArmModel> models = robot::both_models(believed, mount);
   const auto pose_above = [&](double height_m) {
     return control::ToolPose{mount.base_from_couch * Vector3(path.points.front().at_in_couch +
                                                              height_m * normal_in_couch),
@@ -145,18 +165,20 @@ Result<ContactOutcome> run_contact(const ContactExperiment& experiment, const Pr
   };
   control::ToolPose aside = pose_above(0.12);
   aside.at_in_base.y() = -0.2;
-  const sim::Plant::Start start = {
-      .q_rad = {.of = {posture_for(models[0], pose_above(2.0 * standoff_m)),
-                       posture_for(models[1], aside)}}};
+  const auto above = configuration_for(models, mount, Arm::left, pose_above(2.0 * standoff_m));
+  if (!above) return tl::unexpected(above.error());
+  const auto out_of_the_way = configuration_for(models, mount, Arm::right, aside);
+  if (!out_of_the_way) return tl::unexpected(out_of_the_way.error());
+  const sim::Plant::Start start = {.q_rad = {.of = {*above, *out_of_the_way}}};
   sim::PlantOptions devices = experiment.devices;
   devices.seed = experiment.seed;
-  auto plant = sim::Plant::make(mount, arms, start, &person, devices);
+  auto plant = sim::Plant::make(placement, arms, start, &person, devices);
   if (!plant) return tl::unexpected(plant.error());
 
   PerArm<session::ControlledArm> controlled = {
-      {session::ControlledArm(models[0], experiment.controller),
-       session::ControlledArm(models[1])}};
-  safety::RobotGuard guard({.of = models}, {.bench = true});
+      {session::ControlledArm(models[Arm::left], experiment.controller),
+       session::ControlledArm(models[Arm::right])}};
+  safety::RobotGuard guard(models, {.bench = true});
   tissue::PressEstimator estimator(tissue::pressed_by_robot(35'000.0, believed.tool_mass_kg));
   ContactOutcome outcome;
   session::ForceErrorSum errors;

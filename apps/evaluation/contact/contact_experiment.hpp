@@ -18,9 +18,11 @@
 
 namespace tuina::app {
 
-/// One arm of the simulated robot, from a standoff over a patch of skin through one technique and
-/// away again. What the controller believes is wrong in the ways a session's beliefs are.
+/// One arm of a simulated robot behind a sitting person, from a standoff over a patch of skin
+/// through one technique and away again. What the controller believes is wrong in the ways a
+/// session's beliefs are.
 struct ContactExperiment {
+  std::string robot = "thesis";           ///< a shipped robot or the file of its table
   TangentTissue tissue = {9.786, 185.4};  ///< true; hard muscle of [thesis] chapter 6
   double force_n = 30.0;
   Technique technique = Technique::press;

@@ -9,6 +9,7 @@
 #include "apps/evaluation/verbs.hpp"
 #include "tuina/core/io/file.hpp"
 #include "tuina/core/units.hpp"
+#include "tuina/record/shared_fields.hpp"
 #include "tuina/session/config.hpp"
 #include "tuina/telemetry/plot/svg_plot.hpp"
 
@@ -97,6 +98,7 @@ class Press final : public Verb {
     command.add_option("--technique", technique_, "what the arm does there")
         ->check(CLI::IsMember(technique_names()))
         ->capture_default_str();
+    add_robot_option(command, robot_);
     command.add_option("--rub-shape", rub_shape_, "way of a rub")
         ->check(CLI::IsMember(names(rub_shapes)))
         ->capture_default_str();
@@ -168,7 +170,7 @@ class Press final : public Verb {
                     folder.string());
       }
     }
-    ContactExperiment experiment;
+    ContactExperiment experiment{.robot = robot_};
     experiment.tissue =
         alpha_n_ > 0.0 ? TangentTissue{alpha_n_, 1e3 * beta_per_mm_} : thesis_tissues.at(tissue_);
     experiment.force_n = force_n_;
@@ -225,25 +227,19 @@ class Press final : public Verb {
       stops.push_back({{"time_s", stop.time_s}, {"cause", stop.cause}});
       stopped += fmt::format("\nstopped at {:.3f} s: {}", stop.time_s, stop.cause);
     }
-    nlohmann::json json = {
-        {"technique", technique_},
-        {"controller", controller_},
-        {"target_n", force_n_},
-        {"force",
-         {{"rmse_n", force.rmse_n}, {"peak_n", force.peak_n}, {"overshoot_n", force.overshoot_n}}},
-        {"estimate",
-         {{"alpha_n", estimate.tissue.alpha_n},
-          {"beta_per_mm", 1e-3 * estimate.tissue.beta_per_m},
-          {"converged", estimate.converged}}},
-        {"true",
-         {{"alpha_n", experiment.tissue.alpha_n},
-          {"beta_per_mm", 1e-3 * experiment.tissue.beta_per_m}}},
-        {"highest_force_n", outcome.highest_n},
-        {"second_impact_n", outcome.second_impact_n},
-        {"fastest_tool_mm_per_s", to_mm(outcome.max_speed_m_per_s)},
-        {"stops", stops}};
+    nlohmann::json json = {{"technique", technique_},
+                           {"controller", controller_},
+                           {"target_n", force_n_},
+                           {"force", record::to_json(force, record::force_fields)},
+                           {"estimate", record::to_json(estimate.tissue, record::tangent_fields)},
+                           {"true", record::to_json(experiment.tissue, record::tangent_fields)},
+                           {"highest_force_n", outcome.highest_n},
+                           {"second_impact_n", outcome.second_impact_n},
+                           {"fastest_tool_mm_per_s", to_mm(outcome.max_speed_m_per_s)},
+                           {"stops", stops}};
     json["force"]["settled_rmse_n"] =
         force.settled_rmse_n ? nlohmann::json(*force.settled_rmse_n) : nlohmann::json();
+    json["estimate"]["converged"] = estimate.converged;
     json["estimate"]["converged_after_s"] =
         estimate.converged ? nlohmann::json(estimate.converged_after_s) : nlohmann::json();
     return {.json = json.dump(2),
@@ -257,7 +253,7 @@ class Press final : public Verb {
             .exit_code = outcome.stopped ? 4 : 0};
   }
 
-  std::string tissue_ = "hard", technique_ = "press", rub_shape_ = "circle";
+  std::string robot_ = "thesis", tissue_ = "hard", technique_ = "press", rub_shape_ = "circle";
   std::string controller_ = "tuina", torso_, out_, plot_;
   double alpha_n_ = 0.0, beta_per_mm_ = 0.0, force_n_ = 0.0;
   double surface_error_mm_ = 0.0, surface_tilt_deg_ = 0.0, friction_ = -1.0;

@@ -18,7 +18,7 @@ double score(Random& random) {
 }
 
 /// Heights of young adults, 1.72 m and 1.60 m, standard deviation 6 cm, as the people of
-/// phantom_table.cpp (worldwide means of men and women born in 1996: 1.71 m and 1.59 m
+/// models/phantom.csv (worldwide means of men and women born in 1996: 1.71 m and 1.59 m
 /// [ncdrisc2016]).
 PhantomShape draw(double lowest_bmi, double highest_bmi, std::uint64_t seed) {
   Random random = make_random(seed, "phantom");

@@ -8,8 +8,8 @@
 
 namespace tuina::sim {
 
-/// Parameters of a phantom. Scores are in standard deviations of phantom_table.cpp; all zero is the
-/// mean person of that sex and body mass index, sitting or lying straight.
+/// Parameters of a phantom. Scores are in standard deviations of models/phantom.csv; all zero is
+/// the mean person of that sex and body mass index, sitting or lying straight.
 struct PhantomShape {
   bool woman = false;
   double height_m = 1.66;

@@ -26,7 +26,7 @@ struct Ellipsoid {
 };
 
 /// Positions and sizes of the parts blended into the trunk, in lengths C7-S2 in the trunk frame.
-/// Least-squares fit to the people of phantom_table.cpp (man, BMI 22; `_woman` and `_bmi`, per 10,
+/// Least-squares fit to the people of models/phantom.csv (man, BMI 22; `_woman` and `_bmi`, per 10,
 /// are added).
 struct PartSizes {
   double neck_low_y = -0.101, neck_low_z = 0.980, neck_low_r = 0.061;

@@ -33,7 +33,7 @@ constexpr int c7 = 0, t3 = 3, t5 = 5, t7 = 7, t9 = 9, t11 = 11, t12 = 12, l2 = 1
 
 /// Outward shift of the skin beside the spine by arms that reach up or forward, since the rules
 /// hold for a standing person: up to 5 mm at the inferior angle and 2 mm above it, measured on the
-/// people of phantom_table.cpp.
+/// people of models/phantom.csv.
 double drawn_outwards(BodyPosture position, bool arms_up, double height) {
   const auto around = [&](double middle) {
     const double off = (height - middle) / 0.11;

@@ -9,7 +9,7 @@
 namespace tuina::sim {
 namespace {
 
-/// Mean, dependence and spread of posture, measured on the people of phantom_table.cpp.
+/// Mean, dependence and spread of posture, measured on the people of models/phantom.csv.
 /// Correlations (bending curves the spine and tilts the pelvis) are in pose_of.
 struct PostureTable {
   double lean_deg, lean_woman_deg, lean_sd_deg;

@@ -3,6 +3,8 @@
 
 #include <array>
 #include <cstddef>
+#include <string_view>
+#include <utility>
 
 #include "tuina/sim/person/phantom.hpp"
 
@@ -62,14 +64,14 @@ enum Measure : std::size_t {
 inline constexpr std::size_t section_numbers = section_heights.size() * section_angles_deg.size();
 inline constexpr std::size_t table_rows = measure_count + section_numbers;
 
-/// Linear model of one proportion: mean of sitting men of BMI 22, offsets for women, per 10 of BMI,
-/// prone, and prone with the arms up; loadings of the principal components.
-struct Proportion {
-  const char* name;
-  double mean, woman, per_10_bmi, prone, arms_up;
-  std::array<double, 12> build;
-};
-extern const std::array<Proportion, table_rows> phantom_table;
+/// Text of models/phantom.csv, which is built in: proportions of the phantoms and their spread, in
+/// lengths C7-S2. Means of sitting men of BMI 22, offsets for women, per 10 of BMI, prone, and
+/// prone with the arms up, and loadings of twelve principal components, of 160 synthetic people
+/// made with MakeHuman (CC0 1.0), half of each sex, BMI 16 to 34, half sitting and half prone.
+/// Distances between landmarks, heights of the spinous processes, and depth of the back at 22
+/// heights in 9 directions, left and right averaged. docs/bodies.md compares them with
+/// anthropometry.
+[[nodiscard]] std::string_view phantom_csv();
 
 /// Proportions of one person in lengths C7-S2; `trunk_length` is C7-S2 over the height.
 struct Proportions {

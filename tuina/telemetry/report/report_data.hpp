@@ -58,6 +58,7 @@ struct FeltTissue {
   double class_probability = 0.0;
   double stiffness_n_per_mm = 0.0;  ///< tangent stiffness at `ReportData::stiffness_force_n`
   double stiffness_ci95_n_per_mm = 0.0;
+  bool mapped = false;  ///< the press follows the law, so it counts for the map
 };
 
 /// Between the places that were pressed: the stiffness and the standard deviation of its logarithm.
@@ -73,6 +74,7 @@ struct StiffnessChange {
   double after_n_per_mm = 0.0;
   double detectable = 0.0;  ///< the smallest relative change that can be told at 95 %
   bool detected = false;
+  double change = 0.0;  ///< the relative change
 };
 
 /// Probabilities that the presses leave, by the people of [thesis] Table 6-2.

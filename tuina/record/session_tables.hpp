@@ -9,7 +9,7 @@
 #include "tuina/telemetry/report/report_data.hpp"
 
 /// The tables in the folder of a session, written and read.
-namespace tuina::app {
+namespace tuina::record {
 
 /// Every joint at one moment.
 struct JointRow {
@@ -26,9 +26,8 @@ struct JointRow {
 /// Refused, with file and line: what is not as it was written.
 [[nodiscard]] Result<std::vector<telemetry::TraceRow>> read_trace(
     const std::filesystem::path& file);
-/// Without the torques.
 [[nodiscard]] Result<std::vector<JointRow>> read_joints(const std::filesystem::path& file);
 [[nodiscard]] Result<std::vector<telemetry::ArmDistance>> read_distances(
     const std::filesystem::path& file);
 
-}  // namespace tuina::app
+}  // namespace tuina::record

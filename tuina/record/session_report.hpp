@@ -6,10 +6,10 @@
 #include "tuina/core/result.hpp"
 #include "tuina/telemetry/report/report_data.hpp"
 
-namespace tuina::app {
+namespace tuina::record {
 
 /// What the report shows of a session, from the files in its folder and nothing else. Refused, with
 /// file and key or line: a folder that is not that of a session.
 [[nodiscard]] Result<telemetry::ReportData> read_record(const std::filesystem::path& folder);
 
-}  // namespace tuina::app
+}  // namespace tuina::record

@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tuina/record/session_file.hpp"
+
+#include <cmath>
+
+#include "tuina/record/shared_fields.hpp"
+#include "tuina/session/consent.hpp"
+
+namespace tuina::record {
+namespace {
+
+constexpr auto order_fields = [](auto& visit, auto& order) {
+  visit("person", order.person);
+  visit("position", order.position);
+  visit("programme", order.programme);
+  visit.maybe("robot", order.robot);  // a version that knew one robot may have written it
+  visit("method", order.method);
+  visit("atlas", order.atlas);
+  visit("no_go", order.no_go);
+  visit("robot_pose", order.robot_pose);
+  visit("body_mass_index", order.facts.mass_index);
+  visit("body_fat_percent", order.facts.fat_percent);
+  visit("adaptive", order.adaptive);
+};
+
+constexpr auto found_fields = [](auto& visit, auto& found) {
+  visit("name", found.acupoint.name);
+  acupoint_fields(visit, found.acupoint);
+  visit("error_mm", found.error_m, mm);
+};
+
+constexpr auto surroundings_fields = [](auto& visit, auto& clear) {
+  visit.maybe("min_couch_distance_mm", clear[robot::Surrounding::couch], mm);
+  visit.maybe("min_body_distance_mm", clear[robot::Surrounding::body], mm);
+};
+
+constexpr auto scan_fields = [](auto& visit, auto& scan) {
+  visit("profiles", scan.profiles);
+  visit("points", scan.points);
+  visit("sweep_s", scan.sweep_s);
+  visit("rms_error_mm", scan.rms_error_m, mm);
+  visit("compute_ms", scan.compute_ms);
+};
+
+constexpr auto acupoints_fields = [](auto& visit, auto& acupoints) {
+  visit("method", acupoints.method);
+  visit("compute_ms", acupoints.compute_ms);
+  visit.maybe("mean_error_mm", acupoints.mean_error_m, mm);
+  visit.maybe("max_error_mm", acupoints.max_error_m, mm);
+  visit.list("points", acupoints.points, found_fields);
+};
+
+constexpr auto plan_fields = [](auto& visit, auto& plan) {
+  visit("compute_ms", plan.compute_ms);
+  visit("paths", plan.paths);
+  visit("duration_s", plan.duration_s);
+  visit("reachable", plan.reachable);
+  visit("min_arm_distance_mm", plan.min_arm_distance_m, mm);
+  surroundings_fields(visit, plan.clear);
+  visit("zones_touched", plan.zones_touched);
+  visit("notes", plan.notes);
+};
+
+constexpr auto performed_fields = [](auto& visit, auto& done) {
+  visit("name", done.name);
+  visit("path", done.path);
+  visit("arm", done.arm);
+  visit("begin_s", done.begin_s);
+  visit("end_s", done.end_s);
+  visit("trouble", done.contact_fault);
+  visit("true_peak_n", done.true_peak_n);
+  visit.maybe("true_over_trip_n", done.true_over_trip_n);
+  visit.if_known("tool_to_acupoint_mm", done.tool_to_acupoint_m,
+                 [](auto& of_press, auto& off_m) { of_press("tool_to_acupoint_mm", off_m, mm); });
+};
+
+/// Every technique has its key; one that the programme does not use has no errors.
+constexpr auto techniques_fields = [](auto& visit, auto& used) {
+  for (const Technique technique : all_techniques) {
+    constexpr double none = std::numeric_limits<double>::quiet_NaN();
+    telemetry::TechniqueForce force{.technique = technique, .rmse_n = none, .peak_n = none};
+    for (const telemetry::TechniqueForce& one : used)
+      if (one.technique == technique) force = one;
+    // A version that knew fewer techniques may have written the session.
+    if (!visit.has(name_of(technique))) continue;
+    visit.object(name_of(technique), [&](auto& inside) {
+      inside.maybe("rmse_n", force.rmse_n);
+      inside.maybe("peak_n", force.peak_n);
+    });
+    if constexpr (requires { used.push_back(force); })
+      if (!std::isnan(force.rmse_n)) used.push_back(force);
+  }
+};
+
+constexpr auto massage_fields = [](auto& visit, auto& massage) {
+  visit("duration_s", massage.duration_s);
+  visit("real_time_factor", massage.real_time_factor);
+  visit("min_arm_distance_mm", massage.min_arm_distance_m, mm);
+  surroundings_fields(visit, massage.clear);
+  visit.maybe("min_distance_to_person_mm", massage.min_distance_to_person_m, mm);
+  visit.object("force", [&](auto& inside) { force_fields(inside, massage.force); });
+  visit.object("techniques", [&](auto& inside) { techniques_fields(inside, massage.techniques); });
+  visit.list("performed", massage.performed, performed_fields);
+};
+
+constexpr auto command_fields = [](auto& visit, auto& given) {
+  visit("time_s", given.first);
+  visit("command", given.second);
+};
+
+constexpr auto decision_fields = [](auto& visit, auto& made) {
+  visit("time_s", made.time_s);
+  visit("arm", made.arm);
+  visit("path", made.path);
+  visit("rule", made.rule);
+  visit("reason", made.reason);
+  visit("from_n", made.from_n);
+  visit("to_n", made.to_n);
+};
+
+constexpr auto felt_fields = [](auto& visit, auto& felt) {
+  auto& estimate = felt.estimate;
+  visit("name", felt.name);
+  tangent_fields(visit, estimate.tissue);
+  visit.object("ci95", [&](auto& inside) {
+    inside("alpha_n", estimate.alpha_ci95_n);
+    inside("beta_per_mm", estimate.beta_ci95_per_m, per_mm);
+  });
+  visit.if_known("true_alpha_n", felt.truth, [](auto& of_truth, auto& truth) {
+    of_truth("true_alpha_n", truth.alpha_n);
+    of_truth("true_beta_per_mm", truth.beta_per_m, per_mm);
+  });
+  visit("presses", estimate.presses);
+  visit("converged", estimate.converged);
+  visit.maybe("converged_after_s", estimate.converged_after_s);
+  visit("class", felt.tissue_class);
+  visit("class_probability", felt.class_probability);
+};
+
+/// The same places again, for the map of their stiffness.
+constexpr auto place_fields = [](auto& visit, auto& felt) {
+  visit("name", felt.name);
+  visit("position_m", felt.at_in_couch);
+  visit("stiffness_n_per_mm", felt.stiffness_n_per_mm);
+  visit("ci95_n_per_mm", felt.stiffness_ci95_n_per_mm);
+  visit("mapped", felt.mapped);
+};
+
+constexpr auto change_fields = [](auto& visit, auto& change) {
+  visit("name", change.name);
+  visit("before_n_per_mm", change.before_n_per_mm);
+  visit("after_n_per_mm", change.after_n_per_mm);
+  visit("change_percent", change.change, percent);
+  visit("detectable_percent", change.detectable, percent);
+  visit("detected", change.detected);
+};
+
+constexpr auto stop_fields = [](auto& visit, auto& stop) {
+  visit("time_s", stop.time_s);
+  visit("cause", stop.cause);
+};
+
+constexpr auto session_fields = [](auto& visit, auto& file) {
+  visit("seed", file.seed);
+  visit("version", file.version);
+  visit("person", file.person);
+  visit("position", file.position);
+  visit.object("order", [&](auto& inside) { order_fields(inside, file.order); });
+  visit("base_from_couch", file.base_from_couch);
+  visit.object("scan", [&](auto& inside) { scan_fields(inside, file.scan); });
+  visit.object("acupoints", [&](auto& inside) { acupoints_fields(inside, file.acupoints); });
+  visit.object("plan", [&](auto& inside) { plan_fields(inside, file.plan); });
+  visit.object("massage", [&](auto& inside) { massage_fields(inside, file.massage); });
+  visit.object("consent", [&](auto& inside) {
+    inside("answered_by", file.answered_by);
+    inside.told("questions", session::health_questions.size());
+    inside.told("reasons_against", 0);  // otherwise nobody would have been touched
+  });
+  visit("rescans_s", file.rescans_s);
+  visit.list("commands", file.order.commands, command_fields);
+  visit.list("decisions", file.decisions, decision_fields);
+  visit.list("tissue", file.tissue, felt_fields);
+  visit.object("stiffness", [&](auto& inside) {
+    inside("force_n", file.stiffness_force_n);
+    inside.list("places", file.tissue, place_fields);
+    inside.list("changes", file.changes, change_fields);
+  });
+  visit.object("body_condition", [&](auto& inside) {
+    inside("slim", file.condition.slim);
+    inside("medium", file.condition.medium);
+    inside("hefty", file.condition.hefty);
+    inside("female", file.condition.female);
+    inside("presses", file.condition_presses);
+    inside.told("caution", "by the seven people of the thesis' Table 6-2, one of them a woman");
+  });
+  visit.list("stops", file.stops, stop_fields);
+};
+
+}  // namespace
+
+std::string to_json(const SessionFile& file) {
+  return to_json(file, session_fields).dump(2);
+}
+
+Result<SessionFile> parse_session(std::string_view text, std::string_view name) {
+  return parse_json<SessionFile>(text, name, "record of a session", session_fields);
+}
+
+}  // namespace tuina::record

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "tuina/body/acupoints.hpp"
+#include "tuina/core/result.hpp"
+#include "tuina/robot/obstacle.hpp"
+#include "tuina/session/force_errors.hpp"
+#include "tuina/session/live_command.hpp"
+#include "tuina/telemetry/report/report_data.hpp"
+#include "tuina/tissue/body_condition.hpp"
+
+namespace tuina::record {
+
+/// What somebody at a terminal orders of a session: names and files.
+struct SessionOrder {
+  std::string person = "phantom:medium";
+  std::optional<BodyPosture> position;
+  std::string programme = "relax";
+  std::string robot = "thesis";  ///< a shipped robot or the file of its table
+  body::Method method = body::Method::surface;
+  std::string atlas;       ///< a file or a labelled body; empty: the shipped one
+  std::string no_go;       ///< a file with what the therapist rules out; empty: nothing
+  std::string consent;     ///< a file with answers; empty: the simulated person answers
+  std::string robot_pose;  ///< a file of `calibrate --robot`; empty: as good a one
+  bool adaptive = true;
+  tissue::BodyFacts facts;
+  bool keys = false;  ///< live commands from standard input
+  /// Commands as they were given in a session before, and when; instead of keys.
+  std::vector<std::pair<double, session::LiveCommand>> commands;
+  bool real_time = false;
+  bool processes = false;  ///< guard and robot are processes of their own
+  std::string link = {};   ///< name of the memory that they share; empty: one of this process
+};
+
+/// A path as it was performed; what is true is known only in simulation.
+struct PerformedEntry {
+  std::string name;
+  std::size_t path = 0;  ///< its place in the plan
+  Arm arm = Arm::left;
+  double begin_s = 0.0;
+  double end_s = 0.0;
+  std::string contact_fault;  ///< "none": it was carried out as planned
+  double true_peak_n = 0.0;
+  double true_over_trip_n = -std::numeric_limits<double>::infinity();
+  std::optional<double> tool_to_acupoint_m;  ///< known of a press of an acupoint
+};
+
+/// The numbers of a session as session.json holds them: all that the report shows of it but for
+/// scan, plan and the tables. A distance that is not known is infinite.
+struct SessionFile {
+  struct Scan {
+    int profiles = 0;
+    std::size_t points = 0;
+    double sweep_s = 0.0;
+    double rms_error_m = 0.0;
+    double compute_ms = 0.0;
+  };
+  struct Acupoints {
+    body::Method method = body::Method::surface;
+    double compute_ms = 0.0;
+    double mean_error_m = std::numeric_limits<double>::quiet_NaN();  ///< of the thesis' seven
+    double max_error_m = std::numeric_limits<double>::quiet_NaN();
+    std::vector<telemetry::FoundAcupoint> points;
+  };
+  struct Plan {
+    double compute_ms = 0.0;
+    std::size_t paths = 0;
+    double duration_s = 0.0;
+    bool reachable = false;
+    double min_arm_distance_m = 0.0;
+    robot::Clearances clear;
+    std::vector<std::string> zones_touched;
+    std::vector<std::string> notes;
+  };
+  struct Massage {
+    double duration_s = 0.0;
+    double real_time_factor = 0.0;
+    double min_arm_distance_m = 0.0;
+    robot::Clearances clear;
+    double min_distance_to_person_m = std::numeric_limits<double>::infinity();
+    session::ForceErrors force;
+    std::vector<telemetry::TechniqueForce> techniques;  ///< of the techniques that were used
+    std::vector<PerformedEntry> performed;
+  };
+
+  std::uint64_t seed = 1;
+  std::string version;
+  std::string person;
+  BodyPosture position = BodyPosture::sitting;
+  SessionOrder order;  ///< with the commands that were given
+  Transform base_from_couch = Transform::Identity();
+  Scan scan;
+  Acupoints acupoints;
+  Plan plan;
+  Massage massage;
+  std::string answered_by;        ///< who answered the health questions
+  std::vector<double> rescans_s;  ///< times at which the person had moved and was scanned again
+  std::vector<telemetry::SteeringDecision> decisions;
+  std::vector<telemetry::FeltTissue> tissue;
+  double stiffness_force_n = 0.0;  ///< force at which stiffness is compared
+  std::vector<telemetry::StiffnessChange> changes;
+  telemetry::BodyCondition condition;
+  int condition_presses = 0;  ///< presses that the condition rests on
+  std::vector<telemetry::Stop> stops;
+};
+
+/// The JSON object of session.json.
+[[nodiscard]] std::string to_json(const SessionFile& file);
+
+/// Refused, with the key and what stands there: what is missing or of another kind.
+[[nodiscard]] Result<SessionFile> parse_session(std::string_view text, std::string_view name);
+
+}  // namespace tuina::record

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "tuina/record/json_fields.hpp"
+
+/// Fields of what stands in the JSON of more than one file or command.
+namespace tuina::record {
+
+/// An acupoint without its name, which stands before it in some files and is its key in others.
+inline constexpr auto acupoint_fields = [](auto& visit, auto& point) {
+  visit("position_m", point.at_in_couch);
+  visit("normal", point.normal_in_couch);
+  visit("uncertainty_mm", point.uncertainty_m, mm);
+};
+
+inline constexpr auto tangent_fields = [](auto& visit, auto& tissue) {
+  visit("alpha_n", tissue.alpha_n);
+  visit("beta_per_mm", tissue.beta_per_m, per_mm);
+};
+
+inline constexpr auto noise_fields = [](auto& visit, auto& noise) {
+  visit("force_n", noise.force_n);
+  visit("position_mm", noise.position_m, mm);
+};
+
+inline constexpr auto force_fields = [](auto& visit, auto& errors) {
+  visit("rmse_n", errors.rmse_n);
+  visit("peak_n", errors.peak_n);
+  visit("overshoot_n", errors.overshoot_n);
+};
+
+}  // namespace tuina::record
