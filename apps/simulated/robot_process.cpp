@@ -26,8 +26,8 @@ constexpr auto lock_step_patience = 200ms;      // for a guard that may be dead 
 constexpr auto gone_patience = 2ms;             // ... and for one that is
 constexpr std::uint64_t given_up_ticks = 3000;  // virtual time that nobody has said anything in
 
-const char* name_of(safety::Pace pace) {
-  return pace == safety::Pace::real ? "real" : "max";
+const char* name_of(link::Pace pace) {
+  return pace == link::Pace::real ? "real" : "max";
 }
 
 }  // namespace
@@ -36,14 +36,14 @@ std::string truth_name(const std::string& link) {
   return "/tuina-" + link + "-truth";
 }
 
-Result<RobotReport> keep_robot(safety::Link& link, SharedTruth& truth, sim::World& world,
-                               safety::Pace pace, const std::atomic<bool>& ends) {
+Result<RobotReport> keep_robot(link::Link& link, SharedTruth& truth, sim::World& world,
+                               link::Pace pace, const std::atomic<bool>& ends) {
   const auto wish = link.wait_for(steady_clock::now() + guard_patience, [&]() {
     const auto frame = link.stand();
     return frame && frame->number > 0 ? frame : std::nullopt;
   });
   if (!wish) return fail(Fault::device, "no session has come to this robot");
-  if (auto stands = world.robot().stand_ready(safety::wire::from_frame(*wish)); !stands)
+  if (auto stands = world.robot().stand_ready(link::wire::from_frame(*wish)); !stands)
     return tl::unexpected(stands.error());
   const auto guard = link.wait_for(steady_clock::now() + guard_patience, [&]() {
     const auto frame = link.drive();
@@ -62,7 +62,7 @@ Result<RobotReport> keep_robot(safety::Link& link, SharedTruth& truth, sim::Worl
     TruthPage::Bytes bytes{.tick = reading->tick};
     std::memcpy(bytes.of.data(), &world.truth(), sizeof(sim::PlantTruth));
     truth->ticks[reading->tick % TruthPage::kept].write(bytes);
-    safety::wire::SensorFrame frame = safety::wire::to_frame(*reading);
+    link::wire::SensorFrame frame = link::wire::to_frame(*reading);
     frame.stands = wish->number;
     frame.process = static_cast<std::uint64_t>(getpid());
     link.write(frame);
@@ -75,16 +75,16 @@ Result<RobotReport> keep_robot(safety::Link& link, SharedTruth& truth, sim::Worl
 
     next += 1ms;
     const auto patience = steady_clock::now() + (silent == 0 ? lock_step_patience : gone_patience);
-    const auto answer = link.wait_for(pace == safety::Pace::real ? next : patience, [&]() {
+    const auto answer = link.wait_for(pace == link::Pace::real ? next : patience, [&]() {
       const auto said = link.drive();
       return said && said->answers_tick == reading->tick ? said : std::nullopt;
     });
-    if (answer) world.robot().apply(safety::wire::from_frame(*answer).command);
+    if (answer) world.robot().apply(link::wire::from_frame(*answer).command);
     silent = answer ? 0 : silent + 1;
     report.silent_ticks += answer ? 0 : 1;
     ++report.ticks;
     // A simulation that was held up goes on from now: its robot's clock stood still with it.
-    if (pace == safety::Pace::real) std::this_thread::sleep_until(next);
+    if (pace == link::Pace::real) std::this_thread::sleep_until(next);
     next = std::max(next, steady_clock::now() - 1ms);
   }
   return report;
@@ -112,7 +112,7 @@ Result<void> Processes::run(const std::vector<std::string>& arguments) {
 }
 
 Result<std::unique_ptr<Processes>> Processes::start(const std::vector<std::string>& robot_arguments,
-                                                    safety::Pace pace,
+                                                    link::Pace pace,
                                                     const std::string& link_name) {
   std::unique_ptr<Processes> made(new Processes);
   Processes& all = *made;
@@ -120,9 +120,9 @@ Result<std::unique_ptr<Processes>> Processes::start(const std::vector<std::strin
   all.arming_file_ =
       (std::filesystem::temp_directory_path() / fmt::format("tuina-{}.arming", all.link_name_))
           .string();
-  auto link = safety::Link::create(all.link_name_, safety::Role::controller);
+  auto link = link::Link::create(all.link_name_, link::Role::controller);
   if (!link) return tl::unexpected(link.error());
-  auto truth = SharedTruth::map(truth_name(all.link_name_), safety::SharedMemory::Use::make);
+  auto truth = SharedTruth::map(truth_name(all.link_name_), link::SharedMemory::Use::make);
   if (!truth) return tl::unexpected(truth.error());
   all.truth_ = std::move(*truth);
   const std::vector<std::string> shared = {"--link", all.link_name_, "--pace", name_of(pace),
@@ -131,11 +131,11 @@ Result<std::unique_ptr<Processes>> Processes::start(const std::vector<std::strin
     arguments.insert(arguments.end(), shared.begin(), shared.end());
     return arguments;
   };
-  const auto start_guard = [&all, with_link](const safety::Arming& arming) -> Result<void> {
-    if (auto written = safety::write_arming(all.arming_file_, arming); !written) return written;
+  const auto start_guard = [&all, with_link](const link::Arming& arming) -> Result<void> {
+    if (auto written = link::write_arming(all.arming_file_, arming); !written) return written;
     return all.run(with_link({"tuina", "guard", "--arm", all.arming_file_}));
   };
-  all.robot_ = std::make_unique<session::LinkedRobot>(std::move(*link), pace, start_guard);
+  all.robot_ = std::make_unique<link::LinkedRobot>(std::move(*link), pace, start_guard);
   std::vector<std::string> robot = {"tuina", "robot", "simulate"};
   robot.insert(robot.end(), robot_arguments.begin(), robot_arguments.end());
   if (auto started = all.run(with_link(std::move(robot))); !started)

@@ -6,8 +6,8 @@
 #include <memory>
 #include <string>
 
-#include "tuina/safety/guard_process.hpp"
-#include "tuina/session/linked_robot.hpp"
+#include "tuina/link/guard_process.hpp"
+#include "tuina/link/linked_robot.hpp"
 #include "tuina/session/observer.hpp"
 #include "tuina/sim/world.hpp"
 
@@ -22,9 +22,9 @@ struct TruthPage {
     std::uint64_t tick = 0;
     alignas(sim::PlantTruth) std::array<std::byte, sizeof(sim::PlantTruth)> of = {};
   };
-  std::array<safety::Slot<Bytes>, kept> ticks;
+  std::array<link::Slot<Bytes>, kept> ticks;
 };
-using SharedTruth = safety::SharedPage<TruthPage>;
+using SharedTruth = link::SharedPage<TruthPage>;
 [[nodiscard]] std::string truth_name(const std::string& link);
 
 /// What a simulated robot tells when it ends.
@@ -38,8 +38,8 @@ struct RobotReport {
 /// The robot of a world as a process: stands where the session wants it, then tells its sensors and
 /// does what the guard says, until the session is over, `ends`, or nobody says anything for two
 /// seconds. Fails with Fault::device when no guard comes.
-[[nodiscard]] Result<RobotReport> keep_robot(safety::Link& link, SharedTruth& truth,
-                                             sim::World& world, safety::Pace pace,
+[[nodiscard]] Result<RobotReport> keep_robot(link::Link& link, SharedTruth& truth,
+                                             sim::World& world, link::Pace pace,
                                              const std::atomic<bool>& ends);
 
 /// Tells the world of a session what the process with its robot says to be true; the first of its
@@ -61,13 +61,13 @@ class Processes {
   /// `robot_arguments` are those of `tuina robot simulate`, without the link; without a name the
   /// link gets that of this process.
   [[nodiscard]] static Result<std::unique_ptr<Processes>> start(
-      const std::vector<std::string>& robot_arguments, safety::Pace pace,
+      const std::vector<std::string>& robot_arguments, link::Pace pace,
       const std::string& link_name);
   ~Processes();
   Processes(const Processes&) = delete;
   Processes& operator=(const Processes&) = delete;
 
-  [[nodiscard]] session::LinkedRobot& robot() noexcept { return *robot_; }
+  [[nodiscard]] link::LinkedRobot& robot() noexcept { return *robot_; }
   [[nodiscard]] const SharedTruth& truth() const noexcept { return truth_; }
 
  private:
@@ -76,7 +76,7 @@ class Processes {
 
   std::string link_name_, arming_file_;
   SharedTruth truth_;
-  std::unique_ptr<session::LinkedRobot> robot_;
+  std::unique_ptr<link::LinkedRobot> robot_;
   std::vector<int> children_;
 };
 

@@ -75,7 +75,7 @@ Result<std::unique_ptr<Processes>> processes_of(const SessionOrder& order,
   if (order.position) same.insert(same.end(), {"--position", name_of(*order.position)});
   if (!common.config_file.empty()) same.insert(same.end(), {"--config", common.config_file});
   for (const std::string& setting : common.settings) same.insert(same.end(), {"--set", setting});
-  return Processes::start(same, order.real_time ? safety::Pace::real : safety::Pace::max,
+  return Processes::start(same, order.real_time ? link::Pace::real : link::Pace::max,
                           order.link);
 }
 
@@ -129,7 +129,7 @@ Result<SessionResult> run_simulated_session(const SessionOrder& order,
       all.insert(all.begin(), &*told);
     }
     session::Observers observers(all);
-    session::LinkedRobot* linked = *processes ? &(*processes)->robot() : nullptr;
+    link::LinkedRobot* linked = *processes ? &(*processes)->robot() : nullptr;
     auto session = session::run(
         {world.camera(), world.turntable(), linked != nullptr ? *linked : world.robot(), linked},
         room->order, config, observers);

@@ -27,8 +27,8 @@ void add_link_options(CLI::App& command, std::string& link, std::string& pace) {
       ->capture_default_str();
 }
 
-safety::Pace pace_of(const std::string& name) {
-  return name == "real" ? safety::Pace::real : safety::Pace::max;
+link::Pace pace_of(const std::string& name) {
+  return name == "real" ? link::Pace::real : link::Pace::max;
 }
 
 /// The guard of one robot, which has the last word and outlives the session that armed it.
@@ -46,14 +46,14 @@ class GuardVerb final : public Verb {
     add_link_options(command, link_, pace_);
   }
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
-    const auto arming = safety::read_arming(file_);
+    const auto arming = link::read_arming(file_);
     if (!arming) return tl::unexpected(arming.error());
-    auto link = safety::Link::open(link_, safety::Role::guard);
+    auto link = link::Link::open(link_, link::Role::guard);
     if (!link) return tl::unexpected(link.error());
     end_when_asked();
-    const std::string granted = safety::be_real_time();
-    if (!common.quiet) fmt::print(stderr, "armed: {}; {}\n", safety::describe(*arming), granted);
-    const auto report = safety::keep_guard(*link, *arming, pace_of(pace_), ends);
+    const std::string granted = link::be_real_time();
+    if (!common.quiet) fmt::print(stderr, "armed: {}; {}\n", link::describe(*arming), granted);
+    const auto report = link::keep_guard(*link, *arming, pace_of(pace_), ends);
     if (!report) return tl::unexpected(report.error());
     ordered_json json = {{"ticks", report->ticks},
                          {"silent_ticks", report->silent_ticks},
@@ -100,9 +100,9 @@ class RobotSimulate final : public Verb {
     if (position_ == "prone") order_.position = BodyPosture::prone;
     auto room = make_room(order_, *config, common);
     if (!room) return tl::unexpected(room.error());
-    auto link = safety::Link::open(link_, safety::Role::drives);
+    auto link = link::Link::open(link_, link::Role::drives);
     if (!link) return tl::unexpected(link.error());
-    auto truth = SharedTruth::map(truth_name(link_), safety::SharedMemory::Use::write);
+    auto truth = SharedTruth::map(truth_name(link_), link::SharedMemory::Use::write);
     if (!truth) return tl::unexpected(truth.error());
     end_when_asked();
     const auto report = keep_robot(*link, *truth, *room->world, pace_of(pace_), ends);

@@ -147,7 +147,7 @@ bool head_at_plus_y(std::span<const Acupoint> acupoints) {
 Result<Session> run(Devices devices, const Order& order, const Config& config, Observer& observer) {
   if (order.consent.answered_by.empty())
     return fail(Fault::stopped, "nobody has answered the health questions");
-  safety::OwnSupervisor own;
+  link::OwnSupervisor own;
   if (devices.supervisor == nullptr) devices.supervisor = &own;
   Session session;
   if (auto ready = prepare(devices, order, config, observer, std::nullopt, {}, session); !ready)

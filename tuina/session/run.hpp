@@ -15,7 +15,7 @@
 #include "tuina/motion/ready_plan.hpp"
 #include "tuina/robot/robot.hpp"
 #include "tuina/robot/robot_model.hpp"
-#include "tuina/safety/supervisor.hpp"
+#include "tuina/link/supervisor.hpp"
 #include "tuina/scanner/camera.hpp"
 #include "tuina/scanner/sweep.hpp"
 #include "tuina/scanner/turntable.hpp"
@@ -33,7 +33,7 @@ struct Devices {
   scanner::Camera& camera;
   scanner::Turntable& turntable;
   robot::Robot& robot;
-  safety::Supervisor* supervisor = nullptr;  ///< null: the guard runs in this process
+  link::Supervisor* supervisor = nullptr;  ///< null: the guard runs in this process
 };
 
 /// What is known and wanted before a session begins.

@@ -64,7 +64,7 @@ class Child {
 /// Looks at the true force of the newest millisecond that can be seen.
 class Onlooker {
  public:
-  Onlooker(safety::Link link, SharedTruth truth)
+  Onlooker(link::Link link, SharedTruth truth)
       : link_(std::move(link)), truth_(std::move(truth)) {}
 
   struct Sight {
@@ -101,21 +101,21 @@ class Onlooker {
   [[nodiscard]] bool guard_acts() const {
     const auto frame = link_.drive();
     if (!frame) return false;
-    const safety::RobotVerdict verdict = safety::wire::from_frame(*frame);
+    const safety::RobotVerdict verdict = link::wire::from_frame(*frame);
     return std::any_of(verdict.arms.of.begin(), verdict.arms.of.end(),
                        [](const auto& one) { return one.action >= safety::Action::freeze; });
   }
 
  private:
-  safety::Link link_;
+  link::Link link_;
   SharedTruth truth_;
   std::optional<std::uint64_t> seen_;
   pid_t robot_ = 0;
 };
 
 std::optional<Onlooker> look_at(const std::string& name) {
-  auto link = safety::Link::open(name, safety::Role::onlooker);
-  auto truth = SharedTruth::map(truth_name(name), safety::SharedMemory::Use::read);
+  auto link = link::Link::open(name, link::Role::onlooker);
+  auto truth = SharedTruth::map(truth_name(name), link::SharedMemory::Use::read);
   if (!link || !truth) return std::nullopt;
   return Onlooker(std::move(*link), std::move(*truth));
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tuina/safety/arming.hpp"
+#include "tuina/link/arming.hpp"
 
 #include <fmt/format.h>
 
@@ -9,9 +9,9 @@
 #include <type_traits>
 
 #include "tuina/core/io/file.hpp"
-#include "tuina/safety/wire.hpp"
+#include "tuina/link/wire.hpp"
 
-namespace tuina::safety {
+namespace tuina::link {
 namespace {
 
 constexpr std::array<char, 8> magic = {'t', 'u', 'i', 'n', 'a', 'a', 'r', 'm'};
@@ -73,8 +73,8 @@ void visit_pose(Archive& archive, Pose& pose) {
   visit_matrix(archive, pose.matrix());
 }
 
-template <typename Archive, typename Link>
-void visit_link(Archive& archive, Link& link) {
+template <typename Archive, typename ArmLink>
+void visit_link(Archive& archive, ArmLink& link) {
   archive.list(link.name, [&](auto& letter) { archive.item(letter); });
   for (auto* number :
        {&link.offset_rad, &link.d_m, &link.a_m, &link.alpha_rad, &link.mass_kg,
@@ -118,7 +118,7 @@ void visit(Archive& archive, Told& told) {
 
 /// What is impossible in an arming, or null.
 const char* impossible(const Arming& told) {
-  const ZoneField& field = told.options.field;
+  const safety::ZoneField& field = told.options.field;
   if (told.arm.joints < 1 || told.arm.joints > max_joints) return "the number of joints";
   if (!told.arm.torque_limits_nm().allFinite() || told.arm.torque_limits_nm().minCoeff() <= 0.0)
     return "a torque limit";
@@ -129,10 +129,10 @@ const char* impossible(const Arming& told) {
     return "the size of the back's grid";
   if (!(field.cell_m > 0.0) || !field.corner_in_base.allFinite()) return "the back's grid";
   for (const Vector3& axis : {field.along_in_base, field.up_in_base})
-    if (!is_unit(axis)) return "an axis of the back's grid";
-  for (const ZoneField::Cell& cell : field.cells) {
-    if (static_cast<std::size_t>(cell.zone) >= zones) return "a zone of the back";
-    if (!is_unit(cell.normal_in_base.cast<double>())) return "a normal of the back";
+    if (!safety::is_unit(axis)) return "an axis of the back's grid";
+  for (const safety::ZoneField::Cell& cell : field.cells) {
+    if (static_cast<std::size_t>(cell.zone) >= safety::zones) return "a zone of the back";
+    if (!safety::is_unit(cell.normal_in_base.cast<double>())) return "a normal of the back";
   }
   return std::isnan(told.options.max_set_force_n) ? "the largest force" : nullptr;
 }
@@ -192,8 +192,8 @@ std::string describe(const Arming& arming) {
       "{} joints an arm, {} obstacles, {} places of a back{}, at most {:.0f} N, {:08x}",
       arming.arm.joints, arming.options.obstacles.size(), arming.options.field.cells.size(),
       arming.options.bench ? " (a laboratory's bench: no person)" : "",
-      std::min(arming.options.max_set_force_n, ceiling_of(Zone::muscle).set_n),
+      std::min(arming.options.max_set_force_n, safety::ceiling_of(safety::Zone::muscle).set_n),
       crc_of(bytes_of(arming)));
 }
 
-}  // namespace tuina::safety
+}  // namespace tuina::link

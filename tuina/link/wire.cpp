@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tuina/safety/wire.hpp"
+#include "tuina/link/wire.hpp"
 
 #include <zlib.h>
 
 #include <algorithm>
 
-namespace tuina::safety::wire {
+namespace tuina::link::wire {
 namespace {
 
 Joints pack(const JointVector& vector) noexcept {
@@ -71,13 +71,13 @@ robot::ReadyPose from_frame(const StandFrame& frame) noexcept {
           .rail_m = frame.rail_m};
 }
 
-ProposalFrame to_frame(const RobotProposal& proposal, std::uint64_t answers_tick,
+ProposalFrame to_frame(const safety::RobotProposal& proposal, std::uint64_t answers_tick,
                        bool stop_asked) noexcept {
   ProposalFrame frame{.answers_tick = answers_tick,
                       .rail_m = proposal.rail_m,
                       .stop_asked = static_cast<std::uint8_t>(stop_asked)};
   for (std::size_t i = 0; i < 2; ++i) {
-    const Proposal& arm = proposal.arms.of[i];
+    const safety::Proposal& arm = proposal.arms.of[i];
     frame.arms[i] = {.torque_nm = pack(arm.torque_nm),
                      .normal_in_base = pack(arm.normal_in_base),
                      .virtual_target_in_base = pack(arm.virtual_target_in_base),
@@ -89,13 +89,13 @@ ProposalFrame to_frame(const RobotProposal& proposal, std::uint64_t answers_tick
   return frame;
 }
 
-RobotProposal from_frame(const ProposalFrame& frame) noexcept {
-  RobotProposal proposal{.arms = {}, .rail_m = frame.rail_m};
+safety::RobotProposal from_frame(const ProposalFrame& frame) noexcept {
+  safety::RobotProposal proposal{.arms = {}, .rail_m = frame.rail_m};
   for (std::size_t i = 0; i < 2; ++i) {
     const ProposedArm& arm = frame.arms[i];
     proposal.arms.of[i] = {.torque_nm = unpack(arm.torque_nm),
-                           .phase = static_cast<Phase>(arm.phase),
-                           .zone = static_cast<Zone>(arm.zone),
+                           .phase = static_cast<safety::Phase>(arm.phase),
+                           .zone = static_cast<safety::Zone>(arm.zone),
                            .set_force_n = arm.set_force_n,
                            .normal_in_base = unpack(arm.normal_in_base),
                            .virtual_target_in_base = unpack(arm.virtual_target_in_base),
@@ -104,10 +104,10 @@ RobotProposal from_frame(const ProposalFrame& frame) noexcept {
   return proposal;
 }
 
-DriveFrame to_frame(const RobotVerdict& verdict, std::uint64_t answers_tick) noexcept {
+DriveFrame to_frame(const safety::RobotVerdict& verdict, std::uint64_t answers_tick) noexcept {
   DriveFrame frame{.answers_tick = answers_tick, .rail_m = verdict.command.rail_m};
   for (const Arm arm : both_arms) {
-    const Verdict& one = verdict.arms[arm];
+    const safety::Verdict& one = verdict.arms[arm];
     frame.arms[static_cast<std::size_t>(arm)] = {
         .torque_nm = pack(verdict.command.torque_nm[arm]),
         .brake = static_cast<std::uint8_t>(verdict.command.brake[arm]),
@@ -118,20 +118,19 @@ DriveFrame to_frame(const RobotVerdict& verdict, std::uint64_t answers_tick) noe
   return frame;
 }
 
-RobotVerdict from_frame(const DriveFrame& frame) noexcept {
-  RobotVerdict verdict;
+safety::RobotVerdict from_frame(const DriveFrame& frame) noexcept {
+  safety::RobotVerdict verdict;
   verdict.command.rail_m = frame.rail_m;
   for (const Arm arm : both_arms) {
     const DrivenArm& one = frame.arms[static_cast<std::size_t>(arm)];
     verdict.command.torque_nm[arm] = unpack(one.torque_nm);
     verdict.command.brake[arm] = one.brake != 0;
-    verdict.arms[arm] = {
-        .allowed_nm = verdict.command.torque_nm[arm],
-        .action =
-            static_cast<Action>(std::min(one.action, static_cast<std::uint8_t>(Action::brake))),
-        .cause =
-            static_cast<Cause>(std::min(one.cause, static_cast<std::uint8_t>(Cause::guard_silent))),
-        .latched = one.latched != 0};
+    verdict.arms[arm] = {.allowed_nm = verdict.command.torque_nm[arm],
+                         .action = static_cast<safety::Action>(std::min(
+                             one.action, static_cast<std::uint8_t>(safety::Action::brake))),
+                         .cause = static_cast<safety::Cause>(std::min(
+                             one.cause, static_cast<std::uint8_t>(safety::Cause::guard_silent))),
+                         .latched = one.latched != 0};
   }
   return verdict;
 }
@@ -141,4 +140,4 @@ std::uint32_t crc_of(const std::byte* bytes, std::size_t size) noexcept {
       crc32_z(0, reinterpret_cast<const unsigned char*>(bytes), size));
 }
 
-}  // namespace tuina::safety::wire
+}  // namespace tuina::link::wire

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tuina/safety/link.hpp"
+#include "tuina/link/link.hpp"
 
 #include <cerrno>
 
-namespace tuina::safety {
+namespace tuina::link {
 
 Result<Link> Link::map(const std::string& name, Role role, bool make) {
   using Use = SharedMemory::Use;
@@ -79,4 +79,4 @@ void Link::wait(Deadline deadline) noexcept {
   (void)sem_clockwait(&bells_->of[static_cast<std::size_t>(role_)], CLOCK_MONOTONIC, &until);
 }
 
-}  // namespace tuina::safety
+}  // namespace tuina::link

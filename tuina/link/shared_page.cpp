@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tuina/safety/shared_page.hpp"
+#include "tuina/link/shared_page.hpp"
 
 #include <fcntl.h>
 #include <sys/mman.h>
@@ -9,7 +9,7 @@
 #include <cerrno>
 #include <utility>
 
-namespace tuina::safety {
+namespace tuina::link {
 
 Result<SharedMemory> SharedMemory::map(const std::string& name, std::size_t bytes, Use use) {
   constexpr mode_t only_me = 0600;
@@ -47,4 +47,4 @@ SharedMemory::~SharedMemory() {
   if (made_) shm_unlink(name_.c_str());
 }
 
-}  // namespace tuina::safety
+}  // namespace tuina::link

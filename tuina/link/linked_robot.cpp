@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tuina/session/linked_robot.hpp"
+#include "tuina/link/linked_robot.hpp"
 
 #include <chrono>
 
-#include "tuina/session/control_loop.hpp"
-
-namespace tuina::session {
+namespace tuina::link {
 namespace {
 
 using std::chrono::steady_clock;
@@ -19,16 +17,16 @@ constexpr int silent_guard_ticks = 20;      // then the drives brake
 }  // namespace
 
 LinkedRobot::~LinkedRobot() {
-  link_.write(safety::wire::StandFrame{.number = wish_, .ends = 1});
+  link_.write(wire::StandFrame{.number = wish_, .ends = 1});
 }
 
-safety::Link::Deadline LinkedRobot::patience(bool there) const noexcept {
+Link::Deadline LinkedRobot::patience(bool there) const noexcept {
   const auto now = steady_clock::now();
-  if (pace_ == safety::Pace::real) return now + 2ms;
+  if (pace_ == Pace::real) return now + 2ms;
   return now + (there ? lock_step_patience : gone_patience);
 }
 
-Result<void> LinkedRobot::arm(const safety::Arming& arming) {
+Result<void> LinkedRobot::arm(const Arming& arming) {
   if (armed_)
     return fail(Fault::stopped, "a guard in a process of its own is armed for one massage only");
   if (auto started = start_guard_(arming); !started) return started;
@@ -44,7 +42,7 @@ Result<void> LinkedRobot::arm(const safety::Arming& arming) {
 
 Result<void> LinkedRobot::stand_ready(const robot::ReadyPose& pose) {
   ++wish_;
-  link_.write(safety::wire::to_frame(pose, wish_));
+  link_.write(wire::to_frame(pose, wish_));
   const auto stands = link_.wait_for(steady_clock::now() + start_patience, [&]() {
     const auto frame = link_.sensors();
     return frame && frame->stands == wish_ ? frame : std::nullopt;
@@ -61,18 +59,18 @@ std::optional<robot::RobotReading> LinkedRobot::read() noexcept {
   });
   if (!fresh) return std::nullopt;
   last_tick_ = fresh->tick;
-  return safety::wire::from_frame(*fresh);
+  return wire::from_frame(*fresh);
 }
 
 safety::RobotVerdict LinkedRobot::check(const robot::RobotReading& reading,
                                         const safety::RobotProposal& proposal) noexcept {
-  link_.write(safety::wire::to_frame(proposal, reading.tick, stop_asked_));
+  link_.write(wire::to_frame(proposal, reading.tick, stop_asked_));
   const auto answer = link_.wait_for(patience(silent_ticks_ == 0), [&]() {
     const auto frame = link_.drive();
     return frame && frame->answers_tick == reading.tick ? frame : std::nullopt;
   });
   silent_ticks_ = answer ? 0 : silent_ticks_ + 1;
-  if (answer) return last_ = safety::wire::from_frame(*answer);
+  if (answer) return last_ = wire::from_frame(*answer);
   for (safety::Verdict& one : last_.arms.of) {
     if (one.latched) continue;
     one.action = safety::Action::freeze;
@@ -82,4 +80,4 @@ safety::RobotVerdict LinkedRobot::check(const robot::RobotReading& reading,
   return last_;
 }
 
-}  // namespace tuina::session
+}  // namespace tuina::link

@@ -7,9 +7,9 @@
 #include <string>
 
 #include "tuina/core/result.hpp"
-#include "tuina/safety/wire.hpp"
+#include "tuina/link/wire.hpp"
 
-namespace tuina::safety {
+namespace tuina::link {
 
 /// One frame in shared memory, written by one process and read by any. A reader never waits for the
 /// writer: a frame that is being written, or that was torn or spoilt, is none (a sequence lock with
@@ -96,4 +96,4 @@ class SharedPage {
   Page* page_ = nullptr;
 };
 
-}  // namespace tuina::safety
+}  // namespace tuina::link

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tuina/safety/guard_process.hpp"
+#include "tuina/link/guard_process.hpp"
 
 #include <fmt/format.h>
 #include <sched.h>
@@ -11,7 +11,7 @@
 
 #include "tuina/core/units.hpp"
 
-namespace tuina::safety {
+namespace tuina::link {
 namespace {
 
 using std::chrono::steady_clock;
@@ -23,8 +23,9 @@ constexpr auto gone_patience = 2ms;         // ... and for one that is
 constexpr auto proposal_patience = 600us;   // of the millisecond, at real pace
 constexpr double max_in_air_n = 5.0;
 
-RobotProposal still(const PerArm<robot::ArmModel>& models, const robot::RobotReading& reading) {
-  RobotProposal proposal{.rail_m = reading.rail_m};
+safety::RobotProposal still(const PerArm<robot::ArmModel>& models,
+                            const robot::RobotReading& reading) {
+  safety::RobotProposal proposal{.rail_m = reading.rail_m};
   for (const Arm arm : both_arms)
     proposal.arms[arm].torque_nm = models[arm].gravity_nm(reading.arms[arm].q_rad);
   return proposal;
@@ -42,28 +43,28 @@ const char* try_out(const PerArm<robot::ArmModel>& models, const Arming& arming,
     const Vector3 felt_n = base_from_tool * sensed.wrench_in_tool.force_n - weight_n;
     if (!(felt_n.norm() <= max_in_air_n)) return "a wrist sensor feels a force in the air";
   }
-  const RobotProposal quiet = still(models, reading);
+  const safety::RobotProposal quiet = still(models, reading);
   const auto next = [&] { ++reading.tick, reading.time_s += control_period_s; };
-  const auto step = [&](RobotGuard& guard, const RobotProposal& proposal) {
+  const auto step = [&](safety::RobotGuard& guard, const safety::RobotProposal& proposal) {
     next();
     for (robot::ArmReading& sensed : reading.arms.of) sensed.wrench_time_s = reading.time_s;
     return guard.check(reading, proposal);
   };
-  RobotGuard trial(models, arming.options);
-  RobotVerdict verdict;
+  safety::RobotGuard trial(models, arming.options);
+  safety::RobotVerdict verdict;
   for (int i = 0; i < 10; ++i) verdict = step(trial, quiet);
-  for (const Verdict& one : verdict.arms.of)
-    if (one.action >= Action::freeze) return "the guard stops an arm that stands still";
-  RobotProposal broken = quiet;
-  for (Proposal& one : broken.arms.of)
+  for (const safety::Verdict& one : verdict.arms.of)
+    if (one.action >= safety::Action::freeze) return "the guard stops an arm that stands still";
+  safety::RobotProposal broken = quiet;
+  for (safety::Proposal& one : broken.arms.of)
     one.torque_nm.setConstant(std::numeric_limits<double>::quiet_NaN());
   for (int i = 0; i < 10; ++i) verdict = step(trial, broken);
-  for (const Verdict& one : verdict.arms.of)
+  for (const safety::Verdict& one : verdict.arms.of)
     if (!one.latched) return "the guard does not stop torques that are no numbers";
-  RobotGuard asked(models, arming.options);
-  asked.stop(Cause::asked_to);
+  safety::RobotGuard asked(models, arming.options);
+  asked.stop(safety::Cause::asked_to);
   verdict = step(asked, quiet);
-  for (const Verdict& one : verdict.arms.of)
+  for (const safety::Verdict& one : verdict.arms.of)
     if (!one.latched) return "the guard does not stop when it is asked to";
   return nullptr;
 }
@@ -82,12 +83,12 @@ std::string be_real_time() {
 Result<GuardReport> keep_guard(Link& link, const Arming& arming, Pace pace,
                                const std::atomic<bool>& ends) {
   const PerArm<robot::ArmModel> models = robot::both_models(arming.arm, arming.mount);
-  RobotGuard guard(models, arming.options);
+  safety::RobotGuard guard(models, arming.options);
   GuardReport report;
   const auto number = static_cast<std::uint64_t>(getpid());
   link.write(wire::DriveFrame{.answers_tick = wire::no_tick, .armed = number});
   std::optional<std::uint64_t> last_tick;
-  RobotProposal proposal;
+  safety::RobotProposal proposal;
   std::uint64_t answered = 0;
   bool heard = false, there = true, told_to_stop = false;
   while (!ends) {
@@ -123,10 +124,10 @@ Result<GuardReport> keep_guard(Link& link, const Arming& arming, Pace pace,
       ++report.silent_ticks;
     }
     const std::uint64_t age = heard ? reading.tick - answered : report.silent_ticks;
-    for (Proposal& one : proposal.arms.of)
+    for (safety::Proposal& one : proposal.arms.of)
       one.age_ticks = static_cast<std::uint32_t>(std::min<std::uint64_t>(age, 1000));
     const auto before = steady_clock::now();
-    const RobotVerdict verdict = guard.check(reading, proposal);
+    const safety::RobotVerdict verdict = guard.check(reading, proposal);
     const std::chrono::duration<double, std::micro> took = steady_clock::now() - before;
     wire::DriveFrame frame = wire::to_frame(verdict, reading.tick);
     frame.armed = number;
@@ -138,4 +139,4 @@ Result<GuardReport> keep_guard(Link& link, const Arming& arming, Pace pace,
   return report;
 }
 
-}  // namespace tuina::safety
+}  // namespace tuina::link

@@ -8,10 +8,10 @@
 #include <string>
 
 #include "tuina/core/result.hpp"
-#include "tuina/safety/shared_page.hpp"
-#include "tuina/safety/wire.hpp"
+#include "tuina/link/shared_page.hpp"
+#include "tuina/link/wire.hpp"
 
-namespace tuina::safety {
+namespace tuina::link {
 
 /// Which process of a robot somebody is. An onlooker only reads, and neither rings nor waits.
 enum class Role : std::uint8_t { drives, guard, controller, onlooker };
@@ -77,4 +77,4 @@ class Link {
   SharedPage<Bells> bells_;
 };
 
-}  // namespace tuina::safety
+}  // namespace tuina::link

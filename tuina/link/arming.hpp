@@ -8,14 +8,14 @@
 #include "tuina/robot/mount.hpp"
 #include "tuina/safety/robot_guard.hpp"
 
-namespace tuina::safety {
+namespace tuina::link {
 
 /// All that a guard is told before a massage: the robot, where it stands, what surrounds it, and
 /// this person's back. A session writes it once its plan is made.
 struct Arming {
   robot::ArmTable arm;
   robot::RobotMount mount;
-  RobotGuard::Options options;
+  safety::RobotGuard::Options options;
 };
 
 /// A binary file of this version, with a check sum. Fails with Fault::file.
@@ -31,4 +31,4 @@ struct Arming {
 /// One line for people: robot, surroundings, caps, cells of the back, check sum.
 [[nodiscard]] std::string describe(const Arming& arming);
 
-}  // namespace tuina::safety
+}  // namespace tuina::link

@@ -3,26 +3,25 @@
 
 #include <functional>
 
+#include "tuina/link/guard_process.hpp"
+#include "tuina/link/supervisor.hpp"
 #include "tuina/robot/robot.hpp"
-#include "tuina/safety/guard_process.hpp"
-#include "tuina/safety/supervisor.hpp"
 
-namespace tuina::session {
+namespace tuina::link {
 
 /// The robot and its guard when both are processes of their own: what the session reads the drives
 /// sent, and what it proposes goes to the guard, which tells the drives. It is real-time after
 /// `stand_ready`.
-class LinkedRobot final : public robot::Robot, public safety::Supervisor {
+class LinkedRobot final : public robot::Robot, public Supervisor {
  public:
   /// `start_guard` starts the process that is to guard with this arming; it need not wait for it.
-  LinkedRobot(safety::Link link, safety::Pace pace,
-              std::function<Result<void>(const safety::Arming&)> start_guard)
+  LinkedRobot(Link link, Pace pace, std::function<Result<void>(const Arming&)> start_guard)
       : link_(std::move(link)), pace_(pace), start_guard_(std::move(start_guard)) {}
   /// Tells the drives that the session is over.
   ~LinkedRobot() override;
 
   /// Once: a guard in its own process ends with the massage that it was armed for.
-  [[nodiscard]] Result<void> arm(const safety::Arming& arming) override;
+  [[nodiscard]] Result<void> arm(const Arming& arming) override;
   /// A guard that gives no answer is told as a stop, of both arms, after 20 ms; the drives brake by
   /// themselves then.
   [[nodiscard]] safety::RobotVerdict check(const robot::RobotReading& reading,
@@ -36,11 +35,11 @@ class LinkedRobot final : public robot::Robot, public safety::Supervisor {
   [[nodiscard]] const char* fault() const noexcept override { return nullptr; }
 
  private:
-  [[nodiscard]] safety::Link::Deadline patience(bool there) const noexcept;
+  [[nodiscard]] Link::Deadline patience(bool there) const noexcept;
 
-  safety::Link link_;
-  safety::Pace pace_;
-  std::function<Result<void>(const safety::Arming&)> start_guard_;
+  Link link_;
+  Pace pace_;
+  std::function<Result<void>(const Arming&)> start_guard_;
   bool armed_ = false, stop_asked_ = false;
   std::uint64_t wish_ = 0;
   std::optional<std::uint64_t> last_tick_;
@@ -48,4 +47,4 @@ class LinkedRobot final : public robot::Robot, public safety::Supervisor {
   safety::RobotVerdict last_;
 };
 
-}  // namespace tuina::session
+}  // namespace tuina::link

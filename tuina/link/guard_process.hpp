@@ -5,10 +5,10 @@
 #include <cstdint>
 #include <string>
 
-#include "tuina/safety/arming.hpp"
-#include "tuina/safety/link.hpp"
+#include "tuina/link/arming.hpp"
+#include "tuina/link/link.hpp"
 
-namespace tuina::safety {
+namespace tuina::link {
 
 /// How the processes of a robot wait for each other.
 enum class Pace : std::uint8_t {
@@ -21,7 +21,7 @@ struct GuardReport {
   std::uint64_t ticks = 0;
   std::uint64_t silent_ticks = 0;  ///< without a proposal for them
   double max_check_us = 0.0;       ///< longest time that one judgement took
-  PerArm<Verdict> last;
+  PerArm<safety::Verdict> last;
 };
 
 /// Locks the memory of this process and asks for real-time priority; says what was granted.
@@ -34,4 +34,4 @@ struct GuardReport {
 [[nodiscard]] Result<GuardReport> keep_guard(Link& link, const Arming& arming, Pace pace,
                                              const std::atomic<bool>& ends);
 
-}  // namespace tuina::safety
+}  // namespace tuina::link

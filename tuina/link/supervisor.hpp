@@ -3,10 +3,10 @@
 
 #include <optional>
 
-#include "tuina/safety/arming.hpp"
+#include "tuina/link/arming.hpp"
 #include "tuina/safety/robot_guard.hpp"
 
-namespace tuina::safety {
+namespace tuina::link {
 
 /// Where the guard of a session runs: in the session's own process, or in one that outlives it.
 class Supervisor {
@@ -15,8 +15,8 @@ class Supervisor {
   /// A new guard for this robot and this person; what was latched before is over.
   [[nodiscard]] virtual Result<void> arm(const Arming& arming) = 0;
   /// Only after `arm`. Real-time.
-  [[nodiscard]] virtual RobotVerdict check(const robot::RobotReading& reading,
-                                           const RobotProposal& proposal) noexcept = 0;
+  [[nodiscard]] virtual safety::RobotVerdict check(
+      const robot::RobotReading& reading, const safety::RobotProposal& proposal) noexcept = 0;
   /// Somebody has told the controller to stop.
   virtual void expect_stop() noexcept = 0;
 
@@ -32,14 +32,14 @@ class OwnSupervisor final : public Supervisor {
     guard_.emplace(robot::both_models(arming.arm, arming.mount), arming.options);
     return {};
   }
-  [[nodiscard]] RobotVerdict check(const robot::RobotReading& reading,
-                                   const RobotProposal& proposal) noexcept override {
+  [[nodiscard]] safety::RobotVerdict check(
+      const robot::RobotReading& reading, const safety::RobotProposal& proposal) noexcept override {
     return guard_->check(reading, proposal);
   }
   void expect_stop() noexcept override { guard_->expect_stop(); }
 
  private:
-  std::optional<RobotGuard> guard_;
+  std::optional<safety::RobotGuard> guard_;
 };
 
-}  // namespace tuina::safety
+}  // namespace tuina::link

@@ -12,7 +12,7 @@
 // What goes between the processes of one robot in each millisecond: the drives tell what they
 // sense, the controller what it proposes, the guard what is done. All are plain bytes of one fixed
 // layout; `layout` changes with it.
-namespace tuina::safety::wire {
+namespace tuina::link::wire {
 
 inline constexpr std::uint64_t layout = 0x7475'696e'6100'0001;  // "tuina", version 1
 
@@ -76,18 +76,19 @@ static_assert(std::is_trivially_copyable_v<SensorFrame> &&
 
 [[nodiscard]] SensorFrame to_frame(const robot::RobotReading& reading) noexcept;
 [[nodiscard]] StandFrame to_frame(const robot::ReadyPose& pose, std::uint64_t number) noexcept;
-[[nodiscard]] ProposalFrame to_frame(const RobotProposal& proposal, std::uint64_t answers_tick,
-                                     bool stop_asked) noexcept;
-[[nodiscard]] DriveFrame to_frame(const RobotVerdict& verdict, std::uint64_t answers_tick) noexcept;
+[[nodiscard]] ProposalFrame to_frame(const safety::RobotProposal& proposal,
+                                     std::uint64_t answers_tick, bool stop_asked) noexcept;
+[[nodiscard]] DriveFrame to_frame(const safety::RobotVerdict& verdict,
+                                  std::uint64_t answers_tick) noexcept;
 
 /// Whatever the bytes are, no index leaves its array: a count of joints that cannot be is taken as
 /// none, an enumerator that does not exist stays one that the guard refuses.
 [[nodiscard]] robot::RobotReading from_frame(const SensorFrame& frame) noexcept;
 [[nodiscard]] robot::ReadyPose from_frame(const StandFrame& frame) noexcept;
-[[nodiscard]] RobotProposal from_frame(const ProposalFrame& frame) noexcept;
-[[nodiscard]] RobotVerdict from_frame(const DriveFrame& frame) noexcept;
+[[nodiscard]] safety::RobotProposal from_frame(const ProposalFrame& frame) noexcept;
+[[nodiscard]] safety::RobotVerdict from_frame(const DriveFrame& frame) noexcept;
 
 /// Cyclic redundancy check of some bytes, CRC-32 of IEEE 802.3.
 [[nodiscard]] std::uint32_t crc_of(const std::byte* bytes, std::size_t size) noexcept;
 
-}  // namespace tuina::safety::wire
+}  // namespace tuina::link::wire

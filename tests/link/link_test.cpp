@@ -1,0 +1,274 @@
+// SPDX-License-Identifier: Apache-2.0
+// What goes between the processes of a robot, whatever the others do.
+#include "tuina/link/link.hpp"
+
+#include <doctest/doctest.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cmath>
+#include <thread>
+
+#include "tests/folder.hpp"
+#include "tuina/core/io/file.hpp"
+#include "tuina/core/random.hpp"
+#include "tuina/link/guard_process.hpp"
+#include "tuina/link/linked_robot.hpp"
+#include "tuina/robot/inverse_kinematics.hpp"
+
+using namespace tuina;
+using namespace tuina::link;
+
+namespace {
+
+std::string own_name(const char* what) {
+  return std::string("test-") + what + "-" + std::to_string(getpid());
+}
+
+robot::RobotReading some_reading() {
+  robot::RobotReading reading{.time_s = 1.5, .tick = 1500, .rail_m = 0.25, .arms = {}};
+  double number = 0.1;
+  for (robot::ArmReading& arm : reading.arms.of) {
+    arm.q_rad = JointVector::LinSpaced(7, number, number + 1.0);
+    arm.dq_rad_per_s = -arm.q_rad;
+    arm.wrench_in_tool = {Vector3(1.0, 2.0, number), Vector3(-1.0, 0.5, number)};
+    arm.wrench_time_s = 1.499;
+    number += 0.3;
+  }
+  return reading;
+}
+
+Arming some_arming() {
+  Arming arming{.arm = robot::thesis_arm(), .mount = robot::mount_for(BodyPosture::prone)};
+  arming.options.obstacles = arming.mount.obstacles;
+  arming.options.max_set_force_n = 25.0;
+  arming.options.field.columns = 3;
+  arming.options.field.rows = 2;
+  arming.options.field.cells.resize(6);
+  arming.options.field.cells[4].zone = safety::Zone::muscle;
+  return arming;
+}
+
+}  // namespace
+
+TEST_CASE("a reading, a proposal and a verdict come out of their frames as they went in") {
+  const robot::RobotReading reading = some_reading();
+  const robot::RobotReading again = wire::from_frame(wire::to_frame(reading));
+  CHECK(again.tick == reading.tick);
+  CHECK(again.time_s == reading.time_s);
+  CHECK(again.rail_m == reading.rail_m);
+  for (const Arm arm : both_arms) {
+    CHECK(again.arms[arm].q_rad == reading.arms[arm].q_rad);
+    CHECK(again.arms[arm].dq_rad_per_s == reading.arms[arm].dq_rad_per_s);
+    CHECK(again.arms[arm].wrench_in_tool.force_n == reading.arms[arm].wrench_in_tool.force_n);
+    CHECK(again.arms[arm].wrench_in_tool.torque_nm == reading.arms[arm].wrench_in_tool.torque_nm);
+    CHECK(again.arms[arm].wrench_time_s == reading.arms[arm].wrench_time_s);
+  }
+  safety::RobotProposal proposal{.rail_m = -0.1};
+  proposal.arms[Arm::right] = {.torque_nm = JointVector::LinSpaced(6, 1.0, 2.0),
+                               .phase = safety::Phase::contact,
+                               .zone = safety::Zone::kidney,
+                               .set_force_n = 17.0,
+                               .normal_in_base = Vector3(0.6, 0.0, 0.8),
+                               .virtual_target_in_base = Vector3(1.0, 2.0, 3.0),
+                               .stiffness_n_per_m = 900.0};
+  const wire::ProposalFrame frame = wire::to_frame(proposal, 42, true);
+  CHECK(frame.answers_tick == 42);
+  CHECK(frame.stop_asked == 1);
+  const safety::RobotProposal proposed = wire::from_frame(frame);
+  CHECK(proposed.rail_m == -0.1);
+  CHECK(proposed.arms[Arm::left].torque_nm.size() == 0);
+  const safety::Proposal& one = proposed.arms[Arm::right];
+  CHECK(one.torque_nm == proposal.arms[Arm::right].torque_nm);
+  CHECK(one.phase == safety::Phase::contact);
+  CHECK(one.zone == safety::Zone::kidney);
+  CHECK(one.set_force_n == 17.0);
+  CHECK(one.normal_in_base == Vector3(0.6, 0.0, 0.8));
+  CHECK(one.virtual_target_in_base == Vector3(1.0, 2.0, 3.0));
+  CHECK(one.stiffness_n_per_m == 900.0);
+  safety::RobotVerdict verdict;
+  verdict.command.rail_m = 0.5;
+  verdict.command.torque_nm[Arm::left] = JointVector::Constant(6, 3.0);
+  verdict.command.brake[Arm::left] = true;
+  verdict.arms[Arm::left] = {
+      .action = safety::Action::brake, .cause = safety::Cause::encoder_jump, .latched = true};
+  const safety::RobotVerdict judged = wire::from_frame(wire::to_frame(verdict, 7));
+  CHECK(judged.command.rail_m == 0.5);
+  CHECK(judged.command.torque_nm[Arm::left] == JointVector::Constant(6, 3.0));
+  CHECK(judged.command.brake[Arm::left]);
+  CHECK_FALSE(judged.command.brake[Arm::right]);
+  CHECK(judged.arms[Arm::left].action == safety::Action::brake);
+  CHECK(judged.arms[Arm::left].cause == safety::Cause::encoder_jump);
+  CHECK(judged.arms[Arm::left].latched);
+}
+
+TEST_CASE("frames of random bytes become readings, proposals and verdicts that break nothing") {
+  Random random = make_random(1, "wire");
+  for (int i = 0; i < 20'000; ++i) {
+    wire::SensorFrame sensed;
+    wire::ProposalFrame proposed;
+    wire::DriveFrame driven;
+    const auto spoil = [&](auto& frame) {
+      auto* bytes = reinterpret_cast<unsigned char*>(&frame);
+      for (std::size_t k = 0; k < sizeof frame; ++k)
+        bytes[k] = static_cast<unsigned char>(random());
+    };
+    spoil(sensed), spoil(proposed), spoil(driven);
+    for (wire::SensorArm& arm : sensed.arms) arm.q_rad.count %= 12;
+    for (wire::DrivenArm& arm : driven.arms) arm.torque_nm.count %= 12;
+    for (const robot::ArmReading& arm : wire::from_frame(sensed).arms.of)
+      REQUIRE(arm.q_rad.size() <= max_joints);
+    for (const safety::Proposal& arm : wire::from_frame(proposed).arms.of)
+      REQUIRE(arm.torque_nm.size() <= max_joints);
+    for (const safety::Verdict& arm : wire::from_frame(driven).arms.of) {
+      REQUIRE(std::string(safety::name_of(arm.action)).size() > 1);
+      REQUIRE(std::string(safety::name_of(arm.cause)).size() > 1);
+    }
+  }
+}
+
+TEST_CASE("a frame is read whole or not at all, while its writer writes on") {
+  struct Many {
+    std::array<std::uint64_t, 100> of = {};
+  };
+  Slot<Many> slot;
+  CHECK_FALSE(slot.read().has_value());
+  std::atomic<bool> ends = false;
+  std::thread writer([&] {
+    Many many;
+    for (std::uint64_t i = 1; !ends; ++i) many.of.fill(i), slot.write(many);
+  });
+  std::uint64_t last = 0;
+  int seen = 0;
+  for (int i = 0; i < 200'000; ++i) {
+    const auto many = slot.read();
+    if (!many) continue;
+    ++seen;
+    for (const std::uint64_t one : many->of) REQUIRE(one == many->of.front());
+    REQUIRE(many->of.front() >= last);
+    last = many->of.front();
+  }
+  ends = true;
+  writer.join();
+  CHECK(seen > 100);
+}
+
+TEST_CASE("what one writes the others read; who only looks cannot write; nobody is waited for") {
+  const std::string name = own_name("roles");
+  CHECK_FALSE(Link::open(name, Role::drives).has_value());
+  auto controller = Link::create(name, Role::controller);
+  REQUIRE(controller.has_value());
+  auto drives = Link::open(name, Role::drives);
+  auto onlooker = Link::open(name, Role::onlooker);
+  REQUIRE(drives.has_value());
+  REQUIRE(onlooker.has_value());
+  CHECK_FALSE(onlooker->sensors().has_value());
+  drives->write(wire::to_frame(some_reading()));
+  REQUIRE(onlooker->sensors().has_value());
+  CHECK(onlooker->sensors()->tick == 1500);
+  CHECK(controller->sensors()->tick == 1500);
+  const auto began = std::chrono::steady_clock::now();
+  const auto nothing = controller->wait_for(began + std::chrono::milliseconds(20),
+                                            [&] { return controller->drive(); });
+  CHECK_FALSE(nothing.has_value());
+  const std::chrono::duration<double> waited = std::chrono::steady_clock::now() - began;
+  CHECK(waited.count() >= 0.02);
+  CHECK(waited.count() < 2.0);
+  *controller = Link();
+  CHECK_FALSE(Link::open(name, Role::drives).has_value());
+}
+
+TEST_CASE("an arming is read as it was written; cut, spoilt or impossible, it arms nobody") {
+  const test::Folder folder;
+  const std::string file = folder / "person.arming";
+  REQUIRE(write_arming(file, some_arming()).has_value());
+  const auto read = read_arming(file);
+  REQUIRE(read.has_value());
+  CHECK(describe(*read) == describe(some_arming()));
+  CHECK(read->arm.joints == robot::thesis_arm().joints);
+  CHECK(read->arm.links[3].name == robot::thesis_arm().links[3].name);
+  CHECK(read->options.max_set_force_n == 25.0);
+  CHECK(read->options.obstacles.size() == some_arming().options.obstacles.size());
+  CHECK(read->options.field.cells[4].zone == safety::Zone::muscle);
+
+  const std::string bytes = read_file(file).value();
+  for (std::size_t length = 0; length < bytes.size(); length += 7)
+    CHECK_FALSE(parse_arming(bytes.substr(0, length), "cut").has_value());
+  for (std::size_t at = 0; at < bytes.size(); at += 11) {
+    std::string spoilt = bytes;
+    spoilt[at] = static_cast<char>(spoilt[at] ^ 0x40);
+    CHECK_FALSE(parse_arming(spoilt, "spoilt").has_value());
+  }
+  const std::vector<void (*)(Arming&)> impossible = {
+      [](Arming& told) { told.arm.joints = 0; },
+      [](Arming& told) { told.arm.joints = 8; },
+      [](Arming& told) { told.arm.links[2].torque_limit_nm = std::nan(""); },
+      [](Arming& told) { told.arm.links[2].torque_limit_nm = 0.0; },
+      [](Arming& told) { told.options.field.columns = 4; },
+      [](Arming& told) { told.options.field.cell_m = 0.0; },
+      [](Arming& told) { told.options.field.up_in_base *= 2.0; },
+      [](Arming& told) { told.options.field.cells[0].zone = static_cast<safety::Zone>(50); },
+      [](Arming& told) { told.options.field.cells[0].normal_in_base.setZero(); },
+      [](Arming& told) { told.options.max_set_force_n = std::nan(""); }};
+  for (const auto& spoil : impossible) {
+    Arming told = some_arming();
+    spoil(told);
+    REQUIRE(write_arming(file, told).has_value());
+    const auto refused = read_arming(file);
+    REQUIRE_FALSE(refused.has_value());
+    CHECK(refused.error().message.find("impossible") != std::string::npos);
+  }
+}
+
+TEST_CASE("a guard in its own thread guards until the drives fall silent, and tells of silence") {
+  const std::string name = own_name("guard");
+  auto controller = Link::create(name, Role::controller);
+  auto drives = Link::open(name, Role::drives);
+  auto guard = Link::open(name, Role::guard);
+  REQUIRE(guard.has_value());
+  Arming arming{.arm = robot::thesis_arm(), .mount = robot::mount_for(BodyPosture::sitting)};
+  const auto models = robot::both_models(arming.arm, arming.mount);
+  const auto ready_rad = robot::ready_posture(arming.arm, arming.mount);
+  const std::atomic<bool> ends = false;
+  Result<GuardReport> report = fail(Fault::device, "did not run");
+  std::thread process([&] { report = keep_guard(*guard, arming, Pace::max, ends); });
+
+  robot::RobotReading reading;
+  std::optional<wire::DriveFrame> last;
+  for (std::uint64_t tick = 0; tick < 40; ++tick) {
+    reading.tick = tick;
+    reading.time_s = static_cast<double>(tick) * control_period_s;
+    safety::RobotProposal proposal;
+    for (const Arm arm : both_arms) {
+      const Matrix3 turn = models[arm].base_from_tool(ready_rad[arm], 0.0).linear();
+      const double weight_n = models[arm].table().tool_mass_kg * 9.81;
+      reading.arms[arm] = {
+          .q_rad = ready_rad[arm],
+          .dq_rad_per_s = JointVector::Zero(6),
+          .wrench_in_tool = {turn.transpose() * Vector3(0.0, 0.0, -weight_n), Vector3::Zero()},
+          .wrench_time_s = reading.time_s};
+      proposal.arms[arm].torque_nm = models[arm].gravity_nm(ready_rad[arm]);
+    }
+    wire::SensorFrame frame = wire::to_frame(reading);
+    frame.stands = 1;
+    if (tick < 20) controller->write(wire::to_frame(proposal, tick, false));
+    drives->write(frame);
+    last = drives->wait_for(std::chrono::steady_clock::now() + std::chrono::seconds(5), [&]() {
+      const auto said = drives->drive();
+      return said && said->answers_tick == tick ? said : std::nullopt;
+    });
+    REQUIRE(last.has_value());
+    const safety::RobotVerdict verdict = wire::from_frame(*last);
+    const safety::Verdict& left = verdict.arms[Arm::left];
+    CAPTURE(tick);
+    CAPTURE(std::string(safety::name_of(left.cause)));
+    if (tick < 22) CHECK(left.action == safety::Action::pass);
+    if (tick >= 22 && tick < 29) CHECK(left.action == safety::Action::freeze);
+    if (tick >= 29) CHECK(left.action == safety::Action::retract);
+    if (tick >= 22) CHECK(left.cause == safety::Cause::no_proposal);
+  }
+  process.join();
+  REQUIRE(report.has_value());
+  CHECK(report->ticks == 40);
+  CHECK(report->silent_ticks == 20);
+}
