@@ -20,6 +20,8 @@ struct Parser {
 [[nodiscard]] std::vector<Parser> scanner_parsers();
 [[nodiscard]] std::vector<Parser> person_parsers();
 [[nodiscard]] std::vector<Parser> session_parsers();
+/// No file, but what a guard sees: accepted where it stops nothing, and its torques must be sound.
+[[nodiscard]] std::vector<Parser> guard_frames();
 /// All of them.
 [[nodiscard]] const std::vector<Parser>& parsers();
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Mutation run over a room: mutate.py safety
+"""Mutation run over a room, or one file of it: mutate.py safety [guard_law.cpp]
 
 Every mutant of the sources is built into one test program, which runs once for each with TUINA_MUTANT set. A mutant
 that no test notices must stand in tests/mutation/<room>_survivors.txt with a reason; what stands there must exist and
@@ -11,6 +11,7 @@ import collections, fnmatch, glob, hashlib, json, os, re, subprocess, sys, time
 from concurrent.futures import ThreadPoolExecutor
 
 ROOM = sys.argv[1]
+ONLY = sys.argv[2] if len(sys.argv) > 2 else ""
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 BUILD = f"{ROOT}/build/mutation/{ROOM}"
 FLAGS = ["-std=c++20", "-isystem", "/usr/include/eigen3"]
@@ -37,7 +38,7 @@ class Source:
 
     def add(self, begin, end, family, changes, write, function):
         key = (begin, end, family, changes and changes[0])
-        if key in self.seen or end <= begin:
+        if key in self.seen or end <= begin or self.text[begin:end] == ":":  # how a range is gone through
             return
         self.seen.add(key)
         number = len(mutants)
@@ -129,7 +130,10 @@ class Walk:
 
     def BinaryOperator(self, node, source, here, function):
         op, ((a, b), kinds) = node["opcode"], self.operands(node)
-        if op in RELATIONAL:
+        if op in ("==", "!=") and "*" in "".join(kinds):  # addresses have no order
+            others = {"==": ("equal", ["unequal"]), "!=": ("unequal", ["equal"])}
+            self.replaced(source, here, "relational", others, op, (a, b), function)
+        elif op in RELATIONAL:
             self.replaced(source, here, "relational", RELATIONAL, op, (a, b), function)
         elif op in ARITHMETIC and "*" not in kind_of(node):
             self.replaced(source, here, "arithmetic", ARITHMETIC, op, (a, b), function)
@@ -264,7 +268,7 @@ class Walk:
 
     def statements(self, node, source, function):
         first = {"CompoundStmt": 0, "IfStmt": 1, "ForStmt": -1}[node["kind"]]
-        for part in node["inner"][first:]:
+        for part in node.get("inner", [])[first:]:
             kind = part.get("kind", "")
             empty_return = kind == "ReturnStmt" and not part.get("inner")
             if span(part) and ("Expr" in kind or kind.endswith("Operator") or kind == "ExprWithCleanups" or empty_return):
@@ -300,8 +304,9 @@ def write_mutants():
 
 
 def build(units):
+    beneath = ["core/random", "robot/arm_model", "robot/arm_table", "robot/clearance"]
     tests = sorted(glob.glob(f"{ROOT}/tests/{ROOM}/*_test.cpp")) + [
-        f"{ROOT}/tests/main.cpp", f"{ROOT}/tests/allocation.cpp", f"{ROOT}/tuina/core/random.cpp"]
+        f"{ROOT}/tests/main.cpp", f"{ROOT}/tests/allocation.cpp", *(f"{ROOT}/tuina/{b}.cpp" for b in beneath)]
     objects = [(f"{BUILD}/{os.path.relpath(u, BUILD if u in units else ROOT).replace('/', '_')}.o", u)
                for u in units + tests]
     flags = FLAGS + ["-O1", "-w", "-Wno-narrowing", "-D_GLIBCXX_ASSERTIONS", "-I", BUILD, "-I", ROOT]
@@ -347,34 +352,34 @@ def main():
         glob.glob(f"{BUILD}/tuina/{ROOM}/*") + glob.glob(f"{ROOT}/tests/{ROOM}/*") +
         glob.glob(f"{ROOT}/tests/mutation/*.hpp")))).hexdigest()
     cache_path = f"{BUILD}/noticed.json"
-    cache = json.load(open(cache_path)) if os.path.exists(cache_path) else {}
-    noticed = cache.get("noticed", {})
+    cache = json.load(open(cache_path)) if os.path.exists(cache_path) else {}  # name: [digest, the test]
 
     def judge(i):
-        name = mutants[i]["name"]
-        if cache.get("digest") == digest and name in noticed:
-            return noticed[name]
+        judged, hint = cache.get(mutants[i]["name"], ["", None])
+        if judged == digest:
+            return hint
         # The test that noticed it last time is asked first. Commas would part names of tests.
-        hint = noticed.get(name)
         if hint and hint not in ("crashed", "never ended") and run(program, i, limit_s, hint.replace(",", "?")):
             return hint
         return run(program, i, limit_s)
+    chosen = [i for i, m in enumerate(mutants) if ONLY in ("", m["file"])]
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        results = list(pool.map(judge, range(len(mutants))))
-    noticed = {m["name"]: r for m, r in zip(mutants, results)}
-    json.dump(dict(digest=digest, noticed=noticed), open(cache_path, "w"), indent=1)
+        results = list(pool.map(judge, chosen))
+    judged = [mutants[i] for i in chosen]
+    noticed = {m["name"]: r for m, r in zip(judged, results)}
+    json.dump({**cache, **{name: [digest, r] for name, r in noticed.items()}}, open(cache_path, "w"), indent=1)
 
-    families = collections.Counter(m["family"] for m in mutants)
-    lost = collections.Counter(m["family"] for m, r in zip(mutants, results) if r is None)
+    families = collections.Counter(m["family"] for m in judged)
+    lost = collections.Counter(m["family"] for m, r in zip(judged, results) if r is None)
     for family, all_of in sorted(families.items()):
         print(f"{family:12} {all_of:5} mutants, {all_of - lost[family]:5} noticed")
     survivors = {name for name, result in noticed.items() if result is None}
-    print(f"{len(mutants)} mutants, {len(mutants) - len(survivors)} noticed; built in {built_s:.0f} s, "
+    print(f"{len(judged)} mutants, {len(judged) - len(survivors)} noticed; built in {built_s:.0f} s, "
           f"judged in {time.time() - started - built_s:.0f} s")
 
     faults, named = [], set()
     for number, line in enumerate(open(f"{ROOT}/tests/mutation/{ROOM}_survivors.txt"), 1):
-        if not line.strip() or line.startswith("//"):
+        if not line.strip() or line.startswith("//") or not line.startswith(ONLY):
             continue
         pattern, _, reason = line.strip().partition(" -- ")
         # `*` stands for anything; brackets are themselves.

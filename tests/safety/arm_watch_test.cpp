@@ -91,7 +91,7 @@ struct Moving {
     JointVector torque_nm =
         believed.gravity_nm(arm.q_rad) + 60.0 * (wanted_rad - arm.q_rad) - 8.0 * arm.dq_rad_per_s;
     torque_nm = torque_nm.cwiseMin(limit_nm).cwiseMax(-limit_nm);
-    for (int part = 0; part < 10; ++part) {
+    for (int part = 0; part < 4; ++part) {
       const auto dynamics = real.evaluate(q_rad, dq_rad_per_s, 0.0);
       JointVector driven_nm = gain.cwiseProduct(torque_nm);
       for (Eigen::Index i = 0; i < 6; ++i) {
@@ -101,8 +101,8 @@ struct Moving {
       }
       const JointVector ddq = dynamics.mass_kg_m2.llt().solve(
           JointVector(driven_nm - dynamics.coriolis_nm - dynamics.gravity_nm));
-      dq_rad_per_s += 1e-4 * ddq;
-      q_rad += 1e-4 * dq_rad_per_s;
+      dq_rad_per_s += 0.25e-3 * ddq;
+      q_rad += 0.25e-3 * dq_rad_per_s;
     }
     sense();
     reading.tick += 1;

@@ -19,7 +19,7 @@ inline constexpr double halting_m_per_s2 = 2.0;
 class ArmSeparation {
  public:
   explicit ArmSeparation(const PerArm<robot::ArmModel>& models,
-                         std::vector<robot::Obstacle> obstacles = {})
+                         std::vector<robot::Obstacle> obstacles = {}) noexcept
       : models_(models), obstacles_(std::move(obstacles)) {}
 
   /// False when a distance is too small or cannot be kept by braking.

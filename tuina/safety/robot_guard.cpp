@@ -28,7 +28,7 @@ Guard::Options guard_options(const robot::ArmModel& model, const RobotGuard::Opt
 
 }  // namespace
 
-RobotGuard::Side::Side(const robot::ArmModel& model, const Options& options)
+RobotGuard::Side::Side(const robot::ArmModel& model, const Options& options) noexcept
     : watch(model), guard(guard_options(model, options)) {}
 
 RobotGuard::RobotGuard(const PerArm<robot::ArmModel>& models, const Options& options)

@@ -51,7 +51,7 @@ class RobotGuard {
 
  private:
   struct Side {
-    Side(const robot::ArmModel& model, const Options& options);
+    Side(const robot::ArmModel& model, const Options& options) noexcept;
     ArmWatch watch;
     Guard guard;
     JointVector applied_nm = {};
