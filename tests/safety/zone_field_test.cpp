@@ -120,6 +120,13 @@ TEST_CASE("a zone reaches in a circle, and never into a milder one") {
   CHECK(wide.cell_m == 5e-3);
 }
 
+TEST_CASE("zones that bear alike stay as they are beside each other") {
+  ZoneField field{.cell_m = 5e-3, .columns = 3, .rows = 1};
+  field.cells = {{Zone::spine}, {Zone::denied}, {Zone::spine}};
+  const ZoneField wide = field.reaching(15e-3);
+  for (std::size_t i = 0; i < 3; ++i) CHECK(wide.cells[i].zone == field.cells[i].zone);
+}
+
 TEST_CASE("a cell that nobody has filled in is denied, and its way out is up") {
   CHECK(ZoneField::Cell{}.zone == Zone::denied);
   CHECK(ZoneField::Cell{}.normal_in_base == Eigen::Vector3f::UnitZ());

@@ -10,10 +10,10 @@ const ZoneField::Cell* ZoneField::at(const Vector3& in_base) const noexcept {
   const Vector3 from_corner = in_base - corner_in_base;
   const double column = std::floor(from_corner.dot(along_in_base) / cell_m);
   const double row = std::floor(from_corner.dot(up_in_base) / cell_m);
-  if (!(column >= 0.0 && column < columns && row >= 0.0 && row < rows)) return nullptr;
-  const std::size_t index = static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
-                            static_cast<std::size_t>(column);
-  return index < cells.size() ? &cells[index] : nullptr;
+  const double index = row * columns + column;
+  const bool within = column >= 0.0 && column < columns && row >= 0.0;
+  if (!(within && index < static_cast<double>(cells.size()))) return nullptr;
+  return &cells[static_cast<std::size_t>(index)];
 }
 
 ZoneField ZoneField::reaching(double reach_m) const {
