@@ -7,6 +7,7 @@
 #include "apps/simulated/session_order.hpp"
 #include "apps/simulated/session_tables.hpp"
 #include "tuina/core/io/file.hpp"
+#include "tuina/core/io/json_fault.hpp"
 #include "tuina/core/io/surface_file.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/motion/arm_separation.hpp"
@@ -228,12 +229,8 @@ Result<ReportData> read_record(const fs::path& folder) {
         *joints, robot::place_robot(*model, data.position, session::head_at_plus_y(acupoints)),
         base_from_couch);
     return data;
-  } catch (const json::exception& error) {
-    // "[json.exception.out_of_range.403] key 'order' not found": the sentence is behind the
-    // bracket.
-    const std::string_view what = error.what();
-    return fail(Fault::bad_input, "{}: is not the record of a session: {}", file,
-                what.substr(std::min(what.size(), what.find("] ") + 2)));
+  } catch (const json::exception& fault) {
+    return tl::unexpected(json_fault(fault, *text, file, "the record of a session"));
   } catch (const std::out_of_range&) {
     return fail(Fault::bad_input, "{}: a path was performed that plan.json does not have", file);
   }

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tuina/core/io/file.hpp"
+#include "tuina/core/io/json_fault.hpp"
 
 namespace tuina::app {
 
@@ -86,17 +87,13 @@ Result<RecordedSession> read_session(const fs::path& folder) {
     session.order.commands = std::move(*commands);
     session.config = *config;
     session.seed = recorded.at("seed").get<std::uint64_t>();
-    session.json = std::move(*text);
     for (const BodyPosture position : {BodyPosture::sitting, BodyPosture::prone}) {
       if (word("position") == name_of(position)) session.order.position = position;
     }
+    session.json = std::move(*text);
     return session;
-  } catch (const json::exception& error) {
-    // "[json.exception.out_of_range.403] key 'order' not found": the sentence is behind the
-    // bracket.
-    const std::string_view what = error.what();
-    return fail(Fault::bad_input, "{}: is no session to give once more: {}", file,
-                what.substr(std::min(what.size(), what.find("] ") + 2)));
+  } catch (const json::exception& fault) {
+    return tl::unexpected(json_fault(fault, *text, file, "a session to give once more"));
   }
 }
 

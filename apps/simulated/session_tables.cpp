@@ -3,11 +3,11 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
 #include <optional>
 
 #include "tuina/core/io/csv.hpp"
 #include "tuina/core/io/file.hpp"
+#include "tuina/core/io/text_lines.hpp"
 #include "tuina/core/units.hpp"
 
 namespace tuina::app {
@@ -28,11 +28,9 @@ class Cells {
     return cell;
   }
   double number() {
-    const std::string_view cell = word();
-    double value = 0.0;
-    const auto [end, fault] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
-    good_ = good_ && fault == std::errc() && end == cell.data() + cell.size();
-    return value;
+    const auto value = to_number<double>(word());
+    good_ = good_ && value.has_value();
+    return value.value_or(0.0);
   }
   void spoil() { good_ = false; }
   [[nodiscard]] bool all_read() const { return good_ && !more_; }

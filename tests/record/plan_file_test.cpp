@@ -47,7 +47,7 @@ TEST_CASE("acupoints.json says position, points and landmarks") {
 }
 
 TEST_CASE("a wrong acupoints.json is refused with the name of what is wrong") {
-  CHECK(fault_of("{").find("points.json: not JSON: at line 1") != std::string::npos);
+  CHECK(fault_of("{").find("points.json:1: the JSON ends too early") != std::string::npos);
   CHECK(fault_of("[]").find("no object `acupoints`") != std::string::npos);
   CHECK(fault_of(R"({"acupoints": {}})").find("lacks SI11_L, SI11_R") != std::string::npos);
   CHECK(fault_of(R"({"acupoints": {}, "position": "lying"})").find("\"sitting\" or \"prone\"") !=
@@ -93,6 +93,6 @@ TEST_CASE("a plan that is written is the plan that is read, to a micrometre and 
 
 TEST_CASE("what is no plan is refused") {
   for (const char* text : {"", "{", "[]", "{}", R"({"programme": 3})"}) {
-    CHECK(parse_plan(text, "plan.json").error().message.find("plan.json: not a plan") == 0);
+    CHECK(parse_plan(text, "plan.json").error().message.starts_with("plan.json:"));
   }
 }

@@ -359,7 +359,7 @@ TEST_CASE("a session given once more from its record is the same in every number
               .has_value());
   const auto none = run_tuina({"massage", "--replay", out, "--out", folder / "third"});
   CHECK(none.exit_code == 2);
-  CHECK(none.err.find("session.json: is no session to give once more: key 'order' not found") !=
+  CHECK(none.err.find("session.json: is not a session to give once more: `order` is missing") !=
         std::string::npos);
 }
 

@@ -98,5 +98,6 @@ TEST_CASE("plan refuses what it cannot use, says where, and leaves no file") {
   fails({scan, folder / "absent.json"}, 2, "absent.json");
   fails({folder / "absent.ply", points}, 2, "absent.ply");
   fails({scan, folder.with("empty.json", "{}")}, 2, "empty.json: no object `acupoints`");
-  fails({scan, folder.with("half.json", "{\"acupoints\": {")}, 2, "half.json: not JSON: at line 1");
+  fails({scan, folder.with("half.json", "{\"acupoints\": {")}, 2,
+        "half.json:1: the JSON ends too early");
 }

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tuina/record/acupoint_file.hpp"
 
-#include <fmt/ranges.h>
-
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
 
 #include "tuina/core/io/file.hpp"
+#include "tuina/core/io/json_fault.hpp"
+#include "tuina/core/io/text_lines.hpp"
 #include "tuina/core/units.hpp"
 
 namespace tuina::record {
@@ -81,7 +81,7 @@ Result<MappedBack> mapped_back(const json& root, std::string_view file) {
   }
   if (!missing.empty()) {
     return fail(Fault::bad_input, "{}: acupoints lacks {}; all seven of the thesis are needed",
-                file, fmt::join(missing, ", "));
+                file, listed(missing));
   }
   if (!root.contains("landmarks")) return back;
   if (!root["landmarks"].is_object()) {
@@ -101,13 +101,8 @@ Result<MappedBack> parse_acupoints(std::string_view text, std::string_view name)
   json root;
   try {
     root = json::parse(text);
-  } catch (const json::exception& error) {
-    // The library's message ends in what it found where: "... parse error at line 3, column 7:
-    // ...".
-    const std::string what = error.what();
-    const auto at = what.find("at line");
-    return fail(Fault::bad_input, "{}: not JSON: {}", name,
-                at == std::string::npos ? what : what.substr(at));
+  } catch (const json::exception& fault) {
+    return tl::unexpected(json_fault(fault, text, name, "a map of acupoints"));
   }
   return mapped_back(root, name);
 }

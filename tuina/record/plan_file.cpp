@@ -7,6 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "tuina/core/io/file.hpp"
+#include "tuina/core/io/json_fault.hpp"
+#include "tuina/core/io/text_lines.hpp"
 #include "tuina/core/units.hpp"
 
 namespace tuina::record {
@@ -62,7 +64,7 @@ Enum named(const json& node, const char* what) {
   for (std::size_t i = 0; i < count; ++i) {
     if (text == name_of(static_cast<Enum>(i))) return static_cast<Enum>(i);
   }
-  throw std::invalid_argument(fmt::format("`{}` is no {}", text, what));
+  throw std::invalid_argument(fmt::format("{} is no {}", in_quotes(text), what));
 }
 
 Vector3 vector_of(const json& node) {
@@ -132,8 +134,8 @@ Result<PlanFile> parse_plan(std::string_view text, std::string_view name) {
     file.compute_ms = root.at("compute_ms").get<double>();
     for (const json& path : root.at("paths")) file.plan.paths.push_back(planned_of(path));
     return file;
-  } catch (const std::exception& error) {
-    return fail(Fault::bad_input, "{}: not a plan of `tuina plan`: {}", name, error.what());
+  } catch (const std::exception& fault) {
+    return tl::unexpected(json_fault(fault, text, name, "a plan of `tuina plan`"));
   }
 }
 

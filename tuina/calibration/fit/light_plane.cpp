@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tuina/core/io/text_lines.hpp"
 #include "tuina/core/random.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/scanner/triangulation.hpp"
@@ -188,14 +189,14 @@ Result<LightPlane> find_light_plane(const Views& views, const scanner::CameraMod
   }
   const LightPlane plane = agreed_on(lines);
 
-  std::vector<int> off;
-  std::vector<int> mirrored_poses;
+  std::vector<std::string> off;
+  std::vector<std::string> mirrored_poses;
   std::vector<std::string> swapped;
   for (std::size_t i = 0; i < lines.size(); ++i) {
     if (!views.views[i].laser_on || fits(plane, lines[i])) continue;
     const View& view = views.views[i];
     if (fits_mirrored(plane, views, i, camera, camera_from_board[i])) {
-      mirrored_poses.push_back(view.pose);
+      mirrored_poses.push_back(std::to_string(view.pose));
     }
     for (std::size_t k = 0; k < lines.size(); ++k) {
       // Line of this pose on the board of another: swapped pictures?
@@ -205,25 +206,25 @@ Result<LightPlane> find_light_plane(const Views& views, const scanner::CameraMod
         break;
       }
     }
-    if (lines[i].size() >= min_line_points) off.push_back(view.pose);
+    if (lines[i].size() >= min_line_points) off.push_back(std::to_string(view.pose));
   }
   if (!swapped.empty() && swapped.size() >= mirrored_poses.size()) {
     return fail(Fault::bad_input,
                 "laser pictures are swapped between poses: that of pose {} shows the line as "
                 "another board would have it; correct frames.csv",
-                fmt::join(swapped, ", "));
+                listed(swapped));
   }
   if (!mirrored_poses.empty()) {
     return fail(Fault::bad_input,
                 "some pictures are mirrored and some are not: the line in pose {} fits the others "
                 "only when left and right are exchanged; switch mirroring off in the camera",
-                fmt::join(mirrored_poses, ", "));
+                listed(mirrored_poses));
   }
   if (static_cast<double>(off.size()) > tolerated_share * static_cast<double>(lit)) {
     return fail(Fault::bad_input,
                 "in {} of {} poses ({}) the laser line does not lie in one plane with the others: "
                 "did board, laser or camera move between the two pictures of a pose?",
-                off.size(), lit, fmt::join(off, ", "));
+                off.size(), lit, listed(off));
   }
   if (std::abs(plane.distance_m) < nearest_camera_m) {
     return fail(Fault::bad_input,

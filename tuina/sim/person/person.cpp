@@ -5,7 +5,9 @@
 #include <nlohmann/json.hpp>
 
 #include "tuina/core/io/file.hpp"
+#include "tuina/core/io/json_fault.hpp"
 #include "tuina/core/io/surface_file.hpp"
+#include "tuina/core/io/text_lines.hpp"
 #include "tuina/sim/person/phantom.hpp"
 
 namespace tuina::sim {
@@ -40,7 +42,7 @@ Name named(const Json& text, std::initializer_list<Name> choices) {
   for (const Name choice : choices) {
     if (text.get<std::string>() == name_of(choice)) return choice;
   }
-  throw std::invalid_argument("\"" + text.get<std::string>() + "\" is not known");
+  throw std::invalid_argument(in_quotes(text.get<std::string>()) + " is not known");
 }
 
 /// Throws exceptions of nlohmann::json and std::invalid_argument; `load_person` converts them to an
@@ -80,7 +82,8 @@ Result<Person> load_person(const std::filesystem::path& ply) {
   if (!surface) return tl::unexpected(surface.error());
   if (surface->triangles.empty()) {
     return fail(Fault::bad_input,
-                "{}: a person needs a surface of triangles, this file has only points",
+                "{}: a person needs a surface of triangles, this file has only points or triangles "
+                "between fewer than half of them",
                 ply.string());
   }
   const auto truth_path = std::filesystem::path(ply).replace_extension(".json");
@@ -93,8 +96,8 @@ Result<Person> load_person(const std::filesystem::path& ply) {
   person.name = ply.stem().string();
   try {
     read_truth(Json::parse(*text), person);
-  } catch (const std::exception& problem) {
-    return fail(Fault::bad_input, "{}: {}", truth_path.string(), problem.what());
+  } catch (const std::exception& fault) {
+    return tl::unexpected(json_fault(fault, *text, truth_path.string(), "the labels of a body"));
   }
   person.skin_in_couch = {.vertices = std::move(surface->cloud.points),
                           .triangles = std::move(surface->triangles)};
