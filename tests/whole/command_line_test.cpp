@@ -78,6 +78,12 @@ TEST_CASE("wrong use gets one or two lines, exit code 1 and an empty stdout") {
       {"map", "scan.ply", "--out", ""},
       {"map", "scan.ply", "--atlas", ""},
       {"map", ""},
+      {"map", "scan.ply", "--fix", "GV14"},
+      {"map", "scan.ply", "--fix", "GV14=0,1"},
+      {"map", "scan.ply", "--fix", "GV14=0,1,nan"},
+      {"map", "scan.ply", "--fix", "GV14=0,1,2", "--fix", "GV14=0,1,2"},
+      {"map", "scan.ply", "--fix", "GV14=0,1,2", "--method", "field_morphing"},
+      {"map", "scan.ply", "--fix-error-mm", "3"},
       {"evaluate", "acupoints", "--page", ""}};
   for (auto arguments : wrong) {
     if (arguments.size() > 1) arguments.push_back("--json");

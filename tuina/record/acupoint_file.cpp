@@ -135,6 +135,10 @@ std::string to_json(const MapFile& map) {
   for (const Landmark& landmark : mapping.landmarks) {
     json["landmarks"][landmark.name] = three(landmark.at_in_couch);
   }
+  for (const body::PalpatedPoint& point : mapping.fixed) {
+    json["fixed"][point.name] = {{"position_m", three(point.at_in_couch)},
+                                 {"error_mm", to_mm(point.error_m)}};
+  }
   return json.dump(2);
 }
 
