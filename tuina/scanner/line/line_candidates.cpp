@@ -84,17 +84,33 @@ std::vector<Candidate> ridges(const Sample* row, const LineScene& scene) {
   const int core = std::max(1, static_cast<int>(std::lround(scene.width_px)));
   const int side = scene.beside_px;
   std::vector<float> ridge(static_cast<std::size_t>(count), 0.0F);
-  for (int i = 0; i < count; ++i) {
+  const auto ridge_near_border = [&](int i) {
     const float left = i - side >= 0 ? mean(i - side - 2 * core, i - side) : -1e9F;
     const float right = i + side < count ? mean(i + side, i + side + 2 * core) : -1e9F;
-    ridge[static_cast<std::size_t>(i)] = mean(i - core, i + core) - std::max(left, right);
+    return mean(i - core, i + core) - std::max(left, right);
+  };
+  const int border = std::min(count, side + 2 * core);
+  for (int i = 0; i < border; ++i) ridge[static_cast<std::size_t>(i)] = ridge_near_border(i);
+  // Away from the borders no mean is cut short, so that the compiler can vectorise.
+  const auto width = static_cast<float>(2 * core + 1);
+  const float* sum = sums.data();
+  for (int i = border; i < count - border; ++i) {
+    const float left = (sum[i - side + 1] - sum[i - side - 2 * core]) / width;
+    const float right = (sum[i + side + 2 * core + 1] - sum[i + side]) / width;
+    const float middle = (sum[i + core + 1] - sum[i - core]) / width;
+    ridge[static_cast<std::size_t>(i)] = middle - (left > right ? left : right);
   }
+  for (int i = std::max(border, count - border); i < count; ++i)
+    ridge[static_cast<std::size_t>(i)] = ridge_near_border(i);
   const float level = min_snr * scene.noise_dn * std::sqrt(2.0F / static_cast<float>(2 * core + 1));
   std::vector<Candidate> found;
   const int apart = side / 2 + 1;
   for (int i = 0; i < count; ++i) {
     const float here = ridge[static_cast<std::size_t>(i)];
     if (here < level) continue;
+    // Most places have a higher neighbour, which spares the search below.
+    if (i > 0 && ridge[static_cast<std::size_t>(i) - 1] >= here) continue;
+    if (i + 1 < count && ridge[static_cast<std::size_t>(i) + 1] > here) continue;
     const int from = std::max(0, i - apart);
     const int to = std::min(count - 1, i + apart);
     const auto best = std::max_element(ridge.begin() + from, ridge.begin() + to + 1);
@@ -215,6 +231,43 @@ std::vector<Candidate> find_candidates(const std::uint8_t* row, const LineScene&
 
 std::vector<Candidate> find_candidates(const float* row, const LineScene& scene) {
   return ridges(row, scene);
+}
+
+void keep_what_continues(std::vector<LinePoint>& clear, std::vector<CandidateRow>& unclear,
+                         int height) {
+  struct Seen {
+    int row;
+    float column_px;
+    bool doubtful;
+  };
+  std::vector<Seen> seen;
+  for (const LinePoint& point : clear) seen.push_back({point.row, point.column_px, false});
+  for (const CandidateRow& row : unclear)
+    seen.push_back({row.y, row.candidates.front().column_px, row.candidates.size() > 1});
+  std::sort(seen.begin(), seen.end(), [](const Seen& a, const Seen& b) { return a.row < b.row; });
+
+  constexpr int max_gap = 3;
+  constexpr float max_step_px = 2.0F;
+  // Texture shows ridges as long as its own grain, up to some twenty rows of a usual picture, or a
+  // few that run beside each other; a line with its reflection runs through the picture.
+  const auto min_length = static_cast<std::size_t>(std::max(12, height / 20));
+  const auto surely_long = static_cast<std::size_t>(height / 4);
+  std::vector<bool> kept(static_cast<std::size_t>(height), false);
+  for (std::size_t begin = 0, end = 0; begin < seen.size(); begin = end) {
+    std::size_t doubtful = seen[begin].doubtful ? 1 : 0;
+    for (end = begin + 1; end < seen.size(); ++end) {
+      const int rows = seen[end].row - seen[end - 1].row;
+      const float aside = std::abs(seen[end].column_px - seen[end - 1].column_px);
+      if (rows > max_gap || aside > 1.0F + max_step_px * static_cast<float>(rows)) break;
+      doubtful += seen[end].doubtful ? 1 : 0;
+    }
+    const std::size_t length = end - begin;
+    if (length < min_length || (2 * doubtful > length && length < surely_long)) continue;
+    for (std::size_t k = begin; k < end; ++k) kept[static_cast<std::size_t>(seen[k].row)] = true;
+  }
+  std::erase_if(clear, [&](const LinePoint& p) { return !kept[static_cast<std::size_t>(p.row)]; });
+  std::erase_if(unclear,
+                [&](const CandidateRow& r) { return !kept[static_cast<std::size_t>(r.y)]; });
 }
 
 void choose_by_continuity(const std::vector<LinePoint>& clear, std::vector<CandidateRow>& unclear) {
