@@ -17,7 +17,7 @@ constexpr int tries = 400;
 // Distance of the line from the plane at 1 m, growing with the square of the range, that a few
 // tenths of a pixel of corner and line noise cause before the joint fit.
 constexpr double in_plane_m = 5.0_mm;
-constexpr double tolerated_share = 0.1;  // share of outlier poses that are left out, with a remark
+constexpr double tolerated_share = 0.1;  // share of outlier poses; `lines_off` names them
 constexpr double nearest_camera_m = 15.0_mm;
 
 using Line = std::vector<LineOnBoard>;
@@ -233,6 +233,22 @@ Result<LightPlane> find_light_plane(const Views& views, const scanner::CameraMod
                 to_mm(std::abs(plane.distance_m)));
   }
   return plane;
+}
+
+std::vector<LineOff> lines_off(const LightPlane& plane, const Views& views,
+                               const scanner::CameraModel& camera,
+                               const std::vector<Transform>& camera_from_board) {
+  std::vector<LineOff> found;
+  for (std::size_t i = 0; i < views.views.size(); ++i) {
+    const Line line = line_on_board(views.views[i], views.board, camera, camera_from_board[i]);
+    if (line.size() < min_line_points || fits(plane, line)) continue;
+    std::vector<double> off;
+    for (const LineOnBoard& point : line) off.push_back(off_m(plane, point.at_in_camera));
+    std::nth_element(off.begin(), off.begin() + static_cast<std::ptrdiff_t>(off.size() / 2),
+                     off.end());
+    found.push_back({.view = i, .off_m = off[off.size() / 2]});
+  }
+  return found;
 }
 
 }  // namespace tuina::calibration

@@ -11,6 +11,7 @@
 
 #include "tuina/scanner/line/clear_lines.hpp"
 #include "tuina/scanner/line/line_candidates.hpp"
+#include "tuina/scanner/line/line_continuity.hpp"
 #include "tuina/scanner/line/line_fit.hpp"
 #include "tuina/scanner/line/line_kernel.hpp"
 

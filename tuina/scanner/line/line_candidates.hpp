@@ -65,12 +65,4 @@ struct CandidateRow {
                                                      const LineScene& scene);
 [[nodiscard]] std::vector<Candidate> find_candidates(const float* row, const LineScene& scene);
 
-/// Moves the candidate that best continues the line to the front of each unclear row.
-void choose_by_continuity(const std::vector<LinePoint>& clear, std::vector<CandidateRow>& unclear);
-
-/// Drops rows of a lit scene that few neighbouring rows continue: what texture shows. The first
-/// candidate of an unclear row counts.
-void keep_what_continues(std::vector<LinePoint>& clear, std::vector<CandidateRow>& unclear,
-                         int height);
-
 }  // namespace tuina::scanner
