@@ -26,8 +26,8 @@ std::string fault_of(std::string_view text) {
 
 TEST_CASE("JSON that is empty, cut, wrong or of another content is refused in words for people") {
   CHECK(fault_of("{\"a\": 1}").empty());
-  CHECK(fault_of("") == "x.json: is empty; a record is needed as JSON");
-  CHECK(fault_of(" \n") == "x.json: is empty; a record is needed as JSON");
+  CHECK(fault_of("") == "x.json: is empty; JSON with a record is needed");
+  CHECK(fault_of(" \n") == "x.json: is empty; JSON with a record is needed");
   CHECK(fault_of("{\n\"a\": 1") == "x.json:2: the JSON ends too early");
   CHECK(fault_of("{\"a\": \"wor") == "x.json:1: the JSON ends too early");
   CHECK(fault_of("{\"a\": 1,\n}\n") ==

@@ -53,7 +53,7 @@ std::string misfit(const json::exception& fault) {
 Error json_fault(const std::exception& fault, std::string_view text, std::string_view name,
                  std::string_view wanted) {
   if (only_white_space(text))
-    return {Fault::bad_input, fmt::format("{}: is empty; {} is needed as JSON", name, wanted)};
+    return {Fault::bad_input, fmt::format("{}: is empty; JSON with {} is needed", name, wanted)};
   if (const auto* wrong = dynamic_cast<const json::parse_error*>(&fault)) {
     const std::size_t at = std::min(text.size(), wrong->byte > 0 ? wrong->byte - 1 : 0);
     const auto line =

@@ -2,6 +2,7 @@
 #include "tuina/sim/person/person.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "tuina/core/io/file.hpp"
@@ -15,12 +16,13 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Vector3 vector_in(const Json& numbers) {
-  if (!numbers.is_array() || numbers.size() != 3)
-    throw std::invalid_argument("three numbers needed");
-  const Vector3 vector(numbers[0].get<double>(), numbers[1].get<double>(),
-                       numbers[2].get<double>());
-  if (!vector.allFinite()) throw std::invalid_argument("finite numbers needed");
+Vector3 vector_in(const Json& numbers, const std::string& what) {
+  Vector3 vector = Vector3::Constant(std::nan(""));
+  if (numbers.is_array() && numbers.size() == 3) {
+    for (std::size_t k = 0; k < 3; ++k)
+      if (numbers[k].is_number()) vector[static_cast<Eigen::Index>(k)] = numbers[k].get<double>();
+  }
+  if (!vector.allFinite()) throw std::invalid_argument(what + " is not three finite numbers");
   return vector;
 }
 
@@ -31,9 +33,10 @@ Json json_of(const Vector3& vector) {
 
 void add_acupoints(const Json& table, std::vector<Acupoint>& acupoints) {
   for (const auto& [name, entry] : table.items()) {
-    acupoints.push_back({.name = name,
-                         .at_in_couch = vector_in(entry.at("position")),
-                         .normal_in_couch = vector_in(entry.at("normal")).normalized()});
+    acupoints.push_back(
+        {.name = name,
+         .at_in_couch = vector_in(entry.at("position"), name + ".position"),
+         .normal_in_couch = vector_in(entry.at("normal"), name + ".normal").normalized()});
   }
 }
 
@@ -56,7 +59,7 @@ void read_truth(const Json& truth, Person& person) {
   person.bmi = truth.value("bmi", 0.0);
   person.three_cun_m = truth.value("three_cun_m", 0.0);
   for (const auto& [name, at] : truth.at("landmarks").items()) {
-    person.landmarks.push_back({.name = name, .at_in_couch = vector_in(at)});
+    person.landmarks.push_back({.name = name, .at_in_couch = vector_in(at, name)});
   }
   add_acupoints(truth.at("acupoints"), person.acupoints);
   if (truth.contains("more_acupoints")) add_acupoints(truth["more_acupoints"], person.acupoints);
