@@ -522,7 +522,7 @@ TEST_CASE("report refuses what is not the record of a session and says where it 
   session["massage"].erase("performed");
   const std::filesystem::path file = std::filesystem::path(folder / "session") / "session.json";
   REQUIRE(tuina::write_file(file, session.dump()).has_value());
-  refused("key 'performed' not found");
+  refused("`performed` is missing");
   session = massage.session;
   session["massage"]["performed"][0]["path"] = 1000;
   REQUIRE(tuina::write_file(file, session.dump()).has_value());
