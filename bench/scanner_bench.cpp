@@ -18,6 +18,7 @@
 #include <opencv2/imgproc.hpp>
 #endif
 
+#include "tests/scanner/lit_scene.hpp"
 #include "tuina/core/random.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/scanner/line/laser_line.hpp"
@@ -293,6 +294,34 @@ void frames_to_cloud_likelihood(benchmark::State& state) {
   frames_to_cloud(state, LineMethod::likelihood);
 }
 
+// A lit, textured scene without a line and without a dark frame, where every row is in doubt; of
+// 640 x 480 and of 12 million pixels.
+void lit_scene_without_line(benchmark::State& state) {
+  const int width = static_cast<int>(state.range(0));
+  const Image scene = test::lit_scene(width, width * 3 / 4, static_cast<int>(state.range(1)), 15.0);
+  const Image image = test::seen(scene, 0.0, true_column, 1);
+  LaserLine line;
+  for (auto _ : state) {
+    line = find_laser_line(image);
+    benchmark::DoNotOptimize(line.points.data());
+  }
+  state.counters["lit"] = static_cast<double>(line.points.size());
+}
+
+// The same scene with a line and with a dark frame.
+void lit_scene_with_dark_frame(benchmark::State& state) {
+  const int width = static_cast<int>(state.range(0));
+  const Image scene = test::lit_scene(width, width * 3 / 4, static_cast<int>(state.range(1)), 15.0);
+  const Image dark = test::seen(scene, 0.0, true_column, 1);
+  const Image image = test::seen(scene, 120.0, true_column, 2);
+  LaserLine line;
+  for (auto _ : state) {
+    line = find_laser_line(image, {}, dark);
+    benchmark::DoNotOptimize(line.points.data());
+  }
+  state.counters["lit"] = static_cast<double>(line.points.size());
+}
+
 void pictures(benchmark::internal::Benchmark* bench) {
   bench->ArgNames({"amplitude", "background"});
   for (const int amplitude : {200, 60}) bench->Args({amplitude, 20});
@@ -313,6 +342,14 @@ BENCHMARK(row_maximum_and_moments)->Apply(pictures);
 BENCHMARK(opencv_maximum_and_moments)->Apply(pictures);
 #endif
 BENCHMARK(on_off_difference_threshold)->Apply(pictures);
+BENCHMARK(lit_scene_without_line)
+    ->ArgNames({"width", "grain"})
+    ->ArgsProduct({{640, 4000}, {8, 16}})
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK(lit_scene_with_dark_frame)
+    ->ArgNames({"width", "grain"})
+    ->ArgsProduct({{640, 4000}, {8}})
+    ->Unit(benchmark::kMillisecond);
 BENCHMARK(lines_to_cloud)->Unit(benchmark::kMillisecond);
 BENCHMARK(frames_to_cloud_centroid)->Unit(benchmark::kMillisecond);
 BENCHMARK(frames_to_cloud_likelihood)->Unit(benchmark::kMillisecond);

@@ -4,12 +4,11 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <charconv>
 #include <chrono>
-#include <cmath>
 #include <filesystem>
 #include <memory>
 
+#include "tuina/core/io/text_lines.hpp"
 #include "tuina/robot/robot_model.hpp"
 
 namespace tuina::app {
@@ -48,13 +47,9 @@ Result<void> check_folder_of(const std::string& path) {
 
 std::function<std::string(const std::string&)> number_between(double low, double high) {
   return [low, high](const std::string& text) -> std::string {
-    double value = 0.0;
-    const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (fault != std::errc{} || end != text.data() + text.size() || !std::isfinite(value) ||
-        value < low || value > high) {
-      return fmt::format("'{}' is not a number from {} to {}", text, low, high);
-    }
-    return {};
+    const auto value = to_number<double>(text);
+    if (value && *value >= low && *value <= high) return {};
+    return fmt::format("{} is not a number from {} to {}", in_quotes(text), low, high);
   };
 }
 

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <CLI/CLI.hpp>
 #include <cerrno>
-#include <charconv>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <map>
 
 #include "apps/cli/command_line.hpp"
 #include "apps/tuina/verbs.hpp"
 #include "tuina/core/io/file.hpp"
+#include "tuina/core/io/text_lines.hpp"
 
 namespace {
 
@@ -30,10 +31,8 @@ int exit_code_of(Fault fault) {
 
 // The parser alone would take a number that does not fit as the largest one that does.
 std::string whole_number(const std::string& text) {
-  std::uint64_t value = 0;
-  const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (fault == std::errc{} && end == text.data() + text.size()) return {};
-  return fmt::format("'{}' is not a whole number from 0 to {}", text, UINT64_MAX);
+  if (to_number<std::uint64_t>(text)) return {};
+  return fmt::format("{} is not a whole number from 0 to {}", in_quotes(text), UINT64_MAX);
 }
 
 void add_common_options(CLI::App& command, CommonOptions& common, std::string& out) {
@@ -50,8 +49,35 @@ void add_common_options(CLI::App& command, CommonOptions& common, std::string& o
       ->allow_extra_args(false);
 }
 
+/// An empty word is a slip, such as a shell variable without a value, and never means "none".
+void refuse_empty_words(CLI::App& command) {
+  for (CLI::Option* option : command.get_options()) {
+    if (option->get_items_expected_max() == 0) continue;
+    option->check([](const std::string& word) {
+      return word.empty() ? "is empty; a value is needed, or leave it away" : std::string();
+    });
+  }
+}
+
+/// At most 300 letters of a message: of a list of faults the first ones, of a sentence its two
+/// ends.
+std::string brief(const std::string& message) {
+  constexpr std::size_t max_letters = 300;
+  constexpr std::size_t end_letters = 100;
+  if (message.size() <= max_letters) return message;
+  std::vector<std::string> lines;
+  TextLines text(message);
+  while (const auto line = text.next()) lines.emplace_back(*line);
+  constexpr std::string_view more = "\nand 9999 more";
+  const std::string first = listed(lines, "\n", max_letters - more.size());
+  if (first.size() <= max_letters) return first;
+  constexpr std::string_view gap = " ... ";
+  return message.substr(0, max_letters - end_letters - gap.size()) + std::string(gap) +
+         message.substr(message.size() - end_letters);
+}
+
 int explain(const Error& error) {
-  fmt::print(stderr, "tuina: {}\n", error.message);
+  fmt::print(stderr, "tuina: {}\n", brief(error.message));
   return exit_code_of(error.fault);
 }
 
@@ -69,8 +95,11 @@ Result<Answer> run(Verb& verb, const CommonOptions& common) {
     return verb.run(common);
   } catch (const std::bad_alloc&) {
     return fail(Fault::bad_input, "{}: there is not enough memory for this input", verb.name());
-  } catch (const std::exception& error) {
-    return fail(Fault::bad_input, "{}: {}", verb.name(), error.what());
+  } catch (const std::filesystem::filesystem_error& error) {
+    return fail(Fault::file, "{}: {}", error.path1().string(), error.code().message());
+  } catch (const std::exception&) {
+    return fail(Fault::bad_input, "{}: an input holds what this verb does not foresee",
+                verb.name());
   }
 }
 
@@ -132,6 +161,7 @@ int main(int argc, char** argv) {
     command->footer(fmt::format("Example:\n  {}", verb->example()));
     verb->describe(*command);
     add_common_options(*command, common, out);
+    refuse_empty_words(*command);
     verb_of[command] = verb.get();
   }
 
@@ -144,7 +174,7 @@ int main(int argc, char** argv) {
     fmt::print("tuina {}\n", TUINA_VERSION);
     return 0;
   } catch (const CLI::ParseError& error) {
-    fmt::print(stderr, "tuina: {}\nSee `tuina --help`.\n", error.what());
+    fmt::print(stderr, "tuina: {}\nSee `tuina --help`.\n", brief(error.what()));
     return 1;
   }
 

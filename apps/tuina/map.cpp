@@ -4,11 +4,13 @@
 #include <filesystem>
 #include <optional>
 
+#include "apps/cli/fixed_points.hpp"
 #include "apps/simulated/atlas_source.hpp"
 #include "apps/tuina/verbs.hpp"
 #include "tuina/body/acupoints.hpp"
 #include "tuina/body/board_plane.hpp"
 #include "tuina/body/learn/labelled_body.hpp"
+#include "tuina/body/palpation.hpp"
 #include "tuina/core/io/file.hpp"
 #include "tuina/core/io/surface_file.hpp"
 #include "tuina/core/units.hpp"
@@ -17,13 +19,36 @@
 namespace tuina::app {
 namespace {
 
+/// What people read of an answer.
+std::string words_of(const body::Mapping& mapping, std::size_t dropped_points, double compute_ms) {
+  std::string words = fmt::format("{} points on a {} person, {:.0f} ms", mapping.acupoints.size(),
+                                  name_of(mapping.position), compute_ms);
+  if (dropped_points > 0)
+    words += fmt::format("; {} points were not numbers and are dropped", dropped_points);
+  for (const body::PalpatedPoint& point : mapping.fixed)
+    words += fmt::format("\n  {} was fixed, with an error of {:.1f} mm", point.name,
+                         to_mm(point.error_m));
+  for (const char* seven : seven_acupoints) {
+    for (const Acupoint& point : mapping.acupoints) {
+      if (point.name != seven) continue;
+      words += fmt::format(
+          "\n  {:<8} x {:7.1f}  y {:7.1f}  z {:7.1f} mm, true within {:.0f} mm in 95 of 100",
+          point.name, to_mm(point.at_in_couch.x()), to_mm(point.at_in_couch.y()),
+          to_mm(point.at_in_couch.z()), to_mm(point.uncertainty_m));
+    }
+  }
+  return words;
+}
+
 /// Acupoints of a scan, in the scan's frame.
 class MapVerb final : public Verb {
  public:
   [[nodiscard]] const char* name() const override { return "map"; }
   [[nodiscard]] const char* summary() const override { return "acupoints of a scan"; }
   [[nodiscard]] const char* example() const override {
-    return "tuina map scan.ply --out acupoints.json";
+    return "tuina map scan.ply --out acupoints.json\n"
+           "  tuina map scan.ply --fix BL18_L=0.030,-0.035,0.399 --out acupoints.json   "
+           "(a finger has found BL18_L)";
   }
 
   void describe(CLI::App& command) override {
@@ -40,6 +65,7 @@ class MapVerb final : public Verb {
         "--board", board_,
         "for field_morphing: the scan of a flat board that lay where the back is, which "
         "gives the plane of the projection; else the back itself gives it");
+    fixed_.describe(command);
     command.add_option("--out", out_, "the answer, as acupoints.json");
   }
 
@@ -47,6 +73,13 @@ class MapVerb final : public Verb {
     if (const auto good = check_folder_of(out_); !good) return tl::unexpected(good.error());
     if (!board_.empty() && method_ != "field_morphing") {
       return fail(Fault::usage, "--board is for --method field_morphing; surface needs no plane");
+    }
+    const auto fixed = fixed_.read();
+    if (!fixed) return tl::unexpected(fixed.error());
+    if (!fixed->empty() && method_ != "surface") {
+      return fail(Fault::usage,
+                  "--fix is for --method surface; field_morphing does not know how points hang "
+                  "together");
     }
     const auto bar = progress_bar(common, "map");
     const auto board_normal = read_board();
@@ -68,9 +101,14 @@ class MapVerb final : public Verb {
             ? body::fit_back(scan->cloud, options)
             : body::fit_back(body::sample({scan->cloud.points, scan->triangles}, 5_mm), options);
     if (!back) return refused(back.error());
-    const auto mapping =
+    auto mapping =
         body::locate_acupoints(*back, *atlas, *body::parse_method(method_), *board_normal);
     if (!mapping) return refused(mapping.error());
+    if (!fixed->empty()) {
+      mapping = body::fix_points(*mapping, *back, *fixed);
+      if (!mapping)
+        return tl::unexpected(Error{mapping.error().fault, "--fix: " + mapping.error().message});
+    }
     const double compute_ms =
         std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     if (bar) bar(1.0);
@@ -83,21 +121,7 @@ class MapVerb final : public Verb {
       if (const auto written = write_file(out_, text + "\n"); !written)
         return tl::unexpected(written.error());
     }
-    std::string words =
-        fmt::format("{} points on a {} person, {:.0f} ms", mapping->acupoints.size(),
-                    name_of(mapping->position), compute_ms);
-    if (scan->dropped_points > 0)
-      words += fmt::format("; {} points were not numbers and are dropped", scan->dropped_points);
-    for (const char* seven : seven_acupoints) {
-      for (const auto& point : mapping->acupoints) {
-        if (point.name != seven) continue;
-        words += fmt::format(
-            "\n  {:<8} x {:7.1f}  y {:7.1f}  z {:7.1f} mm, true within {:.0f} mm in 95 of 100",
-            point.name, to_mm(point.at_in_couch.x()), to_mm(point.at_in_couch.y()),
-            to_mm(point.at_in_couch.z()), to_mm(point.uncertainty_m));
-      }
-    }
-    return Answer{.json = text, .text = words};
+    return Answer{.json = text, .text = words_of(*mapping, scan->dropped_points, compute_ms)};
   }
 
  private:
@@ -120,6 +144,7 @@ class MapVerb final : public Verb {
   std::string atlas_;
   std::string method_ = "surface";
   std::string board_;
+  FixedPoints fixed_;
   std::string out_;
 };
 

@@ -10,6 +10,7 @@
 #include "apps/tuina/atlas/sticker_words.hpp"
 #include "apps/tuina/verbs.hpp"
 #include "tuina/core/io/surface_file.hpp"
+#include "tuina/core/io/text_lines.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/scanner/check/check_box.hpp"
 #include "tuina/scanner/check/check_sphere.hpp"
@@ -28,18 +29,18 @@ namespace fs = std::filesystem;
 // "150x150x200mm" or "150x150x200", millimetres in both cases.
 Result<Vector3> box_size(const std::string& text) {
   Vector3 size_m = Vector3::Zero();
-  const char* at = text.data();
-  const char* end = at + text.size();
+  std::string_view rest = text;
+  if (rest.ends_with("mm")) rest.remove_suffix(2);
   bool good = true;
   for (Eigen::Index k = 0; good && k < 3; ++k) {
-    if (k > 0) good = at != end && *at++ == 'x';
-    double edge_mm = 0.0;
-    const auto read = std::from_chars(at, end, edge_mm);
-    good = good && read.ec == std::errc() && edge_mm >= 20.0 && edge_mm <= 1000.0;
-    size_m(k) = from_mm(edge_mm);
-    at = read.ptr;
+    const std::size_t cross = k < 2 ? rest.find('x') : rest.size();
+    const auto edge_mm = to_number<double>(rest.substr(0, cross));
+    good = cross != std::string_view::npos && edge_mm && *edge_mm >= 20.0 && *edge_mm <= 1000.0;
+    if (!good) break;
+    size_m(k) = from_mm(*edge_mm);
+    rest.remove_prefix(std::min(rest.size(), cross + 1));
   }
-  if (!good || !(at == end || std::string_view(at, end) == "mm")) {
+  if (!good) {
     return fail(Fault::usage,
                 "--check-box {}: three edges from 20 to 1000 mm are needed, as 150x150x200mm",
                 text);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sets of pictures that a newcomer takes, and what is said about them. None gives a calibration.
+// Sets of pictures that a newcomer takes, and what is said about them. Few give a calibration.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -109,6 +109,18 @@ TEST_CASE("one mirrored picture among good ones") {
   Views views = good_views(2);
   mirror(of_pose(views, 7), views.width_px);
   refused_saying(views, "mirrored");
+}
+
+TEST_CASE("a line beside the board is left out, and the pose is named") {
+  Views views = good_views();
+  for (auto& point : of_pose(views, 7).line) {
+    point.column_px += 45.0F + 0.2F * static_cast<float>(point.row - 240);
+  }
+  const auto result = calibrate(views);
+  REQUIRE_MESSAGE(result.has_value(), test::reason(result));
+  CHECK(result->laser_rms_m < 1.0_mm);
+  REQUIRE(result->remarks.size() == 1);
+  CHECK(result->remarks.front().starts_with("The laser line of pose 7 was left out: it lies "));
 }
 
 TEST_CASE("all boards at one distance") {

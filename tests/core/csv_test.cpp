@@ -46,6 +46,14 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("a number may have a plus sign, but no second sign") {
+  const auto table = parse_csv("time_s,yaw_deg\n+1,+2.5e+1\n", "yaw.csv", {"time_s", "yaw_deg"});
+  REQUIRE(table.has_value());
+  CHECK(table->columns[1][0] == 25.0);
+  for (const char* word : {"+-1", "-+1", "++1", "+", "+ 1"})
+    CHECK(says(refusal(fmt::format("time_s,yaw_deg\n1,{}\n", word)), "a finite number is needed"));
+}
+
 TEST_CASE("every departure from CSV is refused with its line and what would be right") {
   CHECK(says(refusal(""), "yaw.csv: is empty"));
   CHECK(says(refusal("time_s,yaw\n1,2\n"), "yaw.csv:1: no column `yaw_deg`"));

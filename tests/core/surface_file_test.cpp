@@ -141,6 +141,24 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("a mesh whose triangles meet fewer than half of its points is read by its points") {
+  Mesh mesh;
+  for (int i = 0; i < 7; ++i) mesh.vertices.emplace_back(i, i % 2, 0.0);
+  mesh.triangles = {{0, 1, 2}};
+  CHECK(read(to_ply(mesh)).triangles.empty());
+  CHECK(read(to_ply(mesh)).cloud.size() == 7);
+  mesh.triangles.push_back({2, 3, 4});
+  CHECK(read(to_ply(mesh)).triangles == mesh.triangles);
+}
+
+TEST_CASE("numbers with a plus sign are read from PLY and PCD as text") {
+  CHECK(read(with(square, "1 0 0 0", "+1 +0.0 0 +0")).cloud.points[1] == Vector3(1, 0, 0));
+  const std::string pcd =
+      "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 1\nHEIGHT 1\nDATA ascii\n"
+      "+0.5 -1 +2e-1\n";
+  CHECK(read(pcd).cloud.points[0] == Vector3(0.5, -1, 0.2));
+}
+
 TEST_CASE("points that are not finite are dropped and counted, with the triangles that used them") {
   const SurfaceFile file = read(with(square, "1 0 0 0", "nan 0 -inf 0"));
   CHECK(file.dropped_points == 1);

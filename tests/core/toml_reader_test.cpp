@@ -82,6 +82,17 @@ TEST_CASE("a key that nobody knows and one that is missing are named with their 
         "my.toml:1: a robot has no `arm`; none is known");
 }
 
+TEST_CASE("a long value is shown by its beginning, a long list of keys by the first") {
+  CHECK(fault_of("name = \"" + std::string(5000, 'x') + "\"\n", [](const TomlTable& root) {
+          (void)root.flag("name");
+        }).size() < 100);
+  TomlTable::Words needed;
+  for (int i = 0; i < 200; ++i) needed.push_back("key" + std::to_string(i));
+  const std::string missing = fault_of("", [&](const TomlTable& root) { root.only({}, needed); });
+  CHECK(missing.size() < 200);
+  CHECK(missing.ends_with(" more are missing"));
+}
+
 TEST_CASE("an entry of a list is refused at its own line") {
   CHECK(fault_of("at = [\n[1, 2],\n[1, \"2\"],\n]\n", [](const TomlTable& root) {
           const auto entries = root.list("at").value();
@@ -93,8 +104,14 @@ TEST_CASE("an entry of a list is refused at its own line") {
 }
 
 TEST_CASE("what is no TOML is refused with its line, and what was typed without one") {
+  const std::string right = " is not TOML; `key = value`, `[section]` or `# comment` is needed";
   CHECK(fault_of("a = 1\nb = [\n", nothing).starts_with("my.toml:"));
-  CHECK(fault_of("a = = 1", nothing, Fault::usage).starts_with("my.toml: "));
+  CHECK(fault_of("a = 1\nb = [\n", nothing).ends_with(right));
+  CHECK(fault_of("a = 1\n\nb == 2\n", nothing) == "my.toml:3: `b == 2`" + right);
+  CHECK(fault_of("a = = 1", nothing, Fault::usage) == "my.toml: `a = = 1`" + right);
+  CHECK(fault_of("a = 1\na = 2\n", nothing) == "my.toml:2: this key or section stands there twice");
+  CHECK(fault_of("[a]\nb = 1\n[a]\n", nothing) ==
+        "my.toml:3: this key or section stands there twice");
   CHECK(fault_of(
             "a = 5", [](const TomlTable& root) { (void)root.number("a", 0, 1); }, Fault::usage) ==
         "my.toml: a = 5 is not a number from 0 to 1");

@@ -99,9 +99,9 @@ bool accepts_labels(std::string_view content) {
   static const Folder folder;
   static const std::string ply = folder.with(
       "anna.ply",
-      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
-      "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
-      "0 0 0\n1 0 0\n1 1 0\n3 0 1 2\n");
+      "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+      "property float z\nelement face 2\nproperty list uchar int vertex_indices\nend_header\n"
+      "0 0.1 0.4\n0.3 0.1 0.4\n0.3 0.1 0.7\n0 0.1 0.7\n3 0 1 2\n3 0 2 3\n");
   (void)folder.with("anna.json", std::string(content));
   const auto body = body::read_labelled_body(ply);
   if (!body) return false;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tests/scanner/lit_scene.hpp"
 #include "tuina/core/random.hpp"
 #include "tuina/scanner/line/clear_row.hpp"
 
@@ -295,6 +296,42 @@ TEST_CASE("a dark frame takes the lamps off the picture") {
   const LaserLine line = find_laser_line(image, {.method = LineMethod::likelihood}, dark);
   CHECK(line.points.size() == 480);
   CHECK(errors_of(line).rms_px < 0.06);
+}
+
+TEST_CASE("the texture of a lit scene is no line and hides none, with a dark frame or without") {
+  for (const int grain_px : {4, 8, 16, 24}) {
+    for (const double contrast_dn : {5.0, 15.0, 25.0}) {
+      CAPTURE(grain_px);
+      CAPTURE(contrast_dn);
+      const Image scene = test::lit_scene(640, 480, grain_px, contrast_dn);
+      const Image dark = test::seen(scene, 0.0, true_column, 1);
+      const Image none = test::seen(scene, 0.0, true_column, 2);
+      const Image line = test::seen(scene, 120.0, true_column, 3);
+      CHECK(find_laser_line(none).points.empty());
+      CHECK(find_laser_line(none, {}, dark).points.empty());
+      const Errors without = errors_of(find_laser_line(line));
+      CHECK(without.lit > 430);
+      CHECK(find_laser_line(line, {}, dark).points.size() == 480);
+    }
+  }
+}
+
+TEST_CASE("what is clipped with and without the laser shows no line") {
+  const auto with_lamps = [](Image image) {
+    for (int y = 0; y < 480; ++y) {
+      std::fill_n(image.row(y) + 100 + y % 7, 30, std::uint8_t{255});
+      std::fill_n(image.row(y) + 560, 3, std::uint8_t{255});
+    }
+    return image;
+  };
+  const Image scene = test::lit_scene(640, 480, 8, 60.0);
+  const Image dark = with_lamps(test::seen(scene, 0.0, true_column, 1));
+  CHECK(find_laser_line(dark, {}, dark).points.empty());
+  CHECK(
+      find_laser_line(with_lamps(test::seen(scene, 0.0, true_column, 2)), {}, dark).points.empty());
+  Image white(640, 480);
+  std::fill(white.data.begin(), white.data.end(), std::uint8_t{255});
+  CHECK(find_laser_line(white, {}, white).points.empty());
 }
 
 TEST_CASE("sixteen bits give the same line as eight, only finer") {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <doctest/doctest.h>
+#include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
 
@@ -54,6 +55,42 @@ TEST_CASE("map takes the plane of the thesis from the scan of a board") {
   CHECK(map({"--board", folder / "board.ply"}).exit_code == 1);
   CHECK(map({"--method", "field_morphing", "--board", folder / "person.ply"}).exit_code == 2);
   CHECK(map({"--method", "field_morphing", "--board", folder / "none.ply"}).exit_code == 2);
+}
+
+TEST_CASE("a finger that shows a point moves the others, and a wrong one is refused") {
+  const Folder folder;
+  put_scene(folder);
+  const auto map = [&](std::vector<std::string> more) {
+    std::vector<std::string> words = {"map", folder / "person.ply", "--json", "--quiet"};
+    words.insert(words.end(), more.begin(), more.end());
+    return run_tuina(words);
+  };
+  const auto before = map({});
+  REQUIRE_MESSAGE(before.exit_code == 0, before.err);
+  const auto points = nlohmann::json::parse(before.out)["acupoints"];
+  CHECK_FALSE(nlohmann::json::parse(before.out).contains("fixed"));
+  const auto place = [&](const char* name, double up_m) {
+    const auto at = points[name]["position_m"];
+    return fmt::format("{},{},+{}", at[0].get<double>(), at[1].get<double>(),
+                       at[2].get<double>() + up_m);
+  };
+  const auto after = map({"--fix", "BL18_L=" + place("BL18_L", 0.01), "--fix-error-mm", "2",
+                          "--out", folder / "acupoints.json"});
+  REQUIRE_MESSAGE(after.exit_code == 0, after.err);
+  const auto answer = nlohmann::json::parse(after.out);
+  CHECK(answer["fixed"]["BL18_L"]["error_mm"] == 2.0);
+  const auto& moved = answer["acupoints"]["BL47_R"];
+  CHECK(moved["position_m"][2].get<double>() >
+        points["BL47_R"]["position_m"][2].get<double>() + 5_mm);
+  CHECK(moved["uncertainty_mm"].get<double>() < points["BL47_R"]["uncertainty_mm"].get<double>());
+
+  const auto other_side = map({"--fix", "BL18_L=" + place("BL18_R", 0.0)});
+  CHECK(other_side.exit_code == 2);
+  CHECK(other_side.err.find("other side") != std::string::npos);
+  CHECK(map({"--fix", "GV4=0,2,0.3"}).exit_code == 2);
+  const auto unknown = map({"--fix", "GV44=" + place("GV4", 0.0)});
+  CHECK(unknown.exit_code == 1);
+  CHECK(unknown.err.find("is `GV4` meant?") != std::string::npos);
 }
 
 TEST_CASE("a picture of a depth camera says the same as PLY and as PCD") {

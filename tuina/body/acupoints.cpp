@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "tuina/body/correction.hpp"
+#include "tuina/body/palpation.hpp"
 #include "tuina/core/units.hpp"
 
 namespace tuina::body {
@@ -99,19 +100,29 @@ Result<void> fit(Mapping& mapping, const BackSurface& back, const ShapeModel& sh
         unusual_allowed(shape));
   }
   if (auto turned = check_turn(turn_of(estimate.fit, back.position())); !turned) return turned;
+  Eigen::VectorXd radius95(static_cast<Eigen::Index>(shape.labels.size()));
   for (std::size_t i = 0; i < shape.labels.size(); ++i) {
     const auto column = static_cast<Eigen::Index>(i);
-    const Vector3 place = estimate.at_in_couch.col(column);
-    SurfacePoint skin = back.nearest(place);
-    // In a hole of the scan the estimate is better than the rim of the hole.
-    if (skin.distance_m > 15_mm) skin.at_in_couch = place;
-    add(mapping, shape, i, skin,
-        std::hypot(estimate.radius95_m[column], skin.distance_m > 15_mm ? skin.distance_m : 0.0));
+    const SurfacePoint skin = on_skin(back, estimate.at_in_couch.col(column));
+    radius95[column] = std::hypot(estimate.radius95_m[column], skin.distance_m);
+    add(mapping, shape, i, skin, radius95[column]);
   }
+  mapping.covariance_m2 =
+      joint_covariance(estimate.at_in_couch, estimate.fit.couch_from_model.linear(), radius95);
   return {};
 }
 
 }  // namespace
+
+SurfacePoint on_skin(const BackSurface& back, const Vector3& place_in_couch) {
+  SurfacePoint skin = back.nearest(place_in_couch);
+  if (skin.distance_m > 15_mm) {
+    skin.at_in_couch = place_in_couch;
+  } else {
+    skin.distance_m = 0.0;
+  }
+  return skin;
+}
 
 std::optional<Method> parse_method(std::string_view name) {
   for (const Method method : {Method::field_morphing, Method::surface}) {

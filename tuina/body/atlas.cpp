@@ -2,8 +2,11 @@
 #include "tuina/body/atlas.hpp"
 
 #include <algorithm>
+#include <iterator>
+#include <set>
 
 #include "tuina/body/learn/learn_shape.hpp"
+#include "tuina/core/io/text_lines.hpp"
 
 namespace tuina::body {
 namespace {
@@ -19,6 +22,36 @@ std::vector<std::string> shared_names(const std::vector<Example>& examples,
     }
   }
   return names;
+}
+
+/// Bodies of one position are learned from together, so each label is on all of them.
+Result<void> check_same_labels(const std::vector<LabelledBody>& bodies, BodyPosture position) {
+  const LabelledBody* first = nullptr;
+  std::set<std::string> wanted;
+  for (const LabelledBody& body : bodies) {
+    if (body.position != position) continue;
+    std::set<std::string> names;
+    for (const Acupoint& point : body.acupoints) names.insert(point.name);
+    for (const Landmark& landmark : body.landmarks) names.insert(landmark.name);
+    if (first == nullptr) {
+      first = &body;
+      wanted = names;
+    }
+    std::vector<std::string> missing;
+    std::vector<std::string> more;
+    std::set_difference(wanted.begin(), wanted.end(), names.begin(), names.end(),
+                        std::back_inserter(missing));
+    std::set_difference(names.begin(), names.end(), wanted.begin(), wanted.end(),
+                        std::back_inserter(more));
+    if (missing.empty() && more.empty()) continue;
+    const bool lacks = !missing.empty();
+    return fail(Fault::bad_input,
+                "{} lacks {}, which {} has; bodies that are learned from together need the same "
+                "labels",
+                lacks ? body.id : first->id, listed(lacks ? missing : more),
+                lacks ? first->id : body.id);
+  }
+  return {};
 }
 
 /// Pose of the model's mean on an example, from their shared labels.
@@ -94,6 +127,7 @@ Result<Atlas> learn_atlas(const std::vector<LabelledBody>& bodies, const Atlas* 
     const auto count = std::count_if(bodies.begin(), bodies.end(),
                                      [&](const LabelledBody& b) { return b.position == position; });
     if (count == 0) continue;
+    if (auto same = check_same_labels(bodies, position); !same) return tl::unexpected(same.error());
     const double share = static_cast<double>(count) / static_cast<double>(bodies.size());
     const double from = position == BodyPosture::sitting ? 0.0 : 1.0 - share;
     const auto step = [&](double done) {

@@ -270,6 +270,22 @@ Result<void> add_couch(const fs::path& folder, Calibrated& result, const Progres
   return {};
 }
 
+/// Lines that the others contradict would count as error of the plane. Returns what is said of
+/// them.
+std::vector<std::string> leave_out_lines(Views& views, const std::vector<LineOff>& off) {
+  std::vector<std::string> remarks;
+  for (const LineOff& line : off) {
+    View& view = views.views[line.view];
+    view.line.clear();
+    remarks.push_back(
+        fmt::format("The laser line of pose {} was left out: it lies {:.0f} mm off the light plane "
+                    "of the other "
+                    "poses. Does it cross the board, and did the board stand still?",
+                    view.pose, to_mm(line.off_m)));
+  }
+  return remarks;
+}
+
 }  // namespace
 
 Result<Calibrated> calibrate(Views& views) {
@@ -280,6 +296,7 @@ Result<Calibrated> calibrate(Views& views) {
   if (const auto good = check_spread(views, poses); !good) return tl::unexpected(good.error());
   const auto light = find_light_plane(views, first->camera, poses);
   if (!light) return tl::unexpected(light.error());
+  const auto remarks = leave_out_lines(views, lines_off(*light, views, first->camera, poses));
   const auto axis = find_yaw_axis(views, poses);
   if (!axis) return tl::unexpected(axis.error());
 
@@ -288,6 +305,7 @@ Result<Calibrated> calibrate(Views& views) {
   auto fit = fit_jointly(views, start);
   if (!fit) return tl::unexpected(fit.error());
   Calibrated result;
+  result.remarks = remarks;
   result.fit = std::move(*fit);
   result.fit.covariance = covariance_to_state(result.fit);
   result.calibration = calibration_of(result.fit.geometry);

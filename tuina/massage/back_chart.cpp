@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tuina/massage/back_chart.hpp"
 
-#include <fmt/ranges.h>
-
 #include <algorithm>
 #include <cmath>
 #include <string>
 
+#include "tuina/core/io/text_lines.hpp"
 #include "tuina/core/units.hpp"
 
 namespace tuina::massage {
@@ -47,7 +46,7 @@ Result<BackChart> BackChart::from(std::span<const Acupoint> acupoints,
   }
   if (!missing.empty()) {
     return fail(Fault::bad_input, "the acupoints lack {}; all seven of the thesis are needed",
-                fmt::join(missing, ", "));
+                listed(missing));
   }
   const auto& [si11_l, si11_r, bl47_l, bl47_r, bl50_l, bl50_r, gv4] = seven;
   const auto spine_landmark = [&](std::size_t level) {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tuina/core/io/text_lines.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/massage/path_layer.hpp"
 
@@ -121,7 +122,7 @@ Result<Plan> plan(const body::BackSurface& back, std::span<const Acupoint> acupo
   }
   if (waiting.empty()) {
     return fail(Fault::not_found, "nothing of the programme {} may be done on this back: {}",
-                programme.name, fmt::join(layer.notes(), "; "));
+                programme.name, listed(layer.notes(), "; "));
   }
   Plan result;
   result.programme = programme.name;

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tuina/massage/targets.hpp"
 
-#include <fmt/ranges.h>
-
 #include <algorithm>
 #include <cmath>
 
+#include "tuina/core/io/text_lines.hpp"
 #include "tuina/core/units.hpp"
 
 namespace tuina::massage {
@@ -32,7 +31,7 @@ Result<Acupoint> point_of(const std::string& name, std::span<const Acupoint> acu
   std::vector<std::string> known;
   for (const Acupoint& a : acupoints) known.push_back(a.name);
   return fail(Fault::bad_input, "the programme wants {}, the map of this back has {}", name,
-              fmt::join(known, ", "));
+              listed(known));
 }
 
 const std::string own_line = "own_line";

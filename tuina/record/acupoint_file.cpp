@@ -34,6 +34,13 @@ constexpr auto map_fields = [](auto& visit, auto& map) {
   visit("misfit_mm", mapping.rms_residual_m, mm);
   visit("strangeness", mapping.mahalanobis2_per_mode);
   places_fields(visit, mapping.acupoints, mapping.landmarks);
+  if (mapping.fixed.empty()) return;
+  visit.named("fixed", mapping.fixed, [](auto& all, const char* name, auto& point) {
+    all.object(name, [&](auto& inside) {
+      inside("position_m", point.at_in_couch);
+      inside("error_mm", point.error_m, mm);
+    });
+  });
 };
 
 /// What of it is read again: other hands may have written it, with no more than the points.

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tuina/session/consent.hpp"
 
-#include <fmt/ranges.h>
-
 #include <vector>
 
 #include "tuina/core/io/file.hpp"
+#include "tuina/core/io/text_lines.hpp"
 #include "tuina/core/io/toml_reader.hpp"
 
 namespace tuina::session {
@@ -39,8 +38,9 @@ Result<Consent> parse_consent(std::string_view text, std::string_view name) {
   });
   if (!read) return tl::unexpected(read.error());
   if (!refusals.empty()) {
+    constexpr std::size_t max_letters = 200;  // the last line must be read, too
     return fail(Fault::stopped, "{}\nno massage is given; ask a physician",
-                fmt::join(refusals, "\n"));
+                listed(refusals, "\n", max_letters));
   }
   return consent;
 }

@@ -102,7 +102,7 @@ class EvaluateAcupoints final : public Verb {
         judge(
             person, i,
             see(person, {.by = parse_scan(scan_), .depth_points = depth_points_}, common.seed + i),
-            *atlas, marks, scores, times);
+            *atlas, marks, common.seed + i, scores, times);
         ++judged;
         tell(learned +
              (1.0 - learned) * static_cast<double>(judged) / static_cast<double>(in_fold));
@@ -114,6 +114,7 @@ class EvaluateAcupoints final : public Verb {
                               {"people", bodies->size()},
                               {"scan", scan_},
                               {"label_noise_mm", label_noise_mm_},
+                              {"palpated", palpated_json(scores)},
                               {"times", to_json(times)}};
     if (!page_.empty()) {
       const auto written = write_file(page_, acupoint_page(json, scores, *bodies));
@@ -121,7 +122,8 @@ class EvaluateAcupoints final : public Verb {
     }
     std::string text = fmt::format("{} people, {} scan; millimetres over the seven points\n",
                                    bodies->size(), scan_) +
-                       to_text(place_table(table)) + to_text(spread_table(table));
+                       to_text(place_table(table)) + to_text(spread_table(table)) +
+                       to_text(palpated_table(scores));
     for (const char* method : acupoint_methods) {
       for (const std::string& failure : scores.at(method).failures)
         text += fmt::format("{}: {}\n", method, failure);

@@ -105,6 +105,8 @@ std::string acupoint_page(const json& answer, const std::map<std::string, Score>
       .table(spread_table(methods));
   page.section("How many points are how near").figure(share_plot(scores));
   page.section("Point by point", "Method surface.").table(point_table(methods.at("surface")));
+  const telemetry::Table palpated = palpated_table(scores);
+  page.section("When a finger has shown a point", palpated.note).table(palpated);
   page.section("From the couch to the plan").table(time_table(answer.at("times")));
   page.section("Everybody")
       .key({{paint::ink, "true"}, {paint::press, "found by surface"}})

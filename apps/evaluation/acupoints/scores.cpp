@@ -188,6 +188,52 @@ Table point_table(const json& method) {
   return table;
 }
 
+json palpated_json(const std::map<std::string, Score>& scores) {
+  json sets = json::object();
+  for (const auto& names : palpated_sets) {
+    const auto follows = [&](const Finding& f) {
+      return f.of_the_seven && std::find(names.begin(), names.end(), f.point) == names.end();
+    };
+    const auto found = scores.find(name_of(names));
+    if (found == scores.end()) continue;
+    const json before = summary(scores.at("surface"), follows);
+    json row = summary(found->second, follows);
+    if (row.is_null()) row = json::object();
+    for (const char* position : {"sitting", "prone"}) {
+      row["by_position"][position] = summary(
+          found->second, [&](const Finding& f) { return follows(f) && f.position == position; });
+    }
+    row["share"] = nullptr;
+    if (before.is_object() && row.contains("mean_mm"))
+      row["share"] = row["mean_mm"].get<double>() / before["mean_mm"].get<double>();
+    row["failures"] = found->second.failures.size();
+    row["failed"] = found->second.failures;
+    sets[name_of(names)] = std::move(row);
+  }
+  return sets;
+}
+
+Table palpated_table(const std::map<std::string, Score>& scores) {
+  Table table{.note = fmt::format("a finger that errs by {:.0f} mm in each direction of the skin",
+                                  finger_error_mm),
+              .columns = {{.head = "palpated: the others, mm"}}};
+  for (const char* head : {"sitting", "prone", "95 %", "max"})
+    table.columns.push_back({.head = head, .digits = 1});
+  for (const char* head : {"of the error before, %", "within the radius, %"})
+    table.columns.push_back({.head = head, .digits = 0});
+  table.columns.push_back({.head = "refused", .digits = 0});
+  const json sets = palpated_json(scores);
+  for (const auto& names : palpated_sets) {
+    const json row = sets.value(name_of(names), json::object());
+    const json by_position = row.value("by_position", json::object());
+    table.add({name_of(names), number_in(by_position.value("sitting", json()), "mean_mm"),
+               number_in(by_position.value("prone", json()), "mean_mm"), number_in(row, "p95_mm"),
+               number_in(row, "max_mm"), number_in(row, "share", 100.0),
+               number_in(row, "coverage", 100.0), number_in(row, "failures")});
+  }
+  return table;
+}
+
 Table time_table(const json& times) {
   Table table{.columns = {{.head = "median"}}};
   std::vector<Cell> cells = {"seconds"};

@@ -21,6 +21,10 @@ namespace tuina::app {
 [[nodiscard]] telemetry::Table spread_table(const nlohmann::json& methods);
 /// How the errors of one method are spread, point by point.
 [[nodiscard]] telemetry::Table point_table(const nlohmann::json& method);
+/// The points of the seven that follow when others were palpated: their mean errors, the share of
+/// their errors without the finger, how many lie within their radius.
+[[nodiscard]] nlohmann::json palpated_json(const std::map<std::string, Score>& scores);
+[[nodiscard]] telemetry::Table palpated_table(const std::map<std::string, Score>& scores);
 /// Seconds to the plan.
 [[nodiscard]] telemetry::Table time_table(const nlohmann::json& times);
 

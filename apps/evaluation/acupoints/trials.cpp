@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/evaluation/acupoints/trials.hpp"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 
 #include "tuina/baselines/acupoint_baselines.hpp"
+#include "tuina/body/palpation.hpp"
 #include "tuina/core/random.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/massage/plan.hpp"
@@ -36,7 +39,37 @@ void time_the_plan(const body::BackSurface& back, const body::Mapping& mapping, 
   times.plan_s.push_back(seconds_since(start));
 }
 
+/// The other points when a finger has shown some of them, each set for itself.
+void judge_palpated(const body::LabelledBody& person, std::size_t index,
+                    const body::BackSurface& back, const body::Mapping& found,
+                    const std::vector<Acupoint>& marks, std::uint64_t seed,
+                    std::map<std::string, Score>& scores) {
+  const auto touched = marked(marks, finger_error_mm * std::sqrt(2.0), seed);
+  for (const auto& names : palpated_sets) {
+    std::vector<body::PalpatedPoint> fixed;
+    std::vector<Acupoint> others;
+    for (std::size_t i = 0; i < marks.size(); ++i) {
+      if (std::find(names.begin(), names.end(), marks[i].name) == names.end()) {
+        others.push_back(marks[i]);
+      } else {
+        fixed.push_back({marks[i].name, touched[i].at_in_couch, from_mm(finger_error_mm)});
+      }
+    }
+    Score& score = scores[name_of(names)];
+    const auto followed = body::fix_points(found, back, fixed);
+    if (followed) {
+      add_findings(person, index, *followed, others, score);
+    } else {
+      score.failures.push_back(fmt::format("{}: {}", person.id, followed.error().message));
+    }
+  }
+}
+
 }  // namespace
+
+std::string name_of(const std::vector<std::string>& palpated) {
+  return fmt::format("{}", fmt::join(palpated, " and "));
+}
 
 void add_findings(const body::LabelledBody& person, std::size_t index, const body::Mapping& found,
                   const std::vector<Acupoint>& marks, Score& score) {
@@ -60,7 +93,7 @@ void add_findings(const body::LabelledBody& person, std::size_t index, const bod
 }
 
 void judge(const body::LabelledBody& person, std::size_t index, const Result<Seen>& seen,
-           const body::Atlas& atlas, const std::vector<Acupoint>& marks,
+           const body::Atlas& atlas, const std::vector<Acupoint>& marks, std::uint64_t seed,
            std::map<std::string, Score>& scores, Times& times) {
   if (seen && seen->sweep_s > 0.0) times.scan_s.push_back(seen->sweep_s + 1e-3 * seen->compute_ms);
   for (const char* method : acupoint_methods) {
@@ -79,6 +112,7 @@ void judge(const body::LabelledBody& person, std::size_t index, const Result<See
     if (std::string_view(method) == "surface") {
       times.map_s.push_back(taken_s);
       time_the_plan(*back, *found, times);
+      judge_palpated(person, index, *back, *found, marks, seed, scores);
     }
     add_findings(person, index, *found, marks, score);
   }

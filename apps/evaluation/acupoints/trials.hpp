@@ -17,6 +17,14 @@ namespace tuina::app {
 inline constexpr std::array<const char*, 5> acupoint_methods = {
     "field_morphing", "surface", "rigid_icp", "axis_scaling", "cun_rule"};
 
+/// Points that a finger shows before the method surface is judged once more, one set after another.
+inline const std::array<std::vector<std::string>, 5> palpated_sets = {
+    {{"GV14"}, {"GV4"}, {"BL18_L"}, {"GV14", "GV4"}, {"BL18_L", "BL23_R"}}};
+/// Standard deviation of that finger in each direction of the skin.
+inline constexpr double finger_error_mm = 3.0;
+/// Key of such a set among the scores: "GV14 and GV4".
+[[nodiscard]] std::string name_of(const std::vector<std::string>& palpated);
+
 /// One acupoint of one person found by one method.
 struct Finding {
   std::size_t person = 0;
@@ -43,10 +51,11 @@ struct Times {
 void add_findings(const body::LabelledBody& person, std::size_t index, const body::Mapping& found,
                   const std::vector<Acupoint>& marks, Score& score);
 
-/// Judges every method on one person, number `index`. `marks` are the places to be found: the
-/// truth, or what a therapist marked.
+/// Judges every method on one person, number `index`, and the points of the method surface that
+/// are left when others were palpated. `marks` are the places to be found: the truth, or what a
+/// therapist marked. The seed draws the errors of the finger.
 void judge(const body::LabelledBody& person, std::size_t index, const Result<Seen>& seen,
-           const body::Atlas& atlas, const std::vector<Acupoint>& marks,
+           const body::Atlas& atlas, const std::vector<Acupoint>& marks, std::uint64_t seed,
            std::map<std::string, Score>& scores, Times& times);
 
 /// The true points as a therapist would mark them: each off in the skin by a Gaussian whose

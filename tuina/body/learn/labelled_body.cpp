@@ -1,35 +1,102 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tuina/body/learn/labelled_body.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "tuina/core/io/file.hpp"
+#include "tuina/core/io/json_fault.hpp"
 #include "tuina/core/io/surface_file.hpp"
+#include "tuina/core/io/text_lines.hpp"
+#include "tuina/core/units.hpp"
 
 namespace tuina::body {
 namespace {
 
 using nlohmann::json;
 
-constexpr double max_landmark_m = 3.0;
+constexpr double max_span_m = 12.0;  // a body in centimetres spans 60 and more
+constexpr double max_off_skin_m = 30_mm;
+// The acromion and the waist of people lie up to 36 mm outside a surface cropped beside the back.
+constexpr double max_landmark_off_skin_m = 50_mm;
+constexpr double max_length_error = 0.1;  // of a unit normal
 
-Vector3 vector_of(const json& numbers) {
-  if (!numbers.is_array() || numbers.size() != 3) throw std::invalid_argument("[x, y, z] expected");
-  const Vector3 vector(numbers[0].get<double>(), numbers[1].get<double>(),
-                       numbers[2].get<double>());
-  if (!vector.allFinite()) throw std::invalid_argument("a coordinate is not finite");
+Vector3 vector_of(const json& numbers, const std::string& what) {
+  Vector3 vector = Vector3::Constant(std::nan(""));
+  if (numbers.is_array() && numbers.size() == 3) {
+    for (std::size_t k = 0; k < 3; ++k)
+      if (numbers[k].is_number()) vector[static_cast<Eigen::Index>(k)] = numbers[k].get<double>();
+  }
+  if (!vector.allFinite()) throw std::invalid_argument(what + " is not three finite numbers");
   return vector;
 }
 
 void add_acupoints(const json& object, std::vector<Acupoint>& acupoints) {
   for (const auto& [name, point] : object.items()) {
     acupoints.push_back({.name = name,
-                         .at_in_couch = vector_of(point.at("position")),
-                         .normal_in_couch = vector_of(point.at("normal")),
+                         .at_in_couch = vector_of(point.at("position"), name + ".position"),
+                         .normal_in_couch = vector_of(point.at("normal"), name + ".normal"),
                          .uncertainty_m = 0.0});
   }
+}
+
+/// Distances of labels from the skin, to half of the spacing of its samples.
+class SkinDistance {
+ public:
+  explicit SkinDistance(const Mesh& skin) : samples_(sample(skin, 5_mm)) {}
+  [[nodiscard]] double operator()(const Vector3& at) const {
+    double nearest2 = std::numeric_limits<double>::max();
+    for (const Vector3& p : samples_.points) nearest2 = std::min(nearest2, (p - at).squaredNorm());
+    return std::sqrt(nearest2);
+  }
+
+ private:
+  PointCloud samples_;
+};
+
+Result<void> check_label(const std::string& name, double off_m, double max_m,
+                         const std::string& file) {
+  if (off_m <= max_m) return {};
+  if (off_m > max_span_m) {
+    return fail(Fault::bad_input,
+                "{}: {} lies {:.0f} m off the skin: is it in millimetres? metres are needed", file,
+                name, off_m);
+  }
+  return fail(
+      Fault::bad_input,
+      "{}: {} lies {:.0f} mm off the skin, at most {:.0f} mm are right; metres in the frame "
+      "of the skin are needed",
+      file, name, to_mm(off_m), to_mm(max_m));
+}
+
+/// Labels lie on the skin, which is in metres, and normals have a length.
+Result<void> check_body(const LabelledBody& body, const std::string& ply, const std::string& file) {
+  Eigen::AlignedBox3d box;
+  for (const Vector3& p : body.skin_in_couch.vertices) box.extend(p);
+  if (const double span_m = box.sizes().maxCoeff(); span_m > max_span_m) {
+    return fail(Fault::bad_input,
+                "{}: the skin spans {:.0f} m, a person at most 2: is it in {}? metres are needed",
+                ply, span_m, span_m > 200.0 ? "millimetres" : "centimetres");
+  }
+  const SkinDistance off_skin(body.skin_in_couch);
+  for (const Acupoint& point : body.acupoints) {
+    const auto near = check_label(point.name, off_skin(point.at_in_couch), max_off_skin_m, file);
+    if (!near) return near;
+    const double length = point.normal_in_couch.norm();
+    if (std::abs(length - 1.0) > max_length_error) {
+      return fail(Fault::bad_input, "{}: the normal of {} has length {:.2f}, 1 is needed", file,
+                  point.name, length);
+    }
+  }
+  for (const Landmark& landmark : body.landmarks) {
+    const double off_m = off_skin(landmark.at_in_couch);
+    if (auto near = check_label(landmark.name, off_m, max_landmark_off_skin_m, file); !near)
+      return near;
+  }
+  return {};
 }
 
 }  // namespace
@@ -47,8 +114,8 @@ Result<LabelledBody> read_labelled_body(const std::filesystem::path& ply) {
     const json object = json::parse(*text);
     const auto position = object.at("position").get<std::string>();
     if (position != "sitting" && position != "prone") {
-      return fail(Fault::bad_input, "{}: position is '{}', sitting or prone is known",
-                  labels.string(), position);
+      return fail(Fault::bad_input, "{}: position is {}, sitting or prone is known",
+                  labels.string(), in_quotes(position));
     }
     body.position = position == "sitting" ? BodyPosture::sitting : BodyPosture::prone;
     body.body_type = object.value("body_type", "medium");
@@ -63,15 +130,14 @@ Result<LabelledBody> read_labelled_body(const std::filesystem::path& ply) {
       add_acupoints(object.at("more_acupoints"), body.acupoints);
     if (object.contains("landmarks")) {
       for (const auto& [name, place] : object.at("landmarks").items()) {
-        // A landmark may lie a little outside the cropped skin, but one far from it is wrong.
-        const Vector3 at = vector_of(place);
-        if (at.cwiseAbs().maxCoeff() < max_landmark_m) body.landmarks.push_back({name, at});
+        body.landmarks.push_back({name, vector_of(place, name)});
       }
     }
   } catch (const std::exception& fault) {
-    return fail(Fault::bad_input, "{}: not the labels of a body: {}", labels.string(),
-                fault.what());
+    return tl::unexpected(json_fault(fault, *text, labels.string(), "the labels of a body"));
   }
+  if (auto sound = check_body(body, ply.string(), labels.string()); !sound)
+    return tl::unexpected(sound.error());
   return body;
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tuina/core/io/text_lines.hpp"
 #include "tuina/core/random.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/scanner/triangulation.hpp"
@@ -16,7 +17,7 @@ constexpr int tries = 400;
 // Distance of the line from the plane at 1 m, growing with the square of the range, that a few
 // tenths of a pixel of corner and line noise cause before the joint fit.
 constexpr double in_plane_m = 5.0_mm;
-constexpr double tolerated_share = 0.1;  // share of outlier poses that are left out, with a remark
+constexpr double tolerated_share = 0.1;  // share of outlier poses; `lines_off` names them
 constexpr double nearest_camera_m = 15.0_mm;
 
 using Line = std::vector<LineOnBoard>;
@@ -188,14 +189,14 @@ Result<LightPlane> find_light_plane(const Views& views, const scanner::CameraMod
   }
   const LightPlane plane = agreed_on(lines);
 
-  std::vector<int> off;
-  std::vector<int> mirrored_poses;
+  std::vector<std::string> off;
+  std::vector<std::string> mirrored_poses;
   std::vector<std::string> swapped;
   for (std::size_t i = 0; i < lines.size(); ++i) {
     if (!views.views[i].laser_on || fits(plane, lines[i])) continue;
     const View& view = views.views[i];
     if (fits_mirrored(plane, views, i, camera, camera_from_board[i])) {
-      mirrored_poses.push_back(view.pose);
+      mirrored_poses.push_back(std::to_string(view.pose));
     }
     for (std::size_t k = 0; k < lines.size(); ++k) {
       // Line of this pose on the board of another: swapped pictures?
@@ -205,25 +206,25 @@ Result<LightPlane> find_light_plane(const Views& views, const scanner::CameraMod
         break;
       }
     }
-    if (lines[i].size() >= min_line_points) off.push_back(view.pose);
+    if (lines[i].size() >= min_line_points) off.push_back(std::to_string(view.pose));
   }
   if (!swapped.empty() && swapped.size() >= mirrored_poses.size()) {
     return fail(Fault::bad_input,
                 "laser pictures are swapped between poses: that of pose {} shows the line as "
                 "another board would have it; correct frames.csv",
-                fmt::join(swapped, ", "));
+                listed(swapped));
   }
   if (!mirrored_poses.empty()) {
     return fail(Fault::bad_input,
                 "some pictures are mirrored and some are not: the line in pose {} fits the others "
                 "only when left and right are exchanged; switch mirroring off in the camera",
-                fmt::join(mirrored_poses, ", "));
+                listed(mirrored_poses));
   }
   if (static_cast<double>(off.size()) > tolerated_share * static_cast<double>(lit)) {
     return fail(Fault::bad_input,
                 "in {} of {} poses ({}) the laser line does not lie in one plane with the others: "
                 "did board, laser or camera move between the two pictures of a pose?",
-                off.size(), lit, fmt::join(off, ", "));
+                off.size(), lit, listed(off));
   }
   if (std::abs(plane.distance_m) < nearest_camera_m) {
     return fail(Fault::bad_input,
@@ -232,6 +233,22 @@ Result<LightPlane> find_light_plane(const Views& views, const scanner::CameraMod
                 to_mm(std::abs(plane.distance_m)));
   }
   return plane;
+}
+
+std::vector<LineOff> lines_off(const LightPlane& plane, const Views& views,
+                               const scanner::CameraModel& camera,
+                               const std::vector<Transform>& camera_from_board) {
+  std::vector<LineOff> found;
+  for (std::size_t i = 0; i < views.views.size(); ++i) {
+    const Line line = line_on_board(views.views[i], views.board, camera, camera_from_board[i]);
+    if (line.size() < min_line_points || fits(plane, line)) continue;
+    std::vector<double> off;
+    for (const LineOnBoard& point : line) off.push_back(off_m(plane, point.at_in_camera));
+    std::nth_element(off.begin(), off.begin() + static_cast<std::ptrdiff_t>(off.size() / 2),
+                     off.end());
+    found.push_back({.view = i, .off_m = off[off.size() / 2]});
+  }
+  return found;
 }
 
 }  // namespace tuina::calibration

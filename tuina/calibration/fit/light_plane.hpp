@@ -39,4 +39,13 @@ struct LightPlane {
                                                   const scanner::CameraModel& camera,
                                                   const std::vector<Transform>& camera_from_board);
 
+/// A pose whose line does not lie in the light plane, as when it passes beside the board.
+struct LineOff {
+  std::size_t view = 0;
+  double off_m = 0.0;  ///< median distance of the line from the plane
+};
+[[nodiscard]] std::vector<LineOff> lines_off(const LightPlane& plane, const Views& views,
+                                             const scanner::CameraModel& camera,
+                                             const std::vector<Transform>& camera_from_board);
+
 }  // namespace tuina::calibration

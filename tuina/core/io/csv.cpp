@@ -37,7 +37,7 @@ Result<std::vector<std::size_t>> find_columns(std::string_view header, std::stri
     const auto found = std::find(names.begin(), names.end(), column);
     if (found == names.end()) {
       return fail(Fault::bad_input, "{}:1: no column `{}` in the header {}; needed: {}", name,
-                  column, in_quotes(header), fmt::join(wanted, ","));
+                  column, in_quotes(header), listed(wanted, ","));
     }
     places.push_back(static_cast<std::size_t>(found - names.begin()));
   }
@@ -54,7 +54,7 @@ Result<CsvTable> parse_csv(std::string_view text, std::string_view name,
   const auto header = lines.next();
   if (!header)
     return fail(Fault::bad_input, "{}: is empty; a header row with {} is needed", name,
-                fmt::join(wanted_columns, ","));
+                listed(wanted_columns, ","));
   const auto places = find_columns(*header, name, wanted_columns);
   if (!places) return tl::unexpected(places.error());
   const auto width = static_cast<std::size_t>(std::count(header->begin(), header->end(), ',')) + 1;

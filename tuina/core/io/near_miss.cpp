@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tuina/core/io/near_miss.hpp"
 
-#include <fmt/ranges.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <numeric>
 #include <utility>
+
+#include "tuina/core/io/text_lines.hpp"
 
 namespace tuina {
 
@@ -29,7 +31,7 @@ std::string suggestion(std::string_view given, const std::vector<std::string>& k
   if (nearest == known.end()) return "none is known";
   const std::size_t near_miss = 1 + nearest->size() / 3;
   if (edit_distance(*nearest, given) <= near_miss) return fmt::format("is `{}` meant?", *nearest);
-  return fmt::format("known: {}", fmt::join(known, ", "));
+  return fmt::format("known: {}", listed(known));
 }
 
 }  // namespace tuina

@@ -11,7 +11,7 @@ namespace tuina {
 [[nodiscard]] std::size_t edit_distance(std::string_view a, std::string_view b);
 
 /// Hint for an unknown word: "is `rate_hz` meant?" when a known word is close, else "known: ..."
-/// with all of them.
+/// with the first of them.
 [[nodiscard]] std::string suggestion(std::string_view given, const std::vector<std::string>& known);
 
 }  // namespace tuina

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tuina/core/io/surface_file.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cassert>
 #include <cmath>
@@ -149,7 +150,16 @@ void PointGatherer::add_triangle(std::array<int, 3> corners) {
   file_.triangles.push_back(corners);
 }
 
+bool PointGatherer::triangles_cover_the_points() const {
+  std::vector<bool> met(file_.cloud.size(), false);
+  for (const auto& corners : file_.triangles) {
+    for (const int corner : corners) met[static_cast<std::size_t>(corner)] = true;
+  }
+  return 2 * static_cast<std::size_t>(std::count(met.begin(), met.end(), true)) >= met.size();
+}
+
 SurfaceFile PointGatherer::take() {
+  if (!triangles_cover_the_points()) file_.triangles.clear();
   if (!normals_) file_.cloud.normals.clear();
   if (!amplitude_) file_.cloud.amplitude.clear();
   if (!deviation_) file_.cloud.deviation_m.clear();

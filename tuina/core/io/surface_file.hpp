@@ -11,7 +11,8 @@
 
 namespace tuina {
 
-/// Content of a cloud or mesh file; a cloud has no triangles.
+/// Content of a cloud or mesh file; a cloud has no triangles. Triangles that meet fewer than half
+/// of the points are left out: the points, not they, show the surface.
 struct SurfaceFile {
   PointCloud cloud;  ///< vertices, with the properties that tuina knows
   std::vector<std::array<int, 3>> triangles;

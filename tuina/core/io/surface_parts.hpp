@@ -59,6 +59,8 @@ class PointGatherer {
   [[nodiscard]] SurfaceFile take();
 
  private:
+  [[nodiscard]] bool triangles_cover_the_points() const;
+
   SurfaceFile file_;
   bool normals_ = false;
   bool amplitude_ = false;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tuina/core/io/text_lines.hpp"
 
+#include <fmt/format.h>
+
 namespace tuina {
 
 TextLines::TextLines(std::string_view text) : text_(text) {
@@ -31,6 +33,17 @@ std::string in_quotes(std::string_view text) {
   }
   if (text.size() > enough) shown += "...";
   return shown + '`';
+}
+
+std::string listed(const std::vector<std::string>& words, std::string_view between,
+                   std::size_t max_letters) {
+  std::string list;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    if (i > 0 && list.size() + words[i].size() > max_letters)
+      return fmt::format("{}{}and {} more", list, between, words.size() - i);
+    list += i > 0 ? fmt::format("{}{}", between, words[i]) : words[i];
+  }
+  return list;
 }
 
 }  // namespace tuina

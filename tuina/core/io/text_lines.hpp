@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace tuina {
 
@@ -42,9 +43,11 @@ class TextLines {
   return word;
 }
 
-/// Parses the whole word as a number in the C locale. Floating types accept "nan" and "inf".
+/// Parses the whole word as a number in the C locale, with or without a sign. Floating types accept
+/// "nan" and "inf".
 template <typename Number>
 [[nodiscard]] std::optional<Number> to_number(std::string_view word) {
+  if (word.starts_with('+') && !word.starts_with("+-")) word.remove_prefix(1);
   Number value{};
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
   if (error != std::errc{} || end != word.data() + word.size()) return std::nullopt;
@@ -56,5 +59,9 @@ template <typename Number>
 
 /// Quotes a piece of a user's file in an error: shortened, printable letters only.
 [[nodiscard]] std::string in_quotes(std::string_view text);
+
+/// Joins words of an error. Words beyond `max_letters` are only counted: "GV4, BL47_L, and 9 more".
+[[nodiscard]] std::string listed(const std::vector<std::string>& words,
+                                 std::string_view between = ", ", std::size_t max_letters = 150);
 
 }  // namespace tuina

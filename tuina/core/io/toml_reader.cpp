@@ -9,15 +9,37 @@
 #include <sstream>
 
 #include "tuina/core/io/near_miss.hpp"
+#include "tuina/core/io/text_lines.hpp"
 
 namespace tuina {
 namespace {
 
+std::string shortened(const std::string& value) {
+  constexpr std::size_t max_letters = 40;
+  return value.size() > max_letters ? value.substr(0, max_letters) + "..." : value;
+}
+
 /// " = value"; empty for lists and tables, which may be long.
 std::string shown(const toml::node& node) {
   std::ostringstream text;
-  if (node.is_value()) node.visit([&](const auto& value) { text << " = " << value; });
-  return text.str();
+  if (node.is_value()) node.visit([&](const auto& value) { text << value; });
+  const std::string value = text.str();
+  return value.empty() ? value : " = " + shortened(value);
+}
+
+/// What is wrong with text that is no TOML, in words for people, and what a line may be.
+std::string no_toml(const toml::parse_error& error, std::string_view text) {
+  if (error.description().find("redefine") != std::string_view::npos)
+    return "this key or section stands there twice";
+  TextLines lines(text);
+  std::string_view line;
+  while (lines.number() < error.source().begin.line) {
+    const auto next = lines.next();
+    if (!next) break;
+    line = *next;
+  }
+  return fmt::format("{} is not TOML; `key = value`, `[section]` or `# comment` is needed",
+                     in_quotes(line));
 }
 
 std::optional<double> number_in(const toml::node& node) {
@@ -85,8 +107,7 @@ void TomlTable::only(const Words& known, const Words& needed, std::string_view w
     if (!has(key)) missing.push_back(path_ + key);
   }
   if (!missing.empty()) {
-    reject("", fmt::format("{} {} missing", fmt::join(missing, ", "),
-                           missing.size() == 1 ? "is" : "are"));
+    reject("", fmt::format("{} {} missing", listed(missing), missing.size() == 1 ? "is" : "are"));
   }
   Words all = known;
   all.insert(all.end(), needed.begin(), needed.end());
@@ -141,7 +162,7 @@ std::optional<std::size_t> TomlTable::word(std::string_view key, const Words& wo
   if (!given) return std::nullopt;
   const auto found = std::find(words.begin(), words.end(), *given);
   if (found != words.end()) return static_cast<std::size_t>(found - words.begin());
-  reject(key, fmt::format("{}{} = \"{}\" is unknown; {}", path_, key, *given,
+  reject(key, fmt::format("{}{} = \"{}\" is unknown; {}", path_, key, shortened(*given),
                           suggestion(*given, words)));
   return std::nullopt;
 }
@@ -195,8 +216,8 @@ Result<void> read_toml(std::string_view text, std::string_view name, Fault fault
     const toml::table root = toml::parse(text, name);
     read(TomlTable(root, "", faults));
   } catch (const toml::parse_error& error) {
-    if (fault == Fault::usage) return fail(fault, "{}: {}", name, error.description());
-    return fail(fault, "{}:{}: {}", name, error.source().begin.line, error.description());
+    if (fault == Fault::usage) return fail(fault, "{}: {}", name, no_toml(error, text));
+    return fail(fault, "{}:{}: {}", name, error.source().begin.line, no_toml(error, text));
   }
   if (!faults.all.empty()) return fail(fault, "{}", fmt::join(faults.all, "\n"));
   return {};

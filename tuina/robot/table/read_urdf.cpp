@@ -4,10 +4,11 @@
 #include <tinyxml2.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <optional>
 #include <vector>
+
+#include "tuina/core/io/text_lines.hpp"
 
 namespace tuina::robot {
 namespace {
@@ -30,24 +31,21 @@ struct Reader {
   std::vector<double> numbers(const XMLElement& at, const char* key, std::size_t count) {
     const char* text = at.Attribute(key);
     std::vector<double> all;
-    std::string_view rest = text != nullptr ? text : "";
-    for (;;) {
-      const auto begin = rest.find_first_not_of(" \t\n\r");
-      if (begin == std::string_view::npos) break;
-      rest.remove_prefix(begin);
-      if (rest.starts_with('+')) rest.remove_prefix(1);
-      double value = 0.0;
-      const auto [end, problem] = std::from_chars(rest.data(), rest.data() + rest.size(), value);
-      if (problem != std::errc{} || !(std::abs(value) < 1e6)) {
+    std::string spaced = text != nullptr ? text : "";
+    std::replace_if(
+        spaced.begin(), spaced.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
+    std::string_view rest = spaced;
+    for (auto word = take_word(rest); !word.empty(); word = take_word(rest)) {
+      const auto value = to_number<double>(word);
+      if (!value || !(std::abs(*value) < 1e6)) {
         all.clear();
         break;
       }
-      all.push_back(value);
-      rest.remove_prefix(static_cast<std::size_t>(end - rest.data()));
+      all.push_back(*value);
     }
     if (all.size() != count) {
-      reject(at, "{} = \"{}\" is not {} number{} below a million", key, text != nullptr ? text : "",
-             count, count == 1 ? "" : "s");
+      reject(at, "{} = \"{}\" is not {} number{} below a million", key, spaced, count,
+             count == 1 ? "" : "s");
       all.assign(count, 0.0);
     }
     return all;

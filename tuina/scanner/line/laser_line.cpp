@@ -11,6 +11,7 @@
 
 #include "tuina/scanner/line/clear_lines.hpp"
 #include "tuina/scanner/line/line_candidates.hpp"
+#include "tuina/scanner/line/line_continuity.hpp"
 #include "tuina/scanner/line/line_fit.hpp"
 #include "tuina/scanner/line/line_kernel.hpp"
 
@@ -19,11 +20,16 @@ namespace {
 
 // Maximum width of a clipped line: this and eight line widths.
 constexpr float max_plateau_px = 16.0F;
+// Least share of the range above a dark pixel at which a clipped one tells of a line.
+constexpr float min_room = 0.25F;
+// Of the rows with a line, the share that may show several: more are the texture of a lit scene.
+constexpr float max_unclear_share = 0.25F;
 // Number of rows that suffices to estimate noise and line width.
 constexpr int sampled_rows = 20;
 
 // Rows of an image as samples: unchanged, or as float after subtracting a dark frame or for 16
-// bits. Clipped pixels keep the saturation value.
+// bits. Clipped pixels keep the saturation value, unless the dark frame is nearly clipped there
+// itself: then they say nothing of a line.
 template <typename Pixel>
 class Rows {
  public:
@@ -41,11 +47,19 @@ class Rows {
       return image_.row(y);
     } else {
       const Pixel* pixels = image_.row(y);
-      const Pixel* off = dark_.data != nullptr ? dark_.row(y) : nullptr;
+      if (dark_.data == nullptr) {
+        std::transform(pixels, pixels + image_.width, row_.begin(), [&](Pixel value) {
+          return std::min(static_cast<float>(value), saturated_);
+        });
+        return row_.data();
+      }
+      const Pixel* off = dark_.row(y);
+      const float max_dark = (1.0F - min_room) * saturated_;
       for (int x = 0; x < image_.width; ++x) {
         const auto value = static_cast<float>(pixels[x]);
-        const float less = off != nullptr ? static_cast<float>(off[x]) : 0.0F;
-        row_[static_cast<std::size_t>(x)] = value >= saturated_ ? saturated_ : value - less;
+        const auto less = static_cast<float>(off[x]);
+        const bool clipped = (value >= saturated_) & (less <= max_dark);
+        row_[static_cast<std::size_t>(x)] = clipped ? saturated_ : value - less;
       }
       return row_.data();
     }
@@ -225,6 +239,9 @@ LaserLine find_in(Rows<Pixel>& rows, int height, const LineScene& scene,
 
   for (const CandidateRow& row : unclear) line.ambiguous_rows += row.candidates.size() > 1 ? 1 : 0;
   choose_by_continuity(line.points, unclear);
+  if (static_cast<float>(unclear.size()) >
+      max_unclear_share * static_cast<float>(unclear.size() + line.points.size()))
+    keep_what_continues(line.points, unclear, height);
   for (const CandidateRow& row : unclear) {
     const auto* samples = rows.template samples<Sample>(row.y);
     if (const auto point = measure(samples, row.y, row.candidates.front(), kernel, scene)) {

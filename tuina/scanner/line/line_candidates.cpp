@@ -61,8 +61,9 @@ Sample smallest(const Sample* samples, int count) {
   return least;
 }
 
+/// Height of each pixel's surroundings, as wide as the line, above both sides.
 template <typename Sample>
-std::vector<Candidate> ridges(const Sample* row, const LineScene& scene) {
+std::vector<float> ridge_heights(const Sample* row, const LineScene& scene, int core) {
   const int first = scene.first_column;
   const int count = scene.last_column - first + 1;
   // Clamps each pixel to its brighter neighbour plus noise: removes hot pixels, keeps lines.
@@ -81,20 +82,45 @@ std::vector<Candidate> ridges(const Sample* row, const LineScene& scene) {
     return (sums[static_cast<std::size_t>(to) + 1] - sums[static_cast<std::size_t>(from)]) /
            static_cast<float>(to - from + 1);
   };
-  const int core = std::max(1, static_cast<int>(std::lround(scene.width_px)));
   const int side = scene.beside_px;
   std::vector<float> ridge(static_cast<std::size_t>(count), 0.0F);
-  for (int i = 0; i < count; ++i) {
+  const auto ridge_near_border = [&](int i) {
     const float left = i - side >= 0 ? mean(i - side - 2 * core, i - side) : -1e9F;
     const float right = i + side < count ? mean(i + side, i + side + 2 * core) : -1e9F;
-    ridge[static_cast<std::size_t>(i)] = mean(i - core, i + core) - std::max(left, right);
+    return mean(i - core, i + core) - std::max(left, right);
+  };
+  const int border = std::min(count, side + 2 * core);
+  for (int i = 0; i < border; ++i) ridge[static_cast<std::size_t>(i)] = ridge_near_border(i);
+  // Away from the borders no mean is cut short, so that the compiler can vectorise.
+  const auto width = static_cast<float>(2 * core + 1);
+  const float* sum = sums.data();
+  for (int i = border; i < count - border; ++i) {
+    const float left = (sum[i - side + 1] - sum[i - side - 2 * core]) / width;
+    const float right = (sum[i + side + 2 * core + 1] - sum[i + side]) / width;
+    const float middle = (sum[i + core + 1] - sum[i - core]) / width;
+    ridge[static_cast<std::size_t>(i)] = middle - (left > right ? left : right);
   }
+  for (int i = std::max(border, count - border); i < count; ++i)
+    ridge[static_cast<std::size_t>(i)] = ridge_near_border(i);
+  return ridge;
+}
+
+template <typename Sample>
+std::vector<Candidate> ridges(const Sample* row, const LineScene& scene) {
+  const int first = scene.first_column;
+  const int count = scene.last_column - first + 1;
+  const int core = std::max(1, static_cast<int>(std::lround(scene.width_px)));
+  const int side = scene.beside_px;
+  const std::vector<float> ridge = ridge_heights(row, scene, core);
   const float level = min_snr * scene.noise_dn * std::sqrt(2.0F / static_cast<float>(2 * core + 1));
   std::vector<Candidate> found;
   const int apart = side / 2 + 1;
   for (int i = 0; i < count; ++i) {
     const float here = ridge[static_cast<std::size_t>(i)];
     if (here < level) continue;
+    // Most places have a higher neighbour, which spares the search below.
+    if (i > 0 && ridge[static_cast<std::size_t>(i) - 1] >= here) continue;
+    if (i + 1 < count && ridge[static_cast<std::size_t>(i) + 1] > here) continue;
     const int from = std::max(0, i - apart);
     const int to = std::min(count - 1, i + apart);
     const auto best = std::max_element(ridge.begin() + from, ridge.begin() + to + 1);
@@ -215,60 +241,6 @@ std::vector<Candidate> find_candidates(const std::uint8_t* row, const LineScene&
 
 std::vector<Candidate> find_candidates(const float* row, const LineScene& scene) {
   return ridges(row, scene);
-}
-
-void choose_by_continuity(const std::vector<LinePoint>& clear, std::vector<CandidateRow>& unclear) {
-  // Viterbi: the cheapest path through all rows. A lateral step costs up to 2, the dimmer of two
-  // lines up to 0.1 per row, so that a reflection wins only if brighter over a large part of the
-  // image.
-  struct Stage {
-    int y;
-    std::vector<Candidate> candidates;
-    std::vector<float> cost;
-    std::vector<int> from;
-    CandidateRow* row;
-  };
-  std::vector<Stage> stages;
-  stages.reserve(clear.size() + unclear.size());
-  for (const LinePoint& point : clear) {
-    stages.push_back({point.row, {{point.column_px, point.amplitude_dn}}, {}, {}, nullptr});
-  }
-  for (CandidateRow& row : unclear) stages.push_back({row.y, row.candidates, {}, {}, &row});
-  std::sort(stages.begin(), stages.end(), [](const Stage& a, const Stage& b) { return a.y < b.y; });
-
-  for (std::size_t s = 0; s < stages.size(); ++s) {
-    Stage& stage = stages[s];
-    const float best = stage.candidates.front().height_dn;
-    for (const Candidate& candidate : stage.candidates) {
-      float cheapest = 0.0F;
-      int from = -1;
-      if (s > 0) {
-        const Stage& before = stages[s - 1];
-        const float reach = 2.0F + 1.5F * static_cast<float>(stage.y - before.y);
-        for (std::size_t k = 0; k < before.candidates.size(); ++k) {
-          const float aside =
-              std::abs(candidate.column_px - before.candidates[k].column_px) / reach;
-          const float cost = before.cost[k] + std::min(2.0F, aside);
-          if (from < 0 || cost < cheapest) {
-            cheapest = cost;
-            from = static_cast<int>(k);
-          }
-        }
-      }
-      stage.cost.push_back(cheapest + 0.1F * (1.0F - candidate.height_dn / best));
-      stage.from.push_back(from);
-    }
-  }
-  if (stages.empty()) return;
-  const auto& ends = stages.back().cost;
-  auto chosen = static_cast<int>(std::min_element(ends.begin(), ends.end()) - ends.begin());
-  for (auto stage = stages.rbegin(); stage != stages.rend(); ++stage) {
-    if (stage->row != nullptr) {
-      std::swap(stage->row->candidates.front(),
-                stage->row->candidates[static_cast<std::size_t>(chosen)]);
-    }
-    chosen = stage->from[static_cast<std::size_t>(chosen)];
-  }
 }
 
 }  // namespace tuina::scanner

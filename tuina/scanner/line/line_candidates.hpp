@@ -65,7 +65,4 @@ struct CandidateRow {
                                                      const LineScene& scene);
 [[nodiscard]] std::vector<Candidate> find_candidates(const float* row, const LineScene& scene);
 
-/// Moves the candidate that best continues the line to the front of each unclear row.
-void choose_by_continuity(const std::vector<LinePoint>& clear, std::vector<CandidateRow>& unclear);
-
 }  // namespace tuina::scanner

@@ -71,19 +71,16 @@ std::optional<LinePoint> fit(const Sample* row, float column_px, const LineScene
     for (const int x : used) {
       const double u = (x - x0) / width;
       const double g = std::exp(-0.5 * u * u);
-      const double slope[4] = {g, amplitude * g * u / width, 1.0, amplitude * g * u * u / width};
+      const Eigen::Vector4d slope(g, amplitude * g * u / width, 1.0, amplitude * g * u * u / width);
       const double error = static_cast<double>(row[x]) - amplitude * g - background;
-      for (int i = 0; i < 4; ++i) {
-        rhs(i) += slope[i] * error;
-        for (int j = 0; j <= i; ++j) normal(i, j) += slope[i] * slope[j];
-      }
+      rhs += slope * error;
+      normal += slope * slope.transpose();
     }
     // The flanks of a clipped line hardly separate height from width; a prior of the usual width
     // within a third keeps the fit plausible.
     const double trust = noise2 / std::pow(0.33 * static_cast<double>(scene.width_px), 2);
     normal(3, 3) += trust;
     rhs(3) += trust * (static_cast<double>(scene.width_px) - width);
-    // Only the lower half of `normal` is set; the factorisation reads no other.
     const Eigen::Vector4d move = normal.ldlt().solve(rhs);
     if (!move.allFinite()) return {};
     amplitude = std::clamp(amplitude + move(0), 0.5 * amplitude, 2.0 * amplitude);

@@ -2,10 +2,13 @@
 #include "tuina/sim/person/person.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "tuina/core/io/file.hpp"
+#include "tuina/core/io/json_fault.hpp"
 #include "tuina/core/io/surface_file.hpp"
+#include "tuina/core/io/text_lines.hpp"
 #include "tuina/sim/person/phantom.hpp"
 
 namespace tuina::sim {
@@ -13,12 +16,13 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Vector3 vector_in(const Json& numbers) {
-  if (!numbers.is_array() || numbers.size() != 3)
-    throw std::invalid_argument("three numbers needed");
-  const Vector3 vector(numbers[0].get<double>(), numbers[1].get<double>(),
-                       numbers[2].get<double>());
-  if (!vector.allFinite()) throw std::invalid_argument("finite numbers needed");
+Vector3 vector_in(const Json& numbers, const std::string& what) {
+  Vector3 vector = Vector3::Constant(std::nan(""));
+  if (numbers.is_array() && numbers.size() == 3) {
+    for (std::size_t k = 0; k < 3; ++k)
+      if (numbers[k].is_number()) vector[static_cast<Eigen::Index>(k)] = numbers[k].get<double>();
+  }
+  if (!vector.allFinite()) throw std::invalid_argument(what + " is not three finite numbers");
   return vector;
 }
 
@@ -29,9 +33,10 @@ Json json_of(const Vector3& vector) {
 
 void add_acupoints(const Json& table, std::vector<Acupoint>& acupoints) {
   for (const auto& [name, entry] : table.items()) {
-    acupoints.push_back({.name = name,
-                         .at_in_couch = vector_in(entry.at("position")),
-                         .normal_in_couch = vector_in(entry.at("normal")).normalized()});
+    acupoints.push_back(
+        {.name = name,
+         .at_in_couch = vector_in(entry.at("position"), name + ".position"),
+         .normal_in_couch = vector_in(entry.at("normal"), name + ".normal").normalized()});
   }
 }
 
@@ -40,7 +45,7 @@ Name named(const Json& text, std::initializer_list<Name> choices) {
   for (const Name choice : choices) {
     if (text.get<std::string>() == name_of(choice)) return choice;
   }
-  throw std::invalid_argument("\"" + text.get<std::string>() + "\" is not known");
+  throw std::invalid_argument(in_quotes(text.get<std::string>()) + " is not known");
 }
 
 /// Throws exceptions of nlohmann::json and std::invalid_argument; `load_person` converts them to an
@@ -54,7 +59,7 @@ void read_truth(const Json& truth, Person& person) {
   person.bmi = truth.value("bmi", 0.0);
   person.three_cun_m = truth.value("three_cun_m", 0.0);
   for (const auto& [name, at] : truth.at("landmarks").items()) {
-    person.landmarks.push_back({.name = name, .at_in_couch = vector_in(at)});
+    person.landmarks.push_back({.name = name, .at_in_couch = vector_in(at, name)});
   }
   add_acupoints(truth.at("acupoints"), person.acupoints);
   if (truth.contains("more_acupoints")) add_acupoints(truth["more_acupoints"], person.acupoints);
@@ -80,7 +85,8 @@ Result<Person> load_person(const std::filesystem::path& ply) {
   if (!surface) return tl::unexpected(surface.error());
   if (surface->triangles.empty()) {
     return fail(Fault::bad_input,
-                "{}: a person needs a surface of triangles, this file has only points",
+                "{}: a person needs a surface of triangles, this file has only points or triangles "
+                "between fewer than half of them",
                 ply.string());
   }
   const auto truth_path = std::filesystem::path(ply).replace_extension(".json");
@@ -93,8 +99,8 @@ Result<Person> load_person(const std::filesystem::path& ply) {
   person.name = ply.stem().string();
   try {
     read_truth(Json::parse(*text), person);
-  } catch (const std::exception& problem) {
-    return fail(Fault::bad_input, "{}: {}", truth_path.string(), problem.what());
+  } catch (const std::exception& fault) {
+    return tl::unexpected(json_fault(fault, *text, truth_path.string(), "the labels of a body"));
   }
   person.skin_in_couch = {.vertices = std::move(surface->cloud.points),
                           .triangles = std::move(surface->triangles)};

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tuina/body/learn/labelled_body.hpp"
+
+#include <doctest/doctest.h>
+
+#include <filesystem>
+#include <string>
+
+#include "apps/simulated/labelled_phantom.hpp"
+#include "tests/folder.hpp"
+#include "tests/reason.hpp"
+#include "tuina/body/atlas.hpp"
+#include "tuina/core/units.hpp"
+
+namespace tuina::body {
+namespace {
+
+LabelledBody anna() {
+  LabelledBody body = app::labelled(sim::make_phantom(sim::draw_phantom(5), BodyPosture::sitting));
+  body.id = "anna";
+  return body;
+}
+
+/// Why the body is refused when it is read from files.
+std::string refusal(const LabelledBody& body) {
+  const test::Folder folder;
+  const std::filesystem::path ply = folder / "anna.ply";
+  REQUIRE(write_labelled_body(body, ply));
+  return test::reason(read_labelled_body(ply));
+}
+
+bool says(const std::string& message, std::string_view words) {
+  INFO(message);
+  return message.find(words) != std::string::npos;
+}
+
+}  // namespace
+
+TEST_CASE("a labelled body is read as it was written") {
+  CHECK(refusal(anna()).empty());
+}
+
+TEST_CASE("a label off the skin is refused with its distance") {
+  LabelledBody body = anna();
+  body.acupoints[6].at_in_couch.y() += 80_mm;
+  CHECK(says(refusal(body), "anna.json: GV4 lies "));
+  CHECK(says(refusal(body), "mm off the skin, at most 30 mm are right"));
+  body = anna();
+  body.landmarks.front().at_in_couch *= 1e3;
+  CHECK(says(refusal(body), "is it in millimetres? metres are needed"));
+}
+
+TEST_CASE("a body in millimetres and a normal of no length are refused") {
+  LabelledBody body = anna();
+  for (Vector3& p : body.skin_in_couch.vertices) p *= 1e3;
+  CHECK(says(refusal(body), "anna.ply: the skin spans "));
+  CHECK(says(refusal(body), "is it in millimetres? metres are needed"));
+  body = anna();
+  body.acupoints[2].normal_in_couch.setZero();
+  CHECK(says(refusal(body), "anna.json: the normal of BL47_L has length 0.00, 1 is needed"));
+}
+
+TEST_CASE("bodies with different labels are not learned from together") {
+  LabelledBody other = anna();
+  other.id = "ben";
+  const std::string name = other.acupoints.back().name;
+  other.acupoints.pop_back();
+  for (const auto& pair : {std::vector{anna(), other}, std::vector{other, anna()}}) {
+    const std::string message = test::reason(learn_atlas(pair, nullptr, {}, nullptr));
+    CHECK(says(message, "ben lacks " + name + ", which anna has"));
+  }
+}
+
+}  // namespace tuina::body
