@@ -15,7 +15,9 @@ namespace {
 constexpr double untared_sd_n = 0.3;     // offset of a sensor never seen in free air
 constexpr double tare_sd_n = 0.02;       // drift of the offset since the tare
 constexpr double drift_n = 0.02;         // random walk of the offset in a second
-constexpr double sensor_floor_n = 0.04;  // hysteresis and crosstalk stay when noise is averaged
+constexpr double sensor_floor_n = 0.06;  // hysteresis and crosstalk stay when noise is averaged
+constexpr double kept_evidence = 0.7;    // from press to press: people change
+constexpr double thinner_share = 0.5;    // of the differences in alpha between places, for beta
 constexpr double change_s = 1.5;         // a tensed muscle lets go within seconds
 constexpr double max_step = 0.5, min_step = 0.05;  // of logarithms
 constexpr double robust_limit = 4.0;               // Huber threshold, in standard deviations
@@ -136,8 +138,12 @@ CreepFilter::Expected CreepFilter::expect(const Belief& belief, const State& at,
 
 void CreepFilter::fuse(Belief& belief, const PressSegment& segment) const noexcept {
   predict(belief, segment.time_s);
-  if (segment.press != belief.press)
+  if (segment.press != belief.press) {
     belief.covariance(skin, skin) += square(hypothesis_.landing_sd_m);
+    belief.covariance(log_alpha, log_alpha) += square(hypothesis_.landing_sd);
+    belief.covariance(log_beta, log_beta) += square(thinner_share * hypothesis_.landing_sd);
+    belief.log_evidence *= kept_evidence;
+  }
   belief.press = segment.press;
   const double force_variance = square(options_.force_noise_n) / segment.samples;
   if (!segment.contact) {

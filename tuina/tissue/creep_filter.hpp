@@ -14,8 +14,9 @@ struct CreepHypothesis {
   double creep = 0.0;           ///< expected j of each memory; 0: the tissue is elastic
   double breathing_m = 0.0;     ///< peak-to-peak motion of the skin
   double first_press_sd = 0.0;  ///< by which ln alpha differs in the first press
-  double landing_sd_m = 0.0;    ///< by which the skin is elsewhere at each new contact
-  double changing_sd = 0.0;     ///< of ln alpha within seconds: a person tenses, the tool slips
+  /// Each new contact may be at another place: the skin moves, ln alpha differs by it.
+  double landing_sd_m = 0.0, landing_sd = 0.0;
+  double changing_sd = 0.0;  ///< of ln alpha within seconds: a person tenses, the tool slips
 };
 
 /// Gauss-Newton on the creep law with breath, skin and the zero of the force integrated out: a
@@ -69,6 +70,8 @@ class CreepFilter {
   [[nodiscard]] bool moved() const noexcept;
 
   [[nodiscard]] const Belief& now() const noexcept { return now_; }
+  /// Where the last pass was linearised.
+  [[nodiscard]] const State& at() const noexcept { return at_; }
   /// The belief after one more segment.
   void fuse(Belief& belief, const PressSegment& segment) const noexcept;
   /// The belief at a later time without a new segment.

@@ -114,7 +114,7 @@ void CreepEstimator::judge_press() noexcept {
     square_m2 += onset_.weights[i] * (square(apart_m) + told.variance_m2);
   }
   const double surprise = square(error_m) / (square_m2 - square(error_m));
-  as_told_ = surprise <= square(converged_surprise * widening());
+  as_told_ = surprise <= square(converged_surprise * std::max(1.0, widening()));
   surprise_ = forgotten_per_press * surprise_ + surprise;
   judged_ = forgotten_per_press * judged_ + 1.0;
   decide_convergence();
@@ -141,10 +141,11 @@ double CreepEstimator::next_half_width() const noexcept {
   for (std::size_t i = 0; i < filters; ++i) {
     CreepFilter::Belief belief = filters_[i].now();
     filters_[i].predict(belief, onset.time_s);
-    onset.position_m = CreepFilter::expect(belief, belief.mean, false, light).position_m;
+    onset.position_m = CreepFilter::expect(belief, filters_[i].at(), false, light).position_m;
     filters_[i].fuse(belief, onset);
     filters_[i].predict(belief, onset.time_s + rise_s_);
-    const CreepFilter::Expected told = CreepFilter::expect(belief, belief.mean, false, strongest);
+    const CreepFilter::Expected told =
+        CreepFilter::expect(belief, filters_[i].at(), false, strongest);
     const double deep_m = told.position_m - onset.position_m;
     mean_m += weights_[i] * deep_m;
     square_m2 += weights_[i] * (square(deep_m) + told.variance_m2);

@@ -25,21 +25,23 @@ Run run_one(const sim::WorldPresses& presses) {
   tissue::CreepEstimator estimator;
   tissue::PressEstimator tangent;
   Run run;
-  std::size_t onset = 0;
-  const auto& record = presses.record;
-  for (; onset < record.size(); ++onset) {
-    if (onset == presses.last_press) run.converged = estimator.estimate().converged;
-    estimator.update(record[onset].time_s, record[onset].press);
-    tangent.update(record[onset].time_s, record[onset].press);
-    if (onset > presses.last_press && record[onset].press.force_n >= onset_n) break;
-  }
-  const auto stronger = [](const tissue::TimedPress& a, const tissue::TimedPress& b) {
+  const auto& [record, truth, last_press] = presses;
+  const auto weaker = [](const tissue::TimedPress& a, const tissue::TimedPress& b) {
     return a.press.force_n < b.press.force_n;
   };
-  const auto& truth = presses.truth;
-  const auto peak = static_cast<std::size_t>(
-      std::max_element(truth.begin() + static_cast<long>(onset), truth.end(), stronger) -
-      truth.begin());
+  const auto last = truth.begin() + static_cast<long>(last_press);
+  const auto peak_at = std::max_element(last, truth.end(), weaker);
+  const auto peak = static_cast<std::size_t>(peak_at - truth.begin());
+  // Where presses follow without pause the last one begins at the lowest force.
+  const auto begin =
+      static_cast<std::size_t>(std::min_element(last, peak_at, weaker) - truth.begin());
+  std::size_t onset = 0;
+  for (; onset < peak; ++onset) {
+    if (onset == last_press) run.converged = estimator.estimate().converged;
+    estimator.update(record[onset].time_s, record[onset].press);
+    tangent.update(record[onset].time_s, record[onset].press);
+    if (onset > begin && record[onset].press.force_n >= onset_n) break;
+  }
   estimator.settle();
   auto outlook = estimator.outlook();
   tissue::CreepEstimator::ForceBand told;
