@@ -16,7 +16,7 @@ constexpr double untared_sd_n = 0.3;     // offset of a sensor never seen in fre
 constexpr double tare_sd_n = 0.02;       // drift of the offset since the tare
 constexpr double drift_n = 0.02;         // random walk of the offset in a second
 constexpr double sensor_floor_n = 0.06;  // hysteresis and crosstalk stay when noise is averaged
-constexpr double kept_evidence = 0.7;    // from press to press: people change
+constexpr double kept_evidence = 0.6;    // from press to press: people change
 constexpr double thinner_share = 0.5;    // of the differences in alpha between places, for beta
 constexpr double change_s = 1.5;         // a tensed muscle lets go within seconds
 constexpr double max_step = 0.5, min_step = 0.05;  // of logarithms

@@ -22,6 +22,33 @@ constexpr double square(double x) {
   return x * x;
 }
 
+using Bands = std::array<CreepEstimator::ForceBand, CreepEstimator::filters>;
+
+/// The force below which a share of what the filters expect lies, each with a normal distribution
+/// of two halves: a band is wider towards the pole of the law.
+double quantile(const Bands& told, const std::array<double, CreepEstimator::filters>& weights,
+                double share) noexcept {
+  double low_n = told[0].low_n, high_n = told[0].high_n;
+  for (const auto& band : told) {
+    low_n = std::min(low_n, 2.0 * band.low_n - band.force_n);
+    high_n = std::max(high_n, 2.0 * band.high_n - band.force_n);
+  }
+  constexpr int halvings = 30;
+  for (int k = 0; k < halvings; ++k) {
+    const double force_n = 0.5 * (low_n + high_n);
+    double below = 0.0;
+    for (std::size_t i = 0; i < told.size(); ++i) {
+      const auto& band = told[i];
+      const double apart_n = force_n - band.force_n;
+      const double half_n = apart_n > 0.0 ? band.high_n - band.force_n : band.force_n - band.low_n;
+      below +=
+          weights[i] * 0.5 * std::erfc(-z95 * std::sqrt(0.5) * apart_n / std::max(half_n, 1e-6));
+    }
+    (below < share ? low_n : high_n) = force_n;
+  }
+  return 0.5 * (low_n + high_n);
+}
+
 }  // namespace
 
 CreepEstimator::Outlook CreepEstimator::outlook() const noexcept {
@@ -42,8 +69,7 @@ CreepEstimator::ForceBand CreepEstimator::foretell(Outlook& outlook, double time
                                                    double speed_m_per_s) const noexcept {
   const double dt_s = std::max(0.0, time_s - outlook.time_s);
   outlook.time_s = time_s;
-  std::array<ForceBand, filters> told;
-  ForceBand mean;
+  Bands told;
   for (std::size_t i = 0; i < filters; ++i) {
     CreepFilter::Belief& belief = outlook.beliefs[i];
     filters_[i].predict(belief, time_s);
@@ -65,22 +91,17 @@ CreepEstimator::ForceBand CreepEstimator::foretell(Outlook& outlook, double time
     for (std::size_t k = 0; k < memory_s.size(); ++k)
       memory_n[k] = band.force_n + std::exp(-dt_s / memory_s[k]) * (memory_n[k] - band.force_n);
     const double zero_n = segments_.tare_n() + belief.mean(CreepFilter::offset);
-    mean.force_n += outlook.weights[i] * (band.force_n + zero_n);
     band.force_n += zero_n;
     band.low_n += zero_n;
     band.high_n += zero_n;
   }
-  // The filters disagree, too.
-  double below = 0.0, above = 0.0;
-  for (std::size_t i = 0; i < filters; ++i) {
-    const double apart = square(z95 * (told[i].force_n - mean.force_n));
-    below += outlook.weights[i] * (square(told[i].force_n - told[i].low_n) + apart);
-    above += outlook.weights[i] * (square(told[i].high_n - told[i].force_n) + apart);
-  }
-  const double noise = square(z95 * options_.force_noise_n);
-  mean.low_n = mean.force_n - std::sqrt(below + noise);
-  mean.high_n = mean.force_n + std::sqrt(above + noise);
-  return mean;
+  ForceBand band{.force_n = quantile(told, outlook.weights, 0.5),
+                 .low_n = quantile(told, outlook.weights, 0.025),
+                 .high_n = quantile(told, outlook.weights, 0.975)};
+  const double noise_n = z95 * options_.force_noise_n;
+  band.low_n = band.force_n - std::hypot(band.force_n - band.low_n, noise_n);
+  band.high_n = band.force_n + std::hypot(band.high_n - band.force_n, noise_n);
+  return band;
 }
 
 void CreepEstimator::watch_press(const PressSegment& segment) noexcept {

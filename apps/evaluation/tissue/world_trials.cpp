@@ -54,7 +54,8 @@ Run run_one(const sim::WorldPresses& presses) {
   }
   const double peak_n = truth[peak].press.force_n;
   run.error = std::abs(told.force_n / peak_n - 1.0);
-  run.held = told.low_n <= peak_n && peak_n <= told.high_n;
+  const double felt_n = record[peak].press.force_n;
+  run.held = told.low_n <= felt_n && felt_n <= told.high_n;
   // The tangent law finds the skin by the mean of the samples since the force showed.
   const TangentTissue& found = tangent.estimate().tissue;
   double skin_m = 0.0, samples = 0.0;
@@ -111,7 +112,8 @@ WorldResult run_world(const sim::TissueWorld& world, int runs, std::uint64_t see
 telemetry::Table empty_world_table() {
   return {.note =
               "The force at the peak of a next press, foretold from the presses before and from "
-              "where its skin is. Held: inside the band of 95 %. Converged: before that press; "
+              "where its skin is. Held: the sensor reads a force inside the band of 95 %. "
+              "Converged: before that press; "
               "wrong: of these, more than 15 % off. Tangent: the law without memory.",
           .columns = {{.head = "world"},
                       {.head = "what", .key = "about"},

@@ -16,7 +16,7 @@ struct WorldResult {
   int runs = 0;
   double median_error = 0.0, p90_error = 0.0;
   double tangent_p90_error = 0.0;  ///< of the tangent law as `PressEstimator` finds it
-  double coverage = 0.0;           ///< share of the peaks that the 95 % band holds
+  double coverage = 0.0;           ///< share of the readings at the peak that the 95 % band holds
   double converged_share = 0.0;    ///< before the last press
   double wrong_share = 0.0;        ///< of these: the peak is more than 15 % off
 };
