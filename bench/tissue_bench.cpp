@@ -8,6 +8,7 @@
 
 #include "tuina/baselines/thesis_estimator.hpp"
 #include "tuina/sim/press_scenarios.hpp"
+#include "tuina/tissue/creep_estimator.hpp"
 #include "tuina/tissue/curve_fit.hpp"
 #include "tuina/tissue/press_estimator.hpp"
 
@@ -24,31 +25,25 @@ const std::vector<tissue::TimedPress>& record() {
   return presses;
 }
 
-void press_estimator_sample(benchmark::State& state) {
+template <tissue::Estimator Estimator>
+void per_sample(benchmark::State& state) {
   for (auto _ : state) {
-    tissue::PressEstimator estimator;
+    Estimator estimator(typename Estimator::Options{});
     for (const auto& sample : record()) estimator.update(sample.time_s, sample.press);
     benchmark::DoNotOptimize(estimator.estimate());
   }
   state.SetItemsProcessed(state.iterations() * static_cast<long>(record().size()));
 }
-BENCHMARK(press_estimator_sample);
-
-void thesis_estimator_sample(benchmark::State& state) {
-  for (auto _ : state) {
-    baselines::ThesisEstimator estimator;
-    for (const auto& sample : record()) estimator.update(sample.time_s, sample.press);
-    benchmark::DoNotOptimize(estimator.estimate());
-  }
-  state.SetItemsProcessed(state.iterations() * static_cast<long>(record().size()));
-}
-BENCHMARK(thesis_estimator_sample);
+BENCHMARK(per_sample<tissue::PressEstimator>);
+BENCHMARK(per_sample<tissue::CreepEstimator>);
+BENCHMARK(per_sample<baselines::ThesisEstimator>);
 
 /// Not a mean but the slowest tick of a thousand, each timed on its own.
-void press_estimator_slowest_of_1000(benchmark::State& state) {
+template <tissue::Estimator Estimator>
+void slowest_of_1000(benchmark::State& state) {
   std::vector<double> ticks_us;
   for (auto _ : state) {
-    tissue::PressEstimator estimator;
+    Estimator estimator(typename Estimator::Options{});
     for (const auto& sample : record()) {
       const auto start = std::chrono::steady_clock::now();
       estimator.update(sample.time_s, sample.press);
@@ -60,7 +55,8 @@ void press_estimator_slowest_of_1000(benchmark::State& state) {
   std::sort(ticks_us.begin(), ticks_us.end());
   state.counters["tick_999_us"] = ticks_us[ticks_us.size() * 999 / 1000];
 }
-BENCHMARK(press_estimator_slowest_of_1000)->Iterations(50);
+BENCHMARK(slowest_of_1000<tissue::PressEstimator>)->Iterations(50);
+BENCHMARK(slowest_of_1000<tissue::CreepEstimator>)->Iterations(50);
 
 void batch_fit_1000_samples(benchmark::State& state) {
   const std::span<const tissue::TimedPress> press(record().data(), 1000);

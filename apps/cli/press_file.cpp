@@ -10,20 +10,9 @@
 
 namespace tuina::app {
 
-void PressFile::describe(CLI::App& command) {
-  command.add_option("file", path, "CSV with the columns time_s, position_mm, force_n")->required();
-  command
-      .add_option("--force-noise-n", force_noise_n,
-                  "standard deviation of a force sample; else read from the record")
-      ->check(number_between(1e-6, 1000.0));
-  command
-      .add_option("--position-noise-mm", position_noise_mm,
-                  "standard deviation of a position sample; else read from the record")
-      ->check(number_between(1e-6, 100.0));
-}
-
-Result<std::vector<tissue::TimedPress>> PressFile::read() const {
-  const auto table = read_csv(path, {"time_s", "position_mm", "force_n"});
+Result<std::vector<tissue::TimedPress>> read_presses(const std::string& path, bool force_may_lack) {
+  const auto table =
+      read_csv(path, {"time_s", "position_mm", "force_n"}, force_may_lack ? "force_n" : "");
   if (!table) return tl::unexpected(table.error());
   std::vector<tissue::TimedPress> record;
   record.reserve(table->rows());
@@ -45,11 +34,26 @@ Result<std::vector<tissue::TimedPress>> PressFile::read() const {
   return record;
 }
 
-tissue::SensorNoise PressFile::noise_of(const std::vector<tissue::TimedPress>& record) const {
-  tissue::SensorNoise noise = tissue::estimate_noise(record);
+void PressFile::describe(CLI::App& command) {
+  command.add_option("file", path, "CSV with the columns time_s, position_mm, force_n")->required();
+  command
+      .add_option("--force-noise-n", force_noise_n,
+                  "standard deviation of a force sample; else read from the record")
+      ->check(number_between(1e-6, 1000.0));
+  command
+      .add_option("--position-noise-mm", position_noise_mm,
+                  "standard deviation of a position sample; else read from the record")
+      ->check(number_between(1e-6, 100.0));
+}
+
+tissue::SensorNoise PressFile::told(tissue::SensorNoise noise) const {
   if (std::isfinite(force_noise_n)) noise.force_n = force_noise_n;
   if (std::isfinite(position_noise_mm)) noise.position_m = from_mm(position_noise_mm);
   return noise;
+}
+
+tissue::SensorNoise PressFile::noise_of(std::span<const tissue::TimedPress> record) const {
+  return told(tissue::estimate_noise(record));
 }
 
 }  // namespace tuina::app

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <limits>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,11 @@ class App;
 
 namespace tuina::app {
 
+/// CSV with time_s, position_mm, force_n; the times must grow. With `force_may_lack` a force is NaN
+/// where its cell is empty.
+[[nodiscard]] Result<std::vector<tissue::TimedPress>> read_presses(const std::string& path,
+                                                                   bool force_may_lack = false);
+
 /// The record of presses that the verbs `tissue fit` and `tissue estimate` read, and what the
 /// caller knows of its sensors.
 struct PressFile {
@@ -22,9 +28,13 @@ struct PressFile {
   double position_noise_mm = std::numeric_limits<double>::quiet_NaN();
 
   void describe(CLI::App& command);
-  /// CSV with time_s, position_mm, force_n; the times must grow.
-  [[nodiscard]] Result<std::vector<tissue::TimedPress>> read() const;
-  [[nodiscard]] tissue::SensorNoise noise_of(const std::vector<tissue::TimedPress>& record) const;
+  /// As told, else what is usual.
+  [[nodiscard]] tissue::SensorNoise noise_told() const { return told(tissue::SensorNoise{}); }
+  /// As told, else as it shows in a record.
+  [[nodiscard]] tissue::SensorNoise noise_of(std::span<const tissue::TimedPress> record) const;
+
+ private:
+  [[nodiscard]] tissue::SensorNoise told(tissue::SensorNoise noise) const;
 };
 
 }  // namespace tuina::app

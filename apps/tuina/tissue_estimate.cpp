@@ -3,16 +3,18 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
 
 #include "apps/cli/press_file.hpp"
 #include "apps/tuina/press_plot.hpp"
+#include "apps/tuina/tissue_predict.hpp"
 #include "apps/tuina/verbs.hpp"
 #include "tuina/baselines/thesis_estimator.hpp"
 #include "tuina/core/io/file.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/record/shared_fields.hpp"
 #include "tuina/tissue/classification.hpp"
-#include "tuina/tissue/press_estimator.hpp"
+#include "tuina/tissue/creep_estimator.hpp"
 #include "tuina/tissue/press_segments.hpp"
 
 namespace tuina::app {
@@ -32,22 +34,48 @@ void append_row(std::string& trace, double time_s, const TissueEstimate& e, bool
   }
 }
 
+/// What is kept of a record of which millions of rows may come.
+struct Wanted {
+  bool trace = false, history = false;
+};
+
 /// What an estimator made of a record.
 struct Estimated {
   TissueEstimate last;
   double nis = 1.0;
+  tissue::SensorNoise noise = {};
   std::string trace = trace_header;
   std::vector<TimedEstimate> history = {};
+
+  void keep(double time_s, const TissueEstimate& estimate, Wanted wanted, bool with_interval) {
+    if (wanted.trace) append_row(trace, time_s, estimate, with_interval);
+    if (wanted.history) history.push_back({time_s, estimate});
+  }
 };
 
-Estimated by_tuina(const std::vector<tissue::TimedPress>& record,
-                   const tissue::PressEstimatorOptions& options) {
-  Estimated result;
-  tissue::PressEstimator estimator(options);
-  for (const tissue::TimedPress& sample : record) {
-    estimator.update(sample.time_s, sample.press);
-    append_row(result.trace, sample.time_s, estimator.estimate(), true);
-    result.history.push_back({sample.time_s, estimator.estimate()});
+/// The noise is looked for in what came so far, whenever that has doubled, and the estimator then
+/// sees it all again: what it says at a time never depends on what comes later.
+Estimated by_tuina(std::span<const tissue::TimedPress> record, const PressFile& file,
+                   tissue::PressEstimatorOptions options, Wanted wanted,
+                   tissue::CreepEstimator& estimator) {
+  constexpr std::size_t first_look = 32, last_look = 4096;
+  const auto use = [&](const tissue::SensorNoise& noise) {
+    options.force_noise_n = noise.force_n;
+    options.position_noise_m = noise.position_m;
+    estimator = tissue::CreepEstimator(options);
+  };
+  Estimated result{.last = {}, .noise = file.noise_told()};
+  use(result.noise);
+  std::size_t look = first_look;
+  for (std::size_t i = 0; i < record.size(); ++i) {
+    if (i + 1 == look && look <= last_look) {
+      look *= 2;
+      result.noise = file.noise_of(record.first(i + 1));
+      use(result.noise);
+      for (const auto& [time_s, press] : record.first(i)) estimator.update(time_s, press);
+    }
+    estimator.update(record[i].time_s, record[i].press);
+    result.keep(record[i].time_s, estimator.estimate(), wanted, true);
   }
   result.last = estimator.estimate();
   result.nis = estimator.nis();
@@ -56,11 +84,12 @@ Estimated by_tuina(const std::vector<tissue::TimedPress>& record,
 
 /// The thesis prints neither intervals nor a rule for convergence; here it has converged once
 /// neither parameter has left a band of 1 % for ten seconds.
-Estimated by_thesis(const std::vector<tissue::TimedPress>& record, double force_noise_n) {
+Estimated by_thesis(std::span<const tissue::TimedPress> record, const tissue::SensorNoise& noise,
+                    Wanted wanted) {
   constexpr double band = 0.01, settled_s = 10.0;
-  Estimated result;
+  Estimated result{.last = {}, .noise = noise};
   baselines::ThesisEstimator estimator({.period_s = 0.0});
-  tissue::PressSegments presses({.force_noise_n = force_noise_n});
+  tissue::PressSegments presses({.force_noise_n = noise.force_n});
   TangentTissue centre;
   double since_s = record.front().time_s;
   for (const tissue::TimedPress& sample : record) {
@@ -78,8 +107,7 @@ Estimated by_thesis(const std::vector<tissue::TimedPress>& record, double force_
     e.converged =
         estimator.valid() && presses.ever_touched() && sample.time_s - since_s >= settled_s;
     if (e.converged && !was) e.converged_after_s = sample.time_s - presses.first_contact_s();
-    append_row(result.trace, sample.time_s, e, false);
-    result.history.push_back({sample.time_s, e});
+    result.keep(sample.time_s, e, wanted, false);
   }
   return result;
 }
@@ -105,6 +133,15 @@ class TissueEstimateVerb final : public Verb {
                      ->check(number_between(1e-3, 10.0))
                      ->needs(alpha);
     alpha->needs(beta);
+    auto* predict = command.add_option(
+        "--predict", predict_,
+        "a later press as CSV like the record, force_n empty where it is to be predicted");
+    auto* predict_out =
+        command
+            .add_option("--predict-out", predict_out_,
+                        "write the predicted forces with their 95 % band to this CSV file")
+            ->needs(predict);
+    predict->needs(predict_out);
     command.add_option("--out", out_, "write the estimate after every sample to this CSV file");
     command
         .add_option("--method", method_,
@@ -131,18 +168,27 @@ class TissueEstimateVerb final : public Verb {
   }
 
   [[nodiscard]] Result<Answer> run(const CommonOptions&) override {
-    const auto record = file_.read();
-    if (!record) return tl::unexpected(record.error());
-    const tissue::SensorNoise noise = file_.noise_of(*record);
     const bool ours = method_ == "tuina";
-    const Estimated result =
-        ours ? by_tuina(*record, {.force_noise_n = noise.force_n,
-                                  .position_noise_m = noise.position_m,
-                                  .contact_sd_m = from_mm(contact_sd_mm_),
-                                  .force_delay_s = force_delay_ms_ * 1e-3,
-                                  .torso_n_per_m = torso_n_per_mm_.value_or(0.0) * 1e3,
-                                  .breathing_m = from_mm(breathing_mm_)})
-             : by_thesis(*record, noise.force_n);
+    if (!ours && !predict_.empty())
+      return fail(Fault::usage, "--method thesis has no prediction; leave --predict away");
+    const auto record = read_presses(file_.path);
+    if (!record) return tl::unexpected(record.error());
+    const Wanted wanted{.trace = !out_.empty(), .history = !plot_.empty()};
+    tissue::CreepEstimator estimator;
+    const Estimated result = ours ? by_tuina(*record, file_,
+                                             {.contact_sd_m = from_mm(contact_sd_mm_),
+                                              .force_delay_s = force_delay_ms_ * 1e-3,
+                                              .torso_n_per_m = torso_n_per_mm_.value_or(0.0) * 1e3,
+                                              .breathing_m = from_mm(breathing_mm_)},
+                                             wanted, estimator)
+                                  : by_thesis(*record, file_.noise_of(*record), wanted);
+    if (!predict_.empty()) {
+      const auto predicted =
+          predict_forces(estimator, record->front().time_s, record->back().time_s, predict_);
+      if (!predicted) return tl::unexpected(predicted.error());
+      if (const auto written = write_file(predict_out_, *predicted); !written)
+        return tl::unexpected(written.error());
+    }
     // The drawing first: if it cannot be written, no trace is left that looks like a success.
     if (!plot_.empty()) {
       if (const auto drawn = write_file(plot_, plot_estimates(result.history, truth())); !drawn)
@@ -152,7 +198,7 @@ class TissueEstimateVerb final : public Verb {
       if (const auto written = write_file(out_, result.trace); !written)
         return tl::unexpected(written.error());
     }
-    return answer(result, noise, ours);
+    return answer(result, ours);
   }
 
  private:
@@ -161,8 +207,9 @@ class TissueEstimateVerb final : public Verb {
     return TangentTissue{*true_alpha_n_, 1e3 * *true_beta_per_mm_};
   }
 
-  static Answer answer(const Estimated& result, const tissue::SensorNoise& noise, bool ours) {
+  static Answer answer(const Estimated& result, bool ours) {
     const TissueEstimate& e = result.last;
+    const tissue::SensorNoise& noise = result.noise;
     const tissue::Classification found = tissue::classify(e, result.nis);
     const auto number = [](bool there, double value) {
       return there ? nlohmann::json(value) : nlohmann::json();
@@ -195,8 +242,7 @@ class TissueEstimateVerb final : public Verb {
   }
 
   PressFile file_;
-  std::string out_;
-  std::string plot_;
+  std::string out_, plot_, predict_, predict_out_;
   std::string method_ = "tuina";
   std::optional<double> torso_n_per_mm_, true_alpha_n_, true_beta_per_mm_;
   double breathing_mm_ = 1.0, contact_sd_mm_ = 1.0, force_delay_ms_ = 0.0;

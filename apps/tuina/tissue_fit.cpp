@@ -27,7 +27,7 @@ class TissueFit final : public Verb {
   }
 
   [[nodiscard]] Result<Answer> run(const CommonOptions&) override {
-    const auto record = file_.read();
+    const auto record = read_presses(file_.path);
     if (!record) return tl::unexpected(record.error());
     const tissue::SensorNoise noise = file_.noise_of(*record);
     const auto fit = tissue::fit_curve(*record, noise);

@@ -2,12 +2,14 @@
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "tests/whole/command.hpp"
 #include "tuina/core/io/csv.hpp"
 #include "tuina/core/io/file.hpp"
 #include "tuina/sim/press_scenarios.hpp"
+#include "tuina/sim/tissue_worlds.hpp"
 
 using namespace tuina;
 using tuina::test::Folder;
@@ -26,6 +28,29 @@ std::string press_csv(double peak_n = 60.0) {
                        sample.press.force_n);
   }
   return csv;
+}
+
+struct NextPress {
+  std::string record, next;  // as files; of the next press the forces are given up to 1.5 N
+  std::vector<tissue::TimedPress> truth;  // from there on
+};
+
+NextPress next_press() {
+  Random random = make_random(11, "next press");
+  const auto world = std::find_if(sim::tissue_worlds().begin(), sim::tissue_worlds().end(),
+                                  [](const auto& known) { return known.name == "qlv30"; });
+  const auto presses = sim::press_in_world(*world, sim::Pressing::swells, hard, random);
+  NextPress out{"time_s,position_mm,force_n\n", "time_s,position_mm,force_n\n", {}};
+  bool met = false;
+  for (std::size_t i = 0; i < presses.record.size(); ++i) {
+    const auto& [time_s, press] = presses.record[i];
+    met = met || (i >= presses.last_press && press.force_n > 1.5);
+    (i < presses.last_press ? out.record : out.next) +=
+        fmt::format("{:.3f},{:.5f},{}\n", time_s, press.depth_m * 1e3,
+                    met ? "" : fmt::format("{:.4f}", press.force_n));
+    if (met) out.truth.push_back(presses.truth[i]);
+  }
+  return out;
 }
 
 std::string air_csv() {
@@ -118,4 +143,66 @@ TEST_CASE("the method of the thesis answers in the same keys, without intervals"
   CHECK(estimated["converged"] == false);
   CHECK(estimated["ci95"]["alpha_n"].is_null());
   CHECK(estimated["presses"] == 2);
+}
+
+TEST_CASE("the force of the next press on tissue that relaxes is predicted, with its band") {
+  const Folder folder;
+  const NextPress press = next_press();
+  const auto outcome = run_tuina({"tissue", "estimate", folder.with("press.csv", press.record),
+                                  "--predict", folder.with("next.csv", press.next), "--predict-out",
+                                  folder / "told.csv", "--json"});
+  REQUIRE(outcome.exit_code == 0);
+  CHECK(nlohmann::json::parse(outcome.out)["converged"] == true);
+  const auto told =
+      read_csv(folder / "told.csv", {"time_s", "force_n", "force_low_n", "force_high_n"});
+  REQUIRE(told.has_value());
+  REQUIRE(told->rows() == press.truth.size());
+  double strongest_n = 0.0, strongest_told_n = 0.0, held = 0.0;
+  for (std::size_t i = 0; i < told->rows(); ++i) {
+    const double true_n = press.truth[i].press.force_n;
+    CHECK(told->columns[0][i] == doctest::Approx(press.truth[i].time_s));
+    strongest_n = std::max(strongest_n, true_n);
+    strongest_told_n = std::max(strongest_told_n, told->columns[1][i]);
+    held += told->columns[2][i] <= true_n && true_n <= told->columns[3][i];
+  }
+  CHECK(strongest_told_n == doctest::Approx(strongest_n).epsilon(0.05));
+  CHECK(held > 0.9 * static_cast<double>(told->rows()));
+}
+
+TEST_CASE(
+    "a next press that cannot be predicted is refused with file, line and what would be right") {
+  const Folder folder;
+  const auto record = folder.with("press.csv", press_csv());
+  const auto refused = [&](const std::string& next, const std::string& with) {
+    const auto outcome = run_tuina({"tissue", "estimate", record, "--predict",
+                                    folder.with("next.csv", "time_s,position_mm,force_n\n" + next),
+                                    "--predict-out", folder / "told.csv", "--json"});
+    CHECK(outcome.exit_code == 2);
+    CHECK(outcome.out.empty());
+    CHECK_MESSAGE(outcome.err.find(with) != std::string::npos, outcome.err);
+  };
+  refused("3,0,0.1\n3.001,0,0.1\n", "leave it empty where it is to be predicted");
+  refused("3,0,0.1\n3.001,,\n", "next.csv:3: position_mm");
+  refused("3,0,\n2.9,0,\n", "next.csv:3: time_s goes from 3 to 2.9");
+  refused("1,0,0.1\n1.001,0,\n", "next.csv:2: time_s 1 lies within the record");
+  refused("3,0,x\n", "next.csv:2: force_n");
+  CHECK(run_tuina({"tissue", "estimate", record, "--predict", record}).exit_code == 1);
+}
+
+TEST_CASE("what is said at a time does not change with what comes later") {
+  const Folder folder;
+  const std::string whole = press_csv();
+  const auto rows_of = [&](const std::string& csv) {
+    const auto outcome = run_tuina({"tissue", "estimate", folder.with("press.csv", csv), "--out",
+                                    folder / "trace.csv", "--json"});
+    REQUIRE(outcome.exit_code == 0);
+    return read_file(folder / "trace.csv").value();
+  };
+  const std::string trace = rows_of(whole);
+  for (const std::size_t rows : {20U, 700U, 1300U}) {
+    std::size_t end = 0;
+    for (std::size_t k = 0; k <= rows; ++k) end = whole.find('\n', end) + 1;
+    const std::string cut = rows_of(whole.substr(0, end));
+    CHECK(trace.compare(0, cut.size(), cut) == 0);
+  }
 }

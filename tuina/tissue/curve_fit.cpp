@@ -16,6 +16,7 @@ using Parameters = Eigen::Vector4d;  // ln alpha, ln beta, contact, offset
 using Normal = Eigen::Matrix4d;
 
 constexpr std::size_t fewest_samples = 20;
+constexpr std::size_t max_samples = 30000;  // fitted in half a second
 constexpr double min_force_n = 1.0;
 constexpr double steepest_angle = tangent_limit * pi / 2.0;
 constexpr double robust_limit = 4.0;
@@ -128,6 +129,16 @@ double free_air_force(std::span<const TimedPress> record) {
   return *middle;
 }
 
+/// Evenly spaced samples of a long record: more know alpha and beta no better than the law holds.
+std::vector<TimedPress> thinned(std::vector<TimedPress> record) {
+  const std::size_t stride = (record.size() + max_samples - 1) / max_samples;
+  if (stride < 2) return record;
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < record.size(); i += stride) record[kept++] = record[i];
+  record.resize(kept);
+  return record;
+}
+
 /// Samples per independent error: one plus twice the sum of the autocorrelation.
 double correlation_length(std::span<const double> residuals) {
   const std::size_t n = residuals.size();
@@ -146,7 +157,7 @@ double correlation_length(std::span<const double> residuals) {
 }  // namespace
 
 Result<CurveFit> fit_curve(std::span<const TimedPress> raw, const SensorNoise& noise) {
-  const std::vector<TimedPress> record = without_saturation(raw, noise);
+  const std::vector<TimedPress> record = thinned(without_saturation(raw, noise));
   if (record.size() < fewest_samples) {
     return fail(Fault::bad_input, "{} usable samples, {} needed", record.size(), fewest_samples);
   }

@@ -22,10 +22,11 @@ struct CurveFit {
   int samples = 0;
 };
 
-/// Total least squares fit of alpha, beta, contact point and sensor offset to all samples, each
-/// axis in units of its noise, so that depth errors count like force errors. Intervals allow for
-/// errors that are correlated between samples (a breath, a slow sensor). Fails with not_found if
-/// the record holds no contact, with bad_input if it is too short.
+/// Total least squares fit of alpha, beta, contact point and sensor offset to all samples (of
+/// a record beyond 30000 to every k-th), each axis in units of its noise, so that depth errors
+/// count like force errors. Intervals allow for errors that are correlated between samples (a
+/// breath, a slow sensor). Fails with not_found if the record holds no contact, with bad_input if
+/// it is too short.
 [[nodiscard]] Result<CurveFit> fit_curve(std::span<const TimedPress> record,
                                          const SensorNoise& noise);
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "tuina/core/units.hpp"
+#include "tuina/tissue/breath.hpp"
 #include "tuina/tissue/tangent_model.hpp"
 
 namespace tuina::tissue {
@@ -29,29 +30,6 @@ constexpr double stretch_sd_m = 0.1e-3;  // spread of positions within one stret
 constexpr double light_touch = 0.5;      // largest beta x at which a force counts as small
 constexpr double corner_reach = 5.0;     // standard deviations beyond which the skin is a corner
 constexpr std::size_t skin_known_after = 4;  // segments of contact
-
-/// Exact transition of (b, b') over dt for b'' + 2 zeta omega b' + omega^2 b = noise.
-Eigen::Matrix2d breath_transition(double omega, double zeta, double dt_s) noexcept {
-  Eigen::Matrix2d phi;
-  const double x = omega * dt_s;
-  double c, s;  // e^(-zeta x) cos(r x) and e^(-zeta x) sin(r x) / r with r^2 = 1 - zeta^2
-  if (x < 0.2) {
-    // The power series saves three library calls per segment; its next term is below 1e-6.
-    s = x * (1.0 + x * (-zeta + x * ((4.0 * zeta * zeta - 1.0) / 6.0 +
-                                     x * (zeta - 2.0 * zeta * zeta * zeta) / 6.0)));
-    c = zeta * s + 1.0 +
-        x * (-2.0 * zeta +
-             x * ((4.0 * zeta * zeta - 1.0) / 2.0 +
-                  x * ((4.0 * zeta - 8.0 * zeta * zeta * zeta) / 6.0 +
-                       x * (16.0 * zeta * zeta * zeta * zeta - 12.0 * zeta * zeta + 1.0) / 24.0)));
-  } else {
-    const double r = std::sqrt(1.0 - zeta * zeta), decay = std::exp(-zeta * x);
-    c = decay * std::cos(r * x);
-    s = decay * std::sin(r * x) / r;
-  }
-  phi << c + zeta * s, s / omega, -omega * s, c - zeta * s;
-  return phi;
-}
 
 SegmentOptions segment_options(const PressEstimatorOptions& options) noexcept {
   return {.force_noise_n = options.force_noise_n,
@@ -148,23 +126,12 @@ void PressEstimator::predict(double time_s) noexcept {
   pass_.time_s = time_s;
   if (!(dt_s > 0.0)) return;
   Covariance& P = pass_.covariance;
-  const double omega = 2.0 * pi * options_.breathing_hz;
-  const double variance = options_.breathing_m * options_.breathing_m / 8.0;
   // Bounded, so that an hour of hovering does not inflate the skin variance.
   const double skin_limit_m2 = options_.contact_sd_m * options_.contact_sd_m;
   P(skin, skin) += std::min(options_.skin_wander_m * options_.skin_wander_m * dt_s, skin_limit_m2);
 
-  const Eigen::Matrix2d phi = breath_transition(omega, options_.breath_damping, dt_s);
-  pass_.mean.tail<2>() = (phi * pass_.mean.tail<2>()).eval();
-  // Stationary: the noise restores what damping takes from the variance.
-  Eigen::Matrix2d rest = Eigen::Matrix2d::Zero();
-  rest.diagonal() << variance, variance * omega * omega;
-  const Eigen::Matrix<double, states - 2, 2> cross =
-      P.topRightCorner<states - 2, 2>() * phi.transpose();
-  const Eigen::Matrix2d own = phi * (P.bottomRightCorner<2, 2>() - rest) * phi.transpose() + rest;
-  P.topRightCorner<states - 2, 2>() = cross;
-  P.bottomLeftCorner<2, states - 2>() = cross.transpose();
-  P.bottomRightCorner<2, 2>() = own;
+  move_breath(pass_.mean, P, {options_.breathing_m, options_.breathing_hz, options_.breath_damping},
+              dt_s);
 }
 
 void PressEstimator::update_from(const PressSegment& segment) noexcept {

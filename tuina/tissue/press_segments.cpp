@@ -98,12 +98,17 @@ void PressSegments::close_block() noexcept {
   if (block_.samples == 0.0) return;
   const double n = block_.samples;
   const Block block = {block_start_s_ + block_.time_s / n, block_.position_m / n,
-                       block_.force_n / n, n, 0.0};
+                       block_.force_n / n, n};
   block_ = Sum{};
   if (options_.tool_mass_kg > 0.0)
     take_inertia_off(block);
   else
     accept(block);
+}
+
+void PressSegments::close() noexcept {
+  close_block();
+  open_ = false;
 }
 
 void PressSegments::take_inertia_off(const Block& newest) noexcept {
@@ -129,7 +134,8 @@ void PressSegments::accept(const Block& block) noexcept {
   const double n = block.samples, time_s = block.time_s, position_m = block.position_m;
   if (!touched_) tare(position_m, block.force_n, n);
   const double force_n = block.force_n - tare_n();
-  const Block felt = {time_s, position_m, force_n, n, block.inertia_n};
+  remember(time_s, force_n);
+  const Block felt = {time_s, position_m, force_n, n, block.inertia_n, memory_n_};
   // Force noise must not select samples: the block that shows contact is the last of the air, and
   // contact then holds until the force is clearly gone.
   const double on_n = std::max(min_force_n, 5.0 * options_.force_noise_n / std::sqrt(n));
@@ -185,10 +191,20 @@ void PressSegments::follow_press(double time_s, double force_n) noexcept {
       peak_n_ = force_n;
     }
   }
+  if (force_n <= 0.0 || phase_ == Phase::up) press_ = presses_;
+}
+
+void PressSegments::remember(double time_s, double force_n) noexcept {
+  // Across a dropout nothing is known of the force; most are in the air.
+  const double dt_s = time_s - remembered_s_;
+  const double lasting_n = dt_s > max_gap_s ? 0.0 : force_n;
+  remembered_s_ = time_s;
+  for (std::size_t i = 0; i < memory_s.size(); ++i)
+    memory_n_[i] = lasting_n + std::exp(-dt_s / memory_s[i]) * (memory_n_[i] - lasting_n);
 }
 
 void PressSegments::append(const Block& block) noexcept {
-  const auto& [time_s, position_m, force_n, samples, inertia_n] = block;
+  const auto& [time_s, position_m, force_n, samples, inertia_n, memory_n] = block;
   ++blocks_;
   const double root = std::sqrt(std::max(0.0, force_n));
   const double noise_n = options_.force_noise_n / std::sqrt(samples);
@@ -202,7 +218,12 @@ void PressSegments::append(const Block& block) noexcept {
     join(segments_[size_ - 1], block);
     return;
   }
-  push({time_s, position_m, force_n, 0.0, samples, std::abs(inertia_n), true});
+  push({.time_s = time_s,
+        .position_m = position_m,
+        .force_n = force_n,
+        .samples = samples,
+        .inertia_n = std::abs(inertia_n),
+        .memory_n = memory_n});
   open_ = true;
   opened_s_ = time_s;
   opened_root_ = root;
@@ -222,7 +243,7 @@ void PressSegments::append(const Block& block) noexcept {
 }
 
 void PressSegments::remember_air(const Block& block) noexcept {
-  const auto& [time_s, position_m, force_n, samples, inertia_n] = block;
+  const auto& [time_s, position_m, force_n, samples, inertia_n, memory_n] = block;
   if (air_size_ > 0) {
     PressSegment& last = air_[air_size_ - 1];
     if (std::abs(position_m - last.position_m) < 0.5 * cell_m && last.samples < 100.0) {
@@ -234,7 +255,13 @@ void PressSegments::remember_air(const Block& block) noexcept {
     std::copy(air_.begin() + 1, air_.end(), air_.begin());
     --air_size_;
   }
-  air_[air_size_++] = {time_s, position_m, force_n, 0.0, samples, std::abs(inertia_n), false};
+  air_[air_size_++] = {.time_s = time_s,
+                       .position_m = position_m,
+                       .force_n = force_n,
+                       .samples = samples,
+                       .inertia_n = std::abs(inertia_n),
+                       .contact = false,
+                       .memory_n = memory_n};
 }
 
 void PressSegments::join(PressSegment& segment, const Block& block) noexcept {
@@ -242,6 +269,8 @@ void PressSegments::join(PressSegment& segment, const Block& block) noexcept {
   segment.time_s += share * (block.time_s - segment.time_s);
   segment.position_m += share * (block.position_m - segment.position_m);
   segment.force_n += share * (block.force_n - segment.force_n);
+  for (std::size_t i = 0; i < memory_s.size(); ++i)
+    segment.memory_n[i] += share * (block.memory_n[i] - segment.memory_n[i]);
   segment.samples += block.samples;
   segment.inertia_n = std::max(segment.inertia_n, std::abs(block.inertia_n));
 }
@@ -257,8 +286,8 @@ void PressSegments::push_air() noexcept {
 }
 
 void PressSegments::push(const PressSegment& segment) noexcept {
-  if (size_ == capacity) drop_oldest(1);
-  segments_[size_++] = segment;
+  if (size_ == std::min(options_.max_segments, capacity)) drop_oldest(1);
+  (segments_[size_++] = segment).press = press_;
 }
 
 void PressSegments::drop_oldest(std::size_t count) noexcept {

@@ -10,6 +10,11 @@
 
 namespace tuina::tissue {
 
+/// Times over which tissue remembers force: each decade of relaxation has one.
+inline constexpr std::array<double, 3> memory_s = {0.15, 1.5, 12.0};
+/// The force behind a first-order low-pass of each of these times.
+using Memory = std::array<double, memory_s.size()>;
+
 /// Mean of a stretch of contact with nearly constant force. A one-second press has about fifty, few
 /// enough to refit all within a millisecond.
 struct PressSegment {
@@ -23,13 +28,16 @@ struct PressSegment {
   /// Skin position that a fit found soon after a segment without contact, and its standard
   /// deviation; NaN before the first fit.
   double skin_m = std::numeric_limits<double>::quiet_NaN(), skin_sd_m = 0.0;
+  Memory memory_n = {};
+  int press = 0;  ///< presses before the one it belongs to
 };
 
 struct SegmentOptions {
-  double force_noise_n = 0.2;    ///< one standard deviation of one sample
-  double contact_sd_m = 0.5e-3;  ///< prior standard deviation of the skin position
-  double force_delay_s = 0.0;    ///< age of the force against the position beside it
-  double tool_mass_kg = 0.0;     ///< mass beyond the force sensor, whose inertia it measures
+  double force_noise_n = 0.2;      ///< one standard deviation of one sample
+  double contact_sd_m = 0.5e-3;    ///< prior standard deviation of the skin position
+  double force_delay_s = 0.0;      ///< age of the force against the position beside it
+  double tool_mass_kg = 0.0;       ///< mass beyond the force sensor, whose inertia it measures
+  std::size_t max_segments = 128;  ///< at most `capacity`; beyond, the oldest is dropped
 };
 
 /// Compresses samples into segments: delays the position to match the force, tares the force before
@@ -37,13 +45,18 @@ struct SegmentOptions {
 /// that are non-finite, out of order or saturated. No heap.
 class PressSegments {
  public:
-  static constexpr std::size_t capacity = 128;
+  static constexpr std::size_t capacity = 512;
 
   explicit PressSegments(const SegmentOptions& options) noexcept;
 
   void add(double time_s, const Press& sample) noexcept;
 
+  /// Takes in the samples that wait for their block and ends the newest segment.
+  void close() noexcept;
+
   [[nodiscard]] std::size_t size() const noexcept { return size_; }
+  /// Those of `size` that will not change any more.
+  [[nodiscard]] std::size_t closed() const noexcept { return open_ ? size_ - 1 : size_; }
   [[nodiscard]] const PressSegment& operator[](std::size_t i) const noexcept {
     return segments_[i];
   }
@@ -62,10 +75,12 @@ class PressSegments {
   [[nodiscard]] double tare_sd_n()
       const noexcept;  ///< infinite without free air before the contact
   [[nodiscard]] long accepted_blocks() const noexcept { return blocks_; }
+  [[nodiscard]] const Memory& memory_n() const noexcept { return memory_n_; }  ///< at `now_s`
 
  private:
   struct Sum {
     double time_s = 0.0, position_m = 0.0, force_n = 0.0, samples = 0.0, inertia_n = 0.0;
+    Memory memory_n = {};
   };
   using Block = Sum;  // means instead of sums
 
@@ -76,6 +91,7 @@ class PressSegments {
   void accept(const Block& block) noexcept;
   void tare(double position_m, double force_n, double samples) noexcept;
   void follow_press(double time_s, double force_n) noexcept;
+  void remember(double time_s, double force_n) noexcept;
   void append(const Block& block) noexcept;
   void push_air() noexcept;
   void remember_air(const Block& block) noexcept;
@@ -118,7 +134,10 @@ class PressSegments {
   double released_s_ = 0.0;
   double peak_n_ = 0.0, valley_n_ = 0.0, peak_ever_n_ = 0.0;
   int presses_ = 0;
+  int press_ = 0;  // that of now: a press goes on until the skin is left or the next one rises
   long blocks_ = 0;
+  Memory memory_n_ = {};
+  double remembered_s_ = -std::numeric_limits<double>::infinity();
 };
 
 }  // namespace tuina::tissue

@@ -4,9 +4,11 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "apps/cli/table.hpp"
 #include "apps/evaluation/thesis/tissue.hpp"
 #include "apps/evaluation/tissue/page.hpp"
 #include "apps/evaluation/tissue/trials.hpp"
+#include "apps/evaluation/tissue/world_trials.hpp"
 #include "apps/evaluation/verbs.hpp"
 #include "tuina/core/io/file.hpp"
 
@@ -132,11 +134,17 @@ class EvaluateTissue final : public Verb {
                     "per scenario and tissue pressed by the simulated arm; 0 leaves them out")
         ->check(CLI::Range(0, 100000))
         ->capture_default_str();
+    command
+        .add_option("--world-runs", world_runs_,
+                    "per world, tissue and way of pressing; 0 leaves the worlds out")
+        ->check(CLI::Range(0, 100000))
+        ->capture_default_str();
     std::vector<std::string> names;
     for (const auto& scenario : sim::press_scenarios()) names.push_back(scenario.name);
     for (const auto& scenario : loop_scenarios()) names.push_back(scenario.name);
-    auto* scenario =
-        command.add_option("--scenario", scenario_, "one only")->check(CLI::IsMember(names));
+    for (const auto& world : sim::tissue_worlds()) names.push_back(world.name);
+    auto* scenario = command.add_option("--scenario", scenario_, "one scenario or world only")
+                         ->check(CLI::IsMember(names));
     command.add_flag("--thesis", thesis_, "chapter 6 of the thesis, claim by claim")
         ->excludes(scenario);
     command.add_option("--out", out_, "the tables and curves as one HTML page");
@@ -157,9 +165,15 @@ class EvaluateTissue final : public Verb {
       if (arm_runs_ > 0 && (scenario_.empty() || scenario.name == scenario_))
         loops.push_back(scenario);
     }
+    std::vector<sim::TissueWorld> worlds;
+    for (const auto& world : sim::tissue_worlds()) {
+      if (world_runs_ > 0 && (scenario_.empty() || world.name == scenario_))
+        worlds.push_back(world);
+    }
     // An experiment with the arm takes about ten times as long as one drawn from a formula.
     const double all = 3.0 * (static_cast<double>(scenarios.size()) * runs_ +
-                              10.0 * static_cast<double>(loops.size()) * arm_runs_);
+                              10.0 * static_cast<double>(loops.size()) * arm_runs_ +
+                              3.0 * static_cast<double>(worlds.size()) * world_runs_);
     double done = 0.0;
     const auto part = [&](double weight) {
       return [&progress, &done, all, weight](double share) {
@@ -188,6 +202,11 @@ class EvaluateTissue final : public Verb {
         done += 10.0 * arm_runs_;
       }
       take(scenario.name, scenario.about, results);
+    }
+    for (const sim::TissueWorld& world : worlds) {
+      page_.worlds.rows.push_back(
+          row_of(world, run_world(world, world_runs_, seed, threads, part(9.0 * world_runs_))));
+      done += 9.0 * world_runs_;
     }
     return answer();
   }
@@ -238,23 +257,24 @@ class EvaluateTissue final : public Verb {
     answer.text = fmt::format(
         "{} runs each, {} by the arm. Simulated presses only; nothing here was "
         "shown on people.\n{}",
-        runs_, arm_runs_, to_text(page_.table));
+        runs_, arm_runs_, page_.table.rows.empty() ? "" : to_text(page_.table));
+    if (!page_.worlds.rows.empty()) answer.text += to_text(page_.worlds);
     answer.text.pop_back();
-    answer.json = nlohmann::json{
-        {"runs", runs_},
-        {"arm_runs", arm_runs_},
-        {"seed", common_->seed},
-        {"tissue",
-         table_}}.dump(2);
+    answer.json = nlohmann::json{{"runs", runs_},
+                                 {"arm_runs", arm_runs_},
+                                 {"seed", common_->seed},
+                                 {"tissue", table_},
+                                 {"worlds", to_json_by_name(page_.worlds)}}
+                      .dump(2);
     return answer;
   }
 
   const CommonOptions* common_ = nullptr;
-  int runs_ = 200, arm_runs_ = 24;
+  int runs_ = 200, arm_runs_ = 24, world_runs_ = 8;
   bool thesis_ = false;
   std::string scenario_, out_;
   nlohmann::json table_;
-  TissuePage page_{.table = empty_table(), .curves = {}};
+  TissuePage page_{.table = empty_table(), .worlds = empty_world_table(), .curves = {}};
 };
 
 }  // namespace

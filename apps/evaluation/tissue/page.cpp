@@ -86,7 +86,9 @@ std::string to_html(const TissuePage& page) {
       "Two presses of a second to 20-30 N under force control; the person breathes by 3 mm "
       "and gives way beneath the tissue; depth from joint angles. Time counts from the first "
       "contact.");
-  html.section("All scenarios", page.table.note).table(page.table);
+  if (!page.table.rows.empty()) html.section("All scenarios", page.table.note).table(page.table);
+  if (!page.worlds.rows.empty())
+    html.section("Tissue that is not the model", page.worlds.note).table(page.worlds);
   return html.str();
 }
 

@@ -17,7 +17,7 @@ struct TissueCurve {
 };
 
 struct TissuePage {
-  telemetry::Table table;
+  telemetry::Table table, worlds;
   std::vector<TissueCurve> curves;
   int runs = 0, arm_runs = 0;
   std::uint64_t seed = 1;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "tuina/core/io/file.hpp"
 #include "tuina/core/io/text_lines.hpp"
@@ -12,12 +13,13 @@ namespace {
 
 constexpr std::size_t max_csv_bytes = std::size_t{256} << 20;
 
-std::vector<std::string_view> split(std::string_view line) {
-  std::vector<std::string_view> cells;
+/// `cells` keeps its memory from line to line: a file may have millions.
+void split(std::string_view line, std::vector<std::string_view>& cells) {
+  cells.clear();
   while (true) {
     const std::size_t comma = line.find(',');
     cells.push_back(line.substr(0, comma));
-    if (comma == std::string_view::npos) return cells;
+    if (comma == std::string_view::npos) return;
     line.remove_prefix(comma + 1);
   }
 }
@@ -25,7 +27,8 @@ std::vector<std::string_view> split(std::string_view line) {
 /// Index of each wanted column in the header; fails when one is missing or a name occurs twice.
 Result<std::vector<std::size_t>> find_columns(std::string_view header, std::string_view name,
                                               const std::vector<std::string>& wanted) {
-  const auto names = split(header);
+  std::vector<std::string_view> names;
+  split(header, names);
   auto sorted = names;
   std::sort(sorted.begin(), sorted.end());
   if (const auto twin = std::adjacent_find(sorted.begin(), sorted.end()); twin != sorted.end()) {
@@ -47,7 +50,8 @@ Result<std::vector<std::size_t>> find_columns(std::string_view header, std::stri
 }  // namespace
 
 Result<CsvTable> parse_csv(std::string_view text, std::string_view name,
-                           const std::vector<std::string>& wanted_columns) {
+                           const std::vector<std::string>& wanted_columns,
+                           std::string_view may_be_empty) {
   // Blank lines after the last row are allowed; anywhere else a blank line is a fault.
   while (!text.empty() && only_white_space(text.substr(text.size() - 1))) text.remove_suffix(1);
   TextLines lines(text);
@@ -61,13 +65,18 @@ Result<CsvTable> parse_csv(std::string_view text, std::string_view name,
 
   CsvTable table;
   table.columns.resize(wanted_columns.size());
+  std::vector<std::string_view> cells;
   while (const auto line = lines.next()) {
-    const auto cells = split(*line);
+    split(*line, cells);
     if (cells.size() != width) {
       return fail(Fault::bad_input, "{}:{}: {} cells, the header has {}: {}", name, lines.number(),
                   cells.size(), width, in_quotes(*line));
     }
     for (std::size_t k = 0; k < wanted_columns.size(); ++k) {
+      if (cells[(*places)[k]].empty() && wanted_columns[k] == may_be_empty) {
+        table.columns[k].push_back(std::numeric_limits<double>::quiet_NaN());
+        continue;
+      }
       const auto value = to_number<double>(cells[(*places)[k]]);
       if (!value || !std::isfinite(*value)) {
         return fail(Fault::bad_input, "{}:{}: {} is {}, a finite number is needed", name,
@@ -81,10 +90,11 @@ Result<CsvTable> parse_csv(std::string_view text, std::string_view name,
 }
 
 Result<CsvTable> read_csv(const std::filesystem::path& path,
-                          const std::vector<std::string>& wanted_columns) {
+                          const std::vector<std::string>& wanted_columns,
+                          std::string_view may_be_empty) {
   const auto text = read_file(path, max_csv_bytes);
   if (!text) return tl::unexpected(text.error());
-  return parse_csv(*text, path.string(), wanted_columns);
+  return parse_csv(*text, path.string(), wanted_columns, may_be_empty);
 }
 
 }  // namespace tuina

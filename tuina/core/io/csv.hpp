@@ -19,10 +19,13 @@ struct CsvTable {
 };
 
 [[nodiscard]] Result<CsvTable> read_csv(const std::filesystem::path& path,
-                                        const std::vector<std::string>& wanted_columns);
+                                        const std::vector<std::string>& wanted_columns,
+                                        std::string_view may_be_empty = {});
 
-/// Parses text in memory; `name` stands for the file in errors.
+/// Parses text in memory; `name` stands for the file in errors. A cell of the column `may_be_empty`
+/// is NaN where it is empty.
 [[nodiscard]] Result<CsvTable> parse_csv(std::string_view text, std::string_view name,
-                                         const std::vector<std::string>& wanted_columns);
+                                         const std::vector<std::string>& wanted_columns,
+                                         std::string_view may_be_empty = {});
 
 }  // namespace tuina

@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tuina/tissue/creep_estimator.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "tuina/tissue/creep_law.hpp"
+
+namespace tuina::tissue {
+namespace {
+
+// Window size in segments at which its older half is marginalised: some seven presses.
+constexpr std::size_t marginalise_at = 384;
+// The tangent of the first loading costs as much as ten segments.
+constexpr double publish_every_s = 0.03;
+// Segments that a tick passes: a pass over three presses then needs a tenth of a second.
+constexpr std::size_t turns_per_tick = 2;
+constexpr double z95 = 1.96;
+// Neighbouring segments share what the law leaves out, so evidence counts less than its sum.
+constexpr double evidence_share = 0.6;
+
+/// Tissue that only springs back, and tissue that remembers, each with breath and passing changes
+/// of several sizes, around what the caller expects of the breath.
+std::array<CreepHypothesis, CreepEstimator::filters> hypotheses(double breathing_m) noexcept {
+  constexpr double usual_creep = 0.08;     // of each decade: relaxes by a fifth in all
+  constexpr double first_press_sd = 0.15;  // [palevski2006]: a third less after it
+  const double still_m = 0.02 * breathing_m, little_m = 0.2 * breathing_m,
+               much_m = 1.3 * breathing_m;
+  const auto with = [](double creep, double breath_m, double changing_sd) {
+    return CreepHypothesis{.creep = creep,
+                           .breathing_m = breath_m,
+                           .first_press_sd = first_press_sd,
+                           .changing_sd = changing_sd};
+  };
+  CreepHypothesis slips = with(usual_creep, still_m, 0.004);
+  slips.landing_sd_m = 0.5e-3;  // a tool of 17 mm on a bent back
+  slips.landing_sd = 0.1;
+  return {with(0.0, still_m, 0.004),
+          with(usual_creep, still_m, 0.004),
+          slips,
+          with(usual_creep, still_m, 0.3),
+          with(usual_creep, little_m, 0.02),
+          with(usual_creep, little_m, 0.3),
+          with(usual_creep, much_m, 0.02),
+          with(usual_creep, much_m, 0.15)};
+}
+
+}  // namespace
+
+CreepEstimator::CreepEstimator(const Options& options) noexcept
+    : options_(options), segments_(SegmentOptions{}) {
+  reset();
+}
+
+void CreepEstimator::reset() noexcept {
+  segments_ = PressSegments({.force_noise_n = options_.force_noise_n,
+                             .contact_sd_m = options_.contact_sd_m,
+                             .force_delay_s = options_.force_delay_s,
+                             .tool_mass_kg = options_.tool_mass_kg,
+                             .max_segments = PressSegments::capacity});
+  const auto assumed = hypotheses(options_.breathing_m);
+  for (std::size_t i = 0; i < filters; ++i) filters_[i] = CreepFilter(options_, assumed[i]);
+  weights_.fill(1.0 / static_cast<double>(filters));
+  leader_ = followed_ = next_ = 0;
+  passing_ = middle_kept_ = pressing_ = as_told_ = false;
+  seen_presses_ = 0;
+  press_ = -1;
+  surprise_ = judged_ = rise_s_ = 0.0;
+  strongest_ = PressSegment{};
+  nis_ = 1.0;
+  estimate_ = TissueEstimate{};
+  publish();
+  published_s_ = -std::numeric_limits<double>::infinity();
+}
+
+void CreepEstimator::update(double time_s, const Press& sample) noexcept {
+  segments_.add(time_s, sample);
+  if (followed_ < segments_.closed()) follow();
+  if (segments_.presses() > seen_presses_) judge_press();
+  if (passing_) pass(turns_per_tick);
+}
+
+void CreepEstimator::settle() noexcept {
+  segments_.close();
+  follow();
+  constexpr int max_passes = 40;
+  for (int i = 0; i < max_passes && passing_; ++i) pass(segments_.size());
+}
+
+void CreepEstimator::follow() noexcept {
+  if (followed_ == 0) {
+    for (CreepFilter& filter : filters_) {
+      filter.begin_pass(segments_.tare_sd_n());
+      filter.finish_pass();
+    }
+  }
+  for (; followed_ < segments_.closed(); ++followed_) {
+    for (CreepFilter& filter : filters_) filter.follow(segments_[followed_]);
+    watch_press(segments_[followed_]);
+  }
+  weigh();
+  if (segments_.now_s() - published_s_ >= publish_every_s) publish();
+  if (!passing_) begin_pass();
+}
+
+void CreepEstimator::begin_pass() noexcept {
+  bool moved = segments_.size() >= marginalise_at;
+  for (std::size_t i = 0; i < filters; ++i)
+    moved = moved || (weights_[i] > 0.01 && filters_[i].moved());
+  if (!moved) return;
+  for (CreepFilter& filter : filters_) filter.begin_pass(segments_.tare_sd_n());
+  next_ = 0;
+  passing_ = true;
+  middle_kept_ = false;
+}
+
+void CreepEstimator::pass(std::size_t turns) noexcept {
+  for (; turns > 0 && next_ < followed_; --turns) {
+    for (CreepFilter& filter : filters_) filter.pass(segments_[next_]);
+    if (++next_ == marginalise_at / 2) {
+      for (CreepFilter& filter : filters_) filter.keep_middle();
+      middle_kept_ = true;
+    }
+  }
+  if (next_ == followed_) finish_pass();
+}
+
+void CreepEstimator::finish_pass() noexcept {
+  passing_ = false;
+  for (CreepFilter& filter : filters_) filter.finish_pass();
+  for (const CreepFilter& filter : filters_) {
+    const CreepFilter::Belief& now = filter.now();
+    if (!now.mean.allFinite() || !(now.covariance.diagonal().minCoeff() >= 0.0)) return reset();
+  }
+  if (segments_.size() >= marginalise_at && middle_kept_) {
+    for (CreepFilter& filter : filters_) filter.forget_before_middle();
+    segments_.drop_oldest(marginalise_at / 2);
+    followed_ -= marginalise_at / 2;
+  }
+  weigh();
+  publish();
+  decide_convergence();
+  begin_pass();
+}
+
+void CreepEstimator::weigh() noexcept {
+  leader_ = 0;
+  for (std::size_t i = 1; i < filters; ++i) {
+    if (filters_[i].now().log_evidence > filters_[leader_].now().log_evidence) leader_ = i;
+  }
+  const double highest = filters_[leader_].now().log_evidence;
+  double sum = 0.0;
+  for (std::size_t i = 0; i < filters; ++i)
+    sum += weights_[i] = std::exp(evidence_share * (filters_[i].now().log_evidence - highest));
+  for (double& weight : weights_) weight /= sum;
+}
+
+TangentTissue CreepEstimator::loading_of(const CreepFilter::State& state) const noexcept {
+  CreepLaw law = CreepFilter::law_at(state);
+  // What the caller says of the torso is no tissue; a softness that only shows is.
+  if (options_.torso_n_per_m > 0.0) law.compliance_m_per_n = 0.0;
+  return first_loading(law, std::max(2.0, segments_.peak_force_n()));
+}
+
+void CreepEstimator::publish() noexcept {
+  published_s_ = segments_.now_s();
+  const CreepFilter::Belief& now = filters_[leader_].now();
+  nis_ = now.nis_count > 8.0 ? std::max(1.0, now.nis_sum / now.nis_count) : 1.0;
+  estimate_.tissue = loading_of(now.mean);
+  Eigen::Matrix<double, 2, CreepFilter::nonlinear> J;
+  for (int i = 0; i < CreepFilter::nonlinear; ++i) {
+    const double step = i == CreepFilter::damping ? 0.1 : 0.01;
+    CreepFilter::State aside = now.mean;
+    aside(i) += step;
+    const TangentTissue other = loading_of(aside);
+    J(0, i) = std::log(other.alpha_n / estimate_.tissue.alpha_n) / step;
+    J(1, i) = std::log(other.beta_per_m / estimate_.tissue.beta_per_m) / step;
+  }
+  loading_covariance_ =
+      nis_ * J * now.covariance.topLeftCorner<CreepFilter::nonlinear, CreepFilter::nonlinear>() *
+      J.transpose();
+  estimate_.alpha_ci95_n = estimate_.tissue.alpha_n * z95 * std::sqrt(loading_covariance_(0, 0));
+  estimate_.beta_ci95_per_m =
+      estimate_.tissue.beta_per_m * z95 * std::sqrt(loading_covariance_(1, 1));
+  estimate_.contact_m = now.mean(CreepFilter::skin) + now.mean(CreepFilter::breath);
+  estimate_.presses = segments_.presses();
+}
+
+double CreepEstimator::stiffness_sd(double force_n) const noexcept {
+  // ln k = ln beta + ln(alpha^2 + F^2) - ln alpha, so d ln k / d ln alpha = (1 - q^2) / (1 + q^2).
+  const double q = std::max(0.0, force_n) / estimate_.tissue.alpha_n;
+  const Eigen::Vector2d gradient((1.0 - q * q) / (1.0 + q * q), 1.0);
+  return std::sqrt(gradient.dot(loading_covariance_ * gradient));
+}
+
+}  // namespace tuina::tissue

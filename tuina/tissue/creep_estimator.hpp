@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+
+#include "tuina/core/contact.hpp"
+#include "tuina/tissue/creep_filter.hpp"
+#include "tuina/tissue/estimator.hpp"
+
+namespace tuina::tissue {
+
+/// Recursive estimator for tissue that need not follow the tangent law: it learns relaxation, what
+/// gives way beneath and damping with alpha and beta, and foretells the force of the next press.
+///
+/// Several filters of the creep law with different assumptions run side by side, each weighted by
+/// its evidence. alpha and beta are those of the first loading at 10 mm/s. `converged` is said of
+/// the force that will be met: its 95 % half-width was at most 15 % at the peak of the last press
+/// before that press was felt, and the press kept to it within two standard deviations. No heap, no
+/// exceptions.
+class CreepEstimator {
+ public:
+  using Options = PressEstimatorOptions;
+  static constexpr std::size_t filters = 8;
+
+  explicit CreepEstimator(const Options& options = {}) noexcept;
+
+  /// Adds one sample: position along the inward normal (larger is deeper, the skin near zero) and
+  /// force onto the person. Times increase, with any origin.
+  void update(double time_s, const Press& sample) noexcept;
+  /// Ends the newest segment and passes the window until the parameters rest: for callers that may
+  /// wait some milliseconds.
+  void settle() noexcept;
+
+  [[nodiscard]] const TissueEstimate& estimate() const noexcept { return estimate_; }
+  /// Normalised innovation squared: about 1 if the law describes the tissue, above 4 if not.
+  [[nodiscard]] double nis() const noexcept { return nis_; }
+  /// Relative standard deviation of the tangent stiffness at a force.
+  [[nodiscard]] double stiffness_sd(double force_n) const noexcept;
+  /// How much wider than the filters say bands are, by how well earlier presses were foretold.
+  [[nodiscard]] double widening() const noexcept;
+  /// Forgets the person but not the options.
+  void reset() noexcept;
+
+  /// What is believed at one time, carried on without further forces.
+  struct Outlook {
+    std::array<CreepFilter::Belief, filters> beliefs;
+    std::array<double, filters> weights = {};
+    std::array<Memory, filters> memory_n = {};
+    double time_s = 0.0;
+  };
+  [[nodiscard]] Outlook outlook() const noexcept;
+  struct ForceBand {
+    double force_n = 0.0, low_n = 0.0, high_n = 0.0;  ///< 95 % lie between low and high
+  };
+  /// The reading of the force sensor at a later time, place and speed of the tool; the outlook
+  /// remembers it.
+  [[nodiscard]] ForceBand foretell(Outlook& outlook, double time_s, double position_m,
+                                   double speed_m_per_s) const noexcept;
+
+ private:
+  void follow() noexcept;
+  void watch_press(const PressSegment& segment) noexcept;
+  void judge_press() noexcept;
+  [[nodiscard]] double next_half_width() const noexcept;
+  void begin_pass() noexcept;
+  void pass(std::size_t turns) noexcept;
+  void finish_pass() noexcept;
+  void weigh() noexcept;
+  void decide_convergence() noexcept;
+  void publish() noexcept;
+  [[nodiscard]] TangentTissue loading_of(const CreepFilter::State& state) const noexcept;
+
+  Options options_;
+  PressSegments segments_;
+  std::array<CreepFilter, filters> filters_;
+  std::array<double, filters> weights_ = {};
+  std::size_t leader_ = 0;
+  std::size_t followed_ = 0;  // segments that every filter has seen
+  std::size_t next_ = 0;      // of the running pass
+  bool passing_ = false, middle_kept_ = false;
+
+  Outlook onset_;   // what was believed as the press of now began
+  int press_ = -1;  // its number
+  bool pressing_ = false;
+  PressSegment peak_;       // its strongest segment
+  PressSegment strongest_;  // of all presses
+  double rise_s_ = 0.0;     // from the onset of that press
+  int seen_presses_ = 0;
+  bool as_told_ = false;                  // the last press, within two standard deviations
+  double surprise_ = 0.0, judged_ = 0.0;  // sum of squared normalised errors, and their number
+
+  double nis_ = 1.0, published_s_ = 0.0;
+  Eigen::Matrix2d loading_covariance_;  // of ln alpha and ln beta of the first loading
+  TissueEstimate estimate_;
+};
+static_assert(SteeringEstimator<CreepEstimator>);
+
+}  // namespace tuina::tissue

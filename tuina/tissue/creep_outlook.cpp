@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a creep estimator says of forces to come, and how it judges itself by those that came.
+#include <algorithm>
+#include <cmath>
+
+#include "tuina/tissue/creep_estimator.hpp"
+
+namespace tuina::tissue {
+namespace {
+
+constexpr double onset_n = 1.5;  // the skin is known from here on
+constexpr double z95 = 1.96;
+constexpr double floor_m = 0.004e-3;
+// A sum over presses is trusted as if this many had come as expected before.
+constexpr double expected_presses = 1.0;
+constexpr double forgotten_per_press = 0.95;
+constexpr double converged_half_width = 0.15;
+constexpr double converged_surprise = 2.0;
+constexpr double max_force_n = 300.0;
+
+constexpr double square(double x) {
+  return x * x;
+}
+
+using Bands = std::array<CreepEstimator::ForceBand, CreepEstimator::filters>;
+
+/// The force below which a share of what the filters expect lies, each with a normal distribution
+/// of two halves: a band is wider towards the pole of the law.
+double quantile(const Bands& told, const std::array<double, CreepEstimator::filters>& weights,
+                double share) noexcept {
+  double low_n = told[0].low_n, high_n = told[0].high_n;
+  for (const auto& band : told) {
+    low_n = std::min(low_n, 2.0 * band.low_n - band.force_n);
+    high_n = std::max(high_n, 2.0 * band.high_n - band.force_n);
+  }
+  constexpr int halvings = 30;
+  for (int k = 0; k < halvings; ++k) {
+    const double force_n = 0.5 * (low_n + high_n);
+    double below = 0.0;
+    for (std::size_t i = 0; i < told.size(); ++i) {
+      const auto& band = told[i];
+      const double apart_n = force_n - band.force_n;
+      const double half_n = apart_n > 0.0 ? band.high_n - band.force_n : band.force_n - band.low_n;
+      below +=
+          weights[i] * 0.5 * std::erfc(-z95 * std::sqrt(0.5) * apart_n / std::max(half_n, 1e-6));
+    }
+    (below < share ? low_n : high_n) = force_n;
+  }
+  return 0.5 * (low_n + high_n);
+}
+
+}  // namespace
+
+CreepEstimator::Outlook CreepEstimator::outlook() const noexcept {
+  Outlook outlook{.beliefs = {}, .weights = weights_, .memory_n = {}, .time_s = segments_.now_s()};
+  for (std::size_t i = 0; i < filters; ++i) outlook.beliefs[i] = filters_[i].now();
+  outlook.memory_n.fill(segments_.memory_n());
+  return outlook;
+}
+
+double CreepEstimator::widening() const noexcept {
+  // Student's distribution: so few presses do not know their own spread.
+  const double freedom = expected_presses + judged_;
+  return (1.0 + 1.2 / freedom) * std::sqrt((expected_presses + surprise_) / freedom);
+}
+
+CreepEstimator::ForceBand CreepEstimator::foretell(Outlook& outlook, double time_s,
+                                                   double position_m,
+                                                   double speed_m_per_s) const noexcept {
+  const double dt_s = std::max(0.0, time_s - outlook.time_s);
+  outlook.time_s = time_s;
+  Bands told;
+  for (std::size_t i = 0; i < filters; ++i) {
+    CreepFilter::Belief& belief = outlook.beliefs[i];
+    filters_[i].predict(belief, time_s);
+    CreepLaw law = CreepFilter::law_at(belief.mean);
+    law.tissue.alpha_n *= std::exp(belief.mean(CreepFilter::change));
+    Memory& memory_n = outlook.memory_n[i];
+    const double depth_m =
+        position_m - belief.mean(CreepFilter::skin) - belief.mean(CreepFilter::breath);
+    const auto force_at = [&](double deeper_m) {
+      return force_of(law, depth_m + deeper_m, memory_n, speed_m_per_s, max_force_n);
+    };
+    ForceBand& band = told[i];
+    band.force_n = force_at(0.0);
+    const CreepFilter::Expected expected =
+        CreepFilter::expect(belief, belief.mean, false, {band.force_n, memory_n, speed_m_per_s});
+    const double reach_m = z95 * widening() * std::sqrt(expected.variance_m2 + square(floor_m));
+    band.low_n = force_at(-reach_m);
+    band.high_n = force_at(reach_m);
+    for (std::size_t k = 0; k < memory_s.size(); ++k)
+      memory_n[k] = band.force_n + std::exp(-dt_s / memory_s[k]) * (memory_n[k] - band.force_n);
+    const double zero_n = segments_.tare_n() + belief.mean(CreepFilter::offset);
+    band.force_n += zero_n;
+    band.low_n += zero_n;
+    band.high_n += zero_n;
+  }
+  ForceBand band{.force_n = quantile(told, outlook.weights, 0.5),
+                 .low_n = quantile(told, outlook.weights, 0.025),
+                 .high_n = quantile(told, outlook.weights, 0.975)};
+  const double noise_n = z95 * options_.force_noise_n;
+  band.low_n = band.force_n - std::hypot(band.force_n - band.low_n, noise_n);
+  band.high_n = band.force_n + std::hypot(band.high_n - band.force_n, noise_n);
+  return band;
+}
+
+void CreepEstimator::watch_press(const PressSegment& segment) noexcept {
+  if (!segment.contact || segment.force_n < onset_n) return;
+  if (segment.press != press_) {
+    press_ = segment.press;
+    onset_ = outlook();
+    peak_ = segment;
+    pressing_ = true;
+  }
+  if (segment.force_n > peak_.force_n) peak_ = segment;
+}
+
+void CreepEstimator::judge_press() noexcept {
+  estimate_.presses = seen_presses_ = segments_.presses();
+  if (!pressing_) return;
+  pressing_ = false;
+  if (peak_.force_n > strongest_.force_n) {
+    strongest_ = peak_;
+    rise_s_ = peak_.time_s - onset_.time_s;
+  }
+  if (seen_presses_ < 2) return;  // before the first one nothing was known
+  const Loading peak{peak_.force_n, peak_.memory_n, peak_.speed_m_per_s};
+  double error_m = 0.0, square_m2 = square(floor_m);
+  for (std::size_t i = 0; i < filters; ++i) {
+    CreepFilter::Belief& belief = onset_.beliefs[i];
+    filters_[i].predict(belief, peak_.time_s);
+    const CreepFilter::Expected told = CreepFilter::expect(belief, belief.mean, false, peak);
+    const double apart_m = peak_.position_m - told.position_m;
+    error_m += onset_.weights[i] * apart_m;
+    square_m2 += onset_.weights[i] * (square(apart_m) + told.variance_m2);
+  }
+  const double surprise = square(error_m) / (square_m2 - square(error_m));
+  as_told_ = surprise <= square(converged_surprise * std::max(1.0, widening()));
+  surprise_ = forgotten_per_press * surprise_ + surprise;
+  judged_ = forgotten_per_press * judged_ + 1.0;
+  decide_convergence();
+}
+
+void CreepEstimator::decide_convergence() noexcept {
+  const bool was = estimate_.converged;
+  estimate_.converged = as_told_ && next_half_width() <= converged_half_width;
+  if (!estimate_.converged)
+    estimate_.converged_after_s = -1.0;
+  else if (!was)
+    estimate_.converged_after_s = segments_.now_s() - segments_.first_contact_s();
+}
+
+double CreepEstimator::next_half_width() const noexcept {
+  // The same force again, a second after the last one; the skin is found as the press begins.
+  PressSegment onset{.time_s = segments_.now_s() + 1.0,
+                     .force_n = onset_n,
+                     .samples = 20.0,
+                     .press = seen_presses_};
+  const Loading light{.force_n = onset_n},
+      strongest{strongest_.force_n, strongest_.memory_n, strongest_.speed_m_per_s};
+  double mean_m = 0.0, square_m2 = square(floor_m), m_per_n = 0.0;
+  for (std::size_t i = 0; i < filters; ++i) {
+    CreepFilter::Belief belief = filters_[i].now();
+    filters_[i].predict(belief, onset.time_s);
+    onset.position_m = CreepFilter::expect(belief, filters_[i].at(), false, light).position_m;
+    filters_[i].fuse(belief, onset);
+    filters_[i].predict(belief, onset.time_s + rise_s_);
+    const CreepFilter::Expected told =
+        CreepFilter::expect(belief, filters_[i].at(), false, strongest);
+    const double deep_m = told.position_m - onset.position_m;
+    mean_m += weights_[i] * deep_m;
+    square_m2 += weights_[i] * (square(deep_m) + told.variance_m2);
+    m_per_n += weights_[i] * told.m_per_n;
+  }
+  return z95 * widening() * std::sqrt(square_m2 - square(mean_m)) / (m_per_n * strongest_.force_n);
+}
+
+}  // namespace tuina::tissue
