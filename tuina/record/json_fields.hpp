@@ -125,6 +125,9 @@ class JsonWriter {
   [[nodiscard]] static Json json_of(const std::optional<double>& value, Unit unit) {
     return value ? json_of(*value, unit) : Json();
   }
+  [[nodiscard]] static Json json_of(const std::optional<std::string>& value, Unit) {
+    return value ? Json(*value) : Json();
+  }
   template <Enumeration E>
   [[nodiscard]] static Json json_of(const E& value, Unit) {
     return name_of(value);

@@ -3,10 +3,10 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
 #include <optional>
 
 #include "tuina/core/io/file.hpp"
+#include "tuina/core/io/text_lines.hpp"
 #include "tuina/core/units.hpp"
 
 namespace tuina::record {
@@ -87,10 +87,9 @@ class RowReader {
  public:
   explicit RowReader(std::string_view line) : rest_(line) {}
   void operator()(std::string_view, double& value, Stated stated) {
-    const std::string_view cell = next();
-    const auto [end, fault] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
-    good_ = good_ && fault == std::errc() && end == cell.data() + cell.size();
-    value = stated.in_si(value);
+    const auto number = to_number<double>(next());
+    good_ = good_ && number.has_value();
+    value = stated.in_si(number.value_or(0.0));
   }
   void operator()(std::string_view, Arm& arm) {
     const std::string_view cell = next();
