@@ -43,7 +43,7 @@ Motion motion_at(const std::vector<tissue::TimedPress>& rows, std::size_t row) {
 
 Result<std::string> predict_forces(tissue::CreepEstimator estimator, double begin_s, double end_s,
                                    const std::string& next_file) {
-  auto rows = read_presses(next_file, true);
+  const auto rows = read_presses(next_file, true);
   if (!rows) return tl::unexpected(rows.error());
   const double first_s = rows->front().time_s;
   if (first_s > begin_s && first_s <= end_s) {
@@ -61,7 +61,6 @@ Result<std::string> predict_forces(tissue::CreepEstimator estimator, double begi
   // On a clock of its own the press is so much later that the tissue has forgotten the record.
   const double rested_s = 5.0 * tissue::memory_s.back();
   const double later_s = first_s > end_s ? 0.0 : end_s - first_s + rested_s;
-  for (tissue::TimedPress& row : *rows) row.time_s += later_s;
 
   std::string csv = "time_s,force_n,force_low_n,force_high_n\n";
   tissue::CreepEstimator::Outlook outlook;
@@ -69,7 +68,7 @@ Result<std::string> predict_forces(tissue::CreepEstimator estimator, double begi
   for (std::size_t i = 0; i < rows->size(); ++i) {
     const auto& [time_s, press] = (*rows)[i];
     if (!std::isnan(press.force_n)) {
-      estimator.update(time_s, press);
+      estimator.update(time_s + later_s, press);
       told = false;
       continue;
     }
@@ -79,9 +78,10 @@ Result<std::string> predict_forces(tissue::CreepEstimator estimator, double begi
       told = true;
     }
     const Motion motion = motion_at(*rows, i);
-    const auto band = estimator.foretell(outlook, time_s, motion.position_m, motion.speed_m_per_s);
-    fmt::format_to(std::back_inserter(csv), "{},{:.6g},{:.6g},{:.6g}\n", time_s - later_s,
-                   band.force_n, band.low_n, band.high_n);
+    const auto band =
+        estimator.foretell(outlook, time_s + later_s, motion.position_m, motion.speed_m_per_s);
+    fmt::format_to(std::back_inserter(csv), "{},{:.6g},{:.6g},{:.6g}\n", time_s, band.force_n,
+                   band.low_n, band.high_n);
   }
   return csv;
 }

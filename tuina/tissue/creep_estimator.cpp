@@ -21,7 +21,8 @@ constexpr double z95 = 1.96;
 constexpr double evidence_share = 0.6;
 
 /// Tissue that only springs back, and tissue that remembers, each with breath and passing changes
-/// of several sizes, around what the caller expects of the breath.
+/// of several sizes, around what the caller expects of the breath. Tuned in the worlds of
+/// docs/tissue.md with other seeds than those that judge.
 std::array<CreepHypothesis, CreepEstimator::filters> hypotheses(double breathing_m) noexcept {
   constexpr double usual_creep = 0.08;     // of each decade: relaxes by a fifth in all
   constexpr double first_press_sd = 0.15;  // [palevski2006]: a third less after it

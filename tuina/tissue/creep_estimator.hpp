@@ -14,9 +14,9 @@ namespace tuina::tissue {
 ///
 /// Several filters of the creep law with different assumptions run side by side, each weighted by
 /// its evidence. alpha and beta are those of the first loading at 10 mm/s. `converged` is said of
-/// the force that will be met: its 95 % half-width was at most 15 % at the peak of the last press
-/// before that press was felt, and the press kept to it within two standard deviations. No heap, no
-/// exceptions.
+/// the force that will be met: at the strongest force so far the 95 % half-width of a next press is
+/// at most 15 %, and the last press kept to what was told within two standard deviations. No heap,
+/// no exceptions.
 class CreepEstimator {
  public:
   using Options = PressEstimatorOptions;

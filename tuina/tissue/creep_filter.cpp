@@ -21,13 +21,16 @@ constexpr double thinner_share = 0.5;    // of the differences in alpha between 
 constexpr double change_s = 1.5;         // a tensed muscle lets go within seconds
 constexpr double max_step = 0.5, min_step = 0.05;  // of logarithms
 constexpr double robust_limit = 4.0;               // Huber threshold, in standard deviations
+// A segment's part of `model_sd_m`: the wider law leaves less out than the tangent does.
+constexpr double model_share = 0.3;
 // Tissue that was never pressed: wider than Table 6-2, which fits the tangent law alone.
 constexpr double log_alpha_sd = 0.8, log_beta_sd = 0.5;
 constexpr double log_creep_sd = 1.2, log_compliance_sd = 1.0;
+// A tenth of the depth is taken by what is four times softer, or by much more or less of it.
 constexpr double usual_layer_share = 0.1, log_share_sd = 1.5;
 constexpr double usual_softness = 4.0, log_softness_sd = 0.5;
-constexpr double usual_n_per_m = 60e3;  // beneath: ribs and torso of a person who lies
-constexpr double clear_of_skin_m = 0.5_mm;
+constexpr double usual_n_per_m = 60e3;      // beneath: ribs and torso of a person who lies
+constexpr double clear_of_skin_m = 0.5_mm;  // there the sensor shows its zero
 // A third of the standard deviation is no reason to pass the whole window again.
 constexpr double settled_share = 0.3, settled_step = 0.01;
 
@@ -164,7 +167,7 @@ void CreepFilter::fuse(Belief& belief, const PressSegment& segment) const noexce
   const double jolt_m = unknown_inertia * segment.inertia_n * at.m_per_n;
   const double R = square(options_.position_noise_m) / segment.samples +
                    square(at.m_per_n) * (force_variance + square(sensor_floor_n)) +
-                   square(0.3 * options_.model_sd_m) + square(options_.timing_sd_s * v) +
+                   square(model_share * options_.model_sd_m) + square(options_.timing_sd_s * v) +
                    square(jolt_m);
   fuse(belief, at.H, segment.position_m - at.position_m, R);
 }

@@ -10,13 +10,13 @@ namespace {
 
 constexpr double onset_n = 1.5;  // the skin is known from here on
 constexpr double z95 = 1.96;
-constexpr double floor_m = 0.004e-3;
+constexpr double floor_m = 0.004e-3;  // of a position whose noise is smoothed away
 // A sum over presses is trusted as if this many had come as expected before.
 constexpr double expected_presses = 1.0;
-constexpr double forgotten_per_press = 0.95;
+constexpr double kept_per_press = 0.95;  // a person is the same for about twenty presses
 constexpr double converged_half_width = 0.15;
 constexpr double converged_surprise = 2.0;
-constexpr double max_force_n = 300.0;
+constexpr double max_force_n = 300.0;  // beyond any press; near its pole the law says anything
 
 constexpr double square(double x) {
   return x * x;
@@ -136,8 +136,8 @@ void CreepEstimator::judge_press() noexcept {
   }
   const double surprise = square(error_m) / (square_m2 - square(error_m));
   as_told_ = surprise <= square(converged_surprise * std::max(1.0, widening()));
-  surprise_ = forgotten_per_press * surprise_ + surprise;
-  judged_ = forgotten_per_press * judged_ + 1.0;
+  surprise_ = kept_per_press * surprise_ + surprise;
+  judged_ = kept_per_press * judged_ + 1.0;
   decide_convergence();
 }
 

@@ -273,7 +273,7 @@ class EvaluateTissue final : public Verb {
   int runs_ = 200, arm_runs_ = 24, world_runs_ = 8;
   bool thesis_ = false;
   std::string scenario_, out_;
-  nlohmann::json table_;
+  nlohmann::json table_ = nlohmann::json::object();
   TissuePage page_{.table = empty_table(), .worlds = empty_world_table(), .curves = {}};
 };
 
