@@ -30,8 +30,13 @@ class EvaluateAll final : public Verb {
       if (!part.starts_with("evaluate ") || part == name() || needs_a_folder) continue;
       const auto found = verb->run(common);
       if (!found) return fail(found.error().fault, "{}: {}", part, found.error().message);
-      // Each verb's tables stand under a key of their own name.
-      all.update(nlohmann::ordered_json::parse(found->json));
+      // Each verb's tables stand under a key of their own name; the campaign has no such key.
+      const auto tables = nlohmann::ordered_json::parse(found->json);
+      if (part == "evaluate safety") {
+        all["safety"] = tables;
+      } else {
+        all.update(tables);
+      }
       answer.text += fmt::format("== {}\n{}\n\n", part, found->text);
       answer.exit_code = std::max(answer.exit_code, found->exit_code);
     }

@@ -19,6 +19,7 @@ std::vector<std::unique_ptr<Verb>> make_evaluations() {
   verbs.push_back(make_evaluate_teach());
   verbs.push_back(make_evaluate_robots());
   verbs.push_back(make_evaluate_processes());
+  verbs.push_back(make_evaluate_safety());
   return verbs;
 }
 

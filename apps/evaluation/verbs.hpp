@@ -17,6 +17,7 @@ std::unique_ptr<Verb> make_evaluate_all();
 std::unique_ptr<Verb> make_evaluate_massage();
 std::unique_ptr<Verb> make_evaluate_teach();
 std::unique_ptr<Verb> make_evaluate_robots();
+std::unique_ptr<Verb> make_evaluate_safety();
 std::unique_ptr<Verb> make_evaluate_acupoints();
 std::unique_ptr<Verb> make_evaluate_atlas();
 std::unique_ptr<Verb> make_evaluate_calibration();

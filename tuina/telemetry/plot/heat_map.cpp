@@ -11,10 +11,17 @@
 namespace tuina::telemetry {
 namespace {
 
-constexpr double cell_width = 52.0, cell_height = 30.0, left = 62.0, top = 34.0, below = 46.0;
+constexpr double cell_width = 52.0, cell_height = 30.0, top = 34.0, below = 46.0;
+
+/// Room for the longest of the ticks beside the rows.
+double left_of(const HeatMap& map) {
+  std::size_t letters = 0;
+  for (const std::string& tick : map.y_ticks) letters = std::max(letters, tick.size());
+  return std::max(62.0, letter_px * static_cast<double>(letters) + 16.0);
+}
 
 double width_of(const HeatMap& map) {
-  return left + cell_width * static_cast<double>(map.x_ticks.size()) + 24.0;
+  return left_of(map) + cell_width * static_cast<double>(map.x_ticks.size()) + 24.0;
 }
 
 double height_of(const HeatMap& map) {
@@ -36,6 +43,7 @@ std::string text_at(double x, double y, const char* anchor, const std::string& f
 std::string cells(const HeatMap& map) {
   std::string svg;
   const std::size_t columns = map.x_ticks.size(), rows = map.y_ticks.size();
+  const double left = left_of(map);
   for (std::size_t row = 0; row < rows; ++row) {
     const double y = top + cell_height * static_cast<double>(rows - 1 - row);
     for (std::size_t column = 0; column < columns; ++column) {

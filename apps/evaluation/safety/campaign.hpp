@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "apps/evaluation/safety/trial.hpp"
+#include "tuina/core/progress.hpp"
+
+namespace tuina::app {
+
+/// One class in one state at one place: its trial, what came of it and every promise that it broke.
+struct CampaignCell {
+  const FaultClass* fault = nullptr;
+  TrialPlan plan;
+  TrialOutcome outcome;
+  std::vector<std::string> broken = {};  ///< sentences for people; none: it holds
+  [[nodiscard]] bool holds() const { return broken.empty(); }
+};
+
+/// Two faults of different classes, with every distance in time and at every place that is tried.
+struct FaultPair {
+  const FaultClass *first = nullptr, *second = nullptr;
+  double worst_force_n = 0.0;
+  TrialPlan worst_plan = {};
+  [[nodiscard]] bool holds() const { return worst_force_n <= double_fault_n; }
+};
+
+/// One random trial; a violation is what no fault may ever do.
+struct RandomTrial {
+  TrialPlan plan;
+  TrialOutcome outcome;
+  [[nodiscard]] bool violates() const {
+    return outcome.worst_force_n > never_n || outcome.over_seldom_s > seldom_s + 1e-9;
+  }
+};
+
+struct CampaignOrder {
+  bool full = false;
+  std::uint64_t seed = 1;
+  std::string only = {};  ///< the cells of this class, and nothing else
+  std::size_t random_trials = 300;
+  std::size_t clean_runs = 10;
+  double clean_press_s = 30.0;  ///< of each
+};
+[[nodiscard]] CampaignOrder campaign_order(bool full, const std::string& only, std::uint64_t seed);
+
+struct Campaign {
+  CampaignOrder order;
+  std::vector<Site> sites;
+  std::vector<CampaignCell> cells;
+  std::vector<FaultPair> pairs;
+  std::vector<RandomTrial> random;
+  int false_stops = 0;  ///< in runs without a fault, and in others before it came
+
+  [[nodiscard]] std::size_t violations() const;
+  [[nodiscard]] double violation_bound() const;  ///< 95 %, of a random trial
+  [[nodiscard]] double worst_force_n() const;
+  /// Of the cells that had to stop and did, in order.
+  [[nodiscard]] std::vector<double> first_actions_ms() const;
+};
+
+/// Every cell of the table, not yet run; `sites` must outlive them.
+[[nodiscard]] std::vector<CampaignCell> campaign_cells(const std::vector<Site>& sites, bool full,
+                                                       std::uint64_t seed);
+/// Runs a cell and judges it.
+[[nodiscard]] Result<void> run_cell(CampaignCell& cell);
+
+/// All of it, side by side on all cores; the results do not depend on how many there are.
+[[nodiscard]] Result<Campaign> run_campaign(const CampaignOrder& order, const Progress& progress);
+
+}  // namespace tuina::app

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/evaluation/safety/trial_truth.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tuina::app {
+namespace {
+
+constexpr double resting_n = 5.0;  // less is a tool that lies on the skin
+
+}  // namespace
+
+std::optional<robot::RobotReading> TrialTruth::read() noexcept {
+  auto reading = plant_.read();
+  // Half a millisecond, since times are sums.
+  if (begun() && time_s() > onset_s_ - 0.5 * control_period_s) look();
+  return reading;
+}
+
+void TrialTruth::begin(double set_n) noexcept {
+  onset_s_ = time_s() + control_period_s;
+  outcome_.tried = true;
+  outcome_.set_force_n = set_n;
+  from_in_couch_ = arm().couch_from_tool.translation();
+}
+
+void TrialTruth::look() {
+  const sim::ArmTruth& truth = arm();
+  const double since_s = time_s() - onset_s_, force_n = truth.contact.force_n;
+  outcome_.worst_force_n = std::max(outcome_.worst_force_n, force_n);
+  if (force_n > seldom_n) outcome_.over_seldom_s += control_period_s;
+  if (force_n > 0.0) outcome_.released_ms = 1e3 * since_s;
+  squares_ += (force_n - set_n_) * (force_n - set_n_);
+  ++samples_;
+  const Vector3 at_in_couch = truth.couch_from_tool.translation();
+  if (!lost_skin_ && force_n == 0.0) {
+    lost_skin_ = true;
+    from_in_couch_ = at_in_couch;
+    outcome_.further_m = 0.0;
+  }
+  outcome_.further_m =
+      std::max(outcome_.further_m, (from_in_couch_ - at_in_couch).dot(plan_.site->normal_in_couch));
+  if (truth.drive == sim::Drive::damped) note_action();
+  if (truth.drive == sim::Drive::braked) note_stop("braked by the drives");
+  if (plan_.traced) outcome_.trace.push_back({since_s, set_n_, force_n});
+}
+
+void TrialTruth::note_action() noexcept {
+  if (begun() && std::isnan(outcome_.first_action_ms))
+    outcome_.first_action_ms = 1e3 * std::max(0.0, time_s() - onset_s_);
+}
+
+void TrialTruth::note_stop(const std::string& cause) {
+  note_action();
+  if (!outcome_.stopped) outcome_.cause = cause;
+  outcome_.stopped = true;
+}
+
+TrialOutcome TrialTruth::finish() {
+  outcome_.end_force_n = arm().contact.force_n;
+  outcome_.end_m_per_s = arm().velocity_in_couch.norm();
+  if (samples_ > 0) outcome_.rmse_n = std::sqrt(squares_ / samples_);
+  if (plant_.fault() != nullptr) {
+    outcome_.end = "beyond all bounds";
+  } else if (outcome_.stopped) {
+    outcome_.end = outcome_.end_force_n > resting_n ? "pressing"
+                   : outcome_.end_force_n > 0.0     ? "resting on the skin"
+                                                    : "away";
+    if (arm().drive == sim::Drive::braked) outcome_.end += ", braked";
+  }
+  return std::move(outcome_);
+}
+
+}  // namespace tuina::app

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+// A dozen cells of the fault campaign, and what the campaign is made of.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "apps/evaluation/safety/judge.hpp"
+#include "apps/evaluation/safety/report.hpp"
+#include "tests/reason.hpp"
+#include "tuina/safety/guard.hpp"
+
+using namespace tuina;
+using namespace tuina::app;
+
+namespace {
+
+const std::vector<Site>& sites() {
+  static const std::vector<Site> all = [] {
+    auto made = make_sites(1);
+    REQUIRE_MESSAGE(made.has_value(), test::reason(made));
+    return std::move(*made);
+  }();
+  return all;
+}
+
+/// The first cell of a class in a state.
+CampaignCell cell_of(const std::string& name, const std::string& state) {
+  for (CampaignCell& cell : campaign_cells(sites(), false, 1)) {
+    if (cell.fault->name == name && state_of(cell) == state) return std::move(cell);
+  }
+  FAIL("no such cell: " << name << " in " << state);
+  return {};
+}
+
+}  // namespace
+
+TEST_CASE("a dozen cells of the campaign keep all that is promised") {
+  struct Row {
+    std::string name, state;
+  };
+  for (const Row& row : {Row{"wrist drops out", "contact hard"},
+                         {"wrist drops out", "contact bone"},
+                         {"wrist spike", "contact soft"},
+                         {"clock stands still", "travel"},
+                         {"encoder jumps", "contact low"},
+                         {"stall of 2 ms", "contact hard"},
+                         {"torque not a number", "approach"},
+                         {"controller killed", "contact bone"},
+                         {"guard killed", "contact hard"},
+                         {"breathes deeply", "contact soft"},
+                         {"leaves", "contact hard"},
+                         {"stall of 50 ms", "idle"}}) {
+    CampaignCell cell = cell_of(row.name, row.state);
+    const auto run = run_cell(cell);
+    REQUIRE_MESSAGE(run.has_value(), test::reason(run));
+    INFO(row.name << ", " << row.state << ", " << cell.plan.site->name);
+    for (const std::string& broken : cell.broken) FAIL_CHECK(broken);
+  }
+}
+
+TEST_CASE("a whole trial goes from the travel to the way out, and its fault comes in time") {
+  const Site& site = sites()[2];
+  const auto clean = run_trial({.site = &site, .whole = true});
+  REQUIRE_MESSAGE(clean.has_value(), test::reason(clean));
+  CHECK_MESSAGE(!clean->stopped, clean->cause);
+  CHECK_FALSE(clean->tried);
+  for (const Stage stage : {Stage::travel, Stage::approach, Stage::contact, Stage::retract}) {
+    CAPTURE(name_of(stage));
+    const auto outcome = run_trial({.site = &site,
+                                    .stage = stage,
+                                    .into_stage_s = 0.05,
+                                    .onsets = {{.fault = &fault_class("guard killed")}},
+                                    .whole = true});
+    REQUIRE_MESSAGE(outcome.has_value(), test::reason(outcome));
+    CHECK(outcome->tried);
+    CHECK(outcome->stopped);
+    CHECK((outcome->worst_force_n > 0.0) == (stage >= Stage::contact));
+  }
+}
+
+TEST_CASE("a trial happens again to the last bit") {
+  CampaignCell one = cell_of("sits up", "contact hard"), other = one;
+  REQUIRE(run_cell(one).has_value());
+  REQUIRE(run_cell(other).has_value());
+  CHECK(one.outcome.worst_force_n == other.outcome.worst_force_n);
+  CHECK(one.outcome.first_action_ms == other.outcome.first_action_ms);
+  CHECK(one.outcome.worst_force_n > one.outcome.set_force_n);
+}
+
+TEST_CASE(
+    "every class has a name of its own, and the guard has words for the causes it is to name") {
+  std::set<std::string> causes, names;
+  for (int cause = 0; cause <= static_cast<int>(safety::Cause::not_as_planned); ++cause)
+    causes.insert(name_of(static_cast<safety::Cause>(cause)));
+  for (const FaultClass& fault : fault_classes()) {
+    CAPTURE(fault.name);
+    CHECK(names.insert(fault.name).second);
+    CHECK_FALSE(fault.stages.empty());
+    CHECK(allowed_n(fault.promise, 43.0) <= never_n);
+    for (const std::string& cause : fault.promise.causes) CHECK(causes.contains(cause));
+  }
+  CHECK(campaign_cells(sites(), false, 1).size() >= 500);
+}
+
+TEST_CASE("a tool presses only where a person may be pressed, the folded arm heavier than others") {
+  double low_kg = 0.0, others_kg = 0.0;
+  for (const Site& site : sites()) {
+    CAPTURE(site.name);
+    CHECK(site.force_n > 0.0);
+    CHECK(site.zone != safety::Zone::bench);
+    const bool low = site.spot == "low" || site.spot == "midline";
+    double& heaviest = low ? low_kg : others_kg;
+    heaviest = std::max(heaviest, site.apparent_mass_kg);
+  }
+  CHECK(low_kg > others_kg);
+}
+
+TEST_CASE("the bound of a share: none in n leaves 1 - 0.05^(1/n), all leave everything") {
+  CHECK(clopper_pearson_upper(0, 300) == doctest::Approx(1.0 - std::pow(0.05, 1.0 / 300.0)));
+  CHECK(clopper_pearson_upper(7, 7) == 1.0);
+  const double n = 50.0, p = clopper_pearson_upper(1, 50);
+  CHECK(std::pow(1.0 - p, n) + n * p * std::pow(1.0 - p, n - 1.0) == doctest::Approx(0.05));
+}
+
+TEST_CASE("what the campaign says has the names that it is asked for by") {
+  const auto campaign = run_campaign(campaign_order(false, "leaves", 1), {});
+  REQUIRE_MESSAGE(campaign.has_value(), test::reason(campaign));
+  const auto json = nlohmann::json::parse(to_json(*campaign));
+  CHECK(json["cells"] == campaign->cells.size());
+  CHECK(json["failed"].is_array());
+  CHECK(json["double_faults"] == nlohmann::json{{"held", 0}, {"of", 0}});
+  CHECK(json["sessions"]["bound"] == 1.0);
+  CHECK(json["first_action_ms"]["max"] > 0.0);
+  CHECK(json["false_stops"].is_number());
+  const auto page = page_of(*campaign);
+  REQUIRE_MESSAGE(page.has_value(), test::reason(page));
+  CHECK(page->ends_with("</html>\n"));
+}
