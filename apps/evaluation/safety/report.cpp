@@ -66,7 +66,7 @@ Table class_table(const Campaign& campaign) {
       const TrialOutcome& outcome = cell.outcome;
       ++cells;
       kept += cell.holds() ? 1 : 0;
-      silent += std::isnan(outcome.first_action_ms) ? 1 : 0;
+      silent += outcome.tried && std::isnan(outcome.first_action_ms) ? 1 : 0;
       worst_n = std::max(worst_n, outcome.worst_force_n);
       excess_n =
           std::max(excess_n, outcome.worst_force_n - allowed_n(fault.promise, outcome.set_force_n));
@@ -111,7 +111,8 @@ std::string summary_of(const Campaign& campaign) {
   return fmt::format(
       "{} of {} cells keep all promises, {} of {} pairs of faults stay below {:.0f} N. {} of {} "
       "random trials do what no fault may do: with 95 % confidence less than {:.2f} % of such "
-      "trials. The largest true force of all is {:.0f} N. {} runs without a fault were stopped.",
+      "trials. The largest true force of all is {:.0f} N. Without a fault, or before it came, {} "
+      "runs were stopped.",
       campaign.cells.size() - static_cast<std::size_t>(failed), campaign.cells.size(), held,
       campaign.pairs.size(), double_fault_n, campaign.violations(), campaign.random.size(),
       100.0 * campaign.violation_bound(), campaign.worst_force_n(), campaign.false_stops);

@@ -266,6 +266,7 @@ void Trial::judge_stop() {
   }
   const control::ContactFault fault = arm_.controller().status().contact_fault;
   if (fault != control::ContactFault::none && !arm_.stopped()) {
+    truth_.note_action();
     truth_.note_stop(name_of(fault));
     if (stage_ == Stage::approach || stage_ == Stage::contact)
       arm_.controller().retract(standoff_m);

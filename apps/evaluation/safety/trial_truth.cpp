@@ -41,8 +41,9 @@ void TrialTruth::look() {
   }
   outcome_.further_m =
       std::max(outcome_.further_m, (from_in_couch_ - at_in_couch).dot(plan_.site->normal_in_couch));
-  if (truth.drive == sim::Drive::damped) note_action();
-  if (truth.drive == sim::Drive::braked) note_stop("braked by the drives");
+  const bool braked = truth.drive == sim::Drive::braked;
+  if (braked || truth.drive == sim::Drive::damped) note_action();
+  if (braked) note_stop("braked by the drives");
   if (plan_.traced) outcome_.trace.push_back({since_s, set_n_, force_n});
 }
 
@@ -52,7 +53,6 @@ void TrialTruth::note_action() noexcept {
 }
 
 void TrialTruth::note_stop(const std::string& cause) {
-  note_action();
   if (!outcome_.stopped) outcome_.cause = cause;
   outcome_.stopped = true;
 }

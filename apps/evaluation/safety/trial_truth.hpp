@@ -31,7 +31,7 @@ class TrialTruth final : public robot::Robot {
   void want(double set_n) noexcept { set_n_ = set_n; }
   /// Somebody does something about the fault.
   void note_action() noexcept;
-  /// The first cause is kept.
+  /// The arm will not go on; the first cause is kept.
   void note_stop(const std::string& cause);
   [[nodiscard]] TrialOutcome finish();
 
