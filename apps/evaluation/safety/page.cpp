@@ -37,7 +37,7 @@ std::vector<const FaultClass*> tried_classes(const Campaign& campaign) {
 std::string margin_map(const Campaign& campaign) {
   telemetry::HeatMap map{.title = "true force as a share of what is allowed, %",
                          .y_label = "above 100 a promise is broken",
-                         .calm = 60.0,
+                         .calm = 100.0,
                          .wild = 200.0};
   const std::vector<std::pair<std::string, std::string>> states = {
       {"idle", "idle"},         {"travel", "travel"},       {"approach", "appr."},
