@@ -6,9 +6,11 @@
 #include <algorithm>
 #include <optional>
 
+#include "tuina/body/back_surface.hpp"
 #include "tuina/core/parallel.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/robot/inverse_kinematics.hpp"
+#include "tuina/session/guarded_field.hpp"
 #include "tuina/session/guarded_zone.hpp"
 #include "tuina/sim/person/phantom.hpp"
 
@@ -160,6 +162,16 @@ Result<Site> make_site(const sim::Person& person, const Spot& spot, Arm arm) {
   return site;
 }
 
+/// As the session tells it to the guard; the scan is perfect.
+Result<safety::ZoneField> field_of(const sim::Person& person) {
+  PointCloud skin_in_couch;
+  skin_in_couch.points = person.skin_in_couch.vertices;
+  const auto back = body::fit_back(skin_in_couch, {.position = person.position});
+  if (!back) return tl::unexpected(back.error());
+  return session::zone_field(*back, person.acupoints, person.landmarks, {},
+                             robot::mount_for(person.position).base_from_couch);
+}
+
 }  // namespace
 
 Vector3 Site::aside_in_couch() const {
@@ -183,8 +195,13 @@ Result<std::vector<Site>> make_sites(std::uint64_t seed) {
   for_each_in_parallel(jobs.size(), [&](std::size_t k) {
     sim::Person person = sim::make_phantom(sim::draw_phantom(jobs[k].type, seed), jobs[k].position);
     person.body_type = jobs[k].type;
-    for (const Spot& spot : spots)
-      for (const Arm arm : both_arms) made[k].push_back(make_site(person, spot, arm));
+    const auto field = field_of(person);
+    for (const Spot& spot : spots) {
+      for (const Arm arm : both_arms) {
+        made[k].push_back(field ? make_site(person, spot, arm) : tl::unexpected(field.error()));
+        if (made[k].back()) made[k].back()->field = *field;
+      }
+    }
   });
   std::vector<Site> sites;
   for (auto& of_person : made) {

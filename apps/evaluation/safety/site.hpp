@@ -8,6 +8,7 @@
 #include "tuina/core/result.hpp"
 #include "tuina/robot/arm_model.hpp"
 #include "tuina/safety/limits.hpp"
+#include "tuina/safety/zone_field.hpp"
 #include "tuina/sim/person/tissue_map.hpp"
 
 namespace tuina::app {
@@ -26,7 +27,8 @@ struct Site {
   TangentTissue bone;                          ///< of this person
   Mesh skin_in_couch;                          ///< around the place
   safety::Zone zone = safety::Zone::denied;
-  double force_n = 0.0;  ///< pressed with: 2 N less than the zone bears
+  safety::ZoneField field;  ///< what the guard knows of this person
+  double force_n = 0.0;     ///< pressed with: 2 N less than the zone bears
   robot::RobotMount mount;
   double rail_m = 0.0;
   JointVector above_rad, aside_rad;  ///< tool 25 mm above the place; 60 mm above and 100 mm outward

@@ -68,7 +68,7 @@ class Trial {
   TrialOutcome run();
 
  private:
-  [[nodiscard]] robot::RobotCommand step(const robot::RobotReading& reading);
+  [[nodiscard]] safety::RobotProposal propose(const robot::RobotReading& reading);
   void conduct();
   void press();
   void begin_faults();
@@ -118,8 +118,13 @@ control::ToolPose Trial::tip(const Vector3& at_in_couch) const {
 
 TrialOutcome Trial::run() {
   const auto driven = session::run_control_loop(
-      faulty_, [this](const robot::RobotReading& reading) { return step(reading); },
-      [this](const robot::RobotReading&, const robot::RobotCommand&) { return !over(); });
+      faulty_, arm_.guard(),
+      [this](const robot::RobotReading& reading) { return propose(reading); },
+      [this](const robot::RobotReading&, const safety::RobotVerdict& verdict) {
+        arm_.heed(verdict, stage_);
+        judge_stop();
+        return !over();
+      });
   if (!driven) {
     truth_.note_stop(driven.error().message);
     while (!over() && truth_.fault() == nullptr) (void)truth_.read();
@@ -134,18 +139,16 @@ bool Trial::over() const {
          (plan_.onsets.empty() && stage_ == Stage::retract && stage_s_ > gone_s);
 }
 
-robot::RobotCommand Trial::step(const robot::RobotReading& reading) {
+safety::RobotProposal Trial::propose(const robot::RobotReading& reading) {
   arm_.sense(reading);
-  stage_s_ += dt_s;
+  if (!arm_.frozen()) stage_s_ += dt_s;
   conduct();
   const bool due =
       stage_ > plan_.stage || (stage_ == plan_.stage && stage_s_ >= plan_.into_stage_s);
   if (!truth_.begun() && due && !plan_.onsets.empty() && !truth_.outcome().stopped) begin_faults();
   happen();
   truth_.want(set_n_);
-  const robot::RobotCommand command = arm_.command(reading, stage_, set_n_, site_.rail_m);
-  judge_stop();
-  return command;
+  return arm_.propose(reading, stage_, set_n_);
 }
 
 /// Travel, approach, contact and the way out, as a session conducts them.

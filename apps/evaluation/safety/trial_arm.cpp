@@ -28,14 +28,16 @@ safety::Phase phase_of(Stage stage) {
 
 }  // namespace
 
+// The guard is not told of couch and body: places are chosen without a way around them.
 TrialArm::TrialArm(const Site& site)
     : site_(site),
       models_(robot::both_models(robot::thesis_arm(), site.mount)),
-      guarded_{.of = {session::GuardedArm(models_[Arm::left], without_learning),
-                      session::GuardedArm(models_[Arm::right], without_learning)}} {}
+      controlled_{.of = {session::ControlledArm(models_[Arm::left], without_learning),
+                         session::ControlledArm(models_[Arm::right], without_learning)}},
+      guard_(models_, {.field = site.field}) {}
 
 void TrialArm::sense(const robot::RobotReading& reading) noexcept {
-  for (const Arm arm : both_arms) guarded_[arm].sense(reading, arm);
+  for (const Arm arm : both_arms) controlled_[arm].sense(reading, arm);
 }
 
 void TrialArm::go_mad(Madness madness, double size_n, double hz) noexcept {
@@ -44,35 +46,37 @@ void TrialArm::go_mad(Madness madness, double size_n, double hz) noexcept {
   hz_ = hz;
 }
 
-robot::RobotCommand TrialArm::command(const robot::RobotReading& reading, Stage stage, double set_n,
-                                      double rail_m) noexcept {
-  robot::RobotCommand command{.torque_nm = {}, .rail_m = rail_m};
+safety::RobotProposal TrialArm::propose(const robot::RobotReading& reading, Stage stage,
+                                        double set_n) noexcept {
+  safety::RobotProposal wanted{.rail_m = site_.rail_m};
   const Arm other = site_.arm == Arm::left ? Arm::right : Arm::left;
-  command.torque_nm[other] = guarded_[other].step_on_bench(reading, other);
+  wanted.arms[other] = controlled_[other].propose(reading, safety::Zone::denied);
+  wanted.arms[site_.arm] = proposal(stage, set_n, controlled_[site_.arm].torque_nm(reading));
+  if (madness_ == Madness::none) last_ = wanted.arms[site_.arm];
+  spoil(wanted.arms[site_.arm]);
+  return wanted;
+}
 
-  session::GuardedArm& guarded = guarded_[site_.arm];
-  const JointVector torque_nm = guarded.torque_nm(reading);
-  safety::Proposal wanted = proposal(stage, set_n, torque_nm);
-  if (madness_ == Madness::none) last_ = wanted;
-  spoil(wanted);
-  const robot::ArmDynamics& dynamics = guarded.controller.dynamics();
-  command.torque_nm[site_.arm] = guarded.allow(reading, site_.arm, dynamics, wanted);
-  // As a session does it: an arm whose guard has stopped it lets go, and is not driven again.
-  if (guarded.verdict.latched && !stopped_) {
+// As a session does it: an arm whose guard has stopped it lets go, and is not driven again; one
+// that was frozen begins anew from where it is.
+void TrialArm::heed(const safety::RobotVerdict& verdict, Stage stage) noexcept {
+  verdict_ = verdict.arms[site_.arm];
+  if (verdict_.latched && !stopped_) {
     if (stage == Stage::contact) controller().retract(40_mm);
     stopped_ = true;
   }
+  if (frozen()) controller().resume_from_here();
+  const robot::ArmDynamics& dynamics = controller().dynamics();
   const auto J = dynamics.jacobian.topRows<3>();
   const Matrix3 square = J * J.transpose();
-  const JointVector push_nm = command.torque_nm[site_.arm] - dynamics.gravity_nm;
+  const JointVector push_nm = verdict.command.torque_nm[site_.arm] - dynamics.gravity_nm;
   const Vector3 push_n = square.ldlt().solve(J * push_nm);
   inward_n_ = -push_n.dot(site_.mount.base_from_couch.linear() * site_.normal_in_couch);
-  return command;
 }
 
 safety::Proposal TrialArm::proposal(Stage stage, double set_n,
                                     const JointVector& torque_nm) const noexcept {
-  const control::ArmStatus& status = guarded_[site_.arm].controller.status();
+  const control::ArmStatus& status = controlled_[site_.arm].controller.status();
   const bool near_skin = stage >= Stage::approach && !stopped_;
   return {.torque_nm = torque_nm,
           .phase = stopped_ ? safety::Phase::free : phase_of(stage),
@@ -86,7 +90,7 @@ safety::Proposal TrialArm::proposal(Stage stage, double set_n,
 void TrialArm::spoil(safety::Proposal& proposal) noexcept {
   if (madness_ == Madness::none) return;
   mad_s_ += control_period_s;
-  const auto& dynamics = guarded_[site_.arm].controller.dynamics();
+  const auto& dynamics = controlled_[site_.arm].controller.dynamics();
   const Vector3 inward_in_base = -(site_.mount.base_from_couch.linear() * site_.normal_in_couch);
   const JointVector inward = dynamics.jacobian.topRows<3>().transpose() * inward_in_base;
   switch (madness_) {
@@ -108,7 +112,7 @@ void TrialArm::spoil(safety::Proposal& proposal) noexcept {
       return;
     case Madness::killed:
       proposal = last_;
-      proposal.torque_nm = JointVector();
+      proposal.age_ticks = static_cast<std::uint32_t>(mad_s_ / control_period_s + 0.5);
       return;
     case Madness::none:
     case Madness::bad_tissue:

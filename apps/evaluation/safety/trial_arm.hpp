@@ -3,7 +3,8 @@
 
 #include "apps/evaluation/safety/fault_table.hpp"
 #include "apps/evaluation/safety/site.hpp"
-#include "tuina/session/guarded_arm.hpp"
+#include "tuina/safety/robot_guard.hpp"
+#include "tuina/session/controlled_arm.hpp"
 
 namespace tuina::app {
 
@@ -15,18 +16,21 @@ class TrialArm {
   explicit TrialArm(const Site& site);
 
   void sense(const robot::RobotReading& reading) noexcept;
-  /// Torques of both arms that the guards allow; `set_n` is what the session wants now.
-  [[nodiscard]] robot::RobotCommand command(const robot::RobotReading& reading, Stage stage,
-                                            double set_n, double rail_m) noexcept;
+  /// What the controllers of both arms want; `set_n` is what the session wants now.
+  [[nodiscard]] safety::RobotProposal propose(const robot::RobotReading& reading, Stage stage,
+                                              double set_n) noexcept;
+  /// What the guard made of it.
+  void heed(const safety::RobotVerdict& verdict, Stage stage) noexcept;
   /// From the next command on.
   void go_mad(Madness madness, double size_n, double hz) noexcept;
 
   [[nodiscard]] control::ArmController& controller() noexcept {
-    return guarded_[site_.arm].controller;
+    return controlled_[site_.arm].controller;
   }
-  [[nodiscard]] const safety::Verdict& verdict() const noexcept {
-    return guarded_[site_.arm].verdict;
-  }
+  [[nodiscard]] safety::RobotGuard& guard() noexcept { return guard_; }
+  [[nodiscard]] const safety::Verdict& verdict() const noexcept { return verdict_; }
+  /// The guard holds the tool where it is, for a moment.
+  [[nodiscard]] bool frozen() const noexcept { return verdict_.action == safety::Action::freeze; }
   [[nodiscard]] bool stopped() const noexcept { return stopped_; }
   /// Force into the body that the torques of the last command hold.
   [[nodiscard]] double inward_n() const noexcept { return inward_n_; }
@@ -38,7 +42,9 @@ class TrialArm {
 
   const Site& site_;
   PerArm<robot::ArmModel> models_;
-  PerArm<session::GuardedArm> guarded_;
+  PerArm<session::ControlledArm> controlled_;
+  safety::RobotGuard guard_;
+  safety::Verdict verdict_;
   Madness madness_ = Madness::none;
   double size_n_ = 0.0, hz_ = 0.0, mad_s_ = 0.0;
   safety::Proposal last_;
