@@ -31,4 +31,11 @@ namespace tuina::session {
   return safety::Zone::denied;
 }
 
+/// The most that a controller's spring may pull into a zone: a little below the trip of the guard,
+/// whose way out of the body is not the controller's to the last degree.
+[[nodiscard]] constexpr double max_spring_n(safety::Zone zone) noexcept {
+  constexpr double kept_below = 0.97;
+  return kept_below * safety::ceiling_of(zone).trip_n;
+}
+
 }  // namespace tuina::session

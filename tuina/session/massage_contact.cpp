@@ -82,6 +82,7 @@ void MassageStep::press_on(Side& side, Arm arm, double time_s) noexcept {
        .velocity_m_per_s = side.playback.rate() * now.velocity_in_base_m_per_s,
        .normal_in_base = now.point.normal_in_base,
        .force_n = side.wanted.force_n,
+       .max_spring_n = max_spring_n(guarded_zone(planned.zone)),
        .model = {.tissue = side.expected, .torso_n_per_m = options_.torso_n_per_m}});
 }
 

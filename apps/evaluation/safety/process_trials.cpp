@@ -64,8 +64,7 @@ class Child {
 /// Looks at the true force of the newest millisecond that can be seen.
 class Onlooker {
  public:
-  Onlooker(link::Link link, SharedTruth truth)
-      : link_(std::move(link)), truth_(std::move(truth)) {}
+  Onlooker(link::Link link, SharedTruth truth) : link_(std::move(link)), truth_(std::move(truth)) {}
 
   struct Sight {
     std::uint64_t tick = 0;

@@ -8,6 +8,7 @@
 #include "apps/evaluation/safety/trial_truth.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/session/control_loop.hpp"
+#include "tuina/session/guarded_zone.hpp"
 
 namespace tuina::app {
 namespace {
@@ -192,6 +193,7 @@ void Trial::press() {
   control::ContactTarget target{.at_in_base = tip(believed_in_couch_).at_in_base,
                                 .normal_in_base = tip(believed_in_couch_).normal_in_base,
                                 .force_n = set_n_,
+                                .max_spring_n = session::max_spring_n(site_.zone),
                                 .model = believed_};
   for (std::size_t i = 0; i < plan_.onsets.size(); ++i) {
     if (!happened_[i]) continue;
