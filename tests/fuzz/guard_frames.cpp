@@ -136,8 +136,8 @@ bool passes_guard(std::string_view content) {
     frames.change(bytes);
     frames.tick();
     if (what % 2 == 0) continue;
-    // It was for once: all but the time is as it was.
-    const std::uint64_t tick = seen.tick + 1;
+    // It was for once: all but the tick is as it was, and a millisecond later.
+    const std::uint64_t tick = frames.seen.tick;
     const double time_s = seen.time_s + 1e-3, wrench_time_s = seen.wrench_time_s + 1e-3;
     frames.seen = seen;
     frames.proposal = proposal;
@@ -163,7 +163,7 @@ std::vector<Parser> guard_frames() {
             bytes_of({31, 128, 1, 8, 140, 31, 128, 2, 8, 116, 31, 128, 0, 8, 128, 31}),  // torques
             bytes_of({31, 129, 0, 13, 130, 31, 31, 31, 31, 129, 0, 13, 132, 31}),  // late ticks
             bytes_of({31, 128, 3, 1, 160, 31, 128, 3, 1, 96, 31, 128, 3, 1, 128, 31}),  // a swing
-            bytes_of({31, 128, 0, 15, 1, 128, 0, 14, 1, 31})},  // another zone in an approach
+            bytes_of({31, 128, 0, 15, 1, 128, 0, 14, 0, 31})},  // an approach to a muscle
            passes_guard}};
 }
 

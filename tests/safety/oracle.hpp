@@ -44,7 +44,9 @@ class Oracle {
       // The levers of the joints are alike and so are their masses: what the torques push along the
       // normal is what the body has to push back.
       const Vector3 force_n = (allowed_nm - seen.gravity_nm).head<3>() / 0.2;
-      if (-force_n.dot(seen.skin->normal_in_base.cast<double>()) > 70.0 + 1e-6)
+      // 60 N and friction; where a drive is at its limit the others take a tick more to make up.
+      const bool at_limit = allowed_nm.head<3>().cwiseAbs().maxCoeff() == 50.0;
+      if (-force_n.dot(seen.skin->normal_in_base.cast<double>()) > (at_limit ? 80.0 : 70.001))
         return "nobody is pressed harder than muscle bears";
     }
     return nullptr;
