@@ -2,8 +2,7 @@
 // The guard of a whole robot: raw readings in, what the drives do out.
 #include "tuina/safety/robot_guard.hpp"
 
-#include "tests/allocation.hpp"
-#include "tests/safety/two_arms.hpp"
+#include "tests/safety/standing_robot.hpp"
 
 using namespace tuina;
 using namespace tuina::safety;
@@ -12,60 +11,10 @@ namespace {
 
 constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
-/// Two arms that stand, each felt with a force at its tool, and a controller that holds them.
-struct Standing {
-  PerArm<robot::ArmModel> models;
-  RobotGuard guard;
-  robot::RobotReading reading;
-  RobotProposal proposal;
-  RobotVerdict verdict;
-  PerArm<Vector3> felt_n = {.of = {Vector3::Zero(), Vector3::Zero()}};
-  Vector3 wild_n = Vector3::Zero();  ///< that the left wrist says besides
-
-  explicit Standing(const RobotGuard::Options& options = {}, double apart_m = 0.4)
-      : models(two_arms(apart_m)), guard(models, options) {
-    reading.rail_m = proposal.rail_m = 0.1;
-    for (const Arm arm : both_arms)
-      reading.arms[arm] = {.q_rad = JointVector::Zero(6), .dq_rad_per_s = JointVector::Zero(6)};
-  }
-  [[nodiscard]] JointVector held_nm(Arm arm) const {
-    const auto dynamics =
-        models[arm].evaluate(JointVector::Zero(6), JointVector::Zero(6), reading.rail_m);
-    return dynamics.gravity_nm - dynamics.jacobian.topRows<3>().transpose() * felt_n[arm];
-  }
-  /// Says of an arm that it presses on a back before it, with what is felt.
-  void press(Arm arm, double force_n, Zone zone = Zone::muscle) {
-    proposal.arms[arm].phase = Phase::contact;
-    proposal.arms[arm].zone = zone;
-    proposal.arms[arm].set_force_n = force_n;
-    proposal.arms[arm].normal_in_base = -Vector3::UnitX();
-    felt_n[arm] = -force_n * Vector3::UnitX();
-  }
-  const RobotVerdict& tick(int ticks = 1) {
-    for (int i = 0; i < ticks; ++i) {
-      reading.tick += 1;
-      reading.time_s += 1e-3;
-      for (const Arm arm : both_arms) {
-        Vector3 noise_n(1e-9 * static_cast<double>(reading.tick % 2), 0.0, 0.0);
-        if (arm == Arm::left) noise_n += wild_n;
-        reading.arms[arm].wrench_time_s = reading.time_s - 1e-3;
-        if (reading.arms[arm].q_rad.size() == 6)
-          reading.arms[arm].wrench_in_tool =
-              wrist_of(models[arm], reading.arms[arm].q_rad, felt_n[arm] + noise_n);
-        proposal.arms[arm].torque_nm = held_nm(arm);
-      }
-      verdict = guard.check(reading, proposal);
-    }
-    return verdict;
-  }
-  [[nodiscard]] Action action(Arm arm) const { return verdict.arms[arm].action; }
-  [[nodiscard]] Cause cause(Arm arm) const { return verdict.arms[arm].cause; }
-};
-
 }  // namespace
 
 TEST_CASE("what is well passes to the robot as it is proposed") {
-  Standing robot;
+  StandingRobot robot;
   robot.press(Arm::left, 20.0);
   robot.tick(20);  // until the torques have risen to that
   for (int ms = 0; ms < 300; ++ms) {
@@ -81,7 +30,7 @@ TEST_CASE("what is well passes to the robot as it is proposed") {
 }
 
 TEST_CASE("the first torques are within one step of the weight of the arms, whoever tells it") {
-  Standing wild;
+  StandingRobot wild;
   wild.reading.tick = 1;
   for (const Arm arm : both_arms) wild.proposal.arms[arm].torque_nm.setConstant(6, -1e9);
   wild.verdict = wild.guard.check(wild.reading, wild.proposal);
@@ -93,7 +42,7 @@ TEST_CASE("the first torques are within one step of the weight of the arms, whoe
 
 TEST_CASE("an arm whose joints are no numbers is braked, and stops the other where it moves") {
   for (const bool presses : {false, true}) {
-    Standing robot;
+    StandingRobot robot;
     if (presses) robot.press(Arm::right, 20.0);
     robot.tick(20);
     robot.reading.arms[Arm::left].q_rad[3] = not_a_number;
@@ -116,7 +65,7 @@ TEST_CASE("an arm whose joints are no numbers is braked, and stops the other whe
 
 TEST_CASE("an arm that nobody could place from the start is held by its brakes, without torque") {
   for (const bool too_few : {false, true}) {
-    Standing robot;
+    StandingRobot robot;
     if (too_few) robot.reading.arms[Arm::left].q_rad.setZero(5);
     if (!too_few) robot.reading.arms[Arm::left].q_rad[0] = not_a_number;
     robot.tick();
@@ -126,14 +75,14 @@ TEST_CASE("an arm that nobody could place from the start is held by its brakes, 
 }
 
 TEST_CASE("a wrist that says NaN ends the contact after 5 ms; spikes do when there are five") {
-  Standing robot;
+  StandingRobot robot;
   robot.press(Arm::left, 20.0);
   robot.tick(100);
   robot.wild_n.x() = not_a_number;
   CHECK(robot.tick(4).arms[Arm::left].action == Action::freeze);
   CHECK(robot.tick(2).arms[Arm::left].action == Action::retract);
   CHECK(robot.cause(Arm::left) == Cause::force_stale);
-  Standing spiky;
+  StandingRobot spiky;
   spiky.press(Arm::left, 20.0);
   int spikes = 0;
   for (; spikes < 100 && spiky.action(Arm::left) < Action::freeze; ++spikes) {
@@ -147,7 +96,7 @@ TEST_CASE("a wrist that says NaN ends the contact after 5 ms; spikes do when the
 }
 
 TEST_CASE("the base stands: it is told where it stood, and when it moves both arms leave") {
-  Standing robot;
+  StandingRobot robot;
   robot.tick();
   robot.proposal.rail_m = 0.1009;
   CHECK(robot.tick().command.rail_m == 0.1009);
@@ -158,7 +107,7 @@ TEST_CASE("the base stands: it is told where it stood, and when it moves both ar
   robot.reading.rail_m = 0.1049;
   CHECK(robot.tick().arms[Arm::left].action == Action::pass);
   for (const double moved_m : {0.1051, 0.0949}) {
-    Standing pushed;
+    StandingRobot pushed;
     pushed.tick();
     pushed.reading.rail_m = moved_m;
     pushed.tick();
@@ -172,7 +121,7 @@ TEST_CASE("the base stands: it is told where it stood, and when it moves both ar
 
 TEST_CASE(
     "a base whose place is no number at first is told what is proposed, and both are braked") {
-  Standing robot;
+  StandingRobot robot;
   robot.reading.rail_m = not_a_number;
   CHECK(robot.tick().command.rail_m == 0.1);
   for (const Arm arm : both_arms) CHECK(robot.verdict.command.brake[arm]);
@@ -180,7 +129,7 @@ TEST_CASE(
 
 TEST_CASE("of arms that come too near those that move are stopped; on skin they leave it") {
   const auto met = [](double left_rad_per_s, Phase left, Phase right) {
-    Standing robot({}, 0.12);
+    StandingRobot robot({}, 0.12);
     robot.proposal.arms[Arm::left].phase = left;
     robot.proposal.arms[Arm::right].phase = right;
     robot.reading.arms[Arm::left].dq_rad_per_s[0] = left_rad_per_s;
@@ -200,7 +149,7 @@ TEST_CASE("of arms that come too near those that move are stopped; on skin they 
 
 TEST_CASE("an arm moves when its tool does by 5 mm/s") {
   for (const double m_per_s : {4.9e-3, 5.1e-3}) {
-    Standing robot({}, 0.12);
+    StandingRobot robot({}, 0.12);
     robot.proposal.arms[Arm::right].phase = Phase::retract;
     const auto dynamics =
         robot.models[Arm::left].evaluate(JointVector::Zero(6), JointVector::Zero(6), 0.0);
@@ -214,7 +163,7 @@ TEST_CASE("an arm moves when its tool does by 5 mm/s") {
 TEST_CASE("too near the couch is another cause than too near each other") {
   robot::Obstacle couch{.edges_m = {2.0, 2.0, 0.1}};
   couch.base_from_box.translation().z() = -0.3 - 0.05 - 0.07;
-  Standing robot({.obstacles = {couch}});
+  StandingRobot robot({.obstacles = {couch}});
   robot.press(Arm::left, 0.0);
   robot.tick();
   CHECK(robot.action(Arm::left) == Action::retract);
@@ -223,7 +172,7 @@ TEST_CASE("too near the couch is another cause than too near each other") {
 }
 
 TEST_CASE("a stop makes both arms leave, whatever they do, and tells its cause") {
-  Standing robot;
+  StandingRobot robot;
   robot.press(Arm::left, 20.0);
   robot.tick(10);
   robot.guard.stop(Cause::person_moved);
@@ -237,7 +186,7 @@ TEST_CASE("a stop makes both arms leave, whatever they do, and tells its cause")
 
 TEST_CASE("an arm that still presses 0.3 s after somebody asked it to stop leaves") {
   for (const double felt_n : {1.9, 2.1, 20.0}) {
-    Standing robot;
+    StandingRobot robot;
     robot.press(Arm::left, felt_n);
     robot.tick(10);
     robot.guard.expect_stop();
@@ -251,7 +200,7 @@ TEST_CASE("an arm that still presses 0.3 s after somebody asked it to stop leave
     robot.tick(10);
     CHECK(robot.action(Arm::right) == Action::pass);
   }
-  Standing nobody;  // nobody has asked
+  StandingRobot nobody;  // nobody has asked
   nobody.press(Arm::left, 20.0);
   CHECK(nobody.tick(1000).arms[Arm::left].action == Action::pass);
 }
@@ -259,13 +208,13 @@ TEST_CASE("an arm that still presses 0.3 s after somebody asked it to stop leave
 TEST_CASE("a lower set force of a massage lowers the trips of all zones for both arms") {
   for (const Arm arm : both_arms) {
     for (const double force_n : {14.9, 15.1}) {
-      Standing robot({.max_set_force_n = 5.0});
+      StandingRobot robot({.max_set_force_n = 5.0});
       robot.press(arm, 5.0, Zone::bony);
       robot.felt_n[arm] = -force_n * Vector3::UnitX();
       robot.tick(3);
       CHECK((robot.cause(arm) == Cause::force_over_trip) == (force_n > 15.0));
     }
-    Standing robot({.max_set_force_n = 5.0});
+    StandingRobot robot({.max_set_force_n = 5.0});
     robot.press(arm, 5.1);
     CHECK(robot.tick().arms[arm].cause == Cause::set_force_too_high);
   }
@@ -273,64 +222,15 @@ TEST_CASE("a lower set force of a massage lowers the trips of all zones for both
 
 TEST_CASE("a bench is for who says so") {
   for (const bool bench : {false, true}) {
-    Standing robot({.bench = bench});
+    StandingRobot robot({.bench = bench});
     robot.press(Arm::right, 20.0, Zone::bench);
     robot.tick(10);
     CHECK(robot.action(Arm::right) == (bench ? Action::pass : Action::retract));
   }
 }
 
-namespace {
-
-/// The skin before both tools, in the plane x = 0.4: muscle to the left of the middle, bone to the
-/// right, 0.5 m wide and 0.1 m high.
-ZoneField back_before() {
-  ZoneField field{.corner_in_base = {0.4, -0.25, -0.35},
-                  .along_in_base = Vector3::UnitY(),
-                  .up_in_base = Vector3::UnitZ(),
-                  .cell_m = 5e-3,
-                  .columns = 100,
-                  .rows = 20};
-  for (int i = 0; i < 2000; ++i)
-    field.cells.push_back({i % 100 < 50 ? Zone::bony : Zone::muscle, -Eigen::Vector3f::UnitX()});
-  return field;
-}
-
-}  // namespace
-
-TEST_CASE("each arm is guarded by the place under the foremost point of its tool") {
-  Standing robot({.field = back_before()});
-  robot.press(Arm::left, 20.0);
-  robot.press(Arm::right, 20.0);
-  robot.tick(10);
-  CHECK(robot.action(Arm::left) == Action::pass);
-  CHECK(robot.cause(Arm::right) == Cause::set_force_too_high);
-}
-
-TEST_CASE("beside the map all is denied, whatever the controller calls it") {
-  ZoneField field = back_before();
-  field.corner_in_base.z() += 0.2;
-  Standing robot({.field = field});
-  robot.press(Arm::left, 5.0);
-  robot.tick(10);
-  CHECK(robot.cause(Arm::left) == Cause::set_force_too_high);
-  Standing travelling({.field = field});
-  CHECK(travelling.tick(100).arms[Arm::left].action == Action::pass);
-}
-
-TEST_CASE("a person may have shifted by 15 mm since the map was made") {
-  for (const double from_border_m : {14e-3, 21e-3}) {
-    ZoneField field = back_before();
-    field.corner_in_base.y() += 0.2 + from_border_m;  // the left tool is that far in the bone
-    Standing robot({.field = field});
-    robot.press(Arm::left, 20.0);
-    robot.tick(10);
-    CHECK((robot.action(Arm::left) == Action::pass) == (from_border_m < 15e-3));
-  }
-}
-
 TEST_CASE("torques that do not do what they should are found with the torques that were allowed") {
-  Standing robot;
+  StandingRobot robot;
   robot.tick(30);
   CHECK(robot.action(Arm::left) == Action::pass);
   // The controller wants 25 Nm more than stand still, and the arm does stand still.
@@ -349,16 +249,4 @@ TEST_CASE("torques that do not do what they should are found with the torques th
   CHECK(robot.action(Arm::right) == Action::pass);
   CHECK(ms > 40);  // 1 Nm in a millisecond, over a window of 20 ms, for 25
   CHECK(ms < 60);
-}
-
-TEST_CASE("guarding a robot takes no memory from the heap") {
-  robot::Obstacle couch{.edges_m = {2.0, 2.0, 0.1}};
-  couch.base_from_box.translation().z() = -1.0;
-  Standing robot({.obstacles = {couch}, .field = back_before()});
-  robot.press(Arm::left, 20.0);
-  const auto before = test::allocations();
-  robot.tick(100);
-  robot.guard.stop(Cause::asked_to);
-  robot.tick(100);
-  CHECK(test::allocations() == before);
 }
