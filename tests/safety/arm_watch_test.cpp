@@ -24,6 +24,7 @@ struct Standing {
   robot::RobotReading reading;
   Vector3 pushed_n = Vector3::Zero();
   JointVector extra_nm = JointVector::Zero(6);  ///< beyond what holds the arm
+  double stiffness_n_per_m = 0.0;               ///< of the controller; 0: a hand leads the arm
 
   Standing() {
     reading.arms[Arm::left].q_rad = bent();
@@ -42,7 +43,8 @@ struct Standing {
     const auto dynamics = model.evaluate(arm().q_rad, JointVector::Zero(6), 0.0);
     const JointVector held_nm =
         dynamics.gravity_nm - dynamics.jacobian.topRows<3>().transpose() * pushed_n + extra_nm;
-    return watch.observe(reading, Arm::left, phase, held_nm);
+    return watch.observe(reading, Arm::left,
+                         {.phase = phase, .stiffness_n_per_m = stiffness_n_per_m}, held_nm);
   }
   Observation observe_for(int ticks, Phase phase = Phase::free) {
     Observation seen;
@@ -107,8 +109,8 @@ struct Moving {
     sense();
     reading.tick += 1;
     reading.time_s += 1e-3;
-    max_misfit = std::max(max_misfit,
-                          watch.observe(reading, Arm::left, Phase::free, torque_nm).torque_misfit);
+    max_misfit =
+        std::max(max_misfit, watch.observe(reading, Arm::left, {}, torque_nm).torque_misfit);
   }
   /// Half a second in which all is well.
   void swing() {
@@ -161,8 +163,7 @@ TEST_CASE("joints of another number are passed on as they are") {
   for (const bool speeds : {false, true}) {
     Standing arm;
     (speeds ? arm.arm().dq_rad_per_s : arm.arm().q_rad).setZero(5);
-    const Observation seen =
-        arm.watch.observe(arm.reading, Arm::left, Phase::free, JointVector::Zero(6));
+    const Observation seen = arm.watch.observe(arm.reading, Arm::left, {}, JointVector::Zero(6));
     CHECK(seen.q_rad.size() + seen.dq_rad_per_s.size() == 11);
     CHECK(seen.jacobian.cols() == 0);
   }
@@ -215,13 +216,18 @@ TEST_CASE("the zero is what was felt in the last tenth of a second, not one samp
 }
 
 TEST_CASE(
-    "a sound arm that stands explains its torques, up to friction and a tenth of its drives") {
-  const std::array<double, 6> allowed_nm = {15.75, 15.75, 9.25, 9.25, 2.75, 2.75};
+    "a sound arm that stands explains its torques, up to friction and a twenty-fifth of its "
+    "drives; "
+    "one that a hand leads, a tenth") {
+  const std::array<double, 6> led_nm = {15.75, 15.75, 9.25, 9.25, 2.75, 2.75};
+  const std::array<double, 6> driven_nm = {8.55, 8.55, 5.05, 5.05, 1.55, 1.55};
   for (Eigen::Index joint = 0; joint < 6; ++joint) {
     for (const double direction : {1.0, -1.0}) {
       Standing arm;
+      arm.stiffness_n_per_m = direction > 0.0 ? 0.0 : 1e-9;
       arm.pushed_n = {2.0, -3.0, 15.0};
       CHECK(arm.observe_for(50).torque_misfit < 1e-3);
+      const auto& allowed_nm = direction > 0.0 ? led_nm : driven_nm;
       arm.extra_nm[joint] = direction * allowed_nm[static_cast<std::size_t>(joint)];
       CHECK(arm.observe_for(10).torque_misfit == doctest::Approx(0.5).epsilon(1e-3));
       CHECK(arm.observe_for(10).torque_misfit == doctest::Approx(1.0).epsilon(1e-3));
@@ -235,7 +241,7 @@ TEST_CASE(
 TEST_CASE("nothing is compared before twenty milliseconds are known") {
   Standing arm;
   arm.extra_nm.setConstant(100.0);
-  CHECK(arm.watch.observe(arm.reading, Arm::left, Phase::free, {}).torque_misfit == 0.0);
+  CHECK(arm.watch.observe(arm.reading, Arm::left, {}, {}).torque_misfit == 0.0);
   CHECK(arm.observe_for(20).torque_misfit == 0.0);
   CHECK(arm.observe().torque_misfit > 1.0);
 }

@@ -52,7 +52,7 @@ TEST_CASE("an arm whose joints are no numbers is braked, and stops the other whe
     CHECK_FALSE(robot.verdict.command.brake[Arm::right]);
     CHECK((robot.verdict.command.torque_nm[Arm::left] - robot.held_nm(Arm::left)).norm() < 1e-9);
     CHECK(robot.action(Arm::right) == (presses ? Action::retract : Action::pass));
-    if (presses) CHECK(robot.cause(Arm::right) == Cause::arms_too_close);
+    if (presses) CHECK(robot.cause(Arm::right) == Cause::state_not_finite);
     // An arm that stood may not begin to move either.
     robot.reading.arms[Arm::right].dq_rad_per_s.setConstant(0.02);
     robot.tick();

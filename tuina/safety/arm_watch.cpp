@@ -14,9 +14,9 @@ constexpr double averaged_ticks = 100.0;
 constexpr double max_zero_n = 3.0;
 constexpr double at_stop_rad = 0.02;
 
-// Friction is known to a fifth, masses to a tenth; a hand may lead the arm with 30 N.
+// Friction is known to a fifth, masses to a tenth; a hand may lead an arm with 30 N.
 constexpr double friction_share = 1.5;
-constexpr double drive_share = 0.1;
+constexpr double drive_share = 0.04, led_share = 0.1;
 
 }  // namespace
 
@@ -24,7 +24,8 @@ constexpr double drive_share = 0.1;
 // of what a sound arm may leave unexplained: mass * ddq + coriolis + gravity = motor - friction +
 // J^T wrench, averaged over the window, the acceleration being the change of speed in it.
 void ArmWatch::compare(const robot::ArmDynamics& dynamics, const robot::ArmReading& reading,
-                       const Vector3& force_in_base_n, const JointVector& applied_nm) noexcept {
+                       const Vector3& force_in_base_n, const JointVector& applied_nm,
+                       double share) noexcept {
   if (applied_nm.size() != reading.q_rad.size() || !force_in_base_n.allFinite()) return;
   const Matrix3 base_from_tool = dynamics.base_from_tool.linear();
   robot::Vector6 wrench;
@@ -50,13 +51,14 @@ void ArmWatch::compare(const robot::ArmDynamics& dynamics, const robot::ArmReadi
     if (q_rad < link.min_rad + at_stop_rad || q_rad > link.max_rad - at_stop_rad) continue;
     const double friction_nm =
         link.coulomb_nm + link.viscous_nm_s_per_rad * std::abs(reading.dq_rad_per_s[i]);
-    const double allowed_nm = friction_share * friction_nm + drive_share * link.torque_limit_nm;
+    const double allowed_nm = friction_share * friction_nm + share * link.torque_limit_nm;
     misfit_ = std::max(misfit_, std::abs(mean_nm[i]) / allowed_nm);
   }
 }
 
-Observation ArmWatch::observe(const robot::RobotReading& reading, Arm arm, Phase phase,
+Observation ArmWatch::observe(const robot::RobotReading& reading, Arm arm, const Proposal& proposal,
                               const JointVector& applied_nm) noexcept {
+  const Phase phase = proposal.phase;
   const robot::ArmReading& raw = reading.arms[arm];
   Observation seen{.tick = reading.tick,
                    .time_s = reading.time_s,
@@ -86,7 +88,8 @@ Observation ArmWatch::observe(const robot::RobotReading& reading, Arm arm, Phase
   seen.tool_velocity_m_per_s = seen.jacobian * raw.dq_rad_per_s;
   seen.mass_kg_m2 = dynamics.mass_kg_m2;
   seen.gravity_nm = dynamics.gravity_nm;
-  compare(dynamics, raw, seen.force_in_base_n, applied_nm);
+  compare(dynamics, raw, seen.force_in_base_n, applied_nm,
+          proposal.stiffness_n_per_m == 0.0 ? led_share : drive_share);
   seen.torque_misfit = misfit_;
   return seen;
 }

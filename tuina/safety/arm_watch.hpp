@@ -15,10 +15,12 @@ class ArmWatch {
  public:
   explicit ArmWatch(const robot::ArmModel& model) noexcept : model_(model) {}
 
-  /// `applied_nm` moved the arm since the last reading; empty at the first. `phase` is what the
-  /// controller says: when it begins to approach, the wrist sensor is zeroed, by 3 N at most. A
-  /// sensor whose torques are no numbers has no force either.
-  [[nodiscard]] Observation observe(const robot::RobotReading& reading, Arm arm, Phase phase,
+  /// `applied_nm` moved the arm since the last reading; empty at the first. Of the proposal two
+  /// things count: when an approach begins, the wrist sensor is zeroed, by 3 N at most; and an arm
+  /// without a spring is one that a hand leads, so more of its torque may go unexplained. A sensor
+  /// whose torques are no numbers has no force either.
+  [[nodiscard]] Observation observe(const robot::RobotReading& reading, Arm arm,
+                                    const Proposal& proposal,
                                     const JointVector& applied_nm) noexcept;
 
   [[nodiscard]] const robot::ArmModel& model() const noexcept { return model_; }
@@ -27,7 +29,8 @@ class ArmWatch {
   static constexpr std::size_t window = 20;  ///< ticks over which torques and motion are compared
 
   void compare(const robot::ArmDynamics& dynamics, const robot::ArmReading& reading,
-               const Vector3& force_in_base_n, const JointVector& applied_nm) noexcept;
+               const Vector3& force_in_base_n, const JointVector& applied_nm,
+               double share) noexcept;
 
   robot::ArmModel model_;
   Phase phase_ = Phase::free;

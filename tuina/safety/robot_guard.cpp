@@ -48,8 +48,12 @@ void RobotGuard::expect_stop() noexcept {
 // it, in the air it stands still.
 void RobotGuard::keep_apart(const PerArm<Observation>& seen,
                             const RobotProposal& proposal) noexcept {
-  const Cause cause =
-      separation_.arms_keep() ? Cause::surroundings_too_close : Cause::arms_too_close;
+  const auto known = [&](Arm arm) {
+    return seen[arm].tool_in_base.allFinite() && seen[arm].mass_kg_m2.size() > 0;
+  };
+  const Cause cause = !known(Arm::left) || !known(Arm::right) ? Cause::state_not_finite
+                      : separation_.arms_keep()               ? Cause::surroundings_too_close
+                                                              : Cause::arms_too_close;
   const auto moves = [&](Arm arm) {
     return proposal.arms[arm].phase != Phase::free ||
            !(seen[arm].tool_velocity_m_per_s.norm() < still_m_per_s);
@@ -71,7 +75,7 @@ RobotVerdict RobotGuard::check(const robot::RobotReading& reading,
   PerArm<Observation> seen;
   for (const Arm arm : both_arms) {
     Side& side = sides_[arm];
-    seen[arm] = side.watch.observe(reading, arm, proposal.arms[arm].phase, side.applied_nm);
+    seen[arm] = side.watch.observe(reading, arm, proposal.arms[arm], side.applied_nm);
     if (!field_.empty()) seen[arm].skin = field_.at(seen[arm].tip_in_base);
   }
   if (!separation_.keeps(reading)) keep_apart(seen, proposal);

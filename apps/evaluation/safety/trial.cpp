@@ -265,7 +265,8 @@ void Trial::happen() {
 /// What guard and controller have done in this millisecond.
 void Trial::judge_stop() {
   const safety::Verdict& verdict = arm_.verdict();
-  if (verdict.action >= safety::Action::freeze) {
+  // A push that is clamped is answered in its millisecond, though nothing is stopped yet.
+  if (verdict.action >= safety::Action::freeze || verdict.cause == safety::Cause::inward_force) {
     truth_.note_action();
     if (verdict.latched) truth_.note_stop(name_of(verdict.cause));
   }
