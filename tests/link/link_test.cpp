@@ -136,7 +136,11 @@ TEST_CASE("a frame is read whole or not at all, while its writer writes on") {
   std::atomic<bool> ends = false;
   std::thread writer([&] {
     Many many;
-    for (std::uint64_t i = 1; !ends; ++i) many.of.fill(i), slot.write(many);
+    for (std::uint64_t i = 1; !ends; ++i) {
+      many.of.fill(i);
+      slot.write(many);
+      if (i % 4 == 0) std::this_thread::sleep_for(std::chrono::microseconds(20));
+    }
   });
   std::uint64_t last = 0;
   int seen = 0;

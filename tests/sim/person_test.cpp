@@ -55,11 +55,12 @@ TEST_CASE("a truth that is no truth is refused with its file and the cause") {
     text.replace(text.find(from), from.size(), to);
     return text;
   };
-  for (const auto& [text, cause] : {std::pair<std::string, std::string>{"{", "parse error"},
-                                    {replaced("GV4", "GV5"), "GV4"},
-                                    {replaced("\"sitting\"", "\"standing\""), "standing"},
-                                    {replaced("\"landmarks\"", "\"marks\""), "landmarks"},
-                                    {replaced("\"C7\": [", "\"C7\": [0.0,"), "three numbers"}}) {
+  for (const auto& [text, cause] :
+       {std::pair<std::string, std::string>{"{", "ends too early"},
+        {replaced("GV4", "GV5"), "GV4"},
+        {replaced("\"sitting\"", "\"standing\""), "standing"},
+        {replaced("\"landmarks\"", "\"marks\""), "landmarks"},
+        {replaced("\"C7\": [", "\"C7\": [0.0,"), "three finite numbers"}}) {
     REQUIRE(write_file(json, text).has_value());
     const auto read = load_person(folder.path() / (person.name + ".ply"));
     REQUIRE_FALSE(read.has_value());

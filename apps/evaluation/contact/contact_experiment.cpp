@@ -163,13 +163,11 @@ Result<ContactOutcome> run_contact(const ContactExperiment& experiment, const Pr
                                                              height_m * normal_in_couch),
                              mount.base_from_couch.linear() * normal_in_couch};
   };
-  control::ToolPose aside = pose_above(0.12);
-  aside.at_in_base.y() = -0.2;
   const auto above = configuration_for(models, mount, Arm::left, pose_above(2.0 * standoff_m));
   if (!above) return tl::unexpected(above.error());
-  const auto out_of_the_way = configuration_for(models, mount, Arm::right, aside);
-  if (!out_of_the_way) return tl::unexpected(out_of_the_way.error());
-  const sim::Plant::Start start = {.q_rad = {.of = {*above, *out_of_the_way}}};
+  // The other arm waits where it waits for a person.
+  const JointVector waits_rad = robot::ready_posture(believed, mount)[Arm::right];
+  const sim::Plant::Start start = {.q_rad = {.of = {*above, waits_rad}}};
   sim::PlantOptions devices = experiment.devices;
   devices.seed = experiment.seed;
   auto plant = sim::Plant::make(placement, arms, start, &person, devices);
