@@ -39,8 +39,8 @@ int main() {
 
     const safety::RobotVerdict verdict = guard.check(reading, wanted);
     (*robot)->apply(verdict.command);
-    max_speed_m_per_s = std::max(
-        max_speed_m_per_s, (*robot)->truth().arms[Arm::left].velocity_in_couch.norm());
+    max_speed_m_per_s =
+        std::max(max_speed_m_per_s, (*robot)->truth().arms[Arm::left].velocity_in_couch.norm());
     const safety::Verdict& of_left = verdict.arms[Arm::left];
     if (of_left.latched && stopped_s < 0.0) {
       stopped_s = reading.time_s;

@@ -112,8 +112,7 @@ Result<void> Processes::run(const std::vector<std::string>& arguments) {
 }
 
 Result<std::unique_ptr<Processes>> Processes::start(const std::vector<std::string>& robot_arguments,
-                                                    link::Pace pace,
-                                                    const std::string& link_name) {
+                                                    link::Pace pace, const std::string& link_name) {
   std::unique_ptr<Processes> made(new Processes);
   Processes& all = *made;
   all.link_name_ = link_name.empty() ? fmt::format("{}", getpid()) : link_name;

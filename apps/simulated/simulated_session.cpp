@@ -75,8 +75,7 @@ Result<std::unique_ptr<Processes>> processes_of(const SessionOrder& order,
   if (order.position) same.insert(same.end(), {"--position", name_of(*order.position)});
   if (!common.config_file.empty()) same.insert(same.end(), {"--config", common.config_file});
   for (const std::string& setting : common.settings) same.insert(same.end(), {"--set", setting});
-  return Processes::start(same, order.real_time ? link::Pace::real : link::Pace::max,
-                          order.link);
+  return Processes::start(same, order.real_time ? link::Pace::real : link::Pace::max, order.link);
 }
 
 }  // namespace

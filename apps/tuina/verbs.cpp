@@ -12,7 +12,8 @@ std::string summary_of_group(std::string_view group) {
   if (group == "tissue") return "what a record of presses says about the tissue";
   if (group == "evaluate") return "the tables of the documentation, judged against the truth";
   if (group == "export") return "the robot for other programs: URDF, MJCF";
-  if (group == "robot") return "robots: show a table, make one from a URDF file, simulate one as a process";
+  if (group == "robot")
+    return "robots: show a table, make one from a URDF file, simulate one as a process";
   if (group == "config") return "the settings, their limits and a file of them";
   return fmt::format("see `tuina {} --help`", group);
 }

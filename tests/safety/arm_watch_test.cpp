@@ -293,3 +293,16 @@ TEST_CASE("an encoder that stands still while a sound arm moves is noticed") {
     CHECK(arm.until_noticed() < 600);
   }
 }
+
+TEST_CASE("a joint that leans against its stop may be held by that") {
+  for (const bool high : {true, false}) {
+    for (const double from_stop_rad : {0.0199, 0.0201}) {
+      Standing arm;
+      const robot::Link& link = arm.model.table().links[3];
+      arm.arm().q_rad[3] = high ? link.max_rad - from_stop_rad : link.min_rad + from_stop_rad;
+      arm.extra_nm[3] = 30.0;
+      const double found = arm.observe_for(40).torque_misfit;
+      CHECK((found > 1.0) == (from_stop_rad > 0.02));
+    }
+  }
+}

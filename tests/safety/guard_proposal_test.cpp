@@ -69,3 +69,20 @@ TEST_CASE("a bench is refused where nobody has said so, be it for one tick in fi
   CHECK(laboratory.tick(200).action == Action::pass);
   CHECK_FALSE(Guard::Options{}.bench);
 }
+
+TEST_CASE("a controller that is silent for 3 ms freezes the arm, for 10 ms it makes it leave") {
+  for (std::uint32_t age = 0; age <= 12; ++age) {
+    Scene scene;
+    scene.tick(20);
+    scene.proposal.age_ticks = age;
+    scene.tick();
+    CAPTURE(age);
+    CHECK(scene.verdict.action == (age < 3    ? Action::pass
+                                   : age < 10 ? Action::freeze
+                                              : Action::retract));
+    CHECK(scene.verdict.cause == (age < 3 ? Cause::none : Cause::no_proposal));
+    CHECK(scene.verdict.latched == (age >= 10));
+    scene.proposal.age_ticks = 0;
+    CHECK(scene.tick().action == (age < 10 ? Action::pass : Action::retract));
+  }
+}

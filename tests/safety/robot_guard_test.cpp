@@ -41,25 +41,30 @@ TEST_CASE("the first torques are within one step of the weight of the arms, whoe
 }
 
 TEST_CASE("an arm whose joints are no numbers is braked, and stops the other where it moves") {
-  for (const bool presses : {false, true}) {
-    StandingRobot robot;
-    if (presses) robot.press(Arm::right, 20.0);
-    robot.tick(20);
-    robot.reading.arms[Arm::left].q_rad[3] = not_a_number;
-    robot.tick();
-    CHECK(robot.action(Arm::left) == Action::brake);
-    CHECK(robot.verdict.command.brake[Arm::left]);
-    CHECK_FALSE(robot.verdict.command.brake[Arm::right]);
-    CHECK((robot.verdict.command.torque_nm[Arm::left] - robot.held_nm(Arm::left)).norm() < 1e-9);
-    CHECK(robot.action(Arm::right) == (presses ? Action::retract : Action::pass));
-    if (presses) CHECK(robot.cause(Arm::right) == Cause::state_not_finite);
-    // An arm that stood may not begin to move either.
-    robot.reading.arms[Arm::right].dq_rad_per_s.setConstant(0.02);
-    robot.tick();
-    CHECK(robot.action(Arm::right) == (presses ? Action::retract : Action::freeze));
-    robot.reading.arms[Arm::left].q_rad.setZero(6);
-    robot.tick(10);
-    CHECK(robot.verdict.command.brake[Arm::left]);
+  for (const Arm lost : both_arms) {
+    const Arm other = lost == Arm::left ? Arm::right : Arm::left;
+    for (const bool presses : {false, true}) {
+      StandingRobot robot;
+      if (presses) robot.press(other, 20.0);
+      robot.tick(20);
+      robot.reading.arms[lost].q_rad[3] = not_a_number;
+      if (presses && lost == Arm::left) robot.reading.arms[lost].q_rad.setZero(5);
+      robot.tick();
+      CHECK(robot.action(lost) == Action::brake);
+      CHECK(robot.cause(lost) == Cause::state_not_finite);
+      CHECK(robot.verdict.command.brake[lost]);
+      CHECK_FALSE(robot.verdict.command.brake[other]);
+      CHECK((robot.verdict.command.torque_nm[lost] - robot.held_nm(lost)).norm() < 1e-9);
+      CHECK(robot.action(other) == (presses ? Action::retract : Action::pass));
+      if (presses) CHECK(robot.cause(other) == Cause::state_not_finite);
+      // An arm that stood may not begin to move either.
+      robot.reading.arms[other].dq_rad_per_s.setConstant(0.02);
+      robot.tick();
+      CHECK(robot.action(other) == (presses ? Action::retract : Action::freeze));
+      robot.reading.arms[lost].q_rad.setZero(6);
+      robot.tick(10);
+      CHECK(robot.verdict.command.brake[lost]);
+    }
   }
 }
 

@@ -49,7 +49,7 @@ struct PerformedEntry {
   double begin_s = 0.0;
   double end_s = 0.0;
   std::string contact_fault;  ///< "none": it was carried out as planned
-  double ordered_n = 0.0;  ///< largest force of the plan, its caps applied
+  double ordered_n = 0.0;     ///< largest force of the plan, its caps applied
   double true_peak_n = 0.0;
   std::optional<std::string> why;  ///< where less or more than 95 to 105 % of it was given
   double true_over_trip_n = -std::numeric_limits<double>::infinity();

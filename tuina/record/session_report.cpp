@@ -6,11 +6,11 @@
 #include "tuina/core/io/file.hpp"
 #include "tuina/core/io/surface_file.hpp"
 #include "tuina/core/units.hpp"
-#include "tuina/safety/arm_separation.hpp"
 #include "tuina/record/plan_file.hpp"
 #include "tuina/record/session_file.hpp"
 #include "tuina/record/session_tables.hpp"
 #include "tuina/robot/arm_model.hpp"
+#include "tuina/safety/arm_separation.hpp"
 #include "tuina/session/run.hpp"
 #include "tuina/tissue/stiffness_map.hpp"
 
