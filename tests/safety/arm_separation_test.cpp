@@ -72,10 +72,10 @@ TEST_CASE("arms stop when braking by 2 m/s2 each would end nearer than 25 mm") {
     const Approach one = approach_each_other(rad_per_s, false);
     REQUIRE(one.speed_m_per_s > 0.2 * rad_per_s);
     const double way_m = one.speed_m_per_s * one.speed_m_per_s / 4.0;
-    CHECK(one.gap_m == doctest::Approx(0.025 + way_m).epsilon(0.05));
+    CHECK(one.gap_m == doctest::Approx(0.025 + way_m).epsilon(0.05).scale(1e-6));
     // Two that share a closing speed have half the way.
     const Approach two = approach_each_other(0.5 * rad_per_s, true);
-    CHECK(two.gap_m == doctest::Approx(0.025 + 0.5 * way_m).epsilon(0.05));
+    CHECK(two.gap_m == doctest::Approx(0.025 + 0.5 * way_m).epsilon(0.05).scale(1e-6));
   }
 }
 
@@ -120,7 +120,8 @@ TEST_CASE("an arm that nears the couch stops when braking by 2 m/s2 would end wi
     }
     CHECK(separation.arms_keep());
     REQUIRE(std::abs(speed_m_per_s) > 0.1);
-    CHECK(gap_m == doctest::Approx(0.025 + speed_m_per_s * speed_m_per_s / 4.0).epsilon(0.1));
+    CHECK(gap_m ==
+          doctest::Approx(0.025 + speed_m_per_s * speed_m_per_s / 4.0).epsilon(0.1).scale(1e-6));
   }
 }
 

@@ -132,6 +132,8 @@ TEST_CASE("what nobody has filled in asks for nothing and allows nothing") {
   CHECK(Proposal{}.zone == Zone::denied);
   CHECK(Proposal{}.set_force_n == 0.0);
   CHECK(Proposal{}.stiffness_n_per_m == 0.0);
+  CHECK(Proposal{}.age_ticks == 0);
+  CHECK(Observation{}.torque_misfit == 0.0);
   CHECK(Verdict{}.action == Action::pass);
   CHECK(Verdict{}.cause == Cause::none);
   CHECK_FALSE(Verdict{}.latched);
@@ -255,4 +257,31 @@ TEST_CASE("each phase has its speed, and noise of two milliseconds is not speed"
     CHECK(scene.verdict.action == Action::comply);
     CHECK(scene.verdict.cause == Cause::tool_too_fast);
   }
+}
+
+TEST_CASE(
+    "a guard counts from nothing: what lasts one tick less than it may is borne from the first") {
+  Scene repeated;
+  repeated.tick();
+  for (int again = 0; again < 2; ++again) {
+    repeated.seen.tick -= 1;
+    repeated.tick_at(repeated.seen.time_s);
+  }
+  CHECK_FALSE(repeated.verdict.latched);
+  repeated.seen.tick -= 1;
+  CHECK(repeated.tick_at(repeated.seen.time_s).latched);
+  Scene amiss;
+  amiss.seen.torque_misfit = 2.0;
+  CHECK(amiss.ticks_until_it_acts() == 24);
+  CHECK(amiss.verdict.cause == Cause::torques_amiss);
+  Scene clock;
+  clock.tick();
+  CHECK(clock.tick_at(clock.seen.time_s).action == Action::pass);
+  CHECK(clock.tick_at(clock.seen.time_s).action == Action::pass);
+  CHECK(clock.tick_at(clock.seen.time_s).cause == Cause::clock);
+  Scene inward;
+  inward.proposal.torque_nm = inward.torque_of(-80.0 * inward.normal());
+  inward.proposal.stiffness_n_per_m = 0.0;
+  CHECK(inward.ticks_until_it_acts() == 99);
+  CHECK(inward.verdict.cause == Cause::inward_force);
 }

@@ -103,15 +103,15 @@ TEST_CASE("a wrist that says NaN ends the contact after 5 ms; spikes do when the
 TEST_CASE("the base stands: it is told where it stood, and when it moves both arms leave") {
   StandingRobot robot;
   robot.tick();
-  robot.proposal.rail_m = 0.1009;
-  CHECK(robot.tick().command.rail_m == 0.1009);
-  for (const double away_m : {0.1011, 0.0989, 0.3, not_a_number}) {
+  robot.proposal.rail_m = 0.100995;
+  CHECK(robot.tick().command.rail_m == 0.100995);
+  for (const double away_m : {0.101005, 0.098995, 0.3, not_a_number}) {
     robot.proposal.rail_m = away_m;
     CHECK(robot.tick().command.rail_m == 0.1);
   }
-  robot.reading.rail_m = 0.1049;
+  robot.reading.rail_m = 0.10498;
   CHECK(robot.tick().arms[Arm::left].action == Action::pass);
-  for (const double moved_m : {0.1051, 0.0949}) {
+  for (const double moved_m : {0.10502, 0.09498}) {
     StandingRobot pushed;
     pushed.tick();
     pushed.reading.rail_m = moved_m;
@@ -153,7 +153,7 @@ TEST_CASE("of arms that come too near those that move are stopped; on skin they 
 }
 
 TEST_CASE("an arm moves when its tool does by 5 mm/s") {
-  for (const double m_per_s : {4.9e-3, 5.1e-3}) {
+  for (const double m_per_s : {4.99e-3, 5.01e-3}) {
     StandingRobot robot({}, 0.12);
     robot.proposal.arms[Arm::right].phase = Phase::retract;
     const auto dynamics =
@@ -190,7 +190,7 @@ TEST_CASE("a stop makes both arms leave, whatever they do, and tells its cause")
 }
 
 TEST_CASE("an arm that still presses 0.3 s after somebody asked it to stop leaves") {
-  for (const double felt_n : {1.9, 2.1, 20.0}) {
+  for (const double felt_n : {1.99, 2.01, 20.0}) {
     StandingRobot robot;
     robot.press(Arm::left, felt_n);
     robot.tick(10);
