@@ -22,7 +22,7 @@ using std::chrono::steady_clock;
 using namespace std::chrono_literals;
 
 constexpr auto guard_patience = 20s;
-constexpr auto lock_step_patience = 200ms;      // for a guard that may be dead ...
+constexpr auto lock_step_patience = 2s;         // for a guard that may be dead ...
 constexpr auto gone_patience = 2ms;             // ... and for one that is
 constexpr std::uint64_t given_up_ticks = 3000;  // virtual time that nobody has said anything in
 
@@ -86,6 +86,10 @@ Result<RobotReport> keep_robot(link::Link& link, SharedTruth& truth, sim::World&
     // A simulation that was held up goes on from now: its robot's clock stood still with it.
     if (pace == link::Pace::real) std::this_thread::sleep_until(next);
     next = std::max(next, steady_clock::now() - 1ms);
+  }
+  if (auto last = link.sensors()) {
+    last->over = 1;
+    link.write(*last);
   }
   return report;
 }

@@ -36,8 +36,8 @@ struct RobotReport {
 };
 
 /// The robot of a world as a process: stands where the session wants it, then tells its sensors and
-/// does what the guard says, until the session is over, `ends`, or nobody says anything for two
-/// seconds. Fails with Fault::device when no guard comes.
+/// does what the guard says, until the session is over, `ends`, or the guard has been silent for
+/// three seconds of the robot's time. Fails with Fault::device when no guard comes.
 [[nodiscard]] Result<RobotReport> keep_robot(link::Link& link, SharedTruth& truth,
                                              sim::World& world, link::Pace pace,
                                              const std::atomic<bool>& ends);

@@ -144,7 +144,8 @@ TEST_CASE("a frame is read whole or not at all, while its writer writes on") {
   });
   std::uint64_t last = 0;
   int seen = 0;
-  for (int i = 0; i < 200'000; ++i) {
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+  while (seen < 20'000 && std::chrono::steady_clock::now() < deadline) {
     const auto many = slot.read();
     if (!many) continue;
     ++seen;
@@ -154,7 +155,7 @@ TEST_CASE("a frame is read whole or not at all, while its writer writes on") {
   }
   ends = true;
   writer.join();
-  CHECK(seen > 100);
+  CHECK(seen == 20'000);
 }
 
 TEST_CASE("what one writes the others read; who only looks cannot write; nobody is waited for") {
@@ -177,7 +178,7 @@ TEST_CASE("what one writes the others read; who only looks cannot write; nobody 
   CHECK_FALSE(nothing.has_value());
   const std::chrono::duration<double> waited = std::chrono::steady_clock::now() - began;
   CHECK(waited.count() >= 0.02);
-  CHECK(waited.count() < 2.0);
+  CHECK(waited.count() < 20.0);
   *controller = Link();
   CHECK_FALSE(Link::open(name, Role::drives).has_value());
 }
@@ -257,7 +258,7 @@ TEST_CASE("a guard in its own thread guards until the drives fall silent, and te
     frame.stands = 1;
     if (tick < 20) controller->write(wire::to_frame(proposal, tick, false));
     drives->write(frame);
-    last = drives->wait_for(std::chrono::steady_clock::now() + std::chrono::seconds(5), [&]() {
+    last = drives->wait_for(std::chrono::steady_clock::now() + std::chrono::seconds(30), [&]() {
       const auto said = drives->drive();
       return said && said->answers_tick == tick ? said : std::nullopt;
     });
@@ -271,6 +272,9 @@ TEST_CASE("a guard in its own thread guards until the drives fall silent, and te
     if (tick >= 29) CHECK(left.action == safety::Action::retract);
     if (tick >= 22) CHECK(left.cause == safety::Cause::no_proposal);
   }
+  wire::SensorFrame last_words = wire::to_frame(reading);
+  last_words.over = 1;
+  drives->write(last_words);
   process.join();
   REQUIRE(report.has_value());
   CHECK(report->ticks == 40);

@@ -17,10 +17,10 @@ namespace {
 using std::chrono::steady_clock;
 using namespace std::chrono_literals;
 
-constexpr auto silence = 2s;
-constexpr auto lock_step_patience = 200ms;  // for a process that may be dead ...
-constexpr auto gone_patience = 2ms;         // ... and for one that is
-constexpr auto proposal_patience = 600us;   // of the millisecond, at real pace
+constexpr auto silence = 10s;
+constexpr auto lock_step_patience = 2s;    // for a process that may be dead ...
+constexpr auto gone_patience = 2ms;        // ... and for one that is
+constexpr auto proposal_patience = 600us;  // of the millisecond, at real pace
 constexpr double max_in_air_n = 5.0;
 
 safety::RobotProposal still(const PerArm<robot::ArmModel>& models,
@@ -94,11 +94,13 @@ Result<GuardReport> keep_guard(Link& link, const Arming& arming, Pace pace,
   while (!ends) {
     const auto sensed = link.wait_for(steady_clock::now() + silence, [&]() {
       const auto frame = link.sensors();
-      const bool fresh = frame && frame->stands > 0 && (!last_tick || frame->tick != *last_tick);
+      const bool next = frame && frame->stands > 0 && (!last_tick || frame->tick != *last_tick);
+      const bool fresh = next || (frame && frame->over != 0);
       return fresh ? frame : std::nullopt;
     });
     if (!sensed && last_tick) break;
     if (!sensed) continue;
+    if (sensed->over != 0) break;
     const robot::RobotReading reading = wire::from_frame(*sensed);
     if (!last_tick) {
       if (const char* wrong = try_out(models, arming, reading))

@@ -32,6 +32,7 @@ struct SensorFrame {
   std::uint64_t tick = 0;
   std::uint64_t process = 0;  ///< number of the process that drives
   std::uint64_t stands = 0;   ///< number of the wish to stand that was fulfilled last
+  std::uint64_t over = 0;     ///< 1: the drives have ended, and nothing comes after this
   double time_s = 0.0;
   double rail_m = 0.0;
   std::array<SensorArm, 2> arms = {};

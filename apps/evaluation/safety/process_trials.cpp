@@ -70,9 +70,9 @@ class Onlooker {
     std::uint64_t tick = 0;
     double force_n = 0.0;
   };
-  /// The next millisecond, or nothing when none comes within two seconds.
+  /// The next millisecond, or nothing when none comes within ten seconds.
   [[nodiscard]] std::optional<Sight> next() {
-    const auto deadline = steady_clock::now() + 2s;
+    const auto deadline = steady_clock::now() + 10s;
     while (steady_clock::now() < deadline) {
       const auto sensed = link_.sensors();
       if (sensed && sensed->stands > 0 && (!seen_ || sensed->tick != *seen_)) {
