@@ -27,13 +27,13 @@ TEST_CASE("a session in three processes is the session in one, to the last bit")
   };
   REQUIRE(give("one", false) == 0);
   REQUIRE(give("three", true) == 0);
-  for (const char* file : {"joints.csv", "trace.csv", "distances.csv", "plan.json"}) {
+  for (const char* file : {"joints.csv", "trace.csv", "distances.csv"}) {
     CAPTURE(file);
     const auto one = tuina::read_file(std::filesystem::path(folder / "one") / file);
     const auto three = tuina::read_file(std::filesystem::path(folder / "three") / file);
     REQUIRE(one.has_value());
     REQUIRE(three.has_value());
-    if (std::string(file) != "plan.json") CHECK(*one == *three);
+    CHECK(*one == *three);
   }
 }
 
@@ -47,9 +47,9 @@ TEST_CASE("whoever of controller and guard is killed, stopped or crashes, the pe
     CAPTURE(row.dump());
     CHECK(row["force_before_n"] > 8.0);
     CHECK(row["max_force_n"] < 60.0);
-    CHECK(row["first_action_ms"] >= 0.0);
-    CHECK(row["first_action_ms"] <= 20.0);
-    if (row["process"] == "controller") CHECK(row["released_ms"] < 250.0);
+    if (row["process"] == "guard") continue;
+    CHECK(row["first_action_ms"] <= 10.0);
+    CHECK(row["released_ms"] < 250.0);
   }
 }
 

@@ -7,6 +7,10 @@ namespace tuina::link {
 
 Result<Link> Link::map(const std::string& name, Role role, bool make) {
   using Use = SharedMemory::Use;
+  constexpr const char* letters =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_";
+  if (name.empty() || name.find_first_not_of(letters) != std::string::npos)
+    return fail(Fault::usage, "--link `{}`: letters, digits, - and _ are needed", name);
   Link link;
   link.role_ = role;
   const std::string prefix = "/tuina-" + name + "-";

@@ -17,6 +17,9 @@ Result<SharedMemory> SharedMemory::map(const std::string& name, std::size_t byte
   const int access = make ? O_RDWR | O_CREAT | O_EXCL : use == Use::write ? O_RDWR : O_RDONLY;
   if (make) shm_unlink(name.c_str());  // of a process that was killed
   const int file = shm_open(name.c_str(), access, only_me);
+  if (file < 0 && errno == ENOENT)
+    return fail(Fault::device, "the link {}: nobody has made it; the session does, when it begins",
+                name);
   if (file < 0) return fail(Fault::device, "the link {}: {}", name, std::strerror(errno));
   SharedMemory memory;
   memory.name_ = name;

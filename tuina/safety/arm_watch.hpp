@@ -23,8 +23,6 @@ class ArmWatch {
                                     const Proposal& proposal,
                                     const JointVector& applied_nm) noexcept;
 
-  [[nodiscard]] const robot::ArmModel& model() const noexcept { return model_; }
-
  private:
   static constexpr std::size_t window = 20;  ///< ticks over which torques and motion are compared
 

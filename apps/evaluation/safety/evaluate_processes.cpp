@@ -62,7 +62,9 @@ class EvaluateProcesses final : public Verb {
                           {"seed", outcome->trial.seed},
                           {"force_before_n", outcome->before_n},
                           {"max_force_n", outcome->max_force_n},
-                          {"first_action_ms", outcome->first_action_ms},
+                          {"first_action_ms", outcome->first_action_ms < 0.0
+                                                  ? ordered_json()
+                                                  : ordered_json(outcome->first_action_ms)},
                           {"released_ms", outcome->released_ms},
                           {"left_n", outcome->left_n},
                           {"held", outcome->held}});

@@ -130,15 +130,14 @@ std::optional<Onlooker::Sight> wait_for_contact(Onlooker& onlooker) {
 }
 
 void watch(Onlooker& onlooker, const Onlooker::Sight& blow, ProcessOutcome& outcome) {
-  // Drives without a guard damp the arm after 20 ms by themselves; nobody else tells of it.
-  constexpr double drives_act_ms = 20.0;
+  // What drives do without a guard is their own affair: no frame tells of it.
   const bool guard_is_gone = outcome.trial.victim == Victim::guard;
   std::uint64_t last_tick = blow.tick, pressed_tick = blow.tick;
   while (const auto sight = onlooker.next()) {
     const auto after_ms = static_cast<double>(sight->tick - blow.tick);
     outcome.max_force_n = std::max(outcome.max_force_n, sight->force_n);
-    const bool acts = guard_is_gone ? after_ms >= drives_act_ms : onlooker.guard_acts();
-    if (outcome.first_action_ms < 0.0 && acts) outcome.first_action_ms = after_ms;
+    if (!guard_is_gone && outcome.first_action_ms < 0.0 && onlooker.guard_acts())
+      outcome.first_action_ms = after_ms;
     if (sight->force_n > let_go_n) pressed_tick = sight->tick;
     outcome.left_n = sight->force_n;
     last_tick = sight->tick;

@@ -28,7 +28,7 @@ struct ProcessOutcome {
   double before_n = 0.0;        ///< true force when it happened
   double max_force_n = 0.0;     ///< largest true force afterwards
   double released_ms = -1.0;    ///< until both tools had let go, in the robot's time; -1: never
-  double first_action_ms = -1;  ///< until guard or drives acted; -1: never
+  double first_action_ms = -1;  ///< until the guard acted; -1: never, or dead
   double left_n = 0.0;          ///< true force 1.5 s later
   bool held = false;            ///< never more than 90 N, and a guard that lives lets go in 600 ms
 };
