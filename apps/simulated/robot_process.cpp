@@ -22,8 +22,8 @@ using std::chrono::steady_clock;
 using namespace std::chrono_literals;
 
 constexpr auto guard_patience = 20s;
-constexpr auto lock_step_patience = 2s;         // for a guard that may be dead ...
-constexpr auto gone_patience = 2ms;             // ... and for one that is
+constexpr auto lock_step_patience = 6s;  // for a guard that may be dead; it may wait itself ...
+constexpr auto gone_patience = 5ms;      // ... and for one that is
 constexpr std::uint64_t given_up_ticks = 3000;  // virtual time that nobody has said anything in
 
 const char* name_of(link::Pace pace) {

@@ -17,9 +17,11 @@ namespace {
 using std::chrono::steady_clock;
 using namespace std::chrono_literals;
 
-constexpr auto silence = 10s;
-constexpr auto lock_step_patience = 2s;    // for a process that may be dead ...
-constexpr auto gone_patience = 2ms;        // ... and for one that is
+constexpr auto silence = 20s;
+// In lock-step a process may be dead, and once it was, it is waited for briefly. The drives wait
+// longer for the guard than the guard does for the controller, or they would leave it behind.
+constexpr auto lock_step_patience = 2s;
+constexpr auto gone_patience = 1ms;
 constexpr auto proposal_patience = 600us;  // of the millisecond, at real pace
 constexpr double max_in_air_n = 5.0;
 

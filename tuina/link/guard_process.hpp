@@ -27,7 +27,7 @@ struct GuardReport {
 /// Locks the memory of this process and asks for real-time priority; says what was granted.
 [[nodiscard]] std::string be_real_time();
 
-/// The guard as a process: judges each reading of the drives until they end, are silent for ten
+/// The guard as a process: judges each reading of the drives until they end, are silent for twenty
 /// seconds, or `ends`. First it tries itself on the first reading: an arm that stands must pass, a
 /// torque that is no number and a stop must latch, and the wrist sensors must feel nothing in the
 /// air. Fails with Fault::device when that is not so.

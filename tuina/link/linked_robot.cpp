@@ -10,7 +10,7 @@ using std::chrono::steady_clock;
 using namespace std::chrono_literals;
 
 constexpr auto start_patience = 20s;     // of the other processes
-constexpr auto lock_step_patience = 2s;  // likewise, in each millisecond of a simulation ...
+constexpr auto lock_step_patience = 6s;  // likewise, in each millisecond of a simulation ...
 constexpr auto gone_patience = 2ms;      // ... and once they were silent
 constexpr int silent_guard_ticks = 20;   // then the drives brake
 
