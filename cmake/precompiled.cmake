@@ -30,5 +30,5 @@ function(tuina_use_precompiled target name)
 endfunction()
 
 tuina_precompile(tuina_pch FLAGS tuina_flags)
-tuina_precompile(tuina_app_pch FLAGS tuina_app_flags nlohmann_json::nlohmann_json CLI11::CLI11
-  HEADERS <CLI/CLI.hpp> <nlohmann/json.hpp>)
+tuina_precompile(tuina_app_pch FLAGS tuina_app_flags nlohmann_json::nlohmann_json
+  HEADERS <nlohmann/json.hpp>)

@@ -3,7 +3,6 @@
 
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <chrono>
 #include <filesystem>
 #include <memory>
@@ -45,14 +44,6 @@ Result<void> check_folder_of(const std::string& path) {
   return fail(Fault::file, "{}: there is no folder {}", path, folder.string());
 }
 
-std::function<std::string(const std::string&)> number_between(double low, double high) {
-  return [low, high](const std::string& text) -> std::string {
-    const auto value = to_number<double>(text);
-    if (value && *value >= low && *value <= high) return {};
-    return fmt::format("{} is not a number from {} to {}", in_quotes(text), low, high);
-  };
-}
-
 std::string shipped_robot_names() {
   std::string names;
   for (const robot::ShippedRobot& shipped : robot::shipped_robots())
@@ -60,11 +51,9 @@ std::string shipped_robot_names() {
   return names;
 }
 
-void add_robot_option(CLI::App& command, std::string& robot) {
-  command
-      .add_option("--robot", robot,
-                  "a TOML file (docs/robot.md), or one of " + shipped_robot_names())
-      ->capture_default_str();
+void add_robot_option(Options& options, std::string& robot) {
+  options.add("--robot", robot, "a TOML file (docs/robot.md), or one of " + shipped_robot_names())
+      .show_default();
 }
 
 }  // namespace tuina::app

@@ -6,12 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "apps/cli/options.hpp"
 #include "tuina/core/progress.hpp"
 #include "tuina/core/result.hpp"
-
-namespace CLI {
-class App;
-}
 
 namespace tuina::session {
 struct Config;
@@ -46,7 +43,7 @@ class Verb {
   [[nodiscard]] virtual const char* name() const = 0;
   [[nodiscard]] virtual const char* summary() const = 0;  ///< one line
   [[nodiscard]] virtual const char* example() const = 0;  ///< shown by --help
-  virtual void describe(CLI::App& command) = 0;
+  virtual void describe(Options& options) = 0;
   [[nodiscard]] virtual Result<Answer> run(const CommonOptions& common) = 0;
 };
 
@@ -63,10 +60,6 @@ class Verb {
 /// Names of the robots that are built in, for --help.
 [[nodiscard]] std::string shipped_robot_names();
 /// `--robot NAME|FILE.toml`.
-void add_robot_option(CLI::App& command, std::string& robot);
-
-/// Refuses NaN and numbers outside [low, high] as wrong use; for CLI::Option::check.
-[[nodiscard]] std::function<std::string(const std::string&)> number_between(double low,
-                                                                            double high);
+void add_robot_option(Options& options, std::string& robot);
 
 }  // namespace tuina::app

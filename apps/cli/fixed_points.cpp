@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/cli/fixed_points.hpp"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -28,18 +27,18 @@ std::optional<Vector3> place_in(std::string_view numbers) {
 
 }  // namespace
 
-void FixedPoints::describe(CLI::App& command) {
-  auto* fix = command
-                  .add_option("--fix", words,
-                              "NAME=x,y,z: where a finger has found this point, in metres and the "
-                              "frame of the scan; the other points follow; may be repeated")
-                  ->allow_extra_args(false);
-  command
-      .add_option("--fix-error-mm", error_mm,
-                  "standard deviation of the finger in each direction of the skin")
-      ->check(number_between(0.0, 30.0))
-      ->needs(fix)
-      ->capture_default_str();
+void FixedPoints::describe(Options& options) {
+  auto fix = options
+                 .add("--fix", words,
+                      "NAME=x,y,z: where a finger has found this point, in metres and the "
+                      "frame of the scan; the other points follow; may be repeated")
+                 .one_word_each();
+  options
+      .add("--fix-error-mm", error_mm,
+           "standard deviation of the finger in each direction of the skin")
+      .between(0.0, 30.0)
+      .needs(fix)
+      .show_default();
 }
 
 Result<std::vector<body::PalpatedPoint>> FixedPoints::read() const {

@@ -4,12 +4,9 @@
 #include <string>
 #include <vector>
 
+#include "apps/cli/options.hpp"
 #include "tuina/body/acupoints.hpp"
 #include "tuina/core/result.hpp"
-
-namespace CLI {
-class App;
-}
 
 namespace tuina::app {
 
@@ -18,7 +15,7 @@ struct FixedPoints {
   std::vector<std::string> words;  ///< NAME=x,y,z
   double error_mm = 3.0;
 
-  void describe(CLI::App& command);
+  void describe(Options& options);
   [[nodiscard]] Result<std::vector<body::PalpatedPoint>> read() const;
 };
 

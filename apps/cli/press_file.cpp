@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/cli/press_file.hpp"
 
-#include <CLI/CLI.hpp>
 #include <cmath>
 
 #include "apps/cli/command_line.hpp"
@@ -34,16 +33,16 @@ Result<std::vector<tissue::TimedPress>> read_presses(const std::string& path, bo
   return record;
 }
 
-void PressFile::describe(CLI::App& command) {
-  command.add_option("file", path, "CSV with the columns time_s, position_mm, force_n")->required();
-  command
-      .add_option("--force-noise-n", force_noise_n,
-                  "standard deviation of a force sample; else read from the record")
-      ->check(number_between(1e-6, 1000.0));
-  command
-      .add_option("--position-noise-mm", position_noise_mm,
-                  "standard deviation of a position sample; else read from the record")
-      ->check(number_between(1e-6, 100.0));
+void PressFile::describe(Options& options) {
+  options.add("file", path, "CSV with the columns time_s, position_mm, force_n").required();
+  options
+      .add("--force-noise-n", force_noise_n,
+           "standard deviation of a force sample; else read from the record")
+      .between(1e-6, 1000.0);
+  options
+      .add("--position-noise-mm", position_noise_mm,
+           "standard deviation of a position sample; else read from the record")
+      .between(1e-6, 100.0);
 }
 
 tissue::SensorNoise PressFile::told(tissue::SensorNoise noise) const {

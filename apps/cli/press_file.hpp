@@ -6,12 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "apps/cli/options.hpp"
 #include "tuina/core/result.hpp"
 #include "tuina/tissue/press_record.hpp"
-
-namespace CLI {
-class App;
-}
 
 namespace tuina::app {
 
@@ -27,7 +24,7 @@ struct PressFile {
   double force_noise_n = std::numeric_limits<double>::quiet_NaN();  ///< NaN: read from the record
   double position_noise_mm = std::numeric_limits<double>::quiet_NaN();
 
-  void describe(CLI::App& command);
+  void describe(Options& options);
   /// As told, else what is usual.
   [[nodiscard]] tissue::SensorNoise noise_told() const { return told(tissue::SensorNoise{}); }
   /// As told, else as it shows in a record.

@@ -19,7 +19,7 @@ class EvaluateAll final : public Verb {
   [[nodiscard]] const char* example() const override {
     return "tuina evaluate all --json > tables.json";
   }
-  void describe(CLI::App&) override {}
+  void describe(Options&) override {}
 
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
     nlohmann::ordered_json all;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tuina/session/config.hpp"
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "apps/tuina/verbs.hpp"
@@ -19,7 +18,7 @@ class ConfigShow final : public Verb {
   [[nodiscard]] const char* example() const override {
     return "tuina config show --set scan.method=likelihood > my.toml";
   }
-  void describe(CLI::App&) override {}
+  void describe(Options&) override {}
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
     const auto config = effective_config(common);
     if (!config) return tl::unexpected(config.error());
@@ -36,9 +35,7 @@ class ConfigCheck final : public Verb {
   [[nodiscard]] const char* name() const override { return "config check"; }
   [[nodiscard]] const char* summary() const override { return "check a configuration file"; }
   [[nodiscard]] const char* example() const override { return "tuina config check my.toml"; }
-  void describe(CLI::App& command) override {
-    command.add_option("file", file_, "a TOML file")->required();
-  }
+  void describe(Options& options) override { options.add("file", file_, "a TOML file").required(); }
   [[nodiscard]] Result<Answer> run(const CommonOptions&) override {
     const auto config = session::load_config(file_);
     if (!config) return tl::unexpected(config.error());

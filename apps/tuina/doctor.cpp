@@ -19,7 +19,7 @@ class Doctor final : public Verb {
     return "check this machine: devices, permissions, real-time limits";
   }
   [[nodiscard]] const char* example() const override { return "tuina doctor"; }
-  void describe(CLI::App&) override {}
+  void describe(Options&) override {}
 
   [[nodiscard]] Result<Answer> run(const CommonOptions&) override {
     nlohmann::json checks = nlohmann::json::array();

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "apps/tuina/verbs.hpp"
@@ -22,12 +21,12 @@ class Export final : public Verb {
     return urdf_ ? "tuina export urdf --robot successor --out robot.urdf"
                  : "tuina export mjcf --out robot.xml";
   }
-  void describe(CLI::App& command) override {
-    add_robot_option(command, robot_);
-    command.add_option("--position", position_, "how arms on a linear base are mounted")
-        ->check(CLI::IsMember({"sitting", "prone"}))
-        ->capture_default_str();
-    command.add_option("--out", out_, "the file; else it goes to stdout");
+  void describe(Options& options) override {
+    add_robot_option(options, robot_);
+    options.add("--position", position_, "how arms on a linear base are mounted")
+        .one_of({"sitting", "prone"})
+        .show_default();
+    options.add("--out", out_, "the file; else it goes to stdout");
   }
   [[nodiscard]] Result<Answer> run(const CommonOptions&) override {
     const auto model = robot::load_robot(robot_);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // The processes that a session can be given: the guard, and a simulated robot.
-#include <CLI/CLI.hpp>
 #include <csignal>
 #include <nlohmann/json.hpp>
 
@@ -19,12 +18,11 @@ void end_when_asked() {
   for (const int asked : {SIGINT, SIGTERM}) std::signal(asked, [](int) { ends = true; });
 }
 
-void add_link_options(CLI::App& command, std::string& link, std::string& pace) {
-  command.add_option("--link", link, "name of the memory that the processes of a robot share")
-      ->required();
-  command.add_option("--pace", pace, "real, or max: each waits for the others")
-      ->check(CLI::IsMember({"max", "real"}))
-      ->capture_default_str();
+void add_link_options(Options& options, std::string& link, std::string& pace) {
+  options.add("--link", link, "name of the memory that the processes of a robot share").required();
+  options.add("--pace", pace, "real, or max: each waits for the others")
+      .one_of({"max", "real"})
+      .show_default();
 }
 
 link::Pace pace_of(const std::string& name) {
@@ -41,9 +39,9 @@ class GuardVerb final : public Verb {
   [[nodiscard]] const char* example() const override {
     return "tuina guard --arm person.arming --link clinic";
   }
-  void describe(CLI::App& command) override {
-    command.add_option("--arm", file_, "what a session has written for its guard")->required();
-    add_link_options(command, link_, pace_);
+  void describe(Options& options) override {
+    options.add("--arm", file_, "what a session has written for its guard").required();
+    add_link_options(options, link_, pace_);
   }
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
     const auto arming = link::read_arming(file_);
@@ -85,13 +83,13 @@ class RobotSimulate final : public Verb {
   [[nodiscard]] const char* example() const override {
     return "tuina robot simulate --link clinic --person phantom:hefty --position prone";
   }
-  void describe(CLI::App& command) override {
-    command.add_option("--person", order_.person, "as of `tuina massage`")->capture_default_str();
-    command.add_option("--position", position_, "sitting or prone")
-        ->check(CLI::IsMember({"auto", "sitting", "prone"}))
-        ->capture_default_str();
-    add_robot_option(command, order_.robot);
-    add_link_options(command, link_, pace_);
+  void describe(Options& options) override {
+    options.add("--person", order_.person, "as of `tuina massage`").show_default();
+    options.add("--position", position_, "sitting or prone")
+        .one_of({"auto", "sitting", "prone"})
+        .show_default();
+    add_robot_option(options, order_.robot);
+    add_link_options(options, link_, pace_);
   }
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
     const auto config = effective_config(common);

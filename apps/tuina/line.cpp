@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -90,15 +89,14 @@ class Line final : public Verb {
   [[nodiscard]] const char* example() const override {
     return "tuina line frame.png --dark dark.png --out line.csv --picture seen.png";
   }
-  void describe(CLI::App& command) override {
-    command.add_option("image", image_, "PNG, grey or colour (its red is used), 8 or 16 bit")
-        ->required();
-    command.add_option("--dark", dark_, "the same view with the laser off");
-    command.add_option("--method", method_, "centroid, likelihood, or thesis (the plain (4.10))")
-        ->check(CLI::IsMember({"centroid", "likelihood", "thesis"}))
-        ->capture_default_str();
-    command.add_option("--out", out_, "CSV row,column_px,amplitude_dn; else it goes to stdout");
-    command.add_option("--picture", picture_, "PNG with the line drawn over the image");
+  void describe(Options& options) override {
+    options.add("image", image_, "PNG, grey or colour (its red is used), 8 or 16 bit").required();
+    options.add("--dark", dark_, "the same view with the laser off");
+    options.add("--method", method_, "centroid, likelihood, or thesis (the plain (4.10))")
+        .one_of({"centroid", "likelihood", "thesis"})
+        .show_default();
+    options.add("--out", out_, "CSV row,column_px,amplitude_dn; else it goes to stdout");
+    options.add("--picture", picture_, "PNG with the line drawn over the image");
   }
 
   [[nodiscard]] Result<Answer> run(const CommonOptions&) override {

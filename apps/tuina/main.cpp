@@ -159,7 +159,8 @@ int main(int argc, char** argv) {
     }
     CLI::App* command = parent->add_subcommand(name, verb->summary());
     command->footer(fmt::format("Example:\n  {}", verb->example()));
-    verb->describe(*command);
+    Options options(*command);
+    verb->describe(options);
     add_common_options(*command, common, out);
     refuse_empty_words(*command);
     verb_of[command] = verb.get();

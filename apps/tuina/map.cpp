@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <CLI/CLI.hpp>
 #include <chrono>
 #include <filesystem>
 #include <optional>
@@ -51,22 +50,21 @@ class MapVerb final : public Verb {
            "(a finger has found BL18_L)";
   }
 
-  void describe(CLI::App& command) override {
-    command.add_option("scan", scan_, "a cloud or mesh in couch, PLY or PCD, metres")->required();
-    command.add_option("--position", position_, "sitting, prone, or auto: recognised")
-        ->check(CLI::IsMember({"auto", "sitting", "prone"}))
-        ->capture_default_str();
-    command.add_option("--atlas", atlas_,
-                       "an atlas file, a labelled body or a folder of them; else the shipped one");
-    command.add_option("--method", method_, "field_morphing (the thesis) or surface")
-        ->check(CLI::IsMember({"field_morphing", "surface"}))
-        ->capture_default_str();
-    command.add_option(
-        "--board", board_,
-        "for field_morphing: the scan of a flat board that lay where the back is, which "
-        "gives the plane of the projection; else the back itself gives it");
-    fixed_.describe(command);
-    command.add_option("--out", out_, "the answer, as acupoints.json");
+  void describe(Options& options) override {
+    options.add("scan", scan_, "a cloud or mesh in couch, PLY or PCD, metres").required();
+    options.add("--position", position_, "sitting, prone, or auto: recognised")
+        .one_of({"auto", "sitting", "prone"})
+        .show_default();
+    options.add("--atlas", atlas_,
+                "an atlas file, a labelled body or a folder of them; else the shipped one");
+    options.add("--method", method_, "field_morphing (the thesis) or surface")
+        .one_of({"field_morphing", "surface"})
+        .show_default();
+    options.add("--board", board_,
+                "for field_morphing: the scan of a flat board that lay where the back is, which "
+                "gives the plane of the projection; else the back itself gives it");
+    fixed_.describe(options);
+    options.add("--out", out_, "the answer, as acupoints.json");
   }
 
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <CLI/CLI.hpp>
 #include <filesystem>
 
 #include "apps/simulated/keyboard.hpp"
@@ -22,63 +21,56 @@ class Massage final : public Verb {
     return "tuina massage --person phantom:hefty --position prone --programme relax --out "
            "my-report";
   }
-  void describe(CLI::App& command) override {
-    auto* replay = command.add_option(
+  void describe(Options& options) override {
+    auto replay = options.add(
         "--replay", replay_,
         "the folder of a session: the same once more, with its seed and live commands, compared");
-    command
-        .add_option("--person", order_.person,
-                    "phantom:slim, phantom:medium, phantom:hefty, or a labelled body FILE.ply")
-        ->capture_default_str();
-    command.add_option("--position", position_, "auto: recognised from the scan")
-        ->check(CLI::IsMember({"auto", "sitting", "prone"}))
-        ->capture_default_str();
-    command.add_option("--programme", order_.programme, "a shipped programme or a TOML file")
-        ->capture_default_str();
-    add_robot_option(command, order_.robot);
-    command.add_option("--no-go", order_.no_go, "a TOML file with what must not be touched");
-    command.add_option("--consent", order_.consent,
-                       "a TOML file with the answers to the health questions; without it the "
-                       "simulated person answers");
-    command.add_option(
-        "--robot-pose", order_.robot_pose,
-        "where the robot stands: a file of `tuina calibrate --robot`; without it the "
-        "simulated robot was measured as well");
-    command
-        .add_option("--adaptive", adaptive_,
-                    "on: what the presses feel decides how hard they may be; off: as planned")
-        ->check(CLI::IsMember({"on", "off"}))
-        ->capture_default_str();
-    command.add_flag("--keys", order_.keys, fmt::format("live, at real pace: {}", key_help));
-    command
-        .add_option("--body-mass-index", order_.facts.mass_index,
-                    "of the person, kg/m^2, if known: a help in telling the body condition")
-        ->check(CLI::Range(10.0, 80.0));
-    command.add_option("--body-fat-percent", order_.facts.fat_percent, "likewise")
-        ->check(CLI::Range(2.0, 70.0));
-    command.add_option("--method", method_, "of finding acupoints")
-        ->check(CLI::IsMember({"field_morphing", "surface"}));
-    command.add_option("--atlas", order_.atlas,
-                       "an atlas file or a labelled body instead of the shipped atlas");
-    command.add_option("--pace", pace_, "of the simulation")
-        ->check(CLI::IsMember({"max", "real"}))
-        ->capture_default_str();
-    auto* processes = command.add_flag("--processes", order_.processes,
-                                       "guard and robot as processes of their own, `tuina guard` "
-                                       "and `tuina robot simulate`");
-    command.add_option("--link", order_.link, "name of the memory that these share")
-        ->needs(processes);
-    command
-        .add_option(
-            "--out", out_,
-            "folder for session.json, scan.ply, acupoints.json, plan.json, trace.csv, joints.csv, "
-            "distances.csv, report.html")
-        ->capture_default_str();
+    options
+        .add("--person", order_.person,
+             "phantom:slim, phantom:medium, phantom:hefty, or a labelled body FILE.ply")
+        .show_default();
+    options.add("--position", position_, "auto: recognised from the scan")
+        .one_of({"auto", "sitting", "prone"})
+        .show_default();
+    options.add("--programme", order_.programme, "a shipped programme or a TOML file")
+        .show_default();
+    add_robot_option(options, order_.robot);
+    options.add("--no-go", order_.no_go, "a TOML file with what must not be touched");
+    options.add("--consent", order_.consent,
+                "a TOML file with the answers to the health questions; without it the "
+                "simulated person answers");
+    options.add("--robot-pose", order_.robot_pose,
+                "where the robot stands: a file of `tuina calibrate --robot`; without it the "
+                "simulated robot was measured as well");
+    options
+        .add("--adaptive", adaptive_,
+             "on: what the presses feel decides how hard they may be; off: as planned")
+        .one_of({"on", "off"})
+        .show_default();
+    options.flag("--keys", order_.keys, fmt::format("live, at real pace: {}", key_help));
+    options
+        .add("--body-mass-index", order_.facts.mass_index,
+             "of the person, kg/m^2, if known: a help in telling the body condition")
+        .between(10.0, 80.0);
+    options.add("--body-fat-percent", order_.facts.fat_percent, "likewise").between(2.0, 70.0);
+    options.add("--method", method_, "of finding acupoints").one_of({"field_morphing", "surface"});
+    options.add("--atlas", order_.atlas,
+                "an atlas file or a labelled body instead of the shipped atlas");
+    options.add("--pace", pace_, "of the simulation").one_of({"max", "real"}).show_default();
+    auto processes = options.flag("--processes", order_.processes,
+                                  "guard and robot as processes of their own, `tuina guard` "
+                                  "and `tuina robot simulate`");
+    options.add("--link", order_.link, "name of the memory that these share").needs(processes);
+    options
+        .add("--out", out_,
+             "folder for session.json, scan.ply, acupoints.json, plan.json, trace.csv, joints.csv, "
+             "distances.csv, report.html")
+        .show_default();
     // What a recorded session tells by itself.
     for (const char* recorded : {"--person", "--position", "--programme", "--robot", "--no-go",
                                  "--consent", "--robot-pose", "--keys", "--method", "--atlas",
                                  "--adaptive", "--body-mass-index", "--body-fat-percent"}) {
-      replay->excludes(command.get_option(recorded));
+      replay.excludes(options.named(recorded));
     }
   }
 

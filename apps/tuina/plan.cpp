@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tuina/massage/plan.hpp"
 
-#include <CLI/CLI.hpp>
 #include <chrono>
 
 #include "apps/simulated/simulated_session.hpp"
@@ -94,20 +93,18 @@ class PlanVerb final : public Verb {
     return "tuina plan scan.ply acupoints.json --programme relax --out plan.json --picture "
            "plan.png";
   }
-  void describe(CLI::App& command) override {
-    command.add_option("scan", scan_, "the person's surface: PLY or PCD, metres")->required();
-    command
-        .add_option("acupoints", acupoints_, "acupoints.json of that scan, as `tuina map` writes")
-        ->required();
+  void describe(Options& options) override {
+    options.add("scan", scan_, "the person's surface: PLY or PCD, metres").required();
+    options.add("acupoints", acupoints_, "acupoints.json of that scan, as `tuina map` writes")
+        .required();
     std::string names;
     for (const massage::ShippedProgramme& shipped : massage::shipped_programmes()) {
       names += (names.empty() ? "" : ", ") + std::string(shipped.name);
     }
-    command.add_option("--programme", programme_, "a file, or one of " + names)
-        ->capture_default_str();
-    add_robot_option(command, robot_);
-    command.add_option("--no-go", no_go_, "a TOML file with what must not be touched");
-    command.add_option("--picture", picture_, "draw the paths on the back into this PNG file");
+    options.add("--programme", programme_, "a file, or one of " + names).show_default();
+    add_robot_option(options, robot_);
+    options.add("--no-go", no_go_, "a TOML file with what must not be touched");
+    options.add("--picture", picture_, "draw the paths on the back into this PNG file");
   }
 
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "apps/tuina/verbs.hpp"
@@ -20,9 +19,9 @@ class Report final : public Verb {
   [[nodiscard]] const char* example() const override {
     return "tuina massage --out my-report\n  tuina report my-report --out page.html";
   }
-  void describe(CLI::App& command) override {
-    command.add_option("folder", folder_, "of `tuina massage --out`")->required();
-    command.add_option("--out", out_, "one self-contained HTML page")->required();
+  void describe(Options& options) override {
+    options.add("folder", folder_, "of `tuina massage --out`").required();
+    options.add("--out", out_, "one self-contained HTML page").required();
   }
 
   [[nodiscard]] Result<Answer> run(const CommonOptions&) override {

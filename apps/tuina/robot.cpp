@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "apps/tuina/verbs.hpp"
@@ -70,9 +69,8 @@ class RobotShow final : public Verb {
     return "the table of a robot: links, limits, reach, how its arms wait for a person";
   }
   [[nodiscard]] const char* example() const override { return "tuina robot show panda"; }
-  void describe(CLI::App& command) override {
-    command.add_option("robot", robot_, "a TOML file, or one of " + shipped_robot_names())
-        ->required();
+  void describe(Options& options) override {
+    options.add("robot", robot_, "a TOML file, or one of " + shipped_robot_names()).required();
   }
   [[nodiscard]] Result<Answer> run(const CommonOptions&) override {
     const auto model = robot::load_robot(robot_);
@@ -125,14 +123,13 @@ class RobotImport final : public Verb {
     return "tuina robot import arm.urdf --base base_link --tip tool0 --out mine.toml\n"
            "  tuina robot show mine.toml";
   }
-  void describe(CLI::App& command) override {
-    command.add_option("file", file_, "URDF")->required();
-    command.add_option("--base", base_, "the link that is mounted")->required();
-    command
-        .add_option("--tip", tip_,
-                    "the link whose origin is the sphere's centre and whose x points out")
-        ->required();
-    command.add_option("--out", out_, "the table, as TOML")->required();
+  void describe(Options& options) override {
+    options.add("file", file_, "URDF").required();
+    options.add("--base", base_, "the link that is mounted").required();
+    options
+        .add("--tip", tip_, "the link whose origin is the sphere's centre and whose x points out")
+        .required();
+    options.add("--out", out_, "the table, as TOML").required();
   }
   [[nodiscard]] Result<Answer> run(const CommonOptions&) override {
     constexpr std::size_t max_bytes = 16 << 20;

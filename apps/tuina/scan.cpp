@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <CLI/CLI.hpp>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
@@ -67,60 +66,56 @@ class ScanVerb final : public Verb {
            "  tuina scan --replay sweep --out scan.ply";
   }
 
-  void describe(CLI::App& command) override {
-    auto* person =
-        command.add_option("--person", person_,
-                           "scan a simulated person: a labelled body FILE.ply, or phantom:slim, "
-                           "phantom:medium, phantom:hefty");
-    auto* replay =
-        command.add_option("--replay", replay_, "a recorded sweep (a folder)")->excludes(person);
-    auto* stop_and_shoot =
-        command
-            .add_flag("--stop-and-shoot", stop_and_shoot_,
-                      "stand still for every frame, in steps of 0.29 degrees, as the thesis did")
-            ->excludes(replay);
-    auto* position =
-        command
-            .add_option("--position", position_, "sitting or prone; a labelled body knows its own")
-            ->check(CLI::IsMember({"sitting", "prone"}))
-            ->excludes(replay);
-    command
-        .add_option("--breathing-mm", breathing_mm_,
-                    "how far the back moves with the breath; 0: it is held")
-        ->check(number_between(0.0, 50.0))
-        ->excludes(replay)
-        ->capture_default_str();
-    command
-        .add_option("--method", method_,
-                    "laser line: centroid, likelihood or thesis; else from the config")
-        ->check(CLI::IsMember({"centroid", "likelihood", "thesis"}));
-    command
-        .add_flag("--both-ways", both_ways_,
-                  "turn forth and back: finds the latency again, and takes the breath off")
-        ->excludes(replay)
-        ->excludes(stop_and_shoot);
-    command.add_option("--calibration", calibration_,
-                       "instead of the scanner's own calibration.toml");
-    command
-        .add_option("--check-sphere", check_sphere_mm_,
-                    "a ball of this diameter in mm is in the scene; refuse a scan that shows it "
-                    "hollow or of another size")
-        ->check(number_between(20.0, 1000.0));
-    command.add_option(
+  void describe(Options& options) override {
+    auto person = options.add("--person", person_,
+                              "scan a simulated person: a labelled body FILE.ply, or phantom:slim, "
+                              "phantom:medium, phantom:hefty");
+    auto replay = options.add("--replay", replay_, "a recorded sweep (a folder)").excludes(person);
+    auto stop_and_shoot =
+        options
+            .flag("--stop-and-shoot", stop_and_shoot_,
+                  "stand still for every frame, in steps of 0.29 degrees, as the thesis did")
+            .excludes(replay);
+    auto position =
+        options.add("--position", position_, "sitting or prone; a labelled body knows its own")
+            .one_of({"sitting", "prone"})
+            .excludes(replay);
+    options
+        .add("--breathing-mm", breathing_mm_,
+             "how far the back moves with the breath; 0: it is held")
+        .between(0.0, 50.0)
+        .excludes(replay)
+        .show_default();
+    options
+        .add("--method", method_,
+             "laser line: centroid, likelihood or thesis; else from the config")
+        .one_of({"centroid", "likelihood", "thesis"});
+    options
+        .flag("--both-ways", both_ways_,
+              "turn forth and back: finds the latency again, and takes the breath off")
+        .excludes(replay)
+        .excludes(stop_and_shoot);
+    options.add("--calibration", calibration_, "instead of the scanner's own calibration.toml");
+    options
+        .add("--check-sphere", check_sphere_mm_,
+             "a ball of this diameter in mm is in the scene; refuse a scan that shows it "
+             "hollow or of another size")
+        .between(20.0, 1000.0);
+    options.add(
         "--check-box", check_box_,
         "a box of this size, as 150x150x200mm, is in the scene, two or three faces in view; refuse "
         "a scan that shows it of another size or askew");
-    auto* record = command.add_option("--record", record_, "keep the sweep in this new folder")
-                       ->excludes(replay);
-    command
-        .add_option("--stickers", stickers_,
-                    "coloured stickers on true points of the simulated person, frames in colour: "
-                    "blue=SI11,BL47,BL50 green=GV4; see `tuina atlas record --help`")
-        ->excludes(replay)
-        ->needs(record);
-    command.add_option("--out", out_, "the cloud; as PCD when the name ends so, else as PLY");
-    command.add_option("--format", format_, "of --out, when its name does not tell")
-        ->check(CLI::IsMember({"ply", "ply-ascii", "ply-big-endian", "pcd", "pcd-ascii"}));
+    auto record =
+        options.add("--record", record_, "keep the sweep in this new folder").excludes(replay);
+    options
+        .add("--stickers", stickers_,
+             "coloured stickers on true points of the simulated person, frames in colour: "
+             "blue=SI11,BL47,BL50 green=GV4; see `tuina atlas record --help`")
+        .excludes(replay)
+        .needs(record);
+    options.add("--out", out_, "the cloud; as PCD when the name ends so, else as PLY");
+    options.add("--format", format_, "of --out, when its name does not tell")
+        .one_of({"ply", "ply-ascii", "ply-big-endian", "pcd", "pcd-ascii"});
     (void)position;
   }
 

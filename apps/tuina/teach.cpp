@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -98,23 +97,20 @@ class TeachRecord final : public Verb {
   [[nodiscard]] const char* example() const override {
     return "tuina teach record --technique stroke --arm left --out stroke.toml";
   }
-  void describe(CLI::App& command) override {
-    command
-        .add_option("--person", order_.person,
-                    "phantom:slim, phantom:medium, phantom:hefty, or a labelled body FILE.ply")
-        ->capture_default_str();
-    command.add_option("--position", position_, "of the person")
-        ->check(CLI::IsMember({"sitting", "prone"}))
-        ->capture_default_str();
-    add_robot_option(command, order_.robot);
-    command.add_option("--technique", technique_, "what the hand shows: as in the programme relax")
-        ->check(CLI::IsMember(shown_techniques()))
-        ->capture_default_str();
-    command.add_option("--arm", arm_, "that is led")
-        ->check(CLI::IsMember({"left", "right"}))
-        ->capture_default_str();
-    command.add_option("--out", out_, "FILE.toml; the samples go to FILE.csv beside it")
-        ->required();
+  void describe(Options& options) override {
+    options
+        .add("--person", order_.person,
+             "phantom:slim, phantom:medium, phantom:hefty, or a labelled body FILE.ply")
+        .show_default();
+    options.add("--position", position_, "of the person")
+        .one_of({"sitting", "prone"})
+        .show_default();
+    add_robot_option(options, order_.robot);
+    options.add("--technique", technique_, "what the hand shows: as in the programme relax")
+        .one_of(shown_techniques())
+        .show_default();
+    options.add("--arm", arm_, "that is led").one_of({"left", "right"}).show_default();
+    options.add("--out", out_, "FILE.toml; the samples go to FILE.csv beside it").required();
   }
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
     const auto config = effective_config(common);
@@ -153,13 +149,13 @@ class TeachPlay final : public Verb {
   [[nodiscard]] const char* example() const override {
     return "tuina teach play stroke.toml --plot played.svg";
   }
-  void describe(CLI::App& command) override {
-    command.add_option("file", file_, "of `tuina teach record`")->required();
-    command
-        .add_option("--person", person_,
-                    "phantom:slim, phantom:medium, phantom:hefty, or a labelled body FILE.ply")
-        ->capture_default_str();
-    command.add_option("--plot", plot_, "force over time, taught and played, as SVG");
+  void describe(Options& options) override {
+    options.add("file", file_, "of `tuina teach record`").required();
+    options
+        .add("--person", person_,
+             "phantom:slim, phantom:medium, phantom:hefty, or a labelled body FILE.ply")
+        .show_default();
+    options.add("--plot", plot_, "force over time, taught and played, as SVG");
   }
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
     const auto config = effective_config(common);
@@ -201,10 +197,10 @@ class TeachShow final : public Verb {
   [[nodiscard]] const char* example() const override {
     return "tuina teach show stroke.toml --plot stroke.svg --joints joints.svg";
   }
-  void describe(CLI::App& command) override {
-    command.add_option("file", file_, "of `tuina teach record`")->required();
-    command.add_option("--plot", plot_, "force over time as SVG");
-    command.add_option("--joints", joints_, "joint angles over time as SVG");
+  void describe(Options& options) override {
+    options.add("file", file_, "of `tuina teach record`").required();
+    options.add("--plot", plot_, "force over time as SVG");
+    options.add("--joints", joints_, "joint angles over time as SVG");
   }
   [[nodiscard]] Result<Answer> run(const CommonOptions&) override {
     const auto motion = session::read_taught(file_);
@@ -239,9 +235,9 @@ class TeachCarry final : public Verb {
     return "tuina teach carry stroke.toml --out mine.toml\n"
            "  tuina massage --programme mine.toml --person phantom:hefty";
   }
-  void describe(CLI::App& command) override {
-    command.add_option("file", file_, "of `tuina teach record`")->required();
-    command.add_option("--out", out_, "a programme, as TOML")->required();
+  void describe(Options& options) override {
+    options.add("file", file_, "of `tuina teach record`").required();
+    options.add("--out", out_, "a programme, as TOML").required();
   }
   [[nodiscard]] Result<Answer> run(const CommonOptions&) override {
     const auto motion = session::read_taught(file_);

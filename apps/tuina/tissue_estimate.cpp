@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -122,49 +121,44 @@ class TissueEstimateVerb final : public Verb {
   [[nodiscard]] const char* example() const override {
     return "tuina tissue estimate press.csv --out trace.csv --json";
   }
-  void describe(CLI::App& command) override {
-    file_.describe(command);
-    command.add_option("--plot", plot_, "draw the estimates over time as SVG");
-    auto* alpha = command
-                      .add_option("--true-alpha-n", true_alpha_n_,
-                                  "of a simulated record: drawn beside the estimate, no more")
-                      ->check(number_between(0.01, 1e3));
-    auto* beta = command.add_option("--true-beta-per-mm", true_beta_per_mm_, "likewise")
-                     ->check(number_between(1e-3, 10.0))
-                     ->needs(alpha);
-    alpha->needs(beta);
-    auto* predict = command.add_option(
+  void describe(Options& options) override {
+    file_.describe(options);
+    options.add("--plot", plot_, "draw the estimates over time as SVG");
+    auto alpha = options
+                     .add("--true-alpha-n", true_alpha_n_,
+                          "of a simulated record: drawn beside the estimate, no more")
+                     .between(0.01, 1e3);
+    auto beta = options.add("--true-beta-per-mm", true_beta_per_mm_, "likewise")
+                    .between(1e-3, 10.0)
+                    .needs(alpha);
+    alpha.needs(beta);
+    auto predict = options.add(
         "--predict", predict_,
         "a later press as CSV like the record, force_n empty where it is to be predicted");
-    auto* predict_out =
-        command
-            .add_option("--predict-out", predict_out_,
-                        "write the predicted forces with their 95 % band to this CSV file")
-            ->needs(predict);
-    predict->needs(predict_out);
-    command.add_option("--out", out_, "write the estimate after every sample to this CSV file");
-    command
-        .add_option("--method", method_,
-                    "tuina, or thesis: least squares with forgetting as printed")
-        ->check(CLI::IsMember({"tuina", "thesis"}))
-        ->capture_default_str();
-    command
-        .add_option("--torso-n-per-mm", torso_n_per_mm_,
-                    "stiffness under the tissue that the position holds too")
-        ->check(number_between(0.1, 1e6));
-    command
-        .add_option("--breathing-mm", breathing_mm_,
-                    "how far the skin may move with the breath, peak to peak")
-        ->check(number_between(0.0, 50.0))
-        ->capture_default_str();
-    command
-        .add_option("--contact-sd-mm", contact_sd_mm_,
-                    "how well the skin is known to be at position 0")
-        ->check(number_between(0.01, 50.0))
-        ->capture_default_str();
-    command.add_option("--force-delay-ms", force_delay_ms_, "of the force against the position")
-        ->check(number_between(0.0, 50.0))
-        ->capture_default_str();
+    auto predict_out = options
+                           .add("--predict-out", predict_out_,
+                                "write the predicted forces with their 95 % band to this CSV file")
+                           .needs(predict);
+    predict.needs(predict_out);
+    options.add("--out", out_, "write the estimate after every sample to this CSV file");
+    options.add("--method", method_, "tuina, or thesis: least squares with forgetting as printed")
+        .one_of({"tuina", "thesis"})
+        .show_default();
+    options
+        .add("--torso-n-per-mm", torso_n_per_mm_,
+             "stiffness under the tissue that the position holds too")
+        .between(0.1, 1e6);
+    options
+        .add("--breathing-mm", breathing_mm_,
+             "how far the skin may move with the breath, peak to peak")
+        .between(0.0, 50.0)
+        .show_default();
+    options.add("--contact-sd-mm", contact_sd_mm_, "how well the skin is known to be at position 0")
+        .between(0.01, 50.0)
+        .show_default();
+    options.add("--force-delay-ms", force_delay_ms_, "of the force against the position")
+        .between(0.0, 50.0)
+        .show_default();
   }
 
   [[nodiscard]] Result<Answer> run(const CommonOptions&) override {

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "apps/cli/press_file.hpp"
@@ -21,9 +20,9 @@ class TissueFit final : public Verb {
     return "fit F = alpha tan(beta x) to a record of presses";
   }
   [[nodiscard]] const char* example() const override { return "tuina tissue fit press.csv --json"; }
-  void describe(CLI::App& command) override {
-    file_.describe(command);
-    command.add_option("--plot", plot_, "draw force over depth with the fit and its band as SVG");
+  void describe(Options& options) override {
+    file_.describe(options);
+    options.add("--plot", plot_, "draw force over depth with the fit and its band as SVG");
   }
 
   [[nodiscard]] Result<Answer> run(const CommonOptions&) override {

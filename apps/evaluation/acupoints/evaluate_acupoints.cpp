@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -29,33 +28,31 @@ class EvaluateAcupoints final : public Verb {
     return "tuina evaluate acupoints --bodies people --scan laser --page acupoints.html\n"
            "  tuina evaluate acupoints --bodies people --folds 10";
   }
-  void describe(CLI::App& command) override {
-    command.add_option("--bodies", bodies_,
-                       "labelled bodies to judge on; else 30 fresh phantoms in each position");
-    command
-        .add_option(
-            "--scan", scan_,
-            "ideal; laser: through the simulated scanner and its calibration errors; depth: one "
-            "picture of a depth camera (3 mm noise, 1 % holes, flying pixels, couch and floor)")
-        ->check(CLI::IsMember({"ideal", "laser", "depth"}))
-        ->capture_default_str();
-    command.add_option("--depth-points", depth_points_, "points of a picture, with --scan depth")
-        ->check(number_between(10000, 10000000))
-        ->capture_default_str();
-    auto* atlas = command.add_option("--atlas", atlas_, "as for `map`; else the shipped one");
-    auto* train = command.add_option("--train", train_, "learn the atlas from this folder first")
-                      ->excludes(atlas);
-    command
-        .add_option("--folds", folds_, "learn from the other people of --bodies, in so many parts")
-        ->check(number_between(2, 100))
-        ->excludes(atlas)
-        ->excludes(train);
-    command
-        .add_option("--label-noise-mm", label_noise_mm_,
-                    "judge against marks of a therapist who is off by this RMS distance")
-        ->check(number_between(0.0, 50.0));
-    command.add_option("--page", page_,
-                       "the tables, plots and every back with its points, as one HTML file");
+  void describe(Options& options) override {
+    options.add("--bodies", bodies_,
+                "labelled bodies to judge on; else 30 fresh phantoms in each position");
+    options
+        .add("--scan", scan_,
+             "ideal; laser: through the simulated scanner and its calibration errors; depth: one "
+             "picture of a depth camera (3 mm noise, 1 % holes, flying pixels, couch and floor)")
+        .one_of({"ideal", "laser", "depth"})
+        .show_default();
+    options.add("--depth-points", depth_points_, "points of a picture, with --scan depth")
+        .between(10000, 10000000)
+        .show_default();
+    auto atlas = options.add("--atlas", atlas_, "as for `map`; else the shipped one");
+    auto train =
+        options.add("--train", train_, "learn the atlas from this folder first").excludes(atlas);
+    options.add("--folds", folds_, "learn from the other people of --bodies, in so many parts")
+        .between(2, 100)
+        .excludes(atlas)
+        .excludes(train);
+    options
+        .add("--label-noise-mm", label_noise_mm_,
+             "judge against marks of a therapist who is off by this RMS distance")
+        .between(0.0, 50.0);
+    options.add("--page", page_,
+                "the tables, plots and every back with its points, as one HTML file");
   }
 
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -48,22 +47,22 @@ class EvaluateAtlas final : public Verb {
   [[nodiscard]] const char* example() const override {
     return "tuina evaluate atlas --train people --bodies others --figure learning.svg";
   }
-  void describe(CLI::App& command) override {
-    command.add_option("--train", train_, "labelled bodies to learn from")->required();
-    command.add_option("--bodies", bodies_, "other labelled bodies to judge on")->required();
-    command.add_option("--counts", counts_, "people to learn from in each position")
-        ->delimiter(',')
-        ->check(number_between(0, 10000))
-        ->capture_default_str();
-    command.add_option("--draws", draws_, "so many choices of people, of which the mean is taken")
-        ->check(number_between(1, 100))
-        ->capture_default_str();
-    command
-        .add_option("--scan", scan_,
-                    "ideal, or laser: through the simulated scanner and its calibration errors")
-        ->check(CLI::IsMember({"ideal", "laser"}))
-        ->capture_default_str();
-    command.add_option("--figure", figure_, "the curves, as SVG");
+  void describe(Options& options) override {
+    options.add("--train", train_, "labelled bodies to learn from").required();
+    options.add("--bodies", bodies_, "other labelled bodies to judge on").required();
+    options.add("--counts", counts_, "people to learn from in each position")
+        .delimiter(',')
+        .between(0, 10000)
+        .show_default();
+    options.add("--draws", draws_, "so many choices of people, of which the mean is taken")
+        .between(1, 100)
+        .show_default();
+    options
+        .add("--scan", scan_,
+             "ideal, or laser: through the simulated scanner and its calibration errors")
+        .one_of({"ideal", "laser"})
+        .show_default();
+    options.add("--figure", figure_, "the curves, as SVG");
   }
 
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {

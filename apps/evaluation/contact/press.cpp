@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <filesystem>
 #include <map>
@@ -24,10 +23,6 @@ const std::map<std::string, control::ControlLaw> laws = {{"tuina", control::Cont
                                                          {"joint", control::ControlLaw::joint}};
 const std::map<std::string, RubShape> rub_shapes = {
     {"circle", RubShape::circle}, {"ellipse", RubShape::ellipse}, {"spiral", RubShape::spiral}};
-
-CLI::Validator between(double low, double high) {
-  return {number_between(low, high), fmt::format("{} to {}", low, high)};
-}
 
 template <typename Value>
 std::vector<std::string> names(const std::map<std::string, Value>& map) {
@@ -78,86 +73,75 @@ class Press final : public Verb {
     return "tuina press --tissue hard --force-n 30 --surface-error-mm 3 --out trace.csv";
   }
 
-  void describe(CLI::App& command) override {
-    auto* tissue =
-        command.add_option("--tissue", tissue_, "bone, hard or soft muscle of the thesis")
-            ->check(CLI::IsMember(names(thesis_tissues)))
-            ->capture_default_str();
-    auto* alpha = command.add_option("--alpha-n", alpha_n_, "hardness of the tissue")
-                      ->check(between(0.5, 50.0))
-                      ->excludes(tissue);
-    auto* beta =
-        command.add_option("--beta-per-mm", beta_per_mm_, "grows as the tissue gets thinner")
-            ->check(between(0.02, 1.0))
-            ->excludes(tissue);
-    alpha->needs(beta);
-    beta->needs(alpha);
-    command.add_option("--force-n", force_n_, "to be held")
-        ->required()
-        ->check(between(1.0, safety::ceiling_of(safety::Zone::bench).set_n));
-    command.add_option("--technique", technique_, "what the arm does there")
-        ->check(CLI::IsMember(technique_names()))
-        ->capture_default_str();
-    add_robot_option(command, robot_);
-    command.add_option("--rub-shape", rub_shape_, "way of a rub")
-        ->check(CLI::IsMember(names(rub_shapes)))
-        ->capture_default_str();
-    command
-        .add_option("--controller", controller_,
-                    "tuina; the Cartesian law of the thesis (3.5); its joint law (3.9)")
-        ->check(CLI::IsMember(names(laws)))
-        ->capture_default_str();
-    command
-        .add_option("--surface-error-mm", surface_error_mm_,
-                    "the skin is this much deeper than believed")
-        ->check(between(-10.0, 10.0))
-        ->capture_default_str();
-    command.add_option("--surface-tilt-deg", surface_tilt_deg_, "the skin leans this much unknown")
-        ->check(between(-10.0, 10.0))
-        ->capture_default_str();
-    command
-        .add_option("--torso-n-per-mm", torso_, "gives way beneath the tissue: a number or `rigid`")
-        ->check(CLI::Validator(
-            [](std::string& text) {
+  void describe(Options& options) override {
+    auto tissue = options.add("--tissue", tissue_, "bone, hard or soft muscle of the thesis")
+                      .one_of(names(thesis_tissues))
+                      .show_default();
+    auto alpha = options.add("--alpha-n", alpha_n_, "hardness of the tissue")
+                     .between(0.5, 50.0)
+                     .excludes(tissue);
+    auto beta = options.add("--beta-per-mm", beta_per_mm_, "grows as the tissue gets thinner")
+                    .between(0.02, 1.0)
+                    .excludes(tissue);
+    alpha.needs(beta);
+    beta.needs(alpha);
+    options.add("--force-n", force_n_, "to be held")
+        .required()
+        .between(1.0, safety::ceiling_of(safety::Zone::bench).set_n);
+    options.add("--technique", technique_, "what the arm does there")
+        .one_of(technique_names())
+        .show_default();
+    add_robot_option(options, robot_);
+    options.add("--rub-shape", rub_shape_, "way of a rub").one_of(names(rub_shapes)).show_default();
+    options
+        .add("--controller", controller_,
+             "tuina; the Cartesian law of the thesis (3.5); its joint law (3.9)")
+        .one_of(names(laws))
+        .show_default();
+    options
+        .add("--surface-error-mm", surface_error_mm_, "the skin is this much deeper than believed")
+        .between(-10.0, 10.0)
+        .show_default();
+    options.add("--surface-tilt-deg", surface_tilt_deg_, "the skin leans this much unknown")
+        .between(-10.0, 10.0)
+        .show_default();
+    options.add("--torso-n-per-mm", torso_, "gives way beneath the tissue: a number or `rigid`")
+        .check(
+            [](const std::string& text) {
               return text == "rigid" ? std::string() : number_between(1.0, 1e4)(text);
             },
-            "number or rigid"));
-    command.add_option("--friction", friction_, "scale on the joint friction")
-        ->check(between(0.0, 3.0));
-    command.add_option("--breathing-mm", breathing_mm_, "motion of the skin")
-        ->check(between(0.0, 15.0))
-        ->capture_default_str();
-    command.add_option("--breathing-hz", breathing_hz_)
-        ->check(between(0.05, 1.0))
-        ->capture_default_str();
-    command.add_option("--duration-s", duration_s_, "of the technique")
-        ->check(between(3.0, 300.0))
-        ->capture_default_str();
-    command
-        .add_option("--model-error", model_error_,
-                    "scale on what the controller believes wrongly: masses 10 %, friction 20 %, "
-                    "alpha and beta 30 %")
-        ->check(between(0.0, 1.5))
-        ->capture_default_str();
-    command
-        .add_option("--rise-mm", rise_mm_,
-                    "the person comes so far towards the tool; negative: goes away from it")
-        ->check(between(-100.0, 100.0));
-    command.add_option("--slide-mm", slide_mm_, "the person slides so far sideways")
-        ->check(between(-100.0, 100.0));
-    command.add_option("--shift-mm-per-s", shift_mm_per_s_, "speed of rise and slide")
-        ->check(between(1.0, 2000.0))
-        ->capture_default_str();
-    command
-        .add_option("--shift-m-per-s2", shift_m_per_s2_,
-                    "acceleration up to that speed; 0: it jumps, which no body can do")
-        ->check(between(0.0, 100.0))
-        ->capture_default_str();
-    command.add_option("--shift-at-s", shift_at_s_, "after the start of the technique")
-        ->check(between(0.0, 300.0))
-        ->capture_default_str();
-    command.add_option("--plot", plot_, "force over time, SVG");
-    command.add_option("--out", out_, "trace of every millisecond, CSV");
+            "number or rigid");
+    options.add("--friction", friction_, "scale on the joint friction").between(0.0, 3.0);
+    options.add("--breathing-mm", breathing_mm_, "motion of the skin")
+        .between(0.0, 15.0)
+        .show_default();
+    options.add("--breathing-hz", breathing_hz_).between(0.05, 1.0).show_default();
+    options.add("--duration-s", duration_s_, "of the technique").between(3.0, 300.0).show_default();
+    options
+        .add("--model-error", model_error_,
+             "scale on what the controller believes wrongly: masses 10 %, friction 20 %, "
+             "alpha and beta 30 %")
+        .between(0.0, 1.5)
+        .show_default();
+    options
+        .add("--rise-mm", rise_mm_,
+             "the person comes so far towards the tool; negative: goes away from it")
+        .between(-100.0, 100.0);
+    options.add("--slide-mm", slide_mm_, "the person slides so far sideways")
+        .between(-100.0, 100.0);
+    options.add("--shift-mm-per-s", shift_mm_per_s_, "speed of rise and slide")
+        .between(1.0, 2000.0)
+        .show_default();
+    options
+        .add("--shift-m-per-s2", shift_m_per_s2_,
+             "acceleration up to that speed; 0: it jumps, which no body can do")
+        .between(0.0, 100.0)
+        .show_default();
+    options.add("--shift-at-s", shift_at_s_, "after the start of the technique")
+        .between(0.0, 300.0)
+        .show_default();
+    options.add("--plot", plot_, "force over time, SVG");
+    options.add("--out", out_, "trace of every millisecond, CSV");
   }
 
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <thread>
 
@@ -34,13 +33,13 @@ class EvaluateControl final : public Verb {
   [[nodiscard]] const char* example() const override {
     return "tuina evaluate control --html control.html";
   }
-  void describe(CLI::App& command) override {
-    command.add_flag("--full", full_, "every combination, four seeds: many minutes");
+  void describe(Options& options) override {
+    options.flag("--full", full_, "every combination, four seeds: many minutes");
     std::vector<std::string> names;
     for (const ControlTable& table : control_tables(false, 1)) names.push_back(table.name);
-    command.add_option("--table", table_, "one only")->check(CLI::IsMember(names));
-    command.add_option("--html", html_, "a page with tables and figures");
-    command.add_option("--figures", figures_, "the figures as SVG files into this folder");
+    options.add("--table", table_, "one only").one_of(names);
+    options.add("--html", html_, "a page with tables and figures");
+    options.add("--figures", figures_, "the figures as SVG files into this folder");
   }
 
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -34,34 +33,30 @@ class EvaluateMassage final : public Verb {
     return "tuina evaluate massage --sessions 100 --adaptive both --html massages.html\n"
            "  tuina evaluate massage --bodies people --seeds 2";
   }
-  void describe(CLI::App& command) override {
-    auto* bodies = command.add_option("--bodies", bodies_,
-                                      "a folder of labelled bodies: every programme on every one");
-    command.add_option("--seeds", seeds_, "for every body and programme")
-        ->check(number_between(1, 1000))
-        ->needs(bodies)
-        ->capture_default_str();
-    command
-        .add_option(
-            "--sessions", sessions_,
-            "of people drawn at random, one programme after the other; session n has the seed "
-            "--seed and n more")
-        ->check(number_between(1, 100000))
-        ->excludes(bodies)
-        ->capture_default_str();
-    command.add_option("--programmes", programmes_, "shipped ones or files")
-        ->delimiter(',')
-        ->capture_default_str();
-    command.add_option("--atlas", atlas_, "as for `map`; else the shipped one");
-    command
-        .add_option("--adaptive", adaptive_,
-                    "both: every session with steering by the tissue and without")
-        ->check(CLI::IsMember({"on", "off", "both"}))
-        ->capture_default_str();
-    command.add_option("--html", html_, "the tables and plots as a page");
-    command.add_option("--keep", keep_,
-                       "a file of judged sessions: those in it are not given again, the others are "
-                       "added, so that many sessions may be judged in pieces");
+  void describe(Options& options) override {
+    auto bodies = options.add("--bodies", bodies_,
+                              "a folder of labelled bodies: every programme on every one");
+    options.add("--seeds", seeds_, "for every body and programme")
+        .between(1, 1000)
+        .needs(bodies)
+        .show_default();
+    options
+        .add("--sessions", sessions_,
+             "of people drawn at random, one programme after the other; session n has the seed "
+             "--seed and n more")
+        .between(1, 100000)
+        .excludes(bodies)
+        .show_default();
+    options.add("--programmes", programmes_, "shipped ones or files").delimiter(',').show_default();
+    options.add("--atlas", atlas_, "as for `map`; else the shipped one");
+    options
+        .add("--adaptive", adaptive_, "both: every session with steering by the tissue and without")
+        .one_of({"on", "off", "both"})
+        .show_default();
+    options.add("--html", html_, "the tables and plots as a page");
+    options.add("--keep", keep_,
+                "a file of judged sessions: those in it are not given again, the others are "
+                "added, so that many sessions may be judged in pieces");
   }
 
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {

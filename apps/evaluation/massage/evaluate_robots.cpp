@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -122,9 +121,9 @@ class EvaluateRobots final : public Verb {
   [[nodiscard]] const char* example() const override {
     return "tuina evaluate robots --programmes relax full_back_20min";
   }
-  void describe(CLI::App& command) override {
-    command.add_option("--programmes", programmes_, "shipped ones or files")->capture_default_str();
-    command.add_option("--robots", robots_, "shipped ones or files")->capture_default_str();
+  void describe(Options& options) override {
+    options.add("--programmes", programmes_, "shipped ones or files").show_default();
+    options.add("--robots", robots_, "shipped ones or files").show_default();
   }
 
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {

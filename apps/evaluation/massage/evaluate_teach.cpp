@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <stdlib.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
 #include <limits>
@@ -170,10 +169,10 @@ class EvaluateTeach final : public Verb {
     return "one stroke for many people: shown and played, carried, and planned";
   }
   [[nodiscard]] const char* example() const override { return "tuina evaluate teach --people 10"; }
-  void describe(CLI::App& command) override {
-    command.add_option("--people", people_, "that sit, slim, medium and hefty in turn")
-        ->check(number_between(1, 1000))
-        ->capture_default_str();
+  void describe(Options& options) override {
+    options.add("--people", people_, "that sit, slim, medium and hefty in turn")
+        .between(1, 1000)
+        .show_default();
   }
 
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
@@ -26,13 +25,11 @@ class EvaluateProcesses final : public Verb {
   [[nodiscard]] const char* example() const override {
     return "tuina evaluate processes --trials 20";
   }
-  void describe(CLI::App& command) override {
-    command.add_option("--trials", trials_, "of each kind")
-        ->check(CLI::Range(1, 1000))
-        ->capture_default_str();
-    command.add_option("--pace", pace_, "real, or max: each process waits for the others")
-        ->check(CLI::IsMember({"max", "real"}))
-        ->capture_default_str();
+  void describe(Options& options) override {
+    options.add("--trials", trials_, "of each kind").between(1, 1000).show_default();
+    options.add("--pace", pace_, "real, or max: each process waits for the others")
+        .one_of({"max", "real"})
+        .show_default();
   }
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
     ordered_json rows = ordered_json::array();

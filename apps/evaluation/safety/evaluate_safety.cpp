@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <CLI/CLI.hpp>
 #include <filesystem>
 
 #include "apps/evaluation/safety/report.hpp"
@@ -19,14 +18,14 @@ class EvaluateSafety final : public Verb {
   [[nodiscard]] const char* example() const override {
     return "tuina evaluate safety --out campaign";
   }
-  void describe(CLI::App& command) override {
-    command.add_flag("--full", full_,
-                     "every place for every class, 3000 random trials, ten clean runs of 20 "
-                     "minutes: half an hour");
+  void describe(Options& options) override {
+    options.flag("--full", full_,
+                 "every place for every class, 3000 random trials, ten clean runs of 20 "
+                 "minutes: half an hour");
     std::vector<std::string> names;
     for (const FaultClass& fault : fault_classes()) names.push_back(fault.name);
-    command.add_option("--only", only_, "the cells of one class")->check(CLI::IsMember(names));
-    command.add_option("--out", out_, "a folder for the page safety.html; made if need be");
+    options.add("--only", only_, "the cells of one class").one_of(names);
+    options.add("--out", out_, "a folder for the page safety.html; made if need be");
   }
 
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {

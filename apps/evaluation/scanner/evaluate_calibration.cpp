@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <array>
 #include <cmath>
 #include <filesystem>
@@ -93,10 +92,10 @@ class EvaluateCalibration final : public Verb {
   [[nodiscard]] const char* example() const override {
     return "tuina evaluate calibration --sets 10";
   }
-  void describe(CLI::App& command) override {
-    command.add_option("--sets", sets_, "rehearsed sets, each with a scanner of its own")
-        ->check(CLI::Range(1, 1000))
-        ->capture_default_str();
+  void describe(Options& options) override {
+    options.add("--sets", sets_, "rehearsed sets, each with a scanner of its own")
+        .between(1, 1000)
+        .show_default();
   }
 
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {

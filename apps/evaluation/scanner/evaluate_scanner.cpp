@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #ifdef TUINA_CALIBRATION
@@ -63,24 +62,21 @@ class EvaluateScanner final : public Verb {
   [[nodiscard]] const char* example() const override {
     return "tuina evaluate scanner --page scanner.html";
   }
-  void describe(CLI::App& command) override {
-    command.add_option("--only", only_, "one part only")
-        ->check(CLI::IsMember({"walls", "backs", "curves", "bodies"}));
-    command.add_option("--people", people_, "phantoms per condition")
-        ->check(CLI::Range(1, 1000))
-        ->capture_default_str();
-    command
-        .add_option("--scanners", scanners_,
-                    "scanners, each built a little off its drawing and calibrated")
-        ->check(CLI::Range(1, 1000))
-        ->capture_default_str();
-    command
-        .add_option("--calibration", calibration_,
-                    "rehearsed (40 poses are photographed and found again, half a minute per "
-                    "scanner) or drawn (the errors that this leaves are drawn)")
-        ->check(CLI::IsMember(kinds))
-        ->capture_default_str();
-    command.add_option("--page", page_, "one HTML page with plots and pictures");
+  void describe(Options& options) override {
+    options.add("--only", only_, "one part only").one_of({"walls", "backs", "curves", "bodies"});
+    options.add("--people", people_, "phantoms per condition").between(1, 1000).show_default();
+    options
+        .add("--scanners", scanners_,
+             "scanners, each built a little off its drawing and calibrated")
+        .between(1, 1000)
+        .show_default();
+    options
+        .add("--calibration", calibration_,
+             "rehearsed (40 poses are photographed and found again, half a minute per "
+             "scanner) or drawn (the errors that this leaves are drawn)")
+        .one_of(kinds)
+        .show_default();
+    options.add("--page", page_, "one HTML page with plots and pictures");
   }
 
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <thread>
@@ -125,29 +124,26 @@ class EvaluateTissue final : public Verb {
   [[nodiscard]] const char* example() const override {
     return "tuina evaluate tissue --runs 50 --scenario N0 --out tissue.html";
   }
-  void describe(CLI::App& command) override {
-    command.add_option("--runs", runs_, "per scenario and tissue")
-        ->check(CLI::Range(1, 100000))
-        ->capture_default_str();
-    command
-        .add_option("--arm-runs", arm_runs_,
-                    "per scenario and tissue pressed by the simulated arm; 0 leaves them out")
-        ->check(CLI::Range(0, 100000))
-        ->capture_default_str();
-    command
-        .add_option("--world-runs", world_runs_,
-                    "per world, tissue and way of pressing; 0 leaves the worlds out")
-        ->check(CLI::Range(0, 100000))
-        ->capture_default_str();
+  void describe(Options& options) override {
+    options.add("--runs", runs_, "per scenario and tissue").between(1, 100000).show_default();
+    options
+        .add("--arm-runs", arm_runs_,
+             "per scenario and tissue pressed by the simulated arm; 0 leaves them out")
+        .between(0, 100000)
+        .show_default();
+    options
+        .add("--world-runs", world_runs_,
+             "per world, tissue and way of pressing; 0 leaves the worlds out")
+        .between(0, 100000)
+        .show_default();
     std::vector<std::string> names;
     for (const auto& scenario : sim::press_scenarios()) names.push_back(scenario.name);
     for (const auto& scenario : loop_scenarios()) names.push_back(scenario.name);
     for (const auto& world : sim::tissue_worlds()) names.push_back(world.name);
-    auto* scenario = command.add_option("--scenario", scenario_, "one scenario or world only")
-                         ->check(CLI::IsMember(names));
-    command.add_flag("--thesis", thesis_, "chapter 6 of the thesis, claim by claim")
-        ->excludes(scenario);
-    command.add_option("--out", out_, "the tables and curves as one HTML page");
+    auto scenario =
+        options.add("--scenario", scenario_, "one scenario or world only").one_of(names);
+    options.flag("--thesis", thesis_, "chapter 6 of the thesis, claim by claim").excludes(scenario);
+    options.add("--out", out_, "the tables and curves as one HTML page");
   }
 
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -33,22 +32,19 @@ class AtlasLearn final : public Verb {
            "  tuina atlas learn --phantoms 40 --seed 1 --scan ideal --out models/atlas.tuina   "
            "(how the shipped one is made)";
   }
-  void describe(CLI::App& command) override {
-    command.add_option("bodies", places_,
-                       "folders of labelled bodies, or NAME.ply with NAME.json beside it");
-    command
-        .add_option("--phantoms", phantoms_, "so many drawn persons in each position, by --seed")
-        ->check(number_between(1, 10000));
-    command.add_option("--prior", prior_,
-                       "`default` or an atlas file that a few bodies then adapt");
-    command
-        .add_option(
-            "--scan", scan_,
-            "what the points are found from while learning: ideal surfaces, or laser: each body "
-            "through the simulated scanner and its calibration errors")
-        ->check(CLI::IsMember({"ideal", "laser"}))
-        ->capture_default_str();
-    command.add_option("--out", out_, "the atlas")->required();
+  void describe(Options& options) override {
+    options.add("bodies", places_,
+                "folders of labelled bodies, or NAME.ply with NAME.json beside it");
+    options.add("--phantoms", phantoms_, "so many drawn persons in each position, by --seed")
+        .between(1, 10000);
+    options.add("--prior", prior_, "`default` or an atlas file that a few bodies then adapt");
+    options
+        .add("--scan", scan_,
+             "what the points are found from while learning: ideal surfaces, or laser: each body "
+             "through the simulated scanner and its calibration errors")
+        .one_of({"ideal", "laser"})
+        .show_default();
+    options.add("--out", out_, "the atlas").required();
   }
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
     if (places_.empty() == (phantoms_ == 0)) {
@@ -118,9 +114,9 @@ class AtlasShow final : public Verb {
   [[nodiscard]] const char* example() const override {
     return "tuina atlas show models/atlas.tuina --picture atlas.svg";
   }
-  void describe(CLI::App& command) override {
-    command.add_option("atlas", atlas_, "an atlas file; else the shipped one");
-    command.add_option("--picture", picture_, "the mean back and its first modes, as SVG");
+  void describe(Options& options) override {
+    options.add("atlas", atlas_, "an atlas file; else the shipped one");
+    options.add("--picture", picture_, "the mean back and its first modes, as SVG");
   }
   [[nodiscard]] Result<Answer> run(const CommonOptions&) override {
     const auto atlas = open_atlas(atlas_);

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -51,24 +50,21 @@ class AtlasRecord final : public Verb {
            "people/anna.ply\n"
            "  tuina atlas learn people --prior default --out mine.tuina";
   }
-  void describe(CLI::App& command) override {
-    command.add_option("sweep", sweep_, "a recorded sweep with frames in colour (a folder)")
-        ->required();
-    command
-        .add_option(
-            "--labels", labels_,
-            "COLOUR=POINT,POINT,... for each colour of sticker (yellow, green, blue, "
-            "magenta): its points from the head to the feet; SI11 means the pair, SI11_L one "
-            "of it. The seven points of the thesis must be among them")
-        ->required();
-    command.add_option("--out", out_, "the labelled back: NAME.ply, with NAME.json beside it")
-        ->required();
-    command.add_option("--body-type", body_type_, "slim, medium or hefty, for tables")
-        ->check(CLI::IsMember({"slim", "medium", "hefty"}))
-        ->capture_default_str();
-    command.add_option("--position", position_, "sitting, prone, or auto: recognised")
-        ->check(CLI::IsMember({"auto", "sitting", "prone"}))
-        ->capture_default_str();
+  void describe(Options& options) override {
+    options.add("sweep", sweep_, "a recorded sweep with frames in colour (a folder)").required();
+    options
+        .add("--labels", labels_,
+             "COLOUR=POINT,POINT,... for each colour of sticker (yellow, green, blue, "
+             "magenta): its points from the head to the feet; SI11 means the pair, SI11_L one "
+             "of it. The seven points of the thesis must be among them")
+        .required();
+    options.add("--out", out_, "the labelled back: NAME.ply, with NAME.json beside it").required();
+    options.add("--body-type", body_type_, "slim, medium or hefty, for tables")
+        .one_of({"slim", "medium", "hefty"})
+        .show_default();
+    options.add("--position", position_, "sitting, prone, or auto: recognised")
+        .one_of({"auto", "sitting", "prone"})
+        .show_default();
   }
 
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tuina/calibration/calibrate.hpp"
 
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -124,39 +123,37 @@ class Calibrate final : public Verb {
            "  tuina calibrate --robot --rehearse touches      # a simulated robot touches a board\n"
            "  tuina calibrate touches --robot --out robot.toml";
   }
-  void describe(CLI::App& command) override {
-    auto* shots =
-        command.add_option("shots", shots_, "the folder with the pictures, or with the touches");
-    auto* out = command.add_option("--out", out_, "what is found, as TOML");
-    auto* report =
-        command.add_option("--report", report_,
-                           "an HTML page: boards seen, how well each agrees, what to improve next");
-    report->needs(out);
-    auto* robot = command.add_flag(
-        "--robot", robot_, "the place of the robot instead, from touches.csv in the folder");
-    robot->excludes(report);
-    command
-        .add_option("--position", position_, "with --robot: of the person for whom it stands there")
-        ->check(CLI::IsMember({"sitting", "prone"}))
-        ->capture_default_str()
-        ->needs(robot);
-    command
-        .add_option("--arms", arms_,
-                    "with --robot: whose arms touch, a TOML file or " + shipped_robot_names())
-        ->capture_default_str()
-        ->needs(robot);
-    auto* rehearse = command.add_option(
-        "--rehearse", rehearse_,
-        "make such a set with the simulated scanner or robot, in this new folder");
-    rehearse->excludes(shots)->excludes(out);
-    command
-        .add_option("--board", board_,
-                    "with --rehearse: what is photographed, chessboard or charuco (a board with "
-                    "markers, of which a part in view is enough)")
-        ->check(CLI::IsMember({"chessboard", "charuco"}))
-        ->capture_default_str()
-        ->needs(rehearse)
-        ->excludes(robot);
+  void describe(Options& options) override {
+    auto shots = options.add("shots", shots_, "the folder with the pictures, or with the touches");
+    auto out = options.add("--out", out_, "what is found, as TOML");
+    auto report =
+        options.add("--report", report_,
+                    "an HTML page: boards seen, how well each agrees, what to improve next");
+    report.needs(out);
+    auto robot = options.flag("--robot", robot_,
+                              "the place of the robot instead, from touches.csv in the folder");
+    robot.excludes(report);
+    options.add("--position", position_, "with --robot: of the person for whom it stands there")
+        .one_of({"sitting", "prone"})
+        .show_default()
+        .needs(robot);
+    options
+        .add("--arms", arms_,
+             "with --robot: whose arms touch, a TOML file or " + shipped_robot_names())
+        .show_default()
+        .needs(robot);
+    auto rehearse =
+        options.add("--rehearse", rehearse_,
+                    "make such a set with the simulated scanner or robot, in this new folder");
+    rehearse.excludes(shots).excludes(out);
+    options
+        .add("--board", board_,
+             "with --rehearse: what is photographed, chessboard or charuco (a board with "
+             "markers, of which a part in view is enough)")
+        .one_of({"chessboard", "charuco"})
+        .show_default()
+        .needs(rehearse)
+        .excludes(robot);
   }
 
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
