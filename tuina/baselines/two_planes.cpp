@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tuina/baselines/two_planes.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <array>
 #include <cassert>
 #include <cmath>
 #include <limits>
+
+#include "tuina/core/decompositions.hpp"
 
 namespace tuina::baselines {
 
@@ -26,7 +27,7 @@ Plane plane_of(const std::vector<Vector3>& points) {
   for (const Vector3& p : points) plane.at += p / static_cast<double>(points.size());
   Matrix3 scatter = Matrix3::Zero();
   for (const Vector3& p : points) scatter += (p - plane.at) * (p - plane.at).transpose();
-  plane.normal = Eigen::SelfAdjointEigenSolver<Matrix3>(scatter).eigenvectors().col(0);
+  plane.normal = principal_axes(scatter).axes.col(0);
   return plane;
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tuina/body/outline_look.hpp"
+#include "tuina/core/decompositions.hpp"
 #include "tuina/core/units.hpp"
 
 namespace tuina::body {
@@ -94,7 +95,7 @@ Result<Outline> find_outline_from(const BackSurface& back, const Matrix3& start,
   const std::vector<Vector3>& points = back.points().points;
   Matrix3 rotation = start;
   if (board_normal) {
-    rotation = Eigen::Quaterniond::FromTwoVectors(start * *board_normal, Vector3::UnitY()) * start;
+    rotation = turn_between(start * *board_normal, Vector3::UnitY()) * start;
   }
   Vector3 origin = Vector3::Zero();  // in couch
   for (const Vector3& p : points) origin += p / static_cast<double>(points.size());
@@ -128,13 +129,10 @@ Result<Outline> find_outline_from(const BackSurface& back, const Matrix3& start,
 
     // Next iteration: midline upright, back facing the view, origin half-way between the shoulders.
     const Vector3 up_now = Vector3(along.x(), 0.0, along.y());
-    const Matrix3 upright =
-        Eigen::Quaterniond::FromTwoVectors(up_now, Vector3::UnitZ()).toRotationMatrix();
+    const Matrix3 upright = turn_between(up_now, Vector3::UnitZ()).toRotationMatrix();
     const Vector3 normal = Vector3(-plane.y(), 1.0, -plane.z()).normalized();
-    const Matrix3 square =
-        board_normal
-            ? Matrix3(Matrix3::Identity())
-            : Eigen::Quaterniond::FromTwoVectors(normal, Vector3::UnitY()).toRotationMatrix();
+    const Matrix3 square = board_normal ? Matrix3(Matrix3::Identity())
+                                        : turn_between(normal, Vector3::UnitY()).toRotationMatrix();
     const Vector3 middle(upper.x(), plane.dot(Vector3(1.0, upper.x(), neck.y())), neck.y());
     origin += rotation.transpose() * middle;
     rotation = upright * square * rotation;

@@ -4,6 +4,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
+#include "tuina/core/decompositions.hpp"
+
 namespace tuina::body {
 
 using Eigen::Index;
@@ -17,9 +19,7 @@ Places placed(const ShapeModel& model, const Eigen::VectorXd& weights, Index fir
 }
 
 Transform align(const Places& from, const Places& to) {
-  Transform motion;
-  motion.matrix() = Eigen::umeyama(from, to, false);
-  return motion;
+  return rigid_motion(from, to);
 }
 
 Eigen::VectorXd skin_features(const ShapeModel& model, const Places& skin_in_model) {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tuina/calibration/couch.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
+#include "tuina/core/decompositions.hpp"
 #include "tuina/core/random.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/scanner/triangulation.hpp"
@@ -64,12 +64,12 @@ Plane through(const std::vector<Vector3>& points) {
   Matrix3 spread = Matrix3::Zero();
   for (const Vector3& point : points) spread += (point - middle) * (point - middle).transpose();
   spread /= static_cast<double>(points.size());
-  const Eigen::SelfAdjointEigenSolver<Matrix3> solver(spread);
-  Plane plane{.normal = solver.eigenvectors().col(0), .points = points.size()};
+  const PrincipalAxes principal = principal_axes(spread);
+  Plane plane{.normal = principal.axes.col(0), .points = points.size()};
   if (plane.normal.dot(middle) > 0.0) plane.normal = -plane.normal;
   plane.distance_m = -plane.normal.dot(middle);
-  plane.rms_m = std::sqrt(std::max(0.0, solver.eigenvalues()(0)));
-  plane.spread_m = std::sqrt(solver.eigenvalues()(1));
+  plane.rms_m = std::sqrt(std::max(0.0, principal.moments(0)));
+  plane.spread_m = std::sqrt(principal.moments(1));
   return plane;
 }
 
@@ -176,7 +176,7 @@ Result<CouchPose> find_couch(const Sweep& sweep, const scanner::ScannerCalibrati
   const Transform& nominal = sweep.nominal.couch_from_camera;
   const Vector3 up = nominal.linear().transpose() * Vector3::UnitZ();
   // The smallest rotation from the measured to the nominal normal keeps the heading.
-  const auto level = Eigen::Quaterniond::FromTwoVectors(board.normal, up);
+  const auto level = turn_between(board.normal, up);
   pose.couch_from_camera.linear() = nominal.linear() * level.toRotationMatrix();
   pose.couch_from_camera.translation() =
       Vector3(nominal.translation().x(), nominal.translation().y(), board.distance_m);

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "tuina/control/cartesian_impedance.hpp"
+#include "tuina/core/decompositions.hpp"
 #include "tuina/robot/clearance.hpp"
 
 namespace tuina::motion {
@@ -109,7 +110,7 @@ void Rollout::transfer(const control::ToolPose& tip, const JointVector& posture_
   const Transform tool = now_.base_from_tool;
   const Vector3 from = tool.translation(), from_normal = control::tool_normal(tool);
   const Vector3 to = control::centre_pose(tip, model_->table().tool_radius_m).at_in_base;
-  const auto turn = Eigen::Quaterniond::FromTwoVectors(from_normal, tip.normal_in_base);
+  const auto turn = turn_between(from_normal, tip.normal_in_base);
   const double angle_rad = Eigen::AngleAxisd(turn).angle();
   const int steps = std::max({1, static_cast<int>(std::ceil((to - from).norm() / transfer_step_m)),
                               static_cast<int>(std::ceil(angle_rad / transfer_step_rad))});

@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include "tuina/core/decompositions.hpp"
+
 namespace tuina::robot {
 namespace {
 
@@ -17,7 +19,7 @@ Transform joint_from_end(const Link& link) {
 Solid capsule(const Vector3& from, const Vector3& to, double radius_m) {
   Solid solid{.radius_m = radius_m, .length_m = (to - from).norm()};
   solid.part_from_solid = Transform(Eigen::Translation3d(0.5 * (from + to))) *
-                          Eigen::Quaterniond::FromTwoVectors(Vector3::UnitZ(), to - from);
+                          turn_between(Vector3::UnitZ(), to - from);
   return solid;
 }
 

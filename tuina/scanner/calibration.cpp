@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tuina/scanner/calibration.hpp"
 
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
+#include "tuina/core/decompositions.hpp"
 #include "tuina/core/io/file.hpp"
 #include "tuina/core/io/toml_reader.hpp"
 
@@ -72,10 +72,7 @@ void read_rotation(const TomlTable& table, const char* key, Matrix3& value) {
                                         "{:.4f}, its determinant is {:.4f}",
                                         off, found.determinant()));
   }
-  if (off > exact) {
-    const Eigen::JacobiSVD<Matrix3> svd(found, Eigen::ComputeFullU | Eigen::ComputeFullV);
-    found = svd.matrixU() * svd.matrixV().transpose();
-  }
+  if (off > exact) found = nearest_rotation(found);
   value = found;
 }
 

@@ -7,6 +7,8 @@
 #include <limits>
 #include <optional>
 
+#include "tuina/core/decompositions.hpp"
+
 namespace tuina::session {
 namespace {
 
@@ -42,9 +44,7 @@ Transform fit(std::span<const Pair> pairs) {
     from.col(static_cast<Eigen::Index>(i)) = pairs[i].in_couch;
     to.col(static_cast<Eigen::Index>(i)) = pairs[i].in_base;
   }
-  Transform motion = Transform::Identity();
-  motion.matrix() = Eigen::umeyama(from, to, false);
-  return motion;
+  return rigid_motion(from, to);
 }
 
 double residual_m(const Transform& base_from_couch, const Pair& pair) {
@@ -65,8 +65,7 @@ Vector3 spread_m(std::span<const Pair> pairs, Vector3 Pair::*place) {
     scatter += (pair.*place - middle) * (pair.*place - middle).transpose();
   }
   scatter /= static_cast<double>(pairs.size());
-  const Eigen::SelfAdjointEigenSolver<Matrix3> axes(scatter, Eigen::EigenvaluesOnly);
-  return axes.eigenvalues().cwiseMax(0.0).cwiseSqrt().reverse();
+  return principal_axes(scatter).moments.cwiseMax(0.0).cwiseSqrt().reverse();
 }
 
 // The touch that the others contradict most, once it is left out of the fit.

@@ -2,11 +2,11 @@
 #include "tuina/body/learn/shape_statistics.hpp"
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 
 #include "tuina/body/fit_shape.hpp"
+#include "tuina/core/decompositions.hpp"
 #include "tuina/core/units.hpp"
 
 namespace tuina::body {
@@ -67,9 +67,8 @@ Transform mean_pose(const std::vector<const Registered*>& backs, const Places& m
     turn += person_from_model.linear();
     shift += person_from_model.translation() / static_cast<double>(backs.size());
   }
-  const Eigen::JacobiSVD<Matrix3> svd(turn, Eigen::ComputeFullU | Eigen::ComputeFullV);
   Transform pose = Transform::Identity();
-  pose.linear() = svd.matrixU() * svd.matrixV().transpose();
+  pose.linear() = nearest_rotation(turn);
   pose.translation() = shift;
   return pose;
 }

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tuina/calibration/fit/light_plane.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
+#include "tuina/core/decompositions.hpp"
 #include "tuina/core/io/text_lines.hpp"
 #include "tuina/core/random.hpp"
 #include "tuina/core/units.hpp"
@@ -60,8 +60,8 @@ LightPlane through(const std::vector<Vector3>& points) {
   for (const Vector3& point : points) {
     spread += std::pow(point.z(), -4) * (point - middle) * (point - middle).transpose();
   }
-  const Eigen::SelfAdjointEigenSolver<Matrix3> solver(spread);
-  LightPlane plane{.normal = solver.eigenvectors().col(0)};
+  const PrincipalAxes principal = principal_axes(spread);
+  LightPlane plane{.normal = principal.axes.col(0)};
   plane.distance_m = plane.normal.dot(middle);
   if (plane.normal.x() < 0.0) plane = {.normal = -plane.normal, .distance_m = -plane.distance_m};
   return plane;

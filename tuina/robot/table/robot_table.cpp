@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tuina/robot/table/robot_table.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <set>
 
+#include "tuina/core/decompositions.hpp"
 #include "tuina/core/io/toml_reader.hpp"
 
 namespace tuina::robot {
@@ -67,8 +67,7 @@ bool is_of_a_solid(const Link& link) {
   const auto& [xy, xz, yz] = link.inertia_products_kg_m2;
   Matrix3 tensor;
   tensor << xx, xy, xz, xy, yy, yz, xz, yz, zz;
-  const Vector3 moments =
-      Eigen::SelfAdjointEigenSolver<Matrix3>(tensor, Eigen::EigenvaluesOnly).eigenvalues();
+  const Vector3 moments = principal_axes(tensor).moments;
   return moments[0] > 0.0 && moments[0] + moments[1] >= moments[2] * (1.0 - 1e-9);
 }
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tuina/scanner/check/box_faces.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
+#include "tuina/core/decompositions.hpp"
 #include "tuina/core/random.hpp"
 #include "tuina/core/units.hpp"
 
@@ -32,12 +32,11 @@ Face through(std::vector<Vector3> points, const Vector3& toward) {
   for (const Vector3& point : points) {
     spread += (point - face.middle) * (point - face.middle).transpose();
   }
-  const Eigen::SelfAdjointEigenSolver<Matrix3> solver(spread);
-  face.normal = solver.eigenvectors().col(0);
+  const PrincipalAxes principal = principal_axes(spread);
+  face.normal = principal.axes.col(0);
   if (face.normal.dot(toward) < 0.0) face.normal = -face.normal;
   face.offset_m = face.normal.dot(face.middle);
-  face.rms_m =
-      std::sqrt(std::max(0.0, solver.eigenvalues()(0)) / static_cast<double>(points.size()));
+  face.rms_m = std::sqrt(std::max(0.0, principal.moments(0)) / static_cast<double>(points.size()));
   face.points = std::move(points);
   return face;
 }

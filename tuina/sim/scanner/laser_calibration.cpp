@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <optional>
 #include <vector>
 
+#include "tuina/core/decompositions.hpp"
 #include "tuina/core/random.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/scanner/triangulation.hpp"
@@ -68,8 +68,8 @@ void fit_laser_plane(const ScannerCalibration& truth, ScannerCalibration& believ
   for (const auto& [point, weight] : points) {
     spread += weight * (point - middle) * (point - middle).transpose();
   }
-  const Eigen::SelfAdjointEigenSolver<Matrix3> solver(spread);
-  Vector3 normal = solver.eigenvectors().col(0);
+  const PrincipalAxes principal = principal_axes(spread);
+  Vector3 normal = principal.axes.col(0);
   if (normal.dot(truth.laser_normal_in_camera) < 0.0) normal = -normal;
   believed.laser_normal_in_camera = normal;
   believed.laser_distance_m = normal.dot(middle);

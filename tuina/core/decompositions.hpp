@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "tuina/core/geometry.hpp"
+
+/// Decompositions of small matrices that many rooms need. Eigen's templates for them take longer to
+/// compile than a whole source, so they are compiled once.
+namespace tuina {
+
+/// The smallest rotation that takes the direction `from` to the direction `to`.
+[[nodiscard]] Eigen::Quaterniond turn_between(const Vector3& from, const Vector3& to);
+
+/// The rotation that is closest to a matrix (Frobenius norm).
+[[nodiscard]] Matrix3 nearest_rotation(const Matrix3& matrix);
+
+/// The motion that takes the points `from` (columns) to `to` with the least squares [umeyama1991].
+[[nodiscard]] Transform rigid_motion(const Eigen::Matrix3Xd& from, const Eigen::Matrix3Xd& to);
+
+/// Principal axes of a symmetric matrix: axes are the columns, their moments rise.
+struct PrincipalAxes {
+  Vector3 moments;
+  Matrix3 axes;
+};
+[[nodiscard]] PrincipalAxes principal_axes(const Matrix3& symmetric);
+
+}  // namespace tuina
