@@ -15,7 +15,7 @@ endforeach()
 install(TARGETS ${targets} EXPORT tuina ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(DIRECTORY tuina/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/tuina FILES_MATCHING PATTERN "*.hpp")
 install(DIRECTORY models config DESTINATION ${CMAKE_INSTALL_DATADIR}/tuina OPTIONAL)
-install(PROGRAMS $<TARGET_FILE:tuina_app> DESTINATION ${CMAKE_INSTALL_BINDIR} RENAME tuina)
+install(TARGETS tuina_app tuina_evaluate DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(EXPORT tuina NAMESPACE tuina:: FILE tuinaTargets.cmake
   DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/tuina)
 configure_package_config_file(cmake/tuinaConfig.cmake.in ${PROJECT_BINARY_DIR}/tuinaConfig.cmake

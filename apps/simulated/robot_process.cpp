@@ -13,6 +13,8 @@
 #include <filesystem>
 #include <thread>
 
+#include "apps/cli/program.hpp"
+
 extern char** environ;
 
 namespace tuina::app {
@@ -108,8 +110,8 @@ Result<void> Processes::run(const std::vector<std::string>& arguments) {
     pointers.push_back(const_cast<char*>(argument.c_str()));
   pointers.push_back(nullptr);
   pid_t child = 0;
-  const int failed =
-      posix_spawn(&child, "/proc/self/exe", nullptr, nullptr, pointers.data(), environ);
+  const int failed = posix_spawn(&child, program_beside("tuina").c_str(), nullptr, nullptr,
+                                 pointers.data(), environ);
   if (failed != 0) return fail(Fault::device, "tuina {}: {}", arguments[1], std::strerror(failed));
   children_.push_back(child);
   return {};

@@ -10,7 +10,6 @@ std::string summary_of_group(std::string_view group) {
   if (group == "teach")
     return "motions that a hand shows to an arm: record, play, look at them, carry them to others";
   if (group == "tissue") return "what a record of presses says about the tissue";
-  if (group == "evaluate") return "the tables of the documentation, judged against the truth";
   if (group == "export") return "the robot for other programs: URDF, MJCF";
   if (group == "robot")
     return "robots: show a table, make one from a URDF file, simulate one as a process";
@@ -38,7 +37,6 @@ std::vector<std::unique_ptr<Verb>> make_verbs() {
   verbs.push_back(make_teach_play());
   verbs.push_back(make_teach_show());
   verbs.push_back(make_teach_carry());
-  for (auto& verb : make_evaluations()) verbs.push_back(std::move(verb));
   verbs.push_back(make_config_show());
   verbs.push_back(make_config_check());
   verbs.push_back(make_export_urdf());

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "apps/evaluation/verbs.hpp"
+#include "apps/cli/command_line.hpp"
 
 namespace tuina::app {
 

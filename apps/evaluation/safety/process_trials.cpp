@@ -16,6 +16,7 @@
 #include <optional>
 #include <thread>
 
+#include "apps/cli/program.hpp"
 #include "apps/simulated/robot_process.hpp"
 
 extern char** environ;
@@ -41,7 +42,8 @@ class Child {
     for (const std::string& argument : arguments)
       pointers.push_back(const_cast<char*>(argument.c_str()));
     pointers.push_back(nullptr);
-    if (posix_spawn(&process_, "/proc/self/exe", nullptr, nullptr, pointers.data(), environ) != 0)
+    if (posix_spawn(&process_, program_beside("tuina").c_str(), nullptr, nullptr, pointers.data(),
+                    environ) != 0)
       process_ = 0;
   }
   ~Child() {

@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/cli/program.hpp"
+
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <map>
+
+#include "tuina/core/io/file.hpp"
+#include "tuina/core/io/text_lines.hpp"
+
+namespace tuina::app {
+namespace {
+
+int exit_code_of(Fault fault) {
+  switch (fault) {
+    case Fault::usage:
+      return 1;
+    case Fault::device:
+      return 3;
+    case Fault::stopped:
+      return 4;
+    default:
+      return 2;
+  }
+}
+
+// The parser alone would take a number that does not fit as the largest one that does.
+std::string whole_number(const std::string& text) {
+  if (to_number<std::uint64_t>(text)) return {};
+  return fmt::format("{} is not a whole number from 0 to {}", in_quotes(text), UINT64_MAX);
+}
+
+void add_common_options(CLI::App& command, CommonOptions& common, std::string& out) {
+  if (command.get_option_no_throw("--out") == nullptr) {
+    command.add_option("--out", out, "write the JSON object to this file");
+  }
+  command.add_flag("--json", common.json, "write one JSON object to stdout and nothing else there");
+  command.add_flag("--quiet", common.quiet, "no text and no progress bar");
+  command.add_option("--seed", common.seed, "same seed, same result")
+      ->check(whole_number)
+      ->capture_default_str();
+  command.add_option("--config", common.config_file, "a TOML file; see `tuina config show`");
+  command.add_option("--set", common.settings, "section.key=value, over the file")
+      ->allow_extra_args(false);
+}
+
+/// An empty word is a slip, such as a shell variable without a value, and never means "none".
+void refuse_empty_words(CLI::App& command) {
+  for (CLI::Option* option : command.get_options()) {
+    if (option->get_items_expected_max() == 0) continue;
+    option->check([](const std::string& word) {
+      return word.empty() ? "is empty; a value is needed, or leave it away" : std::string();
+    });
+  }
+}
+
+/// At most 300 letters of a message: of a list of faults the first ones, of a sentence its two
+/// ends.
+std::string brief(const std::string& message) {
+  constexpr std::size_t max_letters = 300;
+  constexpr std::size_t end_letters = 100;
+  if (message.size() <= max_letters) return message;
+  std::vector<std::string> lines;
+  TextLines text(message);
+  while (const auto line = text.next()) lines.emplace_back(*line);
+  constexpr std::string_view more = "\nand 9999 more";
+  const std::string first = listed(lines, "\n", max_letters - more.size());
+  if (first.size() <= max_letters) return first;
+  constexpr std::string_view gap = " ... ";
+  return message.substr(0, max_letters - end_letters - gap.size()) + std::string(gap) +
+         message.substr(message.size() - end_letters);
+}
+
+int explain(const Error& error) {
+  fmt::print(stderr, "tuina: {}\n", brief(error.message));
+  return exit_code_of(error.fault);
+}
+
+// A full disk behind stdout shows itself only when the buffer is flushed.
+Result<void> print(const std::string& text) {
+  if (text.empty()) return {};
+  const bool put = std::fwrite(text.data(), 1, text.size(), stdout) == text.size();
+  if (std::fflush(stdout) == 0 && put) return {};
+  return fail(Fault::file, "stdout: cannot be written: {}", std::strerror(errno));
+}
+
+// What a verb could not foresee, memory first of all, still ends in one line.
+Result<Answer> run(Verb& verb, const CommonOptions& common) {
+  try {
+    return verb.run(common);
+  } catch (const std::bad_alloc&) {
+    return fail(Fault::bad_input, "{}: there is not enough memory for this input", verb.name());
+  } catch (const std::filesystem::filesystem_error& error) {
+    return fail(Fault::file, "{}: {}", error.path1().string(), error.code().message());
+  } catch (const std::exception&) {
+    return fail(Fault::bad_input, "{}: an input holds what this verb does not foresee",
+                verb.name());
+  }
+}
+
+int show(const Result<Answer>& answer, const CommonOptions& common, const std::string& out) {
+  if (!answer) return explain(answer.error());
+  if (!out.empty()) {
+    if (const auto written = write_file(out, answer->json + "\n"); !written)
+      return explain(written.error());
+  }
+  std::string product = common.quiet ? std::string() : answer->product;
+  if (common.json) product = answer->json + "\n";
+  if (const auto told = print(product); !told) return explain(told.error());
+  if (!common.quiet && !answer->text.empty()) fmt::print(stderr, "{}\n", answer->text);
+  return answer->exit_code;
+}
+
+/// The deepest verb or group that the command line named.
+const CLI::App& chosen_by(const CLI::App& tuina) {
+  const CLI::App* chosen = &tuina;
+  while (!chosen->get_subcommands().empty()) chosen = chosen->get_subcommands().front();
+  return *chosen;
+}
+
+std::string help_of(const CLI::App& command) {
+  std::string before;
+  for (const CLI::App* parent = command.get_parent(); parent; parent = parent->get_parent()) {
+    before = parent->get_name() + (before.empty() ? "" : " ") + before;
+  }
+  return command.help(before);
+}
+
+/// This process becomes another program, with the same words.
+int become(const ProgramBeside& other, char** argv) {
+  const std::string path = program_beside(other.program);
+  execv(path.c_str(), argv);
+  return explain(Error{
+      Fault::usage,
+      fmt::format("`{}` belongs to the program {}, which ./run build makes", other.verb, path)});
+}
+
+}  // namespace
+
+std::string program_beside(const std::string& name) {
+  return (std::filesystem::read_symlink("/proc/self/exe").parent_path() / name).string();
+}
+
+int run_program(int argc, char** argv, const Program& program) {
+  for (const ProgramBeside& other : program.beside)
+    if (argc > 1 && std::string_view(argv[1]) == other.verb) return become(other, argv);
+  CLI::App tuina("tuina: a robot massages a person, here in simulation.", "tuina");
+  tuina.set_version_flag("--version", TUINA_VERSION);
+  tuina.require_subcommand(0, 1);
+
+  CommonOptions common;
+  std::string out;
+  std::map<const CLI::App*, Verb*> verb_of;
+  std::map<std::string, CLI::App*> groups;
+  for (const auto& verb : program.verbs) {
+    // A name of two words is a verb within a group: `tissue fit`.
+    CLI::App* parent = &tuina;
+    std::string name = verb->name();
+    if (const auto space = name.find(' '); space != std::string::npos) {
+      const std::string group = name.substr(0, space);
+      CLI::App*& known = groups[group];
+      if (known == nullptr) {
+        known = tuina.add_subcommand(group, program.summary_of_group(group));
+        known->require_subcommand(0, 1);
+      }
+      parent = known;
+      name = name.substr(space + 1);
+    }
+    CLI::App* command = parent->add_subcommand(name, verb->summary());
+    command->footer(fmt::format("Example:\n  {}", verb->example()));
+    Options options(*command);
+    verb->describe(options);
+    add_common_options(*command, common, out);
+    refuse_empty_words(*command);
+    verb_of[command] = verb.get();
+  }
+
+  for (const ProgramBeside& other : program.beside) tuina.add_subcommand(other.verb, other.summary);
+
+  try {
+    tuina.parse(argc, argv);
+  } catch (const CLI::CallForHelp&) {
+    fmt::print("{}", help_of(chosen_by(tuina)));
+    return 0;
+  } catch (const CLI::CallForVersion&) {
+    fmt::print("tuina {}\n", TUINA_VERSION);
+    return 0;
+  } catch (const CLI::ParseError& error) {
+    fmt::print(stderr, "tuina: {}\nSee `tuina --help`.\n", brief(error.what()));
+    return 1;
+  }
+
+  const CLI::App& chosen = chosen_by(tuina);
+  const auto found = verb_of.find(&chosen);
+  if (found == verb_of.end()) {
+    fmt::print(stderr, "{}", help_of(chosen));
+    return 1;
+  }
+  return show(run(*found->second, common), common, out);
+}
+
+}  // namespace tuina::app
