@@ -9,7 +9,7 @@
 namespace tuina::body {
 namespace {
 
-constexpr std::size_t enough_points = 100;
+constexpr std::size_t min_board_points = 100;
 constexpr double around_m = 25_mm;
 // Baseline on which noise of 1 mm tilts the plane by less than half a degree.
 constexpr double min_m = 0.15;
@@ -25,9 +25,9 @@ Vector3 farthest(const std::vector<Vector3>& points, const Far& far) {
 
 Result<std::array<Vector3, 3>> three_places_of(const PointCloud& board_in_couch) {
   const auto& points = board_in_couch.points;
-  if (points.size() < enough_points) {
+  if (points.size() < min_board_points) {
     return fail(Fault::bad_input, "the scan of a board has {} points, {} needed", points.size(),
-                enough_points);
+                min_board_points);
   }
   Vector3 middle = Vector3::Zero();
   for (const Vector3& p : points) middle += p / static_cast<double>(points.size());

@@ -16,7 +16,7 @@ namespace {
 constexpr double in_board_m = 2.0_mm;  // at 1 m; a board is flat, the line is noisy
 constexpr double flat_m = 3.0_mm;
 constexpr double min_share = 0.25;  // share of all points; the rest is the couch beside the board
-constexpr std::size_t enough = 2000;
+constexpr std::size_t min_places = 2000;
 constexpr int tries = 300;
 constexpr double off_nominal_rad = 30.0_deg;
 constexpr double off_nominal_share = 0.25;  // share of a length: a wrong square is off by more
@@ -57,7 +57,7 @@ double off(const Plane& plane, const Vector3& point) {
   return off_m / (in_board_m * std::max(1.0, point.squaredNorm()));
 }
 
-Plane through(const std::vector<Vector3>& points) {
+Plane plane_through(const std::vector<Vector3>& points) {
   Vector3 middle = Vector3::Zero();
   for (const Vector3& point : points) middle += point;
   middle /= static_cast<double>(points.size());
@@ -92,7 +92,7 @@ Plane largest_plane(const std::vector<Vector3>& points) {
   Plane best;
   double most = 0.0;
   for (int i = 0; i < tries; ++i) {
-    const Plane plane = through({draw(), draw(), draw()});
+    const Plane plane = plane_through({draw(), draw(), draw()});
     // Near points weigh more, else a skew plane through board and couch would win.
     double in = 0.0;
     for (std::size_t k = 0; k < points.size(); k += 7) {
@@ -106,7 +106,7 @@ Plane largest_plane(const std::vector<Vector3>& points) {
   for (int i = 0; i < 4; ++i) {
     const auto in = inside(best, points, true);
     if (in.size() < 3) break;
-    best = through(in);
+    best = plane_through(in);
   }
   return best;
 }
@@ -155,9 +155,9 @@ Result<void> check_against_nominal(const scanner::ScannerCalibration& nominal,
 Result<CouchPose> find_couch(const Sweep& sweep, const scanner::ScannerCalibration& measured) {
   const auto points = points_of(sweep, measured);
   if (!points) return tl::unexpected(points.error());
-  if (points->size() < enough / 4) {
+  if (points->size() < min_places / 4) {
     return fail(Fault::bad_input, "the sweep over the couch has {} points, {} needed",
-                points->size(), enough / 4);
+                points->size(), min_places / 4);
   }
   const Plane board = find_board(*points);
   const auto share = static_cast<double>(board.points) / static_cast<double>(points->size());

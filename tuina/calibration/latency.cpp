@@ -12,13 +12,13 @@ namespace tuina::calibration {
 namespace {
 
 constexpr double count_rad = from_deg(300.0 / 1024.0);
-constexpr double min_turn_rad = 5.0_deg;
+constexpr double min_swing_rad = 5.0_deg;
 constexpr double step_rad = 0.1_deg;  // sampling of yaw; a sweep has a frame per 0.2
 constexpr double max_s = 1.0;
 constexpr double unsure_s = 0.02;
 // A line that moves farther between neighbouring frames belongs to two surfaces.
 constexpr double same_surface_px = 4.0;
-constexpr std::size_t enough = 500;
+constexpr std::size_t min_pairs = 500;
 constexpr double min_true_share = 0.2;  // share of the squared slopes that is not noise
 
 // Line column over yaw, for one image row of one sweep.
@@ -105,7 +105,7 @@ std::vector<Pair> pairs_of(const std::vector<Trace>& left, const std::vector<Tra
   return pairs;
 }
 
-struct Fit {
+struct DelayFit {
   double by_s = 0.0;
   double spread = 1.0;
   double information = 0.0;
@@ -113,8 +113,8 @@ struct Fit {
 };
 
 // Robust least squares (Tukey) of difference + slope * by = 0.
-Fit fit(const std::vector<Pair>& pairs) {
-  Fit fit;
+DelayFit fit(const std::vector<Pair>& pairs) {
+  DelayFit fit;
   for (int i = 0; i < 12; ++i) {
     std::vector<double> sizes;
     for (const Pair& pair : pairs)
@@ -149,13 +149,13 @@ Result<Step> compare(const Sweep& falling, const Sweep& rising, double latency_s
   const double left_rad_per_s = turned_rad(falling) / duration_s(falling);
   const double right_rad_per_s = turned_rad(rising) / duration_s(rising);
   const std::vector<Pair> pairs = pairs_of(*left, *right, right_rad_per_s - left_rad_per_s);
-  if (pairs.size() < enough) {
+  if (pairs.size() < min_pairs) {
     return fail(Fault::bad_input,
                 "the two sweeps see the same surface in {} places, {} needed: sweep the same still "
                 "scene both ways",
-                pairs.size(), enough);
+                pairs.size(), min_pairs);
   }
-  const Fit found = fit(pairs);
+  const DelayFit found = fit(pairs);
   // Without slanted surfaces the slopes are noise, which is independent in both sweeps.
   if (!(found.true_information > min_true_share * found.information) ||
       !(found.information > 0.0)) {
@@ -211,11 +211,11 @@ Result<Sweep> read_sweep(const std::filesystem::path& folder, const Progress& pr
 Result<Latency> find_latency(const Sweep& falling, const Sweep& rising) {
   const double left_rad = turned_rad(falling);
   const double right_rad = turned_rad(rising);
-  if (!(left_rad < -min_turn_rad && right_rad > min_turn_rad)) {
+  if (!(left_rad < -min_swing_rad && right_rad > min_swing_rad)) {
     return fail(Fault::bad_input,
                 "the yaw of sweep_left must fall and that of sweep_right rise, by {:.0f} deg at "
                 "least; it changes by {:.1f} and {:.1f} deg",
-                to_deg(min_turn_rad), to_deg(left_rad), to_deg(right_rad));
+                to_deg(min_swing_rad), to_deg(left_rad), to_deg(right_rad));
   }
   Latency latency{.latency_s = first_latency_s(falling, rising)};
   for (int i = 0; i < 10; ++i) {

@@ -9,10 +9,10 @@ namespace {
 using std::chrono::steady_clock;
 using namespace std::chrono_literals;
 
-constexpr auto start_patience = 20s;     // of the other processes
-constexpr auto lock_step_patience = 6s;  // likewise, in each millisecond of a simulation ...
-constexpr auto gone_patience = 2ms;      // ... and once they were silent
-constexpr int silent_guard_ticks = 20;   // then the drives brake
+constexpr auto start_patience = 20s;           // of the other processes
+constexpr auto lock_step_guard_patience = 6s;  // likewise, in each millisecond of a simulation ...
+constexpr auto gone_guard_patience = 2ms;      // ... and once they were silent
+constexpr int silent_guard_ticks = 20;         // then the drives brake
 
 }  // namespace
 
@@ -23,7 +23,7 @@ LinkedRobot::~LinkedRobot() {
 Link::Deadline LinkedRobot::patience(bool there) const noexcept {
   const auto now = steady_clock::now();
   if (pace_ == Pace::real) return now + 2ms;
-  return now + (there ? lock_step_patience : gone_patience);
+  return now + (there ? lock_step_guard_patience : gone_guard_patience);
 }
 
 Result<void> LinkedRobot::arm(const Arming& arming) {

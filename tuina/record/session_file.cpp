@@ -50,7 +50,7 @@ constexpr auto acupoints_fields = [](auto& visit, auto& acupoints) {
   visit.list("points", acupoints.points, found_fields);
 };
 
-constexpr auto plan_fields = [](auto& visit, auto& plan) {
+constexpr auto planned_fields = [](auto& visit, auto& plan) {
   visit("compute_ms", plan.compute_ms);
   visit("paths", plan.paths);
   visit("duration_s", plan.duration_s);
@@ -172,7 +172,7 @@ constexpr auto session_fields = [](auto& visit, auto& file) {
   visit("base_from_couch", file.base_from_couch);
   visit.object("scan", [&](auto& inside) { scan_fields(inside, file.scan); });
   visit.object("acupoints", [&](auto& inside) { acupoints_fields(inside, file.acupoints); });
-  visit.object("plan", [&](auto& inside) { plan_fields(inside, file.plan); });
+  visit.object("plan", [&](auto& inside) { planned_fields(inside, file.plan); });
   visit.object("massage", [&](auto& inside) { massage_fields(inside, file.massage); });
   visit.object("consent", [&](auto& inside) {
     inside("answered_by", file.answered_by);

@@ -8,7 +8,7 @@
 namespace tuina::robot {
 namespace {
 
-std::string text(const Vector3& v) {
+std::string words(const Vector3& v) {
   return fmt::format("{} {} {}", v.x(), v.y(), v.z());
 }
 
@@ -22,8 +22,8 @@ Vector3 roll_pitch_yaw(const Matrix3& r) {
 }
 
 std::string origin(const Transform& pose) {
-  return fmt::format(R"(<origin xyz="{}" rpy="{}"/>)", text(pose.translation()),
-                     text(roll_pitch_yaw(pose.linear())));
+  return fmt::format(R"(<origin xyz="{}" rpy="{}"/>)", words(pose.translation()),
+                     words(roll_pitch_yaw(pose.linear())));
 }
 
 std::string visual(const Transform& pose, const std::string& geometry) {
@@ -48,7 +48,8 @@ std::string visuals(const Solid& solid) {
     case Solid::Shape::sphere:
       return sphere(0.0);
     case Solid::Shape::box:
-      return visual(solid.part_from_solid, fmt::format(R"(<box size="{}"/>)", text(solid.edges_m)));
+      return visual(solid.part_from_solid,
+                    fmt::format(R"(<box size="{}"/>)", words(solid.edges_m)));
   }
   return "";
 }
@@ -78,7 +79,7 @@ std::string joint(const Description& robot, const Part& part) {
       "<joint name=\"{0}_joint\" type=\"{1}\">\n  {2}<parent link=\"{3}\"/><child link=\"{0}\"/>",
       part.name, type, origin(part.parent_from_part), parent);
   if (part.motion != Part::Motion::fixed) {
-    xml += fmt::format("<axis xyz=\"{}\"/>\n  ", text(part.axis));
+    xml += fmt::format("<axis xyz=\"{}\"/>\n  ", words(part.axis));
     const std::string range =
         part.limited ? fmt::format(R"(lower="{}" upper="{}" )", part.lowest, part.highest) : "";
     xml += fmt::format("<limit {}effort=\"{}\" velocity=\"{}\"/>", range, part.effort_limit,

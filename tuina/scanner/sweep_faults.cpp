@@ -12,8 +12,6 @@
 namespace tuina::scanner {
 namespace {
 
-constexpr double count_rad = from_deg(300.0 / 1024.0);
-
 double median_of(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
@@ -77,7 +75,7 @@ Result<void> check_order(std::span<const TimedLine> lines) {
 // stands for every frame.
 Result<void> check_motor(std::span<const YawReading> readings, std::span<const double> yaw_rad) {
   const auto [low, high] = std::minmax_element(yaw_rad.begin(), yaw_rad.end());
-  const double counts = (*high - *low) / count_rad;
+  const double counts = (*high - *low) / yaw_count_rad;
   const double span_s = readings.back().time_s - readings.front().time_s;
   const double long_s = std::max(0.7, 8.0 * span_s / std::max(1.0, counts));
   int stops = 0;
@@ -85,11 +83,12 @@ Result<void> check_motor(std::span<const YawReading> readings, std::span<const d
   std::size_t stop_from = 0;
   std::size_t stop_to = 0;
   for (std::size_t i = 1; i <= readings.size(); ++i) {
-    const bool moved = i == readings.size() ||
-                       std::abs(readings[i].yaw_rad - readings[first].yaw_rad) > 1.5 * count_rad;
+    const bool moved =
+        i == readings.size() ||
+        std::abs(readings[i].yaw_rad - readings[first].yaw_rad) > 1.5 * yaw_count_rad;
     if (!moved) continue;
     const double yaw = readings[first].yaw_rad;
-    const bool within = yaw > *low + 3.0 * count_rad && yaw < *high - 3.0 * count_rad;
+    const bool within = yaw > *low + 3.0 * yaw_count_rad && yaw < *high - 3.0 * yaw_count_rad;
     if (within && readings[i - 1].time_s - readings[first].time_s > long_s) {
       ++stops;
       stop_from = first;

@@ -4,8 +4,12 @@
 #include <vector>
 
 #include "tuina/core/result.hpp"
+#include "tuina/core/units.hpp"
 
 namespace tuina::scanner {
+
+/// Resolution of the yaw motor, an AX-12A.
+constexpr double yaw_count_rad = from_deg(300.0 / 1024.0);
 
 /// One reading of the yaw motor, quantised, on the motor's clock, which lags the camera's by the
 /// calibrated latency.

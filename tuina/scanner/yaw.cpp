@@ -11,7 +11,6 @@
 namespace tuina::scanner {
 namespace {
 
-constexpr double count_rad = from_deg(300.0 / 1024.0);  // resolution of the AX-12A
 constexpr double slack_s = 0.15;  // maximum time of a frame outside the readings
 constexpr std::size_t enough_for_a_fit = 8;
 constexpr double max_distance_rad = from_deg(360.0);
@@ -65,10 +64,10 @@ bool straight(std::span<const YawReading> readings, const Line& line) {
   double sum = 0.0;
   for (const YawReading& reading : readings) {
     const double error = reading.yaw_rad - line.at(reading.time_s);
-    if (std::abs(error) > 0.8 * count_rad) return false;
+    if (std::abs(error) > 0.8 * yaw_count_rad) return false;
     sum += error * error;
   }
-  return std::sqrt(sum / static_cast<double>(readings.size())) < 0.36 * count_rad;
+  return std::sqrt(sum / static_cast<double>(readings.size())) < 0.36 * yaw_count_rad;
 }
 
 // Local parabola around one time, weighted by nearness, over several counts so that rounding
@@ -80,7 +79,7 @@ double local_yaw(std::span<const YawReading> readings, double time_s) {
     if (near.size() < enough_for_a_fit && !all) continue;
     const double span_rad =
         near.empty() ? 0.0 : std::abs(near.back().yaw_rad - near.front().yaw_rad);
-    if (span_rad < 4.0 * count_rad && half_s < 0.8 && !all) continue;
+    if (span_rad < 4.0 * yaw_count_rad && half_s < 0.8 && !all) continue;
     Matrix3 sums = Matrix3::Zero();
     Vector3 moments = Vector3::Zero();
     for (const YawReading& reading : near) {
@@ -115,7 +114,7 @@ std::vector<EvenTurn> even_turns(std::span<const YawReading> readings) {
                                          });
   // At the turning point the motor may slow down, so readings within a count of it are ignored.
   const auto near_turn = [&](const YawReading& reading) {
-    return std::abs(reading.yaw_rad - farthest->yaw_rad) < 1.5 * count_rad;
+    return std::abs(reading.yaw_rad - farthest->yaw_rad) < 1.5 * yaw_count_rad;
   };
   std::vector<YawReading> forth;
   std::vector<YawReading> back;

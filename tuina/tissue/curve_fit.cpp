@@ -17,7 +17,7 @@ using Normal = Eigen::Matrix4d;
 
 constexpr std::size_t fewest_samples = 20;
 constexpr std::size_t max_samples = 30000;  // fitted in half a second
-constexpr double min_force_n = 1.0;
+constexpr double min_touch_n = 1.0;
 constexpr double steepest_angle = tangent_limit * pi / 2.0;
 constexpr double robust_limit = 4.0;
 
@@ -162,7 +162,7 @@ Result<CurveFit> fit_curve(std::span<const TimedPress> raw, const SensorNoise& n
     return fail(Fault::bad_input, "{} usable samples, {} needed", record.size(), fewest_samples);
   }
   const double air_n = free_air_force(record);
-  const double touching_n = std::max(min_force_n, 5.0 * noise.force_n);
+  const double touching_n = std::max(min_touch_n, 5.0 * noise.force_n);
   double peak_n = -1e300, deepest_m = 0.0, first_m = 1e300;
   std::size_t touching = 0;
   for (const TimedPress& s : record) {
@@ -203,7 +203,7 @@ Result<CurveFit> fit_curve(std::span<const TimedPress> raw, const SensorNoise& n
   for (const TimedPress& s : record) {
     residuals.push_back(foot_of(s.press, best->at, noise).residual);
     const double tared_n = s.press.force_n - fit.offset_n;
-    if (tared_n <= min_force_n) continue;
+    if (tared_n <= min_touch_n) continue;
     squares += std::pow(tared_n - force_at_depth(fit.tissue, s.press.depth_m - fit.contact_m), 2);
     count += 1.0;
   }

@@ -19,7 +19,7 @@ namespace {
 using nlohmann::json;
 
 constexpr double max_span_m = 12.0;  // a body in centimetres spans 60 and more
-constexpr double max_off_skin_m = 30_mm;
+constexpr double max_label_off_skin_m = 30_mm;
 // The acromion and the waist of people lie up to 36 mm outside a surface cropped beside the back.
 constexpr double max_landmark_off_skin_m = 50_mm;
 constexpr double max_length_error = 0.1;  // of a unit normal
@@ -83,7 +83,8 @@ Result<void> check_body(const LabelledBody& body, const std::string& ply, const 
   }
   const SkinDistance off_skin(body.skin_in_couch);
   for (const Acupoint& point : body.acupoints) {
-    const auto near = check_label(point.name, off_skin(point.at_in_couch), max_off_skin_m, file);
+    const auto near =
+        check_label(point.name, off_skin(point.at_in_couch), max_label_off_skin_m, file);
     if (!near) return near;
     const double length = point.normal_in_couch.norm();
     if (std::abs(length - 1.0) > max_length_error) {

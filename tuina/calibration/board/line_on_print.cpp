@@ -16,7 +16,7 @@ namespace {
 
 using scanner::LinePoint;
 
-constexpr int tries = 200;
+constexpr int line_tries = 200;
 // Distance of a point from the straight line across the board, lens included.
 constexpr double along_line_px = 2.0;
 constexpr std::size_t min_points = 12;
@@ -90,7 +90,7 @@ std::optional<Course> find_course(const std::vector<Vector2>& points) {
     return points[std::min(i, points.size() - 1)];
   };
   std::vector<Vector2> best;
-  for (int i = 0; i < tries; ++i) {
+  for (int i = 0; i < line_tries; ++i) {
     const Vector2 a = draw();
     const Vector2 b = draw();
     if (std::abs(a.y() - b.y()) < 5.0) continue;

@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t max_bytes = std::size_t{8} << 20;
-constexpr int fewest_corners = 3;  // per side; with two the board has no direction
+constexpr int min_corners_per_side = 3;  // per side; with two the board has no direction
 constexpr int max_corners = 100;
 // Plausible square of a hand-held board, 2 mm to half a metre. Millimetres written as metres fall
 // outside.
@@ -68,8 +68,10 @@ Board read_board(const TomlTable& root) {
   TomlTable::Words needed = {"kind", "columns", "rows", "square_m"};
   if (charuco) needed.insert(needed.end(), of_markers.begin(), of_markers.end());
   table->only(kind ? TomlTable::Words() : of_markers, needed);
-  board.columns = table->whole("columns", fewest_corners, max_corners).value_or(fewest_corners);
-  board.rows = table->whole("rows", fewest_corners, max_corners).value_or(fewest_corners);
+  board.columns =
+      table->whole("columns", min_corners_per_side, max_corners).value_or(min_corners_per_side);
+  board.rows =
+      table->whole("rows", min_corners_per_side, max_corners).value_or(min_corners_per_side);
   board.square_m =
       table->number("square_m", min_square_m, max_square_m, "the side of one square in metres")
           .value_or(max_square_m);

@@ -13,7 +13,7 @@
 namespace tuina::calibration {
 namespace {
 
-constexpr int tries = 400;
+constexpr int plane_tries = 400;
 // Distance of the line from the plane at 1 m, growing with the square of the range, that a few
 // tenths of a pixel of corner and line noise cause before the joint fit.
 constexpr double in_plane_m = 5.0_mm;
@@ -80,7 +80,7 @@ LightPlane agreed_on(const std::vector<Line>& lines) {
   };
   LightPlane best;
   double most = -1.0;
-  for (int i = 0; i < tries; ++i) {
+  for (int i = 0; i < plane_tries; ++i) {
     const Line& one = *lit[draw(lit.size())];
     const Line& other = *lit[draw(lit.size())];
     const LightPlane plane =

@@ -14,7 +14,7 @@ namespace {
 constexpr double min_turn_rad = 5.0_deg;
 // Turn between two views: motor counts, play, and errors of the initial poses.
 constexpr double tolerated_rad = 1.5_deg;
-constexpr double tolerated_share = 0.03;
+constexpr double tolerated_turn_share = 0.03;
 
 // Motion of the unit from view a to view b, T(yaw_a)^-1 T(yaw_b), in the camera frame.
 struct Turn {
@@ -66,7 +66,7 @@ Result<void> check(const std::vector<Turn>& turns, const Vector3& direction) {
   double max_rad = 0.0;
   for (const Turn& turn : turns) {
     max_rad = std::max(max_rad, std::abs(turn.yaw_rad));
-    const double tolerance_rad = tolerated_rad + tolerated_share * std::abs(turn.yaw_rad);
+    const double tolerance_rad = tolerated_rad + tolerated_turn_share * std::abs(turn.yaw_rad);
     if ((turn.turned_rad + turn.yaw_rad * direction).norm() < tolerance_rad &&
         std::abs(turn.yaw_rad) > tolerance_rad) {
       return fail(Fault::bad_input,

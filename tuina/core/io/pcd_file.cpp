@@ -18,7 +18,7 @@ struct Field {
   NumberType type = NumberType::f32;
 };
 
-struct Header {
+struct PcdHeader {
   std::vector<Field> fields;
   std::optional<std::uint64_t> width, height, points;
   std::string data;
@@ -52,7 +52,7 @@ std::vector<std::string_view> words_of(std::string_view line) {
 }
 
 /// Fault of a header line; empty when it is right.
-std::string read_header_line(std::string_view line, Header& header) {
+std::string read_header_line(std::string_view line, PcdHeader& header) {
   auto words = words_of(line);
   if (words.empty()) return "a blank line in the header";
   const std::string key(words.front());
@@ -114,7 +114,7 @@ std::string read_header_line(std::string_view line, Header& header) {
 }
 
 /// Fault of the header as a whole, or empty; fills in the types and the number of points.
-std::string complete(Header& header) {
+std::string complete(PcdHeader& header) {
   for (const char* key : {"FIELDS", "SIZE", "TYPE", "WIDTH", "HEIGHT"}) {
     if (std::find(header.seen.begin(), header.seen.end(), key) == header.seen.end()) {
       return fmt::format("the header has no {}", key);
@@ -184,7 +184,7 @@ std::uint32_t little_endian(std::string_view bytes) {
   return static_cast<std::uint32_t>(from_bytes(bytes.data(), NumberType::u32, false));
 }
 
-PointGatherer gatherer_for(const Header& header) {
+PointGatherer gatherer_for(const PcdHeader& header) {
   std::array<bool, PointGatherer::slots + 1> present = {};
   for (const Field& field : header.fields) {
     if (field.count == 1)
@@ -200,7 +200,7 @@ std::size_t slot_of(const Field& field) {
 
 constexpr const char* too_far = "a coordinate beyond 1000 km; coordinates are metres";
 
-Result<SurfaceFile> read_ascii(TextLines lines, const Header& header, std::string_view name) {
+Result<SurfaceFile> read_ascii(TextLines lines, const PcdHeader& header, std::string_view name) {
   std::uint64_t row_words = 0;
   for (const Field& field : header.fields) row_words += field.count;
   if (*header.points > (lines.rest().size() + 1) / (2 * row_words)) {
@@ -241,7 +241,7 @@ Result<SurfaceFile> read_ascii(TextLines lines, const Header& header, std::strin
 }
 
 /// Rows of numbers, or, if compressed, column after column.
-Result<SurfaceFile> read_binary(TextLines lines, const Header& header, std::string_view name) {
+Result<SurfaceFile> read_binary(TextLines lines, const PcdHeader& header, std::string_view name) {
   std::uint64_t row_bytes = 0;
   for (const Field& field : header.fields) row_bytes += field.size * field.count;
   // Larger than any file, and small enough that the product cannot overflow.
@@ -305,7 +305,7 @@ Result<SurfaceFile> read_binary(TextLines lines, const Header& header, std::stri
 
 Result<SurfaceFile> parse_pcd(std::string_view content, std::string_view name) {
   TextLines lines(content);
-  Header header;
+  PcdHeader header;
   while (header.data.empty()) {
     const auto line = lines.next();
     if (!line) return fail(Fault::bad_input, "{}:{}: the header has no DATA", name, lines.number());

@@ -23,7 +23,7 @@ struct Element {
   std::vector<Property> properties;
 };
 
-struct Header {
+struct PlyHeader {
   Format format = Format::ascii;
   std::vector<Element> elements;
 };
@@ -56,7 +56,7 @@ std::optional<Property> parse_property(std::string_view line) {
 }
 
 /// Fault of a header line; empty when it is right.
-std::string read_header_line(std::string_view line, Header& header, bool& has_format) {
+std::string read_header_line(std::string_view line, PlyHeader& header, bool& has_format) {
   const std::string_view all = line;
   const std::string_view word = take_word(line);
   if (word == "comment" || word == "obj_info") return {};
@@ -185,7 +185,7 @@ std::uint64_t min_row_bytes(const Element& element, Format format) {
 }
 
 /// Checks counts against the size of the data, and that x, y and z are there.
-Result<void> check_header(const Header& header, std::string_view name, std::size_t data_bytes) {
+Result<void> check_header(const PlyHeader& header, std::string_view name, std::size_t data_bytes) {
   const Element* vertices = nullptr;
   // The last line of an ascii file may lack its newline.
   std::uint64_t left = data_bytes + (header.format == Format::ascii ? 1 : 0);
@@ -303,7 +303,7 @@ bool read_others(Body& body, const Element& element) {
 
 Result<SurfaceFile> parse_ply(std::string_view content, std::string_view name) {
   TextLines lines(content);
-  Header header;
+  PlyHeader header;
   bool has_format = false;
   auto line = lines.next();
   if (!line || *line != "ply")

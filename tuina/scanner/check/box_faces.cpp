@@ -20,7 +20,7 @@ constexpr double on_face_m = 2.5_mm;
 constexpr double around_share = 0.12;  // share of the widest face
 const double alike = std::cos(25.0_deg);
 
-struct Sample {
+struct FaceSample {
   Vector3 point, normal;
 };
 
@@ -41,19 +41,19 @@ Face through(std::vector<Vector3> points, const Vector3& toward) {
   return face;
 }
 
-bool on(const Face& face, const Sample& sample) {
+bool on(const Face& face, const FaceSample& sample) {
   return std::abs(face.out_m(sample.point)) < on_face_m && face.normal.dot(sample.normal) > alike;
 }
 
 // The plane with most samples, from the flat neighbourhoods of random seeds.
-Face largest(const std::vector<Sample>& samples, double max_width_m, Random& random) {
+Face largest(const std::vector<FaceSample>& samples, double max_width_m, Random& random) {
   const std::size_t step = std::max<std::size_t>(1, samples.size() / sampled_points);
   Face best;
   std::size_t most = 0;
   for (int i = 0; i < tries; ++i) {
     const auto drawn =
         static_cast<std::size_t>(uniform(random, 0.0, 1.0) * static_cast<double>(samples.size()));
-    const Sample& seed = samples[std::min(drawn, samples.size() - 1)];
+    const FaceSample& seed = samples[std::min(drawn, samples.size() - 1)];
     std::vector<Vector3> around;
     for (std::size_t k = 0; k < samples.size(); k += step) {
       const bool near = (samples[k].point - seed.point).norm() < around_share * max_width_m;
@@ -77,7 +77,7 @@ Face largest(const std::vector<Sample>& samples, double max_width_m, Random& ran
 }  // namespace
 
 std::vector<Face> find_faces(const PointCloud& cloud, double max_width_m) {
-  std::vector<Sample> rest;
+  std::vector<FaceSample> rest;
   if (cloud.normals.size() == cloud.size()) {
     for (std::size_t i = 0; i < cloud.size(); ++i) {
       rest.push_back({cloud.points[i], cloud.normals[i]});
@@ -89,14 +89,14 @@ std::vector<Face> find_faces(const PointCloud& cloud, double max_width_m) {
     Face face = largest(rest, max_width_m, random);
     for (int refined = 0; refined < 3 && !face.points.empty(); ++refined) {
       std::vector<Vector3> members;
-      for (const Sample& sample : rest) {
+      for (const FaceSample& sample : rest) {
         if (on(face, sample)) members.push_back(sample.point);
       }
       if (members.empty()) break;
       face = through(std::move(members), face.normal);
     }
     if (face.points.size() < min_points) break;
-    std::erase_if(rest, [&](const Sample& sample) { return on(face, sample); });
+    std::erase_if(rest, [&](const FaceSample& sample) { return on(face, sample); });
     // A couch or a wall continues beyond the box.
     const auto within = std::count_if(
         face.points.begin(), face.points.end(),

@@ -12,12 +12,12 @@
 namespace tuina::scanner {
 namespace {
 
-constexpr int tries = 4000;
-constexpr std::size_t sampled_points = 3000;
+constexpr int sphere_tries = 4000;
+constexpr std::size_t sampled_sphere_points = 3000;
 constexpr double on_sphere_m = 3.0_mm;
-constexpr std::size_t min_points = 300;
-constexpr double allowed_m = 2.0_mm;
-constexpr double allowed_share = 0.01;
+constexpr std::size_t min_sphere_points = 300;
+constexpr double sphere_allowed_m = 2.0_mm;
+constexpr double sphere_allowed_share = 0.01;
 
 bool on(const FoundSphere& sphere, const Vector3& point) {
   return std::abs((point - sphere.centre).norm() - 0.5 * sphere.diameter_m) < on_sphere_m;
@@ -60,17 +60,17 @@ Result<FoundSphere> find_sphere(const PointCloud& cloud, double diameter_m) {
                 "crosses it, nothing within a hand's breadth",
                 to_mm(diameter_m), cloud.size());
   };
-  if (cloud.size() < min_points || cloud.normals.size() != cloud.size()) return none();
+  if (cloud.size() < min_sphere_points || cloud.normals.size() != cloud.size()) return none();
   Random random = make_random(1, "ball");
   const auto draw = [&] {
     const auto i =
         static_cast<std::size_t>(uniform(random, 0.0, 1.0) * static_cast<double>(cloud.size()));
     return std::min(i, cloud.size() - 1);
   };
-  const std::size_t step = std::max<std::size_t>(1, cloud.size() / sampled_points);
+  const std::size_t step = std::max<std::size_t>(1, cloud.size() / sampled_sphere_points);
   FoundSphere best;
   std::size_t most = 0;
-  for (int i = 0; i < tries; ++i) {
+  for (int i = 0; i < sphere_tries; ++i) {
     // The normals of two points intersect in the centre of the ball.
     const std::size_t a = draw();
     const std::size_t b = draw();
@@ -92,7 +92,7 @@ Result<FoundSphere> find_sphere(const PointCloud& cloud, double diameter_m) {
   if (most == 0) return none();
   for (int i = 0; i < 10; ++i) best = fitted(cloud, best);
   const bool about = best.diameter_m > 0.5 * diameter_m && best.diameter_m < 2.0 * diameter_m;
-  if (best.points < min_points || !about) return none();
+  if (best.points < min_sphere_points || !about) return none();
   return best;
 }
 
@@ -106,7 +106,7 @@ Result<FoundSphere> check_sphere(const PointCloud& cloud, double diameter_m) {
                 to_mm(diameter_m));
   }
   const double off_m = sphere->diameter_m - diameter_m;
-  if (std::abs(off_m) > std::max(allowed_m, allowed_share * diameter_m)) {
+  if (std::abs(off_m) > std::max(sphere_allowed_m, sphere_allowed_share * diameter_m)) {
     return fail(Fault::bad_input,
                 "the ball of {:.1f} mm measures {:.1f} mm, round to {:.1f} mm: the scale of the "
                 "calibration "

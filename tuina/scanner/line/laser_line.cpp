@@ -145,10 +145,10 @@ RowContent inspect(const Sample* row, const LineScene& scene) {
 }
 
 // The kernels of the slow rows take floats.
-const float* window(const float* samples, std::array<float, LineKernel::taps>&) {
+const float* window_of(const float* samples, std::array<float, LineKernel::taps>&) {
   return samples;
 }
-const float* window(const std::uint8_t* samples, std::array<float, LineKernel::taps>& room) {
+const float* window_of(const std::uint8_t* samples, std::array<float, LineKernel::taps>& room) {
   std::copy_n(samples, LineKernel::taps, room.begin());
   return room.data();
 }
@@ -167,7 +167,7 @@ std::optional<LinePoint> weigh_line(const Sample* row, float column_px, const Li
     const float part = column - nearest + 0.5F;
     const int phase = std::min(static_cast<int>(part * LineKernel::phases), LineKernel::phases - 1);
     const LineStep sums =
-        weigh(window(row + start, room), kernel.of_phase[static_cast<std::size_t>(phase)]);
+        weigh(window_of(row + start, room), kernel.of_phase[static_cast<std::size_t>(phase)]);
     if (sums.height <= 0.0F) return {};
     height = sums.height;
     const float middle = nearest + LineKernel::centre_of(phase);
