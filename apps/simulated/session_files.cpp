@@ -114,6 +114,7 @@ record::SessionFile session_file(const SessionResult& result, const SessionOrder
   record::SessionFile file{.seed = seed,
                            .version = TUINA_VERSION,
                            .person = result.person.name,
+                           .realism = result.realism,
                            .position = session.located.position,
                            .order = order,
                            .base_from_couch = session.base_from_couch,

@@ -59,15 +59,49 @@ Result<massage::PlanOptions> plan_options(const session::Config& config,
   return options;
 }
 
+sim::ScanFlaws scan_flaws(const session::Config& config) {
+  const auto& simulation = config.simulation;
+  return {.scatter_m = from_mm(simulation.scatter_mm),
+          .dark_share = simulation.skin_dark_share,
+          .moles_per_m2 = 100.0 * simulation.moles_per_dm2,
+          .hair_share = simulation.hair_share,
+          .sweat_share = simulation.sweat_share,
+          .flicker_share = simulation.lamp_flicker_share,
+          .readout_s = 1e-3 * simulation.rolling_shutter_ms};
+}
+
 sim::WorldOptions world_options(const session::Config& config) {
   const auto& simulation = config.simulation;
   return {.torso_n_per_m = 1e3 * simulation.torso_n_per_mm,
+          .skin_friction = simulation.skin_friction,
+          .living = {.fat_share = simulation.fat_share,
+                     .relaxing_share = simulation.relaxing_share,
+                     .damping_s_per_m = simulation.tissue_damping_s_per_m,
+                     .torso_mass_kg = simulation.torso_mass_kg,
+                     .first_press_stiffer = simulation.first_press_stiffer_share,
+                     .tensing_share = simulation.tensing_share,
+                     .tensing_probability = simulation.tensing_probability,
+                     .grain_share = simulation.tissue_grain_share,
+                     .skin_shear_n_per_m = 1e3 * simulation.skin_shear_n_per_mm},
           .breathing = {.amplitude_m = from_mm(simulation.breathing_mm),
-                        .frequency_hz = simulation.breathing_hz},
+                        .frequency_hz = simulation.breathing_hz,
+                        .variation = simulation.breath_variation,
+                        .sigh_share = simulation.sigh_share,
+                        .speaking_share = simulation.speaking_share,
+                        .coughs_per_h = simulation.coughs_per_h},
           .shift_m = from_mm(simulation.shift_mm),
           .shift_at_s = simulation.shift_at_s,
           .room_light_dn = simulation.room_light_dn,
-          .arm_errors = {.friction_scale = simulation.friction}};
+          .scan_flaws = scan_flaws(config),
+          .arm_errors = {.friction_scale = simulation.friction,
+                         .tool_mass_share = simulation.tool_weight_error_share},
+          .devices = {.flaws = {.gear_softness = simulation.gear_softness,
+                                .backlash_rad = from_deg(simulation.backlash_arcmin / 60.0),
+                                .torque_ripple_share = simulation.torque_ripple_share,
+                                .friction_drift_share = simulation.friction_drift_share,
+                                .wrist_drift_n_per_s = simulation.wrist_drift_n_per_min / 60.0,
+                                .wrist_hysteresis_share = simulation.wrist_hysteresis_share,
+                                .wrist_crosstalk_share = simulation.wrist_crosstalk_share}}};
 }
 
 Result<SimulatedRoom> make_room(const SessionOrder& order, const session::Config& config,

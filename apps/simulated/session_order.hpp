@@ -17,7 +17,8 @@ using record::SessionOrder;
 [[nodiscard]] Result<massage::PlanOptions> plan_options(const session::Config& config,
                                                         const std::string& no_go_file);
 
-/// The world that a config's section `simulation` describes.
+/// What the scanner looks at, and the world, that a config's section `simulation` describes.
+[[nodiscard]] sim::ScanFlaws scan_flaws(const session::Config& config);
 [[nodiscard]] sim::WorldOptions world_options(const session::Config& config);
 
 /// A simulated world, and what the session in it is told.

@@ -115,7 +115,8 @@ Result<SessionResult> run_simulated_session(const SessionOrder& order,
   ProgressBars bars(common);
   SessionResult result{.person = world.person(),
                        .consent = room->order.consent,
-                       .consent_toml = std::move(room->consent_toml)};
+                       .consent_toml = std::move(room->consent_toml),
+                       .realism = config.simulation.realism};
   {
     // A terminal may be slow; the truth is read in the millisecond in which it is true.
     session::Relay terminal(bars);

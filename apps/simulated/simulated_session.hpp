@@ -49,6 +49,7 @@ struct SessionResult {
   sim::Person person;
   session::Consent consent;
   std::string consent_toml;              ///< answers as they were given
+  std::string realism = "ideal";         ///< of the world it happened in
   std::vector<record::JointRow> joints;  ///< joints, twenty times a second
 
   [[nodiscard]] double real_time_factor() const { return session.massage_s / session.compute_s; }

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "apps/simulated/session_order.hpp"
 #include "apps/tuina/atlas/sticker_words.hpp"
 #include "apps/tuina/verbs.hpp"
 #include "tuina/core/io/surface_file.hpp"
@@ -178,9 +179,10 @@ class ScanVerb final : public Verb {
                                    .frequency_hz = config.simulation.breathing_hz};
     const auto stickers = stickers_on(*person);
     if (!stickers) return tl::unexpected(stickers.error());
-    sim::LaserScanner simulated(
-        person->skin_in_couch, person->position, breathing, common.seed,
-        {.room_light_dn = config.simulation.room_light_dn, .stickers = *stickers});
+    sim::LaserScanner simulated(person->skin_in_couch, person->position, breathing, common.seed,
+                                {.room_light_dn = config.simulation.room_light_dn,
+                                 .stickers = *stickers,
+                                 .flaws = scan_flaws(config)});
     const auto calibration =
         given ? *given : sim::believed_calibration(simulated.true_calibration(), common.seed);
 
@@ -271,6 +273,7 @@ class ScanVerb final : public Verb {
     }
     if (truth) {
       json["rms_error_mm"] = to_mm(truth->rms_error_m);
+      json["mean_error_mm"] = to_mm(truth->mean_error_m);
       json["worst_error_mm"] = to_mm(truth->worst_error_m);
       text += fmt::format(", true error {:.2f} mm", to_mm(truth->rms_error_m));
     }

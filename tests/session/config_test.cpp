@@ -4,6 +4,7 @@
 #include <doctest/doctest.h>
 
 #include "tuina/core/io/file.hpp"
+#include "tuina/session/realism.hpp"
 
 using namespace tuina;
 using namespace tuina::session;
@@ -19,6 +20,34 @@ TEST_CASE("the configuration printed is the configuration read") {
 
 TEST_CASE("config/default.toml says what the defaults are") {
   CHECK(read_file(TUINA_SOURCE_DIR "/config/default.toml").value() == to_toml(Config{}));
+}
+
+TEST_CASE("realism sets every effect, and what is named besides differs from it") {
+  const auto usual =
+      parse_config("[simulation]\ntorso_mass_kg = 9\nrealism = 'usual'\n", "my.toml");
+  REQUIRE(usual.has_value());
+  Config hard;
+  REQUIRE(apply_setting(hard, "simulation.realism=hard").has_value());
+  REQUIRE(apply_setting(hard, "simulation.torso_mass_kg=9").has_value());
+  for (const SimulatedEffect& effect : simulated_effects()) {
+    CAPTURE(effect.key);
+    CHECK_FALSE(effect.source.empty());
+    CHECK(effect.usual >= effect.min);
+    CHECK(effect.usual <= effect.max);
+    CHECK(effect.hard >= effect.min);
+    CHECK(effect.hard <= effect.max);
+    if (effect.key == "simulation.torso_mass_kg") continue;
+    CHECK(usual->simulation.*effect.value == effect.usual);
+    CHECK(hard.simulation.*effect.value == effect.hard);
+  }
+  CHECK(usual->simulation.torso_mass_kg == 9.0);
+  CHECK(hard.simulation.torso_mass_kg == 9.0);
+  CHECK(to_toml(parse_config(to_toml(hard), "again.toml").value()) == to_toml(hard));
+  REQUIRE(apply_setting(hard, "simulation.realism=ideal").has_value());
+  CHECK(to_toml(hard) == to_toml(Config{}));
+  const auto wrong = parse_config("[simulation]\nrealism = 'real'\n", "my.toml");
+  REQUIRE_FALSE(wrong.has_value());
+  CHECK(wrong.error().message.find("my.toml:2: simulation.realism") != std::string::npos);
 }
 
 TEST_CASE("all faults of a file are reported at once, with line, value and what would be right") {

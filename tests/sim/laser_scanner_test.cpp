@@ -264,9 +264,11 @@ TEST_CASE("a person who breathes is smeared by about the breath") {
 
 TEST_CASE("the distance to a surface is the distance to its nearest place") {
   const RayScene scene(wall(-1.0, 1.0, 0.0, 1.0, 0.0));
-  CHECK(scene.distance_to({0.2, 0.3, 0.5}) == doctest::Approx(0.3));
-  CHECK(scene.distance_to({2.0, 0.0, 0.5}) == doctest::Approx(1.0));
-  CHECK(scene.distance_to({2.0, 1.0, 2.0}) == doctest::Approx(std::sqrt(3.0)));
+  CHECK(std::abs(scene.height_over({0.2, 0.3, 0.5})) == doctest::Approx(0.3));
+  CHECK(scene.height_over({0.2, -0.3, 0.5}) ==
+        doctest::Approx(-scene.height_over({0.2, 0.3, 0.5})));
+  CHECK(std::abs(scene.height_over({2.0, 0.0, 0.5})) == doctest::Approx(1.0));
+  CHECK(std::abs(scene.height_over({2.0, 1.0, 2.0})) == doctest::Approx(std::sqrt(3.0)));
 }
 
 TEST_CASE("what the simulated user believes to know of a calibration is as good as is said of it") {

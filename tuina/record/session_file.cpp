@@ -167,6 +167,7 @@ constexpr auto session_fields = [](auto& visit, auto& file) {
   visit("seed", file.seed);
   visit("version", file.version);
   visit("person", file.person);
+  visit.maybe("realism", file.realism);  // versions that knew one world have not written it
   visit("position", file.position);
   visit.object("order", [&](auto& inside) { order_fields(inside, file.order); });
   visit("base_from_couch", file.base_from_couch);

@@ -97,6 +97,7 @@ struct SessionFile {
   std::uint64_t seed = 1;
   std::string version;
   std::string person;
+  std::string realism = "ideal";  ///< of the simulated world
   BodyPosture position = BodyPosture::sitting;
   SessionOrder order;  ///< with the commands that were given
   Transform base_from_couch = Transform::Identity();

@@ -5,17 +5,19 @@
 
 #include <algorithm>
 #include <map>
+#include <type_traits>
 #include <vector>
 
 #include "tuina/core/io/file.hpp"
 #include "tuina/core/io/near_miss.hpp"
 #include "tuina/core/io/toml_reader.hpp"
+#include "tuina/session/realism.hpp"
 
 namespace tuina::session {
 namespace {
 
 /// The one list of keys. A visitor has number(key, value, low, high, why), flag(key, value) and
-/// word(key, value, choices); the key is "section.name".
+/// word(key, value, choices); the key is "section.name". One that reads also has names(key).
 template <typename ConfigType, typename Visitor>
 void each_key(ConfigType& config, Visitor& visit) {
   visit.number("scan.sweep_s", config.scan.sweep_s, 2.0, 60.0, "");
@@ -26,13 +28,19 @@ void each_key(ConfigType& config, Visitor& visit) {
   visit.flag("massage.steer", config.massage.steer);
   visit.number("safety.force_ceiling_n", config.safety.force_ceiling_n, 5.0, 45.0,
                "a file may lower this ceiling, never raise it");
+  visit.word("simulation.realism", config.simulation.realism, {"ideal", "usual", "hard"});
+  if constexpr (!std::is_const_v<ConfigType>) {
+    if (visit.names("simulation.realism")) set_realism(config.simulation);
+  }
   visit.number("simulation.breathing_mm", config.simulation.breathing_mm, 0.0, 20.0, "");
   visit.number("simulation.breathing_hz", config.simulation.breathing_hz, 0.05, 1.0, "");
-  visit.number("simulation.torso_n_per_mm", config.simulation.torso_n_per_mm, 5.0, 1000.0, "");
   visit.number("simulation.friction", config.simulation.friction, 0.0, 3.0, "");
   visit.number("simulation.room_light_dn", config.simulation.room_light_dn, 0.0, 150.0, "");
   visit.number("simulation.shift_mm", config.simulation.shift_mm, -200.0, 200.0, "");
   visit.number("simulation.shift_at_s", config.simulation.shift_at_s, 0.0, 3600.0, "");
+  for (const SimulatedEffect& effect : simulated_effects()) {
+    visit.number(effect.key, config.simulation.*effect.value, effect.min, effect.max, "");
+  }
 }
 
 using Choices = std::vector<std::string>;
@@ -56,6 +64,11 @@ class Reader {
     if (const auto* table = section_of(key)) {
       if (const auto chosen = table->word(name_in(key), choices)) value = choices[*chosen];
     }
+  }
+
+  [[nodiscard]] bool names(std::string_view key) {
+    const auto* table = section_of(key);
+    return table != nullptr && table->has(name_in(key));
   }
 
   void reject_unknown() const {

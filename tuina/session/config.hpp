@@ -27,13 +27,44 @@ struct Config {
     double force_ceiling_n = 45.0;  ///< on the set force; zones may ask for less
   } safety;
   struct Simulation {
+    std::string realism = "ideal";  ///< sets all effects; those named after it differ from it
     double breathing_mm = 3.0;
     double breathing_hz = 0.25;
-    double torso_n_per_mm = 35.0;
     double friction = 1.0;        ///< scale on the joint friction of the plant
     double room_light_dn = 10.0;  ///< brightness of the room without the laser
     double shift_mm = 0.0;        ///< the person moves once, so far towards the arms
     double shift_at_s = 30.0;     ///< into the massage
+    // Effects, as in an ideal world; session/realism has the others and their sources.
+    double torso_n_per_mm = 35.0;
+    double torso_mass_kg = 0.0;
+    double fat_share = 0.0;
+    double relaxing_share = 0.0;
+    double tissue_damping_s_per_m = 0.0;
+    double first_press_stiffer_share = 0.0;
+    double tensing_share = 0.0;
+    double tensing_probability = 0.0;
+    double tissue_grain_share = 0.0;
+    double skin_friction = 0.1;
+    double skin_shear_n_per_mm = 0.0;
+    double breath_variation = 0.0;
+    double sigh_share = 0.0;
+    double speaking_share = 0.0;
+    double coughs_per_h = 0.0;
+    double gear_softness = 0.0;
+    double backlash_arcmin = 0.0;
+    double torque_ripple_share = 0.0;
+    double friction_drift_share = 0.0;
+    double wrist_drift_n_per_min = 0.0;
+    double wrist_hysteresis_share = 0.0;
+    double wrist_crosstalk_share = 0.0;
+    double tool_weight_error_share = 0.0;
+    double scatter_mm = 0.0;
+    double skin_dark_share = 0.0;
+    double moles_per_dm2 = 0.0;
+    double hair_share = 0.0;
+    double sweat_share = 0.0;
+    double lamp_flicker_share = 0.0;
+    double rolling_shutter_ms = 0.0;
   } simulation;
 };
 

@@ -2,10 +2,11 @@
 #include "tuina/sim/tissue_worlds.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "tuina/core/units.hpp"
+#include "tuina/sim/person/breath.hpp"
+#include "tuina/sim/robot/sensor_axis.hpp"
 
 namespace tuina::sim {
 namespace {
@@ -14,156 +15,6 @@ constexpr double sample_s = 1e-3;
 constexpr int substeps = 4;
 constexpr double step_s = sample_s / substeps;
 constexpr double force_noise_n = 0.2, position_noise_m = 0.05_mm;
-
-/// The elastic force over depth, of the person's own form but as high as the tangent at 20 N.
-class ElasticCurve {
- public:
-  ElasticCurve(TissueWorld::Elastic kind, const TangentTissue& tissue, Random& random)
-      : kind_(kind),
-        tissue_(tissue),
-        meeting_m_(std::atan(meeting_n / tissue.alpha_n) / tissue.beta_per_m) {
-    using Elastic = TissueWorld::Elastic;
-    // Exponents of Hunt and Crossley's law for tissue: 1.3 to 2.2.
-    if (kind == Elastic::power) form_ = uniform(random, 1.3, 2.2);
-    if (kind == Elastic::exponential) form_ = uniform(random, 2.0, 3.5);
-    if (kind == Elastic::layers) tabulate_layers(random);
-  }
-
-  [[nodiscard]] double force(double depth_m) const {
-    if (depth_m <= 0.0) return 0.0;
-    const double share = depth_m / meeting_m_;
-    switch (kind_) {
-      case TissueWorld::Elastic::tangent: {
-        // Near its pole the law goes on as a straight line.
-        const double angle = tissue_.beta_per_m * depth_m, last = 0.97 * pi / 2.0;
-        const double u = std::tan(std::min(angle, last));
-        return tissue_.alpha_n * (u + (1.0 + u * u) * std::max(0.0, angle - last));
-      }
-      case TissueWorld::Elastic::power:
-        return meeting_n * std::pow(share, form_);
-      case TissueWorld::Elastic::exponential:
-        return meeting_n * std::expm1(form_ * share) / std::expm1(form_);
-      case TissueWorld::Elastic::layers: {
-        const auto above = std::upper_bound(depths_m_.begin(), depths_m_.end(), depth_m);
-        if (above == depths_m_.end()) return table_step_n * static_cast<double>(depths_m_.size());
-        const auto k = static_cast<std::size_t>(above - depths_m_.begin());
-        const double before_m = depths_m_[k - 1];
-        return table_step_n *
-               (static_cast<double>(k - 1) + (depth_m - before_m) / (*above - before_m));
-      }
-    }
-    return 0.0;
-  }
-
- private:
-  static constexpr double meeting_n = 20.0, table_step_n = 0.1;
-
-  // Fat that is used up first, muscle, and bone that hardly gives way, one behind the other.
-  void tabulate_layers(Random& random) {
-    const double fat_n = uniform(random, 2.5, 3.7), fat_m = uniform(random, 3_mm, 6_mm);
-    const double bone_n_per_m = uniform(random, 30e3, 60e3);
-    for (double force_n = 0.0; force_n < 150.0; force_n += table_step_n) {
-      depths_m_.push_back(fat_m * 2.0 / pi * std::atan(force_n / fat_n) +
-                          std::atan(force_n / tissue_.alpha_n) / tissue_.beta_per_m +
-                          force_n / bone_n_per_m);
-    }
-  }
-
-  TissueWorld::Elastic kind_;
-  TangentTissue tissue_;
-  double meeting_m_, form_ = 0.0;
-  std::vector<double> depths_m_;
-};
-
-/// Relaxation in three decades.
-struct Relaxation {
-  static constexpr std::array<double, 3> tau_s = {0.1, 1.0, 10.0};
-  std::array<double, 3> share = {}, force_n = {};
-
-  Relaxation(double in_all, Random& random) {
-    double sum = 0.0;
-    for (double& part : share) sum += part = uniform(random, 0.2, 1.0);
-    for (double& part : share) part *= in_all / sum;
-  }
-  /// The force left of an elastic one.
-  double left(double elastic_n) {
-    double left_n = elastic_n;
-    for (std::size_t i = 0; i < tau_s.size(); ++i) {
-      force_n[i] += step_s / tau_s[i] * (elastic_n - force_n[i]);
-      left_n -= share[i] * force_n[i];
-    }
-    return left_n;
-  }
-};
-
-/// Breaths of which no two are alike.
-struct Breathing {
-  double peak_to_peak_m, depth_m = 0.0, rate_hz = 0.25, phase = 0.0;
-
-  Breathing(double peak_to_peak, Random& random)
-      : peak_to_peak_m(peak_to_peak), phase(uniform(random, 0.0, 1.0)) {
-    inhale(random);
-  }
-  void inhale(Random& random) {
-    // [tobin1988]: the depth varies by 33 %, the rate by 21 %. A sigh is twice as deep.
-    depth_m = peak_to_peak_m * std::max(0.2, 1.0 + gaussian(random, 0.33));
-    if (uniform(random, 0.0, 1.0) < 0.1) depth_m *= 2.0;
-    rate_hz = 0.25 * std::max(0.5, 1.0 + gaussian(random, 0.21));
-  }
-  /// Towards the tool as the person breathes in: the skin goes to smaller positions.
-  double step(Random& random) {
-    phase += rate_hz * step_s;
-    if (phase >= 1.0) {
-      phase -= 1.0;
-      inhale(random);
-    }
-    return -0.5 * depth_m * (1.0 - std::cos(2.0 * pi * phase));
-  }
-};
-
-struct Torso {
-  bool there;
-  double mass_kg, n_per_m, n_s_per_m, at_m = 0.0, speed_m_per_s = 0.0;
-
-  Torso(bool is_there, Random& random)
-      : there(is_there),
-        mass_kg(uniform(random, 3.0, 10.0)),
-        n_per_m(uniform(random, 10e3, 35e3)),
-        n_s_per_m(2.0 * uniform(random, 0.2, 0.4) * std::sqrt(mass_kg * n_per_m)) {}
-  void step(double force_n) {
-    if (!there) return;
-    speed_m_per_s += step_s / mass_kg * (force_n - n_per_m * at_m - n_s_per_m * speed_m_per_s);
-    at_m += step_s * speed_m_per_s;
-  }
-};
-
-/// A share by which muscles are stiffer: within 0.3 s, kept for a while, gone within a second.
-double tensed(double since_s, double kept_s) {
-  if (since_s < 0.0) return 0.0;
-  if (since_s < 0.3) return since_s / 0.3;
-  return std::clamp(1.0 - (since_s - 0.3 - kept_s), 0.0, 1.0);
-}
-
-struct ForceSensor {
-  bool poor;
-  double drift_n_per_s, crosstalk, held_n = 0.0, strongest_n = 0.0;
-
-  ForceSensor(bool is_poor, Random& random)
-      : poor(is_poor),
-        drift_n_per_s(uniform(random, -1.0, 1.0) * 0.5 / 60.0),
-        crosstalk(uniform(random, -0.01, 0.01)) {}
-  double read(double time_s, double force_n, Random& random) {
-    double read_n = force_n;
-    if (poor) {
-      // Hysteresis of 1 %: the reading lags by half of that of the strongest force of the press.
-      strongest_n = force_n > 0.0 ? std::max(strongest_n, force_n) : 0.0;
-      const double play_n = 0.005 * strongest_n;
-      held_n = std::clamp(held_n, force_n - play_n, force_n + play_n);
-      read_n = held_n * (1.0 + crosstalk) + drift_n_per_s * time_s;
-    }
-    return read_n + gaussian(random, force_noise_n);
-  }
-};
 
 /// The force wanted: one press of its way, `share` of its duration gone.
 struct PressPlan {
@@ -190,8 +41,54 @@ PressPlan plan_of(Pressing pressing) {
   return {};
 }
 
+/// Skin that moves with breaths of which no two are alike, from wherever in a breath.
+struct BreathingSkin {
+  Breathing usual;
+  Breath breath;
+  double phase;
+
+  BreathingSkin(double peak_to_peak_m, Random& random)
+      : usual{.amplitude_m = peak_to_peak_m, .variation = 1.0, .sigh_share = 0.1},
+        breath{},
+        phase(uniform(random, 0.0, 1.0)) {
+    breath = draw_breath(usual, random);
+  }
+  /// Towards the tool as the person breathes in: the skin goes to smaller positions.
+  double step(Random& random) {
+    phase += breath.rate_hz * step_s;
+    if (phase >= 1.0) {
+      phase -= 1.0;
+      breath = draw_breath(usual, random);
+    }
+    return -breath.depth_m * breath_share(phase).at;
+  }
+};
+
+Torso draw_torso(bool there, Random& random) {
+  const double mass_kg = uniform(random, 3.0, 10.0), n_per_m = uniform(random, 10e3, 35e3);
+  return Torso::with(mass_kg, there ? n_per_m : rigid, uniform(random, 0.2, 0.4));
+}
+
+/// The force sensor of such a world; one that is not poor has noise only.
+struct ForceSensor {
+  bool poor;
+  SensorAxis axis;
+  double crosstalk;
+
+  ForceSensor(bool is_poor, Random& random)
+      : poor(is_poor),
+        axis{.drift_per_s = uniform(random, -1.0, 1.0) * 0.5 / 60.0, .hysteresis = 0.01},
+        crosstalk(uniform(random, -0.01, 0.01)) {}
+  double read(double time_s, double force_n, Random& random) {
+    if (force_n <= 0.0) axis.strongest = 0.0;
+    const double read_n =
+        poor ? axis.lag(force_n) * (1.0 + crosstalk) + axis.drift_per_s * time_s : force_n;
+    return read_n + gaussian(random, force_noise_n);
+  }
+};
+
 std::vector<TissueWorld> make_worlds() {
-  using Elastic = TissueWorld::Elastic;
+  using Elastic = ElasticForm::Law;
   return {
       {.name = "control", .about = "the tangent law"},
       {.name = "qlv15", .about = "relaxes by 15 %", .relaxing_share = 0.15},
@@ -239,12 +136,13 @@ WorldPresses press_in_world(const TissueWorld& world, Pressing pressing,
                             const TangentTissue& tissue, Random& random) {
   TangentTissue here{tissue.alpha_n * std::exp(gaussian(random, 0.15)),
                      tissue.beta_per_m * std::exp(gaussian(random, 0.08))};
-  ElasticCurve elastic(world.elastic, here, random);
-  Relaxation relaxation(world.relaxing_share, random);
-  Breathing breathing(world.breath_m, random);
-  Torso torso(world.on_torso, random);
+  LivingTissue living{
+      .form = draw_form(world.elastic, random),
+      .relaxation = Relaxation::draw(world.relaxing_share, {0.1, 1.0, 10.0}, random)};
+  BreathingSkin breathing(world.breath_m, random);
+  living.torso = draw_torso(world.on_torso, random);
   ForceSensor sensor(world.poor_sensor, random);
-  const double damping = world.damping_s_per_m * uniform(random, 0.67, 1.33);
+  living.damping_s_per_m = world.damping_s_per_m * uniform(random, 0.67, 1.33);
   const PressPlan plan = plan_of(pressing);
   const double usual_n = uniform(random, 14.0, 25.0);
   double skin_m = gaussian(random, 0.5_mm), tool_m = -3_mm, speed_m_per_s = 0.0, force_n = 0.0;
@@ -261,7 +159,6 @@ WorldPresses press_in_world(const TissueWorld& world, Pressing pressing,
       here.alpha_n *= std::exp(gaussian(random, 0.1 * world.slipping));
       here.beta_per_m *= std::exp(gaussian(random, 0.04 * world.slipping));
       skin_m += gaussian(random, 0.5_mm * world.slipping);
-      elastic = ElasticCurve(world.elastic, here, random);
     }
     if (press + 1 == plan.presses) out.last_press = out.record.size();
     for (double since_s = 0.0; since_s < plan.duration_s(); since_s += sample_s) {
@@ -270,11 +167,8 @@ WorldPresses press_in_world(const TissueWorld& world, Pressing pressing,
         const double stiffer =
             1.0 + (press == 0 ? world.first_press_stiffer : 0.0) +
             (tenses ? world.tensing_share * tensed(since_s - tense_s, tense_for_s) : 0.0);
-        const double depth_m = tool_m - skin_m - breathing.step(random) - torso.at_m;
-        const double into_m_per_s = speed_m_per_s - torso.speed_m_per_s;
-        force_n = std::max(0.0, relaxation.left(stiffer * elastic.force(depth_m))) *
-                  std::max(0.0, 1.0 + damping * into_m_per_s);
-        torso.step(force_n);
+        const double travel_m = tool_m - skin_m - breathing.step(random);
+        force_n = living.press(here, travel_m, speed_m_per_s, stiffer, step_s);
         // A force controller of some 10 Hz; between presses it waits 2 mm above.
         constexpr double m_per_ns = 0.004, max_m_per_s = 50_mm, approach_m_per_s = 8_mm;
         const bool waits = wanted_n < 0.05 && force_n <= 0.0;

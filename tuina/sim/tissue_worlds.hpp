@@ -8,19 +8,16 @@
 #include <vector>
 
 #include "tuina/core/random.hpp"
+#include "tuina/sim/person/living_tissue.hpp"
 #include "tuina/tissue/press_record.hpp"
 
 namespace tuina::sim {
 
-/// A person who does not keep to the tangent law; all zero, they do. docs/tissue.md has the source
-/// of each size.
-///
-///   F = max(0, s E(d) - sum of g_i q_i) max(0, 1 + mu v),   q_i' = (s E - q_i) / tau_i,
-///
-/// d the depth above a torso m y'' + c y' + k y = F, s how much stiffer they are right now.
+/// A person whose tissue is a `LivingTissue` that does not keep to the tangent law; all zero, they
+/// do. docs/tissue.md has the source of each size.
 struct TissueWorld {
   std::string name, about;
-  enum class Elastic : std::uint8_t { tangent, power, exponential, layers } elastic = {};
+  ElasticForm::Law elastic = {};
   double relaxing_share = 0.0;       ///< of the elastic force, from 0.1 s to 10 s
   double damping_s_per_m = 0.0;      ///< mu, within a third
   bool on_torso = false;             ///< which has a mass, a spring and a damper

@@ -48,7 +48,8 @@ struct World::Parts {
         const Person& person = world_.person;
         unit_.emplace(moved(person, world_.shift_in_couch()).skin_in_couch, person.position,
                       world_.options.breathing, world_.seed,
-                      LaserScannerOptions{.room_light_dn = world_.options.room_light_dn});
+                      LaserScannerOptions{.room_light_dn = world_.options.room_light_dn,
+                                          .flaws = world_.options.scan_flaws});
       }
       return *unit_;
     }
@@ -110,7 +111,11 @@ struct World::Parts {
         options(given),
         seed(drawn_by),
         contact(who.skin_in_couch, lay_tissue(who, drawn_by),
-                {.torso_n_per_m = given.torso_n_per_m, .breathing = given.breathing}),
+                {.torso_n_per_m = given.torso_n_per_m,
+                 .friction = given.skin_friction,
+                 .breathing = given.breathing,
+                 .living = given.living,
+                 .seed = drawn_by}),
         scanner(*this),
         ready_robot(*this) {
     Random errors = make_random(drawn_by, "true arms");

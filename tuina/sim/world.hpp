@@ -18,10 +18,13 @@ namespace tuina::sim {
 /// What a simulated session may be told of its world, beside the person and the robot.
 struct WorldOptions {
   double torso_n_per_m = 35e3;
+  double skin_friction = 0.1;  ///< Coulomb coefficient
+  LivingBack living = {};
   Breathing breathing = {0.0, 0.25};
   double shift_m = 0.0;  ///< the person moves by so much out of the back, once
   double shift_at_s = 0.0;
   double room_light_dn = 10.0;
+  ScanFlaws scan_flaws = {};
   TableErrors arm_errors = {};  ///< of the true arms against their table
   PlantOptions devices = {};    ///< sensors and drives; their seed is the world's
   bool real_pace = false;       ///< a millisecond takes a millisecond

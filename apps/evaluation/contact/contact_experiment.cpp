@@ -123,7 +123,8 @@ Result<ContactOutcome> run_contact(const ContactExperiment& experiment, const Pr
                               {.mass_spread = experiment.mass_error,
                                .friction_spread = experiment.friction_error,
                                .mass_scale = experiment.mass_scale,
-                               .friction_scale = experiment.friction_scale},
+                               .friction_scale = experiment.friction_scale,
+                               .tool_mass_share = experiment.tool_weight_error},
                               random);
   }
 
@@ -138,7 +139,10 @@ Result<ContactOutcome> run_contact(const ContactExperiment& experiment, const Pr
                                            .rub_shape = experiment.rub_shape,
                                            .tap_hz = experiment.tap_hz});
   sim::ContactOptions contact_options{.torso_n_per_m = experiment.torso_n_per_m,
-                                      .breathing = experiment.breathing};
+                                      .friction = experiment.skin_friction,
+                                      .breathing = experiment.breathing,
+                                      .living = experiment.living,
+                                      .seed = experiment.seed};
   Mesh skin = sim::make_patch(
       {.centre_in_couch = patch_in_couch - experiment.surface_error_m * normal_in_couch,
        .normal_in_couch = normal_in_couch,

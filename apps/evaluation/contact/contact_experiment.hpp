@@ -11,6 +11,7 @@
 #include "tuina/core/result.hpp"
 #include "tuina/massage/technique/press.hpp"
 #include "tuina/safety/guard.hpp"
+#include "tuina/session/config.hpp"
 #include "tuina/session/force_errors.hpp"
 #include "tuina/sim/robot/back_contact.hpp"
 #include "tuina/sim/robot/plant.hpp"
@@ -38,11 +39,14 @@ struct ContactExperiment {
   double tap_hz = 3.0;
   double friction_scale = 1.0;  ///< scale of the joint friction
   sim::Breathing breathing = {0.0, 0.25};
-  double duration_s = 10.0;   ///< duration of the technique
-  double tissue_error = 0.3;  ///< alpha and beta believed wrong by this share, signs by the seed
-  double mass_error = 0.1;    ///< every link heavier or lighter by up to this share
-  double mass_scale = 1.0;    ///< all links heavier than believed, on top
+  double skin_friction = 0.1;   ///< Coulomb coefficient
+  sim::LivingBack living = {};  ///< what the back does beyond the tangent law
+  double duration_s = 10.0;     ///< duration of the technique
+  double tissue_error = 0.3;    ///< alpha and beta believed wrong by this share, signs by the seed
+  double mass_error = 0.1;      ///< every link heavier or lighter by up to this share
+  double mass_scale = 1.0;      ///< all links heavier than believed, on top
   double friction_error = 0.2;
+  double tool_weight_error = 0.0;       ///< share
   bool steer = true;                    ///< a converged estimate replaces the believed tissue
   std::vector<sim::Shift> shifts = {};  ///< times count from the start of the technique
   sim::PlantOptions devices = {};       ///< sensors and drives; their seed is the one below
@@ -71,6 +75,10 @@ struct ContactOutcome {
   std::vector<ContactStop> stops;
   bool stopped = false;
 };
+
+/// Puts an experiment into the simulated world of a config. Unless that is ideal, a torso that is
+/// not rigid is that of the config, and a person who would not breathe does.
+void live_in(const session::Config& config, ContactExperiment& experiment);
 
 [[nodiscard]] Result<ContactOutcome> run_contact(const ContactExperiment& experiment,
                                                  const Progress& progress = {});

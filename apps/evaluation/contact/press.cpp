@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "apps/evaluation/contact/contact_experiment.hpp"
 #include "apps/evaluation/verbs.hpp"
@@ -112,9 +113,10 @@ class Press final : public Verb {
             },
             "number or rigid");
     options.add("--friction", friction_, "scale on the joint friction").between(0.0, 3.0);
-    options.add("--breathing-mm", breathing_mm_, "motion of the skin")
-        .between(0.0, 15.0)
-        .show_default();
+    options
+        .add("--breathing-mm", breathing_mm_,
+             "motion of the skin; else 0 in an ideal world, that of the config in others")
+        .between(0.0, 15.0);
     options.add("--breathing-hz", breathing_hz_).between(0.05, 1.0).show_default();
     options.add("--duration-s", duration_s_, "of the technique").between(3.0, 300.0).show_default();
     options
@@ -163,12 +165,14 @@ class Press final : public Verb {
     experiment.controller.law = laws.at(controller_);
     experiment.surface_error_m = from_mm(surface_error_mm_);
     experiment.surface_tilt_rad = from_deg(surface_tilt_deg_);
-    const double torso_n_per_mm = torso_.empty()      ? config->simulation.torso_n_per_mm
-                                  : torso_ == "rigid" ? 0.0
-                                                      : std::stod(torso_);
-    experiment.torso_n_per_m = torso_ == "rigid" ? sim::rigid : 1e3 * torso_n_per_mm;
+    experiment.torso_n_per_m = 1e3 * config->simulation.torso_n_per_mm;
+    experiment.breathing = {from_mm(breathing_mm_.value_or(0.0)), breathing_hz_};
+    live_in(*config, experiment);
+    if (!torso_.empty())
+      experiment.torso_n_per_m = torso_ == "rigid" ? sim::rigid : 1e3 * std::stod(torso_);
+    if (breathing_mm_) experiment.breathing.amplitude_m = from_mm(*breathing_mm_);
     experiment.friction_scale = friction_ < 0.0 ? config->simulation.friction : friction_;
-    experiment.breathing = {from_mm(breathing_mm_), breathing_hz_};
+    realism_ = config->simulation.realism;
     experiment.duration_s = duration_s_;
     experiment.mass_error *= model_error_;
     experiment.friction_error *= model_error_;
@@ -212,6 +216,7 @@ class Press final : public Verb {
       stopped += fmt::format("\nstopped at {:.3f} s: {}", stop.time_s, stop.cause);
     }
     nlohmann::json json = {{"technique", technique_},
+                           {"realism", realism_},
                            {"controller", controller_},
                            {"target_n", force_n_},
                            {"force", record::to_json(force, record::force_fields)},
@@ -243,7 +248,9 @@ class Press final : public Verb {
   double surface_error_mm_ = 0.0, surface_tilt_deg_ = 0.0, friction_ = -1.0;
   double rise_mm_ = 0.0, slide_mm_ = 0.0, shift_mm_per_s_ = 100.0;
   double shift_m_per_s2_ = 0.0, shift_at_s_ = 2.0;
-  double breathing_mm_ = 0.0, breathing_hz_ = 0.25, duration_s_ = 10.0, model_error_ = 1.0;
+  std::string realism_;
+  std::optional<double> breathing_mm_;
+  double breathing_hz_ = 0.25, duration_s_ = 10.0, model_error_ = 1.0;
 };
 
 }  // namespace

@@ -23,7 +23,7 @@ Result<std::vector<ControlTrace>> traces_of(const ContactExperiment& experiment)
 }
 
 /// Every controller on every tissue, what people do, and where the contact trembles
-/// (docs/control.md).
+/// (docs/control.md), in the world of the config.
 class EvaluateControl final : public Verb {
  public:
   [[nodiscard]] const char* name() const override { return "evaluate control"; }
@@ -48,8 +48,15 @@ class EvaluateControl final : public Verb {
       if (!needed.empty() && !std::filesystem::is_directory(needed))
         return fail(Fault::file, "the folder {} does not exist", needed.string());
     }
-    ControlReport report{.full = full_, .seed = common.seed};
+    const auto config = effective_config(common);
+    if (!config) return tl::unexpected(config.error());
+    ControlReport report{.full = full_, .seed = common.seed, .realism = config->simulation.realism};
     report.tables = control_tables(full_, common.seed);
+    for (ControlTable& table : report.tables) {
+      for (ControlRow& row : table.rows) {
+        for (ContactExperiment& experiment : row.runs) live_in(*config, experiment);
+      }
+    }
     if (!table_.empty())
       std::erase_if(report.tables, [&](const auto& table) { return table.name != table_; });
     const unsigned threads = std::clamp(std::thread::hardware_concurrency(), 1U, 8U);

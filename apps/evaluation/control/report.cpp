@@ -136,7 +136,8 @@ std::string force_sentence(const ForceAtTool& force) {
 }
 
 std::string to_json(const ControlReport& report) {
-  nlohmann::ordered_json json = {{"seed", report.seed}, {"full", report.full}};
+  nlohmann::ordered_json json = {
+      {"seed", report.seed}, {"full", report.full}, {"realism", report.realism}};
   nlohmann::ordered_json& control = json["control"];
   for (const ControlTable& table : report.tables) control[table.name] = to_json(table_of(table));
   control["beyond_reach"] = to_json(beyond_reach_table(report));

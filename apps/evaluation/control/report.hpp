@@ -22,6 +22,7 @@ struct ControlTrace {
 struct ControlReport {
   bool full = false;
   std::uint64_t seed = 1;
+  std::string realism = "ideal";  ///< of the world of contact
   std::vector<ControlTable> tables;
   std::vector<ControlTrace> presses;  ///< 30 N on soft muscle over a rigid torso
   std::vector<ControlTrace> rises;    ///< under 40 N on hard muscle a person rises

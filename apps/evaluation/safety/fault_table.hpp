@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "tuina/sim/person/person.hpp"
+#include "tuina/sim/person/breath.hpp"
 #include "tuina/sim/robot/faulty_robot.hpp"
 
 namespace tuina::app {

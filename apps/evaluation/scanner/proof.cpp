@@ -4,7 +4,9 @@
 #include <functional>
 #include <utility>
 
+#include "apps/simulated/session_order.hpp"
 #include "tuina/core/units.hpp"
+#include "tuina/session/realism.hpp"
 #include "tuina/sim/person/phantom.hpp"
 
 namespace tuina::app {
@@ -12,6 +14,22 @@ namespace {
 
 constexpr double speckle_px = 0.1;
 const std::vector<double> depths_m = {0.35, 0.5, 0.65, 0.8, 0.9, 1.0, 1.1, 1.25, 1.4, 1.6, 1.75};
+
+/// What the scanner meets in a world of this realism.
+sim::ScanFlaws flaws_of(const char* realism) {
+  session::Config config;
+  config.simulation.realism = realism;
+  session::set_realism(config.simulation);
+  return scan_flaws(config);
+}
+
+/// The usual skin, of another tone; camera and lamps without flaws.
+sim::ScanFlaws skin_of_tone(double dark_share) {
+  sim::ScanFlaws flaws = flaws_of("usual");
+  flaws.dark_share = dark_share;
+  flaws.flicker_share = flaws.readout_s = 0.0;
+  return flaws;
+}
 
 std::vector<std::pair<std::string, ScanConditions>> named_conditions() {
   const auto with = [](auto change) {
@@ -27,6 +45,11 @@ std::vector<std::pair<std::string, ScanConditions>> named_conditions() {
              o.dark_frames = true;
            })},
           {"saturated", with([](auto& o) { o.amplitude_dn = 600.0; })},
+          {"skin_light", with([](auto& o) { o.flaws = skin_of_tone(0.1); })},
+          {"skin_medium", with([](auto& o) { o.flaws = skin_of_tone(0.4); })},
+          {"skin_dark", with([](auto& o) { o.flaws = skin_of_tone(0.7); })},
+          {"usual", with([](auto& o) { o.flaws = flaws_of("usual"); })},
+          {"hard", with([](auto& o) { o.flaws = flaws_of("hard"); })},
           {"landscape_mount", {}}};
 }
 

@@ -15,6 +15,7 @@ using telemetry::Table;
 std::vector<Column> back_columns(Column first) {
   return {std::move(first),
           {.head = "RMS, mm", .key = "rms_mm", .digits = 2},
+          {.head = "bias, mm", .key = "bias_mm", .digits = 2},
           {.head = "the scan expects, mm", .key = "expected_mm", .digits = 2},
           {.head = "outliers, %", .key = "outliers_percent", .digits = 3},
           {.head = "seen, %", .key = "seen_percent", .digits = 2},
@@ -25,10 +26,11 @@ std::vector<Column> back_columns(Column first) {
 
 void add_back(Table& table, Cell first, const BackTrial& back) {
   if (back.refused) {
-    table.add({std::move(first), {}, {}, {}, {}, {}, true, "refused"});
+    table.add({std::move(first), {}, {}, {}, {}, {}, {}, true, "refused"});
   } else {
     table.add({std::move(first),
                to_mm(back.rms_m),
+               to_mm(back.bias_m),
                to_mm(back.expected_m),
                100.0 * back.outlier_share,
                100.0 * back.seen_share,

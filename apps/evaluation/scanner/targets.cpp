@@ -31,7 +31,7 @@ std::vector<Target> targets_of(const ScannerProof& proof, std::span<const BuiltS
   std::vector<Target> targets;
   add_walls(proof.walls, false, targets);
   add_walls(proof.speckled_walls, true, targets);
-  const auto of_back = [&](const char* key, const char* name, double wanted, auto value,
+  const auto of_back = [&](const char* key, const std::string& name, double wanted, auto value,
                            bool at_least = false) {
     const auto found = proof.backs.find(key);
     if (found == proof.backs.end()) return;
@@ -49,6 +49,12 @@ std::vector<Target> targets_of(const ScannerProof& proof, std::span<const BuiltS
   of_back("room_light_60", "back in room light, mm", 1.0, rms);
   of_back("room_light_60", "back in room light, outliers, %", 1.0, outliers);
   of_back("saturated", "back, clipped, mm", 0.6, rms);
+  for (const char* tone : {"light", "medium", "dark"}) {
+    const std::string key = fmt::format("skin_{}", tone);
+    of_back(key.c_str(), fmt::format("{} skin that scatters, mm", tone), 0.6, rms);
+    of_back(key.c_str(), fmt::format("{} skin that scatters, bias, mm", tone), 0.3,
+            [](const BackTrial& back) { return std::abs(to_mm(back.bias_m)); });
+  }
   double worst_s = 0.0;
   for (const BuiltScanner& built : upright) {
     worst_s = std::max(worst_s, std::abs(built.believed.latency_s - built.truth.latency_s));

@@ -271,7 +271,7 @@ BackTrial back_trial(const ScanConditions& conditions, int people, std::uint64_t
                      std::span<const BuiltScanner> scanners) {
   BackTrial trial;
   double squares = 0.0, expected2 = 0.0, points = 0.0, outliers = 0.0, seen = 0.0, visible = 0.0;
-  double covered = 0.0, acupoints = 0.0;
+  double covered = 0.0, acupoints = 0.0, errors = 0.0;
   for (int k = 0; k < people; ++k) {
     const auto own_seed = seed * 100 + static_cast<std::uint64_t>(k);
     const BodyPosture position = k % 2 == 0 ? BodyPosture::sitting : BodyPosture::prone;
@@ -297,6 +297,7 @@ BackTrial back_trial(const ScanConditions& conditions, int people, std::uint64_t
     const auto truth = sim::compare_with_truth(scan->cloud_in_couch, person.skin_in_couch);
     const auto n = static_cast<double>(truth.points);
     squares += n * truth.rms_error_m * truth.rms_error_m;
+    errors += n * truth.mean_error_m;
     expected2 += n * scan->expected_error_m * scan->expected_error_m;
     points += n;
     outliers += static_cast<double>(truth.outliers);
@@ -312,6 +313,7 @@ BackTrial back_trial(const ScanConditions& conditions, int people, std::uint64_t
     }
   }
   trial.rms_m = std::sqrt(squares / points);
+  trial.bias_m = errors / points;
   trial.expected_m = std::sqrt(expected2 / points);
   trial.outlier_share = outliers / points;
   trial.seen_share = seen / visible;

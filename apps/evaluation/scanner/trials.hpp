@@ -58,6 +58,7 @@ struct ScanConditions {
 
 struct BackTrial {
   double rms_m = 0.0;
+  double bias_m = 0.0;          ///< mean error, outward
   double expected_m = 0.0;      ///< error that the scan itself expects
   double outlier_share = 0.0;   ///< farther than 5 mm from the surface
   double seen_share = 0.0;      ///< share of the places seen by both laser and camera

@@ -51,10 +51,4 @@ struct Person {
 [[nodiscard]] Result<Person> parse_person(std::string_view words,
                                           std::optional<BodyPosture> position, std::uint64_t seed);
 
-/// Breathing motion of the back along its mean outward normal, amplitude * (1 - cos(2 pi f t)) / 2.
-struct Breathing {
-  double amplitude_m = 0.0;
-  double frequency_hz = 0.25;
-};
-
 }  // namespace tuina::sim

@@ -123,6 +123,44 @@ TissueShares shares_at(const Bones& bones, const Vector3& skin) {
   return {.bone = bone, .hard = (1.0 - bone) * (1.0 - soft), .soft = (1.0 - bone) * soft};
 }
 
+/// Waves over the skin by which tissue differs from place to place.
+class Waves {
+ public:
+  struct Lengths {
+    double min_m, max_m;
+  };
+  /// Standard deviations of the logarithms of alpha and beta, in each wave.
+  Waves(std::size_t count, const Lengths& lengths, double alpha_sd, double beta_sd,
+        Random& random) {
+    for (std::size_t i = 0; i < count; ++i) {
+      Vector3 way;
+      for (double& component : way) component = gaussian(random, 1.0);
+      const double length_m = uniform(random, lengths.min_m, lengths.max_m);
+      waves_.push_back({.way = way.normalized() * (2.0 * pi / length_m),
+                        .phase = uniform(random, 0.0, 2.0 * pi),
+                        .alpha = gaussian(random, alpha_sd),
+                        .beta = gaussian(random, beta_sd)});
+    }
+  }
+  [[nodiscard]] TangentTissue over(const TangentTissue& tissue, const Vector3& at) const {
+    double alpha = 0.0, beta = 0.0;
+    for (const Wave& wave : waves_) {
+      const double height = std::sin(wave.way.dot(at) + wave.phase);
+      alpha += wave.alpha * height;
+      beta += wave.beta * height;
+    }
+    return {.alpha_n = tissue.alpha_n * std::exp(alpha),
+            .beta_per_m = tissue.beta_per_m * std::exp(beta)};
+  }
+
+ private:
+  struct Wave {
+    Vector3 way;
+    double phase, alpha, beta;
+  };
+  std::vector<Wave> waves_;
+};
+
 double mix(const TissueShares& shares, double bone, double hard, double soft) {
   return std::exp(shares.bone * std::log(bone) + shares.hard * std::log(hard) +
                   shares.soft * std::log(soft));
@@ -173,39 +211,28 @@ std::vector<TangentTissue> lay_tissue(const Person& person, std::uint64_t seed) 
     law->alpha_n *= std::exp(std::clamp(gaussian(random, 0.05), -0.12, 0.12));
     law->beta_per_m *= std::exp(std::clamp(gaussian(random, 0.03), -0.08, 0.08));
   }
-  // Muscle varies within a person, in waves of 12 to 40 cm.
-  struct Wave {
-    Vector3 way;
-    double phase, alpha, beta;
-  };
-  std::array<Wave, 6> waves;
-  for (Wave& wave : waves) {
-    Vector3 way;
-    for (double& component : way) component = gaussian(random, 1.0);
-    const double length_m = uniform(random, 0.12, 0.40);
-    wave = {.way = way.normalized() * (2.0 * pi / length_m),
-            .phase = uniform(random, 0.0, 2.0 * pi),
-            .alpha = gaussian(random, 0.02),
-            .beta = gaussian(random, 0.012)};
-  }
+  // Muscle varies within a person.
+  const Waves waves(6, {0.12, 0.40}, 0.02, 0.012, random);
   const auto shares = find_tissue_shares(person);
   std::vector<TangentTissue> tissue(shares.size());
   for (std::size_t i = 0; i < shares.size(); ++i) {
-    double alpha = 0.0;
-    double beta = 0.0;
-    for (const Wave& wave : waves) {
-      const double height = std::sin(wave.way.dot(person.skin_in_couch.vertices[i]) + wave.phase);
-      alpha += wave.alpha * height;
-      beta += wave.beta * height;
-    }
-    tissue[i] = {
-        .alpha_n = mix(shares[i], laws.bone.alpha_n, laws.hard.alpha_n, laws.soft.alpha_n) *
-                   std::exp(alpha),
+    const TangentTissue mixed = {
+        .alpha_n = mix(shares[i], laws.bone.alpha_n, laws.hard.alpha_n, laws.soft.alpha_n),
         .beta_per_m =
-            mix(shares[i], laws.bone.beta_per_m, laws.hard.beta_per_m, laws.soft.beta_per_m) *
-            std::exp(beta)};
+            mix(shares[i], laws.bone.beta_per_m, laws.hard.beta_per_m, laws.soft.beta_per_m)};
+    tissue[i] = waves.over(mixed, person.skin_in_couch.vertices[i]);
   }
   return tissue;
+}
+
+void roughen(std::vector<TangentTissue>& per_vertex, const Mesh& skin, double share,
+             std::uint64_t seed) {
+  constexpr std::size_t count = 12;
+  const double each = share * std::sqrt(2.0 / count);
+  Random random = make_random(seed, "grain of the tissue");
+  const Waves waves(count, {20_mm, 60_mm}, each, 0.4 * each, random);
+  for (std::size_t i = 0; i < per_vertex.size(); ++i)
+    per_vertex[i] = waves.over(per_vertex[i], skin.vertices[i]);
 }
 
 }  // namespace tuina::sim

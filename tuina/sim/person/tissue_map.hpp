@@ -25,6 +25,11 @@ struct TissueLaws {
 /// labelled bodies and phantoms. Kinds blend over at least 15 mm. Deterministic in the seed.
 [[nodiscard]] std::vector<TangentTissue> lay_tissue(const Person& person, std::uint64_t seed);
 
+/// Makes tissue uneven within 2 to 6 cm: alpha by this share, beta by two fifths of it, so that a
+/// tool which slips feels another place.
+void roughen(std::vector<TangentTissue>& per_vertex, const Mesh& skin, double share,
+             std::uint64_t seed);
+
 /// Tissue shares of each vertex, for reports. Needs the landmarks of docs/bodies.md; without the
 /// spine, all is hard.
 [[nodiscard]] std::vector<TissueShares> find_tissue_shares(const Person& person);

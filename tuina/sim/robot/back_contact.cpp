@@ -7,6 +7,8 @@
 #include <map>
 #include <utility>
 
+#include "tuina/core/random.hpp"
+#include "tuina/sim/person/tissue_map.hpp"
 #include "tuina/tissue/tangent_model.hpp"
 
 namespace tuina::sim {
@@ -66,18 +68,25 @@ BackContact::BackContact(Mesh skin_in_couch, std::vector<TangentTissue> per_vert
     : skin_(std::move(skin_in_couch)),
       tissue_(std::move(per_vertex)),
       options_(std::move(options)),
+      breath_(options_.breathing, options_.seed),
       vertex_normals_(normals_of(skin_.mesh())),
       on_rim_(rim_of(skin_.mesh())) {
   assert(tissue_.size() == skin_.mesh().vertices.size());
   Vector3 sum = Vector3::Zero();
   for (const auto& triangle : skin_.mesh().triangles) sum += area_vector(skin_.mesh(), triangle);
   mean_normal_ = sum.stableNormalized();
+  if (options_.living == LivingBack{}) return;
+  worked_.assign(tissue_.size(), 0.0);
+  roughen(tissue_, skin_.mesh(), options_.living.grain_share, options_.seed);
+  for (const Arm arm : both_arms) {
+    sides_[arm].living.emplace(options_.living, options_.torso_n_per_m, options_.friction,
+                               make_random(options_.seed, "living back"),
+                               make_random(options_.seed, name_of(arm)));
+  }
 }
 
 Vector3 BackContact::moved_in_couch(double time_s) const noexcept {
-  const Breathing& breath = options_.breathing;
-  Vector3 moved = mean_normal_ * (breath.amplitude_m *
-                                  (1.0 - std::cos(2.0 * pi * breath.frequency_hz * time_s)) / 2.0);
+  Vector3 moved = mean_normal_ * breath_.at(time_s).at_m;
   for (const Shift& shift : options_.shifts) {
     moved += way_of(shift, time_s).at_m * shift.by_in_couch.stableNormalized();
   }
@@ -85,9 +94,7 @@ Vector3 BackContact::moved_in_couch(double time_s) const noexcept {
 }
 
 Vector3 BackContact::moving_m_per_s(double time_s) const noexcept {
-  const Breathing& breath = options_.breathing;
-  const double rate = 2.0 * pi * breath.frequency_hz;
-  Vector3 moving = mean_normal_ * (breath.amplitude_m * rate * std::sin(rate * time_s) / 2.0);
+  Vector3 moving = mean_normal_ * breath_.at(time_s).speed_m_per_s;
   for (const Shift& shift : options_.shifts) {
     moving += way_of(shift, time_s).speed_m_per_s * shift.by_in_couch.stableNormalized();
   }
@@ -131,9 +138,13 @@ const ContactTruth& BackContact::touch(Arm arm, double time_s, const Vector3& ce
   truth.on_tool_in_couch = {};
   truth.force_n = 0.0;
   truth.depth_m = 0.0;
+  constexpr double max_step_s = 2e-3;
+  const double step_s = std::clamp(time_s - side.time_s, 0.0, max_step_s);
+  side.time_s = time_s;
   // Far from the skin, contact is impossible until the tool has moved the last free distance.
   if (const double way_m = (centre - side.last_on_mesh).norm(); way_m < side.free_way_m) {
     truth.gap_m = side.free_way_m - way_m;
+    if (side.living) side.living->rest(step_s);
     return truth;
   }
 
@@ -158,20 +169,53 @@ const ContactTruth& BackContact::touch(Arm arm, double time_s, const Vector3& ce
   truth.gap_m = height_m - radius_m;
   // Beyond the rim of an open mesh there is no skin.
   if (inside && on_the_rim(place)) truth.gap_m = place.distance_m;
-  if (truth.gap_m >= 0.0) return truth;
-
-  truth.depth_m = depth_in_series(truth.tissue, options_.torso_n_per_m, -truth.gap_m);
-  truth.force_n = tissue::force_at_depth(truth.tissue, truth.depth_m);
-
-  const Vector3 lever = -height_m * normal;  // from the centre to the skin
-  const Vector3 sliding = velocity_in_couch - moving_m_per_s(time_s);
-  const Vector3 tangential = sliding - sliding.dot(normal) * normal;
-  const double speed = tangential.norm();
-  const Vector3 drag =
-      -options_.friction * truth.force_n * tangential / std::max(speed, options_.creep_m_per_s);
-  truth.on_tool_in_couch.force_n = truth.force_n * normal + drag;
-  truth.on_tool_in_couch.torque_nm = lever.cross(drag);
+  if (truth.gap_m < 0.0) {
+    press(side, place, normal, height_m, velocity_in_couch - moving_m_per_s(time_s), step_s);
+  } else if (side.living) {
+    side.living->rest(step_s);
+  }
   return truth;
+}
+
+void BackContact::press(Side& side, const ClosestPoint::Place& place, const Vector3& normal,
+                        double height_m, const Vector3& sliding_m_per_s, double step_s) noexcept {
+  ContactTruth& truth = side.truth;
+  Vector3 drag_n;
+  if (side.living) {
+    LivingContact& living = *side.living;
+    living.press({.place = truth.tissue,
+                  .worked = worked(side, place, step_s),
+                  .travel_m = -truth.gap_m,
+                  .normal = normal,
+                  .velocity_m_per_s = sliding_m_per_s},
+                 step_s);
+    truth.depth_m = living.depth_m;
+    truth.force_n = living.force_n;
+    drag_n = living.drag_n;
+  } else {
+    truth.depth_m = depth_in_series(truth.tissue, options_.torso_n_per_m, -truth.gap_m);
+    truth.force_n = tissue::force_at_depth(truth.tissue, truth.depth_m);
+    const Vector3 tangential = sliding_m_per_s - sliding_m_per_s.dot(normal) * normal;
+    const double speed = tangential.norm();
+    drag_n =
+        -options_.friction * truth.force_n * tangential / std::max(speed, options_.creep_m_per_s);
+  }
+  const Vector3 lever = -height_m * normal;  // from the centre to the skin
+  truth.on_tool_in_couch.force_n = truth.force_n * normal + drag_n;
+  truth.on_tool_in_couch.torque_nm = lever.cross(drag_n);
+}
+
+double BackContact::worked(const Side& side, const ClosestPoint::Place& place,
+                           double step_s) noexcept {
+  constexpr double work_n_s = 30.0;  // about one press of the programmes
+  const auto& corners = skin_.mesh().triangles[static_cast<std::size_t>(place.triangle)];
+  double mean = 0.0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    double& corner = worked_[static_cast<std::size_t>(corners[i])];
+    mean += place.weights[i] * corner;
+    corner += place.weights[i] * step_s * side.living->force_n / work_n_s * (1.0 - corner);
+  }
+  return mean;
 }
 
 double depth_in_series(const TangentTissue& tissue, double torso_n_per_m,

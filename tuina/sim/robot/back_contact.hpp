@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "tuina/core/arm.hpp"
 #include "tuina/core/contact.hpp"
 #include "tuina/core/units.hpp"
-#include "tuina/sim/person/person.hpp"
+#include "tuina/sim/person/breath.hpp"
 #include "tuina/sim/robot/closest_point.hpp"
+#include "tuina/sim/robot/living_contact.hpp"
 
 namespace tuina::sim {
-
-inline constexpr double rigid = std::numeric_limits<double>::infinity();
 
 /// Translation of the whole person from a time on: constant acceleration up to a constant speed.
 /// With infinite acceleration the speed jumps, the hardest test.
@@ -30,6 +31,8 @@ struct ContactOptions {
   double creep_m_per_s = 5_mm;      ///< below this sliding speed friction is viscous
   Breathing breathing = {};
   std::vector<Shift> shifts = {};
+  LivingBack living = {};
+  std::uint64_t seed = 1;  ///< of what is drawn for this person
 };
 
 /// Ground truth of one tool on the skin.
@@ -45,8 +48,8 @@ struct ContactTruth {
 };
 
 /// Contact of two sphere tools with a person's back: a mesh with one tangent law per vertex, in
-/// series with the torso, breathing, moving. Quasi-static: tissue and torso have no mass and no
-/// damping.
+/// series with the torso, breathing, moving. Quasi-static, tissue and torso without mass and
+/// damping, unless `living` says more.
 class BackContact {
  public:
   /// `per_vertex`: one tissue per vertex of the skin.
@@ -70,7 +73,14 @@ class BackContact {
     int triangle = 0;         // triangle of the last answer
     double free_way_m = 0.0;  // distance the tool may move before contact is possible
     Vector3 last_on_mesh = Vector3::Constant(std::numeric_limits<double>::max());
+    std::optional<LivingContact> living;  // empty: nothing to remember
+    double time_s = 0.0;
   };
+  void press(Side& side, const ClosestPoint::Place& place, const Vector3& normal, double height_m,
+             const Vector3& sliding_m_per_s, double step_s) noexcept;
+  /// How far the places under the tool have been worked; counts this step's work.
+  [[nodiscard]] double worked(const Side& side, const ClosestPoint::Place& place,
+                              double step_s) noexcept;
   [[nodiscard]] Vector3 normal_at(const ClosestPoint::Place& place) const noexcept;
   [[nodiscard]] TangentTissue tissue_at(const ClosestPoint::Place& place) const noexcept;
   [[nodiscard]] bool on_the_rim(const ClosestPoint::Place& place) const noexcept;
@@ -78,6 +88,8 @@ class BackContact {
   ClosestPoint skin_;
   std::vector<TangentTissue> tissue_;
   ContactOptions options_;
+  BreathCourse breath_;
+  std::vector<double> worked_;  // of each vertex; empty: no place changes
   std::vector<Vector3> vertex_normals_;
   std::vector<bool> on_rim_;
   Vector3 mean_normal_;

@@ -86,6 +86,9 @@ robot::ArmTable draw_arm(const robot::ArmTable& believed, const TableErrors& err
     link.coulomb_nm *= friction;
     link.viscous_nm_s_per_rad *= friction;
   }
+  if (errors.tool_mass_share > 0.0)
+    arm.tool_mass_kg *=
+        1.0 + (uniform(random, -1.0, 1.0) < 0.0 ? -1.0 : 1.0) * errors.tool_mass_share;
   return arm;
 }
 
@@ -150,13 +153,16 @@ Result<std::unique_ptr<Plant>> Plant::make(const robot::RobotPlacement& placemen
     }
   }
   mj_forward(m, d);
+  Random wrist_errors = make_random(options.seed, "wrist sensors");
   for (const Arm side : both_arms) {
     ArmDevices& arm = world->arms[side];
+    world->soften_gears(arm, arms[side]);
     // The sensor starts in steady state under the tool's weight.
     const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> turn(d->site_xmat +
                                                                               9 * arm.site);
     arm.felt.head<3>() = turn.transpose() * Vector3(0, 0, -gravity_m_per_s2 * arm.tool_mass_kg);
     arm.sampled = arm.felt;
+    world->spoil_wrist(arm, wrist_errors);
     world->read_encoders(arm);
     arm.velocity_rad_per_s = {};
     if (world->person != nullptr) world->touch(side);

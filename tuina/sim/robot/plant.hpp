@@ -20,13 +20,28 @@ struct TableErrors {
   double mass_spread = 0.10;      ///< relative, per link
   double friction_spread = 0.20;  ///< relative, per joint
   double rotor_spread = 0.05;
-  double mass_scale = 1.0;      ///< all links alike, in addition
-  double friction_scale = 1.0;  ///< 0: no friction
+  double mass_scale = 1.0;       ///< all links alike, in addition
+  double friction_scale = 1.0;   ///< 0: no friction
+  double tool_mass_share = 0.0;  ///< the tool is heavier or lighter by just this share
 };
 
 /// Draws the true arm around the believed one.
 [[nodiscard]] robot::ArmTable draw_arm(const robot::ArmTable& believed, const TableErrors& errors,
                                        Random& random);
+
+/// What gears and wrist sensors do beyond lag, noise and friction; all zero, nothing.
+struct DeviceFlaws {
+  /// 0: rigid. 1: 140 Nm/rad for each Nm that the drive can give, 15000 at a shoulder, as harmonic
+  /// drives of that size have [tuttle1992]. Encoders sit at the motors then.
+  double gear_softness = 0.0;
+  double backlash_rad = 0.0;         ///< of an elastic gear, at the joint
+  double torque_ripple_share = 0.0;  ///< twice in a turn of the motor, 100 to one of the joint
+  /// Friction grows by this share under the full torque and shrinks by it as the gears warm up.
+  double friction_drift_share = 0.0;
+  double wrist_drift_n_per_s = 0.0;     ///< at most
+  double wrist_hysteresis_share = 0.0;  ///< of the strongest it has felt
+  double wrist_crosstalk_share = 0.0;   ///< at most, from each axis to each; on the own: its gain
+};
 
 /// Sensors and drives. The thesis names the card (16-bit DAC, Table 2-4) and the kind of wrist
 /// sensor; the rest is typical of such devices.
@@ -41,6 +56,7 @@ struct PlantOptions {
   double wrist_noise_nm = 0.001;
   double friction_windup_rad = 0.3e-3;  ///< travel of a gear before it slips
   int watchdog_ticks = 20;  ///< readings without a command that the drives bear; 0: any number
+  DeviceFlaws flaws = {};
 };
 
 /// Who has the joints of an arm.

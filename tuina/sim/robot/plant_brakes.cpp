@@ -44,7 +44,7 @@ void Plant::World::choose_drive(ArmDevices& arm) noexcept {
   }
   if (arm.drive != Drive::braked || before == Drive::braked) return;
   for (std::size_t k = 0; k < static_cast<std::size_t>(arm.joints); ++k)
-    arm.braked_at_rad[k] = data->qpos[arm.dof[k]];
+    arm.braked_at_rad[k] = shaft(arm, k).rad;
 }
 
 /// Contact force by the wrist sensor, the tool's weight taken off.
@@ -60,10 +60,11 @@ double Plant::World::motor_nm(ArmDevices& arm, std::size_t joint) const noexcept
     case Drive::commanded:
       return arm.torque_nm[joint];
     case Drive::damped: {
-      const int dof = arm.dof[joint];
-      const double damping = damped_rate_per_s * data->qM[model->dof_Madr[dof]];
+      const double inertia = data->qM[model->dof_Madr[arm.dof[joint]]] + arm.rotor_inertia[joint];
+      const double damping = damped_rate_per_s * inertia;
       const double limit_nm = arm.torque_limit_nm[joint];
-      return std::clamp(arm.gravity_nm[joint] - damping * data->qvel[dof], -limit_nm, limit_nm);
+      return std::clamp(arm.gravity_nm[joint] - damping * shaft(arm, joint).rad_per_s, -limit_nm,
+                        limit_nm);
     }
     case Drive::off:
       return 0.0;
@@ -74,15 +75,13 @@ double Plant::World::motor_nm(ArmDevices& arm, std::size_t joint) const noexcept
 }
 
 double Plant::World::brake_nm(ArmDevices& arm, std::size_t joint) const noexcept {
-  const int dof = arm.dof[joint];
-  const double inertia = data->qM[model->dof_Madr[dof]];
+  const auto [at_rad, rad_per_s, inertia] = shaft(arm, joint);
   const double spring = inertia * brake_rate_per_s * brake_rate_per_s;
   const double max_nm = brake_share * arm.torque_limit_nm[joint];
-  const double wound_nm =
-      std::clamp(spring * (arm.braked_at_rad[joint] - data->qpos[dof]), -max_nm, max_nm);
-  arm.braked_at_rad[joint] = data->qpos[dof] + wound_nm / spring;  // beyond that it slips
+  const double wound_nm = std::clamp(spring * (arm.braked_at_rad[joint] - at_rad), -max_nm, max_nm);
+  arm.braked_at_rad[joint] = at_rad + wound_nm / spring;  // beyond that it slips
   const double damping = 2.0 * brake_damping_ratio * inertia * brake_rate_per_s;
-  return std::clamp(wound_nm - damping * data->qvel[dof], -max_nm, max_nm);
+  return std::clamp(wound_nm - damping * rad_per_s, -max_nm, max_nm);
 }
 
 }  // namespace tuina::sim

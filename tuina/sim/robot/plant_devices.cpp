@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Drives, gears and sensors of the simulated robot.
+// Sensors of the simulated robot, and its rail.
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
@@ -20,24 +20,6 @@ double low_pass_share(double cutoff_hz, double step_s) {
 }
 
 }  // namespace
-
-void Plant::World::drive(ArmDevices& arm) noexcept {
-  for (std::size_t k = 0; k < static_cast<std::size_t>(arm.joints); ++k) {
-    const double speed = data->qvel[arm.dof[k]];
-    // Dahl's friction [dahl1968]: a gear winds up like a spring before it slips, so a resting arm
-    // really sticks. Damping of the wound gear keeps it from ringing, as in [canudas1995].
-    double friction = 0.0;
-    if (arm.coulomb_nm[k] > 0.0) {
-      const double most = arm.coulomb_nm[k];
-      const double spring = most / options.friction_windup_rad;
-      const double wound = arm.friction_nm[k] / most * (speed > 0.0 ? 1.0 : -1.0);
-      arm.friction_nm[k] =
-          std::clamp(arm.friction_nm[k] + spring * speed * step_s * (1.0 - wound), -most, most);
-      friction = std::clamp(arm.friction_nm[k] + arm.windup_damping[k] * speed, -most, most);
-    }
-    data->qfrc_applied[arm.dof[k]] += motor_nm(arm, k) - friction - arm.viscous[k] * speed;
-  }
-}
 
 void Plant::World::touch(Arm side) noexcept {
   ArmDevices& arm = arms[side];
@@ -109,7 +91,7 @@ void Plant::World::read_encoders(ArmDevices& arm) noexcept {
   const double share = low_pass_share(options.velocity_low_pass_hz, tick_s);
   const double count = options.encoder_counts > 0.0 ? 2.0 * pi / options.encoder_counts : 0.0;
   for (std::size_t k = 0; k < static_cast<std::size_t>(arm.joints); ++k) {
-    const double angle = data->qpos[arm.dof[k]];
+    const double angle = shaft(arm, k).rad;
     const double seen = count > 0.0 ? std::round(angle / count) * count : angle;
     const double difference = (seen - arm.encoder_rad[k]) / tick_s;
     arm.velocity_rad_per_s[k] += share * (difference - arm.velocity_rad_per_s[k]);
@@ -117,12 +99,34 @@ void Plant::World::read_encoders(ArmDevices& arm) noexcept {
   }
 }
 
+void Plant::World::spoil_wrist(ArmDevices& arm, Random& random) {
+  // A torque reads as the force that has it on a lever of 5 cm, and the other way round.
+  constexpr double lever_m = 0.05;
+  const auto size = [](int axis) { return axis < 3 ? 1.0 : lever_m; };
+  for (int i = 0; i < 6; ++i) {
+    SensorAxis& axis = arm.wrist_axes[static_cast<std::size_t>(i)];
+    axis.drift_per_s = uniform(random, -1.0, 1.0) * options.flaws.wrist_drift_n_per_s * size(i);
+    axis.hysteresis = options.flaws.wrist_hysteresis_share;
+    axis.held = arm.felt[i];
+    for (int j = 0; j < 6; ++j) {
+      const double share = options.flaws.wrist_crosstalk_share * uniform(random, -1.0, 1.0);
+      arm.crosstalk(i, j) += share * size(i) / size(j);
+    }
+  }
+}
+
 Wrench Plant::World::sample_wrist(ArmDevices& arm) noexcept {
   const Vector6 late = arm.sampled;  // a sample is on the bus for one millisecond
+  Vector6 lagging;
+  for (int i = 0; i < 6; ++i)
+    lagging[i] = arm.wrist_axes[static_cast<std::size_t>(i)].lag(arm.felt[i]);
+  const Vector6 mixed = arm.crosstalk * lagging;
   for (int i = 0; i < 3; ++i) {
-    arm.sampled[i] = arm.felt[i] + gaussian(noise, options.wrist_noise_n);
-    arm.sampled[i + 3] = arm.felt[i + 3] + gaussian(noise, options.wrist_noise_nm);
+    arm.sampled[i] = mixed[i] + gaussian(noise, options.wrist_noise_n);
+    arm.sampled[i + 3] = mixed[i + 3] + gaussian(noise, options.wrist_noise_nm);
   }
+  for (int i = 0; i < 6; ++i)
+    arm.sampled[i] += arm.wrist_axes[static_cast<std::size_t>(i)].drift_per_s * data->time;
   return {late.head<3>(), late.tail<3>()};
 }
 

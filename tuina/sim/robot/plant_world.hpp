@@ -7,6 +7,7 @@
 
 #include "tuina/core/random.hpp"
 #include "tuina/sim/robot/plant.hpp"
+#include "tuina/sim/robot/sensor_axis.hpp"
 
 struct mjModel_;
 struct mjData_;
@@ -41,9 +42,14 @@ struct ArmDevices {
   std::array<double, max_joints> gravity_nm = {};   // held the arm when the last command came
   std::array<double, max_joints> friction_nm = {};  // Coulomb part
   std::array<double, max_joints> encoder_rad = {}, velocity_rad_per_s = {};
+  // Elastic gears: the rotor, seen at the joint. A rigid gear has a stiffness of 0.
+  std::array<double, max_joints> gear_nm_per_rad = {}, gear_damping = {}, rotor_inertia = {};
+  std::array<double, max_joints> rotor_rad = {}, rotor_rad_per_s = {};
   Vector3 last_velocity = Vector3::Zero();
   Vector6 felt = Vector6::Zero();     // in the tool frame, after the sensor's low-pass
   Vector6 sampled = Vector6::Zero();  // a millisecond ago
+  std::array<SensorAxis, 6> wrist_axes = {};
+  Eigen::Matrix<double, 6, 6> crosstalk = Eigen::Matrix<double, 6, 6>::Identity();
 
   Drive drive = Drive::commanded;
   bool powered = true, brake_wanted = false;
@@ -52,8 +58,14 @@ struct ArmDevices {
   std::array<double, max_joints> braked_at_rad = {};  // joint angles that the brakes hold
 };
 
-/// Physics, devices and ground truth. plant.cpp builds and steps it; plant_devices.cpp models
-/// drives, gears and sensors, plant_brakes.cpp the brakes and what the drives do by themselves.
+/// The shaft of a motor, seen at the joint: that of the joint itself if the gear is rigid.
+struct Shaft {
+  double rad, rad_per_s, inertia;
+};
+
+/// Physics, devices and ground truth. plant.cpp builds and steps it; plant_devices.cpp models the
+/// sensors, plant_gears.cpp drives and gears, plant_brakes.cpp the brakes and what the drives do by
+/// themselves.
 struct Plant::World {
   PlantOptions options;
   Transform couch_from_base;
@@ -83,6 +95,11 @@ struct Plant::World {
   void sample_truth() noexcept;
   void touch(Arm arm) noexcept;
   void drive(ArmDevices& arm) noexcept;
+  void soften_gears(ArmDevices& arm, const robot::ArmTable& table);
+  void spoil_wrist(ArmDevices& arm, Random& random);
+  [[nodiscard]] Shaft shaft(const ArmDevices& arm, std::size_t joint) const noexcept;
+  [[nodiscard]] double friction_of(ArmDevices& arm, std::size_t joint, double speed) noexcept;
+  [[nodiscard]] double through_gear_nm(const ArmDevices& arm, std::size_t joint) const noexcept;
   void choose_drive(ArmDevices& arm) noexcept;
   [[nodiscard]] double motor_nm(ArmDevices& arm, std::size_t joint) const noexcept;
   [[nodiscard]] double brake_nm(ArmDevices& arm, std::size_t joint) const noexcept;

@@ -34,7 +34,7 @@ struct LaserScanner::World {
   LaserScannerOptions options;
   LineRenderer renderer;
   Vector3 breath_direction;
-  Breathing breathing;
+  BreathCourse breath;
   Random jitter;
 
   double from_rad = 0.0;
@@ -70,6 +70,16 @@ struct LaserScanner::World {
   [[nodiscard]] double time_of(std::size_t frame) const {
     const double per_frame_s = step_rad != 0.0 ? step_s : 1.0 / options.frames_per_s;
     return start_s + static_cast<double>(frame) * per_frame_s;
+  }
+
+  [[nodiscard]] Readout readout_at(double time_s) const {
+    constexpr double lamp_rad_per_s = 2.0 * pi * 100.0;
+    const double per_row_s = options.flaws.readout_s / truth.camera.height_px;
+    const double half_s = 0.5 * options.flaws.readout_s;
+    const double turned_rad = yaw_at(time_s + half_s) - yaw_at(time_s - half_s);
+    return {.yaw_per_row_rad = turned_rad / truth.camera.height_px,
+            .lamp_rad = lamp_rad_per_s * (time_s - half_s),
+            .lamp_per_row_rad = lamp_rad_per_s * per_row_s};
   }
 
   // Starts a turn: clock, frames and motor readings.
@@ -112,13 +122,13 @@ struct LaserScanner::World {
         const std::size_t number = given + i;
         const double time_s = time_of(number);
         const std::uint64_t frame = number + turns * 1000003;  // seed of the frame's noise
-        const double breath_m = 0.5 * breathing.amplitude_m *
-                                (1.0 - std::cos(2.0 * pi * breathing.frequency_hz * time_s));
-        const Vector3 shift = breath_m * breath_direction;
+        const Vector3 shift = breath.at(time_s).at_m * breath_direction;
         const RoomPicture room = renderer.room(yaw_at(time_s), shift);
-        ahead[i] = lit ? renderer.render(yaw_at(time_s), shift, frame, &visible_ahead[i], room)
-                       : renderer.render_dark(frame, room);
-        if (options.dark_frames) dark_ahead[i] = renderer.render_dark(frame, room);
+        const Readout rows = readout_at(time_s);
+        ahead[i] =
+            lit ? renderer.render(yaw_at(time_s), shift, frame, &visible_ahead[i], room, rows)
+                : renderer.render_dark(frame, room, rows);
+        if (options.dark_frames) dark_ahead[i] = renderer.render_dark(frame, room, rows);
       }
     };
     const auto threads = static_cast<std::size_t>(std::max(1, options.threads));
@@ -155,7 +165,7 @@ LaserScanner::LaserScanner(const Mesh& skin_in_couch, BodyPosture position, Brea
                            const scanner::ScannerCalibration& truth)
     : LaserScanner(skin_in_couch, couch_mesh(position), truth, seed, options) {
   world_->breath_direction = out_of_back(position);
-  world_->breathing = breathing;
+  world_->breath = BreathCourse(breathing, seed);
 }
 
 LaserScanner::LaserScanner(const Mesh& scene_in_couch, const Mesh& couch,
@@ -166,7 +176,7 @@ LaserScanner::LaserScanner(const Mesh& scene_in_couch, const Mesh& couch,
             .options = options,
             .renderer = LineRenderer(scene_in_couch, couch, truth, options, seed),
             .breath_direction = Vector3::Zero(),
-            .breathing = {},
+            .breath = {},
             .jitter = make_random(seed, "yaw clock"),
             .ahead = {},
             .dark_ahead = {},

@@ -11,8 +11,9 @@
 #include "tuina/scanner/camera.hpp"
 #include "tuina/scanner/sweep.hpp"
 #include "tuina/scanner/turntable.hpp"
-#include "tuina/sim/person/person.hpp"
+#include "tuina/sim/person/breath.hpp"
 #include "tuina/sim/scanner/room_light.hpp"
+#include "tuina/sim/scanner/skin_light.hpp"
 
 namespace tuina::sim {
 
@@ -44,6 +45,7 @@ struct LaserScannerOptions {
   /// laser line.
   std::vector<SkinSticker> stickers = {};
   double room_white_dn = 90.0;  ///< white wall, in colour frames
+  ScanFlaws flaws = {};
   int threads = 2;
 };
 
@@ -106,6 +108,7 @@ class LaserScanner final : public scanner::Camera, public scanner::Turntable {
 
 /// Distance of a cloud from the scanned surface.
 struct ScanTruth {
+  double mean_error_m = 0.0;  ///< outward
   double rms_error_m = 0.0;
   double worst_error_m = 0.0;
   std::size_t points = 0;    ///< points of the person; the couch (below 15 mm) is left out

@@ -96,6 +96,11 @@ LineRenderer::Spot LineRenderer::trace(const Vector3& laser, const Vector3& dire
   if (!hit || hit->normal.dot(direction) >= 0.0) return {};
   Spot spot;
   spot.point = laser + hit->distance_m * direction;
+  LeftSkin left;
+  if (on_skin && options_.flaws.of_skin()) {
+    left = leave_skin(options_.flaws, spot.point - shift, direction, hit->normal, seed_);
+    spot.point += left.by;
+  }
   const Vector3 to_eye = eye - spot.point;
   const double distance_m = to_eye.norm();
   const double cosine = hit->normal.dot(to_eye) / distance_m;
@@ -105,7 +110,8 @@ LineRenderer::Spot LineRenderer::trace(const Vector3& laser, const Vector3& dire
   const Vector3 point_in_camera = camera_from_couch * spot.point;
   if (point_in_camera.z() < 0.05) return {};
   spot.pixel = scanner::project(truth_.camera, point_in_camera);
-  spot.light = light_of(cosine, distance_m);
+  spot.light = left.share * light_of(cosine, distance_m);
+  spot.spread_px = truth_.camera.fx_px * left.spread_m / point_in_camera.z();
   if (room_light_ && on_skin) spot.light *= room_light_->laser_share(spot.point - shift);
   spot.visible = true;
   return spot;
@@ -123,7 +129,8 @@ void LineRenderer::join(const Spot& a, const Spot& b, double share, Strokes& str
   const double light = 0.5 * (a.light + b.light) / length_px / light_at_reference_;
   // A line oblique to the rows is wider along each of them.
   const double askew = std::min(4.0, length_px / std::abs(step.y()));
-  const double narrowing = options_.width_px / spot_width_px_;  // the same light in a narrower line
+  const double width_px = std::hypot(spot_width_px_, 0.5 * (a.spread_px + b.spread_px));
+  const double narrowing = options_.width_px / width_px;  // the same light in another width
   const int first = std::max(0, static_cast<int>(std::ceil(std::min(a.pixel.y(), b.pixel.y()))));
   const double end = std::max(a.pixel.y(), b.pixel.y());
   for (int row = first; row < end && row < truth_.camera.height_px; ++row) {
@@ -131,36 +138,41 @@ void LineRenderer::join(const Spot& a, const Spot& b, double share, Strokes& str
     strokes[static_cast<std::size_t>(row)].push_back(
         {static_cast<float>(a.pixel.x() + part * step.x()),
          static_cast<float>(options_.amplitude_dn * share * light * narrowing),
-         static_cast<float>(spot_width_px_ * askew)});
+         static_cast<float>(width_px * askew)});
   }
 }
 
-void LineRenderer::draw_sheet(const Transform& couch_from_camera, const Vector3& shift,
-                              double aside_m, double share, Strokes& strokes) const {
+void LineRenderer::draw_sheet(const Sheet& sheet, Strokes& strokes) const {
   const Vector3& normal = truth_.laser_normal_in_camera;
   // The laser is on the baseline, where its plane cuts the camera's x axis, and shines forward.
   const Vector3 laser_in_camera =
-      Vector3(truth_.laser_distance_m / normal.x(), 0.0, 0.0) + aside_m * normal;
+      Vector3(truth_.laser_distance_m / normal.x(), 0.0, 0.0) + sheet.aside_m * normal;
   const Vector3 down = (Vector3::UnitY() - normal.y() * normal).normalized();
   Vector3 ahead = normal.cross(down);
   if (ahead.z() < 0.0) ahead = -ahead;
-  const Vector3 laser = couch_from_camera * laser_in_camera;
-  const Vector3 eye = couch_from_camera.translation();
-  const Transform camera_from_couch = couch_from_camera.inverse();
+  Transform couch_from_camera = truth_.couch_from_camera_at(sheet.yaw_rad);
+  // Rows of the image that a ray's height over the middle makes, for a shutter that rolls.
+  const double rows_per_height = truth_.camera.fy_px / std::abs(normal.x());
   Spot before;
   for (int i = 0; i < fan_rays; ++i) {
     const double angle = -fan_half_rad + i * fan_step_rad;
+    if (sheet.yaw_per_row_rad != 0.0) {
+      const double rows = rows_per_height * std::tan(angle);
+      couch_from_camera = truth_.couch_from_camera_at(sheet.yaw_rad + rows * sheet.yaw_per_row_rad);
+    }
     const Vector3 direction =
         couch_from_camera.linear() * (std::cos(angle) * ahead + std::sin(angle) * down);
-    const Spot spot = trace(laser, direction, eye, camera_from_couch, shift);
-    join(before, spot, share, strokes);
+    const Spot spot =
+        trace(couch_from_camera * laser_in_camera, direction, couch_from_camera.translation(),
+              couch_from_camera.inverse(), sheet.shift_in_couch);
+    join(before, spot, sheet.share, strokes);
     before = spot;
   }
 }
 
 Image LineRenderer::render(double yaw_rad, const Vector3& skin_shift_in_couch, std::uint64_t frame,
-                           std::vector<bool>* visible, const RoomPicture& room) const {
-  const Transform couch_from_camera = truth_.couch_from_camera_at(yaw_rad);
+                           std::vector<bool>* visible, const RoomPicture& room,
+                           const Readout& readout) const {
   Strokes strokes(static_cast<std::size_t>(truth_.camera.height_px));
   const auto row_sees = [this](const std::vector<Stroke>& row) {
     return std::any_of(row.begin(), row.end(), [this](const Stroke& stroke) {
@@ -169,29 +181,34 @@ Image LineRenderer::render(double yaw_rad, const Vector3& skin_shift_in_couch, s
     });
   };
   for (std::size_t i = 0; i < sheet_aside.size(); ++i) {
-    const Vector3& shift = skin_shift_in_couch;
-    const double aside_m = sheet_aside[i] * sheet_deviation_m;
+    const Sheet sheet{.yaw_rad = yaw_rad,
+                      .yaw_per_row_rad = readout.yaw_per_row_rad,
+                      .shift_in_couch = skin_shift_in_couch,
+                      .aside_m = sheet_aside[i] * sheet_deviation_m,
+                      .share = sheet_share[i]};
     // A row counts as visible by the centre of the sheet.
-    if (visible != nullptr && aside_m == 0.0) {
+    if (visible != nullptr && sheet.aside_m == 0.0) {
       Strokes middle(strokes.size());
-      draw_sheet(couch_from_camera, shift, aside_m, sheet_share[i], middle);
+      draw_sheet(sheet, middle);
       visible->resize(middle.size());
       for (std::size_t row = 0; row < strokes.size(); ++row) {
         (*visible)[row] = row_sees(middle[row]);
         strokes[row].insert(strokes[row].end(), middle[row].begin(), middle[row].end());
       }
     } else {
-      draw_sheet(couch_from_camera, shift, aside_m, sheet_share[i], strokes);
+      draw_sheet(sheet, strokes);
     }
   }
   const std::uint64_t state = seed_ * 0xD1342543DE82EF95ULL + frame * 0x2545F4914F6CDD1DULL;
   displace(strokes, state ^ 0x5BECC1EULL);
-  return expose(strokes, room, state);
+  return expose(strokes, room, readout, state);
 }
 
-Image LineRenderer::render_dark(std::uint64_t frame, const RoomPicture& room) const {
+Image LineRenderer::render_dark(std::uint64_t frame, const RoomPicture& room,
+                                const Readout& readout) const {
   const Strokes none(static_cast<std::size_t>(truth_.camera.height_px));
-  return expose(none, room, ~seed_ * 0xD1342543DE82EF95ULL + frame * 0x2545F4914F6CDD1DULL);
+  return expose(none, room, readout,
+                ~seed_ * 0xD1342543DE82EF95ULL + frame * 0x2545F4914F6CDD1DULL);
 }
 
 RoomPicture LineRenderer::room(double yaw_rad, const Vector3& skin_shift_in_couch) const {
@@ -224,14 +241,15 @@ void LineRenderer::add_noise(const std::vector<float>& light, std::uint64_t& sta
   }
 }
 
-Image LineRenderer::expose(const Strokes& strokes, const RoomPicture& room,
+Image LineRenderer::expose(const Strokes& strokes, const RoomPicture& room, const Readout& readout,
                            std::uint64_t state) const {
   if (!room.empty()) return expose_colour(strokes, room, state);
   Image image(truth_.camera.width_px, truth_.camera.height_px);
-  const auto dark = static_cast<float>(options_.room_light_dn);
   std::vector<float> light(static_cast<std::size_t>(image.width));
   for (int y = 0; y < image.height; ++y) {
-    std::fill(light.begin(), light.end(), dark);
+    const double lamp = std::sin(readout.lamp_rad + y * readout.lamp_per_row_rad);
+    const double dark = options_.room_light_dn * (1.0 + options_.flaws.flicker_share * lamp);
+    std::fill(light.begin(), light.end(), static_cast<float>(dark));
     add_line(strokes[static_cast<std::size_t>(y)], 1.0F, light);
     add_noise(light, state, image.row(y), 1);
   }

@@ -12,6 +12,12 @@
 
 namespace tuina::sim {
 
+/// How a picture comes about that is read row by row; a moment is that of the middle row.
+struct Readout {
+  double yaw_per_row_rad = 0.0;
+  double lamp_rad = 0.0, lamp_per_row_rad = 0.0;  ///< phase of the lamps' flicker
+};
+
 /// Renders the picture of the scanner's camera at one moment. Thread-safe.
 class LineRenderer {
  public:
@@ -23,9 +29,10 @@ class LineRenderer {
   /// given, receives the rows with a line.
   [[nodiscard]] Image render(double yaw_rad, const Vector3& skin_shift_in_couch,
                              std::uint64_t frame, std::vector<bool>* visible = nullptr,
-                             const RoomPicture& room = {}) const;
+                             const RoomPicture& room = {}, const Readout& readout = {}) const;
   /// The same moment with the laser off, with its own noise.
-  [[nodiscard]] Image render_dark(std::uint64_t frame, const RoomPicture& room = {}) const;
+  [[nodiscard]] Image render_dark(std::uint64_t frame, const RoomPicture& room = {},
+                                  const Readout& readout = {}) const;
   /// Room-light picture of that moment, input of the two functions above, which then render colour.
   /// Empty without stickers.
   [[nodiscard]] RoomPicture room(double yaw_rad, const Vector3& skin_shift_in_couch) const;
@@ -44,15 +51,21 @@ class LineRenderer {
     bool visible = false;
     Vector3 point = Vector3::Zero();
     Vector2 pixel = Vector2::Zero();
-    double light = 0.0;  ///< per length on the image, before spreading along the line
+    double light = 0.0;      ///< per length on the image, before spreading along the line
+    double spread_px = 0.0;  ///< by light inside the skin
   };
 
   [[nodiscard]] Spot trace(const Vector3& laser, const Vector3& direction, const Vector3& eye,
                            const Transform& camera_from_couch, const Vector3& shift) const;
-  void draw_sheet(const Transform& couch_from_camera, const Vector3& shift, double aside_m,
-                  double share, Strokes& strokes) const;
+  /// One thin sheet of light.
+  struct Sheet {
+    double yaw_rad, yaw_per_row_rad;
+    Vector3 shift_in_couch;
+    double aside_m, share;
+  };
+  void draw_sheet(const Sheet& sheet, Strokes& strokes) const;
   [[nodiscard]] Image expose(const Strokes& strokes, const RoomPicture& room,
-                             std::uint64_t state) const;
+                             const Readout& readout, std::uint64_t state) const;
   /// In colour, over the room-light picture.
   [[nodiscard]] Image expose_colour(const Strokes& strokes, const RoomPicture& room,
                                     std::uint64_t state) const;

@@ -17,6 +17,7 @@ struct NearestQuery {
   const Mesh* mesh;
   const Vector3* point;
   double best2;
+  bool below = false;  // the triangle, by the right-hand rule
 };
 
 // [ericson2005] 5.1.5: closest point of a triangle by Voronoi regions.
@@ -57,6 +58,8 @@ bool visit(RTCPointQueryFunctionArguments* arguments) {
   const double distance2 = distance2_to_triangle(*query.point, corner(0), corner(1), corner(2));
   if (distance2 >= query.best2) return false;
   query.best2 = distance2;
+  const Vector3 normal = (corner(1) - corner(0)).cross(corner(2) - corner(0));
+  query.below = normal.dot(*query.point - corner(0)) < 0.0;
   arguments->query->radius = static_cast<float>(std::sqrt(distance2));
   return true;  // the query radius has shrunk
 }
@@ -148,7 +151,7 @@ bool RayScene::blocks(const Vector3& from, const Vector3& to) const {
   return ray.tfar < 0.0F;
 }
 
-double RayScene::distance_to(const Vector3& point) const {
+double RayScene::height_over(const Vector3& point) const {
   NearestQuery nearest{&scene_->mesh, &point, std::numeric_limits<double>::infinity()};
   RTCPointQuery query{};
   query.x = static_cast<float>(point.x());
@@ -158,7 +161,7 @@ double RayScene::distance_to(const Vector3& point) const {
   RTCPointQueryContext context;
   rtcInitPointQueryContext(&context);
   rtcPointQuery(scene_->scene, &query, &context, visit, &nearest);
-  return std::sqrt(nearest.best2);
+  return nearest.below ? -std::sqrt(nearest.best2) : std::sqrt(nearest.best2);
 }
 
 }  // namespace tuina::sim

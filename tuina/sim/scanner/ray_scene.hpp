@@ -29,8 +29,8 @@ class RayScene {
   /// True when the segment between two points is obstructed.
   [[nodiscard]] bool blocks(const Vector3& from, const Vector3& to) const;
 
-  /// Distance of a point from the surface.
-  [[nodiscard]] double distance_to(const Vector3& point) const;
+  /// Distance of a point from the surface; negative behind the nearest triangle.
+  [[nodiscard]] double height_over(const Vector3& point) const;
 
  private:
   struct Scene;

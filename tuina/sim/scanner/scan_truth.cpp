@@ -14,16 +14,19 @@ ScanTruth compare_with_truth(const PointCloud& cloud_in_couch, const Mesh& skin_
   constexpr double outlier_m = 5.0_mm;
   const RayScene skin(skin_in_couch);
   ScanTruth truth;
-  double sum2 = 0.0;
+  double sum = 0.0, sum2 = 0.0;
   for (const Vector3& point : cloud_in_couch.points) {
     if (point.z() < couch_top_m) continue;
-    const double distance_m = skin.distance_to(point);
+    const double height_m = skin.height_over(point), distance_m = std::abs(height_m);
+    sum += height_m;
     sum2 += distance_m * distance_m;
     truth.worst_error_m = std::max(truth.worst_error_m, distance_m);
     ++truth.points;
     truth.outliers += distance_m > outlier_m ? 1U : 0U;
   }
-  if (truth.points > 0) truth.rms_error_m = std::sqrt(sum2 / static_cast<double>(truth.points));
+  if (truth.points == 0) return truth;
+  truth.mean_error_m = sum / static_cast<double>(truth.points);
+  truth.rms_error_m = std::sqrt(sum2 / static_cast<double>(truth.points));
   return truth;
 }
 
