@@ -8,6 +8,7 @@
 
 #include "apps/evaluation/contact/contact_experiment.hpp"
 #include "tuina/robot/robot_model.hpp"
+#include "tuina/session/realism.hpp"
 
 using namespace tuina;
 using namespace tuina::app;
@@ -41,6 +42,31 @@ TEST_CASE("a press is held to 0.8 N on bone, hard and soft muscle though the ski
       CHECK(outcome.stops.empty());
       CHECK(outcome.force.rmse_n < 0.8);
       CHECK(outcome.force.peak_n < force_n + 3.0);
+    }
+  }
+}
+
+TEST_CASE("where nothing keeps to the law a press is held to 0.5 N, in a hard world to 1 N") {
+  for (const std::string realism : {"usual", "hard"}) {
+    session::Config config;
+    config.simulation.realism = realism;
+    session::set_realism(config.simulation);
+    std::uint64_t seed = 1;
+    for (const TangentTissue& tissue : {bone, hard, soft}) {
+      ContactExperiment experiment{.tissue = tissue,
+                                   .force_n = 20.0,
+                                   .surface_error_m = seed % 2 == 0 ? 3_mm : -3_mm,
+                                   .duration_s = 5.0,
+                                   .seed = seed};
+      live_in(config, experiment);
+      CHECK(experiment.living.torso_mass_kg > 0.0);
+      CHECK(experiment.breathing.amplitude_m > 0.0);
+      const auto outcome = run(experiment);
+      CAPTURE(realism);
+      CAPTURE(seed++);
+      CHECK(outcome.stops.empty());
+      CHECK(outcome.force.rmse_n < (realism == "usual" ? 0.5 : 1.0));
+      CHECK(outcome.force.peak_n < 23.0);
     }
   }
 }
