@@ -6,6 +6,7 @@
 #include "tests/folder.hpp"
 #include "tuina/motion/ready_plan.hpp"
 #include "tuina/motion/rollout.hpp"
+#include "tuina/motion/startle.hpp"
 #include "tuina/robot/robot_model.hpp"
 #include "tuina/sim/person/person.hpp"
 
@@ -158,4 +159,65 @@ TEST_CASE("an arm on its own side is as far from its mirror image as twice its w
   const double inward_m = stays[Arm::left].inward_m(models[Arm::left], Arm::left);
   CHECK(inward_m == doctest::Approx(stays[Arm::right].inward_m(models[Arm::right], Arm::right)));
   CHECK(apart_m == doctest::Approx(-2.0 * inward_m).epsilon(1e-3));
+}
+
+TEST_CASE("the heavier an arm and the more it presses, the more a person meets who starts up") {
+  const TangentTissue hard = {.alpha_n = 11.5, .beta_per_m = 250.0};
+  double before_n = 0.0;
+  for (const double mass_kg : {2.0, 3.0, 4.0, 5.0, 6.0, 7.0}) {
+    CAPTURE(mass_kg);
+    const double met_n = motion::startle_force_n(mass_kg, 20.0, hard);
+    CHECK(met_n > before_n);
+    CHECK(motion::startle_force_n(mass_kg, 25.0, hard) > met_n);
+    before_n = met_n;
+  }
+  // What the person alone has to accelerate cannot be met with less than its mass times 2 g.
+  CHECK(before_n > 0.7 * 7.0 * 2.0 * gravity_m_per_s2);
+}
+
+TEST_CASE(
+    "a light arm may press as it is asked to, a heavy one with what a start leaves below 75 N") {
+  using massage::Zone;
+  CHECK(motion::max_pressing_n(2.0, Zone::muscle, 30.0) == 30.0);
+  for (const Zone zone : {Zone::muscle, Zone::ribs}) {
+    const double heavy_n = motion::max_pressing_n(5.5, zone, 30.0);
+    CHECK(heavy_n > 0.0);
+    CHECK(heavy_n < 30.0);
+    CHECK(heavy_n < motion::max_pressing_n(5.0, zone, 30.0));
+  }
+  CHECK(motion::max_pressing_n(5.5, Zone::ribs, 30.0) <
+        motion::max_pressing_n(5.5, Zone::muscle, 30.0));
+}
+
+TEST_CASE("low on the back the arms are light, or the plan says where they press with less") {
+  for (const BodyPosture position : {BodyPosture::sitting, BodyPosture::prone}) {
+    for (const char* what : {"lower_back", "full_back_20min"}) {
+      CAPTURE(name_of(position));
+      CAPTURE(what);
+      const motion::ReadyPlan ready = ready_for("phantom:medium", position, what, 5);
+      const robot::RobotMount mount = robot::mount_for(position);
+      const auto models = robot::both_models(robot::thesis_arm(), mount);
+      for (const Arm arm : both_arms) {
+        for (const motion::ArmJob& job : ready.jobs[arm]) {
+          if (job.path < 0) continue;
+          const auto& planned = ready.plan.paths[static_cast<std::size_t>(job.path)];
+          const auto goals = motion::goals_of(planned.path, mount.base_from_couch);
+          const auto there = robot::find_posture(models[arm], ready.rail_m, goals[goals.size() / 2],
+                                                 job.posture_rad);
+          motion::JointPath stay;
+          stay.q_rad = {there.q_rad};
+          stay.poses = {models[arm].kinematics(there.q_rad, ready.rail_m)};
+          const double mass_kg = motion::max_apparent_mass_kg(models[arm], ready.rail_m, stay);
+          CAPTURE(planned.path.name);
+          CAPTURE(mass_kg);
+          // The tool is not exactly as upright and the elbow not exactly where it was rehearsed.
+          CHECK(planned.cap_n < motion::max_pressing_n(mass_kg, planned.zone, 45.0) + 4.0);
+          double max_n = 0.0;
+          for (const ContactPoint& point : planned.path.points)
+            max_n = std::max(max_n, point.force_n);
+          CHECK(max_n <= planned.cap_n);
+        }
+      }
+    }
+  }
 }

@@ -101,6 +101,13 @@ TEST_CASE("a path that was not carried out as planned is named with its trouble"
   CHECK(holds(report_page(data), "right arm, press SI11_R: no skin found"));
 }
 
+TEST_CASE("what the plan has lowered or left out is on the page, with the reason") {
+  ReportData data = sample_without_pictures();
+  CHECK_FALSE(holds(report_page(data), "Planned otherwise than ordered"));
+  data.plan_notes = {"press BL23_L: 18 N instead of 25 N: the arm is felt as 5.1 kg there"};
+  CHECK(holds(report_page(data), "18 N instead of 25 N"));
+}
+
 TEST_CASE("the mean error is that of the seven points, whatever further ones were found") {
   ReportData data = sample_without_pictures();
   data.acupoints.push_back({{.name = "BL13_L"}, 0.1});

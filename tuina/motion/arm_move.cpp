@@ -6,6 +6,7 @@
 
 #include "tuina/control/cartesian_impedance.hpp"
 #include "tuina/motion/configuration_choice.hpp"
+#include "tuina/motion/startle.hpp"
 
 namespace tuina::motion {
 namespace {
@@ -76,6 +77,7 @@ void roll_out(const Stage& stage, Arm arm, const ArmRest& from, ArmMove& move,
   move.above.stay = std::move(above_either);
   move.clear = clear_of(stage, arm, move.transfer);
   move.clear.take_least(clear_of(stage, arm, move.contact));
+  move.mass_kg = max_apparent_mass_kg(stage.models.get()[arm], stage.rail_m, move.contact);
 }
 
 double clear_m(const Stage& stage) {
@@ -92,7 +94,8 @@ bool misses_configuration(const ArmMove& move) {
          std::none_of(move.contact.q_rad.begin(), move.contact.q_rad.end(), near);
 }
 
-/// Cost of a move (m): past the midline, at a joint limit, low dexterity, tight clearance.
+/// Cost of a move (m): past the midline, at a joint limit, low dexterity, felt as heavy by the
+/// person, tight clearance.
 double move_cost_m(const Stage& stage, Arm arm, const ArmMove& move) {
   const robot::ArmModel& model = stage.models.get()[arm];
   const double inward_m =
@@ -103,7 +106,7 @@ double move_cost_m(const Stage& stage, Arm arm, const ArmMove& move) {
   for (const auto& pose : move.contact.poses)
     dexterity_m = std::max(dexterity_m, dexterity_cost_m(pose));
   const double tight_m = std::max(0.0, wanted_arm_distance_m - move.clear.min_m());
-  return std::max(inward_m, -own_side_m) + dexterity_m + tight_m +
+  return std::max(inward_m, -own_side_m) + dexterity_m + tight_m + mass_cost_m(move.mass_kg) +
          (limit_excess_rad > max_limit_excess_rad ? 0.5 : 0.0);
 }
 

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "tuina/motion/rollout.hpp"
+#include "tuina/motion/startle.hpp"
 #include "tuina/robot/elbow_turn.hpp"
 
 namespace tuina::motion {
@@ -20,13 +21,15 @@ struct Candidate {
 };
 
 /// Static cost of a configuration (m).
-double static_cost_m(const robot::ArmModel& model, Arm arm, const JointVector& q_rad,
+double static_cost_m(const robot::ArmModel& model, Arm arm, double rail_m, const JointVector& q_rad,
                      const robot::ArmModel::Kinematics& pose, const JointVector& arrival_rad) {
   constexpr double roomy_rad = 10_deg, tight_m_per_rad = 0.5, unlike_m_per_rad = 5e-3;
   const double tight_rad = roomy_rad - robot::limit_room_rad(model.table(), q_rad);
   const double unlike_rad = (q_rad - arrival_rad).cwiseAbs().maxCoeff();
+  const double mass_kg = max_apparent_mass_kg(model, rail_m, {.q_rad = {q_rad}, .poses = {pose}});
   return std::max(inward_m(model, arm, pose), -own_side_m) + dexterity_cost_m(pose) +
-         tight_m_per_rad * std::max(0.0, tight_rad) + unlike_m_per_rad * unlike_rad;
+         mass_cost_m(mass_kg) + tight_m_per_rad * std::max(0.0, tight_rad) +
+         unlike_m_per_rad * unlike_rad;
 }
 
 }  // namespace
@@ -54,7 +57,7 @@ ConfigurationChoice choose_configurations(const robot::ArmModel& model, Arm arm,
         const auto pose = model.kinematics(q_rad, rail_m);
         const Vector3 over_skin = pose.origins_in_base[elbow] - place.at_in_base;
         if (over_skin.dot(place.normal_in_base) < outward.elbow_clearance_m) continue;
-        all.push_back({q_rad, static_cost_m(model, arm, q_rad, pose, arrival_rad)});
+        all.push_back({q_rad, static_cost_m(model, arm, rail_m, q_rad, pose, arrival_rad)});
         best_m = std::min(best_m, all.back().cost_m);
       }
     }

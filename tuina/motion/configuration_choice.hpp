@@ -24,8 +24,8 @@ struct ConfigurationChoice {
 };
 
 /// Configurations that touch the start, middle or end of a path, the elbow swept through its whole
-/// circle. Cost: past the midline, low dexterity, near joint limits. Elbows inside the person are
-/// left out.
+/// circle. Cost: past the midline, low dexterity, felt as heavy by the person, near joint limits.
+/// Elbows inside the person are left out.
 [[nodiscard]] ConfigurationChoice choose_configurations(const robot::ArmModel& model, Arm arm,
                                                         double rail_m,
                                                         std::span<const robot::ContactGoal> goals,

@@ -40,12 +40,12 @@ PerArm<std::vector<robot::ContactGoal>> goals_for_rail(const massage::Plan& plan
   return goals;
 }
 
-/// Schedules the paths step by step for a base at one place; gives up once `hopeless` paths are
-/// left out.
+/// Schedules the paths step by step for a base at one place; gives up once more than
+/// `max_left_out` paths are left out.
 TwoArmSchedule schedule_paths(const Stage& stage, const std::vector<massage::PlannedPath>& paths,
-                              std::size_t hopeless) {
+                              std::size_t max_left_out) {
   TwoArmSchedule schedule(stage);
-  for (std::size_t i = 0; i < paths.size() && schedule.left_out < hopeless;) {
+  for (std::size_t i = 0; i < paths.size() && schedule.left_out <= max_left_out;) {
     const int step = paths[i].step;
     PerArm<const massage::PlannedPath*> together;
     for (; i < paths.size() && paths[i].step == step; ++i) together[paths[i].arm] = &paths[i];
@@ -53,6 +53,13 @@ TwoArmSchedule schedule_paths(const Stage& stage, const std::vector<massage::Pla
   }
   schedule.finish();
   return schedule;
+}
+
+/// Fewer paths left out, or as many and a newton less given up.
+bool is_better(const TwoArmSchedule& one, const TwoArmSchedule& other) {
+  constexpr double counts_n = 1.0;
+  if (one.left_out != other.left_out) return one.left_out < other.left_out;
+  return one.lowered_n < other.lowered_n - counts_n;
 }
 
 }  // namespace
@@ -84,9 +91,9 @@ Result<ReadyPlan> make_ready(massage::Plan plan, const body::BackSurface& back,
       offer(dexterous_m + aside_m);
   }
   std::optional<TwoArmSchedule> best;
-  std::size_t hopeless = ready.plan.paths.size() + 1;
+  const auto perfect = [&] { return best && best->left_out == 0 && best->lowered_n == 0.0; };
   // The first place nearly always suffices; the others are tried two at a time.
-  for (std::size_t next = 0; next < stands_m.size() && hopeless > 0;) {
+  for (std::size_t next = 0; next < stands_m.size() && !perfect();) {
     std::vector<std::optional<TwoArmSchedule>> tried(
         std::min<std::size_t>(next == 0 ? 1 : 2, stands_m.size() - next));
     for_each_in_parallel(tried.size(), [&](std::size_t i) {
@@ -97,12 +104,11 @@ Result<ReadyPlan> make_ready(massage::Plan plan, const body::BackSurface& back,
                                  .standoff_m = standoff_m,
                                  .ready_rad = ready.ready_rad,
                                  .obstacles = mount.obstacles},
-                                ready.plan.paths, hopeless);
+                                ready.plan.paths, best ? best->left_out : ready.plan.paths.size());
     });
     for (std::optional<TwoArmSchedule>& one : tried) {
       const double at_m = stands_m[next++];
-      if (one->left_out >= hopeless) continue;
-      hopeless = one->left_out;
+      if (best && !is_better(*one, *best)) continue;
       best = std::move(*one);
       ready.rail_m = at_m;
     }

@@ -26,8 +26,9 @@ struct ReadyPlan {
 };
 
 /// Places the linear base, solves inverse kinematics along every path and plans collision-free
-/// transfers between contacts. Fails when no path can be reached. With `rail_m` the base stays
-/// there.
+/// transfers between contacts. Where the arm is felt as heavy, forces are lowered to what
+/// `max_pressing_n` allows, and notes say so. Fails when no path can be reached. With `rail_m` the
+/// base stays there.
 [[nodiscard]] Result<ReadyPlan> make_ready(massage::Plan plan, const body::BackSurface& back,
                                            const robot::RobotMount& mount,
                                            const PerArm<robot::ArmModel>& models,

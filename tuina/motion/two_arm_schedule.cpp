@@ -7,6 +7,7 @@
 #include "tuina/control/arm_controller.hpp"
 #include "tuina/core/parallel.hpp"
 #include "tuina/core/units.hpp"
+#include "tuina/motion/startle.hpp"
 
 namespace tuina::motion {
 namespace {
@@ -52,6 +53,23 @@ void TwoArmSchedule::add_transfer(Arm arm, const ArmMove& move) {
   rest_[arm] = move.above;
 }
 
+/// The path with no more force than a person who starts up against an arm of this mass bears.
+massage::PlannedPath TwoArmSchedule::bearable(const massage::PlannedPath& planned, double mass_kg) {
+  massage::PlannedPath path = planned;
+  double planned_n = 0.0;
+  for (const ContactPoint& point : path.path.points) planned_n = std::max(planned_n, point.force_n);
+  path.cap_n = max_pressing_n(mass_kg, path.zone, path.cap_n);
+  for (ContactPoint& point : path.path.points) point.force_n = std::min(point.force_n, path.cap_n);
+  if (planned_n <= path.cap_n) return path;
+  lowered_n += planned_n - path.cap_n;
+  std::string note = fmt::format(
+      "{}: {:.0f} N instead of {:.0f} N: the arm is felt as {:.1f} kg there, too heavy for a "
+      "person who starts up",
+      path.path.name, path.cap_n, planned_n, mass_kg);
+  if (std::find(notes.begin(), notes.end(), note) == notes.end()) notes.push_back(std::move(note));
+  return path;
+}
+
 /// Adds the contacts of one step; an arm that has transferred already starts above its path.
 void TwoArmSchedule::add_contacts(const Moves& moves, const PerArm<Planned>& planned) {
   const massage::Transfers transfers{.standoff_m = stage_.standoff_m};
@@ -67,7 +85,7 @@ void TwoArmSchedule::add_contacts(const Moves& moves, const PerArm<Planned>& pla
     const int path = planned[arm] == nullptr ? -1 : static_cast<int>(paths.size());
     add_job(arm, path, way, move.posture_rad);
     if (planned[arm] != nullptr) {
-      paths.push_back(*planned[arm]);
+      paths.push_back(bearable(*planned[arm], move.mass_kg));
       paths.back().step = path_step_;
     }
     rest_[arm] = move.after;

@@ -30,6 +30,7 @@ class TwoArmSchedule {
   robot::Clearances clear;    ///< minimum distances of both arms from couch and robot body
   double end_s;               ///< nominal end of the last job
   std::size_t left_out = 0;
+  double lowered_n = 0.0;  ///< sum over all paths of what their forces were lowered by
 
  private:
   using Moves = PerArm<const ArmMove*>;
@@ -40,6 +41,7 @@ class TwoArmSchedule {
   void plan_single(Arm arm, const massage::PlannedPath& planned);
   void add_transfer(Arm arm, const ArmMove& move);
   void add_contacts(const Moves& moves, const PerArm<const massage::PlannedPath*>& planned);
+  [[nodiscard]] massage::PlannedPath bearable(const massage::PlannedPath& planned, double mass_kg);
   void add_job(Arm arm, int path, const std::vector<control::ToolPose>& way,
                const JointVector& posture_rad);
 
