@@ -26,10 +26,33 @@ using namespace std::chrono_literals;
 constexpr auto guard_patience = 20s;
 constexpr auto lock_step_patience = 6s;  // for a guard that may be dead; it may wait itself ...
 constexpr auto gone_patience = 5ms;      // ... and for one that is
+constexpr auto scan_patience = 300s;     // of arms that rest while the person is scanned again
 constexpr std::uint64_t given_up_ticks = 3000;  // virtual time that nobody has said anything in
 
 const char* name_of(link::Pace pace) {
   return pace == link::Pace::real ? "real" : "max";
+}
+
+auto wait_for_answer(link::Link& link, std::uint64_t tick, link::Link::Deadline deadline) {
+  return link.wait_for(deadline, [&]() {
+    const auto said = link.drive();
+    return said && said->answers_tick == tick ? said : std::nullopt;
+  });
+}
+
+/// Whether the session wants another guard, which has not come yet.
+bool rests(const link::Link& link) {
+  const auto stand = link.stand();
+  const auto drive = link.drive();
+  return stand && stand->ends == 0 && drive && drive->guard != stand->guard;
+}
+
+/// While the person is scanned again, arms and time of this robot stand still, as they do for a
+/// session that is one process.
+void wait_for_guard(link::Link& link, const std::atomic<bool>& ends) {
+  const auto deadline = steady_clock::now() + scan_patience;
+  while (!ends && rests(link) && steady_clock::now() < deadline)
+    link.wait(steady_clock::now() + 10ms);
 }
 
 }  // namespace
@@ -77,10 +100,12 @@ Result<RobotReport> keep_robot(link::Link& link, SharedTruth& truth, sim::World&
 
     next += 1ms;
     const auto patience = steady_clock::now() + (silent == 0 ? lock_step_patience : gone_patience);
-    const auto answer = link.wait_for(pace == link::Pace::real ? next : patience, [&]() {
-      const auto said = link.drive();
-      return said && said->answers_tick == reading->tick ? said : std::nullopt;
-    });
+    auto answer = wait_for_answer(link, reading->tick, pace == link::Pace::real ? next : patience);
+    if (!answer && rests(link)) {
+      wait_for_guard(link, ends);
+      next = steady_clock::now() + 1ms;
+      answer = wait_for_answer(link, reading->tick, steady_clock::now() + lock_step_patience);
+    }
     if (answer) world.robot().apply(link::wire::from_frame(*answer).command);
     silent = answer ? 0 : silent + 1;
     report.silent_ticks += answer ? 0 : 1;
@@ -104,7 +129,7 @@ void LinkedTruth::on_tick(const session::Tick& tick) noexcept {
   world_.tell_truth(truth);
 }
 
-Result<void> Processes::run(const std::vector<std::string>& arguments) {
+Result<int> Processes::run(const std::vector<std::string>& arguments) {
   std::vector<char*> pointers;
   for (const std::string& argument : arguments)
     pointers.push_back(const_cast<char*>(argument.c_str()));
@@ -114,7 +139,27 @@ Result<void> Processes::run(const std::vector<std::string>& arguments) {
                                  pointers.data(), environ);
   if (failed != 0) return fail(Fault::device, "tuina {}: {}", arguments[1], std::strerror(failed));
   children_.push_back(child);
+  return child;
+}
+
+// Two guards never speak at once: the one before is over when the next begins.
+Result<void> Processes::start_guard(const link::Arming& arming,
+                                    std::vector<std::string> arguments) {
+  if (guard_ != 0) end(guard_);
+  if (auto written = link::write_arming(arming_file_, arming); !written) return written;
+  const auto started = run(arguments);
+  if (!started) return tl::unexpected(started.error());
+  guard_ = *started;
   return {};
+}
+
+void Processes::end(int child) {
+  const auto deadline = steady_clock::now() + 5s;
+  while (waitpid(child, nullptr, WNOHANG) == 0) {
+    if (steady_clock::now() > deadline) kill(child, SIGKILL);
+    std::this_thread::sleep_for(10ms);
+  }
+  std::erase(children_, child);
 }
 
 Result<std::unique_ptr<Processes>> Processes::start(const std::vector<std::string>& robot_arguments,
@@ -136,9 +181,8 @@ Result<std::unique_ptr<Processes>> Processes::start(const std::vector<std::strin
     arguments.insert(arguments.end(), shared.begin(), shared.end());
     return arguments;
   };
-  const auto start_guard = [&all, with_link](const link::Arming& arming) -> Result<void> {
-    if (auto written = link::write_arming(all.arming_file_, arming); !written) return written;
-    return all.run(with_link({"tuina", "guard", "--arm", all.arming_file_}));
+  const auto start_guard = [&all, with_link](const link::Arming& arming) {
+    return all.start_guard(arming, with_link({"tuina", "guard", "--arm", all.arming_file_}));
   };
   all.robot_ = std::make_unique<link::LinkedRobot>(std::move(*link), pace, start_guard);
   std::vector<std::string> robot = {"tuina", "robot", "simulate"};
@@ -152,13 +196,7 @@ Result<std::unique_ptr<Processes>> Processes::start(const std::vector<std::strin
 // is one that hangs.
 Processes::~Processes() {
   robot_.reset();
-  const auto deadline = steady_clock::now() + 5s;
-  for (const int child : children_) {
-    while (waitpid(child, nullptr, WNOHANG) == 0) {
-      if (steady_clock::now() > deadline) kill(child, SIGKILL);
-      std::this_thread::sleep_for(10ms);
-    }
-  }
+  while (!children_.empty()) end(children_.back());
   std::error_code ignored;
   if (!arming_file_.empty()) std::filesystem::remove(arming_file_, ignored);
 }

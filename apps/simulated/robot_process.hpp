@@ -72,12 +72,18 @@ class Processes {
 
  private:
   Processes() = default;
-  [[nodiscard]] Result<void> run(const std::vector<std::string>& arguments);
+  /// Starts this program once more; the number of the process.
+  [[nodiscard]] Result<int> run(const std::vector<std::string>& arguments);
+  [[nodiscard]] Result<void> start_guard(const link::Arming& arming,
+                                         std::vector<std::string> arguments);
+  /// Waits for a child to end, and ends it when it hangs.
+  void end(int child);
 
   std::string link_name_, arming_file_;
   SharedTruth truth_;
   std::unique_ptr<link::LinkedRobot> robot_;
   std::vector<int> children_;
+  int guard_ = 0;  ///< the newest of them that guards; 0: none yet
 };
 
 }  // namespace tuina::app

@@ -280,3 +280,38 @@ TEST_CASE("a guard in its own thread guards until the drives fall silent, and te
   CHECK(report->ticks == 40);
   CHECK(report->silent_ticks == 20);
 }
+
+TEST_CASE(
+    "arms that rest get a new guard, and the one before has ended; without a rest there is none") {
+  const std::string name = own_name("rest");
+  auto controller = Link::create(name, Role::controller);
+  auto drives = Link::open(name, Role::drives);
+  REQUIRE(drives.has_value());
+  Arming arming{.arm = robot::thesis_arm(), .mount = robot::mount_for(BodyPosture::sitting)};
+  const std::atomic<bool> ends = false;
+  std::vector<std::thread> guards;
+  LinkedRobot robot(std::move(*controller), Pace::max, [&](const Arming& told) -> Result<void> {
+    guards.emplace_back([&, told] {
+      auto link = Link::open(name, Role::guard);
+      (void)keep_guard(*link, told, Pace::max, ends);
+    });
+    return {};
+  });
+  const auto sense = [&](std::uint64_t over) {
+    wire::SensorFrame frame = wire::to_frame(some_reading());
+    frame.over = over;
+    drives->write(frame);
+  };
+  sense(0);
+  REQUIRE(robot.arm(arming).has_value());
+  CHECK(drives->drive()->guard == 0);
+  CHECK(robot.arm(arming).error().message.find("one massage only") != std::string::npos);
+  robot.rest();
+  guards.front().join();
+  CHECK(drives->stand()->guard == 1);
+  CHECK(drives->drive()->guard == 0);  // so that the drives know that nobody guards now
+  REQUIRE(robot.arm(arming).has_value());
+  CHECK(drives->drive()->guard == 1);
+  sense(1);
+  guards.back().join();
+}

@@ -71,6 +71,24 @@ const char* try_out(const PerArm<robot::ArmModel>& models, const Arming& arming,
   return nullptr;
 }
 
+/// Which guard of the session is wanted now.
+std::uint64_t wished(const Link& link) noexcept {
+  const auto stand = link.stand();
+  return stand ? stand->guard : 0;
+}
+
+/// The next millisecond, or the end of all, or the last one again when `own` is not wanted any
+/// more.
+std::optional<wire::SensorFrame> next_frame(Link& link, std::optional<std::uint64_t> last_tick,
+                                            std::uint64_t own) {
+  return link.wait_for(steady_clock::now() + silence, [&]() {
+    const auto frame = link.sensors();
+    const bool next = frame && frame->stands > 0 && (!last_tick || frame->tick != *last_tick);
+    const bool fresh = next || (frame && (frame->over != 0 || wished(link) != own));
+    return fresh ? frame : std::nullopt;
+  });
+}
+
 }  // namespace
 
 std::string be_real_time() {
@@ -88,21 +106,17 @@ Result<GuardReport> keep_guard(Link& link, const Arming& arming, Pace pace,
   safety::RobotGuard guard(models, arming.options);
   GuardReport report;
   const auto number = static_cast<std::uint64_t>(getpid());
-  link.write(wire::DriveFrame{.answers_tick = wire::no_tick, .armed = number});
+  const std::uint64_t own = wished(link);
+  link.write(wire::DriveFrame{.answers_tick = wire::no_tick, .armed = number, .guard = own});
   std::optional<std::uint64_t> last_tick;
   safety::RobotProposal proposal;
   std::uint64_t answered = 0;
   bool heard = false, there = true, told_to_stop = false;
   while (!ends) {
-    const auto sensed = link.wait_for(steady_clock::now() + silence, [&]() {
-      const auto frame = link.sensors();
-      const bool next = frame && frame->stands > 0 && (!last_tick || frame->tick != *last_tick);
-      const bool fresh = next || (frame && frame->over != 0);
-      return fresh ? frame : std::nullopt;
-    });
+    const auto sensed = next_frame(link, last_tick, own);
     if (!sensed && last_tick) break;
     if (!sensed) continue;
-    if (sensed->over != 0) break;
+    if (sensed->over != 0 || wished(link) != own) break;
     const robot::RobotReading reading = wire::from_frame(*sensed);
     if (!last_tick) {
       if (const char* wrong = try_out(models, arming, reading))
@@ -115,8 +129,10 @@ Result<GuardReport> keep_guard(Link& link, const Arming& arming, Pace pace,
                                              : steady_clock::duration(gone_patience);
     const auto answer = link.wait_for(steady_clock::now() + patience, [&]() {
       const auto frame = link.proposal();
-      return frame && frame->answers_tick == reading.tick ? frame : std::nullopt;
+      const bool there_is = frame && (frame->answers_tick == reading.tick || wished(link) != own);
+      return there_is ? frame : std::nullopt;
     });
+    if (wished(link) != own) break;
     there = answer.has_value();
     if (answer) {
       proposal = wire::from_frame(*answer);
@@ -135,6 +151,7 @@ Result<GuardReport> keep_guard(Link& link, const Arming& arming, Pace pace,
     const std::chrono::duration<double, std::micro> took = steady_clock::now() - before;
     wire::DriveFrame frame = wire::to_frame(verdict, reading.tick);
     frame.armed = number;
+    frame.guard = own;
     link.write(frame);
     ++report.ticks;
     report.max_check_us = std::max(report.max_check_us, took.count());

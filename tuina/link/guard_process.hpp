@@ -28,9 +28,9 @@ struct GuardReport {
 [[nodiscard]] std::string be_real_time();
 
 /// The guard as a process: judges each reading of the drives until they end, are silent for twenty
-/// seconds, or `ends`. First it tries itself on the first reading: an arm that stands must pass, a
-/// torque that is no number and a stop must latch, and the wrist sensors must feel nothing in the
-/// air. Fails with Fault::device when that is not so.
+/// seconds, the session rests its arms, or `ends`. First it tries itself on the first reading: an
+/// arm that stands must pass, a torque that is no number and a stop must latch, and the wrist
+/// sensors must feel nothing in the air. Fails with Fault::device when that is not so.
 [[nodiscard]] Result<GuardReport> keep_guard(Link& link, const Arming& arming, Pace pace,
                                              const std::atomic<bool>& ends);
 

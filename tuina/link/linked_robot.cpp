@@ -17,7 +17,8 @@ constexpr int silent_guard_ticks = 20;         // then the drives brake
 }  // namespace
 
 LinkedRobot::~LinkedRobot() {
-  link_.write(wire::StandFrame{.number = wish_, .ends = 1});
+  wish_.ends = 1;
+  link_.write(wish_);
 }
 
 Link::Deadline LinkedRobot::patience(bool there) const noexcept {
@@ -32,20 +33,31 @@ Result<void> LinkedRobot::arm(const Arming& arming) {
   if (auto started = start_guard_(arming); !started) return started;
   const auto ready = link_.wait_for(steady_clock::now() + start_patience, [&]() {
     const auto frame = link_.drive();
-    return frame && frame->armed != 0 ? frame : std::nullopt;
+    return frame && frame->armed != 0 && frame->guard == wish_.guard ? frame : std::nullopt;
   });
   if (!ready)
     return fail(Fault::device, "the guard has not begun within {} s", start_patience.count());
   armed_ = true;
+  stop_asked_ = false;
+  silent_ticks_ = 0;
+  last_ = {};
   return {};
 }
 
+void LinkedRobot::rest() noexcept {
+  armed_ = false;
+  ++wish_.guard;
+  link_.write(wish_);
+}
+
 Result<void> LinkedRobot::stand_ready(const robot::ReadyPose& pose) {
-  ++wish_;
-  link_.write(wire::to_frame(pose, wish_));
+  const std::uint64_t guard = wish_.guard;
+  wish_ = wire::to_frame(pose, wish_.number + 1);
+  wish_.guard = guard;
+  link_.write(wish_);
   const auto stands = link_.wait_for(steady_clock::now() + start_patience, [&]() {
     const auto frame = link_.sensors();
-    return frame && frame->stands == wish_ ? frame : std::nullopt;
+    return frame && frame->stands == wish_.number ? frame : std::nullopt;
   });
   if (stands) return {};
   return fail(Fault::device, "the robot does not stand ready after {} s", start_patience.count());

@@ -11,7 +11,7 @@ namespace tuina::link {
 
 /// The robot and its guard when both are processes of their own: what the session reads the drives
 /// sent, and what it proposes goes to the guard, which tells the drives. It is real-time after
-/// `stand_ready`.
+/// `stand_ready`, but for `arm`.
 class LinkedRobot final : public robot::Robot, public Supervisor {
  public:
   /// `start_guard` starts the process that is to guard with this arming; it need not wait for it.
@@ -20,8 +20,11 @@ class LinkedRobot final : public robot::Robot, public Supervisor {
   /// Tells the drives that the session is over.
   ~LinkedRobot() override;
 
-  /// Once: a guard in its own process ends with the massage that it was armed for.
+  /// Once for each rest: a guard in its own process ends with the massage that it was armed for,
+  /// and the next massage has a new one.
   [[nodiscard]] Result<void> arm(const Arming& arming) override;
+  /// The guard ends, and the drives hold the arms until the next one has come.
+  void rest() noexcept override;
   /// A guard that gives no answer is told as a stop, of both arms, after 20 ms; the drives brake by
   /// themselves then.
   [[nodiscard]] safety::RobotVerdict check(const robot::RobotReading& reading,
@@ -41,7 +44,7 @@ class LinkedRobot final : public robot::Robot, public Supervisor {
   Pace pace_;
   std::function<Result<void>(const Arming&)> start_guard_;
   bool armed_ = false, stop_asked_ = false;
-  std::uint64_t wish_ = 0;
+  wire::StandFrame wish_;
   std::optional<std::uint64_t> last_tick_;
   int silent_ticks_ = 0;
   safety::RobotVerdict last_;

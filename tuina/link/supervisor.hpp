@@ -17,6 +17,8 @@ class Supervisor {
   /// Only after `arm`. Real-time.
   [[nodiscard]] virtual safety::RobotVerdict check(
       const robot::RobotReading& reading, const safety::RobotProposal& proposal) noexcept = 0;
+  /// The arms have come home and are not driven until the next `arm`.
+  virtual void rest() noexcept = 0;
   /// Somebody has told the controller to stop.
   virtual void expect_stop() noexcept = 0;
 
@@ -36,6 +38,7 @@ class OwnSupervisor final : public Supervisor {
       const robot::RobotReading& reading, const safety::RobotProposal& proposal) noexcept override {
     return guard_->check(reading, proposal);
   }
+  void rest() noexcept override {}
   void expect_stop() noexcept override { guard_->expect_stop(); }
 
  private:

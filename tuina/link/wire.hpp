@@ -14,7 +14,7 @@
 // layout; `layout` changes with it.
 namespace tuina::link::wire {
 
-inline constexpr std::uint64_t layout = 0x7475'696e'6100'0001;  // "tuina", version 1
+inline constexpr std::uint64_t layout = 0x7475'696e'6100'0002;  // "tuina", version 2
 
 inline constexpr std::uint64_t no_tick = ~std::uint64_t{0};
 
@@ -55,6 +55,9 @@ struct ProposalFrame {
 /// What a session asks of the drives before its first millisecond and after its last.
 struct StandFrame {
   std::uint64_t number = 0;  ///< a new one for each wish
+  /// Which guard of this session is to judge: 0 is the first, and each rest of the arms asks for a
+  /// new one. Until it has come, the drives hold the arms and wait.
+  std::uint64_t guard = 0;
   double rail_m = 0.0;
   std::array<Joints, 2> q_rad = {};
   std::uint8_t ends = 0;  ///< the session is over
@@ -66,7 +69,8 @@ struct DrivenArm {
 };
 struct DriveFrame {
   std::uint64_t answers_tick = 0;
-  std::uint64_t armed = 0;  ///< number of the guard that wrote this; 0: there was none yet
+  std::uint64_t armed = 0;  ///< number of the process that wrote this; 0: there was none yet
+  std::uint64_t guard = 0;  ///< which guard of the session it is
   double rail_m = 0.0;
   std::array<DrivenArm, 2> arms = {};
 };

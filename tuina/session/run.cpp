@@ -162,6 +162,7 @@ Result<Session> run(Devices devices, const Order& order, const Config& config, O
     if (!wants_scan) return tl::unexpected(wants_scan.error());
     if (!*wants_scan) break;
     performed.set_aside(session);
+    devices.supervisor->rest();
     const auto again =
         session.rescans_s.size() < max_rescans
             ? prepare(devices, order, config, observer, rail_m, performed.done(), session)
