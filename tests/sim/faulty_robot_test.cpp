@@ -113,4 +113,7 @@ TEST_CASE("drives turn torques weak, round or noisy, and dead guards command not
   CHECK((noisy.array() != 3.0).all());
   CHECK(noisy.mean() == doctest::Approx(3.0).epsilon(0.5));
   CHECK(applied({.kind = RobotFault::commands_lost}).applied == 0);
+  const TimedFault hot = {.kind = RobotFault::drives_fade, .size = 0.5, .onset_s = -2.0};
+  CHECK(applied(hot).last.torque_nm[Arm::left][0] == 1.5);
+  CHECK(applied(hot).last.torque_nm[Arm::right][0] == 3.0);
 }

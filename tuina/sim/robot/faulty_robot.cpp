@@ -121,6 +121,8 @@ void FaultyRobot::apply(const robot::RobotCommand& command) noexcept {
     if (fault.kind == RobotFault::commands_lost) return;
     if (fault.kind == RobotFault::drive_gain && fault.part < torque_nm.size())
       torque_nm[fault.part] *= fault.size;
+    if (fault.kind == RobotFault::drives_fade)
+      torque_nm *= 1.0 - (1.0 - fault.size) * std::clamp(time_s_ - fault.onset_s, 0.0, 1.0);
     if (fault.kind != RobotFault::drive_noise) continue;
     for (Eigen::Index i = 0; i < torque_nm.size(); ++i)
       torque_nm[i] += gaussian(random_, fault.size);

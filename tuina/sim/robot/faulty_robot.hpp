@@ -25,6 +25,7 @@ enum class RobotFault : std::uint8_t {
   encoder_nan,
   drive_gain,        ///< `size` times the torque: 0 is a dead joint, -1 a reversed one
   drive_noise,       ///< a deviation of `size` Nm in every joint
+  drives_fade,       ///< every joint gives less, down to `size` times its torque in a second
   clock_stopped,     ///< time and stamps stand still, ticks go on
   clock_jump,        ///< time and stamps `size` s later
   stall,             ///< nobody runs: the next reading is the one after `duration_s`
