@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <set>
 
 #include "apps/evaluation/safety/judge.hpp"
 #include "apps/evaluation/safety/report.hpp"
 #include "tests/reason.hpp"
+#include "tuina/core/io/file.hpp"
 #include "tuina/safety/guard.hpp"
 
 using namespace tuina;
@@ -61,6 +63,39 @@ TEST_CASE("a dozen cells of the campaign keep all that is promised") {
   }
 }
 
+TEST_CASE(
+    "the worst trials that a search has found keep their bounds, or are the ones known not to") {
+  const auto json =
+      read_file(std::filesystem::path(TUINA_SOURCE_DIR) / "tests/whole/worst_trials.json");
+  REQUIRE(json.has_value());
+  const auto worst = parse_worst(*json, sites());
+  REQUIRE_MESSAGE(worst.has_value(), test::reason(worst));
+  CHECK(worst->size() >= 40);
+  for (const WorstTrial& one : *worst) {
+    INFO(one.fault->name << ", " << name_of(one.plan.stage) << ", " << one.plan.site->name);
+    const auto outcome = run_trial(one.plan);
+    REQUIRE_MESSAGE(outcome.has_value(), test::reason(outcome));
+    // What is not bounded is named in docs/safety.md with its force, and must not grow unseen.
+    const double max_n = one.holds() ? one.allowed_n : 1.1 * one.worst_force_n;
+    CHECK(outcome->worst_force_n <= max_n);
+  }
+}
+
+TEST_CASE("a search finds no less than its own first trials, and the same for the same seed") {
+  const auto few = search_worst(sites(), "starts up", 6, 3, {});
+  const auto many = search_worst(sites(), "starts up", 14, 3, {});
+  REQUIRE_MESSAGE(few.has_value(), test::reason(few));
+  REQUIRE_MESSAGE(many.has_value(), test::reason(many));
+  CHECK(many->front().worst_force_n >= few->front().worst_force_n);
+  const auto read = parse_worst(to_json(*many), sites());
+  REQUIRE_MESSAGE(read.has_value(), test::reason(read));
+  CHECK(run_trial(read->front().plan)->worst_force_n == many->front().worst_force_n);
+  const auto refused =
+      parse_worst(R"([{"class": "hail", "place": "roof", "stage": "idle"}])", sites());
+  REQUIRE_FALSE(refused.has_value());
+  CHECK(refused.error().message == "trial 1: there is no `hail` at `roof`");
+}
+
 TEST_CASE("a whole trial goes from the travel to the way out, and its fault comes in time") {
   const Site& site = sites()[2];
   const auto clean = run_trial({.site = &site, .whole = true});
@@ -105,17 +140,13 @@ TEST_CASE(
   CHECK(campaign_cells(sites(), false, 1).size() >= 500);
 }
 
-TEST_CASE("a tool presses only where a person may be pressed, the folded arm heavier than others") {
-  double low_kg = 0.0, others_kg = 0.0;
+TEST_CASE("a tool presses only where a person may be pressed, with an arm that is planned light") {
   for (const Site& site : sites()) {
     CAPTURE(site.name);
     CHECK(site.force_n > 0.0);
     CHECK(site.zone != safety::Zone::bench);
-    const bool low = site.spot == "low" || site.spot == "midline";
-    double& heaviest = low ? low_kg : others_kg;
-    heaviest = std::max(heaviest, site.apparent_mass_kg);
+    CHECK(site.apparent_mass_kg < 4.5);
   }
-  CHECK(low_kg > others_kg);
 }
 
 TEST_CASE("the bound of a share: none in n leaves 1 - 0.05^(1/n), all leave everything") {

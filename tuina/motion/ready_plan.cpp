@@ -91,9 +91,10 @@ Result<ReadyPlan> make_ready(massage::Plan plan, const body::BackSurface& back,
       offer(dexterous_m + aside_m);
   }
   std::optional<TwoArmSchedule> best;
-  const auto perfect = [&] { return best && best->left_out == 0 && best->lowered_n == 0.0; };
+  constexpr double worth_n = 10.0;  // given up by all paths together; a stand costs a whole plan
+  const auto suits = [&] { return best && best->left_out == 0 && best->lowered_n < worth_n; };
   // The first place nearly always suffices; the others are tried two at a time.
-  for (std::size_t next = 0; next < stands_m.size() && !perfect();) {
+  for (std::size_t next = 0; next < stands_m.size() && !suits();) {
     std::vector<std::optional<TwoArmSchedule>> tried(
         std::min<std::size_t>(next == 0 ? 1 : 2, stands_m.size() - next));
     for_each_in_parallel(tried.size(), [&](std::size_t i) {

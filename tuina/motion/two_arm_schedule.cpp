@@ -58,14 +58,15 @@ massage::PlannedPath TwoArmSchedule::bearable(const massage::PlannedPath& planne
   massage::PlannedPath path = planned;
   double planned_n = 0.0;
   for (const ContactPoint& point : path.path.points) planned_n = std::max(planned_n, point.force_n);
-  path.cap_n = max_pressing_n(mass_kg, path.zone, path.cap_n);
-  for (ContactPoint& point : path.path.points) point.force_n = std::min(point.force_n, path.cap_n);
-  if (planned_n <= path.cap_n) return path;
-  lowered_n += planned_n - path.cap_n;
+  const double max_n = max_pressing_n(mass_kg, path.zone, std::max(planned_n, path.cap_n));
+  path.cap_n = std::min(path.cap_n, max_n);
+  if (planned_n <= max_n) return path;
+  for (ContactPoint& point : path.path.points) point.force_n = std::min(point.force_n, max_n);
+  lowered_n += planned_n - max_n;
   std::string note = fmt::format(
       "{}: {:.0f} N instead of {:.0f} N: the arm is felt as {:.1f} kg there, too heavy for a "
       "person who starts up",
-      path.path.name, path.cap_n, planned_n, mass_kg);
+      path.path.name, max_n, planned_n, mass_kg);
   if (std::find(notes.begin(), notes.end(), note) == notes.end()) notes.push_back(std::move(note));
   return path;
 }

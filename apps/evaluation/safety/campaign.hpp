@@ -4,7 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "apps/evaluation/safety/trial.hpp"
+#include "apps/evaluation/safety/search.hpp"
+#include "apps/evaluation/safety/sessions.hpp"
 #include "tuina/core/progress.hpp"
 
 namespace tuina::app {
@@ -35,13 +36,16 @@ struct RandomTrial {
   }
 };
 
+/// How many of each; a campaign may be made in parts, with other seeds.
 struct CampaignOrder {
   bool full = false;
   std::uint64_t seed = 1;
-  std::string only = {};  ///< the cells of this class, and nothing else
+  std::string only = {};  ///< the cells or the search of this class, and nothing else
+  bool cells = true;      ///< those of the table, pairs of faults, scans and sessions
   std::size_t random_trials = 300;
-  std::size_t clean_runs = 10;
-  double clean_press_s = 30.0;  ///< of each
+  std::size_t clean_runs = 10;  ///< presses of half a minute
+  std::size_t clean_sessions = 0, people = 0;
+  std::size_t search_trials = 0;  ///< of each class
 };
 [[nodiscard]] CampaignOrder campaign_order(bool full, const std::string& only, std::uint64_t seed);
 
@@ -50,8 +54,15 @@ struct Campaign {
   std::vector<Site> sites;
   std::vector<CampaignCell> cells;
   std::vector<FaultPair> pairs;
+  std::vector<SessionCell> sessions;  ///< scans too
   std::vector<RandomTrial> random;
-  int false_stops = 0;  ///< in runs without a fault, and in others before it came
+  std::vector<TrialOutcome> clean;
+  std::vector<CleanSession> clean_sessions;
+  std::vector<PersonRun> people;
+  std::vector<WorstTrial> worst;
+
+  /// Of runs without a fault, of others before it came, and of people who breathe or shift.
+  [[nodiscard]] std::size_t false_stops() const;
 
   [[nodiscard]] std::size_t violations() const;
   [[nodiscard]] double violation_bound() const;  ///< 95 %, of a random trial

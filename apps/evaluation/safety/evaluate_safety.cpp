@@ -20,12 +20,21 @@ class EvaluateSafety final : public Verb {
   }
   void describe(Options& options) override {
     options.flag("--full", full_,
-                 "every place for every class, 3000 random trials, ten clean runs of 20 "
-                 "minutes: half an hour");
+                 "every place for every class, 3000 random trials, 300 people, ten clean sessions "
+                 "of 20 minutes: hours");
     std::vector<std::string> names;
     for (const FaultClass& fault : fault_classes()) names.push_back(fault.name);
-    options.add("--only", only_, "the cells of one class").one_of(names);
-    options.add("--out", out_, "a folder for the page safety.html; made if need be");
+    options.add("--only", only_, "the cells, or the search, of one class").one_of(names);
+    const auto part = [&](const char* option, std::uint64_t& count, const char* what) {
+      options.add(option, count, std::string("this and nothing else: ") + what).between(1, 100'000);
+    };
+    part("--random", random_, "random faults at random moments; other seeds are other trials");
+    part("--clean", clean_, "whole sessions of 20 minutes without a fault");
+    part("--people", people_, "people who breathe deeply, cough and shift");
+    part("--search", search_, "trials of each class that seek its largest force");
+    options.add("--out", out_,
+                "a folder for the page safety.html and for what a search found, worst_trials.json; "
+                "made if need be");
   }
 
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
@@ -34,8 +43,16 @@ class EvaluateSafety final : public Verb {
       std::filesystem::create_directories(out_, error);
       if (error) return fail(Fault::file, "the folder {}: {}", out_, error.message());
     }
-    const auto campaign =
-        run_campaign(campaign_order(full_, only_, common.seed), progress_bar(common, "safety"));
+    CampaignOrder order = campaign_order(full_, only_, common.seed);
+    if (random_ + clean_ + people_ + search_ > 0) {
+      order.cells = false;
+      order.clean_runs = 0;
+      order.random_trials = random_;
+      order.clean_sessions = clean_;
+      order.people = people_;
+      order.search_trials = search_;
+    }
+    const auto campaign = run_campaign(order, progress_bar(common, "safety"));
     if (!campaign) return tl::unexpected(campaign.error());
     if (!out_.empty()) {
       const auto page = page_of(*campaign);
@@ -43,11 +60,18 @@ class EvaluateSafety final : public Verb {
       const auto path = std::filesystem::path(out_) / "safety.html";
       if (auto written = write_file(path, *page); !written) return tl::unexpected(written.error());
     }
-    return Answer{.json = to_json(*campaign), .text = to_text(*campaign)};
+    const std::string json = to_json(*campaign);
+    if (!out_.empty() && !campaign->worst.empty()) {
+      const auto path = std::filesystem::path(out_) / "worst_trials.json";
+      if (auto written = write_file(path, to_json(campaign->worst) + "\n"); !written)
+        return tl::unexpected(written.error());
+    }
+    return Answer{.json = json, .text = to_text(*campaign)};
   }
 
  private:
   bool full_ = false;
+  std::uint64_t random_ = 0, clean_ = 0, people_ = 0, search_ = 0;
   std::string only_, out_;
 };
 

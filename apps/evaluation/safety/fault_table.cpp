@@ -14,13 +14,14 @@ using sim::RobotFault;
 const std::vector<Stage> near_skin = {Stage::approach, Stage::contact, Stage::retract};
 const std::vector<Stage> moving = {Stage::travel, Stage::approach, Stage::contact, Stage::retract};
 const std::vector<Stage> in_contact = {Stage::contact};
+const std::vector<Stage> in_the_air = {Stage::idle, Stage::travel};
 
 Injection on_robot(const sim::TimedFault& fault) {
   return {.robot = fault};
 }
 
-Injection mad(Madness madness, double size_n = 0.0, double hz = 0.0) {
-  return {.madness = madness, .size_n = size_n, .hz = hz};
+Injection mad(Madness madness, double size = 0.0, double hz = 0.0) {
+  return {.madness = madness, .size = size, .hz = hz};
 }
 
 /// Axis 0 of the wrist sensor is the tool's shaft: pressed, it reads negative, so that a positive
@@ -108,6 +109,11 @@ std::vector<FaultClass> joint_classes() {
        .name = "drive dead",
        .injection = on_robot({.kind = RobotFault::drive_gain, .size = 0.0}),
        .promise = {.highest_n = 75.0, .act_ms = 15.0}},
+      {.number = 43,
+       .name = "drives grow hot",
+       .injection = on_robot({.kind = RobotFault::drives_fade, .size = 0.5}),
+       .promise = {.highest_n = 75.0, .act_ms = 1000.0},
+       .watched_s = 3.0},
       {.number = 9,
        .name = "drives noisy",
        .injection = on_robot({.kind = RobotFault::drive_noise, .size = 1.0}),
@@ -188,6 +194,10 @@ std::vector<FaultClass> controller_classes() {
        .name = "repeats itself",
        .injection = mad(Madness::stale_repeat),
        .promise = {.over_set_n = 3.0, .act_ms = 10.0}},
+      {.number = 20,
+       .name = "joint pushed to its end",
+       .injection = mad(Madness::joint_push, 20.0),
+       .promise = {.highest_n = 75.0, .apart_mm = 5.0}},
       {.number = 12,
        .name = "controller killed",
        .injection = mad(Madness::killed),
@@ -196,6 +206,12 @@ std::vector<FaultClass> controller_classes() {
        .name = "guard killed",
        .injection = on_robot({.kind = RobotFault::commands_lost}),
        .promise = {.act_ms = 25.0}},
+      // The guard gives the controller 300 ms to let go by itself.
+      {.number = 37,
+       .name = "asked to stop, controller deaf",
+       .injection = {.stop_ignored = true},
+       .promise = {.over_set_n = 2.0, .act_ms = 350.0, .released_ms = 600.0},
+       .stages = in_contact},
       {.number = 23,
        .name = "estimate not a number",
        .injection = mad(Madness::bad_tissue),
@@ -204,6 +220,50 @@ std::vector<FaultClass> controller_classes() {
       {.number = 40,
        .name = "power lost",
        .injection = {.power_lost = true},
+       .promise = {.act_ms = 52.0, .further_mm = 5.0}},
+  };
+}
+
+/// What an arm meets in its room, tools that are not those of the table, and the button on the
+/// wall.
+std::vector<FaultClass> room_classes() {
+  const auto strays = [](Stray stray) { return Injection{.stray = stray}; };
+  const Promise refused = {.highest_n = 1.0, .act_ms = 100.0};
+  return {
+      {.number = 19,
+       .name = "other arm comes",
+       .injection = strays(Stray::other_arm),
+       .promise = {.apart_mm = 10.0},
+       .watched_s = 5.0},
+      {.number = 20,
+       .name = "sent into the robot's body",
+       .injection = strays(Stray::own_body),
+       .promise = {.apart_mm = 5.0},
+       .stages = in_the_air,
+       .watched_s = 5.0},
+      {.number = 20,
+       .name = "sent into the couch",
+       .injection = strays(Stray::couch),
+       .promise = {.apart_mm = 5.0},
+       .stages = in_the_air,
+       .watched_s = 5.0},
+      {.number = 24,
+       .name = "tool 0.5 kg heavier",
+       .injection = {.tool_kg = 0.5},
+       .promise = refused,
+       .stages = {Stage::idle},
+       .whole = true,
+       .watched_s = 6.0},
+      {.number = 24,
+       .name = "tool lost",
+       .injection = {.tool_kg = -0.15},
+       .promise = refused,
+       .stages = {Stage::idle},
+       .whole = true,
+       .watched_s = 6.0},
+      {.number = 44,
+       .name = "emergency stop",
+       .injection = {.emergency_stop = true},
        .promise = {.act_ms = 52.0, .further_mm = 5.0}},
   };
 }
@@ -264,8 +324,8 @@ std::vector<FaultClass> person_classes() {
 const std::vector<FaultClass>& fault_classes() {
   static const std::vector<FaultClass> all = [] {
     std::vector<FaultClass> classes;
-    for (auto& part :
-         {wrist_classes(), joint_classes(), time_classes(), controller_classes(), person_classes()})
+    for (auto& part : {wrist_classes(), joint_classes(), time_classes(), controller_classes(),
+                       room_classes(), person_classes()})
       classes.insert(classes.end(), part.begin(), part.end());
     return classes;
   }();

@@ -29,7 +29,11 @@ enum class Madness : std::uint8_t {
   stale_repeat,  ///< the last proposal for ever
   killed,        ///< no proposal
   bad_tissue,    ///< the estimate that it is fed is no number
+  joint_push,    ///< `size` Nm more in one joint, towards its end
 };
+
+/// Where a controller sends an arm that has no business there.
+enum class Stray : std::uint8_t { none, other_arm, own_body, couch };
 
 /// A person who moves along the normal of the skin, outward positive.
 struct PersonMove {
@@ -41,11 +45,15 @@ struct PersonMove {
 struct Injection {
   std::optional<sim::TimedFault> robot = {};
   Madness madness = Madness::none;
-  double size_n = 0.0, hz = 0.0;  ///< of the madness
+  double size = 0.0, hz = 0.0;  ///< of the madness
   std::optional<PersonMove> person = {};
   sim::Breathing breathing = {};  ///< beside the usual; from the beginning on
   double hand_inward_n = 0.0, hand_aside_n = 0.0;
   bool power_lost = false;
+  bool emergency_stop = false;  ///< neither arm has power any more
+  bool stop_ignored = false;    ///< somebody asks for a stop, and the controller goes on
+  Stray stray = Stray::none;    ///< of the arm that works; `other_arm`: the other one comes to it
+  double tool_kg = 0.0;         ///< heavier than the table says; from the beginning on
   double harder = 1.0;  ///< the tissue from 5 mm beside the place on, against that of the place
   bool bone_beside = false;
 };
@@ -67,6 +75,7 @@ struct Promise {
   std::optional<double> rmse_n = {};       ///< error of the force while it goes on
   std::optional<double> further_mm = {};   ///< way of the tool into the body
   std::optional<double> released_ms = {};  ///< contact is over
+  std::optional<double> apart_mm = {};     ///< distance that arms, couch and robot's body keep
 };
 
 struct FaultClass {
@@ -77,6 +86,7 @@ struct FaultClass {
   std::vector<Stage> stages = {Stage::idle, Stage::travel, Stage::approach, Stage::contact,
                                Stage::retract};
   bool strokes = false;  ///< in contact the tool slides along the skin
+  bool whole = false;    ///< the arm goes on to press, if nobody stops it
   double watched_s = 2.0;
 };
 

@@ -24,6 +24,9 @@ void judge_force(const Promise& promise, const TrialOutcome& outcome,
   if (promise.further_mm && 1e3 * outcome.further_m > *promise.further_mm)
     broken.push_back(fmt::format("{:.1f} mm further into the body, {:g} allowed",
                                  1e3 * outcome.further_m, *promise.further_mm));
+  if (promise.apart_mm && 1e3 * outcome.apart_m < *promise.apart_mm)
+    broken.push_back(fmt::format("{:.0f} mm from what it must not touch, {:g} wanted",
+                                 1e3 * outcome.apart_m, *promise.apart_mm));
   if (promise.rmse_n && !outcome.stopped && outcome.rmse_n > *promise.rmse_n)
     broken.push_back(
         fmt::format("force {:.1f} N rms off, {:g} allowed", outcome.rmse_n, *promise.rmse_n));

@@ -85,6 +85,7 @@ std::string force_plot(const Campaign& campaign) {
                                        {"encoder frozen", "joints"},
                                        {"stall of 2 ms", "time"},
                                        {"torque not a number", "controller, power"},
+                                       {"other arm comes", "room"},
                                        {"breathes deeply", "person"}}) {
       if (classes[i]->name == first) plot.marks.push_back({static_cast<double>(i) + 0.5, group});
     }
@@ -140,8 +141,14 @@ std::vector<const CampaignCell*> worst_cells(const Campaign& campaign) {
   return worst;
 }
 
-Result<std::string> curve_plot(const std::vector<const CampaignCell*>& worst) {
-  Plot plot{.title = "the worst cells",
+/// A trial to be run again for its curve.
+struct Curve {
+  std::string name;
+  TrialPlan plan;
+};
+
+Result<std::string> curve_plot(const char* title, std::vector<Curve> worst) {
+  Plot plot{.title = title,
             .x_label = "ms since the onset",
             .y_label = "true force, N",
             .x_low = 0.0,
@@ -150,15 +157,13 @@ Result<std::string> curve_plot(const std::vector<const CampaignCell*>& worst) {
             .y_high = shown_n,
             .height_px = 420};
   plot.series = {level(seldom_n, 0.0, shown_ms), level(never_n, 0.0, shown_ms)};
-  const std::size_t shown = std::min(curves, worst.size());
-  for (std::size_t i = 0; i < shown; ++i) {
-    TrialPlan plan = worst[i]->plan;
-    plan.traced = true;
-    const auto outcome = run_trial(plan);
+  if (worst.size() > curves) worst.resize(curves);
+  for (std::size_t i = 0; i < worst.size(); ++i) {
+    worst[i].plan.traced = true;
+    const auto outcome = run_trial(worst[i].plan);
     if (!outcome) return tl::unexpected(outcome.error());
-    const double share = static_cast<double>(i) / static_cast<double>(shown);
-    Series line{.name = fmt::format("{}, {}", worst[i]->fault->name, state_of(*worst[i])),
-                .colour = telemetry::hardness_colour(0.15 + 0.85 * share)};
+    const double share = static_cast<double>(i) / static_cast<double>(worst.size());
+    Series line{.name = worst[i].name, .colour = telemetry::hardness_colour(0.15 + 0.85 * share)};
     for (const TrialSample& sample : outcome->trace) {
       line.x.push_back(1e3 * sample.since_onset_s);
       line.y.push_back(std::min(sample.true_force_n, shown_n));
@@ -166,6 +171,20 @@ Result<std::string> curve_plot(const std::vector<const CampaignCell*>& worst) {
     plot.series.push_back(std::move(line));
   }
   return telemetry::to_svg(plot);
+}
+
+std::vector<Curve> curves_of(const std::vector<const CampaignCell*>& worst) {
+  std::vector<Curve> all;
+  for (const CampaignCell* cell : worst)
+    all.push_back({fmt::format("{}, {}", cell->fault->name, state_of(*cell)), cell->plan});
+  return all;
+}
+
+std::vector<Curve> curves_of(const std::vector<WorstTrial>& worst) {
+  std::vector<Curve> all;
+  for (const WorstTrial& one : worst)
+    all.push_back({fmt::format("{}, {}", one.fault->name, name_of(one.plan.stage)), one.plan});
+  return all;
 }
 
 /// A line for each class that breaks a promise: in how many cells, and what the worst of them did.
@@ -187,16 +206,8 @@ std::vector<std::string> unbounded(const Campaign& campaign,
   return lines;
 }
 
-}  // namespace
-
-Result<std::string> page_of(const Campaign& campaign) {
-  telemetry::Page page({.title = "Fault campaign",
-                        .over = "tuina evaluate safety",
-                        .badges = {"simulation"},
-                        .heading = "What faults do to a person under the tool",
-                        .lead = summary_of(campaign),
-                        .footer = fmt::format("seed {}, {} form", campaign.order.seed,
-                                              campaign.order.full ? "full" : "quick")});
+/// All that comes of the table of cells.
+Result<void> add_cells(const Campaign& campaign, telemetry::Page& page) {
   const auto worst = worst_cells(campaign);
   page.section("Margins",
                "The worst of a class in a state, over people, positions and arms. Blank: not "
@@ -211,11 +222,8 @@ Result<std::string> page_of(const Campaign& campaign) {
   telemetry::Part& not_bounded = page.section("What is not bounded");
   if (worst.empty()) not_bounded.calm("All promises are kept.");
   for (const std::string& line : unbounded(campaign, worst)) not_bounded.alarm(line);
-  not_bounded.note(
-      "Not tried here: faults of scanner, files, network and disk, tools that are exchanged, scans "
-      "of somebody else, two arms on one course, and joints at their limits.");
   if (!worst.empty()) {
-    const auto curve = curve_plot(worst);
+    const auto curve = curve_plot("the worst cells", curves_of(worst));
     if (!curve) return tl::unexpected(curve.error());
     page.section("The worst cells", "One of each class, the ten that go farthest beyond.")
         .figure(*curve);
@@ -230,6 +238,42 @@ Result<std::string> page_of(const Campaign& campaign) {
                "people of that build.")
       .folded("places", places)
       .folded("every broken promise", broken);
+  return {};
+}
+
+}  // namespace
+
+Result<std::string> page_of(const Campaign& campaign) {
+  telemetry::Page page({.title = "Fault campaign",
+                        .over = "tuina evaluate safety",
+                        .badges = {"simulation"},
+                        .heading = "What faults do to a person under the tool",
+                        .lead = summary_of(campaign),
+                        .footer = fmt::format("seed {}, {} form", campaign.order.seed,
+                                              campaign.order.full ? "full" : "quick")});
+  if (!campaign.cells.empty())
+    if (auto added = add_cells(campaign, page); !added) return tl::unexpected(added.error());
+  if (!campaign.worst.empty()) {
+    const auto curve = curve_plot("the worst of the search", curves_of(campaign.worst));
+    if (!curve) return tl::unexpected(curve.error());
+    page.section("Sought on purpose",
+                 "A search varies size, moment, direction, place, tissue, friction and posture of "
+                 "each fault for the largest true force; the worst of each class.")
+        .figure(*curve)
+        .table(worst_table(campaign));
+  }
+  if (!campaign.sessions.empty())
+    page.section("Scans and sessions",
+                 "What goes wrong with a whole scan or session. An acupoint may be 15 mm off, or "
+                 "the scan has to be refused.")
+        .table(session_table(campaign));
+  if (const auto people = people_table(campaign); !people.rows.empty())
+    page.section(
+            "Nobody is stopped for nothing",
+            "People who breathe up to 12 mm deep, cough, shift, and whole sessions; a cough may "
+            "end a massage, breath and shifting must not.")
+        .table(people);
+  page.section("Not in this campaign").table(elsewhere_table());
   return page.str();
 }
 

@@ -5,14 +5,18 @@
 #include <signal.h>
 #include <spawn.h>
 #include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <csignal>
 #include <cstring>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <thread>
 
@@ -33,6 +37,7 @@ constexpr double let_go_n = 0.5;
 constexpr double max_release_ms = 600.0, max_force_n = 90.0;
 constexpr std::uint64_t watched_ticks = 1500;  // after the blow
 constexpr auto patience = 120s;                // for the scan, the plan and the first contact
+constexpr auto session_patience = 600s;        // for a whole one
 
 /// A process that is killed with the one that has started it.
 class Child {
@@ -55,12 +60,17 @@ class Child {
   Child& operator=(const Child&) = delete;
   [[nodiscard]] pid_t process() const { return process_; }
   [[nodiscard]] bool ended() {
-    if (process_ != 0 && waitpid(process_, nullptr, WNOHANG) == process_) process_ = 0;
+    if (process_ != 0 && waitpid(process_, &status_, WNOHANG) == process_) process_ = 0;
     return process_ == 0;
+  }
+  /// True when it has ended by itself and has said that something is wrong.
+  [[nodiscard]] bool complained() const {
+    return process_ == 0 && WIFEXITED(status_) && WEXITSTATUS(status_) != 0;
   }
 
  private:
   pid_t process_ = 0;
+  int status_ = 0;
 };
 
 /// Looks at the true force of the newest millisecond that can be seen.
@@ -128,6 +138,62 @@ std::optional<Onlooker> look_at(const std::string& name) {
   return Onlooker(std::move(*link), std::move(*truth));
 }
 
+/// Busy processes, as long as it lives.
+class Hogs {
+ public:
+  explicit Hogs(unsigned count) {
+    for (unsigned i = 0; i < count; ++i) {
+      const pid_t hog = fork();
+      if (hog == 0) {
+        prctl(PR_SET_PDEATHSIG, SIGKILL);
+        for (volatile unsigned turns = 0;;) turns = turns + 1;
+      }
+      if (hog > 0) hogs_.push_back(hog);
+    }
+  }
+  ~Hogs() {
+    for (const pid_t hog : hogs_) {
+      kill(hog, SIGKILL);
+      waitpid(hog, nullptr, 0);
+    }
+  }
+  Hogs(const Hogs&) = delete;
+  Hogs& operator=(const Hogs&) = delete;
+
+ private:
+  std::vector<pid_t> hogs_;
+};
+
+/// A blow to a process; hogs live as long as what is given back.
+std::unique_ptr<Hogs> strike(Blow blow, pid_t victim) {
+  constexpr rlimit nothing = {.rlim_cur = 0, .rlim_max = 0};
+  switch (blow) {
+    case Blow::kill:
+      kill(victim, SIGKILL);
+      return nullptr;
+    case Blow::stop:
+      kill(victim, SIGSTOP);
+      return nullptr;
+    case Blow::crash:
+      kill(victim, SIGSEGV);
+      return nullptr;
+    case Blow::no_memory:
+      prlimit(victim, RLIMIT_AS, &nothing, nullptr);
+      return nullptr;
+    case Blow::disk_full:
+      prlimit(victim, RLIMIT_FSIZE, &nothing, nullptr);
+      return nullptr;
+    case Blow::hogs:
+      return std::make_unique<Hogs>(2 * std::thread::hardware_concurrency());
+  }
+  return nullptr;
+}
+
+/// Whether the controller cannot go on after a blow, so that the guard has to let go.
+bool ends_controller(const ProcessTrial& trial) {
+  return trial.victim == Victim::controller && trial.blow <= Blow::crash;
+}
+
 /// Waits until a tool has pressed for some time; the force then.
 std::optional<Onlooker::Sight> wait_for_contact(Onlooker& onlooker) {
   std::uint64_t light_tick = 0;  // the last in which no tool pressed
@@ -160,17 +226,31 @@ void watch(Onlooker& onlooker, const Onlooker::Sight& blow, ProcessOutcome& outc
 }  // namespace
 
 const char* name_of(Blow blow) {
-  constexpr std::array names = {"kill -9", "SIGSTOP", "segmentation fault"};
+  constexpr std::array names = {"kill -9",   "SIGSTOP",   "segmentation fault",
+                                "no memory", "disk full", "processors hogged"};
   return names[static_cast<std::size_t>(blow)];
 }
 
 const char* name_of(Victim victim) {
-  return victim == Victim::guard ? "guard" : "controller";
+  constexpr std::array names = {"controller", "guard", "machine"};
+  return names[static_cast<std::size_t>(victim)];
+}
+
+const std::vector<ProcessBlow>& process_blows() {
+  static const std::vector<ProcessBlow> all = {
+      {Victim::controller, Blow::kill},      {Victim::controller, Blow::stop},
+      {Victim::controller, Blow::crash},     {Victim::controller, Blow::no_memory},
+      {Victim::controller, Blow::disk_full}, {Victim::guard, Blow::kill},
+      {Victim::guard, Blow::stop},           {Victim::guard, Blow::crash},
+      {Victim::guard, Blow::no_memory},      {Victim::machine, Blow::hogs}};
+  return all;
 }
 
 Result<ProcessOutcome> run_process_trial(const ProcessTrial& trial) {
   const std::string name = fmt::format("trial-{}-{}", getpid(), trial.seed);
   const std::string out = (std::filesystem::temp_directory_path() / ("tuina-" + name)).string();
+  // A process whose files may not grow is told so by its writes, not by a signal that ends it.
+  std::signal(SIGXFSZ, SIG_IGN);
   Child session({"tuina", "massage", "--quiet", "--processes", "--link", name, "--programme",
                  "lower_back", "--pace", trial.real_pace ? "real" : "max", "--seed",
                  fmt::format("{}", trial.seed), "--out", out});
@@ -186,18 +266,23 @@ Result<ProcessOutcome> run_process_trial(const ProcessTrial& trial) {
   if (!contact) return fail(Fault::device, "{}: the session never pressed", name);
 
   ProcessOutcome outcome{.trial = trial, .before_n = contact->force_n};
-  constexpr std::array signals = {SIGKILL, SIGSTOP, SIGSEGV};
   const pid_t guard = onlooker->guard();
-  const pid_t victim = trial.victim == Victim::guard ? guard : session.process();
-  kill(victim, signals[static_cast<std::size_t>(trial.blow)]);
+  const auto hogs = strike(trial.blow, trial.victim == Victim::guard ? guard : session.process());
   // On a busy machine the robot has gone on before the blow falls: time counts from the last
   // word, and the others wait two seconds for the next.
-  std::this_thread::sleep_for(300ms);
-  contact->tick = std::max(contact->tick, onlooker->last_word(trial.victim));
+  if (trial.blow <= Blow::crash) {
+    std::this_thread::sleep_for(300ms);
+    contact->tick = std::max(contact->tick, onlooker->last_word(trial.victim));
+  }
   watch(*onlooker, *contact, outcome);
   const bool released = outcome.released_ms >= 0.0 && outcome.released_ms <= max_release_ms;
   // Drives without a guard do not know the way out: the tool stays, held by nothing but brakes.
-  outcome.held = outcome.max_force_n <= max_force_n && (released || trial.victim == Victim::guard);
+  outcome.held = outcome.max_force_n <= max_force_n && (released || !ends_controller(trial));
+  if (trial.blow == Blow::disk_full) {
+    const auto end = steady_clock::now() + session_patience;
+    while (!session.ended() && steady_clock::now() < end) std::this_thread::sleep_for(20ms);
+    outcome.held = outcome.held && session.complained();
+  }
   for (const pid_t left : {guard, onlooker->robot()})
     if (left > 0) kill(left, SIGKILL);
   std::error_code ignored;

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "apps/cli/table.hpp"
 #include "apps/evaluation/safety/judge.hpp"
@@ -103,19 +104,140 @@ Table site_table(const Campaign& campaign) {
   return table;
 }
 
+Table session_table(const Campaign& campaign) {
+  Table table{.title = "Scans and sessions",
+              .columns = {{.head = "class", .key = "class"},
+                          {.head = "state", .key = "state"},
+                          {.head = "person", .key = "person"},
+                          {.head = "what became of it", .key = "found"},
+                          {.head = "", .key = "held"},
+                          {.head = "why", .key = "why"}}};
+  for (const SessionCell& cell : campaign.sessions) {
+    table.add({fmt::format("{} {}", cell.number, cell.name), cell.state, cell.person, cell.found,
+               cell.holds(), fmt::format("{}", fmt::join(cell.broken, "; "))});
+    table.rows.back().emphasised = !cell.holds();
+  }
+  return table;
+}
+
+Table worst_table(const Campaign& campaign) {
+  Table table{.title = "The worst that a search found",
+              .columns = {{.head = "class", .key = "class"},
+                          {.head = "state", .key = "state"},
+                          {.head = "place", .key = "place"},
+                          {.head = "apparent mass, kg", .key = "apparent_mass_kg", .digits = 1},
+                          {.head = "force, N", .key = "worst_force_n", .digits = 0},
+                          {.head = "allowed, N", .key = "allowed_n", .digits = 0},
+                          {.head = "", .key = "held"}}};
+  for (const WorstTrial& one : campaign.worst) {
+    table.add({titled(*one.fault), name_of(one.plan.stage), one.plan.site->name,
+               one.plan.site->apparent_mass_kg, one.worst_force_n, one.allowed_n, one.holds()});
+    table.rows.back().emphasised = !one.holds();
+  }
+  return table;
+}
+
+Table people_table(const Campaign& campaign) {
+  Table table{.title = "People without a fault",
+              .columns = {{.head = "what they do", .key = "does"},
+                          {.head = "people", .key = "people"},
+                          {.head = "stopped", .key = "stopped"},
+                          {.head = "force, N", .key = "worst_force_n", .digits = 0},
+                          {.head = "above what is set, N", .key = "worst_over_n", .digits = 0},
+                          {.head = "causes", .key = "causes"}}};
+  for (const char* does : {"breathes", "coughs", "shifts"}) {
+    int people = 0, stopped = 0;
+    double worst_n = 0.0, over_n = 0.0;
+    std::set<std::string> causes;
+    for (const PersonRun& one : campaign.people) {
+      if (one.does != does) continue;
+      ++people;
+      worst_n = std::max(worst_n, one.outcome.worst_force_n);
+      over_n = std::max(over_n, one.outcome.worst_force_n - one.outcome.set_force_n);
+      if (!one.outcome.stopped) continue;
+      ++stopped;
+      causes.insert(one.outcome.cause);
+    }
+    if (people > 0)
+      table.add(
+          {does, people, stopped, worst_n, over_n, fmt::format("{}", fmt::join(causes, ", "))});
+  }
+  if (campaign.clean_sessions.empty()) return table;
+  int stopped = 0;
+  double worst_n = 0.0;
+  std::set<std::string> causes;
+  for (const CleanSession& one : campaign.clean_sessions) {
+    stopped += one.stops.empty() ? 0 : 1;
+    worst_n = std::max(worst_n, one.max_force_n);
+    causes.insert(one.stops.begin(), one.stops.end());
+  }
+  table.add({"sessions of 20 minutes", static_cast<int>(campaign.clean_sessions.size()), stopped,
+             worst_n, std::numeric_limits<double>::quiet_NaN(),
+             fmt::format("{}", fmt::join(causes, ", "))});
+  return table;
+}
+
+Table elsewhere_table() {
+  Table table{.title = "Faults of the list that are held elsewhere, or have no surface",
+              .columns = {{.head = "fault", .key = "fault"}, {.head = "where", .key = "where"}}};
+  for (const auto& [fault, where] :
+       {std::pair{"29 wrong calibration",
+                  "refused when it is read: tests of scanner and calibration"},
+        {"30 hostile files",
+         "refused when they are read: tests/fuzz, tests/whole/bad_input_test.cpp"},
+        {"31 page closed, network gone", "no surface: nothing is served"},
+        {"32 network flood", "no surface"},
+        {"33, 34 strangers, foreign pages", "no surface"},
+        {"35 paths in exports", "no surface"},
+        {"36 two operators", "no surface: the keys of one terminal"},
+        {"37 stop during a scan", "no surface: keys are read once the arms move"},
+        {"38 disk full", "tuina evaluate processes"},
+        {"39 killed while it writes", "no database; a file is whole or not there: tests of core"},
+        {"42 memory, processors", "tuina evaluate processes"},
+        {"44 contacts of the stop bounce", "no surface: the chain is hardware"}})
+    table.add({fault, where});
+  return table;
+}
+
 std::string summary_of(const Campaign& campaign) {
   const auto failed = std::count_if(campaign.cells.begin(), campaign.cells.end(),
                                     [](const auto& cell) { return !cell.holds(); });
   const auto held = std::count_if(campaign.pairs.begin(), campaign.pairs.end(),
                                   [](const auto& pair) { return pair.holds(); });
-  return fmt::format(
-      "{} of {} cells keep all promises, {} of {} pairs of faults stay below {:.0f} N. {} of {} "
-      "random trials do what no fault may do: with 95 % confidence less than {:.2f} % of such "
-      "trials. The largest true force of all is {:.0f} N. Without a fault, or before it came, {} "
-      "runs were stopped.",
-      campaign.cells.size() - static_cast<std::size_t>(failed), campaign.cells.size(), held,
-      campaign.pairs.size(), double_fault_n, campaign.violations(), campaign.random.size(),
-      100.0 * campaign.violation_bound(), campaign.worst_force_n(), campaign.false_stops);
+  std::string text;
+  if (!campaign.cells.empty())
+    text += fmt::format("{} of {} cells keep all promises. ",
+                        campaign.cells.size() - static_cast<std::size_t>(failed),
+                        campaign.cells.size());
+  if (!campaign.pairs.empty())
+    text += fmt::format("{} of {} pairs of faults stay below {:.0f} N. ", held,
+                        campaign.pairs.size(), double_fault_n);
+  if (!campaign.sessions.empty()) {
+    const auto kept = std::count_if(campaign.sessions.begin(), campaign.sessions.end(),
+                                    [](const auto& cell) { return cell.holds(); });
+    text += fmt::format("{} of {} faulted scans and sessions keep theirs. ", kept,
+                        campaign.sessions.size());
+  }
+  if (!campaign.random.empty())
+    text += fmt::format(
+        "{} of {} random trials do what no fault may do: with 95 % confidence less than {:.2f} % "
+        "of "
+        "such trials. ",
+        campaign.violations(), campaign.random.size(), 100.0 * campaign.violation_bound());
+  if (!campaign.worst.empty()) {
+    const auto kept = std::count_if(campaign.worst.begin(), campaign.worst.end(),
+                                    [](const auto& one) { return one.holds(); });
+    text += fmt::format(
+        "With {} trials each, a search finds more than is allowed in {} of {} "
+        "classes. ",
+        campaign.order.search_trials, campaign.worst.size() - static_cast<std::size_t>(kept),
+        campaign.worst.size());
+  }
+  text += fmt::format(
+      "The largest true force of all is {:.0f} N. Without a fault, or before it came, {} runs were "
+      "stopped.",
+      campaign.worst_force_n(), campaign.false_stops());
+  return text;
 }
 
 std::string to_json(const Campaign& campaign) {
@@ -134,7 +256,10 @@ std::string to_json(const Campaign& campaign) {
   if (!actions_ms.empty())
     json["first_action_ms"] = {{"median", actions_ms[actions_ms.size() / 2]},
                                {"max", actions_ms.back()}};
-  json["false_stops"] = campaign.false_stops;
+  json["false_stops"] = campaign.false_stops();
+  json["scans_and_sessions"] = to_json(session_table(campaign));
+  json["people"] = to_json(people_table(campaign));
+  json["worst"] = nlohmann::ordered_json::parse(to_json(campaign.worst));
   json["classes"] = to_json(class_table(campaign));
   json["pairs"] = to_json(pair_table(campaign));
   json["places"] = to_json(site_table(campaign));
@@ -142,8 +267,11 @@ std::string to_json(const Campaign& campaign) {
 }
 
 std::string to_text(const Campaign& campaign) {
-  return summary_of(campaign) + " Simulation only.\n\n" + to_text(class_table(campaign)) + "\n" +
-         to_text(pair_table(campaign)) + "\n" + to_text(failed_table(campaign));
+  std::string text = summary_of(campaign) + " Simulation only.\n";
+  for (const Table& table : {class_table(campaign), pair_table(campaign), session_table(campaign),
+                             people_table(campaign), worst_table(campaign), failed_table(campaign)})
+    if (!table.rows.empty()) text += "\n" + to_text(table);
+  return text;
 }
 
 }  // namespace tuina::app

@@ -15,6 +15,11 @@ namespace tuina::app {
 [[nodiscard]] telemetry::Table class_table(const Campaign& campaign);
 [[nodiscard]] telemetry::Table pair_table(const Campaign& campaign);
 [[nodiscard]] telemetry::Table site_table(const Campaign& campaign);
+[[nodiscard]] telemetry::Table session_table(const Campaign& campaign);
+[[nodiscard]] telemetry::Table worst_table(const Campaign& campaign);
+[[nodiscard]] telemetry::Table people_table(const Campaign& campaign);
+/// Faults of the list that nothing here has, and where each is held instead.
+[[nodiscard]] telemetry::Table elsewhere_table();
 /// In a sentence or two what was tried and what held.
 [[nodiscard]] std::string summary_of(const Campaign& campaign);
 

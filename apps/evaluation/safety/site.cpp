@@ -2,13 +2,17 @@
 #include "apps/evaluation/safety/site.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <iterator>
 #include <optional>
 
 #include "tuina/body/back_surface.hpp"
 #include "tuina/core/parallel.hpp"
 #include "tuina/core/units.hpp"
+#include "tuina/motion/ready_plan.hpp"
+#include "tuina/motion/startle.hpp"
 #include "tuina/robot/inverse_kinematics.hpp"
 #include "tuina/session/guarded_field.hpp"
 #include "tuina/session/guarded_zone.hpp"
@@ -77,40 +81,72 @@ Vector3 mean_normal(const Mesh& mesh) {
   return sum.normalized();
 }
 
-/// The linear base stands where the arm reaches every place, as in a session; so the low ones are
-/// reached with a folded arm.
-Result<void> place_arm(Site& site, const std::vector<Vector3>& all_in_couch) {
-  const robot::ArmTable table = robot::thesis_arm();
-  site.mount = robot::mount_for(site.position);
-  const PerArm<robot::ArmModel> models = robot::both_models(table, site.mount);
-  site.ready_rad = robot::ready_posture(table, site.mount);
+/// A press of a few seconds as a plan has it; the force is what the zone bears.
+massage::PlannedPath press_at(const Site& site, massage::Zone zone, int step) {
+  constexpr double lasts_s = 5.0;
+  massage::PlannedPath planned{.arm = site.arm, .step = step, .zone = zone, .cap_n = site.force_n};
+  planned.path.name = site.name;
+  for (const double time_s : {0.0, lasts_s})
+    planned.path.points.push_back({time_s, site.at_in_couch, site.normal_in_couch, site.force_n});
+  return planned;
+}
+
+/// The arm above its place and beside it, as it gets there from the configuration that a plan has
+/// for the place.
+Result<void> place_arm(Site& site, const robot::ArmModel& model, const JointVector& planned_rad) {
+  constexpr double posture_share = 0.3, max_error_m = 5_mm;
   const Transform& base_from_couch = site.mount.base_from_couch;
-  const auto goal = [&](const Vector3& at_in_couch) {
-    return robot::ContactGoal{base_from_couch * at_in_couch,
-                              base_from_couch.linear() * site.normal_in_couch};
+  motion::JointPath passed, touching;
+  motion::Rollout rollout(model, site.rail_m, planned_rad, posture_share);
+  const auto reach = [&](const Vector3& at_in_couch, motion::JointPath& way) {
+    rollout.transfer(
+        {base_from_couch * at_in_couch, base_from_couch.linear() * site.normal_in_couch},
+        planned_rad, way);
+    rollout.settle(planned_rad, way);
+    return rollout.tool_error_m() < max_error_m;
   };
-  PerArm<std::vector<robot::ContactGoal>> goals;
-  for (const Vector3& place_in_couch : all_in_couch)
-    goals[site.arm].push_back(goal(place_in_couch));
-  site.rail_m = robot::choose_rail({.of = {&models[Arm::left], &models[Arm::right]}}, site.mount,
-                                   goals, site.ready_rad)
-                    .value_or(0.0);
-  const robot::ArmModel& model = models[site.arm];
-  const auto touching =
-      robot::find_posture(model, site.rail_m, goal(site.at_in_couch), site.ready_rad[site.arm]);
-  const auto above = robot::find_posture(model, site.rail_m,
-                                         goal(site.above_in_couch(start_height_m)), touching.q_rad);
-  const auto aside =
-      robot::find_posture(model, site.rail_m, goal(site.aside_in_couch()), touching.q_rad);
-  for (const robot::ContactPosture* posture : {&touching, &above, &aside}) {
-    if (posture->reach != robot::Reach::reached)
-      return fail(Fault::not_found, "{}: {}", site.name, explain(posture->reach));
+  bool reached = reach(site.at_in_couch, passed);
+  touching.q_rad = {rollout.q_rad()};
+  touching.poses = {model.kinematics(rollout.q_rad(), site.rail_m)};
+  site.apparent_mass_kg = motion::max_apparent_mass_kg(model, site.rail_m, touching);
+  reached = reach(site.above_in_couch(start_height_m), passed) && reached;
+  site.above_rad = rollout.q_rad();
+  if (!reached) return fail(Fault::not_found, "{}: the arm does not get there", site.name);
+  // Away from the other arm, which is to the person's left for the left arm; else along the spine.
+  const Vector3 across = site.along_in_couch.cross(site.normal_in_couch);
+  const Vector3 away = (across.x() > 0.0) == (site.arm == Arm::left) ? across : Vector3(-across);
+  for (const Vector3& way : {away, site.along_in_couch, Vector3(-site.along_in_couch)}) {
+    if (!reach(site.above_in_couch(aside_height_m) + aside_m * way, passed)) continue;
+    site.aside_rad = rollout.q_rad();
+    return {};
   }
-  site.above_rad = above.q_rad;
-  site.aside_rad = aside.q_rad;
-  site.apparent_mass_kg = robot::apparent_mass_kg(
-      model.evaluate(touching.q_rad, JointVector::Zero(model.joints()), site.rail_m),
-      goal(site.at_in_couch).normal_in_base);
+  return fail(Fault::not_found, "{}: the arm does not get beside it", site.name);
+}
+
+/// Linear base, configurations and forces are those of a plan with a press at every place of one
+/// person: the low ones are reached with a folded arm, and pressed with less where it is heavy.
+Result<void> place_arms(std::vector<Site>& sites, std::vector<massage::PlannedPath> paths,
+                        const body::BackSurface& back) {
+  constexpr double standoff_m = 40_mm;
+  const robot::RobotMount mount = robot::mount_for(back.position());
+  const PerArm<robot::ArmModel> models = robot::both_models(robot::thesis_arm(), mount);
+  const auto ready = motion::make_ready({.programme = "campaign", .paths = std::move(paths)}, back,
+                                        mount, models, mount.base_from_couch, standoff_m);
+  if (!ready) return tl::unexpected(ready.error());
+  if (!ready->reachable) return fail(Fault::not_found, "{}", fmt::join(ready->plan.notes, "; "));
+  for (const Arm arm : both_arms) {
+    for (const motion::ArmJob& job : ready->jobs[arm]) {
+      if (job.path < 0) continue;
+      const massage::PlannedPath& planned = ready->plan.paths[static_cast<std::size_t>(job.path)];
+      Site& site = *std::find_if(sites.begin(), sites.end(),
+                                 [&](const Site& one) { return one.name == planned.path.name; });
+      site.mount = mount;
+      site.ready_rad = ready->ready_rad;
+      site.rail_m = ready->rail_m;
+      site.force_n = planned.cap_n;
+      if (auto placed = place_arm(site, models[arm], job.posture_rad); !placed) return placed;
+    }
+  }
   return {};
 }
 
@@ -129,16 +165,10 @@ Result<Vector3> place_of(const sim::Person& person, const massage::BackChart& ch
   });
 }
 
-Result<Site> make_site(const sim::Person& person, const Spot& spot, Arm arm) {
-  const auto chart = massage::BackChart::from(person.acupoints, person.landmarks);
-  if (!chart) return tl::unexpected(chart.error());
-  std::vector<Vector3> all_in_couch;
-  for (const Spot& one : spots) {
-    const auto place = place_of(person, *chart, one, arm);
-    if (!place) return tl::unexpected(place.error());
-    all_in_couch.push_back(*place);
-  }
-  const Vector3& at_in_couch = all_in_couch[static_cast<std::size_t>(&spot - spots.data())];
+Result<Site> make_site(const sim::Person& person, const massage::BackChart& chart, const Spot& spot,
+                       Arm arm) {
+  const auto place = place_of(person, chart, spot, arm);
+  if (!place) return tl::unexpected(place.error());
   const sim::TissueLaws laws = sim::tissue_laws_of(person.body_type, person.woman);
   Site site{.name = fmt::format("{} {}, {}, {} arm", name_of(person.position),
                                 name_of(person.body_type), spot.name, name_of(arm)),
@@ -146,40 +176,51 @@ Result<Site> make_site(const sim::Person& person, const Spot& spot, Arm arm) {
             .position = person.position,
             .body_type = person.body_type,
             .arm = arm,
-            .at_in_couch = at_in_couch,
+            .at_in_couch = *place,
             .tissue = laws.*spot.tissue,
             .bone = laws.bone,
-            .skin_in_couch = cut_out(person.skin_in_couch, at_in_couch, around_m)};
-  site.normal_in_couch = mean_normal(cut_out(person.skin_in_couch, at_in_couch, flat_m));
-  const Vector3& up = chart->up();
+            .skin_in_couch = cut_out(person.skin_in_couch, *place, around_m)};
+  site.normal_in_couch = mean_normal(cut_out(person.skin_in_couch, *place, flat_m));
+  const Vector3& up = chart.up();
   site.along_in_couch = (up - up.dot(site.normal_in_couch) * site.normal_in_couch).normalized();
-  const massage::ZoneMap zones(*chart, person.acupoints, person.landmarks);
-  site.zone = session::guarded_zone(zones.at(site.at_in_couch));
-  site.force_n = safety::ceiling_of(site.zone).set_n - below_cap_n;
-  if (site.force_n <= 0.0)
-    return fail(Fault::not_found, "{} lies in the zone {}", site.name, name_of(site.zone));
-  if (auto placed = place_arm(site, all_in_couch); !placed) return tl::unexpected(placed.error());
   return site;
 }
 
-/// As the session tells it to the guard; the scan is perfect.
-Result<safety::ZoneField> field_of(const sim::Person& person) {
+/// Both arms at every spot of one person.
+Result<std::vector<Site>> sites_on(const sim::Person& person) {
+  const auto chart = massage::BackChart::from(person.acupoints, person.landmarks);
+  if (!chart) return tl::unexpected(chart.error());
   PointCloud skin_in_couch;
   skin_in_couch.points = person.skin_in_couch.vertices;
   const auto back = body::fit_back(skin_in_couch, {.position = person.position});
   if (!back) return tl::unexpected(back.error());
-  return session::zone_field(*back, person.acupoints, person.landmarks, {},
-                             robot::mount_for(person.position).base_from_couch);
+  // As the session tells it to the guard; the scan is perfect.
+  const auto field = session::zone_field(*back, person.acupoints, person.landmarks, {},
+                                         robot::mount_for(person.position).base_from_couch);
+  if (!field) return tl::unexpected(field.error());
+  const massage::ZoneMap zones(*chart, person.acupoints, person.landmarks);
+  std::vector<Site> sites;
+  std::vector<massage::PlannedPath> paths;
+  for (const Spot& spot : spots) {
+    for (const Arm arm : both_arms) {
+      auto site = make_site(person, *chart, spot, arm);
+      if (!site) return tl::unexpected(site.error());
+      const massage::Zone zone = zones.at(site->at_in_couch);
+      site->zone = session::guarded_zone(zone);
+      site->field = *field;
+      site->force_n = safety::ceiling_of(site->zone).set_n - below_cap_n;
+      if (site->force_n <= 0.0)
+        return fail(Fault::not_found, "{} lies in the zone {}", site->name, name_of(site->zone));
+      paths.push_back(press_at(*site, zone, static_cast<int>(paths.size())));
+      sites.push_back(std::move(*site));
+    }
+  }
+  if (auto placed = place_arms(sites, std::move(paths), *back); !placed)
+    return tl::unexpected(placed.error());
+  return sites;
 }
 
 }  // namespace
-
-Vector3 Site::aside_in_couch() const {
-  // Away from the other arm: couch x is to the person's left, where the left arm is.
-  const Vector3 across = along_in_couch.cross(normal_in_couch);
-  const bool to_left = (across.x() > 0.0) == (arm == Arm::left);
-  return above_in_couch(aside_height_m) + (to_left ? aside_m : -aside_m) * across;
-}
 
 Result<std::vector<Site>> make_sites(std::uint64_t seed) {
   struct Job {
@@ -191,24 +232,16 @@ Result<std::vector<Site>> make_sites(std::uint64_t seed) {
     for (const auto type : {sim::BodyType::slim, sim::BodyType::medium, sim::BodyType::hefty})
       jobs.push_back({position, type});
   }
-  std::vector<std::vector<Result<Site>>> made(jobs.size());
+  std::vector<Result<std::vector<Site>>> made(jobs.size());
   for_each_in_parallel(jobs.size(), [&](std::size_t k) {
     sim::Person person = sim::make_phantom(sim::draw_phantom(jobs[k].type, seed), jobs[k].position);
     person.body_type = jobs[k].type;
-    const auto field = field_of(person);
-    for (const Spot& spot : spots) {
-      for (const Arm arm : both_arms) {
-        made[k].push_back(field ? make_site(person, spot, arm) : tl::unexpected(field.error()));
-        if (made[k].back()) made[k].back()->field = *field;
-      }
-    }
+    made[k] = sites_on(person);
   });
   std::vector<Site> sites;
-  for (auto& of_person : made) {
-    for (Result<Site>& site : of_person) {
-      if (!site) return tl::unexpected(site.error());
-      sites.push_back(std::move(*site));
-    }
+  for (Result<std::vector<Site>>& of_person : made) {
+    if (!of_person) return tl::unexpected(of_person.error());
+    std::move(of_person->begin(), of_person->end(), std::back_inserter(sites));
   }
   return sites;
 }

@@ -28,10 +28,10 @@ struct Site {
   Mesh skin_in_couch;                          ///< around the place
   safety::Zone zone = safety::Zone::denied;
   safety::ZoneField field;  ///< what the guard knows of this person
-  double force_n = 0.0;     ///< pressed with: 2 N less than the zone bears
+  double force_n = 0.0;     ///< 2 N less than the zone bears, or what a plan gives a heavy arm
   robot::RobotMount mount;
   double rail_m = 0.0;
-  JointVector above_rad, aside_rad;  ///< tool 25 mm above the place; 60 mm above and 100 mm outward
+  JointVector above_rad, aside_rad;  ///< tool 25 mm above the place; 60 mm above and 100 mm aside
   PerArm<JointVector> ready_rad;
   double apparent_mass_kg = 0.0;  ///< that a push along the normal feels
 
@@ -39,11 +39,11 @@ struct Site {
   [[nodiscard]] Vector3 above_in_couch(double height_m) const {
     return at_in_couch + height_m * normal_in_couch;
   }
-  [[nodiscard]] Vector3 aside_in_couch() const;
 };
 
 /// Where the table of cells presses: bone, hard and soft tissue, and two low places where the arm
-/// is folded and heavy. On three builds who sit and three who lie, for both arms.
+/// is folded and heavy. On three builds who sit and three who lie, for both arms, planned as a
+/// session plans them.
 [[nodiscard]] Result<std::vector<Site>> make_sites(std::uint64_t seed);
 
 }  // namespace tuina::app

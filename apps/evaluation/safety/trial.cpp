@@ -6,6 +6,7 @@
 
 #include "apps/evaluation/safety/trial_arm.hpp"
 #include "apps/evaluation/safety/trial_truth.hpp"
+#include "apps/evaluation/safety/trial_world.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/session/control_loop.hpp"
 #include "tuina/session/guarded_zone.hpp"
@@ -19,46 +20,8 @@ constexpr double standoff_m = 40_mm;
 constexpr double ramp_s = 0.5;
 constexpr double max_leg_s = 3.0;  // of the way through the air, which takes a second
 constexpr double stroke_m = 20_mm, stroke_hz = 0.4;
-constexpr double beside_m = 5_mm;   // where other tissue begins
 constexpr double gone_s = 1.3;      // an arm has left by then, and is seen for a while
 constexpr double max_way_s = 10.0;  // of all that is not pressing
-constexpr sim::Breathing quiet_breath = {.amplitude_m = 3_mm, .frequency_hz = 0.25};
-
-Stage due_in(Stage stage, bool whole) {
-  return whole ? Stage::idle : std::min(stage, Stage::approach);
-}
-
-sim::BackContact skin_of(const TrialPlan& plan) {
-  const Site& site = *plan.site;
-  const auto scaled = [&](TangentTissue tissue) {
-    tissue.alpha_n *= plan.alpha_scale;
-    tissue.beta_per_m *= plan.beta_scale;
-    return tissue;
-  };
-  std::vector<TangentTissue> tissues(site.skin_in_couch.vertices.size(), scaled(site.tissue));
-  sim::ContactOptions options{.breathing = quiet_breath};
-  for (const Onset& onset : plan.onsets) {
-    const Injection& injection = onset.fault->injection;
-    if (injection.breathing.amplitude_m > 0.0) options.breathing = injection.breathing;
-    for (std::size_t i = 0; i < tissues.size(); ++i) {
-      const Vector3 from_place = site.skin_in_couch.vertices[i] - site.at_in_couch;
-      if (from_place.dot(site.along_in_couch) < beside_m) continue;
-      if (injection.bone_beside) tissues[i] = scaled(site.bone);
-      tissues[i].alpha_n *= injection.harder;
-    }
-  }
-  return {site.skin_in_couch, std::move(tissues), options};
-}
-
-Result<std::unique_ptr<sim::Plant>> plant_of(const TrialPlan& plan, sim::BackContact& skin,
-                                             Stage first, Random& random) {
-  const Site& site = *plan.site;
-  PerArm<robot::ArmTable> arms;
-  for (const Arm arm : both_arms) arms[arm] = sim::draw_arm(robot::thesis_arm(), {}, random);
-  sim::Plant::Start start{.q_rad = site.ready_rad, .rail_m = site.rail_m};
-  start.q_rad[site.arm] = first == Stage::approach ? site.above_rad : site.aside_rad;
-  return sim::Plant::make(site.mount, arms, start, &skin, {.seed = plan.seed});
-}
 
 /// One trial from its first reading to its outcome. What drives the arm sees the readings of a
 /// `FaultyRobot`; what judges it sees the plant's truth in every millisecond, those in which nobody
@@ -74,8 +37,18 @@ class Trial {
   void press();
   void begin_faults();
   void happen();
+  void stray(Stray where);
   void judge_stop();
   [[nodiscard]] bool over() const;
+  [[nodiscard]] Arm other_arm() const { return site_.arm == Arm::left ? Arm::right : Arm::left; }
+  /// A joint that carries the arm: three of the shoulder, and the elbow.
+  [[nodiscard]] int joint() const {
+    return plan_.joint >= 0 ? plan_.joint : static_cast<int>(plan_.seed % 4);
+  }
+  [[nodiscard]] Vector3 outward_in_couch() const {
+    return std::cos(plan_.tilt_rad) * site_.normal_in_couch +
+           std::sin(plan_.tilt_rad) * site_.along_in_couch;
+  }
   [[nodiscard]] control::ToolPose tip(const Vector3& at_in_couch) const;
 
   const TrialPlan& plan_;
@@ -162,7 +135,7 @@ void Trial::conduct() {
   switch (stage_) {
     case Stage::idle:
       if (stage_s_ < settle_s || (stays_ && plan_.stage == Stage::idle)) return;
-      if (due_in(plan_.stage, plan_.whole) == Stage::approach) {
+      if (first_stage(plan_) == Stage::approach) {
         controller.approach(tip(believed_in_couch_));
         return next(Stage::approach);
       }
@@ -223,15 +196,14 @@ void Trial::begin_faults() {
       fault.onset_s = start_s - 1e-6;
       const bool of_joint = fault.kind >= sim::RobotFault::encoder_frozen &&
                             fault.kind <= sim::RobotFault::drive_gain;
-      // A joint that carries the arm: three of the shoulder, and the elbow.
-      if (of_joint) fault.part = static_cast<int>(plan_.seed % 4);
+      if (of_joint) fault.part = joint();
       if (fault.kind != sim::RobotFault::drive_gain) fault.size *= onset.severity;
       faulty_.add(fault);
     }
     if (injection.person) {
       const PersonMove& move = *injection.person;
       sim::Shift shift{.start_s = start_s,
-                       .by_in_couch = onset.severity * move.outward_m * site_.normal_in_couch,
+                       .by_in_couch = onset.severity * move.outward_m * outward_in_couch(),
                        .speed_m_per_s = onset.severity * move.m_per_s,
                        .acceleration_m_per_s2 = move.m_per_s2};
       skin_.add_shift(shift);
@@ -252,23 +224,43 @@ void Trial::happen() {
     const Injection& injection = onset.fault->injection;
     if (injection.hand_inward_n > 0.0 || injection.hand_aside_n > 0.0) {
       const Vector3 hand_in_couch = injection.hand_aside_n * site_.along_in_couch -
-                                    injection.hand_inward_n * site_.normal_in_couch;
+                                    injection.hand_inward_n * outward_in_couch();
       plant_.push(site_.arm, {.force_n = onset.severity * site_.mount.base_from_couch.linear() *
                                          hand_in_couch});
     }
-    if (injection.power_lost) plant_.cut_power(site_.arm);
+    if (injection.power_lost || injection.emergency_stop) plant_.cut_power(site_.arm);
+    if (injection.emergency_stop) plant_.cut_power(other_arm());
+    if (injection.stop_ignored) arm_.guard().expect_stop();
+    if (injection.stray != Stray::none) stray(injection.stray);
     if (injection.madness != Madness::none)
-      arm_.go_mad(injection.madness, onset.severity * injection.size_n, injection.hz);
+      arm_.go_mad(injection.madness, onset.severity * injection.size, injection.hz, joint());
+  }
+}
+
+/// A controller sends an arm to where it must not be.
+void Trial::stray(Stray where) {
+  if (where == Stray::other_arm) {
+    constexpr double over_place_m = 20_mm;
+    return arm_.controller(other_arm()).move_to(tip(site_.above_in_couch(over_place_m)));
+  }
+  const auto kind = where == Stray::couch ? robot::Surrounding::couch : robot::Surrounding::body;
+  for (const robot::Obstacle& obstacle : site_.mount.obstacles) {
+    if (obstacle.kind != kind) continue;
+    const Vector3 rail =
+        obstacle.rides ? Vector3(site_.rail_m * site_.mount.rail_axis_in_base) : Vector3::Zero();
+    return arm_.controller().move_to({.at_in_base = obstacle.base_from_box.translation() + rail,
+                                      .normal_in_base = arm_.controller().status().normal_in_base});
   }
 }
 
 /// What guard and controller have done in this millisecond.
 void Trial::judge_stop() {
-  const safety::Verdict& verdict = arm_.verdict();
-  // A push that is clamped is answered in its millisecond, though nothing is stopped yet.
-  if (verdict.action >= safety::Action::freeze || verdict.cause == safety::Cause::inward_force) {
+  for (const safety::Verdict* verdict : {&arm_.verdict(), &arm_.verdict(other_arm())}) {
+    // A push that is clamped is answered in its millisecond, though nothing is stopped yet.
+    if (verdict->action < safety::Action::freeze && verdict->cause != safety::Cause::inward_force)
+      continue;
     truth_.note_action();
-    if (verdict.latched) truth_.note_stop(name_of(verdict.cause));
+    if (verdict->latched) truth_.note_stop(name_of(verdict->cause));
   }
   const control::ContactFault fault = arm_.controller().status().contact_fault;
   if (fault != control::ContactFault::none && !arm_.stopped()) {
@@ -297,7 +289,7 @@ double usual_time_s(Stage stage) {
 Result<TrialOutcome> run_trial(const TrialPlan& plan) {
   Random random = make_random(plan.seed, "safety trial");
   sim::BackContact skin = skin_of(plan);
-  auto plant = plant_of(plan, skin, due_in(plan.stage, plan.whole), random);
+  auto plant = plant_of(plan, skin, random);
   if (!plant) return tl::unexpected(plant.error());
   return Trial(plan, **plant, skin, random).run();
 }

@@ -30,6 +30,12 @@ struct TrialPlan {
   double press_s = 1.5;    ///< of a whole one
   double watched_s = 2.0;  ///< after the onset
   double alpha_scale = 1.0, beta_scale = 1.0;  ///< of the true tissue
+  double friction_scale = 1.0;                 ///< of the true arm
+  /// What moves or pushes is turned by so much from the normal of the skin towards the head.
+  double tilt_rad = 0.0;
+  int joint = -1;  ///< to which a fault of joints comes; -1: one of the first four, by the seed
+  /// -1 to 1: elbow turned from the planned posture, as far as a session tolerates.
+  double elbow = 0.0;
   std::uint64_t seed = 1;
   bool traced = false;
 };
@@ -52,6 +58,8 @@ struct TrialOutcome {
   double first_action_ms = std::numeric_limits<double>::quiet_NaN();
   double released_ms = 0.0;  ///< last contact
   double further_m = 0.0;    ///< inward, since the onset or since contact was lost
+  /// Between the arms, and from couch and robot's body.
+  double apart_m = std::numeric_limits<double>::infinity();
   double rmse_n = 0.0;
   bool stopped = false;
   std::string cause = "none";

@@ -28,22 +28,22 @@ safety::Phase phase_of(Stage stage) {
 
 }  // namespace
 
-// The guard is not told of couch and body: places are chosen without a way around them.
 TrialArm::TrialArm(const Site& site)
     : site_(site),
       models_(robot::both_models(robot::thesis_arm(), site.mount)),
       controlled_{.of = {session::ControlledArm(models_[Arm::left], without_learning),
                          session::ControlledArm(models_[Arm::right], without_learning)}},
-      guard_(models_, {.field = site.field}) {}
+      guard_(models_, {.obstacles = site.mount.obstacles, .field = site.field}) {}
 
 void TrialArm::sense(const robot::RobotReading& reading) noexcept {
   for (const Arm arm : both_arms) controlled_[arm].sense(reading, arm);
 }
 
-void TrialArm::go_mad(Madness madness, double size_n, double hz) noexcept {
+void TrialArm::go_mad(Madness madness, double size, double hz, int joint) noexcept {
   madness_ = madness;
-  size_n_ = size_n;
+  size_ = size;
   hz_ = hz;
+  joint_ = joint;
 }
 
 safety::RobotProposal TrialArm::propose(const robot::RobotReading& reading, Stage stage,
@@ -60,8 +60,8 @@ safety::RobotProposal TrialArm::propose(const robot::RobotReading& reading, Stag
 // As a session does it: an arm whose guard has stopped it lets go, and is not driven again; one
 // that was frozen begins anew from where it is.
 void TrialArm::heed(const safety::RobotVerdict& verdict, Stage stage) noexcept {
-  verdict_ = verdict.arms[site_.arm];
-  if (verdict_.latched && !stopped_) {
+  verdicts_ = verdict.arms;
+  if (verdicts_[site_.arm].latched && !stopped_) {
     if (stage == Stage::contact) controller().retract(40_mm);
     stopped_ = true;
   }
@@ -102,10 +102,13 @@ void TrialArm::spoil(safety::Proposal& proposal) noexcept {
           models_[site_.arm].table().torque_limits_nm().cwiseProduct(inward.cwiseSign());
       return;
     case Madness::inward_push:
-      proposal.torque_nm += size_n_ * inward;
+      proposal.torque_nm += size_ * inward;
       return;
     case Madness::oscillation:
-      proposal.torque_nm += size_n_ * std::sin(2.0 * pi * hz_ * mad_s_) * inward;
+      proposal.torque_nm += size_ * std::sin(2.0 * pi * hz_ * mad_s_) * inward;
+      return;
+    case Madness::joint_push:
+      proposal.torque_nm[joint_] += size_;
       return;
     case Madness::stale_repeat:
       proposal = last_;

@@ -22,15 +22,20 @@ class TrialArm {
   /// What the guard made of it.
   void heed(const safety::RobotVerdict& verdict, Stage stage) noexcept;
   /// From the next command on.
-  void go_mad(Madness madness, double size_n, double hz) noexcept;
+  void go_mad(Madness madness, double size, double hz, int joint) noexcept;
+  /// Both arms of it, for what goes on in the room.
+  [[nodiscard]] control::ArmController& controller(Arm arm) noexcept {
+    return controlled_[arm].controller;
+  }
 
   [[nodiscard]] control::ArmController& controller() noexcept {
     return controlled_[site_.arm].controller;
   }
   [[nodiscard]] safety::RobotGuard& guard() noexcept { return guard_; }
-  [[nodiscard]] const safety::Verdict& verdict() const noexcept { return verdict_; }
+  [[nodiscard]] const safety::Verdict& verdict() const noexcept { return verdicts_[site_.arm]; }
+  [[nodiscard]] const safety::Verdict& verdict(Arm arm) const noexcept { return verdicts_[arm]; }
   /// The guard holds the tool where it is, for a moment.
-  [[nodiscard]] bool frozen() const noexcept { return verdict_.action == safety::Action::freeze; }
+  [[nodiscard]] bool frozen() const noexcept { return verdict().action == safety::Action::freeze; }
   [[nodiscard]] bool stopped() const noexcept { return stopped_; }
   /// Force into the body that the torques of the last command hold.
   [[nodiscard]] double inward_n() const noexcept { return inward_n_; }
@@ -44,9 +49,10 @@ class TrialArm {
   PerArm<robot::ArmModel> models_;
   PerArm<session::ControlledArm> controlled_;
   safety::RobotGuard guard_;
-  safety::Verdict verdict_;
+  PerArm<safety::Verdict> verdicts_;
   Madness madness_ = Madness::none;
-  double size_n_ = 0.0, hz_ = 0.0, mad_s_ = 0.0;
+  double size_ = 0.0, hz_ = 0.0, mad_s_ = 0.0;
+  int joint_ = 0;
   safety::Proposal last_;
   bool stopped_ = false;
   double inward_n_ = 0.0;

@@ -4,10 +4,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tuina/robot/clearance.hpp"
+
 namespace tuina::app {
 namespace {
 
 constexpr double resting_n = 5.0;  // less is a tool that lies on the skin
+constexpr int looked_around_every = 5;
 
 }  // namespace
 
@@ -32,7 +35,7 @@ void TrialTruth::look() {
   if (force_n > seldom_n) outcome_.over_seldom_s += control_period_s;
   if (force_n > 0.0) outcome_.released_ms = 1e3 * since_s;
   squares_ += (force_n - set_n_) * (force_n - set_n_);
-  ++samples_;
+  if (samples_++ % looked_around_every == 0) look_around();
   const Vector3 at_in_couch = truth.couch_from_tool.translation();
   if (!lost_skin_ && force_n == 0.0) {
     lost_skin_ = true;
@@ -45,6 +48,20 @@ void TrialTruth::look() {
   if (braked || truth.drive == sim::Drive::damped) note_action();
   if (braked) note_stop("braked by the drives");
   if (plan_.traced) outcome_.trace.push_back({since_s, set_n_, force_n});
+}
+
+void TrialTruth::look_around() {
+  const sim::PlantTruth& truth = plant_.truth();
+  PerArm<robot::ArmModel::Kinematics> poses;
+  for (const Arm one : both_arms) {
+    poses[one] = models_[one].kinematics(truth.arms[one].q_rad, truth.rail_m);
+    const auto clear =
+        robot::clearances(models_[one], poses[one], truth.rail_m, plan_.site->mount.obstacles);
+    outcome_.apart_m = std::min(outcome_.apart_m, clear.min_m());
+  }
+  const double arms_m = robot::distance_between_m(models_[Arm::left], poses[Arm::left],
+                                                  models_[Arm::right], poses[Arm::right]);
+  outcome_.apart_m = std::min(outcome_.apart_m, arms_m);
 }
 
 void TrialTruth::note_action() noexcept {

@@ -13,7 +13,10 @@ namespace tuina::app {
 class TrialTruth final : public robot::Robot {
  public:
   /// Both must outlive it.
-  TrialTruth(const TrialPlan& plan, sim::Plant& plant) : plan_(plan), plant_(plant) {}
+  TrialTruth(const TrialPlan& plan, sim::Plant& plant)
+      : plan_(plan),
+        plant_(plant),
+        models_(robot::both_models(robot::thesis_arm(), plan.site->mount)) {}
 
   [[nodiscard]] Result<void> stand_ready(const robot::ReadyPose&) override { return {}; }
   [[nodiscard]] std::optional<robot::RobotReading> read() noexcept override;
@@ -40,9 +43,11 @@ class TrialTruth final : public robot::Robot {
     return plant_.truth().arms[plan_.site->arm];
   }
   void look();
+  void look_around();
 
   const TrialPlan& plan_;
   sim::Plant& plant_;
+  PerArm<robot::ArmModel> models_;
   TrialOutcome outcome_;
   double onset_s_ = -1.0, set_n_ = 0.0;
   Vector3 from_in_couch_ = Vector3::Zero();  // where `further_m` counts from
