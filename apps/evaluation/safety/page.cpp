@@ -19,8 +19,8 @@ using telemetry::Plot;
 using telemetry::Series;
 namespace palette = telemetry::palette;
 
-constexpr double shown_n = 200.0;  // what is above has no end worth a scale
-constexpr std::size_t curves = 10;
+constexpr double shown_n = 200.0;    // what is above has no end worth a scale
+constexpr std::size_t curves = 4;    // more names than that do not fit above the plot
 constexpr double shown_ms = 1000.0;  // most peaks have passed by then
 
 double share_of(const CampaignCell& cell) {
@@ -225,7 +225,7 @@ Result<void> add_cells(const Campaign& campaign, telemetry::Page& page) {
   if (!worst.empty()) {
     const auto curve = curve_plot("the worst cells", curves_of(worst));
     if (!curve) return tl::unexpected(curve.error());
-    page.section("The worst cells", "One of each class, the ten that go farthest beyond.")
+    page.section("The worst cells", "One of each class, the four that go farthest beyond.")
         .figure(*curve);
   }
   page.section("By class").table(class_table(campaign));
@@ -256,9 +256,10 @@ Result<std::string> page_of(const Campaign& campaign) {
   if (!campaign.worst.empty()) {
     const auto curve = curve_plot("the worst of the search", curves_of(campaign.worst));
     if (!curve) return tl::unexpected(curve.error());
-    page.section("Sought on purpose",
-                 "A search varies size, moment, direction, place, tissue, friction and posture of "
-                 "each fault for the largest true force; the worst of each class.")
+    page.section(
+            "Sought on purpose",
+            "A search varies size, moment, direction, place, tissue, friction and posture of "
+            "each fault for the largest true force; the worst of each class, the first four drawn.")
         .figure(*curve)
         .table(worst_table(campaign));
   }
