@@ -242,7 +242,8 @@ void add_stops(Page& page, const ReportData& data) {
                                      performed.contact_fault));
   }
   if (!troubles.empty()) part.heading("Not carried out as planned").list(troubles);
-  if (!data.plan_notes.empty()) part.heading("Planned otherwise than ordered").list(data.plan_notes);
+  if (!data.plan_notes.empty())
+    part.heading("Planned otherwise than ordered").list(data.plan_notes);
 }
 
 PageHead head_of(const ReportData& data) {
