@@ -52,6 +52,7 @@ class MyRobot final : public robot::Robot {
     const double weight_n = models_[arm].table().tool_mass_kg * gravity_m_per_s2;
     state.wrench_in_tool.force_n =
         dynamics.base_from_tool.linear().transpose() * (push_n - weight_n * Vector3::UnitZ());
+    state.wrench_in_tool.torque_nm.z() = 1e-9 * now_.time_s;  // one that is constant is stuck
     state.wrench_time_s = now_.time_s;
   }
 

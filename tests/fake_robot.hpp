@@ -37,7 +37,10 @@ class FakeRobot final : public robot::Robot {
     const int ms = reads++;
     now_.tick = static_cast<std::uint64_t>(ms);
     now_.time_s = ms * control_period_s;
-    for (const Arm arm : both_arms) now_.arms[arm].wrench_time_s = now_.time_s;
+    for (robot::ArmReading& arm : now_.arms.of) {
+      arm.wrench_time_s = now_.time_s;
+      arm.wrench_in_tool.torque_nm.z() = 1e-9 * ms;  // no living sensor repeats itself
+    }
     const bool silent = ms >= script_.silent_from && ms - script_.silent_from < script_.silent_for;
     return silent ? std::nullopt : std::optional(now_);
   }

@@ -42,6 +42,7 @@ Arming some_arming() {
   Arming arming{.arm = robot::thesis_arm(), .mount = robot::mount_for(BodyPosture::prone)};
   arming.options.obstacles = arming.mount.obstacles;
   arming.options.max_set_force_n = 25.0;
+  arming.options.leased = true;
   arming.options.field.columns = 3;
   arming.options.field.rows = 2;
   arming.options.field.cells.resize(6);
@@ -193,6 +194,7 @@ TEST_CASE("an arming is read as it was written; cut, spoilt or impossible, it ar
   CHECK(read->arm.joints == robot::thesis_arm().joints);
   CHECK(read->arm.links[3].name == robot::thesis_arm().links[3].name);
   CHECK(read->options.max_set_force_n == 25.0);
+  CHECK(read->options.leased);
   CHECK(read->options.obstacles.size() == some_arming().options.obstacles.size());
   CHECK(read->options.field.cells[4].zone == safety::Zone::muscle);
 
@@ -223,62 +225,6 @@ TEST_CASE("an arming is read as it was written; cut, spoilt or impossible, it ar
     REQUIRE_FALSE(refused.has_value());
     CHECK(refused.error().message.find("impossible") != std::string::npos);
   }
-}
-
-TEST_CASE("a guard in its own thread guards until the drives fall silent, and tells of silence") {
-  const std::string name = own_name("guard");
-  auto controller = Link::create(name, Role::controller);
-  auto drives = Link::open(name, Role::drives);
-  auto guard = Link::open(name, Role::guard);
-  REQUIRE(guard.has_value());
-  Arming arming{.arm = robot::thesis_arm(), .mount = robot::mount_for(BodyPosture::sitting)};
-  const auto models = robot::both_models(arming.arm, arming.mount);
-  const auto ready_rad = robot::ready_posture(arming.arm, arming.mount);
-  const std::atomic<bool> ends = false;
-  Result<GuardReport> report = fail(Fault::device, "did not run");
-  std::thread process([&] { report = keep_guard(*guard, arming, Pace::max, ends); });
-
-  robot::RobotReading reading;
-  std::optional<wire::DriveFrame> last;
-  for (std::uint64_t tick = 0; tick < 40; ++tick) {
-    reading.tick = tick;
-    reading.time_s = static_cast<double>(tick) * control_period_s;
-    safety::RobotProposal proposal;
-    for (const Arm arm : both_arms) {
-      const Matrix3 turn = models[arm].base_from_tool(ready_rad[arm], 0.0).linear();
-      const double weight_n = models[arm].table().tool_mass_kg * 9.81;
-      reading.arms[arm] = {
-          .q_rad = ready_rad[arm],
-          .dq_rad_per_s = JointVector::Zero(6),
-          .wrench_in_tool = {turn.transpose() * Vector3(0.0, 0.0, -weight_n), Vector3::Zero()},
-          .wrench_time_s = reading.time_s};
-      proposal.arms[arm].torque_nm = models[arm].gravity_nm(ready_rad[arm]);
-    }
-    wire::SensorFrame frame = wire::to_frame(reading);
-    frame.stands = 1;
-    if (tick < 20) controller->write(wire::to_frame(proposal, tick, false));
-    drives->write(frame);
-    last = drives->wait_for(std::chrono::steady_clock::now() + std::chrono::seconds(30), [&]() {
-      const auto said = drives->drive();
-      return said && said->answers_tick == tick ? said : std::nullopt;
-    });
-    REQUIRE(last.has_value());
-    const safety::RobotVerdict verdict = wire::from_frame(*last);
-    const safety::Verdict& left = verdict.arms[Arm::left];
-    CAPTURE(tick);
-    CAPTURE(std::string(safety::name_of(left.cause)));
-    if (tick < 22) CHECK(left.action == safety::Action::pass);
-    if (tick >= 22 && tick < 29) CHECK(left.action == safety::Action::freeze);
-    if (tick >= 29) CHECK(left.action == safety::Action::retract);
-    if (tick >= 22) CHECK(left.cause == safety::Cause::no_proposal);
-  }
-  wire::SensorFrame last_words = wire::to_frame(reading);
-  last_words.over = 1;
-  drives->write(last_words);
-  process.join();
-  REQUIRE(report.has_value());
-  CHECK(report->ticks == 40);
-  CHECK(report->silent_ticks == 20);
 }
 
 TEST_CASE(

@@ -2,6 +2,7 @@
 #include "tuina/safety/arm_separation.hpp"
 
 #include "tests/safety/two_arms.hpp"
+#include "tuina/robot/clearance.hpp"
 
 using namespace tuina;
 using namespace tuina::safety;
@@ -51,6 +52,20 @@ Approach approach_each_other(double rad_per_s, bool both) {
 }
 
 }  // namespace
+
+TEST_CASE("readings that were missed take their time: arms stop as near as if none was") {
+  const auto nearest_m = [](std::uint64_t every) {
+    ArmSeparation separation(two_arms(0.25));
+    robot::RobotReading reading = both_at_zero();
+    while (reading.tick < 5000 && separation.keeps(reading)) {
+      reading.tick += every;
+      reading.arms[Arm::left].q_rad[1] += 1e-3 * static_cast<double>(every);
+    }
+    return separation.apart_m();
+  };
+  CHECK(std::abs(nearest_m(4) - nearest_m(1)) < 2e-3);
+  CHECK(std::abs(nearest_m(30) - nearest_m(1)) < 15e-3);
+}
 
 TEST_CASE("arms that stand 25 mm apart keep, nearer they do not") {
   for (const double gap_m : {0.0251, 0.0249}) {
@@ -131,6 +146,7 @@ TEST_CASE("nothing keeps clear of an arm that nobody can place; a moment later a
       [](robot::RobotReading& r) { r.arms[Arm::right].q_rad[5] = not_a_number; },
       [](robot::RobotReading& r) { r.arms[Arm::right].q_rad.setZero(5); },
       [](robot::RobotReading& r) { r.arms[Arm::left].q_rad.setZero(0); },
+      [](robot::RobotReading& r) { r.arms[Arm::left].q_rad.setZero(7); },
       [](robot::RobotReading& r) { r.rail_m = not_a_number; }};
   for (const auto& spoil : faults) {
     ArmSeparation separation(two_arms(), {box_below(0.1)});
@@ -142,4 +158,47 @@ TEST_CASE("nothing keeps clear of an arm that nobody can place; a moment later a
     for (int ms = 0; ms < 100; ++ms) CHECK(separation.keeps(both_at_zero()));
     CHECK(separation.apart_m() == doctest::Approx(0.3));
   }
+}
+
+TEST_CASE("arms may stand or part as near as 25 mm, in the first reading and later") {
+  ArmSeparation separation(two_arms(0.1 + 0.0255));
+  robot::RobotReading reading = both_at_zero();
+  for (int ms = 0; ms < 100; ++ms) {
+    REQUIRE(separation.keeps(reading));
+    reading.arms[Arm::left].q_rad[1] -= 3e-3;
+    reading.arms[Arm::right].q_rad[1] += 3e-3;
+  }
+}
+
+TEST_CASE("closing speeds are smoothed over 20 ms, and braked by 2 m/s2") {
+  // The left arm begins to turn at once; how near the arms may then be is found to a micrometre.
+  constexpr int ticks = 10;
+  constexpr double turn_rad = 2e-3;
+  const auto at = [](int tick) {
+    robot::RobotReading reading = both_at_zero();
+    reading.arms[Arm::left].q_rad[1] = turn_rad * tick;
+    return reading;
+  };
+  double near_m = 0.12, far_m = 0.4;
+  while (far_m - near_m > 1e-7) {
+    const double apart_m = 0.5 * (near_m + far_m);
+    ArmSeparation separation(two_arms(apart_m));
+    bool keeps = true;
+    for (int tick = 0; tick <= ticks; ++tick) keeps = separation.keeps(at(tick));
+    (keeps ? far_m : near_m) = apart_m;
+  }
+  const auto models = two_arms(far_m);
+  const auto distance_m = [&](int left, int right) {
+    return robot::distance_between_m(
+        models[Arm::left], models[Arm::left].kinematics(at(left).arms[Arm::left].q_rad, 0),
+        models[Arm::right], models[Arm::right].kinematics(at(right).arms[Arm::right].q_rad, 0));
+  };
+  double speed_m_per_s = 0.0;
+  for (int tick = 1; tick <= ticks; ++tick) {
+    const double closing = (distance_m(tick - 1, tick) - distance_m(tick, tick)) / 1e-3;
+    speed_m_per_s = 0.95 * speed_m_per_s + 0.05 * closing;
+  }
+  REQUIRE(speed_m_per_s > 0.2);
+  const double way_m = speed_m_per_s * speed_m_per_s / (2.0 * 2.0);
+  CHECK(distance_m(ticks, ticks) - way_m == doctest::Approx(0.025).epsilon(1e-6).scale(1.0));
 }

@@ -76,6 +76,7 @@ TEST_CASE("an elbow that swings makes the arm comply, however still the tool is;
     scene.seen.dq_rad_per_s[joint] = -3.01;
     CHECK(scene.tick(2).action == Action::pass);
     scene.seen.dq_rad_per_s[joint] = 0.0;
+    scene.proposal.torque_nm[4] += 1e-9;  // the controller is alive
     CHECK(scene.tick().action == Action::pass);
     scene.seen.dq_rad_per_s[joint] = -3.01;
     CHECK(scene.ticks_until_it_acts(20) == (joint < 4 ? 2 : 20));
@@ -148,4 +149,23 @@ TEST_CASE("a blind arm that is still pressed is braked after 0.3 s, and stays so
   scene.seen.dq_rad_per_s[0] = 0.5;
   CHECK(scene.tick(50).action == Action::brake);
   CHECK(scene.verdict.allowed_nm == gravity_nm);
+}
+
+TEST_CASE("in a tick that is repeated an encoder may turn as far as in a millisecond") {
+  for (const double beyond_rad : {-1e-5, 1e-5}) {
+    Scene again;
+    again.tick(10);
+    again.seen.tick -= 1;
+    again.seen.q_rad[2] += 5e-3 + beyond_rad;
+    again.tick_at(again.seen.time_s);
+    CHECK(again.verdict.cause == (beyond_rad > 0.0 ? Cause::encoder_jump : Cause::late_tick));
+  }
+}
+
+TEST_CASE("a blind arm is braked as soon as two samples say that nobody is there") {
+  Scene scene = blind_scene(20.0);
+  scene.tick(50);
+  scene.force_n = 0.0;
+  CHECK(scene.tick(2).action == Action::comply);  // joints are judged before the sensor is
+  CHECK(scene.tick().action == Action::brake);
 }

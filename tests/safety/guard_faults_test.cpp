@@ -55,6 +55,20 @@ TEST_CASE("a tick that is seen three times again ends the contact, fewer warn") 
   CHECK(scene.verdict.latched);
 }
 
+TEST_CASE("readings of which every second one comes twice end the contact with the fifth") {
+  Scene scene;
+  scene.tick(100);
+  for (int ms = 0; ms < 5; ++ms) {
+    if (ms % 2 == 0) scene.seen.tick -= 1, scene.tick_at(scene.seen.time_s);
+    if (ms % 2 == 1) scene.miss(1), scene.tick();
+    CHECK(scene.verdict.action == (ms < 4 ? Action::warn : Action::retract));
+    CHECK(scene.verdict.cause == Cause::late_tick);
+  }
+  Scene overrun;  // who misses every second tick is late, and no more
+  for (int ms = 0; ms < 100; ++ms) overrun.miss(1), overrun.tick();
+  CHECK(overrun.verdict.action == Action::warn);
+}
+
 TEST_CASE("ticks that run backwards end the contact") {
   Scene scene;
   scene.tick(100);
@@ -146,7 +160,9 @@ TEST_CASE(
       [](Observation& seen) { seen.jacobian.setZero(3, 7); },
       [](Observation& seen) { seen.mass_kg_m2(2, 3) = not_a_number; },
       [](Observation& seen) { seen.mass_kg_m2.setIdentity(5, 6); },
-      [](Observation& seen) { seen.mass_kg_m2.setIdentity(6, 5); }};
+      [](Observation& seen) { seen.mass_kg_m2.setIdentity(6, 5); },
+      [](Observation& seen) { seen.mass_kg_m2.setIdentity(7, 6); },
+      [](Observation& seen) { seen.mass_kg_m2.setIdentity(6, 7); }};
   for (const auto& spoil : faults) {
     for (const bool wound_up : {false, true}) {
       Scene scene;
@@ -195,6 +211,20 @@ TEST_CASE("a guard that begins in the middle of a fault counts from nothing") {
     spoil(scene);
     CHECK(scene.ticks_until_it_acts() == 2);
   }
+  Scene turned;  // the first two samples are not judged
+  turned.face(Vector3::UnitZ());
+  turned.pushed_along = -Vector3::UnitZ();
+  CHECK(turned.ticks_until_it_acts() == 11);
+  Scene set;  // the clock of a guard begins with its first tick
+  set.seen.time_s = 100.0;
+  set.tick();
+  for (const double at_s : {300.0, 600.0}) CHECK(set.tick_at(at_s).action == Action::pass);
+  CHECK(set.tick_at(900.0).cause == Cause::clock);
+  Scene racing;
+  racing.guard.stop(Action::comply, Cause::arms_too_close);
+  racing.seen.tool_velocity_m_per_s.x() = 1.3;
+  CHECK(racing.tick(9).action == Action::comply);
+  CHECK(racing.tick().action == Action::brake);
   Scene saturated;
   saturated.proposal.torque_nm[3] = 50.5;
   CHECK(saturated.ticks_until_it_acts() == 99);
@@ -207,4 +237,24 @@ TEST_CASE("judging takes no memory from the heap") {
   scene.force_n = 90.0;
   scene.tick(100);
   CHECK(test::allocations() == before);
+}
+
+TEST_CASE("an arm of a single joint is guarded as any other") {
+  Guard::Options options;
+  options.torque_limit_nm = JointVector::Constant(1, 50.0);
+  Scene scene(options);
+  for (JointVector* of_joints : {&scene.seen.q_rad, &scene.seen.dq_rad_per_s,
+                                 &scene.seen.gravity_nm, &scene.proposal.torque_nm})
+    of_joints->setZero(1);
+  scene.seen.jacobian.setZero(3, 1);
+  scene.seen.mass_kg_m2.setIdentity(1, 1);
+  CHECK(scene.tick(5).action == Action::pass);
+}
+
+TEST_CASE("what is seen of a fresh guard's last force is its newest median") {
+  Scene scene;
+  scene.tick(20);
+  scene.force_n = 30.0;
+  scene.tick(2);
+  CHECK(scene.guard.felt_n() == doctest::Approx(30.0));
 }

@@ -173,3 +173,11 @@ TEST_CASE("a complying tool is pushed away with the force of its brakes") {
   CHECK(world.contact_n() < 60.0 * 0.06 + 1.0);
   CHECK(world.way_out_m() > 0.012);
 }
+
+TEST_CASE("a tool that was frozen in the air does not press who comes then") {
+  Scene scene = felt_scene(0.0);
+  scene.freeze();
+  for (; scene.force_n < 20.0; scene.force_n += 1.0) scene.tick();
+  REQUIRE(scene.verdict.action == Action::freeze);
+  check_same(scene.allowed_n(), Vector3::Zero());
+}

@@ -181,3 +181,32 @@ TEST_CASE("a set force over the ceiling of its zone, or none, is not pressed") {
     }
   }
 }
+
+TEST_CASE("joints that reach harmless torques one after the other are clamped on the way") {
+  Scene scene;
+  const Vector3 normal(0.8, 0.6, 0.0);
+  scene.face(normal);
+  scene.proposal.virtual_target_in_base = scene.seen.tool_in_base;
+  scene.tick(3);
+  scene.pull(-69.9 * normal);
+  REQUIRE(scene.tick(50).action == Action::pass);
+  // The first joint may turn inward at once, the second needs five ticks for its way outward.
+  scene.proposal.torque_nm[0] -= 0.99;
+  scene.proposal.torque_nm[1] += 5.0;
+  scene.proposal.torque_nm[5] += 1e-3;
+  scene.tick();
+  CHECK(scene.verdict.action == Action::warn);
+  CHECK(scene.verdict.cause == Cause::torque_rate_clamped);
+  CHECK(-scene.outward_n() < 70.0 + 1e-9);
+}
+
+TEST_CASE("a tool that no joint moves presses nobody, where nothing may be pressed at all either") {
+  Guard::Options options = six_joints();
+  options.limits.friction_n = 0.0;
+  for (ForceLimits& limits : options.force) limits.trip_n = 0.0;
+  Scene scene(options);
+  scene.force_n = scene.noise_n = 0.0;
+  scene.proposal.stiffness_n_per_m = 0.0;
+  scene.seen.jacobian.setZero();
+  CHECK(scene.tick(3).action == Action::pass);
+}

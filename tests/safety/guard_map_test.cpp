@@ -115,3 +115,15 @@ TEST_CASE("the torques may press as hard as the place bears, whatever it is call
   leashed.proposal.stiffness_n_per_m = 1251.0;  // 25.02 N over 20 mm
   CHECK(leashed.tick().cause == Cause::leash_too_long);
 }
+
+TEST_CASE("the way out over known skin is that of the skin, felt or not") {
+  const Vector3 up = Vector3::UnitZ();
+  const Cell here = cell(Zone::muscle, up);
+  Scene scene;
+  scene.seen.skin = &here;
+  scene.force_n = 3.0;  // which agrees with any way out
+  scene.tick(5);
+  scene.retract();
+  scene.tick(20);
+  CHECK(scene.allowed_n().normalized().dot(up) > 0.999);
+}

@@ -70,6 +70,35 @@ TEST_CASE("a bench is refused where nobody has said so, be it for one tick in fi
   CHECK_FALSE(Guard::Options{}.bench);
 }
 
+TEST_CASE("torques that stay the same to the last bit while the joints change speed are old") {
+  const auto repeated = [](double change_rad_per_s, int ticks, double new_nm = 0.0) {
+    Scene scene;
+    scene.tick(20);
+    for (int i = 0; i < ticks; ++i) {
+      scene.seen.dq_rad_per_s[2] = i % 2 == 0 ? change_rad_per_s : 0.0;
+      scene.proposal.torque_nm[5] += new_nm;
+      scene.tick();
+    }
+    return scene.verdict;
+  };
+  CHECK(repeated(0.0101, 2).action == Action::pass);
+  CHECK(repeated(0.0101, 3).action == Action::freeze);
+  CHECK(repeated(-0.0101, 9).action == Action::freeze);
+  CHECK(repeated(0.0101, 9).cause == Cause::no_proposal);
+  CHECK_FALSE(repeated(0.0101, 9).latched);
+  CHECK(repeated(0.0101, 10).action == Action::retract);
+  CHECK(repeated(0.0101, 10).latched);
+  CHECK(repeated(0.99e-3, 500).action == Action::pass);
+  CHECK(repeated(1.01e-3, 500).action == Action::retract);
+  CHECK(repeated(0.0101, 500, 1e-12).action == Action::pass);
+  Scene scene;  // and is over with the first new one
+  scene.tick(20);
+  for (int i = 0; i < 5; ++i) scene.seen.dq_rad_per_s[2] = 0.01 * (i % 2), scene.tick();
+  CHECK(scene.verdict.action == Action::freeze);
+  scene.proposal.torque_nm[5] += 1e-9;
+  CHECK(scene.tick().action == Action::pass);
+}
+
 TEST_CASE("a controller that is silent for 3 ms freezes the arm, for 10 ms it makes it leave") {
   for (std::uint32_t age = 0; age <= 12; ++age) {
     Scene scene;

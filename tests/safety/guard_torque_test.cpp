@@ -26,7 +26,7 @@ TEST_CASE(
     return scene;
   };
   CHECK(moving(Phase::contact, 0.12).tick(10).action == Action::pass);
-  CHECK(moving(Phase::contact, -0.13).tick(10).action == Action::pass);
+  CHECK(moving(Phase::contact, -0.149).tick(10).action == Action::pass);
   Scene scene = moving(Phase::contact, 0.1201);
   CHECK(scene.tick(2).action == Action::pass);
   scene.seen.tool_velocity_m_per_s.setZero();
@@ -37,6 +37,25 @@ TEST_CASE(
   CHECK(scene.verdict.cause == Cause::pushed_out);
   for (const Phase phase : {Phase::free, Phase::approach, Phase::retract})
     CHECK(moving(phase, 0.149).tick(10).action == Action::pass);
+}
+
+TEST_CASE("in contact no tool goes inward faster than an approach does; aside it may") {
+  const auto going = [](Phase phase, double inward_m_per_s, double aside_m_per_s) {
+    Scene scene;
+    scene.face(Vector3::UnitZ());
+    scene.proposal.phase = phase;
+    scene.seen.tool_velocity_m_per_s = {aside_m_per_s, 0.0, -inward_m_per_s};
+    return scene;
+  };
+  CHECK(going(Phase::contact, 0.1499, 0.19).tick(100).action == Action::pass);
+  CHECK(going(Phase::contact, 0.0, 0.249).tick(100).action == Action::pass);
+  CHECK(going(Phase::contact, 0.1501, 0.0).tick(2).action == Action::pass);
+  Scene scene = going(Phase::contact, 0.1501, 0.0);
+  CHECK(scene.ticks_until_it_acts() == 2);
+  CHECK(scene.verdict.action == Action::comply);
+  CHECK(scene.verdict.cause == Cause::tool_too_fast);
+  for (const Phase phase : {Phase::free, Phase::retract})
+    CHECK(going(phase, 0.249, 0.0).tick(100).action == Action::pass);
 }
 
 TEST_CASE("torque is clamped in size, to the drives' limits on both sides") {
@@ -193,4 +212,14 @@ TEST_CASE("a speed beyond all numbers does not get a torque out that is none") {
   scene.tick();
   CHECK(scene.verdict.allowed_nm.allFinite());
   CHECK((scene.verdict.allowed_nm - before_nm).cwiseAbs().maxCoeff() <= 10.0 + 1e-9);
+}
+
+TEST_CASE("a torque of the guard's own that is no number is the last one again") {
+  Scene scene;
+  scene.force_n = 0.0;
+  scene.tick(10);
+  scene.comply();
+  const JointVector before_nm = scene.verdict.allowed_nm;
+  scene.seen.tool_velocity_m_per_s = Vector3(1e308, -1e308, 1e308);
+  CHECK(scene.tick().allowed_nm == before_nm);
 }

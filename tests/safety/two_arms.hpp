@@ -7,6 +7,7 @@
 
 #include "tuina/robot/arm_model.hpp"
 #include "tuina/robot/robot.hpp"
+#include "tuina/safety/arm_watch.hpp"
 
 namespace tuina::safety {
 
@@ -65,5 +66,41 @@ inline Wrench wrist_of(const robot::ArmModel& model, const JointVector& q_rad,
   const Matrix3 turn = model.base_from_tool(q_rad, 0.0).linear();
   return {.force_n = turn.transpose() * (force_in_base_n + weight_n)};
 }
+
+/// An arm that stands, watched; `pushed_n` is felt at its tool.
+struct Standing {
+  robot::ArmModel model = two_arms()[Arm::left];
+  ArmWatch watch{model};
+  robot::RobotReading reading;
+  Vector3 pushed_n = Vector3::Zero();
+  JointVector extra_nm = JointVector::Zero(6);  ///< beyond what holds the arm
+  double stiffness_n_per_m = 0.0;               ///< of the controller; 0: a hand leads the arm
+
+  Standing() {
+    reading.arms[Arm::left].q_rad = bent();
+    reading.arms[Arm::left].dq_rad_per_s = JointVector::Zero(6);
+  }
+  robot::ArmReading& arm() { return reading.arms[Arm::left]; }
+  Observation observe(Phase phase = Phase::free) {
+    arm().wrench_in_tool = wrist_of(model, arm().q_rad, pushed_n);
+    return look(phase);
+  }
+  /// As it is in the reading.
+  Observation look(Phase phase = Phase::free) {
+    reading.tick += 1;
+    reading.time_s += 1e-3;
+    arm().wrench_time_s = reading.time_s - 1e-3;
+    const auto dynamics = model.evaluate(arm().q_rad, JointVector::Zero(6), 0.0);
+    const JointVector held_nm =
+        dynamics.gravity_nm - dynamics.jacobian.topRows<3>().transpose() * pushed_n + extra_nm;
+    return watch.observe(reading, Arm::left,
+                         {.phase = phase, .stiffness_n_per_m = stiffness_n_per_m}, held_nm);
+  }
+  Observation observe_for(int ticks, Phase phase = Phase::free) {
+    Observation seen;
+    for (int i = 0; i < ticks; ++i) seen = observe(phase);
+    return seen;
+  }
+};
 
 }  // namespace tuina::safety

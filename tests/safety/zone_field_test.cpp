@@ -58,6 +58,7 @@ TEST_CASE("beside the grid, or nowhere, there is no cell") {
   const ZoneField field = four_by_three();
   const double nowhere = std::numeric_limits<double>::quiet_NaN();
   CHECK(cell_at(field, 0.0999, 0.2150) == -1);
+  CHECK(cell_at(field, 0.1550, 0.2050) == -1);
   CHECK(cell_at(field, 0.1401, 0.2150) == -1);
   CHECK(cell_at(field, 0.1250, 0.1999) == -1);
   CHECK(cell_at(field, 0.1250, 0.2301) == -1);

@@ -104,6 +104,7 @@ void visit(Archive& archive, Told& told) {
   });
   archive.item(told.options.max_set_force_n);
   archive.item(told.options.bench);
+  archive.item(told.options.leased);
   auto& field = told.options.field;
   for (auto* place : {&field.corner_in_base, &field.along_in_base, &field.up_in_base})
     visit_matrix(archive, *place);

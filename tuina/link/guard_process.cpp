@@ -89,6 +89,18 @@ std::optional<wire::SensorFrame> next_frame(Link& link, std::optional<std::uint6
   });
 }
 
+void set_age(safety::RobotProposal& proposal, std::uint64_t ticks) noexcept {
+  for (safety::Proposal& one : proposal.arms.of)
+    one.age_ticks = static_cast<std::uint32_t>(std::min<std::uint64_t>(ticks, 1000));
+}
+
+void hear_watchers(const Link& link, safety::RobotGuard& guard) noexcept {
+  for (const safety::Watcher watcher : {safety::Watcher::operating, safety::Watcher::hand_stop}) {
+    if (const auto word = link.watch(watcher))
+      guard.hear(watcher, {.beat = word->beat, .stop = word->stop != 0});
+  }
+}
+
 }  // namespace
 
 std::string be_real_time() {
@@ -110,8 +122,8 @@ Result<GuardReport> keep_guard(Link& link, const Arming& arming, Pace pace,
   link.write(wire::DriveFrame{.answers_tick = wire::no_tick, .armed = number, .guard = own});
   std::optional<std::uint64_t> last_tick;
   safety::RobotProposal proposal;
-  std::uint64_t answered = 0;
-  bool heard = false, there = true, told_to_stop = false;
+  std::optional<std::uint64_t> answered;
+  bool there = true, told_to_stop = false;
   while (!ends) {
     const auto sensed = next_frame(link, last_tick, own);
     if (!sensed && last_tick) break;
@@ -137,15 +149,13 @@ Result<GuardReport> keep_guard(Link& link, const Arming& arming, Pace pace,
     if (answer) {
       proposal = wire::from_frame(*answer);
       answered = reading.tick;
-      heard = true;
       if (answer->stop_asked != 0 && !told_to_stop) guard.expect_stop();
       told_to_stop = answer->stop_asked != 0;
     } else {
       ++report.silent_ticks;
     }
-    const std::uint64_t age = heard ? reading.tick - answered : report.silent_ticks;
-    for (safety::Proposal& one : proposal.arms.of)
-      one.age_ticks = static_cast<std::uint32_t>(std::min<std::uint64_t>(age, 1000));
+    set_age(proposal, answered ? reading.tick - *answered : report.silent_ticks);
+    hear_watchers(link, guard);
     const auto before = steady_clock::now();
     const safety::RobotVerdict verdict = guard.check(reading, proposal);
     const std::chrono::duration<double, std::micro> took = steady_clock::now() - before;

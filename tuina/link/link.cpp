@@ -23,6 +23,13 @@ Result<Link> Link::map(const std::string& name, Role role, bool make) {
   if (!controller) return tl::unexpected(controller.error());
   auto guard = SharedPage<Guard>::map(prefix + "guard", use(Role::guard));
   if (!guard) return tl::unexpected(guard.error());
+  constexpr std::array watching = {Role::operating, Role::hand_stop};
+  constexpr std::array called = {"operating", "hand-stop"};
+  for (std::size_t i = 0; i < safety::watchers; ++i) {
+    auto watch = SharedPage<Watch>::map(prefix + called[i], use(watching[i]));
+    if (!watch) return tl::unexpected(watch.error());
+    link.watchers_[i] = std::move(*watch);
+  }
   auto bells = SharedPage<Bells>::map(prefix + "bells", make                     ? Use::make
                                                         : role == Role::onlooker ? Use::read
                                                                                  : Use::write);
@@ -71,6 +78,11 @@ void Link::write(const wire::StandFrame& frame) noexcept {
 }
 void Link::write(const wire::DriveFrame& frame) noexcept {
   guard_->drive.write(frame);
+  ring();
+}
+
+void Link::write(const wire::WatchFrame& frame) noexcept {
+  watchers_[role_ == Role::hand_stop ? 1 : 0]->watch.write(frame);
   ring();
 }
 

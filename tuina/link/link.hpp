@@ -14,8 +14,8 @@
 namespace tuina::link {
 
 /// Which process of a robot somebody is. An onlooker only reads, and neither rings nor waits.
-enum class Role : std::uint8_t { drives, guard, controller, onlooker };
-inline constexpr std::size_t roles = 3;  ///< that write
+enum class Role : std::uint8_t { drives, guard, controller, operating, hand_stop, onlooker };
+inline constexpr std::size_t roles = 5;  ///< that write
 
 /// The shared memory of the processes of one robot. Each writes its own frames and has those of the
 /// others for reading only. Bells wake who waits; nobody trusts them: a process that rings them
@@ -34,11 +34,15 @@ class Link {
   void write(const wire::ProposalFrame& frame) noexcept;
   void write(const wire::StandFrame& frame) noexcept;
   void write(const wire::DriveFrame& frame) noexcept;
+  void write(const wire::WatchFrame& frame) noexcept;
 
   [[nodiscard]] auto sensors() const noexcept { return drives_->sensors.read(); }
   [[nodiscard]] auto proposal() const noexcept { return controller_->proposal.read(); }
   [[nodiscard]] auto stand() const noexcept { return controller_->stand.read(); }
   [[nodiscard]] auto drive() const noexcept { return guard_->drive.read(); }
+  [[nodiscard]] auto watch(safety::Watcher watcher) const noexcept {
+    return watchers_[static_cast<std::size_t>(watcher)]->watch.read();
+  }
 
   /// Waits until somebody rings or until the deadline; may return sooner.
   void wait(Deadline deadline) noexcept;
@@ -64,6 +68,9 @@ class Link {
   struct Guard {
     Slot<wire::DriveFrame> drive;
   };
+  struct Watch {
+    Slot<wire::WatchFrame> watch;
+  };
   struct Bells {
     std::array<sem_t, roles> of;
   };
@@ -74,6 +81,7 @@ class Link {
   SharedPage<Drives> drives_;
   SharedPage<Controller> controller_;
   SharedPage<Guard> guard_;
+  std::array<SharedPage<Watch>, safety::watchers> watchers_;
   SharedPage<Bells> bells_;
 };
 

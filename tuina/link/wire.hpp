@@ -63,6 +63,12 @@ struct StandFrame {
   std::uint8_t ends = 0;  ///< the session is over
 };
 
+/// What the operator's desk, or a stop in a hand, says.
+struct WatchFrame {
+  std::uint64_t beat = 0;
+  std::uint8_t stop = 0;
+};
+
 struct DrivenArm {
   Joints torque_nm;
   std::uint8_t brake = 0, action = 0, cause = 0, latched = 0;

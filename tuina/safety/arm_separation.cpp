@@ -28,18 +28,21 @@ bool ArmSeparation::keeps(const robot::RobotReading& reading) noexcept {
     clear_m[arm] = robot::clearances(models_[arm], now[arm], reading.rail_m, obstacles_).min_m();
   }
   if (watching_) {
-    constexpr double smoothing = control_period_s / 20e-3;  // encoders are coarse
+    const double ticks = std::max(static_cast<double>(reading.tick - tick_), 1.0);
+    const double passed_s = ticks * control_period_s;
+    const double smoothing = std::min(1.0, passed_s / 20e-3);  // encoders are coarse
     const PerArm<double> had_it_stayed_m = {.of = {between_m(before_[Arm::left], now[Arm::right]),
                                                    between_m(now[Arm::left], before_[Arm::right])}};
     for (const Arm arm : both_arms) {
-      const double closing = (had_it_stayed_m[arm] - apart_m_) / control_period_s;
+      const double closing = (had_it_stayed_m[arm] - apart_m_) / passed_s;
       closing_m_per_s_[arm] += smoothing * (closing - closing_m_per_s_[arm]);
       if (obstacles_.empty()) continue;
-      const double nearing = (clear_m_[arm] - clear_m[arm]) / control_period_s;
+      const double nearing = (clear_m_[arm] - clear_m[arm]) / passed_s;
       nearing_m_per_s_[arm] += smoothing * (nearing - nearing_m_per_s_[arm]);
     }
   }
   watching_ = true;
+  tick_ = reading.tick;
   before_ = now;
   clear_m_ = clear_m;
   // Each arm brakes by itself, so each share of the closing speed has its own braking distance.

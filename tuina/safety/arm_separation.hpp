@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "tuina/robot/arm_model.hpp"
@@ -35,7 +36,8 @@ class ArmSeparation {
   std::vector<robot::Obstacle> obstacles_;
   bool watching_ = false, arms_keep_ = true;
   double apart_m_ = 0.0;
-  PerArm<robot::ArmModel::Kinematics> before_ = {};  ///< kinematics of the last millisecond
+  std::uint64_t tick_ = 0;                           ///< of the last reading that places both arms
+  PerArm<robot::ArmModel::Kinematics> before_ = {};  ///< kinematics in it
   PerArm<double> closing_m_per_s_ = {};  ///< closing speed of each arm towards the other
   PerArm<double> clear_m_ = {};          ///< distance to couch and robot body
   PerArm<double> nearing_m_per_s_ = {};  ///< closing speed towards couch and robot body

@@ -18,42 +18,83 @@ constexpr double at_stop_rad = 0.02;
 constexpr double friction_share = 1.5;
 constexpr double drive_share = 0.04, led_share = 0.1;
 
+// Encoders are coarse: a joint at rest may seem to be as fast as a fifth of this. What a drive
+// gives in a part of a millisecond nobody can time.
+constexpr double unexplained_rad_per_s = 0.05;
+constexpr double untimed_s = 0.25e-3;
+// Speeds and samples of the wrist are filtered and tell of a torque that much later.
+constexpr double lag_s = 2e-3;
+// A wild sample of the wrist may change what is known of it by this much in a millisecond.
+constexpr double wild_n = 10.0, wild_nm = 1.0;
+constexpr double max_gap_ticks = 10.0;
+// A joint whose drive is to blame stands out of the others by as much.
+constexpr double alone = 2.0;
+
 }  // namespace
 
-// Torque that neither the model, nor what the wrist sensor feels, nor friction explains, as a share
-// of what a sound arm may leave unexplained: mass * ddq + coriolis + gravity = motor - friction +
-// J^T wrench, averaged over the window, the acceleration being the change of speed in it.
+// mass * ddq + coriolis + gravity = motor - friction + J^T wrench, over one millisecond.
 void ArmWatch::compare(const robot::ArmDynamics& dynamics, const robot::ArmReading& reading,
                        const Vector3& force_in_base_n, const JointVector& applied_nm,
-                       double share) noexcept {
-  if (applied_nm.size() != reading.q_rad.size() || !force_in_base_n.allFinite()) return;
-  const Matrix3 base_from_tool = dynamics.base_from_tool.linear();
+                       double passed_s, double share) noexcept {
+  const bool begins = dq_rad_per_s_.size() == 0;
   robot::Vector6 wrench;
-  wrench << force_in_base_n, base_from_tool * reading.wrench_in_tool.torque_nm;
-  const JointVector unexplained_nm = applied_nm - dynamics.coriolis_nm - dynamics.gravity_nm +
-                                     dynamics.jacobian.transpose() * wrench;
-  const JointVector before = speeds_[next_];
-  speeds_[next_] = reading.dq_rad_per_s;
-  unexplained_nm_[next_] = unexplained_nm;
-  next_ = (next_ + 1) % window;
-  filled_ = std::min(filled_ + 1, window + 1);
-  if (filled_ <= window) return;
-  JointVector mean_nm = JointVector::Zero(reading.q_rad.size());
-  for (const JointVector& one_nm : unexplained_nm_) mean_nm += one_nm / double{window};
-  const JointVector acceleration =
-      (reading.dq_rad_per_s - before) / (double{window} * control_period_s);
-  mean_nm -= dynamics.mass_kg_m2 * acceleration;
-  misfit_ = 0.0;
-  for (Eigen::Index i = 0; i < mean_nm.size(); ++i) {
+  wrench << force_in_base_n, dynamics.base_from_tool.linear() * reading.wrench_in_tool.torque_nm;
+  const bool felt = wrench.allFinite();
+  if (begins && felt) wrench_ = wrench;
+  robot::Vector6 wild;
+  wild << Vector3::Constant(wild_n), Vector3::Constant(wild_nm);
+  if (felt) wrench_ += (wrench - wrench_).cwiseMin(wild).cwiseMax(-wild);
+  const JointVector gained =
+      begins ? JointVector::Zero(reading.q_rad.size())
+             : JointVector(dynamics.mass_kg_m2 * (reading.dq_rad_per_s - dq_rad_per_s_));
+  dq_rad_per_s_ = reading.dq_rad_per_s;
+  if (applied_nm.size() != reading.q_rad.size()) return;
+  if (lagged_nm_.size() == 0) {
+    lagged_nm_ = applied_nm;
+    missing_ahead_ = missing_back_ = JointVector::Zero(applied_nm.size());
+  }
+  lagged_nm_ += control_period_s / (control_period_s + lag_s) * (applied_nm - lagged_nm_);
+  const JointVector driven_nm = lagged_nm_ - dynamics.coriolis_nm - dynamics.gravity_nm +
+                                dynamics.jacobian.transpose() * wrench_;
+  const JointVector missing = passed_s * driven_nm - gained;
+  for (Eigen::Index i = 0; i < missing.size(); ++i) {
     const robot::Link& link = model_.table().links[static_cast<std::size_t>(i)];
-    // A joint that leans against its stop is held by that, and by nothing that is known here.
-    const double q_rad = reading.q_rad[i];
-    if (q_rad < link.min_rad + at_stop_rad || q_rad > link.max_rad - at_stop_rad) continue;
     const double friction_nm =
         link.coulomb_nm + link.viscous_nm_s_per_rad * std::abs(reading.dq_rad_per_s[i]);
-    const double allowed_nm = friction_share * friction_nm + share * link.torque_limit_nm;
-    misfit_ = std::max(misfit_, std::abs(mean_nm[i]) / allowed_nm);
+    const double allowed = passed_s * (friction_share * friction_nm + share * link.torque_limit_nm);
+    missing_ahead_[i] = std::max(0.0, missing_ahead_[i] + missing[i] - allowed);
+    missing_back_[i] = std::max(0.0, missing_back_[i] - missing[i] - allowed);
+    // A joint that leans against its stop is held by that, and by nothing that is known here.
+    const double q_rad = reading.q_rad[i];
+    if (q_rad < link.min_rad + at_stop_rad || q_rad > link.max_rad - at_stop_rad)
+      missing_ahead_[i] = missing_back_[i] = 0.0;
   }
+  weigh(dynamics);
+}
+
+// A drive that gives less than it is told leaves its own joint alone short of momentum, in the
+// direction of its torque; a hand on the arm leaves several joints so, in any.
+void ArmWatch::weigh(const robot::ArmDynamics& dynamics) noexcept {
+  Eigen::Index worst = 0;
+  const JointVector borne = unexplained_rad_per_s * JointVector(dynamics.mass_kg_m2.diagonal()) +
+                            untimed_s * model_.table().torque_limits_nm();
+  const JointVector shares = missing_ahead_.cwiseMax(missing_back_).cwiseQuotient(borne);
+  misfit_ = shares.maxCoeff(&worst);
+  JointVector others = shares;
+  others[worst] = 0.0;
+  const double missing = lagged_nm_[worst] > 0.0 ? missing_ahead_[worst] : missing_back_[worst];
+  const bool of_drive = missing > 0.0 && shares[worst] > alone * others.maxCoeff();
+  weak_joint_ = of_drive ? static_cast<int>(worst) : -1;
+}
+
+// No living sensor says the same twice to the last bit: its noise is finer than that.
+void ArmWatch::count_repeats(const robot::ArmReading& reading) noexcept {
+  if (reading.wrench_time_s == sample_time_s_) return;
+  const Wrench& now = reading.wrench_in_tool;
+  const bool same = now.force_n == sample_.force_n && now.torque_nm == sample_.torque_nm;
+  repeats_ = same ? repeats_ + 1 : 0;
+  sample_ = now;
+  sample_time_s_ = reading.wrench_time_s;
 }
 
 Observation ArmWatch::observe(const robot::RobotReading& reading, Arm arm, const Proposal& proposal,
@@ -67,6 +108,8 @@ Observation ArmWatch::observe(const robot::RobotReading& reading, Arm arm, const
                    .dq_rad_per_s = raw.dq_rad_per_s};
   if (raw.q_rad.size() != model_.joints() || raw.dq_rad_per_s.size() != model_.joints())
     return seen;  // the guard brakes an arm that it does not know
+  const double ticks = static_cast<double>(reading.tick - tick_);  // very many, backwards
+  tick_ = reading.tick;
   const robot::ArmDynamics dynamics = model_.evaluate(raw.q_rad, raw.dq_rad_per_s, reading.rail_m);
   const Matrix3 base_from_tool = dynamics.base_from_tool.linear();
   const Vector3 weight_n(0.0, 0.0, -model_.table().tool_mass_kg * gravity_m_per_s2);
@@ -89,8 +132,12 @@ Observation ArmWatch::observe(const robot::RobotReading& reading, Arm arm, const
   seen.mass_kg_m2 = dynamics.mass_kg_m2;
   seen.gravity_nm = dynamics.gravity_nm;
   compare(dynamics, raw, seen.force_in_base_n, applied_nm,
+          control_period_s * std::min(ticks, max_gap_ticks),
           proposal.stiffness_n_per_m == 0.0 ? led_share : drive_share);
   seen.torque_misfit = misfit_;
+  seen.weak_joint = weak_joint_;
+  count_repeats(raw);
+  seen.wrist_repeats = repeats_;
   return seen;
 }
 

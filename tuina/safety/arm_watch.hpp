@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
+#include <cstdint>
+#include <limits>
 
 #include "tuina/robot/arm_model.hpp"
 #include "tuina/robot/robot.hpp"
@@ -19,25 +20,40 @@ class ArmWatch {
   /// things count: when an approach begins, the wrist sensor is zeroed, by 3 N at most; and an arm
   /// without a spring is one that a hand leads, so more of its torque may go unexplained. A sensor
   /// whose torques are no numbers has no force either.
+  ///
+  /// Torques and motion are compared by their momentum [deluca2006], joint by joint: what torques,
+  /// wrist and weight should have added to it, and what was seen to be added, may differ by
+  /// friction and a share of the drive in each millisecond. What goes beyond is summed up
+  /// [page1954] and compared with what coarse encoders and a badly timed drive may feign.
   [[nodiscard]] Observation observe(const robot::RobotReading& reading, Arm arm,
                                     const Proposal& proposal,
                                     const JointVector& applied_nm) noexcept;
 
  private:
-  static constexpr std::size_t window = 20;  ///< ticks over which torques and motion are compared
-
   void compare(const robot::ArmDynamics& dynamics, const robot::ArmReading& reading,
-               const Vector3& force_in_base_n, const JointVector& applied_nm,
+               const Vector3& force_in_base_n, const JointVector& applied_nm, double passed_s,
                double share) noexcept;
+  void weigh(const robot::ArmDynamics& dynamics) noexcept;
+  void count_repeats(const robot::ArmReading& reading) noexcept;
 
   robot::ArmModel model_;
   Phase phase_ = Phase::free;
   bool started_ = false;
   Vector3 mean_in_tool_n_ = Vector3::Zero(), zero_in_tool_n_ = Vector3::Zero();
 
-  std::array<JointVector, window> speeds_ = {}, unexplained_nm_ = {};
-  std::size_t next_ = 0, filled_ = 0;
-  double misfit_ = 0.0;  ///< the last one; a millisecond without the wrist's torques leaves it so
+  std::uint64_t tick_ = 0;
+  JointVector dq_rad_per_s_, lagged_nm_;
+  robot::Vector6 wrench_ =
+      robot::Vector6::Zero();  ///< on the tool, in `base`, without wild samples
+  /// Momentum of each joint that nothing explains, in N m s: too little of it in the direction of
+  /// its axis, and against it.
+  JointVector missing_ahead_, missing_back_;
+  double misfit_ = 0.0;
+  int weak_joint_ = -1;
+
+  Wrench sample_;
+  double sample_time_s_ = std::numeric_limits<double>::quiet_NaN();
+  int repeats_ = -1;  ///< of the sample; the first one repeats none
 };
 
 }  // namespace tuina::safety

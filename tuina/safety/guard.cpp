@@ -29,6 +29,7 @@ Guard::Guard(const Options& options) noexcept : options_(options) {
   for (std::size_t i = 0; i < limits.tool_speed_m_per_s.size(); ++i) {
     lower(limits.tool_speed_m_per_s[i], ceilings.tool_speed_m_per_s[i]);
   }
+  lower(limits.inward_m_per_s, ceilings.inward_m_per_s);
   lower(limits.pushed_out_m_per_s, ceilings.pushed_out_m_per_s);
   lower(limits.force_rate_n_per_s, ceilings.force_rate_n_per_s);
   lower(limits.over_cap_n, ceilings.over_cap_n);
@@ -52,6 +53,7 @@ void Guard::begin(const Observation& seen) noexcept {
   allowed_nm_ =
       seen.gravity_nm.cwiseMin(options_.torque_limit_nm).cwiseMax(-options_.torque_limit_nm);
   q_rad_ = seen.q_rad;
+  dq_rad_per_s_ = seen.dq_rad_per_s;
   tick_ = seen.tick - 1;
   time_s_ = seen.time_s - options_.period_s;
   sample_time_s_ = -std::numeric_limits<double>::infinity();
@@ -80,20 +82,25 @@ Verdict Guard::check(const Observation& seen, const Proposal& proposal) noexcept
     judge_motion(seen, proposal, finding);
     judge_proposal(seen, proposal, finding);
     judge_torques(seen, proposal, finding);
+    judge_drives(seen, finding);
     judge_obedience(seen, finding);
     if (!encoders_doubted_) gravity_nm_ = seen.gravity_nm;
   }
-  if (finding.latches) stop(finding.action, finding.cause);
-  if (latched_ >= finding.action) finding.action = latched_, finding.cause = latched_cause_;
+  const bool stopped = is_stop(state_);
+  state_ = next_state(state_, finding.asked);
+  if (!stopped && is_stop(state_)) stopped_by_ = finding.cause;
 
-  if (finding.action >= Action::freeze) {
+  if (state_ != GuardState::working) {
     const double rate = own_rate_factor * options_.limits.torque_rate_nm_per_s;
-    allowed_nm_ = limited(own_torque(seen, finding.action), rate, finding);
+    allowed_nm_ = limited(own_torque(seen, action_in(state_, Action::pass)), rate, finding);
   } else {
     taken_over_ = Action::pass;
     allowed_nm_ = let_through(seen, proposal, finding);
   }
-  return {allowed_nm_, finding.action, finding.cause, latched_ != Action::pass};
+  return {.allowed_nm = allowed_nm_,
+          .action = action_in(state_, finding.asked.action),
+          .cause = is_stop(state_) ? stopped_by_ : finding.cause,
+          .latched = is_stop(state_)};
 }
 
 // Torques are asked how hard they press before they are limited, and after: joints that reach what
@@ -125,7 +132,7 @@ bool Guard::torque_fits(const Proposal& proposal) const noexcept {
 // The way out of a body that the guard knows is its own. Else it is what the controller says, but
 // a tool that is pushed is not turned against what pushes it; and once latched it stays.
 void Guard::find_way_out(const Observation& seen, const Proposal& proposal) noexcept {
-  if (latched_ != Action::pass) return;
+  if (is_stop(state_)) return;
   if (seen.skin != nullptr && is_unit(seen.skin->normal_in_base.cast<double>())) {
     normal_in_base_ = seen.skin->normal_in_base.cast<double>();
     return;

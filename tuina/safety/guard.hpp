@@ -6,21 +6,11 @@
 #include <limits>
 
 #include "tuina/core/arm.hpp"
+#include "tuina/safety/guard_states.hpp"
 #include "tuina/safety/limits.hpp"
 #include "tuina/safety/zone_field.hpp"
 
 namespace tuina::safety {
-
-/// What the guard may do, mildest first; the strongest that any check asks for is done.
-enum class Action : std::uint8_t {
-  pass,     ///< the proposal goes through
-  warn,     ///< it goes through, clamped or repaired
-  freeze,   ///< the tool stays where it is
-  comply,   ///< no stiffness, only damping: the tool can be pushed away
-  retract,  ///< outward along the normal, then hold
-  brake,    ///< the joints cannot be known: only the drives' brakes are left
-};
-[[nodiscard]] const char* name_of(Action action) noexcept;
 
 enum class Cause : std::uint8_t {
   none,
@@ -54,7 +44,9 @@ enum class Cause : std::uint8_t {
   inward_force,    ///< the torques would press harder than the zone bears
   not_obeyed,      ///< the arm does not do what the guard's own law tells it
   torques_amiss,   ///< the joints do not move as their torques and the wrist sensor say
+  drive_amiss,     ///< one joint alone does not move as its torque says
   rail_moved,
+  lease_over,    ///< operator or hand stop do not show any more that they are there
   no_proposal,   ///< the controller is silent
   guard_silent,  ///< found by the controller
 };
@@ -75,8 +67,11 @@ struct Observation {
   Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, max_joints> jacobian;  ///< of the tool's position
   JointMatrix mass_kg_m2;                                               ///< rotors included
   JointVector gravity_nm;
-  /// Torque that neither model, wrist nor friction explains, as a share of what a sound arm leaves.
+  /// Momentum that neither torque, wrist nor friction explains, as a share of what a sound arm
+  /// leaves.
   double torque_misfit = 0.0;
+  int weak_joint = -1;    ///< whose drive alone would explain it; -1: none
+  int wrist_repeats = 0;  ///< samples of the wrist sensor that were the one before to the last bit
   const ZoneField::Cell* skin = nullptr;  ///< under the tool, where the guard knows the person
 };
 
@@ -124,9 +119,8 @@ class Guard {
 
   /// A stop that others than this guard found the reason for; it shows in the next `check`.
   void stop(Action action, Cause cause) noexcept {
-    if (action <= latched_) return;
-    latched_ = action;
-    latched_cause_ = latched_cause_ == Cause::none ? cause : latched_cause_;
+    if (!is_stop(state_)) stopped_by_ = cause;
+    state_ = next_state(state_, {action, true});
   }
 
   /// Median of the last three forces on the tool.
@@ -135,12 +129,11 @@ class Guard {
 
  private:
   struct Finding {
-    Action action = Action::pass;
+    Asked asked;
     Cause cause = Cause::none;
-    bool latches = false;
-    void add(Action a, Cause c, bool latch) noexcept {
-      if (a > action) action = a, cause = c;
-      latches = latches || latch;
+    void add(Action a, Cause c, bool lasts) noexcept {
+      if (a > asked.action) asked.action = a, cause = c;
+      asked.lasts = asked.lasts || lasts;
     }
   };
 
@@ -155,6 +148,9 @@ class Guard {
   void judge_obedience(const Observation& seen, Finding& finding) noexcept;
   [[nodiscard]] bool torque_fits(const Proposal& proposal) const noexcept;
   void judge_torques(const Observation& seen, const Proposal& proposal, Finding& finding) noexcept;
+  void judge_drives(const Observation& seen, Finding& finding) noexcept;
+  [[nodiscard]] std::uint32_t silent_ticks(const Observation& seen,
+                                           const Proposal& proposal) noexcept;
   [[nodiscard]] ForceLimits limits_of(const Observation& seen,
                                       const Proposal& proposal) const noexcept;
   [[nodiscard]] double inward_cap_n(const Observation& seen,
@@ -176,7 +172,7 @@ class Guard {
   std::uint64_t tick_ = 0,
                 ticks_ = 1;  ///< the last one, and how many have gone by since the one before
   double time_s_ = 0.0;
-  JointVector q_rad_, drift_rad_;
+  JointVector q_rad_, dq_rad_per_s_, drift_rad_;
   JointVector gravity_nm_;
   JointVector allowed_nm_;
   Vector3 normal_in_base_ = Vector3::UnitZ();
@@ -192,12 +188,14 @@ class Guard {
 
   // Checks that need several milliseconds count them here.
   int clock_ = 0, repeated_ = 0, too_fast_ = 0, swinging_ = 0, over_cap_ = 0, saturated_ = 0,
-      not_finite_ = 0, pushed_out_ = 0, rising_ = 0, stuck_ = 0, reversed_ = 0, inward_ = 0,
-      not_obeyed_ = 0, frozen_ = 0, blind_ = 0, amiss_ = 0;
+      not_finite_ = 0, pushed_out_ = 0, rising_ = 0, reversed_ = 0, inward_ = 0, not_obeyed_ = 0,
+      frozen_ = 0, blind_ = 0;
+  std::uint32_t same_ = 0;
   bool encoders_doubted_ = false, force_doubted_ = false;
+  JointVector told_nm_;  ///< the last proposal
 
-  Action latched_ = Action::pass;
-  Cause latched_cause_ = Cause::none;
+  GuardState state_ = GuardState::working;
+  Cause stopped_by_ = Cause::none;
   Action taken_over_ = Action::pass;
   Vector3 hold_in_base_ = Vector3::Zero();
   JointVector hold_rad_;

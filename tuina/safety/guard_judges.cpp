@@ -23,12 +23,12 @@ constexpr int rising_ticks = 3;
 constexpr int over_cap_ticks = 100;
 constexpr int saturated_ticks = 100;
 constexpr int inward_ticks = 100;
-constexpr int amiss_ticks = 25;  // a wild sample of the wrist is averaged for 20
 constexpr int bad_torques = 3;
 constexpr int late_freeze_ticks = 100;
 constexpr std::uint32_t silent_freeze_ticks = 3;
 constexpr std::uint32_t silent_retract_ticks = 10;
 constexpr std::uint64_t too_many_missed = 10;
+constexpr double telling_rad_per_s = 1e-3;  // a change of speed that every controller answers
 
 // The joint speeds follow the angles by a filter of some milliseconds, which makes up for itself
 // within fifty; what does not fade is doubt. A joint whose speed is told wrong by 0.2 rad/s, which
@@ -36,7 +36,6 @@ constexpr std::uint64_t too_many_missed = 10;
 constexpr double drift_kept = 0.98;
 
 constexpr int stuck_ticks = 20;
-constexpr double moving_m_per_s = 0.01;  // slower, a quiet sensor may well say the same twice
 
 constexpr double reversed_n = 8.0;  // more than drift and weight can feign
 constexpr double agreeing = 0.25;  // cosine: what rubs along the skin is felt at 40 degrees at most
@@ -61,7 +60,9 @@ bool is_unit(const Vector3& normal) noexcept {
 // may jump once, when somebody sets it; a clock that goes on being wrong is broken.
 void Guard::judge_time(const Observation& seen, Finding& finding) noexcept {
   const std::uint64_t gone = seen.tick - tick_;  // going backwards counts as very many
-  repeated_ = gone == 0 ? repeated_ + 1 : 0;
+  // Only a tick that follows the last one ends a row of repeated ones: between them some are
+  // missed.
+  if (gone <= 1) repeated_ = gone == 0 ? repeated_ + 1 : 0;
   ticks_ = std::clamp<std::uint64_t>(gone, 1, too_many_missed + 1);
   tick_ = seen.tick;
   frozen_ -= std::min(frozen_, static_cast<int>(ticks_));
@@ -104,12 +105,19 @@ void Guard::judge_joints(const Observation& seen, Finding& finding) noexcept {
   if (let_go || blind_ > blind_ticks) finding.add(Action::brake, Cause::encoder_jump, true);
 }
 
+// Torques that do not move the joints as they should: where one drive is to blame and nobody is
+// pressed, the brakes are all that is left to trust. Else somebody may be leading the arm, and on a
+// person who breathes brakes would be a wall.
+void Guard::judge_drives(const Observation& seen, Finding& finding) noexcept {
+  if (!(seen.torque_misfit > 1.0)) return;
+  if (seen.weak_joint >= 0 && !pressed() && !is_stop(state_))
+    finding.add(Action::brake, Cause::drive_amiss, true);
+  finding.add(Action::comply, Cause::torques_amiss, true);
+}
+
 void Guard::take_sample(const Observation& seen, Finding& finding) noexcept {
   const double force_n = seen.force_in_base_n.norm();
-  const bool repeats = samples_ > 0 && seen.force_in_base_n == sample_in_base_n_;
-  const bool moves = seen.tool_velocity_m_per_s.norm() > moving_m_per_s;
-  stuck_ = repeats ? stuck_ + (moves ? 1 : 0) : 0;
-  if (stuck_ >= stuck_ticks) {
+  if (seen.wrist_repeats >= stuck_ticks) {
     finding.add(Action::retract, Cause::force_stuck, true);
     force_doubted_ = true;
   }
@@ -184,21 +192,34 @@ void Guard::judge_motion(const Observation& seen, const Proposal& proposal,
                          Finding& finding) noexcept {
   const auto phase = std::min(static_cast<std::size_t>(proposal.phase), std::size_t{3});
   const double speed = seen.tool_velocity_m_per_s.norm();
-  too_fast_ = speed > options_.limits.tool_speed_m_per_s[phase] ? too_fast_ + 1 : 0;
-  if (too_fast_ >= fast_ticks) finding.add(Action::comply, Cause::tool_too_fast, true);
   const double outward = seen.tool_velocity_m_per_s.dot(normal_in_base_);
-  const bool pushed =
-      proposal.phase == Phase::contact && outward > options_.limits.pushed_out_m_per_s;
+  const bool touches = proposal.phase == Phase::contact;
+  const bool fast = speed > options_.limits.tool_speed_m_per_s[phase] ||
+                    (touches && -outward > options_.limits.inward_m_per_s);
+  too_fast_ = fast ? too_fast_ + 1 : 0;
+  if (too_fast_ >= fast_ticks) finding.add(Action::comply, Cause::tool_too_fast, true);
+  const bool pushed = touches && outward > options_.limits.pushed_out_m_per_s;
   pushed_out_ = pushed ? pushed_out_ + 1 : 0;
   if (pushed_out_ >= fast_ticks) finding.add(Action::retract, Cause::pushed_out, true);
 }
 
+// Torques that stay the same to the last bit while the speeds of the joints change were proposed
+// for the first of them: nobody proposes any more.
+std::uint32_t Guard::silent_ticks(const Observation& seen, const Proposal& proposal) noexcept {
+  const JointVector change = seen.dq_rad_per_s - dq_rad_per_s_;
+  dq_rad_per_s_ = seen.dq_rad_per_s;
+  const bool same = proposal.torque_nm.size() == told_nm_.size() && proposal.torque_nm == told_nm_;
+  told_nm_ = proposal.torque_nm;
+  if (!same) same_ = 0;
+  if (same && change.cwiseAbs().maxCoeff() > telling_rad_per_s) ++same_;
+  return std::max(proposal.age_ticks, same_);
+}
+
 void Guard::judge_proposal(const Observation& seen, const Proposal& proposal,
                            Finding& finding) noexcept {
-  if (proposal.age_ticks >= silent_freeze_ticks)
-    finding.add(Action::freeze, Cause::no_proposal, false);
-  if (proposal.age_ticks >= silent_retract_ticks)
-    finding.add(Action::retract, Cause::no_proposal, true);
+  const std::uint32_t silent = silent_ticks(seen, proposal);
+  if (silent >= silent_freeze_ticks) finding.add(Action::freeze, Cause::no_proposal, false);
+  if (silent >= silent_retract_ticks) finding.add(Action::retract, Cause::no_proposal, true);
   const bool fits = torque_fits(proposal);
   not_finite_ = fits ? 0 : not_finite_ + 1;
   if (!fits) finding.add(Action::warn, Cause::torque_not_finite, false);
@@ -237,8 +258,6 @@ void Guard::judge_torques(const Observation& seen, const Proposal& proposal,
   inward_ = presses ? inward_ + 1 : 0;
   if (presses) finding.add(Action::warn, Cause::inward_force, false);
   if (inward_ >= inward_ticks) finding.add(Action::retract, Cause::inward_force, true);
-  amiss_ = seen.torque_misfit > 1.0 ? amiss_ + 1 : 0;
-  if (amiss_ >= amiss_ticks) finding.add(Action::comply, Cause::torques_amiss, true);
 }
 
 }  // namespace tuina::safety

@@ -41,10 +41,10 @@ bool Guard::pressed() const noexcept {
 void Guard::judge_obedience(const Observation& seen, Finding& finding) noexcept {
   const double speed_m_per_s = seen.tool_velocity_m_per_s.norm();
   const double inward_m_per_s = -seen.tool_velocity_m_per_s.dot(normal_in_base_);
-  const bool driven = latched_ >= Action::comply;
+  const bool driven = state_ >= GuardState::complying;
   const bool races = driven && speed_m_per_s > runaway_m_per_s;
   const bool against =
-      latched_ == Action::retract && pressed() && inward_m_per_s > disobedient_m_per_s;
+      state_ == GuardState::retracting && pressed() && inward_m_per_s > disobedient_m_per_s;
   not_obeyed_ =
       races ? not_obeyed_ + disobedient_ticks / runaway_ticks : (against ? not_obeyed_ + 1 : 0);
   if (not_obeyed_ >= disobedient_ticks) finding.add(Action::brake, Cause::not_obeyed, true);

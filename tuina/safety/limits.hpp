@@ -46,6 +46,7 @@ enum class Phase : std::uint8_t { free, approach, contact, retract };
 struct Ceilings {
   /// Tool speed that stops the arm. What is commanded stays below: 250, 50, 80 and 100 mm/s.
   std::array<double, 4> tool_speed_m_per_s = {0.30, 0.15, 0.25, 0.30};
+  double inward_m_per_s = 0.15;      ///< in contact, into the body: no faster than an approach
   double pushed_out_m_per_s = 0.12;  ///< in contact, along the normal: the person gets up
   double force_rate_n_per_s = 2000.0;
   double over_cap_n = 10.0;  ///< this much above the set ceiling is borne for 100 ms only

@@ -40,7 +40,9 @@ const char* name_of(Cause cause) noexcept {
                                 "pressing harder than the zone bears",
                                 "arm does not obey",
                                 "torques and motion disagree",
+                                "a drive does not give what it is told",
                                 "linear base moved",
+                                "operator or hand stop silent",
                                 "controller is silent",
                                 "guard is silent"};
   return names[static_cast<std::size_t>(cause)];

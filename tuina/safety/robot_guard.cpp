@@ -16,8 +16,10 @@ constexpr double rail_moved_m = 5e-3;  // of the base itself, by whatever moves 
 constexpr double still_m_per_s = 5e-3;
 
 // A controller that was asked to stop lets go within a quarter of a second.
-constexpr int patience_ticks = 300;
+constexpr int max_patience_ticks = 300;
 constexpr double let_go_n = 2.0;
+
+constexpr int max_lease_ticks = 500;
 
 Guard::Options guard_options(const robot::ArmModel& model, const RobotGuard::Options& options) {
   Guard::Options guard{.torque_limit_nm = model.table().torque_limits_nm(), .bench = options.bench};
@@ -34,14 +36,22 @@ RobotGuard::Side::Side(const robot::ArmModel& model, const Options& options) noe
 RobotGuard::RobotGuard(const PerArm<robot::ArmModel>& models, const Options& options)
     : field_(options.field.reaching(reach_m)),
       separation_(models, options.obstacles),
-      sides_{.of = {Side(models[Arm::left], options), Side(models[Arm::right], options)}} {}
+      sides_{.of = {Side(models[Arm::left], options), Side(models[Arm::right], options)}},
+      leased_(options.leased) {}
+
+void RobotGuard::hear(Watcher watcher, const Watchword& word) noexcept {
+  const auto i = static_cast<std::size_t>(watcher);
+  if (word.stop) stop(Cause::asked_to);
+  if (word.beat != beats_[i]) silent_ticks_[i] = 0;
+  beats_[i] = word.beat;
+}
 
 void RobotGuard::stop(Cause cause) noexcept {
   for (Side& side : sides_.of) side.guard.stop(Action::retract, cause);
 }
 
 void RobotGuard::expect_stop() noexcept {
-  if (asked_ticks_ == 0) asked_ticks_ = patience_ticks;
+  if (patience_ticks_ < 0) patience_ticks_ = max_patience_ticks;
 }
 
 // Only arms that move are stopped; the other one cannot have come nearer. On the skin an arm leaves
@@ -72,6 +82,8 @@ RobotVerdict RobotGuard::check(const robot::RobotReading& reading,
   if (!started_) rail_m_ = std::isfinite(reading.rail_m) ? reading.rail_m : proposal.rail_m;
   started_ = true;
   if (!(std::abs(reading.rail_m - rail_m_) <= rail_moved_m)) stop(Cause::rail_moved);
+  for (int& silent_ticks : silent_ticks_)
+    if (leased_ && ++silent_ticks > max_lease_ticks) stop(Cause::lease_over);
   PerArm<Observation> seen;
   for (const Arm arm : both_arms) {
     Side& side = sides_[arm];
@@ -79,13 +91,13 @@ RobotVerdict RobotGuard::check(const robot::RobotReading& reading,
     if (!field_.empty()) seen[arm].skin = field_.at(seen[arm].tip_in_base);
   }
   if (!separation_.keeps(reading)) keep_apart(seen, proposal);
-  const bool patience_is_over = asked_ticks_ > 0 && --asked_ticks_ == 0;
+  if (patience_ticks_ > 0) --patience_ticks_;
   RobotVerdict verdict;
   const bool stands = std::abs(proposal.rail_m - rail_m_) <= rail_step_m;
   verdict.command.rail_m = stands ? proposal.rail_m : rail_m_;
   for (const Arm arm : both_arms) {
     Side& side = sides_[arm];
-    if (patience_is_over && side.guard.felt_n() > let_go_n)
+    if (patience_ticks_ == 0 && side.guard.felt_n() > let_go_n)
       side.guard.stop(Action::retract, Cause::asked_to);
     Proposal told = proposal.arms[arm];
     if (!field_.empty() && seen[arm].skin == nullptr) told.zone = Zone::denied;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <limits>
 #include <vector>
 
@@ -16,6 +18,16 @@ namespace tuina::safety {
 struct RobotProposal {
   PerArm<Proposal> arms;
   double rail_m = 0.0;  ///< where the linear base should be
+};
+
+/// Who may stop the robot beside its controller, and must show all the time that they are there.
+enum class Watcher : std::uint8_t { operating, hand_stop };
+inline constexpr std::size_t watchers = 2;
+
+/// What one of them says: a number that goes on as long as they are well, and whether to stop.
+struct Watchword {
+  std::uint64_t beat = 0;
+  bool stop = false;
 };
 
 /// What the robot does, and what was thought of the proposal.
@@ -34,6 +46,7 @@ class RobotGuard {
     double max_set_force_n = std::numeric_limits<double>::infinity();  ///< in every zone
     ZoneField field = {};  ///< the person's back, all beside it denied; empty where nobody scanned
     bool bench = false;    ///< tissue in a laboratory instead of a person
+    bool leased = false;   ///< arms leave when a watcher is silent for half a second
   };
 
   RobotGuard(const PerArm<robot::ArmModel>& models, const Options& options);
@@ -41,9 +54,13 @@ class RobotGuard {
   [[nodiscard]] RobotVerdict check(const robot::RobotReading& reading,
                                    const RobotProposal& proposal) noexcept;
 
+  /// What a watcher said last; the same once more is silence. A stop makes both arms leave, leased
+  /// or not.
+  void hear(Watcher watcher, const Watchword& word) noexcept;
   /// Both arms leave the body at once, whatever the controller wants.
   void stop(Cause cause) noexcept;
-  /// Somebody has told the controller to stop; an arm that still presses 0.3 s later leaves.
+  /// Somebody has told the controller to stop; an arm that presses 0.3 s later, or ever after,
+  /// leaves.
   void expect_stop() noexcept;
 
   /// Distance between the surfaces of the arms at the last reading.
@@ -62,9 +79,11 @@ class RobotGuard {
   ZoneField field_;
   ArmSeparation separation_;
   PerArm<Side> sides_;
-  bool started_ = false;
+  bool started_ = false, leased_ = false;
+  std::array<std::uint64_t, watchers> beats_ = {};
+  std::array<int, watchers> silent_ticks_ = {};
   double rail_m_ = 0.0;
-  int asked_ticks_ = 0;
+  int patience_ticks_ = -1;  ///< that are left to the controller to let go; -1: nobody has asked
 };
 
 }  // namespace tuina::safety

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+// A guard in a thread of its own, as it runs in its process.
+#include "tuina/link/guard_process.hpp"
+
+#include <doctest/doctest.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <optional>
+#include <thread>
+
+#include "tuina/robot/inverse_kinematics.hpp"
+
+using namespace tuina;
+using namespace tuina::link;
+
+namespace {
+
+/// A guard in its own thread, and a robot that stands.
+struct Guarded {
+  explicit Guarded(const std::string& called, bool leased = false)
+      : name("test-" + called + "-" + std::to_string(getpid())) {
+    arming.options.leased = leased;
+    REQUIRE(guard.has_value());
+    process = std::thread([this] { report = keep_guard(*guard, arming, Pace::max, ends); });
+  }
+  ~Guarded() { over(); }
+  void over() {
+    wire::SensorFrame last_words = wire::to_frame(reading);
+    last_words.over = 1;
+    drives->write(last_words);
+    if (process.joinable()) process.join();
+  }
+  /// One millisecond, answered by the controller or not.
+  safety::RobotVerdict tick(bool speaks = true) {
+    reading.tick = ticks;
+    reading.time_s = static_cast<double>(ticks) * control_period_s;
+    safety::RobotProposal proposal;
+    for (const Arm arm : both_arms) {
+      const Matrix3 turn = models[arm].base_from_tool(ready_rad[arm], 0.0).linear();
+      const double weight_n = models[arm].table().tool_mass_kg * 9.81 + 1e-6 * reading.time_s;
+      reading.arms[arm] = {
+          .q_rad = ready_rad[arm],
+          .dq_rad_per_s = JointVector::Zero(6),
+          .wrench_in_tool = {turn.transpose() * Vector3(0.0, 0.0, -weight_n), Vector3::Zero()},
+          .wrench_time_s = reading.time_s};
+      proposal.arms[arm].torque_nm = models[arm].gravity_nm(ready_rad[arm]);
+    }
+    wire::SensorFrame frame = wire::to_frame(reading);
+    frame.stands = 1;
+    if (speaks) controller->write(wire::to_frame(proposal, ticks, false));
+    drives->write(frame);
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+    const auto answer = drives->wait_for(deadline, [&]() {
+      const auto said = drives->drive();
+      return said && said->answers_tick == ticks ? said : std::nullopt;
+    });
+    REQUIRE(answer.has_value());
+    ++ticks;
+    return wire::from_frame(*answer);
+  }
+
+  std::string name;
+  Result<Link> controller = Link::create(name, Role::controller);
+  Result<Link> drives = Link::open(name, Role::drives), guard = Link::open(name, Role::guard);
+  Result<Link> desk = Link::open(name, Role::operating), hand = Link::open(name, Role::hand_stop);
+  Arming arming{.arm = robot::thesis_arm(), .mount = robot::mount_for(BodyPosture::sitting)};
+  PerArm<robot::ArmModel> models = robot::both_models(arming.arm, arming.mount);
+  PerArm<JointVector> ready_rad = robot::ready_posture(arming.arm, arming.mount);
+  std::atomic<bool> ends = false;
+  Result<GuardReport> report = fail(Fault::device, "did not run");
+  robot::RobotReading reading;
+  std::uint64_t ticks = 0;
+  std::thread process;
+};
+
+}  // namespace
+
+TEST_CASE("a guard in its own thread guards until the drives fall silent, and tells of silence") {
+  Guarded robot("guard");
+  for (std::uint64_t tick = 0; tick < 40; ++tick) {
+    const safety::Verdict left = robot.tick(tick < 20).arms[Arm::left];
+    CAPTURE(tick);
+    CAPTURE(std::string(safety::name_of(left.cause)));
+    if (tick < 22) CHECK(left.action == safety::Action::pass);
+    if (tick >= 22 && tick < 29) CHECK(left.action == safety::Action::freeze);
+    if (tick >= 29) CHECK(left.action == safety::Action::retract);
+    if (tick >= 22) CHECK(left.cause == safety::Cause::no_proposal);
+  }
+  robot.over();
+  REQUIRE(robot.report.has_value());
+  CHECK(robot.report->ticks == 40);
+  CHECK(robot.report->silent_ticks == 20);
+}
+
+TEST_CASE("a stop in a hand, or of the operator, reaches a guard in its own thread at once") {
+  for (const bool by_hand : {false, true}) {
+    Guarded robot("stop");
+    (by_hand ? robot.hand : robot.desk)->write(wire::WatchFrame{.beat = 1});
+    CHECK(robot.tick().arms[Arm::left].action == safety::Action::pass);
+    (by_hand ? robot.hand : robot.desk)->write(wire::WatchFrame{.beat = 2, .stop = 1});
+    for (const safety::Verdict& one : robot.tick().arms.of) {
+      CHECK(one.action == safety::Action::retract);
+      CHECK(one.cause == safety::Cause::asked_to);
+    }
+  }
+}
+
+TEST_CASE("a leased robot leaves when a stop in a hand has been silent for half a second") {
+  Guarded robot("lease", true);
+  for (std::uint64_t tick = 1; tick <= 700; ++tick) {
+    robot.desk->write(wire::WatchFrame{.beat = tick});
+    if (tick <= 100) robot.hand->write(wire::WatchFrame{.beat = tick});
+    const safety::Verdict left = robot.tick().arms[Arm::left];
+    CAPTURE(tick);
+    CHECK(left.action == (tick < 600 ? safety::Action::pass : safety::Action::retract));
+    if (tick >= 600) CHECK(left.cause == safety::Cause::lease_over);
+  }
+}
