@@ -43,12 +43,27 @@ record::SessionFile::Acupoints acupoints_of(const SessionResult& result) {
   return acupoints;
 }
 
+/// The person asked for another force than the plan's before the path was done.
+const session::LiveCommand* asked_by_person(const session::Session& session, double end_s) {
+  for (const auto& [time_s, command] : session.commands) {
+    const bool changes = command == session::LiveCommand::softer ||
+                         command == session::LiveCommand::firmer ||
+                         command == session::LiveCommand::skip;
+    if (changes && time_s <= end_s) return &command;
+  }
+  return nullptr;
+}
+
 /// Why a path got less or more than was ordered, in one sentence; nothing where it did not.
 std::optional<std::string> why_not_as_ordered(const session::Session& session,
-                                              const session::Performed& done, double ordered_n,
-                                              double given_n) {
-  constexpr double as_ordered = 0.05;
-  if (std::abs(given_n - ordered_n) <= as_ordered * ordered_n) return std::nullopt;
+                                              const session::Performed& done, double given_n) {
+  constexpr double min_share = 0.95, max_share = 1.02;
+  const massage::PlannedPath& planned =
+      session.ready.plan.paths[static_cast<std::size_t>(done.path)];
+  const auto as_asked = [&](double asked_n) {
+    return given_n >= min_share * asked_n && given_n <= max_share * asked_n;
+  };
+  if (as_asked(planned.ordered_n)) return std::nullopt;
   if (done.contact_fault != control::ContactFault::none)
     return fmt::format("cut short: {}", control::name_of(done.contact_fault));
   const session::Decision* last = nullptr;
@@ -59,16 +74,15 @@ std::optional<std::string> why_not_as_ordered(const session::Session& session,
   if (last != nullptr)
     return fmt::format("{} ({}: {:.1f} N to {:.1f} N)", last->reason, last->rule, last->from_n,
                        last->to_n);
-  for (const auto& [time_s, command] : session.commands) {
-    const bool changes = command == session::LiveCommand::softer ||
-                         command == session::LiveCommand::firmer ||
-                         command == session::LiveCommand::skip;
-    if (changes && time_s <= done.end_s)
-      return fmt::format("the person asked for it: {}", session::name_of(command));
-  }
+  if (const auto* command = asked_by_person(session, done.end_s))
+    return fmt::format("the person asked for it: {}", session::name_of(*command));
+  if (planned.cap_n < planned.ordered_n)
+    return fmt::format("{} may be asked for {:.1f} N at most", massage::name_of(planned.zone),
+                       planned.cap_n);
   if (!done.whole) return "cut short before its strongest place";
-  return given_n < ordered_n ? "the tool did not reach it in the time that the technique gives"
-                             : "the force swung beyond it";
+  return given_n < planned.ordered_n
+             ? "the tool did not reach it in the time that the technique gives"
+             : "the force swung beyond it";
 }
 
 record::SessionFile::Massage massage_of(const SessionResult& result) {
@@ -86,20 +100,20 @@ record::SessionFile::Massage massage_of(const SessionResult& result) {
   for (std::size_t i = 0; i < session.performed.size(); ++i) {
     const session::Performed& done = session.performed[i];
     const auto path = static_cast<std::size_t>(done.path);
-    double ordered_n = 0.0;
-    for (const ContactPoint& point : session.ready.plan.paths[path].path.points)
-      ordered_n = std::max(ordered_n, point.force_n);
-    const double given_n = truth.touched[i].peak_n;
+    const Touched& touched = truth.touched[i];
+    const Technique technique = session.ready.plan.paths[path].path.technique;
+    const double given_n = slides(technique) ? touched.held.mean_n() : touched.peak_n;
     massage.performed.push_back({.name = session.ready.plan.paths[path].path.name,
                                  .path = path,
                                  .arm = done.arm,
                                  .begin_s = done.begin_s,
                                  .end_s = done.end_s,
                                  .contact_fault = control::name_of(done.contact_fault),
-                                 .ordered_n = ordered_n,
-                                 .true_peak_n = given_n,
-                                 .why = why_not_as_ordered(session, done, ordered_n, given_n),
-                                 .true_over_trip_n = truth.touched[i].over_trip_n,
+                                 .ordered_n = session.ready.plan.paths[path].ordered_n,
+                                 .given_n = given_n,
+                                 .true_peak_n = touched.peak_n,
+                                 .why = why_not_as_ordered(session, done, given_n),
+                                 .true_over_trip_n = touched.over_trip_n,
                                  .tool_to_acupoint_m = tool_to_acupoint_m(result, i)});
   }
   return massage;
@@ -196,7 +210,7 @@ std::string session_text(const record::SessionFile& file) {
   for (const record::PerformedEntry& done : file.massage.performed) {
     if (done.why)
       text += fmt::format("\n{}: {:.1f} N ordered, {:.1f} N given: {}", done.name, done.ordered_n,
-                          done.true_peak_n, *done.why);
+                          done.given_n, *done.why);
   }
   for (const std::string& note : file.plan.notes) text += "\n" + note;
   for (const telemetry::Stop& stop : file.stops)

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/simulated/given_presses.hpp"
 #include "apps/simulated/session_order.hpp"
 #include "tuina/massage/zones.hpp"
 #include "tuina/record/session_tables.hpp"
@@ -22,6 +23,7 @@ struct Touched {
   Vector3 at_in_couch = Vector3::Zero();       ///< the skin there
   massage::Zone zone = massage::Zone::muscle;  ///< the true zone there
   double peak_n = 0.0;
+  HeldForce held = {};  ///< force while all of it was asked for
   /// Largest force beyond what the true zone bears: beyond what may be asked for there, and beyond
   /// where an arm has to give way. Negative when it stayed below.
   double over_cap_n = -std::numeric_limits<double>::infinity();
@@ -34,6 +36,7 @@ struct SessionTruth {
   double scan_error_m = 0.0;              ///< RMS distance of the scan from the true surface
   std::vector<double> acupoint_errors_m;  ///< per point that was located
   std::vector<Touched> touched;           ///< per performed path
+  std::vector<GivenPress> presses;        ///< presses and taps, in the order of their ends
   session::ForceErrors force;
   std::map<Technique, session::ForceErrors> techniques;
   std::vector<telemetry::TraceRow> trace;

@@ -78,9 +78,11 @@ void TruthRecorder::on_tick(const session::Tick& tick) noexcept {
     if (in_contact && seen.target_n > 0.0) count(time_s, arm, seen, contact, *technique);
     if (in_contact) {
       if (!touching_[arm]) touched_[arm] = {};
+      touched_[arm].held.add(seen.target_n, contact.force_n);
       feel(touched_[arm], contact, row);
     }
     touching_[arm] = in_contact;
+    presses_.add(time_s, arm, seen, contact.force_n, *plan_);
     if (row) {
       truth_.trace.push_back({.time_s = time_s,
                               .arm = arm,
@@ -96,6 +98,7 @@ void TruthRecorder::on_tick(const session::Tick& tick) noexcept {
 
 SessionTruth TruthRecorder::finish() {
   truth_.force = all_.errors();
+  truth_.presses = presses_.take();
   for (const auto& [technique, sum] : by_technique_) truth_.techniques[technique] = sum.errors();
   return std::move(truth_);
 }

@@ -49,6 +49,7 @@ class TruthRecorder final : public session::Observer {
   std::map<Technique, session::ForceErrorSum> by_technique_;
   long ticks_ = 0;
   PerArm<int> last_path_{.of = {-1, -1}};
+  GivenPresses presses_;
   PerArm<bool> touching_ = {};
   PerArm<Touched> touched_;
 };

@@ -95,7 +95,10 @@ TEST_CASE("what a body would not bear is refused before anyone moves") {
       "slides with 126 mm/s, 80 allowed"));
   CHECK(says(
       fault_of("[[part]]\ntechnique = \"tap\"\npoints = [\"BL47\"]\nrate_hz = 5\nforce_n = 20\n"),
-      "at this rate 7.5 N are allowed"));
+      "at this rate 19.5 N are allowed"));
+  CHECK(says(fault_of("intensity = 5\n[[part]]\ntechnique = \"tap\"\npoints = [\"BL47\"]\n"
+                      "rate_hz = 3\nforce_n = 27\n"),
+             "at this rate and intensity 5 21.8 N are allowed"));
 }
 
 TEST_CASE("a knead has a small circle and a swelling force, and refuses what is beyond them") {
@@ -113,7 +116,7 @@ TEST_CASE("a knead has a small circle and a swelling force, and refuses what is 
   CHECK(says(fault_of(si11 + "rate_hz = 2\n"), "is not a number from 0.5 to 1.25"));
   CHECK(says(fault_of(si11 + "rate_hz = 0.3\n"), "is not a number from 0.5 to 1.25"));
   CHECK(says(fault_of(si11 + "radius_mm = 20\n"), "slides with 101 mm/s, 80 allowed"));
-  CHECK(says(fault_of(si11 + "force_n = 40\n"), "at this rate 30.9 N are allowed"));
+  CHECK(says(fault_of(si11 + "force_n = 40\n"), "at this rate 30.8 N are allowed"));
   CHECK(says(fault_of(si11 + "spiral = true\n"), "knead has no `spiral`"));
   CHECK(says(fault_of(si11 + "hold_s = 2\n"), "knead has no `hold_s`"));
   CHECK(says(fault_of(knead + "points = [\"GV4\"]\n"), "lies on the spine"));

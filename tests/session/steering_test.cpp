@@ -58,7 +58,7 @@ bool let_go(const session::Steering& steering) {
 
 struct ThreeVisits {
   massage::Plan plan{.paths = {press_at("BL50_L"), press_at("BL47_L"), press_at("BL50_L")}};
-  session::Steering steering{plan, tissue::pressed_by_robot(1e6, 0.2), true};
+  session::Steering steering{plan, {.presses = tissue::pressed_by_robot(1e6, 0.2)}};
   double time_s = 0.0;
 };
 
@@ -91,7 +91,7 @@ TEST_CASE("what feels like bone next to the spine gets no more than a spinous pr
     massage::Plan plan{.paths = {press_at("BL18_L")}};
     plan.paths[0].zone = zone;
     plan.paths[0].cap_n = 15.0;
-    session::Steering steering{plan, tissue::pressed_by_robot(1e6, 0.2), true};
+    session::Steering steering{plan, {.presses = tissue::pressed_by_robot(1e6, 0.2)}};
     double time_s = 0.0;
     visit(steering, 0, time_s, 2, tissue);
     return steering.steered_n(Arm::left, 15.0);
@@ -99,6 +99,55 @@ TEST_CASE("what feels like bone next to the spine gets no more than a spinous pr
   CHECK(allowed_n(massage::Zone::spine_margin, bone) <= massage::perhaps_spine_n(Technique::press));
   CHECK(allowed_n(massage::Zone::spine_margin, hard) > massage::perhaps_spine_n(Technique::press));
   CHECK(allowed_n(massage::Zone::ribs, bone) > massage::perhaps_spine_n(Technique::press));
+}
+
+namespace {
+
+/// What may be asked for after the probing presses of a new place whose tissue stiffens by a share
+/// from probe to probe, of 25 N; 30 N is the cap.
+double after_probing_n(const TangentTissue& tissue, double stiffens_by, bool cautious) {
+  massage::Plan plan{.paths = {press_at("BL50_L")}};
+  session::Steering steering{plan,
+                             {.presses = tissue::pressed_by_robot(1e6, 0.2), .cautious = cautious}};
+  double time_s = 0.0;
+  constexpr double dt_s = 1e-3, probe_s = 1.2;
+  steering.begin(Arm::left, 0, 0.0);
+  const auto feel = [&](const TangentTissue& now, double force_n) {
+    const double depth_m = force_n > 0.0 ? tissue::depth_at_force(now, force_n) : -2e-3;
+    steering.feel(Arm::left, time_s, {.depth_m = depth_m, .force_n = force_n});
+    time_s += dt_s;
+  };
+  for (int i = 0; i < 300; ++i) feel(tissue, 0.0);
+  for (int i = 0; i < 300; ++i) feel(tissue, massage::kept_force_n * i / 300.0);
+  steering.touch(Arm::left, time_s);
+  const double touched_s = time_s;
+  double highest_n = 0.0;
+  while (steering.probing(Arm::left) && time_s < 10.0) {
+    const int probe = static_cast<int>((time_s - touched_s) / probe_s);
+    TangentTissue now = tissue;
+    now.beta_per_m *= std::pow(1.0 + stiffens_by, probe);
+    const double force_n = steering.probe_force_n(Arm::left, time_s);
+    highest_n = std::max(highest_n, force_n);
+    feel(now, force_n);
+  }
+  CHECK(highest_n <= 15.0);
+  return steering.steered_n(Arm::left, 25.0);
+}
+
+}  // namespace
+
+TEST_CASE("after the probing presses every tissue that is itself may get all that was ordered") {
+  for (const TangentTissue& tissue :
+       {soft, hard, TangentTissue{4.5, 263.0}, TangentTissue{20.0, 120.0}}) {
+    CAPTURE(tissue.alpha_n);
+    CHECK(after_probing_n(tissue, 0.0, true) >= 0.98 * 25.0);
+    CHECK(after_probing_n(tissue, 0.0, true) <= 25.0);
+  }
+}
+
+TEST_CASE("tissue three times as stiff at each press is pressed no firmer; without A2 it is") {
+  CHECK(after_probing_n(soft, 2.0, true) <= 15.0);
+  CHECK(after_probing_n(soft, 2.0, false) == 25.0);
 }
 
 namespace {
@@ -111,7 +160,8 @@ struct LongWork {
   int presses = 0;
   double time_s = 0.0;
 
-  LongWork(double fades_by, bool on) : steering(plan, tissue::pressed_by_robot(1e6, 0.2), on) {
+  LongWork(double fades_by, bool on)
+      : steering(plan, {.presses = tissue::pressed_by_robot(1e6, 0.2), .on = on}) {
     constexpr double dt_s = 1e-3, fades_in_s = 8.0;
     visit(steering, 0, time_s, 0, {9.0, 190.0});
     steering.begin(Arm::left, 0, time_s);

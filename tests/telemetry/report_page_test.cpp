@@ -2,6 +2,7 @@
 #include "tuina/telemetry/report/page.hpp"
 
 #include <doctest/doctest.h>
+#include <fmt/format.h>
 
 #include "tests/telemetry/sample_report.hpp"
 #include "tests/telemetry/words.hpp"
@@ -47,6 +48,20 @@ TEST_CASE("the report is one file of less than 3 MB that needs no network and no
   CHECK_FALSE(holds(page, "src="));
   CHECK(count(page, "http") == count(page, "http://www.w3.org/2000/svg"));
   CHECK(count(page, "href=") == count(page, "href=\"data:image/png;base64,"));
+}
+
+TEST_CASE("a path that got another force than was ordered is told with its reason, no other is") {
+  ReportData data = sample_without_pictures();
+  REQUIRE(data.paths.size() >= 2);
+  for (PerformedPath& path : data.paths) path.ordered_n = path.given_n = 22.0;
+  CHECK(holds(report_page(data), "Every place was given the force that was ordered"));
+  CHECK_FALSE(holds(report_page(data), "Given otherwise than ordered"));
+  data.paths[0].given_n = 18.1;
+  data.paths[0].why = "kidney may be asked for 18.0 N at most";
+  const std::string page = report_page(data);
+  CHECK(holds(page, "Given otherwise than ordered"));
+  CHECK(holds(page, "kidney may be asked for 18.0 N at most"));
+  CHECK(holds(page, fmt::format("1 of {} paths", data.paths.size())));
 }
 
 TEST_CASE(

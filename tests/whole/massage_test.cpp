@@ -433,7 +433,12 @@ TEST_CASE("evaluate massage judges sessions with steering and without, and says 
   CHECK(all["tool_to_acupoint_mm"]["max"] < 17.0);
   CHECK(all["scan_to_touch_s"] < 20.0);
   CHECK(answer["adaptive"]["steered"]["sessions"] == 2);
-  // What is not known yet gets half of what its zone bears, so steering shows in time and force.
+  // Three presses are ordered at each place, after those that probe it.
+  const json& given = answer["given"]["all from press 3 on"];
+  CHECK(given["presses"] >= 12);
+  CHECK(given["given_percent"]["min"] >= 95.0);
+  CHECK(given["given_percent"]["max"] <= 104.0);
+  // A new place is probed first, so steering shows in time.
   CHECK(answer["adaptive"]["steered"]["duration_s"] >
         answer["adaptive"]["as planned"]["duration_s"]);
   CHECK(tuina::read_file(folder / "massages.html").value().ends_with("</html>\n"));

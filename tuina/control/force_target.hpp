@@ -48,7 +48,7 @@ class ForceTarget {
     double max_damping_n_s_per_m = 600.0;
     double max_outward_damping_n = 12.0;  ///< damping must not hold down a person who rises
     double kept_n = 1.0;                  ///< minimum set force
-    double max_rate_n_per_s = 150.0;
+    double max_rate_n_per_s = 300.0;
     double landing_s = 0.3;  ///< time after touch with the slower `landing_n_per_s`
     double landing_n_per_s = 15.0;
     double foreseen_lag_s = 8e-3;  ///< smooths the predicted speed for the inertia feed-forward

@@ -92,12 +92,17 @@ PathLayer::MaybePath PathLayer::lay_standing(const Part& part, const Target& tar
   WaitingPath waiting{.path = {},
                       .zone = zone,
                       .cap_n = cap_of(part.technique, zone, perhaps_spine),
+                      .ordered_n = ordered_n(part),
                       .arm = arm_of(place->at_in_couch)};
   if (part.technique == Technique::press) {
     waiting.path = pressed(*place, part, zone, force_n);
   } else {
     const double max_s = rule_of(zone).max_duration_s - 2.0 * landing_s;
     const double time_s = std::min(part.time_s.value_or(4.0), max_s);
+    const double strongest_n = strongest_tap_n(part.rate_hz);
+    if (force_n > strongest_n)
+      note("{:.1f} N lowered to {:.1f} N, the most at {} taps a second", force_n, strongest_n,
+           part.rate_hz);
     waiting.path =
         plan_tap(*place, {.force_n = force_n, .rate_hz = part.rate_hz, .time_s = time_s}, name_);
   }
@@ -163,6 +168,7 @@ PathLayer::MaybePath PathLayer::lay_sliding(const Part& part, const Target& targ
   WaitingPath waiting{.path = {},
                       .zone = zones.strictest,
                       .cap_n = cap_of(part.technique, zones.strictest, zones.perhaps_spine),
+                      .ordered_n = ordered_n(part),
                       .arm = arm_of(curve->at(0.5 * curve->length_m()).at_in_couch)};
   std::optional<HandOverHand> turn;
   if (pass_s) turn = HandOverHand{.pass_s = *pass_s, .second = target.side < 0.0};
@@ -287,7 +293,7 @@ double PathLayer::cap_of(Technique technique, Zone zone, bool perhaps_spine) con
 }
 
 double PathLayer::allowed_force_n(const Part& part, Zone zone, bool perhaps_spine) {
-  const double wanted_n = part.force_n * force_scale_;
+  const double wanted_n = ordered_n(part);
   const double max_n = cap_of(part.technique, zone, perhaps_spine);
   if (max_n > 0.0 && wanted_n > max_n) {
     note("{:.1f} N lowered to {:.1f} N ({}{})", wanted_n, max_n, name_of(zone),

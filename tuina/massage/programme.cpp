@@ -167,17 +167,21 @@ void check_speed(const TomlTable& table, const Part& part) {
                   to_mm(part.radius_m), part.rate_hz, to_mm(speed), to_mm(max_slide_m_per_s)));
 }
 
-/// A force that beats must not change too fast.
-void check_beat(const TomlTable& table, const Part& part) {
-  const double strongest_n = strongest_beat_n(part.rate_hz);
+/// A force that beats must not change too fast, at the intensity of the programme.
+void check_beat(const TomlTable& table, const Part& part, int intensity) {
+  const double fastest = part.technique == Technique::tap ? max_tap_n_per_s : max_beat_n_per_s;
+  const double strongest_n = strongest_beat_n(part.rate_hz, fastest) / force_scale_of(intensity);
   if (part.force_n <= strongest_n) return;
+  const std::string at_intensity =
+      intensity == 3 ? "" : fmt::format(" and intensity {}", intensity);
   table.reject("force_n", fmt::format("{} times per second with {} N change the force faster than "
-                                      "{:.0f} N/s; at this rate {:.1f} N are allowed",
-                                      part.rate_hz, part.force_n, max_beat_n_per_s, strongest_n));
+                                      "{:.0f} N/s; at this rate{} {:.1f} N are allowed",
+                                      part.rate_hz, part.force_n, fastest, at_intensity,
+                                      std::floor(10.0 * strongest_n) / 10.0));
 }
 
 /// Refuses keys that are right one by one and contradict each other.
-void check_part(const TomlTable& table, const Part& part) {
+void check_part(const TomlTable& table, const Part& part, int intensity) {
   if (table.has("repeats") && table.has("time_s")) {
     table.reject("time_s", "repeats and time_s exclude each other");
   }
@@ -197,10 +201,10 @@ void check_part(const TomlTable& table, const Part& part) {
   }
   const bool kneads = part.technique == Technique::knead;
   if (kneads || part.technique == Technique::rub) check_speed(table, part);
-  if (kneads || part.technique == Technique::tap) check_beat(table, part);
+  if (kneads || part.technique == Technique::tap) check_beat(table, part, intensity);
 }
 
-std::optional<Part> read_part(const TomlTable& table) {
+std::optional<Part> read_part(const TomlTable& table, int intensity) {
   const auto technique = table.word("technique", technique_names());
   if (!technique) {
     if (!table.has("technique")) {
@@ -242,7 +246,7 @@ std::optional<Part> read_part(const TomlTable& table) {
                                    .value_or(to_mm(part.speed_m_per_s)));
   part.rate_hz =
       table.number("rate_hz", keys.rate_hz.min, keys.rate_hz.max).value_or(keys.rate_hz.usual);
-  check_part(table, part);
+  check_part(table, part, intensity);
   return part;
 }
 
@@ -262,7 +266,8 @@ Programme read_programme(const TomlTable& table) {
     return programme;
   }
   for (const TomlTable& part : parts) {
-    if (auto read = read_part(part)) programme.parts.push_back(std::move(*read));
+    if (auto read = read_part(part, programme.intensity))
+      programme.parts.push_back(std::move(*read));
   }
   return programme;
 }

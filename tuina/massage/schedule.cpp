@@ -77,7 +77,8 @@ std::vector<PlannedPath> schedule(std::vector<WaitingPath> paths, const Transfer
                          .step = step,
                          .start_s = 0.0,
                          .zone = waiting.zone,
-                         .cap_n = waiting.cap_n});
+                         .cap_n = waiting.cap_n,
+                         .ordered_n = waiting.ordered_n});
     }
     double end_s = 0.0;
     for (std::size_t p = first; p < planned.size(); ++p) {

@@ -16,6 +16,7 @@ struct WaitingPath {
   ContactPath path;
   Zone zone = Zone::muscle;  ///< Strictest zone that the path touches.
   double cap_n = 0.0;
+  double ordered_n = 0.0;  ///< Largest force of the programme, before any zone has lowered it.
   std::optional<Arm> arm;  ///< Empty where either arm may do it, as on the spine.
   bool together = true;
   int part = 0;  ///< Part of the programme; only paths of one part run at the same time.
@@ -30,7 +31,8 @@ struct PlannedPath {
   int step = 0;          ///< 0, 1, 2, ...
   double start_s = 0.0;  ///< Time of the first touch, if all goes to plan.
   Zone zone = Zone::muscle;
-  double cap_n = 0.0;  ///< Largest force that steering may ask for.
+  double cap_n = 0.0;      ///< Largest force that may be asked for here.
+  double ordered_n = 0.0;  ///< Largest force of the programme, before any zone has lowered it.
 
   [[nodiscard]] double end_s() const { return start_s + path.duration_s(); }
 };

@@ -31,6 +31,7 @@ constexpr auto path_fields = [](auto& visit, auto& planned) {
   visit.told("duration_s", planned.path.duration_s(), micro);
   visit("zone", planned.zone);
   visit("cap_n", planned.cap_n);
+  visit.maybe("ordered_n", planned.ordered_n, micro);
   visit.told("peak_n", peak_n, micro);
   visit.list("points", planned.path.points, point_fields);
 };

@@ -68,9 +68,9 @@ constexpr auto performed_fields = [](auto& visit, auto& done) {
   visit("begin_s", done.begin_s);
   visit("end_s", done.end_s);
   visit("trouble", done.contact_fault);
-  visit.told("ordered_n", done.ordered_n);
-  visit.told("given_n", done.true_peak_n);
-  visit.told("why", done.why);
+  visit.maybe("ordered_n", done.ordered_n);
+  visit.maybe("given_n", done.given_n);
+  visit.maybe("why", done.why);
   visit("true_peak_n", done.true_peak_n);
   visit.maybe("true_over_trip_n", done.true_over_trip_n);
   visit.if_known("tool_to_acupoint_mm", done.tool_to_acupoint_m,

@@ -78,6 +78,17 @@ std::vector<telemetry::ArmsPose> poses_of(const std::vector<JointRow>& joints,
   return poses;
 }
 
+telemetry::PerformedPath shown(const PerformedEntry& done, const ContactPath& path) {
+  return {.arm = done.arm,
+          .begin_s = done.begin_s,
+          .path = path,
+          .end_s = done.end_s,
+          .contact_fault = done.contact_fault == "none" ? "" : done.contact_fault,
+          .ordered_n = done.ordered_n,
+          .given_n = done.given_n,
+          .why = done.why.value_or("")};
+}
+
 }  // namespace
 
 Result<ReportData> read_record(const std::filesystem::path& folder) {
@@ -128,11 +139,7 @@ Result<ReportData> read_record(const std::filesystem::path& folder) {
       return fail(Fault::bad_input, "{}: path {} was performed, which plan.json does not have",
                   name, done.path);
     }
-    data.paths.push_back({.arm = done.arm,
-                          .begin_s = done.begin_s,
-                          .path = plan->plan.paths[done.path].path,
-                          .end_s = done.end_s,
-                          .contact_fault = done.contact_fault == "none" ? "" : done.contact_fault});
+    data.paths.push_back(shown(done, plan->plan.paths[done.path].path));
   }
   std::vector<Acupoint> acupoints;
   for (const auto& shown : data.acupoints) acupoints.push_back(shown.acupoint);

@@ -26,6 +26,7 @@ void each_key(ConfigType& config, Visitor& visit) {
   visit.number("massage.standoff_mm", config.massage.standoff_mm, 15.0, 100.0, "");
   visit.number("massage.force_scale", config.massage.force_scale, 0.1, 1.5, "");
   visit.flag("massage.steer", config.massage.steer);
+  visit.flag("massage.cautious", config.massage.cautious);
   visit.number("safety.force_ceiling_n", config.safety.force_ceiling_n, 5.0, 45.0,
                "a file may lower this ceiling, never raise it");
   visit.word("simulation.realism", config.simulation.realism, {"ideal", "usual", "hard"});

@@ -22,6 +22,7 @@ struct Config {
     double standoff_mm = 40.0;  ///< above the skin, where an approach starts and a retract ends
     double force_scale = 1.0;   ///< on every force of the programme
     bool steer = true;          ///< the tissue estimate feeds the virtual target
+    bool cautious = true;       ///< no jump to a force that the felt tissue does not foretell
   } massage;
   struct Safety {
     double force_ceiling_n = 45.0;  ///< on the set force; zones may ask for less

@@ -27,6 +27,16 @@ TangentTissue expected_in(massage::Zone zone) noexcept {
   }
 }
 
+/// Share of the order that a press aims at: the true force swings about its target by some per
+/// cent, and nobody shall get more than was ordered.
+constexpr double aimed_share = 0.985;
+
+double strongest_n(const ContactPath& path) noexcept {
+  double strongest_n = 0.0;
+  for (const ContactPoint& point : path.points) strongest_n = std::max(strongest_n, point.force_n);
+  return strongest_n;
+}
+
 }  // namespace
 
 void MassageStep::begin_approach(Side& side, Arm arm, double time_s) noexcept {
@@ -47,13 +57,14 @@ void MassageStep::begin_contact(Side& side, Arm arm, double time_s) noexcept {
   steering_.touch(arm, time_s);
   // After probing the tool already is on the skin, with the light touch that a path begins with.
   side.playback.begin(steering_.probing(arm) ? massage::landing_s : 0.0);
+  side.beats.begin(strongest_n(path_of(side)->path));
 }
 
 /// One millisecond of a contact.
 void MassageStep::press_on(Side& side, Arm arm, double time_s) noexcept {
   const massage::PlannedPath& planned = *path_of(side);
   const control::ArmStatus& status = side.controller().status();
-  if (steering_.probing(arm)) side.playback.begin(massage::landing_s);
+  if (steering_.probing(arm) && !side.playback.fading()) side.playback.begin(massage::landing_s);
   const bool leaves = side.skip || steering_.alarmed(arm);
   if ((leaves || steering_.worked_enough(arm)) && !side.playback.fading()) {
     side.playback.fade();
@@ -72,16 +83,19 @@ void MassageStep::press_on(Side& side, Arm arm, double time_s) noexcept {
   const BasePlace now = place_at(base_path_of(side), side.playback.path_s());
   side.wanted = now.point;
   side.wanted.at_in_base += shift_in_base_;
-  const double planned_n = steering_.probing(arm) && !paused_
-                               ? steering_.probe_force_n(arm, time_s)
-                               : steering_.steered_n(arm, now.point.force_n);
-  side.wanted.force_n =
-      std::min({side.playback.force_n(planned_n), options_.force_ceiling_n, planned.cap_n});
+  const double planned_n = steering_.probing(arm) ? steering_.probe_force_n(arm, time_s)
+                                                  : steering_.steered_n(arm, now.point.force_n);
+  const double max_n = std::min(options_.force_ceiling_n, planned.cap_n);
+  side.wanted.force_n = std::min(side.playback.force_n(planned_n), max_n);
+  if (planned.path.technique == Technique::press) side.wanted.force_n *= aimed_share;
+  side.commanded_n = side.wanted.force_n;
+  if (planned.path.technique == Technique::tap)
+    side.commanded_n = std::min(side.beats.command_n(side.wanted.force_n, status.force_n), max_n);
   side.controller().track(
       {.at_in_base = side.wanted.at_in_base,
        .velocity_m_per_s = side.playback.rate() * now.velocity_in_base_m_per_s,
        .normal_in_base = now.point.normal_in_base,
-       .force_n = side.wanted.force_n,
+       .force_n = side.commanded_n,
        .max_spring_n = max_spring_n(guarded_zone(planned.zone)),
        .model = {.tissue = side.expected, .torso_n_per_m = options_.torso_n_per_m}});
 }

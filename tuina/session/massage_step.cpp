@@ -56,10 +56,10 @@ MassageStep::MassageStep(const massage::Plan& plan, PerArm<std::vector<motion::A
       models_(models),
       options_(options),
       sides_{.of = {Side(models_[Arm::left]), Side(models_[Arm::right])}},
-      steering_(
-          plan,
-          tissue::pressed_by_robot(options.torso_n_per_m, models_[Arm::left].table().tool_mass_kg),
-          options.adaptive) {
+      steering_(plan, {.presses = tissue::pressed_by_robot(options.torso_n_per_m,
+                                                           models_[Arm::left].table().tool_mass_kg),
+                       .on = options.adaptive,
+                       .cautious = options.cautious}) {
   for (const Arm arm : both_arms) sides_[arm].jobs = std::move(jobs[arm]);
   paths_in_base_.reserve(plan_.paths.size());
   for (const massage::PlannedPath& planned : plan_.paths)
@@ -139,6 +139,8 @@ void MassageStep::heed(Arm arm, const safety::Verdict& verdict) noexcept {
   view_[arm] = {
       .phase = side.phase,
       .path = path_of(side) != nullptr ? job_of(side)->path : -1,
+      .probing = side.phase == ArmPhase::contact && steering_.probing(arm),
+      .foretold = side.phase == ArmPhase::contact && steering_.well_foretold(arm),
       .target_n = side.phase == ArmPhase::contact ? side.wanted.force_n : 0.0,
       .measured_n = side.controller().status().force_n,
       .tool_in_base =
@@ -254,7 +256,7 @@ safety::Proposal MassageStep::proposal(const Side& side,
       .torque_nm = torque_nm,
       .phase = guarded_phase(side.phase),
       .zone = near_skin && planned != nullptr ? guarded_zone(planned->zone) : safety::Zone::denied,
-      .set_force_n = side.phase == ArmPhase::contact ? side.wanted.force_n : 0.0,
+      .set_force_n = side.phase == ArmPhase::contact ? side.commanded_n : 0.0,
       .normal_in_base = status.normal_in_base,
       .virtual_target_in_base = status.virtual_target_in_base,
       .stiffness_n_per_m = status.stiffness_n_per_m};

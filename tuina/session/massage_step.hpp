@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tuina/control/arm_controller.hpp"
+#include "tuina/control/beat_correction.hpp"
 #include "tuina/core/contact.hpp"
 #include "tuina/massage/plan.hpp"
 #include "tuina/motion/arm_job.hpp"
@@ -30,6 +31,8 @@ enum class ArmPhase : std::uint8_t { waiting, travel, approach, contact, retract
 struct ArmView {
   ArmPhase phase = ArmPhase::waiting;
   int path = -1;          ///< index into the plan; -1 while it serves none
+  bool probing = false;   ///< its presses only feel a new place
+  bool foretold = false;  ///< what was felt foretells a press as strong as the path's strongest
   double target_n = 0.0;  ///< force the technique asks for now; 0 outside of a contact
   double measured_n = 0.0;
   Vector3 tool_in_base = Vector3::Zero();  ///< tip of the tool
@@ -71,6 +74,7 @@ struct MassageOptions {
   double torso_n_per_m = 35e3;  ///< literature value; this person's own is not known
   bool steer = true;            ///< the estimate is fed forward as soon as it has converged
   bool adaptive = true;         ///< presses follow the tissue that was felt
+  bool cautious = true;         ///< rule A2 of the steering
   double max_shift_m =
       10e-3;  ///< largest shift of the skin since the scan; beyond it a new scan is needed
 };
@@ -122,6 +126,7 @@ class MassageStep {
     ArmPhase phase = ArmPhase::waiting;
     double contact_s = 0.0;
     Playback playback = {};
+    control::BeatCorrection beats = {};
     bool skip = false, again = false, cut_short = false;
     bool frozen = false;  ///< the guard holds the arm for a moment
     std::array<control::ToolPose, 3> detour =
@@ -130,6 +135,7 @@ class MassageStep {
     control::ContactFault contact_fault = control::ContactFault::none;
     TangentTissue expected = {};  ///< tissue that is fed forward
     BasePoint wanted = {};        ///< the place of the path where the tool should be now
+    double commanded_n = 0.0;     ///< `wanted.force_n`, corrected by the taps before
     JointVector q_rad = {};       ///< joint angles of this millisecond
     control::ToolPose home = {};  ///< tool pose in which the session began
     JointVector home_rad = {};

@@ -69,7 +69,8 @@ MassageOptions massage_options(const Order& order, const Config& config, const S
           .standoff_m = from_mm(config.massage.standoff_mm),
           .force_ceiling_n = config.safety.force_ceiling_n,
           .steer = config.massage.steer,
-          .adaptive = order.adaptive};
+          .adaptive = order.adaptive,
+          .cautious = config.massage.cautious};
 }
 
 /// Carries the plan of the session out. Returns whether the person lies elsewhere than scanned.

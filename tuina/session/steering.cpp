@@ -29,8 +29,8 @@ double log_stiffness(const TangentTissue& tissue) noexcept {
 
 }  // namespace
 
-Steering::Steering(const massage::Plan& plan, const tissue::PressEstimatorOptions& presses, bool on)
-    : on_(on), sides_{.of = {Side(presses), Side(presses)}} {
+Steering::Steering(const massage::Plan& plan, const Options& options)
+    : options_(options), sides_{.of = {Side(options.presses), Side(options.presses)}} {
   std::map<std::string, int> known;
   for (const massage::PlannedPath& planned : plan.paths) {
     massage::PlannedPath without_points = planned;
@@ -49,7 +49,6 @@ Steering::Steering(const massage::Plan& plan, const tissue::PressEstimatorOption
     place_of_path_.push_back(place);
   }
   places_.resize(known.size());
-  betas_.reserve(known.size() + 1);
   decisions_.reserve(max_decisions);
 }
 
@@ -70,137 +69,141 @@ void Steering::begin(Arm arm, int path, double time_s) noexcept {
   const auto index = static_cast<std::size_t>(path);
   const massage::PlannedPath& planned = paths_[index];
   side.whole.reset();
+  side.elastic.reset();
   side.last.reset();
   side.path = path;
   side.presses = planned.path.technique == Technique::press;
-  side.alarmed = side.known = side.worked_enough = false;
-  side.compared = 0;
+  side.alarmed = side.worked_enough = false;
+  side.probes = 0;
+  side.foretold = tissue::Foretold::loosely;
   side.cap_n = planned.cap_n;
-  side.scale = 1.0;
   side.reference_n = strongest_n_[index];
   side.probe_s = side.touched_s = time_s;
   side.peak_n = 0.0;
   begin_sets(side);
-  const int place = place_of_path_[index];
-  const bool felt = place >= 0 && places_[static_cast<std::size_t>(place)].felt;
+  const int number = place_of_path_[index];
+  const Place place = number >= 0 ? places_[static_cast<std::size_t>(number)] : Place{};
   // Tissue is compared with what it was here, never with that of the place before.
-  side.reference = felt ? places_[static_cast<std::size_t>(place)].estimate : TissueEstimate{};
-  side.elsewhen = felt;
-  side.probing = on_ && side.presses && !felt && side.reference_n > massage::kept_force_n;
-  if (on_ && felt) judge(arm, time_s);
+  side.reference = place.reference;
+  side.reference_nis = place.reference_nis;
+  side.strongest_n = place.strongest_n;
+  side.elsewhen = place.felt;
+  side.probing =
+      options_.on && side.presses && !place.felt && side.reference_n > massage::kept_force_n;
+  if (options_.on && place.felt) judge(arm, time_s);
 }
 
 void Steering::end(Arm arm) noexcept {
   Side& side = sides_[arm];
   const int number = side.path < 0 ? -1 : place_of_path_[static_cast<std::size_t>(side.path)];
-  if (number < 0 || !side.presses) return;
-  if (!tissue::may_steer(side.whole.estimate(), side.whole.nis())) return;
-  places_[static_cast<std::size_t>(number)] = {
-      .felt = true, .estimate = side.whole.estimate(), .nis = side.whole.nis()};
+  if (number < 0 || !side.presses || side.probing) return;
+  Place& place = places_[static_cast<std::size_t>(number)];
+  place.felt = true;
+  place.strongest_n = side.strongest_n;
+  if (tissue::may_steer(side.whole.estimate(), side.whole.nis())) {
+    place.estimate = side.whole.estimate();
+    place.nis = side.whole.nis();
+  }
+  if (tissue::may_steer(side.elastic.estimate(), side.elastic.nis())) {
+    place.reference = side.elastic.estimate();
+    place.reference_nis = side.elastic.nis();
+  }
 }
 
 void Steering::feel(Arm arm, double time_s, const Press& press) noexcept {
   Side& side = sides_[arm];
   side.whole.update(time_s, press);
-  if (!on_ || !side.presses) return;
+  if (!options_.on || !side.presses) return;
+  side.strongest_n = std::max(side.strongest_n, press.force_n);
+  side.elastic.update(time_s, press);
   side.last.update(time_s, press);
   side.set.update(time_s, press);
   if (!side.probing) watch(arm, time_s);
 }
 
+void Steering::foretell(Side& side) noexcept {
+  const bool narrow = side.whole.force_half_width(side.reference_n) <= tissue::well_foretold_share;
+  side.foretold = side.whole.surprised() ? tissue::Foretold::wrongly
+                  : narrow               ? tissue::Foretold::well
+                                         : tissue::Foretold::loosely;
+}
+
 // A1: presses of a second, each as strong as the estimate after the last one allows.
 double Steering::probe_force_n(Arm arm, double time_s) noexcept {
   Side& side = sides_[arm];
-  const double region_n = std::min(side.cap_n, paths_[static_cast<std::size_t>(side.path)].cap_n);
+  const double region_n = paths_[static_cast<std::size_t>(side.path)].cap_n;
   const double since_s = time_s - side.probe_s;
   const TissueEstimate& estimate = side.whole.estimate();
   const int done = static_cast<int>(since_s / probe_period_s);
-  if (side.peak_n == 0.0 || done > side.compared) {
-    const bool enough =
-        done >= 2 && (tissue::probed_enough(estimate, side.peak_n, region_n) || done >= max_probes);
+  if (side.peak_n == 0.0 || done > side.probes) {
+    const bool enough = done >= max_probes ||
+                        (done >= 2 && !side.whole.surprised() &&
+                         tissue::probed_enough(estimate, side.peak_n, side.reference_n, region_n));
     if (enough) {
       decide(arm, time_s, "A1", "probed the place before it is worked on", 0.0, side.peak_n);
       side.probing = false;
-      side.compared = estimate.presses;
-      side.reference = estimate;
-      side.elsewhen = false;
+      take_reference(side);
       side.last.reset();
       begin_sets(side);
       judge(arm, time_s);
       return massage::kept_force_n;
     }
-    side.compared = done;
+    side.probes = done;
     side.peak_n = std::max({side.peak_n, massage::kept_force_n,
-                            std::min(tissue::probing_force_n(estimate, region_n), region_n)});
+                            tissue::probing_force_n(estimate, side.reference_n, region_n)});
   }
   const double in_press_s = std::min(std::fmod(since_s, probe_period_s), probe_press_s);
   const double swell = 0.5 * (1.0 - std::cos(2.0 * pi * in_press_s / probe_press_s));
   return massage::kept_force_n + swell * (side.peak_n - massage::kept_force_n);
 }
 
-// A2, A3 and A8: what the place bears.
+void Steering::take_reference(Side& side) noexcept {
+  side.reference = side.elastic.estimate();
+  side.reference_nis = side.elastic.nis();
+  side.elsewhen = false;
+}
+
+// Whatever the map says: what feels like bone so near to the spine is the spine.
+bool Steering::bone_by_spine(const Side& side) const noexcept {
+  const auto index = static_cast<std::size_t>(side.path);
+  const massage::Zone zone = paths_[index].zone;
+  if (zone != massage::Zone::spine_margin && zone != massage::Zone::gv4) return false;
+  const auto is_bone = [](const TissueEstimate& estimate, double nis) {
+    return tissue::may_steer(estimate, nis) &&
+           tissue::classify(estimate, nis).label == tissue::TissueClass::bone;
+  };
+  if (side.presses && tissue::may_steer(side.whole.estimate(), side.whole.nis()))
+    return is_bone(side.whole.estimate(), side.whole.nis());
+  const int number = place_of_path_[index];
+  if (number < 0) return false;
+  const Place& place = places_[static_cast<std::size_t>(number)];
+  return is_bone(place.estimate, place.nis);
+}
+
+void Steering::lower(Side& side, Arm arm, double time_s, double cap_n, const char* rule,
+                     const char* reason) noexcept {
+  constexpr double tells_n = 0.5;  // less is no news
+  const double planned_n = std::min(side.reference_n, side.cap_n);
+  side.cap_n = std::min(side.cap_n, cap_n);
+  if (side.cap_n < planned_n - tells_n) decide(arm, time_s, rule, reason, planned_n, side.cap_n);
+}
+
+// What the next press of the place may be: A2, and no more than a process bears where it is one.
 void Steering::judge(Arm arm, double time_s) noexcept {
   Side& side = sides_[arm];
-  const auto index = static_cast<std::size_t>(side.path);
-  const massage::PlannedPath& planned = paths_[index];
-  const int number = place_of_path_[index];
-  Place fresh{.felt = false, .estimate = side.whole.estimate(), .nis = side.whole.nis()};
-  Place& place = number >= 0 ? places_[static_cast<std::size_t>(number)] : fresh;
-  const bool unknown = !place.felt || !tissue::may_steer(place.estimate, place.nis);
-  if (unknown && side.presses) place = {.felt = true, .estimate = fresh.estimate, .nis = fresh.nis};
-  const double before_n = std::min(side.reference_n, planned.cap_n);
-
-  side.known = tissue::may_steer(place.estimate, place.nis);
-  if (!side.known) {
-    // Only pressing goes deep enough for the half of an unknown place to matter.
-    if (!side.presses) return;
-    side.cap_n = tissue::force_cap_n(place.estimate, place.nis, planned.cap_n);
-    decide(arm, time_s, "A2", "the tissue is not known well enough: at most half of the zone's cap",
-           before_n, std::min(before_n, side.cap_n));
-    return;
+  const massage::PlannedPath& planned = paths_[static_cast<std::size_t>(side.path)];
+  side.cap_n = planned.cap_n;
+  foretell(side);
+  if (bone_by_spine(side)) {
+    lower(side, arm, time_s, massage::perhaps_spine_n(planned.path.technique), "A8",
+          "bone where the spine may be: no more than a process bears");
   }
-  if (side.presses && !side.probing && side.compared > 0) {
-    sum_log_stiffness_ += log_stiffness(place.estimate.tissue);
-    if (betas_.size() < betas_.capacity()) {
-      betas_.insert(
-          std::upper_bound(betas_.begin(), betas_.end(), place.estimate.tissue.beta_per_m),
-          place.estimate.tissue.beta_per_m);
-    }
-  }
-  // Whatever the map says: what feels like bone so near to the spine is the spine.
-  const bool near_spine =
-      planned.zone == massage::Zone::spine_margin || planned.zone == massage::Zone::gv4;
-  const double bears_n = massage::perhaps_spine_n(planned.path.technique);
-  if (near_spine && before_n > bears_n &&
-      tissue::classify(place.estimate, place.nis).label == tissue::TissueClass::bone) {
-    side.cap_n = bears_n;
-    decide(arm, time_s, "A8", "bone where the spine may be: no more than a process bears", before_n,
-           side.cap_n);
-    return;
-  }
-  side.cap_n = tissue::force_cap_n(place.estimate, place.nis, planned.cap_n);
-  if (side.cap_n < before_n) {
-    decide(arm, time_s, "A3",
-           "three times the hardness is enough: beyond, the tissue is compressed", before_n,
-           side.cap_n);
-  }
-  constexpr std::size_t enough_places = 3;
-  if (betas_.size() < enough_places) return;
-  const tissue::PersonMean person{
-      .log_stiffness = sum_log_stiffness_ / static_cast<double>(betas_.size()),
-      .median_beta_per_m = betas_[betas_.size() / 2]};
-  const tissue::TechniqueAdvice advice =
-      tissue::technique_for(place.estimate, place.nis, person, side.reference_n, planned.cap_n);
-  if (!advice.known) return;
-  const double now_n = std::min(before_n, side.cap_n);
-  if (advice.technique == Technique::stroke && advice.force_n < now_n) {
-    side.cap_n = advice.force_n;
-    decide(arm, time_s, "A8", "a thin layer over bone: lightly", now_n, side.cap_n);
-  } else if (advice.technique == Technique::press && side.presses && advice.force_n > now_n) {
-    side.scale = std::min(advice.force_n, side.cap_n) / std::max(side.reference_n, 1.0);
-    decide(arm, time_s, "A8", "much harder than this person's mean: a fifth more", now_n,
-           side.scale * side.reference_n);
-  }
+  if (!side.presses || !options_.cautious) return;
+  lower(side, arm, time_s, tissue::firmest_next_n(side.foretold, side.strongest_n, planned.cap_n),
+        "A2",
+        side.foretold == tissue::Foretold::wrongly
+            ? "the last press came otherwise than foretold: no firmer than the strongest so far"
+            : "the tissue is not known well enough: at most twice the strongest press so far");
 }
 
 // A9: each press against the first ones.
@@ -210,13 +213,12 @@ void Steering::watch(Arm arm, double time_s) noexcept {
   const TissueEstimate now = side.last.estimate();
   side.last.reset();
   count_press(arm, time_s);
-  if (!side.known && tissue::may_steer(side.whole.estimate(), side.whole.nis())) {
+  judge(arm, time_s);
+  if (!tissue::may_steer(side.reference, side.reference_nis)) {
     // What the probing presses could not tell, a full one has.
-    side.reference = side.whole.estimate();
-    side.elsewhen = false;
-    return judge(arm, time_s);
+    if (tissue::may_steer(side.elastic.estimate(), side.elastic.nis())) take_reference(side);
+    return;
   }
-  if (!tissue::may_steer(side.reference, side.whole.nis())) return;
   if (std::exchange(side.elsewhen, false)) side.reference.contact_m = now.contact_m;
   const tissue::Alarm alarm = tissue::compare(side.reference, now, reference_force_n);
   if (alarm == tissue::Alarm::none) return;
@@ -236,7 +238,8 @@ void Steering::count_press(Arm arm, double time_s) noexcept {
   constexpr int presses_of_a_set = 6;
   Side& side = sides_[arm];
   if (++side.set_presses < presses_of_a_set || side.sets_felt == max_sets) return;
-  if (!side.known || !tissue::follows_law(side.set.estimate(), side.set.nis())) return;
+  const bool known = tissue::may_steer(side.reference, side.reference_nis);
+  if (!known || !tissue::follows_law(side.set.estimate(), side.set.nis())) return;
   side.sets[side.sets_felt++] = {.log_stiffness = log_stiffness(side.set.estimate().tissue),
                                  .sd = side.set.stiffness_sd(reference_force_n)};
   side.set.reset();
@@ -250,7 +253,7 @@ void Steering::count_press(Arm arm, double time_s) noexcept {
 
 double Steering::steered_n(Arm arm, double planned_n) const noexcept {
   const Side& side = sides_[arm];
-  return std::min(planned_n * side.scale, side.cap_n);
+  return std::min(planned_n, side.cap_n);
 }
 
 }  // namespace tuina::session

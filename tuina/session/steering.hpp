@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "tuina/massage/plan.hpp"
+#include "tuina/tissue/creep_estimator.hpp"
 #include "tuina/tissue/depth_rules.hpp"
 #include "tuina/tissue/press_estimator.hpp"
 
@@ -15,7 +16,8 @@ namespace tuina::session {
 inline constexpr double reference_force_n = 10.0;
 
 /// The estimator of every session; another `tissue::SteeringEstimator` is plugged in here.
-using SessionEstimator = tissue::PressEstimator;
+using SessionEstimator = tissue::CreepEstimator;
+static_assert(tissue::SteeringEstimator<SessionEstimator>);
 
 /// One decision that the felt tissue led to, for the record. The rules are those of
 /// tissue/depth_rules.hpp.
@@ -29,13 +31,18 @@ struct Decision {
   double to_n = 0.0;        ///< force after
 };
 
-/// Lets what the presses feel decide how hard they may be: probing presses first, a cap from the
-/// estimate, less on a thin layer over bone, letting go when the person tenses, and no longer at a
-/// place than it helps. It only lowers what the plan and its zones allow, but for the fifth that a
-/// hard place gets. Real-time after construction.
+/// Lets what the presses feel decide how hard the next one may be: probing presses first, no jump
+/// to a force that the felt tissue does not foretell, letting go when the person tenses, and no
+/// longer at a place than it helps. It only lowers what the plan and its zones allow, and says so.
+/// Real-time after construction.
 class Steering {
  public:
-  Steering(const massage::Plan& plan, const tissue::PressEstimatorOptions& presses, bool on);
+  struct Options {
+    tissue::PressEstimatorOptions presses;
+    bool on = true;        ///< false: the plan is left as it is
+    bool cautious = true;  ///< A2; false only to see what it is good for
+  };
+  Steering(const massage::Plan& plan, const Options& options);
 
   /// An arm goes down for a path: in the air the estimators learn the zero of the force sensor.
   void begin(Arm arm, int path, double time_s) noexcept;
@@ -48,8 +55,12 @@ class Steering {
   /// One sample, in contact; `depth_m` beneath the believed skin.
   void feel(Arm arm, double time_s, const Press& press) noexcept;
 
-  /// While a new place is probed: the force for it. Nothing when it is known well enough.
+  /// While a new place is probed, `probe_force_n` is the force for it.
   [[nodiscard]] bool probing(Arm arm) const noexcept { return sides_[arm].probing; }
+  /// Whether the presses of this contact foretell one as strong as the strongest of the path.
+  [[nodiscard]] bool well_foretold(Arm arm) const noexcept {
+    return sides_[arm].foretold == tissue::Foretold::well;
+  }
   [[nodiscard]] double probe_force_n(Arm arm, double time_s) noexcept;
   /// Force in place of a planned one.
   [[nodiscard]] double steered_n(Arm arm, double planned_n) const noexcept;
@@ -71,45 +82,57 @@ class Steering {
   static constexpr std::size_t max_sets = 8;  // of six presses; a path has twenty presses at most
   struct Place {
     bool felt = false;
-    TissueEstimate estimate = {};
+    double strongest_n = 0.0;      // force that it has felt
+    TissueEstimate estimate = {};  // as it was felt last
     double nis = 1.0;
+    TissueEstimate reference = {};  // what a later visit is compared with
+    double reference_nis = 1.0;
   };
   struct Side {
     explicit Side(const tissue::PressEstimatorOptions& options)
-        : whole(options), last(options), set(options) {}
-    /// All presses of this contact, the last one alone, and those since the last set was complete.
-    SessionEstimator whole, last, set;
+        : whole(options), elastic(options), last(options), set(options) {}
+    /// All presses of this contact.
+    SessionEstimator whole;
+    /// By the tangent law alone, which compares like with like: all presses of this contact, the
+    /// last one, and those since the last set was complete.
+    tissue::PressEstimator elastic, last, set;
     std::array<tissue::PressSet, max_sets> sets = {};
     std::size_t sets_felt = 0;
     int set_presses = 0;
     double touched_s = 0.0;
     int path = -1;
-    bool presses = false, probing = false, alarmed = false, known = false;
-    bool worked_enough = false;
+    bool presses = false, probing = false, alarmed = false, worked_enough = false;
     double probe_s = 0.0, peak_n = 0.0;
+    int probes = 0;            ///< probing presses that are over
     double reference_n = 0.0;  ///< strongest force of the path as planned
-    double cap_n = 0.0, scale = 1.0;
-    int compared = 0;  ///< presses that have been compared with the first ones
+    double strongest_n = 0.0;  ///< that the place has felt
+    double cap_n = 0.0;
+    /// Of a press as strong as the strongest of the path, as of the end of the last press.
+    tissue::Foretold foretold = tissue::Foretold::loosely;
     TissueEstimate reference = {};
-    bool elsewhen =
-        false;  ///< true when the reference is of an earlier contact, with the skin elsewhere
+    double reference_nis = 1.0;
+    /// True when the reference is of an earlier contact, with the skin elsewhere.
+    bool elsewhen = false;
   };
 
   void judge(Arm arm, double time_s) noexcept;
+  void foretell(Side& side) noexcept;
+  [[nodiscard]] bool bone_by_spine(const Side& side) const noexcept;
+  void lower(Side& side, Arm arm, double time_s, double cap_n, const char* rule,
+             const char* reason) noexcept;
+  void take_reference(Side& side) noexcept;
   void watch(Arm arm, double time_s) noexcept;
   void begin_sets(Side& side) noexcept;
   void count_press(Arm arm, double time_s) noexcept;
   void decide(Arm arm, double time_s, const char* rule, const char* reason, double from_n,
               double to_n) noexcept;
 
-  bool on_;
+  Options options_;
   PerArm<Side> sides_;
   std::vector<massage::PlannedPath> paths_;  // names and caps only
   std::vector<double> strongest_n_;
   std::vector<int> place_of_path_;
   std::vector<Place> places_;
-  std::vector<double> betas_;  // of the places felt, for their median
-  double sum_log_stiffness_ = 0.0;
   std::vector<Decision> decisions_;
 };
 

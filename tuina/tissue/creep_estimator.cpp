@@ -26,8 +26,7 @@ constexpr double evidence_share = 0.6;
 std::array<CreepHypothesis, CreepEstimator::filters> hypotheses(double breathing_m) noexcept {
   constexpr double usual_creep = 0.08;     // of each decade: relaxes by a fifth in all
   constexpr double first_press_sd = 0.15;  // [palevski2006]: a third less after it
-  const double still_m = 0.02 * breathing_m, little_m = 0.2 * breathing_m,
-               much_m = 1.3 * breathing_m;
+  const double still_m = 0.02 * breathing_m, little_m = 0.2 * breathing_m, much_m = breathing_m;
   const auto with = [](double creep, double breath_m, double changing_sd) {
     return CreepHypothesis{.creep = creep,
                            .breathing_m = breath_m,
@@ -37,13 +36,12 @@ std::array<CreepHypothesis, CreepEstimator::filters> hypotheses(double breathing
   CreepHypothesis slips = with(usual_creep, still_m, 0.004);
   slips.landing_sd_m = 0.5e-3;  // a tool of 17 mm on a bent back
   slips.landing_sd = 0.1;
-  return {with(0.0, still_m, 0.004),
-          with(usual_creep, still_m, 0.004),
-          slips,
-          with(usual_creep, still_m, 0.3),
-          with(usual_creep, little_m, 0.02),
-          with(usual_creep, little_m, 0.3),
-          with(usual_creep, much_m, 0.02),
+  CreepHypothesis steady = with(0.0, much_m, 0.02);
+  steady.steadiness = 5.0;
+  return {with(0.0, still_m, 0.004),         steady,
+          with(usual_creep, still_m, 0.004), slips,
+          with(usual_creep, still_m, 0.3),   with(usual_creep, little_m, 0.02),
+          with(usual_creep, little_m, 0.3),  with(usual_creep, much_m, 0.02),
           with(usual_creep, much_m, 0.15)};
 }
 

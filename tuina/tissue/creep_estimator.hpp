@@ -20,7 +20,7 @@ namespace tuina::tissue {
 class CreepEstimator {
  public:
   using Options = PressEstimatorOptions;
-  static constexpr std::size_t filters = 8;
+  static constexpr std::size_t filters = 9;
 
   explicit CreepEstimator(const Options& options = {}) noexcept;
 
@@ -38,6 +38,13 @@ class CreepEstimator {
   [[nodiscard]] double stiffness_sd(double force_n) const noexcept;
   /// How much wider than the filters say bands are, by how well earlier presses were foretold.
   [[nodiscard]] double widening() const noexcept;
+  /// Half-width of the 95 % band of the force that a next press meets at the depth which it needs
+  /// for `force_n`, as a share of that force; infinite before the first press is over. The skin is
+  /// found as the press begins. Unless the tool follows the skin, its breath until then counts too.
+  [[nodiscard]] double force_half_width(double force_n) const noexcept;
+  /// True when the last press was foretold and came otherwise, by more than two standard
+  /// deviations.
+  [[nodiscard]] bool surprised() const noexcept { return judged_ > 0.0 && !as_told_; }
   /// Forgets the person but not the options.
   void reset() noexcept;
 
@@ -61,7 +68,6 @@ class CreepEstimator {
   void follow() noexcept;
   void watch_press(const PressSegment& segment) noexcept;
   void judge_press() noexcept;
-  [[nodiscard]] double next_half_width() const noexcept;
   void begin_pass() noexcept;
   void pass(std::size_t turns) noexcept;
   void finish_pass() noexcept;

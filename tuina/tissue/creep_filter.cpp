@@ -109,7 +109,9 @@ void CreepFilter::predict(Belief& belief, double time_s) const noexcept {
   P.col(change) *= kept;
   P(change, change) += square(hypothesis_.changing_sd) * (1.0 - kept * kept);
   move_breath(belief.mean, P,
-              {hypothesis_.breathing_m, options_.breathing_hz, options_.breath_damping}, dt_s);
+              {hypothesis_.breathing_m, options_.breathing_hz,
+               options_.breath_damping / hypothesis_.steadiness},
+              dt_s);
 }
 
 CreepFilter::Expected CreepFilter::expect(const Belief& belief, const State& at, bool first,

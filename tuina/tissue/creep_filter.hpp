@@ -13,6 +13,7 @@ namespace tuina::tissue {
 struct CreepHypothesis {
   double creep = 0.0;           ///< expected j of each memory; 0: the tissue is elastic
   double breathing_m = 0.0;     ///< peak-to-peak motion of the skin
+  double steadiness = 1.0;      ///< by which the breath is damped less than the caller expects
   double first_press_sd = 0.0;  ///< by which ln alpha differs in the first press
   /// Each new contact may be at another place: the skin moves, ln alpha differs by it.
   double landing_sd_m = 0.0, landing_sd = 0.0;

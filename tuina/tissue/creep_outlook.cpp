@@ -2,19 +2,18 @@
 // What a creep estimator says of forces to come, and how it judges itself by those that came.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "tuina/tissue/creep_estimator.hpp"
 
 namespace tuina::tissue {
 namespace {
 
-constexpr double onset_n = 1.5;  // the skin is known from here on
 constexpr double z95 = 1.96;
 constexpr double floor_m = 0.004e-3;  // of a position whose noise is smoothed away
 // A sum over presses is trusted as if this many had come as expected before.
 constexpr double expected_presses = 1.0;
 constexpr double kept_per_press = 0.95;  // a person is the same for about twenty presses
-constexpr double converged_half_width = 0.15;
 constexpr double converged_surprise = 2.0;
 constexpr double max_force_n = 300.0;  // beyond any press; near its pole the law says anything
 
@@ -105,7 +104,7 @@ CreepEstimator::ForceBand CreepEstimator::foretell(Outlook& outlook, double time
 }
 
 void CreepEstimator::watch_press(const PressSegment& segment) noexcept {
-  if (!segment.contact || segment.force_n < onset_n) return;
+  if (!segment.contact || segment.force_n < options_.onset_n) return;
   if (segment.press != press_) {
     press_ = segment.press;
     onset_ = outlook();
@@ -143,36 +142,45 @@ void CreepEstimator::judge_press() noexcept {
 
 void CreepEstimator::decide_convergence() noexcept {
   const bool was = estimate_.converged;
-  estimate_.converged = as_told_ && next_half_width() <= converged_half_width;
+  estimate_.converged = as_told_ && force_half_width(strongest_.force_n) <= well_foretold_share;
   if (!estimate_.converged)
     estimate_.converged_after_s = -1.0;
   else if (!was)
     estimate_.converged_after_s = segments_.now_s() - segments_.first_contact_s();
 }
 
-double CreepEstimator::next_half_width() const noexcept {
-  // The same force again, a second after the last one; the skin is found as the press begins.
+double CreepEstimator::force_half_width(double force_n) const noexcept {
+  if (!(strongest_.force_n > 0.0) || !(force_n > options_.onset_n))
+    return std::numeric_limits<double>::infinity();
+  // A second after the last press, as fast as the strongest one; its memory is in proportion.
   PressSegment onset{.time_s = segments_.now_s() + 1.0,
-                     .force_n = onset_n,
+                     .force_n = options_.onset_n,
                      .samples = 20.0,
                      .press = seen_presses_};
-  const Loading light{.force_n = onset_n},
-      strongest{strongest_.force_n, strongest_.memory_n, strongest_.speed_m_per_s};
+  const Loading light{.force_n = options_.onset_n};
+  Loading next{force_n, strongest_.memory_n, strongest_.speed_m_per_s};
+  for (double& remembered_n : next.memory_n) remembered_n *= force_n / strongest_.force_n;
   double mean_m = 0.0, square_m2 = square(floor_m), m_per_n = 0.0;
   for (std::size_t i = 0; i < filters; ++i) {
     CreepFilter::Belief belief = filters_[i].now();
     filters_[i].predict(belief, onset.time_s);
-    onset.position_m = CreepFilter::expect(belief, filters_[i].at(), false, light).position_m;
-    filters_[i].fuse(belief, onset);
-    filters_[i].predict(belief, onset.time_s + rise_s_);
-    const CreepFilter::Expected told =
-        CreepFilter::expect(belief, filters_[i].at(), false, strongest);
-    const double deep_m = told.position_m - onset.position_m;
+    const CreepFilter::Expected from = CreepFilter::expect(belief, filters_[i].at(), false, light);
+    if (!options_.follows_skin) {
+      onset.position_m = from.position_m;
+      filters_[i].fuse(belief, onset);
+      filters_[i].predict(belief, onset.time_s + rise_s_);
+    }
+    const CreepFilter::Expected told = CreepFilter::expect(belief, filters_[i].at(), false, next);
+    const CreepFilter::State deeper = told.H - from.H;
+    const double deep_m = told.position_m - from.position_m;
+    const double variance_m2 = options_.follows_skin
+                                   ? deeper.dot(belief.covariance.lazyProduct(deeper))
+                                   : told.variance_m2;
     mean_m += weights_[i] * deep_m;
-    square_m2 += weights_[i] * (square(deep_m) + told.variance_m2);
+    square_m2 += weights_[i] * (square(deep_m) + variance_m2);
     m_per_n += weights_[i] * told.m_per_n;
   }
-  return z95 * widening() * std::sqrt(square_m2 - square(mean_m)) / (m_per_n * strongest_.force_n);
+  return z95 * widening() * std::sqrt(square_m2 - square(mean_m)) / (m_per_n * force_n);
 }
 
 }  // namespace tuina::tissue

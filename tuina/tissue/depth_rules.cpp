@@ -11,10 +11,10 @@ namespace tuina::tissue {
 namespace {
 
 constexpr double bend_alphas = 2.5;  // force / alpha where alpha and beta can be separated
-constexpr double cap_alphas = 3.0;
 constexpr double first_probe_n = 8.0;
 constexpr double max_nis = 4.0;
-constexpr double thin_layer_n = 10.0;
+constexpr double firmer_by = 2.0;       // of a press against the strongest before it
+constexpr double probed_share = 0.525;  // of the order: a force loop ends a little below its target
 
 double relative_sd(double ci95, double value) noexcept {
   return ci95 / (1.96 * value);
@@ -40,18 +40,23 @@ bool sound(const TissueEstimate& estimate) noexcept {
 
 }  // namespace
 
-double probing_force_n(const TissueEstimate& estimate, double region_cap_n) noexcept {
-  const double max_n = 0.5 * std::max(0.0, region_cap_n);
+double probing_force_n(const TissueEstimate& estimate, double ordered_n,
+                       double region_cap_n) noexcept {
+  const double max_n = std::max(0.0, std::min(ordered_n, 0.5 * region_cap_n));
   if (estimate.presses < 1 || !sound(estimate)) return std::min(first_probe_n, max_n);
-  return std::min(bend_alphas * estimate.tissue.alpha_n, max_n);
+  return std::min(std::max(bend_alphas * estimate.tissue.alpha_n, probed_share * ordered_n), max_n);
 }
 
-bool probed_enough(const TissueEstimate& estimate, double peak_force_n,
+bool probed_enough(const TissueEstimate& estimate, double peak_force_n, double ordered_n,
                    double region_cap_n) noexcept {
   if (estimate.presses < 2) return false;
-  // A force loop ends a little below its target.
-  const double wanted_n = probing_force_n(estimate, region_cap_n);
-  return peak_force_n >= 0.9 * wanted_n;
+  return peak_force_n >= 0.9 * probing_force_n(estimate, ordered_n, region_cap_n);
+}
+
+double firmest_next_n(Foretold foretold, double strongest_n, double region_cap_n) noexcept {
+  if (foretold == Foretold::well) return region_cap_n;
+  const double firmer = foretold == Foretold::wrongly ? 1.0 : firmer_by;
+  return std::min(region_cap_n, firmer * std::max(0.0, strongest_n));
 }
 
 bool may_steer(const TissueEstimate& estimate, double nis) noexcept {
@@ -60,12 +65,6 @@ bool may_steer(const TissueEstimate& estimate, double nis) noexcept {
 
 bool follows_law(const TissueEstimate& estimate, double nis) noexcept {
   return sound(estimate) && nis <= max_nis;
-}
-
-double force_cap_n(const TissueEstimate& estimate, double nis, double region_cap_n) noexcept {
-  if (!may_steer(estimate, nis)) return 0.5 * region_cap_n;
-  const double min_alpha_n = std::max(0.0, estimate.tissue.alpha_n - estimate.alpha_ci95_n);
-  return std::min(region_cap_n, cap_alphas * min_alpha_n);
 }
 
 ContactImpedance impedance_for(double tissue_n_per_m, double mass_kg) noexcept {
@@ -120,21 +119,6 @@ Dwell dwell_after(std::span<const PressSet> sets, double elapsed_s) noexcept {
   };
   const std::size_t last = sets.size() - 1;
   return unchanged(last) && unchanged(last - 1) ? Dwell::no_change : Dwell::go_on;
-}
-
-TechniqueAdvice technique_for(const TissueEstimate& estimate, double nis, const PersonMean& person,
-                              double reference_force_n, double region_cap_n) noexcept {
-  const double cap_n = force_cap_n(estimate, nis, region_cap_n);
-  if (!may_steer(estimate, nis))
-    return {Technique::stroke, std::min({thin_layer_n, reference_force_n, cap_n}), false};
-  const double z =
-      (std::log(stiffness_at_force(estimate.tissue, reference_force_n)) - person.log_stiffness) /
-      0.25;
-  const double min_beta = estimate.tissue.beta_per_m - estimate.beta_ci95_per_m;
-  if (min_beta > person.median_beta_per_m)
-    return {Technique::stroke, std::min({thin_layer_n, reference_force_n, cap_n}), true};
-  if (z > 1.0) return {Technique::press, std::min(1.2 * reference_force_n, cap_n), true};
-  return {Technique::rub, std::min(reference_force_n, cap_n), true};
 }
 
 const char* name_of(Alarm alarm) noexcept {

@@ -8,27 +8,36 @@
 
 namespace tuina::tissue {
 
-/// Rules from an estimate to massage parameters. They only lower what the body zone allows
-/// (`region_cap_n`). Real-time: no heap, no exceptions; non-finite input counts as unknown. The
-/// thresholds are proposals for a therapist to confirm; the numbers A1 to A9 are those of
-/// docs/tissue.md.
+/// Rules from what was felt to massage parameters. They only lower what was ordered (`ordered_n`)
+/// and what the body zone allows (`region_cap_n`). Real-time: no heap, no exceptions; non-finite
+/// input counts as unknown. The thresholds are proposals for a therapist to confirm; the numbers A1
+/// to A9 are those of docs/tissue.md, where A3, A4 and A8 are not in use.
 
-/// A1. Peak force of the next probing press: rises until the force reaches the bend of the curve at
-/// 2.5 alpha, at most half of the region's cap.
-[[nodiscard]] double probing_force_n(const TissueEstimate& estimate, double region_cap_n) noexcept;
-/// A1. True after two presses if the bend was reached or the cap allows no more.
+/// A1. Peak force of the next probing press: 8 N at first, then as far as the bend of the curve at
+/// 2.5 alpha and at least half of what was ordered, so that twice as much is what was ordered. At
+/// most half of the region's cap, and never more than was ordered.
+[[nodiscard]] double probing_force_n(const TissueEstimate& estimate, double ordered_n,
+                                     double region_cap_n) noexcept;
+/// A1. True after two presses if the last was as strong as the next one would be.
 [[nodiscard]] bool probed_enough(const TissueEstimate& estimate, double peak_force_n,
-                                 double region_cap_n) noexcept;
+                                 double ordered_n, double region_cap_n) noexcept;
 
-/// A2. True when an estimate may change the massage: converged, and the tangent law fits.
+/// A2. What the presses of a place say of the next one.
+enum class Foretold : std::uint8_t {
+  well,     ///< its force is foretold to `well_foretold_share`
+  loosely,  ///< the band is wider than that
+  wrongly,  ///< the last press came otherwise than foretold: the person tenses, or the tool slips
+};
+/// A2. The most that the next press may ask for: whatever the zone allows where it is well
+/// foretold; else twice the strongest that this place has felt; and no more than that one after a
+/// press that came otherwise.
+[[nodiscard]] double firmest_next_n(Foretold foretold, double strongest_n,
+                                    double region_cap_n) noexcept;
+/// True when an estimate may be reasoned with: converged, and its law fits.
 [[nodiscard]] bool may_steer(const TissueEstimate& estimate, double nis) noexcept;
-/// A2. True when the tangent law fits, converged or not.
+/// True when the law fits, converged or not.
 [[nodiscard]] bool follows_law(const TissueEstimate& estimate, double nis) noexcept;
 
-/// A3. Minimum of the region's cap and three times the lower bound of alpha: beyond that the tissue
-/// is compressed, not massaged. Unknown tissue gets half the cap.
-[[nodiscard]] double force_cap_n(const TissueEstimate& estimate, double nis,
-                                 double region_cap_n) noexcept;
 /// A5. Robot impedance from the tangent stiffness of the tissue at the working force: half as
 /// stiff, damping ratio 0.7 together.
 struct ContactImpedance {
@@ -61,22 +70,6 @@ struct PressSet {
 enum class Dwell : std::uint8_t { go_on, softened, no_change, time_up };
 [[nodiscard]] const char* name_of(Dwell dwell) noexcept;
 [[nodiscard]] Dwell dwell_after(std::span<const PressSet> sets, double elapsed_s) noexcept;
-
-/// A8. Mean log stiffness at the reference force and median beta over all places of the person.
-struct PersonMean {
-  double log_stiffness = 0.0;
-  double median_beta_per_m = 0.0;
-};
-struct TechniqueAdvice {
-  Technique technique = Technique::stroke;
-  double force_n = 0.0;
-  bool known = false;  ///< false: keep to the plan, gently
-};
-/// A8. Much stiffer than the person's mean and not a thin layer over bone: slow pressing, a fifth
-/// harder. Thin layer: stroking with 10 N at most. Else rubbing. All below the cap of A3.
-[[nodiscard]] TechniqueAdvice technique_for(const TissueEstimate& estimate, double nis,
-                                            const PersonMean& person, double reference_force_n,
-                                            double region_cap_n) noexcept;
 
 /// A9. Reasons to let go and ask the person.
 enum class Alarm : std::uint8_t { none, guarding, moved };

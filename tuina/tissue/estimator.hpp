@@ -17,13 +17,19 @@ concept Estimator = std::is_nothrow_constructible_v<T, const typename T::Options
   requires std::is_convertible_v<decltype(fed.estimate()), TissueEstimate>;
 };
 
-/// An estimator that may decide forces in a session: it tells whether the law fits and how well
-/// stiffness is known, and can be reset for the next place.
+/// A press is well foretold when half of its 95 % band is at most this share of its force.
+inline constexpr double well_foretold_share = 0.15;
+
+/// An estimator that may decide forces in a session: it tells whether the law fits, how well
+/// stiffness is known and how well a press of some force is foretold, whether the last press came
+/// otherwise than it had foretold, and can be reset for the next place.
 template <typename T>
 concept SteeringEstimator = Estimator<T> && requires(T estimator, const T& fed, double force_n) {
   requires noexcept(estimator.reset());
   requires std::is_same_v<decltype(fed.nis()), double>;
   requires std::is_same_v<decltype(fed.stiffness_sd(force_n)), double>;
+  requires std::is_same_v<decltype(fed.force_half_width(force_n)), double>;
+  requires std::is_same_v<decltype(fed.surprised()), bool>;
 };
 
 }  // namespace tuina::tissue

@@ -16,9 +16,8 @@ constexpr std::size_t marginalise_at = 96;
 constexpr std::size_t max_window = 120;
 // Early in the first press answers are wanted fast, so passes are short.
 constexpr std::size_t short_pass = 48;
-constexpr int passes_at_rest = 4;  // Gauss-Newton steps after the last new sample
-// Standard deviation added to the logarithms per marginalisation.
-constexpr double forgetting_sd = 0.005;
+constexpr int passes_at_rest = 4;        // Gauss-Newton steps after the last new sample
+constexpr double forgetting_sd = 0.005;  // added to that of the logarithms per marginalisation
 // An interval that just fits would be wrong for one estimate in twenty, so 98 % is required.
 constexpr double sureness = 2.33 / 1.96;
 constexpr double max_step = 0.5, min_step = 0.02, settled_step = 0.05;  // of logarithms
@@ -51,6 +50,8 @@ PressEstimatorOptions pressed_by_robot(double torso_n_per_m, double tool_mass_kg
           .breathing_m = 3e-3,
           .breath_damping = 0.07,
           .skin_wander_m = 0.02e-3,
+          .follows_skin = true,
+          .onset_n = 3.0,  // kept on the skin between two presses
           .model_sd_m = 0.01e-3,
           .converged_alpha = 0.08,
           .converged_beta = 0.05};

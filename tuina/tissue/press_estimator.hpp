@@ -22,9 +22,12 @@ struct PressEstimatorOptions {
   double torso_sd = 0.12;        ///< relative standard deviation of the torso compliance
   double breathing_m = 1e-3;     ///< peak-to-peak motion of the skin by breathing
   double breathing_hz = 0.25;
-  double breath_damping = 0.15;      ///< damping ratio of the breath model; 0 is a pure sinusoid
-  double skin_wander_m = 0.1e-3;     ///< random walk of the resting skin, in a second
-  double model_sd_m = 0.06e-3;       ///< model error per segment: law, sensors, noise
+  double breath_damping = 0.15;   ///< damping ratio of the breath model; 0 is a pure sinusoid
+  double skin_wander_m = 0.1e-3;  ///< random walk of the resting skin, in a second
+  /// The tool follows the skin by its force, so breath in a press is no error of its force.
+  bool follows_skin = false;
+  double onset_n = 1.5;         ///< force from which a press is foretold: the skin is known there
+  double model_sd_m = 0.06e-3;  ///< model error per segment: law, sensors, noise
   double damping_sd_s_per_m = 10.0;  ///< of the Hunt-Crossley factor mu in F (1 + mu v)
   double converged_alpha = 0.05;     ///< relative half-width of the 95 % interval at convergence
   double converged_beta = 0.05;
@@ -112,6 +115,6 @@ class PressEstimator {
   double nis_ = 1.0;
   TissueEstimate estimate_;
 };
-static_assert(SteeringEstimator<PressEstimator>);
+static_assert(Estimator<PressEstimator>);
 
 }  // namespace tuina::tissue

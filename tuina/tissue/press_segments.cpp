@@ -169,12 +169,12 @@ void PressSegments::tare(double position_m, double force_n, double samples) noex
 }
 
 void PressSegments::follow_press(double time_s, double force_n) noexcept {
-  // Between presses the tool may keep a light contact, so a press ends at a fall of the force, not
-  // at its loss, and counts once it was released.
+  // Between presses the tool keeps a light contact of 3 N, nearly half of a probing press, so a
+  // press ends at a fall of the force, not at its loss, and counts once it was released.
   peak_ever_n_ = std::max(peak_ever_n_, force_n);
   if (phase_ == Phase::up) {
     peak_n_ = std::max(peak_n_, force_n);
-    if (force_n < 0.35 * peak_n_) {
+    if (force_n < 0.5 * peak_n_) {
       phase_ = Phase::down;
       released_s_ = time_s;
     }
@@ -186,7 +186,7 @@ void PressSegments::follow_press(double time_s, double force_n) noexcept {
   }
   if (phase_ == Phase::rest) {
     valley_n_ = std::min(valley_n_, force_n);
-    if (force_n > 1.5 * valley_n_ + 3.0 * min_force_n) {
+    if (force_n > 1.2 * valley_n_ + 2.0 * min_force_n) {
       phase_ = Phase::up;
       peak_n_ = force_n;
     }

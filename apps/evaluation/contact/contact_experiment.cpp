@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "apps/evaluation/contact/patch_path.hpp"
+#include "tuina/control/beat_correction.hpp"
 #include "tuina/massage/technique/contact_path.hpp"
 #include "tuina/robot/inverse_kinematics.hpp"
 #include "tuina/robot/robot_model.hpp"
@@ -195,6 +196,8 @@ Result<ContactOutcome> run_contact(const ContactExperiment& experiment, const Pr
   control::ArmController& controller = controlled[arm].controller;
 
   double target_n = 0.0;
+  control::BeatCorrection beats;
+  beats.begin(experiment.force_n);
   const control::ArmStatus& status = controller.status();
   const auto next = [&](Act now) { act = now, act_s = 0.0; };
   const auto propose = [&](const robot::RobotReading& reading) {
@@ -220,9 +223,11 @@ Result<ContactOutcome> run_contact(const ContactExperiment& experiment, const Pr
       case Act::track: {
         if (experiment.steer && estimator.estimate().converged)
           model.tissue = estimator.estimate().tissue;
-        const control::ContactTarget target = target_at(path, mount.base_from_couch, act_s, model);
-        controller.track(target);
+        control::ContactTarget target = target_at(path, mount.base_from_couch, act_s, model);
         target_n = act_s < path.duration_s() ? target.force_n : 0.0;
+        if (path.technique == Technique::tap)
+          target.force_n = beats.command_n(target.force_n, status.force_n);
+        controller.track(target);
         if (act_s >= path.duration_s()) controller.retract(standoff_m), next(Act::retract);
         break;
       }

@@ -9,6 +9,7 @@
 #include "apps/evaluation/verbs.hpp"
 #include "tuina/core/io/file.hpp"
 #include "tuina/core/units.hpp"
+#include "tuina/massage/technique/tap.hpp"
 #include "tuina/record/shared_fields.hpp"
 #include "tuina/session/config.hpp"
 #include "tuina/telemetry/plot/svg_plot.hpp"
@@ -61,6 +62,14 @@ std::string draw(const std::vector<ContactSample>& trace, const std::string& tit
   plot.series = {measured, target, truth};
   plot.y_low = 0.0;
   return telemetry::to_svg(plot);
+}
+
+/// A tap may not change its force too fast.
+Result<void> check_force(const ContactExperiment& experiment) {
+  const double strongest_n = massage::strongest_tap_n(experiment.tap_hz);
+  if (experiment.technique != Technique::tap || experiment.force_n <= strongest_n) return {};
+  return fail(Fault::usage, "--force-n {}: {:.1f} N are allowed at {} taps a second",
+              experiment.force_n, strongest_n, experiment.tap_hz);
 }
 
 /// One arm on a patch of skin whose truth is hidden from it: how well it holds a force there.
@@ -161,6 +170,7 @@ class Press final : public Verb {
         alpha_n_ > 0.0 ? TangentTissue{alpha_n_, 1e3 * beta_per_mm_} : thesis_tissues.at(tissue_);
     experiment.force_n = force_n_;
     experiment.technique = *parse_technique(technique_);  // checked by the option
+    if (const auto good = check_force(experiment); !good) return tl::unexpected(good.error());
     experiment.rub_shape = rub_shapes.at(rub_shape_);
     experiment.controller.law = laws.at(controller_);
     experiment.surface_error_m = from_mm(surface_error_mm_);

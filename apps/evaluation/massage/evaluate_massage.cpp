@@ -167,7 +167,13 @@ class EvaluateMassage final : public Verb {
       for (const std::string& beyond : outcomes[i].beyond) tell(beyond);
       for (const std::string& note : outcomes[i].left_out) tell(note);
     }
-    ordered_json json{{"massages", to_json_by_name(session_table(rows))}, {"incidents", incidents}};
+    std::vector<const SessionOutcome*> given;
+    for (std::size_t i = 0; i < trials.size(); ++i) {
+      if (trials[i].order.adaptive == steered) given.push_back(&outcomes[i]);
+    }
+    ordered_json json{{"massages", to_json_by_name(session_table(rows))},
+                      {"given", to_json_by_name(given_table(given))},
+                      {"incidents", incidents}};
     if (!adaptive.empty()) json["adaptive"] = to_json_by_name(session_table(adaptive));
     if (!html_.empty()) {
       std::vector<SessionOutcome> judged;
@@ -177,7 +183,7 @@ class EvaluateMassage final : public Verb {
       const auto written = write_file(html_, session_page(rows, adaptive, judged, incidents));
       if (!written) return tl::unexpected(written.error());
     }
-    std::string text = to_text(session_table(rows));
+    std::string text = to_text(session_table(rows)) + "\n" + to_text(given_table(given));
     if (!adaptive.empty()) text += "\n" + to_text(session_table(adaptive));
     for (const std::string& incident : incidents) text += incident + "\n";
     return Answer{.json = json.dump(2), .text = text};

@@ -108,6 +108,11 @@ std::string session_page(const std::vector<SessionRow>& rows,
   page.section("By programme",
                "Forces are true contact forces; zones are drawn from the true points.")
       .table(session_table(rows));
+  std::vector<const SessionOutcome*> given;
+  for (const SessionOutcome& one : outcomes) given.push_back(&one);
+  page.section("What was given of what was planned",
+               "Largest true force of each press and tap, per cent of its plan.")
+      .table(given_table(given));
   page.section("All of them, sorted", "Dashed: what must be kept.").figures(plots_of(outcomes));
   if (!adaptive.empty())
     page.section("What steering by the tissue changes",

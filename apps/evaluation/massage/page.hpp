@@ -18,6 +18,9 @@ struct SessionRow {
 /// The keys of one row in `evaluate massage`, and what people see of them.
 [[nodiscard]] telemetry::Table session_table(const std::vector<SessionRow>& rows);
 
+/// Largest true force of presses and taps as a share of the plan, by their index at a place.
+[[nodiscard]] telemetry::Table given_table(const std::vector<const SessionOutcome*>& outcomes);
+
 /// What `evaluate massage` found, as one page that needs nothing else. `adaptive` are the same
 /// sessions with steering and without, or empty.
 [[nodiscard]] std::string session_page(const std::vector<SessionRow>& rows,

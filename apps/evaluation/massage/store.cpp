@@ -9,9 +9,34 @@
 #include "tuina/core/io/file.hpp"
 
 namespace tuina::app {
-namespace {
 
 using nlohmann::ordered_json;
+
+template <typename Press, typename Visit>
+static void visit_press(Press& press, const Visit& visit) {
+  visit("place", press.place);
+  visit("technique", press.technique);
+  visit("index", press.index);
+  visit("probing", press.probing);
+  visit("foretold", press.foretold);
+  visit("planned_n", press.planned_n);
+  visit("asked_n", press.asked_n);
+  visit("peak_n", press.peak_n);
+  visit("held_n", press.held_n);
+  visit("arm", press.arm);
+  visit("contact_s", press.contact_s);
+  visit("end_s", press.end_s);
+}
+
+// The JSON library finds these two by their names.
+static void to_json(ordered_json& json, const GivenPress& press) {
+  visit_press(press, [&](const char* key, const auto& value) { json[key] = value; });
+}
+static void from_json(const ordered_json& json, GivenPress& press) {
+  visit_press(press, [&](const char* key, auto& value) { json.at(key).get_to(value); });
+}
+
+namespace {
 
 std::string name_of(const SessionTrial& trial) {
   return fmt::format("{} {} {} {} {}", trial.order.person,
@@ -35,6 +60,7 @@ void visit_all(Outcome& outcome, const Visit& visit) {
   visit("over_trip_n", outcome.over_trip_n);
   visit("arm_distance_m", outcome.arm_distance_m);
   visit("tool_to_acupoint_m", outcome.tool_to_acupoint_m);
+  visit("presses", outcome.presses);
   visit("scan_to_touch_s", outcome.scan_to_touch_s);
   visit("plan_ms", outcome.plan_ms);
   visit("real_time_factor", outcome.real_time_factor);

@@ -31,6 +31,25 @@ double uncertainty_of(const SessionResult& done, const std::string& name) {
   return 0.0;
 }
 
+/// The presses from the third of a place on that were not as planned, each with what was decided.
+std::vector<std::string> not_as_planned(const SessionResult& done) {
+  std::vector<std::string> told;
+  for (const GivenPress& press : done.truth.presses) {
+    const double given = press.given();
+    if (press.probing || press.index < 3 || (given >= min_given && given <= max_given)) continue;
+    std::string why = "no rule";
+    for (const session::Decision& made : done.session.decisions) {
+      const bool meanwhile = made.arm == press.arm && made.time_s >= press.contact_s &&
+                             made.time_s <= press.end_s && made.to_n < made.from_n;
+      if (meanwhile) why = fmt::format("{}, {}", made.rule, made.reason);
+    }
+    told.push_back(fmt::format("{} {} of {}: {:.1f} N planned, {:.1f} N given ({})",
+                               name_of(press.technique), press.index, press.place, press.planned_n,
+                               press.peak_n, why));
+  }
+  return told;
+}
+
 }  // namespace
 
 SessionOutcome run_session_trial(const SessionTrial& trial, const session::Config& config) {
@@ -47,6 +66,8 @@ SessionOutcome run_session_trial(const SessionTrial& trial, const session::Confi
   outcome.arm_distance_m = done->truth.min_arm_distance_m;
   outcome.scan_to_touch_s = scan_to_touch_s(*done);
   outcome.plan_ms = done->session.plan_ms;
+  outcome.presses = done->truth.presses;
+  outcome.beyond = not_as_planned(*done);
   outcome.real_time_factor = done->real_time_factor();
   for (const session::Stop& stop : done->session.stops) {
     outcome.stops.push_back(session::explain(stop));

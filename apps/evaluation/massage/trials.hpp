@@ -24,7 +24,7 @@ struct SessionOutcome {
   BodyPosture position = BodyPosture::sitting;
   std::vector<std::string> stops = {}, troubles = {}, left_out = {};
   std::vector<std::string> beyond =
-      {};  ///< force beyond a true zone's cap, press far off its point
+      {};  ///< force beyond a true zone's cap, press far off its point, press not as planned
   double duration_s = 0.0;
   double rmse_n = 0.0, overshoot_n = 0.0;  ///< errors of the true force, all techniques
   double bony_peak_n = 0.0;                ///< largest force where bone truly is near
@@ -33,10 +33,14 @@ struct SessionOutcome {
   double arm_distance_m = 0.0;  ///< smallest
   std::vector<double> tool_to_acupoint_m =
       {};  ///< distance of each press of one of the seven points
+  std::vector<GivenPress> presses = {};
   double scan_to_touch_s = 0.0;
   double plan_ms = 0.0;
   double real_time_factor = 0.0;
 };
+
+/// Given as ordered: the largest true force of a press is this share of the plan.
+inline constexpr double min_given = 0.95, max_given = 1.02;
 
 [[nodiscard]] SessionOutcome run_session_trial(const SessionTrial& trial,
                                                const session::Config& config);

@@ -33,8 +33,8 @@ double force_ramp_s(double change_n, double wanted_s) {
   return std::max(wanted_s, min_duration_s);
 }
 
-double strongest_beat_n(double rate_hz) {
-  return kept_force_n + max_beat_n_per_s / (pi * rate_hz);
+double strongest_beat_n(double rate_hz, double max_n_per_s) {
+  return kept_force_n + max_n_per_s / (pi * rate_hz);
 }
 
 double Slide::top_speed_m_per_s() const {

@@ -17,9 +17,13 @@ inline constexpr double max_slide_m_per_s = 0.080;
 /// Between presses, and while the tool is moved along the skin unloaded, it stays on the skin with
 /// this force: leaving and touching again would be an impact every time.
 inline constexpr double kept_force_n = 3.0;
-/// Fastest change of a force that beats. It is slower than other changes: within a beat no feedback
-/// corrects a tissue that is softer than believed, so the error grows with this rate.
+/// Fastest change of a force that beats while the tool slides. It is slower than other changes:
+/// within a beat no feedback corrects a tissue that is softer than believed, so the error grows
+/// with this rate.
 inline constexpr double max_beat_n_per_s = 70.0;
+/// Fastest change of the force of a tap, which stays in one place, so that each is corrected by the
+/// one before: 30 N three times a second.
+inline constexpr double max_tap_n_per_s = 260.0;
 /// Time from the first touch to the kept force, and back at the end.
 inline constexpr double landing_s = 0.5;
 
@@ -36,9 +40,9 @@ inline constexpr double smooth_step_steepest = 1.875;
 /// The shortest time in which a smooth step changes the force by `change_n`, at least `wanted_s`.
 [[nodiscard]] double force_ramp_s(double change_n, double wanted_s);
 
-/// The largest force that beats at a rate within its bound: a raised cosine between the kept force
-/// and the peak is steepest with pi x rate x (peak - kept).
-[[nodiscard]] double strongest_beat_n(double rate_hz);
+/// The largest force that beats at a rate and changes by at most `max_n_per_s`: a raised cosine
+/// between the kept force and the peak is steepest with pi x rate x (peak - kept).
+[[nodiscard]] double strongest_beat_n(double rate_hz, double max_n_per_s);
 
 /// A way of `length_m` along a curve from rest to rest: smooth gain of speed, constant speed,
 /// smooth loss of speed. The speed is lowered where the way is too short to reach it.

@@ -11,7 +11,7 @@ namespace tuina::massage {
 
 ContactPath plan_tap(const body::SurfacePoint& place, const TapOptions& options, std::string name) {
   const double rate_hz = std::clamp(options.rate_hz, min_tap_hz, max_tap_hz);
-  const double force_n = std::min(options.force_n, strongest_beat_n(rate_hz));
+  const double force_n = std::min(options.force_n, strongest_tap_n(rate_hz));
   const double kept_n = std::min(kept_force_n, force_n);
   const double taps = std::max(1.0, std::round(options.time_s * rate_hz));
   const double tapping_s = taps / rate_hz;

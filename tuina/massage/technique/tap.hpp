@@ -5,6 +5,7 @@
 
 #include "tuina/body/back_surface.hpp"
 #include "tuina/core/contact.hpp"
+#include "tuina/massage/technique/contact_path.hpp"
 
 namespace tuina::massage {
 
@@ -17,9 +18,14 @@ struct TapOptions {
   double time_s = 4.0;    ///< Time of tapping, rounded to whole taps.
 };
 
-/// Tapping. The thesis names it and never specifies it; here it is light percussion without leaving
-/// the skin: raised cosines of force from the kept force to the peak. A force above
-/// `strongest_beat_n` is lowered to it.
+/// The strongest tap at a rate, N.
+[[nodiscard]] inline double strongest_tap_n(double rate_hz) {
+  return strongest_beat_n(rate_hz, max_tap_n_per_s);
+}
+
+/// Tapping. The thesis names it and never specifies it; here it is percussion without leaving the
+/// skin: raised cosines of force from the kept force to the peak. A force above `strongest_tap_n`
+/// is lowered to it, so whoever orders one is told before.
 [[nodiscard]] ContactPath plan_tap(const body::SurfacePoint& place, const TapOptions& options,
                                    std::string name);
 

@@ -119,6 +119,34 @@ void add_conduct(Page& page, const ReportData& data) {
   add_distances(part, data);
 }
 
+std::string given_in_words(const ReportData& data) {
+  std::size_t ordered = 0, otherwise = 0;
+  for (const PerformedPath& performed : data.paths) {
+    ordered += performed.ordered_n > 0.0;
+    otherwise += !performed.why.empty();
+  }
+  if (ordered == 0) return "";
+  if (otherwise == 0) return "Every place was given the force that was ordered. ";
+  return fmt::format("{} of {} paths were given another force than was ordered, see below. ",
+                     otherwise, ordered);
+}
+
+void add_given(Page& page, const ReportData& data) {
+  Table table{.columns = {{.head = "path"},
+                          {.head = "ordered, N", .digits = 1},
+                          {.head = "given, N", .digits = 1, .truth = data.simulated},
+                          {.head = "why"}}};
+  for (const PerformedPath& performed : data.paths) {
+    if (performed.why.empty()) continue;
+    table.add({performed.path.name, performed.ordered_n, performed.given_n, performed.why});
+  }
+  if (table.rows.empty()) return;
+  page.section("Given otherwise than ordered",
+               "Where less than 95 % of the ordered force was given, or more than 102 %. A press "
+               "or a tap counts by its largest force, what slides by its mean.")
+      .table(table);
+}
+
 void add_decisions(Page& page, const ReportData& data) {
   if (data.decisions.empty()) return;
   Table table{.columns = {{.head = "time, s", .digits = 1},

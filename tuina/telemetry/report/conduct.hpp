@@ -16,6 +16,12 @@ namespace tuina::telemetry {
 /// stayed from each other and from the person.
 void add_conduct(Page& page, const ReportData& data);
 
+/// How many places got what was ordered; empty when the record does not say what was.
+[[nodiscard]] std::string given_in_words(const ReportData& data);
+
+/// The section about what was ordered at each place, what was given, and why they differ.
+void add_given(Page& page, const ReportData& data);
+
 /// The section about what the tissue decided, line by line with its reason; none when it decided
 /// nothing.
 void add_decisions(Page& page, const ReportData& data);

@@ -124,6 +124,7 @@ std::string summary(const ReportData& data) {
   if (softest != hardest)
     text += fmt::format("The tissue felt hardest at {} and softest at {}. ",
                         figures::spoken(hardest->name), figures::spoken(softest->name));
+  text += given_in_words(data);
   if (data.stops.empty())
     text += "Nothing had to be stopped.";
   else
@@ -272,6 +273,7 @@ std::string report_page(const ReportData& data) {
   page.opening().tiles(tiles(data));
   add_back(page, data);
   add_conduct(page, data);
+  add_given(page, data);
   add_forces(page, data);
   add_tissue(page, data);
   add_decisions(page, data);

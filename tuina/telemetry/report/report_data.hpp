@@ -30,6 +30,9 @@ struct PerformedPath {
   ContactPath path = {};
   std::optional<double> end_s = {};  ///< time at which the arm had left it; none: not known
   std::string contact_fault = {};  ///< reason why it was not carried out as planned; empty: it was
+  double ordered_n = 0.0;          ///< largest force of the programme
+  double given_n = 0.0;            ///< largest of a press or a tap, mean of what slides
+  std::string why = {};            ///< reason why that is not what was ordered; empty: it is
 
   [[nodiscard]] double ended_s() const { return end_s.value_or(begin_s + path.duration_s()); }
 };
