@@ -16,7 +16,7 @@ namespace {
 
 std::string shortened(const std::string& value) {
   constexpr std::size_t max_letters = 40;
-  return value.size() > max_letters ? value.substr(0, max_letters) + "..." : value;
+  return value.size() > max_letters ? value.substr(0, max_letters).append("...") : value;
 }
 
 /// " = value"; empty for lists and tables, which may be long.

@@ -159,8 +159,8 @@ struct ReportData {
   std::vector<ArmsPose> poses = {};  ///< ordered by time; a picture takes the nearest
   std::vector<Stop> stops = {};
   std::vector<std::string> plan_notes = {};  ///< what was lowered, bent or left out, and why
-  std::vector<KeyNumber> numbers = {};  ///< besides those that the page counts itself
-  std::string config_toml = {};         ///< the whole effective configuration
+  std::vector<KeyNumber> numbers = {};       ///< besides those that the page counts itself
+  std::string config_toml = {};              ///< the whole effective configuration
   std::string version = {};
 };
 
