@@ -9,8 +9,24 @@
 
 #include "tuina/core/io/text_lines.hpp"
 #include "tuina/robot/robot_model.hpp"
+#include "tuina/session/config.hpp"
 
 namespace tuina::app {
+
+Result<session::Config> effective_config(const CommonOptions& common) {
+  session::Config config;
+  if (!common.config_file.empty()) {
+    auto loaded = session::load_config(common.config_file);
+    if (!loaded) return loaded;
+    config = *loaded;
+  }
+  for (const std::string& setting : common.settings) {
+    if (auto applied = session::apply_setting(config, setting); !applied) {
+      return tl::unexpected(applied.error());
+    }
+  }
+  return config;
+}
 
 Progress progress_bar(const CommonOptions& common, std::string label) {
   if (common.quiet) return {};

@@ -77,8 +77,8 @@ std::optional<std::string> why_not_as_ordered(const session::Session& session,
   if (const auto* command = asked_by_person(session, done.end_s))
     return fmt::format("the person asked for it: {}", session::name_of(*command));
   if (planned.cap_n < planned.ordered_n)
-    return fmt::format("{} may be asked for {:.1f} N at most", massage::name_of(planned.zone),
-                       planned.cap_n);
+    return fmt::format("no more than {:.1f} N may be asked for there ({}; see the plan's notes)",
+                       planned.cap_n, massage::name_of(planned.zone));
   if (!done.whole) return "cut short before its strongest place";
   return given_n < planned.ordered_n
              ? "the tool did not reach it in the time that the technique gives"

@@ -49,21 +49,6 @@ class ConfigCheck final : public Verb {
 
 }  // namespace
 
-Result<session::Config> effective_config(const CommonOptions& common) {
-  session::Config config;
-  if (!common.config_file.empty()) {
-    auto loaded = session::load_config(common.config_file);
-    if (!loaded) return loaded;
-    config = *loaded;
-  }
-  for (const std::string& setting : common.settings) {
-    if (auto applied = session::apply_setting(config, setting); !applied) {
-      return tl::unexpected(applied.error());
-    }
-  }
-  return config;
-}
-
 std::unique_ptr<Verb> make_config_show() {
   return std::make_unique<ConfigShow>();
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tuina/scanner/sweep.hpp"
+#include "tuina/sim/person/person.hpp"
 #include "tuina/sim/scanner/laser_scanner.hpp"
 
 using namespace tuina;
