@@ -72,7 +72,8 @@ TEST_CASE(
   REQUIRE_MESSAGE(worst.has_value(), test::reason(worst));
   CHECK(worst->size() >= 40);
   for (const WorstTrial& one : *worst) {
-    INFO(one.fault->name << ", " << name_of(one.plan.stage) << ", " << one.plan.site->name);
+    INFO(one.fault->name << ", " << std::string(name_of(one.plan.stage)) << ", "
+                         << one.plan.site->name);
     const auto outcome = run_trial(one.plan);
     REQUIRE_MESSAGE(outcome.has_value(), test::reason(outcome));
     // What is not bounded is named in docs/safety.md with its force, and must not grow unseen.

@@ -17,7 +17,8 @@ namespace {
 constexpr double dt_s = control_period_s;
 constexpr double settle_s = 0.12;  // the wrist sensor's mean, which is its zero, takes 0.1 s
 constexpr double standoff_m = 40_mm;
-constexpr double ramp_s = 0.5;
+// A plan touches before it presses, and so does a trial.
+constexpr double landing_s = 0.4, ramp_s = 0.5;
 constexpr double max_leg_s = 3.0;  // of the way through the air, which takes a second
 constexpr double stroke_m = 20_mm, stroke_hz = 0.4;
 constexpr double gone_s = 1.3;      // an arm has left by then, and is seen for a while
@@ -162,7 +163,7 @@ void Trial::conduct() {
 }
 
 void Trial::press() {
-  set_n_ = site_.force_n * std::min(1.0, stage_s_ / ramp_s);
+  set_n_ = site_.force_n * std::clamp((stage_s_ - landing_s) / ramp_s, 0.0, 1.0);
   control::ContactTarget target{.at_in_base = tip(believed_in_couch_).at_in_base,
                                 .normal_in_base = tip(believed_in_couch_).normal_in_base,
                                 .force_n = set_n_,
