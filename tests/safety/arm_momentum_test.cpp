@@ -248,6 +248,8 @@ TEST_CASE("a joint that leans against its stop may be held by that") {
       arm.extra_nm[3] = 30.0;
       const double found = arm.observe_for(40).torque_misfit;
       CHECK((found > 1.0) == (from_stop_rad > 0.02));
+      arm.arm().q_rad[3] = 0.0;  // off it, all that is missing counts at once
+      CHECK(arm.observe().torque_misfit > 0.0);
     }
   }
 }

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a guard sees of an arm, by a model and a zero of its own.
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <limits>
+#include <random>
 
 #include "tests/safety/two_arms.hpp"
 
@@ -10,6 +14,68 @@ using namespace tuina::safety;
 namespace {
 
 constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
+
+/// The balance of momentum of an arm once more, joint by joint.
+struct Balance {
+  const robot::ArmModel& model;
+  bool begun = false, driven = false;
+  std::uint64_t tick = 0;
+  std::array<double, 6> dq = {}, lagged_nm = {}, ahead = {}, back = {}, wrench = {};
+  double misfit = 0.0;
+  int weak_joint = -1;
+
+  void feel(const std::array<double, 6>& felt) {
+    for (const double value : felt)
+      if (!std::isfinite(value)) return;
+    for (std::size_t k = 0; k < 6; ++k) {
+      const double most = k < 3 ? 10.0 : 1.0;
+      wrench[k] = begun ? std::clamp(felt[k], wrench[k] - most, wrench[k] + most) : felt[k];
+    }
+  }
+  void take(const robot::ArmReading& arm, std::uint64_t now, const Vector3& force_n,
+            const JointVector& applied_nm, double share) {
+    const auto dynamics = model.evaluate(arm.q_rad, arm.dq_rad_per_s, 0.0);
+    const Vector3 torque_nm = dynamics.base_from_tool.linear() * arm.wrench_in_tool.torque_nm;
+    feel({force_n.x(), force_n.y(), force_n.z(), torque_nm.x(), torque_nm.y(), torque_nm.z()});
+    const auto passed = now - tick;
+    const double passed_s = passed > 10 ? 10e-3 : 1e-3 * static_cast<double>(passed);
+    tick = now;
+    std::array<double, 6> gained = {};
+    for (int i = 0; i < 6; ++i)
+      for (int j = 0; begun && j < 6; ++j)
+        gained[std::size_t(i)] +=
+            dynamics.mass_kg_m2(i, j) * (arm.dq_rad_per_s[j] - dq[std::size_t(j)]);
+    for (int i = 0; i < 6; ++i) dq[std::size_t(i)] = arm.dq_rad_per_s[i];
+    begun = true;
+    if (applied_nm.size() != 6) return;
+    std::array<double, 6> shares = {};
+    for (int i = 0; i < 6; ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      const robot::Link& link = model.table().links[k];
+      if (!driven) lagged_nm[k] = applied_nm[i];
+      lagged_nm[k] += (applied_nm[i] - lagged_nm[k]) / 3.0;  // 1 ms of 1 ms and 2 ms
+      double nm = lagged_nm[k] - dynamics.coriolis_nm[i] - dynamics.gravity_nm[i];
+      for (int row = 0; row < 6; ++row) nm += dynamics.jacobian(row, i) * wrench[std::size_t(row)];
+      const double missing = passed_s * nm - gained[k];
+      const double friction_nm =
+          link.coulomb_nm + link.viscous_nm_s_per_rad * std::abs(arm.dq_rad_per_s[i]);
+      const double allowed = passed_s * (1.5 * friction_nm + share * link.torque_limit_nm);
+      ahead[k] = std::max(0.0, ahead[k] + missing - allowed);
+      back[k] = std::max(0.0, back[k] - missing - allowed);
+      if (arm.q_rad[i] < link.min_rad + 0.02 || arm.q_rad[i] > link.max_rad - 0.02)
+        ahead[k] = back[k] = 0.0;
+      shares[k] = std::max(ahead[k], back[k]) /
+                  (0.05 * dynamics.mass_kg_m2(i, i) + 0.25e-3 * link.torque_limit_nm);
+    }
+    driven = true;
+    const auto worst = static_cast<std::size_t>(
+        std::distance(shares.begin(), std::max_element(shares.begin(), shares.end())));
+    misfit = shares[worst];
+    bool alone = (lagged_nm[worst] > 0.0 ? ahead : back)[worst] > 0.0;
+    for (std::size_t k = 0; k < 6; ++k) alone = alone && (k == worst || misfit > 2.0 * shares[k]);
+    weak_joint = alone ? static_cast<int>(worst) : -1;
+  }
+};
 
 }  // namespace
 
@@ -109,6 +175,15 @@ TEST_CASE("the zero is what was felt in the last tenth of a second, not one samp
   CHECK(first.observe(Phase::approach).force_in_base_n.norm() < 1e-9);
 }
 
+TEST_CASE(
+    "a first reading repeats none and blames no drive, be the wrist at nothing to the last bit") {
+  Standing arm;
+  const Observation seen = arm.look();
+  CHECK(seen.wrist_repeats == 0);
+  CHECK(seen.weak_joint == -1);
+  CHECK(seen.torque_misfit == 0.0);
+}
+
 TEST_CASE("samples of the wrist that repeat the one before are counted, the same sent again not") {
   Standing arm;
   CHECK(arm.observe().wrist_repeats == 0);
@@ -127,4 +202,48 @@ TEST_CASE("samples of the wrist that repeat the one before are counted, the same
   arm.arm().dq_rad_per_s.setConstant(0.1);  // it may move meanwhile
   for (int ms = 0; ms < 20; ++ms) arm.look();
   CHECK(arm.look().wrist_repeats == 21);
+  arm.reading.time_s -= 1.0;  // a clock that was set back
+  CHECK(arm.look().wrist_repeats == 22);
+}
+
+TEST_CASE("the misfit is the balance of momentum, and of whom it complains, whatever comes") {
+  std::mt19937 random(7);
+  const auto between = [&](double low, double high) {
+    return std::uniform_real_distribution(low, high)(random);
+  };
+  const auto one_in = [&](int n) { return between(0.0, 1.0) * n < 1.0; };
+  int blamed = 0, sound = 0;
+  for (int arm = 0; arm < 20; ++arm) {
+    Standing standing;
+    Balance balance{standing.model};
+    robot::ArmReading& raw = standing.arm();
+    const robot::Link& link = standing.model.table().links[3];
+    for (int ms = 0; ms < 200; ++ms) {
+      standing.reading.tick += one_in(30) ? 3U : one_in(60) ? 40U : one_in(60) ? 0U : 1U;
+      raw.q_rad = bent();
+      if (one_in(20)) raw.q_rad[3] = link.max_rad - between(0.0, 0.04);
+      if (one_in(20)) raw.q_rad[3] = link.min_rad + between(0.0, 0.04);
+      for (int i = 0; i < 6; ++i) raw.dq_rad_per_s[i] += between(-0.01, 0.01);
+      const double wild = one_in(10) || ms == 0 ? 20.0 : 1.0;
+      for (int i = 0; i < 3; ++i) {
+        raw.wrench_in_tool.force_n[i] = wild * between(-20.0, 20.0);
+        raw.wrench_in_tool.torque_nm[i] = wild * between(-2.0, 2.0);
+      }
+      if (one_in(30)) raw.wrench_in_tool.torque_nm.z() = not_a_number;
+      const auto dynamics = standing.model.evaluate(raw.q_rad, raw.dq_rad_per_s, 0.0);
+      JointVector applied_nm = dynamics.gravity_nm + dynamics.coriolis_nm;
+      for (int i = 0; i < 6; ++i)
+        if (one_in(3)) applied_nm[i] += between(-0.3, 0.3) * link.torque_limit_nm;
+      if (ms == 0 || one_in(50)) applied_nm.resize(0);
+      const bool led = one_in(2);
+      const Observation seen = standing.watch.observe(
+          standing.reading, Arm::left, {.stiffness_n_per_m = led ? 0.0 : 500.0}, applied_nm);
+      balance.take(raw, standing.reading.tick, seen.force_in_base_n, applied_nm, led ? 0.1 : 0.04);
+      CHECK(seen.torque_misfit == doctest::Approx(balance.misfit).epsilon(1e-9));
+      CHECK(seen.weak_joint == balance.weak_joint);
+      (balance.weak_joint >= 0 ? blamed : sound) += 1;
+    }
+  }
+  CHECK(blamed > 400);
+  CHECK(sound > 400);
 }

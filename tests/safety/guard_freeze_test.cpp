@@ -73,6 +73,15 @@ TEST_CASE("a frozen tool goes on pressing as hard as it did, and no harder than 
   CHECK(pressed_n(20.0) == doctest::Approx(12.0));
 }
 
+TEST_CASE("a tool that pressed with less than 5 N when it was frozen presses nobody who comes") {
+  Scene scene = felt_scene(4.9);
+  scene.freeze();
+  scene.force_n = 9.0;
+  scene.tick(7);
+  REQUIRE(scene.verdict.action == Action::freeze);
+  check_same(scene.allowed_n(), Vector3::Zero());
+}
+
 TEST_CASE("an arm that is frozen for want of samples lets go") {
   Scene scene = felt_scene(20.0);
   scene.sensor_alive = false;

@@ -39,6 +39,7 @@ TEST_CASE("the ceilings are those of docs/safety.md") {
     CHECK(ceiling_of(static_cast<Zone>(i)).trip_n == force[i].trip_n);
   }
   CHECK(ceilings.tool_speed_m_per_s == std::array<double, 4>{0.30, 0.15, 0.25, 0.30});
+  CHECK(ceilings.inward_m_per_s == 0.15);
   CHECK(ceilings.pushed_out_m_per_s == 0.12);
   CHECK(ceilings.force_rate_n_per_s == 2000.0);
   CHECK(ceilings.over_cap_n == 10.0);
@@ -57,10 +58,10 @@ TEST_CASE("options lower every ceiling, raise none, and what is no number or bel
     for (double& speed : options.limits.tool_speed_m_per_s) visit(speed);
     Ceilings& limits = options.limits;
     for (double* limit :
-         {&limits.pushed_out_m_per_s, &limits.force_rate_n_per_s, &limits.over_cap_n,
-          &limits.torque_rate_nm_per_s, &limits.encoder_jump_rad, &limits.joint_speed_rad_per_s,
-          &limits.stale_freeze_s, &limits.stale_retract_s, &limits.friction_n,
-          &limits.free_inward_n, &options.period_s})
+         {&limits.inward_m_per_s, &limits.pushed_out_m_per_s, &limits.force_rate_n_per_s,
+          &limits.over_cap_n, &limits.torque_rate_nm_per_s, &limits.encoder_jump_rad,
+          &limits.joint_speed_rad_per_s, &limits.stale_freeze_s, &limits.stale_retract_s,
+          &limits.friction_n, &limits.free_inward_n, &options.period_s})
       visit(*limit);
   };
   const auto as_guarded = [&](double factor, double shift) {

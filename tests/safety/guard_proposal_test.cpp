@@ -99,6 +99,26 @@ TEST_CASE("torques that stay the same to the last bit while the joints change sp
   CHECK(scene.tick().action == Action::pass);
 }
 
+TEST_CASE(
+    "torques are old from the third time that they come again, and only where speeds change") {
+  Scene paired;
+  paired.tick(10);
+  for (int ms = 0; ms < 90; ++ms) {
+    if (ms % 3 == 0) paired.proposal.torque_nm[5] += 1e-9;
+    paired.seen.dq_rad_per_s[5] = ms % 2 == 0 ? 0.01 : 0.0;
+    CHECK(paired.tick().action == Action::pass);
+  }
+  for (const double change_rad_per_s : {1e-3, 1.001e-3}) {
+    Scene scene;
+    scene.tick(10);
+    for (int ms = 0; ms < 10; ++ms) {
+      scene.seen.dq_rad_per_s[5] = ms % 2 == 0 ? change_rad_per_s : 0.0;
+      scene.tick();
+    }
+    CHECK((scene.verdict.action == Action::pass) == (change_rad_per_s == 1e-3));
+  }
+}
+
 TEST_CASE("a controller that is silent for 3 ms freezes the arm, for 10 ms it makes it leave") {
   for (std::uint32_t age = 0; age <= 12; ++age) {
     Scene scene;

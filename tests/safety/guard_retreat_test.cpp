@@ -81,6 +81,7 @@ TEST_CASE("more than 5 N out of the body make a retreat push with 80 N, up to 0.
   CHECK(pushed_n(20.0, -0.2).z() == doctest::Approx(80.0));
   CHECK(pushed_n(20.0, 0.799).z() == doctest::Approx(80.0));
   CHECK(pushed_n(20.0, 0.8).z() == doctest::Approx(0.0));
+  CHECK(pushed_n(20.0, 1.1).z() == doctest::Approx(0.0));
   CHECK(pushed_n(0.0, 0.2).z() == doctest::Approx(pull_n - 60.0 * 0.2));
   // Nothing holds a pressed tool, neither along its way nor aside; a free one is braked.
   CHECK(pushed_n(20.0, 0.3).x() == doctest::Approx(0.0));

@@ -95,7 +95,7 @@ TEST_CASE(
     for (std::size_t action = 0; action < actions; ++action) {
       for (const bool lasts : {false, true}) {
         const auto now = static_cast<GuardState>(state);
-        const auto next = next_state(now, {static_cast<Action>(action), lasts});
+        const auto next = next_state(now, static_cast<Action>(action), lasts);
         Model model{.hard = state == 0 ? 0 : std::max(1, static_cast<int>(state) - 1),
                     .stopped = state >= 2};
         model.ask(static_cast<Action>(action), lasts, Cause::none);

@@ -91,6 +91,15 @@ TEST_CASE("an arm that still presses 0.3 s after somebody asked it to stop leave
   late.press(Arm::left, 20.0);
   late.tick(5);
   CHECK(late.cause(Arm::left) == Cause::asked_to);
+  StandingRobot again;  // nor does asking once more, after the time is over, give any
+  again.press(Arm::left, 0.0);
+  again.tick(10);
+  again.guard.expect_stop();
+  again.tick(400);
+  again.guard.expect_stop();
+  again.press(Arm::left, 20.0);
+  again.tick(5);
+  CHECK(again.cause(Arm::left) == Cause::asked_to);
   StandingRobot nobody;  // nobody has asked
   nobody.press(Arm::left, 20.0);
   CHECK(nobody.tick(1000).arms[Arm::left].action == Action::pass);
@@ -116,23 +125,36 @@ TEST_CASE("a stop in a hand or of the operator makes both arms leave at once, le
 
 TEST_CASE("both arms leave when operator or hand stop are silent for half a second") {
   // Beats of the one every so many ticks, of the other in each.
-  const auto watched = [](Watcher slow, int every_ticks, bool leased) {
+  const auto watched = [](Watcher slow, std::uint64_t every_ticks, bool leased) {
     StandingRobot robot({.leased = leased});
     const Watcher other = slow == Watcher::operating ? Watcher::hand_stop : Watcher::operating;
     robot.press(Arm::left, 20.0);
-    for (int ms = 1; ms <= 2500; ++ms) {
-      robot.guard.hear(slow, {.beat = static_cast<std::uint64_t>(ms / every_ticks)});
-      robot.guard.hear(other, {.beat = static_cast<std::uint64_t>(ms)});
+    for (std::uint64_t ms = 1; ms <= 1010; ++ms) {
+      robot.guard.hear(slow, {.beat = ms / every_ticks});
+      robot.guard.hear(other, {.beat = -ms});  // any change is a sign of life
       robot.tick();
     }
     return robot.verdict;
   };
   for (const Watcher slow : {Watcher::operating, Watcher::hand_stop}) {
+    const RobotVerdict in_time = watched(slow, 500, true);
+    const RobotVerdict over = watched(slow, 501, true);
+    const RobotVerdict not_leased = watched(slow, 5000, false);
     for (const Arm arm : both_arms) {
-      CHECK(watched(slow, 500, true).arms[arm].action == Action::pass);
-      CHECK(watched(slow, 501, true).arms[arm].latched);
-      CHECK(watched(slow, 501, true).arms[arm].cause == Cause::lease_over);
-      CHECK(watched(slow, 5000, false).arms[arm].action == Action::pass);
+      CHECK(in_time.arms[arm].action == Action::pass);
+      CHECK(over.arms[arm].latched);
+      CHECK(over.arms[arm].cause == Cause::lease_over);
+      CHECK(not_leased.arms[arm].action == Action::pass);
     }
   }
+}
+
+TEST_CASE("a watcher that has not begun to count gives no sign of life") {
+  StandingRobot robot({.leased = true});
+  robot.press(Arm::left, 20.0);
+  robot.tick(400);
+  for (const Watcher watcher : {Watcher::operating, Watcher::hand_stop})
+    robot.guard.hear(watcher, {});
+  CHECK(robot.tick(100).arms[Arm::left].action == Action::pass);
+  CHECK(robot.tick().arms[Arm::left].cause == Cause::lease_over);
 }

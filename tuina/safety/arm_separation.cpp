@@ -30,7 +30,7 @@ bool ArmSeparation::keeps(const robot::RobotReading& reading) noexcept {
   if (watching_) {
     const double ticks = std::max(static_cast<double>(reading.tick - tick_), 1.0);
     const double passed_s = ticks * control_period_s;
-    const double smoothing = std::min(1.0, passed_s / 20e-3);  // encoders are coarse
+    const double smoothing = passed_s / (passed_s + 20e-3);  // encoders are coarse
     const PerArm<double> had_it_stayed_m = {.of = {between_m(before_[Arm::left], now[Arm::right]),
                                                    between_m(now[Arm::left], before_[Arm::right])}};
     for (const Arm arm : both_arms) {
@@ -47,7 +47,8 @@ bool ArmSeparation::keeps(const robot::RobotReading& reading) noexcept {
   clear_m_ = clear_m;
   // Each arm brakes by itself, so each share of the closing speed has its own braking distance.
   const auto way_m = [](double closing) {
-    return std::max(closing, 0.0) * std::max(closing, 0.0) / (2.0 * halting_m_per_s2);
+    const double speed_m_per_s = std::max(closing, 0.0);
+    return speed_m_per_s * speed_m_per_s / (2.0 * halting_m_per_s2);
   };
   double halted_m = apart_m_;
   bool clear = true;

@@ -71,7 +71,7 @@ Verdict Guard::check(const Observation& seen, const Proposal& proposal) noexcept
       seen.jacobian.allFinite() && seen.mass_kg_m2.allFinite() && seen.tool_in_base.allFinite() &&
       seen.tool_velocity_m_per_s.allFinite() && std::isfinite(seen.time_s);
   if (!known) {
-    finding.add(Action::brake, Cause::state_not_finite, true);
+    finding.add(Action::brake, Cause::state_not_finite);
   } else {
     if (!started_) begin(seen);
     judge_time(seen, finding);
@@ -86,19 +86,18 @@ Verdict Guard::check(const Observation& seen, const Proposal& proposal) noexcept
     judge_obedience(seen, finding);
     if (!encoders_doubted_) gravity_nm_ = seen.gravity_nm;
   }
-  const bool stopped = is_stop(state_);
-  state_ = next_state(state_, finding.asked);
-  if (!stopped && is_stop(state_)) stopped_by_ = finding.cause;
+  if (!is_stop(state_)) stopped_by_ = finding.cause;
+  state_ = next_state(state_, finding.action, false);
 
-  if (state_ != GuardState::working) {
-    const double rate = own_rate_factor * options_.limits.torque_rate_nm_per_s;
-    allowed_nm_ = limited(own_torque(seen, action_in(state_, Action::pass)), rate, finding);
-  } else {
+  if (state_ == GuardState::working) {
     taken_over_ = Action::pass;
     allowed_nm_ = let_through(seen, proposal, finding);
+  } else {
+    const double rate = own_rate_factor * options_.limits.torque_rate_nm_per_s;
+    allowed_nm_ = limited(own_torque(seen, action_in(state_, finding.action)), rate, finding);
   }
   return {.allowed_nm = allowed_nm_,
-          .action = action_in(state_, finding.asked.action),
+          .action = action_in(state_, finding.action),
           .cause = is_stop(state_) ? stopped_by_ : finding.cause,
           .latched = is_stop(state_)};
 }
@@ -115,13 +114,9 @@ JointVector Guard::let_through(const Observation& seen, const Proposal& proposal
   JointVector torque_nm = torque_fits(proposal) ? proposal.torque_nm : allowed_nm_;
   double rate = options_.limits.torque_rate_nm_per_s;
   if (proposal.phase == Phase::contact && pushes_outward(seen, torque_nm)) rate *= own_rate_factor;
-  torque_nm += over_n(torque_nm) * outward;
-  torque_nm = limited(torque_nm, rate, finding);
-  const double still_over_n = over_n(torque_nm);
-  if (still_over_n == 0.0) return torque_nm;
-  finding.add(Action::warn, Cause::inward_force, false);
+  torque_nm = limited(torque_nm + over_n(torque_nm) * outward, rate, finding);
   rate = own_rate_factor * options_.limits.torque_rate_nm_per_s;
-  return limited(torque_nm + still_over_n * outward, rate, finding);
+  return limited(torque_nm + over_n(torque_nm) * outward, rate, finding);
 }
 
 bool Guard::torque_fits(const Proposal& proposal) const noexcept {
@@ -188,9 +183,9 @@ JointVector Guard::limited(const JointVector& torque_nm, double rate_nm_per_s,
     const double limit = options_.torque_limit_nm[i];
     const double wanted = std::isfinite(allowed[i]) ? allowed[i] : allowed_nm_[i];
     const double clamped = std::clamp(wanted, -limit, limit);
-    if (clamped != wanted) finding.add(Action::warn, Cause::torque_clamped, false);
+    if (clamped != wanted) finding.add(Action::warn, Cause::torque_clamped);
     allowed[i] = std::clamp(clamped, allowed_nm_[i] - step_nm, allowed_nm_[i] + step_nm);
-    if (allowed[i] != clamped) finding.add(Action::warn, Cause::torque_rate_clamped, false);
+    if (allowed[i] != clamped) finding.add(Action::warn, Cause::torque_rate_clamped);
   }
   return allowed;
 }

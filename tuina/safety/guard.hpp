@@ -120,7 +120,7 @@ class Guard {
   /// A stop that others than this guard found the reason for; it shows in the next `check`.
   void stop(Action action, Cause cause) noexcept {
     if (!is_stop(state_)) stopped_by_ = cause;
-    state_ = next_state(state_, {action, true});
+    state_ = next_state(state_, action, true);
   }
 
   /// Median of the last three forces on the tool.
@@ -128,12 +128,12 @@ class Guard {
   [[nodiscard]] const Options& options() const noexcept { return options_; }
 
  private:
+  /// The strongest action that the checks of one millisecond ask for, and what asked first.
   struct Finding {
-    Asked asked;
+    Action action = Action::pass;
     Cause cause = Cause::none;
-    void add(Action a, Cause c, bool lasts) noexcept {
-      if (a > asked.action) asked.action = a, cause = c;
-      asked.lasts = asked.lasts || lasts;
+    void add(Action a, Cause c) noexcept {
+      if (a > action) action = a, cause = c;
     }
   };
 

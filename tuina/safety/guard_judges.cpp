@@ -63,14 +63,14 @@ void Guard::judge_time(const Observation& seen, Finding& finding) noexcept {
   // Only a tick that follows the last one ends a row of repeated ones: between them some are
   // missed.
   if (gone <= 1) repeated_ = gone == 0 ? repeated_ + 1 : 0;
-  ticks_ = std::clamp<std::uint64_t>(gone, 1, too_many_missed + 1);
+  ticks_ = std::clamp<std::uint64_t>(gone, 1, too_many_missed);
   tick_ = seen.tick;
   frozen_ -= std::min(frozen_, static_cast<int>(ticks_));
-  if (gone != 1) finding.add(Action::warn, Cause::late_tick, false);
+  if (gone != 1) finding.add(Action::warn, Cause::late_tick);
   if (gone > too_many_missed || repeated_ >= repeated_ticks)
-    finding.add(Action::retract, Cause::late_tick, true);
+    finding.add(Action::retract, Cause::late_tick);
   if (gone > 3) frozen_ = late_freeze_ticks;
-  if (frozen_ > 0) finding.add(Action::freeze, Cause::late_tick, false);
+  if (frozen_ > 0) finding.add(Action::freeze, Cause::late_tick);
 
   const double expected_s = static_cast<double>(gone) * options_.period_s;
   const double passed_s = seen.time_s - time_s_;
@@ -79,7 +79,7 @@ void Guard::judge_time(const Observation& seen, Finding& finding) noexcept {
       !(std::abs(passed_s - expected_s) <= 0.5 * std::max(expected_s, options_.period_s));
   clock_ = odd ? clock_ + 1 : 0;
   if (odd) sample_time_s_ += passed_s - expected_s;  // the sensor's stamps have jumped with it
-  if (clock_ >= clock_ticks) finding.add(Action::retract, Cause::clock, true);
+  if (clock_ >= clock_ticks) finding.add(Action::retract, Cause::clock);
 }
 
 void Guard::judge_joints(const Observation& seen, Finding& finding) noexcept {
@@ -91,18 +91,18 @@ void Guard::judge_joints(const Observation& seen, Finding& finding) noexcept {
   const double drift_rad = drift_rad_.cwiseAbs().maxCoeff();
   const double limit_rad = ticks * options_.limits.encoder_jump_rad;
   if (jump_rad > limit_rad || drift_rad > 2.0 * limit_rad) {
-    finding.add(Action::comply, Cause::encoder_jump, true);
+    finding.add(Action::comply, Cause::encoder_jump);
     encoders_doubted_ = true;
   }
   constexpr Eigen::Index carry_forearm = 4;  // three of the shoulder, and the elbow
   const auto carrying = seen.dq_rad_per_s.head(std::min(seen.q_rad.size(), carry_forearm));
   const double joint_speed = carrying.cwiseAbs().maxCoeff();
   swinging_ = joint_speed > options_.limits.joint_speed_rad_per_s ? swinging_ + 1 : 0;
-  if (swinging_ >= fast_ticks) finding.add(Action::comply, Cause::joint_too_fast, true);
+  if (swinging_ >= fast_ticks) finding.add(Action::comply, Cause::joint_too_fast);
   if (!encoders_doubted_) return;
   ++blind_;
   const bool let_go = blind_ > fast_ticks && medians_n_.back() < let_go_n;
-  if (let_go || blind_ > blind_ticks) finding.add(Action::brake, Cause::encoder_jump, true);
+  if (let_go || blind_ > blind_ticks) finding.add(Action::brake, Cause::encoder_jump);
 }
 
 // Torques that do not move the joints as they should: where one drive is to blame and nobody is
@@ -111,14 +111,14 @@ void Guard::judge_joints(const Observation& seen, Finding& finding) noexcept {
 void Guard::judge_drives(const Observation& seen, Finding& finding) noexcept {
   if (!(seen.torque_misfit > 1.0)) return;
   if (seen.weak_joint >= 0 && !pressed() && !is_stop(state_))
-    finding.add(Action::brake, Cause::drive_amiss, true);
-  finding.add(Action::comply, Cause::torques_amiss, true);
+    finding.add(Action::brake, Cause::drive_amiss);
+  finding.add(Action::comply, Cause::torques_amiss);
 }
 
 void Guard::take_sample(const Observation& seen, Finding& finding) noexcept {
   const double force_n = seen.force_in_base_n.norm();
   if (seen.wrist_repeats >= stuck_ticks) {
-    finding.add(Action::retract, Cause::force_stuck, true);
+    finding.add(Action::retract, Cause::force_stuck);
     force_doubted_ = true;
   }
   const bool suspect = samples_ >= first_samples && std::abs(force_n - samples_n_[2]) > spike_n &&
@@ -128,7 +128,7 @@ void Guard::take_sample(const Observation& seen, Finding& finding) noexcept {
       std::rotate(spike_ages_.begin(), spike_ages_.begin() + 1, spike_ages_.end());
       spike_ages_.back() = 0;
     }
-    finding.add(Action::warn, Cause::force_spike, false);
+    finding.add(Action::warn, Cause::force_spike);
     return;
   }
   suspects_ = 0;
@@ -151,13 +151,12 @@ void Guard::judge_sensor(const Observation& seen, Finding& finding) noexcept {
     sample_age_s_ = std::max(age_s, 0.0);
     take_sample(seen, finding);
   }
-  if (spike_ages_.front() < spikes_window_ticks)
-    finding.add(Action::retract, Cause::force_spikes, true);
+  if (spike_ages_.front() < spikes_window_ticks) finding.add(Action::retract, Cause::force_spikes);
   const double rounding_s = 1e-6;
   if (sample_age_s_ > options_.limits.stale_freeze_s + rounding_s)
-    finding.add(Action::freeze, Cause::force_stale, false);
+    finding.add(Action::freeze, Cause::force_stale);
   if (sample_age_s_ > options_.limits.stale_retract_s + rounding_s)
-    finding.add(Action::retract, Cause::force_stale, true);
+    finding.add(Action::retract, Cause::force_stale);
   const double median_n = median(samples_n_[0], samples_n_[1], samples_n_[2]);
   if (begins) return medians_n_.fill(median_n);
   std::rotate(medians_n_.begin(), medians_n_.begin() + 1, medians_n_.end());
@@ -171,10 +170,10 @@ void Guard::judge_force(const Observation& seen, const Proposal& proposal,
   const double now_n = medians_n_.back();
   const double rate = (now_n - medians_n_.front()) / (5.0 * options_.period_s);
   rising_ = rate > options_.limits.force_rate_n_per_s ? rising_ + 1 : 0;
-  if (rising_ >= rising_ticks) finding.add(Action::retract, Cause::force_rising, true);
+  if (rising_ >= rising_ticks) finding.add(Action::retract, Cause::force_rising);
   over_cap_ = now_n > limits.set_n + options_.limits.over_cap_n ? over_cap_ + 1 : 0;
-  if (over_cap_ >= over_cap_ticks) finding.add(Action::retract, Cause::force_over_cap, true);
-  if (now_n > limits.trip_n) finding.add(Action::retract, Cause::force_over_trip, true);
+  if (over_cap_ >= over_cap_ticks) finding.add(Action::retract, Cause::force_over_cap);
+  if (now_n > limits.trip_n) finding.add(Action::retract, Cause::force_over_trip);
   // Either the sensor or the way out is wrong. Where the way out is the guard's own, it is the
   // sensor; else no law that trusts one of them may drive.
   const bool touches = proposal.phase == Phase::contact || proposal.phase == Phase::approach;
@@ -182,8 +181,7 @@ void Guard::judge_force(const Observation& seen, const Proposal& proposal,
   const bool reversed = touches && now_n > reversed_n && outward_n < agreeing * now_n;
   reversed_ = reversed ? reversed_ + 1 : 0;
   if (reversed_ >= reversed_ticks) {
-    finding.add(seen.skin != nullptr ? Action::retract : Action::comply, Cause::force_reversed,
-                true);
+    finding.add(seen.skin != nullptr ? Action::retract : Action::comply, Cause::force_reversed);
     force_doubted_ = true;
   }
 }
@@ -197,10 +195,10 @@ void Guard::judge_motion(const Observation& seen, const Proposal& proposal,
   const bool fast = speed > options_.limits.tool_speed_m_per_s[phase] ||
                     (touches && -outward > options_.limits.inward_m_per_s);
   too_fast_ = fast ? too_fast_ + 1 : 0;
-  if (too_fast_ >= fast_ticks) finding.add(Action::comply, Cause::tool_too_fast, true);
+  if (too_fast_ >= fast_ticks) finding.add(Action::comply, Cause::tool_too_fast);
   const bool pushed = touches && outward > options_.limits.pushed_out_m_per_s;
   pushed_out_ = pushed ? pushed_out_ + 1 : 0;
-  if (pushed_out_ >= fast_ticks) finding.add(Action::retract, Cause::pushed_out, true);
+  if (pushed_out_ >= fast_ticks) finding.add(Action::retract, Cause::pushed_out);
 }
 
 // Torques that stay the same to the last bit while the speeds of the joints change were proposed
@@ -218,12 +216,12 @@ std::uint32_t Guard::silent_ticks(const Observation& seen, const Proposal& propo
 void Guard::judge_proposal(const Observation& seen, const Proposal& proposal,
                            Finding& finding) noexcept {
   const std::uint32_t silent = silent_ticks(seen, proposal);
-  if (silent >= silent_freeze_ticks) finding.add(Action::freeze, Cause::no_proposal, false);
-  if (silent >= silent_retract_ticks) finding.add(Action::retract, Cause::no_proposal, true);
+  if (silent >= silent_freeze_ticks) finding.add(Action::freeze, Cause::no_proposal);
+  if (silent >= silent_retract_ticks) finding.add(Action::retract, Cause::no_proposal);
   const bool fits = torque_fits(proposal);
   not_finite_ = fits ? 0 : not_finite_ + 1;
-  if (!fits) finding.add(Action::warn, Cause::torque_not_finite, false);
-  if (not_finite_ >= bad_torques) finding.add(Action::retract, Cause::torque_not_finite, true);
+  if (!fits) finding.add(Action::warn, Cause::torque_not_finite);
+  if (not_finite_ >= bad_torques) finding.add(Action::retract, Cause::torque_not_finite);
   const bool usable =
       static_cast<std::size_t>(proposal.zone) < zones &&
       (proposal.zone != Zone::bench || options_.bench) &&
@@ -231,7 +229,7 @@ void Guard::judge_proposal(const Observation& seen, const Proposal& proposal,
       proposal.virtual_target_in_base.allFinite() && std::isfinite(proposal.stiffness_n_per_m) &&
       proposal.stiffness_n_per_m >= 0.0;
   if (!usable) {
-    finding.add(Action::retract, Cause::bad_proposal, true);
+    finding.add(Action::retract, Cause::bad_proposal);
     return;
   }
   // The force that the springs can build up against a person who rises, whatever the sensor says.
@@ -239,10 +237,10 @@ void Guard::judge_proposal(const Observation& seen, const Proposal& proposal,
   const Vector3 leash_m = proposal.virtual_target_in_base - seen.tool_in_base;
   const double pull_n = -leash_m.dot(normal_in_base_) * proposal.stiffness_n_per_m;
   if (proposal.phase == Phase::contact && pull_n > limits.trip_n) {
-    finding.add(Action::retract, Cause::leash_too_long, true);
+    finding.add(Action::retract, Cause::leash_too_long);
   }
   if (!(proposal.set_force_n <= limits.set_n)) {
-    finding.add(Action::retract, Cause::set_force_too_high, true);
+    finding.add(Action::retract, Cause::set_force_too_high);
   }
 }
 
@@ -252,12 +250,12 @@ void Guard::judge_torques(const Observation& seen, const Proposal& proposal,
   const bool saturated =
       fits && (proposal.torque_nm.cwiseAbs() - options_.torque_limit_nm).maxCoeff() >= 0.0;
   saturated_ = saturated ? saturated_ + 1 : 0;
-  if (saturated_ >= saturated_ticks) finding.add(Action::comply, Cause::torque_saturated, true);
+  if (saturated_ >= saturated_ticks) finding.add(Action::comply, Cause::torque_saturated);
   // What the controller says of its springs may be untrue; what its torques press is not.
   const bool presses = fits && inward_n(seen, proposal.torque_nm) > inward_cap_n(seen, proposal);
   inward_ = presses ? inward_ + 1 : 0;
-  if (presses) finding.add(Action::warn, Cause::inward_force, false);
-  if (inward_ >= inward_ticks) finding.add(Action::retract, Cause::inward_force, true);
+  if (presses) finding.add(Action::warn, Cause::inward_force);
+  if (inward_ >= inward_ticks) finding.add(Action::retract, Cause::inward_force);
 }
 
 }  // namespace tuina::safety

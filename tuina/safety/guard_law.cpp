@@ -47,7 +47,7 @@ void Guard::judge_obedience(const Observation& seen, Finding& finding) noexcept 
       state_ == GuardState::retracting && pressed() && inward_m_per_s > disobedient_m_per_s;
   not_obeyed_ =
       races ? not_obeyed_ + disobedient_ticks / runaway_ticks : (against ? not_obeyed_ + 1 : 0);
-  if (not_obeyed_ >= disobedient_ticks) finding.add(Action::brake, Cause::not_obeyed, true);
+  if (not_obeyed_ >= disobedient_ticks) finding.add(Action::brake, Cause::not_obeyed);
 }
 
 JointVector Guard::own_torque(const Observation& seen, Action action) noexcept {

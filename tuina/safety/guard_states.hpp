@@ -30,21 +30,14 @@ enum class GuardState : std::uint8_t {
 };
 inline constexpr std::size_t guard_states = 6;
 
-/// What the checks of one millisecond ask for together: the strongest action, and whether one of
-/// them lasts.
-struct Asked {
-  Action action = Action::pass;
-  bool lasts = false;
-};
-
 [[nodiscard]] constexpr bool is_stop(GuardState state) {
   return state >= GuardState::held;
 }
 
 /// The guard's only table of states: a row for each state, a column for each action. A stop never
-/// ends and never grows milder, and what complies, leaves or brakes is always a stop. `lasts`
-/// counts where a tool is frozen.
-[[nodiscard]] constexpr GuardState next_state(GuardState state, Asked asked) {
+/// ends and never grows milder, and what complies, leaves or brakes is always a stop. A freeze is
+/// one where it `lasts`.
+[[nodiscard]] constexpr GuardState next_state(GuardState state, Action asked, bool lasts) {
   using enum GuardState;
   constexpr std::array<std::array<GuardState, actions>, guard_states> table = {{
       // pass      warn        freeze      comply      retract     brake
@@ -55,16 +48,15 @@ struct Asked {
       {retracting, retracting, retracting, retracting, retracting, braked},  // retracting
       {braked, braked, braked, braked, braked, braked},                      // braked
   }};
-  const GuardState next =
-      table[static_cast<std::size_t>(state)][static_cast<std::size_t>(asked.action)];
-  return next == frozen && asked.lasts ? held : next;
+  const GuardState next = table[static_cast<std::size_t>(state)][static_cast<std::size_t>(asked)];
+  return next == frozen && lasts ? held : next;
 }
 
 /// What is done in a state; at work a warning is given with what goes through.
 [[nodiscard]] constexpr Action action_in(GuardState state, Action asked) {
   using enum Action;
-  constexpr std::array<Action, guard_states> done = {pass, freeze, freeze, comply, retract, brake};
-  return state == GuardState::working ? asked : done[static_cast<std::size_t>(state)];
+  const std::array<Action, guard_states> done = {asked, freeze, freeze, comply, retract, brake};
+  return done[static_cast<std::size_t>(state)];
 }
 
 }  // namespace tuina::safety
