@@ -54,16 +54,13 @@ const session::LiveCommand* asked_by_person(const session::Session& session, dou
   return nullptr;
 }
 
-/// Why a path got less or more than was ordered, in one sentence; nothing where it did not.
+/// Why a path got less or more than the plan orders, in one sentence; nothing where it did not.
 std::optional<std::string> why_not_as_ordered(const session::Session& session,
                                               const session::Performed& done, double given_n) {
-  constexpr double min_share = 0.95, max_share = 1.02;
-  const massage::PlannedPath& planned =
-      session.ready.plan.paths[static_cast<std::size_t>(done.path)];
-  const auto as_asked = [&](double asked_n) {
-    return given_n >= min_share * asked_n && given_n <= max_share * asked_n;
-  };
-  if (as_asked(planned.ordered_n)) return std::nullopt;
+  constexpr double max_off_share = 0.05;
+  const double ordered_n =
+      session.ready.plan.paths[static_cast<std::size_t>(done.path)].ordered_n();
+  if (std::abs(given_n - ordered_n) <= max_off_share * ordered_n) return std::nullopt;
   if (done.contact_fault != control::ContactFault::none)
     return fmt::format("cut short: {}", control::name_of(done.contact_fault));
   const session::Decision* last = nullptr;
@@ -76,13 +73,9 @@ std::optional<std::string> why_not_as_ordered(const session::Session& session,
                        last->to_n);
   if (const auto* command = asked_by_person(session, done.end_s))
     return fmt::format("the person asked for it: {}", session::name_of(*command));
-  if (planned.cap_n < planned.ordered_n)
-    return fmt::format("no more than {:.1f} N may be asked for there ({}; see the plan's notes)",
-                       planned.cap_n, massage::name_of(planned.zone));
   if (!done.whole) return "cut short before its strongest place";
-  return given_n < planned.ordered_n
-             ? "the tool did not reach it in the time that the technique gives"
-             : "the force swung beyond it";
+  return given_n < ordered_n ? "the tool did not reach it in the time that the technique gives"
+                             : "the force swung beyond it";
 }
 
 record::SessionFile::Massage massage_of(const SessionResult& result) {
@@ -101,15 +94,18 @@ record::SessionFile::Massage massage_of(const SessionResult& result) {
     const session::Performed& done = session.performed[i];
     const auto path = static_cast<std::size_t>(done.path);
     const Touched& touched = truth.touched[i];
-    const Technique technique = session.ready.plan.paths[path].path.technique;
+    const massage::PlannedPath& planned = session.ready.plan.paths[path];
+    const Technique technique = planned.path.technique;
     const double given_n = slides(technique) ? touched.held.mean_n() : touched.peak_n;
-    massage.performed.push_back({.name = session.ready.plan.paths[path].path.name,
+    massage.performed.push_back({.name = planned.path.name,
                                  .path = path,
                                  .arm = done.arm,
                                  .begin_s = done.begin_s,
                                  .end_s = done.end_s,
                                  .contact_fault = control::name_of(done.contact_fault),
-                                 .ordered_n = session.ready.plan.paths[path].ordered_n,
+                                 .programme_n = planned.programme_n,
+                                 .lowered_by = planned.lowered_by,
+                                 .ordered_n = planned.ordered_n(),
                                  .given_n = given_n,
                                  .true_peak_n = touched.peak_n,
                                  .why = why_not_as_ordered(session, done, given_n),

@@ -23,9 +23,11 @@ TEST_CASE("a session that is written is the session that is read, and what is am
   file.massage.techniques = {{Technique::rub, 0.5, 16.0}};
   file.massage.performed = {{.name = "press GV4",
                              .contact_fault = "none",
-                             .ordered_n = 22.0,
-                             .given_n = 8.1,
-                             .why = "GV4 may be asked for 8.0 N at most"}};
+                             .programme_n = 22.0,
+                             .lowered_by = "GV4",
+                             .ordered_n = 8.0,
+                             .given_n = 7.1,
+                             .why = "the tool did not reach it"}};
   file.tissue = {{.name = "GV4", .truth = TangentTissue{4.5, 250.0}, .mapped = true}};
   file.stops = {{9.25, "left arm: the force is too large"}};
   const std::string text = to_json(file);

@@ -50,17 +50,20 @@ TEST_CASE("the report is one file of less than 3 MB that needs no network and no
   CHECK(count(page, "href=") == count(page, "href=\"data:image/png;base64,"));
 }
 
-TEST_CASE("a path that got another force than was ordered is told with its reason, no other is") {
+TEST_CASE("a path that got another force than asked for is told with its reason, no other is") {
   ReportData data = sample_without_pictures();
   REQUIRE(data.paths.size() >= 2);
-  for (PerformedPath& path : data.paths) path.ordered_n = path.given_n = 22.0;
-  CHECK(holds(report_page(data), "Every place was given the force that was ordered"));
-  CHECK_FALSE(holds(report_page(data), "Given otherwise than ordered"));
-  data.paths[0].given_n = 18.1;
-  data.paths[0].why = "kidney may be asked for 18.0 N at most";
+  for (PerformedPath& path : data.paths) path.programme_n = path.ordered_n = path.given_n = 22.0;
+  CHECK(holds(report_page(data), "Every place was given the force that the plan orders"));
+  CHECK_FALSE(holds(report_page(data), "Given otherwise than asked for"));
+  data.paths[0].ordered_n = data.paths[0].given_n = 18.0;
+  data.paths[0].lowered_by = "kidney";
+  data.paths[1].given_n = 18.1;
+  data.paths[1].why = "the person asked for it: softer";
   const std::string page = report_page(data);
-  CHECK(holds(page, "Given otherwise than ordered"));
-  CHECK(holds(page, "kidney may be asked for 18.0 N at most"));
+  CHECK(holds(page, "Given otherwise than asked for"));
+  CHECK(holds(page, "lowered for kidney"));
+  CHECK(holds(page, "the person asked for it: softer"));
   CHECK(holds(page, fmt::format("1 of {} paths", data.paths.size())));
 }
 

@@ -86,27 +86,26 @@ PathLayer::MaybePath PathLayer::lay_standing(const Part& part, const Target& tar
   if (!place) return tl::unexpected(place.error());
   const Zone zone = zones_.at(place->at_in_couch);
   const bool perhaps_spine = zones_.perhaps_spine(place->at_in_couch);
-  const double force_n = allowed_force_n(part, zone, perhaps_spine);
+  WaitingPath path = waiting(part, zone, perhaps_spine);
+  const double force_n = std::min(path.programme_n, path.cap_n);
   if (force_n <= 0.0) return left_out(zone);
   touched_.insert(zone);
-  WaitingPath waiting{.path = {},
-                      .zone = zone,
-                      .cap_n = cap_of(part.technique, zone, perhaps_spine),
-                      .ordered_n = ordered_n(part),
-                      .arm = arm_of(place->at_in_couch)};
+  path.arm = arm_of(place->at_in_couch);
   if (part.technique == Technique::press) {
-    waiting.path = pressed(*place, part, zone, force_n);
+    path.path = pressed(*place, part, zone, force_n);
   } else {
     const double max_s = rule_of(zone).max_duration_s - 2.0 * landing_s;
     const double time_s = std::min(part.time_s.value_or(4.0), max_s);
     const double strongest_n = strongest_tap_n(part.rate_hz);
-    if (force_n > strongest_n)
+    if (force_n > strongest_n) {
       note("{:.1f} N lowered to {:.1f} N, the most at {} taps a second", force_n, strongest_n,
            part.rate_hz);
-    waiting.path =
+      path.lowered_by = fmt::format("{} taps a second", part.rate_hz);
+    }
+    path.path =
         plan_tap(*place, {.force_n = force_n, .rate_hz = part.rate_hz, .time_s = time_s}, name_);
   }
-  return waiting;
+  return path;
 }
 
 /// The presses ordered, fewer or shorter where the zone does not bear them for so long.
@@ -164,16 +163,13 @@ PathLayer::MaybePath PathLayer::lay_sliding(const Part& part, const Target& targ
     if (zones.denied != Zone::muscle) return left_out(zones.denied);
   }
   touched_.insert(zones.touched.begin(), zones.touched.end());
-  const double force_n = allowed_force_n(part, zones.strictest, zones.perhaps_spine);
-  WaitingPath waiting{.path = {},
-                      .zone = zones.strictest,
-                      .cap_n = cap_of(part.technique, zones.strictest, zones.perhaps_spine),
-                      .ordered_n = ordered_n(part),
-                      .arm = arm_of(curve->at(0.5 * curve->length_m()).at_in_couch)};
+  WaitingPath path = waiting(part, zones.strictest, zones.perhaps_spine);
+  const double force_n = std::min(path.programme_n, path.cap_n);
+  path.arm = arm_of(curve->at(0.5 * curve->length_m()).at_in_couch);
   std::optional<HandOverHand> turn;
   if (pass_s) turn = HandOverHand{.pass_s = *pass_s, .second = target.side < 0.0};
-  waiting.path = along(*curve, part, zones.strictest, force_n, turn);
-  return waiting;
+  path.path = along(*curve, part, zones.strictest, force_n, turn);
+  return path;
 }
 
 /// The technique of the part along its curve, as often as ordered or as the zone bears.
@@ -292,14 +288,17 @@ double PathLayer::cap_of(Technique technique, Zone zone, bool perhaps_spine) con
   return std::min({of_zone_n, of_muscle_n, of_spine_n, options_.force_ceiling_n});
 }
 
-double PathLayer::allowed_force_n(const Part& part, Zone zone, bool perhaps_spine) {
-  const double wanted_n = ordered_n(part);
-  const double max_n = cap_of(part.technique, zone, perhaps_spine);
-  if (max_n > 0.0 && wanted_n > max_n) {
-    note("{:.1f} N lowered to {:.1f} N ({}{})", wanted_n, max_n, name_of(zone),
-         perhaps_spine ? ", perhaps spine" : "");
+/// A path of the part in that zone, still without its points.
+WaitingPath PathLayer::waiting(const Part& part, Zone zone, bool perhaps_spine) {
+  WaitingPath path{.path = {},
+                   .zone = zone,
+                   .cap_n = cap_of(part.technique, zone, perhaps_spine),
+                   .programme_n = part.force_n * force_scale_};
+  if (path.cap_n > 0.0 && path.programme_n > path.cap_n) {
+    path.lowered_by = fmt::format("{}{}", name_of(zone), perhaps_spine ? ", perhaps spine" : "");
+    note("{:.1f} N lowered to {:.1f} N ({})", path.programme_n, path.cap_n, path.lowered_by);
   }
-  return std::min(wanted_n, max_n);
+  return path;
 }
 
 PathLayer::MaybePath PathLayer::left_out(Zone zone) {

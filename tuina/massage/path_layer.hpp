@@ -50,8 +50,7 @@ class PathLayer {
   [[nodiscard]] Result<body::SurfacePoint> on_skin(const Acupoint& point) const;
   [[nodiscard]] std::optional<Arm> arm_of(const Vector3& in_couch) const;
   [[nodiscard]] double cap_of(Technique technique, Zone zone, bool perhaps_spine) const;
-  [[nodiscard]] double ordered_n(const Part& part) const { return part.force_n * force_scale_; }
-  [[nodiscard]] double allowed_force_n(const Part& part, Zone zone, bool perhaps_spine);
+  [[nodiscard]] WaitingPath waiting(const Part& part, Zone zone, bool perhaps_spine);
   [[nodiscard]] MaybePath left_out(Zone zone);
   template <typename... Args>
   void note(fmt::format_string<Args...> format, Args&&... args);

@@ -19,6 +19,12 @@ bool can_join(const WaitingPath& one, const WaitingPath& other_path) {
 
 }  // namespace
 
+double PlannedPath::ordered_n() const {
+  double max_n = 0.0;
+  for (const ContactPoint& point : path.points) max_n = std::max(max_n, point.force_n);
+  return max_n;
+}
+
 double Transfers::retract_s() const {
   return standoff_m / retract_m_per_s + start_and_stop_s;
 }
@@ -78,7 +84,8 @@ std::vector<PlannedPath> schedule(std::vector<WaitingPath> paths, const Transfer
                          .start_s = 0.0,
                          .zone = waiting.zone,
                          .cap_n = waiting.cap_n,
-                         .ordered_n = waiting.ordered_n});
+                         .programme_n = waiting.programme_n,
+                         .lowered_by = std::move(waiting.lowered_by)});
     }
     double end_s = 0.0;
     for (std::size_t p = first; p < planned.size(); ++p) {

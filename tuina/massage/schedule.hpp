@@ -16,8 +16,9 @@ struct WaitingPath {
   ContactPath path;
   Zone zone = Zone::muscle;  ///< Strictest zone that the path touches.
   double cap_n = 0.0;
-  double ordered_n = 0.0;  ///< Largest force of the programme, before any zone has lowered it.
-  std::optional<Arm> arm;  ///< Empty where either arm may do it, as on the spine.
+  double programme_n = 0.0;  ///< Largest force that the programme asks for.
+  std::string lowered_by;    ///< What bears less than that; empty: nothing.
+  std::optional<Arm> arm;    ///< Empty where either arm may do it, as on the spine.
   bool together = true;
   int part = 0;  ///< Part of the programme; only paths of one part run at the same time.
 };
@@ -31,10 +32,12 @@ struct PlannedPath {
   int step = 0;          ///< 0, 1, 2, ...
   double start_s = 0.0;  ///< Time of the first touch, if all goes to plan.
   Zone zone = Zone::muscle;
-  double cap_n = 0.0;      ///< Largest force that may be asked for here.
-  double ordered_n = 0.0;  ///< Largest force of the programme, before any zone has lowered it.
+  double cap_n = 0.0;        ///< Largest force that may be asked for here.
+  double programme_n = 0.0;  ///< Largest force that the programme asks for.
+  std::string lowered_by;    ///< What bears less than that; empty: nothing.
 
   [[nodiscard]] double end_s() const { return start_s + path.duration_s(); }
+  [[nodiscard]] double ordered_n() const;  ///< Largest force of the path, all limits regarded.
 };
 
 /// How an arm goes from one place to the next: off the skin, above it, down to it.

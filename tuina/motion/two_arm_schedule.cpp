@@ -56,13 +56,13 @@ void TwoArmSchedule::add_transfer(Arm arm, const ArmMove& move) {
 /// The path with no more force than a person who starts up against an arm of this mass bears.
 massage::PlannedPath TwoArmSchedule::bearable(const massage::PlannedPath& planned, double mass_kg) {
   massage::PlannedPath path = planned;
-  double planned_n = 0.0;
-  for (const ContactPoint& point : path.path.points) planned_n = std::max(planned_n, point.force_n);
+  const double planned_n = planned.ordered_n();
   const double max_n = max_pressing_n(mass_kg, path.zone, std::max(planned_n, path.cap_n));
   path.cap_n = std::min(path.cap_n, max_n);
   if (planned_n <= max_n) return path;
   for (ContactPoint& point : path.path.points) point.force_n = std::min(point.force_n, max_n);
   lowered_n += planned_n - max_n;
+  path.lowered_by = fmt::format("an arm that is felt as {:.1f} kg", mass_kg);
   std::string note = fmt::format(
       "{}: {:.0f} N instead of {:.0f} N: the arm is felt as {:.1f} kg there, too heavy for a "
       "person who starts up",

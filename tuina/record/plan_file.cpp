@@ -20,8 +20,6 @@ constexpr auto point_fields = [](auto& visit, auto& point) {
 };
 
 constexpr auto path_fields = [](auto& visit, auto& planned) {
-  double peak_n = 0.0;
-  for (const ContactPoint& point : planned.path.points) peak_n = std::max(peak_n, point.force_n);
   visit("name", planned.path.name);
   visit("technique", planned.path.technique);
   visit("acupoints", planned.path.acupoints);
@@ -31,8 +29,9 @@ constexpr auto path_fields = [](auto& visit, auto& planned) {
   visit.told("duration_s", planned.path.duration_s(), micro);
   visit("zone", planned.zone);
   visit("cap_n", planned.cap_n);
-  visit.maybe("ordered_n", planned.ordered_n, micro);
-  visit.told("peak_n", peak_n, micro);
+  visit.maybe("programme_n", planned.programme_n, micro);
+  visit.maybe("lowered_by", planned.lowered_by);
+  visit.told("peak_n", planned.ordered_n(), micro);
   visit.list("points", planned.path.points, point_fields);
 };
 

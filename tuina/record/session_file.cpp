@@ -68,6 +68,8 @@ constexpr auto performed_fields = [](auto& visit, auto& done) {
   visit("begin_s", done.begin_s);
   visit("end_s", done.end_s);
   visit("trouble", done.contact_fault);
+  visit.maybe("programme_n", done.programme_n);
+  visit.maybe("lowered_by", done.lowered_by);
   visit.maybe("ordered_n", done.ordered_n);
   visit.maybe("given_n", done.given_n);
   visit.maybe("why", done.why);

@@ -49,11 +49,13 @@ struct PerformedEntry {
   double begin_s = 0.0;
   double end_s = 0.0;
   std::string contact_fault;  ///< "none": it was carried out as planned
-  double ordered_n = 0.0;     ///< largest force of the programme, before any zone lowered it
+  double programme_n = 0.0;   ///< largest force that the programme asks for
+  std::string lowered_by;     ///< what bears less than that; empty: nothing
+  double ordered_n = 0.0;     ///< largest force of the plan, which regards what is borne
   /// Largest force of a press or a tap; of what slides, the mean while all of it was asked for.
   double given_n = 0.0;
   double true_peak_n = 0.0;
-  std::optional<std::string> why;  ///< where less or more than 95 to 102 % of it was given
+  std::optional<std::string> why;  ///< where the given force is more than 5 % off the ordered one
   double true_over_trip_n = -std::numeric_limits<double>::infinity();
   std::optional<double> tool_to_acupoint_m;  ///< known of a press of an acupoint
 };

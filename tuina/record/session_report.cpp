@@ -84,6 +84,8 @@ telemetry::PerformedPath shown(const PerformedEntry& done, const ContactPath& pa
           .path = path,
           .end_s = done.end_s,
           .contact_fault = done.contact_fault == "none" ? "" : done.contact_fault,
+          .programme_n = done.programme_n,
+          .lowered_by = done.lowered_by,
           .ordered_n = done.ordered_n,
           .given_n = done.given_n,
           .why = done.why.value_or("")};

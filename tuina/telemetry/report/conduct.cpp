@@ -126,24 +126,30 @@ std::string given_in_words(const ReportData& data) {
     otherwise += !performed.why.empty();
   }
   if (ordered == 0) return "";
-  if (otherwise == 0) return "Every place was given the force that was ordered. ";
+  if (otherwise == 0) return "Every place was given the force that the plan orders. ";
   return fmt::format("{} of {} paths were given another force than was ordered, see below. ",
                      otherwise, ordered);
 }
 
 void add_given(Page& page, const ReportData& data) {
   Table table{.columns = {{.head = "path"},
+                          {.head = "programme, N", .digits = 1},
                           {.head = "ordered, N", .digits = 1},
                           {.head = "given, N", .digits = 1, .truth = data.simulated},
                           {.head = "why"}}};
   for (const PerformedPath& performed : data.paths) {
-    if (performed.why.empty()) continue;
-    table.add({performed.path.name, performed.ordered_n, performed.given_n, performed.why});
+    std::string why = performed.why;
+    if (!performed.lowered_by.empty())
+      why = fmt::format("lowered for {}{}{}", performed.lowered_by, why.empty() ? "" : "; ", why);
+    if (why.empty()) continue;
+    table.add(
+        {performed.path.name, performed.programme_n, performed.ordered_n, performed.given_n, why});
   }
   if (table.rows.empty()) return;
-  page.section("Given otherwise than ordered",
-               "Where less than 95 % of the ordered force was given, or more than 102 %. A press "
-               "or a tap counts by its largest force, what slides by its mean.")
+  page.section("Given otherwise than asked for",
+               "Where the plan orders less than the programme asks for, or the given force is "
+               "more than 5 % off the ordered one. A press or a tap counts by its largest force, "
+               "what slides by its mean.")
       .table(table);
 }
 

@@ -30,7 +30,9 @@ struct PerformedPath {
   ContactPath path = {};
   std::optional<double> end_s = {};  ///< time at which the arm had left it; none: not known
   std::string contact_fault = {};  ///< reason why it was not carried out as planned; empty: it was
-  double ordered_n = 0.0;          ///< largest force of the programme
+  double programme_n = 0.0;        ///< largest force that the programme asks for
+  std::string lowered_by = {};     ///< what bears less than that; empty: nothing
+  double ordered_n = 0.0;          ///< largest force of the plan
   double given_n = 0.0;            ///< largest of a press or a tap, mean of what slides
   std::string why = {};            ///< reason why that is not what was ordered; empty: it is
 
