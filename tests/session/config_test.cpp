@@ -32,10 +32,10 @@ TEST_CASE("realism sets every effect, and what is named besides differs from it"
   for (const SimulatedEffect& effect : simulated_effects()) {
     CAPTURE(effect.key);
     CHECK_FALSE(effect.source.empty());
-    CHECK(effect.usual >= effect.min);
-    CHECK(effect.usual <= effect.max);
-    CHECK(effect.hard >= effect.min);
-    CHECK(effect.hard <= effect.max);
+    for (const double value : {effect.ideal, effect.usual, effect.hard}) {
+      CHECK(value >= effect.min);
+      CHECK(value <= effect.max);
+    }
     if (effect.key == "simulation.torso_mass_kg") continue;
     CHECK(usual->simulation.*effect.value == effect.usual);
     CHECK(hard.simulation.*effect.value == effect.hard);
@@ -44,6 +44,9 @@ TEST_CASE("realism sets every effect, and what is named besides differs from it"
   CHECK(hard.simulation.torso_mass_kg == 9.0);
   CHECK(to_toml(parse_config(to_toml(hard), "again.toml").value()) == to_toml(hard));
   REQUIRE(apply_setting(hard, "simulation.realism=ideal").has_value());
+  for (const SimulatedEffect& effect : simulated_effects())
+    CHECK(hard.simulation.*effect.value == effect.ideal);
+  REQUIRE(apply_setting(hard, "simulation.realism=usual").has_value());
   CHECK(to_toml(hard) == to_toml(Config{}));
   const auto wrong = parse_config("[simulation]\nrealism = 'real'\n", "my.toml");
   REQUIRE_FALSE(wrong.has_value());

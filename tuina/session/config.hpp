@@ -28,15 +28,15 @@ struct Config {
     double force_ceiling_n = 45.0;  ///< on the set force; zones may ask for less
   } safety;
   struct Simulation {
-    std::string realism = "ideal";  ///< sets all effects; those named after it differ from it
+    std::string realism = "usual";  ///< sets all effects; those named after it differ from it
     double breathing_mm = 3.0;
     double breathing_hz = 0.25;
     double friction = 1.0;        ///< scale on the joint friction of the plant
     double room_light_dn = 10.0;  ///< brightness of the room without the laser
     double shift_mm = 0.0;        ///< the person moves once, so far towards the arms
     double shift_at_s = 30.0;     ///< into the massage
-    // Effects, as in an ideal world; session/realism has the others and their sources.
-    double torso_n_per_mm = 35.0;
+    // Effects; session/realism has their numbers and where those are from.
+    double torso_n_per_mm = 0.0;
     double torso_mass_kg = 0.0;
     double fat_share = 0.0;
     double relaxing_share = 0.0;
@@ -45,7 +45,7 @@ struct Config {
     double tensing_share = 0.0;
     double tensing_probability = 0.0;
     double tissue_grain_share = 0.0;
-    double skin_friction = 0.1;
+    double skin_friction = 0.0;
     double skin_shear_n_per_mm = 0.0;
     double breath_variation = 0.0;
     double sigh_share = 0.0;
@@ -66,6 +66,8 @@ struct Config {
     double sweat_share = 0.0;
     double lamp_flicker_share = 0.0;
     double rolling_shutter_ms = 0.0;
+
+    Simulation();  ///< as usual
   } simulation;
 };
 

@@ -8,12 +8,11 @@
 
 namespace tuina::session {
 
-/// One way in which a simulated world is as unkind as the real one. In an ideal world it is what
-/// `Config::Simulation` has as default.
+/// One way in which a simulated world is as unkind as the real one.
 struct SimulatedEffect {
   std::string_view key;  ///< in the config
   double Config::Simulation::*value;
-  double usual, hard;
+  double ideal, usual, hard;
   double min, max;
   std::string_view source;  ///< of the sizes: a key of docs/references.md, or how they are known
 };
