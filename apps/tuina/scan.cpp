@@ -111,7 +111,7 @@ class ScanVerb final : public Verb {
     options
         .add("--stickers", stickers_,
              "coloured stickers on true points of the simulated person, frames in colour: "
-             "blue=SI11,BL47,BL50 green=GV4; see `tuina atlas record --help`")
+             "magenta=SI11,BL47,BL50 yellow=GV4; see `tuina atlas record --help`")
         .excludes(replay)
         .needs(record);
     options.add("--out", out_, "the cloud; as PCD when the name ends so, else as PLY");

@@ -21,7 +21,7 @@ const Folder& recorded() {
   static const bool made = [] {
     const auto scanned =
         run_tuina({"scan", "--person", "phantom:medium", "--seed", "3", "--stickers",
-                   "blue=SI11,BL47,BL50", "green=GV4", "--record", folder / "sweep", "--json"});
+                   "magenta=SI11,BL47,BL50", "yellow=GV4", "--record", folder / "sweep", "--json"});
     REQUIRE_MESSAGE(scanned.exit_code == 0, scanned.err);
     // The light of the room does not disturb the scan.
     CHECK(nlohmann::json::parse(scanned.out)["rms_error_mm"] < 1.0);
@@ -45,7 +45,7 @@ TEST_CASE("a person with stickers becomes a labelled back that an atlas is learn
   const Folder& folder = recorded();
   const Folder people;
   const auto made =
-      record({"blue=SI11,BL47,BL50", "green=GV4"}, folder / "sweep", people / "anna.ply");
+      record({"magenta=SI11,BL47,BL50", "yellow=GV4"}, folder / "sweep", people / "anna.ply");
   REQUIRE_MESSAGE(made.exit_code == 0, made.err);
   const auto json = nlohmann::json::parse(made.out);
   CHECK(json["position"] == "sitting");
@@ -85,17 +85,17 @@ TEST_CASE("stickers that do not fit what is said of them are refused with the ca
     CHECK(refused.err.find(words) != std::string::npos);
     CHECK_FALSE(std::filesystem::exists(out));
   };
-  says({"blue=SI11,BL47,BL50,BL13", "green=GV4"}, 2, "6 of 8 blue stickers are seen");
-  says({"blue=SI11,BL47,BL50", "yellow=GV4"}, 2, "none near GV4");
-  says({"blue=SI11,BL47", "green=GV4", "yellow=BL50"}, 2, "6 blue stickers are seen and 4");
-  says({"blue=BL47,SI11,BL50", "green=GV4"}, 2, "from the head to the feet");
+  says({"magenta=SI11,BL47,BL50,BL13", "yellow=GV4"}, 2, "6 of 8 magenta stickers are seen");
+  says({"magenta=SI11,BL47,BL50", "green=GV4"}, 2, "none near GV4");
+  says({"magenta=SI11,BL47", "yellow=GV4", "green=BL50"}, 2, "6 magenta stickers are seen and 4");
+  says({"magenta=BL47,SI11,BL50", "yellow=GV4"}, 2, "from the head to the feet");
   // Three single points are listed where pairs lie at one level.
-  says({"blue=SI11_L,SI11_R,BL47,BL50", "green=GV4"}, 2, "cannot be told");
-  says({"blue=SI11,BL47,BL50"}, 1, "lacks GV4");
-  says({"blue=SI11,BL47,BL50", "blue=GV4"}, 1, "blue stands there twice");
-  says({"blue=SI11,BL47,BL50,SI11_L", "green=GV4"}, 1, "SI11_L is named twice");
-  says({"blue=SI11,BL47,BL50", "gren=GV4"}, 1, "`green` meant");
-  says({"blue=SI11,BL47,BL50", "green=GV5"}, 1, "`GV4` meant");
+  says({"magenta=SI11_L,SI11_R,BL47,BL50", "yellow=GV4"}, 2, "cannot be told");
+  says({"magenta=SI11,BL47,BL50"}, 1, "lacks GV4");
+  says({"magenta=SI11,BL47,BL50", "magenta=GV4"}, 1, "magenta stands there twice");
+  says({"magenta=SI11,BL47,BL50,SI11_L", "yellow=GV4"}, 1, "SI11_L is named twice");
+  says({"magenta=SI11,BL47,BL50", "yelow=GV4"}, 1, "`yellow` meant");
+  says({"magenta=SI11,BL47,BL50", "yellow=GV5"}, 1, "`GV4` meant");
   says({"GV4"}, 1, "names no colour");
   says({}, 1, "--labels is required");
 }
@@ -105,7 +105,7 @@ TEST_CASE("a sweep in grey shows no stickers, and a cloud none either") {
   const auto scanned = run_tuina({"scan", "--person", "phantom:medium", "--record", folder / "grey",
                                   "--out", folder / "grey.ply", "--quiet"});
   REQUIRE(scanned.exit_code == 0);
-  const std::vector<std::string> labels = {"blue=SI11,BL47,BL50", "green=GV4"};
+  const std::vector<std::string> labels = {"magenta=SI11,BL47,BL50", "yellow=GV4"};
   const auto grey = record(labels, folder / "grey", folder / "x.ply");
   CHECK(grey.exit_code == 2);
   CHECK(grey.err.find("frame 0 is grey") != std::string::npos);
@@ -114,7 +114,7 @@ TEST_CASE("a sweep in grey shows no stickers, and a cloud none either") {
   CHECK(cloud.err.find("a cloud has no colours") != std::string::npos);
   CHECK(record(labels, folder / "nowhere", folder / "x.ply").exit_code == 2);
   CHECK(record(labels, folder / "grey", folder / "x.obj").exit_code == 1);
-  const auto alone = run_tuina({"scan", "--person", "phantom:medium", "--stickers", "blue=GV4"});
+  const auto alone = run_tuina({"scan", "--person", "phantom:medium", "--stickers", "magenta=GV4"});
   CHECK(alone.exit_code == 1);
 }
 

@@ -44,9 +44,10 @@ class AtlasRecord final : public Verb {
     return "a recorded sweep of a person with coloured stickers to a labelled back";
   }
   [[nodiscard]] const char* example() const override {
-    return "tuina scan --person phantom:medium --stickers blue=SI11,BL47,BL50 green=GV4 --record "
+    return "tuina scan --person phantom:medium --stickers magenta=SI11,BL47,BL50 yellow=GV4 "
+           "--record "
            "sweep\n"
-           "  tuina atlas record sweep --labels blue=SI11,BL47,BL50 green=GV4 --out "
+           "  tuina atlas record sweep --labels magenta=SI11,BL47,BL50 yellow=GV4 --out "
            "people/anna.ply\n"
            "  tuina atlas learn people --prior default --out mine.tuina";
   }

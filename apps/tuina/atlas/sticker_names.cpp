@@ -75,9 +75,13 @@ Result<void> check_count(const StickerGroup& group, const std::vector<scanner::S
                 of_colour.size(), colour, wanted, places);
   }
   const std::string missing = without_sticker(group, of_colour, expected);
-  return fail(Fault::bad_input, "{} of {} {} stickers are seen{}", of_colour.size(), wanted, colour,
+  const bool dim =
+      group.colour == scanner::StickerColour::blue || group.colour == scanner::StickerColour::green;
+  return fail(Fault::bad_input, "{} of {} {} stickers are seen{}{}", of_colour.size(), wanted,
+              colour,
               missing.empty() ? std::string("; is one hidden, or do two touch?")
-                              : fmt::format("; there is none near {}", missing));
+                              : fmt::format("; there is none near {}", missing),
+              dim ? "; magenta and yellow send back more of a red line" : "");
 }
 
 }  // namespace

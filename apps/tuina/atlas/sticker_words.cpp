@@ -10,7 +10,7 @@
 namespace tuina::app {
 namespace {
 
-constexpr const char* right_form = "blue=SI11,BL47,BL50 green=GV4 is a right one";
+constexpr const char* right_form = "magenta=SI11,BL47,BL50 yellow=GV4 is a right one";
 
 std::vector<std::string> split(std::string_view text, char at) {
   std::vector<std::string> parts;

@@ -18,7 +18,7 @@ struct StickerGroup {
   [[nodiscard]] std::size_t count() const;
 };
 
-/// What stands after --labels and --stickers: `blue=SI11,BL47,BL50 green=GV4`. A name without a
+/// What stands after --labels and --stickers: `magenta=SI11,BL47,BL50 yellow=GV4`. A name without a
 /// side means the pair when the known names have one. Fails on unknown colours and names, and on
 /// what is named twice.
 [[nodiscard]] Result<std::vector<StickerGroup>> parse_stickers(

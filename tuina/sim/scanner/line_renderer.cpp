@@ -97,7 +97,12 @@ LineRenderer::Spot LineRenderer::trace(const Vector3& laser, const Vector3& dire
   Spot spot;
   spot.point = laser + hit->distance_m * direction;
   LeftSkin left;
-  if (on_skin && options_.flaws.of_skin()) {
+  const auto sticker_share =
+      room_light_ && on_skin ? room_light_->sticker_laser_share(spot.point - shift) : std::nullopt;
+  // A sticker sends back what falls on it before it enters the skin.
+  if (sticker_share) {
+    left.share = *sticker_share;
+  } else if (on_skin && options_.flaws.of_skin()) {
     left = leave_skin(options_.flaws, spot.point - shift, direction, hit->normal, seed_);
     spot.point += left.by;
   }
@@ -112,7 +117,6 @@ LineRenderer::Spot LineRenderer::trace(const Vector3& laser, const Vector3& dire
   spot.pixel = scanner::project(truth_.camera, point_in_camera);
   spot.light = left.share * light_of(cosine, distance_m);
   spot.spread_px = truth_.camera.fx_px * left.spread_m / point_in_camera.z();
-  if (room_light_ && on_skin) spot.light *= room_light_->laser_share(spot.point - shift);
   spot.visible = true;
   return spot;
 }

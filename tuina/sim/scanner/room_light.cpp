@@ -32,18 +32,25 @@ constexpr Rgb albedo_of(scanner::StickerColour colour) {
 RoomLight::RoomLight(std::vector<SkinSticker> stickers, double white_dn)
     : stickers_(std::move(stickers)), white_dn_(white_dn) {}
 
-Rgb RoomLight::albedo(const Vector3& on_skin_in_couch) const {
+const SkinSticker* RoomLight::sticker_at(const Vector3& on_skin_in_couch) const {
   for (const SkinSticker& sticker : stickers_) {
     if ((on_skin_in_couch - sticker.at_in_couch).squaredNorm() <
         sticker.radius_m * sticker.radius_m) {
-      return albedo_of(sticker.colour);
+      return &sticker;
     }
   }
-  return skin_albedo;
+  return nullptr;
 }
 
-double RoomLight::laser_share(const Vector3& on_skin_in_couch) const {
-  return static_cast<double>(albedo(on_skin_in_couch)[0] / skin_albedo[0]);
+Rgb RoomLight::albedo(const Vector3& on_skin_in_couch) const {
+  const SkinSticker* sticker = sticker_at(on_skin_in_couch);
+  return sticker ? albedo_of(sticker->colour) : skin_albedo;
+}
+
+std::optional<double> RoomLight::sticker_laser_share(const Vector3& on_skin_in_couch) const {
+  const SkinSticker* sticker = sticker_at(on_skin_in_couch);
+  if (!sticker) return {};
+  return static_cast<double>(albedo_of(sticker->colour)[0] / skin_albedo[0]);
 }
 
 RoomPicture RoomLight::render(const RayScene& skin, const RayScene& couch,

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "tuina/scanner/calibration.hpp"
@@ -33,10 +34,12 @@ class RoomLight {
                                    const Transform& couch_from_camera,
                                    const Vector3& skin_shift_in_couch) const;
 
-  /// Reflectance for the red laser, relative to bare skin.
-  [[nodiscard]] double laser_share(const Vector3& on_skin_in_couch) const;
+  /// Reflectance of the sticker at this place for the red laser, relative to bare fair skin;
+  /// nothing where there is no sticker.
+  [[nodiscard]] std::optional<double> sticker_laser_share(const Vector3& on_skin_in_couch) const;
 
  private:
+  [[nodiscard]] const SkinSticker* sticker_at(const Vector3& on_skin_in_couch) const;
   [[nodiscard]] Rgb albedo(const Vector3& on_skin_in_couch) const;
 
   std::vector<SkinSticker> stickers_;
