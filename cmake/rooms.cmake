@@ -2,7 +2,7 @@
 # The table of rooms: which room may include which. It is written here and nowhere else; tuina_room links
 # by it and the `layering` test reads the #include lines of the sources against it.
 set(TUINA_ROOMS core telemetry scanner calibration body massage tissue robot safety link control motion
-  session record sim baselines)
+  session record history sim baselines)
 set(TUINA_MAY_INCLUDE_core "")
 set(TUINA_MAY_INCLUDE_telemetry core)
 set(TUINA_MAY_INCLUDE_scanner core)
@@ -17,13 +17,14 @@ set(TUINA_MAY_INCLUDE_control core robot)
 set(TUINA_MAY_INCLUDE_motion core body massage robot control)
 set(TUINA_MAY_INCLUDE_session core scanner body massage tissue robot safety link control motion)
 set(TUINA_MAY_INCLUDE_record core telemetry body massage tissue robot safety motion session)
+set(TUINA_MAY_INCLUDE_history core telemetry tissue session record)
 set(TUINA_MAY_INCLUDE_sim core scanner robot tissue)
 # What the thesis and peers do, to judge tuina by: no room of the product may include it.
 set(TUINA_MAY_INCLUDE_baselines core body tissue control)
 
 # The programs, in the same way: folders of apps/. Product rooms are all but sim and baselines.
 set(TUINA_PRODUCT core telemetry scanner calibration body massage tissue robot safety link control motion
-  session record)
+  session record history)
 set(TUINA_APPS cli simulated evaluation tuina)
 set(TUINA_APP_MAY_INCLUDE_cli ${TUINA_PRODUCT})
 set(TUINA_APP_MAY_INCLUDE_simulated ${TUINA_PRODUCT} sim apps/cli)

@@ -5,7 +5,9 @@
 #include "apps/simulated/session_files.hpp"
 #include "apps/simulated/session_replay.hpp"
 #include "apps/simulated/simulated_session.hpp"
+#include "apps/tuina/history/open.hpp"
 #include "apps/tuina/verbs.hpp"
+#include "tuina/history/person_history.hpp"
 
 namespace tuina::app {
 namespace {
@@ -61,6 +63,11 @@ class Massage final : public Verb {
                                   "guard and robot as processes of their own, `tuina guard` "
                                   "and `tuina robot simulate`");
     options.add("--link", order_.link, "name of the memory that these share").needs(processes);
+    auto who = options.add("--who", who_,
+                           "a pseudonym: the session joins the history of this person, `tuina "
+                           "history show`");
+    add_history_option(options, history_).needs(who);
+    replay.excludes(who);
     options
         .add("--out", out_,
              "folder for session.json, scan.ply, acupoints.json, plan.json, trace.csv, joints.csv, "
@@ -78,11 +85,7 @@ class Massage final : public Verb {
     CommonOptions common = given;
     auto config = effective_config(common);
     if (!config) return tl::unexpected(config.error());
-    if (position_ == "sitting") order_.position = BodyPosture::sitting;
-    if (position_ == "prone") order_.position = BodyPosture::prone;
-    order_.method = body::parse_method(method_).value_or(order_.method);
-    order_.real_time = pace_ == "real" || order_.keys;
-    order_.adaptive = adaptive_ == "on";
+    take_words();
     std::string recorded;
     if (!replay_.empty()) {
       auto session = read_session(replay_);
@@ -102,24 +105,30 @@ class Massage final : public Verb {
       common.seed = session->seed;
       recorded = std::move(session->json);
     }
-    // Before the work, not after it: the folder is made, and an empty one goes again.
-    std::error_code fault;
-    const bool made = std::filesystem::create_directories(out_, fault);
-    if (!std::filesystem::is_directory(out_)) {
-      return fail(Fault::file, "--out {}: the folder cannot be made: {}", out_, fault.message());
-    }
+    const auto made = make_folder();
+    if (!made) return tl::unexpected(made.error());
+    const auto nothing_done = [&](const Error& error) {
+      std::error_code fault;
+      if (*made) std::filesystem::remove(out_, fault);
+      return tl::unexpected(error);
+    };
+    auto visit = begin_visit();
+    if (!visit) return nothing_done(visit.error());
     const auto result = run_simulated_session(order_, *config, common);
-    if (!result) {
-      if (made) std::filesystem::remove(out_, fault);
-      return tl::unexpected(result.error());
-    }
+    if (!result) return nothing_done(result.error());
 
-    const record::SessionFile file = session_file(*result, order_, common.seed);
+    record::SessionFile file = session_file(*result, order_, common.seed);
+    if (visit->history) file.visit = visit->label;
     Answer answer{.json = record::to_json(file),
                   .text = session_text(file),
                   .exit_code = result->session.stops.empty() ? 0 : 4};
     if (const auto written = write_session(*result, *config, answer.json, out_); !written) {
       return tl::unexpected(written.error());
+    }
+    if (visit->history) {
+      const auto told = end_visit(*visit->history, file);
+      if (!told) return tl::unexpected(told.error());
+      answer.text += "\n" + *told;
     }
     if (!recorded.empty()) {
       const auto differ = differences(recorded, answer.json);
@@ -133,7 +142,54 @@ class Massage final : public Verb {
   }
 
  private:
+  void take_words() {
+    if (position_ == "sitting") order_.position = BodyPosture::sitting;
+    if (position_ == "prone") order_.position = BodyPosture::prone;
+    order_.method = body::parse_method(method_).value_or(order_.method);
+    order_.real_time = pace_ == "real" || order_.keys;
+    order_.adaptive = adaptive_ == "on";
+  }
+  /// Before the work, not after it: the folder of `--out`. True if it was not there.
+  [[nodiscard]] Result<bool> make_folder() const {
+    std::error_code fault;
+    const bool made = std::filesystem::create_directories(out_, fault);
+    if (!std::filesystem::is_directory(out_))
+      return fail(Fault::file, "--out {}: the folder cannot be made: {}", out_, fault.message());
+    return made;
+  }
+  /// The session of a person with a history; without one there is no history.
+  struct BegunVisit {
+    std::optional<history::History> history;
+    record::VisitLabel label;
+  };
+  [[nodiscard]] Result<BegunVisit> begin_visit() const {
+    BegunVisit begun;
+    if (who_.empty()) return begun;
+    if (const auto right = history::check_name(who_); !right) return tl::unexpected(right.error());
+    auto history = open_history(history_);
+    if (!history) return tl::unexpected(history.error());
+    begun.label = new_visit(who_);
+    if (const auto noted =
+            history->begin(begun.label, std::filesystem::absolute(out_).lexically_normal());
+        !noted)
+      return tl::unexpected(noted.error());
+    begun.history = std::move(*history);
+    return begun;
+  }
+  /// Adds the session that has ended, and tells what has changed since the one before.
+  [[nodiscard]] Result<std::string> end_visit(history::History& history,
+                                              const record::SessionFile& file) const {
+    const auto visit = history::visit_of(file, std::filesystem::absolute(out_).lexically_normal());
+    if (const auto added = history.add(visit); !added) return tl::unexpected(added.error());
+    const auto visits = history.visits_of(who_);
+    if (!visits) return tl::unexpected(visits.error());
+    std::string text = fmt::format("{}: session {}", who_, visits->size());
+    if (const auto last = history::last_change(*visits)) text += "\n" + history::sentence_of(*last);
+    return text;
+  }
+
   SessionOrder order_;
+  std::string who_, history_;
   std::string replay_;
   std::string position_ = "auto";
   std::string method_;

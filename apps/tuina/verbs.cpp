@@ -9,6 +9,7 @@ std::string summary_of_group(std::string_view group) {
   if (group == "atlas") return "labelled backs: record them, learn a file from them, look at it";
   if (group == "teach")
     return "motions that a hand shows to an arm: record, play, look at them, carry them to others";
+  if (group == "history") return "people over time: show, notes, export, forget, rebuild";
   if (group == "tissue") return "what a record of presses says about the tissue";
   if (group == "export") return "the robot for other programs: URDF, MJCF";
   if (group == "robot")
@@ -37,6 +38,11 @@ std::vector<std::unique_ptr<Verb>> make_verbs() {
   verbs.push_back(make_teach_play());
   verbs.push_back(make_teach_show());
   verbs.push_back(make_teach_carry());
+  verbs.push_back(make_history_show());
+  verbs.push_back(make_history_note());
+  verbs.push_back(make_history_export());
+  verbs.push_back(make_history_forget());
+  verbs.push_back(make_history_rebuild());
   verbs.push_back(make_config_show());
   verbs.push_back(make_config_check());
   verbs.push_back(make_export_urdf());

@@ -36,6 +36,11 @@ std::unique_ptr<Verb> make_teach_record();
 std::unique_ptr<Verb> make_teach_play();
 std::unique_ptr<Verb> make_teach_show();
 std::unique_ptr<Verb> make_teach_carry();
+std::unique_ptr<Verb> make_history_show();
+std::unique_ptr<Verb> make_history_export();
+std::unique_ptr<Verb> make_history_forget();
+std::unique_ptr<Verb> make_history_rebuild();
+std::unique_ptr<Verb> make_history_note();
 
 /// One line for --help about the verbs that begin with the same word.
 std::string summary_of_group(std::string_view group);

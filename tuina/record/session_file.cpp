@@ -165,9 +165,16 @@ constexpr auto stop_fields = [](auto& visit, auto& stop) {
   visit("cause", stop.cause);
 };
 
+constexpr auto visit_fields = [](auto& visit, auto& label) {
+  visit("who", label.who);
+  visit("session_id", label.id);
+  visit("began", label.began);
+};
+
 constexpr auto session_fields = [](auto& visit, auto& file) {
   visit("seed", file.seed);
   visit("version", file.version);
+  visit.if_known("who", file.visit, visit_fields);
   visit("person", file.person);
   visit.maybe("realism", file.realism);  // versions that knew one world have not written it
   visit("position", file.position);

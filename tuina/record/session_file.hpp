@@ -41,6 +41,13 @@ struct SessionOrder {
   std::string link = {};   ///< name of the memory that they share; empty: one of this process
 };
 
+/// Whose session it was, when there is a history of people.
+struct VisitLabel {
+  std::string who;    ///< a pseudonym
+  std::string id;     ///< of the session, unlike any other
+  std::string began;  ///< "2026-11-22T14:03:05Z"
+};
+
 /// A path as it was performed; what is true is known only in simulation.
 struct PerformedEntry {
   std::string name;
@@ -100,6 +107,7 @@ struct SessionFile {
 
   std::uint64_t seed = 1;
   std::string version;
+  std::optional<VisitLabel> visit;
   std::string person;
   std::string realism = "ideal";  ///< of the simulated world
   BodyPosture position = BodyPosture::sitting;

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/tuina/history/open.hpp"
+
+#include <fmt/chrono.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <random>
+
+namespace tuina::app {
+
+Option add_history_option(Options& options, std::string& address) {
+  return options.add("--history", address,
+                     "a SQLite file or postgresql://...; else history.sqlite in "
+                     "$XDG_DATA_HOME/tuina or ~/.local/share/tuina");
+}
+
+Result<history::History> open_history(const std::string& address) {
+  if (!address.empty()) return history::History::open(address);
+  namespace fs = std::filesystem;
+  const char* data = std::getenv("XDG_DATA_HOME");
+  const char* home = std::getenv("HOME");
+  if (data == nullptr && home == nullptr)
+    return fail(Fault::usage, "--history is needed: neither XDG_DATA_HOME nor HOME is set");
+  const fs::path folder =
+      (data != nullptr ? fs::path(data) : fs::path(home) / ".local" / "share") / "tuina";
+  std::error_code fault;
+  fs::create_directories(folder, fault);
+  if (fault) return fail(Fault::file, "{}: cannot be made: {}", folder.string(), fault.message());
+  // Whoever else uses this computer has no business in it.
+  fs::permissions(folder, fs::perms::owner_all, fault);
+  return history::History::open(folder / "history.sqlite");
+}
+
+std::string utc_now() {
+  const auto now =
+      std::chrono::time_point_cast<std::chrono::seconds>(std::chrono::system_clock::now());
+  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(now));
+}
+
+record::VisitLabel new_visit(const std::string& who) {
+  std::random_device random;
+  const std::uint64_t number = (std::uint64_t{random()} << 32U) | random();
+  const std::string began = utc_now();
+  return {.who = who, .id = fmt::format("{}-{:016x}", began, number), .began = began};
+}
+
+}  // namespace tuina::app

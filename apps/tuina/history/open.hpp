@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "apps/cli/options.hpp"
+#include "tuina/history/history.hpp"
+
+namespace tuina::app {
+
+/// `--history`: a SQLite file or the address of a PostgreSQL server.
+Option add_history_option(Options& options, std::string& address);
+
+/// Opens what `--history` names; without it the file of whoever is logged in, in the folder that
+/// the XDG base directory specification gives for such data.
+[[nodiscard]] Result<history::History> open_history(const std::string& address);
+
+/// The time now: "2026-11-22T14:03:05Z".
+[[nodiscard]] std::string utc_now();
+
+/// A session that begins now, with an id that no other one has.
+[[nodiscard]] record::VisitLabel new_visit(const std::string& who);
+
+}  // namespace tuina::app

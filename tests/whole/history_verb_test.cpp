@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <doctest/doctest.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "tests/reason.hpp"
+#include "tests/whole/command.hpp"
+#include "tuina/core/io/file.hpp"
+
+namespace tuina {
+namespace {
+
+using test::Folder;
+using test::run_tuina;
+namespace fs = std::filesystem;
+
+/// A session as somebody's next one, some days later: with other names, and softer by a third.
+void give_again(const fs::path& from, const fs::path& to) {
+  fs::copy(from, to, fs::copy_options::recursive);
+  auto session = nlohmann::ordered_json::parse(*read_file(to / "session.json"));
+  session["session_id"] = "the second one";
+  session["began"] = "2126-01-01T09:00:00Z";
+  for (auto& place : session["stiffness"]["places"]) {
+    if (place["stiffness_n_per_mm"].is_null()) continue;
+    place["stiffness_n_per_mm"] = 0.6667 * place["stiffness_n_per_mm"].get<double>();
+    place["ci95_n_per_mm"] = 0.05;
+  }
+  REQUIRE(write_file(to / "session.json", session.dump(2)).has_value());
+}
+
+}  // namespace
+
+TEST_CASE("a person's sessions are remembered, compared, exported and forgotten") {
+  const Folder folder;
+  const std::string history = folder / "history.sqlite";
+  const auto first =
+      run_tuina({"massage", "--who", "anna", "--history", history, "--out", folder / "all/first",
+                 "--json", "--quiet", "--set", "simulation.realism=ideal"});
+  REQUIRE_MESSAGE(first.exit_code == 0, first.err);
+  CHECK(nlohmann::json::parse(first.out)["who"] == "anna");
+  give_again(folder.path() / "all/first", folder.path() / "all/second");
+  const auto rebuilt =
+      run_tuina({"history", "rebuild", folder / "all", "--history", history, "--json", "--quiet"});
+  REQUIRE_MESSAGE(rebuilt.exit_code == 0, rebuilt.err);
+  CHECK(nlohmann::json::parse(rebuilt.out)["sessions"] == 2);
+  REQUIRE(run_tuina({"history", "note", "anna", "sleeps well", "--history", history}).exit_code ==
+          0);
+
+  const auto shown = run_tuina({"history", "show", "anna", "--history", history, "--json",
+                                "--quiet", "--out", folder / "anna.html"});
+  REQUIRE_MESSAGE(shown.exit_code == 0, shown.err);
+  const auto json = nlohmann::json::parse(shown.out);
+  REQUIRE(json["sessions"].size() == 2);
+  CHECK(json["sessions"][0]["ended"] == true);
+  CHECK(json["sessions"][0]["tissue"].size() == nlohmann::json::parse(first.out)["tissue"].size());
+  CHECK(json["notes"][0]["words"] == "sleeps well");
+  REQUIRE(json["change"]["places"].size() >= 5);
+  for (const auto& place : json["change"]["places"]) {
+    CHECK(place["change_percent"].get<double>() == doctest::Approx(-33.3).epsilon(0.01));
+    CHECK(place["real"] == true);
+  }
+  const auto page = read_file(folder / "anna.html");
+  REQUIRE(page);
+  CHECK(page->find("sleeps well") != std::string::npos);
+  CHECK(page->find("Softer since") != std::string::npos);
+
+  REQUIRE(
+      run_tuina({"history", "export", "anna", "--history", history, "--out", folder / "anna.csv"})
+          .exit_code == 0);
+  CHECK(read_file(folder / "anna.csv")->find("the second one") != std::string::npos);
+
+  CHECK(run_tuina({"history", "forget", "anna", "--history", history}).exit_code == 1);
+  CHECK(fs::exists(folder.path() / "all/first/session.json"));
+  CHECK(run_tuina({"history", "forget", "anna", "--yes", "--history", history}).exit_code == 0);
+  CHECK_FALSE(fs::exists(folder.path() / "all/first"));
+  const auto gone = run_tuina({"history", "show", "anna", "--history", history});
+  CHECK(gone.exit_code == 2);
+  CHECK(gone.out.empty());
+  CHECK(gone.err.find("nobody called anna") != std::string::npos);
+}
+
+TEST_CASE("what cannot be a history is wrong before anybody is scanned") {
+  const Folder folder;
+  const auto spaced = run_tuina(
+      {"massage", "--who", "a b", "--history", folder / "h.sqlite", "--out", folder / "out"});
+  CHECK(spaced.exit_code == 1);
+  CHECK_FALSE(fs::exists(folder / "out"));
+  const auto nowhere = run_tuina(
+      {"massage", "--who", "anna", "--history", folder / "no/h.sqlite", "--out", folder / "out"});
+  CHECK(nowhere.exit_code == 2);
+  CHECK_FALSE(fs::exists(folder / "out"));
+  CHECK(run_tuina({"massage", "--history", folder / "h.sqlite"}).exit_code == 1);
+  CHECK(run_tuina({"history", "rebuild", folder / "nothing", "--history", folder / "h.sqlite"})
+            .exit_code == 2);
+}
+
+}  // namespace tuina

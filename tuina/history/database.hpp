@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "tuina/core/result.hpp"
+
+namespace tuina::history {
+
+/// What one field of a table holds; nothing is NULL. A number that is not finite is stored as NULL.
+using Value = std::variant<std::monostate, std::int64_t, double, std::string>;
+using Row = std::vector<Value>;
+
+/// One connection to a database that speaks SQL: SQLite in a file, or a PostgreSQL server. Not for
+/// two threads at once. A statement that fails is a `Fault::file` with the database's own words.
+class Database {
+ public:
+  virtual ~Database() = default;
+
+  /// Carries out one statement; `values` stand for its `$1`, `$2`, ..., each used once, in order.
+  [[nodiscard]] virtual Result<std::vector<Row>> query(const std::string& sql,
+                                                       std::span<const Value> values) = 0;
+  /// Statement that begins a transaction which may write.
+  [[nodiscard]] virtual const char* begin() const = 0;
+  /// Overwrites on the disk what deleted rows have left there.
+  [[nodiscard]] virtual Result<void> scrub() = 0;
+
+  [[nodiscard]] Result<void> run(const std::string& sql, std::span<const Value> values = {});
+};
+
+/// `postgresql://...` or `postgres://...` is a server, anything else a SQLite file, which is made
+/// if it is not there. Refused: a file that is no database.
+[[nodiscard]] Result<std::unique_ptr<Database>> open_database(const std::string& address);
+
+/// What is done until `commit` is done as a whole or, without it, not at all.
+class Transaction {
+ public:
+  [[nodiscard]] static Result<Transaction> begin(Database& database);
+  Transaction(Transaction&& other) noexcept;
+  Transaction(const Transaction&) = delete;
+  Transaction& operator=(const Transaction&) = delete;
+  Transaction& operator=(Transaction&&) = delete;
+  ~Transaction();
+
+  [[nodiscard]] Result<void> commit();
+
+ private:
+  explicit Transaction(Database& database) : database_(&database) {}
+
+  Database* database_;  // nothing once it is committed
+};
+
+/// The two kinds; `open_database` chooses.
+[[nodiscard]] Result<std::unique_ptr<Database>> open_sqlite(const std::string& path);
+[[nodiscard]] Result<std::unique_ptr<Database>> open_postgres(const std::string& address);
+
+}  // namespace tuina::history

@@ -1,0 +1,289 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tuina/history/history.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "tuina/core/io/file.hpp"
+#include "tuina/history/schema.hpp"
+
+namespace tuina::history {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string text(const Value& value) {
+  const auto* held = std::get_if<std::string>(&value);
+  return held ? *held : std::string();
+}
+std::int64_t whole(const Value& value) {
+  const auto* held = std::get_if<std::int64_t>(&value);
+  return held ? *held : 0;
+}
+double number(const Value& value) {
+  if (const auto* held = std::get_if<double>(&value)) return *held;
+  const auto* held = std::get_if<std::int64_t>(&value);
+  return held ? static_cast<double>(*held) : std::numeric_limits<double>::quiet_NaN();
+}
+
+/// The session in a folder that belongs to somebody.
+Result<record::SessionFile> read_session_of(const fs::path& folder) {
+  const auto content = read_file(folder / "session.json");
+  if (!content) return tl::unexpected(content.error());
+  return record::parse_session(*content, (folder / "session.json").string());
+}
+
+}  // namespace
+
+Result<History> History::open(const std::string& address) {
+  auto database = open_database(address);
+  if (!database) return tl::unexpected(database.error());
+  if (const auto migrated = migrate(**database); !migrated) return tl::unexpected(migrated.error());
+  return History(std::move(*database));
+}
+
+Result<void> History::insert(const Visit& visit) {
+  const Value person[] = {visit.who, visit.began};
+  if (auto added = database_->run(
+          "INSERT INTO person (name, since) VALUES ($1, $2) ON CONFLICT (name) DO NOTHING", person);
+      !added) {
+    return added;
+  }
+  const Value id[] = {visit.id};
+  if (auto gone = database_->run("DELETE FROM session WHERE id = $1", id); !gone) return gone;
+  const Value session[] = {visit.id,
+                           visit.who,
+                           visit.began,
+                           visit.folder,
+                           std::int64_t{visit.ended},
+                           visit.position,
+                           visit.programme,
+                           visit.robot,
+                           visit.realism,
+                           visit.version,
+                           visit.duration_s,
+                           visit.force_rmse_n,
+                           visit.force_peak_n,
+                           visit.softer,
+                           visit.firmer,
+                           visit.stops,
+                           visit.stop_cause,
+                           visit.consent_by};
+  return database_->run(
+      "INSERT INTO session (id, who, began, folder, ended, position, programme, robot, realism, "
+      "version, duration_s, force_rmse_n, force_peak_n, softer, firmer, stops, stop_cause, "
+      "consent_by) VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $15, $16, "
+      "$17, $18)",
+      session);
+}
+
+Result<void> History::begin(const record::VisitLabel& label, const fs::path& folder) {
+  auto transaction = Transaction::begin(*database_);
+  if (!transaction) return tl::unexpected(transaction.error());
+  Visit visit;
+  visit.id = label.id;
+  visit.who = label.who;
+  visit.began = label.began;
+  visit.folder = folder.string();
+  if (auto inserted = insert(visit); !inserted) return inserted;
+  return transaction->commit();
+}
+
+Result<void> History::add(const Visit& visit) {
+  auto transaction = Transaction::begin(*database_);
+  if (!transaction) return tl::unexpected(transaction.error());
+  if (auto inserted = insert(visit); !inserted) return inserted;
+  for (const Acupoint& point : visit.acupoints) {
+    const Value row[] = {visit.id,
+                         point.name,
+                         point.at_in_couch.x(),
+                         point.at_in_couch.y(),
+                         point.at_in_couch.z(),
+                         point.uncertainty_m};
+    if (auto added =
+            database_->run("INSERT INTO acupoint (session, name, x_m, y_m, z_m, uncertainty_m) "
+                           "VALUES ($1, $2, $3, $4, $5, $6)",
+                           row);
+        !added) {
+      return added;
+    }
+  }
+  std::int64_t place = 0;
+  for (const VisitTissue& felt : visit.tissue) {
+    const Value row[] = {visit.id,
+                         place++,
+                         felt.name,
+                         felt.alpha_n,
+                         felt.alpha_ci95_n,
+                         felt.beta_per_m,
+                         felt.beta_ci95_per_m,
+                         felt.stiffness_n_per_mm,
+                         felt.stiffness_ci95_n_per_mm,
+                         felt.presses,
+                         std::int64_t{felt.converged}};
+    if (auto added = database_->run(
+            "INSERT INTO tissue (session, number, name, alpha_n, alpha_ci95_n, beta_per_m, "
+            "beta_ci95_per_m, stiffness_n_per_mm, stiffness_ci95_n_per_mm, presses, converged) "
+            "VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11)",
+            row);
+        !added) {
+      return added;
+    }
+  }
+  return transaction->commit();
+}
+
+Result<void> History::add_note(const std::string& who, const Note& note) {
+  const Value row[] = {who, note.at, note.words};
+  return database_->run("INSERT INTO note (who, at, words) VALUES ($1, $2, $3)", row);
+}
+
+Result<std::vector<Person>> History::people() {
+  const auto rows = database_->query(
+      "SELECT name, since, COUNT(id) FROM person LEFT JOIN session ON who = name "
+      "GROUP BY name, since ORDER BY name",
+      {});
+  if (!rows) return tl::unexpected(rows.error());
+  std::vector<Person> people;
+  for (const Row& row : *rows) people.push_back({text(row[0]), text(row[1]), whole(row[2])});
+  return people;
+}
+
+Result<std::vector<Note>> History::notes_of(const std::string& who) {
+  const Value values[] = {who};
+  const auto rows =
+      database_->query("SELECT at, words FROM note WHERE who = $1 ORDER BY at", values);
+  if (!rows) return tl::unexpected(rows.error());
+  std::vector<Note> notes;
+  for (const Row& row : *rows) notes.push_back({text(row[0]), text(row[1])});
+  return notes;
+}
+
+Result<void> History::fill(Visit& visit) {
+  const Value id[] = {visit.id};
+  const auto points = database_->query(
+      "SELECT name, x_m, y_m, z_m, uncertainty_m FROM acupoint WHERE session = $1 ORDER BY name",
+      id);
+  if (!points) return tl::unexpected(points.error());
+  for (const Row& row : *points) {
+    Acupoint point;
+    point.name = text(row[0]);
+    point.at_in_couch = Vector3(number(row[1]), number(row[2]), number(row[3]));
+    point.uncertainty_m = number(row[4]);
+    visit.acupoints.push_back(point);
+  }
+  const auto felt = database_->query(
+      "SELECT name, alpha_n, alpha_ci95_n, beta_per_m, beta_ci95_per_m, stiffness_n_per_mm, "
+      "stiffness_ci95_n_per_mm, presses, converged FROM tissue WHERE session = $1 ORDER BY number",
+      id);
+  if (!felt) return tl::unexpected(felt.error());
+  for (const Row& row : *felt) {
+    visit.tissue.push_back({.name = text(row[0]),
+                            .alpha_n = number(row[1]),
+                            .alpha_ci95_n = number(row[2]),
+                            .beta_per_m = number(row[3]),
+                            .beta_ci95_per_m = number(row[4]),
+                            .stiffness_n_per_mm = number(row[5]),
+                            .stiffness_ci95_n_per_mm = number(row[6]),
+                            .presses = whole(row[7]),
+                            .converged = whole(row[8]) != 0});
+  }
+  return {};
+}
+
+Result<std::vector<Visit>> History::visits_of(const std::string& who) {
+  const Value values[] = {who};
+  const auto rows = database_->query(
+      "SELECT id, began, folder, ended, position, programme, robot, realism, version, duration_s, "
+      "force_rmse_n, force_peak_n, softer, firmer, stops, stop_cause, consent_by FROM session "
+      "WHERE who = $1 ORDER BY began, id",
+      values);
+  if (!rows) return tl::unexpected(rows.error());
+  std::vector<Visit> visits;
+  for (const Row& row : *rows) {
+    visits.push_back({.id = text(row[0]),
+                      .who = who,
+                      .began = text(row[1]),
+                      .folder = text(row[2]),
+                      .ended = whole(row[3]) != 0,
+                      .position = text(row[4]),
+                      .programme = text(row[5]),
+                      .robot = text(row[6]),
+                      .realism = text(row[7]),
+                      .version = text(row[8]),
+                      .duration_s = number(row[9]),
+                      .force_rmse_n = number(row[10]),
+                      .force_peak_n = number(row[11]),
+                      .softer = whole(row[12]),
+                      .firmer = whole(row[13]),
+                      .stops = whole(row[14]),
+                      .stop_cause = text(row[15]),
+                      .consent_by = text(row[16]),
+                      .acupoints = {},
+                      .tissue = {}});
+    if (const auto filled = fill(visits.back()); !filled) return tl::unexpected(filled.error());
+  }
+  return visits;
+}
+
+Result<std::vector<std::string>> History::forget(const std::string& who, const std::string& at) {
+  const auto visits = visits_of(who);
+  if (!visits) return tl::unexpected(visits.error());
+  std::vector<std::string> kept;
+  // Folders go first: a fault in between leaves rows that still say what there is to remove.
+  for (const Visit& visit : *visits) {
+    std::error_code fault;
+    if (!fs::exists(visit.folder, fault)) continue;
+    const auto file = read_session_of(visit.folder);
+    if (!file || !file->visit || file->visit->id != visit.id) {
+      kept.push_back(visit.folder);
+      continue;
+    }
+    fs::remove_all(visit.folder, fault);
+    if (fault)
+      return fail(Fault::file, "{}: {}; nobody is forgotten yet", visit.folder, fault.message());
+  }
+  auto transaction = Transaction::begin(*database_);
+  if (!transaction) return tl::unexpected(transaction.error());
+  const Value person[] = {who};
+  const Value trace[] = {at, static_cast<std::int64_t>(visits->size())};
+  if (const auto gone = database_->run("DELETE FROM person WHERE name = $1", person); !gone)
+    return tl::unexpected(gone.error());
+  if (const auto said = database_->run("INSERT INTO forgotten VALUES ($1, $2)", trace); !said)
+    return tl::unexpected(said.error());
+  if (const auto done = transaction->commit(); !done) return tl::unexpected(done.error());
+  if (const auto clean = database_->scrub(); !clean) return tl::unexpected(clean.error());
+  return kept;
+}
+
+Result<Rebuilt> History::rebuild(const fs::path& folder) {
+  std::error_code fault;
+  fs::recursive_directory_iterator entries(folder, fault);
+  if (fault) return fail(Fault::file, "{}: {}", folder.string(), fault.message());
+  std::vector<fs::path> found;
+  for (; entries != fs::recursive_directory_iterator(); entries.increment(fault)) {
+    if (fault) return fail(Fault::file, "{}: {}", folder.string(), fault.message());
+    if (entries->path().filename() == "session.json")
+      found.push_back(entries->path().parent_path());
+  }
+  std::ranges::sort(found);
+  Rebuilt rebuilt;
+  for (const fs::path& one : found) {
+    const auto file = read_session_of(one);
+    if (!file) {
+      rebuilt.left_out.push_back(file.error().message);
+      continue;
+    }
+    if (!file->visit) {
+      rebuilt.left_out.push_back(one.string() + ": a session of nobody (without `--who`)");
+      continue;
+    }
+    if (const auto added = add(visit_of(*file, fs::absolute(one).lexically_normal())); !added)
+      return tl::unexpected(added.error());
+    ++rebuilt.sessions;
+  }
+  return rebuilt;
+}
+
+}  // namespace tuina::history

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "tuina/history/database.hpp"
+#include "tuina/history/visit.hpp"
+
+namespace tuina::history {
+
+struct Person {
+  std::string name;
+  std::string since;  ///< day and time of the first session
+  std::int64_t sessions = 0;
+};
+
+struct Note {
+  std::string at;  ///< day and time
+  std::string words;
+};
+
+/// What rebuilding has found.
+struct Rebuilt {
+  std::int64_t sessions = 0;
+  std::vector<std::string> left_out;  ///< folders and why
+};
+
+/// People and their sessions over time: an index of session folders that can be made anew of them.
+/// What is written is on the disk as a whole before a call returns, or not there at all.
+class History {
+ public:
+  /// `address` as `open_database` takes it; the tables are made or brought up to date.
+  [[nodiscard]] static Result<History> open(const std::string& address);
+
+  /// A session begins: should nothing follow, it was cut short.
+  [[nodiscard]] Result<void> begin(const record::VisitLabel& label,
+                                   const std::filesystem::path& folder);
+  /// A whole session; one with the same id is replaced.
+  [[nodiscard]] Result<void> add(const Visit& visit);
+  [[nodiscard]] Result<void> add_note(const std::string& who, const Note& note);
+
+  [[nodiscard]] Result<std::vector<Person>> people();
+  /// In the order of time; empty for somebody who is not known.
+  [[nodiscard]] Result<std::vector<Visit>> visits_of(const std::string& who);
+  [[nodiscard]] Result<std::vector<Note>> notes_of(const std::string& who);
+
+  /// Removes the rows of somebody and the folders of their sessions, and keeps only that somebody
+  /// was forgotten `at`. Folders that hold another session by now stay and are returned.
+  [[nodiscard]] Result<std::vector<std::string>> forget(const std::string& who,
+                                                        const std::string& at);
+  /// Adds every session of somebody that lies in or below a folder.
+  [[nodiscard]] Result<Rebuilt> rebuild(const std::filesystem::path& folder);
+
+ private:
+  explicit History(std::unique_ptr<Database> database) : database_(std::move(database)) {}
+  [[nodiscard]] Result<void> insert(const Visit& visit);
+  [[nodiscard]] Result<void> fill(Visit& visit);
+
+  std::unique_ptr<Database> database_;
+};
+
+}  // namespace tuina::history

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tuina/history/person_history.hpp"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "tuina/telemetry/report/figures.hpp"
+
+namespace tuina::history {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Null where a number is not known.
+Json number(double value) {
+  return std::isfinite(value) ? Json(value) : Json();
+}
+
+Json json_of(const Visit& visit) {
+  Json tissue = Json::array();
+  for (const VisitTissue& felt : visit.tissue) {
+    tissue.push_back({{"name", felt.name},
+                      {"alpha_n", number(felt.alpha_n)},
+                      {"beta_per_mm", number(1e-3 * felt.beta_per_m)},
+                      {"ci95",
+                       {{"alpha_n", number(felt.alpha_ci95_n)},
+                        {"beta_per_mm", number(1e-3 * felt.beta_ci95_per_m)}}},
+                      {"stiffness_n_per_mm", number(felt.stiffness_n_per_mm)},
+                      {"stiffness_ci95_n_per_mm", number(felt.stiffness_ci95_n_per_mm)},
+                      {"presses", felt.presses},
+                      {"converged", felt.converged}});
+  }
+  Json points = Json::array();
+  for (const Acupoint& point : visit.acupoints) {
+    points.push_back(
+        {{"name", point.name},
+         {"position_m", {point.at_in_couch.x(), point.at_in_couch.y(), point.at_in_couch.z()}},
+         {"uncertainty_mm", number(1e3 * point.uncertainty_m)}});
+  }
+  return {
+      {"session_id", visit.id},
+      {"began", visit.began},
+      {"ended", visit.ended},
+      {"folder", visit.folder},
+      {"position", visit.position},
+      {"programme", visit.programme},
+      {"robot", visit.robot},
+      {"realism", visit.realism},
+      {"version", visit.version},
+      {"duration_s", number(visit.duration_s)},
+      {"force", {{"rmse_n", number(visit.force_rmse_n)}, {"peak_n", number(visit.force_peak_n)}}},
+      {"softer", visit.softer},
+      {"firmer", visit.firmer},
+      {"stops", visit.stops},
+      {"stop_cause", visit.stop_cause},
+      {"consent", {{"answered_by", visit.consent_by}}},
+      {"acupoints", points},
+      {"tissue", tissue}};
+}
+
+Json json_of(const LastChange& last) {
+  Json places = Json::array();
+  for (const PlaceChange& place : last.changes.places) {
+    places.push_back({{"name", place.name},
+                      {"before_n_per_mm", place.before_n_per_mm},
+                      {"after_n_per_mm", place.after_n_per_mm},
+                      {"change_percent", 100.0 * place.change},
+                      {"low_percent", 100.0 * place.low},
+                      {"high_percent", 100.0 * place.high},
+                      {"p", place.p},
+                      {"real", place.real}});
+  }
+  return {{"before", last.before->id},
+          {"after", last.after->id},
+          {"scatter_percent", 100.0 * last.changes.scatter},
+          {"scatter_assumed", last.changes.scatter_assumed},
+          {"places", places}};
+}
+
+}  // namespace
+
+std::optional<LastChange> last_change(std::span<const Visit> visits) {
+  for (std::size_t last = visits.size(); last-- > 1;) {
+    if (visits[last].tissue.empty()) continue;
+    for (std::size_t before = last; before-- > 0;) {
+      if (visits[before].tissue.empty()) continue;
+      auto changes = changes_between(visits[before], visits[last], visits.first(last));
+      if (changes.places.empty()) continue;
+      return LastChange{&visits[before], &visits[last], std::move(changes)};
+    }
+    return std::nullopt;
+  }
+  return std::nullopt;
+}
+
+std::string day_and_time(const std::string& stamp) {
+  if (stamp.size() < 16) return stamp;
+  return stamp.substr(0, 10) + " " + stamp.substr(11, 5);
+}
+
+std::string sentence_of(const LastChange& change) {
+  std::string softer, harder;
+  for (const PlaceChange& place : change.changes.places) {
+    if (!place.real) continue;
+    std::string& list = place.change < 0.0 ? softer : harder;
+    list += fmt::format("{}{} ({:+.0f} %)", list.empty() ? "" : ", ",
+                        telemetry::figures::spoken(place.name), 100.0 * place.change);
+  }
+  const std::string since = "since " + day_and_time(change.before->began);
+  if (softer.empty() && harder.empty()) {
+    return fmt::format("No change that could be told from chance at any of {} places {}.",
+                       change.changes.places.size(), since);
+  }
+  std::string sentence;
+  if (!softer.empty()) sentence = fmt::format("Softer {}: {}.", since, softer);
+  if (!harder.empty())
+    sentence += fmt::format("{}Harder {}: {}.", sentence.empty() ? "" : " ", since, harder);
+  return sentence;
+}
+
+std::string to_json(const PersonHistory& person) {
+  Json sessions = Json::array(), notes = Json::array();
+  for (const Visit& visit : person.visits) sessions.push_back(json_of(visit));
+  for (const Note& note : person.notes) notes.push_back({{"at", note.at}, {"words", note.words}});
+  const auto last = last_change(person.visits);
+  return Json{{"who", person.who},
+              {"sessions", sessions},
+              {"notes", notes},
+              {"change", last ? json_of(*last) : Json()}}
+      .dump(2);
+}
+
+std::string to_csv(const PersonHistory& person) {
+  std::string csv =
+      "session_id,began,place,alpha_n,alpha_ci95_n,beta_per_mm,beta_ci95_per_mm,"
+      "stiffness_n_per_mm,stiffness_ci95_n_per_mm,presses,converged\n";
+  for (const Visit& visit : person.visits) {
+    for (const VisitTissue& felt : visit.tissue) {
+      csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{}\n", visit.id, visit.began, felt.name,
+                         felt.alpha_n, felt.alpha_ci95_n, 1e-3 * felt.beta_per_m,
+                         1e-3 * felt.beta_ci95_per_m, felt.stiffness_n_per_mm,
+                         felt.stiffness_ci95_n_per_mm, felt.presses, felt.converged ? 1 : 0);
+    }
+  }
+  return csv;
+}
+
+}  // namespace tuina::history
