@@ -12,15 +12,32 @@ foreach(room IN LISTS TUINA_ROOMS)
   list(APPEND targets tuina_${room})
 endforeach()
 
-install(TARGETS ${targets} EXPORT tuina ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
-install(DIRECTORY tuina/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/tuina FILES_MATCHING PATTERN "*.hpp")
-install(DIRECTORY models config DESTINATION ${CMAKE_INSTALL_DATADIR}/tuina OPTIONAL)
-install(TARGETS tuina_app tuina_evaluate DESTINATION ${CMAKE_INSTALL_BINDIR})
-install(EXPORT tuina NAMESPACE tuina:: FILE tuinaTargets.cmake
-  DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/tuina)
+set(in_cmake DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/tuina COMPONENT dev)
+install(TARGETS ${targets} EXPORT tuina ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT dev)
+install(DIRECTORY tuina/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/tuina COMPONENT dev FILES_MATCHING PATTERN "*.hpp")
+install(EXPORT tuina NAMESPACE tuina:: FILE tuinaTargets.cmake ${in_cmake})
+install(DIRECTORY models config DESTINATION ${CMAKE_INSTALL_DATADIR}/tuina COMPONENT tuina)
+install(TARGETS tuina_app tuina_evaluate DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT tuina)
+install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/tuina RENAME copyright COMPONENT tuina)
+install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/libtuina-dev RENAME copyright COMPONENT dev)
+
+# The program itself says how shells complete it and what man(1) shows.
+set(said ${PROJECT_BINARY_DIR}/said)
+file(MAKE_DIRECTORY ${said})
+add_custom_command(OUTPUT ${said}/tuina ${said}/_tuina ${said}/tuina.fish ${said}/tuina.1
+  COMMAND tuina_app completion bash > ${said}/tuina
+  COMMAND tuina_app completion zsh > ${said}/_tuina
+  COMMAND tuina_app completion fish > ${said}/tuina.fish
+  COMMAND tuina_app manual > ${said}/tuina.1
+  DEPENDS tuina_app VERBATIM)
+add_custom_target(tuina_said DEPENDS ${said}/tuina.1)
+set(completion ${CMAKE_INSTALL_DATADIR})
+install(FILES ${said}/tuina DESTINATION ${completion}/bash-completion/completions COMPONENT tuina OPTIONAL)
+install(FILES ${said}/_tuina DESTINATION ${completion}/zsh/vendor-completions COMPONENT tuina OPTIONAL)
+install(FILES ${said}/tuina.fish DESTINATION ${completion}/fish/vendor_completions.d COMPONENT tuina OPTIONAL)
+install(FILES ${said}/tuina.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT tuina OPTIONAL)
 configure_package_config_file(cmake/tuinaConfig.cmake.in ${PROJECT_BINARY_DIR}/tuinaConfig.cmake
   INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/tuina)
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/tuinaConfigVersion.cmake
   COMPATIBILITY SameMinorVersion)
-install(FILES ${PROJECT_BINARY_DIR}/tuinaConfig.cmake ${PROJECT_BINARY_DIR}/tuinaConfigVersion.cmake
-  DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/tuina)
+install(FILES ${PROJECT_BINARY_DIR}/tuinaConfig.cmake ${PROJECT_BINARY_DIR}/tuinaConfigVersion.cmake ${in_cmake})

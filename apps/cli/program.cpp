@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <map>
 
+#include "apps/cli/manual.hpp"
 #include "tuina/core/io/file.hpp"
 #include "tuina/core/io/text_lines.hpp"
 
@@ -116,6 +117,36 @@ int show(const Result<Answer>& answer, const CommonOptions& common, const std::s
   return answer->exit_code;
 }
 
+/// Verbs as commands of the parser, and which verb each command is.
+std::map<const CLI::App*, Verb*> add_verbs(CLI::App& tuina, const Program& program,
+                                           CommonOptions& common, std::string& out) {
+  std::map<const CLI::App*, Verb*> verb_of;
+  std::map<std::string, CLI::App*> groups;
+  for (const auto& verb : program.verbs) {
+    // A name of two words is a verb within a group: `tissue fit`.
+    CLI::App* parent = &tuina;
+    std::string name = verb->name();
+    if (const auto space = name.find(' '); space != std::string::npos) {
+      const std::string group = name.substr(0, space);
+      CLI::App*& known = groups[group];
+      if (known == nullptr) {
+        known = tuina.add_subcommand(group, program.summary_of_group(group));
+        known->require_subcommand(0, 1);
+      }
+      parent = known;
+      name = name.substr(space + 1);
+    }
+    CLI::App* command = parent->add_subcommand(name, verb->summary());
+    command->footer(fmt::format("Example:\n  {}", verb->example()));
+    Options options(*command);
+    verb->describe(options);
+    add_common_options(*command, common, out);
+    refuse_empty_words(*command);
+    verb_of[command] = verb.get();
+  }
+  return verb_of;
+}
+
 /// The deepest verb or group that the command line named.
 const CLI::App& chosen_by(const CLI::App& tuina) {
   const CLI::App* chosen = &tuina;
@@ -154,33 +185,16 @@ int run_program(int argc, char** argv, const Program& program) {
   tuina.require_subcommand(0, 1);
 
   CommonOptions common;
-  std::string out;
-  std::map<const CLI::App*, Verb*> verb_of;
-  std::map<std::string, CLI::App*> groups;
-  for (const auto& verb : program.verbs) {
-    // A name of two words is a verb within a group: `tissue fit`.
-    CLI::App* parent = &tuina;
-    std::string name = verb->name();
-    if (const auto space = name.find(' '); space != std::string::npos) {
-      const std::string group = name.substr(0, space);
-      CLI::App*& known = groups[group];
-      if (known == nullptr) {
-        known = tuina.add_subcommand(group, program.summary_of_group(group));
-        known->require_subcommand(0, 1);
-      }
-      parent = known;
-      name = name.substr(space + 1);
-    }
-    CLI::App* command = parent->add_subcommand(name, verb->summary());
-    command->footer(fmt::format("Example:\n  {}", verb->example()));
-    Options options(*command);
-    verb->describe(options);
-    add_common_options(*command, common, out);
-    refuse_empty_words(*command);
-    verb_of[command] = verb.get();
-  }
-
+  std::string out, shell;
+  const auto verb_of = add_verbs(tuina, program, common, out);
   for (const ProgramBeside& other : program.beside) tuina.add_subcommand(other.verb, other.summary);
+  CLI::App* completion = tuina.add_subcommand("completion", "a script by which a shell completes");
+  completion->add_option("shell", shell, "bash, zsh or fish")
+      ->required()
+      ->check(CLI::IsMember({"bash", "zsh", "fish"}));
+  completion->footer("Example:\n  source <(tuina completion bash)");
+  CLI::App* manual = tuina.add_subcommand("manual", "this help as a page for man(1)");
+  manual->footer("Example:\n  tuina manual > tuina.1");
 
   try {
     tuina.parse(argc, argv);
@@ -196,6 +210,11 @@ int run_program(int argc, char** argv, const Program& program) {
   }
 
   const CLI::App& chosen = chosen_by(tuina);
+  if (&chosen == completion || &chosen == manual) {
+    const auto told = print(&chosen == manual ? manual_page(tuina, TUINA_VERSION)
+                                              : completion_script(tuina, shell));
+    return told ? 0 : explain(told.error());
+  }
   const auto found = verb_of.find(&chosen);
   if (found == verb_of.end()) {
     fmt::print(stderr, "{}", help_of(chosen));
