@@ -161,19 +161,24 @@ void add_trends(telemetry::Page& page, std::span<const Visit> visits) {
 
 void add_maps(telemetry::Page& page, std::span<const Visit> visits) {
   auto& part = page.section("The back, session by session");
-  std::vector<telemetry::Figure> maps;
+  std::vector<std::pair<const Visit*, telemetry::ReportData>> shown;
   std::vector<std::string> gone;
-  for (std::size_t i = visits.size(); i-- > 0 && maps.size() < max_maps;) {
+  double hardest_n_per_mm = 1e-9;
+  for (std::size_t i = visits.size(); i-- > 0 && shown.size() < max_maps;) {
     if (!visits[i].ended) continue;
-    const auto data = record::read_record(visits[i].folder);
+    auto data = record::read_record(visits[i].folder);
     if (!data) {
       gone.push_back(visits[i].folder);
       continue;
     }
-    auto svg = telemetry::figures::tissue(*data);
-    if (svg.empty()) continue;
-    maps.insert(maps.begin(),
-                {.svg = std::move(svg), .name = day_and_time(visits[i].began), .caption = {}});
+    for (const VisitTissue& felt : visits[i].tissue)
+      hardest_n_per_mm = std::max(hardest_n_per_mm, felt.stiffness_n_per_mm);
+    shown.insert(shown.begin(), {&visits[i], std::move(*data)});
+  }
+  std::vector<telemetry::Figure> maps;
+  for (const auto& [visit, data] : shown) {
+    if (auto svg = telemetry::figures::tissue(data, hardest_n_per_mm); !svg.empty())
+      maps.push_back({.svg = std::move(svg), .name = day_and_time(visit->began), .caption = {}});
   }
   if (maps.empty()) part.text("No session with a map of the tissue.");
   part.figures(maps, 0);

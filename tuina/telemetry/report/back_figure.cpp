@@ -111,8 +111,8 @@ std::string short_name(std::string name) {
 }
 
 /// The end of the stiffness scale: a round number at or above everything felt.
-double stiffest_shown(const ReportData& data) {
-  double hardest = 1e-9;
+double stiffest_shown(const ReportData& data, double at_least_n_per_mm = 1e-9) {
+  double hardest = at_least_n_per_mm;
   for (const FeltTissue& felt : data.tissue) hardest = std::max(hardest, felt.stiffness_n_per_mm);
   const auto round_numbers = ticks(0.0, hardest, 4);
   return round_numbers.back() + (round_numbers.back() < 0.999 * hardest ? round_numbers[1] : 0.0);
@@ -256,12 +256,12 @@ std::string tissue_curves(const ReportData& data) {
   return to_svg(plot);
 }
 
-std::string tissue(const ReportData& data) {
+std::string tissue(const ReportData& data, double scale_n_per_mm) {
   const BackPose pose = pose_of(data);
   Scene scene;
   scene.surface = person_of(data, pose);
   if (scene.surface.mesh.triangles.empty() || data.tissue.empty()) return "";
-  const double hardest = stiffest_shown(data);
+  const double hardest = stiffest_shown(data, scale_n_per_mm);
   const std::vector<FeltTissue> all_felt = last_felt(data);
   for (const Vector3& vertex : scene.surface.mesh.vertices) {
     const auto value = data.stiffness_at ? data.stiffness_at(vertex) : std::nullopt;

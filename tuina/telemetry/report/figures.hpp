@@ -12,8 +12,9 @@ namespace tuina::telemetry::figures {
 /// The scanned back with acupoints, their uncertainty and every path.
 [[nodiscard]] std::string back(const ReportData& data);
 
-/// The scanned back, coloured by the stiffness map, plain where it is blank.
-[[nodiscard]] std::string tissue(const ReportData& data);
+/// The scanned back, coloured by the stiffness map, plain where it is blank. The scale ends at the
+/// hardest place, or at `scale_n_per_mm` where that is more, so that maps can be compared.
+[[nodiscard]] std::string tissue(const ReportData& data, double scale_n_per_mm = 1e-9);
 
 /// The tangent law at each point: as estimated, and dashed as it is in truth.
 [[nodiscard]] std::string tissue_curves(const ReportData& data);
