@@ -18,10 +18,16 @@
 namespace tuina::app {
 namespace {
 
+constexpr double fully_seen = 0.95;  // of a whole back, a scan leaves some skin in folds unseen
+
 /// What people read of an answer.
 std::string words_of(const body::Mapping& mapping, std::size_t dropped_points, double compute_ms) {
   std::string words = fmt::format("{} points on a {} person, {:.0f} ms", mapping.acupoints.size(),
                                   name_of(mapping.position), compute_ms);
+  if (mapping.coverage < fully_seen) {
+    words += fmt::format("; {:.0f} % of the back is in view, the rest is guessed",
+                         100.0 * mapping.coverage);
+  }
   if (dropped_points > 0)
     words += fmt::format("; {} points were not numbers and are dropped", dropped_points);
   for (const body::PalpatedPoint& point : mapping.fixed)

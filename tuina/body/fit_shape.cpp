@@ -37,8 +37,12 @@ constexpr std::array<std::pair<double, double>, 7> starts = {{{0.0, 0.0},
                                                               {-120_mm, 0.0},
                                                               {0.0, 15_deg},
                                                               {0.0, -15_deg}}};
-constexpr double unseen_m = 15_mm;  // assumed residual of a point that the scan does not cover
-constexpr double same_side = 0.5;   // cosine between the normals of a model point and its match
+// Assumed residuals of points without a match: where the scan shows something else, and beyond its
+// rim, where it says nothing. As much for both let a model too small, which lies within a cropped
+// scan, win over the right one, which reaches beyond it.
+constexpr double contradicted_m = 15_mm;
+constexpr double unseen_m = 6_mm;
+constexpr double same_side = 0.5;  // cosine between the normals of a model point and its match
 // Weight of the residual against the mode weights when solutions are compared: neighbouring points
 // have correlated errors, modes are independent. Bent modes explain a scan from the wrong place
 // almost as well as usual ones from the right place.
@@ -94,12 +98,14 @@ void descend(const ShapeModel& model, const BackSurface& back, const Stage& stag
       const double along = normal.dot(off);
       const double across = std::sqrt(std::max(0.0, off.squaredNorm() - along * along));
       // Beyond the rim of the scan the nearest point lies sideways: the point is not covered.
-      const bool seen = std::abs(along) < stage.gate_m &&
-                        across < std::max(rim_m, 0.4 * std::abs(along)) &&
+      const bool beyond = across >= std::max(rim_m, 0.4 * std::abs(along));
+      const bool seen = !beyond && std::abs(along) < stage.gate_m &&
                         normal.dot(rotation * model.normals.col(i)) > same_side;
       trusted[row] = seen ? 1.0 / (1.0 + std::pow(along / (0.4 * stage.gate_m), 2)) : 0.0;
       off_by[row] = along;
-      const double missed = seen ? std::min(std::abs(along), unseen_m) : unseen_m;
+      const double missed = seen     ? std::min(std::abs(along), contradicted_m)
+                            : beyond ? unseen_m
+                                     : contradicted_m;
       at.residual_sum += 0.5 * information * missed * missed;
       at.match_normal[static_cast<std::size_t>(i)] = normal;
       at.residual[i] = along;
