@@ -24,6 +24,9 @@ constexpr double unusual_anyway = 1.6;
 constexpr double beyond_known = 1.3;
 constexpr double max_outlier_score = 2.7;
 
+// A rival solution this far away is another place on the person, or the head at the other end.
+constexpr double max_doubt_m = 150_mm;
+
 double unusual_allowed(const ShapeModel& shape) {
   return std::clamp(beyond_known * shape.max_outlier_score, unusual_anyway, max_outlier_score);
 }
@@ -98,6 +101,13 @@ Result<void> fit(Mapping& mapping, const BackSurface& back, const ShapeModel& sh
         "{:.1f} times as unusual as people usually are; together {:.1f}, {:.1f} allowed",
         100.0 * estimate.fit.coverage, estimate.fit.mahalanobis2_per_mode(), unusual,
         unusual_allowed(shape));
+  }
+  if (const double doubt_m = estimate.fit.label_doubt_m.maxCoeff(); doubt_m > max_doubt_m) {
+    return fail(
+        Fault::not_found,
+        "the back could lie in two places that are {:.0f} mm apart, {:.0f} allowed: the scan "
+        "fits the atlas almost as well in both",
+        to_mm(doubt_m), to_mm(max_doubt_m));
   }
   if (auto turned = check_turn(turn_of(estimate.fit, back.position())); !turned) return turned;
   Eigen::VectorXd radius95(static_cast<Eigen::Index>(shape.labels.size()));
