@@ -3,6 +3,8 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "apps/evaluation/acupoints/bad_scan_trials.hpp"
+#include "apps/evaluation/acupoints/marked_people.hpp"
 #include "apps/evaluation/acupoints/page.hpp"
 #include "apps/evaluation/acupoints/scores.hpp"
 #include "apps/evaluation/verbs.hpp"
@@ -51,6 +53,14 @@ class EvaluateAcupoints final : public Verb {
         .add("--label-noise-mm", label_noise_mm_,
              "judge against marks of a therapist who is off by this RMS distance")
         .between(0.0, 50.0);
+    options.add("--people-with-markers", marked_,
+                "instead: scans NAME.ply of people with NAME.json beside them, the marks that "
+                "somebody has felt (spinous_line, GV4_z_expected or L2L3_disc_z)");
+    options
+        .add("--bad-scans", bad_,
+             "instead: rucksacks, coats, cut and bent backs, put on so many fresh phantoms in each "
+             "position")
+        .between(1, 1000);
     options.add("--page", page_,
                 "the tables, plots and every back with its points, as one HTML file");
   }
@@ -60,6 +70,7 @@ class EvaluateAcupoints final : public Verb {
     if (depth_points_ != usual_depth_points && scan_ != "depth") {
       return fail(Fault::usage, "--depth-points is for --scan depth; this is --scan {}", scan_);
     }
+    if (!marked_.empty() || bad_ > 0) return judge_others(common);
     // One atlas for all is judged before anyone is drawn or read.
     std::optional<body::Atlas> one;
     if (folds_ == 0) {
@@ -130,6 +141,28 @@ class EvaluateAcupoints final : public Verb {
   }
 
  private:
+  /// People whom somebody has felt, or phantoms with something on the back.
+  [[nodiscard]] Result<Answer> judge_others(const CommonOptions& common) const {
+    if (!bodies_.empty() || folds_ > 0 || !page_.empty() || (!marked_.empty() && bad_ > 0)) {
+      return fail(Fault::usage,
+                  "--people-with-markers and --bad-scans judge their own people: one of them at a "
+                  "time, and without --bodies, --folds and --page");
+    }
+    const auto atlas = atlas_for_all(common);
+    if (!atlas) return tl::unexpected(atlas.error());
+    const auto bar = progress_bar(common, "evaluate");
+    if (bad_ > 0) {
+      const nlohmann::json judged = judge_bad_scans(bad_, common.seed, *atlas, bar);
+      return Answer{.json = nlohmann::json{{"bad_scans", judged}}.dump(2),
+                    .text = bad_scans_text(judged)};
+    }
+    const auto people = read_marked_people(marked_);
+    if (!people) return tl::unexpected(people.error());
+    const nlohmann::json judged = judge_marked_people(*people, *atlas, bar);
+    return Answer{.json = nlohmann::json{{"marked_people", judged}}.dump(2),
+                  .text = marked_people_text(judged)};
+  }
+
   /// Nobody is judged on a scan that was learned from.
   [[nodiscard]] static std::uint64_t learning_seed(const CommonOptions& common) {
     return common.seed + 1000003;
@@ -175,6 +208,8 @@ class EvaluateAcupoints final : public Verb {
   std::string train_;
   int folds_ = 0;
   double label_noise_mm_ = 0.0;
+  std::string marked_;
+  int bad_ = 0;
   std::string page_;
 };
 
