@@ -17,6 +17,8 @@
 #include "tuina/session/consent.hpp"
 #include "tuina/session/robot_pose.hpp"
 #include "tuina/session/taught_motion.hpp"
+#include "tuina/telemetry/mcap/reader.hpp"
+#include "tuina/telemetry/mcap/writer.hpp"
 
 namespace tuina::test {
 namespace {
@@ -201,6 +203,34 @@ std::function<bool(std::string_view)> accepts_taught(const std::string& name) {
   };
 }
 
+std::string some_mcap() {
+  std::string bytes;
+  telemetry::mcap::Writer writer([&](std::string_view more) {
+    bytes += more;
+    return Result<void>();
+  });
+  const auto channel = writer.add_channel("/t", "json", {.name = "t", .encoding = "jsonschema"});
+  for (std::uint64_t i = 0; i < 40; ++i) {
+    demand(writer.write(channel, i * 100'000'000, R"({"i": 1})").has_value(), "written");
+  }
+  demand(writer.attach({.name = "a", .data = {"b"}}).has_value(), "written");
+  demand(writer.finish().has_value(), "written");
+  return bytes;
+}
+
+/// A damaged file gives what is whole of it; it is accepted where all is.
+bool accepts_mcap(std::string_view content) {
+  std::uint64_t seen = 0;
+  const auto contents = telemetry::mcap::read(
+      content, [&](const telemetry::mcap::Contents& file, const telemetry::mcap::Message& one) {
+        ++seen;
+        demand(file.channels.contains(one.channel_id), "a message has a channel");
+      });
+  if (!contents) return false;
+  demand(contents->messages == seen, "messages are counted");
+  return contents->lost.empty();
+}
+
 }  // namespace
 
 std::vector<Parser> session_parsers() {
@@ -227,6 +257,7 @@ std::vector<Parser> session_parsers() {
            accepts_urdf},
           {"plan.json", {record::to_json(some_plan())}, accepts_plan},
           {"session.json", {record::to_json(some_session())}, accepts_session},
+          {"mcap", {some_mcap()}, accepts_mcap},
           {"touches.csv", {some_touches()}, accepts_touches},
           {"taught.toml", {motion}, accepts_taught("fro.toml")},
           {"taught.csv", {samples}, accepts_taught("fro.csv")}};

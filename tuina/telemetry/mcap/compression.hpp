@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace tuina::telemetry::mcap {
+
+/// CRC-32 of zlib, which MCAP uses; `before` goes on with that of the bytes before.
+[[nodiscard]] std::uint32_t crc32(std::string_view bytes, std::uint32_t before = 0);
+
+/// Compresses with zstd; its memory is used again each time.
+class Compressor {
+ public:
+  explicit Compressor(int level);
+  /// One frame, which states the size of its content. It lives until the next call.
+  [[nodiscard]] std::string_view compress(std::string_view bytes);
+
+ private:
+  std::unique_ptr<void, void (*)(void*)> context_;
+  int level_;
+  std::string frame_;
+};
+
+/// The content of a zstd frame that says that it has `size` bytes; nothing where it has not.
+[[nodiscard]] std::optional<std::string> decompress(std::string_view frame, std::uint64_t size);
+/// The size that a zstd frame states of its content; nothing where it states none.
+[[nodiscard]] std::optional<std::uint64_t> stated_size(std::string_view frame);
+
+}  // namespace tuina::telemetry::mcap
