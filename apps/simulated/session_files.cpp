@@ -192,6 +192,14 @@ Result<void> write_session(const SessionResult& result, const session::Config& c
   return write_file(folder / "report.html", telemetry::report_page(*report));
 }
 
+Result<void> finish_record(SessionResult& result, const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> files;
+  for (const char* name : {"session.json", "scan.ply", "acupoints.json", "plan.json", "trace.csv",
+                           "joints.csv", "distances.csv", "report.html"})
+    files.push_back(folder / name);
+  return result.recorder->finish(result.last_tick, files);
+}
+
 std::string session_text(const record::SessionFile& file) {
   std::string text = fmt::format(
       "{} ({}): {} points scanned, acupoints within {:.1f} mm (largest error {:.1f} mm)\n"

@@ -20,6 +20,11 @@ namespace tuina::app {
                                          const std::string& json,
                                          const std::filesystem::path& folder);
 
+/// Closes the record of a session, with the files attached that `write_session` has left in the
+/// folder.
+[[nodiscard]] Result<void> finish_record(SessionResult& result,
+                                         const std::filesystem::path& folder);
+
 /// What happened, in a few lines for people.
 [[nodiscard]] std::string session_text(const record::SessionFile& file);
 

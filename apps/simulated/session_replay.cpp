@@ -11,19 +11,22 @@ namespace tuina::app {
 
 using nlohmann::json;
 
-Result<RecordedSession> read_session(const std::filesystem::path& folder) {
-  const std::string name = (folder / "session.json").string();
+Result<RecordedSession> read_session(const std::filesystem::path& folder_or_mcap) {
+  auto folder = record::SessionFolder::open(folder_or_mcap);
+  if (!folder) return tl::unexpected(folder.error());
+  const std::string name = folder->path() / "session.json";
   auto text = read_file(name);
-  if (!text) return tl::unexpected(text.error());
-  auto config = session::load_config(folder / "config.toml");
-  if (!config) return tl::unexpected(config.error());
+  if (!text) return tl::unexpected(folder->explained(text.error()));
+  auto config = session::load_config(folder->path() / "config.toml");
+  if (!config) return tl::unexpected(folder->explained(config.error()));
   auto recorded = record::parse_session(*text, name);
-  if (!recorded) return tl::unexpected(recorded.error());
-  recorded->order.consent = (folder / "consent.toml").string();
+  if (!recorded) return tl::unexpected(folder->explained(recorded.error()));
+  recorded->order.consent = folder->path() / "consent.toml";
   return RecordedSession{.order = std::move(recorded->order),
                          .config = std::move(*config),
                          .seed = recorded->seed,
-                         .json = std::move(*text)};
+                         .json = std::move(*text),
+                         .folder = std::move(*folder)};
 }
 
 std::vector<std::string> differences(const std::string& recorded_json,

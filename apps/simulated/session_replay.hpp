@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "apps/simulated/session_order.hpp"
+#include "tuina/record/session_folder.hpp"
 
 namespace tuina::app {
 
@@ -15,12 +16,13 @@ struct RecordedSession {
   SessionOrder order;
   session::Config config;
   std::uint64_t seed = 0;
-  std::string json;  ///< text of session.json
+  std::string json;              ///< text of session.json
+  record::SessionFolder folder;  ///< its files, which the order may name
 };
 
-/// From session.json, config.toml and consent.toml. Refused: what is missing or of another kind,
-/// with file and key.
-[[nodiscard]] Result<RecordedSession> read_session(const std::filesystem::path& folder);
+/// From session.json, config.toml and consent.toml in the folder of a session or in its
+/// session.mcap. Refused: what is missing or of another kind, with file and key.
+[[nodiscard]] Result<RecordedSession> read_session(const std::filesystem::path& folder_or_mcap);
 
 /// Keys in which two sessions differ, with both values; times of computing do not count.
 [[nodiscard]] std::vector<std::string> differences(const std::string& recorded_json,

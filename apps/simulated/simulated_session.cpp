@@ -8,6 +8,7 @@
 #include "apps/simulated/keyboard.hpp"
 #include "apps/simulated/robot_process.hpp"
 #include "apps/simulated/truth_recorder.hpp"
+#include "tuina/core/io/file.hpp"
 #include "tuina/session/relay.hpp"
 
 namespace tuina::app {
@@ -51,19 +52,21 @@ class ProgressBars final : public session::Observer {
   std::vector<Progress> bars_;
 };
 
-/// The joints, twenty times a second.
+/// The joints, twenty times a second, and when the last millisecond was.
 class JointRecorder final : public session::Observer {
  public:
   void on_tick(const session::Tick& tick) noexcept override {
+    last_tick = tick.reading.tick;
     constexpr std::uint64_t rows_every_ticks = 50;
     if (tick.reading.tick % rows_every_ticks != 0) return;
     const auto& arms = tick.reading.arms;
     rows.push_back({.time_s = tick.reading.time_s,
                     .rail_m = tick.reading.rail_m,
                     .q_rad = {.of = {arms[Arm::left].q_rad, arms[Arm::right].q_rad}},
-                    .torque_nm = tick.command.torque_nm});
+                    .torque_nm = tick.verdict.command.torque_nm});
   }
   std::vector<record::JointRow> rows;
+  std::uint64_t last_tick = 0;  ///< of the session
 };
 
 /// The processes that an order asks for; null when all is to happen in this one.
@@ -76,6 +79,32 @@ Result<std::unique_ptr<Processes>> processes_of(const SessionOrder& order,
   if (!common.config_file.empty()) same.insert(same.end(), {"--config", common.config_file});
   for (const std::string& setting : common.settings) same.insert(same.end(), {"--set", setting});
   return Processes::start(same, order.real_time ? link::Pace::real : link::Pace::max, order.link);
+}
+
+Result<std::string> text_of_programme(const std::string& name_or_file) {
+  for (const massage::ShippedProgramme& shipped : massage::shipped_programmes())
+    if (shipped.name == name_or_file) return std::string(shipped.toml);
+  return read_file(name_or_file);
+}
+
+/// A record of the session, begun with what is known before it; null without a file for it.
+Result<std::unique_ptr<record::SessionRecorder>> recorder_of(const std::filesystem::path& file,
+                                                             const SessionOrder& order,
+                                                             const SimulatedRoom& room,
+                                                             const session::Config& config,
+                                                             std::uint64_t seed) {
+  if (file.empty()) return std::unique_ptr<record::SessionRecorder>();
+  record::SessionStart start{
+      .seed = seed,
+      .version = TUINA_VERSION,
+      .order = order,
+      .answered_by = room.order.consent.answered_by,
+      .robot = room.order.robot,
+      .attached = {{"config.toml", session::to_toml(config)}, {"consent.toml", room.consent_toml}}};
+  auto programme = text_of_programme(order.programme);
+  if (!programme) return tl::unexpected(programme.error());
+  start.attached.emplace_back("programme.toml", std::move(*programme));
+  return record::SessionRecorder::begin(file, start);
 }
 
 }  // namespace
@@ -104,7 +133,8 @@ double scan_to_touch_s(const SessionResult& result) {
 
 Result<SessionResult> run_simulated_session(const SessionOrder& order,
                                             const session::Config& config,
-                                            const CommonOptions& common) {
+                                            const CommonOptions& common,
+                                            const std::filesystem::path& record_file) {
   auto room = make_room(order, config, common);
   if (!room) return tl::unexpected(room.error());
   sim::World& world = *room->world;
@@ -115,8 +145,10 @@ Result<SessionResult> run_simulated_session(const SessionOrder& order,
   ProgressBars bars(common);
   SessionResult result{.person = world.person(),
                        .consent = room->order.consent,
-                       .consent_toml = std::move(room->consent_toml),
+                       .consent_toml = room->consent_toml,
                        .realism = config.simulation.realism};
+  auto recorder = recorder_of(record_file, order, *room, config, common.seed);
+  if (!recorder) return tl::unexpected(recorder.error());
   {
     // A terminal may be slow; the truth is read in the millisecond in which it is true.
     session::Relay terminal(bars);
@@ -124,6 +156,12 @@ Result<SessionResult> run_simulated_session(const SessionOrder& order,
     if (!processes) return tl::unexpected(processes.error());
     std::optional<LinkedTruth> told;
     std::vector<session::Observer*> all = {&truth, &joints, &terminal};
+    std::optional<session::Relay> record;
+    if (*recorder) {
+      using Behind = session::Relay::Behind;
+      all.push_back(
+          &record.emplace(**recorder, order.real_time ? Behind::leave_out : Behind::wait));
+    }
     if (*processes) {
       told.emplace((*processes)->truth(), world);
       all.insert(all.begin(), &*told);
@@ -133,11 +171,18 @@ Result<SessionResult> run_simulated_session(const SessionOrder& order,
     auto session = session::run(
         {world.camera(), world.turntable(), linked != nullptr ? *linked : world.robot(), linked},
         room->order, config, observers);
-    if (!session) return tl::unexpected(session.error());
+    record.reset();
+    if (!session) {
+      // The error of the session is the one to show.
+      if (*recorder && (*recorder)->ticks() > 0) (void)(*recorder)->finish(joints.last_tick);
+      return tl::unexpected(session.error());
+    }
     result.session = std::move(*session);
   }
+  result.recorder = std::move(*recorder);
   result.truth = truth.finish();
   result.joints = std::move(joints.rows);
+  result.last_tick = joints.last_tick;
   return result;
 }
 

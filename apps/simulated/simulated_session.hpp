@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <filesystem>
 #include <limits>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,6 +12,7 @@
 #include "apps/simulated/given_presses.hpp"
 #include "apps/simulated/session_order.hpp"
 #include "tuina/massage/zones.hpp"
+#include "tuina/record/session_recorder.hpp"
 #include "tuina/record/session_tables.hpp"
 #include "tuina/session/force_errors.hpp"
 #include "tuina/session/run.hpp"
@@ -54,6 +57,9 @@ struct SessionResult {
   std::string consent_toml;              ///< answers as they were given
   std::string realism = "ideal";         ///< of the world it happened in
   std::vector<record::JointRow> joints;  ///< joints, twenty times a second
+  std::uint64_t last_tick = 0;           ///< the last millisecond of the session
+  /// Record that was asked for, not finished yet; else null.
+  std::unique_ptr<record::SessionRecorder> recorder;
 
   [[nodiscard]] double real_time_factor() const { return session.massage_s / session.compute_s; }
 };
@@ -65,9 +71,10 @@ struct SessionResult {
 /// From the beginning of the scan to the first touch, computing included.
 [[nodiscard]] double scan_to_touch_s(const SessionResult& result);
 
-/// `session::run` in a simulated world, with the truth written down beside it.
-[[nodiscard]] Result<SessionResult> run_simulated_session(const SessionOrder& order,
-                                                          const session::Config& config,
-                                                          const CommonOptions& common);
+/// `session::run` in a simulated world, with the truth written down beside it. With `record_file`
+/// the session is recorded into it; one that fails after the massage has begun leaves its record.
+[[nodiscard]] Result<SessionResult> run_simulated_session(
+    const SessionOrder& order, const session::Config& config, const CommonOptions& common,
+    const std::filesystem::path& record_file = {});
 
 }  // namespace tuina::app

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <filesystem>
+#include <optional>
 
 #include "apps/simulated/keyboard.hpp"
 #include "apps/simulated/session_files.hpp"
@@ -26,7 +27,8 @@ class Massage final : public Verb {
   void describe(Options& options) override {
     auto replay = options.add(
         "--replay", replay_,
-        "the folder of a session: the same once more, with its seed and live commands, compared");
+        "the folder of a session or its session.mcap: the same once more, with its seed and live "
+        "commands, compared");
     options
         .add("--person", order_.person,
              "phantom:slim, phantom:medium, phantom:hefty, or a labelled body FILE.ply")
@@ -71,7 +73,7 @@ class Massage final : public Verb {
     options
         .add("--out", out_,
              "folder for session.json, scan.ply, acupoints.json, plan.json, trace.csv, joints.csv, "
-             "distances.csv, report.html")
+             "distances.csv, session.mcap, report.html")
         .show_default();
     // What a recorded session tells by itself.
     for (const char* recorded : {"--person", "--position", "--programme", "--robot", "--no-go",
@@ -86,24 +88,15 @@ class Massage final : public Verb {
     auto config = effective_config(common);
     if (!config) return tl::unexpected(config.error());
     take_words();
-    std::string recorded;
+    std::optional<RecordedSession> recorded;
     if (!replay_.empty()) {
-      auto session = read_session(replay_);
+      auto session = recorded_session(given);
       if (!session) return tl::unexpected(session.error());
-      const CommonOptions usual;
-      if (!given.config_file.empty() || !given.settings.empty() || given.seed != usual.seed) {
-        return fail(Fault::usage, "--replay: the session has its own seed and configuration");
-      }
-      std::error_code same;
-      if (std::filesystem::equivalent(replay_, out_, same)) {
-        return fail(Fault::usage, "--out {}: is the session that is given once more", out_);
-      }
-      const bool real_time = order_.real_time;
-      order_ = std::move(session->order);
-      order_.real_time = real_time;
-      *config = session->config;
-      common.seed = session->seed;
-      recorded = std::move(session->json);
+      recorded.emplace(std::move(*session));
+      recorded->order.real_time = order_.real_time;
+      order_ = recorded->order;
+      *config = recorded->config;
+      common.seed = recorded->seed;
     }
     const auto made = make_folder();
     if (!made) return tl::unexpected(made.error());
@@ -114,7 +107,8 @@ class Massage final : public Verb {
     };
     auto visit = begin_visit();
     if (!visit) return nothing_done(visit.error());
-    const auto result = run_simulated_session(order_, *config, common);
+    auto result = run_simulated_session(order_, *config, common,
+                                        std::filesystem::path(out_) / "session.mcap");
     if (!result) return nothing_done(result.error());
 
     record::SessionFile file = session_file(*result, order_, common.seed);
@@ -125,13 +119,18 @@ class Massage final : public Verb {
     if (const auto written = write_session(*result, *config, answer.json, out_); !written) {
       return tl::unexpected(written.error());
     }
+    if (const auto kept = finish_record(*result, out_); !kept) {
+      return tl::unexpected(kept.error());
+    }
+    if (const std::uint64_t missing = result->recorder->missing_ms(); missing > 0)
+      answer.text += fmt::format("\n{} ms are missing in session.mcap", missing);
     if (visit->history) {
       const auto told = end_visit(*visit->history, file);
       if (!told) return tl::unexpected(told.error());
       answer.text += "\n" + *told;
     }
-    if (!recorded.empty()) {
-      const auto differ = differences(recorded, answer.json);
+    if (recorded) {
+      const auto differ = differences(recorded->json, answer.json);
       answer.text += differ.empty() ? "\nas recorded"
                                     : fmt::format("\n{} values differ from the record, first {}",
                                                   differ.size(), differ.front());
@@ -186,6 +185,17 @@ class Massage final : public Verb {
     std::string text = fmt::format("{}: session {}", who_, visits->size());
     if (const auto last = history::last_change(*visits)) text += "\n" + history::sentence_of(*last);
     return text;
+  }
+  /// The session of --replay, where the other options leave it as it is.
+  [[nodiscard]] Result<RecordedSession> recorded_session(const CommonOptions& given) const {
+    const CommonOptions usual;
+    if (!given.config_file.empty() || !given.settings.empty() || given.seed != usual.seed)
+      return fail(Fault::usage, "--replay: the session has its own seed and configuration");
+    std::error_code same;
+    if (std::filesystem::equivalent(replay_, out_, same) ||
+        std::filesystem::equivalent(replay_, std::filesystem::path(out_) / "session.mcap", same))
+      return fail(Fault::usage, "--out {}: is the session that is given once more", out_);
+    return read_session(replay_);
   }
 
   SessionOrder order_;

@@ -3,6 +3,7 @@
 
 #include "apps/tuina/verbs.hpp"
 #include "tuina/core/io/file.hpp"
+#include "tuina/record/session_folder.hpp"
 #include "tuina/record/session_report.hpp"
 #include "tuina/telemetry/report/page.hpp"
 
@@ -14,19 +15,22 @@ class Report final : public Verb {
  public:
   [[nodiscard]] const char* name() const override { return "report"; }
   [[nodiscard]] const char* summary() const override {
-    return "the page of a recorded session, made again from its folder";
+    return "the page of a recorded session, made again from its folder or its session.mcap";
   }
   [[nodiscard]] const char* example() const override {
     return "tuina massage --out my-report\n  tuina report my-report --out page.html";
   }
   void describe(Options& options) override {
-    options.add("folder", folder_, "of `tuina massage --out`").required();
+    options.add("record", record_, "the folder of `tuina massage --out`, or the session.mcap in it")
+        .required();
     options.add("--out", out_, "one self-contained HTML page").required();
   }
 
   [[nodiscard]] Result<Answer> run(const CommonOptions&) override {
-    const auto data = record::read_record(folder_);
-    if (!data) return tl::unexpected(data.error());
+    const auto folder = record::SessionFolder::open(record_);
+    if (!folder) return tl::unexpected(folder.error());
+    const auto data = record::read_record(folder->path());
+    if (!data) return tl::unexpected(folder->explained(data.error()));
     const std::string page = telemetry::report_page(*data);
     if (const auto written = write_file(out_, page); !written)
       return tl::unexpected(written.error());
@@ -40,7 +44,7 @@ class Report final : public Verb {
   }
 
  private:
-  std::string folder_, out_;
+  std::string record_, out_;
 };
 
 }  // namespace

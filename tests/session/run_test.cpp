@@ -129,6 +129,26 @@ TEST_CASE("an observer that hangs does not delay the session: it misses what a r
   CHECK(observer.ticks + left_out == given);
 }
 
+TEST_CASE("a session whose clock nobody lives by may wait for its observer: nothing is left out") {
+  class Slow final : public Observer {
+   public:
+    void on_scan(const scanner::Scan&) override { scan_after = ticks; }
+    void on_tick(const Tick&) noexcept override {
+      if (++ticks % 1000 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    std::uint64_t ticks = 0, scan_after = 0;
+  } slow;
+  {
+    Relay relay(slow, Relay::Behind::wait);
+    for (std::uint64_t i = 0; i < 20000; ++i) relay.on_tick({});
+    // A new scan comes after the milliseconds before it, and from one thread at a time.
+    relay.on_scan({});
+    CHECK(relay.left_out() == 0);
+  }
+  CHECK(slow.ticks == 20000);
+  CHECK(slow.scan_after == 20000);
+}
+
 TEST_CASE("every millisecond reaches an observer that keeps up, in order") {
   class Count final : public Observer {
    public:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tuina/telemetry/mcap/ros_messages.hpp"
+#include "tuina/telemetry/mcap/ros_markers.hpp"
 
 #include <doctest/doctest.h>
 

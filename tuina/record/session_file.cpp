@@ -9,20 +9,6 @@
 namespace tuina::record {
 namespace {
 
-constexpr auto order_fields = [](auto& visit, auto& order) {
-  visit("person", order.person);
-  visit("position", order.position);
-  visit("programme", order.programme);
-  visit.maybe("robot", order.robot);  // a version that knew one robot may have written it
-  visit("method", order.method);
-  visit("atlas", order.atlas);
-  visit("no_go", order.no_go);
-  visit("robot_pose", order.robot_pose);
-  visit("body_mass_index", order.facts.mass_index);
-  visit("body_fat_percent", order.facts.fat_percent);
-  visit("adaptive", order.adaptive);
-};
-
 constexpr auto found_fields = [](auto& visit, auto& found) {
   visit("name", found.acupoint.name);
   acupoint_fields(visit, found.acupoint);
@@ -113,16 +99,6 @@ constexpr auto command_fields = [](auto& visit, auto& given) {
   visit("command", given.second);
 };
 
-constexpr auto decision_fields = [](auto& visit, auto& made) {
-  visit("time_s", made.time_s);
-  visit("arm", made.arm);
-  visit("path", made.path);
-  visit("rule", made.rule);
-  visit("reason", made.reason);
-  visit("from_n", made.from_n);
-  visit("to_n", made.to_n);
-};
-
 constexpr auto felt_fields = [](auto& visit, auto& felt) {
   auto& estimate = felt.estimate;
   visit("name", felt.name);
@@ -158,11 +134,6 @@ constexpr auto change_fields = [](auto& visit, auto& change) {
   visit("change_percent", change.change, percent);
   visit("detectable_percent", change.detectable, percent);
   visit("detected", change.detected);
-};
-
-constexpr auto stop_fields = [](auto& visit, auto& stop) {
-  visit("time_s", stop.time_s);
-  visit("cause", stop.cause);
 };
 
 constexpr auto visit_fields = [](auto& visit, auto& label) {

@@ -29,4 +29,33 @@ inline constexpr auto force_fields = [](auto& visit, auto& errors) {
   visit("overshoot_n", errors.overshoot_n);
 };
 
+inline constexpr auto order_fields = [](auto& visit, auto& order) {
+  visit("person", order.person);
+  visit("position", order.position);
+  visit("programme", order.programme);
+  visit.maybe("robot", order.robot);  // a version that knew one robot may have written it
+  visit("method", order.method);
+  visit("atlas", order.atlas);
+  visit("no_go", order.no_go);
+  visit("robot_pose", order.robot_pose);
+  visit("body_mass_index", order.facts.mass_index);
+  visit("body_fat_percent", order.facts.fat_percent);
+  visit("adaptive", order.adaptive);
+};
+
+inline constexpr auto decision_fields = [](auto& visit, auto& made) {
+  visit("time_s", made.time_s);
+  visit("arm", made.arm);
+  visit("path", made.path);
+  visit("rule", made.rule);
+  visit("reason", made.reason);
+  visit("from_n", made.from_n);
+  visit("to_n", made.to_n);
+};
+
+inline constexpr auto stop_fields = [](auto& visit, auto& stop) {
+  visit("time_s", stop.time_s);
+  visit("cause", stop.cause);
+};
+
 }  // namespace tuina::record

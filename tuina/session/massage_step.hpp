@@ -26,6 +26,11 @@ namespace tuina::session {
 
 /// What one arm is doing; the order is that of one contact.
 enum class ArmPhase : std::uint8_t { waiting, travel, approach, contact, retract, stopped };
+[[nodiscard]] constexpr const char* name_of(ArmPhase phase) noexcept {
+  constexpr const char* names[] = {"waiting", "travel",  "approach",
+                                   "contact", "retract", "stopped"};
+  return names[static_cast<std::size_t>(phase)];
+}
 
 /// One arm in one millisecond, for whoever records or draws.
 struct ArmView {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -19,12 +20,17 @@ enum class Stage : std::uint8_t { scan, map, plan, massage };
   return names[static_cast<std::size_t>(stage)];
 }
 
-/// One millisecond of a massage as it was carried out. It has a fixed size and owns no heap.
+/// One millisecond of a massage as it was carried out. It has a fixed size and owns no heap. Of
+/// what happens there is one of each kind in a millisecond; a second one comes in the next.
 struct Tick {
   robot::RobotReading reading;
-  robot::RobotCommand command;  ///< torques that the guards allowed
+  safety::RobotVerdict verdict;
   PerArm<ArmView> view;
-  std::size_t performed = 0;  ///< paths ended so far, in this plan
+  std::size_t performed = 0;             ///< paths ended so far, in this plan
+  std::optional<LiveCommand> commanded;  ///< somebody asked for it now
+  std::optional<Performed> ended;        ///< a path of this plan
+  std::optional<Decision> decided;
+  std::optional<Stop> stopped;
 };
 
 /// Whoever watches a session: a record, a progress bar, a page. Nothing that an observer does

@@ -7,8 +7,11 @@
 
 namespace tuina::session {
 
-Relay::Relay(Observer& slow)
-    : slow_(slow), ring_(std::make_unique<Ring<Tick, ticks>>()), thread_([this] { carry(); }) {}
+Relay::Relay(Observer& slow, Behind behind)
+    : slow_(slow),
+      behind_(behind),
+      ring_(std::make_unique<Ring<Tick, ticks>>()),
+      thread_([this] { carry(); }) {}
 
 Relay::~Relay() {
   ends_ = true;
@@ -23,28 +26,35 @@ void Relay::on_progress(Stage stage, double share) noexcept {
   }
 }
 
+void Relay::on_scan(const scanner::Scan& scan) {
+  if (caught_up()) slow_.on_scan(scan);
+}
+
+void Relay::on_map(const body::Mapping& map) {
+  if (caught_up()) slow_.on_map(map);
+}
+
 void Relay::on_plan(const motion::ReadyPlan& plan, const Transform& base_from_couch) {
-  // The old plan goes, and the observer may still be reading it.
-  constexpr double patience_s = 1.0;
-  given_up_ = given_up_ || !empties_within(patience_s);
-  if (!given_up_) slow_.on_plan(plan, base_from_couch);
+  if (caught_up()) slow_.on_plan(plan, base_from_couch);
 }
 
 void Relay::on_tick(const Tick& tick) noexcept {
-  if (!given_up_ && ring_->push(tick)) {
-    ++pushed_;
-  } else {
-    ++left_out_;
+  bool pushed = !given_up_ && ring_->push(tick);
+  while (!pushed && behind_ == Behind::wait) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    pushed = ring_->push(tick);
   }
+  ++(pushed ? pushed_ : left_out_);
 }
 
-bool Relay::empties_within(double seconds) const noexcept {
+bool Relay::caught_up() noexcept {
+  constexpr double patience_s = 1.0;
   const Stopwatch watch;
-  while (carried_ != pushed_) {
-    if (watch.seconds() > seconds) return false;
+  while (!given_up_ && carried_ != pushed_) {
+    given_up_ = behind_ == Behind::leave_out && watch.seconds() > patience_s;
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
-  return true;
+  return !given_up_;
 }
 
 void Relay::carry() {

@@ -13,21 +13,26 @@ namespace tuina::session {
 
 /// Carries the milliseconds of a session to an observer that may be slow - a terminal, a file, a
 /// network - on a thread of its own. The session never waits for it: when the observer falls more
-/// than four seconds behind, milliseconds are left out and counted. What comes before the massage
-/// is passed on at once; `on_performed` is not, since a `Tick` counts the performed paths. An
-/// observer that has not caught up within a second when a new plan comes is told nothing any more.
+/// than four seconds behind, milliseconds are left out and counted. Only a simulation whose clock
+/// nobody lives by may wait (`Behind::wait`). Scan, map and plan are
+/// passed on at once, after the milliseconds before them; `on_performed` is not, since a `Tick`
+/// tells of the path that ended. An observer that has not caught up within a second when one of
+/// them comes is told nothing any more.
 class Relay final : public Observer {
  public:
+  /// What becomes of a millisecond for which there is no room.
+  enum class Behind : std::uint8_t { leave_out, wait };
+
   /// `slow` must outlive it.
-  explicit Relay(Observer& slow);
+  explicit Relay(Observer& slow, Behind behind = Behind::leave_out);
   /// Passes on what is left, then ends.
   ~Relay() override;
   Relay(const Relay&) = delete;
   Relay& operator=(const Relay&) = delete;
 
   void on_progress(Stage stage, double share) noexcept override;
-  void on_scan(const scanner::Scan& scan) override { slow_.on_scan(scan); }
-  void on_map(const body::Mapping& map) override { slow_.on_map(map); }
+  void on_scan(const scanner::Scan& scan) override;
+  void on_map(const body::Mapping& map) override;
   void on_plan(const motion::ReadyPlan& plan, const Transform& base_from_couch) override;
   void on_tick(const Tick& tick) noexcept override;
 
@@ -36,10 +41,12 @@ class Relay final : public Observer {
 
  private:
   void carry();
-  [[nodiscard]] bool empties_within(double seconds) const noexcept;
+  /// Waits until the observer has seen every millisecond; false once it has taken too long.
+  [[nodiscard]] bool caught_up() noexcept;
 
   static constexpr std::size_t ticks = 4096;
   Observer& slow_;
+  Behind behind_;
   std::unique_ptr<Ring<Tick, ticks>> ring_;
   std::atomic<double> massage_share_ = -1.0;
   std::uint64_t pushed_ = 0;                ///< milliseconds given to the ring

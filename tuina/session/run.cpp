@@ -2,6 +2,7 @@
 #include "tuina/session/run.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "tuina/core/stopwatch.hpp"
 #include "tuina/core/units.hpp"
@@ -73,6 +74,27 @@ MassageOptions massage_options(const Order& order, const Config& config, const S
           .cautious = config.massage.cautious};
 }
 
+/// How much of what happens in a massage observers were told.
+struct Happened {
+  std::optional<LiveCommand> commanded;
+  std::size_t ended = 0, decided = 0, stopped = 0;
+
+  [[nodiscard]] Tick tick(const robot::RobotReading& reading, const safety::RobotVerdict& verdict,
+                          const MassageStep& massage) noexcept {
+    const auto next = []<typename T>(const std::vector<T>& all, std::size_t& told) {
+      return told < all.size() ? std::optional(all[told++]) : std::nullopt;
+    };
+    return {.reading = reading,
+            .verdict = verdict,
+            .view = massage.view(),
+            .performed = massage.performed().size(),
+            .commanded = std::exchange(commanded, std::nullopt),
+            .ended = next(massage.performed(), ended),
+            .decided = next(massage.decisions(), decided),
+            .stopped = next(massage.stops(), stopped)};
+  }
+};
+
 /// Carries the plan of the session out. Returns whether the person lies elsewhere than scanned.
 Result<bool> carry_out(Devices devices, const Order& order, const Config& config,
                        Observer& observer, Session& session) {
@@ -88,6 +110,7 @@ Result<bool> carry_out(Devices devices, const Order& order, const Config& config
   double ended_s = -1.0;
   bool late = false;
   std::size_t told = 0;
+  Happened happened;
   const Stopwatch watch;
 
   const auto propose = [&](const robot::RobotReading& reading) {
@@ -95,6 +118,7 @@ Result<bool> carry_out(Devices devices, const Order& order, const Config& config
       massage.obey(*command);
       if (*command == LiveCommand::stop) devices.supervisor->expect_stop();
       session.commands.emplace_back(reading.time_s, *command);
+      happened.commanded = command;
     }
     return massage.propose(reading);
   };
@@ -102,10 +126,7 @@ Result<bool> carry_out(Devices devices, const Order& order, const Config& config
     massage.heed(verdict);
     session.massage_s = reading.time_s;
     while (told < massage.performed().size()) observer.on_performed(massage.performed()[told++]);
-    observer.on_tick({.reading = reading,
-                      .command = verdict.command,
-                      .view = massage.view(),
-                      .performed = massage.performed().size()});
+    observer.on_tick(happened.tick(reading, verdict, massage));
     if (ended_s < 0.0 && massage.finished()) {
       ended_s = reading.time_s;
       if (!massage.wants_scan()) return false;

@@ -14,17 +14,19 @@ std::uint32_t crc32(std::string_view bytes, std::uint32_t before) {
       ::crc32_z(before, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
 }
 
-Compressor::Compressor(int level)
+Compressor::Compressor(Search search)
     : context_(ZSTD_createCCtx(),
-               [](void* context) { ZSTD_freeCCtx(static_cast<ZSTD_CCtx*>(context)); }),
-      level_(level) {
+               [](void* context) { ZSTD_freeCCtx(static_cast<ZSTD_CCtx*>(context)); }) {
   if (!context_) throw std::bad_alloc();
+  auto* context = static_cast<ZSTD_CCtx*>(context_.get());
+  ZSTD_CCtx_setParameter(context, ZSTD_c_compressionLevel, search.level);
+  ZSTD_CCtx_setParameter(context, ZSTD_c_minMatch, search.min_match);
 }
 
 std::string_view Compressor::compress(std::string_view bytes) {
   frame_.resize(std::max(frame_.size(), ZSTD_compressBound(bytes.size())));
-  const std::size_t size = ZSTD_compressCCtx(static_cast<ZSTD_CCtx*>(context_.get()), frame_.data(),
-                                             frame_.size(), bytes.data(), bytes.size(), level_);
+  const std::size_t size = ZSTD_compress2(static_cast<ZSTD_CCtx*>(context_.get()), frame_.data(),
+                                          frame_.size(), bytes.data(), bytes.size());
   // With room for the worst case, only memory can be missing.
   if (ZSTD_isError(size) != 0) throw std::bad_alloc();
   return std::string_view(frame_).substr(0, size);

@@ -13,16 +13,23 @@ namespace tuina::telemetry::mcap {
 /// CRC-32 of zlib, which MCAP uses; `before` goes on with that of the bytes before.
 [[nodiscard]] std::uint32_t crc32(std::string_view bytes, std::uint32_t before = 0);
 
+/// How zstd looks for what repeats. Rows of numbers, of which some bytes change and some do not,
+/// are told best by its fastest search and matches of four bytes: `rows`.
+struct Search {
+  int level = 1;
+  int min_match = 0;  ///< bytes; 0: as the level has it
+};
+inline constexpr Search rows{.level = 1, .min_match = 4}, texts{.level = 9};
+
 /// Compresses with zstd; its memory is used again each time.
 class Compressor {
  public:
-  explicit Compressor(int level);
+  explicit Compressor(Search search);
   /// One frame, which states the size of its content. It lives until the next call.
   [[nodiscard]] std::string_view compress(std::string_view bytes);
 
  private:
   std::unique_ptr<void, void (*)(void*)> context_;
-  int level_;
   std::string frame_;
 };
 

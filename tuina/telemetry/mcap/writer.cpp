@@ -8,7 +8,7 @@
 namespace tuina::telemetry::mcap {
 
 Writer::Writer(Sink sink, const WriterOptions& options)
-    : sink_(std::move(sink)), options_(options), compressor_(options.zstd_level) {
+    : sink_(std::move(sink)), options_(options), compressor_(options.search) {
   std::string front(magic);
   append_record(front, Header{.profile = options.profile, .library = options.library});
   put(front);

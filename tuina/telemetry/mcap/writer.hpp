@@ -17,7 +17,7 @@ namespace tuina::telemetry::mcap {
 struct WriterOptions {
   std::string profile = "ros2";
   std::string library = "tuina";
-  int zstd_level = 3;
+  Search search = rows;
   /// A chunk ends when a message comes that is so much later than its first, or with so many bytes.
   std::uint64_t max_chunk_ns = 1'000'000'000;
   std::size_t max_chunk_bytes = std::size_t{4} << 20;
