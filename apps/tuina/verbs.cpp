@@ -11,9 +11,10 @@ std::string summary_of_group(std::string_view group) {
     return "motions that a hand shows to an arm: record, play, look at them, carry them to others";
   if (group == "history") return "people over time: show, notes, export, forget, rebuild";
   if (group == "tissue") return "what a record of presses says about the tissue";
-  if (group == "export") return "the robot for other programs: URDF, MJCF";
+  if (group == "export") return "for other programs: a record as CSV, the robot as URDF or MJCF";
   if (group == "robot")
     return "robots: show a table, make one from a URDF file, simulate one as a process";
+  if (group == "record") return "session.mcap, the record of a session: what it holds";
   if (group == "config") return "the settings, their limits and a file of them";
   return fmt::format("see `tuina {} --help`", group);
 }
@@ -22,6 +23,7 @@ std::vector<std::unique_ptr<Verb>> make_verbs() {
   std::vector<std::unique_ptr<Verb>> verbs;
   verbs.push_back(make_massage());
   verbs.push_back(make_report());
+  verbs.push_back(make_record_show());
   verbs.push_back(make_scan());
   verbs.push_back(make_line());
 #ifdef TUINA_CALIBRATION
@@ -45,6 +47,7 @@ std::vector<std::unique_ptr<Verb>> make_verbs() {
   verbs.push_back(make_history_rebuild());
   verbs.push_back(make_config_show());
   verbs.push_back(make_config_check());
+  verbs.push_back(make_export_csv());
   verbs.push_back(make_export_urdf());
   verbs.push_back(make_export_mjcf());
   verbs.push_back(make_robot_show());

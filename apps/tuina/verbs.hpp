@@ -13,6 +13,7 @@ namespace tuina::app {
 // One file per verb; a verb that does not exist yet is absent here and so from --help.
 std::unique_ptr<Verb> make_massage();
 std::unique_ptr<Verb> make_report();
+std::unique_ptr<Verb> make_record_show();
 std::unique_ptr<Verb> make_config_show();
 std::unique_ptr<Verb> make_config_check();
 std::unique_ptr<Verb> make_tissue_fit();
@@ -22,6 +23,7 @@ std::unique_ptr<Verb> make_atlas_learn();
 std::unique_ptr<Verb> make_atlas_record();
 std::unique_ptr<Verb> make_atlas_show();
 std::unique_ptr<Verb> make_doctor();
+std::unique_ptr<Verb> make_export_csv();
 std::unique_ptr<Verb> make_export_urdf();
 std::unique_ptr<Verb> make_export_mjcf();
 std::unique_ptr<Verb> make_robot_import();

@@ -31,6 +31,10 @@ const std::vector<std::vector<std::string>> readers = {
     {"massage", "--person", "FILE", "--out", "OUT"},
     {"massage", "--programme", "FILE", "--out", "OUT"},
     {"massage", "--atlas", "FILE", "--out", "OUT"},
+    {"massage", "--replay", "FILE", "--out", "OUT"},
+    {"report", "FILE", "--out", "OUT"},
+    {"record", "show", "FILE"},
+    {"export", "csv", "FILE", "--out", "OUT"},
     {"evaluate", "acupoints", "--bodies", "FILE"},
     {"evaluate", "acupoints", "--atlas", "FILE"}};
 
