@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # The table of rooms: which room may include which. It is written here and nowhere else; tuina_room links
 # by it and the `layering` test reads the #include lines of the sources against it.
-set(TUINA_ROOMS core telemetry scanner calibration body massage tissue robot safety link control motion
+set(TUINA_ROOMS core telemetry scanner calibration body massage tissue robot hardware safety link control motion
   session record history sim baselines)
 set(TUINA_MAY_INCLUDE_core "")
 set(TUINA_MAY_INCLUDE_telemetry core)
@@ -11,6 +11,7 @@ set(TUINA_MAY_INCLUDE_body core)
 set(TUINA_MAY_INCLUDE_massage core body)
 set(TUINA_MAY_INCLUDE_tissue core)
 set(TUINA_MAY_INCLUDE_robot core)
+set(TUINA_MAY_INCLUDE_hardware core robot)
 set(TUINA_MAY_INCLUDE_safety core robot)
 set(TUINA_MAY_INCLUDE_link core robot safety)
 set(TUINA_MAY_INCLUDE_control core robot)
@@ -23,7 +24,7 @@ set(TUINA_MAY_INCLUDE_sim core scanner robot tissue)
 set(TUINA_MAY_INCLUDE_baselines core body tissue control)
 
 # The programs, in the same way: folders of apps/. Product rooms are all but sim and baselines.
-set(TUINA_PRODUCT core telemetry scanner calibration body massage tissue robot safety link control motion
+set(TUINA_PRODUCT core telemetry scanner calibration body massage tissue robot hardware safety link control motion
   session record history)
 set(TUINA_APPS cli simulated evaluation tuina)
 set(TUINA_APP_MAY_INCLUDE_cli ${TUINA_PRODUCT})

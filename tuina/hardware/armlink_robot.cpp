@@ -1,0 +1,269 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tuina/hardware/armlink_robot.hpp"
+
+#include <algorithm>
+
+#include "tuina/core/units.hpp"
+
+namespace tuina::hardware {
+namespace {
+
+using armlink::Mode;
+using namespace std::chrono_literals;
+
+constexpr auto cycle = 1ms;
+constexpr auto cycle_patience = 2ms;        // for the first of the two arms
+constexpr auto late_arm_patience = 1500us;  // from one reading to the next with one arm only
+constexpr auto lock_step_patience = 6s;
+constexpr auto stand_patience = 60s, join_patience = 2s;
+constexpr auto repeat_ready_every = 10ms;
+constexpr auto rest_patience = 200ms;
+constexpr int max_silent_reads = 5;     // of both arms; one alone is the guard's to judge ...
+constexpr int max_silent_cycles = 100;  // ... for so long
+
+/// What an arm lacks that the table believes in; empty when it lacks nothing.
+std::string lack_of(const armlink::Hello& hello, const robot::ArmTable& table,
+                    const robot::RobotMount& mount, bool carries_rail) {
+  if (hello.max_torque_nm.size() != table.joints)
+    return fmt::format("has {} joints, the table {}", hello.max_torque_nm.size(), table.joints);
+  const auto can = [&](Mode mode) { return (hello.modes & armlink::bit_of(mode)) != 0; };
+  if (!can(Mode::torque) || !can(Mode::ready)) return "cannot be driven by torques";
+  if (hello.cycle_us != 1000)
+    return fmt::format("has a cycle of {} us, 1000 are needed", hello.cycle_us);
+  for (int i = 0; i < table.joints; ++i) {
+    const robot::Link& link = table.links[static_cast<std::size_t>(i)];
+    if (hello.max_torque_nm[i] < link.torque_limit_nm)
+      return fmt::format("gives {} Nm at {}, the table believes in {}", hello.max_torque_nm[i],
+                         link.name, link.torque_limit_nm);
+    if (hello.max_speed_rad_per_s[i] < link.speed_limit_rad_per_s)
+      return fmt::format("turns {} by {} rad/s, the table believes in {}", link.name,
+                         hello.max_speed_rad_per_s[i], link.speed_limit_rad_per_s);
+    if (hello.min_rad[i] > link.min_rad || hello.max_rad[i] < link.max_rad)
+      return fmt::format(
+          "turns {} from {:.1f} to {:.1f} deg, the table believes in {:.1f} to {:.1f}", link.name,
+          to_deg(hello.min_rad[i]), to_deg(hello.max_rad[i]), to_deg(link.min_rad),
+          to_deg(link.max_rad));
+  }
+  const bool moves = carries_rail && mount.max_rail_m > mount.min_rail_m;
+  if (moves && (hello.flags & armlink::flag::has_rail) == 0)
+    return "has no linear base, and the left arm is to carry it";
+  if (moves && (hello.min_rail_m > mount.min_rail_m || hello.max_rail_m < mount.max_rail_m))
+    return fmt::format(
+        "moves its base from {:.0f} to {:.0f} mm, the table believes in {:.0f} to "
+        "{:.0f}",
+        to_mm(hello.min_rail_m), to_mm(hello.max_rail_m), to_mm(mount.min_rail_m),
+        to_mm(mount.max_rail_m));
+  return {};
+}
+
+Result<ArmPeer> open_arm(const DeviceFile& file, Arm arm) {
+  auto peer = ArmPeer::open(file.arms[arm].udp);
+  if (peer) return peer;
+  return fail(peer.error().fault, "the {} arm at {}: {}", name_of(arm), file.arms[arm].address,
+              peer.error().message);
+}
+
+}  // namespace
+
+Result<std::unique_ptr<ArmlinkRobot>> ArmlinkRobot::open(const DeviceFile& file,
+                                                         const robot::ArmTable& table,
+                                                         const robot::RobotMount& mount) {
+  auto left = open_arm(file, Arm::left);
+  if (!left) return tl::unexpected(left.error());
+  auto right = open_arm(file, Arm::right);
+  if (!right) return tl::unexpected(right.error());
+  std::unique_ptr<ArmlinkRobot> made(
+      new ArmlinkRobot({.of = {std::move(*left), std::move(*right)}}));
+  for (const Arm arm : both_arms) {
+    const armlink::Hello& hello = made->peers_[arm].hello();
+    std::string lack = lack_of(hello, table, mount, arm == Arm::left);
+    if ((hello.flags & armlink::flag::busy) != 0) lack = "is driven by another host";
+    if (!lack.empty())
+      return fail(Fault::device, "the {} arm at {} ({}) {}", name_of(arm), file.arms[arm].address,
+                  hello.called(), lack);
+  }
+  return made;
+}
+
+ArmlinkRobot::~ArmlinkRobot() {
+  constexpr int times = 3;  // one of them arrives, or the arm stops by itself
+  for (int i = 0; standing_ && i < times; ++i) {
+    for (ArmPeer& peer : peers_.of)
+      peer.send(Mode::idle, JointVector::Zero(peer.hello().max_torque_nm.size()), 0.0, true);
+  }
+}
+
+bool ArmlinkRobot::both(std::uint16_t status_bit) const noexcept {
+  return std::all_of(peers_.of.begin(), peers_.of.end(), [&](const ArmPeer& peer) {
+    return peer.heard_anything() && peer.state().mode == Mode::ready &&
+           (peer.state().status & status_bit) == status_bit;
+  });
+}
+
+void ArmlinkRobot::hold_ready(const PerArm<JointVector>& q_rad, double rail_m) noexcept {
+  for (const Arm arm : both_arms) peers_[arm].send(Mode::ready, q_rad[arm], rail_m, false);
+}
+
+Result<void> ArmlinkRobot::stand_ready(const robot::ReadyPose& pose) {
+  if (standing_) return {};
+  const auto begun = Clock::now();
+  standing_ = resting_ = true;
+  while (Clock::now() < begun + stand_patience) {
+    hold_ready(pose.q_rad, pose.rail_m);
+    const auto next = Clock::now() + repeat_ready_every;
+    while (Clock::now() < next) {
+      const std::array sockets = {peers_[Arm::left].socket(), peers_[Arm::right].socket()};
+      wait_for_datagram(sockets, next);
+      (void)hear_both();
+      if (!note_faults()) return fail(Fault::device, "{}", fault_.data());
+    }
+    if (both(armlink::status::stands)) return {};
+    for (const Arm arm : both_arms) {
+      // The world of simulated arms is made once both are told where to stand.
+      if (peers_[arm].heard_anything() || Clock::now() < begun + join_patience) continue;
+      return fail(Fault::device, "the {} arm says nothing once it is told to stand ready",
+                  name_of(arm));
+    }
+  }
+  return fail(Fault::device, "the arms do not stand ready after {} s", stand_patience.count());
+}
+
+void ArmlinkRobot::break_off(Arm arm, const char* why) noexcept {
+  if (faulty_) return;
+  faulty_ = true;
+  const auto end =
+      fmt::format_to_n(fault_.data(), fault_.size() - 1, "the {} arm {}", name_of(arm), why).out;
+  *end = '\0';
+}
+
+bool ArmlinkRobot::note_faults() noexcept {
+  for (const Arm arm : both_arms)
+    if (const char* why = peers_[arm].fault()) break_off(arm, why);
+  return !faulty_;
+}
+
+// While the arms rest they say the same again; who was told to wait for a command may have lost it.
+PerArm<bool> ArmlinkRobot::hear_both() noexcept {
+  PerArm<bool> fresh = {};
+  for (const Arm arm : both_arms) {
+    ArmPeer& peer = peers_[arm];
+    const ArmPeer::Heard heard = peer.hear();
+    fresh[arm] = heard == ArmPeer::Heard::fresh || (resting_ && heard == ArmPeer::Heard::again);
+    if (heard == ArmPeer::Heard::again && !resting_) peer.send_again();
+  }
+  return fresh;
+}
+
+/// What came while nobody listened is old.
+void ArmlinkRobot::forget_queued() noexcept {
+  constexpr int max_turns = 100;
+  for (ArmPeer& peer : peers_.of)
+    for (int i = 0; i < max_turns && peer.hear() != ArmPeer::Heard::nothing; ++i) continue;
+}
+
+std::optional<robot::RobotReading> ArmlinkRobot::read() noexcept {
+  if (faulty_ || !standing_) return std::nullopt;
+  if (resting_) forget_queued();
+  const auto begun = Clock::now();
+  const bool lock_step = peers_[Arm::left].waits() && peers_[Arm::right].waits();
+  const bool any_silent = silent_cycles_[Arm::left] > 0 || silent_cycles_[Arm::right] > 0;
+  const auto first_by =
+      begun + (lock_step && !any_silent ? Clock::duration(lock_step_patience) : cycle_patience);
+  const auto second_by =
+      lock_step && !any_silent
+          ? first_by
+          : std::max<Clock::time_point>(last_reading_ + late_arm_patience, begun + cycle / 2);
+  PerArm<bool> fresh = {};
+  for (;;) {
+    const PerArm<bool> heard = hear_both();
+    bool any = false, enough = true;
+    for (const Arm arm : both_arms) {
+      fresh[arm] = fresh[arm] || heard[arm];
+      any = any || fresh[arm];
+      enough = enough && (fresh[arm] || silent_cycles_[arm] >= armlink::max_missed_cycles);
+    }
+    if (!note_faults()) return std::nullopt;
+    const auto until = any ? second_by : first_by;
+    if ((any && enough) || Clock::now() >= until) break;
+    const std::array sockets = {peers_[Arm::left].socket(), peers_[Arm::right].socket()};
+    wait_for_datagram(sockets, until);
+  }
+  last_reading_ = Clock::now();
+  for (const Arm arm : both_arms) {
+    silent_cycles_[arm] = fresh[arm] ? 0 : silent_cycles_[arm] + 1;
+    const bool alone = fresh[arm == Arm::left ? Arm::right : Arm::left];
+    if (silent_cycles_[arm] >= (alone ? max_silent_cycles : max_silent_reads))
+      break_off(arm, "is silent");
+  }
+  return faulty_ ? std::nullopt : reading_of(fresh);
+}
+
+std::optional<robot::RobotReading> ArmlinkRobot::reading_of(const PerArm<bool>& fresh) noexcept {
+  const Arm leader = fresh[Arm::left] ? Arm::left : Arm::right;
+  if (!fresh[leader]) return std::nullopt;
+  if (!zero_ && !(fresh[Arm::left] && fresh[Arm::right])) return std::nullopt;
+  if (!zero_) {
+    zero_.emplace();
+    for (const Arm arm : both_arms)
+      (*zero_)[arm] = {peers_[arm].state().sequence, peers_[arm].state().time_s};
+  }
+  const auto tick_of = [&](Arm arm) {
+    return peers_[arm].state().sequence - (*zero_)[arm].sequence;
+  };
+  const auto time_of = [&](Arm arm, double time_s) { return time_s - (*zero_)[arm].time_s; };
+  robot::RobotReading reading;
+  reading.tick = tick_of(leader);
+  reading.time_s = time_of(leader, peers_[leader].state().time_s);
+  if (fresh[Arm::left] && fresh[Arm::right]) {
+    // The right arm's quartz is another one: its count may slip by one in a while, its clock
+    // drifts.
+    constexpr double drift_share = 0.01;
+    Mapping& right = (*zero_)[Arm::right];
+    const armlink::State& state = peers_[Arm::right].state();
+    right.sequence = state.sequence - static_cast<std::uint32_t>(reading.tick);
+    right.time_s += drift_share * (time_of(Arm::right, state.time_s) - reading.time_s);
+  }
+  if (last_tick_ && !resting_ && reading.tick <= *last_tick_) return std::nullopt;
+  last_tick_ = reading.tick;
+  for (const Arm arm : both_arms) {
+    const armlink::State& state = peers_[arm].state();
+    reading.arms[arm] = {.q_rad = state.q_rad,
+                         .dq_rad_per_s = state.dq_rad_per_s,
+                         .wrench_in_tool = state.wrench_in_tool,
+                         .wrench_time_s = time_of(arm, state.wrench_time_s)};
+  }
+  reading.rail_m = peers_[Arm::left].state().rail_m;
+  return reading;
+}
+
+void ArmlinkRobot::apply(const robot::RobotCommand& command) noexcept {
+  if (faulty_ || !standing_) return;
+  resting_ = false;
+  for (const Arm arm : both_arms) {
+    if (silent_cycles_[arm] >= armlink::max_missed_cycles) continue;
+    peers_[arm].send(Mode::torque, command.torque_nm[arm], command.rail_m, command.brake[arm]);
+  }
+}
+
+void ArmlinkRobot::rest() noexcept {
+  if (faulty_ || !standing_ || resting_) return;
+  resting_ = true;
+  const PerArm<JointVector> here = {
+      .of = {peers_[Arm::left].state().q_rad, peers_[Arm::right].state().q_rad}};
+  const double rail_m = peers_[Arm::left].state().rail_m;
+  const auto deadline = Clock::now() + rest_patience;
+  do {
+    hold_ready(here, rail_m);
+    const std::array sockets = {peers_[Arm::left].socket(), peers_[Arm::right].socket()};
+    wait_for_datagram(sockets, Clock::now() + cycle);
+    (void)hear_both();
+  } while (note_faults() && !both(0) && Clock::now() < deadline);
+}
+
+bool ArmlinkRobot::simulated() const noexcept {
+  return std::all_of(peers_.of.begin(), peers_.of.end(), [](const ArmPeer& peer) {
+    return (peer.hello().flags & armlink::flag::simulated) != 0;
+  });
+}
+
+}  // namespace tuina::hardware
