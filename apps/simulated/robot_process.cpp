@@ -61,6 +61,21 @@ std::string truth_name(const std::string& link) {
   return "/tuina-" + link + "-truth";
 }
 
+void RobotReport::see(const sim::PlantTruth& truth) noexcept {
+  double force_n = 0.0;
+  for (const sim::ArmTruth& arm : truth.arms.of) force_n = std::max(force_n, arm.contact.force_n);
+  max_force_n = std::max(max_force_n, force_n);
+  over_60_n_s = force_n > 60.0 ? over_60_n_s + control_period_s : 0.0;
+  max_over_60_n_s = std::max(max_over_60_n_s, over_60_n_s);
+  ++ticks;
+}
+
+void tell_truth(SharedTruth& shared, std::uint64_t tick, const sim::PlantTruth& truth) noexcept {
+  TruthPage::Bytes bytes{.tick = tick};
+  std::memcpy(bytes.of.data(), &truth, sizeof(sim::PlantTruth));
+  shared->ticks[tick % TruthPage::kept].write(bytes);
+}
+
 Result<RobotReport> keep_robot(link::Link& link, SharedTruth& truth, sim::World& world,
                                link::Pace pace, const std::atomic<bool>& ends) {
   const auto wish = link.wait_for(steady_clock::now() + guard_patience, [&]() {
@@ -77,26 +92,18 @@ Result<RobotReport> keep_robot(link::Link& link, SharedTruth& truth, sim::World&
   if (!guard) return fail(Fault::device, "no guard has come to this robot");
 
   RobotReport report;
-  double over_60_n_s = 0.0;
   std::uint64_t silent = 0;
   auto next = steady_clock::now();
   while (!ends && silent < given_up_ticks) {
     if (const auto stand = link.stand(); stand && stand->ends != 0) break;
     const auto reading = world.robot().read();
     if (!reading) continue;
-    TruthPage::Bytes bytes{.tick = reading->tick};
-    std::memcpy(bytes.of.data(), &world.truth(), sizeof(sim::PlantTruth));
-    truth->ticks[reading->tick % TruthPage::kept].write(bytes);
+    tell_truth(truth, reading->tick, world.truth());
     link::wire::SensorFrame frame = link::wire::to_frame(*reading);
     frame.stands = wish->number;
     frame.process = static_cast<std::uint64_t>(getpid());
     link.write(frame);
-    double force_n = 0.0;
-    for (const sim::ArmTruth& arm : world.truth().arms.of)
-      force_n = std::max(force_n, arm.contact.force_n);
-    report.max_force_n = std::max(report.max_force_n, force_n);
-    over_60_n_s = force_n > 60.0 ? over_60_n_s + control_period_s : 0.0;
-    report.max_over_60_n_s = std::max(report.max_over_60_n_s, over_60_n_s);
+    report.see(world.truth());
 
     next += 1ms;
     const auto patience = steady_clock::now() + (silent == 0 ? lock_step_patience : gone_patience);
@@ -109,7 +116,6 @@ Result<RobotReport> keep_robot(link::Link& link, SharedTruth& truth, sim::World&
     if (answer) world.robot().apply(link::wire::from_frame(*answer).command);
     silent = answer ? 0 : silent + 1;
     report.silent_ticks += answer ? 0 : 1;
-    ++report.ticks;
     // A simulation that was held up goes on from now: its robot's clock stood still with it.
     if (pace == link::Pace::real) std::this_thread::sleep_until(next);
     next = std::max(next, steady_clock::now() - 1ms);
@@ -123,10 +129,20 @@ Result<RobotReport> keep_robot(link::Link& link, SharedTruth& truth, sim::World&
 
 void LinkedTruth::on_tick(const session::Tick& tick) noexcept {
   const auto bytes = shared_->ticks[tick.reading.tick % TruthPage::kept].read();
-  if (!bytes || bytes->tick != tick.reading.tick) return;
+  const bool there = bytes && bytes->tick == tick.reading.tick;
+  missed_ += there ? 0 : 1;
   sim::PlantTruth truth;
-  std::memcpy(static_cast<void*>(&truth), bytes->of.data(), sizeof truth);
-  world_.tell_truth(truth);
+  if (there) {
+    std::memcpy(static_cast<void*>(&truth), bytes->of.data(), sizeof truth);
+  } else if (!told_) {  // nothing is known yet but where the arms are
+    truth.time_s = tick.reading.time_s;
+    for (const Arm arm : both_arms) {
+      truth.arms[arm].q_rad = tick.reading.arms[arm].q_rad;
+      truth.arms[arm].dq_rad_per_s = tick.reading.arms[arm].dq_rad_per_s;
+    }
+  }
+  if (there || !told_) world_.tell_truth(truth);
+  told_ = true;
 }
 
 Result<int> Processes::run(const std::vector<std::string>& arguments) {

@@ -23,6 +23,8 @@ struct TruthPage {
     alignas(sim::PlantTruth) std::array<std::byte, sizeof(sim::PlantTruth)> of = {};
   };
   std::array<link::Slot<Bytes>, kept> ticks;
+  /// Person, seed and robot (`world_name`), where the session did not start the robot itself.
+  std::array<char, 256> world = {};
 };
 using SharedTruth = link::SharedPage<TruthPage>;
 [[nodiscard]] std::string truth_name(const std::string& link);
@@ -32,8 +34,15 @@ struct RobotReport {
   std::uint64_t ticks = 0;
   std::uint64_t silent_ticks = 0;  ///< without a word from the guard
   double max_force_n = 0.0;        ///< largest true force on either tool
+  double over_60_n_s = 0.0;        ///< time above 60 N until now
   double max_over_60_n_s = 0.0;    ///< longest time above 60 N
+
+  /// One millisecond more.
+  void see(const sim::PlantTruth& truth) noexcept;
 };
+
+/// Tells the session what is true in this millisecond.
+void tell_truth(SharedTruth& shared, std::uint64_t tick, const sim::PlantTruth& truth) noexcept;
 
 /// The robot of a world as a process: stands where the session wants it, then tells its sensors and
 /// does what the guard says, until the session is over, `ends`, or the guard has been silent for
@@ -49,10 +58,14 @@ class LinkedTruth final : public session::Observer {
   /// Both must outlive it.
   LinkedTruth(const SharedTruth& shared, sim::World& world) : shared_(shared), world_(world) {}
   void on_tick(const session::Tick& tick) noexcept override;
+  /// Milliseconds whose truth was not there, because it is told elsewhere or was read too late.
+  [[nodiscard]] std::uint64_t missed() const noexcept { return missed_; }
 
  private:
   const SharedTruth& shared_;
   sim::World& world_;
+  std::uint64_t missed_ = 0;
+  bool told_ = false;
 };
 
 /// A robot and a guard in processes of their own, started by this one and ended with it.

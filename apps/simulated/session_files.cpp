@@ -144,7 +144,8 @@ record::SessionFile session_file(const SessionResult& result, const SessionOrder
                                     .notes = ready.plan.notes},
                            .massage = massage_of(result),
                            .answered_by = result.consent.answered_by,
-                           .rescans_s = session.rescans_s};
+                           .rescans_s = session.rescans_s,
+                           .devices = result.devices};
   file.order.commands = session.commands;
   for (const session::Decision& made : session.decisions) {
     file.decisions.push_back(
@@ -217,6 +218,17 @@ std::string session_text(const record::SessionFile& file) {
                           done.given_n, *done.why);
   }
   for (const std::string& note : file.plan.notes) text += "\n" + note;
+  if (file.devices) {
+    text += fmt::format("\narms: {}, pace {}; camera and turntable: {}; truth of {} ms missed",
+                        file.devices->arms, file.devices->pace, file.devices->scanner,
+                        file.devices->truth_missed);
+    for (const Arm arm : both_arms) {
+      const auto& traffic = file.devices->traffic[arm];
+      text += fmt::format(
+          "\n{} arm: {} states, {} lost, {} late, {} rejected; {} commands too late", name_of(arm),
+          traffic.cycles, traffic.lost, traffic.late, traffic.rejected, traffic.unheard);
+    }
+  }
   for (const telemetry::Stop& stop : file.stops)
     text += fmt::format("\nstopped at {:.2f} s, {}", stop.time_s, stop.cause);
   return text;

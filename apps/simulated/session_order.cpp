@@ -105,7 +105,7 @@ sim::WorldOptions world_options(const session::Config& config) {
 }
 
 Result<SimulatedRoom> make_room(const SessionOrder& order, const session::Config& config,
-                                const CommonOptions& common) {
+                                const CommonOptions& common, int watchdog_ticks) {
   SimulatedRoom room;
   if (auto answered = read_answers(order.consent, room); !answered)
     return tl::unexpected(answered.error());
@@ -115,6 +115,7 @@ Result<SimulatedRoom> make_room(const SessionOrder& order, const session::Config
 
   sim::WorldOptions options = world_options(config);
   options.real_pace = order.real_time;
+  options.devices.watchdog_ticks = watchdog_ticks;
   auto world = sim::World::make(*person,
                                 robot::place_robot(room.order.robot, person->position,
                                                    session::head_at_plus_y(person->acupoints)),
@@ -137,6 +138,10 @@ Result<SimulatedRoom> make_room(const SessionOrder& order, const session::Config
     room.order.placed = *placed;
   }
   return room;
+}
+
+std::string world_name(const SessionOrder& order, const sim::World& world, std::uint64_t seed) {
+  return fmt::format("{}, seed {}, robot {}", world.person().name, seed, order.robot);
 }
 
 }  // namespace tuina::app

@@ -24,7 +24,8 @@ struct RecordedSession {
 /// session.mcap. Refused: what is missing or of another kind, with file and key.
 [[nodiscard]] Result<RecordedSession> read_session(const std::filesystem::path& folder_or_mcap);
 
-/// Keys in which two sessions differ, with both values; times of computing do not count.
+/// Keys in which two sessions differ, with both values; times of computing, and what came
+/// over a network, do not count.
 [[nodiscard]] std::vector<std::string> differences(const std::string& recorded_json,
                                                    const std::string& json);
 

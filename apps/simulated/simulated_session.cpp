@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "apps/simulated/device_arms.hpp"
 #include "apps/simulated/keyboard.hpp"
 #include "apps/simulated/robot_process.hpp"
 #include "apps/simulated/truth_recorder.hpp"
@@ -107,6 +108,37 @@ Result<std::unique_ptr<record::SessionRecorder>> recorder_of(const std::filesyst
   return record::SessionRecorder::begin(file, start);
 }
 
+/// A robot that is no part of this program; null and empty where all is to happen in this one.
+struct FarRobot {
+  std::unique_ptr<Processes> processes = {};
+  std::unique_ptr<DeviceArms> arms = {};
+  robot::Robot* robot = nullptr;
+  link::Supervisor* supervisor = nullptr;
+  const SharedTruth* truth = nullptr;
+};
+
+Result<FarRobot> far_robot(const SessionOrder& order, const CommonOptions& common,
+                           const sim::World& world) {
+  FarRobot far;
+  if (!order.device.empty()) {
+    auto arms = DeviceArms::open(order.device, world, world_name(order, world, common.seed));
+    if (!arms) return tl::unexpected(arms.error());
+    far.arms = std::move(*arms);
+    far.robot = &far.arms->robot();
+    far.supervisor = far.arms.get();
+    far.truth = &far.arms->truth();
+    return far;
+  }
+  auto processes = processes_of(order, common);
+  if (!processes) return tl::unexpected(processes.error());
+  if (!*processes) return far;
+  far.processes = std::move(*processes);
+  far.robot = &far.processes->robot();
+  far.supervisor = &far.processes->robot();
+  far.truth = &far.processes->truth();
+  return far;
+}
+
 }  // namespace
 
 std::optional<double> tool_to_acupoint_m(const SessionResult& result, std::size_t performed) {
@@ -152,8 +184,8 @@ Result<SessionResult> run_simulated_session(const SessionOrder& order,
   {
     // A terminal may be slow; the truth is read in the millisecond in which it is true.
     session::Relay terminal(bars);
-    auto processes = processes_of(order, common);
-    if (!processes) return tl::unexpected(processes.error());
+    auto far = far_robot(order, common, world);
+    if (!far) return tl::unexpected(far.error());
     std::optional<LinkedTruth> told;
     std::vector<session::Observer*> all = {&truth, &joints, &terminal};
     std::optional<session::Relay> record;
@@ -162,15 +194,15 @@ Result<SessionResult> run_simulated_session(const SessionOrder& order,
       all.push_back(
           &record.emplace(**recorder, order.real_time ? Behind::leave_out : Behind::wait));
     }
-    if (*processes) {
-      told.emplace((*processes)->truth(), world);
+    if (far->truth != nullptr) {
+      told.emplace(*far->truth, world);
       all.insert(all.begin(), &*told);
     }
     session::Observers observers(all);
-    link::LinkedRobot* linked = *processes ? &(*processes)->robot() : nullptr;
-    auto session = session::run(
-        {world.camera(), world.turntable(), linked != nullptr ? *linked : world.robot(), linked},
-        room->order, config, observers);
+    auto session =
+        session::run({world.camera(), world.turntable(),
+                      far->robot != nullptr ? *far->robot : world.robot(), far->supervisor},
+                     room->order, config, observers);
     record.reset();
     if (!session) {
       // The error of the session is the one to show.
@@ -178,6 +210,7 @@ Result<SessionResult> run_simulated_session(const SessionOrder& order,
       return tl::unexpected(session.error());
     }
     result.session = std::move(*session);
+    if (far->arms) result.devices = far->arms->record(told->missed());
   }
   result.recorder = std::move(*recorder);
   result.truth = truth.finish();

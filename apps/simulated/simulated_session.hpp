@@ -60,6 +60,7 @@ struct SessionResult {
   std::uint64_t last_tick = 0;           ///< the last millisecond of the session
   /// Record that was asked for, not finished yet; else null.
   std::unique_ptr<record::SessionRecorder> recorder;
+  std::optional<record::DeviceRecord> devices;
 
   [[nodiscard]] double real_time_factor() const { return session.massage_s / session.compute_s; }
 };

@@ -7,9 +7,64 @@
 #include <thread>
 
 #include "apps/tuina/verbs.hpp"
+#include "tuina/core/units.hpp"
+#include "tuina/hardware/arm_peer.hpp"
+#include "tuina/hardware/device_file.hpp"
 
 namespace tuina::app {
 namespace {
+
+using nlohmann::ordered_json;
+
+/// What an arm says of itself, and how fast; it is not moved and keeps no session.
+struct FoundArm {
+  ordered_json json;
+  std::string finding;
+  bool good = false;
+};
+
+FoundArm ask_arm(const hardware::ArmDevice& device) {
+  FoundArm found{.json = {{"address", device.address}}};
+  const auto peer = hardware::ArmPeer::open(device.udp);
+  if (!peer) {
+    found.finding = peer.error().message;
+    return found;
+  }
+  const hardware::armlink::Hello& hello = peer->hello();
+  namespace flag = hardware::armlink::flag;
+  const auto says = [&](std::uint16_t bit) { return (hello.flags & bit) != 0; };
+  const auto list = [](const JointVector& joints, double scale) {
+    std::vector<double> numbers(joints.begin(), joints.end());
+    for (double& number : numbers) number *= scale;
+    return numbers;
+  };
+  found.good = true;
+  found.json.update(ordered_json{
+      {"name", std::string(hello.called())},
+      {"joints", hello.max_torque_nm.size()},
+      {"cycle_us", hello.cycle_us},
+      {"round_trip_ms",
+       {{"min", 1e3 * peer->min_round_trip_s()}, {"max", 1e3 * peer->max_round_trip_s()}}},
+      {"max_torque_nm", list(hello.max_torque_nm, 1.0)},
+      {"max_speed_rad_per_s", list(hello.max_speed_rad_per_s, 1.0)},
+      {"min_deg", list(hello.min_rad, to_deg(1.0))},
+      {"max_deg", list(hello.max_rad, to_deg(1.0))},
+      {"rail_mm", {to_mm(hello.min_rail_m), to_mm(hello.max_rail_m)}},
+      {"has_rail", says(flag::has_rail)},
+      {"simulated", says(flag::simulated)},
+      {"waits", says(flag::waits)},
+      {"busy", says(flag::busy)}});
+  found.finding = fmt::format(
+      "{}: {} joints, {:g} to {:g} Nm, cycle {} us, round trip {:.2f} to {:.2f} ms{}{}{}",
+      hello.called(), hello.max_torque_nm.size(), hello.max_torque_nm.minCoeff(),
+      hello.max_torque_nm.maxCoeff(), hello.cycle_us, 1e3 * peer->min_round_trip_s(),
+      1e3 * peer->max_round_trip_s(),
+      says(flag::has_rail) ? fmt::format(", base {:.0f} to {:.0f} mm", to_mm(hello.min_rail_m),
+                                         to_mm(hello.max_rail_m))
+                           : "",
+      says(flag::simulated) ? ", simulated" : "", says(flag::busy) ? ", has a host" : "");
+  return found;
+}
 
 /// Says what of this machine tuina could use, and what stands in the way.
 class Doctor final : public Verb {
@@ -18,10 +73,19 @@ class Doctor final : public Verb {
   [[nodiscard]] const char* summary() const override {
     return "check this machine: devices, permissions, real-time limits";
   }
-  [[nodiscard]] const char* example() const override { return "tuina doctor"; }
-  void describe(Options&) override {}
+  [[nodiscard]] const char* example() const override { return "tuina doctor --device device.toml"; }
+  void describe(Options& options) override {
+    options.add("--device", device_,
+                "ask the arms that this file names (docs/armlink.md); 3 where one is missing");
+  }
 
   [[nodiscard]] Result<Answer> run(const CommonOptions&) override {
+    hardware::DeviceFile devices;
+    if (!device_.empty()) {
+      auto read = hardware::read_device_file(device_);
+      if (!read) return tl::unexpected(read.error());
+      devices = std::move(*read);
+    }
     nlohmann::json checks = nlohmann::json::array();
     Answer answer;
     const auto add = [&](const char* what, bool good, const std::string& finding,
@@ -48,10 +112,31 @@ class Doctor final : public Verb {
     add("real-time", limit.rlim_cur >= 80 || ::geteuid() == 0,
         fmt::format("rtprio limit {}", limit.rlim_cur),
         "simulation needs none; for a robot allow rtprio 80 in /etc/security/limits.d");
+    ordered_json json = {{"version", TUINA_VERSION}, {"checks", checks}};
+    if (!device_.empty()) json["devices"] = ask_arms(devices, answer);
     answer.text.pop_back();
-    answer.json = nlohmann::json{{"version", TUINA_VERSION}, {"checks", checks}}.dump(2);
+    answer.json = json.dump(2);
     return answer;
   }
+
+ private:
+  static ordered_json ask_arms(const hardware::DeviceFile& devices, Answer& answer) {
+    ordered_json all = ordered_json::array();
+    for (const Arm arm : both_arms) {
+      FoundArm found = ask_arm(devices.arms[arm]);
+      answer.text += fmt::format("{} {:<18} {}: {}\n", found.good ? "ok  " : "none",
+                                 fmt::format("{} arm", tuina::name_of(arm)),
+                                 devices.arms[arm].address, found.finding);
+      found.json["arm"] = tuina::name_of(arm);
+      found.json["good"] = found.good;
+      found.json["finding"] = found.finding;
+      all.push_back(std::move(found.json));
+      if (!found.good) answer.exit_code = 3;
+    }
+    return all;
+  }
+
+  std::string device_;
 };
 
 }  // namespace

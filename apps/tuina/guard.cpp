@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The processes that a session can be given: the guard, and a simulated robot.
+// The processes that a session can be given: the guard, and a simulated robot, near or far.
+#include <unistd.h>
+
 #include <csignal>
 #include <nlohmann/json.hpp>
 
+#include "apps/simulated/armlink_arms.hpp"
 #include "apps/simulated/robot_process.hpp"
 #include "apps/simulated/session_order.hpp"
 #include "apps/tuina/verbs.hpp"
@@ -18,11 +21,15 @@ void end_when_asked() {
   for (const int asked : {SIGINT, SIGTERM}) std::signal(asked, [](int) { ends = true; });
 }
 
-void add_link_options(Options& options, std::string& link, std::string& pace) {
-  options.add("--link", link, "name of the memory that the processes of a robot share").required();
+void add_pace_option(Options& options, std::string& pace) {
   options.add("--pace", pace, "real, or max: each waits for the others")
       .one_of({"max", "real"})
       .show_default();
+}
+
+void add_link_options(Options& options, std::string& link, std::string& pace) {
+  options.add("--link", link, "name of the memory that the processes of a robot share").required();
+  add_pace_option(options, pace);
 }
 
 link::Pace pace_of(const std::string& name) {
@@ -73,6 +80,41 @@ class GuardVerb final : public Verb {
   std::string file_, link_, pace_ = "real";
 };
 
+/// A person and a robot, as `tuina massage` names them.
+class SimulatedRobot {
+ public:
+  void describe(Options& options) {
+    options.add("--person", order_.person, "as of `tuina massage`").show_default();
+    options.add("--position", position_, "sitting or prone")
+        .one_of({"auto", "sitting", "prone"})
+        .show_default();
+    add_robot_option(options, order_.robot);
+  }
+  [[nodiscard]] Result<SimulatedRoom> make(const CommonOptions& common, int watchdog_ticks) {
+    const auto config = effective_config(common);
+    if (!config) return tl::unexpected(config.error());
+    if (position_ == "sitting") order_.position = BodyPosture::sitting;
+    if (position_ == "prone") order_.position = BodyPosture::prone;
+    return make_room(order_, *config, common, watchdog_ticks);
+  }
+  [[nodiscard]] std::string world_name(const sim::World& world, std::uint64_t seed) const {
+    return app::world_name(order_, world, seed);
+  }
+  [[nodiscard]] static Answer answer(const RobotReport& report) {
+    return {.json = ordered_json{{"ticks", report.ticks},
+                                 {"silent_ticks", report.silent_ticks},
+                                 {"max_force_n", report.max_force_n},
+                                 {"max_over_60_n_ms", 1e3 * report.max_over_60_n_s}}
+                        .dump(2),
+            .text = fmt::format("{} ticks, {} without a command, {:.1f} N at most", report.ticks,
+                                report.silent_ticks, report.max_force_n)};
+  }
+
+ private:
+  SessionOrder order_;
+  std::string position_ = "auto";
+};
+
 /// A simulated robot before its simulated person, at the other end of a link.
 class RobotSimulate final : public Verb {
  public:
@@ -84,19 +126,11 @@ class RobotSimulate final : public Verb {
     return "tuina robot simulate --link clinic --person phantom:hefty --position prone";
   }
   void describe(Options& options) override {
-    options.add("--person", order_.person, "as of `tuina massage`").show_default();
-    options.add("--position", position_, "sitting or prone")
-        .one_of({"auto", "sitting", "prone"})
-        .show_default();
-    add_robot_option(options, order_.robot);
+    robot_.describe(options);
     add_link_options(options, link_, pace_);
   }
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
-    const auto config = effective_config(common);
-    if (!config) return tl::unexpected(config.error());
-    if (position_ == "sitting") order_.position = BodyPosture::sitting;
-    if (position_ == "prone") order_.position = BodyPosture::prone;
-    auto room = make_room(order_, *config, common);
+    auto room = robot_.make(common, sim::PlantOptions{}.watchdog_ticks);
     if (!room) return tl::unexpected(room.error());
     auto link = link::Link::open(link_, link::Role::drives);
     if (!link) return tl::unexpected(link.error());
@@ -105,24 +139,68 @@ class RobotSimulate final : public Verb {
     end_when_asked();
     const auto report = keep_robot(*link, *truth, *room->world, pace_of(pace_), ends);
     if (!report) return tl::unexpected(report.error());
-    return Answer{.json = ordered_json{{"ticks", report->ticks},
-                                       {"silent_ticks", report->silent_ticks},
-                                       {"max_force_n", report->max_force_n},
-                                       {"max_over_60_n_ms", 1e3 * report->max_over_60_n_s}}
-                              .dump(2),
-                  .text = fmt::format("{} ticks, {} without a guard, {:.1f} N at most",
-                                      report->ticks, report->silent_ticks, report->max_force_n)};
+    return SimulatedRobot::answer(*report);
   }
 
  private:
-  SessionOrder order_;
-  std::string position_ = "auto", link_, pace_ = "real";
+  SimulatedRobot robot_;
+  std::string link_, pace_ = "real";
+};
+
+/// The same at the other ends of armlink, one for each arm.
+class RobotArmlink final : public Verb {
+ public:
+  [[nodiscard]] const char* name() const override { return "robot armlink"; }
+  [[nodiscard]] const char* summary() const override {
+    return "a simulated robot before a person, whose arms are driven over UDP (docs/armlink.md)";
+  }
+  [[nodiscard]] const char* example() const override {
+    return "tuina robot armlink --listen 127.0.0.1:7001 --pace max &\n"
+           "  tuina massage --device device.toml";
+  }
+  void describe(Options& options) override {
+    robot_.describe(options);
+    options.add("--listen", listen_, "where the left arm is; the right one is at the next port")
+        .show_default();
+    add_pace_option(options, pace_);
+  }
+  [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
+    const auto address = hardware::parse_udp_address(listen_);
+    if (!address || ntohs(address->of.sin_port) == UINT16_MAX)
+      return fail(Fault::usage,
+                  "--listen {}: is no IPv4 address and port below 65535, such as 127.0.0.1:7001",
+                  listen_);
+    auto room = robot_.make(common, armlink_watchdog_ticks);
+    if (!room) return tl::unexpected(room.error());
+    // The arms are called as the memory in which this process tells what is true of them.
+    const std::string name = fmt::format("simulated-{}", getpid());
+    auto truth = SharedTruth::map(truth_name(name), link::SharedMemory::Use::make);
+    if (!truth) return tl::unexpected(truth.error());
+    auto& world = (*truth)->world;
+    robot_.world_name(*room->world, common.seed).copy(world.data(), world.size());
+    auto arms = ArmlinkArms::listen(*address, name, *room->world, pace_of(pace_));
+    if (!arms) return tl::unexpected(arms.error());
+    end_when_asked();
+    const std::string granted = pace_ == "real" ? "; " + link::be_real_time() : "";
+    if (!common.quiet) fmt::print(stderr, "the arms wait for their host{}\n", granted);
+    const auto report = arms->keep(*room->world, *truth, ends);
+    if (!report) return tl::unexpected(report.error());
+    return SimulatedRobot::answer(*report);
+  }
+
+ private:
+  SimulatedRobot robot_;
+  std::string listen_ = "127.0.0.1:7001", pace_ = "real";
 };
 
 }  // namespace
 
 std::unique_ptr<Verb> make_guard() {
   return std::make_unique<GuardVerb>();
+}
+
+std::unique_ptr<Verb> make_robot_armlink() {
+  return std::make_unique<RobotArmlink>();
 }
 
 std::unique_ptr<Verb> make_robot_simulate() {

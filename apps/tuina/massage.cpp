@@ -71,14 +71,20 @@ class Massage final : public Verb {
     add_history_option(options, history_).needs(who);
     replay.excludes(who);
     options
+        .add("--device", order_.device,
+             "a TOML file that names the arms (docs/armlink.md), in place of those simulated here; "
+             "person, robot and seed must be theirs")
+        .excludes(processes);
+    options
         .add("--out", out_,
              "folder for session.json, scan.ply, acupoints.json, plan.json, trace.csv, joints.csv, "
              "distances.csv, session.mcap, report.html")
         .show_default();
     // What a recorded session tells by itself.
-    for (const char* recorded : {"--person", "--position", "--programme", "--robot", "--no-go",
-                                 "--consent", "--robot-pose", "--keys", "--method", "--atlas",
-                                 "--adaptive", "--body-mass-index", "--body-fat-percent"}) {
+    for (const char* recorded :
+         {"--person", "--position", "--programme", "--robot", "--no-go", "--consent",
+          "--robot-pose", "--keys", "--method", "--atlas", "--adaptive", "--body-mass-index",
+          "--body-fat-percent", "--device"}) {
       replay.excludes(options.named(recorded));
     }
   }

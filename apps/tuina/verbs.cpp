@@ -13,7 +13,8 @@ std::string summary_of_group(std::string_view group) {
   if (group == "tissue") return "what a record of presses says about the tissue";
   if (group == "export") return "for other programs: a record as CSV, the robot as URDF or MJCF";
   if (group == "robot")
-    return "robots: show a table, make one from a URDF file, simulate one as a process";
+    return "robots: show a table, make one from a URDF file, simulate one as a process, near or "
+           "over UDP";
   if (group == "record") return "session.mcap, the record of a session: what it holds";
   if (group == "config") return "the settings, their limits and a file of them";
   return fmt::format("see `tuina {} --help`", group);
@@ -53,6 +54,7 @@ std::vector<std::unique_ptr<Verb>> make_verbs() {
   verbs.push_back(make_robot_show());
   verbs.push_back(make_robot_import());
   verbs.push_back(make_robot_simulate());
+  verbs.push_back(make_robot_armlink());
   verbs.push_back(make_guard());
   verbs.push_back(make_doctor());
   return verbs;

@@ -29,6 +29,7 @@ std::unique_ptr<Verb> make_export_mjcf();
 std::unique_ptr<Verb> make_robot_import();
 std::unique_ptr<Verb> make_robot_show();
 std::unique_ptr<Verb> make_robot_simulate();
+std::unique_ptr<Verb> make_robot_armlink();
 std::unique_ptr<Verb> make_guard();
 std::unique_ptr<Verb> make_line();
 std::unique_ptr<Verb> make_calibrate();  // only where its room is built

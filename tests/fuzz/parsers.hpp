@@ -16,10 +16,12 @@ struct Parser {
   std::function<bool(std::string_view content)> accepts;
 };
 
-/// Of the scanner and its calibration; of what is known of a person; of what a session is told.
+/// Of the scanner and its calibration; of what is known of a person; of what a session is told; of
+/// what devices say.
 [[nodiscard]] std::vector<Parser> scanner_parsers();
 [[nodiscard]] std::vector<Parser> person_parsers();
 [[nodiscard]] std::vector<Parser> session_parsers();
+[[nodiscard]] std::vector<Parser> device_parsers();
 /// No file, but what a guard sees: accepted where it stops nothing, and its torques must be sound.
 [[nodiscard]] std::vector<Parser> guard_frames();
 /// All of them.

@@ -115,7 +115,21 @@ TEST_CASE("a robot stands, tells its milliseconds without a gap and obeys, witho
   }
   CHECK((*robot)->fault() == nullptr);
   CHECK((*robot)->peer(Arm::left).traffic().lost == 0);
+  CHECK((*robot)->peer(Arm::left).traffic().unheard == 0);
   CHECK(arms.obeyed() >= 598);  // the last ones may be under way
+}
+
+TEST_CASE("commands that reach an arm too late are counted, and the session goes on") {
+  ScriptedArms arms({.state = [](ScriptedArms::State& state, std::vector<std::byte>& bytes) {
+    if (state.sequence % 10 == 5) --state.answers, say(state, bytes);
+  }});
+  auto robot = ArmlinkRobot::open(arms.file(), table, mount);
+  REQUIRE_MESSAGE(robot.has_value(), reason(robot));
+  REQUIRE((*robot)->stand_ready(ready()).has_value());
+  const Told told = drive(**robot, 60);
+  CHECK_MESSAGE(told.fault.empty(), told.fault);
+  CHECK((*robot)->peer(Arm::left).traffic().unheard == 6);
+  CHECK((*robot)->peer(Arm::right).traffic().unheard == 0);
 }
 
 TEST_CASE("arms that rest go on where they were") {

@@ -22,13 +22,11 @@ std::string wrong(const char* text) {
 TEST_CASE("a device file names both arms") {
   const auto file = parse_device_file(
       "[arm.left]\nkind = \"armlink\"\naddress = \"127.0.0.1:7001\"\n"
-      "[arm.right]\nkind = \"armlink\"\naddress = \"192.168.3.11:7002\"\n"
-      "[simulation]\ntruth = \"rig\"\n",
+      "[arm.right]\nkind = \"armlink\"\naddress = \"192.168.3.11:7002\"\n",
       "device.toml");
   REQUIRE_MESSAGE(file.has_value(), test::reason(file));
   CHECK(file->arms[Arm::left].address == "127.0.0.1:7001");
   CHECK(ntohs(file->arms[Arm::right].udp.of.sin_port) == 7002);
-  CHECK(file->truth == "rig");
 }
 
 TEST_CASE("what is wrong with a device file is said with line, key and value") {

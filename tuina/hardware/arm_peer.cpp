@@ -114,6 +114,7 @@ ArmPeer::Heard ArmPeer::take(const armlink::State& state) noexcept {
   }
   const auto unheard = static_cast<std::int32_t>(last_.sequence - state.answers);
   if (last_.mode == Mode::torque && unheard > max_unheard) break_off("does not hear its commands");
+  traffic_.unheard += last_.mode == Mode::torque && ahead > 0 && unheard > 0 ? 1 : 0;
   namespace status = armlink::status;
   if ((state.status & status::emergency_stop) != 0) break_off("was stopped by an emergency stop");
   if ((state.status & status::drive_fault) != 0) break_off("has a fault in its drives");

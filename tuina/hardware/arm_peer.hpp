@@ -16,6 +16,7 @@ struct ArmTraffic {
   std::uint64_t states = 0;
   std::uint64_t lost = 0;      ///< gaps in the sequence: lost on the way, or read too late
   std::uint64_t late = 0;      ///< came after a newer one
+  std::uint64_t unheard = 0;   ///< began without the last command, which came too late or never
   std::uint64_t rejected = 0;  ///< spoilt, or of another session
 };
 
@@ -48,6 +49,8 @@ class ArmPeer {
   /// The newest one; only after something was heard.
   [[nodiscard]] const armlink::State& state() const noexcept { return *state_; }
   [[nodiscard]] bool heard_anything() const noexcept { return state_.has_value(); }
+  /// Whether the newest state came after the last command.
+  [[nodiscard]] bool obeyed() const noexcept { return state_ && state_->answers == last_.sequence; }
   [[nodiscard]] const ArmTraffic& traffic() const noexcept { return traffic_; }
   [[nodiscard]] int socket() const noexcept { return socket_.number(); }
 

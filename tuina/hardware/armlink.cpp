@@ -38,7 +38,8 @@ class Writer {
  public:
   Writer(Kind kind, std::uint32_t session, std::uint32_t sequence) noexcept {
     for (const char letter : magic) put(static_cast<std::uint8_t>(letter));
-    put(protocol_version), put(static_cast<std::uint8_t>(kind)), put(static_cast<std::uint16_t>(size));
+    put(protocol_version), put(static_cast<std::uint8_t>(kind)),
+        put(static_cast<std::uint16_t>(size));
     put(session), put(sequence);
   }
   template <std::unsigned_integral T>

@@ -112,8 +112,7 @@ Result<void> ArmlinkRobot::stand_ready(const robot::ReadyPose& pose) {
     hold_ready(pose.q_rad, pose.rail_m);
     const auto next = Clock::now() + repeat_ready_every;
     while (Clock::now() < next) {
-      const std::array sockets = {peers_[Arm::left].socket(), peers_[Arm::right].socket()};
-      wait_for_datagram(sockets, next);
+      wait_for_either(next);
       (void)hear_both();
       if (!note_faults()) return fail(Fault::device, "{}", fault_.data());
     }
@@ -134,6 +133,11 @@ void ArmlinkRobot::break_off(Arm arm, const char* why) noexcept {
   const auto end =
       fmt::format_to_n(fault_.data(), fault_.size() - 1, "the {} arm {}", name_of(arm), why).out;
   *end = '\0';
+}
+
+void ArmlinkRobot::wait_for_either(Clock::time_point deadline) const noexcept {
+  const std::array sockets = {peers_[Arm::left].socket(), peers_[Arm::right].socket()};
+  wait_for_datagram(sockets, deadline);
 }
 
 bool ArmlinkRobot::note_faults() noexcept {
@@ -185,8 +189,7 @@ std::optional<robot::RobotReading> ArmlinkRobot::read() noexcept {
     if (!note_faults()) return std::nullopt;
     const auto until = any ? second_by : first_by;
     if ((any && enough) || Clock::now() >= until) break;
-    const std::array sockets = {peers_[Arm::left].socket(), peers_[Arm::right].socket()};
-    wait_for_datagram(sockets, until);
+    wait_for_either(until);
   }
   last_reading_ = Clock::now();
   for (const Arm arm : both_arms) {
@@ -247,6 +250,15 @@ void ArmlinkRobot::apply(const robot::RobotCommand& command) noexcept {
 
 void ArmlinkRobot::rest() noexcept {
   if (faulty_ || !standing_ || resting_) return;
+  // The last torques count for one more cycle; what came right behind them would undo them.
+  const bool lock_step = peers_[Arm::left].waits() && peers_[Arm::right].waits();
+  const auto obeyed_by =
+      Clock::now() + (lock_step ? Clock::duration(rest_patience) : cycle_patience);
+  while (note_faults() && !(peers_[Arm::left].obeyed() && peers_[Arm::right].obeyed()) &&
+         Clock::now() < obeyed_by) {
+    wait_for_either(obeyed_by);
+    (void)hear_both();
+  }
   resting_ = true;
   const PerArm<JointVector> here = {
       .of = {peers_[Arm::left].state().q_rad, peers_[Arm::right].state().q_rad}};
@@ -254,8 +266,7 @@ void ArmlinkRobot::rest() noexcept {
   const auto deadline = Clock::now() + rest_patience;
   do {
     hold_ready(here, rail_m);
-    const std::array sockets = {peers_[Arm::left].socket(), peers_[Arm::right].socket()};
-    wait_for_datagram(sockets, Clock::now() + cycle);
+    wait_for_either(Clock::now() + cycle);
     (void)hear_both();
   } while (note_faults() && !both(0) && Clock::now() < deadline);
 }

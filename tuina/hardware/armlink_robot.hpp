@@ -55,6 +55,7 @@ class ArmlinkRobot final : public robot::Robot {
   explicit ArmlinkRobot(PerArm<ArmPeer> peers) : peers_(std::move(peers)) {}
   [[nodiscard]] bool note_faults() noexcept;
   void break_off(Arm arm, const char* why) noexcept;
+  void wait_for_either(Clock::time_point deadline) const noexcept;
   [[nodiscard]] PerArm<bool> hear_both() noexcept;
   void forget_queued() noexcept;
   [[nodiscard]] std::optional<robot::RobotReading> reading_of(const PerArm<bool>& fresh) noexcept;

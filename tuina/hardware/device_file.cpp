@@ -9,7 +9,7 @@ namespace tuina::hardware {
 Result<DeviceFile> parse_device_file(std::string_view text, std::string_view name) {
   DeviceFile file;
   const auto read = read_toml(text, name, Fault::config, [&](const TomlTable& root) {
-    root.only({"simulation"}, {"arm"});
+    root.only({}, {"arm"});
     const auto arms = root.table("arm");
     if (arms) arms->only({}, {"left", "right"});
     for (const Arm arm : both_arms) {
@@ -25,10 +25,6 @@ Result<DeviceFile> parse_device_file(std::string_view text, std::string_view nam
       const bool both_known = address && arm == Arm::right && file.arms[Arm::left].udp.of.sin_port;
       if (both_known && *address == file.arms[Arm::left].udp)
         section->wrong("address", "is that of the left arm; each arm has an address of its own");
-    }
-    if (const auto simulation = root.table("simulation")) {
-      simulation->only({}, {"truth"});
-      file.truth = simulation->text("truth").value_or("");
     }
   });
   if (!read) return tl::unexpected(read.error());

@@ -20,9 +20,6 @@ struct ArmDevice {
 /// Which devices a session has, `--device FILE`: both arms, by armlink.
 struct DeviceFile {
   PerArm<ArmDevice> arms;
-  /// Where simulated arms tell what is true, the name of `tuina robot armlink --truth`; empty:
-  /// none.
-  std::string truth;
 };
 
 /// Fails with Fault::config and file, line, key and value of all that is wrong.

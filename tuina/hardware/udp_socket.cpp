@@ -82,7 +82,7 @@ std::optional<std::size_t> UdpSocket::receive(std::span<std::byte> into,
   socklen_t length = sizeof sender.of;
   // A peer that has gone answers with an error in place of a datagram, which is then used up.
   for (int tries = 0; tries < 2; ++tries) {
-    const ssize_t size = ::recvfrom(number_, into.data(), into.size(), MSG_DONTWAIT | MSG_TRUNC,
+    const ssize_t size = ::recvfrom(number_, into.data(), into.size(), MSG_DONTWAIT,
                                     reinterpret_cast<sockaddr*>(&sender.of), &length);
     if (size < 0 && errno == ECONNREFUSED) continue;
     if (size < 0) return std::nullopt;

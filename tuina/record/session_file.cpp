@@ -142,6 +142,23 @@ constexpr auto visit_fields = [](auto& visit, auto& label) {
   visit("began", label.began);
 };
 
+constexpr auto traffic_fields = [](auto& visit, auto& traffic) {
+  visit("cycles", traffic.cycles);
+  visit("lost", traffic.lost);
+  visit("late", traffic.late);
+  visit("unheard", traffic.unheard);
+  visit("rejected", traffic.rejected);
+};
+
+constexpr auto device_fields = [](auto& visit, auto& devices) {
+  visit("arms", devices.arms);
+  visit("pace", devices.pace);
+  visit("scanner", devices.scanner);
+  visit("truth_missed_ms", devices.truth_missed);
+  for (const Arm arm : both_arms)
+    visit.object(name_of(arm), [&](auto& inside) { traffic_fields(inside, devices.traffic[arm]); });
+};
+
 constexpr auto session_fields = [](auto& visit, auto& file) {
   visit("seed", file.seed);
   visit("version", file.version);
@@ -178,6 +195,9 @@ constexpr auto session_fields = [](auto& visit, auto& file) {
     inside.told("caution", "by the seven people of the thesis' Table 6-2, one of them a woman");
   });
   visit.list("stops", file.stops, stop_fields);
+  visit.if_known("devices", file.devices, [](auto& of_file, auto& devices) {
+    of_file.object("devices", [&](auto& inside) { device_fields(inside, devices); });
+  });
 };
 
 }  // namespace

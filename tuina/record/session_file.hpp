@@ -37,8 +37,9 @@ struct SessionOrder {
   /// Commands as they were given in a session before, and when; instead of keys.
   std::vector<std::pair<double, session::LiveCommand>> commands;
   bool real_time = false;
-  bool processes = false;  ///< guard and robot are processes of their own
-  std::string link = {};   ///< name of the memory that they share; empty: one of this process
+  bool processes = false;   ///< guard and robot are processes of their own
+  std::string link = {};    ///< name of the memory that they share; empty: one of this process
+  std::string device = {};  ///< a device file; empty: all devices are simulated in this program
 };
 
 /// Whose session it was, when there is a history of people.
@@ -65,6 +66,18 @@ struct PerformedEntry {
   std::optional<std::string> why;  ///< where the given force is more than 5 % off the ordered one
   double true_over_trip_n = -std::numeric_limits<double>::infinity();
   std::optional<double> tool_to_acupoint_m;  ///< known of a press of an acupoint
+};
+
+/// Arms at the other ends of a network, and what came over it.
+struct DeviceRecord {
+  struct Traffic {
+    std::uint64_t cycles = 0, lost = 0, late = 0, unheard = 0, rejected = 0;
+  };
+  std::string arms;  ///< kind and addresses
+  std::string pace;
+  std::string scanner = "simulated";
+  PerArm<Traffic> traffic;
+  std::uint64_t truth_missed = 0;  ///< milliseconds whose truth was told too late to be known
 };
 
 /// The numbers of a session as session.json holds them: all that the report shows of it but for
@@ -126,6 +139,7 @@ struct SessionFile {
   telemetry::BodyCondition condition;
   int condition_presses = 0;  ///< presses that the condition rests on
   std::vector<telemetry::Stop> stops;
+  std::optional<DeviceRecord> devices;  ///< where the order names a device file
 };
 
 /// The JSON object of session.json.

@@ -41,12 +41,21 @@ std::function<std::optional<telemetry::MappedStiffness>(const Vector3&)> stiffne
 
 std::vector<telemetry::KeyNumber> numbers_of(const SessionFile& file) {
   const double compute_ms = file.scan.compute_ms + file.acupoints.compute_ms + file.plan.compute_ms;
-  return {{"scan error", fmt::format("{:.2f}", to_mm(file.scan.rms_error_m)), "mm",
-           "RMS distance of the scan from the true surface"},
-          {"scan to plan", fmt::format("{:.2f}", 1e-3 * compute_ms), "s",
-           "computing time, the sweep itself not counted"},
-          {"simulation", fmt::format("{:.0f}", file.massage.real_time_factor), "times real time",
-           "two arms at 1 kHz, physics at 4 kHz"}};
+  std::vector<telemetry::KeyNumber> numbers = {
+      {"scan error", fmt::format("{:.2f}", to_mm(file.scan.rms_error_m)), "mm",
+       "RMS distance of the scan from the true surface"},
+      {"scan to plan", fmt::format("{:.2f}", 1e-3 * compute_ms), "s",
+       "computing time, the sweep itself not counted"},
+      {"simulation", fmt::format("{:.0f}", file.massage.real_time_factor), "times real time",
+       "two arms at 1 kHz, physics at 4 kHz"}};
+  if (!file.devices) return numbers;
+  std::uint64_t lost = 0, late = 0;
+  for (const DeviceRecord::Traffic& traffic : file.devices->traffic.of)
+    lost += traffic.lost, late += traffic.late + traffic.rejected;
+  numbers.push_back({"arms", fmt::format("{}", lost), "states lost",
+                     fmt::format("{}; {} more late or rejected; camera and turntable: {}",
+                                 file.devices->arms, late, file.devices->scanner)});
+  return numbers;
 }
 
 /// The arms as the session believed them to stand, four times a second.

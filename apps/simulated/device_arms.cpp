@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/simulated/device_arms.hpp"
+
+#include <sched.h>
+
+#include <cstring>
+
+namespace tuina::app {
+namespace {
+
+/// What is true of these arms, if they stand in the world that the session scans.
+Result<SharedTruth> truth_of(const hardware::ArmlinkRobot& robot, const std::string& world) {
+  if (!robot.simulated()) {
+    return fail(Fault::device,
+                "these arms are real, and the scanner is simulated: an arm must not press where a "
+                "simulated person was seen");
+  }
+  const std::string left(robot.peer(Arm::left).hello().called());
+  const std::string right(robot.peer(Arm::right).hello().called());
+  if (left != right)
+    return fail(Fault::device, "the left arm is `{}` and the right one `{}`: not of one world",
+                left, right);
+  auto truth = SharedTruth::map(truth_name(left), link::SharedMemory::Use::read);
+  if (!truth) {
+    return fail(Fault::device,
+                "nobody tells what is true of the simulated arms `{}`, as `tuina robot armlink` on "
+                "this machine does",
+                left);
+  }
+  const std::string there((*truth)->world.data(),
+                          strnlen((*truth)->world.data(), (*truth)->world.size()));
+  if (there != world.substr(0, (*truth)->world.size()))
+    return fail(Fault::device, "the arms are before {}; the session is of {}", there, world);
+  return truth;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<DeviceArms>> DeviceArms::open(const std::string& device_file,
+                                                     const sim::World& world,
+                                                     const std::string& world_name) {
+  std::unique_ptr<DeviceArms> made(new DeviceArms);
+  auto file = hardware::read_device_file(device_file);
+  if (!file) return tl::unexpected(file.error());
+  made->file_ = std::move(*file);
+  auto robot = hardware::ArmlinkRobot::open(made->file_, world.robot_table(), world.mount());
+  if (!robot) return tl::unexpected(robot.error());
+  made->robot_ = std::move(*robot);
+  auto truth = truth_of(*made->robot_, world_name);
+  if (!truth) return fail(truth.error().fault, "{}: {}", device_file, truth.error().message);
+  made->truth_ = std::move(*truth);
+  return made;
+}
+
+Result<void> DeviceArms::arm(const link::Arming& arming) {
+  const bool lock_step = robot_->peer(Arm::left).waits() && robot_->peer(Arm::right).waits();
+  pace_ = lock_step ? "each waits for the other" : "real, " + link::be_real_time();
+  return guard_.arm(arming);
+}
+
+void DeviceArms::rest() noexcept {
+  guard_.rest();
+  robot_->rest();
+  const sched_param usual = {};
+  (void)sched_setscheduler(0, SCHED_OTHER, &usual);
+}
+
+record::DeviceRecord DeviceArms::record(std::uint64_t truth_missed) const {
+  record::DeviceRecord record{.arms = fmt::format("armlink {}, {}", file_.arms[Arm::left].address,
+                                                  file_.arms[Arm::right].address),
+                              .pace = pace_,
+                              .traffic = {},
+                              .truth_missed = truth_missed};
+  for (const Arm arm : both_arms) {
+    const hardware::ArmTraffic& seen = robot_->peer(arm).traffic();
+    record.traffic[arm] = {.cycles = seen.states,
+                           .lost = seen.lost,
+                           .late = seen.late,
+                           .unheard = seen.unheard,
+                           .rejected = seen.rejected};
+  }
+  return record;
+}
+
+}  // namespace tuina::app

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "apps/simulated/robot_process.hpp"
+#include "tuina/hardware/armlink_robot.hpp"
+#include "tuina/record/session_file.hpp"
+#include "tuina/sim/world.hpp"
+
+namespace tuina::app {
+
+/// The arms that a device file names, and their guard, which runs in this process: it is the last
+/// that decides, right before the commands leave.
+class DeviceArms final : public link::Supervisor {
+ public:
+  /// Fails with Fault::device where an arm is missing or another than the world's, and where one is
+  /// real: the scanner is simulated, and an arm must not press where a simulated person was seen.
+  /// `world_name` is what the arms' own program must call its world.
+  [[nodiscard]] static Result<std::unique_ptr<DeviceArms>> open(const std::string& device_file,
+                                                                const sim::World& world,
+                                                                const std::string& world_name);
+
+  [[nodiscard]] hardware::ArmlinkRobot& robot() noexcept { return *robot_; }
+  [[nodiscard]] const SharedTruth& truth() const noexcept { return truth_; }
+  [[nodiscard]] record::DeviceRecord record(std::uint64_t truth_missed) const;
+
+  /// Where the arms do not wait, this thread is a real-time one from here on, as far as it may be.
+  [[nodiscard]] Result<void> arm(const link::Arming& arming) override;
+  [[nodiscard]] safety::RobotVerdict check(
+      const robot::RobotReading& reading, const safety::RobotProposal& proposal) noexcept override {
+    return guard_.check(reading, proposal);
+  }
+  /// The arms stand by their own drives until the next guard has come; this thread, which may have
+  /// a scan to compute, is one among others again.
+  void rest() noexcept override;
+  void expect_stop() noexcept override { guard_.expect_stop(); }
+
+ private:
+  DeviceArms() = default;
+  hardware::DeviceFile file_;
+  std::unique_ptr<hardware::ArmlinkRobot> robot_;
+  SharedTruth truth_;
+  link::OwnSupervisor guard_;
+  std::string pace_;  ///< and what was granted for a real one
+};
+
+}  // namespace tuina::app

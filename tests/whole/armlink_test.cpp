@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+// A massage whose arms are another program, over UDP.
+#include <doctest/doctest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "tests/whole/command.hpp"
+#include "tuina/core/io/file.hpp"
+
+using nlohmann::json;
+using tuina::test::Folder;
+using tuina::test::Outcome;
+using tuina::test::run_tuina;
+
+namespace {
+
+using Words = std::vector<std::string>;
+
+Words operator+(Words words, const Words& more) {
+  words.insert(words.end(), more.begin(), more.end());
+  return words;
+}
+
+/// Ports that no other run of this test has.
+int own_port() {
+  static int next = 21'000 + 2 * static_cast<int>(getpid() % 5'000);
+  return next += 2;
+}
+
+std::string device_file(const Folder& folder, int port) {
+  const auto arm = [](const char* name, int at) {
+    return "[arm." + std::string(name) +
+           "]\nkind = \"armlink\"\naddress = \"127.0.0.1:" + std::to_string(at) + "\"\n";
+  };
+  return folder.with("device.toml", arm("left", port) + arm("right", port + 1));
+}
+
+/// The program with the arms, which ends with the session of its host.
+class Arms {
+ public:
+  Arms(int port, const Words& person)
+      : thread_([=, this] {
+          outcome_ = run_tuina(Words{"robot", "armlink", "--pace", "max", "--quiet", "--json",
+                                     "--listen", "127.0.0.1:" + std::to_string(port)} +
+                               person);
+        }) {}
+  ~Arms() {
+    if (thread_.joinable()) thread_.join();
+  }
+  [[nodiscard]] const Outcome& end() {
+    thread_.join();
+    return outcome_;
+  }
+
+ private:
+  Outcome outcome_;
+  std::thread thread_;
+};
+
+bool is_there(const std::string& device) {
+  for (int i = 0; i < 60; ++i)
+    if (run_tuina({"doctor", "--device", device, "--quiet"}).exit_code == 0) return true;
+  return false;
+}
+
+}  // namespace
+
+TEST_CASE("a massage over UDP is the massage in one program, to the last bit, rescan and all") {
+  const Folder folder;
+  const Words slim = {"--person", "phantom:slim", "--position", "prone"};
+  const Words person =
+      slim +
+      Words{"--seed", "7", "--set", "simulation.shift_mm=20", "--set", "simulation.shift_at_s=5"};
+  const Words massage = Words{"massage", "--quiet", "--programme",
+                              folder.with("brief.toml",
+                                          "name = \"brief\"\n[[part]]\ntechnique = \"press\"\n"
+                                          "points = [\"BL47\"]\nrepeats = 1\n"),
+                              "--out"};
+  const int port = own_port();
+  const std::string device = device_file(folder, port);
+  Arms arms(port, person);
+  REQUIRE(is_there(device));
+  const Outcome stranger =
+      run_tuina(massage + Words{folder / "stranger", "--device", device, "--seed", "8"} + slim);
+  CHECK(stranger.exit_code == 3);
+  CHECK(stranger.err.find("the arms are before phantom_slim_prone_7, seed 7") != std::string::npos);
+  const Outcome far = run_tuina(massage + Words{folder / "far", "--device", device} + person);
+  REQUIRE_MESSAGE(far.exit_code == 0, far.err);
+  const Outcome& ended = arms.end();
+  CHECK_MESSAGE(ended.exit_code == 0, ended.err);
+  CHECK(json::parse(ended.out)["silent_ticks"] == 1);  // the last one, which nobody answers
+  const Outcome one = run_tuina(massage + Words{folder / "one"} + person);
+  REQUIRE_MESSAGE(one.exit_code == 0, one.err);
+  for (const char* file : {"joints.csv", "trace.csv", "distances.csv"}) {
+    CAPTURE(file);
+    const auto here = tuina::read_file(std::filesystem::path(folder / "one") / file);
+    const auto there = tuina::read_file(std::filesystem::path(folder / "far") / file);
+    REQUIRE(here.has_value());
+    REQUIRE(there.has_value());
+    CHECK(*here == *there);
+  }
+  const json session =
+      json::parse(tuina::read_file(std::filesystem::path(folder / "far") / "session.json").value());
+  CHECK(session["rescans_s"].size() == 1);
+  CHECK(session["devices"]["scanner"] == "simulated");
+  CHECK(session["devices"]["left"]["lost"] == 0);
+  CHECK(session["devices"]["truth_missed_ms"] == 0);
+  const auto page = tuina::read_file(std::filesystem::path(folder / "far") / "report.html").value();
+  CHECK(page.find("camera and turntable: simulated") != std::string::npos);
+}
+
+TEST_CASE("without arms, or with a wrong file, a session ends before it begins") {
+  const Folder folder;
+  const auto told = [&](const std::string& device, int exit_code) {
+    const Outcome outcome =
+        run_tuina({"massage", "--device", device, "--out", folder / "out", "--quiet"});
+    CHECK(outcome.exit_code == exit_code);
+    CHECK_FALSE(std::filesystem::exists(folder / "out"));
+    return outcome.err;
+  };
+  const int port = own_port();
+  CHECK(told(device_file(folder, port), 3).find("nobody answers") != std::string::npos);
+  CHECK(told(folder / "missing.toml", 2).find("missing.toml") != std::string::npos);
+  CHECK(told(folder.with("typo.toml", "[arm.left]\nkind = \"armlink\"\nadress = \"x\"\n"), 2)
+            .find("typo.toml:3: `arm.left.adress` is unknown; is `address` meant?") !=
+        std::string::npos);
+  CHECK(run_tuina({"massage", "--device", "x", "--processes"}).exit_code == 1);
+}
+
+TEST_CASE("a doctor names who is missing, one line each, in less than two seconds") {
+  const Folder folder;
+  const auto begun = std::chrono::steady_clock::now();
+  const Outcome outcome =
+      run_tuina({"doctor", "--device", device_file(folder, own_port()), "--json"});
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begun;
+  CHECK(outcome.exit_code == 3);
+  CHECK(took.count() < 2.0);
+  const json found = json::parse(outcome.out)["devices"];
+  REQUIRE(found.size() == 2);
+  for (const json& arm : found) {
+    CHECK(arm["good"] == false);
+    CHECK(arm["finding"] == "nobody answers");
+  }
+}
