@@ -130,9 +130,10 @@ Result<void> ArmlinkRobot::stand_ready(const robot::ReadyPose& pose) {
 void ArmlinkRobot::break_off(Arm arm, const char* why) noexcept {
   if (faulty_) return;
   faulty_ = true;
-  const auto end =
-      fmt::format_to_n(fault_.data(), fault_.size() - 1, "the {} arm {}", name_of(arm), why).out;
-  *end = '\0';
+  std::size_t size = 0;
+  for (const std::string_view part : {"the ", name_of(arm), " arm ", why})
+    size += part.copy(&fault_[size], fault_.size() - 1 - size);
+  fault_[size] = '\0';
 }
 
 void ArmlinkRobot::wait_for_either(Clock::time_point deadline) const noexcept {
@@ -221,7 +222,7 @@ std::optional<robot::RobotReading> ArmlinkRobot::reading_of(const PerArm<bool>& 
     // The right arm's quartz is another one: its count may slip by one in a while, its clock
     // drifts.
     constexpr double drift_share = 0.01;
-    Mapping& right = (*zero_)[Arm::right];
+    ArmZero& right = (*zero_)[Arm::right];
     const armlink::State& state = peers_[Arm::right].state();
     right.sequence = state.sequence - static_cast<std::uint32_t>(reading.tick);
     right.time_s += drift_share * (time_of(Arm::right, state.time_s) - reading.time_s);

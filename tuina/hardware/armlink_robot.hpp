@@ -15,6 +15,12 @@
 
 namespace tuina::hardware {
 
+/// From the count and the clock of an arm to those of the readings.
+struct ArmZero {
+  std::uint32_t sequence = 0;
+  double time_s = 0.0;
+};
+
 /// A robot of two arms, each at the other end of armlink (docs/armlink.md). The left arm's
 /// datagrams carry the linear base: both arms ride on it, so one of them must, and the guard
 /// watches its place by the clock of the arm that told it.
@@ -67,12 +73,7 @@ class ArmlinkRobot final : public robot::Robot {
   bool standing_ = false;  ///< a session has begun
   bool resting_ = false;   ///< nobody has applied anything since the arms stand by themselves
   Clock::time_point last_reading_;
-  /// From the counts and clocks of the arms to those of the readings; set by the first one.
-  struct Mapping {
-    std::uint32_t sequence = 0;
-    double time_s = 0.0;
-  };
-  std::optional<PerArm<Mapping>> zero_;
+  std::optional<PerArm<ArmZero>> zero_;  ///< set by the first reading
   std::optional<std::uint64_t> last_tick_;
   bool faulty_ = false;
   std::array<char, 160> fault_ = {};
