@@ -17,6 +17,7 @@ using namespace std::chrono_literals;
 
 constexpr auto lock_step_patience = 6s;  // for a host that computes
 constexpr auto gone_patience = 5ms;      // and for one that is gone
+constexpr auto min_host_time = 700us;    // from a state to the end of its cycle, at real pace
 constexpr auto rest_patience = 300s;     // while the person is scanned again
 constexpr int max_stopped_ticks = 1000;  // then the arms have long been braked
 
@@ -185,8 +186,9 @@ Result<RobotReport> ArmlinkArms::keep(sim::World& world, SharedTruth& truth,
     report.see(world.truth());
     set_states(*reading, world);
     tell();
-    // A simulation that was held up goes on from now: its robot's clock stood still with it.
-    next = std::max(next + 1ms, steady_clock::now());
+    // Computing physics is no part of an arm's cycle: where it took long, the clock of this robot
+    // stood still, and the host has its time all the same.
+    next = std::max(next + 1ms, steady_clock::now() + min_host_time);
     wait_for_commands(next, ends);
     if (answered() && !stopped_) {
       robot::RobotCommand command{.torque_nm = {}, .rail_m = ends_[Arm::left].last.rail_m};
