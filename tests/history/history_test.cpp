@@ -61,7 +61,7 @@ void on_both(const std::function<void(const std::string& address)>& test) {
   SUBCASE("PostgreSQL") {
     const auto address = test::empty_database();
     if (!address) {
-      MESSAGE("skipped: no PostgreSQL server is installed here");
+      MESSAGE("skipped: there is no PostgreSQL server here");
       return;
     }
     test(*address);
