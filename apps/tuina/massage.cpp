@@ -52,11 +52,7 @@ class Massage final : public Verb {
         .one_of({"on", "off"})
         .show_default();
     options.flag("--keys", order_.keys, fmt::format("live, at real pace: {}", key_help));
-    options
-        .add("--body-mass-index", order_.facts.mass_index,
-             "of the person, kg/m^2, if known: a help in telling the body condition")
-        .between(10.0, 80.0);
-    options.add("--body-fat-percent", order_.facts.fat_percent, "likewise").between(2.0, 70.0);
+    describe_body(options);
     options.add("--method", method_, "of finding acupoints").one_of({"field_morphing", "surface"});
     options.add("--atlas", order_.atlas,
                 "an atlas file or a labelled body instead of the shipped atlas");
@@ -147,6 +143,13 @@ class Massage final : public Verb {
   }
 
  private:
+  void describe_body(Options& options) {
+    options
+        .add("--body-mass-index", order_.facts.mass_index,
+             "of the person, kg/m^2, if known: a help in telling the body condition")
+        .between(10.0, 80.0);
+    options.add("--body-fat-percent", order_.facts.fat_percent, "likewise").between(2.0, 70.0);
+  }
   void take_words() {
     if (position_ == "sitting") order_.position = BodyPosture::sitting;
     if (position_ == "prone") order_.position = BodyPosture::prone;
