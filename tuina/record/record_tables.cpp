@@ -3,11 +3,9 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <iterator>
+#include <cctype>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <optional>
 
 #include "tuina/core/io/file.hpp"
 #include "tuina/record/session_folder.hpp"
