@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tuina/core/io/file.hpp"
+#include "tuina/core/io/scratch_folder.hpp"
 
 #include <doctest/doctest.h>
 
@@ -20,4 +21,18 @@ TEST_CASE("a file that is not there gives an error with its path") {
   REQUIRE_FALSE(content.has_value());
   CHECK(content.error().fault == Fault::file);
   CHECK(content.error().message.find("/nowhere/at/all") != std::string::npos);
+}
+
+TEST_CASE("a scratch folder is there for its owner alone, and goes with what is in it") {
+  std::filesystem::path path;
+  {
+    auto made = ScratchFolder::make();
+    REQUIRE(made);
+    const ScratchFolder folder = std::move(*made);  // what was moved from does not remove it
+    path = folder.path();
+    REQUIRE(write_file(path / "file", "content"));
+    CHECK((std::filesystem::status(path).permissions() & std::filesystem::perms::others_all) ==
+          std::filesystem::perms::none);
+  }
+  CHECK_FALSE(std::filesystem::exists(path));
 }

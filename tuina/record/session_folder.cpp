@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tuina/record/session_folder.hpp"
 
-#include <stdlib.h>
-
-#include <utility>
-
 #include "tuina/core/io/file.hpp"
 #include "tuina/telemetry/mcap/compression.hpp"
 
@@ -14,13 +10,6 @@ namespace {
 namespace mcap = telemetry::mcap;
 
 constexpr std::string_view compressed = ".zst";
-
-Result<std::filesystem::path> fresh_folder() {
-  std::string name = (std::filesystem::temp_directory_path() / "tuina-session-XXXXXX").string();
-  if (::mkdtemp(name.data()) == nullptr)
-    return fail(Fault::file, "{}: the folder cannot be made", name);
-  return std::filesystem::path(name);
-}
 
 Result<void> unpack(const mcap::Attachment& attachment, const std::filesystem::path& folder,
                     const std::string& file) {
@@ -60,8 +49,7 @@ Result<RecordFile> read_record_file(const std::filesystem::path& file,
 Result<SessionFolder> SessionFolder::open(const std::filesystem::path& folder_or_mcap) {
   const std::string file = folder_or_mcap.string();
   std::error_code none;
-  if (!std::filesystem::is_regular_file(folder_or_mcap, none))
-    return SessionFolder(folder_or_mcap, "");
+  if (!std::filesystem::is_regular_file(folder_or_mcap, none)) return SessionFolder(folder_or_mcap);
   const auto record = read_record_file(folder_or_mcap);
   if (!record) return tl::unexpected(record.error());
   if (record->contents.attachment("session.json.zst") == nullptr) {
@@ -70,22 +58,16 @@ Result<SessionFolder> SessionFolder::open(const std::filesystem::path& folder_or
                 "show` says what it holds",
                 file);
   }
-  auto folder = fresh_folder();
-  if (!folder) return tl::unexpected(folder.error());
-  SessionFolder session(std::move(*folder), file);
+  auto unpacked = ScratchFolder::make();
+  if (!unpacked) return tl::unexpected(unpacked.error());
+  SessionFolder session(unpacked->path());
+  session.mcap_ = file;
+  session.unpacked_.emplace(std::move(*unpacked));
   for (const mcap::Attachment& attachment : record->contents.attachments) {
     if (auto done = unpack(attachment, session.path_, file); !done)
       return tl::unexpected(done.error());
   }
   return session;
-}
-
-SessionFolder::SessionFolder(SessionFolder&& other) noexcept
-    : path_(std::move(other.path_)), mcap_(std::exchange(other.mcap_, {})) {}
-
-SessionFolder::~SessionFolder() {
-  std::error_code none;
-  if (!mcap_.empty()) std::filesystem::remove_all(path_, none);
 }
 
 Error SessionFolder::explained(Error error) const {

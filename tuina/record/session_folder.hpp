@@ -2,8 +2,10 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
+#include "tuina/core/io/scratch_folder.hpp"
 #include "tuina/core/result.hpp"
 #include "tuina/telemetry/mcap/reader.hpp"
 
@@ -26,22 +28,17 @@ class SessionFolder {
   /// Fails for an MCAP file without session.json, which the record of a session that has not come
   /// to its end is; an attachment that would not be a plain file of the folder is refused.
   [[nodiscard]] static Result<SessionFolder> open(const std::filesystem::path& folder_or_mcap);
-  SessionFolder(SessionFolder&& other) noexcept;
-  SessionFolder(const SessionFolder&) = delete;
-  SessionFolder& operator=(const SessionFolder&) = delete;
-  SessionFolder& operator=(SessionFolder&&) = delete;
-  ~SessionFolder();
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
   /// An error about a file of the folder, named as the user knows it.
   [[nodiscard]] Error explained(Error error) const;
 
  private:
-  SessionFolder(std::filesystem::path folder, std::string mcap)
-      : path_(std::move(folder)), mcap_(std::move(mcap)) {}
+  explicit SessionFolder(std::filesystem::path folder) : path_(std::move(folder)) {}
 
   std::filesystem::path path_;
-  std::string mcap_;  ///< the file that was unpacked; empty: nothing was
+  std::string mcap_;                       ///< the file that was unpacked; empty: nothing was
+  std::optional<ScratchFolder> unpacked_;  ///< what is in it
 };
 
 }  // namespace tuina::record

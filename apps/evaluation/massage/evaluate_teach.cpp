@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <stdlib.h>
-
 #include <algorithm>
-#include <filesystem>
 #include <limits>
 #include <nlohmann/json.hpp>
 
@@ -12,13 +9,13 @@
 #include "apps/simulated/simulated_session.hpp"
 #include "apps/simulated/teaching.hpp"
 #include "tuina/core/io/file.hpp"
+#include "tuina/core/io/scratch_folder.hpp"
 #include "tuina/core/parallel.hpp"
 #include "tuina/core/units.hpp"
 
 namespace tuina::app {
 namespace {
 
-namespace fs = std::filesystem;
 using nlohmann::ordered_json;
 
 /// The points that the stroke is meant to pass, on the left side.
@@ -48,25 +45,6 @@ struct Given {
 struct Ways {
   std::string person;
   Given taught, carried, automatic;
-};
-
-/// A folder that goes with the object.
-class ScratchFolder {
- public:
-  ScratchFolder() {
-    std::string name = fs::temp_directory_path() / "tuina_teach_XXXXXX";
-    if (::mkdtemp(name.data()) != nullptr) path_ = name;
-  }
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-  ~ScratchFolder() {
-    std::error_code ignored;
-    if (!path_.empty()) fs::remove_all(path_, ignored);
-  }
-  [[nodiscard]] const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
 };
 
 /// How near a tool came to the points while it worked, mean of the points.
@@ -180,9 +158,10 @@ class EvaluateTeach final : public Verb {
     if (!config) return tl::unexpected(config.error());
     CommonOptions quiet = common;
     quiet.quiet = true;
-    const ScratchFolder folder;
-    const std::string planned = folder.path() / "planned.toml";
-    const std::string carried = folder.path() / "carried.toml";
+    const auto folder = ScratchFolder::make();
+    if (!folder) return tl::unexpected(folder.error());
+    const std::string planned = folder->path() / "planned.toml";
+    const std::string carried = folder->path() / "carried.toml";
     const auto shown = record_by_hand({}, *config, quiet);
     if (!shown) return tl::unexpected(shown.error());
     const auto programme = session::programme_of(shown->motion);
