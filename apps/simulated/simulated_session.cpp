@@ -70,6 +70,21 @@ class JointRecorder final : public session::Observer {
   std::uint64_t last_tick = 0;  ///< of the session
 };
 
+/// A camera whose scan somebody may end.
+class EndingCamera final : public scanner::Camera {
+ public:
+  EndingCamera(scanner::Camera& camera, const std::function<bool()>& ends)
+      : camera_(camera), ends_(ends) {}
+  [[nodiscard]] Result<scanner::Frame> next_frame(double timeout_s) override {
+    if (ends_ && ends_()) return fail(Fault::stopped, "the scan was stopped");
+    return camera_.next_frame(timeout_s);
+  }
+
+ private:
+  scanner::Camera& camera_;
+  const std::function<bool()>& ends_;
+};
+
 /// The processes that an order asks for; null when all is to happen in this one.
 Result<std::unique_ptr<Processes>> processes_of(const SessionOrder& order,
                                                 const CommonOptions& common) {
@@ -166,11 +181,13 @@ double scan_to_touch_s(const SessionResult& result) {
 Result<SessionResult> run_simulated_session(const SessionOrder& order,
                                             const session::Config& config,
                                             const CommonOptions& common,
-                                            const std::filesystem::path& record_file) {
+                                            const std::filesystem::path& record_file,
+                                            const Attendant& attendant) {
   auto room = make_room(order, config, common);
   if (!room) return tl::unexpected(room.error());
   sim::World& world = *room->world;
-  room->order.commands = commands_of(order);
+  room->order.commands = attendant.commands ? attendant.commands : commands_of(order);
+  room->order.approve = attendant.approves;
 
   TruthRecorder truth(world);
   JointRecorder joints;
@@ -182,12 +199,12 @@ Result<SessionResult> run_simulated_session(const SessionOrder& order,
   auto recorder = recorder_of(record_file, order, *room, config, common.seed);
   if (!recorder) return tl::unexpected(recorder.error());
   {
-    // A terminal may be slow; the truth is read in the millisecond in which it is true.
-    session::Relay terminal(bars);
+    // A terminal or a page may be slow; the truth is read in the millisecond in which it is true.
+    session::Relay watcher(attendant.watches != nullptr ? *attendant.watches : bars);
     auto far = far_robot(order, common, world);
     if (!far) return tl::unexpected(far.error());
     std::optional<LinkedTruth> told;
-    std::vector<session::Observer*> all = {&truth, &joints, &terminal};
+    std::vector<session::Observer*> all = {&truth, &joints, &watcher};
     std::optional<session::Relay> record;
     if (*recorder) {
       using Behind = session::Relay::Behind;
@@ -199,8 +216,9 @@ Result<SessionResult> run_simulated_session(const SessionOrder& order,
       all.insert(all.begin(), &*told);
     }
     session::Observers observers(all);
+    EndingCamera camera(world.camera(), attendant.ends_scan);
     auto session =
-        session::run({world.camera(), world.turntable(),
+        session::run({camera, world.turntable(),
                       far->robot != nullptr ? *far->robot : world.robot(), far->supervisor},
                      room->order, config, observers);
     record.reset();

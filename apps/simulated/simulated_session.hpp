@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <limits>
 #include <map>
 #include <memory>
@@ -72,10 +73,19 @@ struct SessionResult {
 /// From the beginning of the scan to the first touch, computing included.
 [[nodiscard]] double scan_to_touch_s(const SessionResult& result);
 
+/// Somebody who is there while a session runs, in place of the terminal. What is empty is not
+/// asked.
+struct Attendant {
+  session::Observer* watches = nullptr;  ///< told through a relay, so it may be slow
+  std::function<std::optional<session::LiveCommand>(double time_s)> commands = {};
+  std::function<bool(const motion::ReadyPlan&)> approves = {};
+  std::function<bool()> ends_scan = {};  ///< asked with every frame; true ends a scan
+};
+
 /// `session::run` in a simulated world, with the truth written down beside it. With `record_file`
 /// the session is recorded into it; one that fails after the massage has begun leaves its record.
 [[nodiscard]] Result<SessionResult> run_simulated_session(
     const SessionOrder& order, const session::Config& config, const CommonOptions& common,
-    const std::filesystem::path& record_file = {});
+    const std::filesystem::path& record_file = {}, const Attendant& attendant = {});
 
 }  // namespace tuina::app

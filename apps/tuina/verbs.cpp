@@ -6,6 +6,7 @@
 namespace tuina::app {
 
 std::string summary_of_group(std::string_view group) {
+  if (group == "audit") return "the log of what was asked of `tuina serve`";
   if (group == "atlas") return "labelled backs: record them, learn a file from them, look at it";
   if (group == "teach")
     return "motions that a hand shows to an arm: record, play, look at them, carry them to others";
@@ -23,6 +24,8 @@ std::string summary_of_group(std::string_view group) {
 std::vector<std::unique_ptr<Verb>> make_verbs() {
   std::vector<std::unique_ptr<Verb>> verbs;
   verbs.push_back(make_massage());
+  verbs.push_back(make_serve());
+  verbs.push_back(make_audit_check());
   verbs.push_back(make_report());
   verbs.push_back(make_record_show());
   verbs.push_back(make_scan());

@@ -12,6 +12,8 @@ namespace tuina::app {
 
 // One file per verb; a verb that does not exist yet is absent here and so from --help.
 std::unique_ptr<Verb> make_massage();
+std::unique_ptr<Verb> make_serve();
+std::unique_ptr<Verb> make_audit_check();
 std::unique_ptr<Verb> make_report();
 std::unique_ptr<Verb> make_record_show();
 std::unique_ptr<Verb> make_config_show();

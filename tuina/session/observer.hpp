@@ -40,6 +40,8 @@ class Observer {
  public:
   virtual ~Observer() = default;
   virtual void on_progress(Stage, double /*share*/) noexcept {}
+  /// A line of a scan that is still going on; rougher than what `on_scan` brings.
+  virtual void on_profile(const scanner::LiveProfile&) {}
   virtual void on_scan(const scanner::Scan&) {}
   virtual void on_map(const body::Mapping&) {}
   /// A plan is about to be carried out; it lives until the next one.
@@ -59,6 +61,9 @@ class Observers final : public Observer {
   explicit Observers(std::vector<Observer*> all) : all_(std::move(all)) {}
   void on_progress(Stage stage, double share) noexcept override {
     for (Observer* one : all_) one->on_progress(stage, share);
+  }
+  void on_profile(const scanner::LiveProfile& profile) override {
+    for (Observer* one : all_) one->on_profile(profile);
   }
   void on_scan(const scanner::Scan& scan) override {
     for (Observer* one : all_) one->on_scan(scan);

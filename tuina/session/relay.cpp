@@ -26,6 +26,10 @@ void Relay::on_progress(Stage stage, double share) noexcept {
   }
 }
 
+void Relay::on_profile(const scanner::LiveProfile& profile) {
+  if (caught_up()) slow_.on_profile(profile);
+}
+
 void Relay::on_scan(const scanner::Scan& scan) {
   if (caught_up()) slow_.on_scan(scan);
 }

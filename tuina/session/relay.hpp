@@ -31,6 +31,7 @@ class Relay final : public Observer {
   Relay& operator=(const Relay&) = delete;
 
   void on_progress(Stage stage, double share) noexcept override;
+  void on_profile(const scanner::LiveProfile& profile) override;
   void on_scan(const scanner::Scan& scan) override;
   void on_map(const body::Mapping& map) override;
   void on_plan(const motion::ReadyPlan& plan, const Transform& base_from_couch) override;

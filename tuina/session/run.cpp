@@ -174,6 +174,8 @@ Result<Session> run(Devices devices, const Order& order, const Config& config, O
   Session session;
   if (auto ready = prepare(devices, order, config, observer, std::nullopt, {}, session); !ready)
     return tl::unexpected(ready.error());
+  if (order.approve && !order.approve(session.ready))
+    return fail(Fault::stopped, "the plan was not approved, and no arm has moved");
   const double rail_m = session.ready.rail_m;
   if (auto stands = devices.robot.stand_ready({session.ready.ready_rad, rail_m}); !stands)
     return tl::unexpected(stands.error());

@@ -49,6 +49,9 @@ struct Order {
   robot::RobotModel robot;
   PlacedRobot placed;    ///< measured place of the robot
   bool adaptive = true;  ///< presses follow the tissue that was felt
+  /// Asked once, before the first arm moves, and may wait for somebody who looks at the plan; false
+  /// ends the session. Empty: no need to ask.
+  std::function<bool(const motion::ReadyPlan&)> approve;
   /// Asked in every millisecond for a command of the therapist; it must not wait.
   std::function<std::optional<LiveCommand>(double time_s)> commands;
 };

@@ -17,7 +17,9 @@ scanner::SweepOptions sweep_options(const Config& config) {
 
 Result<MappedPerson> scan_and_map(scanner::Camera& camera, scanner::Turntable& turntable,
                                   const Order& order, const Config& config, Observer& observer) {
-  auto scan = scanner::scan_sweep(camera, turntable, order.calibration, sweep_options(config),
+  scanner::SweepOptions sweep = sweep_options(config);
+  sweep.on_profile = [&](const scanner::LiveProfile& profile) { observer.on_profile(profile); };
+  auto scan = scanner::scan_sweep(camera, turntable, order.calibration, sweep,
                                   [&](double share) { observer.on_progress(Stage::scan, share); });
   if (!scan) return tl::unexpected(scan.error());
   observer.on_scan(*scan);

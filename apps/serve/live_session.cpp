@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/serve/live_session.hpp"
+
+#include <algorithm>
+
+#include "apps/simulated/session_files.hpp"
+#include "apps/simulated/simulated_session.hpp"
+#include "tuina/core/io/file.hpp"
+
+namespace tuina::app {
+
+const char* name_of(LivePhase phase) noexcept {
+  constexpr const char* names[] = {"idle",   "scan",    "map",    "plan",
+                                   "review", "massage", "report", "ended"};
+  return names[static_cast<std::size_t>(phase)];
+}
+
+LiveSession::~LiveSession() {
+  stop();
+  if (thread_.joinable()) thread_.join();
+}
+
+std::string LiveSession::next_number() const {
+  int last = 0;
+  std::error_code none;
+  for (const auto& entry : std::filesystem::directory_iterator(options_.folder, none)) {
+    const std::string name = entry.path().filename().string();
+    const bool number = !name.empty() && name.size() <= 6 &&
+                        std::all_of(name.begin(), name.end(),
+                                    [](char letter) { return letter >= '0' && letter <= '9'; });
+    if (number) last = std::max(last, std::stoi(name));
+  }
+  return fmt::format("{:04}", last + 1);
+}
+
+Result<void> LiveSession::start(StartOrder start) {
+  const std::lock_guard lock(mutex_);
+  if (phase_ != LivePhase::idle && phase_ != LivePhase::ended)
+    return fail(Fault::usage, "a session is running");
+  const std::string number = next_number();
+  const std::filesystem::path folder = options_.folder / number;
+  std::error_code fault;
+  if (!std::filesystem::create_directory(folder, fault))
+    return fail(Fault::file, "{}: cannot be made: {}", folder.string(), fault.message());
+  // The session before has ended, so its thread does at once.
+  if (thread_.joinable()) thread_.join();
+  session::LiveCommand left = {};
+  while (commands_.pop(left)) continue;
+  stop_ = stop_told_ = approved_ = paused_ = false;
+  phase_ = LivePhase::scan;
+  number_ = number;
+  outcome_.clear(), words_.clear();
+  view_ = std::make_shared<LiveView>();
+  thread_ = std::thread(
+      [this, folder, start = std::move(start)]() mutable { run(std::move(start), folder); });
+  return {};
+}
+
+Result<void> LiveSession::approve() {
+  const std::lock_guard lock(mutex_);
+  if (phase_ != LivePhase::review) return fail(Fault::usage, "no plan waits to be approved");
+  approved_ = true;
+  approved_or_stopped_.notify_all();
+  return {};
+}
+
+Result<void> LiveSession::command(session::LiveCommand command) {
+  const std::lock_guard lock(mutex_);
+  if (phase_ != LivePhase::massage) return fail(Fault::usage, "no massage is running");
+  if (!commands_.push(command)) return fail(Fault::usage, "too many commands at once");
+  if (command == session::LiveCommand::pause) paused_ = true;
+  if (command == session::LiveCommand::resume) paused_ = false;
+  return {};
+}
+
+void LiveSession::stop() {
+  stop_ = true;
+  const std::lock_guard lock(mutex_);
+  approved_or_stopped_.notify_all();
+}
+
+LiveSession::State LiveSession::state() const {
+  const std::lock_guard lock(mutex_);
+  State state{.phase = phase_,
+              .paused = paused_,
+              .session = number_,
+              .outcome = outcome_,
+              .words = words_,
+              .progress = {}};
+  if (view_) state.progress = view_->progress();
+  if (phase_ == LivePhase::scan && state.progress.stage == session::Stage::map)
+    state.phase = LivePhase::map;
+  if (phase_ == LivePhase::scan && state.progress.stage == session::Stage::plan)
+    state.phase = LivePhase::plan;
+  return state;
+}
+
+std::shared_ptr<LiveView> LiveSession::view() const {
+  const std::lock_guard lock(mutex_);
+  return view_;
+}
+
+bool LiveSession::wait_for_approval(const motion::ReadyPlan& plan) {
+  view_->show_plan(plan);
+  std::unique_lock lock(mutex_);
+  phase_ = LivePhase::review;
+  approved_or_stopped_.wait(lock, [&] { return approved_ || stop_; });
+  if (stop_) return false;
+  phase_ = LivePhase::massage;
+  return true;
+}
+
+// Stop goes first, and once.
+std::optional<session::LiveCommand> LiveSession::next_command() noexcept {
+  if (stop_ && !stop_told_) {
+    stop_told_ = true;
+    return session::LiveCommand::stop;
+  }
+  session::LiveCommand command = {};
+  if (!commands_.pop(command)) return std::nullopt;
+  return command;
+}
+
+void LiveSession::end(std::string outcome, std::string words) {
+  const std::lock_guard lock(mutex_);
+  outcome_ = std::move(outcome);
+  words_ = std::move(words);
+  paused_ = false;
+  phase_ = LivePhase::ended;
+}
+
+void LiveSession::run(StartOrder start, std::filesystem::path folder) {
+  const auto give_up = [&](const Error& error) {
+    std::error_code none;
+    std::filesystem::remove_all(folder, none);
+    end(stop_ ? "stopped" : "failed", error.message);
+  };
+  const std::filesystem::path consent = folder / "consent.toml";
+  if (auto written = write_file(consent, start.consent_toml); !written)
+    return give_up(written.error());
+  start.order.consent = consent.string();
+  start.order.real_time = options_.real_time;
+  session::Config config = options_.config;
+  config.massage.force_scale *= massage::force_scale_of(start.intensity);
+  CommonOptions common = options_.common;
+  common.seed = start.seed;
+  common.quiet = true;
+
+  const auto result = run_simulated_session(
+      start.order, config, common, folder / "session.mcap",
+      {.watches = view_.get(),
+       .commands = [this](double) { return next_command(); },
+       .approves = [this](const motion::ReadyPlan& plan) { return wait_for_approval(plan); },
+       .ends_scan = [this] { return stop_.load(); }});
+  if (!result) return give_up(result.error());
+  {
+    const std::lock_guard lock(mutex_);
+    phase_ = LivePhase::report;
+  }
+  const record::SessionFile file = session_file(*result, start.order, start.seed);
+  if (auto written = write_session(*result, config, record::to_json(file), folder); !written)
+    return give_up(written.error());
+  if (auto kept = finish_record(*result, folder); !kept) return give_up(kept.error());
+  const bool stopped = stop_ || !result->session.stops.empty();
+  end(stopped ? "stopped" : "done", session_text(file));
+}
+
+}  // namespace tuina::app

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+
+#include "apps/cli/command_line.hpp"
+#include "apps/serve/live_view.hpp"
+#include "apps/serve/start_order.hpp"
+#include "tuina/core/ring.hpp"
+#include "tuina/session/config.hpp"
+#include "tuina/session/live_command.hpp"
+
+namespace tuina::app {
+
+/// Where a session is, as a page shows it. `review`: the plan waits to be approved.
+enum class LivePhase : std::uint8_t { idle, scan, map, plan, review, massage, report, ended };
+[[nodiscard]] const char* name_of(LivePhase phase) noexcept;
+
+/// One session after the other, each on a thread of its own. What is asked of a running one goes
+/// through the door that the keyboard uses: `session::Order::commands`. All of it may be called
+/// from any thread, and none of it waits for the session.
+class LiveSession {
+ public:
+  struct Options {
+    session::Config config;
+    CommonOptions common;
+    bool real_time = true;
+    std::filesystem::path folder;  ///< a folder in it for each session
+  };
+  struct State {
+    LivePhase phase = LivePhase::idle;
+    bool paused = false;
+    std::string session;  ///< number of the newest session, "0001"; empty: there was none
+    std::string outcome;  ///< of an ended session: done, stopped, or failed
+    std::string words;    ///< what happened, for people
+    LiveView::Progress progress;
+  };
+
+  explicit LiveSession(Options options) : options_(std::move(options)) {}
+  ~LiveSession();
+  LiveSession(const LiveSession&) = delete;
+  LiveSession& operator=(const LiveSession&) = delete;
+
+  /// Refused (Fault::usage) while one runs.
+  [[nodiscard]] Result<void> start(StartOrder start);
+  /// Refused when no plan waits for it.
+  [[nodiscard]] Result<void> approve();
+  /// Refused when no massage runs.
+  [[nodiscard]] Result<void> command(session::LiveCommand command);
+  /// In any phase; again and again does no harm.
+  void stop();
+
+  [[nodiscard]] State state() const;
+  /// Of the newest session; null before the first.
+  [[nodiscard]] std::shared_ptr<LiveView> view() const;
+
+ private:
+  void run(StartOrder start, std::filesystem::path folder);
+  [[nodiscard]] bool wait_for_approval(const motion::ReadyPlan& plan);
+  [[nodiscard]] std::optional<session::LiveCommand> next_command() noexcept;
+  void end(std::string outcome, std::string words);
+  [[nodiscard]] std::string next_number() const;
+
+  Options options_;
+  mutable std::mutex mutex_;
+  std::condition_variable approved_or_stopped_;
+  LivePhase phase_ = LivePhase::idle;
+  bool approved_ = false, paused_ = false;
+  std::string number_, outcome_, words_;
+  std::shared_ptr<LiveView> view_;
+  /// Written under the mutex, read by the session.
+  Ring<session::LiveCommand, 64> commands_;
+  std::atomic<bool> stop_ = false;
+  bool stop_told_ = false;  ///< of the session's thread
+  std::thread thread_;
+};
+
+}  // namespace tuina::app

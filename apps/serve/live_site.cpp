@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/serve/live_site.hpp"
+
+#include <chrono>
+#include <nlohmann/json.hpp>
+
+#include "apps/serve/page_files.hpp"
+
+namespace tuina::app {
+namespace {
+
+using nlohmann::json;
+
+constexpr auto frame_every = std::chrono::milliseconds(50);
+constexpr int state_every_frames = 4;
+
+std::string text_of(const json& object) {
+  return object.dump(-1, ' ', true, json::error_handler_t::replace);
+}
+
+std::string name_of_client(web::ClientId client) {
+  return fmt::format("page {}", client);
+}
+
+}  // namespace
+
+LiveSite::LiveSite(Options options, web::AuditLog audit)
+    : options_(std::move(options)),
+      page_(read_page(options_.page)),
+      choices_(choices_json()),
+      audit_(std::move(audit)),
+      session_(options_.session) {}
+
+Result<std::unique_ptr<LiveSite>> LiveSite::open(Options options) {
+  auto audit = web::AuditLog::open(options.session.folder / "audit.log");
+  if (!audit) return tl::unexpected(audit.error());
+  std::unique_ptr<LiveSite> site(new LiveSite(std::move(options), std::move(*audit)));
+  LiveSite* self = site.get();
+  auto server = web::Server::start(
+      site->options_.address, site->options_.port,
+      {.answer = [self](const web::Request& request) { return self->answer(request); },
+       .come = [self](web::ClientId client) { self->come(client); },
+       .go = [self](web::ClientId client) { self->go(client); },
+       .hear = [self](web::ClientId client, std::string_view text) { self->hear(client, text); }});
+  if (!server) return tl::unexpected(server.error());
+  {
+    const std::lock_guard lock(site->mutex_);
+    site->server_ = std::move(*server);
+    site->access_ = std::make_unique<web::Access>(site->server_->port());
+    site->note("server", "begin", "done");
+  }
+  site->teller_ = std::thread([self] { self->tell(); });
+  return site;
+}
+
+LiveSite::~LiveSite() {
+  session_.stop();
+  ends_ = true;
+  if (teller_.joinable()) teller_.join();
+  server_.reset();
+}
+
+std::string LiveSite::invite() {
+  const std::lock_guard lock(mutex_);
+  return fmt::format("http://{}:{}/?token={}", options_.address, server_->port(),
+                     access_->invite());
+}
+
+void LiveSite::note(const std::string& who, const std::string& what, const std::string& outcome) {
+  const bool done = outcome.starts_with("done");
+  const web::AuditEntry entry{.who = who,
+                              .what = what,
+                              .phase = name_of(session_.state().phase),
+                              .outcome = done ? outcome : "refused: " + outcome};
+  const double now_s = clock_.seconds();
+  const auto written = done ? audit_.add(entry, now_s) : audit_.add_refused(entry, now_s);
+  if (!written) audit_fails_ = true;
+}
+
+std::optional<web::Reply> LiveSite::answer(const web::Request& request) {
+  const std::lock_guard lock(mutex_);
+  if (!access_) return web::Reply{.status = 503};
+  auto reply = access_->judge(request, clock_.seconds());
+  constexpr int see_other = 303;
+  if (reply && reply->status == see_other) {
+    note("browser", "enter", "done");
+    return reply;
+  }
+  if (!reply && request.upgrade) return std::nullopt;
+  if (!reply) reply = content(request.path);
+  if (reply->status != 200) note("browser", "request", fmt::format("{}", reply->status));
+  return reply;
+}
+
+web::Reply LiveSite::content(const std::string& path) const {
+  if (const auto file = page_.find(path); file != page_.end()) return file->second;
+  const auto json_reply = [](std::string body) {
+    return web::Reply{.type = "application/json", .body = std::move(body)};
+  };
+  const auto bytes_reply = [](std::string body) {
+    return web::Reply{.type = "application/octet-stream", .body = std::move(body)};
+  };
+  if (path == "/api/choices") return json_reply(choices_);
+  if (path == "/api/sessions") return json_reply(sessions_json(options_.session.folder));
+  if (auto report = report_of(options_.session.folder, path)) return *report;
+  if (const auto view = session_.view()) {
+    if (path == "/api/cloud") return bytes_reply(view->cloud());
+    if (path == "/api/back" && !view->back().empty()) return bytes_reply(view->back());
+    if (path == "/api/map" && !view->map().empty()) return json_reply(view->map());
+    if (path == "/api/plan" && !view->plan().empty()) return json_reply(view->plan());
+  }
+  return web::Reply{.status = 404, .body = "not here\n"};
+}
+
+void LiveSite::come(web::ClientId client) {
+  const std::lock_guard lock(mutex_);
+  desk_.come(client, clock_.seconds());
+  clients_.insert(client);
+  note(name_of_client(client), "come", "done");
+}
+
+void LiveSite::go(web::ClientId client) {
+  const std::lock_guard lock(mutex_);
+  desk_.go(client);
+  clients_.erase(client);
+  note(name_of_client(client), "go", "done");
+}
+
+Result<void> LiveSite::obey(const web::Message& message) {
+  if (audit_fails_ && (message.ask == web::Ask::start || message.ask == web::Ask::arm))
+    return fail(Fault::file, "the audit log cannot be written, so nothing is begun");
+  if (message.ask == web::Ask::start) {
+    auto start = parse_start_order(message.order);
+    if (!start) return tl::unexpected(start.error());
+    return session_.start(std::move(*start));
+  }
+  if (message.ask == web::Ask::arm) return session_.approve();
+  if (const auto command = web::live_command(message.ask)) return session_.command(*command);
+  return {};
+}
+
+void LiveSite::hear(web::ClientId client, std::string_view text) {
+  const auto message = web::parse_message(text);
+  // Before anything that may wait or fail.
+  if (message && message->ask == web::Ask::stop) session_.stop();
+  json reply = {{"channel", "reply"}, {"sequence", message ? message->sequence : 0}};
+  std::string outcome = "done";
+  {
+    const std::lock_guard lock(mutex_);
+    if (!message) {
+      outcome = message.error().message;
+    } else if (const auto refusal = desk_.judge(client, *message, clock_.seconds());
+               refusal != web::Refusal::none) {
+      outcome = name_of(refusal);
+    } else if (message->ask == web::Ask::invite) {
+      reply["address"] = fmt::format("http://{}:{}/?token={}", options_.address, server_->port(),
+                                     access_->invite());
+    } else if (message->ask != web::Ask::stop) {
+      if (const auto obeyed = obey(*message); !obeyed) outcome = obeyed.error().message;
+    }
+    const bool done = outcome == "done";
+    if (!message || message->ask != web::Ask::beat || !done)
+      note(name_of_client(client), message ? name_of(message->ask) : "message", outcome);
+  }
+  reply["ask"] = message ? name_of(message->ask) : "";
+  reply["outcome"] = outcome;
+  // A beat is answered by the next state, and who floods is not answered.
+  const bool silent = (message && message->ask == web::Ask::beat && outcome == "done") ||
+                      outcome == name_of(web::Refusal::too_fast);
+  if (!silent) server_->reply(client, text_of(reply));
+}
+
+std::string LiveSite::state_json(web::ClientId client, const LiveSession::State& state) const {
+  const double now_s = clock_.seconds();
+  const auto at_the_desk = desk_.operator_at(now_s);
+  return text_of({{"channel", "state"},
+                  {"clock_s", now_s},
+                  {"you", client},
+                  {"operator", at_the_desk == client},
+                  {"operated", at_the_desk.has_value()},
+                  {"pages", desk_.clients()},
+                  {"phase", name_of(state.phase)},
+                  {"progress", state.progress.share},
+                  {"paused", state.paused},
+                  {"session", state.session},
+                  {"outcome", state.outcome},
+                  {"words", state.words},
+                  {"cloud_points", state.progress.cloud_points},
+                  {"backs", state.progress.backs},
+                  {"plans", state.progress.plans},
+                  {"real_pace", options_.session.real_time},
+                  {"audit_fails", audit_fails_.load()}});
+}
+
+// The mutex is held. Whoever steers must be there: the arms stay where they are until somebody is.
+void LiveSite::pause_without_operator(const LiveSession::State& state) {
+  if (state.phase != LivePhase::massage || state.paused || desk_.operator_at(clock_.seconds()))
+    return;
+  const auto paused = session_.command(session::LiveCommand::pause);
+  note("server", "pause", paused ? "done: no operator is there" : paused.error().message);
+}
+
+void LiveSite::tell() {
+  for (int frame = 0; !ends_; ++frame) {
+    std::this_thread::sleep_for(frame_every);
+    const auto view = session_.view();
+    const auto live = view ? view->take_frame() : std::nullopt;
+    const std::lock_guard lock(mutex_);
+    const LiveSession::State state = session_.state();
+    pause_without_operator(state);
+    for (const web::ClientId client : clients_) {
+      if (live) server_->put(client, web::Channel::live, *live);
+      if (frame % state_every_frames == 0)
+        server_->put(client, web::Channel::state, state_json(client, state));
+    }
+  }
+}
+
+}  // namespace tuina::app

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <set>
+#include <string>
+#include <thread>
+
+#include "apps/serve/live_session.hpp"
+#include "tuina/core/stopwatch.hpp"
+#include "tuina/web/access.hpp"
+#include "tuina/web/audit.hpp"
+#include "tuina/web/desk.hpp"
+#include "tuina/web/server.hpp"
+
+namespace tuina::app {
+
+/// The live page: a server, its doors, and the session behind them. Who may ask what is decided by
+/// `web::Access` and `web::Desk`; each ask and each refusal is a line of the audit log.
+class LiveSite {
+ public:
+  struct Options {
+    std::string address = "127.0.0.1";
+    int port = 0;
+    std::filesystem::path page;  ///< folder of the built page
+    LiveSession::Options session;
+  };
+  [[nodiscard]] static Result<std::unique_ptr<LiveSite>> open(Options options);
+  ~LiveSite();
+  LiveSite(const LiveSite&) = delete;
+  LiveSite& operator=(const LiveSite&) = delete;
+
+  /// An address that opens the page once.
+  [[nodiscard]] std::string invite();
+  [[nodiscard]] int port() const noexcept { return server_->port(); }
+
+ private:
+  LiveSite(Options options, web::AuditLog audit);
+  [[nodiscard]] std::optional<web::Reply> answer(const web::Request& request);
+  [[nodiscard]] web::Reply content(const std::string& path) const;
+  void come(web::ClientId client);
+  void go(web::ClientId client);
+  void hear(web::ClientId client, std::string_view text);
+  [[nodiscard]] Result<void> obey(const web::Message& message);
+  /// A line of the audit log; the mutex is held. An outcome other than "done" is a refusal.
+  void note(const std::string& who, const std::string& what, const std::string& outcome);
+  void tell();
+  [[nodiscard]] std::string state_json(web::ClientId client, const LiveSession::State& state) const;
+  void pause_without_operator(const LiveSession::State& state);
+
+  Options options_;
+  std::map<std::string, web::Reply, std::less<>> page_;
+  std::string choices_;
+  Stopwatch clock_;
+  std::mutex mutex_;  ///< of what stands from here to the audit log
+  std::unique_ptr<web::Access> access_;
+  web::Desk desk_;
+  std::set<web::ClientId> clients_;
+  web::AuditLog audit_;
+  std::atomic<bool> audit_fails_ = false;
+  LiveSession session_;
+  std::unique_ptr<web::Server> server_;
+  std::atomic<bool> ends_ = false;
+  std::thread teller_;
+};
+
+}  // namespace tuina::app

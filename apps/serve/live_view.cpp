@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/serve/live_view.hpp"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "apps/serve/shown_back.hpp"
+
+namespace tuina::app {
+namespace {
+
+using nlohmann::json;
+
+constexpr const char* phase_names[] = {"waiting", "travel",  "approach",
+                                       "contact", "retract", "stopped"};
+constexpr std::uint64_t force_every_ticks = 20;
+// Pages that take nothing for twenty seconds get the rest.
+constexpr std::size_t max_forces = 1000;
+
+double rounded(double value, double step) {
+  return std::round(value / step) * step;
+}
+
+}  // namespace
+
+void LiveView::on_progress(session::Stage stage, double share) noexcept {
+  const std::lock_guard lock(mutex_);
+  progress_.stage = stage;
+  progress_.share = share;
+}
+
+void LiveView::on_profile(const scanner::LiveProfile& profile) {
+  const std::lock_guard lock(mutex_);
+  if (progress_.share == 0.0 && profile.number == 0) cloud_.clear();
+  for (const Vector3& point : profile.points_in_couch) {
+    for (int i = 0; i < 3; ++i) cloud_.push_back(static_cast<float>(point[i]));
+  }
+  progress_.cloud_points = cloud_.size() / 3;
+}
+
+void LiveView::on_scan(const scanner::Scan& scan) {
+  scan_ = scan;
+}
+
+void LiveView::on_map(const body::Mapping& map) {
+  std::string back = back_bytes(scan_, map);
+  scan_ = {};
+  const std::lock_guard lock(mutex_);
+  back_ = std::move(back);
+  map_ = map_json(map);
+  ++progress_.backs;
+}
+
+void LiveView::show_plan(const motion::ReadyPlan& plan) {
+  std::string text = plan_json(plan);
+  const std::lock_guard lock(mutex_);
+  if (text == plan_) return;
+  plan_ = std::move(text);
+  ++progress_.plans;
+}
+
+void LiveView::on_plan(const motion::ReadyPlan& plan, const Transform& base_from_couch) {
+  show_plan(plan);
+  const std::lock_guard lock(mutex_);
+  couch_from_base_ = base_from_couch.inverse();
+}
+
+void LiveView::on_tick(const session::Tick& tick) noexcept {
+  const std::lock_guard lock(mutex_);
+  newest_ = tick;
+  if (tick.reading.tick % force_every_ticks != 0 || forces_.size() == max_forces) return;
+  const session::ArmView &left = tick.view[Arm::left], &right = tick.view[Arm::right];
+  forces_.push_back(
+      {tick.reading.time_s, left.target_n, left.measured_n, right.target_n, right.measured_n});
+}
+
+LiveView::Progress LiveView::progress() const {
+  const std::lock_guard lock(mutex_);
+  return progress_;
+}
+
+std::string LiveView::cloud() const {
+  const std::lock_guard lock(mutex_);
+  return {reinterpret_cast<const char*>(cloud_.data()), cloud_.size() * sizeof(float)};
+}
+
+std::string LiveView::back() const {
+  const std::lock_guard lock(mutex_);
+  return back_;
+}
+
+std::string LiveView::map() const {
+  const std::lock_guard lock(mutex_);
+  return map_;
+}
+
+std::string LiveView::plan() const {
+  const std::lock_guard lock(mutex_);
+  return plan_;
+}
+
+std::optional<std::string> LiveView::take_frame() {
+  const std::lock_guard lock(mutex_);
+  if (!newest_) return std::nullopt;
+  json arms = json::array();
+  for (const Arm arm : both_arms) {
+    const session::ArmView& view = newest_->view[arm];
+    const Vector3 tool = couch_from_base_ * view.tool_in_base;
+    arms.push_back(
+        {{"phase", phase_names[static_cast<std::size_t>(view.phase)]},
+         {"path", view.path},
+         {"probing", view.probing},
+         {"target_n", rounded(view.target_n, 0.01)},
+         {"felt_n", rounded(view.measured_n, 0.01)},
+         {"tool", {rounded(tool.x(), 1e-4), rounded(tool.y(), 1e-4), rounded(tool.z(), 1e-4)}}});
+  }
+  json forces = json::array();
+  for (const auto& row : forces_) {
+    json numbers = json::array();
+    for (const double value : row) numbers.push_back(rounded(value, 0.01));
+    forces.push_back(std::move(numbers));
+  }
+  std::string text = json{
+      {"channel", "live"},
+      {"time_s", rounded(newest_->reading.time_s, 1e-3)},
+      {"performed", newest_->performed},
+      {"arms", arms},
+      {"forces", forces}}.dump();
+  newest_.reset();
+  forces_.clear();
+  return text;
+}
+
+}  // namespace tuina::app

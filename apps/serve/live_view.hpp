@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tuina/session/observer.hpp"
+
+namespace tuina::app {
+
+/// What pages are shown of one session, kept as the texts and bytes that they ask for.
+class LiveView final : public session::Observer {
+ public:
+  void on_progress(session::Stage stage, double share) noexcept override;
+  void on_profile(const scanner::LiveProfile& profile) override;
+  void on_scan(const scanner::Scan& scan) override;
+  void on_map(const body::Mapping& map) override;
+  void on_plan(const motion::ReadyPlan& plan, const Transform& base_from_couch) override;
+  void on_tick(const session::Tick& tick) noexcept override;
+  void show_plan(const motion::ReadyPlan& plan);
+
+  struct Progress {
+    session::Stage stage = session::Stage::scan;
+    double share = 0.0;
+    std::size_t cloud_points = 0;
+    /// How often back, map and plan were made; 0: not yet.
+    int backs = 0, plans = 0;
+  };
+  [[nodiscard]] Progress progress() const;
+  /// Places of the running scan, three float32 each.
+  [[nodiscard]] std::string cloud() const;
+  /// `back_bytes`, `map_json` and `plan_json`; empty: not yet.
+  [[nodiscard]] std::string back() const;
+  [[nodiscard]] std::string map() const;
+  [[nodiscard]] std::string plan() const;
+  /// JSON object of the newest millisecond and the forces since the last call; nothing when there
+  /// is nothing new.
+  [[nodiscard]] std::optional<std::string> take_frame();
+
+ private:
+  mutable std::mutex mutex_;
+  Progress progress_;
+  std::vector<float> cloud_;
+  scanner::Scan scan_;  ///< until it is mapped
+  std::string back_, map_, plan_;
+  Transform couch_from_base_ = Transform::Identity();
+  std::optional<session::Tick> newest_;
+  /// Time, and of each arm the force asked for and the force felt, every 20 ms.
+  std::vector<std::array<double, 5>> forces_;
+};
+
+}  // namespace tuina::app

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/serve/page_files.hpp"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "tuina/core/io/file.hpp"
+#include "tuina/record/session_file.hpp"
+
+namespace tuina::app {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::size_t max_page_bytes = 16 << 20;
+
+// Nothing of a page comes from elsewhere, and nothing is written into it.
+const std::pair<std::string, std::string> page_policy = {
+    "Content-Security-Policy",
+    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src "
+    "'self'; frame-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"};
+// A report has its style within it, and no script.
+const std::pair<std::string, std::string> report_policy = {
+    "Content-Security-Policy",
+    "default-src 'none'; style-src 'unsafe-inline'; img-src data:; base-uri 'none'; form-action "
+    "'none'; frame-ancestors 'self'; sandbox"};
+
+constexpr const char* not_built =
+    "<!doctype html><meta charset=utf-8><title>tuina</title>"
+    "<h1>The page is not built</h1><p>The server runs, but the page that it shows is missing. It "
+    "needs node 20 and npm: <code>./run serve</code> builds it and starts the server.</p>";
+
+bool is_number(std::string_view name) {
+  return name.size() >= 4 && name.size() <= 6 &&
+         std::all_of(name.begin(), name.end(),
+                     [](char letter) { return letter >= '0' && letter <= '9'; });
+}
+
+}  // namespace
+
+std::map<std::string, web::Reply, std::less<>> read_page(const std::filesystem::path& folder) {
+  std::map<std::string, web::Reply, std::less<>> page;
+  const std::pair<const char*, const char*> files[] = {
+      {"index.html", "text/html; charset=utf-8"},
+      {"page.js", "text/javascript; charset=utf-8"},
+      {"page.css", "text/css; charset=utf-8"},
+      {"icon.svg", "image/svg+xml"}};
+  for (const auto& [name, type] : files) {
+    auto text = read_file(folder / name, max_page_bytes);
+    if (!text) continue;
+    page[std::string("/") + name] = {
+        .type = type, .body = std::move(*text), .headers = {page_policy}};
+  }
+  const auto index = page.find("/index.html");
+  const bool whole = index != page.end() && page.contains("/page.js");
+  page["/"] = whole ? index->second
+                    : web::Reply{.status = 503,
+                                 .type = "text/html; charset=utf-8",
+                                 .body = not_built,
+                                 .headers = {page_policy}};
+  return page;
+}
+
+std::string sessions_json(const std::filesystem::path& folder) {
+  std::vector<std::string> numbers;
+  std::error_code none;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, none)) {
+    const std::string name = entry.path().filename().string();
+    if (is_number(name) && std::filesystem::exists(entry.path() / "report.html", none))
+      numbers.push_back(name);
+  }
+  std::sort(numbers.rbegin(), numbers.rend());
+  constexpr std::size_t max_shown = 50;
+  if (numbers.size() > max_shown) numbers.resize(max_shown);
+  json sessions = json::array();
+  for (const std::string& number : numbers) {
+    const std::string name = (folder / number / "session.json").string();
+    const auto text = read_file(name);
+    const auto file = text ? record::parse_session(*text, name) : tl::unexpected(text.error());
+    if (!file) continue;
+    sessions.push_back({{"session", number},
+                        {"person", file->order.person},
+                        {"position", name_of(file->position)},
+                        {"programme", file->order.programme},
+                        {"seed", file->seed},
+                        {"duration_s", file->massage.duration_s},
+                        {"peak_n", file->massage.force.peak_n},
+                        {"performed", file->massage.performed.size()},
+                        {"paths", file->plan.paths},
+                        {"stops", file->stops.size()}});
+  }
+  return sessions.dump(-1, ' ', true, json::error_handler_t::replace);
+}
+
+std::optional<web::Reply> report_of(const std::filesystem::path& folder, std::string_view path) {
+  constexpr std::string_view before = "/sessions/", after = "/report.html";
+  if (!path.starts_with(before) || !path.ends_with(after)) return std::nullopt;
+  path.remove_prefix(before.size());
+  if (path.size() < after.size()) return std::nullopt;
+  path.remove_suffix(after.size());
+  if (!is_number(path)) return std::nullopt;
+  auto text = read_file(folder / std::string(path) / "report.html");
+  if (!text) return std::nullopt;
+  return web::Reply{
+      .type = "text/html; charset=utf-8", .body = std::move(*text), .headers = {report_policy}};
+}
+
+}  // namespace tuina::app

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/serve/start_order.hpp"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <nlohmann/json.hpp>
+
+#include "tuina/session/consent.hpp"
+
+namespace tuina::app {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::array<const char*, 3> people = {"phantom:slim", "phantom:medium", "phantom:hefty"};
+constexpr std::array<const char*, 3> positions = {"sitting", "prone", "auto"};
+constexpr std::array<const char*, 3> answers = {"yes", "no", "unknown"};
+constexpr std::array<const char*, 7> keys = {"person", "position",    "programme", "intensity",
+                                             "seed",   "answered_by", "answers"};
+constexpr std::size_t max_name_bytes = 80;
+constexpr std::uint64_t max_seed = 1'000'000;
+
+template <typename Words>
+Result<std::string> one_of(const json& object, const char* key, const Words& words) {
+  const auto found = object.find(key);
+  if (found != object.end() && found->is_string()) {
+    for (const auto& word : words) {
+      if (found->template get_ref<const std::string&>() == word) return std::string(word);
+    }
+  }
+  return fail(Fault::bad_input, "{}: is not one of {}", key, fmt::join(words, ", "));
+}
+
+Result<std::uint64_t> whole_number(const json& object, const char* key, std::uint64_t low,
+                                   std::uint64_t high) {
+  const auto found = object.find(key);
+  if (found == object.end() || !found->is_number_unsigned() || found->get<std::uint64_t>() < low ||
+      found->get<std::uint64_t>() > high) {
+    return fail(Fault::bad_input, "{}: is not a whole number from {} to {}", key, low, high);
+  }
+  return found->get<std::uint64_t>();
+}
+
+std::vector<std::string> programme_names() {
+  std::vector<std::string> names;
+  for (const auto& shipped : massage::shipped_programmes()) names.emplace_back(shipped.name);
+  return names;
+}
+
+/// A name as a TOML string: what is no printable text is refused.
+Result<std::string> quoted_name(const json& object) {
+  const auto found = object.find("answered_by");
+  const std::string name =
+      found != object.end() && found->is_string() ? found->get<std::string>() : "";
+  const bool printable = std::none_of(name.begin(), name.end(), [](unsigned char letter) {
+    return letter < 0x20 || letter == 0x7f;
+  });
+  if (name.empty() || name.size() > max_name_bytes || !printable) {
+    return fail(Fault::bad_input, "answered_by: is no name of 1 to {} bytes", max_name_bytes);
+  }
+  std::string quoted = "\"";
+  for (const char letter : name) {
+    if (letter == '"' || letter == '\\') quoted += '\\';
+    quoted += letter;
+  }
+  return quoted + "\"";
+}
+
+Result<std::string> consent_of(const json& object) {
+  auto name = quoted_name(object);
+  if (!name) return tl::unexpected(name.error());
+  std::string toml = fmt::format("answered_by = {}\n\n[answers]\n", *name);
+  const auto given = object.find("answers");
+  if (given == object.end() || !given->is_object())
+    return fail(Fault::bad_input, "answers: is no object");
+  for (const auto& [key, answer] : given->items()) {
+    const bool known =
+        std::any_of(session::health_questions.begin(), session::health_questions.end(),
+                    [&](const auto& question) { return key == question.key; });
+    if (!known) return fail(Fault::bad_input, "answers: to a question that is not asked");
+  }
+  for (const auto& question : session::health_questions) {
+    auto answer = one_of(*given, question.key, answers);
+    if (!answer) return tl::unexpected(answer.error());
+    toml += fmt::format("{} = \"{}\"  # {}\n", question.key, *answer, question.text);
+  }
+  return toml;
+}
+
+}  // namespace
+
+Result<StartOrder> parse_start_order(std::string_view text) {
+  const json object = json::parse(text, nullptr, false);
+  if (!object.is_object()) return fail(Fault::bad_input, "order: is no JSON object");
+  for (const auto& [key, value] : object.items()) {
+    if (std::find(keys.begin(), keys.end(), key) == keys.end())
+      return fail(Fault::bad_input, "order: has a key that is none of {}", fmt::join(keys, ", "));
+  }
+  const auto person = one_of(object, "person", people);
+  const auto position = one_of(object, "position", positions);
+  const auto programme = one_of(object, "programme", programme_names());
+  const auto intensity = whole_number(object, "intensity", 1, 5);
+  const auto seed = whole_number(object, "seed", 1, max_seed);
+  auto consent = consent_of(object);
+  if (!person) return tl::unexpected(person.error());
+  if (!position) return tl::unexpected(position.error());
+  if (!programme) return tl::unexpected(programme.error());
+  if (!intensity) return tl::unexpected(intensity.error());
+  if (!seed) return tl::unexpected(seed.error());
+  if (!consent) return tl::unexpected(consent.error());
+  StartOrder start{.order = {.person = *person, .programme = *programme},
+                   .intensity = static_cast<int>(*intensity),
+                   .seed = *seed,
+                   .consent_toml = std::move(*consent)};
+  if (*position == "sitting") start.order.position = BodyPosture::sitting;
+  if (*position == "prone") start.order.position = BodyPosture::prone;
+  return start;
+}
+
+std::string choices_json() {
+  json programmes = json::array();
+  for (const auto& shipped : massage::shipped_programmes()) {
+    const auto read = massage::parse_programme(shipped.toml, shipped.name);
+    programmes.push_back({{"name", shipped.name}, {"description", read ? read->description : ""}});
+  }
+  json questions = json::array();
+  for (const auto& question : session::health_questions)
+    questions.push_back({{"key", question.key}, {"text", question.text}});
+  json zones = json::array();
+  for (const auto& rule : massage::zone_rules)
+    zones.push_back({{"name", rule.name}, {"cap_n", rule.cap_n}});
+  return json{{"people", people},       {"positions", positions}, {"programmes", programmes},
+              {"questions", questions}, {"zones", zones},         {"max_seed", max_seed}}
+      .dump();
+}
+
+}  // namespace tuina::app

@@ -1,0 +1,294 @@
+// SPDX-License-Identifier: Apache-2.0
+import "./page.css";
+import { element, pills, table } from "./element";
+import { Forces } from "./forces";
+import { Link, type Live, type Reply, type State } from "./link";
+import { type Acupoint, armColours, type Path, Scene, techniqueColours, zoneColours } from "./scene";
+import { applyLanguage, changeLanguage, say } from "./words";
+
+interface Choices { people: string[]; positions: string[]; programmes: { name: string; description: string }[]; questions: { key: string }[]; zones: { name: string; cap_n: number }[]; max_seed: number }
+interface Plan { duration_s: number; notes: string[]; paths: Path[] }
+interface Listed { session: string; person: string; programme: string; duration_s: number; performed: number; paths: number; stops: number }
+type View = "choose" | "health" | "scan" | "review" | "massage" | "report";
+
+const order: Record<string, string | number> =
+  { person: "phantom:medium", position: "sitting", programme: "relax", intensity: 3, seed: 1, answered_by: "" };
+const answers: Record<string, string> = {};
+let choices: Choices, state: State | undefined, live: Live | undefined, plan: Plan | undefined, points: Acupoint[] = [];
+let view: View = "choose", chosen: "choose" | "health" = "choose", left = "", steered = false, zonesShown = false;
+let seen = { session: "", cloud: 0, backs: 0, plans: 0, phase: "" };
+let forces: Forces[] = [], slots: Record<string, HTMLElement> = {};
+const main = document.getElementById("main")!;
+const scene = new Scene(say("view_label"));
+const read = async <T>(path: string): Promise<T> => (await fetch(path)).json() as Promise<T>;
+const bytes = async (path: string): Promise<ArrayBuffer> => (await fetch(path)).arrayBuffer();
+const speak = (words: string): void => { document.getElementById("spoken")!.textContent = words; };
+
+const link = new Link({
+  state: (now) => void heard(now),
+  live: (now) => { live = now; showLive(); },
+  reply: answered,
+  lost: (lost) => {
+    const banner = document.getElementById("lost")!;
+    banner.hidden = !lost;
+    banner.textContent = lost ? say("lost") : "";
+    if (lost) seen = { ...seen, phase: "" };
+  },
+});
+
+function viewOf(now: State): View {
+  switch (now.phase) {
+    case "scan": case "map": case "plan": return "scan";
+    case "review": return "review";
+    case "massage": case "report": return "massage";
+    case "ended": return now.session === left ? chosen : "report";
+    default: return chosen;
+  }
+}
+
+async function heard(now: State): Promise<void> {
+  const before = state;
+  state = now;
+  if (steered && !now.operated) link.ask("operate");  // after a lost connection
+  if (now.operator) steered = true;
+  if (now.session !== seen.session) {
+    seen = { session: now.session, cloud: 0, backs: 0, plans: 0, phase: seen.phase };
+    scene.clear();
+    plan = live = undefined;
+    points = [];
+    forces = [];
+  }
+  const next = viewOf(now);
+  if (next !== view || seen.phase === "") { view = next; render(); }
+  if (now.phase !== seen.phase) {
+    seen.phase = now.phase;
+    speak(now.phase === "ended" ? say(`ended_${now.outcome}`) : say(`step_${next}`));
+    render();
+  }
+  if (before?.operator !== now.operator || before?.operated !== now.operated) { showTop(); if (view !== "choose" && view !== "health") render(); }
+  if (before?.paused !== now.paused) { render(); if (view === "massage") speak(say(now.paused ? "paused_title" : "massage_title")); }
+  showProgress();
+  await fetchNew(now);
+}
+
+async function fetchNew(now: State): Promise<void> {
+  if (now.phase === "scan" && now.cloud_points > seen.cloud) {
+    seen.cloud = now.cloud_points;
+    scene.showCloud(new Float32Array(await bytes("/api/cloud")));
+  }
+  if (now.backs > seen.backs) {
+    seen.backs = now.backs;
+    scene.showBack(await bytes("/api/back"));
+    points = (await read<{ acupoints: Acupoint[] }>("/api/map")).acupoints;
+    scene.showAcupoints(points);
+    render();
+  }
+  if (now.plans > seen.plans) {
+    seen.plans = now.plans;
+    plan = await read<Plan>("/api/plan");
+    scene.showPaths(plan.paths);
+    render();
+  }
+}
+
+function answered(reply: Reply): void {
+  if (reply.address) { say("invited"); prompt(say("invited"), reply.address); }
+  else if (reply.outcome !== "done" && reply.ask !== "operate") {
+    speak(`${say("refused")} ${reply.outcome}`);
+    const place = document.getElementById("refusal");
+    if (place) place.textContent = `${say("refused")} ${reply.outcome}`;
+  }
+}
+
+const ask = (what: string) => () => link.ask(what);
+function stop(): void { link.ask("stop"); speak(say("stop_asked")); }
+
+function showTop(): void {
+  const steps: View[] = ["choose", "health", "scan", "review", "massage", "report"];
+  const who = state?.operator ? "you_operate" : state?.operated ? "somebody_operates" : "nobody_operates";
+  document.getElementById("top")!.replaceChildren(
+    element("div", { class: "name" }, element("img", { src: "/icon.svg", alt: "" }), "tuina"),
+    element("ol", { class: "steps" }, ...steps.map((step) =>
+      element("li", step === view ? { "aria-current": "step" } : {}, say(`step_${step}`)))),
+    element("div", { class: "tools" }, element("span", {}, say(who)),
+      state?.operator ? element("button", { onclick: () => { steered = false; link.ask("hand_over"); } }, say("hand_over"))
+        : element("button", { onclick: ask("operate"), disabled: state?.operated }, say("take")),
+      element("button", { onclick: ask("invite") }, say("invite")),
+      element("button", { onclick: () => { changeLanguage(); showTop(); render(); } }, say("language")),
+      element("button", { onclick: changeTheme, "aria-label": say("theme"), title: say("theme") }, "◐")));
+  document.getElementById("foot")!.textContent = state?.audit_fails ? say("unsafe_log") : say("simulated");
+}
+
+function changeTheme(): void {
+  const dark = document.documentElement.dataset["theme"] === "dark" ||
+    (!document.documentElement.dataset["theme"] && matchMedia("(prefers-color-scheme: dark)").matches);
+  document.documentElement.dataset["theme"] = dark ? "light" : "dark";
+  localStorage.setItem("theme", dark ? "light" : "dark");
+}
+
+function render(): void {
+  if (!choices || !state) return;
+  showTop();
+  const makers: Record<View, () => HTMLElement> =
+    { choose: choose, health: health, scan: scan, review: review, massage: massage, report: report };
+  slots = {};
+  const keep = document.activeElement?.id;
+  main.replaceChildren(makers[view]());
+  const runs = !["idle", "ended"].includes(state.phase);
+  if (runs) main.append(element("button", { class: "stop", id: "stop", onclick: stop }, say("stop"), element("small", {}, say("stop_help"))));
+  if (keep) document.getElementById(keep)?.focus();
+  showProgress();
+  showLive();
+}
+
+function choose(): HTMLElement {
+  const pick = (key: string) => (value: string) => { order[key] = key === "intensity" ? Number(value) : value; };
+  const seed = element("input", { id: "seed", type: "number", min: "1", max: String(choices.max_seed), value: String(order["seed"]), "aria-describedby": "seed_help" });
+  seed.oninput = () => { order["seed"] = Math.min(choices.max_seed, Math.max(1, Math.round(Number(seed.value)) || 1)); };
+  const sessions = element("div", { class: "sessions" }, say("no_sessions"));
+  void read<Listed[]>("/api/sessions").then((all) => {
+    if (all.length) sessions.replaceChildren(table(all.map((one) => [one.session, say(one.person), say(one.programme),
+      `${Math.round(one.duration_s)} s`, `${one.performed}/${one.paths} ${say("paths_short")}${one.stops ? `, ${one.stops} ${say("stops_short")}` : ""}`,
+      element("a", { href: `/sessions/${one.session}/report.html`, target: "_blank" }, say("report"))])));
+  });
+  return element("div", { class: "narrow" }, element("div", { class: "card" }, element("h1", {}, say("choose_title")),
+    element("div", { class: "fields" },
+      pills("person", choices.people, String(order["person"]), pick("person")),
+      pills("position", choices.positions, String(order["position"]), pick("position")),
+      pills("programme", choices.programmes.map((one) => one.name), String(order["programme"]), pick("programme"),
+        (name) => [element("b", {}, say(name)), element("small", {}, choices.programmes.find((one) => one.name === name)!.description)]),
+      pills("intensity", ["1", "2", "3", "4", "5"], String(order["intensity"]), pick("intensity"), (value) => [`${value} · ${say(`intensity_${value}`)}`]),
+      element("div", {}, element("label", { class: "over", for: "seed" }, say("seed")), seed, element("p", { class: "note", id: "seed_help" }, say("seed_help")))),
+    element("button", { class: "go", id: "next", onclick: () => { chosen = view = "health"; render(); main.focus(); } }, say("on"))),
+    element("h2", {}, say("sessions")), element("div", { class: "card" }, sessions));
+}
+
+function health(): HTMLElement {
+  const go = element("button", { class: "go", id: "scan", onclick: () => link.ask("start", { ...order, answers }) }, say("scan_now"));
+  const whole = (): void => { go.disabled = !state?.operator || !order["answered_by"] || choices.questions.some((one) => !answers[one.key]); };
+  const name = element("input", { id: "answered_by", maxlength: "40", autocomplete: "off", value: String(order["answered_by"]) });
+  name.oninput = () => { order["answered_by"] = name.value; whole(); };
+  whole();
+  return element("div", { class: "card narrow" }, element("h1", {}, say("health_title")), element("p", { class: "note" }, say("health_help")),
+    ...choices.questions.map((one) => element("div", { class: "ask" }, element("span", { id: `q_${one.key}` }, say(`q_${one.key}`)),
+      pills(`a_${one.key}`, ["no", "yes", "unknown"], answers[one.key] ?? "", (value) => { answers[one.key] = value; whole(); }, undefined, say(`q_${one.key}`)))),
+    element("div", { class: "row" }, element("label", { for: "answered_by" }, say("answered_by")), name),
+    element("div", { class: "row" }, element("button", { onclick: () => { chosen = view = "choose"; render(); } }, say("back")), go,
+      state?.operator ? "" : element("span", { class: "note" }, say("not_you"))), element("p", { id: "refusal", class: "note", role: "alert" }));
+}
+
+function stage(...over: (HTMLElement | string)[]): HTMLElement {
+  return element("div", { class: "view" }, scene.canvas, element("div", { class: "over-view" }, ...over));
+}
+
+function scan(): HTMLElement {
+  slots["title"] = element("h1", {});
+  slots["points"] = element("span", { class: "note" });
+  slots["bar"] = element("i", {});
+  return element("div", {}, slots["title"], element("div", { class: "bar" }, slots["bar"]), stage(slots["points"]));
+}
+
+function review(): HTMLElement {
+  const hold = element("button", { class: "go hold", id: "arm", disabled: !state?.operator }, element("span", {}, say("arm")));
+  let timer = 0;
+  const down = (): void => {
+    if (timer || hold.disabled) return;
+    link.ask("hold");
+    hold.classList.add("down");
+    hold.firstElementChild!.textContent = say("arming");
+    timer = window.setTimeout(() => link.ask("arm"), 2150);
+  };
+  const up = (): void => { clearTimeout(timer); timer = 0; hold.classList.remove("down"); hold.firstElementChild!.textContent = say("arm"); };
+  hold.onpointerdown = down;
+  hold.onpointerup = hold.onpointerleave = hold.onpointercancel = hold.onblur = up;
+  hold.onkeydown = (event) => { if (event.key === " " || event.key === "Enter") { event.preventDefault(); event.stopPropagation(); down(); } };
+  hold.onkeyup = up;
+  const zones = element("button", { "aria-pressed": String(zonesShown), onclick: () => { zonesShown = !zonesShown; scene.colour(zonesShown); render(); } }, say("zones"));
+  const picture = stage(zones);
+  picture.append(element("div", { class: "legend" }, ...(zonesShown
+    ? choices.zones.map((zone, i) => dot(zoneColours[i]!, `${say(zone.name)} ${zone.cap_n} N`))
+    : Object.entries(techniqueColours).filter(([name]) => plan?.paths.some((path) => path.technique === name)).map(([name, colour]) => dot(colour, name)))));
+  return element("div", { class: "split" }, picture, element("div", { class: "side" }, element("h1", {}, say("review_title")), hold,
+    state?.operator ? "" : element("p", { class: "note" }, say("not_you")), element("p", { id: "refusal", class: "note", role: "alert" }),
+    element("div", { class: "card" }, element("h2", {}, say("acupoints")), element("div", { class: "scroll", tabindex: "0" },
+      table(points.map((point) => [point.name, `${say("uncertainty")} ${point.uncertainty_mm.toFixed(0)} mm`])))),
+    element("div", { class: "card" }, element("h2", {}, `${say("paths")} · ${Math.round(plan?.duration_s ?? 0)} s`), element("div", { class: "scroll", tabindex: "0" },
+      table((plan?.paths ?? []).map((path) => [path.name, say(path.arm), say(path.zone), `${path.ordered_n.toFixed(0)} N`])))),
+    element("div", { class: "card" }, element("h2", {}, say("notes")), ...(plan?.notes ?? []).map((note) => element("p", { class: "note" }, note)))));
+}
+
+function dot(colour: string, words: string): HTMLElement {
+  const mark = element("i", {});
+  mark.style.background = colour;
+  return element("span", {}, mark, words);
+}
+
+function massage(): HTMLElement {
+  const paused = state!.paused, steers = state!.operator;
+  slots["when"] = element("span", { class: "note" });
+  slots["next"] = element("div", {});
+  slots["bar"] = element("i", {});
+  const arms = [0, 1].map((arm) => {
+    const now = (slots[`force${arm}`] = element("b", {}, "0.0 N")), what = (slots[`what${arm}`] = element("span", {}));
+    const place = (slots[`plot${arm}`] ??= element("div", { role: "img", "aria-label": say("force_label") }));
+    return element("div", { class: "card" }, element("div", { class: "force" }, dot(armColours[arm]!, say(arm ? "right" : "left")), what, now), place);
+  });
+  forces = [0, 1].map((arm) => { const kept = forces[arm]; const plot = new Forces(slots[`plot${arm}`]!, arm); if (kept) plot.take(kept); return plot; });
+  const key = (what: string): HTMLElement => element("button", { id: what, onclick: ask(what), disabled: !steers }, say(what));
+  const title = state!.phase === "report" ? "writing" : paused ? "paused_title" : "massage_title";
+  return element("div", { class: "split" }, stage(element("h1", {}, say(title)), slots["when"]),
+    element("div", { class: "side" }, element("div", { class: "bar" }, slots["bar"]),
+      element("div", { class: "keys" }, ...[paused ? "resume" : "pause", "softer", "firmer", "skip", "repeat"].map(key)),
+      element("p", { class: "note" }, steers ? say("keys") : say("not_you")), element("p", { id: "refusal", class: "note", role: "alert" }),
+      ...arms, element("div", { class: "card" }, element("h2", {}, say("next")), slots["next"])));
+}
+
+function report(): HTMLElement {
+  const made = state!.outcome === "done" || (state!.outcome === "stopped" && live !== undefined);
+  const at = `/sessions/${state!.session}/report.html`;
+  return element("div", { class: "narrow" }, element("h1", {}, say(`ended_${state!.outcome}`)),
+    element("div", { class: "row" }, element("button", { class: "go", id: "another", onclick: () => { left = state!.session; chosen = view = "choose"; render(); } }, say("another")),
+      made ? element("a", { href: at, target: "_blank" }, say("open_report")) : ""),
+    made ? element("iframe", { src: at, title: say("report"), sandbox: "" }) : "",
+    element("details", made ? {} : { open: "" }, element("summary", {}, say("details")), element("pre", {}, state!.words)));
+}
+
+function showProgress(): void {
+  if (!state) return;
+  if (slots["bar"]) slots["bar"].style.width = `${100 * (view === "scan" && state.phase !== "scan" ? 1 : state.progress)}%`;
+  if (slots["points"]) slots["points"].textContent = `${state.cloud_points.toLocaleString()} ${say("points")}`;
+  if (slots["title"]) slots["title"].textContent = say(state.phase === "map" ? "mapping" : state.phase === "plan" ? "planning" : "scan_title");
+}
+
+function showLive(): void {
+  if (!live) return;
+  live.arms.forEach((arm, i) => {
+    scene.moveTool(i, arm.tool);
+    const path = plan?.paths[arm.path];
+    if (slots[`force${i}`]) slots[`force${i}`]!.textContent = `${Math.max(0, arm.felt_n).toFixed(1)} N`;
+    if (slots[`what${i}`]) slots[`what${i}`]!.textContent = `${path ? `${path.name} · ` : ""}${say(arm.phase === "stopped" ? "stopped_arm" : arm.phase)}`;
+    forces[i]?.add(live!.forces.map((row) => row[0]!), live!.forces.map((row) => row[1 + 2 * i]!), live!.forces.map((row) => row[2 + 2 * i]!));
+  });
+  live.forces = [];
+  if (!plan) return;
+  const step = Math.max(...live.arms.map((arm) => plan!.paths[arm.path]?.step ?? -1));
+  const next = plan.paths.filter((path) => path.step > step).slice(0, 4);
+  slots["next"]?.replaceChildren(table(next.map((path) => [path.name, say(path.arm), `${path.ordered_n.toFixed(0)} N`])));
+  const rest = Math.max(0, Math.round(plan.duration_s - live.time_s));
+  if (slots["when"]) slots["when"].textContent = `${live.performed}/${plan.paths.length} ${say("done_paths")} · ${say("remaining")} ${Math.floor(rest / 60)}:${String(rest % 60).padStart(2, "0")} ${say("remaining_end")}`;
+}
+
+addEventListener("keydown", (event) => {
+  if (event.key === "Escape") return stop();
+  const typing = event.target instanceof HTMLInputElement;
+  if (view !== "massage" || typing || event.ctrlKey || event.metaKey || event.altKey || event.repeat) return;
+  const keys: Record<string, string> = { " ": state?.paused ? "resume" : "pause", "-": "softer", "+": "firmer", n: "skip", r: "repeat" };
+  const what = keys[event.key];
+  if (what) { event.preventDefault(); link.ask(what); }
+});
+
+const theme = localStorage.getItem("theme");
+if (theme) document.documentElement.dataset["theme"] = theme;
+applyLanguage();
+showTop();
+void read<Choices>("/api/choices").then((all) => { choices = all; render(); });

@@ -1,0 +1,147 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A server of `tuina serve` and pages of it, without a browser: plain HTTP and RFC 6455 over sockets."""
+import base64, json, os, re, signal, socket, struct, subprocess, threading, time
+
+
+class Server:
+    """`tuina serve --port 0` in a folder of its own; `address` is the line that it printed."""
+
+    def __init__(self, binary, folder, *options):
+        self.folder = folder
+        self.process = subprocess.Popen([binary, "serve", "--port", "0", "--out", folder, *options],
+                                        stdout=subprocess.PIPE, text=True)
+        self.address = self.process.stdout.readline().strip()
+        self.port, self.token = re.fullmatch(r"http://127\.0\.0\.1:(\d+)/\?token=([0-9a-f]{64})", self.address).groups()
+        self.port = int(self.port)
+
+    def ask(self, path="/", method="GET", body=b"", **headers):
+        """Status, headers and content of one request; a header that is None is not sent."""
+        given = {"Host": f"127.0.0.1:{self.port}", "Content-Length": str(len(body)) if body else None}
+        given.update({name.replace("_", "-"): value for name, value in headers.items()})
+        head = "".join(f"{name}: {value}\r\n" for name, value in given.items() if value is not None)
+        with socket.create_connection(("127.0.0.1", self.port), 10) as link:
+            link.sendall(f"{method} {path} HTTP/1.1\r\n{head}\r\n".encode() + body)
+            answer = b""
+            while part := link.recv(65536):
+                answer += part
+        top, _, content = answer.partition(b"\r\n\r\n")
+        lines = top.decode("latin-1").split("\r\n")
+        return int(lines[0].split()[1]), dict(line.split(": ", 1) for line in lines[1:]), content
+
+    def enter(self, token=None):
+        """The cookie that a token is exchanged for; None when it is refused."""
+        status, headers, _ = self.ask(f"/?token={token or self.token}")
+        return headers["Set-Cookie"].split(";")[0] if status == 303 else None
+
+    def audit(self):
+        with open(f"{self.folder}/audit.log", encoding="utf-8") as file:
+            return [json.loads(line) for line in file]
+
+    def end(self):
+        self.process.send_signal(signal.SIGTERM)
+        self.process.wait(60)
+        return self.process.returncode
+
+
+class Page:
+    """One open page: reads all the time, keeps the newest state, and beats like the real one."""
+
+    def __init__(self, server, cookie, beats=True, **headers):
+        self.link = socket.create_connection(("127.0.0.1", server.port), 10)
+        given = {"Host": f"127.0.0.1:{server.port}", "Origin": f"http://127.0.0.1:{server.port}",
+                 "Upgrade": "websocket", "Connection": "Upgrade", "Sec-WebSocket-Version": "13",
+                 "Sec-WebSocket-Key": base64.b64encode(os.urandom(16)).decode(), "Cookie": cookie}
+        given.update(headers)
+        head = "".join(f"{name}: {value}\r\n" for name, value in given.items() if value is not None)
+        self.link.sendall(f"GET /live HTTP/1.1\r\n{head}\r\n".encode())
+        self.waiting = b""
+        while b"\r\n\r\n" not in self.waiting and (part := self.link.recv(4096)):
+            self.waiting += part
+        top, _, self.waiting = self.waiting.partition(b"\r\n\r\n")
+        self.status = int(top.split()[1])
+        self.state, self.live, self.replies, self.sequence, self.open = {}, [], {}, 0, self.status == 101
+        self.read_at, self.sending = 0.0, threading.Lock()
+        if self.open:
+            threading.Thread(target=self.read, daemon=True).start()
+            self.until(lambda: self.state)
+        if self.open and beats:
+            threading.Thread(target=self.beat, daemon=True).start()
+
+    def exactly(self, size):
+        while len(self.waiting) < size:
+            part = self.link.recv(65536)
+            if not part:
+                raise ConnectionError
+            self.waiting += part
+        taken, self.waiting = self.waiting[:size], self.waiting[size:]
+        return taken
+
+    def read(self):
+        try:
+            while True:
+                first, size = self.exactly(2)
+                if size == 126:
+                    size, = struct.unpack(">H", self.exactly(2))
+                elif size == 127:
+                    size, = struct.unpack(">Q", self.exactly(8))
+                content = self.exactly(size)
+                if first & 15 == 1:
+                    self.take(json.loads(content))
+        except OSError:
+            self.open = False
+
+    def take(self, message):
+        if message["channel"] == "state":
+            self.state, self.read_at = message, time.monotonic()
+        elif message["channel"] == "live":
+            self.live.append(message)
+        else:
+            self.replies[message["sequence"]] = message
+
+    def beat(self):
+        while self.open:
+            self.ask("beat")
+            time.sleep(0.5)
+
+    def clock_s(self):
+        return self.state["clock_s"] + time.monotonic() - self.read_at
+
+    def send(self, text, opcode=1):
+        content, mask = text.encode(), os.urandom(4)
+        size = len(content)
+        length = bytes([0x80 | size]) if size < 126 else \
+            b"\xfe" + struct.pack(">H", size) if size < 65536 else b"\xff" + struct.pack(">Q", size)
+        masked = bytes(byte ^ mask[i % 4] for i, byte in enumerate(content))
+        try:
+            with self.sending:
+                self.link.sendall(bytes([0x80 | opcode]) + length + mask + masked)
+        except OSError:
+            self.open = False
+
+    def ask(self, ask, order=None, **changed):
+        """Sends an ask with the next sequence number; `changed` replaces what it says of itself."""
+        with self.sending:
+            self.sequence += 1
+            message = {"ask": ask, "sequence": self.sequence, "clock_s": self.clock_s()}
+        if order is not None:
+            message["order"] = order
+        message.update(changed)
+        self.send(json.dumps(message))
+        return message["sequence"]
+
+    def outcome(self, ask, order=None, **changed):
+        """The answer to an ask."""
+        self.replies.pop(changed.get("sequence"), None)
+        sequence = self.ask(ask, order, **changed)
+        self.until(lambda: sequence in self.replies)
+        return self.replies.get(sequence, {"outcome": "nothing"})["outcome"]
+
+    def until(self, holds, seconds=10.0):
+        end = time.monotonic() + seconds
+        while not holds() and time.monotonic() < end:
+            time.sleep(0.01)
+        return bool(holds())
+
+    def close(self):
+        self.open = False
+        self.link.close()

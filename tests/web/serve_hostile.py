@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What nobody should ask of `tuina serve`: each is refused, changes nothing, and is one line of the audit log."""
+import json, subprocess, sys, tempfile, time
+from serve_client import Page, Server
+
+faults = []
+
+
+def expect(what, found, wanted):
+    if found != wanted:
+        faults.append(f"{what}: {found!r} instead of {wanted!r}")
+
+
+def same(state):
+    """What a refusal must leave as it is."""
+    return {key: state[key] for key in ("phase", "session", "operator", "operated", "paused", "outcome", "plans")}
+
+
+def refused(server, page, what, act, wanted):
+    """`act` gives `wanted`, leaves the state alone and adds one line to the audit log."""
+    before, lines = same(page.state), len(server.audit())
+    expect(what, act(), wanted)
+    read_at = page.read_at
+    page.until(lambda: page.read_at > read_at)
+    expect(f"{what}: state", same(page.state), before)
+    added = server.audit()[lines:]
+    expect(f"{what}: lines in the audit log", [line["outcome"].startswith("refused") for line in added], [True])
+
+
+def requests(server, cookie):
+    here, there = f"127.0.0.1:{server.port}", "evil.example"
+    for what, status, path, headers in [
+            ("no host", 403, "/", {"Host": None, "Cookie": cookie}),
+            ("another host", 403, "/", {"Host": there, "Cookie": cookie}),
+            ("a name for this machine", 403, "/", {"Host": f"{there}:{server.port}", "Cookie": cookie}),
+            ("a host without port", 403, "/", {"Host": "127.0.0.1", "Cookie": cookie}),
+            ("another page's request", 403, "/api/map", {"Origin": f"http://{there}", "Cookie": cookie}),
+            ("a page of no origin", 403, "/api/map", {"Origin": "null", "Cookie": cookie}),
+            ("another scheme", 403, "/api/map", {"Origin": f"https://{here}", "Cookie": cookie}),
+            ("nobody", 401, "/", {}),
+            ("nobody at the sessions", 401, "/api/sessions", {}),
+            ("another cookie", 401, "/", {"Cookie": cookie[:-1] + ("0" if cookie[-1] != "0" else "1")}),
+            ("an empty cookie", 401, "/", {"Cookie": cookie.split("=")[0] + "="}),
+            ("a used token", 401, f"/?token={server.token}", {}),
+            ("a wrong token", 401, f"/?token={'0' * 64}", {}),
+            ("an empty token", 401, "/?token=", {}),
+            ("a way up", 404, "/sessions/../audit.log", {"Cookie": cookie}),
+            ("a coded way up", 404, "/sessions/%2e%2e/audit.log", {"Cookie": cookie}),
+            ("a doubly coded one", 404, "/sessions/%252e%252e/audit.log", {"Cookie": cookie}),
+            ("a way up to a report", 404, "/sessions/../../report.html", {"Cookie": cookie}),
+            ("the log", 404, "/audit.log", {"Cookie": cookie}),
+            ("a session that is none", 404, "/sessions/9999/report.html", {"Cookie": cookie}),
+            ("a session without number", 404, "/sessions/000x/report.html", {"Cookie": cookie}),
+            ("a long name", 404, "/sessions/" + "9" * 3000 + "/report.html", {"Cookie": cookie}),
+            ("another file of a session", 404, "/sessions/0001/consent.toml", {"Cookie": cookie})]:
+        yield what, lambda path=path, headers=headers: server.ask(path, **headers)[0], status
+    for method in ("POST", "PUT", "DELETE", "PATCH", "OPTIONS", "HEAD"):
+        yield method, lambda method=method: server.ask("/", method, Cookie=cookie)[0], 405
+    yield "a huge body", lambda: server.ask("/", "POST", Cookie=cookie, Content_Length="1000000000")[0], 413
+    for what, status, headers in [
+            ("a socket without cookie", 401, {"Cookie": None}),
+            ("a socket of another host", 403, {"Host": there}),
+            ("a socket of another page", 403, {"Origin": f"http://{there}"}),
+            ("a socket of no page", 403, {"Origin": None})]:
+        yield what, lambda headers=headers: Page(server, cookie, **headers).status, status
+
+
+def messages(page, viewer, order):
+    def outcome(text):
+        page.replies.pop(0, None)
+        page.send(text)
+        page.until(lambda: 0 in page.replies)
+        return "refused" if page.replies.get(0, {}).get("outcome", "done") != "done" else "done"
+
+    for text in ["", "x", "[]", "null", "{}", "[" * 10000, '{"ask":"pause"}', '{"ask":"fly","sequence":9,"clock_s":1}',
+                 '{"ask":"pause","sequence":-1,"clock_s":1}', '{"ask":"pause","sequence":9,"clock_s":1,"force_n":99}',
+                 '{"ask":"set","key":"safety.force_ceiling_n","value":99}']:
+        yield f"message {text[:60]}", lambda text=text: outcome(text), "refused"
+    yield "an old ask", lambda: page.outcome("operate", clock_s=page.clock_s() - 1.0), "stale"
+    yield "an ask of the future", lambda: page.outcome("operate", clock_s=page.clock_s() + 1.0), "stale"
+    yield "a second operator", lambda: viewer.outcome("operate"), "taken"
+    for ask in ("hold", "arm", "pause", "resume", "skip", "repeat", "softer", "firmer", "hand_over"):
+        yield f"a viewer's {ask}", lambda ask=ask: viewer.outcome(ask), "viewer"
+    yield "a viewer's start", lambda: viewer.outcome("start", order), "viewer"
+    yield "arm without hold", lambda: page.outcome("arm"), "not_held"
+    for ask in ("pause", "skip", "firmer"):
+        yield f"{ask} of nothing", lambda ask=ask: page.outcome(ask), "no massage is running"
+    for key, value in [("person", "/etc/passwd"), ("person", "phantom:medium\n"), ("programme", "../relax"),
+                       ("programme", 7), ("intensity", 6), ("intensity", 2.5), ("seed", -1), ("seed", 10**30),
+                       ("position", "standing"), ("answered_by", ""), ("answered_by", "x" * 1000),
+                       ("answered_by", 'a"\nbleeding = "no'), ("answers", {}), ("answers", {"bleeding": "maybe"}),
+                       ("force_ceiling_n", 90)]:
+        def act(key=key, value=value):
+            time.sleep(0.06)  # within twenty a second
+            return page.outcome("start", {**order, key: value}).split(":")[0]
+        yield f"start with {key} {value!r:.40}", act, {"force_ceiling_n": "order", "answers": "bleeding"}.get(key, key)
+
+
+def flood(server, page, viewer):
+    """A page that asks without end is refused; stop is heard all the same, and the log does not fill."""
+    lines = len(server.audit())
+    for _ in range(2000):
+        viewer.ask("beat")
+    expect("stop in a flood", viewer.outcome("stop"), "done")
+    expect("a flood is refused", any("too_fast" in line["outcome"] for line in server.audit()[lines:]), True)
+    expect("a flood fills the log", len(server.audit()) - lines < 400, True)
+    expect("the other page goes on", page.outcome("hold"), "done")
+
+
+def closed(server, cookie, what, send):
+    page = Page(server, cookie)
+    send(page)
+    expect(f"{what}: closed", page.until(lambda: not page.open), True)
+
+
+def main(binary):
+    with tempfile.TemporaryDirectory() as folder:
+        elsewhere = subprocess.run([binary, "serve", "--listen", "0.0.0.0", "--out", folder], capture_output=True)
+        expect("another address", elsewhere.returncode, 1)
+        server = Server(binary, folder)
+        cookie = server.enter()
+        page, viewer = Page(server, cookie), Page(server, cookie)
+        questions = json.loads(server.ask("/api/choices", Cookie=cookie)[2])["questions"]
+        order = {"person": "phantom:medium", "position": "sitting", "programme": "relax", "intensity": 3, "seed": 1,
+                 "answered_by": "a test", "answers": {question["key"]: "no" for question in questions}}
+        expect("operate", page.outcome("operate"), "done")
+        page.until(lambda: page.state["operator"])
+        asked = 0
+        for what, act, wanted in [*requests(server, cookie), *messages(page, viewer, order)]:
+            refused(server, page, what, act, wanted)
+            asked += 1
+        sequence = page.sequence
+        refused(server, page, "a replayed ask", lambda: page.outcome("operate", sequence=sequence), "out_of_order")
+        for _ in range(6):
+            server.ask(f"/?token={'1' * 64}")
+        refused(server, page, "a sixth wrong token", lambda: server.ask(f"/?token={'1' * 64}")[0], 429)
+        flood(server, page, viewer)
+        closed(server, cookie, "a huge message", lambda page: page.send("x" * 70000))
+        closed(server, cookie, "a binary message", lambda page: page.send("x", opcode=2))
+        expect("the server is still there", server.ask("/api/choices", Cookie=cookie)[0], 200)
+        expect("nothing was begun", [line["what"] for line in server.audit() if line["what"] == "start"
+                                     and line["outcome"] == "done"], [])
+        expect("exit", server.end(), 0)
+        expect("audit check", subprocess.run([binary, "audit", "check", f"{folder}/audit.log"],
+                                             capture_output=True).returncode, 0)
+    print(f"{asked + 2} hostile asks", *faults, sep="\n")
+    return 1 if faults else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1]))

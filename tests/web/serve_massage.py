@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Massages driven through the WebSocket of `tuina serve`: one to its end, one stopped by a viewer, one left alone."""
+import json, subprocess, sys, tempfile, time
+from serve_client import Page, Server
+
+faults = []
+
+
+def expect(what, holds):
+    if not holds:
+        faults.append(what)
+
+
+def reaches(page, *phases):
+    return page.until(lambda: page.state["phase"] in phases, 60)
+
+
+def armed(server, page, order):
+    """From the order to moving arms."""
+    expect("start", page.outcome("start", order) == "done")
+    expect("a second start is refused", page.outcome("start", order) == "a session is running")
+    expect("arm before there is a plan", page.outcome("arm") != "done")
+    if not reaches(page, "review", "ended") or page.state["phase"] == "ended":
+        return expect(f"a plan: {page.state['words']}", False)
+    for name, least in (("cloud", 50000), ("back", 50000), ("map", 1000), ("plan", 5000)):
+        expect(f"{name} is shown", len(server.ask(f"/api/{name}", Cookie=page.cookie)[2]) > least)
+    expect("no arm moves before it is armed", not page.live)
+    page.outcome("hold")
+    time.sleep(2.1)
+    expect("arm", page.outcome("arm") == "done")
+    expect("massage", reaches(page, "massage"))
+
+
+def session(folder, number):
+    with open(f"{folder}/{number}/session.json", encoding="utf-8") as file:
+        return json.load(file)
+
+
+def to_its_end(server, page, order):
+    armed(server, page, order)
+    page.until(lambda: page.live and page.live[-1]["performed"] > 0, 60)
+    for ask in ("pause", "resume", "softer", "firmer", "repeat"):
+        expect(ask, page.outcome(ask) == "done")
+        time.sleep(0.1)
+    while page.state["phase"] == "massage" and page.outcome("skip") == "done":  # what is left, but its travels
+        time.sleep(0.2)
+    expect("ended", reaches(page, "ended"))
+    if page.state["outcome"] != "done":
+        return expect(f"done: {page.state} {server.audit()[-12:]}", False)
+    commands = [given["command"] for given in session(server.folder, "0001")["commands"]]
+    expect(f"the session heard {commands}", commands[:5] == ["pause", "resume", "softer", "firmer", "repeat"]
+           and "skip" in commands)
+    expect("forces were shown", max(row[1] for live in page.live for row in live["forces"]) > 5.0)
+    listed = json.loads(server.ask("/api/sessions", Cookie=page.cookie)[2])
+    expect("it is listed", [one["session"] for one in listed] == ["0001"])
+    status, headers, report = server.ask("/sessions/0001/report.html", Cookie=page.cookie)
+    expect("its report", status == 200 and b"</html>" in report.lower() and b"sandbox" not in report[:100])
+    expect("a report runs no script", "script-src" not in headers["Content-Security-Policy"]
+           and "default-src 'none'" in headers["Content-Security-Policy"])
+
+
+def stopped_by_a_viewer(server, page, viewer, order):
+    armed(server, page, order)
+    page.until(lambda: any(arm["phase"] == "contact" for arm in page.live[-1]["arms"]) if page.live else False, 60)
+    began = time.monotonic()
+    expect("a viewer may stop", viewer.outcome("stop") == "done")
+    print(f"stop was answered after {1e3 * (time.monotonic() - began):.0f} ms")
+    expect("ended", reaches(page, "ended") and page.state["outcome"] == "stopped")
+    heard = session(server.folder, "0002")["commands"]
+    expect(f"the session heard {heard}", [given["command"] for given in heard] == ["stop"])
+
+
+def left_alone(server, page, viewer, order):
+    """Whoever steers has gone: the massage waits, with a light touch, until somebody steers again."""
+    armed(server, page, order)
+    page.close()
+    expect("paused without operator", viewer.until(lambda: viewer.state["paused"], 5))
+    expect("the log says why", any("no operator" in line["outcome"] for line in server.audit()))
+    expect("a viewer takes over", viewer.outcome("operate") == "done" and viewer.outcome("resume") == "done")
+    expect("it goes on", viewer.until(lambda: not viewer.state["paused"], 5))
+    viewer.ask("stop")
+    expect("ended", reaches(viewer, "ended"))
+
+
+def refused_by_health(server, page, order):
+    answers = {**order["answers"], "pacemaker": "yes"}
+    expect("asked", page.outcome("start", {**order, "answers": answers}) == "done")
+    expect("refused", reaches(page, "ended") and page.state["outcome"] == "failed"
+           and "pacemaker" in page.state["words"])
+
+
+def stopped_in_scan(server, page, order):
+    expect("start", page.outcome("start", order) == "done")
+    page.until(lambda: page.state["cloud_points"] > 0, 60)
+    page.ask("stop")
+    expect("the scan ends", reaches(page, "ended") and page.state["outcome"] == "stopped")
+
+
+def main(binary):
+    with tempfile.TemporaryDirectory() as folder:
+        server = Server(binary, folder, "--pace", "max")
+        cookie = server.enter()
+        page, viewer = Page(server, cookie), Page(server, cookie)
+        page.cookie = viewer.cookie = cookie
+        questions = json.loads(server.ask("/api/choices", Cookie=cookie)[2])["questions"]
+        order = {"person": "phantom:slim", "position": "sitting", "programme": "relax", "intensity": 2, "seed": 3,
+                 "answered_by": "a test \"of\" \\ 推拿", "answers": {question["key"]: "no" for question in questions}}
+        expect("operate", page.outcome("operate") == "done")
+        refused_by_health(server, page, order)
+        stopped_in_scan(server, page, order)
+        to_its_end(server, page, order)
+        page.live.clear()
+        stopped_by_a_viewer(server, page, viewer, order)
+        page.live.clear()
+        left_alone(server, page, viewer, order)
+        expect("exit", server.end() == 0)
+        expect("audit check", subprocess.run([binary, "audit", "check", f"{folder}/audit.log"],
+                                             capture_output=True).returncode == 0)
+    print("massages through the page", *faults, sep="\n")
+    return 1 if faults else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1]))

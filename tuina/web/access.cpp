@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tuina/web/access.hpp"
+
+#include <openssl/crypto.h>
+#include <openssl/rand.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+
+namespace tuina::web {
+namespace {
+
+constexpr std::int64_t max_body_bytes = 1 << 20;
+constexpr std::size_t max_invitations = 16;
+// Five wrong tokens a minute.
+constexpr double bad_tokens_at_once = 5.0, bad_tokens_per_s = 5.0 / 60.0;
+
+Reply refuse(int status, const char* why) {
+  return {.status = status, .body = std::string(why) + "\n"};
+}
+
+}  // namespace
+
+std::string random_token() {
+  std::array<unsigned char, 32> bytes{};
+  if (RAND_bytes(bytes.data(), static_cast<int>(bytes.size())) != 1) std::abort();
+  std::string token;
+  for (const unsigned char byte : bytes) token += fmt::format("{:02x}", byte);
+  return token;
+}
+
+bool same_secret(std::string_view one, std::string_view other) noexcept {
+  return one.size() == other.size() && CRYPTO_memcmp(one.data(), other.data(), one.size()) == 0;
+}
+
+Result<std::string> loopback_address(const std::string& listen) {
+  if (listen == "127.0.0.1" || listen == "localhost") return std::string("127.0.0.1");
+  if (listen == "::1" || listen == "[::1]") return std::string("[::1]");
+  return fail(Fault::usage,
+              "--listen {}: only this machine itself, 127.0.0.1 or ::1: the page has no encryption "
+              "and no password, so it is not shown to a network",
+              listen);
+}
+
+Access::Access(int port)
+    : cookie_name_(fmt::format("tuina_{}", port)),
+      hosts_({fmt::format("127.0.0.1:{}", port), fmt::format("localhost:{}", port),
+              fmt::format("[::1]:{}", port)}),
+      bad_tokens_(bad_tokens_at_once, bad_tokens_per_s) {}
+
+std::string Access::invite() {
+  if (tokens_.size() == max_invitations) tokens_.erase(tokens_.begin());
+  return tokens_.emplace_back(random_token());
+}
+
+bool Access::knows(std::string_view cookies) const {
+  const std::string name = cookie_name_ + "=";
+  for (std::size_t at = 0; at < cookies.size();) {
+    const std::size_t end = std::min(cookies.find(';', at), cookies.size());
+    std::string_view one = cookies.substr(at, end - at);
+    while (one.starts_with(' ')) one.remove_prefix(1);
+    if (one.starts_with(name)) {
+      const std::string_view value = one.substr(name.size());
+      // Every cookie is compared, so that the time does not tell which one it nearly was.
+      bool known = false;
+      for (const std::string& cookie : cookies_) known = same_secret(value, cookie) || known;
+      if (known) return true;
+    }
+    at = end + 1;
+  }
+  return false;
+}
+
+std::optional<Reply> Access::exchange(std::string_view token, double now_s) {
+  const auto given = std::find_if(tokens_.begin(), tokens_.end(),
+                                  [&](const std::string& one) { return same_secret(one, token); });
+  if (given == tokens_.end()) {
+    // Who has guessed too often is not told whether the next guess is right.
+    if (!bad_tokens_.take(now_s)) return refuse(429, "too many wrong tokens; wait a minute");
+    return refuse(401, "this address was used already, or never given: ask for a new one");
+  }
+  tokens_.erase(given);
+  const std::string& cookie = cookies_.emplace_back(random_token());
+  return Reply{.status = 303,
+               .headers = {{"Location", "/"},
+                           {"Set-Cookie", fmt::format("{}={}; HttpOnly; SameSite=Strict; Path=/",
+                                                      cookie_name_, cookie)}}};
+}
+
+std::optional<Reply> Access::judge(const Request& request, double now_s) {
+  const auto is_host = [&](std::string_view name) {
+    return std::find(hosts_.begin(), hosts_.end(), name) != hosts_.end();
+  };
+  if (!is_host(request.host)) return refuse(403, "this is not the name of this server");
+  const bool from_elsewhere =
+      !request.origin.starts_with("http://") || !is_host(request.origin.substr(7));
+  if (from_elsewhere && (!request.origin.empty() || request.upgrade))
+    return refuse(403, "another page may not ask here");
+  if (request.body_bytes > max_body_bytes) return refuse(413, "too much");
+  if (request.method != "GET") return refuse(405, "only GET; commands go through the WebSocket");
+  constexpr std::string_view token = "token=";
+  if (request.path == "/" && request.query.starts_with(token))
+    return exchange(std::string_view(request.query).substr(token.size()), now_s);
+  if (!knows(request.cookie))
+    return refuse(401, "open the address that the terminal printed, or that an operator gave you");
+  return std::nullopt;
+}
+
+}  // namespace tuina::web

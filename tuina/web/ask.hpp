@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "tuina/core/result.hpp"
+#include "tuina/session/live_command.hpp"
+
+namespace tuina::web {
+
+/// All that a page may ask for. The commands of a running massage have the names of
+/// `session::LiveCommand`.
+enum class Ask : std::uint8_t {
+  beat,       ///< somebody is still there
+  operate,    ///< be the operator
+  hand_over,  ///< be the operator no longer
+  invite,     ///< an address that opens the page for one more
+  start,      ///< begin a session, by the order that the message holds
+  hold,       ///< the button that arms goes down
+  arm,        ///< it was held long enough: the arms may move
+  pause,
+  resume,
+  stop,
+  skip,
+  repeat,
+  softer,
+  firmer,
+};
+inline constexpr std::array<const char*, 14> ask_names = {
+    "beat",  "operate", "hand_over", "invite", "start",  "hold",   "arm",
+    "pause", "resume",  "stop",      "skip",   "repeat", "softer", "firmer"};
+[[nodiscard]] constexpr const char* name_of(Ask ask) noexcept {
+  return ask_names[static_cast<std::size_t>(ask)];
+}
+/// The command of a running massage that an ask stands for; nothing for the other asks.
+[[nodiscard]] std::optional<session::LiveCommand> live_command(Ask ask) noexcept;
+
+/// One message of a page.
+struct Message {
+  Ask ask = Ask::beat;
+  std::uint64_t sequence = 0;  ///< greater than that of the message before
+  double clock_s = 0.0;        ///< the server's clock, as the page believes it to be when it asks
+  std::string order;           ///< JSON object of `start`
+};
+inline constexpr std::size_t max_message_bytes = 64 << 10;
+
+/// Reads {"ask": "pause", "sequence": 7, "clock_s": 12.3}, with "order" for `start`. Whatever else
+/// is refused with the key and what stands there.
+[[nodiscard]] Result<Message> parse_message(std::string_view text);
+
+}  // namespace tuina::web

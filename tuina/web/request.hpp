@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace tuina::web {
+
+/// What a browser asks for, as far as somebody looks at it.
+struct Request {
+  std::string method;
+  std::string path;   ///< decoded, without the query
+  std::string query;  ///< as it was sent
+  std::string host;
+  std::string origin;  ///< empty: not sent
+  std::string cookie;
+  std::int64_t body_bytes = 0;  ///< as announced; -1: not announced
+  bool upgrade = false;         ///< to a WebSocket
+};
+
+struct Reply {
+  int status = 200;
+  std::string type = "text/plain; charset=utf-8";
+  std::string body;
+  std::vector<std::pair<std::string, std::string>> headers = {};
+};
+
+}  // namespace tuina::web

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "tuina/core/result.hpp"
+#include "tuina/web/desk.hpp"
+#include "tuina/web/outbox.hpp"
+#include "tuina/web/request.hpp"
+
+namespace tuina::web {
+
+/// What a server asks of whom it serves, on threads of its own.
+struct Site {
+  /// Nothing: a WebSocket may open.
+  std::function<std::optional<Reply>(const Request&)> answer;
+  std::function<void(ClientId)> come;
+  std::function<void(ClientId)> go;
+  std::function<void(ClientId, std::string_view text)> hear;
+};
+
+/// Pages that may be open at once; what comes on top is sent away with 503.
+inline constexpr int max_clients = 24;
+
+/// HTTP and WebSocket at one port of this machine. Each page has a thread that reads and one that
+/// writes, so that none waits for another. A header has 8 KiB at most and 10 s to arrive; a message
+/// of a page, max_message_bytes, or its connection is closed.
+class Server {
+ public:
+  /// `address` is one of `loopback_address`; port 0 takes a free one. Fault::device when the port
+  /// is not free.
+  [[nodiscard]] static Result<std::unique_ptr<Server>> start(const std::string& address, int port,
+                                                             Site site);
+  ~Server();
+  Server(const Server&) = delete;
+  Server& operator=(const Server&) = delete;
+
+  [[nodiscard]] int port() const noexcept;
+  /// Nothing of these waits for the page, or fails when it has just gone.
+  void put(ClientId client, Channel channel, std::string text);
+  void reply(ClientId client, std::string text);
+
+  struct Hall;  ///< the connections
+
+ private:
+  explicit Server(std::unique_ptr<Hall> hall);
+  std::unique_ptr<Hall> hall_;
+};
+
+}  // namespace tuina::web
