@@ -21,7 +21,8 @@ LiveSession::~LiveSession() {
 }
 
 std::string LiveSession::next_number() const {
-  int last = 0;
+  // The number of a session that was not begun is not given again: a page knows sessions by it.
+  int last = number_.empty() ? 0 : std::stoi(number_);
   std::error_code none;
   for (const auto& entry : std::filesystem::directory_iterator(options_.folder, none)) {
     const std::string name = entry.path().filename().string();

@@ -12,12 +12,19 @@ def expect(what, holds):
 
 
 def reaches(page, *phases):
-    return page.until(lambda: page.state["phase"] in phases, 60)
+    return page.until(lambda: page.state["phase"] in phases, 180)
+
+
+def begin(page, order):
+    """A new session, until the page has heard of it."""
+    before = page.state["session"]
+    expect("start", page.outcome("start", order) == "done")
+    expect("a new number", page.until(lambda: page.state["session"] != before))
 
 
 def armed(server, page, order):
     """From the order to moving arms."""
-    expect("start", page.outcome("start", order) == "done")
+    begin(page, order)
     expect("a second start is refused", page.outcome("start", order) == "a session is running")
     expect("arm before there is a plan", page.outcome("arm") != "done")
     if not reaches(page, "review", "ended") or page.state["phase"] == "ended":
@@ -47,13 +54,13 @@ def to_its_end(server, page, order):
     expect("ended", reaches(page, "ended"))
     if page.state["outcome"] != "done":
         return expect(f"done: {page.state} {server.audit()[-12:]}", False)
-    commands = [given["command"] for given in session(server.folder, "0001")["commands"]]
+    commands = [given["command"] for given in session(server.folder, page.state["session"])["commands"]]
     expect(f"the session heard {commands}", commands[:5] == ["pause", "resume", "softer", "firmer", "repeat"]
            and "skip" in commands)
     expect("forces were shown", max(row[1] for live in page.live for row in live["forces"]) > 5.0)
     listed = json.loads(server.ask("/api/sessions", Cookie=page.cookie)[2])
-    expect("it is listed", [one["session"] for one in listed] == ["0001"])
-    status, headers, report = server.ask("/sessions/0001/report.html", Cookie=page.cookie)
+    expect("it is listed", [one["session"] for one in listed] == [page.state["session"]])
+    status, headers, report = server.ask(f"/sessions/{page.state['session']}/report.html", Cookie=page.cookie)
     expect("its report", status == 200 and b"</html>" in report.lower() and b"sandbox" not in report[:100])
     expect("a report runs no script", "script-src" not in headers["Content-Security-Policy"]
            and "default-src 'none'" in headers["Content-Security-Policy"])
@@ -66,7 +73,7 @@ def stopped_by_a_viewer(server, page, viewer, order):
     expect("a viewer may stop", viewer.outcome("stop") == "done")
     print(f"stop was answered after {1e3 * (time.monotonic() - began):.0f} ms")
     expect("ended", reaches(page, "ended") and page.state["outcome"] == "stopped")
-    heard = session(server.folder, "0002")["commands"]
+    heard = session(server.folder, page.state["session"])["commands"]
     expect(f"the session heard {heard}", [given["command"] for given in heard] == ["stop"])
 
 
@@ -84,13 +91,13 @@ def left_alone(server, page, viewer, order):
 
 def refused_by_health(server, page, order):
     answers = {**order["answers"], "pacemaker": "yes"}
-    expect("asked", page.outcome("start", {**order, "answers": answers}) == "done")
+    begin(page, {**order, "answers": answers})
     expect("refused", reaches(page, "ended") and page.state["outcome"] == "failed"
            and "pacemaker" in page.state["words"])
 
 
 def stopped_in_scan(server, page, order):
-    expect("start", page.outcome("start", order) == "done")
+    begin(page, order)
     page.until(lambda: page.state["cloud_points"] > 0, 60)
     page.ask("stop")
     expect("the scan ends", reaches(page, "ended") and page.state["outcome"] == "stopped")
