@@ -147,7 +147,7 @@ void LiveSession::run(StartOrder start, std::filesystem::path folder) {
   common.seed = start.seed;
   common.quiet = true;
 
-  const auto result = run_simulated_session(
+  auto result = run_simulated_session(
       start.order, config, common, folder / "session.mcap",
       {.watches = view_.get(),
        .commands = [this](double) { return next_command(); },
