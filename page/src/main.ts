@@ -15,7 +15,7 @@ const order: Record<string, string | number> =
   { person: "phantom:medium", position: "sitting", programme: "relax", intensity: 3, seed: 1, answered_by: "" };
 const answers: Record<string, string> = {};
 let choices: Choices, state: State | undefined, live: Live | undefined, plan: Plan | undefined, points: Acupoint[] = [];
-let view: View = "choose", chosen: "choose" | "health" = "choose", left = "", steered = false, zonesShown = false;
+let view: View = "choose", chosen: "choose" | "health" = "choose", left = "", steered = false, zonesShown = false, operateMs = 0;
 let seen = { session: "", cloud: 0, backs: 0, plans: 0, phase: "" };
 let forces: Forces[] = [], slots: Record<string, HTMLElement> = {};
 const main = document.getElementById("main")!;
@@ -49,7 +49,11 @@ function viewOf(now: State): View {
 async function heard(now: State): Promise<void> {
   const before = state;
   state = now;
-  if (steered && !now.operated) link.ask("operate");  // after a lost connection
+  // After a lost connection; once a second is enough.
+  if (steered && !now.operated && performance.now() - operateMs > 1000) {
+    operateMs = performance.now();
+    link.ask("operate");
+  }
   if (now.operator) steered = true;
   if (now.session !== seen.session) {
     seen = { session: now.session, cloud: 0, backs: 0, plans: 0, phase: seen.phase };

@@ -53,6 +53,9 @@ export class Scene {
       if (began < this.restUntilMs || !(this.fit() || this.due)) return;
       this.due = false;
       this.renderer.render(this.scene, this.camera);
+      // Reading one pixel waits until the picture is drawn, so that the time tells what it took.
+      const gl = this.renderer.getContext();
+      gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
       // A slow machine has half of its time for what is asked and heard.
       this.restUntilMs = 2 * performance.now() - began;
     };
@@ -61,7 +64,7 @@ export class Scene {
 
   private tool(colour: string): three.Group {
     const tool = new three.Group();
-    const material = new three.MeshStandardMaterial({ color: colour, roughness: 0.35 });
+    const material = new three.MeshLambertMaterial({ color: colour });
     const ball = new three.Mesh(new three.SphereGeometry(0.014, 24, 16), material);
     ball.position.y = 0.014;
     const shaft = new three.Mesh(new three.CylinderGeometry(0.008, 0.011, 0.11, 20), material);
@@ -128,7 +131,7 @@ export class Scene {
     geometry.setIndex(new three.BufferAttribute(corners, 1));
     if (this.cloud) this.scene.remove(this.cloud);
     if (this.back) this.scene.remove(this.back);
-    this.back = new three.Mesh(geometry, new three.MeshStandardMaterial({ vertexColors: true, roughness: 0.75, side: three.DoubleSide }));
+    this.back = new three.Mesh(geometry, new three.MeshLambertMaterial({ vertexColors: true, side: three.DoubleSide }));
     this.scene.add(this.back);
     this.colour(this.showsZones);
     geometry.computeBoundingBox();

@@ -22,11 +22,18 @@ class Server:
         with socket.create_connection(("127.0.0.1", self.port), 10) as link:
             link.sendall(f"{method} {path} HTTP/1.1\r\n{head}\r\n".encode() + body)
             answer = b""
-            while part := link.recv(65536):
+            # A server may wait for the rest of a body before it closes; the answer is whole before that.
+            while not self.whole(answer) and (part := link.recv(65536)):
                 answer += part
         top, _, content = answer.partition(b"\r\n\r\n")
         lines = top.decode("latin-1").split("\r\n")
         return int(lines[0].split()[1]), dict(line.split(": ", 1) for line in lines[1:]), content
+
+    @staticmethod
+    def whole(answer):
+        top, end, content = answer.partition(b"\r\n\r\n")
+        length = re.search(rb"Content-Length: (\d+)", top)
+        return bool(end and length and len(content) >= int(length[1]))
 
     def enter(self, token=None):
         """The cookie that a token is exchanged for; None when it is refused."""
