@@ -51,7 +51,7 @@ Result<void> LiveSession::start(StartOrder start) {
   phase_ = LivePhase::scan;
   number_ = number;
   outcome_.clear(), words_.clear();
-  view_ = std::make_shared<LiveView>();
+  view_ = std::make_shared<LiveView>(options_.robot_model);
   thread_ = std::thread(
       [this, folder, start = std::move(start)]() mutable { run(std::move(start), folder); });
   return {};
@@ -141,6 +141,7 @@ void LiveSession::run(StartOrder start, std::filesystem::path folder) {
     return give_up(written.error());
   start.order.consent = consent.string();
   start.order.real_time = options_.real_time;
+  start.order.robot = options_.robot;
   session::Config config = options_.config;
   config.massage.force_scale *= massage::force_scale_of(start.intensity);
   CommonOptions common = options_.common;

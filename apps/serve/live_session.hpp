@@ -32,6 +32,8 @@ class LiveSession {
     session::Config config;
     CommonOptions common;
     bool real_time = true;
+    std::string robot = "thesis";  ///< name or file, as `robot_model` was loaded from
+    robot::RobotModel robot_model;
     std::filesystem::path folder;  ///< a folder in it for each session
   };
   struct State {

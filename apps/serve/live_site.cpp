@@ -107,6 +107,7 @@ web::Reply LiveSite::content(const std::string& path) const {
     if (path == "/api/cloud") return bytes_reply(view->cloud());
     if (path == "/api/back" && !view->back().empty()) return bytes_reply(view->back());
     if (path == "/api/map" && !view->map().empty()) return json_reply(view->map());
+    if (path == "/api/events") return json_reply(view->events());
     if (path == "/api/plan" && !view->plan().empty()) return json_reply(view->plan());
   }
   return web::Reply{.status = 404, .body = "not here\n"};
@@ -188,6 +189,7 @@ std::string LiveSite::state_json(web::ClientId client, const LiveSession::State&
                   {"cloud_points", state.progress.cloud_points},
                   {"backs", state.progress.backs},
                   {"plans", state.progress.plans},
+                  {"events", state.progress.events},
                   {"real_pace", options_.session.real_time},
                   {"audit_fails", audit_fails_.load()}});
 }

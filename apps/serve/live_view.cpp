@@ -5,6 +5,9 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/serve/shown_back.hpp"
+#include "tuina/session/run.hpp"
+#include "tuina/session/steering.hpp"
+#include "tuina/tissue/tangent_model.hpp"
 
 namespace tuina::app {
 namespace {
@@ -45,7 +48,10 @@ void LiveView::on_scan(const scanner::Scan& scan) {
 void LiveView::on_map(const body::Mapping& map) {
   std::string back = back_bytes(scan_, map);
   scan_ = {};
+  const robot::RobotPlacement placement =
+      robot::place_robot(robot_, map.position, session::head_at_plus_y(map.acupoints));
   const std::lock_guard lock(mutex_);
+  arms_ = robot::both_models(placement.arm, placement.mount);
   back_ = std::move(back);
   map_ = map_json(map);
   ++progress_.backs;
@@ -65,8 +71,35 @@ void LiveView::on_plan(const motion::ReadyPlan& plan, const Transform& base_from
   couch_from_base_ = base_from_couch.inverse();
 }
 
+// The mutex is held.
+void LiveView::keep_events(const session::Tick& tick) {
+  const double time_s = rounded(tick.reading.time_s, 0.1);
+  const auto keep = [&](json event) {
+    event["time_s"] = time_s;
+    events_.push_back(event.dump());
+  };
+  if (tick.commanded) keep({{"what", "command"}, {"name", name_of(*tick.commanded)}});
+  if (tick.decided) {
+    keep({{"what", "decision"},
+          {"path", tick.decided->path},
+          {"reason", tick.decided->reason},
+          {"from_n", rounded(tick.decided->from_n, 0.1)},
+          {"to_n", rounded(tick.decided->to_n, 0.1)}});
+  }
+  if (tick.stopped) keep({{"what", "stop"}, {"reason", session::explain(*tick.stopped)}});
+  if (!tick.ended) return;
+  json ended{{"what", "ended"}, {"path", tick.ended->path}, {"whole", tick.ended->whole}};
+  if (tick.ended->felt) {
+    const double stiffness_n_per_m =
+        tissue::stiffness_at_force(tick.ended->felt->tissue, session::reference_force_n);
+    ended["stiffness_n_per_mm"] = rounded(stiffness_n_per_m * 1e-3, 0.01);
+  }
+  keep(std::move(ended));
+}
+
 void LiveView::on_tick(const session::Tick& tick) noexcept {
   const std::lock_guard lock(mutex_);
+  keep_events(tick);
   newest_ = tick;
   if (tick.reading.tick % force_every_ticks != 0 || forces_.size() == max_forces) return;
   const session::ArmView &left = tick.view[Arm::left], &right = tick.view[Arm::right];
@@ -76,7 +109,9 @@ void LiveView::on_tick(const session::Tick& tick) noexcept {
 
 LiveView::Progress LiveView::progress() const {
   const std::lock_guard lock(mutex_);
-  return progress_;
+  Progress progress = progress_;
+  progress.events = events_.size();
+  return progress;
 }
 
 std::string LiveView::cloud() const {
@@ -99,20 +134,37 @@ std::string LiveView::plan() const {
   return plan_;
 }
 
+std::string LiveView::events() const {
+  const std::lock_guard lock(mutex_);
+  return fmt::format("[{}]", fmt::join(events_, ","));
+}
+
 std::optional<std::string> LiveView::take_frame() {
   const std::lock_guard lock(mutex_);
   if (!newest_) return std::nullopt;
   json arms = json::array();
   for (const Arm arm : both_arms) {
     const session::ArmView& view = newest_->view[arm];
-    const Vector3 tool = couch_from_base_ * view.tool_in_base;
-    arms.push_back(
-        {{"phase", phase_names[static_cast<std::size_t>(view.phase)]},
-         {"path", view.path},
-         {"probing", view.probing},
-         {"target_n", rounded(view.target_n, 0.01)},
-         {"felt_n", rounded(view.measured_n, 0.01)},
-         {"tool", {rounded(tool.x(), 1e-4), rounded(tool.y(), 1e-4), rounded(tool.z(), 1e-4)}}});
+    json links = json::array();
+    if (arms_) {
+      const robot::ArmModel& model = (*arms_)[arm];
+      const auto pose = model.kinematics(newest_->reading.arms[arm].q_rad, newest_->reading.rail_m);
+      for (int i = 0; i <= model.joints(); ++i) {
+        const auto joint = static_cast<std::size_t>(i);
+        const Vector3 at = couch_from_base_ * pose.origins_in_base[joint];
+        // A joint is as thick as the link that begins at it; the last origin is the tool's ball.
+        const double radius_m =
+            i < model.joints() ? model.table().links[joint].radius_m : model.table().tool_radius_m;
+        links.push_back({rounded(at.x(), 1e-3), rounded(at.y(), 1e-3), rounded(at.z(), 1e-3),
+                         rounded(radius_m, 1e-3)});
+      }
+    }
+    arms.push_back({{"phase", phase_names[static_cast<std::size_t>(view.phase)]},
+                    {"path", view.path},
+                    {"probing", view.probing},
+                    {"target_n", rounded(view.target_n, 0.01)},
+                    {"felt_n", rounded(view.measured_n, 0.01)},
+                    {"links", links}});
   }
   json forces = json::array();
   for (const auto& row : forces_) {

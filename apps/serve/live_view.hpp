@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "tuina/robot/arm_model.hpp"
+#include "tuina/robot/robot_model.hpp"
 #include "tuina/session/observer.hpp"
 
 namespace tuina::app {
@@ -15,6 +17,7 @@ namespace tuina::app {
 /// What pages are shown of one session, kept as the texts and bytes that they ask for.
 class LiveView final : public session::Observer {
  public:
+  explicit LiveView(robot::RobotModel robot) : robot_(std::move(robot)) {}
   void on_progress(session::Stage stage, double share) noexcept override;
   void on_profile(const scanner::LiveProfile& profile) override;
   void on_scan(const scanner::Scan& scan) override;
@@ -29,6 +32,7 @@ class LiveView final : public session::Observer {
     std::size_t cloud_points = 0;
     /// How often back, map and plan were made; 0: not yet.
     int backs = 0, plans = 0;
+    std::size_t events = 0;  ///< of `events()`
   };
   [[nodiscard]] Progress progress() const;
   /// Places of the running scan, three float32 each.
@@ -37,17 +41,25 @@ class LiveView final : public session::Observer {
   [[nodiscard]] std::string back() const;
   [[nodiscard]] std::string map() const;
   [[nodiscard]] std::string plan() const;
+  /// JSON array of what happened, oldest first: paths that ended, forces that the session changed,
+  /// commands that it followed.
+  [[nodiscard]] std::string events() const;
   /// JSON object of the newest millisecond and the forces since the last call; nothing when there
   /// is nothing new.
   [[nodiscard]] std::optional<std::string> take_frame();
 
  private:
+  void keep_events(const session::Tick& tick);
+
+  robot::RobotModel robot_;
   mutable std::mutex mutex_;
   Progress progress_;
   std::vector<float> cloud_;
   scanner::Scan scan_;  ///< until it is mapped
   std::string back_, map_, plan_;
   Transform couch_from_base_ = Transform::Identity();
+  std::optional<PerArm<robot::ArmModel>> arms_;  ///< once the person's position is known
+  std::vector<std::string> events_;              ///< JSON objects
   std::optional<session::Tick> newest_;
   /// Time, and of each arm the force asked for and the force felt, every 20 ms.
   std::vector<std::array<double, 5>> forces_;

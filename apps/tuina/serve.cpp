@@ -29,6 +29,7 @@ class Serve final : public Verb {
     options.add("--listen", listen_, "127.0.0.1 or ::1: no other address is listened at")
         .show_default();
     options.add("--pace", pace_, "of the simulation").one_of({"max", "real"}).show_default();
+    options.add("--robot", robot_, "built-in robot or a TOML file").show_default();
     options.add("--out", out_, "folder for the sessions and audit.log").show_default();
     options.add("--page", page_, "folder of the built page, as `./run serve` makes it")
         .show_default();
@@ -39,6 +40,8 @@ class Serve final : public Verb {
     if (!config) return tl::unexpected(config.error());
     auto address = web::loopback_address(listen_);
     if (!address) return tl::unexpected(address.error());
+    auto robot = robot::load_robot(robot_);
+    if (!robot) return tl::unexpected(robot.error());
     std::error_code fault;
     std::filesystem::create_directories(out_, fault);
     if (!std::filesystem::is_directory(out_))
@@ -49,6 +52,8 @@ class Serve final : public Verb {
                                 .session = {.config = std::move(*config),
                                             .common = common,
                                             .real_time = pace_ == "real",
+                                            .robot = robot_,
+                                            .robot_model = std::move(*robot),
                                             .folder = out_}});
     if (!site) return tl::unexpected(site.error());
     for (const int asked : {SIGINT, SIGTERM}) std::signal(asked, [](int) { serve_ends = true; });
@@ -66,6 +71,7 @@ class Serve final : public Verb {
   int port_ = 8642;
   std::string listen_ = "127.0.0.1";
   std::string pace_ = "real";
+  std::string robot_ = "thesis";
   std::string out_ = "tuina-sessions";
   std::string page_ = TUINA_PAGE;
 };

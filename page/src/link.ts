@@ -4,10 +4,12 @@ export interface State {
   clock_s: number; you: number; operator: boolean; operated: boolean; pages: number;
   phase: "idle" | "scan" | "map" | "plan" | "review" | "massage" | "report" | "ended";
   progress: number; paused: boolean; session: string; outcome: string; words: string;
-  cloud_points: number; backs: number; plans: number; real_pace: boolean; audit_fails: boolean;
+  cloud_points: number; backs: number; plans: number; events: number; real_pace: boolean; audit_fails: boolean;
 }
 export interface ArmNow {
-  phase: string; path: number; probing: boolean; target_n: number; felt_n: number; tool: [number, number, number];
+  phase: string; path: number; probing: boolean; target_n: number; felt_n: number;
+  /** Joints from shoulder to tool: place, and radius of what begins there; m. */
+  links: [number, number, number, number][];
 }
 /** The newest millisecond, and time, target and felt force of both arms since the message before. */
 export interface Live { time_s: number; performed: number; arms: [ArmNow, ArmNow]; forces: number[][] }

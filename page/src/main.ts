@@ -4,22 +4,23 @@ import { element, pills, table } from "./element";
 import { Forces } from "./forces";
 import { Link, type Live, type Reply, type State } from "./link";
 import { type Acupoint, armColours, type Path, Scene, techniqueColours, zoneColours } from "./scene";
-import { applyLanguage, changeLanguage, say } from "./words";
+import { applyLanguage, changeLanguage, say, sayOr, sayPath } from "./words";
 
 interface Choices { people: string[]; positions: string[]; programmes: { name: string; description: string }[]; questions: { key: string }[]; zones: { name: string; cap_n: number }[]; max_seed: number }
 interface Plan { duration_s: number; notes: string[]; paths: Path[] }
 interface Listed { session: string; person: string; programme: string; duration_s: number; performed: number; paths: number; stops: number }
+interface Happening { what: "ended" | "decision" | "command" | "stop"; time_s: number; path: number; whole: boolean; stiffness_n_per_mm?: number; reason: string; name: string; from_n: number; to_n: number }
 type View = "choose" | "health" | "scan" | "review" | "massage" | "report";
 
 const order: Record<string, string | number> =
   { person: "phantom:medium", position: "sitting", programme: "relax", intensity: 3, seed: 1, answered_by: "" };
 const answers: Record<string, string> = {};
-let choices: Choices, state: State | undefined, live: Live | undefined, plan: Plan | undefined, points: Acupoint[] = [];
+let choices: Choices, state: State | undefined, live: Live | undefined, plan: Plan | undefined, points: Acupoint[] = [], happened: Happening[] = [];
 let view: View = "choose", chosen: "choose" | "health" = "choose", left = "", steered = false, zonesShown = false, operateMs = 0;
-let seen = { session: "", cloud: 0, backs: 0, plans: 0, phase: "" };
+let seen = { session: "", cloud: 0, backs: 0, plans: 0, events: 0, phase: "" };
 let forces: Forces[] = [], slots: Record<string, HTMLElement> = {};
 const main = document.getElementById("main")!;
-const scene = new Scene(say("view_label"));
+const scene = new Scene(say("view_label"), say("no_picture"));
 const read = async <T>(path: string): Promise<T> => (await fetch(path)).json() as Promise<T>;
 const bytes = async (path: string): Promise<ArrayBuffer> => (await fetch(path)).arrayBuffer();
 const speak = (words: string): void => { document.getElementById("spoken")!.textContent = words; };
@@ -56,10 +57,11 @@ async function heard(now: State): Promise<void> {
   }
   if (now.operator) steered = true;
   if (now.session !== seen.session) {
-    seen = { session: now.session, cloud: 0, backs: 0, plans: 0, phase: seen.phase };
+    seen = { session: now.session, cloud: 0, backs: 0, plans: 0, events: 0, phase: seen.phase };
     scene.clear();
     plan = live = undefined;
     points = [];
+    happened = [];
     forces = [];
   }
   const next = viewOf(now);
@@ -93,6 +95,11 @@ async function fetchNew(now: State): Promise<void> {
     scene.showPaths(plan.paths);
     render();
   }
+  if (now.events > seen.events) {
+    seen.events = now.events;
+    happened = await read<Happening[]>("/api/events");
+    showHappened();
+  }
 }
 
 function answered(reply: Reply): void {
@@ -105,6 +112,9 @@ function answered(reply: Reply): void {
 }
 
 const ask = (what: string) => () => link.ask(what);
+/** Whether this page steers, or may begin to by the next thing it asks. */
+const maySteer = (): boolean => !!state && (state.operator || !state.operated);
+function steer(): void { if (!state?.operator) link.ask("operate"); }
 function stop(): void { link.ask("stop"); speak(say("stop_asked")); }
 
 function showTop(): void {
@@ -139,10 +149,13 @@ function render(): void {
   const keep = document.activeElement?.id;
   main.replaceChildren(makers[view]());
   const runs = !["idle", "ended"].includes(state.phase);
-  if (runs) main.append(element("button", { class: "stop", id: "stop", onclick: stop }, say("stop"), element("small", {}, say("stop_help"))));
+  document.getElementById("stop-bar")!.replaceChildren(...(runs
+    ? [element("span", {}, say(state.phase === "massage" && state.paused ? "paused_title" : `step_${view}`)),
+      element("button", { class: "stop", id: "stop", onclick: stop }, say("stop"), element("small", {}, say("stop_help")))] : []));
   if (keep) document.getElementById(keep)?.focus();
   showProgress();
   showLive();
+  showHappened();
 }
 
 function choose(): HTMLElement {
@@ -160,7 +173,7 @@ function choose(): HTMLElement {
       pills("person", choices.people, String(order["person"]), pick("person")),
       pills("position", choices.positions, String(order["position"]), pick("position")),
       pills("programme", choices.programmes.map((one) => one.name), String(order["programme"]), pick("programme"),
-        (name) => [element("b", {}, say(name)), element("small", {}, choices.programmes.find((one) => one.name === name)!.description)]),
+        (name) => [element("b", {}, say(name)), element("small", {}, sayOr(`about_${name}`, choices.programmes.find((one) => one.name === name)!.description))]),
       pills("intensity", ["1", "2", "3", "4", "5"], String(order["intensity"]), pick("intensity"), (value) => [`${value} · ${say(`intensity_${value}`)}`]),
       element("div", {}, element("label", { class: "over", for: "seed" }, say("seed")), seed, element("p", { class: "note", id: "seed_help" }, say("seed_help")))),
     element("button", { class: "go", id: "next", onclick: () => { chosen = view = "health"; render(); main.focus(); } }, say("on"))),
@@ -168,8 +181,8 @@ function choose(): HTMLElement {
 }
 
 function health(): HTMLElement {
-  const go = element("button", { class: "go", id: "scan", onclick: () => link.ask("start", { ...order, answers }) }, say("scan_now"));
-  const whole = (): void => { go.disabled = !state?.operator || !order["answered_by"] || choices.questions.some((one) => !answers[one.key]); };
+  const go = element("button", { class: "go", id: "scan", onclick: () => { steer(); link.ask("start", { ...order, answers }); } }, say("scan_now"));
+  const whole = (): void => { go.disabled = !maySteer() || !order["answered_by"] || choices.questions.some((one) => !answers[one.key]); };
   const name = element("input", { id: "answered_by", maxlength: "40", autocomplete: "off", value: String(order["answered_by"]) });
   name.oninput = () => { order["answered_by"] = name.value; whole(); };
   whole();
@@ -178,7 +191,7 @@ function health(): HTMLElement {
       pills(`a_${one.key}`, ["no", "yes", "unknown"], answers[one.key] ?? "", (value) => { answers[one.key] = value; whole(); }, undefined, say(`q_${one.key}`)))),
     element("div", { class: "row" }, element("label", { for: "answered_by" }, say("answered_by")), name),
     element("div", { class: "row" }, element("button", { onclick: () => { chosen = view = "choose"; render(); } }, say("back")), go,
-      state?.operator ? "" : element("span", { class: "note" }, say("not_you"))), element("p", { id: "refusal", class: "note", role: "alert" }));
+      maySteer() ? "" : element("span", { class: "note" }, say("not_you"))), element("p", { id: "refusal", class: "note", role: "alert" }));
 }
 
 function stage(...over: (HTMLElement | string)[]): HTMLElement {
@@ -193,10 +206,11 @@ function scan(): HTMLElement {
 }
 
 function review(): HTMLElement {
-  const hold = element("button", { class: "go hold", id: "arm", disabled: !state?.operator }, element("span", {}, say("arm")));
+  const hold = element("button", { class: "go hold", id: "arm", disabled: !maySteer() }, element("span", {}, say("arm")));
   let timer = 0;
   const down = (): void => {
     if (timer || hold.disabled) return;
+    steer();
     link.ask("hold");
     hold.classList.add("down");
     hold.firstElementChild!.textContent = say("arming");
@@ -211,13 +225,13 @@ function review(): HTMLElement {
   const picture = stage(zones);
   picture.append(element("div", { class: "legend" }, ...(zonesShown
     ? choices.zones.map((zone, i) => dot(zoneColours[i]!, `${say(zone.name)} ${zone.cap_n} N`))
-    : Object.entries(techniqueColours).filter(([name]) => plan?.paths.some((path) => path.technique === name)).map(([name, colour]) => dot(colour, name)))));
+    : Object.entries(techniqueColours).filter(([name]) => plan?.paths.some((path) => path.technique === name)).map(([name, colour]) => dot(colour, say(name))))));
   return element("div", { class: "split" }, picture, element("div", { class: "side" }, element("h1", {}, say("review_title")), hold,
-    state?.operator ? "" : element("p", { class: "note" }, say("not_you")), element("p", { id: "refusal", class: "note", role: "alert" }),
+    maySteer() ? "" : element("p", { class: "note" }, say("not_you")), element("p", { id: "refusal", class: "note", role: "alert" }),
     element("div", { class: "card" }, element("h2", {}, say("acupoints")), element("div", { class: "scroll", tabindex: "0" },
       table(points.map((point) => [point.name, `${say("uncertainty")} ${point.uncertainty_mm.toFixed(0)} mm`])))),
     element("div", { class: "card" }, element("h2", {}, `${say("paths")} · ${Math.round(plan?.duration_s ?? 0)} s`), element("div", { class: "scroll", tabindex: "0" },
-      table((plan?.paths ?? []).map((path) => [path.name, say(path.arm), say(path.zone), `${path.ordered_n.toFixed(0)} N`])))),
+      table((plan?.paths ?? []).map((path) => [sayPath(path.name), say(path.arm), say(path.zone), `${path.ordered_n.toFixed(0)} N`])))),
     element("div", { class: "card" }, element("h2", {}, say("notes")), ...(plan?.notes ?? []).map((note) => element("p", { class: "note" }, note)))));
 }
 
@@ -231,6 +245,8 @@ function massage(): HTMLElement {
   const paused = state!.paused, steers = state!.operator;
   slots["when"] = element("span", { class: "note" });
   slots["next"] = element("div", {});
+  slots["happened"] = element("div", { class: "scroll log", tabindex: "0" });
+  slots["softest"] = element("div", { class: "legend" }, dot("#2f9e8f", say("soft")), dot("#8b1e5b", say("stiff")));
   slots["bar"] = element("i", {});
   const arms = [0, 1].map((arm) => {
     const now = (slots[`force${arm}`] = element("b", {}, "0.0 N")), what = (slots[`what${arm}`] = element("span", {}));
@@ -240,11 +256,14 @@ function massage(): HTMLElement {
   forces = [0, 1].map((arm) => { const kept = forces[arm]; const plot = new Forces(slots[`plot${arm}`]!, arm); if (kept) plot.take(kept); return plot; });
   const key = (what: string): HTMLElement => element("button", { id: what, onclick: ask(what), disabled: !steers }, say(what));
   const title = state!.phase === "report" ? "writing" : paused ? "paused_title" : "massage_title";
-  return element("div", { class: "split" }, stage(element("h1", {}, say(title)), slots["when"]),
+  const picture = stage(element("h1", {}, say(title)), slots["when"]);
+  picture.append(slots["softest"]);
+  return element("div", { class: "split" }, picture,
     element("div", { class: "side" }, element("div", { class: "bar" }, slots["bar"]),
       element("div", { class: "keys" }, ...[paused ? "resume" : "pause", "softer", "firmer", "skip", "repeat"].map(key)),
       element("p", { class: "note" }, steers ? say("keys") : say("not_you")), element("p", { id: "refusal", class: "note", role: "alert" }),
-      ...arms, element("div", { class: "card" }, element("h2", {}, say("next")), slots["next"])));
+      ...arms, element("div", { class: "card" }, element("h2", {}, say("next")), slots["next"]),
+      element("div", { class: "card" }, element("h2", {}, say("happened")), slots["happened"])));
 }
 
 function report(): HTMLElement {
@@ -252,7 +271,7 @@ function report(): HTMLElement {
   const at = `/sessions/${state!.session}/report.html`;
   return element("div", { class: "narrow" }, element("h1", {}, say(`ended_${state!.outcome}`)),
     element("div", { class: "row" }, element("button", { class: "go", id: "another", onclick: () => { left = state!.session; chosen = view = "choose"; render(); } }, say("another")),
-      made ? element("a", { href: at, target: "_blank" }, say("open_report")) : ""),
+      made ? element("a", { class: "button", href: at, target: "_blank" }, say("open_report")) : ""),
     made ? element("iframe", { src: at, title: say("report"), sandbox: "" }) : "",
     element("details", made ? {} : { open: "" }, element("summary", {}, say("details")), element("pre", {}, state!.words)));
 }
@@ -267,19 +286,44 @@ function showProgress(): void {
 function showLive(): void {
   if (!live) return;
   live.arms.forEach((arm, i) => {
-    scene.moveTool(i, arm.tool);
+    scene.moveArm(i, arm.links);
     const path = plan?.paths[arm.path];
     if (slots[`force${i}`]) slots[`force${i}`]!.textContent = `${Math.max(0, arm.felt_n).toFixed(1)} N`;
-    if (slots[`what${i}`]) slots[`what${i}`]!.textContent = `${path ? `${path.name} · ` : ""}${say(arm.phase === "stopped" ? "stopped_arm" : arm.phase)}`;
+    if (slots[`what${i}`]) slots[`what${i}`]!.textContent = `${path ? `${sayPath(path.name)} · ` : ""}${say(arm.phase === "stopped" ? "stopped_arm" : arm.phase)}`;
     forces[i]?.add(live!.forces.map((row) => row[0]!), live!.forces.map((row) => row[1 + 2 * i]!), live!.forces.map((row) => row[2 + 2 * i]!));
   });
   live.forces = [];
   if (!plan) return;
   const step = Math.max(...live.arms.map((arm) => plan!.paths[arm.path]?.step ?? -1));
   const next = plan.paths.filter((path) => path.step > step).slice(0, 4);
-  slots["next"]?.replaceChildren(table(next.map((path) => [path.name, say(path.arm), `${path.ordered_n.toFixed(0)} N`])));
+  slots["next"]?.replaceChildren(table(next.map((path) => [sayPath(path.name), say(path.arm), `${path.ordered_n.toFixed(0)} N`])));
   const rest = Math.max(0, Math.round(plan.duration_s - live.time_s));
   if (slots["when"]) slots["when"].textContent = `${live.performed}/${plan.paths.length} ${say("done_paths")} · ${say("remaining")} ${Math.floor(rest / 60)}:${String(rest % 60).padStart(2, "0")} ${say("remaining_end")}`;
+}
+
+/** From soft (0) to stiff (1), on a scale of ratios: backs are felt from 0.3 to 5 N/mm. */
+function stiffnessShare(stiffness_n_per_mm: number): number {
+  return Math.min(1, Math.max(0, Math.log(stiffness_n_per_mm / 0.3) / Math.log(5 / 0.3)));
+}
+
+function wordsOf(one: Happening): string {
+  const path = sayPath(plan?.paths[one.path]?.name ?? "");
+  switch (one.what) {
+    case "ended": return `${path}: ${one.whole ? say("served") : say("cut_short")}${one.stiffness_n_per_mm ? ` · ${one.stiffness_n_per_mm.toFixed(2)} N/mm` : ""}`;
+    case "decision": return `${path}: ${one.from_n.toFixed(0)} → ${one.to_n.toFixed(0)} N, ${one.reason}`;
+    case "command": return say(one.name);
+    case "stop": return one.reason;
+  }
+}
+
+function showHappened(): void {
+  scene.showFelt(happened.flatMap((one) => {
+    const at = one.stiffness_n_per_mm && plan?.paths[one.path]?.places[0];
+    return at ? [{ at, stiffness: stiffnessShare(one.stiffness_n_per_mm!) }] : [];
+  }));
+  const list = happened.slice(-40).reverse().map((one) => [`${one.time_s.toFixed(0)} s`, wordsOf(one)]);
+  slots["happened"]?.replaceChildren(list.length ? table(list) : element("p", { class: "note" }, say("nothing_yet")));
+  if (slots["softest"]) slots["softest"].hidden = !happened.some((one) => one.stiffness_n_per_mm);
 }
 
 addEventListener("keydown", (event) => {

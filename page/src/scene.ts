@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import * as three from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+import { element } from "./element";
 
 export interface Acupoint { name: string; at: [number, number, number]; normal: [number, number, number]; uncertainty_mm: number }
 export interface Path { name: string; technique: string; arm: string; step: number; start_s: number; duration_s: number; zone: string; ordered_n: number; places: [number, number, number][] }
@@ -11,76 +12,162 @@ export const techniqueColours: Record<string, string> =
 export const zoneColours = ["#7fb59a", "#d8b45a", "#cf9a6a", "#c98b80", "#c98b80", "#c47a8e", "#b06ad0", "#d04a4a", "#777777", "#8a8f98", "#d04a4a"];
 const skin = new three.Color("#d9b39b");
 
+/** Something to draw with, with a graphics card or without one; nothing where a browser draws no 3D at all. */
+function makeRenderer(): three.WebGLRenderer | undefined {
+  try {
+    return new three.WebGLRenderer({ alpha: true });
+  } catch {
+    return undefined;
+  }
+}
+
+/** A picture that was drawn before, with its depth, so that what is drawn next may stand behind it. */
+function keptPicture(kept: three.WebGLRenderTarget): three.Mesh {
+  const material = new three.ShaderMaterial({
+    uniforms: { colour: { value: kept.texture }, depth: { value: kept.depthTexture } },
+    vertexShader: "varying vec2 at; void main() { at = uv; gl_Position = vec4(position.xy, 0.0, 1.0); }",
+    fragmentShader: `uniform sampler2D colour; uniform sampler2D depth; varying vec2 at;
+      void main() { gl_FragColor = texture2D(colour, at); gl_FragDepth = texture2D(depth, at).r;
+      #include <colorspace_fragment>
+      }`,
+    depthFunc: three.AlwaysDepth,
+  });
+  const sheet = new three.Mesh(new three.PlaneGeometry(2, 2), material);
+  sheet.frustumCulled = false;
+  sheet.renderOrder = -1;
+  return sheet;
+}
+
+/** An arm as capsules between its joints, and the ball that it massages with. */
+class ArmShape {
+  readonly group = new three.Group();
+  private readonly balls: three.Mesh[] = [];
+  private readonly tubes: three.Mesh[] = [];
+  private readonly shell = new three.MeshLambertMaterial({ color: "#c9ced6", transparent: true, opacity: 0.5 });
+  private readonly tip: three.Material;
+
+  constructor(colour: string) {
+    this.tip = new three.MeshLambertMaterial({ color: colour });
+    const ball = new three.SphereGeometry(1, 16, 12), tube = new three.CylinderGeometry(1, 1, 1, 16, 1, true);
+    for (let i = 0; i < 8; ++i) {
+      this.balls.push(new three.Mesh(ball, this.shell));
+      this.tubes.push(new three.Mesh(tube, this.shell));
+    }
+    this.group.add(...this.balls, ...this.tubes);
+    this.group.visible = false;
+  }
+
+  /** Joints from shoulder to tool: place, and radius of the link that begins there; m. */
+  move(links: [number, number, number, number][]): void {
+    this.group.visible = links.length > 0;
+    this.balls.forEach((ball, i) => {
+      const link = links[i];
+      ball.visible = !!link;
+      if (!link) return;
+      ball.position.set(link[0], link[1], link[2]);
+      ball.scale.setScalar(link[3]);
+      ball.material = i === links.length - 1 ? this.tip : this.shell;
+    });
+    this.tubes.forEach((tube, i) => {
+      const from = links[i], to = links[i + 1];
+      tube.visible = !!from && !!to;
+      if (!from || !to) return;
+      const begin = new three.Vector3(from[0], from[1], from[2]), along = new three.Vector3(to[0], to[1], to[2]).sub(begin);
+      const length = along.length();
+      tube.visible = length > 1e-4;
+      tube.position.copy(begin).addScaledVector(along, 0.5);
+      tube.scale.set(from[3], length, from[3]);
+      tube.quaternion.setFromUnitVectors(new three.Vector3(0, 1, 0), along.normalize());
+      tube.material = i === links.length - 2 ? this.tip : this.shell;
+    });
+  }
+}
+
 function toFloat(place: [number, number, number]): three.Vector3 { return new three.Vector3(...place); }
 
-/** The back, what is planned on it, and the two tools. It draws only when something has changed. */
+const wantedFrameMs = 40, fewestPixels = 0.5;
+
+/**
+ * The back, what is planned on it, and both arms. What stands still is drawn once and kept as a picture with depth; the
+ * arms are drawn into it. Where a frame takes long it has fewer pixels: without a graphics card the machine's time
+ * belongs to what is asked and heard.
+ */
 export class Scene {
-  readonly canvas: HTMLCanvasElement;
-  private readonly renderer: three.WebGLRenderer;
-  private readonly scene = new three.Scene();
+  /** The picture, or the words that stand where a browser cannot draw one. */
+  readonly canvas: HTMLElement;
+  private readonly renderer = makeRenderer();
+  private readonly still = new three.Scene();
+  private readonly moving = new three.Scene();
+  private readonly kept = new three.WebGLRenderTarget(1, 1, { samples: 4, type: three.HalfFloatType, depthTexture: new three.DepthTexture(1, 1) });
   private readonly camera = new three.PerspectiveCamera(32, 1, 0.05, 10);
   private readonly controls: OrbitControls;
   private cloud?: three.Points;
   private back?: three.Mesh;
   private marks = new three.Group();
   private paths = new three.Group();
-  private tools: three.Group[] = [];
+  private arms: ArmShape[] = [];
+  private felt = new three.Group();
   private zones?: Uint8Array;
   private showsZones = false;
+  /** The still part has changed, or only the arms have. */
   private due = true;
+  private moved = true;
   private restUntilMs = 0;
+  /** Pixels of the picture for one of the screen, along one side. */
+  private ratio = Math.min(devicePixelRatio, 2);
 
-  constructor(label: string) {
-    this.renderer = new three.WebGLRenderer({ antialias: true, alpha: true });
-    this.canvas = this.renderer.domElement;
+  constructor(label: string, noPicture: string) {
+    this.canvas = this.renderer?.domElement ?? element("p", { class: "no-picture" }, noPicture);
     this.canvas.tabIndex = 0;
     this.canvas.setAttribute("role", "img");
     this.canvas.setAttribute("aria-label", label);
     this.camera.up.set(0, 0, 1);
     this.controls = new OrbitControls(this.camera, this.canvas);
     this.controls.addEventListener("change", () => (this.due = true));
-    const key = new three.DirectionalLight("#fff6ea", 2.1);
-    key.position.set(0.7, 1.6, 1.6);
-    const rim = new three.DirectionalLight("#cfe0ff", 0.8);
-    rim.position.set(-1.6, 0.9, 0.4);
-    this.scene.add(new three.HemisphereLight("#ffffff", "#8d7f78", 0.9), key, rim, this.marks, this.paths);
-    for (const colour of armColours) this.tools.push(this.tool(colour));
+    for (const scene of [this.still, this.moving]) {
+      const key = new three.DirectionalLight("#fff6ea", 2.1);
+      key.position.set(0.7, 1.6, 1.6);
+      const rim = new three.DirectionalLight("#cfe0ff", 0.8);
+      rim.position.set(-1.6, 0.9, 0.4);
+      scene.add(new three.HemisphereLight("#ffffff", "#8d7f78", 0.9), key, rim);
+    }
+    this.still.add(this.marks, this.paths, this.felt);
+    this.arms = armColours.map((colour) => new ArmShape(colour));
+    this.moving.add(keptPicture(this.kept), ...this.arms.map((arm) => arm.group));
     this.frame(new three.Box3(new three.Vector3(-0.25, -0.1, 0.1), new three.Vector3(0.25, 0.1, 0.7)), new three.Vector3(0, 1, 0.1));
-    const draw = (): void => {
-      requestAnimationFrame(draw);
-      this.controls.update();
-      const began = performance.now();
-      if (began < this.restUntilMs || !(this.fit() || this.due)) return;
-      this.due = false;
-      this.renderer.render(this.scene, this.camera);
-      // Reading one pixel waits until the picture is drawn, so that the time tells what it took.
-      const gl = this.renderer.getContext();
-      gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
-      // A slow machine has half of its time for what is asked and heard.
-      this.restUntilMs = 2 * performance.now() - began;
-    };
-    draw();
+    if (this.renderer) this.draw(this.renderer);
   }
 
-  private tool(colour: string): three.Group {
-    const tool = new three.Group();
-    const material = new three.MeshLambertMaterial({ color: colour });
-    const ball = new three.Mesh(new three.SphereGeometry(0.014, 24, 16), material);
-    ball.position.y = 0.014;
-    const shaft = new three.Mesh(new three.CylinderGeometry(0.008, 0.011, 0.11, 20), material);
-    shaft.position.y = 0.08;
-    tool.add(ball, shaft);
-    tool.visible = false;
-    this.scene.add(tool);
-    return tool;
+  private draw(renderer: three.WebGLRenderer): void {
+    requestAnimationFrame(() => this.draw(renderer));
+    this.controls.update();
+    const began = performance.now();
+    if (began < this.restUntilMs) return;
+    if (this.fit(renderer)) this.due = true;
+    if (!this.due && !this.moved) return;
+    const whole = this.due;
+    if (whole) {
+      renderer.setRenderTarget(this.kept);
+      renderer.render(this.still, this.camera);
+      renderer.setRenderTarget(null);
+    }
+    renderer.render(this.moving, this.camera);
+    this.due = this.moved = false;
+    // Reading one pixel waits until the picture is drawn, so that the time tells what it took.
+    const gl = renderer.getContext();
+    gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
+    const took = performance.now() - began;
+    this.restUntilMs = began + 2 * took;
+    if (!whole && took > 2 * wantedFrameMs) this.ratio = Math.max(fewestPixels, this.ratio / 1.4);
   }
 
-  private fit(): boolean {
+  private fit(renderer: three.WebGLRenderer): boolean {
     const { clientWidth: width, clientHeight: height } = this.canvas.parentElement ?? this.canvas;
-    const ratio = Math.min(devicePixelRatio, 2);
-    if (width === 0 || (this.canvas.width === Math.floor(width * ratio) && this.canvas.height === Math.floor(height * ratio))) return false;
-    this.renderer.setPixelRatio(ratio);
-    this.renderer.setSize(width, height);
+    const drawn = renderer.domElement;
+    if (width === 0 || (drawn.width === Math.floor(width * this.ratio) && drawn.height === Math.floor(height * this.ratio))) return false;
+    renderer.setPixelRatio(this.ratio);
+    renderer.setSize(width, height);
+    this.kept.setSize(drawn.width, drawn.height);
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
     return true;
@@ -97,20 +184,19 @@ export class Scene {
   }
 
   clear(): void {
-    for (const part of [this.cloud, this.back]) if (part) this.scene.remove(part);
+    for (const part of [this.cloud, this.back]) if (part) this.still.remove(part);
     this.cloud = this.back = undefined;
-    this.marks.clear();
-    this.paths.clear();
-    for (const tool of this.tools) tool.visible = false;
+    for (const group of [this.marks, this.paths, this.felt]) group.clear();
+    for (const arm of this.arms) arm.group.visible = false;
     this.due = true;
   }
 
   showCloud(places: Float32Array): void {
-    if (this.cloud) this.scene.remove(this.cloud);
+    if (this.cloud) this.still.remove(this.cloud);
     const geometry = new three.BufferGeometry();
     geometry.setAttribute("position", new three.BufferAttribute(places, 3));
     this.cloud = new three.Points(geometry, new three.PointsMaterial({ color: "#d8493f", size: 0.0035 }));
-    this.scene.add(this.cloud);
+    this.still.add(this.cloud);
     if (places.length > 300) {
       geometry.computeBoundingBox();
       this.frame(geometry.boundingBox!, new three.Vector3(0, 1, 0.15));
@@ -129,10 +215,10 @@ export class Scene {
     geometry.setAttribute("normal", new three.BufferAttribute(normals, 3));
     geometry.setAttribute("color", new three.BufferAttribute(new Float32Array(3 * count), 3));
     geometry.setIndex(new three.BufferAttribute(corners, 1));
-    if (this.cloud) this.scene.remove(this.cloud);
-    if (this.back) this.scene.remove(this.back);
+    if (this.cloud) this.still.remove(this.cloud);
+    if (this.back) this.still.remove(this.back);
     this.back = new three.Mesh(geometry, new three.MeshLambertMaterial({ vertexColors: true, side: three.DoubleSide }));
-    this.scene.add(this.back);
+    this.still.add(this.back);
     this.colour(this.showsZones);
     geometry.computeBoundingBox();
     const mean = new three.Vector3();
@@ -157,7 +243,7 @@ export class Scene {
     this.marks.clear();
     for (const point of points) {
       const normal = toFloat(point.normal), at = toFloat(point.at).addScaledVector(normal, 0.004);
-      const dot = new three.Mesh(new three.SphereGeometry(0.0045, 16, 12), new three.MeshBasicMaterial({ color: "#7a1712" }));
+      const dot = new three.Mesh(new three.SphereGeometry(0.0045, 10, 8), new three.MeshBasicMaterial({ color: "#7a1712" }));
       dot.position.copy(at);
       const radius = point.uncertainty_mm / 1000;
       const ring = new three.Mesh(new three.RingGeometry(radius - 0.0012, radius, 48),
@@ -172,26 +258,42 @@ export class Scene {
   showPaths(paths: Path[]): void {
     this.paths.clear();
     for (const path of paths) {
+      const colour = techniqueColours[path.technique] ?? "#333333";
       const places = path.places.map(toFloat);
-      if (places.length < 2 || places[0]!.distanceTo(places[places.length >> 1]!) < 0.002) continue;
-      const line = new three.Mesh(new three.TubeGeometry(new three.CatmullRomCurve3(places), 80, 0.002, 6),
-        new three.MeshBasicMaterial({ color: techniqueColours[path.technique] ?? "#333333", depthTest: false }));
-      line.renderOrder = 1;
-      this.paths.add(line);
+      const apart = places.filter((place, i) => i === 0 || place.distanceTo(places[i - 1]!) > 0.001);
+      const material = new three.MeshBasicMaterial({ color: colour, depthTest: false });
+      if (apart.length < 3) {
+        const spot = new three.Mesh(new three.SphereGeometry(0.006, 12, 8), material);
+        spot.position.copy(places[0]!);
+        this.paths.add(spot);
+      } else {
+        this.paths.add(new three.Mesh(new three.TubeGeometry(new three.CatmullRomCurve3(apart), 60, 0.002, 5), material));
+      }
+    }
+    for (const shape of this.paths.children) shape.renderOrder = 1;
+    this.due = true;
+  }
+
+  /** A ring for each place that was felt, from soft (0) to stiff (1). */
+  showFelt(places: { at: [number, number, number]; stiffness: number }[]): void {
+    this.felt.clear();
+    for (const place of places) {
+      const colour = new three.Color("#2f9e8f").lerp(new three.Color("#8b1e5b"), place.stiffness);
+      const ring = new three.Mesh(new three.TorusGeometry(0.013, 0.004, 8, 28), new three.MeshBasicMaterial({ color: colour, depthTest: false }));
+      const at = toFloat(place.at);
+      ring.position.copy(at);
+      ring.quaternion.setFromUnitVectors(new three.Vector3(0, 0, 1), this.normalNear(at));
+      ring.renderOrder = 2;
+      this.felt.add(ring);
     }
     this.due = true;
   }
 
-  moveTool(arm: number, place: [number, number, number]): void {
-    const tool = this.tools[arm]!;
-    tool.visible = true;
-    tool.position.set(...place);
-    const up = this.normalNear(tool.position);
-    tool.quaternion.setFromUnitVectors(new three.Vector3(0, 1, 0), up);
-    this.due = true;
+  moveArm(arm: number, links: [number, number, number, number][]): void {
+    this.arms[arm]!.move(links);
+    this.moved = true;
   }
 
-  // The tool stands along the skin's normal below it.
   private normalNear(place: three.Vector3): three.Vector3 {
     const places = this.back?.geometry.getAttribute("position"), normals = this.back?.geometry.getAttribute("normal");
     if (!places || !normals) return new three.Vector3(0, 1, 0);

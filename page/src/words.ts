@@ -13,6 +13,18 @@ export function say(word: string): string {
   return words[word] ?? word;
 }
 
+/** The words of a key that only some languages need; the others have them from elsewhere. */
+export function sayOr(word: string, otherwise: string): string {
+  const words: Record<string, string> = languages[language];
+  return words[word] ?? otherwise;
+}
+
+/** A path's name in the language chosen: its technique, then places. */
+export function sayPath(name: string): string {
+  const [technique, ...places] = name.split(" ");
+  return [say(technique!), ...places].join(" ");
+}
+
 export function applyLanguage(): void {
   document.documentElement.lang = language;
 }

@@ -12,7 +12,7 @@ html{-webkit-text-size-adjust:100%}
 body{margin:0;background:var(--paper);color:var(--ink);font:16px/1.6 Inter,system-ui,-apple-system,"Segoe UI",Roboto,Helvetica,Arial,sans-serif;font-variant-numeric:tabular-nums}
 main{max-width:1120px;margin:0 auto;padding:56px 40px 40px}
 h1,h2{font-family:"Iowan Old Style","Palatino Linotype",Palatino,"URW Palladio L","P052","Book Antiqua",Georgia,serif;font-weight:600;letter-spacing:-.01em;line-height:1.2;text-wrap:balance}
-h1{font-size:44px;margin:6px 0 10px}
+h1{font-size:44px;margin:6px 0 10px;overflow-wrap:anywhere}
 h2{font-size:27px;margin:0 0 6px}
 h3{font-size:15px;font-weight:650;margin:26px 0 4px}
 p{margin:0 0 12px;max-width:46em}
