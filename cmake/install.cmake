@@ -17,6 +17,8 @@ install(TARGETS ${targets} EXPORT tuina ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBD
 install(DIRECTORY tuina/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/tuina COMPONENT dev FILES_MATCHING PATTERN "*.hpp")
 install(EXPORT tuina NAMESPACE tuina:: FILE tuinaTargets.cmake ${in_cmake})
 install(DIRECTORY models config DESTINATION ${CMAKE_INSTALL_DATADIR}/tuina COMPONENT tuina)
+# The live page, where `./run package` could build it.
+install(DIRECTORY ${PROJECT_BINARY_DIR}/page DESTINATION ${CMAKE_INSTALL_DATADIR}/tuina COMPONENT tuina OPTIONAL)
 install(TARGETS tuina_app tuina_evaluate DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT tuina)
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/tuina RENAME copyright COMPONENT tuina)
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/libtuina-dev RENAME copyright COMPONENT dev)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/serve/live_view.hpp"
 
+#include <chrono>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -78,7 +79,11 @@ void LiveView::keep_events(const session::Tick& tick) {
     event["time_s"] = time_s;
     events_.push_back(event.dump());
   };
-  if (tick.commanded) keep({{"what", "command"}, {"name", name_of(*tick.commanded)}});
+  if (tick.commanded) {
+    const std::chrono::duration<double> clock_s =
+        std::chrono::steady_clock::now().time_since_epoch();
+    keep({{"what", "command"}, {"name", name_of(*tick.commanded)}, {"clock_s", clock_s.count()}});
+  }
   if (tick.decided) {
     keep({{"what", "decision"},
           {"path", tick.decided->path},

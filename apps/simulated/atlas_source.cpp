@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/simulated/atlas_source.hpp"
 
+#include "apps/cli/installed.hpp"
 #include "apps/simulated/scanned_people.hpp"
 
 namespace tuina::app {
@@ -8,10 +9,7 @@ namespace tuina::app {
 namespace fs = std::filesystem;
 
 fs::path default_atlas_path() {
-  std::error_code fault;
-  const fs::path program = fs::read_symlink("/proc/self/exe", fault);
-  const fs::path installed = program.parent_path().parent_path() / "share/tuina/models/atlas.tuina";
-  return fs::exists(installed, fault) ? installed : fs::path(TUINA_MODELS) / "atlas.tuina";
+  return installed_or("models/atlas.tuina", fs::path(TUINA_MODELS) / "atlas.tuina");
 }
 
 Result<std::vector<body::LabelledBody>> read_labelled(const std::vector<std::string>& places) {

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "apps/cli/installed.hpp"
 #include "apps/serve/live_site.hpp"
 #include "apps/tuina/verbs.hpp"
 
@@ -73,7 +74,7 @@ class Serve final : public Verb {
   std::string pace_ = "real";
   std::string robot_ = "thesis";
   std::string out_ = "tuina-sessions";
-  std::string page_ = TUINA_PAGE;
+  std::string page_ = installed_or("page", TUINA_PAGE).string();
 };
 
 }  // namespace

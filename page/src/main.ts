@@ -128,7 +128,7 @@ function showTop(): void {
       state?.operator ? element("button", { onclick: () => { steered = false; link.ask("hand_over"); } }, say("hand_over"))
         : element("button", { onclick: ask("operate"), disabled: state?.operated }, say("take")),
       element("button", { onclick: ask("invite") }, say("invite")),
-      element("button", { onclick: () => { changeLanguage(); showTop(); render(); } }, say("language")),
+      element("button", { id: "language", onclick: () => { changeLanguage(); showTop(); render(); } }, say("language")),
       element("button", { onclick: changeTheme, "aria-label": say("theme"), title: say("theme") }, "◐")));
   document.getElementById("foot")!.textContent = state?.audit_fails ? say("unsafe_log") : say("simulated");
 }

@@ -50,29 +50,22 @@ class Server:
         return self.process.returncode
 
 
-class Page:
-    """One open page: reads all the time, keeps the newest state, and beats like the real one."""
+class Socket:
+    """A WebSocket of RFC 6455; `status` is 101 where the other side agreed."""
 
-    def __init__(self, server, cookie, beats=True, **headers):
-        self.link = socket.create_connection(("127.0.0.1", server.port), 10)
-        given = {"Host": f"127.0.0.1:{server.port}", "Origin": f"http://127.0.0.1:{server.port}",
-                 "Upgrade": "websocket", "Connection": "Upgrade", "Sec-WebSocket-Version": "13",
-                 "Sec-WebSocket-Key": base64.b64encode(os.urandom(16)).decode(), "Cookie": cookie}
+    def __init__(self, port, path, **headers):
+        self.link = socket.create_connection(("127.0.0.1", port), 10)
+        given = {"Host": f"127.0.0.1:{port}", "Upgrade": "websocket", "Connection": "Upgrade",
+                 "Sec-WebSocket-Version": "13", "Sec-WebSocket-Key": base64.b64encode(os.urandom(16)).decode()}
         given.update(headers)
         head = "".join(f"{name}: {value}\r\n" for name, value in given.items() if value is not None)
-        self.link.sendall(f"GET /live HTTP/1.1\r\n{head}\r\n".encode())
-        self.waiting = b""
+        self.link.sendall(f"GET {path} HTTP/1.1\r\n{head}\r\n".encode())
+        self.waiting, self.sending = b"", threading.Lock()
         while b"\r\n\r\n" not in self.waiting and (part := self.link.recv(4096)):
             self.waiting += part
         top, _, self.waiting = self.waiting.partition(b"\r\n\r\n")
         self.status = int(top.split()[1])
-        self.state, self.live, self.replies, self.sequence, self.open = {}, [], {}, 0, self.status == 101
-        self.read_at, self.sending = 0.0, threading.Lock()
-        if self.open:
-            threading.Thread(target=self.read, daemon=True).start()
-            self.until(lambda: self.state)
-        if self.open and beats:
-            threading.Thread(target=self.beat, daemon=True).start()
+        self.link.settimeout(None)
 
     def exactly(self, size):
         while len(self.waiting) < size:
@@ -83,17 +76,48 @@ class Page:
         taken, self.waiting = self.waiting[:size], self.waiting[size:]
         return taken
 
+    def message(self):
+        """The next text, read from JSON; other frames are passed over."""
+        while True:
+            first, size = self.exactly(2)
+            if size == 126:
+                size, = struct.unpack(">H", self.exactly(2))
+            elif size == 127:
+                size, = struct.unpack(">Q", self.exactly(8))
+            content = self.exactly(size)
+            if first & 15 == 1:
+                return json.loads(content)
+
+    def send(self, text, opcode=1):
+        content, mask = text.encode(), os.urandom(4)
+        size = len(content)
+        length = bytes([0x80 | size]) if size < 126 else \
+            b"\xfe" + struct.pack(">H", size) if size < 65536 else b"\xff" + struct.pack(">Q", size)
+        masked = bytes(byte ^ mask[i % 4] for i, byte in enumerate(content))
+        with self.sending:
+            self.link.sendall(bytes([0x80 | opcode]) + length + mask + masked)
+
+
+class Page:
+    """One open page: reads all the time, keeps the newest state, and beats like the real one."""
+
+    def __init__(self, server, cookie, beats=True, **headers):
+        origin = {"Origin": f"http://127.0.0.1:{server.port}", "Cookie": cookie}
+        self.socket = Socket(server.port, "/live", **{**origin, **headers})
+        self.status, self.link = self.socket.status, self.socket.link
+        self.cookie = cookie
+        self.state, self.live, self.replies, self.sequence, self.open = {}, [], {}, 0, self.status == 101
+        self.read_at, self.counting = 0.0, threading.Lock()
+        if self.open:
+            threading.Thread(target=self.read, daemon=True).start()
+            self.until(lambda: self.state)
+        if self.open and beats:
+            threading.Thread(target=self.beat, daemon=True).start()
+
     def read(self):
         try:
             while True:
-                first, size = self.exactly(2)
-                if size == 126:
-                    size, = struct.unpack(">H", self.exactly(2))
-                elif size == 127:
-                    size, = struct.unpack(">Q", self.exactly(8))
-                content = self.exactly(size)
-                if first & 15 == 1:
-                    self.take(json.loads(content))
+                self.take(self.socket.message())
         except OSError:
             self.open = False
 
@@ -114,20 +138,14 @@ class Page:
         return self.state["clock_s"] + time.monotonic() - self.read_at
 
     def send(self, text, opcode=1):
-        content, mask = text.encode(), os.urandom(4)
-        size = len(content)
-        length = bytes([0x80 | size]) if size < 126 else \
-            b"\xfe" + struct.pack(">H", size) if size < 65536 else b"\xff" + struct.pack(">Q", size)
-        masked = bytes(byte ^ mask[i % 4] for i, byte in enumerate(content))
         try:
-            with self.sending:
-                self.link.sendall(bytes([0x80 | opcode]) + length + mask + masked)
+            self.socket.send(text, opcode)
         except OSError:
             self.open = False
 
     def ask(self, ask, order=None, **changed):
         """Sends an ask with the next sequence number; `changed` replaces what it says of itself."""
-        with self.sending:
+        with self.counting:
             self.sequence += 1
             message = {"ask": ask, "sequence": self.sequence, "clock_s": self.clock_s()}
         if order is not None:
@@ -142,6 +160,12 @@ class Page:
         sequence = self.ask(ask, order, **changed)
         self.until(lambda: sequence in self.replies)
         return self.replies.get(sequence, {"outcome": "nothing"})["outcome"]
+
+    def invitation(self):
+        """An address that opens the page once more."""
+        sequence = self.ask("invite")
+        self.until(lambda: sequence in self.replies)
+        return self.replies[sequence]["address"]
 
     def until(self, holds, seconds=10.0):
         end = time.monotonic() + seconds

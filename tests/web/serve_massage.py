@@ -108,7 +108,6 @@ def main(binary):
         server = Server(binary, folder, "--pace", "max")
         cookie = server.enter()
         page, viewer = Page(server, cookie), Page(server, cookie)
-        page.cookie = viewer.cookie = cookie
         questions = json.loads(server.ask("/api/choices", Cookie=cookie)[2])["questions"]
         order = {"person": "phantom:slim", "position": "sitting", "programme": "relax", "intensity": 2, "seed": 3,
                  "answered_by": "a test \"of\" \\ 推拿", "answers": {question["key"]: "no" for question in questions}}

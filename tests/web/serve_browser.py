@@ -1,0 +1,175 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The live page in a real browser: one massage by keyboard alone, one by touch on a phone, in two languages, light and
+dark; each view is judged by axe-core. Prints how soon a key reached the loop that moves the arms.
+Usage: serve_browser.py TUINA PAGE_FOLDER AXE.js [PICTURES]; exit 77 where there is no browser or no page."""
+import json, os, sys, tempfile, time
+from browser import Tab, chromium
+from serve_client import Page, Server
+
+faults = []
+
+
+def expect(what, holds):
+    if not holds:
+        faults.append(what)
+
+
+class Visit:
+    """A tab that has entered, and where its pictures go."""
+
+    def __init__(self, tab, server, axe, pictures, name):
+        self.tab, self.axe, self.pictures, self.name = tab, axe, pictures, name
+        tab.call("Page.setBypassCSP", enabled=True)  # so that axe may look; the page itself runs without
+        tab.call("Page.navigate", url=server.invite())
+        expect(f"{name}: the page opens", tab.until("!!document.querySelector('#next, #another')"))
+
+    def judge(self, view):
+        """Nothing that axe finds, nothing beyond the screen's side, nothing too small for a finger."""
+        tab, where = self.tab, f"{self.name}, {view}"
+        if not tab.see("typeof axe !== 'undefined'"):
+            tab.see(f"{self.axe}; true")
+        found = tab.see("""axe.run({ iframes: false }).then((all) => all.violations.map((one) =>
+            `${one.id} ${one.nodes[0].html.slice(0, 100)}`))""")
+        expect(f"{where}: axe {found}", not found)
+        expect(f"{where}: wider than the screen", tab.see("document.documentElement.scrollWidth <= innerWidth"))
+        small = tab.see("""[...document.querySelectorAll("button, a.button, .pills label, input:not([type=radio])")]
+            .filter((one) => one.offsetParent && (one.offsetWidth < 44 || one.offsetHeight < 44)).map((one) => one.outerHTML.slice(0, 80))""")
+        expect(f"{where}: too small for a finger {small}", not small)
+        if self.pictures:
+            tab.picture(f"{self.pictures}/{self.name}-{view}.png")
+
+    def ended(self):
+        expect(f"{self.name}: scripts complain {self.tab.errors}", not self.tab.errors)
+        self.tab.close()
+
+
+def events(server, watcher):
+    return json.loads(server.ask("/api/events", Cookie=watcher.cookie)[2])
+
+
+def answers_by_keys(tab):
+    """Health questions: `no` to each, a name, and on; by keys alone."""
+    questions = tab.see("[...document.querySelectorAll('.ask input[value=no]')].map((one) => one.id)")
+    for question in questions:
+        # Of a group without an answer the tabulator reaches the first, `no`.
+        expect(f"{question} is reached", tab.tab_to(f"[id='{question}']"))
+        tab.key(" ")
+    expect("name is reached", tab.tab_to("#answered_by"))
+    for letter in "Lin":
+        tab.key(letter)
+    expect("scan is reached", tab.tab_to("#scan"))
+    tab.key("Enter")
+
+
+def delays_ms(tab, watcher, server, presses):
+    """From a key to the millisecond of control that followed it, both read off this machine's steady clock."""
+    def followed():
+        return [one["clock_s"] for one in events(server, watcher) if one["what"] == "command"]
+
+    delays = []
+    for press in range(presses):
+        known, before = len(followed()), time.monotonic()
+        tab.key(" ")
+        expect(f"key {press} was followed", watcher.until(lambda: len(followed()) == known + 1, 5))
+        delays.append(1e3 * (followed()[-1] - before))
+        watcher.until(lambda: watcher.state["paused"] == (press % 2 == 0), 3)
+        tab.until(f"!!document.querySelector('#{'resume' if press % 2 == 0 else 'pause'}')", 3)
+    return sorted(delays)
+
+
+def by_keyboard(server, watcher, axe, pictures, presses):
+    tab = Tab(1600, 1000)
+    visit = Visit(tab, server, axe, pictures, "desk")
+    visit.judge("choose")
+    expect("next is reached", tab.tab_to("#next"))
+    tab.key("Enter")
+    tab.until("!!document.querySelector('#answered_by')")
+    visit.judge("health")
+    answers_by_keys(tab)
+    expect("scan begins", watcher.until(lambda: watcher.state["phase"] == "scan", 20))
+    watcher.until(lambda: watcher.state["cloud_points"] > 20000, 30)
+    visit.judge("scan")
+    expect("review", tab.until("!!document.querySelector('#arm')", 120))
+    visit.judge("review")
+    expect("arm is reached", tab.tab_to("#arm"))
+    tab.key("Enter", hold_s=1.0)
+    time.sleep(1.5)
+    expect("a short hold arms nothing", watcher.state["phase"] == "review")
+    tab.key("Enter", hold_s=2.6)
+    expect("massage", tab.until("!!document.querySelector('#softer')"))
+    for key, ask in (("-", "softer"), ("+", "firmer")):
+        tab.key(key)
+        expect(ask, watcher.until(lambda: any(line["what"] == ask for line in server.audit())))
+    expect("the loop followed", watcher.until(lambda: len(events(server, watcher)) >= 2, 5))
+    visit.judge("massage")
+    delays = delays_ms(tab, watcher, server, presses)
+    expect("nobody is paused", not watcher.state["paused"])
+    expect("a place was felt", watcher.until(
+        lambda: any("stiffness_n_per_mm" in one for one in events(server, watcher)), 60))
+    visit.judge("felt")
+    expect("control was never lost", not any("no operator" in line["outcome"] for line in server.audit()))
+    before = time.monotonic()
+    tab.key("Escape")
+    expect("stopped", watcher.until(lambda: watcher.state["phase"] in ("report", "ended"), 20))
+    print(f"Esc to the end of the massage as a page hears it: {1e3 * (time.monotonic() - before):.0f} ms")
+    expect("report", tab.until("!!document.querySelector('#another')", 60))
+    visit.judge("report")
+    visit.ended()
+    return delays
+
+
+def by_touch(server, watcher, axe, pictures):
+    tab = Tab(390, 844, touch=True, dark=True)
+    visit = Visit(tab, server, axe, pictures, "phone")
+    if tab.see("!!document.querySelector('#another')"):
+        tab.touch("#another")
+    tab.touch("#language")
+    expect("Chinese", tab.until("document.documentElement.lang === 'zh-Hant'"))
+    visit.judge("choose")
+    english = tab.see("""[...document.querySelectorAll("button, h1, legend, .pills label")].map((one) => one.textContent)
+        .filter((words) => /[a-z]{4}/.test(words) && words !== "English")""")
+    expect(f"words left in English {english}", not english)
+    tab.touch("#next")
+    for question in tab.see("[...document.querySelectorAll('.ask input[value=no]')].map((one) => one.id)"):
+        tab.touch(f"label:has([id='{question}'])")
+    tab.touch("#answered_by")
+    tab.call("Input.insertText", text="林")
+    visit.judge("health")
+    tab.touch("#scan")
+    expect("review", tab.until("!!document.querySelector('#arm')", 120))
+    visit.judge("review")
+    tab.touch("#arm", hold_s=2.6)
+    expect("massage", tab.until("!!document.querySelector('#softer')"))
+    visit.judge("massage")
+    tab.touch("#stop")
+    expect("report", tab.until("!!document.querySelector('#another')", 60))
+    visit.judge("report")
+    visit.ended()
+
+
+def main(binary, page_folder, axe_file, pictures=None):
+    for what, there in (("Chromium", chromium()), ("the built page", os.path.exists(f"{page_folder}/page.js")),
+                        ("axe-core", os.path.exists(axe_file))):
+        if not there:
+            print(f"skipped: {what} is not on this machine")
+            return 77
+    if pictures:
+        os.makedirs(pictures, exist_ok=True)
+    with open(axe_file, encoding="utf-8") as file:
+        axe = file.read()
+    with tempfile.TemporaryDirectory() as folder:
+        server = Server(binary, folder, "--page", page_folder)
+        watcher = Page(server, server.enter())
+        server.invite = lambda: watcher.invitation()
+        delays = by_keyboard(server, watcher, axe, pictures, presses=100 if pictures else 20)
+        by_touch(server, watcher, axe, pictures)
+        expect("exit", server.end() == 0)
+    print(f"key to the loop that moves the arms, {len(delays)} keys: median {delays[len(delays) // 2]:.0f} ms, "
+          f"90 of 100 {delays[int(0.9 * len(delays)) - 1]:.0f} ms, largest {delays[-1]:.0f} ms")
+    expect(f"half of the keys within 100 ms {delays}", delays[len(delays) // 2] < 100.0)
+    print("the page in a browser", *faults, sep="\n")
+    return 1 if faults else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(*sys.argv[1:]))
