@@ -47,7 +47,8 @@ Result<void> LiveSession::start(StartOrder start) {
   if (thread_.joinable()) thread_.join();
   session::LiveCommand left = {};
   while (commands_.pop(left)) continue;
-  stop_ = stop_told_ = approved_ = paused_ = false;
+  stop_ = stop_told_ = paused_ = false;
+  review_.reset();
   phase_ = LivePhase::scan;
   number_ = number;
   outcome_.clear(), words_.clear();
@@ -59,9 +60,19 @@ Result<void> LiveSession::start(StartOrder start) {
 
 Result<void> LiveSession::approve() {
   const std::lock_guard lock(mutex_);
-  if (phase_ != LivePhase::review) return fail(Fault::usage, "no plan waits to be approved");
-  approved_ = true;
-  approved_or_stopped_.notify_all();
+  if (phase_ != LivePhase::review || review_)
+    return fail(Fault::usage, "no plan waits to be approved");
+  review_ = session::Review{.answer = session::Review::Answer::go};
+  answered_.notify_all();
+  return {};
+}
+
+Result<void> LiveSession::change(session::ByHand wanted) {
+  const std::lock_guard lock(mutex_);
+  if (phase_ != LivePhase::review || review_)
+    return fail(Fault::usage, "no plan waits to be changed");
+  review_ = session::Review{.answer = session::Review::Answer::change, .wanted = std::move(wanted)};
+  answered_.notify_all();
   return {};
 }
 
@@ -77,7 +88,7 @@ Result<void> LiveSession::command(session::LiveCommand command) {
 void LiveSession::stop() {
   stop_ = true;
   const std::lock_guard lock(mutex_);
-  approved_or_stopped_.notify_all();
+  answered_.notify_all();
 }
 
 LiveSession::State LiveSession::state() const {
@@ -87,6 +98,7 @@ LiveSession::State LiveSession::state() const {
               .session = number_,
               .outcome = outcome_,
               .words = words_,
+              .reviews = reviews_,
               .progress = {}};
   if (view_) state.progress = view_->progress();
   if (phase_ == LivePhase::scan && state.progress.stage == session::Stage::map)
@@ -101,14 +113,18 @@ std::shared_ptr<LiveView> LiveSession::view() const {
   return view_;
 }
 
-bool LiveSession::wait_for_approval(const motion::ReadyPlan& plan) {
+session::Review LiveSession::wait_for_review(const motion::ReadyPlan& plan,
+                                             const std::string& refused) {
   view_->show_plan(plan);
   std::unique_lock lock(mutex_);
   phase_ = LivePhase::review;
-  approved_or_stopped_.wait(lock, [&] { return approved_ || stop_; });
-  if (stop_) return false;
-  phase_ = LivePhase::massage;
-  return true;
+  words_ = refused;
+  ++reviews_;
+  review_.reset();
+  answered_.wait(lock, [&] { return review_ || stop_; });
+  if (stop_) return {};
+  if (review_->answer == session::Review::Answer::go) phase_ = LivePhase::massage;
+  return *review_;
 }
 
 // Stop goes first, and once.
@@ -152,7 +168,8 @@ void LiveSession::run(StartOrder start, std::filesystem::path folder) {
       start.order, config, common, folder / "session.mcap",
       {.watches = view_.get(),
        .commands = [this](double) { return next_command(); },
-       .approves = [this](const motion::ReadyPlan& plan) { return wait_for_approval(plan); },
+       .reviews = [this](const motion::ReadyPlan& plan,
+                         const std::string& refused) { return wait_for_review(plan, refused); },
        .ends_scan = [this] { return stop_.load(); }});
   if (!result) return give_up(result.error());
   {

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 
@@ -41,7 +42,8 @@ class LiveSession {
     bool paused = false;
     std::string session;  ///< number of the newest session, "0001"; empty: there was none
     std::string outcome;  ///< of an ended session: done, stopped, or failed
-    std::string words;    ///< what happened, for people
+    std::string words;    ///< what happened, for people; in a review why a change was refused
+    int reviews = 0;      ///< plans that were laid before somebody
     LiveView::Progress progress;
   };
 
@@ -54,6 +56,9 @@ class LiveSession {
   [[nodiscard]] Result<void> start(StartOrder start);
   /// Refused when no plan waits for it.
   [[nodiscard]] Result<void> approve();
+  /// Another plan, with these places ruled out and these points put right; refused when no plan
+  /// waits. What comes of it stands in the next state.
+  [[nodiscard]] Result<void> change(session::ByHand wanted);
   /// Refused when no massage runs.
   [[nodiscard]] Result<void> command(session::LiveCommand command);
   /// In any phase; again and again does no harm.
@@ -65,16 +70,19 @@ class LiveSession {
 
  private:
   void run(StartOrder start, std::filesystem::path folder);
-  [[nodiscard]] bool wait_for_approval(const motion::ReadyPlan& plan);
+  [[nodiscard]] session::Review wait_for_review(const motion::ReadyPlan& plan,
+                                                const std::string& refused);
   [[nodiscard]] std::optional<session::LiveCommand> next_command() noexcept;
   void end(std::string outcome, std::string words);
   [[nodiscard]] std::string next_number() const;
 
   Options options_;
   mutable std::mutex mutex_;
-  std::condition_variable approved_or_stopped_;
+  std::condition_variable answered_;
   LivePhase phase_ = LivePhase::idle;
-  bool approved_ = false, paused_ = false;
+  std::optional<session::Review> review_;  ///< answer that the session has not taken yet
+  int reviews_ = 0;
+  bool paused_ = false;
   std::string number_, outcome_, words_;
   std::shared_ptr<LiveView> view_;
   /// Written under the mutex, read by the session.

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/serve/page_files.hpp"
+#include "apps/serve/plan_change.hpp"
 
 namespace tuina::app {
 namespace {
@@ -136,6 +137,11 @@ Result<void> LiveSite::obey(const web::Message& message) {
     return session_.start(std::move(*start));
   }
   if (message.ask == web::Ask::arm) return session_.approve();
+  if (message.ask == web::Ask::change) {
+    auto wanted = parse_plan_change(message.order);
+    if (!wanted) return tl::unexpected(wanted.error());
+    return session_.change(std::move(*wanted));
+  }
   if (const auto command = web::live_command(message.ask)) return session_.command(*command);
   return {};
 }
@@ -186,6 +192,7 @@ std::string LiveSite::state_json(web::ClientId client, const LiveSession::State&
                   {"session", state.session},
                   {"outcome", state.outcome},
                   {"words", state.words},
+                  {"reviews", state.reviews},
                   {"cloud_points", state.progress.cloud_points},
                   {"backs", state.progress.backs},
                   {"plans", state.progress.plans},

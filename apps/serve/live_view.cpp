@@ -48,7 +48,6 @@ void LiveView::on_scan(const scanner::Scan& scan) {
 
 void LiveView::on_map(const body::Mapping& map) {
   std::string back = back_bytes(scan_, map);
-  scan_ = {};
   const robot::RobotPlacement placement =
       robot::place_robot(robot_, map.position, session::head_at_plus_y(map.acupoints));
   const std::lock_guard lock(mutex_);

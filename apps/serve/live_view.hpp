@@ -55,7 +55,7 @@ class LiveView final : public session::Observer {
   mutable std::mutex mutex_;
   Progress progress_;
   std::vector<float> cloud_;
-  scanner::Scan scan_;  ///< until it is mapped
+  scanner::Scan scan_;
   std::string back_, map_, plan_;
   Transform couch_from_base_ = Transform::Identity();
   std::optional<PerArm<robot::ArmModel>> arms_;  ///< once the person's position is known

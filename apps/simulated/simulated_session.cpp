@@ -187,7 +187,7 @@ Result<SessionResult> run_simulated_session(const SessionOrder& order,
   if (!room) return tl::unexpected(room.error());
   sim::World& world = *room->world;
   room->order.commands = attendant.commands ? attendant.commands : commands_of(order);
-  room->order.approve = attendant.approves;
+  room->order.review = attendant.reviews;
 
   TruthRecorder truth(world);
   JointRecorder joints;

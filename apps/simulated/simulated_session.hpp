@@ -78,7 +78,7 @@ struct SessionResult {
 struct Attendant {
   session::Observer* watches = nullptr;  ///< told through a relay, so it may be slow
   std::function<std::optional<session::LiveCommand>(double time_s)> commands = {};
-  std::function<bool(const motion::ReadyPlan&)> approves = {};
+  std::function<session::Review(const motion::ReadyPlan&, const std::string& refused)> reviews = {};
   std::function<bool()> ends_scan = {};  ///< asked with every frame; true ends a scan
 };
 

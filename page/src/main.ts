@@ -3,7 +3,7 @@ import "./page.css";
 import { element, pills, table } from "./element";
 import { Forces } from "./forces";
 import { Link, type Live, type Reply, type State } from "./link";
-import { type Acupoint, armColours, type Path, Scene, techniqueColours, zoneColours } from "./scene";
+import { type Acupoint, armColours, type Edit, type Path, Scene, techniqueColours, zoneColours } from "./scene";
 import { applyLanguage, changeLanguage, say, sayOr, sayPath } from "./words";
 
 interface Choices { people: string[]; positions: string[]; programmes: { name: string; description: string }[]; questions: { key: string }[]; zones: { name: string; cap_n: number }[]; max_seed: number }
@@ -18,6 +18,9 @@ const answers: Record<string, string> = {};
 let choices: Choices, state: State | undefined, live: Live | undefined, plan: Plan | undefined, points: Acupoint[] = [], happened: Happening[] = [];
 let view: View = "choose", chosen: "choose" | "health" = "choose", left = "", steered = false, zonesShown = false, operateMs = 0;
 let seen = { session: "", cloud: 0, backs: 0, plans: 0, events: 0, phase: "" };
+let wanted: { no_go: { name: string; corners: [number, number, number][] }[]; fixed: { name: string; at: [number, number, number] }[] } = { no_go: [], fixed: [] };
+let kept = wanted;
+let editing: Edit = "turn", reviewsBefore = -1;
 let forces: Forces[] = [], slots: Record<string, HTMLElement> = {};
 const main = document.getElementById("main")!;
 const scene = new Scene(say("view_label"), say("no_picture"));
@@ -62,6 +65,9 @@ async function heard(now: State): Promise<void> {
     plan = live = undefined;
     points = [];
     happened = [];
+    wanted = { no_go: [], fixed: [] };
+    editing = "turn";
+    reviewsBefore = -1;
     forces = [];
   }
   const next = viewOf(now);
@@ -74,6 +80,15 @@ async function heard(now: State): Promise<void> {
   if (before?.operator !== now.operator || before?.operated !== now.operated) { showTop(); if (view !== "choose" && view !== "health") render(); }
   if (before?.paused !== now.paused) { render(); if (view === "massage") speak(say(now.paused ? "paused_title" : "massage_title")); }
   showProgress();
+  if (view === "review") {
+    if (before?.reviews !== now.reviews && now.reviews > reviewsBefore && now.words) {
+      // What could not be done is taken back, so that the next change does not ask for it again.
+      wanted = structuredClone(kept);
+      scene.showRuledOut(wanted.no_go.map((area) => area.corners));
+      scene.showAcupoints(points);
+    } else if (now.reviews > reviewsBefore) kept = structuredClone(wanted);
+    showPlanning();
+  }
   await fetchNew(now);
 }
 
@@ -116,6 +131,37 @@ const ask = (what: string) => () => link.ask(what);
 const maySteer = (): boolean => !!state && (state.operator || !state.operated);
 function steer(): void { if (!state?.operator) link.ask("operate"); }
 function stop(): void { link.ask("stop"); speak(say("stop_asked")); }
+
+/** Asks for another plan, with what is ruled out and what was moved. */
+function change(): void {
+  steer();
+  reviewsBefore = state!.reviews;
+  scene.showRuledOut(wanted.no_go.map((area) => area.corners));
+  link.ask("change", wanted);
+  showPlanning();
+}
+scene.onMoved = (name, at) => { wanted.fixed = [...wanted.fixed.filter((one) => one.name !== name), { name, at }]; change(); };
+scene.onRuledOut = (corners) => { wanted.no_go.push({ name: `area ${wanted.no_go.length + 1}`, corners }); change(); };
+
+/** A circle on the skin around an acupoint, for hands that do not draw. */
+function ruleOutAround(point: Acupoint): void {
+  const [x, y, z] = point.normal, long = Math.abs(z) < 0.9 ? [0, 0, 1] : [0, 1, 0];
+  const cross = (a: number[], b: number[]): number[] => [a[1]! * b[2]! - a[2]! * b[1]!, a[2]! * b[0]! - a[0]! * b[2]!, a[0]! * b[1]! - a[1]! * b[0]!];
+  const unit = (a: number[]): number[] => a.map((one) => one / Math.hypot(...a));
+  const right = unit(cross(long, [x, y, z])), up = cross([x, y, z], right), radius = 0.03;
+  const corners = Array.from({ length: 16 }, (_, i) => { const turn = (i * Math.PI) / 8; return point.at.map((at, axis) =>
+    at + radius * (Math.cos(turn) * right[axis]! + Math.sin(turn) * up[axis]!)) as [number, number, number]; });
+  wanted.no_go.push({ name: point.name, corners });
+  change();
+}
+
+/** While another plan is made nothing can be armed; what could not be done is said. */
+function showPlanning(): void {
+  const planning = state!.reviews === reviewsBefore;
+  const arm = document.getElementById("arm") as HTMLButtonElement | null, place = document.getElementById("refusal");
+  if (arm) arm.disabled = planning || !maySteer();
+  if (place && view === "review") place.textContent = planning ? say("planning_anew") : state!.words ? `${say("refused")} ${state!.words}` : "";
+}
 
 function showTop(): void {
   const steps: View[] = ["choose", "health", "scan", "review", "massage", "report"];
@@ -222,14 +268,19 @@ function review(): HTMLElement {
   hold.onkeydown = (event) => { if (event.key === " " || event.key === "Enter") { event.preventDefault(); event.stopPropagation(); down(); } };
   hold.onkeyup = up;
   const zones = element("button", { "aria-pressed": String(zonesShown), onclick: () => { zonesShown = !zonesShown; scene.colour(zonesShown); render(); } }, say("zones"));
-  const picture = stage(zones);
+  const tool = (how: Edit): HTMLElement => element("button", { id: how, "aria-pressed": String(editing === how), disabled: !maySteer(),
+    onclick: () => { editing = editing === how ? "turn" : how; scene.edit(editing); render(); } }, say(how));
+  const undo = element("button", { id: "undo", disabled: !maySteer() || wanted.no_go.length + wanted.fixed.length === 0,
+    onclick: () => { wanted = { no_go: [], fixed: [] }; change(); } }, say("undo"));
+  const picture = stage(zones, element("span", { class: "tools" }, tool("move"), tool("rule_out"), undo));
   picture.append(element("div", { class: "legend" }, ...(zonesShown
     ? choices.zones.map((zone, i) => dot(zoneColours[i]!, `${say(zone.name)} ${zone.cap_n} N`))
     : Object.entries(techniqueColours).filter(([name]) => plan?.paths.some((path) => path.technique === name)).map(([name, colour]) => dot(colour, say(name))))));
   return element("div", { class: "split" }, picture, element("div", { class: "side" }, element("h1", {}, say("review_title")), hold,
     maySteer() ? "" : element("p", { class: "note" }, say("not_you")), element("p", { id: "refusal", class: "note", role: "alert" }),
     element("div", { class: "card" }, element("h2", {}, say("acupoints")), element("div", { class: "scroll", tabindex: "0" },
-      table(points.map((point) => [point.name, `${say("uncertainty")} ${point.uncertainty_mm.toFixed(0)} mm`])))),
+      table(points.map((point) => [point.name, `${say("uncertainty")} ${point.uncertainty_mm.toFixed(0)} mm`,
+        element("button", { "aria-label": `${say("rule_out_here")} ${point.name}`, disabled: !maySteer(), onclick: () => ruleOutAround(point) }, say("rule_out_here"))])))),
     element("div", { class: "card" }, element("h2", {}, `${say("paths")} · ${Math.round(plan?.duration_s ?? 0)} s`), element("div", { class: "scroll", tabindex: "0" },
       table((plan?.paths ?? []).map((path) => [sayPath(path.name), say(path.arm), say(path.zone), `${path.ordered_n.toFixed(0)} N`])))),
     element("div", { class: "card" }, element("h2", {}, say("notes")), ...(plan?.notes ?? []).map((note) => element("p", { class: "note" }, note)))));

@@ -85,6 +85,8 @@ class ArmShape {
 
 function toFloat(place: [number, number, number]): three.Vector3 { return new three.Vector3(...place); }
 
+const ruledOutColour = "#d04a4a";
+export type Edit = "turn" | "move" | "rule_out";
 const wantedFrameMs = 40, fewestPixels = 0.5;
 
 /**
@@ -107,6 +109,13 @@ export class Scene {
   private paths = new three.Group();
   private arms: ArmShape[] = [];
   private felt = new three.Group();
+  private ruledOut = new three.Group();
+  private points: Acupoint[] = [];
+  private how: Edit = "turn";
+  private dragged?: Acupoint | undefined;
+  private drawn?: [number, number, number][] | undefined;
+  onMoved: (name: string, at: [number, number, number]) => void = () => {};
+  onRuledOut: (corners: [number, number, number][]) => void = () => {};
   private zones?: Uint8Array;
   private showsZones = false;
   /** The still part has changed, or only the arms have. */
@@ -131,10 +140,13 @@ export class Scene {
       rim.position.set(-1.6, 0.9, 0.4);
       scene.add(new three.HemisphereLight("#ffffff", "#8d7f78", 0.9), key, rim);
     }
-    this.still.add(this.marks, this.paths, this.felt);
+    this.still.add(this.marks, this.paths, this.felt, this.ruledOut);
     this.arms = armColours.map((colour) => new ArmShape(colour));
     this.moving.add(keptPicture(this.kept), ...this.arms.map((arm) => arm.group));
     this.frame(new three.Box3(new three.Vector3(-0.25, -0.1, 0.1), new three.Vector3(0.25, 0.1, 0.7)), new three.Vector3(0, 1, 0.1));
+    this.canvas.addEventListener("pointerdown", (event) => this.down(event));
+    this.canvas.addEventListener("pointermove", (event) => this.drag(event));
+    for (const end of ["pointerup", "pointercancel"]) this.canvas.addEventListener(end, () => this.up());
     if (this.renderer) this.draw(this.renderer);
   }
 
@@ -186,7 +198,8 @@ export class Scene {
   clear(): void {
     for (const part of [this.cloud, this.back]) if (part) this.still.remove(part);
     this.cloud = this.back = undefined;
-    for (const group of [this.marks, this.paths, this.felt]) group.clear();
+    for (const group of [this.marks, this.paths, this.felt, this.ruledOut]) group.clear();
+    this.edit("turn");
     for (const arm of this.arms) arm.group.visible = false;
     this.due = true;
   }
@@ -240,6 +253,7 @@ export class Scene {
   }
 
   showAcupoints(points: Acupoint[]): void {
+    this.points = points.map((point) => ({ ...point }));
     this.marks.clear();
     for (const point of points) {
       const normal = toFloat(point.normal), at = toFloat(point.at).addScaledVector(normal, 0.004);
@@ -287,6 +301,74 @@ export class Scene {
       this.felt.add(ring);
     }
     this.due = true;
+  }
+
+  /** Outlines of areas that are ruled out, closed. */
+  showRuledOut(areas: [number, number, number][][]): void {
+    this.ruledOut.clear();
+    for (const area of areas) this.ruledOut.add(this.outline(area, true));
+    this.due = true;
+  }
+
+  private outline(area: [number, number, number][], closed: boolean): three.Object3D {
+    const places = area.map((place) => { const at = toFloat(place); return at.addScaledVector(this.normalNear(at), 0.003); });
+    const line = new three.Mesh(new three.TubeGeometry(new three.CatmullRomCurve3(places, closed), Math.max(24, 3 * places.length), 0.003, 5, closed),
+      new three.MeshBasicMaterial({ color: ruledOutColour, depthTest: false }));
+    line.renderOrder = 3;
+    return line;
+  }
+
+  /** What a pointer on the picture does: turns it, moves an acupoint, or draws around an area. */
+  edit(how: Edit): void {
+    this.how = how;
+    this.controls.enabled = how === "turn";
+    this.canvas.style.cursor = how === "turn" ? "" : how === "move" ? "grab" : "crosshair";
+  }
+
+  private place(event: PointerEvent): three.Vector3 | undefined {
+    if (!this.back) return undefined;
+    const box = this.canvas.getBoundingClientRect();
+    const at = new three.Vector2((2 * (event.clientX - box.left)) / box.width - 1, 1 - (2 * (event.clientY - box.top)) / box.height);
+    const ray = new three.Raycaster();
+    ray.setFromCamera(at, this.camera);
+    return ray.intersectObject(this.back)[0]?.point;
+  }
+
+  private down(event: PointerEvent): void {
+    const at = this.how === "turn" ? undefined : this.place(event);
+    if (!at) return;
+    this.canvas.setPointerCapture(event.pointerId);
+    if (this.how === "rule_out") this.drawn = [at.toArray()];
+    else {
+      const near = this.points.map((point) => ({ point, far: toFloat(point.at).distanceTo(at) })).sort((a, b) => a.far - b.far)[0];
+      if (near && near.far < 0.03) this.dragged = near.point;
+    }
+  }
+
+  private drag(event: PointerEvent): void {
+    const at = this.dragged || this.drawn ? this.place(event) : undefined;
+    if (!at) return;
+    if (this.dragged) {
+      this.dragged.at = at.toArray();
+      this.showAcupoints(this.points);
+    } else if (this.drawn && at.distanceTo(toFloat(this.drawn.at(-1)!)) > 0.008 && this.drawn.length < 80) {
+      this.drawn.push(at.toArray());
+      if (this.drawn.length > 2) {
+        this.marks.remove(this.marks.getObjectByName("drawn")!);
+        const line = this.outline(this.drawn, false);
+        line.name = "drawn";
+        this.marks.add(line);
+        this.due = true;
+      }
+    }
+  }
+
+  private up(): void {
+    const { dragged, drawn } = this;
+    this.dragged = this.drawn = undefined;
+    if (dragged) this.onMoved(dragged.name, dragged.at);
+    if (drawn) this.showAcupoints(this.points);
+    if (drawn && drawn.length > 2) this.onRuledOut(drawn);
   }
 
   moveArm(arm: number, links: [number, number, number, number][]): void {

@@ -3,6 +3,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <string>
@@ -10,6 +11,7 @@
 
 #include "tests/fake_robot.hpp"
 #include "tests/fake_scanner.hpp"
+#include "tuina/core/units.hpp"
 #include "tuina/session/relay.hpp"
 #include "tuina/sim/world.hpp"
 
@@ -54,6 +56,48 @@ TEST_CASE("nobody is scanned before the health questions are answered") {
   REQUIRE_FALSE(session.has_value());
   CHECK(session.error().fault == Fault::stopped);
   CHECK(robot.stood == 0);
+}
+
+TEST_CASE("a plan is changed by hand before an arm moves, and what cannot be done is said") {
+  Room room;
+  tests::FakeRobot robot;
+  Observers nobody{{}};
+  std::vector<std::vector<std::string>> seen;
+  std::vector<std::string> refusals;
+  const Vector3 far_off(0.0, 0.0, 2.0);
+  room.order.review = [&](const motion::ReadyPlan& plan, const std::string& refused) -> Review {
+    refusals.push_back(refused);
+    auto& names = seen.emplace_back();
+    for (const auto& path : plan.plan.paths) names.push_back(path.path.name);
+    if (seen.size() == 1) {
+      // A square of 80 mm around the place of the first path.
+      const Vector3 at = plan.plan.paths.front().path.points.front().at_in_couch;
+      massage::NoGo area{.name = "here", .corners_in_couch = {}};
+      for (const auto& [x, y] : {std::pair(-1, -1), {1, -1}, {1, 1}, {-1, 1}})
+        area.corners_in_couch.emplace_back(at + 40_mm * Vector3(x, y, 0));
+      return {.answer = Review::Answer::change, .wanted = {.no_go = {area}, .fixed = {}}};
+    }
+    if (seen.size() == 2) {
+      return {.answer = Review::Answer::change,
+              .wanted = {.no_go = {}, .fixed = {{.name = "GV4", .at_in_couch = far_off}}}};
+    }
+    return {};
+  };
+  const auto session =
+      run({room.world->camera(), room.world->turntable(), robot}, room.order, {}, nobody);
+  REQUIRE_FALSE(session.has_value());
+  CHECK(session.error().fault == Fault::stopped);
+  CHECK(robot.stood == 0);
+  REQUIRE(seen.size() == 3);
+  const auto has = [](const std::vector<std::string>& names, const std::string& name) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+  };
+  CHECK_FALSE(has(seen[1], seen[0].front()));
+  CHECK(seen[1].size() < seen[0].size());
+  CHECK(seen[2] == seen[1]);
+  CHECK(refusals[0].empty());
+  CHECK(refusals[1].empty());
+  CHECK(says(refusals[2], "GV4"));
 }
 
 TEST_CASE("a session ends with the words of the device that failed") {

@@ -99,6 +99,16 @@ class Tab:
             return
         time.sleep(0.05)
 
+    def draw(self, selector, places):
+        """A finger along places of an element, each a share of its width and of its height."""
+        x, y, width, height = self.see(f"""(() => {{ const box = document.querySelector({json.dumps(selector)});
+            box.scrollIntoView({{ block: "center" }}); const at = box.getBoundingClientRect();
+            return [at.x, at.y, at.width, at.height]; }})()""")
+        for i, (along, down) in enumerate(places):
+            self.call("Input.dispatchTouchEvent", type="touchMove" if i else "touchStart",
+                      touchPoints=[{"x": x + along * width, "y": y + down * height}])
+        self.call("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
+
     def picture(self, file):
         data = self.call("Page.captureScreenshot", format="png")["data"]
         with open(file, "wb") as out:

@@ -47,6 +47,38 @@ def events(server, watcher):
     return json.loads(server.ask("/api/events", Cookie=watcher.cookie)[2])
 
 
+def plan(server, watcher):
+    return json.loads(server.ask("/api/plan", Cookie=watcher.cookie)[2])
+
+
+def ruled_out_by_keys(server, watcher, tab):
+    """The place around an acupoint is ruled out, and the plan presses there no more."""
+    before, asked_at = watcher.state["reviews"], None
+    expect("ruling out is reached", tab.tab_to("[aria-label='Rule out BL50_L']"))
+    asked_at = time.monotonic()
+    tab.key("Enter")
+    expect("another plan", watcher.until(lambda: watcher.state["reviews"] == before + 1, 20))
+    print(f"another plan after {1e3 * (time.monotonic() - asked_at):.0f} ms, of which 200 are the page's hearing")
+    expect("it is no refusal", not watcher.state["words"])
+    names = [path["name"] for path in plan(server, watcher)["paths"]]
+    expect(f"nothing at a place that is ruled out {names}", "press BL50_R" in names and not {"press BL50_L", "rub BL50_L"} & set(names))
+    expect("it may be armed again", tab.until("!document.querySelector('#arm').disabled"))
+
+
+def drawn_by_finger(watcher, tab):
+    """An area is drawn around on the back, and taken back."""
+    for ask in ("#rule_out", "#undo"):
+        before = watcher.state["reviews"]
+        tab.touch(ask)
+        if ask == "#rule_out":
+            tab.draw(".view canvas", [(0.5 + 0.12 * x, 0.5 + 0.06 * y) for x, y in
+                                      ((-1, -1), (-0.3, -1), (0.3, -1), (1, -1), (1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0))])
+        expect(f"another plan by {ask}", watcher.until(lambda: watcher.state["reviews"] == before + 1, 20))
+        expect(f"{ask}: {watcher.state['words']}", not watcher.state["words"])
+        tab.until("!document.querySelector('#arm').disabled")
+    tab.touch("#rule_out")
+
+
 def answers_by_keys(tab):
     """Health questions: `no` to each, a name, and on; by keys alone."""
     questions = tab.see("[...document.querySelectorAll('.ask input[value=no]')].map((one) => one.id)")
@@ -91,6 +123,7 @@ def by_keyboard(server, watcher, axe, pictures, presses):
     visit.judge("scan")
     expect("review", tab.until("!!document.querySelector('#arm')", 120))
     visit.judge("review")
+    ruled_out_by_keys(server, watcher, tab)
     expect("arm is reached", tab.tab_to("#arm"))
     tab.key("Enter", hold_s=1.0)
     time.sleep(1.5)
@@ -138,6 +171,7 @@ def by_touch(server, watcher, axe, pictures):
     tab.touch("#scan")
     expect("review", tab.until("!!document.querySelector('#arm')", 120))
     visit.judge("review")
+    drawn_by_finger(watcher, tab)
     tab.touch("#arm", hold_s=2.6)
     expect("massage", tab.until("!!document.querySelector('#softer')"))
     visit.judge("massage")

@@ -94,6 +94,21 @@ def messages(page, viewer, order):
             time.sleep(0.06)  # within twenty a second
             return page.outcome("start", {**order, key: value}).split(":")[0]
         yield f"start with {key} {value!r:.40}", act, {"force_ceiling_n": "order", "answers": "bleeding"}.get(key, key)
+    area = {"name": "a", "corners": [[0, 0, 0]] * 3}
+    yield "a viewer's change", lambda: viewer.outcome("change", {"no_go": [], "fixed": []}), "viewer"
+    for what, change, wanted in [
+            ("of nothing", {"no_go": [area], "fixed": []}, "no plan waits to be changed"),
+            ("without points", {"no_go": []}, "order"), ("with a force", {"no_go": [], "fixed": [], "n": 99}, "order"),
+            ("of 21 areas", {"no_go": [area] * 21, "fixed": []}, "no_go"),
+            ("of a line", {"no_go": [{"name": "a", "corners": [[0, 0, 0]] * 2}], "fixed": []}, "no_go"),
+            ("of 81 corners", {"no_go": [{"name": "a", "corners": [[0, 0, 0]] * 81}], "fixed": []}, "no_go"),
+            ("far away", {"no_go": [], "fixed": [{"name": "GV4", "at": [0, 0, 1e9]}]}, "fixed"),
+            ("in words", {"no_go": [], "fixed": [{"name": "GV4", "at": "here"}]}, "fixed"),
+            ("without a name", {"no_go": [], "fixed": [{"name": "", "at": [0, 0, 0]}]}, "fixed")]:
+        def act(change=change):
+            time.sleep(0.06)
+            return page.outcome("change", change).split(":")[0]
+        yield f"change {what}", act, wanted
 
 
 def flood(server, page, viewer):

@@ -31,11 +31,25 @@ def armed(server, page, order):
         return expect(f"a plan: {page.state['words']}", False)
     for name, least in (("cloud", 50000), ("back", 50000), ("map", 1000), ("plan", 5000)):
         expect(f"{name} is shown", len(server.ask(f"/api/{name}", Cookie=page.cookie)[2]) > least)
+    changed_by_hand(server, page)
     expect("no arm moves before it is armed", not page.live)
     page.outcome("hold")
     time.sleep(2.1)
     expect("arm", page.outcome("arm") == "done")
     expect("massage", reaches(page, "massage"))
+
+
+def changed_by_hand(server, page):
+    """A point is put 6 mm nearer to the head, then far off the back: the plan follows the first and stays for the second."""
+    where = {point["name"]: point["at"] for point in json.loads(server.ask("/api/map", Cookie=page.cookie)[2])["acupoints"]}
+    x, y, z = where["GV4"]
+    for at, refused in (([x, y, z + 0.006], False), ([x, y + 1.0, z], True)):
+        before = page.state["reviews"]
+        expect("change", page.outcome("change", {"no_go": [], "fixed": [{"name": "GV4", "at": at}]}) == "done")
+        expect("another review", page.until(lambda: page.state["reviews"] == before + 1, 20))
+        expect(f"refused {page.state['words']!r}", bool(page.state["words"]) == refused)
+    noted = json.loads(server.ask("/api/plan", Cookie=page.cookie)[2])["notes"]
+    expect(f"the plan says so {noted}", any(note.startswith("GV4 was put by hand 6 mm") for note in noted))
 
 
 def session(folder, number):

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "tuina/body/palpation.hpp"
 #include "tuina/core/stopwatch.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/session/control_loop.hpp"
@@ -16,51 +17,128 @@ namespace {
 
 constexpr std::size_t max_rescans = 3;
 
-/// From the person on the couch to a plan that two arms can carry out, without the paths that are
-/// `done`; a robot that stands already keeps its base at `rail_m`.
+/// A plan that two arms can carry out, of one scan and of what was said of it by hand.
+struct Planned {
+  body::Mapping located;
+  robot::RobotPlacement placement;
+  motion::ReadyPlan ready;
+  double plan_ms = 0.0;
+};
+
+double distance_to(std::span<const Acupoint> points, const body::PalpatedPoint& fixed) {
+  const auto found = std::find_if(points.begin(), points.end(),
+                                  [&](const Acupoint& point) { return point.name == fixed.name; });
+  return found == points.end() ? 0.0 : (found->at_in_couch - fixed.at_in_couch).norm();
+}
+
+/// Without the paths that are `done`; a robot that stands already keeps its base at `rail_m`.
+Result<Planned> plan_on(const MappedPerson& mapped, const ByHand& said, const Order& order,
+                        const Config& config, std::optional<double> rail_m,
+                        const std::vector<std::string>& done) {
+  const Stopwatch watch;
+  Planned planned{.located = mapped.located};
+  if (!said.fixed.empty()) {
+    auto fixed = body::fix_points(mapped.located, mapped.back, said.fixed);
+    if (!fixed) return tl::unexpected(fixed.error());
+    planned.located = std::move(*fixed);
+  }
+  massage::PlanOptions options = order.plan_options;
+  options.no_go = said.no_go;
+  auto plan = massage::plan(mapped.back, planned.located.acupoints, planned.located.landmarks,
+                            order.programme, options);
+  if (!plan) return tl::unexpected(plan.error());
+  leave_out(*plan, done);
+  planned.placement = robot::place_robot(order.robot, mapped.back.position(),
+                                         head_at_plus_y(planned.located.acupoints));
+  auto ready =
+      motion::make_ready(std::move(*plan), mapped.back, planned.placement.mount,
+                         robot::both_models(planned.placement.arm, planned.placement.mount),
+                         order.placed.base_from_couch, from_mm(config.massage.standoff_mm), rail_m);
+  if (!ready) return tl::unexpected(ready.error());
+  planned.ready = std::move(*ready);
+  for (const body::PalpatedPoint& point : said.fixed) {
+    planned.ready.plan.notes.push_back(
+        fmt::format("{} was put by hand {:.0f} mm from where it was found", point.name,
+                    to_mm(distance_to(mapped.located.acupoints, point))));
+  }
+  planned.plan_ms = 1e3 * watch.seconds();
+  return planned;
+}
+
+/// Shows the plan until somebody says go, and plans anew for every change that is asked for.
+Result<void> review(const MappedPerson& mapped, const Order& order, const Config& config,
+                    Observer& observer, ByHand& said, Planned& planned) {
+  std::string refused;
+  while (order.review) {
+    const Review seen = order.review(planned.ready, refused);
+    if (seen.answer == Review::Answer::go) break;
+    if (seen.answer == Review::Answer::no)
+      return fail(Fault::stopped, "the plan was not approved, and no arm has moved");
+    ByHand wanted = seen.wanted;
+    wanted.no_go.insert(wanted.no_go.begin(), order.plan_options.no_go.begin(),
+                        order.plan_options.no_go.end());
+    auto changed = plan_on(mapped, wanted, order, config, std::nullopt, {});
+    refused = changed ? "" : changed.error().message;
+    if (!changed) continue;
+    planned = std::move(*changed);
+    said = std::move(wanted);
+    observer.on_map(planned.located);
+  }
+  return {};
+}
+
+/// The guard is told of this back what it has to know, and of the robot.
+Result<void> arm_guard(Devices devices, const Order& order, const Config& config,
+                       const MappedPerson& mapped, const ByHand& said, const Planned& planned) {
+  auto field = zone_field(mapped.back, planned.located.acupoints, planned.located.landmarks,
+                          said.no_go, order.placed.base_from_couch);
+  if (!field) return tl::unexpected(field.error());
+  return devices.supervisor->arm({.arm = planned.placement.arm,
+                                  .mount = planned.placement.mount,
+                                  .options = {.obstacles = planned.placement.mount.obstacles,
+                                              .max_set_force_n = config.safety.force_ceiling_n,
+                                              .field = std::move(*field)}});
+}
+
+/// What was said by hand of a person, and how they lay in the scan of which it was said.
+struct Said {
+  ByHand by_hand;
+  std::vector<Acupoint> lay;
+};
+
+/// From the person on the couch to arms that may move. `rail_m`: the robot stands already, with its
+/// base there, and without the paths that are `done`.
 Result<void> prepare(Devices devices, const Order& order, const Config& config, Observer& observer,
-                     std::optional<double> rail_m, const std::vector<std::string>& done,
+                     std::optional<double> rail_m, const std::vector<std::string>& done, Said& said,
                      Session& session) {
   auto mapped = scan_and_map(devices.camera, devices.turntable, order, config, observer);
   if (!mapped) return tl::unexpected(mapped.error());
-
-  const Stopwatch watch;
   const BodyPosture position = mapped->back.position();
   if (order.placed.position != position) {
     return fail(Fault::config, "the robot stands there for a person {}, and this one is {}",
                 name_of(order.placed.position), name_of(position));
   }
-  const body::Mapping& located = mapped->located;
-  auto plan = massage::plan(mapped->back, located.acupoints, located.landmarks, order.programme,
-                            order.plan_options);
-  if (!plan) return tl::unexpected(plan.error());
-  leave_out(*plan, done);
-  const robot::RobotPlacement placement =
-      robot::place_robot(order.robot, position, head_at_plus_y(located.acupoints));
-  auto ready =
-      motion::make_ready(std::move(*plan), mapped->back, placement.mount,
-                         robot::both_models(placement.arm, placement.mount),
-                         order.placed.base_from_couch, from_mm(config.massage.standoff_mm), rail_m);
-  if (!ready) return tl::unexpected(ready.error());
-  auto field = zone_field(mapped->back, located.acupoints, located.landmarks,
-                          order.plan_options.no_go, order.placed.base_from_couch);
-  if (!field) return tl::unexpected(field.error());
-  auto armed =
-      devices.supervisor->arm({.arm = placement.arm,
-                               .mount = placement.mount,
-                               .options = {.obstacles = placement.mount.obstacles,
-                                           .max_set_force_n = config.safety.force_ceiling_n,
-                                           .field = std::move(*field)}});
-  if (!armed) return armed;
+  const std::vector<Acupoint>& lies = mapped->located.acupoints;
+  auto now = carried(said.by_hand, said.lay.empty() ? lies : said.lay, lies);
+  if (!now) return tl::unexpected(now.error());
+  auto planned = plan_on(*mapped, *now, order, config, rail_m, done);
+  if (!planned) return tl::unexpected(planned.error());
   observer.on_progress(Stage::plan, 1.0);
+  if (!rail_m) {
+    auto looked_at = review(*mapped, order, config, observer, *now, *planned);
+    if (!looked_at) return looked_at;
+  }
+  auto armed = arm_guard(devices, order, config, *mapped, *now, *planned);
+  if (!armed) return armed;
+  said = {.by_hand = std::move(*now), .lay = lies};
   // Only now, so that a session whose second scan fails still tells of its first.
   session.scan = std::move(mapped->scan);
-  session.located = std::move(mapped->located);
   session.locate_ms = mapped->locate_ms;
-  session.placement = placement;
+  session.located = std::move(planned->located);
+  session.placement = planned->placement;
   session.base_from_couch = order.placed.base_from_couch;
-  session.ready = std::move(*ready);
-  session.plan_ms = 1e3 * watch.seconds();
+  session.ready = std::move(planned->ready);
+  session.plan_ms = planned->plan_ms;
   return {};
 }
 
@@ -172,10 +250,11 @@ Result<Session> run(Devices devices, const Order& order, const Config& config, O
   link::OwnSupervisor own;
   if (devices.supervisor == nullptr) devices.supervisor = &own;
   Session session;
-  if (auto ready = prepare(devices, order, config, observer, std::nullopt, {}, session); !ready)
+  Said said{.by_hand = {.no_go = order.plan_options.no_go}};
+  if (auto ready = prepare(devices, order, config, observer, std::nullopt, {}, said, session);
+      !ready) {
     return tl::unexpected(ready.error());
-  if (order.approve && !order.approve(session.ready))
-    return fail(Fault::stopped, "the plan was not approved, and no arm has moved");
+  }
   const double rail_m = session.ready.rail_m;
   if (auto stands = devices.robot.stand_ready({session.ready.ready_rad, rail_m}); !stands)
     return tl::unexpected(stands.error());
@@ -189,7 +268,7 @@ Result<Session> run(Devices devices, const Order& order, const Config& config, O
     devices.supervisor->rest();
     const auto again =
         session.rescans_s.size() < max_rescans
-            ? prepare(devices, order, config, observer, rail_m, performed.done(), session)
+            ? prepare(devices, order, config, observer, rail_m, performed.done(), said, session)
             : Result<void>(fail(Fault::bad_input, "the person keeps moving"));
     if (!again) {
       session.stops.push_back({session.massage_s, Arm::left, safety::Cause::person_moved});

@@ -19,6 +19,7 @@
 #include "tuina/scanner/camera.hpp"
 #include "tuina/scanner/sweep.hpp"
 #include "tuina/scanner/turntable.hpp"
+#include "tuina/session/by_hand.hpp"
 #include "tuina/session/config.hpp"
 #include "tuina/session/consent.hpp"
 #include "tuina/session/live_command.hpp"
@@ -49,9 +50,10 @@ struct Order {
   robot::RobotModel robot;
   PlacedRobot placed;    ///< measured place of the robot
   bool adaptive = true;  ///< presses follow the tissue that was felt
-  /// Asked once, before the first arm moves, and may wait for somebody who looks at the plan; false
-  /// ends the session. Empty: no need to ask.
-  std::function<bool(const motion::ReadyPlan&)> approve;
+  /// Asked before the first arm moves, and again with every plan that a change gave; it may wait
+  /// for somebody who looks. `refused` says why a change could not be made, and is empty otherwise;
+  /// the plan is then the one before. Empty: no need to ask.
+  std::function<Review(const motion::ReadyPlan&, const std::string& refused)> review;
   /// Asked in every millisecond for a command of the therapist; it must not wait.
   std::function<std::optional<LiveCommand>(double time_s)> commands;
 };

@@ -48,8 +48,8 @@ Result<Message> parse_message(std::string_view text) {
   message.clock_s = clock->get<double>();
   if (!std::isfinite(message.clock_s)) return fail(Fault::bad_input, "clock_s: is not finite");
   const auto order = json.find("order");
-  if ((order != json.end()) != (message.ask == Ask::start))
-    return fail(Fault::bad_input, "order: belongs to `start`, and only there");
+  if ((order != json.end()) != (message.ask == Ask::start || message.ask == Ask::change))
+    return fail(Fault::bad_input, "order: belongs to `start` and `change`, and only there");
   if (order != json.end()) message.order = order->dump();
   return message;
 }

@@ -21,6 +21,7 @@ enum class Ask : std::uint8_t {
   hand_over,  ///< be the operator no longer
   invite,     ///< an address that opens the page for one more
   start,      ///< begin a session, by the order that the message holds
+  change,     ///< another plan, by the order that the message holds
   hold,       ///< the button that arms goes down
   arm,        ///< it was held long enough: the arms may move
   pause,
@@ -31,8 +32,8 @@ enum class Ask : std::uint8_t {
   softer,
   firmer,
 };
-inline constexpr std::array<const char*, 14> ask_names = {
-    "beat",  "operate", "hand_over", "invite", "start",  "hold",   "arm",
+inline constexpr std::array<const char*, 15> ask_names = {
+    "beat",  "operate", "hand_over", "invite", "start",  "change", "hold",  "arm",
     "pause", "resume",  "stop",      "skip",   "repeat", "softer", "firmer"};
 [[nodiscard]] constexpr const char* name_of(Ask ask) noexcept {
   return ask_names[static_cast<std::size_t>(ask)];
@@ -45,12 +46,12 @@ struct Message {
   Ask ask = Ask::beat;
   std::uint64_t sequence = 0;  ///< greater than that of the message before
   double clock_s = 0.0;        ///< the server's clock, as the page believes it to be when it asks
-  std::string order;           ///< JSON object of `start`
+  std::string order;           ///< JSON object of `start` or `change`
 };
 inline constexpr std::size_t max_message_bytes = 64 << 10;
 
-/// Reads {"ask": "pause", "sequence": 7, "clock_s": 12.3}, with "order" for `start`. Whatever else
-/// is refused with the key and what stands there.
+/// Reads {"ask": "pause", "sequence": 7, "clock_s": 12.3}, with "order" for `start` and `change`.
+/// Whatever else is refused with the key and what stands there.
 [[nodiscard]] Result<Message> parse_message(std::string_view text);
 
 }  // namespace tuina::web

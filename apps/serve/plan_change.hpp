@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string_view>
+
+#include "tuina/session/by_hand.hpp"
+
+namespace tuina::app {
+
+/// Reads the JSON object of `change`: "no_go" (name and corners) and "fixed" (name and at), places
+/// in m in the couch frame. Whatever is missing, unknown, not finite or out of range is refused
+/// with its key.
+[[nodiscard]] Result<session::ByHand> parse_plan_change(std::string_view text);
+
+}  // namespace tuina::app
