@@ -27,7 +27,9 @@ class EvaluateAll final : public Verb {
     for (const std::unique_ptr<Verb>& verb : make_evaluations()) {
       const std::string part = verb->name();
       const bool needs_a_folder = part == "evaluate atlas";  // of labelled people
-      if (!part.starts_with("evaluate ") || part == name() || needs_a_folder) continue;
+      const bool joins_others = part == "evaluate merge";
+      if (!part.starts_with("evaluate ") || part == name() || needs_a_folder || joins_others)
+        continue;
       const auto found = verb->run(common);
       if (!found) return fail(found.error().fault, "{}: {}", part, found.error().message);
       // Each verb's tables stand under a key of their own name; the campaign has no such key.

@@ -20,6 +20,7 @@ std::vector<std::unique_ptr<Verb>> make_evaluations() {
   verbs.push_back(make_evaluate_robots());
   verbs.push_back(make_evaluate_processes());
   verbs.push_back(make_evaluate_safety());
+  verbs.push_back(make_evaluate_merge());
   return verbs;
 }
 

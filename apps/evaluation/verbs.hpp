@@ -22,6 +22,7 @@ std::unique_ptr<Verb> make_evaluate_acupoints();
 std::unique_ptr<Verb> make_evaluate_atlas();
 std::unique_ptr<Verb> make_evaluate_calibration();
 std::unique_ptr<Verb> make_evaluate_processes();
+std::unique_ptr<Verb> make_evaluate_merge();
 
 /// All of them, in the order in which `evaluate all` runs them.
 std::vector<std::unique_ptr<Verb>> make_evaluations();

@@ -158,7 +158,8 @@ TEST_CASE("the bound of a share: none in n leaves 1 - 0.05^(1/n), all leave ever
 }
 
 TEST_CASE("what the campaign says has the names that it is asked for by") {
-  const auto campaign = run_campaign(campaign_order(false, "leaves", 1), {});
+  Cells cells;
+  const auto campaign = run_campaign(campaign_order(false, "leaves", 1), cells, {});
   REQUIRE_MESSAGE(campaign.has_value(), test::reason(campaign));
   const auto json = nlohmann::json::parse(to_json(*campaign));
   CHECK(json["cells"] == campaign->cells.size());

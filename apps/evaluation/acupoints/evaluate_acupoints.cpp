@@ -6,7 +6,9 @@
 #include "apps/evaluation/acupoints/bad_scan_trials.hpp"
 #include "apps/evaluation/acupoints/marked_people.hpp"
 #include "apps/evaluation/acupoints/page.hpp"
+#include "apps/evaluation/acupoints/person_fields.hpp"
 #include "apps/evaluation/acupoints/scores.hpp"
+#include "apps/evaluation/cells.hpp"
 #include "apps/evaluation/verbs.hpp"
 #include "apps/simulated/atlas_source.hpp"
 #include "apps/simulated/labelled_phantom.hpp"
@@ -63,6 +65,7 @@ class EvaluateAcupoints final : public Verb {
         .between(1, 1000);
     options.add("--page", page_,
                 "the tables, plots and every back with its points, as one HTML file");
+    cells_.describe(options);
   }
 
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
@@ -71,6 +74,9 @@ class EvaluateAcupoints final : public Verb {
       return fail(Fault::usage, "--depth-points is for --scan depth; this is --scan {}", scan_);
     }
     if (!marked_.empty() || bad_ > 0) return judge_others(common);
+    const auto config = effective_config(common);
+    if (!config) return tl::unexpected(config.error());
+    if (auto opened = cells_.open(common, *config); !opened) return tl::unexpected(opened.error());
     // One atlas for all is judged before anyone is drawn or read.
     std::optional<body::Atlas> one;
     if (folds_ == 0) {
@@ -93,11 +99,16 @@ class EvaluateAcupoints final : public Verb {
       const auto tell = [&](double of_fold) {
         if (bar) bar((static_cast<double>(fold) + of_fold) / static_cast<double>(folds));
       };
-      const auto atlas =
-          one ? Result<body::Atlas>(*one) : atlas_of_others(*bodies, fold, [&](double done) {
-            tell(share_of_learning * done);
-          });
-      if (!atlas) return tl::unexpected(atlas.error());
+      std::optional<Result<body::Atlas>> learned_atlas;
+      const auto atlas = [&]() -> const Result<body::Atlas>& {
+        if (!learned_atlas) {
+          learned_atlas =
+              one ? Result<body::Atlas>(*one) : atlas_of_others(*bodies, fold, [&](double done) {
+                tell(share_of_learning * done);
+              });
+        }
+        return *learned_atlas;
+      };
       const double learned = one ? 0.0 : share_of_learning;
       const std::size_t in_fold = (bodies->size() - fold + folds - 1) / folds;
       std::size_t judged = 0;
@@ -107,29 +118,70 @@ class EvaluateAcupoints final : public Verb {
         const auto marks = label_noise_mm_ > 0.0
                                ? marked(person.acupoints, label_noise_mm_, common.seed + i)
                                : person.acupoints;
-        judge(
-            person, i,
-            see(person, {.by = parse_scan(scan_), .depth_points = depth_points_}, common.seed + i),
-            *atlas, marks, common.seed + i, scores, times);
+        const auto done = cells_.at<PersonJudged>(
+            fmt::format("{} {}", i, person.id), [&]() -> Result<PersonJudged> {
+              if (!atlas()) return tl::unexpected(atlas().error());
+              return judge_person(person, i, *atlas(), marks, common.seed + i);
+            });
+        if (!done) return tl::unexpected(done.error());
+        add(*done, scores, times);
         ++judged;
         tell(learned +
              (1.0 - learned) * static_cast<double>(judged) / static_cast<double>(in_fold));
       }
     }
+    return cells_.answer([&] { return answer(*bodies, scores, times); });
+  }
+
+ private:
+  [[nodiscard]] PersonJudged judge_person(const body::LabelledBody& person, std::size_t index,
+                                          const body::Atlas& atlas,
+                                          const std::vector<Acupoint>& marks,
+                                          std::uint64_t seed) const {
+    std::map<std::string, Score> scores;
+    PersonJudged judged;
+    judge(person, index,
+          see(person, {.by = parse_scan(scan_), .depth_points = depth_points_}, seed), atlas, marks,
+          seed, scores, judged.times);
+    for (auto& [method, score] : scores) {
+      judged.findings[method] = std::move(score.findings);
+      judged.compute_ms[method] = std::move(score.compute_ms);
+      judged.failures[method] = std::move(score.failures);
+    }
+    return judged;
+  }
+
+  static void add(const PersonJudged& judged, std::map<std::string, Score>& scores, Times& times) {
+    const auto append = [](auto& all, const auto& more) {
+      all.insert(all.end(), more.begin(), more.end());
+    };
+    for (const auto& [method, findings] : judged.findings)
+      append(scores[method].findings, findings);
+    for (const auto& [method, ms] : judged.compute_ms) append(scores[method].compute_ms, ms);
+    for (const auto& [method, failures] : judged.failures)
+      append(scores[method].failures, failures);
+    append(times.scan_s, judged.times.scan_s);
+    append(times.map_s, judged.times.map_s);
+    append(times.plan_s, judged.times.plan_s);
+  }
+
+  [[nodiscard]] Result<Answer> answer(const std::vector<body::LabelledBody>& bodies,
+                                      const std::map<std::string, Score>& scores,
+                                      const Times& times) const {
     nlohmann::json table = nlohmann::json::object();
     for (const char* method : acupoint_methods) table[method] = to_json(scores.at(method));
     const nlohmann::json json{{"acupoints", table},
-                              {"people", bodies->size()},
+                              {"people", bodies.size()},
                               {"scan", scan_},
                               {"label_noise_mm", label_noise_mm_},
                               {"palpated", palpated_json(scores)},
                               {"times", to_json(times)}};
     if (!page_.empty()) {
-      const auto written = write_file(page_, acupoint_page(json, scores, *bodies));
+      const auto written = write_file(page_, acupoint_page(json, scores, bodies));
       if (!written) return tl::unexpected(written.error());
     }
     std::string text = fmt::format("{} people, {} scan; millimetres over the seven points\n",
-                                   bodies->size(), scan_) +
+                                   bodies.size(), scan_) +
                        to_text(place_table(table)) + to_text(spread_table(table)) +
                        to_text(palpated_table(scores));
     for (const char* method : acupoint_methods) {
@@ -140,7 +192,6 @@ class EvaluateAcupoints final : public Verb {
     return Answer{.json = json.dump(2), .text = text};
   }
 
- private:
   /// People whom somebody has felt, or phantoms with something on the back.
   [[nodiscard]] Result<Answer> judge_others(const CommonOptions& common) const {
     if (!bodies_.empty() || folds_ > 0 || !page_.empty() || (!marked_.empty() && bad_ > 0)) {
@@ -211,6 +262,7 @@ class EvaluateAcupoints final : public Verb {
   std::string marked_;
   int bad_ = 0;
   std::string page_;
+  Cells cells_;
 };
 
 }  // namespace

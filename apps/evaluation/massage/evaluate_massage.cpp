@@ -5,8 +5,8 @@
 #include <optional>
 
 #include "apps/cli/table.hpp"
+#include "apps/evaluation/cells.hpp"
 #include "apps/evaluation/massage/page.hpp"
-#include "apps/evaluation/massage/store.hpp"
 #include "apps/evaluation/verbs.hpp"
 #include "tuina/core/io/file.hpp"
 #include "tuina/core/random.hpp"
@@ -57,6 +57,7 @@ class EvaluateMassage final : public Verb {
     options.add("--keep", keep_,
                 "a file of judged sessions: those in it are not given again, the others are "
                 "added, so that many sessions may be judged in pieces");
+    cells_.describe(options);
   }
 
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
@@ -77,16 +78,12 @@ class EvaluateMassage final : public Verb {
         trials->back().order.adaptive = false;
       }
     }
-    std::optional<SessionStore> store;
-    if (!keep_.empty()) {
-      auto opened = SessionStore::open(keep_, *config, atlas_);
-      if (!opened) return tl::unexpected(opened.error());
-      store.emplace(std::move(*opened));
-    }
-    const auto outcomes = run_session_trials(*trials, *config, store ? &*store : nullptr,
-                                             progress_bar(common, "massages"));
+    if (!keep_.empty()) cells_.keep(keep_, {"massage", atlas_});
+    if (auto opened = cells_.open(common, *config); !opened) return tl::unexpected(opened.error());
+    const auto outcomes =
+        run_session_trials(*trials, *config, cells_, progress_bar(common, "massages"));
     if (!outcomes) return tl::unexpected(outcomes.error());
-    return answer(*trials, *outcomes);
+    return cells_.answer([&] { return answer(*trials, *outcomes); });
   }
 
  private:
@@ -193,6 +190,7 @@ class EvaluateMassage final : public Verb {
   std::vector<std::string> programmes_;
   int seeds_ = 1;
   int sessions_ = 20;
+  Cells cells_;
 };
 
 }  // namespace

@@ -4,7 +4,8 @@
 #include <algorithm>
 #include <limits>
 
-#include "apps/evaluation/massage/store.hpp"
+#include "apps/evaluation/cells.hpp"
+#include "apps/evaluation/massage/outcome_fields.hpp"
 #include "tuina/core/parallel.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/session/massage_step.hpp"
@@ -108,21 +109,24 @@ SessionOutcome run_session_trial(const SessionTrial& trial, const session::Confi
 }
 
 Result<std::vector<SessionOutcome>> run_session_trials(const std::vector<SessionTrial>& trials,
-                                                       const session::Config& config,
-                                                       SessionStore* store,
+                                                       const session::Config& config, Cells& cells,
                                                        const Progress& progress) {
-  std::vector<SessionOutcome> outcomes(trials.size());
-  std::vector<Result<void>> written(trials.size());
+  std::vector<Result<SessionOutcome>> judged(trials.size());
   for_each_in_parallel(
       trials.size(),
       [&](std::size_t i) {
-        const SessionOutcome* known = store != nullptr ? store->find(trials[i]) : nullptr;
-        outcomes[i] = known != nullptr ? *known : run_session_trial(trials[i], config);
-        if (store != nullptr && known == nullptr) written[i] = store->add(trials[i], outcomes[i]);
+        const SessionOrder& order = trials[i].order;
+        const std::string name = fmt::format(
+            "{} {} {} {} {}", order.person, order.position ? name_of(*order.position) : "auto",
+            order.programme, order.adaptive ? "on" : "off", trials[i].seed);
+        judged[i] = cells.at<SessionOutcome>(
+            name, [&]() -> Result<SessionOutcome> { return run_session_trial(trials[i], config); });
       },
       progress);
-  for (const auto& one : written) {
+  std::vector<SessionOutcome> outcomes;
+  for (auto& one : judged) {
     if (!one) return tl::unexpected(one.error());
+    outcomes.push_back(std::move(*one));
   }
   return outcomes;
 }

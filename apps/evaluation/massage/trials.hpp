@@ -10,7 +10,7 @@
 
 namespace tuina::app {
 
-class SessionStore;
+class Cells;
 
 /// One whole session that shall be judged.
 struct SessionTrial {
@@ -46,9 +46,9 @@ inline constexpr double min_given = 0.95, max_given = 1.02;
                                                const session::Config& config);
 
 /// Side by side on all cores; the outcomes, in the order of the trials, do not depend on how many
-/// there are. With a store, only what it does not have; what is new is kept in it.
+/// there are. Each trial is a cell.
 [[nodiscard]] Result<std::vector<SessionOutcome>> run_session_trials(
-    const std::vector<SessionTrial>& trials, const session::Config& config, SessionStore* store,
+    const std::vector<SessionTrial>& trials, const session::Config& config, Cells& cells,
     const Progress& progress);
 
 /// Many sessions in one row of a table.

@@ -10,6 +10,7 @@
 
 #include "apps/evaluation/safety/campaign_plans.hpp"
 #include "apps/evaluation/safety/judge.hpp"
+#include "apps/evaluation/safety/outcome_fields.hpp"
 #include "tuina/core/parallel.hpp"
 
 namespace tuina::app {
@@ -18,7 +19,8 @@ namespace {
 /// Runs trials side by side and keeps the first failure.
 class Runs {
  public:
-  Runs(std::size_t total, const Progress& progress) : total_(total), progress_(progress) {}
+  Runs(std::size_t total, Cells& cells, const Progress& progress)
+      : cells_(cells), total_(total), progress_(progress) {}
 
   template <class Work>
   [[nodiscard]] Result<void> each(std::size_t count, const Work& work) {
@@ -46,7 +48,17 @@ class Runs {
   }
   void done(std::size_t count) { done_ += count; }
 
+  /// A trial as a cell, by its part of the campaign and its place there.
+  [[nodiscard]] Result<TrialOutcome> trial(const char* part, std::size_t k, const TrialPlan& plan) {
+    return at<TrialOutcome>(part, k, [&] { return run_trial(plan); });
+  }
+  template <typename Outcome, typename Compute>
+  [[nodiscard]] Result<Outcome> at(const char* part, std::size_t k, const Compute& compute) {
+    return cells_.at<Outcome>(fmt::format("{} {}", part, k), compute);
+  }
+
  private:
+  Cells& cells_;
   std::size_t total_, done_ = 0;
   const Progress& progress_;
 };
@@ -63,7 +75,7 @@ Result<void> run_pairs(Campaign& campaign, Runs& runs) {
       jobs.push_back({&pair, std::move(plan)});
   }
   const auto done = runs.each(jobs.size(), [&](std::size_t k) -> Result<void> {
-    const auto outcome = run_trial(jobs[k].plan);
+    const auto outcome = runs.trial("pair", k, jobs[k].plan);
     if (!outcome) return tl::unexpected(outcome.error());
     jobs[k].worst_force_n = outcome->worst_force_n;
     return {};
@@ -81,7 +93,7 @@ Result<void> run_random(Campaign& campaign, Runs& runs) {
   return runs.each(campaign.random.size(), [&](std::size_t k) -> Result<void> {
     RandomTrial& trial = campaign.random[k];
     trial.plan = random_plan(campaign.sites, 1000 * campaign.order.seed + k);
-    auto outcome = run_trial(trial.plan);
+    auto outcome = runs.trial("random", k, trial.plan);
     if (!outcome) return tl::unexpected(outcome.error());
     trial.outcome = std::move(*outcome);
     return {};
@@ -92,10 +104,11 @@ Result<void> run_clean(Campaign& campaign, Runs& runs) {
   constexpr double press_s = 30.0;
   campaign.clean.resize(campaign.order.clean_runs);
   return runs.each(campaign.clean.size(), [&](std::size_t k) -> Result<void> {
-    auto outcome = run_trial({.site = &campaign.sites[(7 * k) % campaign.sites.size()],
-                              .whole = true,
-                              .press_s = press_s,
-                              .seed = campaign.order.seed + k});
+    auto outcome = runs.trial("clean", k,
+                              {.site = &campaign.sites[(7 * k) % campaign.sites.size()],
+                               .whole = true,
+                               .press_s = press_s,
+                               .seed = campaign.order.seed + k});
     if (!outcome) return tl::unexpected(outcome.error());
     campaign.clean[k] = std::move(*outcome);
     return {};
@@ -105,7 +118,8 @@ Result<void> run_clean(Campaign& campaign, Runs& runs) {
 Result<void> run_clean_sessions(Campaign& campaign, Runs& runs) {
   campaign.clean_sessions.resize(campaign.order.clean_sessions);
   return runs.each(campaign.clean_sessions.size(), [&](std::size_t k) -> Result<void> {
-    auto session = run_clean_session(campaign.order.seed + k);
+    auto session = runs.at<CleanSession>(
+        "clean session", k, [&] { return run_clean_session(campaign.order.seed + k); });
     if (!session) return tl::unexpected(session.error());
     campaign.clean_sessions[k] = std::move(*session);
     return {};
@@ -115,20 +129,27 @@ Result<void> run_clean_sessions(Campaign& campaign, Runs& runs) {
 Result<void> run_people(Campaign& campaign, Runs& runs) {
   campaign.people.resize(campaign.order.people);
   return runs.each(campaign.people.size(), [&](std::size_t k) -> Result<void> {
-    auto person = run_person(campaign.sites, 1000 * campaign.order.seed + k);
-    if (!person) return tl::unexpected(person.error());
-    campaign.people[k] = std::move(*person);
+    PersonRun& person = campaign.people[k];
+    person = draw_person(campaign.sites, 1000 * campaign.order.seed + k);
+    auto outcome = runs.trial("person", k, person.plan);
+    if (!outcome) return tl::unexpected(outcome.error());
+    person.outcome = std::move(*outcome);
     return {};
   });
 }
 
 Result<void> run_sessions(Campaign& campaign, Runs& runs) {
   if (!campaign.order.cells || !campaign.order.only.empty()) return {};
+  std::size_t number = 0;
   for (const auto part : {run_scan_cells, run_session_cells}) {
-    auto cells = part(campaign.order.seed, runs.of(1));
+    auto cells = runs.at<SessionCells>("sessions", number++, [&]() -> Result<SessionCells> {
+      auto made = part(campaign.order.seed, runs.of(1));
+      if (!made) return tl::unexpected(made.error());
+      return SessionCells{std::move(*made)};
+    });
     runs.done(1);
     if (!cells) return tl::unexpected(cells.error());
-    std::move(cells->begin(), cells->end(), std::back_inserter(campaign.sessions));
+    std::move(cells->all.begin(), cells->all.end(), std::back_inserter(campaign.sessions));
   }
   return {};
 }
@@ -145,15 +166,25 @@ Result<void> run_search(Campaign& campaign, Runs& runs) {
 
 }  // namespace
 
+namespace {
+
+void judge(CampaignCell& cell, TrialOutcome outcome) {
+  cell.outcome = std::move(outcome);
+  cell.broken = broken_promises(*cell.fault, cell.plan.stage, cell.outcome);
+}
+
+}  // namespace
+
 Result<void> run_cell(CampaignCell& cell) {
   auto outcome = run_trial(cell.plan);
   if (!outcome) return tl::unexpected(outcome.error());
-  cell.outcome = std::move(*outcome);
-  cell.broken = broken_promises(*cell.fault, cell.plan.stage, cell.outcome);
+  judge(cell, std::move(*outcome));
   return {};
 }
 
-Result<Campaign> run_campaign(const CampaignOrder& order, const Progress& progress) {
+Result<Campaign> run_campaign(const CampaignOrder& order, Cells& cells, const Progress& progress) {
+  if (cells.sharded() && order.search_trials > 0)
+    return fail(Fault::usage, "--search goes from trial to trial, so it has no shards");
   auto sites = make_sites(order.seed);
   if (!sites) return tl::unexpected(sites.error());
   Campaign campaign{.order = order, .sites = std::move(*sites)};
@@ -166,8 +197,13 @@ Result<Campaign> run_campaign(const CampaignOrder& order, const Progress& progre
   constexpr std::size_t session_parts = 2;
   Runs runs(campaign.cells.size() + pair_trials + session_parts + order.random_trials +
                 order.clean_runs + order.clean_sessions + order.people + order.search_trials,
-            progress);
-  const auto cell = [&](std::size_t k) { return run_cell(campaign.cells[k]); };
+            cells, progress);
+  const auto cell = [&](std::size_t k) -> Result<void> {
+    auto outcome = runs.trial("cell", k, campaign.cells[k].plan);
+    if (!outcome) return tl::unexpected(outcome.error());
+    judge(campaign.cells[k], std::move(*outcome));
+    return {};
+  };
   if (auto done = runs.each(campaign.cells.size(), cell); !done)
     return tl::unexpected(done.error());
   for (const auto part : {run_pairs, run_sessions, run_random, run_clean, run_clean_sessions,

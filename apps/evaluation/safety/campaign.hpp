@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/evaluation/cells.hpp"
 #include "apps/evaluation/safety/search.hpp"
 #include "apps/evaluation/safety/sessions.hpp"
 #include "tuina/core/progress.hpp"
@@ -77,7 +78,9 @@ struct Campaign {
 /// Runs a cell and judges it.
 [[nodiscard]] Result<void> run_cell(CampaignCell& cell);
 
-/// All of it, side by side on all cores; the results do not depend on how many there are.
-[[nodiscard]] Result<Campaign> run_campaign(const CampaignOrder& order, const Progress& progress);
+/// All of it, side by side on all cores; the results do not depend on how many there are. Every
+/// trial is one of `cells`.
+[[nodiscard]] Result<Campaign> run_campaign(const CampaignOrder& order, Cells& cells,
+                                            const Progress& progress);
 
 }  // namespace tuina::app

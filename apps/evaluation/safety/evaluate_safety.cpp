@@ -35,10 +35,14 @@ class EvaluateSafety final : public Verb {
     options.add("--out", out_,
                 "a folder for the page safety.html and for what a search found, worst_trials.json; "
                 "made if need be");
+    cells_.describe(options, &out_);
   }
 
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
-    if (!out_.empty()) {
+    const auto config = effective_config(common);
+    if (!config) return tl::unexpected(config.error());
+    if (auto opened = cells_.open(common, *config); !opened) return tl::unexpected(opened.error());
+    if (!out_.empty() && !cells_.sharded()) {
       std::error_code error;
       std::filesystem::create_directories(out_, error);
       if (error) return fail(Fault::file, "the folder {}: {}", out_, error.message());
@@ -52,27 +56,32 @@ class EvaluateSafety final : public Verb {
       order.people = people_;
       order.search_trials = search_;
     }
-    const auto campaign = run_campaign(order, progress_bar(common, "safety"));
+    const auto campaign = run_campaign(order, cells_, progress_bar(common, "safety"));
     if (!campaign) return tl::unexpected(campaign.error());
+    return cells_.answer([&] { return answer(*campaign); });
+  }
+
+ private:
+  [[nodiscard]] Result<Answer> answer(const Campaign& campaign) const {
     if (!out_.empty()) {
-      const auto page = page_of(*campaign);
+      const auto page = page_of(campaign);
       if (!page) return tl::unexpected(page.error());
       const auto path = std::filesystem::path(out_) / "safety.html";
       if (auto written = write_file(path, *page); !written) return tl::unexpected(written.error());
     }
-    const std::string json = to_json(*campaign);
-    if (!out_.empty() && !campaign->worst.empty()) {
+    const std::string json = to_json(campaign);
+    if (!out_.empty() && !campaign.worst.empty()) {
       const auto path = std::filesystem::path(out_) / "worst_trials.json";
-      if (auto written = write_file(path, to_json(campaign->worst) + "\n"); !written)
+      if (auto written = write_file(path, to_json(campaign.worst) + "\n"); !written)
         return tl::unexpected(written.error());
     }
-    return Answer{.json = json, .text = to_text(*campaign)};
+    return Answer{.json = json, .text = to_text(campaign)};
   }
 
- private:
   bool full_ = false;
   std::uint64_t random_ = 0, clean_ = 0, people_ = 0, search_ = 0;
   std::string only_, out_;
+  Cells cells_;
 };
 
 }  // namespace

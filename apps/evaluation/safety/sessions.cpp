@@ -187,7 +187,7 @@ Result<CleanSession> run_clean_session(std::uint64_t seed) {
   return clean;
 }
 
-Result<PersonRun> run_person(const std::vector<Site>& sites, std::uint64_t seed) {
+PersonRun draw_person(const std::vector<Site>& sites, std::uint64_t seed) {
   Random random = make_random(seed, "person");
   const FaultClass& habit = habits()[seed % habits().size()];
   PersonRun run{.does = habit.name, .plan = trial_of(habits()[0], sites, any_choices(random))};
@@ -198,9 +198,6 @@ Result<PersonRun> run_person(const std::vector<Site>& sites, std::uint64_t seed)
     run.plan.onsets.push_back({.fault = &habit,
                                .later_s = uniform(random, 1.0, 6.0),
                                .severity = uniform(random, 0.3, 1.0)});
-  auto outcome = run_trial(run.plan);
-  if (!outcome) return tl::unexpected(outcome.error());
-  run.outcome = std::move(*outcome);
   return run;
 }
 

@@ -45,6 +45,7 @@ struct PersonRun {
   TrialPlan plan;
   TrialOutcome outcome;
 };
-[[nodiscard]] Result<PersonRun> run_person(const std::vector<Site>& sites, std::uint64_t seed);
+/// Not yet run.
+[[nodiscard]] PersonRun draw_person(const std::vector<Site>& sites, std::uint64_t seed);
 
 }  // namespace tuina::app

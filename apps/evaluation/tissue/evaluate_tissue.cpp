@@ -4,7 +4,9 @@
 #include <thread>
 
 #include "apps/cli/table.hpp"
+#include "apps/evaluation/cells.hpp"
 #include "apps/evaluation/thesis/tissue.hpp"
+#include "apps/evaluation/tissue/outcome_fields.hpp"
 #include "apps/evaluation/tissue/page.hpp"
 #include "apps/evaluation/tissue/trials.hpp"
 #include "apps/evaluation/tissue/world_trials.hpp"
@@ -144,12 +146,16 @@ class EvaluateTissue final : public Verb {
         options.add("--scenario", scenario_, "one scenario or world only").one_of(names);
     options.flag("--thesis", thesis_, "chapter 6 of the thesis, claim by claim").excludes(scenario);
     options.add("--out", out_, "the tables and curves as one HTML page");
+    cells_.describe(options, &out_);
   }
 
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
     common_ = &common;
     const Progress progress = progress_bar(common, "tissue");
     if (thesis_) return thesis(progress);
+    const auto config = effective_config(common);
+    if (!config) return tl::unexpected(config.error());
+    if (auto opened = cells_.open(common, *config); !opened) return tl::unexpected(opened.error());
     const unsigned threads = std::clamp(std::thread::hardware_concurrency(), 1U, 8U);
     const std::uint64_t seed = common.seed * 1000003ULL;
     std::vector<sim::PressScenario> scenarios;
@@ -179,7 +185,13 @@ class EvaluateTissue final : public Verb {
     for (const auto& scenario : scenarios) {
       std::array<TrialResults, 3> results;
       for (std::size_t k = 0; k < 3; ++k) {
-        results[k] = run_trials(scenario, trial_tissues[k], runs_, seed, threads, part(runs_));
+        auto trials = cells_.at<TrialResults>(
+            fmt::format("{} {}", scenario.name, trial_tissues[k].name),
+            [&]() -> Result<TrialResults> {
+              return run_trials(scenario, trial_tissues[k], runs_, seed, threads, part(runs_));
+            });
+        if (!trials) return tl::unexpected(trials.error());
+        results[k] = std::move(*trials);
         done += runs_;
         // Tissue of another law has no true alpha: there only the claim to know it can be judged.
         if (scenario.law != sim::PressScenario::TissueModel::tangent) {
@@ -191,8 +203,11 @@ class EvaluateTissue final : public Verb {
     for (const LoopScenario& scenario : loops) {
       std::array<TrialResults, 3> results;
       for (std::size_t k = 0; k < 3; ++k) {
-        auto outcome = run_loop_trials(scenario, trial_tissues[k], arm_runs_, seed, threads,
-                                       part(10.0 * arm_runs_));
+        auto outcome = cells_.at<TrialResults>(
+            fmt::format("{} {}", scenario.name, trial_tissues[k].name), [&] {
+              return run_loop_trials(scenario, trial_tissues[k], arm_runs_, seed, threads,
+                                     part(10.0 * arm_runs_));
+            });
         if (!outcome) return tl::unexpected(outcome.error());
         results[k] = std::move(*outcome);
         done += 10.0 * arm_runs_;
@@ -200,11 +215,14 @@ class EvaluateTissue final : public Verb {
       take(scenario.name, scenario.about, results);
     }
     for (const sim::TissueWorld& world : worlds) {
-      page_.worlds.rows.push_back(
-          row_of(world, run_world(world, world_runs_, seed, threads, part(9.0 * world_runs_))));
+      const auto result = cells_.at<WorldResult>(world.name, [&]() -> Result<WorldResult> {
+        return run_world(world, world_runs_, seed, threads, part(9.0 * world_runs_));
+      });
+      if (!result) return tl::unexpected(result.error());
+      page_.worlds.rows.push_back(row_of(world, *result));
       done += 9.0 * world_runs_;
     }
-    return answer();
+    return cells_.answer([&] { return answer(); });
   }
 
  private:
@@ -269,6 +287,7 @@ class EvaluateTissue final : public Verb {
   int runs_ = 200, arm_runs_ = 24, world_runs_ = 8;
   bool thesis_ = false;
   std::string scenario_, out_;
+  Cells cells_;
   nlohmann::json table_ = nlohmann::json::object();
   TissuePage page_{.table = empty_table(), .worlds = empty_world_table(), .curves = {}};
 };
