@@ -174,14 +174,14 @@ Result<Answer> Cells::answer(const std::function<Result<Answer>()>& tables) cons
                   .text = fmt::format("{} of {} cells are in {}", done_, asked_, file_)};
   }
   if (!lost_.empty()) {
-    constexpr std::size_t most_named = 8;
+    constexpr std::size_t max_named = 8;
     std::vector<std::string> lost = lost_;
     std::sort(lost.begin(), lost.end());
     const std::size_t all = lost.size();
-    lost.resize(std::min(all, most_named));
+    lost.resize(std::min(all, max_named));
     return fail(Fault::bad_input,
                 "{} of {} cells are in none of the files: {}{}; do their shard again", all, asked_,
-                fmt::join(lost, ", "), all > most_named ? ", ..." : "");
+                fmt::join(lost, ", "), all > max_named ? ", ..." : "");
   }
   // One that was done twice has one result, but for computing times; the first is taken.
   if (!repeated_.empty())

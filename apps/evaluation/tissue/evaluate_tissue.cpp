@@ -8,6 +8,7 @@
 #include "apps/evaluation/thesis/tissue.hpp"
 #include "apps/evaluation/tissue/outcome_fields.hpp"
 #include "apps/evaluation/tissue/page.hpp"
+#include "apps/evaluation/tissue/trial_table.hpp"
 #include "apps/evaluation/tissue/trials.hpp"
 #include "apps/evaluation/tissue/world_trials.hpp"
 #include "apps/evaluation/verbs.hpp"
@@ -15,106 +16,6 @@
 
 namespace tuina::app {
 namespace {
-
-/// JSON has no infinity: never is null.
-nlohmann::json number(double value) {
-  return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json();
-}
-
-bool has_interval(TrialMethod method) {
-  return method == TrialMethod::tuina || method == TrialMethod::kalman ||
-         method == TrialMethod::batch;
-}
-
-nlohmann::json to_json(const TrialResult& r, TrialMethod method) {
-  nlohmann::json json = {{"runs", r.runs},
-                         {"t95_s", number(r.t95_s)},
-                         {"q95_first_press", number(r.first_press_q95)},
-                         {"q95_last", number(r.last_q95)},
-                         {"alpha_bias", number(r.alpha_bias)},
-                         {"beta_bias", number(r.beta_bias)},
-                         {"kept_share", r.kept_share},
-                         {"detectable_change", number(r.detectable_change)}};
-  json["coverage"] =
-      has_interval(method) ? number(std::min(r.coverage_alpha, r.coverage_beta)) : nlohmann::json();
-  if (method == TrialMethod::tuina) {
-    json["converged_share"] = r.converged_share;
-    json["converged_median_s"] = number(r.converged_median_s);
-    json["false_converged_share"] = r.false_converged_share;
-  }
-  return json;
-}
-
-/// The worst of the three tissues, key by key.
-TrialResult worst_of(const std::array<TrialResult, 3>& results) {
-  TrialResult worst = results[0];
-  const auto larger = [](double a, double b) {
-    return std::isnan(a) ? b : std::isnan(b) ? a : std::max(a, b);
-  };
-  const auto wider = [](double a, double b) { return std::abs(b) > std::abs(a) ? b : a; };
-  for (const TrialResult& r : results) {
-    worst.t95_s = larger(worst.t95_s, r.t95_s);
-    worst.first_press_q95 = larger(worst.first_press_q95, r.first_press_q95);
-    worst.last_q95 = larger(worst.last_q95, r.last_q95);
-    worst.alpha_bias = wider(worst.alpha_bias, r.alpha_bias);
-    worst.beta_bias = wider(worst.beta_bias, r.beta_bias);
-    worst.detectable_change = larger(worst.detectable_change, r.detectable_change);
-    worst.coverage_alpha = std::min(worst.coverage_alpha, r.coverage_alpha);
-    worst.coverage_beta = std::min(worst.coverage_beta, r.coverage_beta);
-    worst.kept_share = std::min(worst.kept_share, r.kept_share);
-    worst.converged_share = std::min(worst.converged_share, r.converged_share);
-    worst.converged_median_s = larger(worst.converged_median_s, r.converged_median_s);
-    worst.false_converged_share = larger(worst.false_converged_share, r.false_converged_share);
-  }
-  return worst;
-}
-
-std::string cell(double value, double scale) {
-  if (std::isnan(value)) return "-";
-  if (std::isinf(value)) return "never";
-  const double shown = scale * value;
-  if (std::abs(shown) >= 999.5) return ">999";
-  return fmt::format("{:.{}f}", shown, std::abs(shown) >= 99.95 ? 0 : scale == 1.0 ? 2 : 1);
-}
-
-/// Three tissues in one cell; "never/never/never" says no more than "never".
-std::string three_of(const std::array<TrialResult, 3>& r, double TrialResult::*member,
-                     double scale) {
-  const std::array cells = {cell(r[0].*member, scale), cell(r[1].*member, scale),
-                            cell(r[2].*member, scale)};
-  if (cells[0] == cells[1] && cells[1] == cells[2]) return cells[0];
-  return fmt::format("{}/{}/{}", cells[0], cells[1], cells[2]);
-}
-
-telemetry::Table empty_table() {
-  telemetry::Table table{
-      .note =
-          "Bone/hard/soft. t95: from then on 95 % of the runs stay within 5 %. Errors: 95 % "
-          "quantile of the worse one of α and β. Bias and coverage of the 95 % intervals: α/β of "
-          "the worst tissue. Detectable: smallest change of α between two such records that can "
-          "be told from noise. False: called converged while beyond the promise, of all runs."};
-  for (const char* head : {"method", "t95, s", "one press, %", "at the end, %", "bias, %",
-                           "coverage", "detectable, %", "converged, %", "after, s", "false, %"})
-    table.columns.push_back({.head = head});
-  return table;
-}
-
-std::vector<telemetry::Cell> cells_of(TrialMethod method, const std::array<TrialResult, 3>& r) {
-  const TrialResult worst = worst_of(r);
-  const bool ours = method == TrialMethod::tuina;
-  return {name_of(method),
-          three_of(r, &TrialResult::t95_s, 1.0),
-          three_of(r, &TrialResult::first_press_q95, 100.0),
-          three_of(r, &TrialResult::last_q95, 100.0),
-          fmt::format("{}/{}", cell(worst.alpha_bias, 100.0), cell(worst.beta_bias, 100.0)),
-          has_interval(method)
-              ? fmt::format("{:.2f}/{:.2f}", worst.coverage_alpha, worst.coverage_beta)
-              : "-",
-          three_of(r, &TrialResult::detectable_change, 100.0),
-          ours ? three_of(r, &TrialResult::converged_share, 100.0) : "-",
-          ours ? three_of(r, &TrialResult::converged_median_s, 1.0) : "-",
-          ours ? cell(worst.false_converged_share, 100.0) : "-"};
-}
 
 /// Every estimator on many simulated people, sensors and disturbances (docs/tissue.md).
 class EvaluateTissue final : public Verb {
@@ -156,76 +57,98 @@ class EvaluateTissue final : public Verb {
     const auto config = effective_config(common);
     if (!config) return tl::unexpected(config.error());
     if (auto opened = cells_.open(common, *config); !opened) return tl::unexpected(opened.error());
-    const unsigned threads = std::clamp(std::thread::hardware_concurrency(), 1U, 8U);
-    const std::uint64_t seed = common.seed * 1000003ULL;
-    std::vector<sim::PressScenario> scenarios;
-    for (const auto& scenario : sim::press_scenarios()) {
-      if (scenario_.empty() || scenario.name == scenario_) scenarios.push_back(scenario);
-    }
-    std::vector<LoopScenario> loops;
-    for (const auto& scenario : loop_scenarios()) {
-      if (arm_runs_ > 0 && (scenario_.empty() || scenario.name == scenario_))
-        loops.push_back(scenario);
-    }
-    std::vector<sim::TissueWorld> worlds;
-    for (const auto& world : sim::tissue_worlds()) {
-      if (world_runs_ > 0 && (scenario_.empty() || world.name == scenario_))
-        worlds.push_back(world);
-    }
+    choose();
     // An experiment with the arm takes about ten times as long as one drawn from a formula.
-    const double all = 3.0 * (static_cast<double>(scenarios.size()) * runs_ +
-                              10.0 * static_cast<double>(loops.size()) * arm_runs_ +
-                              3.0 * static_cast<double>(worlds.size()) * world_runs_);
+    const double all = 3.0 * (static_cast<double>(scenarios_.size()) * runs_ +
+                              10.0 * static_cast<double>(loops_.size()) * arm_runs_ +
+                              3.0 * static_cast<double>(worlds_.size()) * world_runs_);
     double done = 0.0;
-    const auto part = [&](double weight) {
-      return [&progress, &done, all, weight](double share) {
-        if (progress) progress(std::min(1.0, (done + weight * share) / all));
-      };
+    const Part part = [&](double weight, double share) {
+      if (progress) progress(std::min(1.0, (done + weight * share) / all));
+      if (share >= 1.0) done += weight;
     };
-    for (const auto& scenario : scenarios) {
-      std::array<TrialResults, 3> results;
-      for (std::size_t k = 0; k < 3; ++k) {
-        auto trials = cells_.at<TrialResults>(
-            fmt::format("{} {}", scenario.name, trial_tissues[k].name),
-            [&]() -> Result<TrialResults> {
-              return run_trials(scenario, trial_tissues[k], runs_, seed, threads, part(runs_));
-            });
-        if (!trials) return tl::unexpected(trials.error());
-        results[k] = std::move(*trials);
-        done += runs_;
-        // Tissue of another law has no true alpha: there only the claim to know it can be judged.
-        if (scenario.law != sim::PressScenario::TissueModel::tangent) {
-          for (TrialResult& r : results[k]) r.false_converged_share = r.converged_share;
-        }
-      }
-      take(scenario.name, scenario.about, results);
-    }
-    for (const LoopScenario& scenario : loops) {
-      std::array<TrialResults, 3> results;
-      for (std::size_t k = 0; k < 3; ++k) {
-        auto outcome = cells_.at<TrialResults>(
-            fmt::format("{} {}", scenario.name, trial_tissues[k].name), [&] {
-              return run_loop_trials(scenario, trial_tissues[k], arm_runs_, seed, threads,
-                                     part(10.0 * arm_runs_));
-            });
-        if (!outcome) return tl::unexpected(outcome.error());
-        results[k] = std::move(*outcome);
-        done += 10.0 * arm_runs_;
-      }
-      take(scenario.name, scenario.about, results);
-    }
-    for (const sim::TissueWorld& world : worlds) {
-      const auto result = cells_.at<WorldResult>(world.name, [&]() -> Result<WorldResult> {
-        return run_world(world, world_runs_, seed, threads, part(9.0 * world_runs_));
-      });
-      if (!result) return tl::unexpected(result.error());
-      page_.worlds.rows.push_back(row_of(world, *result));
-      done += 9.0 * world_runs_;
+    for (const auto judge : {&EvaluateTissue::judge_scenarios, &EvaluateTissue::judge_loops,
+                             &EvaluateTissue::judge_worlds}) {
+      if (auto judged = (this->*judge)(part); !judged) return tl::unexpected(judged.error());
     }
     return cells_.answer([&] { return answer(); });
   }
 
  private:
+  /// Tells that a share of something of this weight is done.
+  using Part = std::function<void(double weight, double share)>;
+
+  void choose() {
+    const auto wanted = [&](const auto& all, bool any, auto& chosen) {
+      for (const auto& one : all) {
+        if (any && (scenario_.empty() || one.name == scenario_)) chosen.push_back(one);
+      }
+    };
+    wanted(sim::press_scenarios(), true, scenarios_);
+    wanted(loop_scenarios(), arm_runs_ > 0, loops_);
+    wanted(sim::tissue_worlds(), world_runs_ > 0, worlds_);
+    seed_ = common_->seed * 1000003ULL;
+  }
+
+  /// One cell for each tissue; `weight` is that of one.
+  template <typename Scenario, typename Trials>
+  [[nodiscard]] Result<void> judge_tissues(const Scenario& scenario, double weight,
+                                           const Part& part, const Trials& trials) {
+    std::array<TrialResults, 3> results;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const TrialTissue& tissue = trial_tissues[k];
+      auto found = cells_.at<TrialResults>(fmt::format("{} {}", scenario.name, tissue.name), [&] {
+        return trials(tissue, [&](double share) { part(weight, std::min(share, 0.999)); });
+      });
+      if (!found) return tl::unexpected(found.error());
+      results[k] = std::move(*found);
+      part(weight, 1.0);
+    }
+    take(scenario.name, scenario.about, results);
+    return {};
+  }
+
+  [[nodiscard]] Result<void> judge_scenarios(const Part& part) {
+    for (const sim::PressScenario& scenario : scenarios_) {
+      const auto trials = [&](const TrialTissue& tissue,
+                              const Progress& told) -> Result<TrialResults> {
+        TrialResults results = run_trials(scenario, tissue, runs_, seed_, threads_, told);
+        // Tissue of another law has no true alpha: there only the claim to know it can be judged.
+        if (scenario.law != sim::PressScenario::TissueModel::tangent) {
+          for (TrialResult& r : results) r.false_converged_share = r.converged_share;
+        }
+        return results;
+      };
+      if (auto judged = judge_tissues(scenario, runs_, part, trials); !judged) return judged;
+    }
+    return {};
+  }
+
+  [[nodiscard]] Result<void> judge_loops(const Part& part) {
+    for (const LoopScenario& scenario : loops_) {
+      const auto trials = [&](const TrialTissue& tissue, const Progress& told) {
+        return run_loop_trials(scenario, tissue, arm_runs_, seed_, threads_, told);
+      };
+      auto judged = judge_tissues(scenario, 10.0 * arm_runs_, part, trials);
+      if (!judged) return judged;
+    }
+    return {};
+  }
+
+  [[nodiscard]] Result<void> judge_worlds(const Part& part) {
+    const double weight = 9.0 * world_runs_;
+    for (const sim::TissueWorld& world : worlds_) {
+      const auto result = cells_.at<WorldResult>(world.name, [&]() -> Result<WorldResult> {
+        return run_world(world, world_runs_, seed_, threads_,
+                         [&](double share) { part(weight, std::min(share, 0.999)); });
+      });
+      if (!result) return tl::unexpected(result.error());
+      page_.worlds.rows.push_back(row_of(world, *result));
+      part(weight, 1.0);
+    }
+    return {};
+  }
+
   void take(const std::string& name, const std::string& about,
             const std::array<TrialResults, 3>& by_tissue) {
     table_[name]["about"] = about;
@@ -287,6 +210,11 @@ class EvaluateTissue final : public Verb {
   int runs_ = 200, arm_runs_ = 24, world_runs_ = 8;
   bool thesis_ = false;
   std::string scenario_, out_;
+  std::vector<sim::PressScenario> scenarios_;
+  std::vector<LoopScenario> loops_;
+  std::vector<sim::TissueWorld> worlds_;
+  std::uint64_t seed_ = 1;
+  const unsigned threads_ = std::clamp(std::thread::hardware_concurrency(), 1U, 8U);
   Cells cells_;
   nlohmann::json table_ = nlohmann::json::object();
   TissuePage page_{.table = empty_table(), .worlds = empty_world_table(), .curves = {}};

@@ -66,7 +66,7 @@ TEST_CASE("a dozen cells of the campaign keep all that is promised") {
 TEST_CASE(
     "the worst trials that a search has found keep their bounds, or are the ones known not to") {
   const auto json =
-      read_file(std::filesystem::path(TUINA_SOURCE_DIR) / "tests/whole/worst_trials.json");
+      read_file(std::filesystem::path(TUINA_SOURCE_DIR) / "tests/evaluation/worst_trials.json");
   REQUIRE(json.has_value());
   const auto worst = parse_worst(*json, sites());
   REQUIRE_MESSAGE(worst.has_value(), test::reason(worst));
