@@ -147,6 +147,7 @@ record::SessionFile session_file(const SessionResult& result, const SessionOrder
                            .rescans_s = session.rescans_s,
                            .devices = result.devices};
   file.order.commands = session.commands;
+  if (!session.said.empty()) file.order.said = session.said;
   for (const session::Decision& made : session.decisions) {
     file.decisions.push_back(
         {.time_s = made.time_s,

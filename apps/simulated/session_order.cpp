@@ -42,6 +42,8 @@ Result<void> read_order(const SessionOrder& order, const session::Config& config
   if (!model) return tl::unexpected(model.error());
   read.robot = std::move(*model);
   read.adaptive = order.adaptive;
+  if (order.said) read.said = *order.said;
+  read.fixed = order.fixed;
   return {};
 }
 

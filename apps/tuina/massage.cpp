@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "apps/cli/fixed_points.hpp"
 #include "apps/simulated/keyboard.hpp"
 #include "apps/simulated/session_files.hpp"
 #include "apps/simulated/session_replay.hpp"
@@ -65,6 +66,11 @@ class Massage final : public Verb {
                            "a pseudonym: the session joins the history of this person, `tuina "
                            "history show`");
     add_history_option(options, history_).needs(who);
+    fixed_.describe(options);
+    options
+        .flag("--anew", anew_,
+              "use nothing that was said by hand of this person in earlier sessions")
+        .needs(who);
     replay.excludes(who);
     options
         .add("--device", order_.device,
@@ -80,7 +86,7 @@ class Massage final : public Verb {
     for (const char* recorded :
          {"--person", "--position", "--programme", "--robot", "--no-go", "--consent",
           "--robot-pose", "--keys", "--method", "--atlas", "--adaptive", "--body-mass-index",
-          "--body-fat-percent", "--device"}) {
+          "--body-fat-percent", "--device", "--fix", "--fix-error-mm"}) {
       replay.excludes(options.named(recorded));
     }
   }
@@ -107,11 +113,14 @@ class Massage final : public Verb {
       if (*made) std::filesystem::remove(out_, fault);
       return tl::unexpected(error);
     };
+    auto fixed = fixed_.read();
+    if (!fixed) return nothing_done(fixed.error());
+    order_.fixed = std::move(*fixed);
     auto visit = begin_visit();
     if (!visit) return nothing_done(visit.error());
     auto result = run_simulated_session(order_, *config, common,
                                         std::filesystem::path(out_) / "session.mcap");
-    if (!result) return nothing_done(result.error());
+    if (!result) return nothing_done(remembering(result.error()));
 
     record::SessionFile file = session_file(*result, order_, common.seed);
     if (visit->history) file.visit = visit->label;
@@ -170,12 +179,16 @@ class Massage final : public Verb {
     std::optional<history::History> history;
     record::VisitLabel label;
   };
-  [[nodiscard]] Result<BegunVisit> begin_visit() const {
+  [[nodiscard]] Result<BegunVisit> begin_visit() {
     BegunVisit begun;
     if (who_.empty()) return begun;
     if (const auto right = history::check_name(who_); !right) return tl::unexpected(right.error());
     auto history = open_history(history_);
     if (!history) return tl::unexpected(history.error());
+    if (!anew_) {
+      if (auto remembered = remember(*history); !remembered)
+        return tl::unexpected(remembered.error());
+    }
     begun.label = new_visit(who_);
     if (const auto noted =
             history->begin(begun.label, std::filesystem::absolute(out_).lexically_normal());
@@ -183,6 +196,27 @@ class Massage final : public Verb {
       return tl::unexpected(noted.error());
     begun.history = std::move(*history);
     return begun;
+  }
+  /// What was said by hand of this person holds until somebody says otherwise.
+  [[nodiscard]] Result<void> remember(history::History& history) {
+    const auto visits = history.visits_of(who_);
+    if (!visits) return tl::unexpected(visits.error());
+    const history::Visit* last = history::last_said(*visits, order_.position);
+    if (last == nullptr) return {};
+    auto said = record::parse_said(last->said, "session " + last->id + " of the history");
+    if (!said) return tl::unexpected(said.error());
+    order_.said = std::move(*said);
+    remembered_ = fmt::format("{} ruled out and {} put right by hand, as said on {}",
+                              order_.said->by_hand.no_go.size(), order_.said->by_hand.fixed.size(),
+                              last->began.substr(0, 10));
+    return {};
+  }
+  /// Why a session could not begin, with what was remembered.
+  [[nodiscard]] Error remembering(Error error) const {
+    if (!remembered_.empty()) {
+      error.message += fmt::format("; of {}: {}; --anew begins without it", who_, remembered_);
+    }
+    return error;
   }
   /// Adds the session that has ended, and tells what has changed since the one before.
   [[nodiscard]] Result<std::string> end_visit(history::History& history,
@@ -192,6 +226,7 @@ class Massage final : public Verb {
     const auto visits = history.visits_of(who_);
     if (!visits) return tl::unexpected(visits.error());
     std::string text = fmt::format("{}: session {}", who_, visits->size());
+    if (!remembered_.empty()) text += "\nremembered: " + remembered_;
     if (const auto last = history::last_change(*visits)) text += "\n" + history::sentence_of(*last);
     return text;
   }
@@ -208,7 +243,9 @@ class Massage final : public Verb {
   }
 
   SessionOrder order_;
-  std::string who_, history_;
+  std::string who_, history_, remembered_;
+  bool anew_ = false;
+  FixedPoints fixed_;
   std::string replay_;
   std::string position_ = "auto";
   std::string method_;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <doctest/doctest.h>
+#include <fmt/format.h>
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -78,6 +79,67 @@ TEST_CASE("a person's sessions are remembered, compared, exported and forgotten"
   CHECK(gone.exit_code == 2);
   CHECK(gone.out.empty());
   CHECK(gone.err.find("nobody called anna") != std::string::npos);
+}
+
+TEST_CASE("what was said of a person by hand holds in the next session, and of nobody else") {
+  const Folder folder;
+  const std::string history = folder / "history.sqlite";
+  const auto session = [&](const char* out, const std::vector<std::string>& more) {
+    std::vector<std::string> words = {
+        "massage",    "--position", "sitting",   "--programme", folder / "brief.toml",
+        "--who",      "anna",       "--history", history,       "--out",
+        folder / out, "--json",     "--quiet"};
+    words.insert(words.end(), more.begin(), more.end());
+    return run_tuina(words);
+  };
+  folder.with("brief.toml",
+              "name = \"brief\"\n[[part]]\ntechnique = \"press\"\npoints = [\"BL50\"]\n");
+  const auto plain = session("plain", {});
+  REQUIRE_MESSAGE(plain.exit_code == 0, plain.err);
+  const auto found = nlohmann::json::parse(plain.out)["acupoints"]["points"];
+  const auto place = [&](const char* name) {
+    for (const auto& point : found) {
+      if (point["name"] == name) return point["position_m"].get<std::vector<double>>();
+    }
+    return std::vector<double>(3);
+  };
+  const auto gv4 = place("GV4"), bl50 = place("BL50_L");
+  std::string corners;
+  for (const auto& [x, z] : {std::pair(-1, -1), {1, -1}, {1, 1}, {-1, 1}})
+    corners += fmt::format("[{}, {}, {}], ", bl50[0] + 0.04 * x, bl50[1], bl50[2] + 0.04 * z);
+  const auto no_go = folder.with(
+      "no_go.toml", fmt::format("[[no_go]]\nname = \"scar\"\ncorners_m = [{}]\n", corners));
+  const std::string fix = fmt::format("GV4={},{},{}", gv4[0], gv4[1], gv4[2] + 0.006);
+
+  const auto first = session("first", {"--fix", fix, "--no-go", no_go});
+  REQUIRE_MESSAGE(first.exit_code == 0, first.err);
+  const auto pressed = [](const test::Outcome& outcome) {
+    std::vector<std::string> names;
+    const auto given = nlohmann::json::parse(outcome.out);
+    for (const auto& path : given["massage"]["performed"]) names.push_back(path["name"]);
+    return names;
+  };
+  CHECK(pressed(plain) == std::vector<std::string>{"press BL50_L", "press BL50_R"});
+  CHECK(pressed(first) == std::vector<std::string>{"press BL50_R"});
+  // The scan differs by its noise, and by nothing that anybody says.
+  const auto second = session("second", {"--set", "simulation.room_light_dn=9"});
+  REQUIRE_MESSAGE(second.exit_code == 0, second.err);
+  CHECK(pressed(second) == pressed(first));
+  const auto said = nlohmann::json::parse(second.out)["said"];
+  CHECK(said["no_go"][0]["name"] == "scar");
+  CHECK(said["fixed"][0]["name"] == "GV4");
+  CHECK(second.out.find("GV4 was put by hand") != std::string::npos);
+  // Given once more, from the record alone.
+  const auto again =
+      run_tuina({"massage", "--replay", folder / "second", "--out", folder / "again"});
+  CHECK_MESSAGE(again.err.find("as recorded") != std::string::npos, again.err);
+
+  const auto other = session("other", {"--seed", "2"});
+  CHECK(other.exit_code == 2);
+  CHECK(other.out.empty());
+  CHECK(other.err.find("1 ruled out and 1 put right by hand") != std::string::npos);
+  CHECK(other.err.find("--anew") != std::string::npos);
+  CHECK(session("anew", {"--seed", "2", "--anew"}).exit_code == 0);
 }
 
 TEST_CASE("what cannot be a history is wrong before anybody is scanned") {

@@ -69,12 +69,13 @@ Result<void> History::insert(const Visit& visit) {
                            visit.firmer,
                            visit.stops,
                            visit.stop_cause,
-                           visit.consent_by};
+                           visit.consent_by,
+                           visit.said};
   return database_->run(
       "INSERT INTO session (id, who, began, folder, ended, position, programme, robot, realism, "
       "version, duration_s, force_rmse_n, force_peak_n, softer, firmer, stops, stop_cause, "
-      "consent_by) VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $15, $16, "
-      "$17, $18)",
+      "consent_by, said) VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $15, "
+      "$16, $17, $18, $19)",
       session);
 }
 
@@ -196,7 +197,8 @@ Result<std::vector<Visit>> History::visits_of(const std::string& who) {
   const Value values[] = {who};
   const auto rows = database_->query(
       "SELECT id, began, folder, ended, position, programme, robot, realism, version, duration_s, "
-      "force_rmse_n, force_peak_n, softer, firmer, stops, stop_cause, consent_by FROM session "
+      "force_rmse_n, force_peak_n, softer, firmer, stops, stop_cause, consent_by, said FROM "
+      "session "
       "WHERE who = $1 ORDER BY began, id",
       values);
   if (!rows) return tl::unexpected(rows.error());
@@ -220,6 +222,7 @@ Result<std::vector<Visit>> History::visits_of(const std::string& who) {
                       .stops = whole(row[14]),
                       .stop_cause = text(row[15]),
                       .consent_by = text(row[16]),
+                      .said = text(row[17]),
                       .acupoints = {},
                       .tissue = {}});
     if (const auto filled = fill(visits.back()); !filled) return tl::unexpected(filled.error());

@@ -27,6 +27,8 @@ const std::vector<std::vector<const char*>> steps = {
      // That somebody was forgotten, and when: not who.
      "CREATE TABLE forgotten (at TEXT NOT NULL, sessions BIGINT NOT NULL)",
      "CREATE INDEX session_of_person ON session (who, began)"},
+    // What was ruled out or put right by hand, as in session.json.
+    {"ALTER TABLE session ADD COLUMN said TEXT"},
 };
 
 }  // namespace

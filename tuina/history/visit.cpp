@@ -17,6 +17,14 @@ Result<void> check_name(const std::string& who) {
               who.substr(0, 40));
 }
 
+const Visit* last_said(const std::vector<Visit>& visits, std::optional<BodyPosture> position) {
+  for (auto visit = visits.rbegin(); visit != visits.rend(); ++visit) {
+    const bool there = !position || visit->position == name_of(*position);
+    if (visit->ended && there && !visit->said.empty()) return &*visit;
+  }
+  return nullptr;
+}
+
 Visit visit_of(const record::SessionFile& file, const std::filesystem::path& folder) {
   Visit visit{.id = file.visit->id,
               .who = file.visit->who,
@@ -34,6 +42,7 @@ Visit visit_of(const record::SessionFile& file, const std::filesystem::path& fol
               .stops = static_cast<std::int64_t>(file.stops.size()),
               .stop_cause = file.stops.empty() ? "" : file.stops.front().cause,
               .consent_by = file.answered_by,
+              .said = file.order.said ? record::to_json(*file.order.said) : "",
               .acupoints = {},
               .tissue = {}};
   for (const auto& [time_s, command] : file.order.commands) {

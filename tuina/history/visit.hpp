@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -37,12 +38,18 @@ struct Visit {
   std::int64_t stops = 0;
   std::string stop_cause;  ///< of the first stop
   std::string consent_by;
+  std::string said;                 ///< by hand, `record::parse_said`; empty: nothing
   std::vector<Acupoint> acupoints;  ///< without normals
   std::vector<VisitTissue> tissue;
 };
 
 /// What the record of a session tells of it. `file.visit` is there.
 [[nodiscard]] Visit visit_of(const record::SessionFile& file, const std::filesystem::path& folder);
+
+/// The newest of somebody's sessions in a position in which something was said by hand; null where
+/// there is none. Without a position that of any.
+[[nodiscard]] const Visit* last_said(const std::vector<Visit>& visits,
+                                     std::optional<BodyPosture> position);
 
 /// Names of people: 1 to 40 letters, digits, `-` and `_`. Refused otherwise.
 [[nodiscard]] Result<void> check_name(const std::string& who);

@@ -116,6 +116,11 @@ class JsonWriter {
   [[nodiscard]] static Json json_of(const Vector3& v, Unit unit) {
     return {json_of(v.x(), unit), json_of(v.y(), unit), json_of(v.z(), unit)};
   }
+  [[nodiscard]] static Json json_of(const std::vector<Vector3>& places, Unit unit) {
+    Json all = Json::array();
+    for (const Vector3& place : places) all.push_back(json_of(place, unit));
+    return all;
+  }
   [[nodiscard]] static Json json_of(const Transform& to_from, Unit unit) {
     Json rotation = Json::array();
     for (int row = 0; row < 3; ++row)

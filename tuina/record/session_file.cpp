@@ -159,6 +159,22 @@ constexpr auto device_fields = [](auto& visit, auto& devices) {
     visit.object(name_of(arm), [&](auto& inside) { traffic_fields(inside, devices.traffic[arm]); });
 };
 
+constexpr auto said_fields = [](auto& visit, auto& said) {
+  const auto place = [](auto& inside, auto& point) {
+    inside("name", point.name);
+    inside("position_m", point.at_in_couch);
+  };
+  visit.list("no_go", said.by_hand.no_go, [](auto& inside, auto& area) {
+    inside("name", area.name);
+    inside("corners_m", area.corners_in_couch);
+  });
+  visit.list("fixed", said.by_hand.fixed, [&](auto& inside, auto& point) {
+    place(inside, point);
+    inside("error_mm", point.error_m, mm);
+  });
+  visit.list("lay", said.lay, place);
+};
+
 constexpr auto session_fields = [](auto& visit, auto& file) {
   visit("seed", file.seed);
   visit("version", file.version);
@@ -179,6 +195,9 @@ constexpr auto session_fields = [](auto& visit, auto& file) {
   });
   visit("rescans_s", file.rescans_s);
   visit.list("commands", file.order.commands, command_fields);
+  visit.if_known("said", file.order.said, [](auto& of_file, auto& said) {
+    of_file.object("said", [&](auto& inside) { said_fields(inside, said); });
+  });
   visit.list("decisions", file.decisions, decision_fields);
   visit.list("tissue", file.tissue, felt_fields);
   visit.object("stiffness", [&](auto& inside) {
@@ -204,6 +223,14 @@ constexpr auto session_fields = [](auto& visit, auto& file) {
 
 std::string to_json(const SessionFile& file) {
   return to_json(file, session_fields).dump(2);
+}
+
+std::string to_json(const session::Said& said) {
+  return to_json(said, said_fields).dump();
+}
+
+Result<session::Said> parse_said(std::string_view text, std::string_view name) {
+  return parse_json<session::Said>(text, name, "list of what was said by hand", said_fields);
 }
 
 Result<SessionFile> parse_session(std::string_view text, std::string_view name) {

@@ -13,6 +13,7 @@
 #include "tuina/body/acupoints.hpp"
 #include "tuina/core/result.hpp"
 #include "tuina/robot/obstacle.hpp"
+#include "tuina/session/by_hand.hpp"
 #include "tuina/session/force_errors.hpp"
 #include "tuina/session/live_command.hpp"
 #include "tuina/telemetry/report/report_data.hpp"
@@ -33,7 +34,10 @@ struct SessionOrder {
   std::string robot_pose;  ///< a file of `calibrate --robot`; empty: as good a one
   bool adaptive = true;
   tissue::BodyFacts facts;
-  bool keys = false;  ///< live commands from standard input
+  /// By hand, in this session or remembered of one before: places ruled out, points put right.
+  std::optional<session::Said> said = {};
+  std::vector<body::PalpatedPoint> fixed = {};  ///< on this scan; in a record they stand in `said`
+  bool keys = false;                            ///< live commands from standard input
   /// Commands as they were given in a session before, and when; instead of keys.
   std::vector<std::pair<double, session::LiveCommand>> commands;
   bool real_time = false;
@@ -147,5 +151,9 @@ struct SessionFile {
 
 /// Refused, with the key and what stands there: what is missing or of another kind.
 [[nodiscard]] Result<SessionFile> parse_session(std::string_view text, std::string_view name);
+
+/// What was said by hand, as one line of JSON, and back.
+[[nodiscard]] std::string to_json(const session::Said& said);
+[[nodiscard]] Result<session::Said> parse_said(std::string_view text, std::string_view name);
 
 }  // namespace tuina::record

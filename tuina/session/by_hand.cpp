@@ -2,6 +2,7 @@
 #include "tuina/session/by_hand.hpp"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 
 #include "tuina/core/units.hpp"
@@ -9,16 +10,28 @@
 namespace tuina::session {
 namespace {
 
-// Two scans of one back locate a point within some millimetres of each other.
-constexpr double max_misfit_m = 15_mm;
+bool the_same(std::span<const Acupoint> then, std::span<const Acupoint> now) {
+  return std::equal(then.begin(), then.end(), now.begin(), now.end(),
+                    [](const Acupoint& one, const Acupoint& other) {
+                      return one.name == other.name && one.at_in_couch == other.at_in_couch;
+                    });
+}
 
 }  // namespace
 
-Result<ByHand> carried(const ByHand& said, std::span<const Acupoint> then,
-                       std::span<const Acupoint> now) {
-  if (said.no_go.empty() && said.fixed.empty()) return said;
+ByHand joined(ByHand said, const ByHand& more) {
+  said.no_go.insert(said.no_go.end(), more.no_go.begin(), more.no_go.end());
+  for (const body::PalpatedPoint& point : more.fixed) {
+    std::erase_if(said.fixed, [&](const auto& before) { return before.name == point.name; });
+    said.fixed.push_back(point);
+  }
+  return said;
+}
+
+Result<ByHand> carried(const Said& said, std::span<const Acupoint> now, double max_misfit_m) {
+  if (said.empty() || said.lay.empty() || the_same(said.lay, now)) return said.by_hand;
   std::vector<std::pair<Vector3, Vector3>> pairs;
-  for (const Acupoint& before : then) {
+  for (const Acupoint& before : said.lay) {
     for (const Acupoint& after : now) {
       if (after.name == before.name) pairs.emplace_back(before.at_in_couch, after.at_in_couch);
     }
@@ -34,11 +47,12 @@ Result<ByHand> carried(const ByHand& said, std::span<const Acupoint> then,
   const double misfit_m = std::sqrt((motion * from - to).colwise().squaredNorm().mean());
   if (!(misfit_m <= max_misfit_m)) {
     return fail(Fault::bad_input,
-                "the person moved otherwise than as a whole ({:.0f} mm; {:.0f} mm are borne), so "
-                "the places that were ruled out or fixed by hand are not known any more",
+                "the acupoints lie otherwise to each other than when places were ruled out or put "
+                "right by hand ({:.1f} mm; {:.0f} mm are borne), so these are not known any more: "
+                "the person is bent, or another one",
                 to_mm(misfit_m), to_mm(max_misfit_m));
   }
-  ByHand moved = said;
+  ByHand moved = said.by_hand;
   for (massage::NoGo& place : moved.no_go) {
     for (Vector3& corner : place.corners_in_couch) corner = motion * corner;
   }

@@ -68,15 +68,14 @@ Result<Planned> plan_on(const MappedPerson& mapped, const ByHand& said, const Or
 /// Shows the plan until somebody says go, and plans anew for every change that is asked for.
 Result<void> review(const MappedPerson& mapped, const Order& order, const Config& config,
                     Observer& observer, ByHand& said, Planned& planned) {
+  const ByHand ordered = said;
   std::string refused;
   while (order.review) {
     const Review seen = order.review(planned.ready, refused);
     if (seen.answer == Review::Answer::go) break;
     if (seen.answer == Review::Answer::no)
       return fail(Fault::stopped, "the plan was not approved, and no arm has moved");
-    ByHand wanted = seen.wanted;
-    wanted.no_go.insert(wanted.no_go.begin(), order.plan_options.no_go.begin(),
-                        order.plan_options.no_go.end());
+    ByHand wanted = joined(ordered, seen.wanted);
     auto changed = plan_on(mapped, wanted, order, config, std::nullopt, {});
     refused = changed ? "" : changed.error().message;
     if (!changed) continue;
@@ -100,16 +99,10 @@ Result<void> arm_guard(Devices devices, const Order& order, const Config& config
                                               .field = std::move(*field)}});
 }
 
-/// What was said by hand of a person, and how they lay in the scan of which it was said.
-struct Said {
-  ByHand by_hand;
-  std::vector<Acupoint> lay;
-};
-
 /// From the person on the couch to arms that may move. `rail_m`: the robot stands already, with its
 /// base there, and without the paths that are `done`.
 Result<void> prepare(Devices devices, const Order& order, const Config& config, Observer& observer,
-                     std::optional<double> rail_m, const std::vector<std::string>& done, Said& said,
+                     std::optional<double> rail_m, const std::vector<std::string>& done,
                      Session& session) {
   auto mapped = scan_and_map(devices.camera, devices.turntable, order, config, observer);
   if (!mapped) return tl::unexpected(mapped.error());
@@ -119,10 +112,13 @@ Result<void> prepare(Devices devices, const Order& order, const Config& config, 
                 name_of(order.placed.position), name_of(position));
   }
   const std::vector<Acupoint>& lies = mapped->located.acupoints;
-  auto now = carried(said.by_hand, said.lay.empty() ? lies : said.lay, lies);
+  auto now = rail_m ? carried(session.said, lies, max_moved_misfit_m)
+                    : carried(order.said, lies, max_other_misfit_m);
   if (!now) return tl::unexpected(now.error());
+  if (!rail_m) now = joined(std::move(*now), {order.plan_options.no_go, order.fixed});
   auto planned = plan_on(*mapped, *now, order, config, rail_m, done);
   if (!planned) return tl::unexpected(planned.error());
+  if (!now->fixed.empty()) observer.on_map(planned->located);
   observer.on_progress(Stage::plan, 1.0);
   if (!rail_m) {
     auto looked_at = review(*mapped, order, config, observer, *now, *planned);
@@ -130,8 +126,8 @@ Result<void> prepare(Devices devices, const Order& order, const Config& config, 
   }
   auto armed = arm_guard(devices, order, config, *mapped, *now, *planned);
   if (!armed) return armed;
-  said = {.by_hand = std::move(*now), .lay = lies};
   // Only now, so that a session whose second scan fails still tells of its first.
+  session.said = {.by_hand = std::move(*now), .lay = lies};
   session.scan = std::move(mapped->scan);
   session.locate_ms = mapped->locate_ms;
   session.located = std::move(planned->located);
@@ -250,11 +246,8 @@ Result<Session> run(Devices devices, const Order& order, const Config& config, O
   link::OwnSupervisor own;
   if (devices.supervisor == nullptr) devices.supervisor = &own;
   Session session;
-  Said said{.by_hand = {.no_go = order.plan_options.no_go}};
-  if (auto ready = prepare(devices, order, config, observer, std::nullopt, {}, said, session);
-      !ready) {
+  if (auto ready = prepare(devices, order, config, observer, std::nullopt, {}, session); !ready)
     return tl::unexpected(ready.error());
-  }
   const double rail_m = session.ready.rail_m;
   if (auto stands = devices.robot.stand_ready({session.ready.ready_rad, rail_m}); !stands)
     return tl::unexpected(stands.error());
@@ -268,7 +261,7 @@ Result<Session> run(Devices devices, const Order& order, const Config& config, O
     devices.supervisor->rest();
     const auto again =
         session.rescans_s.size() < max_rescans
-            ? prepare(devices, order, config, observer, rail_m, performed.done(), said, session)
+            ? prepare(devices, order, config, observer, rail_m, performed.done(), session)
             : Result<void>(fail(Fault::bad_input, "the person keeps moving"));
     if (!again) {
       session.stops.push_back({session.massage_s, Arm::left, safety::Cause::person_moved});

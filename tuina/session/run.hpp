@@ -48,8 +48,12 @@ struct Order {
       position;  ///< position of the person; nothing: recognised from the scan
   scanner::ScannerCalibration calibration;
   robot::RobotModel robot;
-  PlacedRobot placed;    ///< measured place of the robot
-  bool adaptive = true;  ///< presses follow the tissue that was felt
+  PlacedRobot placed;  ///< measured place of the robot
+  /// What was said by hand of this person in a session before. Refused when it does not fit the
+  /// back that is seen, for a place that was ruled out must not be lost.
+  Said said;
+  std::vector<body::PalpatedPoint> fixed;  ///< points that a finger has shown on this scan
+  bool adaptive = true;                    ///< presses follow the tissue that was felt
   /// Asked before the first arm moves, and again with every plan that a change gave; it may wait
   /// for somebody who looks. `refused` says why a change could not be made, and is empty otherwise;
   /// the plan is then the one before. Empty: no need to ask.
@@ -66,6 +70,7 @@ struct Session {
   robot::RobotPlacement placement;
   motion::ReadyPlan ready;
   Transform base_from_couch = Transform::Identity();  ///< pose that the session believes
+  Said said;                                          ///< by hand, in the end
   double locate_ms = 0.0;                             ///< computing time
   double plan_ms = 0.0;
 
