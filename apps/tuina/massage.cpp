@@ -62,16 +62,7 @@ class Massage final : public Verb {
                                   "guard and robot as processes of their own, `tuina guard` "
                                   "and `tuina robot simulate`");
     options.add("--link", order_.link, "name of the memory that these share").needs(processes);
-    auto who = options.add("--who", who_,
-                           "a pseudonym: the session joins the history of this person, `tuina "
-                           "history show`");
-    add_history_option(options, history_).needs(who);
-    fixed_.describe(options);
-    options
-        .flag("--anew", anew_,
-              "use nothing that was said by hand of this person in earlier sessions")
-        .needs(who);
-    replay.excludes(who);
+    replay.excludes(describe_history(options));
     options
         .add("--device", order_.device,
              "a TOML file that names the arms (docs/armlink.md), in place of those simulated here; "
@@ -152,6 +143,18 @@ class Massage final : public Verb {
   }
 
  private:
+  Option describe_history(Options& options) {
+    auto who = options.add("--who", who_,
+                           "a pseudonym: the session joins the history of this person, `tuina "
+                           "history show`");
+    add_history_option(options, history_).needs(who);
+    fixed_.describe(options);
+    options
+        .flag("--anew", anew_,
+              "use nothing that was said by hand of this person in earlier sessions")
+        .needs(who);
+    return who;
+  }
   void describe_body(Options& options) {
     options
         .add("--body-mass-index", order_.facts.mass_index,

@@ -30,7 +30,7 @@ class Serve final : public Verb {
     options.add("--listen", listen_, "127.0.0.1 or ::1: no other address is listened at")
         .show_default();
     options.add("--pace", pace_, "of the simulation").one_of({"max", "real"}).show_default();
-    options.add("--robot", robot_, "built-in robot or a TOML file").show_default();
+    add_robot_option(options, robot_);
     options.add("--out", out_, "folder for the sessions and audit.log").show_default();
     options.add("--page", page_, "folder of the built page, as `./run serve` makes it")
         .show_default();
