@@ -35,6 +35,11 @@ set(TUINA_APP_MAY_INCLUDE_evaluation ${TUINA_PRODUCT} sim baselines apps/cli app
 set(TUINA_APP_MAY_INCLUDE_serve ${TUINA_PRODUCT} apps/cli apps/simulated)
 set(TUINA_APP_MAY_INCLUDE_tuina ${TUINA_PRODUCT} sim baselines apps/cli apps/simulated apps/serve)
 
+# The modules of Python, folders of python/: that of the product, and the one that knows the simulated world.
+set(TUINA_PYTHON module simulation)
+set(TUINA_PYTHON_MAY_INCLUDE_module ${TUINA_PRODUCT} apps/cli)
+set(TUINA_PYTHON_MAY_INCLUDE_simulation ${TUINA_PRODUCT} sim apps/cli apps/simulated python/module)
+
 # tuina_room(<name> SOURCES <file>... [USES <public target>...] [HIDES <private target>...])
 # makes the library tuina::<name> of one room. USES are third-party targets that its headers show,
 # HIDES those that only its .cpp files know.

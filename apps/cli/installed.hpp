@@ -5,14 +5,11 @@
 
 namespace tuina::app {
 
-/// Where a file or folder lies that is shipped with the program: below share/tuina beside an
-/// installed program, or where it was when the program was built.
-[[nodiscard]] inline std::filesystem::path installed_or(const char* name,
-                                                        std::filesystem::path built) {
-  std::error_code fault;
-  const auto program = std::filesystem::read_symlink("/proc/self/exe", fault);
-  auto installed = program.parent_path().parent_path() / "share/tuina" / name;
-  return std::filesystem::exists(installed, fault) ? installed : built;
-}
+/// Where a file or folder lies that is shipped with the program: in share/tuina above the program,
+/// or the library that an interpreter has loaded, or where it was when it was built.
+[[nodiscard]] std::filesystem::path installed_or(const char* name, std::filesystem::path built);
+
+/// The shipped atlas.
+[[nodiscard]] std::filesystem::path shipped_atlas_path();
 
 }  // namespace tuina::app

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/cli/press_file.hpp"
 
-#include <cmath>
-
 #include "apps/cli/command_line.hpp"
 #include "tuina/core/io/csv.hpp"
 #include "tuina/core/units.hpp"
@@ -18,17 +16,10 @@ Result<std::vector<tissue::TimedPress>> read_presses(const std::string& path, bo
   for (std::size_t row = 0; row < table->rows(); ++row) {
     const double time_s = table->columns[0][row], position_mm = table->columns[1][row],
                  force_n = table->columns[2][row];
-    const std::size_t line = row + 2;
-    if (!record.empty() && !(time_s > record.back().time_s)) {
-      return fail(Fault::bad_input, "{}:{}: time_s goes from {} to {}, it must grow", path, line,
-                  record.back().time_s, time_s);
-    }
-    if (std::abs(position_mm) > 1000.0 || std::abs(force_n) > 10000.0) {
-      return fail(Fault::bad_input,
-                  "{}:{}: {} mm and {} N are no press; up to 1000 mm and 10000 N can be", path,
-                  line, position_mm, force_n);
-    }
-    record.push_back({time_s, {.depth_m = from_mm(position_mm), .force_n = force_n}});
+    const tissue::TimedPress read{time_s, {.depth_m = from_mm(position_mm), .force_n = force_n}};
+    const std::string fault = fault_of(read, record.empty() ? nullptr : &record.back());
+    if (!fault.empty()) return fail(Fault::bad_input, "{}:{}: {}", path, row + 2, fault);
+    record.push_back(read);
   }
   return record;
 }
@@ -43,16 +34,6 @@ void PressFile::describe(Options& options) {
       .add("--position-noise-mm", position_noise_mm,
            "standard deviation of a position sample; else read from the record")
       .between(1e-6, 100.0);
-}
-
-tissue::SensorNoise PressFile::told(tissue::SensorNoise noise) const {
-  if (std::isfinite(force_noise_n)) noise.force_n = force_noise_n;
-  if (std::isfinite(position_noise_mm)) noise.position_m = from_mm(position_noise_mm);
-  return noise;
-}
-
-tissue::SensorNoise PressFile::noise_of(std::span<const tissue::TimedPress> record) const {
-  return told(tissue::estimate_noise(record));
 }
 
 }  // namespace tuina::app

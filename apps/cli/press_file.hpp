@@ -2,12 +2,12 @@
 #pragma once
 
 #include <limits>
-#include <span>
 #include <string>
 #include <vector>
 
 #include "apps/cli/options.hpp"
 #include "tuina/core/result.hpp"
+#include "tuina/core/units.hpp"
 #include "tuina/tissue/press_record.hpp"
 
 namespace tuina::app {
@@ -25,13 +25,9 @@ struct PressFile {
   double position_noise_mm = std::numeric_limits<double>::quiet_NaN();
 
   void describe(Options& options);
-  /// As told, else what is usual.
-  [[nodiscard]] tissue::SensorNoise noise_told() const { return told(tissue::SensorNoise{}); }
-  /// As told, else as it shows in a record.
-  [[nodiscard]] tissue::SensorNoise noise_of(std::span<const tissue::TimedPress> record) const;
-
- private:
-  [[nodiscard]] tissue::SensorNoise told(tissue::SensorNoise noise) const;
+  [[nodiscard]] tissue::KnownNoise known_noise() const {
+    return {.force_n = force_noise_n, .position_m = from_mm(position_noise_mm)};
+  }
 };
 
 }  // namespace tuina::app

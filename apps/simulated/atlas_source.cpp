@@ -1,16 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/simulated/atlas_source.hpp"
 
+#include <filesystem>
+
 #include "apps/cli/installed.hpp"
 #include "apps/simulated/scanned_people.hpp"
 
 namespace tuina::app {
 
 namespace fs = std::filesystem;
-
-fs::path default_atlas_path() {
-  return installed_or("models/atlas.tuina", fs::path(TUINA_MODELS) / "atlas.tuina");
-}
 
 Result<std::vector<body::LabelledBody>> read_labelled(const std::vector<std::string>& places) {
   std::vector<body::LabelledBody> bodies;
@@ -27,7 +25,7 @@ Result<std::vector<body::LabelledBody>> read_labelled(const std::vector<std::str
 }
 
 Result<body::Atlas> open_atlas(const std::string& words, const Progress& progress) {
-  if (words.empty()) return body::read_atlas(default_atlas_path());
+  if (words.empty()) return body::read_atlas(shipped_atlas_path());
   std::error_code fault;
   if (!fs::exists(words, fault)) return fail(Fault::file, "{}: there is no such atlas", words);
   if (!fs::is_directory(words, fault) && fs::path(words).extension() != ".ply")
@@ -35,7 +33,7 @@ Result<body::Atlas> open_atlas(const std::string& words, const Progress& progres
   auto bodies = read_labelled({words});
   if (!bodies) return tl::unexpected(bodies.error());
   scan_everybody(*bodies, 1, {});
-  const auto shipped = body::read_atlas(default_atlas_path());
+  const auto shipped = body::read_atlas(shipped_atlas_path());
   if (!shipped) return tl::unexpected(shipped.error());
   return body::learn_atlas(*bodies, &*shipped, progress, nullptr);
 }

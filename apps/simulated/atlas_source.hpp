@@ -1,17 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <filesystem>
 #include <string>
 
 #include "tuina/body/atlas.hpp"
 #include "tuina/core/progress.hpp"
 
 namespace tuina::app {
-
-/// Where the shipped atlas lies: beside an installed program or in the source tree it was built
-/// from.
-[[nodiscard]] std::filesystem::path default_atlas_path();
 
 /// What --atlas accepts: nothing (the shipped atlas), an atlas file, or a labelled body (FILE.ply)
 /// or folder of them, which then adapts the shipped atlas.

@@ -4,6 +4,7 @@
 #include "apps/simulated/atlas_source.hpp"
 #include "tuina/core/io/file.hpp"
 #include "tuina/core/units.hpp"
+#include "tuina/session/lay_plan.hpp"
 
 namespace tuina::app {
 namespace {
@@ -29,7 +30,7 @@ Result<void> read_order(const SessionOrder& order, const session::Config& config
                         session::Order& read) {
   auto programme = massage::load_programme(order.programme);
   if (!programme) return tl::unexpected(programme.error());
-  auto options = plan_options(config, order.no_go);
+  auto options = session::plan_options(config, order.no_go);
   if (!options) return tl::unexpected(options.error());
   auto atlas = open_atlas(order.atlas);
   if (!atlas) return tl::unexpected(atlas.error());
@@ -48,18 +49,6 @@ Result<void> read_order(const SessionOrder& order, const session::Config& config
 }
 
 }  // namespace
-
-Result<massage::PlanOptions> plan_options(const session::Config& config,
-                                          const std::string& no_go_file) {
-  massage::PlanOptions options{.force_scale = config.massage.force_scale,
-                               .force_ceiling_n = config.safety.force_ceiling_n,
-                               .transfers = {.standoff_m = from_mm(config.massage.standoff_mm)}};
-  if (no_go_file.empty()) return options;
-  auto no_go = massage::read_no_go(no_go_file);
-  if (!no_go) return tl::unexpected(no_go.error());
-  options.no_go = std::move(*no_go);
-  return options;
-}
 
 sim::ScanFlaws scan_flaws(const session::Config& config) {
   const auto& simulation = config.simulation;

@@ -13,10 +13,6 @@ namespace tuina::app {
 
 using record::SessionOrder;
 
-/// How the config and the therapist want a plan.
-[[nodiscard]] Result<massage::PlanOptions> plan_options(const session::Config& config,
-                                                        const std::string& no_go_file);
-
 /// What the scanner looks at, and the world, that a config's section `simulation` describes.
 [[nodiscard]] sim::ScanFlaws scan_flaws(const session::Config& config);
 [[nodiscard]] sim::WorldOptions world_options(const session::Config& config);

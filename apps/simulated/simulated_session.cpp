@@ -205,6 +205,7 @@ Result<SessionResult> run_simulated_session(const SessionOrder& order,
     if (!far) return tl::unexpected(far.error());
     std::optional<LinkedTruth> told;
     std::vector<session::Observer*> all = {&truth, &joints, &watcher};
+    if (attendant.waits != nullptr) all.push_back(attendant.waits);
     std::optional<session::Relay> record;
     if (*recorder) {
       using Behind = session::Relay::Behind;

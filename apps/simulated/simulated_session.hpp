@@ -77,6 +77,9 @@ struct SessionResult {
 /// asked.
 struct Attendant {
   session::Observer* watches = nullptr;  ///< told through a relay, so it may be slow
+  /// Told within the millisecond, which waits for it; for who answers by `commands` at once. Not
+  /// for a session at real pace.
+  session::Observer* waits = nullptr;
   std::function<std::optional<session::LiveCommand>(double time_s)> commands = {};
   std::function<session::Review(const motion::ReadyPlan&, const std::string& refused)> reviews = {};
   std::function<bool()> ends_scan = {};  ///< asked with every frame; true ends a scan

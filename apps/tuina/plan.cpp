@@ -3,15 +3,14 @@
 
 #include <chrono>
 
-#include "apps/simulated/simulated_session.hpp"
 #include "apps/tuina/verbs.hpp"
 #include "tuina/core/io/file.hpp"
 #include "tuina/core/io/png.hpp"
 #include "tuina/core/io/surface_file.hpp"
-#include "tuina/motion/ready_plan.hpp"
+#include "tuina/core/units.hpp"
 #include "tuina/record/acupoint_file.hpp"
 #include "tuina/record/plan_file.hpp"
-#include "tuina/session/config.hpp"
+#include "tuina/session/lay_plan.hpp"
 #include "tuina/telemetry/picture/shaded_picture.hpp"
 
 namespace tuina::app {
@@ -114,7 +113,7 @@ class PlanVerb final : public Verb {
     if (!model) return tl::unexpected(model.error());
     const auto programme = massage::load_programme(programme_);
     if (!programme) return tl::unexpected(programme.error());
-    const auto options = plan_options(*config, no_go_);
+    const auto options = session::plan_options(*config, no_go_);
     if (!options) return tl::unexpected(options.error());
     const auto map = record::read_acupoints(acupoints_);
     if (!map) return tl::unexpected(map.error());
@@ -125,15 +124,8 @@ class PlanVerb final : public Verb {
     const auto back = body::fit_back(scan->cloud, {.position = map->position});
     if (!back)
       return tl::unexpected(Error{back.error().fault, scan_ + ": " + back.error().message});
-    const double standoff_m = from_mm(config->massage.standoff_mm);
-    auto plan = massage::plan(*back, map->acupoints, map->landmarks, *programme, *options);
-    if (!plan) return tl::unexpected(plan.error());
-    const robot::RobotPlacement robot =
-        robot::place_robot(*model, back->position(), session::head_at_plus_y(map->acupoints));
-    const robot::RobotMount& mount = robot.mount;
-    const PerArm<robot::ArmModel> arms = robot::both_models(robot.arm, mount);
-    auto ready =
-        motion::make_ready(std::move(*plan), *back, mount, arms, mount.base_from_couch, standoff_m);
+    const auto ready =
+        session::lay_plan(*back, map->acupoints, map->landmarks, *programme, *model, *options);
     if (!ready) return tl::unexpected(ready.error());
     const std::chrono::duration<double, std::milli> taken =
         std::chrono::steady_clock::now() - start;

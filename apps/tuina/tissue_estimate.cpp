@@ -6,15 +6,15 @@
 
 #include "apps/cli/press_file.hpp"
 #include "apps/tuina/press_plot.hpp"
-#include "apps/tuina/tissue_predict.hpp"
 #include "apps/tuina/verbs.hpp"
 #include "tuina/baselines/thesis_estimator.hpp"
 #include "tuina/core/io/file.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/record/shared_fields.hpp"
 #include "tuina/tissue/classification.hpp"
-#include "tuina/tissue/creep_estimator.hpp"
+#include "tuina/tissue/press_forecast.hpp"
 #include "tuina/tissue/press_segments.hpp"
+#include "tuina/tissue/record_estimate.hpp"
 
 namespace tuina::app {
 namespace {
@@ -52,33 +52,21 @@ struct Estimated {
   }
 };
 
-/// The noise is looked for in what came so far, whenever that has doubled, and the estimator then
-/// sees it all again: what it says at a time never depends on what comes later.
-Estimated by_tuina(std::span<const tissue::TimedPress> record, const PressFile& file,
-                   tissue::PressEstimatorOptions options, Wanted wanted,
-                   tissue::CreepEstimator& estimator) {
-  constexpr std::size_t first_look = 32, last_look = 4096;
-  const auto use = [&](const tissue::SensorNoise& noise) {
-    options.force_noise_n = noise.force_n;
-    options.position_noise_m = noise.position_m;
-    estimator = tissue::CreepEstimator(options);
-  };
-  Estimated result{.last = {}, .noise = file.noise_told()};
-  use(result.noise);
-  std::size_t look = first_look;
-  for (std::size_t i = 0; i < record.size(); ++i) {
-    if (i + 1 == look && look <= last_look) {
-      look *= 2;
-      result.noise = file.noise_of(record.first(i + 1));
-      use(result.noise);
-      for (const auto& [time_s, press] : record.first(i)) estimator.update(time_s, press);
-    }
-    estimator.update(record[i].time_s, record[i].press);
-    result.keep(record[i].time_s, estimator.estimate(), wanted, true);
+/// CSV of the forces that a later press is going to meet.
+Result<std::string> predicted_csv(const tissue::RecordEstimate& made,
+                                  std::span<const tissue::TimedPress> record,
+                                  const std::string& next_file) {
+  const auto rows = read_presses(next_file, true);
+  if (!rows) return tl::unexpected(rows.error());
+  const auto foretold =
+      tissue::foretell_press(made.estimator, record.front().time_s, record.back().time_s, *rows);
+  if (!foretold) return fail(foretold.error().fault, "{}: {}", next_file, foretold.error().message);
+  std::string csv = "time_s,force_n,force_low_n,force_high_n\n";
+  for (const auto& [time_s, band] : *foretold) {
+    fmt::format_to(std::back_inserter(csv), "{},{:.6g},{:.6g},{:.6g}\n", time_s, band.force_n,
+                   band.low_n, band.high_n);
   }
-  result.last = estimator.estimate();
-  result.nis = estimator.nis();
-  return result;
+  return csv;
 }
 
 /// The thesis prints neither intervals nor a rule for convergence; here it has converged once
@@ -168,17 +156,27 @@ class TissueEstimateVerb final : public Verb {
     const auto record = read_presses(file_.path);
     if (!record) return tl::unexpected(record.error());
     const Wanted wanted{.trace = !out_.empty(), .history = !plot_.empty()};
-    tissue::CreepEstimator estimator;
-    const Estimated result = ours ? by_tuina(*record, file_,
-                                             {.contact_sd_m = from_mm(contact_sd_mm_),
-                                              .force_delay_s = force_delay_ms_ * 1e-3,
-                                              .torso_n_per_m = torso_n_per_mm_.value_or(0.0) * 1e3,
-                                              .breathing_m = from_mm(breathing_mm_)},
-                                             wanted, estimator)
-                                  : by_thesis(*record, file_.noise_of(*record), wanted);
+    std::optional<tissue::RecordEstimate> made;
+    Estimated result;
+    if (ours) {
+      made = tissue::estimate_record(*record,
+                                     {.contact_sd_m = from_mm(contact_sd_mm_),
+                                      .force_delay_s = force_delay_ms_ * 1e-3,
+                                      .torso_n_per_m = torso_n_per_mm_.value_or(0.0) * 1e3,
+                                      .breathing_m = from_mm(breathing_mm_)},
+                                     file_.known_noise(),
+                                     [&](double time_s, const TissueEstimate& estimate) {
+                                       result.keep(time_s, estimate, wanted, true);
+                                     });
+      result.last = made->estimator.estimate();
+      result.nis = made->estimator.nis();
+      result.noise = made->noise;
+    } else {
+      result =
+          by_thesis(*record, file_.known_noise().over(tissue::estimate_noise(*record)), wanted);
+    }
     if (!predict_.empty()) {
-      const auto predicted =
-          predict_forces(estimator, record->front().time_s, record->back().time_s, predict_);
+      const auto predicted = predicted_csv(*made, *record, predict_);
       if (!predicted) return tl::unexpected(predicted.error());
       if (const auto written = write_file(predict_out_, *predicted); !written)
         return tl::unexpected(written.error());
@@ -239,7 +237,9 @@ class TissueEstimateVerb final : public Verb {
   std::string out_, plot_, predict_, predict_out_;
   std::string method_ = "tuina";
   std::optional<double> torso_n_per_mm_, true_alpha_n_, true_beta_per_mm_;
-  double breathing_mm_ = 1.0, contact_sd_mm_ = 1.0, force_delay_ms_ = 0.0;
+  double breathing_mm_ = to_mm(tissue::record_options().breathing_m);
+  double contact_sd_mm_ = to_mm(tissue::record_options().contact_sd_m);
+  double force_delay_ms_ = 0.0;
 };
 
 }  // namespace

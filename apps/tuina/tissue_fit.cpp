@@ -28,7 +28,7 @@ class TissueFit final : public Verb {
   [[nodiscard]] Result<Answer> run(const CommonOptions&) override {
     const auto record = read_presses(file_.path);
     if (!record) return tl::unexpected(record.error());
-    const tissue::SensorNoise noise = file_.noise_of(*record);
+    const tissue::SensorNoise noise = file_.known_noise().over(tissue::estimate_noise(*record));
     const auto fit = tissue::fit_curve(*record, noise);
     if (!fit) return fail(fit.error().fault, "{}: {}", file_.path, fit.error().message);
     if (!plot_.empty()) {

@@ -184,7 +184,7 @@ TEST_CASE(
   refused("3,0,0.1\n3.001,0,0.1\n", "leave it empty where it is to be predicted");
   refused("3,0,0.1\n3.001,,\n", "next.csv:3: position_mm");
   refused("3,0,\n2.9,0,\n", "next.csv:3: time_s goes from 3 to 2.9");
-  refused("1,0,0.1\n1.001,0,\n", "next.csv:2: time_s 1 lies within the record");
+  refused("1,0,0.1\n1.001,0,\n", "next.csv: the first time_s, 1, lies within the record");
   refused("3,0,x\n", "next.csv:2: force_n");
   CHECK(run_tuina({"tissue", "estimate", record, "--predict", record}).exit_code == 1);
 }

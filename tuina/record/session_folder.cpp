@@ -13,24 +13,29 @@ constexpr std::string_view compressed = ".zst";
 
 Result<void> unpack(const mcap::Attachment& attachment, const std::filesystem::path& folder,
                     const std::string& file) {
-  constexpr std::uint64_t max_bytes = std::uint64_t{1} << 30;
   const std::filesystem::path name = attachment.name;
-  const std::string_view data = attachment.data.bytes;
   if (name.empty() || name != name.filename() || name == "." || name == "..") {
     return fail(Fault::bad_input, "{}: attachment `{}` is no name of a file", file,
                 attachment.name);
   }
-  if (!attachment.name.ends_with(compressed)) return write_file(folder / name, data);
-  const auto size = mcap::stated_size(data);
-  const auto content = size && *size <= max_bytes ? mcap::decompress(data, *size) : std::nullopt;
-  if (!content) {
-    return fail(Fault::bad_input, "{}: attachment {} is no zstd frame of at most {} bytes", file,
-                attachment.name, max_bytes);
-  }
-  return write_file(folder / name.stem(), *content);
+  const auto content = content_of(attachment, file);
+  if (!content) return tl::unexpected(content.error());
+  return write_file(folder / (attachment.name.ends_with(compressed) ? name.stem() : name),
+                    *content);
 }
 
 }  // namespace
+
+Result<std::string> content_of(const mcap::Attachment& attachment, std::string_view file) {
+  constexpr std::uint64_t max_bytes = std::uint64_t{1} << 30;
+  const std::string_view data = attachment.data.bytes;
+  if (!attachment.name.ends_with(compressed)) return std::string(data);
+  const auto size = mcap::stated_size(data);
+  auto content = size && *size <= max_bytes ? mcap::decompress(data, *size) : std::nullopt;
+  if (content) return std::move(*content);
+  return fail(Fault::bad_input, "{}: attachment {} is no zstd frame of at most {} bytes", file,
+              attachment.name, max_bytes);
+}
 
 Result<RecordFile> read_record_file(const std::filesystem::path& file,
                                     const mcap::OnMessage& each) {

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "tuina/core/io/scratch_folder.hpp"
 #include "tuina/core/result.hpp"
@@ -20,6 +21,10 @@ struct RecordFile {
 /// in `contents.lost`.
 [[nodiscard]] Result<RecordFile> read_record_file(const std::filesystem::path& file,
                                                   const telemetry::mcap::OnMessage& each = {});
+
+/// What is attached, unpacked where its name ends in .zst; `file` is named in the error.
+[[nodiscard]] Result<std::string> content_of(const telemetry::mcap::Attachment& attachment,
+                                             std::string_view file);
 
 /// A recorded session for reading: the folder that `tuina massage --out` leaves, or the
 /// session.mcap in it, whose attachments are then laid into a folder that goes with this object.

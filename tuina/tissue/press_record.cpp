@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tuina/tissue/press_record.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+
+#include "tuina/core/units.hpp"
 
 namespace tuina::tissue {
 namespace {
@@ -30,6 +34,24 @@ double noise_at(std::span<const TimedPress> record, std::size_t stride, Value va
 }
 
 }  // namespace
+
+SensorNoise KnownNoise::over(SensorNoise otherwise) const {
+  if (std::isfinite(force_n)) otherwise.force_n = force_n;
+  if (std::isfinite(position_m)) otherwise.position_m = position_m;
+  return otherwise;
+}
+
+std::string fault_of(const TimedPress& row, const TimedPress* before) {
+  constexpr double max_position_m = 1.0, max_force_n = 10000.0;
+  if (before != nullptr && !(row.time_s > before->time_s))
+    return fmt::format("time_s goes from {} to {}, it must grow", before->time_s, row.time_s);
+  if (std::abs(row.press.depth_m) > max_position_m || std::abs(row.press.force_n) > max_force_n) {
+    return fmt::format("{:g} mm and {:g} N are no press; up to {:.0f} mm and {:.0f} N can be",
+                       to_mm(row.press.depth_m), row.press.force_n, to_mm(max_position_m),
+                       max_force_n);
+  }
+  return {};
+}
 
 SensorNoise estimate_noise(std::span<const TimedPress> record) {
   const auto force = [](const TimedPress& s) { return s.press.force_n; };

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <limits>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "tuina/core/contact.hpp"
@@ -18,6 +20,19 @@ struct SensorNoise {
   double force_n = 0.2;
   double position_m = 0.05e-3;
 };
+
+/// What the caller knows of the noise; NaN: nothing.
+struct KnownNoise {
+  double force_n = std::numeric_limits<double>::quiet_NaN();
+  double position_m = std::numeric_limits<double>::quiet_NaN();
+
+  /// As known, else as in `otherwise`.
+  [[nodiscard]] SensorNoise over(SensorNoise otherwise) const;
+};
+
+/// What is wrong with a row of a record, in one sentence: a time that does not grow over that of
+/// the row `before` (null: the first one), or more than 1000 mm or 10000 N. Empty: nothing.
+[[nodiscard]] std::string fault_of(const TimedPress& row, const TimedPress* before);
 
 /// Estimates sensor noise from a record: deviation of each sample from the straight line between
 /// its neighbours, robust against presses and dropouts. Needs no free air. Slow (coloured) errors

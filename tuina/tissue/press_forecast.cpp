@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/tuina/tissue_predict.hpp"
+#include "tuina/tissue/press_forecast.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "apps/cli/press_file.hpp"
-
-namespace tuina::app {
+namespace tuina::tissue {
 namespace {
 
 /// A position without its noise, and its speed.
@@ -16,7 +14,7 @@ struct Motion {
 
 /// The straight line through the positions around a row: positions are known beforehand, forces are
 /// not.
-Motion motion_at(const std::vector<tissue::TimedPress>& rows, std::size_t row) {
+Motion motion_at(std::span<const TimedPress> rows, std::size_t row) {
   constexpr double reach_s = 12e-3;  // in which no press bends by more than 0.01 mm
   const double time_s = rows[row].time_s;
   std::size_t first = row, last = row;
@@ -41,32 +39,30 @@ Motion motion_at(const std::vector<tissue::TimedPress>& rows, std::size_t row) {
 
 }  // namespace
 
-Result<std::string> predict_forces(tissue::CreepEstimator estimator, double begin_s, double end_s,
-                                   const std::string& next_file) {
-  const auto rows = read_presses(next_file, true);
-  if (!rows) return tl::unexpected(rows.error());
-  const double first_s = rows->front().time_s;
+Result<std::vector<ForetoldForce>> foretell_press(CreepEstimator estimator, double begin_s,
+                                                  double end_s, std::span<const TimedPress> rows) {
+  if (rows.empty()) return fail(Fault::bad_input, "the later press has no rows");
+  const double first_s = rows.front().time_s;
   if (first_s > begin_s && first_s <= end_s) {
     return fail(Fault::bad_input,
-                "{}:2: time_s {} lies within the record, which ends at {}; a next press begins "
-                "later, or on a clock of its own from {} or earlier",
-                next_file, first_s, end_s, begin_s);
+                "the first time_s, {}, lies within the record, which ends at {}; a next press "
+                "begins later, or on a clock of its own from {} or earlier",
+                first_s, end_s, begin_s);
   }
-  if (std::none_of(rows->begin(), rows->end(),
+  if (std::none_of(rows.begin(), rows.end(),
                    [](const auto& row) { return std::isnan(row.press.force_n); })) {
     return fail(Fault::bad_input,
-                "{}: every row has a force_n; leave it empty where it is to be predicted",
-                next_file);
+                "every row has a force_n; leave it empty where it is to be predicted");
   }
   // On a clock of its own the press is so much later that the tissue has forgotten the record.
-  const double rested_s = 5.0 * tissue::memory_s.back();
+  const double rested_s = 5.0 * memory_s.back();
   const double later_s = first_s > end_s ? 0.0 : end_s - first_s + rested_s;
 
-  std::string csv = "time_s,force_n,force_low_n,force_high_n\n";
-  tissue::CreepEstimator::Outlook outlook;
+  std::vector<ForetoldForce> all;
+  CreepEstimator::Outlook outlook;
   bool told = false;
-  for (std::size_t i = 0; i < rows->size(); ++i) {
-    const auto& [time_s, press] = (*rows)[i];
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const auto& [time_s, press] = rows[i];
     if (!std::isnan(press.force_n)) {
       estimator.update(time_s + later_s, press);
       told = false;
@@ -77,13 +73,11 @@ Result<std::string> predict_forces(tissue::CreepEstimator estimator, double begi
       outlook = estimator.outlook();
       told = true;
     }
-    const Motion motion = motion_at(*rows, i);
-    const auto band =
-        estimator.foretell(outlook, time_s + later_s, motion.position_m, motion.speed_m_per_s);
-    fmt::format_to(std::back_inserter(csv), "{},{:.6g},{:.6g},{:.6g}\n", time_s, band.force_n,
-                   band.low_n, band.high_n);
+    const Motion motion = motion_at(rows, i);
+    all.push_back({time_s, estimator.foretell(outlook, time_s + later_s, motion.position_m,
+                                              motion.speed_m_per_s)});
   }
-  return csv;
+  return all;
 }
 
-}  // namespace tuina::app
+}  // namespace tuina::tissue
