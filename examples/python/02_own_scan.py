@@ -7,12 +7,12 @@ from pictures import draw_back, figure, words
 from tuina import simulation
 
 
-def draw(back, mapping, path):
+def draw(cloud, mapping, path):
     with figure(path, figsize=(7, 9)) as drawn:
         if drawn is None:
             return
         axes = drawn[1]
-        up = draw_back(axes, back.points, stride=2)
+        up = draw_back(axes, cloud.points)
         for name, place, radius_m in zip(mapping.names, mapping.at_in_couch, mapping.uncertainty_m):
             seven = name in mapping.names[:7]
             angle = np.linspace(0.0, 2.0 * np.pi, 49)
@@ -41,7 +41,7 @@ def main():
             truth = person.at_in_couch[person.names.index(name)]
             off = f"; truly {1e3 * np.linalg.norm(truth - mapping.at_in_couch[i]):.1f} mm off"
         print(f"{name:<7} ({x:6.1f}, {y:6.1f}, {z:6.1f}) mm, within {1e3 * mapping.uncertainty_m[i]:.0f} mm{off}")
-    draw(back, mapping, given.picture)
+    draw(cloud, mapping, given.picture)
 
 
 if __name__ == "__main__":

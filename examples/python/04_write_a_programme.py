@@ -46,10 +46,11 @@ def main():
         if drawn is None:
             return
         where, when = drawn[1]
-        up = draw_back(where, back.points, stride=2)
+        up = draw_back(where, cloud.points)
         for path in plan.paths:
             colour = COLOURS[path.technique]
-            where.plot(path.at_in_couch[:, 0], path.at_in_couch[:, up], color=colour, lw=2, marker="o", ms=2)
+            stays = path.technique in ("press", "tap")
+            where.plot(path.at_in_couch[:, 0], path.at_in_couch[:, up], "o" if stays else "-", color=colour, lw=2)
             side = 1 if path.arm == "left" else -1
             when.fill_between(path.start_s + path.time_s, 0, side * path.force_n, color=colour, lw=0)
         where.set_title("where")

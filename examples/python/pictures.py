@@ -56,7 +56,7 @@ def draw_back(axes, points, stride=7):
     span = points.max(axis=0) - points.min(axis=0)
     height, depth = (1, 2) if span[1] > span[2] else (2, 1)
     shown = points[::stride]
-    axes.scatter(shown[:, 0], shown[:, height], c=shown[:, depth], s=1.5, cmap="copper", alpha=0.6, linewidths=0)
+    axes.scatter(shown[:, 0], shown[:, height], c=shown[:, depth], s=4, cmap="bone", alpha=0.8, linewidths=0)
     axes.set_aspect("equal")
     axes.set_xlabel("x in couch, to the person's left (m)")
     axes.set_ylabel(f"{'xyz'[height]} in couch (m)")
