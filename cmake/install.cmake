@@ -20,24 +20,24 @@ install(DIRECTORY models config DESTINATION ${CMAKE_INSTALL_DATADIR}/tuina COMPO
 # The live page, where `./run package` could build it.
 install(DIRECTORY ${PROJECT_BINARY_DIR}/page DESTINATION ${CMAKE_INSTALL_DATADIR}/tuina COMPONENT tuina OPTIONAL)
 install(TARGETS tuina_app tuina_evaluate DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT tuina)
-install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/tuina RENAME copyright COMPONENT tuina)
-install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/libtuina-dev RENAME copyright COMPONENT dev)
 
 # The program itself says how shells complete it and what man(1) shows.
 set(said ${PROJECT_BINARY_DIR}/said)
 file(MAKE_DIRECTORY ${said})
-add_custom_command(OUTPUT ${said}/tuina ${said}/_tuina ${said}/tuina.fish ${said}/tuina.1
+add_custom_command(OUTPUT ${said}/tuina ${said}/_tuina ${said}/tuina.fish ${said}/tuina.1.gz ${said}/tuina-evaluate.1.gz
   COMMAND tuina_app completion bash > ${said}/tuina
   COMMAND tuina_app completion zsh > ${said}/_tuina
   COMMAND tuina_app completion fish > ${said}/tuina.fish
   COMMAND tuina_app manual > ${said}/tuina.1
+  COMMAND ${CMAKE_COMMAND} -E echo ".so man1/tuina.1" > ${said}/tuina-evaluate.1
+  COMMAND gzip -9nf ${said}/tuina.1 ${said}/tuina-evaluate.1
   DEPENDS tuina_app VERBATIM)
-add_custom_target(tuina_said DEPENDS ${said}/tuina.1)
+add_custom_target(tuina_said DEPENDS ${said}/tuina.1.gz)
 set(completion ${CMAKE_INSTALL_DATADIR})
 install(FILES ${said}/tuina DESTINATION ${completion}/bash-completion/completions COMPONENT tuina OPTIONAL)
 install(FILES ${said}/_tuina DESTINATION ${completion}/zsh/vendor-completions COMPONENT tuina OPTIONAL)
 install(FILES ${said}/tuina.fish DESTINATION ${completion}/fish/vendor_completions.d COMPONENT tuina OPTIONAL)
-install(FILES ${said}/tuina.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT tuina OPTIONAL)
+install(FILES ${said}/tuina.1.gz ${said}/tuina-evaluate.1.gz DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT tuina OPTIONAL)
 configure_package_config_file(cmake/tuinaConfig.cmake.in ${PROJECT_BINARY_DIR}/tuinaConfig.cmake
   INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/tuina)
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/tuinaConfigVersion.cmake

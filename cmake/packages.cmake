@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-# `cpack` makes two Debian packages: tuina (programs, atlas, completion, manual) and libtuina-dev (headers, libraries,
-# CMake package). Libraries of other packages that tuina needs are found by dpkg-shlibdeps.
+# `cpack` makes Debian packages: tuina (programs, atlas, completion, manual, rules for devices), libtuina-dev (headers,
+# libraries, CMake package) and, where `import tuina` is built, python3-tuina. Libraries of other packages that they
+# need are found by dpkg-shlibdeps.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME tuina)
 set(CPACK_PACKAGE_CONTACT "tuina developers <tuina@tuina.invalid>")
@@ -17,6 +18,7 @@ set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_TUINA_PACKAGE_NAME tuina)
 set(CPACK_DEBIAN_TUINA_PACKAGE_SHLIBDEPS ON)
 set(CPACK_COMPONENT_TUINA_DESCRIPTION "The programs tuina and tuina-evaluate with the shipped atlas.")
+install(FILES cmake/debian/60-tuina.rules DESTINATION lib/udev/rules.d COMPONENT tuina)
 
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME libtuina-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
@@ -24,4 +26,34 @@ set(CPACK_COMPONENT_DEV_DESCRIPTION "Headers, static libraries and the CMake pac
 # What its headers and libraries need is what packages.txt names, without the tools of a build.
 file(STRINGS packages.txt needed REGEX "-dev$")
 list(JOIN needed ", " CPACK_DEBIAN_DEV_PACKAGE_DEPENDS)
+
+if(TARGET tuina_python)
+  list(APPEND CPACK_COMPONENTS_ALL python)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-tuina)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)
+  # A compiled module is for one version of Python; the atlas comes with the programs.
+  math(EXPR next_minor "${Python_VERSION_MINOR} + 1")
+  string(JOIN ", " CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "tuina (= ${PROJECT_VERSION})" python3-numpy
+    "python3 (>= 3.${Python_VERSION_MINOR})" "python3 (<< 3.${next_minor})")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS python3-matplotlib)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA
+    "${PROJECT_SOURCE_DIR}/cmake/debian/postinst;${PROJECT_SOURCE_DIR}/cmake/debian/prerm")
+  set(CPACK_COMPONENT_PYTHON_DESCRIPTION
+    "The library from Python, and tuina.simulation: a world without hardware.")
+endif()
+
+# What Debian wants of every package: whose it is, and what has changed, in its own form.
+find_program(GZIP gzip REQUIRED)
+string(TIMESTAMP packed "%a, %d %b %Y %H:%M:%S +0000" UTC)
+file(WRITE ${PROJECT_BINARY_DIR}/debian/changelog "tuina (${PROJECT_VERSION}) unstable; urgency=medium\n\n"
+  "  * What has changed stands in CHANGELOG.md of the sources.\n\n -- ${CPACK_PACKAGE_CONTACT}  ${packed}\n")
+string(TIMESTAMP year "%Y" UTC)
+configure_file(cmake/debian/copyright ${PROJECT_BINARY_DIR}/debian/copyright @ONLY)
+execute_process(COMMAND ${GZIP} -9nkf changelog WORKING_DIRECTORY ${PROJECT_BINARY_DIR}/debian COMMAND_ERROR_IS_FATAL ANY)
+foreach(component IN LISTS CPACK_COMPONENTS_ALL)
+  string(TOUPPER ${component} upper)
+  install(FILES ${PROJECT_BINARY_DIR}/debian/copyright ${PROJECT_BINARY_DIR}/debian/changelog.gz
+    DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${CPACK_DEBIAN_${upper}_PACKAGE_NAME} COMPONENT ${component})
+endforeach()
 include(CPack)

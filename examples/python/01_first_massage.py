@@ -20,7 +20,7 @@ def draw(session, path):
         for planned in session.plan.paths:
             back.plot(planned.at_in_couch[:, 0], planned.at_in_couch[:, up], lw=3, alpha=0.8)
         places = session.mapping.at_in_couch
-        back.plot(places[:7, 0], places[:7, up], "w+", ms=9, mew=2)
+        back.plot(places[:7, 0], places[:7, up], "r+", ms=9, mew=2)
         back.set_title("acupoints and paths on the scan")
         for arm in ("left", "right"):
             trace = session.trace(arm)

@@ -14,7 +14,8 @@ def foretell(record, world_presses, last):
     known = np.array(world_presses.force_n[last:])
     known[np.argmax(known > 1.5):] = np.nan
     fit = tuina.fit_curve(record)
-    by_law = tuina.force_at_depth(position_m - fit.contact_m, fit.alpha_n, fit.beta_per_m)
+    steady_m = np.convolve(np.pad(position_m, 12, mode="edge"), np.ones(25) / 25, "valid")  # without the noise
+    by_law = tuina.force_at_depth(steady_m - fit.contact_m, fit.alpha_n, fit.beta_per_m)
     hidden = np.isnan(known)
     _, force_n, low_n, high_n = tuina.estimate_record(record).predict(time_s, position_m, known)
     return hidden, by_law[hidden], force_n, low_n, high_n

@@ -29,7 +29,8 @@ def show(file, picture):
             height.plot(tools["time_s"], tools["at_in_base"][:, i, 2], lw=1.0)
         for contact in contacts:
             force.axvspan(contact["begin_s"], contact["end_s"], color="tab:green", alpha=0.08)
-            force.annotate(contact["path"], (contact["begin_s"], force_n.max()), fontsize=7, rotation=20)
+            height_n = force_n.max() * (0.55 if contact["arm"] == "left" else 0.1)
+            force.annotate(contact["path"], (contact["begin_s"], height_n), fontsize=7, rotation=90)
         force.set_ylabel("wrist, weight of the tool included (N)")
         force.legend(loc="upper right")
         height.set_ylabel("tools above base (m)")
