@@ -33,9 +33,9 @@ if(TARGET tuina_python)
   set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
   set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)
   # A compiled module is for one version of Python; the atlas comes with the programs.
-  math(EXPR next_minor "${Python_VERSION_MINOR} + 1")
+  math(EXPR next_minor "${TUINA_PYTHON_MINOR} + 1")
   string(JOIN ", " CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "tuina (= ${PROJECT_VERSION})" python3-numpy
-    "python3 (>= 3.${Python_VERSION_MINOR})" "python3 (<< 3.${next_minor})")
+    "python3 (>= 3.${TUINA_PYTHON_MINOR})" "python3 (<< 3.${next_minor})")
   set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS python3-matplotlib)
   set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA
     "${PROJECT_SOURCE_DIR}/cmake/debian/postinst;${PROJECT_SOURCE_DIR}/cmake/debian/prerm")
