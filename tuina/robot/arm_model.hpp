@@ -24,7 +24,7 @@ struct ArmDynamics {
 };
 
 /// Kinematics and dynamics of one mounted arm from its table: fixed memory, no heap, no exceptions;
-/// about 0.3 microseconds for everything (`./run bench robot`). The rail counts as standing still.
+/// about 0.3 microseconds for everything (./run bench robot). The rail counts as standing still.
 class ArmModel {
  public:
   ArmModel(const ArmTable& table, const RobotMount& mount, Arm arm) noexcept;
