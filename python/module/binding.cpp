@@ -40,6 +40,7 @@ std::vector<double> column_of(const py::object& given, const char* name) {
 
 void register_error(PyObject* type) {
   error_type = type;
+  // NOLINTNEXTLINE(performance-unnecessary-value-param): pybind11 wants this signature
   py::register_local_exception_translator([](std::exception_ptr thrown) {
     try {
       if (thrown) std::rethrow_exception(thrown);
@@ -86,7 +87,7 @@ Vector3 vector_of(const py::object& given, const char* name) {
   const auto numbers = numbers_of(given, name);
   if (numbers.ndim() != 1 || numbers.size() != 3)
     refuse(fmt::format("{} has the shape {}; x, y, z are needed", name, shape_of(numbers)));
-  const Vector3 vector = Eigen::Map<const Vector3>(numbers.data());
+  Vector3 vector = Eigen::Map<const Vector3>(numbers.data());
   if (!vector.allFinite()) {
     refuse(fmt::format("{} is ({}, {}, {}); finite numbers are needed", name, vector.x(),
                        vector.y(), vector.z()));
