@@ -75,7 +75,8 @@ class Numbers(unittest.TestCase):
                 self.assertEqual([path.name for path in plan.paths], [path["name"] for path in told["paths"]])
                 # A plan.json is rounded to micrometres and micronewtons.
                 for path, in_file in zip(plan.paths, told["paths"]):
-                    np.testing.assert_allclose(path.at_in_couch, [p["position_m"] for p in in_file["points"]], atol=6e-7)
+                    places = [p["position_m"] for p in in_file["points"]]
+                    np.testing.assert_allclose(path.at_in_couch, places, atol=6e-7)
                     np.testing.assert_allclose(path.force_n, [p["force_n"] for p in in_file["points"]], atol=6e-7)
 
     def test_a_fit_is_that_of_the_program(self):
@@ -109,7 +110,8 @@ class Numbers(unittest.TestCase):
         for kind in (tuina.PressEstimator, tuina.CreepEstimator):
             with self.subTest(kind.__name__):
                 one_by_one, at_once, followed = kind(options), kind(options), kind(options)
-                alphas = [one_by_one.update(*row).alpha_n for row in zip(presses.time_s, presses.position_m, presses.force_n)]
+                rows = zip(presses.time_s, presses.position_m, presses.force_n)
+                alphas = [one_by_one.update(*row).alpha_n for row in rows]
                 at_once.update(presses.time_s, presses.position_m, presses.force_n)
                 history = followed.follow(presses)
                 self.assertEqual(history.alpha_n.tolist(), alphas)

@@ -31,8 +31,8 @@ class Stubs(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             with open(f"{folder}/use.py", "w") as file:
                 file.write(text)
-            return subprocess.run([sys.executable, "-m", "mypy", "--strict", "--no-incremental", "--cache-dir=/dev/null",
-                                   f"{folder}/use.py"], capture_output=True, text=True, env={**os.environ, "MYPYPATH": PACKAGE})
+            return subprocess.run([sys.executable, "-m", "mypy", "--strict", "--cache-dir=/dev/null", f"{folder}/use.py"],
+                                  capture_output=True, text=True, env={**os.environ, "MYPYPATH": PACKAGE})
 
     def test_right_use_passes_and_wrong_use_does_not(self):
         self.assertIn("Success", self.mypy(RIGHT).stdout)
