@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """The program tuina beside the module tuina: both must say the same."""
-import json, os, subprocess
+import json, os, subprocess, tempfile
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 BINARY = os.environ["TUINA_BINARY"]
 
 
 def run(*words):
-    return subprocess.run([BINARY, *map(str, words)], capture_output=True, text=True)
+    return subprocess.run([BINARY, *map(str, words)], capture_output=True, text=True,
+                          cwd=tempfile.gettempdir())
 
 
 def answer(*words):
