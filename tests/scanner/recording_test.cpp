@@ -192,8 +192,8 @@ TEST_CASE("every broken recording is refused with its cause") {
     if (!recording) {
       message = recording.error().message;
     } else {
-      const auto scan =
-          scan_sweep(*recording, *recording, recording->calibration(), {.near_m = 0.3});
+      const auto scan = scan_sweep(*recording, *recording, recording->calibration(),
+                                   {.near_m = 0.3, .expected_frames = recording->frames()});
       if (!scan) message = scan.error().message;
     }
     CAPTURE(damage.said);

@@ -13,8 +13,9 @@ struct Frame {
   Image dark;   ///< same view with the laser off; empty if not taken
 };
 
-/// Time after which a camera that takes 30 frames a second and gives none is broken.
-inline constexpr double frame_timeout_s = 1.0;
+/// Time after which a camera that takes 30 frames a second and gives none is broken. The laser is
+/// lit while a frame is waited for, and has to be dark 0.2 s after the last one.
+inline constexpr double frame_timeout_s = 0.15;
 
 /// The interface to a camera: a simulated one, a recording, or a device.
 class Camera {

@@ -2,9 +2,11 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 
+#include "tuina/scanner/scan_watch.hpp"
 #include "tuina/scanner/sweep.hpp"
 #include "tuina/scanner/triangulation.hpp"
 
@@ -53,13 +55,15 @@ constexpr double back_speed = 4.0 / 3.0;
 
 // Stop and shoot: [thesis] chapter 4 turns by a degree in 400 ms; a quarter of that is slow enough
 // for any unit.
-constexpr double min_step_speed_rad_per_s = 0.25 * 1.0_deg / 0.4;
+constexpr double step_speed_rad_per_s = 1.0_deg / 0.4;
+constexpr double min_step_speed_rad_per_s = 0.25 * step_speed_rad_per_s;
 
 // State of a scan while frames come in.
 struct Intake {
   std::vector<TimedLine> lines;
   std::vector<YawReading> readings;
   Image before;
+  bool is_repeated = false;  // the newest frame, bit for bit the one before
   int repeated = 0;
   int torn = 0;
   double compute_ms = 0.0;
@@ -98,58 +102,95 @@ class LitLaser {
   Result<void> lit_;
 };
 
+// The line of one frame, and what is wrong with its picture.
+Result<void> take_in(Frame frame, const ScannerCalibration& calibration,
+                     const LineOptions& line_options, Intake& intake) {
+  const auto start = Clock::now();
+  if (const auto good = check_size(frame.image, calibration.camera, "frame"); !good) return good;
+  const bool has_dark = !frame.dark.data.empty();
+  if (has_dark) {
+    const auto good = check_size(frame.dark, calibration.camera, "dark frame");
+    if (!good) return good;
+  }
+  keep_red(frame.image);
+  keep_red(frame.dark);
+  intake.lines.push_back(
+      {frame.time_s,
+       find_laser_line(frame.image, line_options, has_dark ? ImageView(frame.dark) : ImageView())});
+  // Sensor noise makes every picture different; identical ones mean that the camera hangs.
+  const bool has_line = !intake.lines.back().line.points.empty();
+  intake.is_repeated = has_line && frame.image.data == intake.before.data;
+  intake.repeated += intake.is_repeated ? 1 : 0;
+  intake.torn += has_line && half_missing(frame.image) ? 1 : 0;
+  intake.before = std::move(frame.image);
+  intake.compute_ms += ms_since(start);
+  return {};
+}
+
+struct Turn {
+  double from_rad;
+  double to_rad;
+  double rad_per_s;
+};
+
+// The next frame of this turn. A camera that runs all the time still holds some from before, while
+// the unit turned to where it begins.
+Result<Frame> frame_of_turn(Camera& camera, double begin_s) {
+  constexpr int max_held = 64;
+  for (int held = 0;; ++held) {
+    auto frame = camera.next_frame(frame_timeout_s);
+    if (!frame || frame->time_s >= begin_s || held == max_held) return frame;
+  }
+}
+
 // One turn of the unit, from its devices to lines.
-Result<void> take_turn(Camera& camera, Turntable& turntable, double from_rad, double to_rad,
-                       double rad_per_s, const ScannerCalibration& calibration,
-                       const SweepOptions& options, double expected_frames,
-                       const Progress& progress, Intake& intake) {
-  const auto started = options.step_rad > 0.0 ? turntable.step(from_rad, to_rad, options.step_rad)
-                                              : turntable.sweep(from_rad, to_rad, rad_per_s);
+Result<void> take_turn(Camera& camera, Turntable& turntable, const Turn& turn,
+                       const ScannerCalibration& calibration, const SweepOptions& options,
+                       double expected_frames, const Progress& progress, Intake& intake) {
+  const bool steps = options.step_rad > 0.0;
+  const bool live = options.expected_frames == 0;
+  const auto started = steps ? turntable.step(turn.from_rad, turn.to_rad, options.step_rad)
+                             : turntable.sweep(turn.from_rad, turn.to_rad, turn.rad_per_s);
   if (!started) return started;
+  // A unit turns to where it begins with the laser off, and the beam never stands.
+  const LitLaser laser(turntable);
+  if (!laser.lit()) return laser.lit();
   const auto [first_column, last_column] =
       columns_between(calibration, options.near_m, options.far_m);
   const LineOptions line_options{
       .method = options.method, .first_column = first_column, .last_column = last_column};
   // A motor at half of its speed still arrives in time; one that hangs ends the scan.
-  const double speed_rad_per_s = options.step_rad > 0.0 ? min_step_speed_rad_per_s : rad_per_s;
-  const double max_turn_s = 2.0 * std::abs(to_rad - from_rad) / speed_rad_per_s + 5.0;
+  const double speed_rad_per_s = steps ? min_step_speed_rad_per_s : turn.rad_per_s;
+  const double turn_s = std::abs(turn.to_rad - turn.from_rad) / speed_rad_per_s;
+  ScanWatch watch(steps ? step_speed_rad_per_s : turn.rad_per_s, calibration.latency_s);
   std::optional<double> first_frame_s;
   for (;;) {
     const auto arrived = turntable.arrived();
     if (!arrived) return tl::unexpected(arrived.error());
     if (*arrived) break;
-    auto frame = camera.next_frame(frame_timeout_s);
+    const auto so_far = turntable.readings();
+    if (!so_far) return tl::unexpected(so_far.error());
+    const double begin_s = live && !so_far->empty() ? so_far->front().time_s + calibration.latency_s
+                                                    : -std::numeric_limits<double>::infinity();
+    auto frame = frame_of_turn(camera, begin_s);
     if (!frame) return tl::unexpected(frame.error());
-    if (!first_frame_s) first_frame_s = frame->time_s;
-    if (options.expected_frames == 0 && frame->time_s - *first_frame_s > max_turn_s) {
+    const double frame_s = frame->time_s;
+    if (!first_frame_s) first_frame_s = frame_s;
+    if (live && frame_s - *first_frame_s > 2.0 * turn_s + 5.0) {
       return fail(Fault::device,
                   "the motor has not arrived after {:.1f} s; it should turn for {:.1f} s",
-                  frame->time_s - *first_frame_s, std::abs(to_rad - from_rad) / speed_rad_per_s);
+                  frame_s - *first_frame_s, turn_s);
     }
-    const auto start = Clock::now();
-    if (const auto good = check_size(frame->image, calibration.camera, "frame"); !good) return good;
-    const bool has_dark = !frame->dark.data.empty();
-    if (has_dark) {
-      const auto good = check_size(frame->dark, calibration.camera, "dark frame");
+    const auto taken = take_in(std::move(*frame), calibration, line_options, intake);
+    if (!taken) return taken;
+    if (live) {
+      const auto good = watch.see(frame_s, !intake.is_repeated, *so_far);
       if (!good) return good;
     }
-    keep_red(frame->image);
-    keep_red(frame->dark);
-    intake.lines.push_back(
-        {frame->time_s, find_laser_line(frame->image, line_options,
-                                        has_dark ? ImageView(frame->dark) : ImageView())});
-    // Sensor noise makes every picture different; identical ones mean that the camera hangs.
-    if (!intake.lines.back().line.points.empty()) {
-      intake.repeated += frame->image.data == intake.before.data ? 1 : 0;
-      intake.torn += half_missing(frame->image) ? 1 : 0;
-    }
-    intake.before = std::move(frame->image);
-    intake.compute_ms += ms_since(start);
     tell(turntable, intake.lines.back(), static_cast<int>(intake.lines.size()), calibration,
          options);
-    if (progress) {
+    if (progress)
       progress(std::min(0.99, static_cast<double>(intake.lines.size()) / expected_frames));
-    }
   }
   const auto readings = turntable.readings();
   if (!readings) return tl::unexpected(readings.error());
@@ -183,15 +224,14 @@ Result<Scan> scan_sweep(Camera& camera, Turntable& turntable, const ScannerCalib
   const double frames = options.expected_frames > 0 ? options.expected_frames
                         : options.step_rad > 0.0    ? ways * turn_rad / options.step_rad
                                                  : ways * 30.0 * turn_rad / options.speed_rad_per_s;
-  const LitLaser laser(turntable);
-  if (!laser.lit()) return tl::unexpected(laser.lit().error());
   Intake intake;
-  auto taken = take_turn(camera, turntable, options.from_rad, options.to_rad,
-                         options.speed_rad_per_s, calibration, options, frames, progress, intake);
+  auto taken =
+      take_turn(camera, turntable, {options.from_rad, options.to_rad, options.speed_rad_per_s},
+                calibration, options, frames, progress, intake);
   if (taken && options.both_ways) {
-    taken = take_turn(camera, turntable, options.to_rad, options.from_rad,
-                      back_speed * options.speed_rad_per_s, calibration, options, frames, progress,
-                      intake);
+    taken = take_turn(camera, turntable,
+                      {options.to_rad, options.from_rad, back_speed * options.speed_rad_per_s},
+                      calibration, options, frames, progress, intake);
   }
   if (!taken) return tl::unexpected(taken.error());
   if (const auto good = check(intake); !good) return tl::unexpected(good.error());

@@ -104,6 +104,45 @@ Result<void> check_motor(std::span<const YawReading> readings, std::span<const d
       to_deg(readings[stop_from].yaw_rad), readings[stop_from].time_s, readings[stop_to].time_s);
 }
 
+// A turn is even: between two readings the yaw moves as far as the time between them allows, give
+// or take the motor's counts. A gear that slips, or a wrong byte, leaves a jump, and what is seen
+// after it would lie beside what was seen before.
+Result<void> check_skips(std::span<const YawReading> readings) {
+  constexpr double window_s = 0.1;
+  constexpr double rounding_rad = 3.0 * yaw_count_rad;
+  std::vector<double> speeds;
+  std::size_t from = 0;
+  const auto each_window = [&](auto&& look) {
+    from = 0;
+    for (std::size_t i = 1; i < readings.size(); ++i) {
+      while (from + 1 < i && readings[i].time_s - readings[from].time_s > window_s) ++from;
+      const double apart_s = readings[i].time_s - readings[from].time_s;
+      if (!look(readings[from], readings[i], apart_s)) return;
+    }
+  };
+  each_window([&](const YawReading& a, const YawReading& b, double apart_s) {
+    if (apart_s > 0.5 * window_s) speeds.push_back(std::abs(b.yaw_rad - a.yaw_rad) / apart_s);
+    return true;
+  });
+  if (speeds.size() < 10) return {};
+  // In stop and shoot the unit turns in a part of the time only, and in steps.
+  const auto high = speeds.begin() + static_cast<std::ptrdiff_t>(speeds.size() * 9 / 10);
+  std::nth_element(speeds.begin(), high, speeds.end());
+  const double usual_rad_per_s = *high;
+  Result<void> good;
+  each_window([&](const YawReading& a, const YawReading& b, double apart_s) {
+    const double turned_rad = std::abs(b.yaw_rad - a.yaw_rad);
+    if (turned_rad <= 1.5 * usual_rad_per_s * apart_s + rounding_rad) return true;
+    good =
+        fail(Fault::bad_input,
+             "the yaw jumps by {:.1f} degrees in {:.3f} s, from {:.1f} degrees at {:.2f} s, where "
+             "the unit turns by {:.1f} degrees per second: the motor skips",
+             to_deg(turned_rad), apart_s, to_deg(a.yaw_rad), a.time_s, to_deg(usual_rad_per_s));
+    return false;
+  });
+  return good;
+}
+
 }  // namespace
 
 Result<void> check_sequence(std::span<const TimedLine> lines, std::span<const YawReading> readings,
@@ -112,7 +151,8 @@ Result<void> check_sequence(std::span<const TimedLine> lines, std::span<const Ya
   const std::size_t turn = turning_point(lines, yaw_rad).value_or(0);
   if (const auto good = check_lost(lines, turn, max_lost_share); !good) return good;
   if (const auto good = check_order(lines); !good) return good;
-  return check_motor(readings, yaw_rad);
+  if (const auto good = check_motor(readings, yaw_rad); !good) return good;
+  return check_skips(readings);
 }
 
 }  // namespace tuina::scanner

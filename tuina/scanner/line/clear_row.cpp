@@ -69,16 +69,16 @@ void walk(const RowBatch& rows, const LineKernel& kernel, int steps, LineWalk& w
   walk_with(weigh, rows, kernel, steps, walk);
 }
 
-constexpr RowReader plain = {classify, walk};
+constexpr RowReader plain_reader = {classify, walk};
 
 }  // namespace
 
 const RowReader& plain_row_reader() noexcept {
-  return plain;
+  return plain_reader;
 }
 
 const RowReader& row_reader() noexcept {
-  static const RowReader* const best = avx2_row_reader() ? avx2_row_reader() : &plain;
+  static const RowReader* const best = avx2_row_reader() ? avx2_row_reader() : &plain_reader;
   return *best;
 }
 
