@@ -42,8 +42,12 @@ Result<std::unique_ptr<DeviceArms>> DeviceArms::open(const std::string& device_f
   std::unique_ptr<DeviceArms> made(new DeviceArms);
   auto file = hardware::read_device_file(device_file);
   if (!file) return tl::unexpected(file.error());
-  made->file_ = std::move(*file);
-  auto robot = hardware::ArmlinkRobot::open(made->file_, world.robot_table(), world.mount());
+  if (!file->arms) {
+    return fail(Fault::config, "{}: names no arms; a massage needs [arm.left] and [arm.right]",
+                device_file);
+  }
+  made->arms_ = std::move(*file->arms);
+  auto robot = hardware::ArmlinkRobot::open(made->arms_, world.robot_table(), world.mount());
   if (!robot) return tl::unexpected(robot.error());
   made->robot_ = std::move(*robot);
   auto truth = truth_of(*made->robot_, world_name);
@@ -66,11 +70,11 @@ void DeviceArms::rest() noexcept {
 }
 
 record::DeviceRecord DeviceArms::record(std::uint64_t truth_missed) const {
-  record::DeviceRecord record{.arms = fmt::format("armlink {}, {}", file_.arms[Arm::left].address,
-                                                  file_.arms[Arm::right].address),
-                              .pace = pace_,
-                              .traffic = {},
-                              .truth_missed = truth_missed};
+  record::DeviceRecord record{
+      .arms = fmt::format("armlink {}, {}", arms_[Arm::left].address, arms_[Arm::right].address),
+      .pace = pace_,
+      .traffic = {},
+      .truth_missed = truth_missed};
   for (const Arm arm : both_arms) {
     const hardware::ArmTraffic& seen = robot_->peer(arm).traffic();
     record.traffic[arm] = {.cycles = seen.states,

@@ -39,7 +39,7 @@ class DeviceArms final : public link::Supervisor {
 
  private:
   DeviceArms() = default;
-  hardware::DeviceFile file_;
+  PerArm<hardware::ArmDevice> arms_;
   std::unique_ptr<hardware::ArmlinkRobot> robot_;
   SharedTruth truth_;
   link::OwnSupervisor guard_;

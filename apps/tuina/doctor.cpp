@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "apps/tuina/scan_device.hpp"
 #include "apps/tuina/verbs.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/hardware/arm_peer.hpp"
@@ -76,7 +77,8 @@ class Doctor final : public Verb {
   [[nodiscard]] const char* example() const override { return "tuina doctor --device device.toml"; }
   void describe(Options& options) override {
     options.add("--device", device_,
-                "ask the arms that this file names (docs/armlink.md); 3 where one is missing");
+                "ask the arms, the camera and the turntable that this file names (docs/armlink.md, "
+                "docs/build_a_scanner.md); 3 where one is missing");
   }
 
   [[nodiscard]] Result<Answer> run(const CommonOptions&) override {
@@ -113,26 +115,29 @@ class Doctor final : public Verb {
         fmt::format("rtprio limit {}", limit.rlim_cur),
         "simulation needs none; for a robot allow rtprio 80 in /etc/security/limits.d");
     ordered_json json = {{"version", TUINA_VERSION}, {"checks", checks}};
-    if (!device_.empty()) json["devices"] = ask_arms(devices, answer);
+    if (!device_.empty()) json["devices"] = ask_devices(devices, answer);
     answer.text.pop_back();
     answer.json = json.dump(2);
     return answer;
   }
 
  private:
-  static ordered_json ask_arms(const hardware::DeviceFile& devices, Answer& answer) {
+  static ordered_json ask_devices(const hardware::DeviceFile& devices, Answer& answer) {
     ordered_json all = ordered_json::array();
     for (const Arm arm : both_arms) {
-      FoundArm found = ask_arm(devices.arms[arm]);
-      answer.text += fmt::format("{} {:<18} {}: {}\n", found.good ? "ok  " : "none",
-                                 fmt::format("{} arm", tuina::name_of(arm)),
-                                 devices.arms[arm].address, found.finding);
+      if (!devices.arms) break;
+      const hardware::ArmDevice& device = (*devices.arms)[arm];
+      FoundArm found = ask_arm(device);
+      answer.text +=
+          fmt::format("{} {:<18} {}: {}\n", found.good ? "ok  " : "none",
+                      fmt::format("{} arm", tuina::name_of(arm)), device.address, found.finding);
       found.json["arm"] = tuina::name_of(arm);
       found.json["good"] = found.good;
       found.json["finding"] = found.finding;
       all.push_back(std::move(found.json));
       if (!found.good) answer.exit_code = 3;
     }
+    ask_scanner(devices, all, answer);
     return all;
   }
 

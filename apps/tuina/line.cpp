@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "apps/tuina/line_picture.hpp"
 #include "apps/tuina/verbs.hpp"
 #include "tuina/core/io/file.hpp"
 #include "tuina/core/io/png.hpp"
@@ -48,29 +49,6 @@ Measured measure(const PngFile& png, const std::optional<PngFile>& dark_png,
     measured.compute_us = std::min(measured.compute_us, took.count());
   }
   return measured;
-}
-
-// The picture in grey at half its light, the line in red over it.
-Image draw_over(const PngFile& png, const LaserLine& line) {
-  Image picture(png.image.width, png.image.height, 3);
-  const int channels = png.image.channels;
-  const int divisor = png.bits > 8 ? 257 * 2 : 2;
-  for (int y = 0; y < picture.height; ++y) {
-    const std::uint16_t* from = png.image.row(y);
-    std::uint8_t* to = picture.row(y);
-    for (int x = 0; x < picture.width; ++x) {
-      const auto grey = static_cast<std::uint8_t>(from[x * channels] / divisor);
-      std::fill_n(to + 3 * x, 3, grey);
-    }
-  }
-  for (const LinePoint& point : line.points) {
-    const int x = std::clamp(static_cast<int>(std::lround(point.column_px)), 0, picture.width - 1);
-    std::uint8_t* pixel = picture.row(point.row) + 3 * x;
-    pixel[0] = 255;
-    pixel[1] = 60;
-    pixel[2] = 40;
-  }
-  return picture;
 }
 
 std::string to_csv(const LaserLine& line) {
@@ -123,7 +101,9 @@ class Line final : public Verb {
     const std::string csv = to_csv(line);
     // The drawing first: if it cannot be written, no table is left that looks like a success.
     if (!picture_.empty()) {
-      if (const auto written = write_file(picture_, to_png(draw_over(*png, line))); !written) {
+      if (const auto written =
+              write_file(picture_, to_png(draw_line_over(png->image, png->bits, line)));
+          !written) {
         return tl::unexpected(written.error());
       }
     }

@@ -8,6 +8,7 @@
 
 #include "apps/simulated/session_order.hpp"
 #include "apps/tuina/atlas/sticker_words.hpp"
+#include "apps/tuina/scan_device.hpp"
 #include "apps/tuina/verbs.hpp"
 #include "tuina/core/io/surface_file.hpp"
 #include "tuina/core/io/text_lines.hpp"
@@ -57,14 +58,15 @@ nlohmann::json json_of(const scanner::FoundBox& box) {
   return json;
 }
 
-/// One sweep of a simulated or recorded scanner to a cloud.
+/// One sweep of a simulated, recorded or real scanner to a cloud.
 class ScanVerb final : public Verb {
  public:
   [[nodiscard]] const char* name() const override { return "scan"; }
   [[nodiscard]] const char* summary() const override { return "one sweep to a cloud in couch"; }
   [[nodiscard]] const char* example() const override {
     return "tuina scan --person phantom:medium --record sweep --out scan.ply\n"
-           "  tuina scan --replay sweep --out scan.ply";
+           "  tuina scan --replay sweep --out scan.ply\n"
+           "  tuina scan --device device.toml --calibration calibration.toml --out scan.ply";
   }
 
   void describe(Options& options) override {
@@ -72,6 +74,14 @@ class ScanVerb final : public Verb {
                               "scan a simulated person: a labelled body FILE.ply, or phantom:slim, "
                               "phantom:medium, phantom:hefty");
     auto replay = options.add("--replay", replay_, "a recorded sweep (a folder)").excludes(person);
+    options
+        .add("--device", device_,
+             "a real scanner: the file that names its camera and its turntable "
+             "(docs/build_a_scanner.md)")
+        .excludes(person)
+        .excludes(replay);
+    options.add("--camera", camera_, "a real one, /dev/video0; with --turntable, without --device");
+    options.add("--turntable", turntable_, "the board of a real one, /dev/ttyACM0");
     auto stop_and_shoot =
         options
             .flag("--stop-and-shoot", stop_and_shoot_,
@@ -121,9 +131,11 @@ class ScanVerb final : public Verb {
   }
 
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
-    if (person_.empty() == replay_.empty()) {
+    const bool real = !device_.empty() || !camera_.empty() || !turntable_.empty();
+    if ((person_.empty() ? 0 : 1) + (replay_.empty() ? 0 : 1) + (real ? 1 : 0) != 1) {
       return fail(Fault::usage,
-                  "scan needs --person (a simulated one) or --replay (a recorded sweep)");
+                  "scan needs one of --person (a simulated one), --replay (a recorded sweep) and "
+                  "--device, or --camera with --turntable (a real scanner)");
     }
     const auto config = effective_config(common);
     if (!config) return tl::unexpected(config.error());
@@ -143,6 +155,7 @@ class ScanVerb final : public Verb {
     if (const auto method = scanner::line_method(method_)) options.method = *method;
     options.both_ways = both_ways_;
     if (stop_and_shoot_) options.step_rad = from_deg(300.0 / 1024.0);
+    if (real) return scan_with_devices(common, calibration, options);
     return replay_.empty() ? simulate(common, *config, calibration, options)
                            : replay(common, calibration, options);
   }
@@ -187,21 +200,44 @@ class ScanVerb final : public Verb {
         given ? *given : sim::believed_calibration(simulated.true_calibration(), common.seed);
 
     const auto bar = progress_bar(common, "scan");
-    Result<scanner::Scan> scan = tl::unexpected(Error{});
-    if (record_.empty()) {
-      scan = scanner::scan_sweep(simulated, simulated, calibration, options, bar);
-    } else {
-      auto recorder = scanner::Recorder::open(simulated, simulated, record_);
-      if (!recorder) return tl::unexpected(recorder.error());
-      scan = scanner::scan_sweep(*recorder, *recorder, calibration, options, bar);
-      if (scan) {
-        if (const auto kept = recorder->finish(calibration); !kept)
-          return tl::unexpected(kept.error());
-      }
-    }
+    const auto scan = sweep(simulated, simulated, calibration, options, bar);
     if (!scan) return tl::unexpected(scan.error());
     const auto truth = sim::compare_with_truth(scan->cloud_in_couch, person->skin_in_couch);
     return answer(*scan, truth);
+  }
+
+  // One scan, which is kept where it is to be recorded.
+  Result<scanner::Scan> sweep(scanner::Camera& camera, scanner::Turntable& turntable,
+                              const scanner::ScannerCalibration& calibration,
+                              const scanner::SweepOptions& options, const Progress& bar) const {
+    if (record_.empty()) return scanner::scan_sweep(camera, turntable, calibration, options, bar);
+    auto recorder = scanner::Recorder::open(camera, turntable, record_);
+    if (!recorder) return tl::unexpected(recorder.error());
+    auto scan = scanner::scan_sweep(*recorder, *recorder, calibration, options, bar);
+    if (!scan) return scan;
+    if (const auto kept = recorder->finish(calibration); !kept) return tl::unexpected(kept.error());
+    return scan;
+  }
+
+  Result<Answer> scan_with_devices(const CommonOptions& common,
+                                   const std::optional<scanner::ScannerCalibration>& calibration,
+                                   const scanner::SweepOptions& options) {
+    if (!calibration) {
+      return fail(Fault::usage,
+                  "a real scanner needs --calibration FILE.toml, which `tuina calibrate` makes");
+    }
+    const auto devices = scanner_devices(device_, camera_, turntable_);
+    if (!devices) return tl::unexpected(devices.error());
+    const auto scanner = open_scanner(*devices, calibration->camera);
+    if (!scanner) return tl::unexpected(scanner.error());
+    const auto scan = sweep(*scanner->camera, *scanner->turntable, *calibration, options,
+                            progress_bar(common, "scan"));
+    if (scan) return answer(*scan, {});
+    const Error& error = scan.error();
+    // What is judged over both devices names neither.
+    return error.message.starts_with('/')
+               ? tl::unexpected(error)
+               : fail(error.fault, "{}: {}", scanner->called, error.message);
   }
 
   Result<Answer> replay(const CommonOptions& common,
@@ -294,6 +330,9 @@ class ScanVerb final : public Verb {
 
   std::string person_;
   std::string replay_;
+  std::string device_;
+  std::string camera_;
+  std::string turntable_;
   std::string position_;
   double breathing_mm_ = 0.0;
   bool both_ways_ = false;

@@ -24,6 +24,7 @@ std::unique_ptr<Verb> make_map();
 std::unique_ptr<Verb> make_atlas_learn();
 std::unique_ptr<Verb> make_atlas_record();
 std::unique_ptr<Verb> make_atlas_show();
+std::unique_ptr<Verb> make_camera();
 std::unique_ptr<Verb> make_doctor();
 std::unique_ptr<Verb> make_export_csv();
 std::unique_ptr<Verb> make_export_urdf();

@@ -1,10 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// What devices say: datagrams of armlink, and the file that names the devices.
+// What devices say: datagrams of armlink, packets of a motor, frames of a camera; and the file that
+// names the devices.
 #include <zlib.h>
+
+#include <algorithm>
 
 #include "tests/fuzz/parsers.hpp"
 #include "tuina/hardware/armlink.hpp"
+#include "tuina/hardware/camera_pixels.hpp"
 #include "tuina/hardware/device_file.hpp"
+#include "tuina/hardware/dynamixel.hpp"
+#include "tuina/hardware/serial_port.hpp"
 
 namespace tuina::test {
 namespace {
@@ -48,12 +54,76 @@ bool accepts_mended(std::string_view content) {
 bool accepts_device_file(std::string_view content) {
   const auto file = hardware::parse_device_file(content, "device.toml");
   if (!file) return false;
-  for (const hardware::ArmDevice& arm : file->arms.of) {
+  demand(file->arms || file->camera || file->turntable, "a device is named");
+  if (file->camera) {
+    demand(file->camera->address.starts_with('/'), "a camera has a path");
+    demand(file->camera->turned_deg % 90 == 0, "a picture stays upright");
+  }
+  if (file->turntable) {
+    const auto& speeds = hardware::serial_speeds();
+    demand(std::find(speeds.begin(), speeds.end(), file->turntable->bits_per_s) != speeds.end(),
+           "a line has a speed");
+    demand(file->turntable->zero_count >= 0 && file->turntable->zero_count < 1024,
+           "zero is a count");
+  }
+  if (!file->arms) return true;
+  for (const hardware::ArmDevice& arm : file->arms->of) {
     const auto again = hardware::parse_udp_address(arm.address);
     demand(again && *again == arm.udp && arm.udp.of.sin_port != 0, "an arm has an address");
   }
-  demand(!(file->arms[Arm::left].udp == file->arms[Arm::right].udp), "and one of its own");
+  demand(!((*file->arms)[Arm::left].udp == (*file->arms)[Arm::right].udp), "and one of its own");
   return true;
+}
+
+/// Every packet that is found stands in the stream as it would be written, and none twice.
+bool accepts_packets(std::string_view content) {
+  namespace dxl = hardware::dynamixel;
+  dxl::Reader reader;
+  reader.add({reinterpret_cast<const std::uint8_t*>(content.data()), content.size()});
+  bool any = false;
+  std::size_t from = 0;
+  while (const auto packet = reader.next()) {
+    const auto bytes = dxl::encode(*packet);
+    from = content.find(std::string(bytes.begin(), bytes.end()), from);
+    demand(from != std::string_view::npos, "a packet is what came");
+    from += bytes.size();
+    any = true;
+  }
+  return any;
+}
+
+/// As YUYV of 8 x 4 pixels and as JPEG.
+bool accepts_frame(std::string_view content) {
+  const std::span bytes(reinterpret_cast<const std::uint8_t*>(content.data()), content.size());
+  bool any = false;
+  for (const auto format : {hardware::PixelFormat::yuyv, hardware::PixelFormat::mjpeg}) {
+    const auto picture = hardware::grey_picture(format, bytes, 8, 4);
+    if (picture) demand(picture->data.size() == 32, "a picture is whole");
+    any = any || picture.has_value();
+  }
+  return any;
+}
+
+/// Grey, 8 x 4 pixels.
+std::string some_jpeg() {
+  constexpr std::string_view digits =
+      "ffd8ffe000104a46494600010100000100010000ffdb004300080606070605080707070909080a0c140d"
+      "0c0b0b0c1912130f141d1a1f1e1d1a1c1c20242e2720222c231c1c2837292c30313434341f27393d3832"
+      "3c2e333432ffc0000b080004000801011100ffc40014000100000000000000000000000000000006ffc4"
+      "001810000203000000000000000000000000000001062381ffda0008010100003f000f024aac3fffd9";
+  std::string bytes;
+  for (std::size_t i = 0; i < digits.size(); i += 2)
+    bytes += static_cast<char>(std::stoi(std::string(digits.substr(i, 2)), nullptr, 16));
+  return bytes;
+}
+
+std::vector<std::string> some_packets() {
+  const auto text = [](const hardware::dynamixel::Packet& packet) {
+    const auto bytes = hardware::dynamixel::encode(packet);
+    return std::string(bytes.begin(), bytes.end());
+  };
+  const std::string told = text({200, 0, {7, 1, 0, 0, 0, 0x12, 2, 0, 0, 1, 1, 2, 3, 4}});
+  return {told, text({1, hardware::dynamixel::read, {36, 11}}) + text({1, 0, {}}) + told};
 }
 
 std::vector<std::string> some_datagrams() {
@@ -73,8 +143,14 @@ std::vector<std::string> some_datagrams() {
 
 std::vector<Parser> device_parsers() {
   return {{"armlink", some_datagrams(), accepts_mended},
+          {"dynamixel", some_packets(), accepts_packets},
+          {"camera_frame", {std::string(64, 'y'), some_jpeg()}, accepts_frame},
           {"device.toml",
-           {"[arm.left]\nkind = \"armlink\"\naddress = \"127.0.0.1:7001\"\n"
+           {"[camera]\nkind = \"v4l2\"\naddress = \"/dev/video0\"\nformat = \"MJPG\"\n"
+            "exposure_ms = 5\ngain = 3\nfocus = 40\nturned_deg = 90\nframes_per_s = 30\n"
+            "[turntable]\nkind = \"board\"\naddress = \"/dev/ttyACM0\"\nbits_per_s = 500000\n"
+            "servo = 1\nzero_count = 512\nreversed = true\n",
+            "[arm.left]\nkind = \"armlink\"\naddress = \"127.0.0.1:7001\"\n"
             "[arm.right]\nkind = \"armlink\"\naddress = \"192.168.3.11:7002\"\n"},
            accepts_device_file}};
 }

@@ -150,8 +150,8 @@ TEST_CASE("two arms in C are a robot that stands and turns as it is told") {
   const int left = free_port(), right = free_port();
   const Child one = start(in_c, left), other = start(in_c, right);
   for (const int port : {left, right}) REQUIRE(open_patiently(address_of(port)).has_value());
-  DeviceFile file;
-  file.arms = {.of = {ArmDevice{"left", address_of(left)}, ArmDevice{"right", address_of(right)}}};
+  const PerArm<ArmDevice> file = {
+      .of = {ArmDevice{"left", address_of(left)}, ArmDevice{"right", address_of(right)}}};
   const robot::RobotMount mount = robot::mount_for(BodyPosture::sitting);
   robot::ReadyPose pose{.q_rad = {.of = {JointVector::Constant(6, 0.02), JointVector::Zero(6)}}};
   // Where others take the processor for three milliseconds, arms stop by themselves: once more

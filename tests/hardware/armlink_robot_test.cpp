@@ -79,7 +79,7 @@ std::string refused(std::function<void(armlink::Hello&)> hello) {
   const auto robot = ArmlinkRobot::open(arms.file(), table, mount);
   REQUIRE_FALSE(robot.has_value());
   CHECK(robot.error().fault == Fault::device);
-  CHECK(robot.error().message.find("the left arm at " + arms.file().arms[Arm::left].address) == 0);
+  CHECK(robot.error().message.find("the left arm at " + arms.file()[Arm::left].address) == 0);
   return robot.error().message;
 }
 
@@ -168,7 +168,7 @@ TEST_CASE("an arm that is less than its table is refused, with both numbers") {
 }
 
 TEST_CASE("where nobody listens, or somebody else does, it is said within two seconds") {
-  DeviceFile nobody;
+  PerArm<ArmDevice> nobody;
   {
     ScriptedArms gone({});
     nobody = gone.file();
@@ -180,7 +180,7 @@ TEST_CASE("where nobody listens, or somebody else does, it is said within two se
   CHECK(std::chrono::steady_clock::now() - begun < std::chrono::seconds(2));
   // Two programs cannot be the same arm.
   ScriptedArms arms({});
-  CHECK_FALSE(UdpSocket::listen(arms.file().arms[Arm::left].udp).has_value());
+  CHECK_FALSE(UdpSocket::listen(arms.file()[Arm::left].udp).has_value());
 }
 
 TEST_CASE("whatever an arm says wrongly has a name, and nothing hangs") {

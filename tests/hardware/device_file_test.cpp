@@ -25,8 +25,9 @@ TEST_CASE("a device file names both arms") {
       "[arm.right]\nkind = \"armlink\"\naddress = \"192.168.3.11:7002\"\n",
       "device.toml");
   REQUIRE_MESSAGE(file.has_value(), test::reason(file));
-  CHECK(file->arms[Arm::left].address == "127.0.0.1:7001");
-  CHECK(ntohs(file->arms[Arm::right].udp.of.sin_port) == 7002);
+  REQUIRE(file->arms.has_value());
+  CHECK((*file->arms)[Arm::left].address == "127.0.0.1:7001");
+  CHECK(ntohs((*file->arms)[Arm::right].udp.of.sin_port) == 7002);
 }
 
 TEST_CASE("what is wrong with a device file is said with line, key and value") {

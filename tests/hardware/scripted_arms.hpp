@@ -32,7 +32,7 @@ class ScriptedArms {
     ends_ = true;
     thread_.join();
   }
-  [[nodiscard]] const hardware::DeviceFile& file() const { return file_; }
+  [[nodiscard]] const PerArm<hardware::ArmDevice>& file() const { return file_; }
   /// The command that arm obeyed last, and the highest torque that was ever asked for.
   [[nodiscard]] std::uint64_t obeyed() const { return obeyed_; }
 
@@ -123,9 +123,9 @@ class ScriptedArms {
   }
 
   Script script_;
-  hardware::DeviceFile file_;
-  std::array<End, 2> ends_of_ = {End{socket_at(file_.arms[Arm::left])},
-                                 End{socket_at(file_.arms[Arm::right])}};
+  PerArm<hardware::ArmDevice> file_;
+  std::array<End, 2> ends_of_ = {End{socket_at(file_[Arm::left])},
+                                 End{socket_at(file_[Arm::right])}};
   std::atomic<bool> ends_ = false;
   std::atomic<std::uint64_t> obeyed_ = 0;
   std::thread thread_;

@@ -56,21 +56,21 @@ std::string lack_of(const armlink::Hello& hello, const robot::ArmTable& table,
   return {};
 }
 
-Result<ArmPeer> open_arm(const DeviceFile& file, Arm arm) {
-  auto peer = ArmPeer::open(file.arms[arm].udp);
+Result<ArmPeer> open_arm(const PerArm<ArmDevice>& arms, Arm arm) {
+  auto peer = ArmPeer::open(arms[arm].udp);
   if (peer) return peer;
-  return fail(peer.error().fault, "the {} arm at {}: {}", name_of(arm), file.arms[arm].address,
+  return fail(peer.error().fault, "the {} arm at {}: {}", name_of(arm), arms[arm].address,
               peer.error().message);
 }
 
 }  // namespace
 
-Result<std::unique_ptr<ArmlinkRobot>> ArmlinkRobot::open(const DeviceFile& file,
+Result<std::unique_ptr<ArmlinkRobot>> ArmlinkRobot::open(const PerArm<ArmDevice>& arms,
                                                          const robot::ArmTable& table,
                                                          const robot::RobotMount& mount) {
-  auto left = open_arm(file, Arm::left);
+  auto left = open_arm(arms, Arm::left);
   if (!left) return tl::unexpected(left.error());
-  auto right = open_arm(file, Arm::right);
+  auto right = open_arm(arms, Arm::right);
   if (!right) return tl::unexpected(right.error());
   std::unique_ptr<ArmlinkRobot> made(
       new ArmlinkRobot({.of = {std::move(*left), std::move(*right)}}));
@@ -79,7 +79,7 @@ Result<std::unique_ptr<ArmlinkRobot>> ArmlinkRobot::open(const DeviceFile& file,
     std::string lack = lack_of(hello, table, mount, arm == Arm::left);
     if ((hello.flags & armlink::flag::busy) != 0) lack = "is driven by another host";
     if (!lack.empty())
-      return fail(Fault::device, "the {} arm at {} ({}) {}", name_of(arm), file.arms[arm].address,
+      return fail(Fault::device, "the {} arm at {} ({}) {}", name_of(arm), arms[arm].address,
                   hello.called(), lack);
   }
   return made;

@@ -34,7 +34,7 @@ class ArmlinkRobot final : public robot::Robot {
   /// Asks both arms who they are. Fails with Fault::device when one is not there, is another
   /// host's, or has less than the table believes: joints, torques, speeds, angles, linear base, the
   /// cycle.
-  [[nodiscard]] static Result<std::unique_ptr<ArmlinkRobot>> open(const DeviceFile& file,
+  [[nodiscard]] static Result<std::unique_ptr<ArmlinkRobot>> open(const PerArm<ArmDevice>& arms,
                                                                   const robot::ArmTable& table,
                                                                   const robot::RobotMount& mount);
   /// Ends the session: the brakes close.

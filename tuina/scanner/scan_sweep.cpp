@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <utility>
 
@@ -133,16 +132,6 @@ struct Turn {
   double rad_per_s;
 };
 
-// The next frame of this turn. A camera that runs all the time still holds some from before, while
-// the unit turned to where it begins.
-Result<Frame> frame_of_turn(Camera& camera, double begin_s) {
-  constexpr int max_held = 64;
-  for (int held = 0;; ++held) {
-    auto frame = camera.next_frame(frame_timeout_s);
-    if (!frame || frame->time_s >= begin_s || held == max_held) return frame;
-  }
-}
-
 // One turn of the unit, from its devices to lines.
 Result<void> take_turn(Camera& camera, Turntable& turntable, const Turn& turn,
                        const ScannerCalibration& calibration, const SweepOptions& options,
@@ -168,11 +157,7 @@ Result<void> take_turn(Camera& camera, Turntable& turntable, const Turn& turn,
     const auto arrived = turntable.arrived();
     if (!arrived) return tl::unexpected(arrived.error());
     if (*arrived) break;
-    const auto so_far = turntable.readings();
-    if (!so_far) return tl::unexpected(so_far.error());
-    const double begin_s = live && !so_far->empty() ? so_far->front().time_s + calibration.latency_s
-                                                    : -std::numeric_limits<double>::infinity();
-    auto frame = frame_of_turn(camera, begin_s);
+    auto frame = camera.next_frame(frame_timeout_s);
     if (!frame) return tl::unexpected(frame.error());
     const double frame_s = frame->time_s;
     if (!first_frame_s) first_frame_s = frame_s;
@@ -184,6 +169,8 @@ Result<void> take_turn(Camera& camera, Turntable& turntable, const Turn& turn,
     const auto taken = take_in(std::move(*frame), calibration, line_options, intake);
     if (!taken) return taken;
     if (live) {
+      const auto so_far = turntable.readings();
+      if (!so_far) return tl::unexpected(so_far.error());
       const auto good = watch.see(frame_s, !intake.is_repeated, *so_far);
       if (!good) return good;
     }

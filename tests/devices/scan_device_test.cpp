@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: Apache-2.0
+// `tuina scan --device` with the firmware of the board in simavr, an emulated motor behind it and
+// an emulated camera that shows the frames of a simulated scan. They keep the time, and wait for
+// tuina where the machine is slow.
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <future>
+#include <nlohmann/json.hpp>
+#include <regex>
+#include <thread>
+
+#include "tests/reason.hpp"
+#include "tests/whole/command.hpp"
+#include "tuina/core/io/file.hpp"
+#include "tuina/core/io/surface_file.hpp"
+
+using namespace tuina;
+using nlohmann::json;
+using test::Folder;
+using test::Outcome;
+using test::run_tuina;
+
+namespace {
+
+#ifdef TUINA_STAGE
+constexpr bool has_stage = true;
+#else
+constexpr bool has_stage = false;
+#define TUINA_STAGE ""
+#define TUINA_FIRMWARE ""
+#endif
+
+// A turn of 20 degrees, at nine of the motor's units of speed.
+const std::vector<std::string> turn = {"--set", "scan.sweep_deg=20", "--set",
+                                       "scan.sweep_s=3.336670003336670"};
+
+std::string text_of(const std::filesystem::path& file) {
+  return read_file(file, 1 << 24).value_or("");
+}
+
+/// The frames of a simulated back, and its calibration with another latency.
+struct Sweep {
+  Folder folder;
+  std::string at = folder / "sweep";
+  Sweep() {
+    std::vector<std::string> words = {"scan",     "--person", "phantom:medium", "--seed", "7",
+                                      "--record", at,         "--quiet"};
+    words.insert(words.end(), turn.begin(), turn.end());
+    const Outcome made = run_tuina(words);
+    REQUIRE_MESSAGE(made.exit_code == 0, made.err);
+  }
+  [[nodiscard]] std::string calibration(const std::string& latency_s) const {
+    const std::string text = text_of(at + "/calibration.toml");
+    return folder.with("calibration_" + latency_s + ".toml",
+                       std::regex_replace(text, std::regex("(yaw_axis[^]*?latency_s = )[^ \n]*"),
+                                          "$01" + latency_s));
+  }
+};
+
+const Sweep& sweep() {
+  static const Sweep made;
+  return made;
+}
+
+struct Scanned {
+  Outcome host;
+  json stage;
+};
+
+/// A scan with the whole stage, which goes wrong once that frame has been shown.
+Scanned scan(const Folder& folder, const std::string& fault = "", int frame = 40) {
+  const std::string at = folder.path();
+  const std::string device =
+      folder.with("device.toml", "[camera]\nkind = \"v4l2\"\naddress = \"" + at +
+                                     "/camera\"\nturned_deg = 90\nexposure_ms = 5\n"
+                                     "[turntable]\nkind = \"board\"\naddress = \"" +
+                                     at + "/board\"\n");
+  std::string stage = TUINA_STAGE " " TUINA_FIRMWARE " " + sweep().at + " -10 " + at;
+  if (!fault.empty()) stage += " " + fault + " " + std::to_string(frame);
+  FILE* end = ::popen((stage + " >" + at + "/stage.out 2>&1").c_str(), "we");
+  REQUIRE(end != nullptr);
+  for (int i = 0; i < 600 && !std::filesystem::exists(at + "/camera"); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  std::string host =
+      "echo $$ >" + at + "/host; exec env TUINA_CLOCK=" + at +
+      "/clock LD_PRELOAD='" TUINA_FAKE_V4L2 "' " TUINA_BINARY " scan --quiet --json --device " +
+      device + " --calibration " + sweep().calibration("0") + " --out " + at + "/cloud.ply";
+  for (const std::string& word : turn) host += " " + word;
+  host += " >" + at + "/out 2>" + at + "/err </dev/null";
+  const int status = std::system(host.c_str());
+  // A board whose host has gone has a moment to notice.
+  std::this_thread::sleep_for(std::chrono::seconds(1));
+  ::pclose(end);
+  CHECK_MESSAGE(std::filesystem::exists(at + "/stage.json"), text_of(at + "/stage.out"));
+  return {.host = {.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status),
+                   .out = text_of(at + "/out"),
+                   .err = text_of(at + "/err")},
+          .stage = json::parse(text_of(at + "/stage.json"), nullptr, false)};
+}
+
+/// RMS distance between clouds of the same pictures, along the normals, in millimetres.
+double rms_mm(const PointCloud& a, const PointCloud& b) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i)
+    sum += std::pow((a.points[i] - b.points[i]).dot(b.normals[i]), 2);
+  return 1e3 * std::sqrt(sum / static_cast<double>(a.size()));
+}
+
+}  // namespace
+
+TEST_CASE("a real scanner's devices give the cloud of the simulation to 0.05 mm") {
+  if (!has_stage) {
+    MESSAGE("skipped: gcc-avr, arduino-core-avr or libsimavr-dev is missing");
+    return;
+  }
+  const Folder folder;
+  const Scanned scanned = scan(folder);
+  REQUIRE_MESSAGE(scanned.host.exit_code == 0, scanned.host.err);
+  const Outcome replayed = run_tuina({"scan", "--replay", sweep().at, "--calibration",
+                                      sweep().calibration("0.12"), "--out", folder / "sim.ply"});
+  REQUIRE_MESSAGE(replayed.exit_code == 0, replayed.err);
+  const auto cloud = read_surface(folder / "cloud.ply"),
+             simulated = read_surface(folder / "sim.ply");
+  REQUIRE_MESSAGE(cloud.has_value(), test::reason(cloud));
+  REQUIRE_MESSAGE(simulated.has_value(), test::reason(simulated));
+  REQUIRE(cloud->cloud.size() > 10'000);
+  REQUIRE(cloud->cloud.size() == simulated->cloud.size());
+  const double apart_mm = rms_mm(cloud->cloud, simulated->cloud);
+  MESSAGE(cloud->cloud.size(), " points, ", apart_mm, " mm RMS apart");
+  CHECK(apart_mm < 0.05);
+  CHECK(scanned.stage["is_lit"] == false);
+  CHECK(scanned.stage["frames_shown"] >= 99);
+}
+
+TEST_CASE("whatever fails in a scan ends it with exit code 3 and a cause, and the laser in 0.3 s") {
+  if (!has_stage) {
+    MESSAGE("skipped: gcc-avr, arduino-core-avr or libsimavr-dev is missing");
+    return;
+  }
+  struct Case {
+    std::string fault;
+    int exit_code;
+    std::string said;
+  };
+  const std::vector<Case> cases = {
+      {"camera_silent", 3, "camera: gave no frame within 150 ms"},
+      {"camera_unplugged", 3, "camera: was unplugged"},
+      {"camera_repeats", 3, "the camera has given the same picture for 0.1"},
+      {"board_unplugged", 3, "board"},
+      {"motor_blocked", 3, "stand"},
+      {"motor_silent", 3, "motor"},
+      {"motor_skips", 2, "the motor skips"},
+      {"host_killed", 137, ""},
+  };
+  (void)sweep();
+  std::vector<Folder> folders(cases.size());
+  constexpr std::size_t at_once = 2;
+  for (std::size_t first = 0; first < cases.size(); first += at_once) {
+    std::vector<std::future<Scanned>> running;
+    for (std::size_t i = first; i < std::min(cases.size(), first + at_once); ++i)
+      running.push_back(
+          std::async(std::launch::async, [&, i] { return scan(folders[i], cases[i].fault); }));
+    for (std::size_t i = first; i < first + running.size(); ++i) {
+      const Scanned scanned = running[i - first].get();
+      INFO(cases[i].fault);
+      CHECK(scanned.host.exit_code == cases[i].exit_code);
+      CHECK_MESSAGE(scanned.host.err.find(cases[i].said) != std::string::npos, scanned.host.err);
+      CHECK(scanned.host.out.empty());
+      CHECK_FALSE(std::filesystem::exists(folders[i] / "cloud.ply"));
+      REQUIRE(scanned.stage.is_object());
+      CHECK(scanned.stage["is_lit"] == false);
+      CHECK(scanned.stage["frames_shown"] >= 40);
+      MESSAGE(cases[i].fault, ": ", scanned.stage["lit_after_fault_ms"].get<double>(),
+              " ms lit after it");
+      if (cases[i].fault != "motor_skips")
+        CHECK(scanned.stage["lit_after_fault_ms"].get<double>() < 300.0);
+    }
+  }
+}
+
+TEST_CASE("a scanner that is not there, or not whole, is refused before anything is lit") {
+  const auto refused = [](std::vector<std::string> words, int exit_code) {
+    words.insert(words.begin(), {"scan", "--out", "/tmp/never.ply"});
+    const Outcome outcome = run_tuina(words);
+    CHECK(outcome.exit_code == exit_code);
+    return outcome.err;
+  };
+  const Folder folder;
+  const std::string calibration = sweep().calibration("0");
+  const std::string half =
+      folder.with("half.toml", "[camera]\nkind = \"v4l2\"\naddress = \"/dev/video63\"\n");
+  CHECK(refused({"--device", half}, 1).find("needs --calibration FILE.toml") != std::string::npos);
+  CHECK(refused({"--camera", "/dev/video63", "--calibration", calibration}, 1)
+            .find("belong together") != std::string::npos);
+  CHECK(refused({"--device", half, "--person", "phantom:slim"}, 1).find("excludes") !=
+        std::string::npos);
+  CHECK(
+      refused({"--device", half, "--calibration", calibration}, 2).find("[turntable] is missing") !=
+      std::string::npos);
+  CHECK(refused({"--camera", "/dev/video63", "--turntable", "/dev/ttyACM63", "--calibration",
+                 calibration},
+                3)
+            .find("/dev/ttyACM63 cannot be opened: No such file or directory; is it plugged in") !=
+        std::string::npos);
+}
