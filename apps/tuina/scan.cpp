@@ -137,6 +137,12 @@ class ScanVerb final : public Verb {
                   "scan needs one of --person (a simulated one), --replay (a recorded sweep) and "
                   "--device, or --camera with --turntable (a real scanner)");
     }
+    if (real && stop_and_shoot_) {
+      return fail(
+          Fault::usage,
+          "--stop-and-shoot needs a camera that waits for the unit; a real one runs freely, "
+          "so leave it out");
+    }
     const auto config = effective_config(common);
     if (!config) return tl::unexpected(config.error());
     if (const auto good = check_folder_of(out_); !good) return tl::unexpected(good.error());

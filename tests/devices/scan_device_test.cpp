@@ -70,26 +70,24 @@ struct Scanned {
   json stage;
 };
 
-/// A scan with the whole stage, which goes wrong once that frame has been shown.
-Scanned scan(const Folder& folder, const std::string& fault = "", int frame = 40) {
+/// tuina before the whole stage, which goes wrong once that frame has been shown.
+Scanned on_stage(const Folder& folder, const std::string& words, const std::string& fault = "",
+                 int frame = 40) {
   const std::string at = folder.path();
-  const std::string device =
-      folder.with("device.toml", "[camera]\nkind = \"v4l2\"\naddress = \"" + at +
-                                     "/camera\"\nturned_deg = 90\nexposure_ms = 5\n"
-                                     "[turntable]\nkind = \"board\"\naddress = \"" +
-                                     at + "/board\"\n");
+  (void)folder.with("device.toml", "[camera]\nkind = \"v4l2\"\naddress = \"" + at +
+                                       "/camera\"\nturned_deg = 90\nexposure_ms = 5\n"
+                                       "[turntable]\nkind = \"board\"\naddress = \"" +
+                                       at + "/board\"\n");
   std::string stage = TUINA_STAGE " " TUINA_FIRMWARE " " + sweep().at + " -10 " + at;
   if (!fault.empty()) stage += " " + fault + " " + std::to_string(frame);
   FILE* end = ::popen((stage + " >" + at + "/stage.out 2>&1").c_str(), "we");
   REQUIRE(end != nullptr);
   for (int i = 0; i < 600 && !std::filesystem::exists(at + "/camera"); ++i)
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
-  std::string host =
-      "echo $$ >" + at + "/host; exec env TUINA_CLOCK=" + at +
-      "/clock LD_PRELOAD='" TUINA_FAKE_V4L2 "' " TUINA_BINARY " scan --quiet --json --device " +
-      device + " --calibration " + sweep().calibration("0") + " --out " + at + "/cloud.ply";
-  for (const std::string& word : turn) host += " " + word;
-  host += " >" + at + "/out 2>" + at + "/err </dev/null";
+  const std::string host = "echo $$ >" + at + "/host; exec env TUINA_CLOCK=" + at +
+                           "/clock LD_PRELOAD='" TUINA_FAKE_V4L2 "' " TUINA_BINARY " " + words +
+                           " --json --device " + at + "/device.toml >" + at + "/out 2>" + at +
+                           "/err </dev/null";
   const int status = std::system(host.c_str());
   // A board whose host has gone has a moment to notice.
   std::this_thread::sleep_for(std::chrono::seconds(1));
@@ -99,6 +97,13 @@ Scanned scan(const Folder& folder, const std::string& fault = "", int frame = 40
                    .out = text_of(at + "/out"),
                    .err = text_of(at + "/err")},
           .stage = json::parse(text_of(at + "/stage.json"), nullptr, false)};
+}
+
+Scanned scan(const Folder& folder, const std::string& fault = "") {
+  std::string words =
+      "scan --quiet --calibration " + sweep().calibration("0") + " --out " + folder / "cloud.ply";
+  for (const std::string& word : turn) words += " " + word;
+  return on_stage(folder, words, fault);
 }
 
 /// RMS distance between clouds of the same pictures, along the normals, in millimetres.
@@ -179,6 +184,31 @@ TEST_CASE("whatever fails in a scan ends it with exit code 3 and a cause, and th
         CHECK(scanned.stage["lit_after_fault_ms"].get<double>() < 300.0);
     }
   }
+}
+
+TEST_CASE("doctor and camera say who is there and what is seen, and leave the laser dark") {
+  if (!has_stage) {
+    MESSAGE("skipped: gcc-avr, arduino-core-avr or libsimavr-dev is missing");
+    return;
+  }
+  const Folder one, other;
+  const Scanned doctor = on_stage(one, "doctor");
+  CHECK_MESSAGE(doctor.host.exit_code == 0, doctor.host.err);
+  const json devices = json::parse(doctor.host.out)["devices"];
+  REQUIRE(devices.size() == 2);
+  CHECK(devices[0]["finding"].get<std::string>().find("fake camera, 1 modes") != std::string::npos);
+  CHECK(devices[1]["finding"].get<std::string>().find("board version 1, AX-12A (model 12)") !=
+        std::string::npos);
+  CHECK(doctor.stage["lit_s"] == 0.0);
+  const Scanned looked = on_stage(other, "camera --look " + (other / "seen.png"));
+  CHECK_MESSAGE(looked.host.exit_code == 0, looked.host.err);
+  const json seen = json::parse(looked.host.out);
+  CHECK(seen["cameras"][0]["modes"][0]["width_px"] == 640);
+  CHECK(seen["look"]["lit"] > 200);
+  CHECK(seen["look"]["verdict"][0] == "focus and exposure are good");
+  CHECK(std::filesystem::exists(other / "seen.png"));
+  CHECK(looked.stage["lit_s"] > 0.1);
+  CHECK(looked.stage["is_lit"] == false);
 }
 
 TEST_CASE("a scanner that is not there, or not whole, is refused before anything is lit") {

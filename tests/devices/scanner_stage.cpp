@@ -193,6 +193,10 @@ class Stage {
     if (rad_per_s <= 0.0) next_ = 0;
     const bool sweeps = std::abs(rad_per_s - sweep_rad_per_s) < 1e-6;
     if (sweeps && yaw_rad < sweep_from_rad_) next_ = 0;
+    // A turn that begins within the sweep has missed its first pictures.
+    const double behind = (yaw_rad - sweep_from_rad_) / per_frame_rad;
+    if (sweeps && behind > static_cast<double>(next_ + 1))
+      next_ = static_cast<std::size_t>(behind) + 1;
     const double at_rad = sweep_from_rad_ + static_cast<double>(next_) * per_frame_rad;
     if (sweeps && next_ < pictures_.size() && yaw_rad >= at_rad) {
       const double exposed_s = now_s - (yaw_rad - at_rad) / rad_per_s;

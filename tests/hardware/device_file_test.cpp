@@ -30,6 +30,40 @@ TEST_CASE("a device file names both arms") {
   CHECK(ntohs((*file->arms)[Arm::right].udp.of.sin_port) == 7002);
 }
 
+TEST_CASE("a device file names the camera and the turntable of a scanner") {
+  const auto file = parse_device_file(
+      "[camera]\nkind = \"v4l2\"\naddress = \"/dev/video2\"\nformat = \"MJPG\"\n"
+      "exposure_ms = 2.5\nturned_deg = 270\n"
+      "[turntable]\nkind = \"adapter\"\naddress = \"/dev/ttyUSB0\"\nreversed = true\n",
+      "device.toml");
+  REQUIRE_MESSAGE(file.has_value(), test::reason(file));
+  CHECK_FALSE(file->arms.has_value());
+  REQUIRE(file->camera.has_value());
+  CHECK(file->camera->address == "/dev/video2");
+  CHECK(file->camera->format == PixelFormat::mjpeg);
+  CHECK(file->camera->exposure_ms == 2.5);
+  CHECK_FALSE(file->camera->gain.has_value());
+  CHECK(file->camera->turned_deg == 270);
+  REQUIRE(file->turntable.has_value());
+  CHECK(file->turntable->kind == TurntableDevice::Kind::adapter);
+  CHECK(file->turntable->bits_per_s == 1'000'000);
+  CHECK(file->turntable->reversed);
+}
+
+TEST_CASE("what is wrong with a scanner's section is said with line, key and value") {
+  CHECK(wrong("").find("no device is named") != std::string::npos);
+  const std::string said = wrong(
+      "[camera]\nkind = \"v4l2\"\naddress = \"video0\"\nformat = \"RGB3\"\n"
+      "exposure_ms = 50\nturned_deg = 45\nzoom = 3\n"
+      "[turntable]\nkind = \"board\"\nbits_per_s = 9600\nservo = 300\n");
+  for (const char* part :
+       {"device.toml:3: camera.address = 'video0' is no path of a device", "camera.format",
+        "camera.exposure_ms = 50", "device.toml:6: camera.turned_deg = 45 is not 0, 90, 180 or 270",
+        "zoom", "turntable.address", "turntable.bits_per_s = 9600 is not one of 57600",
+        "turntable.servo = 300"})
+    CHECK_MESSAGE(said.find(part) != std::string::npos, said);
+}
+
 TEST_CASE("what is wrong with a device file is said with line, key and value") {
   CHECK(wrong("[arm.left]\nkind = \"armlink\"\naddress = \"127.0.0.1\"\n"
               "[arm.right]\nkind = \"armlnk\"\naddress = \"127.0.0.1:7002\"\n") ==

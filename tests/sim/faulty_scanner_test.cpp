@@ -5,6 +5,9 @@
 #include <doctest/doctest.h>
 
 #include "tests/fake_scanner.hpp"
+#include "tuina/scanner/sweep.hpp"
+#include "tuina/sim/person/phantom.hpp"
+#include "tuina/sim/scanner/laser_scanner.hpp"
 
 using namespace tuina;
 using sim::FaultyScanner;
@@ -97,4 +100,28 @@ TEST_CASE("readings of the motor stick and skip") {
   CHECK(stuck_readings[last].yaw_rad == usual_readings[last].yaw_rad);
   CHECK(skipped_readings.front().yaw_rad == usual_readings.front().yaw_rad);
   CHECK(skipped_readings[last].yaw_rad == doctest::Approx(usual_readings[last].yaw_rad + 0.5));
+}
+
+TEST_CASE("before a back, what hangs or skips is refused, and the laser is dark in 0.25 s") {
+  struct Wrong {
+    sim::TimedScanFault fault;
+    const char* said;
+  };
+  const auto person =
+      sim::make_phantom(sim::draw_phantom(sim::BodyType::medium, 1), BodyPosture::sitting);
+  for (const Wrong& wrong :
+       {Wrong{{ScanFault::camera_silent, 0.0, 1.5}, "no frame within"},
+        Wrong{{ScanFault::frames_frozen, 0.5, 1.5}, "the camera has given the same picture"},
+        Wrong{{ScanFault::motor_silent, 0.0, 1.5}, "the motor does not answer"},
+        Wrong{{ScanFault::yaw_stuck, 1.0, 1.5}, "the motor stands still"},
+        Wrong{{ScanFault::yaw_skips, 2.0_deg, 1.5}, "the motor skips"}}) {
+    sim::LaserScanner scanner(person.skin_in_couch, person.position, {}, 1);
+    FaultyScanner faulty(scanner, scanner, wrong.fault, 1);
+    const auto scan = scanner::scan_sweep(faulty, faulty, scanner.true_calibration(),
+                                          {.from_rad = -9.0_deg, .to_rad = 9.0_deg});
+    REQUIRE_FALSE(scan.has_value());
+    CHECK_MESSAGE(scan.error().message.find(wrong.said) != std::string::npos, scan.error().message);
+    CHECK_FALSE(faulty.lit());
+    if (wrong.fault.kind != ScanFault::yaw_skips) CHECK(faulty.lit_after_onset_s() < 0.25);
+  }
 }
