@@ -447,7 +447,8 @@ TEST_CASE("evaluate massage judges sessions with steering and without, and says 
   words.insert(words.end(), {"--set", "massage.force_scale=0.9"});
   const auto other = run_tuina(words);
   CHECK(other.exit_code == 2);
-  CHECK(other.err.find("sessions.jsonl:1: holds cells of another configuration") != std::string::npos);
+  CHECK(other.err.find("sessions.jsonl:1: holds cells of another configuration") !=
+        std::string::npos);
   CHECK(run_tuina({"evaluate", "massage", "--programmes", "shoulder"}).exit_code == 2);
   CHECK(run_tuina({"evaluate", "massage", "--bodies", folder / "."}).exit_code == 2);
 }
