@@ -71,6 +71,27 @@ TEST_CASE("where nothing keeps to the law a press is held to 0.5 N, in a hard wo
   }
 }
 
+TEST_CASE("friction of a tool that slides over a lean nobody knows is not taken for pressing") {
+  for (const std::string realism : {"usual", "hard"}) {
+    session::Config config;
+    config.simulation.realism = realism;
+    session::set_realism(config.simulation);
+    for (const TangentTissue& tissue : {bone, soft}) {
+      ContactExperiment experiment{.tissue = tissue,
+                                   .technique = Technique::rub,
+                                   .surface_error_m = -3_mm,
+                                   .surface_tilt_rad = 2_deg,
+                                   .breathing = {3_mm, 0.25},
+                                   .duration_s = 8.0};
+      live_in(config, experiment);
+      const auto outcome = run(experiment);
+      CAPTURE(realism);
+      CHECK(outcome.stops.empty());
+      CHECK(outcome.force.rmse_n < (realism == "usual" ? 0.75 : 1.0));
+    }
+  }
+}
+
 TEST_CASE("60 N on bone over a rigid torso are held without ringing") {
   const auto outcome = run({.tissue = bone,
                             .force_n = 60.0,

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "tests/allocation.hpp"
@@ -191,7 +193,9 @@ TEST_CASE("friction is learned from an arm moved to and fro, gravity error apart
     friction.learn(JointVector::Constant(6, truth_nm * wound + 0.9), JointVector::Zero(6));
   }
   friction.end_learning();
-  for (int i = 0; i < 6; ++i) CHECK(friction.coulomb_nm()[i] == doctest::Approx(0.92 * truth_nm));
+  for (int i = 0; i < 6; ++i)
+    CHECK(friction.coulomb_nm()[i] ==
+          doctest::Approx(FrictionCompensation::Options().share * truth_nm));
 }
 
 TEST_CASE("the virtual target never pulls harder than the set force and its leash") {
@@ -233,6 +237,28 @@ TEST_CASE("a force that leaps above the set one is answered outward at once, a s
     push_n = law.step({.depth_m = 4e-3, .force_n = force_n, .set_force_n = 30.0}, 1e-3);
   CHECK(law.pushed_away());
   CHECK(std::abs(push_n) < 5.0);
+}
+
+TEST_CASE("the speed of skin that rises and falls under the tool is no motion to damp") {
+  const auto worst_error_n = [](double carried_after_s) {
+    ForceTarget::Options options;
+    options.carried_after_s = carried_after_s;
+    ForceTarget law(options);
+    law.begin({.force_n = 1.5}, 1.5);
+    constexpr double set_n = 20.0, mass_kg = 3.5, dt_s = 1e-3;
+    const double skin_n_per_m = stiffness_at({}, set_n);
+    double depth_m = 1.5 / skin_n_per_m, speed_m_per_s = 0.0, worst_n = 0.0;
+    for (int i = 0; i < 7000; ++i) {
+      const double rises_m = 1.5e-3 * (1.0 - std::cos(pi * i * dt_s));
+      const double force_n = std::max(0.0, skin_n_per_m * (depth_m + rises_m));
+      if (i > 3000) worst_n = std::max(worst_n, std::abs(force_n - set_n));
+      const double push_n = law.step({depth_m, speed_m_per_s, 0.0, force_n, set_n, mass_kg}, dt_s);
+      speed_m_per_s += dt_s / mass_kg * (push_n - force_n);
+      depth_m += dt_s * speed_m_per_s;
+    }
+    return worst_n;
+  };
+  CHECK(worst_error_n(ForceTarget::Options().carried_after_s) < 0.85 * worst_error_n(1e6));
 }
 
 TEST_CASE("changes of the target can put in no more energy than the tank holds") {

@@ -143,6 +143,7 @@ void ArmController::approach(const ToolPose& skin) noexcept {
   stop_learning();
   sense_.tare();
   settling_n_.setZero();
+  lean_in_base_.setZero();
   target_ = {.at_in_base = skin.at_in_base, .normal_in_base = normal, .model = target_.model};
   reference_ = {.pose = centre_pose({skin.at_in_base, normal}, model_->table().tool_radius_m)};
   const Vector3 above = reference_.pose.at_in_base - centre_;

@@ -52,7 +52,7 @@ struct ArmStatus {
   ContactFault contact_fault = ContactFault::none;
   bool settled = true;  ///< command finished: arrived and still, or in steady contact
   bool touching = false;
-  double force_n = 0.0;      ///< measured, along the inward normal
+  double force_n = 0.0;  ///< measured, along the inward normal, friction of a sliding tool left out
   double set_force_n = 0.0;  ///< present set force of the force law
   double depth_m = 0.0;  ///< depth of the tip beneath the believed skin, along the inward normal
   double skin_error_m = 0.0;  ///< how much deeper than believed the skin was found
@@ -133,6 +133,7 @@ class ArmController {
  private:
   [[nodiscard]] Vector3 free_force(const ArmState& state, double dt_s) noexcept;
   [[nodiscard]] Vector3 contact_force(double dt_s) noexcept;
+  [[nodiscard]] Vector3 skin_normal(double dt_s) noexcept;
   [[nodiscard]] double approach_force(double depth_m, double speed, double dt_s) noexcept;
   [[nodiscard]] JointVector baseline_torque(const ArmState& state, double dt_s) noexcept;
   [[nodiscard]] JointVector learning_torque(const ArmState& state, double dt_s) noexcept;
@@ -158,6 +159,8 @@ class ArmController {
   Vector3 spring_n_ = Vector3::Zero();  // spring force of the last step, without damping
   // Integral of the spring force at the goal of a free motion.
   Vector3 settling_n_ = Vector3::Zero();
+  // How the skin rises per metre against the believed one, a vector along it.
+  Vector3 lean_in_base_ = Vector3::Zero();
   double search_m_ = 0.0, search_speed_ = 0.0;
   double quiet_s_ = 0.0, touched_s_ = 0.0, blocked_s_ = 0.0;
   double rail_m_ = 0.0;

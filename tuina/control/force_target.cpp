@@ -14,6 +14,7 @@ constexpr double slipping_share = 0.3;
 constexpr double found_again_n = 1.5;
 constexpr double creep_m_per_s = 10e-3;
 constexpr double max_creep_m = 3e-3;
+constexpr double carried_below_n_per_s = 8.0;  // of the set force; faster, the tool goes itself
 
 }  // namespace
 
@@ -39,7 +40,7 @@ void ForceTarget::begin(const Input& input, double spring_n) noexcept {
   if (options_.finds_skin) trim_n_ = spring_n - set_n_ - K * (expected_m - input.depth_m);
   trim_n_ = std::clamp(trim_n_, -options_.max_trim_out_n, options_.max_trim_in_n);
   spring_n_ = spring_n;
-  foreseen_m_per_s_ = 0.0;
+  foreseen_m_per_s_ = carried_m_per_s_ = 0.0;
   last_depth_m_ = input.depth_m;
   tank_j_ = options_.tank_j;
   without_contact_s_ = 0.0;
@@ -165,9 +166,21 @@ double ForceTarget::step(const Input& input, double dt_s) noexcept {
   spring_n_ = paid_for(std::clamp(spring_n, -options_.max_trim_out_n,
                                   std::min(borne_n + options_.max_over_set_n, input.max_spring_n)),
                        input);
+  // Skin that rises and falls, or leans, takes the tool along: what lasts of its speed is no motion
+  // to damp, and damping it would only be one more error for the trim. A tool that lands, or that
+  // presses harder, has speed of its own.
   const double relative = input.speed_m_per_s - foreseen;
-  tank_j_ = std::min(tank_j_ + damping * relative * relative * dt_s, options_.tank_j);
-  return spring_n_ + std::min(inertia_n - damping * relative, options_.max_outward_damping_n);
+  const bool of_its_own =
+      since_touch_s_ < options_.landing_s || std::abs(change_n) > carried_below_n_per_s * dt_s;
+  const double goal_m_per_s = of_its_own ? 0.0
+                                         : std::clamp(relative, -options_.max_carried_m_per_s,
+                                                      options_.max_carried_m_per_s);
+  carried_m_per_s_ +=
+      std::min(dt_s / options_.carried_after_s, 1.0) * (goal_m_per_s - carried_m_per_s_);
+  if (lost_ || slips(input)) carried_m_per_s_ = 0.0;
+  const double damping_n = damping * (relative - carried_m_per_s_);
+  tank_j_ = std::clamp(tank_j_ + damping_n * relative * dt_s, 0.0, options_.tank_j);
+  return spring_n_ + std::min(inertia_n - damping_n, options_.max_outward_damping_n);
 }
 
 }  // namespace tuina::control

@@ -23,13 +23,13 @@ struct ContactModel {
 /// A spring of fixed stiffness pulls the tool to a virtual target beneath the skin, fed forward
 /// from the model: x_v = skin + depth(F) + F / K + trim / K. The trim is a slow integral of the
 /// force error; its lasting part corrects the position of the skin. Damping acts on the tool speed
-/// and grows with the contact stiffness. Trim, spring force beyond the set force and the energy
-/// from target changes are bounded.
+/// less what lasts of it, and grows with the contact stiffness. Trim, spring force beyond the set
+/// force and the energy from target changes are bounded.
 class ForceTarget {
  public:
   struct Options {
     double stiffness_n_per_m = 1000.0;
-    double trim_per_s = 30.0;
+    double trim_per_s = 45.0;
     /// Force gain as a share of damping / (contact stiffness x sensor lag), where the loop would
     /// ring.
     double gain_share = 0.2;
@@ -47,7 +47,11 @@ class ForceTarget {
     double contact_damping_ratio = 0.5;
     double max_damping_n_s_per_m = 600.0;
     double max_outward_damping_n = 12.0;  ///< damping must not hold down a person who rises
-    double kept_n = 1.0;                  ///< minimum set force
+    /// Time after which the speed of a tool counts as that of the skin beneath it, which is not
+    /// damped.
+    double carried_after_s = 0.1;
+    double max_carried_m_per_s = 0.02;  ///< skin of a person who breathes, under a tool that slides
+    double kept_n = 1.0;                ///< minimum set force
     double max_rate_n_per_s = 300.0;
     double landing_s = 0.3;  ///< time after touch with the slower `landing_n_per_s`
     double landing_n_per_s = 15.0;
@@ -100,7 +104,7 @@ class ForceTarget {
   double skin_m_ = 0.0;  // found minus believed skin position, inward positive
   double set_n_ = 0.0;
   double trim_n_ = 0.0;
-  double foreseen_m_per_s_ = 0.0;
+  double foreseen_m_per_s_ = 0.0, carried_m_per_s_ = 0.0;
   double spring_n_ = 0.0;
   std::array<double, 3> last_forces_n_ = {};  // newest first
   double since_touch_s_ = 0.0;

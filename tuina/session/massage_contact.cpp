@@ -27,9 +27,12 @@ TangentTissue expected_in(massage::Zone zone) noexcept {
   }
 }
 
-/// Share of the order that a press aims at: the true force swings about its target by some per
-/// cent, and nobody shall get more than was ordered.
-constexpr double aimed_share = 0.985;
+/// What a press aims at: the true force swings about its target by some tenths of a newton, and
+/// nobody shall get more than was ordered. Light presses give up no more than 4 %.
+double aimed_n(double ordered_n) noexcept {
+  constexpr double swings_n = 0.3, swings_share = 0.015, max_share = 0.04;
+  return ordered_n - std::max(swings_share * ordered_n, std::min(swings_n, max_share * ordered_n));
+}
 
 double strongest_n(const ContactPath& path) noexcept {
   double strongest_n = 0.0;
@@ -87,7 +90,8 @@ void MassageStep::press_on(Side& side, Arm arm, double time_s) noexcept {
                                                   : steering_.steered_n(arm, now.point.force_n);
   const double max_n = std::min(options_.force_ceiling_n, planned.cap_n);
   side.wanted.force_n = std::min(side.playback.force_n(planned_n), max_n);
-  if (planned.path.technique == Technique::press) side.wanted.force_n *= aimed_share;
+  if (planned.path.technique == Technique::press)
+    side.wanted.force_n = aimed_n(side.wanted.force_n);
   side.commanded_n = side.wanted.force_n;
   if (planned.path.technique == Technique::tap)
     side.commanded_n = std::min(side.beats.command_n(side.wanted.force_n, status.force_n), max_n);
