@@ -11,7 +11,8 @@ namespace tuina::safety {
 namespace {
 
 constexpr double averaged_ticks = 100.0;
-constexpr double max_zero_n = 3.0;
+// Wrist sensors drift by half of this; who proposes cannot hurry it, for ticks are counted.
+constexpr double max_zero_n = 3.0, max_drift_n_per_s = 1.0 / 60.0;
 constexpr double at_stop_rad = 0.02;
 
 // Friction is known to a fifth, masses to a tenth; a hand may lead an arm with 30 N.
@@ -121,8 +122,11 @@ Observation ArmWatch::observe(const robot::RobotReading& reading, Arm arm, const
     started_ = true;
     mean_in_tool_n_ += (felt_in_tool_n - mean_in_tool_n_) / averaged_ticks;
   }
-  if (phase == Phase::approach && phase_ != Phase::approach)
-    zero_in_tool_n_ = mean_in_tool_n_ * (max_zero_n / std::max(mean_in_tool_n_.norm(), max_zero_n));
+  watched_s_ += control_period_s * std::min(ticks, max_gap_ticks);
+  if (phase == Phase::approach && phase_ != Phase::approach) {
+    const double max_n = max_zero_n + max_drift_n_per_s * watched_s_;
+    zero_in_tool_n_ = mean_in_tool_n_ * (max_n / std::max(mean_in_tool_n_.norm(), max_n));
+  }
   phase_ = phase;
   seen.force_in_base_n = base_from_tool * (felt_in_tool_n - zero_in_tool_n_);
   seen.tool_in_base = dynamics.base_from_tool.translation();

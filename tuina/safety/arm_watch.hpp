@@ -17,7 +17,8 @@ class ArmWatch {
   explicit ArmWatch(const robot::ArmModel& model) noexcept : model_(model) {}
 
   /// `applied_nm` moved the arm since the last reading; empty at the first. Of the proposal two
-  /// things count: when an approach begins, the wrist sensor is zeroed, by 3 N at most; and an arm
+  /// things count: when an approach begins, the wrist sensor is zeroed, by 3 N at most
+  /// and 1 N more for each minute that was watched; and an arm
   /// without a spring is one that a hand leads, so more of its torque may go unexplained. A sensor
   /// whose torques are no numbers has no force either.
   ///
@@ -39,6 +40,7 @@ class ArmWatch {
   robot::ArmModel model_;
   Phase phase_ = Phase::free;
   bool started_ = false;
+  double watched_s_ = 0.0;
   Vector3 mean_in_tool_n_ = Vector3::Zero(), zero_in_tool_n_ = Vector3::Zero();
 
   std::uint64_t tick_ = 0;

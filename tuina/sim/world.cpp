@@ -30,23 +30,26 @@ struct World::Parts {
       return unit().next_frame(timeout_s);
     }
     Result<void> sweep(double from_rad, double to_rad, double rad_per_s) override {
-      return unit().sweep(from_rad, to_rad, rad_per_s);
+      return turning_unit().sweep(from_rad, to_rad, rad_per_s);
     }
     Result<void> step(double from_rad, double to_rad, double step_rad) override {
-      return unit().step(from_rad, to_rad, step_rad);
+      return turning_unit().step(from_rad, to_rad, step_rad);
     }
     Result<bool> arrived() const override { return unit_->arrived(); }
-    Result<void> switch_laser(bool on) override {
-      if (on) unit_.reset();  // a scan begins
-      return unit().switch_laser(on);
-    }
+    Result<void> switch_laser(bool on) override { return unit().switch_laser(on); }
     Result<std::vector<scanner::YawReading>> readings() const override { return unit_->readings(); }
 
    private:
+    // Before a person who has moved the unit begins anew.
+    LaserScanner& turning_unit() {
+      if (world_.shift_in_couch() != shift_) unit_.reset();
+      return unit();
+    }
     LaserScanner& unit() {
       if (!unit_) {
         const Person& person = world_.person;
-        unit_.emplace(moved(person, world_.shift_in_couch()).skin_in_couch, person.position,
+        shift_ = world_.shift_in_couch();
+        unit_.emplace(moved(person, shift_).skin_in_couch, person.position,
                       world_.options.breathing, world_.seed,
                       LaserScannerOptions{.room_light_dn = world_.options.room_light_dn,
                                           .flaws = world_.options.scan_flaws});
@@ -55,6 +58,7 @@ struct World::Parts {
     }
     const Parts& world_;
     std::optional<LaserScanner> unit_;
+    Vector3 shift_ = Vector3::Zero();
   };
 
   // The plant is made where the session wants the robot to stand.
