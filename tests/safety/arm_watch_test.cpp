@@ -181,6 +181,17 @@ TEST_CASE("a sensor that drifts is zeroed by 1 N more for each minute that was w
         doctest::Approx(9.0 - zeroed_n).epsilon(2e-3));
 }
 
+TEST_CASE("the milliseconds between two readings that came are watched too") {
+  Standing arm;
+  arm.pushed_n = {0.0, 0.0, 9.0};
+  for (int i = 0; i < 6000; ++i) {
+    arm.reading.tick += 9;
+    arm.observe();
+  }
+  CHECK(arm.observe(Phase::approach).force_in_base_n.z() ==
+        doctest::Approx(9.0 - 3.0 - 1.0).epsilon(1e-3));
+}
+
 TEST_CASE("the zero is what was felt in the last tenth of a second, not one sample") {
   Standing arm;
   arm.observe_for(1000);

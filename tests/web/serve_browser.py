@@ -76,6 +76,7 @@ def drawn_by_finger(watcher, tab):
         expect(f"another plan by {ask}", watcher.until(lambda: watcher.state["reviews"] == before + 1, 20))
         expect(f"{ask}: {watcher.state['words']}", not watcher.state["words"])
         tab.until("!document.querySelector('#arm').disabled")
+        time.sleep(1.0)  # the new back and plan are drawn, and buttons with them
     tab.touch("#rule_out")
 
 
