@@ -151,14 +151,14 @@ Result<void> Ax12Turntable::standing() const {
 // Turns to a place quickly, and waits until the motor rests there.
 Result<void> Ax12Turntable::begin_at(double yaw_rad) {
   std::unique_lock lock(mutex_);
-  if (const auto good = standing(); !good) return good;
+  if (auto good = standing(); !good) return good;
   const auto count = count_of(yaw_rad);
   if (!count) return tl::unexpected(count.error());
   turning_ = turned_ = false;
   told_.clear();
   // Away from the turn, so that the play of the gear lies where it will lie in the turn.
   const int goal = *count - direction_ * (step_counts_ != 0 ? 0 : run_up_counts);
-  if (const auto sent = servo_.turn_to(goal, approach_speed); !sent) return sent;
+  if (auto sent = servo_.turn_to(goal, approach_speed); !sent) return sent;
   const double way_s =
       std::abs(goal - count_) * scanner::yaw_count_rad / (approach_speed * speed_unit_rad_per_s);
   const auto deadline = Clock::now() + std::chrono::duration_cast<Clock::duration>(
@@ -168,7 +168,7 @@ Result<void> Ax12Turntable::begin_at(double yaw_rad) {
     lock.unlock();
     std::this_thread::sleep_for(2 * poll_every);
     lock.lock();
-    if (const auto good = standing(); !good) return good;
+    if (auto good = standing(); !good) return good;
     rested = std::abs(count_ - goal) <= near_counts && count_ == before ? rested + 1 : 0;
     before = count_;
     if (Clock::now() < deadline) continue;
@@ -190,12 +190,12 @@ Result<void> Ax12Turntable::sweep(double from_rad, double to_rad, double rad_per
     direction_ = (to_rad > from_rad) == servo_.device().reversed ? -1 : 1;
     step_counts_ = 0;
   }
-  if (const auto there = begin_at(from_rad); !there) return there;
+  if (auto there = begin_at(from_rad); !there) return there;
   std::unique_lock lock(mutex_);
   end_count_ = *end;
   goal_count_ = *end + direction_ * run_out_counts;
   const int begin_count = count_;
-  if (const auto sent = servo_.turn_to(goal_count_, speed); !sent) return sent;
+  if (auto sent = servo_.turn_to(goal_count_, speed); !sent) return sent;
   turning_ = true;
   stands_at_count_ = count_;
   stands_since_ = Clock::now();
@@ -207,7 +207,7 @@ Result<void> Ax12Turntable::sweep(double from_rad, double to_rad, double rad_per
     lock.unlock();
     std::this_thread::sleep_for(poll_every);
     lock.lock();
-    if (const auto good = standing(); !good) return good;
+    if (auto good = standing(); !good) return good;
   }
   return {};
 }
@@ -220,7 +220,7 @@ Result<void> Ax12Turntable::step(double from_rad, double to_rad, double step_rad
     direction_ = (to_rad > from_rad) == servo_.device().reversed ? -1 : 1;
     step_counts_ = std::max(1, static_cast<int>(std::lround(step_rad / scanner::yaw_count_rad)));
   }
-  if (const auto there = begin_at(from_rad); !there) return there;
+  if (auto there = begin_at(from_rad); !there) return there;
   const std::lock_guard lock(mutex_);
   end_count_ = *end;
   goal_count_ = stands_at_count_ = count_;
@@ -240,7 +240,7 @@ Result<bool> Ax12Turntable::arrived() const {
 
 Result<void> Ax12Turntable::switch_laser(bool on) {
   const std::lock_guard lock(mutex_);
-  if (const auto good = standing(); !good) return good;
+  if (auto good = standing(); !good) return good;
   want_lit_ = on;
   asked_at_ = Clock::now();
   const auto told = servo_.poll(on);

@@ -56,6 +56,7 @@ bool wait_for(int number, short events, SerialPort::Clock::time_point deadline) 
 const std::vector<int>& serial_speeds() {
   static const std::vector<int> all = [] {
     std::vector<int> speeds;
+    speeds.reserve(line_speeds.size());
     for (const LineSpeed& speed : line_speeds) speeds.push_back(speed.bits_per_s);
     return speeds;
   }();

@@ -128,7 +128,7 @@ Result<void> V4l2Camera::set_controls() {
       {V4L2_CID_GAIN, device_.gain, "gain"},
       {V4L2_CID_FOCUS_ABSOLUTE, device_.focus, "focus"}};
   for (const Order& order : orders) {
-    const auto done = set(order.control, order.value, order.name);
+    auto done = set(order.control, order.value, order.name);
     if (!done) return done;
   }
   return {};

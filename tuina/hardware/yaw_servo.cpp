@@ -77,7 +77,7 @@ Result<void> YawServo::greet() {
                       is[2], scanner_board::version));
   }
   if (device_.kind == TurntableDevice::Kind::adapter) {
-    if (const auto dark = bus_.port().raise_dtr(false); !dark) return dark;
+    if (auto dark = bus_.port().raise_dtr(false); !dark) return dark;
   }
   auto table = read(ax12::model, 2);
   for (int tries = 0; !table && tries < 3; ++tries) table = read(ax12::model, 2);
