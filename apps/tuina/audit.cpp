@@ -26,6 +26,10 @@ class AuditCheck final : public Verb {
     if (!text) return tl::unexpected(text.error());
     const auto summary = web::check_audit(*text, file_);
     if (!summary) return tl::unexpected(summary.error());
+    if (summary->lines == 0) {
+      return fail(Fault::bad_input, "{}: is empty; a log begins with the line of its server",
+                  file_);
+    }
     const nlohmann::ordered_json json = {{"lines", summary->lines},
                                          {"last_hash", summary->last_hash}};
     return Answer{.json = json.dump(2),

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 import "./page.css";
 import { element, pills, table } from "./element";
+import { circleAround } from "./circle";
 import { Forces } from "./forces";
+import { type Happening, stiffnessShare, wordsOf } from "./happening";
 import { Link, type Live, type Reply, type State } from "./link";
 import { type Acupoint, armColours, type Edit, type Path, Scene, techniqueColours, zoneColours } from "./scene";
 import { applyLanguage, changeLanguage, say, sayOr, sayPath } from "./words";
@@ -9,7 +11,6 @@ import { applyLanguage, changeLanguage, say, sayOr, sayPath } from "./words";
 interface Choices { people: string[]; positions: string[]; programmes: { name: string; description: string }[]; questions: { key: string }[]; zones: { name: string; cap_n: number }[]; max_seed: number }
 interface Plan { duration_s: number; notes: string[]; paths: Path[] }
 interface Listed { session: string; person: string; programme: string; duration_s: number; performed: number; paths: number; stops: number }
-interface Happening { what: "ended" | "decision" | "command" | "stop"; time_s: number; path: number; whole: boolean; stiffness_n_per_mm?: number; reason: string; name: string; from_n: number; to_n: number }
 type View = "choose" | "health" | "scan" | "review" | "massage" | "report";
 
 const order: Record<string, string | number> =
@@ -143,15 +144,9 @@ function change(): void {
 scene.onMoved = (name, at) => { wanted.fixed = [...wanted.fixed.filter((one) => one.name !== name), { name, at }]; change(); };
 scene.onRuledOut = (corners) => { wanted.no_go.push({ name: `area ${wanted.no_go.length + 1}`, corners }); change(); };
 
-/** A circle on the skin around an acupoint, for hands that do not draw. */
+/** The place around an acupoint, for hands that do not draw. */
 function ruleOutAround(point: Acupoint): void {
-  const [x, y, z] = point.normal, long = Math.abs(z) < 0.9 ? [0, 0, 1] : [0, 1, 0];
-  const cross = (a: number[], b: number[]): number[] => [a[1]! * b[2]! - a[2]! * b[1]!, a[2]! * b[0]! - a[0]! * b[2]!, a[0]! * b[1]! - a[1]! * b[0]!];
-  const unit = (a: number[]): number[] => a.map((one) => one / Math.hypot(...a));
-  const right = unit(cross(long, [x, y, z])), up = cross([x, y, z], right), radius = 0.03;
-  const corners = Array.from({ length: 16 }, (_, i) => { const turn = (i * Math.PI) / 8; return point.at.map((at, axis) =>
-    at + radius * (Math.cos(turn) * right[axis]! + Math.sin(turn) * up[axis]!)) as [number, number, number]; });
-  wanted.no_go.push({ name: point.name, corners });
+  wanted.no_go.push({ name: point.name, corners: circleAround(point, 0.03) });
   change();
 }
 
@@ -186,8 +181,17 @@ function changeTheme(): void {
   localStorage.setItem("theme", dark ? "light" : "dark");
 }
 
+// A button that is replaced between touch and release would never hear of the touch.
+let pressing = false, drawsLater = false;
+addEventListener("pointerdown", () => (pressing = true), true);
+for (const end of ["pointerup", "pointercancel"]) {
+  addEventListener(end, () => setTimeout(() => { pressing = false; if (drawsLater) render(); }), true);
+}
+
 function render(): void {
   if (!choices || !state) return;
+  drawsLater = pressing;
+  if (pressing) return;
   showTop();
   const makers: Record<View, () => HTMLElement> =
     { choose: choose, health: health, scan: scan, review: review, massage: massage, report: report };
@@ -197,7 +201,7 @@ function render(): void {
   const runs = !["idle", "ended"].includes(state.phase);
   document.getElementById("stop-bar")!.replaceChildren(...(runs
     ? [element("span", {}, say(state.phase === "massage" && state.paused ? "paused_title" : `step_${view}`)),
-      element("button", { class: "stop", id: "stop", onclick: stop }, say("stop"), element("small", {}, say("stop_help")))] : []));
+      element("button", { class: "stop", id: "stop", onpointerdown: stop, onclick: stop }, say("stop"), element("small", {}, say("stop_help")))] : []));
   if (keep) document.getElementById(keep)?.focus();
   showProgress();
   showLive();
@@ -352,27 +356,12 @@ function showLive(): void {
   if (slots["when"]) slots["when"].textContent = `${live.performed}/${plan.paths.length} ${say("done_paths")} · ${say("remaining")} ${Math.floor(rest / 60)}:${String(rest % 60).padStart(2, "0")} ${say("remaining_end")}`;
 }
 
-/** From soft (0) to stiff (1), on a scale of ratios: backs are felt from 0.3 to 5 N/mm. */
-function stiffnessShare(stiffness_n_per_mm: number): number {
-  return Math.min(1, Math.max(0, Math.log(stiffness_n_per_mm / 0.3) / Math.log(5 / 0.3)));
-}
-
-function wordsOf(one: Happening): string {
-  const path = sayPath(plan?.paths[one.path]?.name ?? "");
-  switch (one.what) {
-    case "ended": return `${path}: ${one.whole ? say("served") : say("cut_short")}${one.stiffness_n_per_mm ? ` · ${one.stiffness_n_per_mm.toFixed(2)} N/mm` : ""}`;
-    case "decision": return `${path}: ${one.from_n.toFixed(0)} → ${one.to_n.toFixed(0)} N, ${one.reason}`;
-    case "command": return say(one.name);
-    case "stop": return one.reason;
-  }
-}
-
 function showHappened(): void {
   scene.showFelt(happened.flatMap((one) => {
     const at = one.stiffness_n_per_mm && plan?.paths[one.path]?.places[0];
     return at ? [{ at, stiffness: stiffnessShare(one.stiffness_n_per_mm!) }] : [];
   }));
-  const list = happened.slice(-40).reverse().map((one) => [`${one.time_s.toFixed(0)} s`, wordsOf(one)]);
+  const list = happened.slice(-40).reverse().map((one) => [`${one.time_s.toFixed(0)} s`, wordsOf(one, sayPath(plan?.paths[one.path]?.name ?? ""))]);
   slots["happened"]?.replaceChildren(list.length ? table(list) : element("p", { class: "note" }, say("nothing_yet")));
   if (slots["softest"]) slots["softest"].hidden = !happened.some((one) => one.stiffness_n_per_mm);
 }

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 import * as three from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+import { ArmShape } from "./arm_shape";
 import { element } from "./element";
+import { keptPicture, makeRenderer } from "./renderer";
 
 export interface Acupoint { name: string; at: [number, number, number]; normal: [number, number, number]; uncertainty_mm: number }
 export interface Path { name: string; technique: string; arm: string; step: number; start_s: number; duration_s: number; zone: string; ordered_n: number; places: [number, number, number][] }
@@ -11,77 +13,6 @@ export const techniqueColours: Record<string, string> =
   { press: "#c8342c", rub: "#1868b2", stroke: "#10846a", tap: "#8b4fb0", knead: "#b0741a" };
 export const zoneColours = ["#7fb59a", "#d8b45a", "#cf9a6a", "#c98b80", "#c98b80", "#c47a8e", "#b06ad0", "#d04a4a", "#777777", "#8a8f98", "#d04a4a"];
 const skin = new three.Color("#d9b39b");
-
-/** Something to draw with, with a graphics card or without one; nothing where a browser draws no 3D at all. */
-function makeRenderer(): three.WebGLRenderer | undefined {
-  try {
-    return new three.WebGLRenderer({ alpha: true });
-  } catch {
-    return undefined;
-  }
-}
-
-/** A picture that was drawn before, with its depth, so that what is drawn next may stand behind it. */
-function keptPicture(kept: three.WebGLRenderTarget): three.Mesh {
-  const material = new three.ShaderMaterial({
-    uniforms: { colour: { value: kept.texture }, depth: { value: kept.depthTexture } },
-    vertexShader: "varying vec2 at; void main() { at = uv; gl_Position = vec4(position.xy, 0.0, 1.0); }",
-    fragmentShader: `uniform sampler2D colour; uniform sampler2D depth; varying vec2 at;
-      void main() { gl_FragColor = texture2D(colour, at); gl_FragDepth = texture2D(depth, at).r;
-      #include <colorspace_fragment>
-      }`,
-    depthFunc: three.AlwaysDepth,
-  });
-  const sheet = new three.Mesh(new three.PlaneGeometry(2, 2), material);
-  sheet.frustumCulled = false;
-  sheet.renderOrder = -1;
-  return sheet;
-}
-
-/** An arm as capsules between its joints, and the ball that it massages with. */
-class ArmShape {
-  readonly group = new three.Group();
-  private readonly balls: three.Mesh[] = [];
-  private readonly tubes: three.Mesh[] = [];
-  private readonly shell = new three.MeshLambertMaterial({ color: "#c9ced6", transparent: true, opacity: 0.5 });
-  private readonly tip: three.Material;
-
-  constructor(colour: string) {
-    this.tip = new three.MeshLambertMaterial({ color: colour });
-    const ball = new three.SphereGeometry(1, 16, 12), tube = new three.CylinderGeometry(1, 1, 1, 16, 1, true);
-    for (let i = 0; i < 8; ++i) {
-      this.balls.push(new three.Mesh(ball, this.shell));
-      this.tubes.push(new three.Mesh(tube, this.shell));
-    }
-    this.group.add(...this.balls, ...this.tubes);
-    this.group.visible = false;
-  }
-
-  /** Joints from shoulder to tool: place, and radius of the link that begins there; m. */
-  move(links: [number, number, number, number][]): void {
-    this.group.visible = links.length > 0;
-    this.balls.forEach((ball, i) => {
-      const link = links[i];
-      ball.visible = !!link;
-      if (!link) return;
-      ball.position.set(link[0], link[1], link[2]);
-      ball.scale.setScalar(link[3]);
-      ball.material = i === links.length - 1 ? this.tip : this.shell;
-    });
-    this.tubes.forEach((tube, i) => {
-      const from = links[i], to = links[i + 1];
-      tube.visible = !!from && !!to;
-      if (!from || !to) return;
-      const begin = new three.Vector3(from[0], from[1], from[2]), along = new three.Vector3(to[0], to[1], to[2]).sub(begin);
-      const length = along.length();
-      tube.visible = length > 1e-4;
-      tube.position.copy(begin).addScaledVector(along, 0.5);
-      tube.scale.set(from[3], length, from[3]);
-      tube.quaternion.setFromUnitVectors(new three.Vector3(0, 1, 0), along.normalize());
-      tube.material = i === links.length - 2 ? this.tip : this.shell;
-    });
-  }
-}
 
 function toFloat(place: [number, number, number]): three.Vector3 { return new three.Vector3(...place); }
 

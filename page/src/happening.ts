@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+import { say } from "./words";
+
+/** What happened in a massage, as /api/events tells it. */
+export interface Happening { what: "ended" | "decision" | "command" | "stop"; time_s: number; path: number; whole: boolean; stiffness_n_per_mm?: number; reason: string; name: string; from_n: number; to_n: number }
+
+/** From soft (0) to stiff (1), on a scale of ratios: backs are felt from 0.3 to 5 N/mm. */
+export function stiffnessShare(stiffness_n_per_mm: number): number {
+  return Math.min(1, Math.max(0, Math.log(stiffness_n_per_mm / 0.3) / Math.log(5 / 0.3)));
+}
+
+/** One line for people; `path` is the name of the path that it happened to. */
+export function wordsOf(one: Happening, path: string): string {
+  switch (one.what) {
+    case "ended": return `${path}: ${one.whole ? say("served") : say("cut_short")}${one.stiffness_n_per_mm ? ` · ${one.stiffness_n_per_mm.toFixed(2)} N/mm` : ""}`;
+    case "decision": return `${path}: ${one.from_n.toFixed(0)} → ${one.to_n.toFixed(0)} N, ${one.reason}`;
+    case "command": return say(one.name);
+    case "stop": return one.reason;
+  }
+}
