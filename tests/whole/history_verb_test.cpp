@@ -84,16 +84,15 @@ TEST_CASE("a person's sessions are remembered, compared, exported and forgotten"
 TEST_CASE("what was said of a person by hand holds in the next session, and of nobody else") {
   const Folder folder;
   const std::string history = folder / "history.sqlite";
+  const std::string programme = folder.with(
+      "brief.toml", "name = \"brief\"\n[[part]]\ntechnique = \"press\"\npoints = [\"BL50\"]\n");
   const auto session = [&](const char* out, const std::vector<std::string>& more) {
     std::vector<std::string> words = {
-        "massage",    "--position", "sitting",   "--programme", folder / "brief.toml",
-        "--who",      "anna",       "--history", history,       "--out",
-        folder / out, "--json",     "--quiet"};
+        "massage",   "--position", "sitting", "--programme", programme, "--who",  "anna",
+        "--history", history,      "--out",   folder / out,  "--json",  "--quiet"};
     words.insert(words.end(), more.begin(), more.end());
     return run_tuina(words);
   };
-  folder.with("brief.toml",
-              "name = \"brief\"\n[[part]]\ntechnique = \"press\"\npoints = [\"BL50\"]\n");
   const auto plain = session("plain", {});
   REQUIRE_MESSAGE(plain.exit_code == 0, plain.err);
   const auto found = nlohmann::json::parse(plain.out)["acupoints"]["points"];
