@@ -110,17 +110,17 @@ Result<std::unique_ptr<record::SessionRecorder>> recorder_of(const std::filesyst
                                                              const session::Config& config,
                                                              std::uint64_t seed) {
   if (file.empty()) return std::unique_ptr<record::SessionRecorder>();
-  record::SessionStart start{
-      .seed = seed,
-      .version = TUINA_VERSION,
-      .order = order,
-      .answered_by = room.order.consent.answered_by,
-      .robot = room.order.robot,
-      .attached = {{"config.toml", session::to_toml(config)}, {"consent.toml", room.consent_toml}}};
+  const record::SessionStart start{.seed = seed,
+                                   .version = TUINA_VERSION,
+                                   .order = order,
+                                   .answered_by = room.order.consent.answered_by,
+                                   .robot = room.order.robot};
   auto programme = text_of_programme(order.programme);
   if (!programme) return tl::unexpected(programme.error());
-  start.attached.emplace_back("programme.toml", std::move(*programme));
-  return record::SessionRecorder::begin(file, start);
+  return record::SessionRecorder::begin(file, start,
+                                        {{"config.toml", session::to_toml(config)},
+                                         {"consent.toml", room.consent_toml},
+                                         {"programme.toml", std::move(*programme)}});
 }
 
 /// A robot that is no part of this program; null and empty where all is to happen in this one.

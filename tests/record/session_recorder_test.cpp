@@ -31,12 +31,13 @@ const robot::RobotModel& thesis_robot() {
 }
 
 std::unique_ptr<SessionRecorder> recorder_for(const std::filesystem::path& file) {
-  auto recorder = SessionRecorder::begin(file, {.seed = 7,
-                                                .version = "0",
-                                                .order = {.person = "somebody \xff"},
-                                                .answered_by = "somebody",
-                                                .robot = thesis_robot(),
-                                                .attached = {{"config.toml", "[scan]\n"}}});
+  auto recorder = SessionRecorder::begin(file,
+                                         {.seed = 7,
+                                          .version = "0",
+                                          .order = {.person = "somebody \xff"},
+                                          .answered_by = "somebody",
+                                          .robot = thesis_robot()},
+                                         {{"config.toml", "[scan]\n"}});
   REQUIRE_MESSAGE(recorder.has_value(), test::reason(recorder));
   return std::move(*recorder);
 }
