@@ -162,6 +162,14 @@ std::string help_of(const CLI::App& command) {
   return command.help(before);
 }
 
+/// --help comes before the parser complains of words that no verb and no option took; so documents
+/// can be held to the program by it. Gives the exit code.
+int refuse_unknown(const std::vector<std::string>& words) {
+  if (words.empty()) return 0;
+  fmt::print(stderr, "tuina: nothing here takes {}\n", listed(words, " ", 250));
+  return 1;
+}
+
 /// This process becomes another program, with the same words.
 int become(const ProgramBeside& other, char** argv) {
   const std::string path = program_beside(other.program);
@@ -200,7 +208,7 @@ int run_program(int argc, char** argv, const Program& program) {
     tuina.parse(argc, argv);
   } catch (const CLI::CallForHelp&) {
     fmt::print("{}", help_of(chosen_by(tuina)));
-    return 0;
+    return refuse_unknown(tuina.remaining(true));
   } catch (const CLI::CallForVersion&) {
     fmt::print("tuina {}\n", TUINA_VERSION);
     return 0;

@@ -56,8 +56,8 @@ PYBIND11_MODULE(simulation, module) {
   module.def(
       "presses", &presses, py::arg("alpha_n"), py::arg("beta_per_m"), py::arg("world") = "control",
       py::arg("seed") = 1,
-      "Presses of tissue in a world of docs/tissue.md, at 1 kHz with the noise of sensors; alpha "
-      "and beta are drawn around those given, with 15 % and 8 % of deviation.\n"
+      "Presses of tissue in a world of docs/tissue_measured.md, at 1 kHz with the noise of "
+      "sensors; alpha and beta are drawn around those given, with 15 % and 8 % of deviation.\n"
       "Returns what the sensors said, what was true, and the sample at which the last press "
       "begins.");
   add_sessions(module);

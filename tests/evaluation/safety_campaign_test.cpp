@@ -76,7 +76,8 @@ TEST_CASE(
                          << one.plan.site->name);
     const auto outcome = run_trial(one.plan);
     REQUIRE_MESSAGE(outcome.has_value(), test::reason(outcome));
-    // What is not bounded is named in docs/safety.md with its force, and must not grow unseen.
+    // What is not bounded is named in docs/safety_campaign.md with its force, and must not grow
+    // unseen.
     const double max_n = one.holds() ? one.allowed_n : 1.1 * one.worst_force_n;
     CHECK(outcome->worst_force_n <= max_n);
   }

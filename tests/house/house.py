@@ -66,6 +66,13 @@ def spread(path):
                              for part in inside.group(1).split(",")))
 
 
+def anchors(document):
+    """What headings of a document are called in links."""
+    text = re.sub(r"^```.*?^```", "", read(document), flags=re.DOTALL | re.MULTILINE)
+    return {re.sub(r"[^\w -]", "", heading.lower()).strip().replace(" ", "-")
+            for heading in re.findall(r"^#+ (.*)$", text, re.MULTILINE)}
+
+
 def paths():
     """Paths in backticks and links of the documents exist. A room's file may be named without tuina/ and ending."""
     top = {name for name in os.listdir(ROOT) if os.path.isdir(f"{ROOT}/{name}")} - {"build"}
@@ -79,9 +86,12 @@ def paths():
                 if not any(os.path.exists(f"{ROOT}/{folder}{path}{ending}")
                            for folder in ("", "tuina/") for ending in ("", ".hpp", ".cpp")):
                     yield f"{document}: `{path}` does not exist"
-        for link in re.findall(r"\]\(([^)#:\s]+)[^):]*\)", text):
-            if not os.path.exists(f"{ROOT}/{os.path.dirname(document)}/{link}"):
+        for link, anchor in re.findall(r"\]\(([^)#:\s]*)(?:#([^):\s]+))?\)", text):
+            path = os.path.normpath(os.path.join(os.path.dirname(document), link)) if link else document
+            if not os.path.exists(f"{ROOT}/{path}"):
                 yield f"{document}: the link to {link} leads nowhere"
+            elif anchor and anchor not in anchors(path):
+                yield f"{document}: {path} has no heading {anchor}"
 
 
 def references():

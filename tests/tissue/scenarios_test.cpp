@@ -14,8 +14,8 @@ using namespace tuina::app;
 
 namespace {
 
-// The targets stand for 200 runs (docs/tissue.md, `tuina evaluate tissue`); with 30 they get some
-// room.
+// The targets stand for 200 runs (docs/tissue_measured.md, `tuina evaluate tissue`); with 30 they
+// get some room.
 constexpr int runs = 30;
 
 const sim::PressScenario& scenario(const std::string& name) {

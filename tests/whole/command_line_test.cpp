@@ -51,6 +51,21 @@ TEST_CASE("every verb has help with an example") {
   }
 }
 
+TEST_CASE("help beside an option or a value that the verb does not have says so") {
+  CHECK(run_tuina({"map", "scan.ply", "--method", "surface", "--help"}).exit_code == 0);
+  for (const std::vector<std::string>& wrong :
+       {std::vector<std::string>{"map", "scan.ply", "--methods", "--help"},
+        {"map", "scan.ply", "too_much", "--help"},
+        {"map", "scan.ply", "--method", "guess", "--help"},
+        {"history", "sow", "--help"},
+        {"mapp", "--help"}}) {
+    CAPTURE(wrong.front());
+    const auto told = run_tuina(wrong);
+    CHECK(told.exit_code == 1);
+    CHECK_FALSE(told.err.empty());
+  }
+}
+
 TEST_CASE("no verb shows the help and is wrong use") {
   const auto nothing = run_tuina({});
   CHECK(nothing.exit_code == 1);

@@ -8,7 +8,7 @@
 namespace tuina::app {
 namespace {
 
-/// The fault campaign of the guard (docs/safety.md).
+/// The fault campaign of the guard (docs/safety_campaign.md).
 class EvaluateSafety final : public Verb {
  public:
   [[nodiscard]] const char* name() const override { return "evaluate safety"; }

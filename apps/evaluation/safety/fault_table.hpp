@@ -79,7 +79,7 @@ struct Promise {
 };
 
 struct FaultClass {
-  int number = 0;  ///< in the list of faults of docs/safety.md
+  int number = 0;  ///< in the list of faults of docs/safety_campaign.md
   std::string name;
   Injection injection;
   Promise promise;

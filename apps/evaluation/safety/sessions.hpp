@@ -12,7 +12,7 @@ namespace tuina::app {
 /// One fault of a session that is more than one arm on one place: what became of it, in words, and
 /// every promise that it broke.
 struct SessionCell {
-  int number = 0;  ///< in the list of faults of docs/safety.md
+  int number = 0;  ///< in the list of faults of docs/safety_campaign.md
   std::string name, state, person;
   std::string found = {};
   std::vector<std::string> broken = {};

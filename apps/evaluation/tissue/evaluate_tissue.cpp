@@ -17,7 +17,7 @@
 namespace tuina::app {
 namespace {
 
-/// Every estimator on many simulated people, sensors and disturbances (docs/tissue.md).
+/// Every estimator on many simulated people, sensors and disturbances (docs/tissue_measured.md).
 class EvaluateTissue final : public Verb {
  public:
   [[nodiscard]] const char* name() const override { return "evaluate tissue"; }

@@ -1,0 +1,107 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Lays the pages of docs/ out for mkdocs: stage.py FOLDER
+
+The pages stay what a code host shows. In the copy README.md is the home page, files of code that a page links to have
+a page each, and keys such as [thesis] are links into references.md.
+"""
+import os, re, shutil, sys
+
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+KATEX = "/usr/share/javascript/katex"
+ELSEWHERE = {"README.md": "index.md", "examples/README.md": "examples.md", "CONTRIBUTING.md": "contributing.md",
+             "docs/README.md": "pages.md"}
+LANGUAGES = {".cpp": "cpp", ".hpp": "cpp", ".h": "c", ".c": "c", ".py": "python", ".toml": "toml"}
+
+
+def read(path):
+    with open(f"{ROOT}/{path}", encoding="utf-8") as file:
+        return file.read()
+
+
+def outside_code(text, change):
+    """The text with `change` made to all of it but blocks and spans of code."""
+    parts = re.split(r"(^ *```.*?^ *```|`[^`]*`)", text, flags=re.DOTALL | re.MULTILINE)
+    return "".join(part if part.startswith("`") else change(part) for part in parts)
+
+
+class Site:
+    def __init__(self, folder):
+        self.folder, self.pages = folder, folder + "/pages"
+        keys = re.findall(r"^\| \[(\w+)\] \|", read("docs/references.md"), re.MULTILINE)
+        self.key = re.compile(r"(?<![\w\])}>])\[(" + "|".join(keys) + r")\](?!\()")
+        self.places = dict(ELSEWHERE)
+        for name in os.listdir(f"{ROOT}/docs"):
+            if name.endswith(".md"):
+                self.places.setdefault(f"docs/{name}", name)
+
+    def write(self, path, text):
+        os.makedirs(os.path.dirname(f"{self.pages}/{path}"), exist_ok=True)
+        with open(f"{self.pages}/{path}", "w", encoding="utf-8") as file:
+            file.write(text)
+
+    def place(self, path):
+        """Where a file of the repository is on the site; code becomes a page with its text."""
+        while os.path.isdir(f"{ROOT}/{path}") and not os.path.exists(f"{ROOT}/{path}/README.md"):
+            path = os.path.dirname(path)  # of a folder without words of its own, the words about the one around it
+        if os.path.isdir(f"{ROOT}/{path}"):
+            path = os.path.normpath(f"{path}/README.md")
+        if path in self.places or not os.path.isfile(f"{ROOT}/{path}"):
+            return self.places.get(path, path)
+        if path.startswith("docs/"):
+            return path[len("docs/"):]
+        self.places[path] = f"code/{path}.md"
+        language = LANGUAGES.get(os.path.splitext(path)[1], "")
+        self.write(self.places[path], f"# {path}\n\n```{language}\n{read(path)}\n```\n")
+        return self.places[path]
+
+    def page(self, source, target):
+        def placed(link):
+            path, mark, anchor = link.group(1).partition("#")
+            if ":" in path or not path:
+                return link.group(0)
+            return f"]({self.place(os.path.normpath(os.path.join(os.path.dirname(source), path)))}{mark}{anchor})"
+
+        def changed(text):
+            text = re.sub(r"\]\(([^)\s]+)\)", placed, text)
+            if target == "references.md":
+                return re.sub(r"^\| \[(\w+)\] \|", r'| <span id="\1">[\1]</span> |', text, flags=re.MULTILINE)
+            return self.key.sub(r"[\[\1\]](references.md#\1)", text)
+
+        # A list may follow its sentence at once on a code host, here it needs an empty line between.
+        text = re.sub(r"^(?![ >|#]|[-*] |\d+\. )(.+)\n(?=(?:[-*]|\d+\.) )", r"\1\n\n", read(source), flags=re.MULTILINE)
+        self.write(target, outside_code(text, changed))
+
+    def configure(self):
+        """mkdocs.yml without the pages that do not exist. Gives the pages that it does not name."""
+        lines, named = [], set()
+        for line in read("docs/site/mkdocs.yml").splitlines():
+            page = re.match(r"\s+- .*: (\w+\.md)$", line)
+            if page and page.group(1) not in self.places.values():
+                print(f"not there yet, and left out of the site: {page.group(1)}", file=sys.stderr)
+                continue
+            named.update([page.group(1)] if page else [])
+            lines.append(line)
+        with open(f"{self.folder}/mkdocs.yml", "w", encoding="utf-8") as file:
+            file.write("\n".join(lines) + "\n")
+        return sorted(set(self.places.values()) - named - {"reference/index.html"})
+
+    def build(self):
+        shutil.rmtree(self.pages, ignore_errors=True)
+        missing = self.configure()
+        if missing:
+            sys.exit(f"docs/site/mkdocs.yml: nav does not name {', '.join(missing)}")
+        for source, target in sorted(self.places.items()):
+            self.page(source, target)
+        for kind in ("figures", "pictures"):
+            leave_out = shutil.ignore_patterns("*.cpp", "*.txt")
+            shutil.copytree(f"{ROOT}/docs/{kind}", f"{self.pages}/{kind}", ignore=leave_out)
+        for name in ("site.css", "equations.js"):
+            os.makedirs(f"{self.pages}/assets/katex", exist_ok=True)
+            shutil.copy(f"{ROOT}/docs/site/{name}", f"{self.pages}/assets/{name}")
+        for name in ("katex.min.css", "katex.min.js", "contrib/auto-render.js"):
+            shutil.copy(f"{KATEX}/{name}", f"{self.pages}/assets/katex/")
+        shutil.copytree(f"{KATEX}/fonts", f"{self.pages}/assets/katex/fonts")
+
+
+Site(os.path.abspath(sys.argv[1])).build()

@@ -1,0 +1,178 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Holds the commands of the documents to the programs: commands.py TUINA [--run]
+
+Every command of tuina, in a block or in backticks, is parsed by the program itself: with --help it reads all words
+and does nothing. Of programs of the build the names are checked. With --run the blocks below `<!-- short -->` are
+run, each page in a folder of its own. Commands of other programs are only listed.
+
+`tuina --help` parses all options and their values first; required ones may be missing, since a text may name part of
+a command.
+"""
+import itertools, json, os, re, shlex, subprocess, sys, tempfile
+from concurrent.futures import ThreadPoolExecutor
+
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+TUINA = os.path.abspath(sys.argv[1])
+SHELL_ONLY = re.compile(r"^(for|done|wait|export|cd|time|python3|#|with\b)")
+
+
+def read(path):
+    with open(f"{ROOT}/{path}", encoding="utf-8") as file:
+        return file.read()
+
+
+def documents():
+    yield from ("README.md", "CONTRIBUTING.md", "examples/README.md")
+    yield from sorted(f"docs/{name}" for name in os.listdir(f"{ROOT}/docs") if name.endswith(".md"))
+
+
+def blocks(text):
+    """(language, marked as short, lines) of the blocks of code, joined where a line ends with a backslash."""
+    block = re.compile(r"^ *(<!-- short -->\n+)?```(\S*)\n(.*?)^ *```", re.DOTALL | re.MULTILINE)
+    for short, language, body in block.findall(text):
+        yield language, bool(short), [line.strip() for line in body.replace("\\\n", " ").splitlines()]
+
+
+def simple(line):
+    """The simple commands of a line of shell, without what only the shell reads."""
+    line = re.sub(r"\s#\s.*|^\s*#.*", "", line)
+    for command in re.split(r"&&|\|\||[;|&](?=\s|$)", line.removesuffix("; do")):
+        command = re.sub(r"\s+\d?>\S+|\s*:::.*", "", command).strip()
+        if command:
+            yield re.sub(r"^(?:do\s+|time\s+|taskset -c \d+ |[A-Z_]+=\S+ )*", "", command)
+
+
+def commands(text):
+    """(command, from a block) of a document."""
+    for language, _, lines in blocks(text):
+        if language in ("sh", "bash"):
+            for line in lines:
+                yield from ((command, True) for command in simple(line))
+    for span in re.findall(r"`([^`]+)`", re.sub(r"^ *```.*?^ *```", "", text, flags=re.DOTALL | re.MULTILINE)):
+        span = " ".join(span.split())
+        if re.match(r"(tuina|\./run|build/release/|ctest|-{1,2}[a-z])", span):
+            yield from ((command, False) for command in simple(span))
+
+
+def variants(word):
+    """A word as somebody would type it: of `a|b` each, and a value for a name in capitals or of the shell."""
+    for one in word.split("|"):
+        one = re.sub(r"\$\w+|\{\}|(?<![\w./-])[A-Z]$", "1", one)
+        yield re.sub(r"^(\d|K)/N$", "1/2", one)
+
+
+def typed(command):
+    """The command lines that a written one stands for."""
+    words = shlex.split(command.replace("[", "").replace("]", "").replace("...", ""))
+    return [list(words) for words in itertools.product(*(list(variants(word)) for word in words))]
+
+
+def parsed(words, from_block):
+    # Not at the end: an option without its value would take it for one, and the command would be done.
+    told = subprocess.run([TUINA, *words[:1], "--help", *words[1:]], capture_output=True, text=True, timeout=30)
+    # In a text the last option may stand for itself, without a value.
+    named = not from_block and words and words[-1].startswith("--") and "missing" in told.stderr
+    return told.stderr.strip() if told.returncode and not named else ""
+
+
+def known():
+    """Names that the build, ./run and the presets have."""
+    tests = read("tests/CMakeLists.txt") + read("tests/CMakeLists.txt").replace("tuina_tests(", "test_")
+    more = "".join(read(path) for path in ("examples/CMakeLists.txt", "tests/fuzz/CMakeLists.txt")
+                   if os.path.exists(f"{ROOT}/{path}"))
+    return tests + more, set(re.findall(r"^  ([a-z]+)\)$", read("run"), re.MULTILINE))
+
+
+def run_verb(words, verbs, from_block):
+    """What is wrong with `./run words`."""
+    if not words:
+        return ""
+    if words[0] not in verbs:
+        return f"./run has no {words[0]}"
+    if words[0] in ("massage", "serve"):
+        return parsed(words, from_block)
+    presets = {preset["name"] for preset in json.loads(read("CMakePresets.json"))["configurePresets"]}
+    for word in words[1:]:
+        told = word in presets or word in ("ROOM", "FILE", "PRESET", "--check") or word in read("tests/CMakeLists.txt")
+        if not told and not os.path.exists(f"{ROOT}/tuina/{word}"):
+            return f"./run {words[0]} has nothing called {word}"
+    return ""
+
+
+def judge(command, from_block, names, verbs, options):
+    """What is wrong with a command; None where it is of another program."""
+    try:
+        lines = typed(command)
+    except ValueError as error:
+        return str(error)
+    for words in lines:
+        program = words[0] if words else ""
+        if program.startswith("-"):
+            wrong = "" if program.split("=")[0] in options else "no verb has this option"
+        elif program == "./run":
+            wrong = run_verb(words[1:], verbs, from_block)
+        elif program in ("tuina", "build/release/tuina"):
+            wrong = parsed(words[1:], from_block)
+        elif program.startswith("build/release/"):
+            wrong = "" if os.path.basename(program) in names else "is not built"
+        else:
+            return None
+        if wrong:
+            return wrong
+    return ""
+
+
+def all_options():
+    """Options of every verb, as the manual page has them, and those of ./run and of the examples in Python."""
+    pages = [subprocess.run([os.path.dirname(TUINA) + "/" + program, "manual"], capture_output=True, text=True).stdout
+             for program in ("tuina", "tuina-evaluate")]
+    pages += [read(f"examples/python/{name}") for name in os.listdir(f"{ROOT}/examples/python") if name.endswith(".py")]
+    text = "".join(pages).replace("\\-", "-")
+    return set(re.findall(r"--[a-z][a-z0-9-]*", text)) | {"--check", "--help", "--version"}
+
+
+def check():
+    names, verbs = known()
+    options = all_options()
+    written = {}
+    faults, other = [], {}
+    for document in documents():
+        text = read(document)
+        for command, from_block in commands(text):
+            written.setdefault(command, (document, from_block))
+        if document != "docs/python.md" and any(language == "python" for language, *_ in blocks(text)):
+            faults.append(f"{document}: a block of Python that no test runs; docs/python.md is where they are run")
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        found = list(pool.map(lambda item: judge(item[0], item[1][1], names, verbs, options), written.items()))
+    for (command, (document, from_block)), wrong in zip(written.items(), found):
+        if wrong:
+            faults.append(f"{document}: `{command}`: {wrong}")
+        elif wrong is None and from_block and not SHELL_ONLY.match(command):
+            other[command] = document
+    print(f"{len(written) - len(other)} commands parsed; of other programs, and not tried:")
+    print("".join(f"  {document}: {command}\n" for command, document in other.items()), end="")
+    return faults
+
+
+def run_short():
+    """Runs what is marked as short; a page's blocks share a folder, as a reader's do."""
+    for document in documents():
+        lines = [line for _, short, body in blocks(read(document)) if short for line in body if line.strip()]
+        with tempfile.TemporaryDirectory() as folder:
+            for name in ("config", "examples", "models"):
+                os.symlink(f"{ROOT}/{name}", f"{folder}/{name}")
+            for line in lines:
+                print(f"{document}: {line}", flush=True)
+                line = re.sub(r"^(\./run|build/release/tuina|tuina)(?= )", TUINA, line.strip())
+                done = subprocess.run(["bash", "-c", line], cwd=folder, capture_output=True, text=True, timeout=600,
+                                      env={**os.environ, "HOME": folder, "XDG_DATA_HOME": folder})
+                if done.returncode:
+                    yield f"{document}: `{line}` ends with {done.returncode}: {done.stderr.strip()[-300:]}"
+
+
+all_faults = check()
+if "--run" in sys.argv:
+    all_faults += run_short()
+print("\n".join(all_faults))
+sys.exit(bool(all_faults))
