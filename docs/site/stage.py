@@ -20,9 +20,9 @@ def read(path):
 
 
 def outside_code(text, change):
-    """The text with `change` made to all of it but blocks and spans of code."""
-    parts = re.split(r"(^ *```.*?^ *```|`[^`]*`)", text, flags=re.DOTALL | re.MULTILINE)
-    return "".join(part if part.startswith("`") else change(part) for part in parts)
+    """The text with `change` made to all of it but headings, and blocks and spans of code."""
+    parts = re.split(r"(^ *```.*?^ *```|^#+ .*?$|`[^`]*`)", text, flags=re.DOTALL | re.MULTILINE)
+    return "".join(part if number % 2 else change(part) for number, part in enumerate(parts))
 
 
 class Site:
