@@ -46,6 +46,13 @@ Result<std::unique_ptr<DeviceArms>> DeviceArms::open(const std::string& device_f
     return fail(Fault::config, "{}: names no arms; a massage needs [arm.left] and [arm.right]",
                 device_file);
   }
+  for (const auto& wrist : file->wrists.of) {
+    if (!wrist) continue;
+    return fail(Fault::device,
+                "{}: names the wrist sensor {}, and these arms are simulated: no real sensor feels "
+                "what they touch",
+                device_file, wrist->address);
+  }
   made->arms_ = std::move(*file->arms);
   auto robot = hardware::ArmlinkRobot::open(made->arms_, world.robot_table(), world.mount());
   if (!robot) return tl::unexpected(robot.error());

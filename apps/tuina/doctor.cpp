@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "apps/tuina/ask_wrists.hpp"
 #include "apps/tuina/scan_device.hpp"
 #include "apps/tuina/verbs.hpp"
 #include "tuina/core/units.hpp"
@@ -76,9 +77,11 @@ class Doctor final : public Verb {
   }
   [[nodiscard]] const char* example() const override { return "tuina doctor --device device.toml"; }
   void describe(Options& options) override {
-    options.add("--device", device_,
-                "ask the arms, the camera and the turntable that this file names (docs/armlink.md, "
-                "docs/build_a_scanner.md); 3 where one is missing");
+    options.add(
+        "--device", device_,
+        "ask the arms, the wrist sensors, the camera and the turntable that this file names "
+        "(docs/armlink.md, docs/wrist_sensors.md, docs/build_a_scanner.md); 3 where one is "
+        "missing");
   }
 
   [[nodiscard]] Result<Answer> run(const CommonOptions&) override {
@@ -137,6 +140,7 @@ class Doctor final : public Verb {
       all.push_back(std::move(found.json));
       if (!found.good) answer.exit_code = 3;
     }
+    ask_wrists(devices, all, answer);
     ask_scanner(devices, all, answer);
     return all;
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What devices say: datagrams of armlink, packets of a motor, frames of a camera; and the file that
-// names the devices.
+// What devices say: datagrams of armlink, packets of a motor, samples of a force sensor, frames of
+// a camera; and the files that name the devices and tell of them.
 #include <zlib.h>
 
 #include <algorithm>
@@ -11,6 +11,7 @@
 #include "tuina/hardware/device_file.hpp"
 #include "tuina/hardware/dynamixel.hpp"
 #include "tuina/hardware/serial_port.hpp"
+#include "tuina/hardware/wrist_stream.hpp"
 
 namespace tuina::test {
 namespace {
@@ -54,7 +55,16 @@ bool accepts_mended(std::string_view content) {
 bool accepts_device_file(std::string_view content) {
   const auto file = hardware::parse_device_file(content, "device.toml");
   if (!file) return false;
-  demand(file->arms || file->camera || file->turntable, "a device is named");
+  const auto& wrists = file->wrists.of;
+  demand(file->arms || wrists[0] || wrists[1] || file->camera || file->turntable,
+         "a device is named");
+  for (const auto& wrist : wrists) {
+    if (!wrist) continue;
+    demand(wrist->counts_per_n.minCoeff() > 0.0 && wrist->counts_per_nm.minCoeff() > 0.0,
+           "counts are positive");
+    const Matrix3& turn = wrist->tool_from_sensor_turn;
+    demand((turn * turn.transpose()).isIdentity(1e-6), "a sensor is turned");
+  }
   if (file->camera) {
     demand(file->camera->address.starts_with('/'), "a camera has a path");
     demand(file->camera->turned_deg % 90 == 0, "a picture stays upright");
@@ -92,6 +102,56 @@ bool accepts_packets(std::string_view content) {
   return any;
 }
 
+/// Every sample that is found stands in the stream as a frame with its sum, one after the other.
+bool accepts_hex(std::string_view content) {
+  hardware::hex_serial::Reader reader;
+  bool any = false;
+  std::size_t from = 0;
+  while (!content.empty()) {
+    const auto room = reader.room();
+    demand(!room.empty(), "a reader has room");
+    const std::size_t size = std::min(room.size(), content.size());
+    std::copy_n(content.begin(), size, room.begin());
+    reader.took(size);
+    const std::string_view all = content;
+    content.remove_prefix(size);
+    while (const auto sample = reader.next()) {
+      demand(sample->sequence <= 0xFFFF && sample->status <= 0xFFFF, "numbers have 16 bits");
+      for (const std::int32_t count : sample->counts)
+        demand(count >= -32768 && count <= 32767, "counts have 16 bits");
+      any = true;
+    }
+    from += all.size() - content.size();
+    demand(reader.spoilt_bytes() <= from, "no more is spoilt than came");
+  }
+  return any;
+}
+
+/// One request is no record; a record is what stands there, big-endian.
+bool accepts_rdt(std::string_view content) {
+  const auto bytes = bytes_of(content);
+  const auto sample = hardware::rdt::decode(bytes);
+  demand(sample.has_value() == (content.size() == hardware::rdt::record_size),
+         "a record has a size");
+  if (!sample) return false;
+  hardware::WristDevice device{.kind = hardware::WristDevice::Kind::ati_udp};
+  hardware::WristStream stream(device);
+  const bool taken = stream.take(*sample, 1.0);
+  demand(taken == (stream.fault() == nullptr), "the first is new, or at fault");
+  demand(stream.in_tool().force_n.allFinite(), "a force is a number");
+  demand(!stream.take(*sample, 1.001), "and the same is not new again");
+  return taken;
+}
+
+bool accepts_wrist_calibration(std::string_view content) {
+  const auto calibration = hardware::parse_wrist_calibration(content, "wrist.toml");
+  if (!calibration) return false;
+  demand(calibration->mass_kg >= 0.0 && calibration->com_in_tool_m.allFinite(), "a tool weighs");
+  demand(hardware::parse_wrist_calibration(to_toml(*calibration), "again").has_value(),
+         "what is written is read");
+  return true;
+}
+
 /// As YUYV of 8 x 4 pixels and as JPEG.
 bool accepts_frame(std::string_view content) {
   const std::span bytes(reinterpret_cast<const std::uint8_t*>(content.data()), content.size());
@@ -126,6 +186,12 @@ std::vector<std::string> some_packets() {
   return {told, text({1, hardware::dynamixel::read, {36, 11}}) + text({1, 0, {}}) + told};
 }
 
+/// Two frames of a HEX with something between.
+std::string some_hex() {
+  const std::string frame("\xAA\x07\x08\x10\0\1\0\0\0\1\0\2\0\3\0\4\0\5\0\6\0\xDF", 22);
+  return frame + "noise" + frame;
+}
+
 std::vector<std::string> some_datagrams() {
   const JointVector six = JointVector::LinSpaced(6, 0.5, 3.0);
   armlink::State state{.session = 3, .sequence = 9, .mode = armlink::Mode::torque, .time_s = 0.009};
@@ -142,17 +208,27 @@ std::vector<std::string> some_datagrams() {
 }  // namespace
 
 std::vector<Parser> device_parsers() {
-  return {{"armlink", some_datagrams(), accepts_mended},
-          {"dynamixel", some_packets(), accepts_packets},
-          {"camera_frame", {std::string(64, 'y'), some_jpeg()}, accepts_frame},
-          {"device.toml",
-           {"[camera]\nkind = \"v4l2\"\naddress = \"/dev/video0\"\nformat = \"MJPG\"\n"
-            "exposure_ms = 5\ngain = 3\nfocus = 40\nturned_deg = 90\nframes_per_s = 30\n"
-            "[turntable]\nkind = \"board\"\naddress = \"/dev/ttyACM0\"\nbits_per_s = 500000\n"
-            "servo = 1\nzero_count = 512\nreversed = true\n",
-            "[arm.left]\nkind = \"armlink\"\naddress = \"127.0.0.1:7001\"\n"
-            "[arm.right]\nkind = \"armlink\"\naddress = \"192.168.3.11:7002\"\n"},
-           accepts_device_file}};
+  return {
+      {"armlink", some_datagrams(), accepts_mended},
+      {"dynamixel", some_packets(), accepts_packets},
+      {"hex_serial", {some_hex()}, accepts_hex},
+      {"rdt", {std::string(36, '\0'), std::string(12, '\0') + std::string(24, '\7')}, accepts_rdt},
+      {"wrist.toml",
+       {"[wrist]\nmass_kg = 0.2\ncom_mm = [1, 2, 3]\noffset_n = [1, 2, 3]\n"
+        "offset_nm = [0.1, 0.2, 0.3]\n"},
+       accepts_wrist_calibration},
+      {"camera_frame", {std::string(64, 'y'), some_jpeg()}, accepts_frame},
+      {"device.toml",
+       {"[camera]\nkind = \"v4l2\"\naddress = \"/dev/video0\"\nformat = \"MJPG\"\n"
+        "exposure_ms = 5\ngain = 3\nfocus = 40\nturned_deg = 90\nframes_per_s = 30\n"
+        "[turntable]\nkind = \"board\"\naddress = \"/dev/ttyACM0\"\nbits_per_s = 500000\n"
+        "servo = 1\nzero_count = 512\nreversed = true\n",
+        "[arm.left]\nkind = \"armlink\"\naddress = \"127.0.0.1:7001\"\n"
+        "[arm.right]\nkind = \"armlink\"\naddress = \"192.168.3.11:7002\"\n"
+        "[wrist_sensor.left]\nkind = \"hex_serial\"\naddress = \"/dev/ttyACM1\"\n"
+        "filter = \"150Hz\"\ncounts_per_n = [10, 10, 8]\ncounts_per_nm = [300, 300, 250]\n"
+        "x = [0, 0, 1]\nz = [1, 0, 0]\nat_mm = [-60, 0, 0]\nzero_at_start = true\n"},
+       accepts_device_file}};
 }
 
 }  // namespace tuina::test

@@ -30,6 +30,20 @@ PerArm<ArmDevice> read_arms(const TomlTable& table) {
   return arms;
 }
 
+PerArm<std::optional<WristDevice>> read_wrists(const TomlTable& table) {
+  PerArm<std::optional<WristDevice>> wrists;
+  table.only({"left", "right"});
+  for (const Arm arm : both_arms)
+    if (const auto section = table.table(name_of(arm))) wrists[arm] = read_wrist_device(*section);
+  if (table.keys().empty())
+    table.reject("left", "no wrist sensor is named: [wrist_sensor.left], [wrist_sensor.right]");
+  const auto& right = table.table("right");
+  if (right && wrists[Arm::left] && wrists[Arm::left]->address == wrists[Arm::right]->address &&
+      right->has("address"))
+    right->wrong("address", "is that of the left sensor; each has an address of its own");
+  return wrists;
+}
+
 /// The path of a device, as the kernel names it.
 void read_path(const TomlTable& table, std::string& address) {
   address = table.text("address").value_or(address);
@@ -77,12 +91,15 @@ TurntableDevice read_turntable(const TomlTable& table) {
 Result<DeviceFile> parse_device_file(std::string_view text, std::string_view name) {
   DeviceFile file;
   const auto read = read_toml(text, name, Fault::config, [&](const TomlTable& root) {
-    root.only({"arm", "camera", "turntable"});
+    root.only({"arm", "wrist_sensor", "camera", "turntable"});
     if (const auto arms = root.table("arm")) file.arms = read_arms(*arms);
+    if (const auto wrists = root.table("wrist_sensor")) file.wrists = read_wrists(*wrists);
     if (const auto camera = root.table("camera")) file.camera = read_camera(*camera);
     if (const auto turntable = root.table("turntable")) file.turntable = read_turntable(*turntable);
     if (root.keys().empty())
-      root.reject("arm", "no device is named: [arm.left] and [arm.right], [camera], [turntable]");
+      root.reject("arm",
+                  "no device is named: [arm.left] and [arm.right], [wrist_sensor.left], "
+                  "[wrist_sensor.right], [camera], [turntable]");
   });
   if (!read) return tl::unexpected(read.error());
   return file;
@@ -92,7 +109,18 @@ Result<DeviceFile> read_device_file(const std::filesystem::path& file) {
   constexpr std::size_t max_bytes = 1 << 20;
   const auto text = read_file(file, max_bytes);
   if (!text) return tl::unexpected(text.error());
-  return parse_device_file(*text, file.string());
+  auto devices = parse_device_file(*text, file.string());
+  if (!devices) return devices;
+  for (std::optional<WristDevice>& wrist : devices->wrists.of) {
+    if (!wrist || wrist->calibration_file.empty()) continue;
+    const std::filesystem::path beside = file.parent_path() / wrist->calibration_file;
+    const auto content = read_file(beside, max_bytes);
+    if (!content) return tl::unexpected(content.error());
+    auto calibration = parse_wrist_calibration(*content, beside.string());
+    if (!calibration) return tl::unexpected(calibration.error());
+    wrist->calibration = *calibration;
+  }
+  return devices;
 }
 
 }  // namespace tuina::hardware

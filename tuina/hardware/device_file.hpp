@@ -10,6 +10,7 @@
 #include "tuina/core/arm.hpp"
 #include "tuina/core/result.hpp"
 #include "tuina/hardware/udp_socket.hpp"
+#include "tuina/hardware/wrist_device.hpp"
 
 namespace tuina::hardware {
 
@@ -45,17 +46,19 @@ struct TurntableDevice {
   bool reversed = false;  ///< counts fall while the yaw rises
 };
 
-/// The devices that a session or a scan has, `--device FILE`: both arms, by armlink; camera and
-/// turntable of the scanner. Each may be absent, but not all.
+/// The devices that a session or a scan has, `--device FILE`: both arms, by armlink; force sensors
+/// at their wrists; camera and turntable of the scanner. Each may be absent, but not all.
 struct DeviceFile {
   std::optional<PerArm<ArmDevice>> arms;
+  PerArm<std::optional<WristDevice>> wrists;
   std::optional<CameraDevice> camera;
   std::optional<TurntableDevice> turntable;
 };
 
 /// Fails with Fault::config and file, line, key and value of all that is wrong.
 [[nodiscard]] Result<DeviceFile> parse_device_file(std::string_view text, std::string_view name);
-/// The same of a file; fails with Fault::file where it cannot be read.
+/// The same of a file, and of the calibrations that it names, which stand beside it unless their
+/// path says otherwise; fails with Fault::file where one cannot be read.
 [[nodiscard]] Result<DeviceFile> read_device_file(const std::filesystem::path& file);
 
 }  // namespace tuina::hardware

@@ -101,11 +101,16 @@ Result<void> SerialPort::write(std::span<const std::uint8_t> bytes, Clock::time_
 
 Result<std::size_t> SerialPort::read(std::span<std::uint8_t> into, Clock::time_point deadline) {
   if (!wait_for(number_, POLLIN, deadline)) return std::size_t{0};
+  if (const auto size = take(into)) return *size;
+  return fail(Fault::device, "{} was unplugged; plug it in again", address_);
+}
+
+std::optional<std::size_t> SerialPort::take(std::span<std::uint8_t> into) noexcept {
+  if (!wait_for(number_, POLLIN, Clock::now())) return std::size_t{0};
   const ssize_t size = ::read(number_, into.data(), into.size());
   if (size > 0) return static_cast<std::size_t>(size);
   if (size < 0 && (errno == EAGAIN || errno == EINTR)) return std::size_t{0};
-  // A line that can be read and has nothing has no other end any more.
-  return fail(Fault::device, "{} was unplugged; plug it in again", address_);
+  return std::nullopt;  // a line that can be read and has nothing has no other end any more
 }
 
 void SerialPort::forget() noexcept {

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -36,11 +37,14 @@ class SerialPort {
   [[nodiscard]] Result<void> write(std::span<const std::uint8_t> bytes, Clock::time_point deadline);
   /// Waits for at least one byte; 0 when none came by the deadline. Fails when the line is gone.
   [[nodiscard]] Result<std::size_t> read(std::span<std::uint8_t> into, Clock::time_point deadline);
+  /// What has come already, without heap: 0 when nothing has, nothing when the line is gone.
+  [[nodiscard]] std::optional<std::size_t> take(std::span<std::uint8_t> into) noexcept;
   /// Forgets what has come and was not read.
   void forget() noexcept;
   /// Raises or lowers the line DTR, which the kernel lowers when this process ends.
   [[nodiscard]] Result<void> raise_dtr(bool high);
   [[nodiscard]] const std::string& address() const { return address_; }
+  [[nodiscard]] int number() const noexcept { return number_; }
 
  private:
   SerialPort(std::string address, int number) : address_(std::move(address)), number_(number) {}

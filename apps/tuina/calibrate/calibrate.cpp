@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/tuina/calibrate/calibrate_robot.hpp"
+#include "apps/tuina/calibrate/calibrate_wrist.hpp"
 #include "apps/tuina/calibrate/report.hpp"
 #include "apps/tuina/verbs.hpp"
 #include "tuina/core/io/file.hpp"
@@ -115,13 +116,15 @@ class Calibrate final : public Verb {
   [[nodiscard]] const char* name() const override { return "calibrate"; }
   [[nodiscard]] const char* summary() const override {
     return "camera, laser plane, yaw axis and latency of a scanner, from pictures of a board; "
-           "or where the robot stands, from spots that it touched";
+           "or where the robot stands, from spots that it touched; or weight and zero at a wrist "
+           "sensor";
   }
   [[nodiscard]] const char* example() const override {
     return "tuina calibrate --rehearse shots        # photographs a board in simulation\n"
            "  tuina calibrate shots --out calibration.toml\n"
            "  tuina calibrate --robot --rehearse touches      # a simulated robot touches a board\n"
-           "  tuina calibrate touches --robot --out robot.toml";
+           "  tuina calibrate touches --robot --out robot.toml\n"
+           "  tuina calibrate --wrist poses.csv --out wrist.toml";
   }
   void describe(Options& options) override {
     auto shots = options.add("shots", shots_, "the folder with the pictures, or with the touches");
@@ -142,6 +145,14 @@ class Calibrate final : public Verb {
              "with --robot: whose arms touch, a TOML file or " + shipped_robot_names())
         .show_default()
         .needs(robot);
+    options
+        .add("--wrist", wrist_,
+             "the weight of a tool, its centre and the offset of its force sensor instead, from "
+             "this table of poses (docs/wrist_sensors.md)")
+        .excludes(shots)
+        .excludes(robot)
+        .excludes(report)
+        .needs(out);
     auto rehearse =
         options.add("--rehearse", rehearse_,
                     "make such a set with the simulated scanner or robot, in this new folder");
@@ -158,6 +169,7 @@ class Calibrate final : public Verb {
 
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
     const BodyPosture position = position_ == "prone" ? BodyPosture::prone : BodyPosture::sitting;
+    if (!wrist_.empty()) return calibrate_wrist(wrist_, out_);
     if (!rehearse_.empty()) {
       return robot_ ? rehearse_robot(rehearse_, arms_, position, common.seed) : rehearse(common);
     }
@@ -206,6 +218,7 @@ class Calibrate final : public Verb {
   std::string report_;
   std::string arms_ = "thesis";
   std::string rehearse_;
+  std::string wrist_;
   std::string position_ = "sitting";
   std::string board_ = "chessboard";
   bool robot_ = false;
