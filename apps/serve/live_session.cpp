@@ -164,9 +164,11 @@ void LiveSession::run(StartOrder start, std::filesystem::path folder) {
   common.seed = start.seed;
   common.quiet = true;
 
+  if (options_.channels != nullptr) options_.channels->begin_session();
   auto result = run_simulated_session(
       start.order, config, common, folder / "session.mcap",
       {.watches = view_.get(),
+       .channels = options_.channels,
        .commands = [this](double) { return next_command(); },
        .reviews = [this](const motion::ReadyPlan& plan,
                          const std::string& refused) { return wait_for_review(plan, refused); },

@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "apps/cli/command_line.hpp"
+#include "apps/serve/live_channels.hpp"
 #include "apps/serve/live_view.hpp"
 #include "apps/serve/start_order.hpp"
 #include "tuina/core/ring.hpp"
@@ -35,7 +36,8 @@ class LiveSession {
     bool real_time = true;
     std::string robot = "thesis";  ///< name or file, as `robot_model` was loaded from
     robot::RobotModel robot_model;
-    std::filesystem::path folder;  ///< a folder in it for each session
+    std::filesystem::path folder;      ///< a folder in it for each session
+    LiveChannels* channels = nullptr;  ///< told what the record of each session is told
   };
   struct State {
     LivePhase phase = LivePhase::idle;

@@ -4,7 +4,6 @@
 #include <chrono>
 #include <nlohmann/json.hpp>
 
-#include "apps/serve/page_files.hpp"
 #include "apps/serve/plan_change.hpp"
 
 namespace tuina::app {
@@ -14,13 +13,18 @@ using nlohmann::json;
 
 constexpr auto frame_every = std::chrono::milliseconds(50);
 constexpr int state_every_frames = 4;
+// What a page is told again and again.
+constexpr web::Outbox::Slot state_slot = 0, live_slot = 1;
+// A number that no channel has.
+constexpr web::Outbox::Slot ping_slot = 0xffff'ffff;
 
 std::string text_of(const json& object) {
   return object.dump(-1, ' ', true, json::error_handler_t::replace);
 }
 
-std::string name_of_client(web::ClientId client) {
-  return fmt::format("page {}", client);
+LiveSession::Options with_channels(LiveSession::Options options, LiveChannels& channels) {
+  options.channels = &channels;
+  return options;
 }
 
 }  // namespace
@@ -30,7 +34,12 @@ LiveSite::LiveSite(Options options, web::AuditLog audit)
       page_(read_page(options_.page)),
       choices_(choices_json()),
       audit_(std::move(audit)),
-      session_(options_.session) {}
+      channels_({.reply = [this](auto client, auto frame) { server_->reply(client, frame); },
+                 .put = [this](auto client, auto slot, auto frame,
+                               auto keep) { server_->put(client, slot, std::move(frame), keep); },
+                 .drop = [this](auto client, auto slot) { server_->drop(client, slot); }},
+                web::random_token()),
+      session_(with_channels(options_.session, channels_)) {}
 
 Result<std::unique_ptr<LiveSite>> LiveSite::open(Options options) {
   auto audit = web::AuditLog::open(options.session.folder / "audit.log");
@@ -40,9 +49,11 @@ Result<std::unique_ptr<LiveSite>> LiveSite::open(Options options) {
   auto server = web::Server::start(
       site->options_.address, site->options_.port,
       {.answer = [self](const web::Request& request) { return self->answer(request); },
-       .come = [self](web::ClientId client) { self->come(client); },
+       .come = [self](web::ClientId client,
+                      const web::Request& request) { self->come(client, request); },
        .go = [self](web::ClientId client) { self->go(client); },
-       .hear = [self](web::ClientId client, std::string_view text) { self->hear(client, text); }});
+       .hear = [self](web::ClientId client,
+                      const web::Frame& frame) { self->hear(client, frame); }});
   if (!server) return tl::unexpected(server.error());
   {
     const std::lock_guard lock(site->mutex_);
@@ -58,6 +69,7 @@ LiveSite::~LiveSite() {
   session_.stop();
   ends_ = true;
   if (teller_.joinable()) teller_.join();
+  channels_.close();  // the session may still be at its end
   server_.reset();
 }
 
@@ -65,6 +77,16 @@ std::string LiveSite::invite() {
   const std::lock_guard lock(mutex_);
   return fmt::format("http://{}:{}/?token={}", options_.address, server_->port(),
                      access_->invite());
+}
+
+std::string LiveSite::program_address() const {
+  return fmt::format("ws://{}:{}{}?token={}", options_.address, server_->port(),
+                     web::foxglove::path, access_->program_token());
+}
+
+// The mutex is held.
+std::string LiveSite::name_of_client(web::ClientId client) const {
+  return fmt::format("{} {}", pages_.contains(client) ? "page" : "program", client);
 }
 
 void LiveSite::note(const std::string& who, const std::string& what, const std::string& outcome) {
@@ -88,13 +110,15 @@ std::optional<web::Reply> LiveSite::answer(const web::Request& request) {
     return reply;
   }
   if (!reply && request.upgrade) return std::nullopt;
-  if (!reply) reply = content(request.path);
-  if (reply->status != 200) note("browser", "request", fmt::format("{}", reply->status));
+  if (!reply) reply = content(request);
+  if (reply->status >= 400) note("browser", "request", fmt::format("{}", reply->status));
   return reply;
 }
 
-web::Reply LiveSite::content(const std::string& path) const {
-  if (const auto file = page_.find(path); file != page_.end()) return file->second;
+web::Reply LiveSite::content(const web::Request& request) const {
+  const std::string& path = request.path;
+  if (const auto file = page_.find(path); file != page_.end())
+    return reply_of(file->second, request);
   const auto json_reply = [](std::string body) {
     return web::Reply{.type = "application/json", .body = std::move(body)};
   };
@@ -114,18 +138,25 @@ web::Reply LiveSite::content(const std::string& path) const {
   return web::Reply{.status = 404, .body = "not here\n"};
 }
 
-void LiveSite::come(web::ClientId client) {
-  const std::lock_guard lock(mutex_);
-  desk_.come(client, clock_.seconds());
-  clients_.insert(client);
-  note(name_of_client(client), "come", "done");
+void LiveSite::come(web::ClientId client, const web::Request& request) {
+  const bool is_page = request.path == web::page_path;
+  {
+    const std::lock_guard lock(mutex_);
+    desk_.come(client, clock_.seconds());
+    if (is_page) pages_.insert(client);
+    if (!is_page) programs_[client] = {};
+    note(name_of_client(client), "come", "done");
+  }
+  if (!is_page) channels_.come(client);
 }
 
 void LiveSite::go(web::ClientId client) {
+  channels_.go(client);
   const std::lock_guard lock(mutex_);
-  desk_.go(client);
-  clients_.erase(client);
   note(name_of_client(client), "go", "done");
+  desk_.go(client);
+  pages_.erase(client);
+  programs_.erase(client);
 }
 
 Result<void> LiveSite::obey(const web::Message& message) {
@@ -146,26 +177,38 @@ Result<void> LiveSite::obey(const web::Message& message) {
   return {};
 }
 
-void LiveSite::hear(web::ClientId client, std::string_view text) {
+// The mutex is held. "done", or why not.
+std::string LiveSite::decide(web::ClientId client, const web::Message& message) {
+  const auto refusal = desk_.judge(client, message, clock_.seconds());
+  if (refusal != web::Refusal::none) return name_of(refusal);
+  if (message.ask == web::Ask::stop) return "done";  // it was, before anything else
+  const auto obeyed = obey(message);
+  return obeyed ? "done" : obeyed.error().message;
+}
+
+void LiveSite::hear(web::ClientId client, const web::Frame& frame) {
+  bool is_page = false;
+  {
+    const std::lock_guard lock(mutex_);
+    is_page = pages_.contains(client);
+  }
+  is_page ? hear_page(client, frame.bytes) : hear_program(client, frame);
+}
+
+void LiveSite::hear_page(web::ClientId client, std::string_view text) {
   const auto message = web::parse_message(text);
   // Before anything that may wait or fail.
   if (message && message->ask == web::Ask::stop) session_.stop();
   json reply = {{"channel", "reply"}, {"sequence", message ? message->sequence : 0}};
-  std::string outcome = "done";
+  std::string outcome;
   {
     const std::lock_guard lock(mutex_);
-    if (!message) {
-      outcome = message.error().message;
-    } else if (const auto refusal = desk_.judge(client, *message, clock_.seconds());
-               refusal != web::Refusal::none) {
-      outcome = name_of(refusal);
-    } else if (message->ask == web::Ask::invite) {
+    outcome = message ? decide(client, *message) : message.error().message;
+    const bool done = outcome == "done";
+    if (done && message->ask == web::Ask::invite) {
       reply["address"] = fmt::format("http://{}:{}/?token={}", options_.address, server_->port(),
                                      access_->invite());
-    } else if (message->ask != web::Ask::stop) {
-      if (const auto obeyed = obey(*message); !obeyed) outcome = obeyed.error().message;
     }
-    const bool done = outcome == "done";
     if (!message || message->ask != web::Ask::beat || !done)
       note(name_of_client(client), message ? name_of(message->ask) : "message", outcome);
   }
@@ -174,7 +217,7 @@ void LiveSite::hear(web::ClientId client, std::string_view text) {
   // A beat is answered by the next state, and who floods is not answered.
   const bool silent = (message && message->ask == web::Ask::beat && outcome == "done") ||
                       outcome == name_of(web::Refusal::too_fast);
-  if (!silent) server_->reply(client, text_of(reply));
+  if (!silent) server_->reply(client, {.bytes = text_of(reply)});
 }
 
 std::string LiveSite::state_json(web::ClientId client, const LiveSession::State& state) const {
@@ -217,11 +260,15 @@ void LiveSite::tell() {
     const std::lock_guard lock(mutex_);
     const LiveSession::State state = session_.state();
     pause_without_operator(state);
-    for (const web::ClientId client : clients_) {
-      if (live) server_->put(client, web::Channel::live, *live);
-      if (frame % state_every_frames == 0)
-        server_->put(client, web::Channel::state, state_json(client, state));
+    const bool all = frame % state_every_frames == 0;
+    for (const web::ClientId client : pages_) {
+      if (live) server_->put(client, live_slot, {.bytes = *live});
+      if (all) server_->put(client, state_slot, {.bytes = state_json(client, state)});
     }
+    if (!all) continue;
+    const std::string now = fmt::format("{:.3f}", clock_.seconds());
+    for (const auto& [client, program] : programs_)
+      server_->put(client, ping_slot, {.kind = web::Frame::Kind::ping, .bytes = now});
   }
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -10,7 +11,9 @@
 #include <string>
 #include <thread>
 
+#include "apps/serve/live_channels.hpp"
 #include "apps/serve/live_session.hpp"
+#include "apps/serve/page_files.hpp"
 #include "tuina/core/stopwatch.hpp"
 #include "tuina/web/access.hpp"
 #include "tuina/web/audit.hpp"
@@ -36,16 +39,24 @@ class LiveSite {
 
   /// An address that opens the page once.
   [[nodiscard]] std::string invite();
+  /// The address at which other programs watch (`web::foxglove`), until the server ends.
+  [[nodiscard]] std::string program_address() const;
   [[nodiscard]] int port() const noexcept { return server_->port(); }
 
  private:
   LiveSite(Options options, web::AuditLog audit);
   [[nodiscard]] std::optional<web::Reply> answer(const web::Request& request);
-  [[nodiscard]] web::Reply content(const std::string& path) const;
-  void come(web::ClientId client);
+  [[nodiscard]] web::Reply content(const web::Request& request) const;
+  void come(web::ClientId client, const web::Request& request);
   void go(web::ClientId client);
-  void hear(web::ClientId client, std::string_view text);
+  void hear(web::ClientId client, const web::Frame& frame);
+  void hear_page(web::ClientId client, std::string_view text);
+  void hear_program(web::ClientId client, const web::Frame& frame);
+  void hear_pong(web::ClientId client, const std::string& pong);
+  void serve(web::ClientId client, const web::foxglove::ServiceCall& call);
+  [[nodiscard]] std::string decide(web::ClientId client, const web::Message& message);
   [[nodiscard]] Result<void> obey(const web::Message& message);
+  [[nodiscard]] std::string name_of_client(web::ClientId client) const;
   /// A line of the audit log; the mutex is held. An outcome other than "done" is a refusal.
   void note(const std::string& who, const std::string& what, const std::string& outcome);
   void tell();
@@ -53,15 +64,23 @@ class LiveSite {
   void pause_without_operator(const LiveSession::State& state);
 
   Options options_;
-  std::map<std::string, web::Reply, std::less<>> page_;
+  Page page_;
   std::string choices_;
   Stopwatch clock_;
   std::mutex mutex_;  ///< of what stands from here to the audit log
   std::unique_ptr<web::Access> access_;
   web::Desk desk_;
-  std::set<web::ClientId> clients_;
+  /// Another program: it has no clock and no numbers of its own asks.
+  struct Program {
+    std::uint64_t sequence = 0;
+    double clock_s = 0.0;  ///< of the server, as the newest pong brought it back
+    web::Rate rate{200.0, 20.0};
+  };
+  std::set<web::ClientId> pages_;
+  std::map<web::ClientId, Program> programs_;
   web::AuditLog audit_;
   std::atomic<bool> audit_fails_ = false;
+  LiveChannels channels_;
   LiveSession session_;
   std::unique_ptr<web::Server> server_;
   std::atomic<bool> ends_ = false;

@@ -7,6 +7,7 @@
 
 #include "tuina/core/io/file.hpp"
 #include "tuina/record/session_file.hpp"
+#include "tuina/web/digest.hpp"
 
 namespace tuina::app {
 namespace {
@@ -39,8 +40,8 @@ bool is_number(std::string_view name) {
 
 }  // namespace
 
-std::map<std::string, web::Reply, std::less<>> read_page(const std::filesystem::path& folder) {
-  std::map<std::string, web::Reply, std::less<>> page;
+Page read_page(const std::filesystem::path& folder) {
+  Page page;
   const std::pair<const char*, const char*> files[] = {
       {"index.html", "text/html; charset=utf-8"},
       {"page.js", "text/javascript; charset=utf-8"},
@@ -49,17 +50,41 @@ std::map<std::string, web::Reply, std::less<>> read_page(const std::filesystem::
   for (const auto& [name, type] : files) {
     auto text = read_file(folder / name, max_page_bytes);
     if (!text) continue;
+    const std::string tag = fmt::format("W/\"{}\"", web::sha256(*text));
     page[std::string("/") + name] = {
-        .type = type, .body = std::move(*text), .headers = {page_policy}};
+        .reply = {.type = type,
+                  .body = std::move(*text),
+                  .cache = "private, no-cache",
+                  .headers = {page_policy, {"ETag", tag}, {"Vary", "Accept-Encoding"}}},
+        .gzip = read_file(folder / (std::string(name) + ".gz"), max_page_bytes).value_or("")};
   }
   const auto index = page.find("/index.html");
   const bool whole = index != page.end() && page.contains("/page.js");
   page["/"] = whole ? index->second
-                    : web::Reply{.status = 503,
-                                 .type = "text/html; charset=utf-8",
-                                 .body = not_built,
-                                 .headers = {page_policy}};
+                    : PageFile{.reply = {.status = 503,
+                                         .type = "text/html; charset=utf-8",
+                                         .body = not_built,
+                                         .headers = {page_policy}},
+                               .gzip = ""};
   return page;
+}
+
+web::Reply reply_of(const PageFile& file, const web::Request& request) {
+  web::Reply reply = file.reply;
+  const auto tag = std::find_if(reply.headers.begin(), reply.headers.end(),
+                                [](const auto& header) { return header.first == "ETag"; });
+  if (tag != reply.headers.end() && request.known_tags.find(tag->second) != std::string::npos) {
+    reply.status = 304;
+    reply.body.clear();
+    return reply;
+  }
+  const std::string_view takes = request.encodings;
+  const bool packed = takes.find("gzip") != takes.npos && takes.find("gzip;q=0") == takes.npos;
+  if (packed && !file.gzip.empty()) {
+    reply.body = file.gzip;
+    reply.headers.emplace_back("Content-Encoding", "gzip");
+  }
+  return reply;
 }
 
 std::string sessions_json(const std::filesystem::path& folder) {

@@ -12,9 +12,16 @@
 
 namespace tuina::app {
 
-/// The page itself, read once. Where it was not built, a page of words says how to.
-[[nodiscard]] std::map<std::string, web::Reply, std::less<>> read_page(
-    const std::filesystem::path& folder);
+/// A file of the page, and the same as gzip where the build has left it so (`NAME.gz`).
+struct PageFile {
+  web::Reply reply;
+  std::string gzip;
+};
+/// The page itself by its paths, read once. Where it was not built, a page of words says how to.
+using Page = std::map<std::string, PageFile, std::less<>>;
+[[nodiscard]] Page read_page(const std::filesystem::path& folder);
+/// The file, packed where the browser takes that; 304 where it has kept the same content.
+[[nodiscard]] web::Reply reply_of(const PageFile& file, const web::Request& request);
 
 /// JSON array of the sessions in `folder` that have ended, the newest first.
 [[nodiscard]] std::string sessions_json(const std::filesystem::path& folder);

@@ -103,6 +103,15 @@ Result<std::string> text_of_programme(const std::string& name_or_file) {
   return read_file(name_or_file);
 }
 
+record::SessionStart start_of(const SessionOrder& order, const SimulatedRoom& room,
+                              std::uint64_t seed) {
+  return {.seed = seed,
+          .version = TUINA_VERSION,
+          .order = order,
+          .answered_by = room.order.consent.answered_by,
+          .robot = room.order.robot};
+}
+
 /// A record of the session, begun with what is known before it; null without a file for it.
 Result<std::unique_ptr<record::SessionRecorder>> recorder_of(const std::filesystem::path& file,
                                                              const SessionOrder& order,
@@ -110,18 +119,32 @@ Result<std::unique_ptr<record::SessionRecorder>> recorder_of(const std::filesyst
                                                              const session::Config& config,
                                                              std::uint64_t seed) {
   if (file.empty()) return std::unique_ptr<record::SessionRecorder>();
-  const record::SessionStart start{.seed = seed,
-                                   .version = TUINA_VERSION,
-                                   .order = order,
-                                   .answered_by = room.order.consent.answered_by,
-                                   .robot = room.order.robot};
   auto programme = text_of_programme(order.programme);
   if (!programme) return tl::unexpected(programme.error());
-  return record::SessionRecorder::begin(file, start,
+  return record::SessionRecorder::begin(file, start_of(order, room, seed),
                                         {{"config.toml", session::to_toml(config)},
                                          {"consent.toml", room.consent_toml},
                                          {"programme.toml", std::move(*programme)}});
 }
+
+/// Those who are told through one relay: a page or else the terminal, and the channels.
+struct Watching {
+  Watching(const Attendant& attendant, session::Observer& terminal,
+           const record::SessionStart& start)
+      : all(list(attendant, terminal, start, channels)) {}
+  static std::vector<session::Observer*> list(const Attendant& attendant,
+                                              session::Observer& terminal,
+                                              const record::SessionStart& start,
+                                              std::optional<record::SessionChannels>& channels) {
+    if (attendant.channels != nullptr) channels.emplace(*attendant.channels, start);
+    std::vector<session::Observer*> observers = {attendant.watches != nullptr ? attendant.watches
+                                                                              : &terminal};
+    if (channels) observers.push_back(&*channels);
+    return observers;
+  }
+  std::optional<record::SessionChannels> channels;
+  session::Observers all;
+};
 
 /// A robot that is no part of this program; null and empty where all is to happen in this one.
 struct FarRobot {
@@ -200,7 +223,8 @@ Result<SessionResult> run_simulated_session(const SessionOrder& order,
   if (!recorder) return tl::unexpected(recorder.error());
   {
     // A terminal or a page may be slow; the truth is read in the millisecond in which it is true.
-    session::Relay watcher(attendant.watches != nullptr ? *attendant.watches : bars);
+    Watching watching(attendant, bars, start_of(order, *room, common.seed));
+    session::Relay watcher(watching.all);
     auto far = far_robot(order, common, world);
     if (!far) return tl::unexpected(far.error());
     std::optional<LinkedTruth> told;

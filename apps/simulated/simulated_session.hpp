@@ -76,7 +76,8 @@ struct SessionResult {
 /// Somebody who is there while a session runs, in place of the terminal. What is empty is not
 /// asked.
 struct Attendant {
-  session::Observer* watches = nullptr;  ///< told through a relay, so it may be slow
+  session::Observer* watches = nullptr;     ///< told through a relay, so it may be slow
+  record::ChannelSink* channels = nullptr;  ///< told the channels of the record, by that relay
   /// Told within the millisecond, which waits for it; for who answers by `commands` at once. Not
   /// for a session at real pace.
   session::Observer* waits = nullptr;

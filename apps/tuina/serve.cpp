@@ -58,8 +58,9 @@ class Serve final : public Verb {
                                             .folder = out_}});
     if (!site) return tl::unexpected(site.error());
     for (const int asked : {SIGINT, SIGTERM}) std::signal(asked, [](int) { serve_ends = true; });
-    const std::string line = (*site)->invite();
-    std::fprintf(common.json ? stderr : stdout, "%s\n", line.c_str());
+    const std::string lines = fmt::format("{}\n{}  (Foxglove, Lichtblick: docs/page.md)\n",
+                                          (*site)->invite(), (*site)->program_address());
+    std::fputs(lines.c_str(), common.json ? stderr : stdout);
     std::fflush(nullptr);
     while (!serve_ends) std::this_thread::sleep_for(std::chrono::milliseconds(50));
     const int port = (*site)->port();

@@ -13,6 +13,7 @@ class Server:
         self.address = self.process.stdout.readline().strip()
         self.port, self.token = re.fullmatch(r"http://127\.0\.0\.1:(\d+)/\?token=([0-9a-f]{64})", self.address).groups()
         self.port = int(self.port)
+        self.program_address = self.process.stdout.readline().split()[0]
 
     def ask(self, path="/", method="GET", body=b"", **headers):
         """Status, headers and content of one request; a header that is None is not sent."""
@@ -33,7 +34,7 @@ class Server:
     def whole(answer):
         top, end, content = answer.partition(b"\r\n\r\n")
         length = re.search(rb"Content-Length: (\d+)", top)
-        return bool(end and length and len(content) >= int(length[1]))
+        return bool(end and (top.startswith(b"HTTP/1.1 304") or length and len(content) >= int(length[1])))
 
     def enter(self, token=None):
         """The cookie that a token is exchanged for; None when it is refused."""
@@ -85,11 +86,13 @@ class Socket:
             elif size == 127:
                 size, = struct.unpack(">Q", self.exactly(8))
             content = self.exactly(size)
+            if first & 15 == 9:
+                self.send(content, opcode=10)
             if first & 15 == 1:
                 return json.loads(content)
 
     def send(self, text, opcode=1):
-        content, mask = text.encode(), os.urandom(4)
+        content, mask = text if isinstance(text, bytes) else text.encode(), os.urandom(4)
         size = len(content)
         length = bytes([0x80 | size]) if size < 126 else \
             b"\xfe" + struct.pack(">H", size) if size < 65536 else b"\xff" + struct.pack(">Q", size)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What nobody should ask of `tuina serve`: each is refused, changes nothing, and is one line of the audit log."""
-import json, subprocess, sys, tempfile, time
-from serve_client import Page, Server
+import gzip, json, struct, subprocess, sys, tempfile, time
+from serve_client import Page, Server, Socket
 
 faults = []
 
@@ -65,6 +65,42 @@ def requests(server, cookie):
         yield what, lambda headers=headers: Page(server, cookie, **headers).status, status
 
 
+def program(server, **headers):
+    """A socket of another program, by the address that the terminal printed."""
+    given = {"Sec-WebSocket-Protocol": "foxglove.sdk.v1", **headers}
+    return Socket(server.port, given.pop("path", server.program_address.partition(str(server.port))[2]), **given)
+
+
+def programs(server, cookie):
+    for what, status, headers in [
+            ("a program of another page", 403, {"Origin": "https://evil.example"}),
+            ("a program of another host", 403, {"Host": f"evil.example:{server.port}"}),
+            ("a program without token", 401, {"path": "/foxglove", "Cookie": cookie}),
+            ("a program of another protocol", 400, {"Sec-WebSocket-Protocol": "foxglove.websocket.v2"}),
+            ("a program without protocol", 400, {"Sec-WebSocket-Protocol": None})]:
+        yield what, lambda headers=headers: program(server, **headers).status, status
+    yield "a program that is none", lambda: server.ask("/foxglove?token=x", Cookie=cookie)[0], 405
+
+
+def frames(socket):
+    """Frames of a program that has come in: each is answered by why it is not followed."""
+    def answer(frame):
+        socket.send(frame, opcode=2 if isinstance(frame, bytes) else 1)
+        while (message := socket.message())["op"] not in ("status", "serviceCallFailure"):
+            pass
+        return message["op"]
+
+    for text in ["", "[]", "[" * 10000, '{"op":"fly"}', '{"op":"advertise","channels":[{"id":1}]}', '{"op":"subscribe"}',
+                 '{"op":"subscribe","subscriptions":[{"id":1,"channelId":99}]}',
+                 '{"op":"subscribe","subscriptions":[{"id":-1,"channelId":1}]}',
+                 '{"op":"subscribe","subscriptions":' + json.dumps([{"id": i, "channelId": 1} for i in range(300)]) + "}",
+                 '{"op":"unsubscribe","subscriptionIds":[5]}', b"", b"\1", b"\2\1", struct.pack("<BIII", 2, 1, 1, 2**32 - 1)]:
+        yield f"frame {text[:50]!r}", lambda text=text: answer(text), "status"
+    for service, request in [(0, b"{}"), (99, b"{}"), (1, b"[]"), (1, b'{"force_n":99}'), (1, b""), (4, b"{}"), (7, b"{}")]:
+        call = struct.pack("<BIII", 2, service, 7, 4) + b"json" + request
+        yield f"call of {service} {request}", lambda call=call: answer(call), "serviceCallFailure"
+
+
 def messages(page, viewer, order):
     def outcome(text):
         page.replies.pop(0, None)
@@ -111,6 +147,34 @@ def messages(page, viewer, order):
         yield f"change {what}", act, wanted
 
 
+def files(server, cookie):
+    """The page's own files: packed for who takes that, and not sent again to who has them."""
+    def ask(**headers):
+        """The answer, and how soon it was there, in ms: the soonest of five, since the machine has more to do."""
+        took = []
+        for _ in range(5):
+            began = time.monotonic()
+            answer = server.ask("/page.js", Cookie=cookie, **headers)
+            took.append(1e3 * (time.monotonic() - began))
+        return *answer, min(took)
+
+    status, headers, whole, whole_ms = ask()
+    if status != 200:
+        return print("the page is not built: its files are not looked at")
+    expect("a browser asks again", headers["Cache-Control"], "private, no-cache")
+    _, packed_headers, packed, packed_ms = ask(Accept_Encoding="gzip, br")
+    if packed_headers.get("Content-Encoding") == "gzip":
+        expect("packed content", gzip.decompress(packed), whole)
+    expect("not packed for who does not take it",
+           "Content-Encoding" in server.ask("/page.js", Cookie=cookie, Accept_Encoding="gzip;q=0")[1], False)
+    status, again, nothing, again_ms = ask(If_None_Match=headers["ETag"])
+    expect("not changed", (status, nothing, again["ETag"]), (304, b"", headers["ETag"]))
+    expect("another content", server.ask("/page.js", Cookie=cookie, If_None_Match='W/"0"')[0], 200)
+    expect("not without cookie", server.ask("/page.js", If_None_Match=headers["ETag"])[0], 401)
+    print(f"page.js: {len(whole)} bytes in {whole_ms:.1f} ms, packed {len(packed)} in {packed_ms:.1f} ms, "
+          f"not changed in {again_ms:.1f} ms")
+
+
 def flood(server, page, viewer):
     """A page that asks without end is refused; stop is heard all the same, and the log does not fill."""
     lines = len(server.audit())
@@ -141,7 +205,10 @@ def main(binary):
         expect("operate", page.outcome("operate"), "done")
         page.until(lambda: page.state["operator"])
         asked = 0
-        for what, act, wanted in [*requests(server, cookie), *messages(page, viewer, order)]:
+        watcher = program(server)
+        expect("a program comes in", (watcher.status, watcher.message()["op"]), (101, "serverInfo"))
+        for what, act, wanted in [*requests(server, cookie), *programs(server, cookie), *frames(watcher),
+                                  *messages(page, viewer, order)]:
             refused(server, page, what, act, wanted)
             asked += 1
         sequence = page.sequence
@@ -149,9 +216,12 @@ def main(binary):
         for _ in range(6):
             server.ask(f"/?token={'1' * 64}")
         refused(server, page, "a sixth wrong token", lambda: server.ask(f"/?token={'1' * 64}")[0], 429)
+        files(server, cookie)
         flood(server, page, viewer)
         closed(server, cookie, "a huge message", lambda page: page.send("x" * 70000))
         closed(server, cookie, "a binary message", lambda page: page.send("x", opcode=2))
+        watcher.send(b"x" * 70000, opcode=2)
+        expect("a huge frame: closed", page.until(lambda: server.audit()[-1]["what"] == "go"), True)
         expect("the server is still there", server.ask("/api/choices", Cookie=cookie)[0], 200)
         expect("nothing was begun", [line["what"] for line in server.audit() if line["what"] == "start"
                                      and line["outcome"] == "done"], [])

@@ -8,6 +8,8 @@
 #include <array>
 #include <cstdlib>
 
+#include "tuina/web/foxglove.hpp"
+
 namespace tuina::web {
 namespace {
 
@@ -15,6 +17,10 @@ constexpr std::int64_t max_body_bytes = 1 << 20;
 constexpr std::size_t max_invitations = 16;
 // Five wrong tokens a minute.
 constexpr double bad_tokens_at_once = 5.0, bad_tokens_per_s = 5.0 / 60.0;
+constexpr std::string_view token_key = "token=";
+// Foxglove in a browser, and viewers that a desktop opens from its disk. Origins of others are
+// refused; a program that is no browser sends none.
+constexpr std::array<std::string_view, 2> program_origins = {"https://app.foxglove.dev", "file://"};
 
 Reply refuse(int status, const char* why) {
   return {.status = status, .body = std::string(why) + "\n"};
@@ -77,8 +83,7 @@ std::optional<Reply> Access::exchange(std::string_view token, double now_s) {
                                   [&](const std::string& one) { return same_secret(one, token); });
   if (given == tokens_.end()) {
     // Who has guessed too often is not told whether the next guess is right.
-    if (!bad_tokens_.take(now_s)) return refuse(429, "too many wrong tokens; wait a minute");
-    return refuse(401, "this address was used already, or never given: ask for a new one");
+    return refuse_token(now_s, "this address was used already, or never given: ask for a new one");
   }
   tokens_.erase(given);
   const std::string& cookie = cookies_.emplace_back(random_token());
@@ -88,20 +93,42 @@ std::optional<Reply> Access::exchange(std::string_view token, double now_s) {
                                                       cookie_name_, cookie)}}};
 }
 
+bool Access::is_host(std::string_view name) const {
+  return std::find(hosts_.begin(), hosts_.end(), name) != hosts_.end();
+}
+
+Reply Access::refuse_token(double now_s, const char* why) {
+  if (!bad_tokens_.take(now_s)) return refuse(429, "too many wrong tokens; wait a minute");
+  return refuse(401, why);
+}
+
+std::optional<Reply> Access::judge_program(const Request& request, double now_s) {
+  const std::string_view origin = request.origin;
+  const bool known = origin.empty() || (origin.starts_with("http://") && is_host(origin.substr(7)));
+  if (!known &&
+      std::find(program_origins.begin(), program_origins.end(), origin) == program_origins.end())
+    return refuse(403, "programs of this origin may not watch");
+  if (request.method != "GET" || !request.upgrade)
+    return refuse(405, "only a WebSocket opens here");
+  const std::string_view query = request.query;
+  if (!query.starts_with(token_key) || !same_secret(query.substr(token_key.size()), program_token_))
+    return refuse_token(now_s, "take the address with the token, as the terminal printed it");
+  if (!foxglove::offers(request.subprotocols))
+    return refuse(400, "offer the subprotocol foxglove.sdk.v1 or foxglove.websocket.v1");
+  return std::nullopt;
+}
+
 std::optional<Reply> Access::judge(const Request& request, double now_s) {
-  const auto is_host = [&](std::string_view name) {
-    return std::find(hosts_.begin(), hosts_.end(), name) != hosts_.end();
-  };
   if (!is_host(request.host)) return refuse(403, "this is not the name of this server");
+  if (request.body_bytes > max_body_bytes) return refuse(413, "too much");
+  if (request.path == foxglove::path) return judge_program(request, now_s);
   const bool from_elsewhere =
       !request.origin.starts_with("http://") || !is_host(request.origin.substr(7));
   if (from_elsewhere && (!request.origin.empty() || request.upgrade))
     return refuse(403, "another page may not ask here");
-  if (request.body_bytes > max_body_bytes) return refuse(413, "too much");
   if (request.method != "GET") return refuse(405, "only GET; commands go through the WebSocket");
-  constexpr std::string_view token = "token=";
-  if (request.path == "/" && request.query.starts_with(token))
-    return exchange(std::string_view(request.query).substr(token.size()), now_s);
+  if (request.path == "/" && request.query.starts_with(token_key))
+    return exchange(std::string_view(request.query).substr(token_key.size()), now_s);
   if (!knows(request.cookie))
     return refuse(401, "open the address that the terminal printed, or that an operator gave you");
   return std::nullopt;

@@ -26,23 +26,33 @@ namespace tuina::web {
 /// and known by a cookie from then on. A Host that is not this machine is another name for it,
 /// given by somebody who wants a browser to ask here; an Origin that is not this server is another
 /// person's page.
+///
+/// Another program that watches (`foxglove::path`) has no cookie and comes again by the same
+/// address, so it shows a token of its own each time: one that is good until the server ends. A
+/// cookie does not let it in, since a browser shows that for any page of this machine.
 class Access {
  public:
   explicit Access(int port);
 
   /// An address that opens the page, once.
   [[nodiscard]] std::string invite();
+  /// The token that other programs show.
+  [[nodiscard]] const std::string& program_token() const { return program_token_; }
   /// The reply to whom is not let in, or who has just shown a token; nothing for whom may go on.
   [[nodiscard]] std::optional<Reply> judge(const Request& request, double now_s);
 
  private:
   [[nodiscard]] bool knows(std::string_view cookies) const;
+  [[nodiscard]] bool is_host(std::string_view name) const;
+  [[nodiscard]] Reply refuse_token(double now_s, const char* why);
   [[nodiscard]] std::optional<Reply> exchange(std::string_view token, double now_s);
+  [[nodiscard]] std::optional<Reply> judge_program(const Request& request, double now_s);
 
   std::string cookie_name_;  ///< with the port, since ports share their cookies
   std::vector<std::string> hosts_;
   std::vector<std::string> tokens_;   ///< given and not used yet
   std::vector<std::string> cookies_;  ///< of those who are in
+  std::string program_token_ = random_token();
   Rate bad_tokens_;
 };
 

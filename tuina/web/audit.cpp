@@ -2,7 +2,6 @@
 #include "tuina/web/audit.hpp"
 
 #include <fcntl.h>
-#include <openssl/evp.h>
 #include <unistd.h>
 
 #include <array>
@@ -13,6 +12,7 @@
 #include <utility>
 
 #include "tuina/core/io/file.hpp"
+#include "tuina/web/digest.hpp"
 
 namespace tuina::web {
 namespace {
@@ -21,15 +21,6 @@ namespace {
 constexpr std::string_view hash_key = ",\"hash\":\"";
 constexpr std::string_view line_end = "\"}";
 const std::string first_hash(64, '0');
-
-std::string sha256(std::string_view text) {
-  std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
-  unsigned size = 0;
-  EVP_Digest(text.data(), text.size(), digest.data(), &size, EVP_sha256(), nullptr);
-  std::string hex;
-  for (unsigned i = 0; i < size; ++i) hex += fmt::format("{:02x}", digest[i]);
-  return hex;
-}
 
 std::string utc_now() {
   const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());

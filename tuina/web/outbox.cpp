@@ -4,31 +4,49 @@
 #include <utility>
 
 namespace tuina::web {
+namespace {
 
-void Outbox::put(Channel channel, std::string text) {
+Frame take_front(std::deque<Frame>& frames) {
+  Frame frame = std::move(frames.front());
+  frames.pop_front();
+  return frame;
+}
+
+}  // namespace
+
+void Outbox::put(Slot slot, Frame frame, std::size_t keep) {
   const std::lock_guard lock(mutex_);
-  newest_[static_cast<std::size_t>(channel)] = std::move(text);
+  std::deque<Frame>& waiting = slots_[slot];
+  waiting.push_back(std::move(frame));
+  if (waiting.size() > keep) waiting.pop_front();
   changed_.notify_one();
 }
 
-bool Outbox::reply(std::string text) {
+void Outbox::drop(Slot slot) {
+  const std::lock_guard lock(mutex_);
+  slots_.erase(slot);
+}
+
+bool Outbox::reply(Frame frame) {
   const std::lock_guard lock(mutex_);
   if (replies_.size() == max_replies) return false;
-  replies_.push_back(std::move(text));
+  replies_.push_back(std::move(frame));
   changed_.notify_one();
   return true;
 }
 
-std::optional<std::string> Outbox::take() {
+std::optional<Frame> Outbox::take() {
   std::unique_lock lock(mutex_);
-  changed_.wait(lock, [&] { return closed_ || !replies_.empty() || newest_[0] || newest_[1]; });
+  changed_.wait(lock, [&] { return closed_ || !replies_.empty() || !slots_.empty(); });
   if (closed_) return std::nullopt;
-  if (!replies_.empty()) {
-    std::string text = std::move(replies_.front());
-    replies_.pop_front();
-    return text;
-  }
-  return std::exchange(newest_[0] ? newest_[0] : newest_[1], std::nullopt);
+  if (!replies_.empty()) return take_front(replies_);
+  // A slot that is filled faster than it is sent does not keep the others waiting.
+  auto next = slots_.upper_bound(last_);
+  if (next == slots_.end()) next = slots_.begin();
+  last_ = next->first;
+  Frame frame = take_front(next->second);
+  if (next->second.empty()) slots_.erase(next);
+  return frame;
 }
 
 void Outbox::close() {

@@ -18,12 +18,16 @@ struct Request {
   std::string cookie;
   std::int64_t body_bytes = 0;  ///< as announced; -1: not announced
   bool upgrade = false;         ///< to a WebSocket
+  std::string subprotocols;     ///< of the WebSocket, as they were offered
+  std::string encodings;        ///< of the content, as the browser takes them
+  std::string known_tags;       ///< of contents that the browser has kept
 };
 
 struct Reply {
   int status = 200;
   std::string type = "text/plain; charset=utf-8";
-  std::string body;
+  std::string body = {};
+  std::string cache = "no-store";  ///< what a browser may keep: Cache-Control
   std::vector<std::pair<std::string, std::string>> headers = {};
 };
 

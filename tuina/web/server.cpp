@@ -8,11 +8,12 @@
 #include <mutex>
 #include <thread>
 
+#include "tuina/web/foxglove.hpp"
+
 namespace tuina::web {
 namespace {
 
-constexpr const char* socket_path = "/live";
-// The pages, and some for requests besides.
+// The clients, and some for requests besides.
 constexpr int threads = max_clients + 16;
 
 std::string header(const mg_connection* connection, const char* name) {
@@ -30,17 +31,35 @@ Request request_of(const mg_connection* connection) {
           .origin = header(connection, "Origin"),
           .cookie = header(connection, "Cookie"),
           .body_bytes = info->content_length,
-          .upgrade = !header(connection, "Upgrade").empty()};
+          .upgrade = !header(connection, "Upgrade").empty(),
+          .subprotocols = header(connection, "Sec-WebSocket-Protocol"),
+          .encodings = header(connection, "Accept-Encoding"),
+          .known_tags = header(connection, "If-None-Match")};
+}
+
+int opcode_of(Frame::Kind kind) {
+  constexpr std::array<int, 4> opcodes = {MG_WEBSOCKET_OPCODE_TEXT, MG_WEBSOCKET_OPCODE_BINARY,
+                                          MG_WEBSOCKET_OPCODE_PING, MG_WEBSOCKET_OPCODE_PONG};
+  return opcodes[static_cast<std::size_t>(kind)];
+}
+
+std::optional<Frame::Kind> kind_of(int opcode) {
+  for (const auto kind :
+       {Frame::Kind::text, Frame::Kind::binary, Frame::Kind::ping, Frame::Kind::pong})
+    if (opcode_of(kind) == opcode) return kind;
+  return std::nullopt;
 }
 
 void send(mg_connection* connection, const Reply& reply) {
   std::string head = fmt::format(
-      "HTTP/1.1 {} {}\r\nContent-Type: {}\r\nContent-Length: {}\r\nConnection: close\r\n"
-      "Cache-Control: no-store\r\nX-Content-Type-Options: nosniff\r\nReferrer-Policy: "
-      "no-referrer\r\n"
+      "HTTP/1.1 {} {}\r\nConnection: close\r\nCache-Control: {}\r\n"
+      "X-Content-Type-Options: nosniff\r\nReferrer-Policy: no-referrer\r\n"
       "Cross-Origin-Opener-Policy: same-origin\r\nCross-Origin-Resource-Policy: same-origin\r\n",
-      reply.status, mg_get_response_code_text(connection, reply.status), reply.type,
-      reply.body.size());
+      reply.status, mg_get_response_code_text(connection, reply.status), reply.cache);
+  constexpr int not_modified = 304;  // has no content
+  if (reply.status != not_modified)
+    head +=
+        fmt::format("Content-Type: {}\r\nContent-Length: {}\r\n", reply.type, reply.body.size());
   for (const auto& [name, value] : reply.headers) head += fmt::format("{}: {}\r\n", name, value);
   head += "\r\n";
   mg_write(connection, head.data(), head.size());
@@ -49,9 +68,10 @@ void send(mg_connection* connection, const Reply& reply) {
 
 }  // namespace
 
-/// One page: what waits for it, and the thread that sends it.
+/// What waits for one client, and the thread that sends it.
 struct Client {
   ClientId id = 0;
+  bool is_page = true;  ///< else another program
   std::shared_ptr<Outbox> outbox = std::make_shared<Outbox>();
   std::thread sender = {};
 };
@@ -83,7 +103,8 @@ struct Server::Hall {
     Hall& hall = of(connection);
     const Request request = request_of(connection);
     auto reply = hall.site.answer(request);
-    const bool opens = !reply && request.upgrade && request.path == socket_path;
+    const bool is_socket = request.path == page_path || request.path == foxglove::path;
+    const bool opens = !reply && request.upgrade && is_socket;
     if (opens && !hall.full()) return 0;
     if (!reply) reply = Reply{.status = opens ? 503 : 404, .body = "\n"};
     send(connection, *reply);
@@ -92,7 +113,8 @@ struct Server::Hall {
 
   static void on_ready(mg_connection* connection, void* data) {
     Hall& hall = *static_cast<Hall*>(data);
-    auto* client = new Client;
+    const Request request = request_of(connection);
+    auto* client = new Client{.is_page = request.path == page_path};
     {
       const std::lock_guard lock(hall.mutex);
       client->id = ++hall.last;
@@ -100,10 +122,11 @@ struct Server::Hall {
     }
     mg_set_user_connection_data(connection, client);
     client->sender = std::thread([connection, outbox = client->outbox] {
-      while (const auto text = outbox->take())
-        mg_websocket_write(connection, MG_WEBSOCKET_OPCODE_TEXT, text->data(), text->size());
+      while (const auto frame = outbox->take())
+        mg_websocket_write(connection, opcode_of(frame->kind), frame->bytes.data(),
+                           frame->bytes.size());
     });
-    hall.site.come(client->id);
+    hall.site.come(client->id, request);
   }
 
   static int on_data(mg_connection* connection, int bits, char* text, std::size_t size,
@@ -111,12 +134,14 @@ struct Server::Hall {
     constexpr int keep_open = 1, close = 0;
     Hall& hall = *static_cast<Hall*>(data);
     const auto* client = static_cast<Client*>(mg_get_user_connection_data(connection));
-    const int opcode = bits & 0x0f;
+    const auto kind = kind_of(bits & 0x0f);
+    if (client == nullptr || !kind) return close;
+    if (*kind == Frame::Kind::ping || (*kind == Frame::Kind::pong && client->is_page))
+      return keep_open;
     const bool whole = (bits & 0x80) != 0;
-    if (opcode == MG_WEBSOCKET_OPCODE_PING || opcode == MG_WEBSOCKET_OPCODE_PONG) return keep_open;
-    const bool good = whole && opcode == MG_WEBSOCKET_OPCODE_TEXT && size <= max_message_bytes;
-    if (client == nullptr || !good) return close;
-    hall.site.hear(client->id, std::string_view(text, size));
+    const bool read = *kind != Frame::Kind::binary || !client->is_page;
+    if (!whole || !read || size > max_message_bytes) return close;
+    hall.site.hear(client->id, {.kind = *kind, .bytes = std::string(text, size)});
     return keep_open;
   }
 
@@ -162,9 +187,16 @@ Result<std::unique_ptr<Server>> Server::start(const std::string& address, int po
   if (hall->context == nullptr) {
     return fail(Fault::device, "{}: cannot be listened at; is another program there already?", at);
   }
-  mg_set_websocket_handler(
-      hall->context, socket_path, [](const mg_connection*, void*) { return 0; }, &Hall::on_ready,
-      &Hall::on_data, &Hall::on_close, hall.get());
+  const auto come_in = [](const mg_connection*, void*) { return 0; };
+  mg_set_websocket_handler(hall->context, page_path, come_in, &Hall::on_ready, &Hall::on_data,
+                           &Hall::on_close, hall.get());
+  // The library keeps the address of the list.
+  static auto names = foxglove::subprotocols;
+  static mg_websocket_subprotocols offered{.nb_subprotocols = static_cast<int>(names.size()),
+                                           .subprotocols = names.data()};
+  mg_set_websocket_handler_with_subprotocols(hall->context, foxglove::path, &offered, come_in,
+                                             &Hall::on_ready, &Hall::on_data, &Hall::on_close,
+                                             hall.get());
   return std::unique_ptr<Server>(new Server(std::move(hall)));
 }
 
@@ -178,13 +210,17 @@ int Server::port() const noexcept {
   return mg_get_server_ports(hall_->context, 1, &port) == 1 ? port.port : 0;
 }
 
-void Server::put(ClientId client, Channel channel, std::string text) {
-  if (const auto outbox = hall_->outbox(client)) outbox->put(channel, std::move(text));
+void Server::put(ClientId client, Outbox::Slot slot, Frame frame, std::size_t keep) {
+  if (const auto outbox = hall_->outbox(client)) outbox->put(slot, std::move(frame), keep);
 }
 
-void Server::reply(ClientId client, std::string text) {
+void Server::drop(ClientId client, Outbox::Slot slot) {
+  if (const auto outbox = hall_->outbox(client)) outbox->drop(slot);
+}
+
+void Server::reply(ClientId client, Frame frame) {
   const auto outbox = hall_->outbox(client);
-  if (outbox && !outbox->reply(std::move(text))) outbox->close();
+  if (outbox && !outbox->reply(std::move(frame))) outbox->close();
 }
 
 }  // namespace tuina::web

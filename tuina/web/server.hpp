@@ -5,7 +5,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <string_view>
 
 #include "tuina/core/result.hpp"
 #include "tuina/web/desk.hpp"
@@ -18,17 +17,19 @@ namespace tuina::web {
 struct Site {
   /// Nothing: a WebSocket may open.
   std::function<std::optional<Reply>(const Request&)> answer;
-  std::function<void(ClientId)> come;
+  std::function<void(ClientId, const Request&)> come;
   std::function<void(ClientId)> go;
-  std::function<void(ClientId, std::string_view text)> hear;
+  std::function<void(ClientId, const Frame&)> hear;
 };
 
-/// Pages that may be open at once; what comes on top is sent away with 503.
+/// WebSockets of the page open here, those of other programs at `foxglove::path`.
+inline constexpr const char* page_path = "/live";
+/// Clients that may be there at once; what comes on top is sent away with 503.
 inline constexpr int max_clients = 24;
 
-/// HTTP and WebSocket at one port of this machine. Each page has a thread that reads and one that
+/// HTTP and WebSocket at one port of this machine. Each client has a thread that reads and one that
 /// writes, so that none waits for another. A header has 8 KiB at most and 10 s to arrive; a message
-/// of a page, max_message_bytes, or its connection is closed.
+/// of a client, max_message_bytes, or its connection is closed. A page sends text alone.
 class Server {
  public:
   /// `address` is one of `loopback_address`; port 0 takes a free one. Fault::device when the port
@@ -40,9 +41,10 @@ class Server {
   Server& operator=(const Server&) = delete;
 
   [[nodiscard]] int port() const noexcept;
-  /// Nothing of these waits for the page, or fails when it has just gone.
-  void put(ClientId client, Channel channel, std::string text);
-  void reply(ClientId client, std::string text);
+  /// Nothing of these waits for the client, or fails when it has just gone (`Outbox`).
+  void put(ClientId client, Outbox::Slot slot, Frame frame, std::size_t keep = 1);
+  void drop(ClientId client, Outbox::Slot slot);
+  void reply(ClientId client, Frame frame);
 
   struct Hall;  ///< the connections
 
