@@ -276,11 +276,13 @@ function review(): HTMLElement {
     onclick: () => { editing = editing === how ? "turn" : how; scene.edit(editing); render(); } }, say(how));
   const undo = element("button", { id: "undo", disabled: !maySteer() || wanted.no_go.length + wanted.fixed.length === 0,
     onclick: () => { wanted = { no_go: [], fixed: [] }; change(); } }, say("undo"));
-  const picture = stage(zones, element("span", { class: "tools" }, tool("move"), tool("rule_out"), undo));
+  const picture = stage();
   picture.append(element("div", { class: "legend" }, ...(zonesShown
     ? choices.zones.map((zone, i) => dot(zoneColours[i]!, `${say(zone.name)} ${zone.cap_n} N`))
     : Object.entries(techniqueColours).filter(([name]) => plan?.paths.some((path) => path.technique === name)).map(([name, colour]) => dot(colour, say(name))))));
-  return element("div", { class: "split" }, picture, element("div", { class: "side" }, element("h1", {}, say("review_title")), hold,
+  // Beside the picture, since on a phone they would cover the neck.
+  const tools = element("div", { class: "row" }, zones, tool("move"), tool("rule_out"), undo);
+  return element("div", { class: "split" }, element("div", { class: "tooled" }, tools, picture), element("div", { class: "side" }, element("h1", {}, say("review_title")), hold,
     maySteer() ? "" : element("p", { class: "note" }, say("not_you")), element("p", { id: "refusal", class: "note", role: "alert" }),
     element("div", { class: "card" }, element("h2", {}, say("acupoints")), element("div", { class: "scroll", tabindex: "0" },
       table(points.map((point) => [point.name, `${say("uncertainty")} ${point.uncertainty_mm.toFixed(0)} mm`,
