@@ -25,6 +25,9 @@ set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 set(CPACK_COMPONENT_DEV_DESCRIPTION "Headers, static libraries and the CMake package of tuina.")
 # What its headers and libraries need is what packages.txt names, without the tools of a build.
 file(STRINGS packages.txt needed REGEX "-dev$")
+if(TUINA_ROS2)
+  list(APPEND needed cyclonedds-dev)
+endif()
 list(JOIN needed ", " CPACK_DEBIAN_DEV_PACKAGE_DEPENDS)
 
 if(TARGET tuina_python)

@@ -2,7 +2,7 @@
 # The table of rooms: which room may include which. It is written here and nowhere else; tuina_room links
 # by it and the `layering` test reads the #include lines of the sources against it.
 set(TUINA_ROOMS core telemetry scanner calibration body massage tissue robot hardware safety link control motion
-  session record history web sim baselines)
+  session record history ros2 web sim baselines)
 set(TUINA_MAY_INCLUDE_core "")
 set(TUINA_MAY_INCLUDE_telemetry core)
 set(TUINA_MAY_INCLUDE_scanner core)
@@ -19,6 +19,7 @@ set(TUINA_MAY_INCLUDE_motion core body massage robot control)
 set(TUINA_MAY_INCLUDE_session core scanner body massage tissue robot safety link control motion)
 set(TUINA_MAY_INCLUDE_record core telemetry body massage tissue robot safety motion session)
 set(TUINA_MAY_INCLUDE_history core telemetry tissue session record)
+set(TUINA_MAY_INCLUDE_ros2 core telemetry session record)
 # A page is another hand at the live commands of a session, and knows no more of it.
 set(TUINA_MAY_INCLUDE_web core session)
 set(TUINA_MAY_INCLUDE_sim core scanner robot tissue)
@@ -27,7 +28,7 @@ set(TUINA_MAY_INCLUDE_baselines core body tissue control)
 
 # The programs, in the same way: folders of apps/. Product rooms are all but sim and baselines.
 set(TUINA_PRODUCT core telemetry scanner calibration body massage tissue robot hardware safety link control motion
-  session record history web)
+  session record history ros2 web)
 set(TUINA_APPS cli simulated evaluation serve tuina)
 set(TUINA_APP_MAY_INCLUDE_cli ${TUINA_PRODUCT})
 set(TUINA_APP_MAY_INCLUDE_simulated ${TUINA_PRODUCT} sim apps/cli)

@@ -48,7 +48,7 @@ def rooms():
     listed = re.search(r"set\(TUINA_ROOMS ([^)]*)\)", read("cmake/rooms.cmake")).group(1).split()
     folders = [name for name in os.listdir(f"{ROOT}/tuina") if os.path.isdir(f"{ROOT}/tuina/{name}")]
     tree = read("docs/house.md").split("tuina/ ", 1)[1].split("\napps/", 1)[0]
-    shown = re.findall(r"^  ([a-z_]+)/", tree, re.MULTILINE)
+    shown = re.findall(r"^  ([a-z0-9_]+)/", tree, re.MULTILINE)
     table = read("docs/house.md").split("| room | may include", 1)[1].split("\n\n", 1)[0]
     rows = [name for row in table.splitlines()[2:] for name in row.split("|")[1].replace(" ", "").split(",")]
     for where, names in (("the tree of docs/house.md", shown), ("cmake/rooms.cmake", listed),

@@ -18,8 +18,8 @@ constexpr std::uint64_t state_every_ticks = 50;
 SessionChannels::SessionChannels(ChannelSink& sink, const SessionStart& start)
     : sink_(sink), robot_model_(start.robot) {
   tell(channels_.order,
-       OrderEvent{.seed = start.seed, .version = start.version, .order = start.order}, 0.0);
-  tell(channels_.consent, ConsentEvent{.answered_by = start.answered_by}, 0.0);
+       OrderEvent{.seed = start.seed, .version = start.version, .order = start.order}, 0.0, true);
+  tell(channels_.consent, ConsentEvent{.answered_by = start.answered_by}, 0.0, true);
 }
 
 template <typename Message>
@@ -36,17 +36,19 @@ void SessionChannels::tell(std::uint16_t& channel, const char* topic, const Mess
 }
 
 template <typename Event>
-void SessionChannels::tell(std::uint16_t& channel, const Event& event, double time_s) {
+void SessionChannels::tell(std::uint16_t& channel, const Event& event, double time_s,
+                           bool latched) {
   if (channel == 0) {
     SchemaWriter schema;
     Event::fields(schema, event);
     std::string name = Event::topic + 1;  // without the first slash
     name[name.find('/')] = '.';
-    channel = sink_.add_channel(
-        {.topic = Event::topic,
-         .encoding = "json",
-         .schema = {
-             .name = std::move(name), .encoding = "jsonschema", .data = schema.schema().dump()}});
+    channel = sink_.add_channel({.topic = Event::topic,
+                                 .encoding = "json",
+                                 .schema = {.name = std::move(name),
+                                            .encoding = "jsonschema",
+                                            .data = schema.schema().dump()},
+                                 .latched = latched});
   }
   sink_.write(channel, to_ns(time_s),
               to_json(event, Event::fields)
@@ -78,7 +80,7 @@ void SessionChannels::on_plan(const motion::ReadyPlan& plan, const Transform& ba
                  .paths = plan.plan.paths.size(),
                  .duration_s = plan.plan.duration_s,
                  .notes = plan.plan.notes},
-       time_s_);
+       time_s_, true);
 }
 
 void SessionChannels::on_tick(const session::Tick& tick) noexcept {

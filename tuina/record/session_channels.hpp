@@ -53,7 +53,7 @@ class SessionChannels final : public session::Observer {
   void tell(std::uint16_t& channel, const char* topic, const Message& message, double time_s,
             bool latched = false);
   template <typename Event>
-  void tell(std::uint16_t& channel, const Event& event, double time_s);
+  void tell(std::uint16_t& channel, const Event& event, double time_s, bool latched = false);
   void tell_events(const session::Tick& tick);
   void tell_guard(const session::Tick& tick);
   void tell_arms(const session::Tick& tick);

@@ -30,6 +30,12 @@ struct Duration {
   };
 };
 
+struct Clock {
+  static constexpr const char* type = "rosgraph_msgs/Clock";
+  Time clock = {};
+  static constexpr auto fields = [](auto& visit, auto& it) { visit("clock", it.clock); };
+};
+
 struct Header {
   static constexpr const char* type = "std_msgs/Header";
   Time stamp = {};
