@@ -112,6 +112,21 @@ record::SessionStart start_of(const SessionOrder& order, const SimulatedRoom& ro
           .robot = room.order.robot};
 }
 
+/// A session told to somebody's channels, behind a relay.
+struct ToldChannels {
+  ToldChannels(record::ChannelSink& sink, const record::SessionStart& start,
+               session::Relay::Behind behind)
+      : channels(sink, start), relay(std::in_place, channels, behind) {}
+  /// How many milliseconds were left out of a session with that last one.
+  std::uint64_t end(std::uint64_t last_tick) {
+    relay.reset();
+    channels.tell_gap(last_tick + 1);
+    return channels.missing_ms();
+  }
+  record::SessionChannels channels;
+  std::optional<session::Relay> relay;
+};
+
 /// A record of the session, begun with what is known before it; null without a file for it.
 Result<std::unique_ptr<record::SessionRecorder>> recorder_of(const std::filesystem::path& file,
                                                              const SessionOrder& order,
@@ -126,25 +141,6 @@ Result<std::unique_ptr<record::SessionRecorder>> recorder_of(const std::filesyst
                                          {"consent.toml", room.consent_toml},
                                          {"programme.toml", std::move(*programme)}});
 }
-
-/// Those who are told through one relay: a page or else the terminal, and the channels.
-struct Watching {
-  Watching(const Attendant& attendant, session::Observer& terminal,
-           const record::SessionStart& start)
-      : all(list(attendant, terminal, start, channels)) {}
-  static std::vector<session::Observer*> list(const Attendant& attendant,
-                                              session::Observer& terminal,
-                                              const record::SessionStart& start,
-                                              std::optional<record::SessionChannels>& channels) {
-    if (attendant.channels != nullptr) channels.emplace(*attendant.channels, start);
-    std::vector<session::Observer*> observers = {attendant.watches != nullptr ? attendant.watches
-                                                                              : &terminal};
-    if (channels) observers.push_back(&*channels);
-    return observers;
-  }
-  std::optional<record::SessionChannels> channels;
-  session::Observers all;
-};
 
 /// A robot that is no part of this program; null and empty where all is to happen in this one.
 struct FarRobot {
@@ -223,18 +219,21 @@ Result<SessionResult> run_simulated_session(const SessionOrder& order,
   if (!recorder) return tl::unexpected(recorder.error());
   {
     // A terminal or a page may be slow; the truth is read in the millisecond in which it is true.
-    Watching watching(attendant, bars, start_of(order, *room, common.seed));
-    session::Relay watcher(watching.all);
+    session::Observer& terminal = bars;
+    session::Relay watcher(attendant.watches != nullptr ? *attendant.watches : terminal);
     auto far = far_robot(order, common, world);
     if (!far) return tl::unexpected(far.error());
     std::optional<LinkedTruth> told;
     std::vector<session::Observer*> all = {&truth, &joints, &watcher};
     if (attendant.waits != nullptr) all.push_back(attendant.waits);
+    using Behind = session::Relay::Behind;
+    const Behind behind = order.real_time ? Behind::leave_out : Behind::wait;
     std::optional<session::Relay> record;
-    if (*recorder) {
-      using Behind = session::Relay::Behind;
-      all.push_back(
-          &record.emplace(**recorder, order.real_time ? Behind::leave_out : Behind::wait));
+    if (*recorder) all.push_back(&record.emplace(**recorder, behind));
+    std::optional<ToldChannels> channels;
+    if (attendant.channels != nullptr) {
+      channels.emplace(*attendant.channels, start_of(order, *room, common.seed), behind);
+      all.push_back(&*channels->relay);
     }
     if (far->truth != nullptr) {
       told.emplace(*far->truth, world);
@@ -247,6 +246,7 @@ Result<SessionResult> run_simulated_session(const SessionOrder& order,
                       far->robot != nullptr ? *far->robot : world.robot(), far->supervisor},
                      room->order, config, observers);
     record.reset();
+    if (channels) result.untold_ms = channels->end(joints.last_tick);
     if (!session) {
       // The error of the session is the one to show.
       if (*recorder && (*recorder)->ticks() > 0) (void)(*recorder)->finish(joints.last_tick);

@@ -62,6 +62,7 @@ struct SessionResult {
   /// Record that was asked for, not finished yet; else null.
   std::unique_ptr<record::SessionRecorder> recorder;
   std::optional<record::DeviceRecord> devices;
+  std::uint64_t untold_ms = 0;  ///< milliseconds that an attendant's channels were too slow for
 
   [[nodiscard]] double real_time_factor() const { return session.massage_s / session.compute_s; }
 };
@@ -76,11 +77,12 @@ struct SessionResult {
 /// Somebody who is there while a session runs, in place of the terminal. What is empty is not
 /// asked.
 struct Attendant {
-  session::Observer* watches = nullptr;     ///< told through a relay, so it may be slow
-  record::ChannelSink* channels = nullptr;  ///< told the channels of the record, by that relay
+  session::Observer* watches = nullptr;  ///< told through a relay, so it may be slow
   /// Told within the millisecond, which waits for it; for who answers by `commands` at once. Not
   /// for a session at real pace.
   session::Observer* waits = nullptr;
+  /// Takes the messages of the record while they come, through a relay, so it may be slow.
+  record::ChannelSink* channels = nullptr;
   std::function<std::optional<session::LiveCommand>(double time_s)> commands = {};
   std::function<session::Review(const motion::ReadyPlan&, const std::string& refused)> reviews = {};
   std::function<bool()> ends_scan = {};  ///< asked with every frame; true ends a scan

@@ -4,6 +4,7 @@
 
 #include "apps/cli/fixed_points.hpp"
 #include "apps/simulated/keyboard.hpp"
+#include "apps/simulated/ros2_option.hpp"
 #include "apps/simulated/session_files.hpp"
 #include "apps/simulated/session_replay.hpp"
 #include "apps/simulated/simulated_session.hpp"
@@ -68,6 +69,7 @@ class Massage final : public Verb {
              "a TOML file that names the arms (docs/armlink.md), in place of those simulated here; "
              "person, robot and seed must be theirs")
         .excludes(processes);
+    ros2_.describe(options, "what happens");
     options
         .add("--out", out_,
              "folder for session.json, scan.ply, acupoints.json, plan.json, trace.csv, joints.csv, "
@@ -109,8 +111,10 @@ class Massage final : public Verb {
     order_.fixed = std::move(*fixed);
     auto visit = begin_visit();
     if (!visit) return nothing_done(visit.error());
-    auto result = run_simulated_session(order_, *config, common,
-                                        std::filesystem::path(out_) / "session.mcap");
+    if (const auto begun = ros2_.begin(); !begun) return nothing_done(begun.error());
+    auto result =
+        run_simulated_session(order_, *config, common, std::filesystem::path(out_) / "session.mcap",
+                              {.channels = ros2_.node()});
     if (!result) return nothing_done(remembering(result.error()));
 
     record::SessionFile file = session_file(*result, order_, common.seed);
@@ -126,6 +130,7 @@ class Massage final : public Verb {
     }
     if (const std::uint64_t missing = result->recorder->missing_ms(); missing > 0)
       answer.text += fmt::format("\n{} ms are missing in session.mcap", missing);
+    if (ros2_.node() != nullptr) answer.text += "\n" + ros2_.text(result->untold_ms);
     if (visit->history) {
       const auto told = end_visit(*visit->history, file);
       if (!told) return tl::unexpected(told.error());
@@ -245,6 +250,7 @@ class Massage final : public Verb {
     return read_session(replay_);
   }
 
+  Ros2Option ros2_;
   SessionOrder order_;
   std::string who_, history_, remembered_;
   bool anew_ = false;

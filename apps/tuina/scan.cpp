@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "apps/simulated/ros2_option.hpp"
 #include "apps/simulated/session_order.hpp"
 #include "apps/tuina/atlas/sticker_words.hpp"
 #include "apps/tuina/scan_device.hpp"
@@ -13,6 +14,7 @@
 #include "tuina/core/io/surface_file.hpp"
 #include "tuina/core/io/text_lines.hpp"
 #include "tuina/core/units.hpp"
+#include "tuina/record/session_channels.hpp"
 #include "tuina/scanner/check/check_box.hpp"
 #include "tuina/scanner/check/check_sphere.hpp"
 #include "tuina/scanner/recording.hpp"
@@ -128,6 +130,7 @@ class ScanVerb final : public Verb {
     options.add("--format", format_, "of --out, when its name does not tell")
         .one_of({"ply", "ply-ascii", "ply-big-endian", "pcd", "pcd-ascii"});
     (void)position;
+    ros2_.describe(options, "/scan");
   }
 
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
@@ -151,6 +154,8 @@ class ScanVerb final : public Verb {
       if (!size_m) return tl::unexpected(size_m.error());
       box_size_m_ = *size_m;
     }
+    if (const auto begun = ros2_.begin(); !begun) return tl::unexpected(begun.error());
+    if (ros2_.node() != nullptr) told_.emplace(*ros2_.node());
     std::optional<scanner::ScannerCalibration> calibration;
     if (!calibration_.empty()) {
       const auto read = scanner::read_calibration(calibration_);
@@ -331,9 +336,15 @@ class ScanVerb final : public Verb {
       text += fmt::format("; the box of {} measures {:.1f} x {:.1f} x {:.1f} mm", check_box_,
                           to_mm(box->edges_m[0]), to_mm(box->edges_m[1]), to_mm(box->edges_m[2]));
     }
+    if (told_) {
+      told_->tell(scan);
+      text += "\n" + ros2_.text();
+    }
     return Answer{.json = json.dump(2), .text = text};
   }
 
+  Ros2Option ros2_;
+  std::optional<record::ScanChannel> told_;
   std::string person_;
   std::string replay_;
   std::string device_;

@@ -15,6 +15,19 @@ constexpr std::uint64_t state_every_ticks = 50;
 
 }  // namespace
 
+ScanChannel::ScanChannel(ChannelSink& sink)
+    : sink_(sink),
+      channel_(sink.add_channel({.topic = "/scan",
+                                 .encoding = "cdr",
+                                 .schema = ros::schema_of<ros::PointCloud2>(),
+                                 .latched = true})) {}
+
+void ScanChannel::tell(const scanner::Scan& scan) {
+  std::string bytes;
+  ros::to_cdr(cloud_message(0.0, scan.cloud_in_couch), bytes);
+  sink_.write(channel_, 0, bytes);
+}
+
 SessionChannels::SessionChannels(ChannelSink& sink, const SessionStart& start)
     : sink_(sink), robot_model_(start.robot) {
   tell(channels_.order,

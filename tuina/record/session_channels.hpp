@@ -21,6 +21,18 @@ struct SessionStart {
   robot::RobotModel robot;
 };
 
+/// Tells a scan that belongs to no session, at time zero.
+class ScanChannel {
+ public:
+  /// The sink must outlive it. Those who read it learn of it here.
+  explicit ScanChannel(ChannelSink& sink);
+  void tell(const scanner::Scan& scan);
+
+ private:
+  ChannelSink& sink_;
+  std::uint16_t channel_;
+};
+
 /// Tells a session as messages on channels (docs/record.md): joints, tools and their wrenches each
 /// millisecond, scan, acupoints, plan, and what happens. A millisecond takes a microsecond here and
 /// what the sink takes.

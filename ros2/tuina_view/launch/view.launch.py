@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""RViz on a session that tuina publishes, in the time of that session."""
+"""RViz on the session that `tuina massage --ros2` publishes, in the time of that session."""
 import os
 
 from launch import LaunchDescription

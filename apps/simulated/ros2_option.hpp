@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "apps/cli/options.hpp"
+#include "apps/simulated/simulated_session.hpp"
+#include "tuina/ros2/node.hpp"
+
+namespace tuina::app {
+
+/// The options `--ros2` and `--lan` of a verb, and the node that they ask for.
+class Ros2Option {
+ public:
+  void describe(Options& options, const std::string& what_is_told);
+  /// Opens the node in the domain of ROS_DOMAIN_ID, where one is asked for.
+  [[nodiscard]] Result<void> begin();
+  /// Null where none was asked for.
+  [[nodiscard]] ros2::Node* node() const { return node_.get(); }
+  /// What became of its messages, in a line for people; `untold_ms` of the session never reached
+  /// it.
+  [[nodiscard]] std::string text(std::uint64_t untold_ms = 0) const;
+
+ private:
+  bool asked_ = false;
+  bool lan_ = false;
+  std::unique_ptr<ros2::Node> node_;
+};
+
+}  // namespace tuina::app
