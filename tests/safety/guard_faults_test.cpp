@@ -204,7 +204,10 @@ TEST_CASE("a guard that begins in the middle of a fault counts from nothing") {
   const std::vector<void (*)(Scene&)> faults = {
       [](Scene& s) { s.seen.dq_rad_per_s[0] = 4.0; },
       [](Scene& s) { s.seen.tool_velocity_m_per_s.x() = -0.3; },
-      [](Scene& s) { s.seen.tool_velocity_m_per_s = 0.13 * s.normal(); },
+      [](Scene& s) {
+        s.seen.tool_velocity_m_per_s = 0.13 * s.normal();
+        s.proposal.set_force_n = 5.0;
+      },
       [](Scene& s) { s.proposal.torque_nm[3] = infinity; }};
   for (const auto& spoil : faults) {
     Scene scene;

@@ -154,7 +154,11 @@ const std::vector<Stop> stops = {
      5},
     {"force over the trip", [](Scene& s) { s.force_n = 61.0; }, Action::retract,
      Cause::force_over_trip, 4},
-    {"pushed out", [](Scene& s) { s.seen.tool_velocity_m_per_s = 0.13 * s.normal(); },
+    {"pushed out",
+     [](Scene& s) {
+       s.seen.tool_velocity_m_per_s = 0.13 * s.normal();
+       s.proposal.set_force_n = 5.0;
+     },
      Action::retract, Cause::pushed_out, 3},
     {"no torque", [](Scene& s) { s.proposal.torque_nm[0] = infinity; }, Action::retract,
      Cause::torque_not_finite, 3},

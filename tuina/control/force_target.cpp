@@ -106,11 +106,11 @@ double ForceTarget::paid_for(double spring_n, const Input& input) noexcept {
   return spring_n;
 }
 
-// Force after the sensor lag, from the slope of three ticks; one tick would be noise.
-double ForceTarget::force_soon_n(const Input& input, double dt_s) noexcept {
-  const double slope = (input.force_n - last_forces_n_.back()) / (3.0 * dt_s);
+// Slope of the force over three ticks; one tick would be noise.
+double ForceTarget::force_rate_n_per_s(const Input& input, double dt_s) noexcept {
+  const double rate = (input.force_n - last_forces_n_.back()) / (3.0 * dt_s);
   last_forces_n_ = {input.force_n, last_forces_n_[0], last_forces_n_[1]};
-  return input.force_n + options_.sensor_lag_s * slope;
+  return rate;
 }
 
 // Escape: the person would be through the tissue before a gentle law answers, so the arm pushes
@@ -128,9 +128,10 @@ double ForceTarget::push_out(const Input& input, double soon_n) noexcept {
 }
 
 double ForceTarget::step(const Input& input, double dt_s) noexcept {
-  const double soon_n = force_soon_n(input, dt_s);
-  if (!startled_ && soon_n > set_n_ + options_.startle_n) startled_ = pushing_out_ = true;
-  if (pushing_out_) return push_out(input, soon_n);
+  const double rate_n_per_s = force_rate_n_per_s(input, dt_s);
+  const double foreseen_n = input.force_n + options_.startle_ahead_s * rate_n_per_s;
+  if (!startled_ && foreseen_n > set_n_ + options_.startle_n) startled_ = pushing_out_ = true;
+  if (pushing_out_) return push_out(input, input.force_n + options_.sensor_lag_s * rate_n_per_s);
 
   const double wanted_n = std::max(input.set_force_n, options_.kept_n);
   // Light contact is soft: a fast change of a small force would throw the tool off the skin.

@@ -58,7 +58,9 @@ class ForceTarget {
     double foreseen_lag_s = 8e-3;  ///< smooths the predicted speed for the inertia feed-forward
     double max_inertia_n = 4.0;
     double tank_j = 3.0;
-    double startle_n = 8.0;     ///< force above the set force that means the person comes closer
+    /// Force above the set force that means the person comes closer, where the present rise leads
+    /// in this time: who starts up presses sooner, and who coughs more gently, than a force tells.
+    double startle_n = 16.0, startle_ahead_s = 20e-3;
     double push_out_n = 100.0;  ///< force of the escape that follows
     bool finds_skin = true;     ///< the first touch sets the skin position
   };
@@ -92,7 +94,7 @@ class ForceTarget {
 
  private:
   void watch_contact(const Input& input, double dt_s) noexcept;
-  [[nodiscard]] double force_soon_n(const Input& input, double dt_s) noexcept;
+  [[nodiscard]] double force_rate_n_per_s(const Input& input, double dt_s) noexcept;
   [[nodiscard]] double push_out(const Input& input, double soon_n) noexcept;
   [[nodiscard]] bool slips(const Input& input) const noexcept;
   [[nodiscard]] double spring_without_skin(const Input& input, double dt_s) noexcept;

@@ -190,6 +190,7 @@ class Guard {
   int clock_ = 0, repeated_ = 0, too_fast_ = 0, swinging_ = 0, over_cap_ = 0, saturated_ = 0,
       not_finite_ = 0, pushed_out_ = 0, rising_ = 0, reversed_ = 0, inward_ = 0, not_obeyed_ = 0,
       frozen_ = 0, blind_ = 0;
+  double pushed_out_m_ = 0.0;
   std::uint32_t same_ = 0;
   bool encoders_doubted_ = false, force_doubted_ = false;
   JointVector told_nm_;  ///< the last proposal

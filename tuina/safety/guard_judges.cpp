@@ -19,6 +19,9 @@ constexpr int first_samples = 3;  // until then one wild sample would be all tha
 constexpr int repeated_ticks = 3;
 constexpr int clock_ticks = 3;
 constexpr int fast_ticks = 3;  // encoder noise reaches one or two
+// The way of a cough, the force above what was ordered with which its skin is followed, and the
+// push outward by which a controller escapes from it.
+constexpr double coughed_m = 20e-3, rides_n = 10.0, escape_n = 40.0;
 constexpr int rising_ticks = 3;
 constexpr int over_cap_ticks = 100;
 constexpr int saturated_ticks = 100;
@@ -186,19 +189,31 @@ void Guard::judge_force(const Observation& seen, const Proposal& proposal,
   }
 }
 
+// A person who coughs takes the tool along for a moment, and its controller may drive it out; both
+// end soon. A person who gets up does neither.
 void Guard::judge_motion(const Observation& seen, const Proposal& proposal,
                          Finding& finding) noexcept {
   const auto phase = std::min(static_cast<std::size_t>(proposal.phase), std::size_t{3});
-  const double speed = seen.tool_velocity_m_per_s.norm();
   const double outward = seen.tool_velocity_m_per_s.dot(normal_in_base_);
   const bool touches = proposal.phase == Phase::contact;
-  const bool fast = speed > options_.limits.tool_speed_m_per_s[phase] ||
+  const bool leaves = proposal.phase == Phase::retract;
+  const bool out = outward > options_.limits.pushed_out_m_per_s;
+  pushed_out_ = out && touches ? pushed_out_ + 1 : 0;
+  pushed_out_m_ = out ? pushed_out_m_ + outward * options_.period_s : 0.0;
+  const bool soon_over = out && pushed_out_m_ <= coughed_m;
+  const bool rides = soon_over && medians_n_.back() < proposal.set_force_n + rides_n;
+  const bool driven_out =
+      touches && torque_fits(proposal) && inward_n(seen, proposal.torque_nm) < -escape_n;
+  const bool escapes = soon_over && (driven_out || leaves);
+  if (pushed_out_ >= fast_ticks && !rides && !escapes)
+    finding.add(Action::retract, Cause::pushed_out);
+
+  const Vector3 judged_m_per_s =
+      seen.tool_velocity_m_per_s - (escapes ? outward : 0.0) * normal_in_base_;
+  const bool fast = judged_m_per_s.norm() > options_.limits.tool_speed_m_per_s[phase] ||
                     (touches && -outward > options_.limits.inward_m_per_s);
   too_fast_ = fast ? too_fast_ + 1 : 0;
   if (too_fast_ >= fast_ticks) finding.add(Action::comply, Cause::tool_too_fast);
-  const bool pushed = touches && outward > options_.limits.pushed_out_m_per_s;
-  pushed_out_ = pushed ? pushed_out_ + 1 : 0;
-  if (pushed_out_ >= fast_ticks) finding.add(Action::retract, Cause::pushed_out);
 }
 
 // Torques that stay the same to the last bit while the speeds of the joints change were proposed

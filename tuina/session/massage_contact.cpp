@@ -78,7 +78,7 @@ void MassageStep::press_on(Side& side, Arm arm, double time_s) noexcept {
     side.contact_fault = status.contact_fault;
     side.cut_short = side.cut_short || status.contact_fault != control::ContactFault::none;
     end_contact(side, arm, time_s);
-    if (side.contact_fault == control::ContactFault::contact_lost) leave(time_s);
+    if (side.contact_fault != control::ContactFault::none) startled_s_ = time_s;
     return;
   }
   register_skin(side, time_s);

@@ -12,6 +12,7 @@
 namespace tuina::session {
 namespace {
 
+constexpr double quiet_s = 2.0;     // no arm sets out sooner after a cough
 constexpr double max_leg_s = 15.0;  // of a way through the air; no leg takes a third of it
 
 safety::Phase guarded_phase(ArmPhase phase) noexcept {
@@ -196,6 +197,7 @@ void MassageStep::conduct(Arm arm, double time_s) noexcept {
   switch (side.phase) {
     case ArmPhase::waiting:
       if (stopped_s_ >= 0.0 || job->step > step_ || paused_) return;
+      if (time_s - startled_s_ < quiet_s) return;
       if (!stands_as_planned(side, arm, time_s)) return;
       side.waypoint = 0;
       side.contact_fault = control::ContactFault::none;

@@ -185,6 +185,7 @@ class MassageStep {
   bool started_ = false;
   bool finished_ = false;
   double stopped_s_ = -1.0;
+  double startled_s_ = -1e9;  ///< time at which a contact last ended by itself, as by a cough
   double tool_radius_m_ = 0.0;
   std::vector<Performed> performed_;
   std::vector<Stop> stops_;
