@@ -95,7 +95,7 @@ Result<void> WristSensor::start() {
   const auto answered = [&] { return !port_ || reader_.answer().has_value(); };
   bool sends = false;
   for (int i = 0; i < max_asked && !(sends && answered()); ++i) {
-    if (const auto asked = ask(); !asked) return asked;
+    if (auto asked = ask(); !asked) return asked;
     const auto until = steady_clock::now() + ask_patience;
     while (!(sends && answered()) && stream_->fault() == nullptr && steady_clock::now() < until) {
       wait(until);

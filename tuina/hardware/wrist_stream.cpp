@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tuina/hardware/wrist_stream.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 
 namespace tuina::hardware {
@@ -53,10 +52,9 @@ bool WristStream::healthy(const WristSample& sample) noexcept {
   const bool hex = device_.kind != WristDevice::Kind::ati_udp;
   std::array<char, 120> said = {};
   if (sample.status != 0) {
-    const auto end =
-        fmt::format_to_n(said.begin(), said.size(), "tells status {:#010x}: {}", sample.status,
-                         hex ? meaning_of_hex(sample.status) : "its manual says of what");
-    break_off({said.data(), std::min(end.size, said.size())});
+    (void)std::snprintf(said.data(), said.size(), "tells status 0x%08x: %s", sample.status,
+                        hex ? meaning_of_hex(sample.status) : "its manual says of what");
+    break_off(said.data());
     return false;
   }
   const std::int64_t rail = device_.kind == WristDevice::Kind::hex_serial
@@ -64,9 +62,9 @@ bool WristStream::healthy(const WristSample& sample) noexcept {
                                 : std::numeric_limits<std::int32_t>::max();
   for (std::size_t i = 0; i < sample.counts.size(); ++i) {
     if (std::abs(std::int64_t{sample.counts[i]}) < rail) continue;
-    const auto end = fmt::format_to_n(said.begin(), said.size(), "is saturated: {} {} is {} counts",
-                                      i < 3 ? "force" : "torque", "xyz"[i % 3], sample.counts[i]);
-    break_off({said.data(), std::min(end.size, said.size())});
+    (void)std::snprintf(said.data(), said.size(), "is saturated: %s %c is %d counts",
+                        i < 3 ? "force" : "torque", "xyz"[i % 3], sample.counts[i]);
+    break_off(said.data());
     return false;
   }
   return true;
@@ -102,9 +100,8 @@ bool WristStream::follows(const WristSample& sample, double now_s) noexcept {
   const int max_missing = std::max(max_in_row, static_cast<int>(max_missing_s * device_.rate_hz));
   if (ahead > max_missing) {
     std::array<char, 80> said = {};
-    const auto end =
-        fmt::format_to_n(said.begin(), said.size(), "lost {} samples in a row", ahead - 1);
-    break_off({said.data(), std::min(end.size, said.size())});
+    (void)std::snprintf(said.data(), said.size(), "lost %d samples in a row", ahead - 1);
+    break_off(said.data());
   }
   time_s_ = std::min(now_s, time_s_ + (1.0 + max_drift) * ahead / device_.rate_hz);
   return !faulty_;
