@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A server of `tuina serve` and pages of it, without a browser: plain HTTP and RFC 6455 over sockets."""
-import base64, json, os, re, signal, socket, struct, subprocess, threading, time
+import atexit, base64, json, os, re, signal, socket, struct, subprocess, threading, time
 
 
 class Server:
@@ -10,6 +10,7 @@ class Server:
         self.folder = folder
         self.process = subprocess.Popen([binary, "serve", "--port", "0", "--out", folder, *options],
                                         stdout=subprocess.PIPE, text=True)
+        atexit.register(self.process.kill)  # whoever waits for the output of a test waits for its server, too
         self.address = self.process.stdout.readline().strip()
         self.port, self.token = re.fullmatch(r"http://127\.0\.0\.1:(\d+)/\?token=([0-9a-f]{64})", self.address).groups()
         self.port = int(self.port)
