@@ -146,6 +146,38 @@ TEST_CASE("a person who jumps up stops the massage: the cause is told, and both 
   }
 }
 
+TEST_CASE("a person who shrinks back ends no massage: after two quiet seconds it goes on" *
+          doctest::skip(too_slow)) {
+  const auto room = enter(BodyPosture::prone);
+  double time_s = 0.0;
+  while (time_s < 60.0 && (force_n(*room, Arm::left) < 15.0 || force_n(*room, Arm::right) < 15.0))
+    time_s = live(*room);
+  REQUIRE(time_s < 60.0);
+
+  const double shrinks_s = time_s;
+  const Vector3 away_m = -15e-3 * room->world->contact().mean_normal_in_couch();
+  for (const double back : {0.0, 1.0}) {
+    room->world->contact().add_shift({.start_s = shrinks_s + 0.3 * back,
+                                      .by_in_couch = (1.0 - 2.0 * back) * away_m,
+                                      .speed_m_per_s = 0.3});
+  }
+  PerArm<bool> off = {};
+  PerArm<double> touched_again_s = {{-1.0, -1.0}};
+  while (time_s < shrinks_s + 25.0) {
+    time_s = live(*room);
+    for (const Arm arm : both_arms) {
+      const bool touches = room->massage.view()[arm].phase == session::ArmPhase::contact;
+      off[arm] = off[arm] || !touches;
+      if (off[arm] && touches && touched_again_s[arm] < 0.0) touched_again_s[arm] = time_s;
+    }
+  }
+  CHECK(room->massage.stops().empty());
+  CHECK_FALSE(room->massage.wants_scan());
+  REQUIRE_FALSE(room->massage.performed().empty());
+  CHECK(room->massage.performed().front().contact_fault == control::ContactFault::contact_lost);
+  for (const Arm arm : both_arms) CHECK(touched_again_s[arm] > shrinks_s + 2.0);
+}
+
 TEST_CASE("arms that are sent into each other stop before they touch, and nobody is pressed") {
   // The right arm is sent to where the left one works, as if nobody had planned for two.
   const auto room = enter(BodyPosture::prone, [](motion::ReadyPlan& ready) {

@@ -189,8 +189,8 @@ void Guard::judge_force(const Observation& seen, const Proposal& proposal,
   }
 }
 
-// A person who coughs takes the tool along for a moment, and its controller may drive it out; both
-// end soon. A person who gets up does neither.
+// A cough takes the tool along for some millimetres, and its controller may drive it out of one.
+// The way of a person who gets up is longer, and the force against a tool that stays is larger.
 void Guard::judge_motion(const Observation& seen, const Proposal& proposal,
                          Finding& finding) noexcept {
   const auto phase = std::min(static_cast<std::size_t>(proposal.phase), std::size_t{3});
