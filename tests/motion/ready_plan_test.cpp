@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "tests/folder.hpp"
+#include "tuina/motion/free_path.hpp"
 #include "tuina/motion/ready_plan.hpp"
 #include "tuina/motion/rollout.hpp"
 #include "tuina/motion/startle.hpp"
@@ -33,6 +34,12 @@ motion::ReadyPlan ready_for(const char* who, BodyPosture position, const char* w
   auto ready =
       motion::make_ready(std::move(*plan), *back, mount, models, mount.base_from_couch, 40e-3);
   REQUIRE(ready.has_value());
+  for (const Arm arm : both_arms) {
+    const Transform tool = models[arm].base_from_tool(ready->ready_rad[arm], ready->rail_m);
+    const Vector3 tip = control::tip_pose(tool, models[arm].table().tool_radius_m).at_in_base;
+    // A tool that waits keeps off the person, wherever the base stands.
+    CHECK(motion::height_above_skin_m(*back, mount.base_from_couch.inverse() * tip) >= 40e-3);
+  }
   return std::move(*ready);
 }
 

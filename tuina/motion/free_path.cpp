@@ -4,15 +4,11 @@
 #include "tuina/core/units.hpp"
 
 namespace tuina::motion {
-namespace {
 
-/// Height of a point above the skin.
-double height_m(const body::BackSurface& back, const Vector3& in_couch) {
+double height_above_skin_m(const body::BackSurface& back, const Vector3& in_couch) {
   const body::SurfacePoint skin = back.nearest(in_couch);
   return (in_couch - skin.at_in_couch).dot(skin.normal_in_couch);
 }
-
-}  // namespace
 
 std::vector<control::ToolPose> free_path(const body::BackSurface& back, const ApproachPose& from,
                                          const ApproachPose& to, double clear_m,
@@ -27,7 +23,7 @@ std::vector<control::ToolPose> free_path(const body::BackSurface& back, const Ap
     for (int i = 0; i <= samples; ++i) {
       const double u = static_cast<double>(i) / samples;
       const Vector3 at = (1 - u) * from.at_in_couch + u * to.at_in_couch + lift_m * out;
-      if (height_m(back, at) < clear_m) return false;
+      if (height_above_skin_m(back, at) < clear_m) return false;
     }
     return true;
   };

@@ -27,6 +27,9 @@ struct ApproachPose {
           .normal_in_base = pose.normal_in_base};
 }
 
+/// Height of a point above the nearest skin; negative inside the person.
+[[nodiscard]] double height_above_skin_m(const body::BackSurface& back, const Vector3& in_couch);
+
 /// Waypoints of a transfer: straight if that keeps `clear_m` above the back, else up, over and
 /// down, as low as possible.
 [[nodiscard]] std::vector<control::ToolPose> free_path(const body::BackSurface& back,

@@ -2,6 +2,7 @@
 #include "tuina/motion/ready_plan.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <optional>
 
 #include "tuina/core/parallel.hpp"
@@ -55,6 +56,16 @@ TwoArmSchedule schedule_paths(const Stage& stage, const std::vector<massage::Pla
   return schedule;
 }
 
+/// Height of the lower tool above the skin while both arms stand ready.
+double ready_height_m(const Stage& stage) {
+  double lowest_m = std::numeric_limits<double>::infinity();
+  for (const Arm arm : both_arms) {
+    const Vector3 tool = rest_at_ready(stage, arm).over.at_in_couch;
+    lowest_m = std::min(lowest_m, height_above_skin_m(stage.back, tool));
+  }
+  return lowest_m;
+}
+
 /// Fewer paths left out, or as many and a newton less given up.
 bool is_better(const TwoArmSchedule& one, const TwoArmSchedule& other) {
   constexpr double counts_n = 1.0;
@@ -90,6 +101,23 @@ Result<ReadyPlan> make_ready(massage::Plan plan, const body::BackSurface& back,
          {0_mm, -100_mm, 100_mm, -200_mm, 200_mm, -50_mm, 50_mm, -150_mm, 150_mm})
       offer(dexterous_m + aside_m);
   }
+  const auto stage_at = [&](double at_m) {
+    return Stage{.back = back,
+                 .models = models,
+                 .base_from_couch = base_from_couch,
+                 .rail_m = at_m,
+                 .standoff_m = standoff_m,
+                 .ready_rad = ready.ready_rad,
+                 .obstacles = mount.obstacles};
+  };
+  // A base may stand where the paths are within reach and the tools that wait are in the person.
+  std::erase_if(stands_m, [&](double at_m) { return ready_height_m(stage_at(at_m)) < standoff_m; });
+  if (stands_m.empty()) {
+    return fail(Fault::not_found,
+                "wherever the base stands within reach, an arm that is ready would be less than "
+                "{:.0f} mm from the skin",
+                1e3 * standoff_m);
+  }
   std::optional<TwoArmSchedule> best;
   constexpr double worth_n = 10.0;  // given up by all paths together; a stand costs a whole plan
   const auto suits = [&] { return best && best->left_out == 0 && best->lowered_n < worth_n; };
@@ -98,14 +126,8 @@ Result<ReadyPlan> make_ready(massage::Plan plan, const body::BackSurface& back,
     std::vector<std::optional<TwoArmSchedule>> tried(
         std::min<std::size_t>(next == 0 ? 1 : 2, stands_m.size() - next));
     for_each_in_parallel(tried.size(), [&](std::size_t i) {
-      tried[i] = schedule_paths({.back = back,
-                                 .models = models,
-                                 .base_from_couch = base_from_couch,
-                                 .rail_m = stands_m[next + i],
-                                 .standoff_m = standoff_m,
-                                 .ready_rad = ready.ready_rad,
-                                 .obstacles = mount.obstacles},
-                                ready.plan.paths, best ? best->left_out : ready.plan.paths.size());
+      tried[i] = schedule_paths(stage_at(stands_m[next + i]), ready.plan.paths,
+                                best ? best->left_out : ready.plan.paths.size());
     });
     for (std::optional<TwoArmSchedule>& one : tried) {
       const double at_m = stands_m[next++];
