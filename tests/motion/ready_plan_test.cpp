@@ -128,6 +128,17 @@ TEST_CASE("hand after hand, the idle arm hovers over its place instead of flying
   CHECK(home == 2);  // at the end
 }
 
+TEST_CASE("a way over a round back is lifted as much as the back rises between, and no more") {
+  constexpr double radius_m = 0.15;
+  CHECK(motion::lift_over_back_m(0.0) == 0.0);
+  for (const double half_rad : {0.1, 0.3, 0.5, 0.8}) {
+    const double chord_m = 2.0 * radius_m * std::sin(half_rad);
+    CHECK(motion::lift_over_back_m(chord_m) ==
+          doctest::Approx(radius_m * (1.0 - std::cos(half_rad))));
+  }
+  for (const double chord_m : {0.3, 1.0}) CHECK(motion::lift_over_back_m(chord_m) == 80e-3);
+}
+
 TEST_CASE("both arms end where they began, and their steps run in one order") {
   const motion::ReadyPlan ready = ready_for("phantom:medium", BodyPosture::prone, "relax", 5);
   for (const Arm arm : both_arms) {

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tuina/motion/free_path.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include "tuina/core/units.hpp"
 
 namespace tuina::motion {
@@ -37,6 +40,12 @@ std::vector<control::ToolPose> free_path(const body::BackSurface& back, const Ap
   }
   way.push_back(in_base(to.at_in_couch, to.normal_in_couch));
   return way;
+}
+
+double lift_over_back_m(double chord_m) noexcept {
+  constexpr double radius_m = 150_mm, max_m = 80_mm;
+  const double half_m = std::min(0.5 * chord_m, radius_m);
+  return std::min(radius_m - std::sqrt(radius_m * radius_m - half_m * half_m), max_m);
 }
 
 double transfer_time_s(const control::ToolPose& from, const std::vector<control::ToolPose>& way) {

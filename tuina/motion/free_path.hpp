@@ -37,6 +37,10 @@ struct ApproachPose {
                                                        const ApproachPose& to, double clear_m,
                                                        const Transform& base_from_couch);
 
+/// Lift that keeps a straight way between two places over a back as high above the skin as its ends
+/// are: the rise of an arc of 150 mm radius, the tightest curve of a back, over that chord.
+[[nodiscard]] double lift_over_back_m(double chord_m) noexcept;
+
 /// Duration of a transfer with a stop at every waypoint.
 [[nodiscard]] double transfer_time_s(const control::ToolPose& from,
                                      const std::vector<control::ToolPose>& way);

@@ -94,12 +94,13 @@ void MassageStep::end_retract(Side& side, double time_s) noexcept {
          true, time_s);
 }
 
-/// To a place lifted over what may lie between, and down on it from above if it is on the back.
+/// To a place, lifted no more than the back between needs, since farther out the arm may come too
+/// near to its own body; down on it from above if it is on the back.
 void MassageStep::detour(Side& side, const control::ToolPose& goal, bool from_above,
                          double time_s) noexcept {
-  constexpr double lifted_m = 80e-3;
   const control::ToolPose here =
       control::tip_pose(side.controller().dynamics().base_from_tool, tool_radius_m_);
+  const double lifted_m = motion::lift_over_back_m((goal.at_in_base - here.at_in_base).norm());
   side.detour = {motion::above(here, lifted_m), from_above ? motion::above(goal, lifted_m) : goal,
                  goal};
   side.detour_legs = from_above ? 3 : 2;
