@@ -4,7 +4,7 @@ import "uplot/dist/uPlot.min.css";
 import { armColours } from "./scene";
 import { say } from "./words";
 
-const shownS = 30;
+export const shownS = 30;
 
 /** Force asked for and force felt of one arm, over the last half minute. */
 export class Forces {
@@ -29,6 +29,12 @@ export class Forces {
   take(other: Forces): void {
     this.rows = other.rows;
     this.plot.setData(this.rows);
+  }
+
+  /** These rows and no others. */
+  show(times: number[], targets: number[], felts: number[]): void {
+    this.rows = [times, targets, felts];
+    if (this.place.isConnected) this.plot.setData(this.rows);
   }
 
   add(times: number[], targets: number[], felts: number[]): void {

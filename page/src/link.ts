@@ -3,8 +3,8 @@
 export interface State {
   clock_s: number; you: number; operator: boolean; operated: boolean; pages: number;
   phase: "idle" | "scan" | "map" | "plan" | "review" | "massage" | "report" | "ended";
-  progress: number; paused: boolean; session: string; outcome: string; words: string; reviews: number;
-  cloud_points: number; backs: number; plans: number; events: number; real_pace: boolean; audit_fails: boolean;
+  progress: number; paused: boolean; session: string; outcome: string; words: string; recorded: boolean; reviews: number;
+  cloud_points: number; backs: number; plans: number; events: number; pace: number | null; ordered: boolean; audit_fails: boolean;
 }
 export interface ArmNow {
   phase: string; path: number; probing: boolean; target_n: number; felt_n: number;

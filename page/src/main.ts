@@ -2,16 +2,18 @@
 import "./page.css";
 import { element, pills, table } from "./element";
 import { circleAround } from "./circle";
-import { Forces } from "./forces";
+import { Forces, shownS } from "./forces";
 import { type Happening, stiffnessShare, wordsOf } from "./happening";
 import { Link, type Live, type Reply, type State } from "./link";
-import { type Acupoint, armColours, type Edit, type Path, Scene, techniqueColours, zoneColours } from "./scene";
+import { moveKeys } from "./move_keys";
+import { Player } from "./player";
+import { type Plan, Recording } from "./recording";
+import { type Acupoint, armColours, type Edit, Scene, techniqueColours, zoneColours } from "./scene";
 import { applyLanguage, changeLanguage, say, sayOr, sayPath } from "./words";
 
 interface Choices { people: string[]; positions: string[]; programmes: { name: string; description: string }[]; questions: { key: string }[]; zones: { name: string; cap_n: number }[]; max_seed: number }
-interface Plan { duration_s: number; notes: string[]; paths: Path[] }
 interface Listed { session: string; person: string; programme: string; duration_s: number; performed: number; paths: number; stops: number }
-type View = "choose" | "health" | "scan" | "review" | "massage" | "report";
+type View = "choose" | "health" | "scan" | "review" | "massage" | "report" | "play";
 
 const order: Record<string, string | number> =
   { person: "phantom:medium", position: "sitting", programme: "relax", intensity: 3, seed: 1, answered_by: "" };
@@ -22,6 +24,7 @@ let seen = { session: "", cloud: 0, backs: 0, plans: 0, events: 0, phase: "" };
 let wanted: { no_go: { name: string; corners: [number, number, number][] }[]; fixed: { name: string; at: [number, number, number] }[] } = { no_go: [], fixed: [] };
 let kept = wanted;
 let editing: Edit = "turn", reviewsBefore = -1;
+let recording: Recording | undefined, player: Player | undefined;
 let forces: Forces[] = [], slots: Record<string, HTMLElement> = {};
 const main = document.getElementById("main")!;
 const scene = new Scene(say("view_label"), say("no_picture"));
@@ -42,6 +45,8 @@ const link = new Link({
 });
 
 function viewOf(now: State): View {
+  // A session that runs is what everybody sees: who looks back is called to it.
+  if (recording && ["idle", "ended"].includes(now.phase)) return "play";
   switch (now.phase) {
     case "scan": case "map": case "plan": return "scan";
     case "review": return "review";
@@ -60,6 +65,7 @@ async function heard(now: State): Promise<void> {
     link.ask("operate");
   }
   if (now.operator) steered = true;
+  if (recording && !["idle", "ended"].includes(now.phase)) forgetRecording();
   if (now.session !== seen.session) {
     seen = { session: now.session, cloud: 0, backs: 0, plans: 0, events: 0, phase: seen.phase };
     scene.clear();
@@ -120,12 +126,71 @@ async function fetchNew(now: State): Promise<void> {
 
 function answered(reply: Reply): void {
   if (reply.address) { say("invited"); prompt(say("invited"), reply.address); }
-  else if (reply.outcome !== "done" && reply.ask !== "operate") {
-    speak(`${say("refused")} ${reply.outcome}`);
-    const place = document.getElementById("refusal");
-    if (place) place.textContent = `${say("refused")} ${reply.outcome}`;
-  }
+  else if (reply.outcome !== "done" && reply.ask !== "operate") tell(`${say("refused")} ${reply.outcome}`);
 }
+
+/** Says something where it was asked for, aloud too. */
+function tell(words: string): void {
+  speak(words);
+  const place = document.getElementById("refusal");
+  if (place) place.textContent = words;
+}
+
+/** Opens a finished session; why it cannot be opened is said where it was asked for. */
+async function lookBack(session: string): Promise<void> {
+  const place = document.getElementById("refusal");
+  if (place) place.textContent = say("reading");
+  try {
+    recording = await Recording.open(session);
+  } catch (fault) {
+    return tell(`${say("refused")} ${(fault as Error).message}`);
+  }
+  if (!state!.ordered) left = state!.session;
+  scene.clear();
+  forces = [];
+  ({ plan, map: { acupoints: points } } = recording.told);
+  scene.showBack(recording.back);
+  scene.showAcupoints(points);
+  scene.showPaths(plan.paths);
+  view = viewOf(state!);
+  render();
+  main.focus();
+}
+
+function forgetRecording(): void {
+  recording = player = live = plan = undefined;
+  points = [];
+  happened = [];
+  forces = [];
+  scene.clear();
+}
+
+/** The moment of the recording that is looked at. */
+function showMoment(): void {
+  if (!recording || !player) return;
+  live = recording.live();
+  const before = happened.length;
+  happened = recording.happened();
+  if (happened.length !== before) showHappened();
+  showLive();
+  const rows = recording.forces(shownS);
+  forces.forEach((plot, i) => plot.show(rows.map((row) => row[0]!), rows.map((row) => row[1 + 2 * i]!), rows.map((row) => row[2 + 2 * i]!)));
+  player.show();
+}
+
+const momentEveryMs = 40;
+let momentMs = 0;
+function play(nowMs: number): void {
+  requestAnimationFrame(play);
+  const passedMs = nowMs - momentMs;
+  if (passedMs < momentEveryMs) return;
+  momentMs = nowMs;
+  if (!recording?.plays) return;
+  // A page that was hidden goes on where it was.
+  recording.pass(Math.min(passedMs, 250) / 1000);
+  showMoment();
+}
+requestAnimationFrame(play);
 
 const ask = (what: string) => () => link.ask(what);
 /** Whether this page steers, or may begin to by the next thing it asks. */
@@ -164,14 +229,19 @@ function showTop(): void {
   document.getElementById("top")!.replaceChildren(
     element("div", { class: "name" }, element("img", { src: "/icon.svg", alt: "" }), "tuina"),
     element("ol", { class: "steps" }, ...steps.map((step) =>
-      element("li", step === view ? { "aria-current": "step" } : {}, say(`step_${step}`)))),
+      element("li", step === (view === "play" ? "report" : view) ? { "aria-current": "step" } : {}, say(`step_${step}`)))),
     element("div", { class: "tools" }, element("span", {}, say(who)),
       state?.operator ? element("button", { onclick: () => { steered = false; link.ask("hand_over"); } }, say("hand_over"))
         : element("button", { onclick: ask("operate"), disabled: state?.operated }, say("take")),
       element("button", { onclick: ask("invite") }, say("invite")),
       element("button", { id: "language", onclick: () => { changeLanguage(); showTop(); render(); } }, say("language")),
       element("button", { onclick: changeTheme, "aria-label": say("theme"), title: say("theme") }, "◐")));
-  document.getElementById("foot")!.textContent = state?.audit_fails ? say("unsafe_log") : say("simulated");
+  document.getElementById("foot")!.textContent = state?.audit_fails ? say("unsafe_log") : `${say("simulated")} ${paceWords()}`;
+}
+
+function paceWords(): string {
+  if (!state || state.pace === 1) return "";
+  return state.pace === null ? say("pace_max") : `${say("pace")} ${state.pace} ×`;
 }
 
 function changeTheme(): void {
@@ -194,7 +264,7 @@ function render(): void {
   if (pressing) return;
   showTop();
   const makers: Record<View, () => HTMLElement> =
-    { choose: choose, health: health, scan: scan, review: review, massage: massage, report: report };
+    { choose: choose, health: health, scan: scan, review: review, massage: massage, report: report, play: lookedBack };
   slots = {};
   const keep = document.activeElement?.id;
   main.replaceChildren(makers[view]());
@@ -206,6 +276,7 @@ function render(): void {
   showProgress();
   showLive();
   showHappened();
+  showMoment();
 }
 
 function choose(): HTMLElement {
@@ -216,7 +287,9 @@ function choose(): HTMLElement {
   void read<Listed[]>("/api/sessions").then((all) => {
     if (all.length) sessions.replaceChildren(table(all.map((one) => [one.session, say(one.person), say(one.programme),
       `${Math.round(one.duration_s)} s`, `${one.performed}/${one.paths} ${say("paths_short")}${one.stops ? `, ${one.stops} ${say("stops_short")}` : ""}`,
-      element("a", { href: `/sessions/${one.session}/report.html`, target: "_blank" }, say("report"))])));
+      element("div", { class: "row" },
+        element("button", { id: `play_${one.session}`, "aria-label": `${say("look_back")} ${one.session}`, onclick: () => void lookBack(one.session) }, say("look_back")),
+        element("a", { class: "button", href: `/sessions/${one.session}/report.html`, target: "_blank" }, say("report")))])));
   });
   return element("div", { class: "narrow" }, element("div", { class: "card" }, element("h1", {}, say("choose_title")),
     element("div", { class: "fields" },
@@ -227,7 +300,7 @@ function choose(): HTMLElement {
       pills("intensity", ["1", "2", "3", "4", "5"], String(order["intensity"]), pick("intensity"), (value) => [`${value} · ${say(`intensity_${value}`)}`]),
       element("div", {}, element("label", { class: "over", for: "seed" }, say("seed")), seed, element("p", { class: "note", id: "seed_help" }, say("seed_help")))),
     element("button", { class: "go", id: "next", onclick: () => { chosen = view = "health"; render(); main.focus(); } }, say("on"))),
-    element("h2", {}, say("sessions")), element("div", { class: "card" }, sessions));
+    element("h2", {}, say("sessions")), element("p", { id: "refusal", class: "note", role: "alert" }), element("div", { class: "card scroll-x" }, sessions));
 }
 
 function health(): HTMLElement {
@@ -286,7 +359,8 @@ function review(): HTMLElement {
     maySteer() ? "" : element("p", { class: "note" }, say("not_you")), element("p", { id: "refusal", class: "note", role: "alert" }),
     element("div", { class: "card" }, element("h2", {}, say("acupoints")), element("div", { class: "scroll", tabindex: "0" },
       table(points.map((point) => [point.name, `${say("uncertainty")} ${point.uncertainty_mm.toFixed(0)} mm`,
-        element("button", { "aria-label": `${say("rule_out_here")} ${point.name}`, disabled: !maySteer(), onclick: () => ruleOutAround(point) }, say("rule_out_here"))])))),
+        element("div", { class: "row" }, moveKeys(point, scene, !maySteer(), tell),
+          element("button", { "aria-label": `${say("rule_out_here")} ${point.name}`, disabled: !maySteer(), onclick: () => ruleOutAround(point) }, say("rule_out_here")))])))),
     element("div", { class: "card" }, element("h2", {}, `${say("paths")} · ${Math.round(plan?.duration_s ?? 0)} s`), element("div", { class: "scroll", tabindex: "0" },
       table((plan?.paths ?? []).map((path) => [sayPath(path.name), say(path.arm), say(path.zone), `${path.ordered_n.toFixed(0)} N`])))),
     element("div", { class: "card" }, element("h2", {}, say("notes")), ...(plan?.notes ?? []).map((note) => element("p", { class: "note" }, note)))));
@@ -298,6 +372,17 @@ function dot(colour: string, words: string): HTMLElement {
   return element("span", {}, mark, words);
 }
 
+/** What each arm does, and its force asked for and felt. */
+function armCards(): HTMLElement[] {
+  const arms = [0, 1].map((arm) => {
+    const now = (slots[`force${arm}`] = element("b", {}, "0.0 N")), what = (slots[`what${arm}`] = element("span", {}));
+    const place = (slots[`plot${arm}`] ??= element("div", { role: "img", "aria-label": say("force_label") }));
+    return element("div", { class: "card" }, element("div", { class: "force" }, dot(armColours[arm]!, say(arm ? "right" : "left")), what, now), place);
+  });
+  forces = [0, 1].map((arm) => { const kept = forces[arm]; const plot = new Forces(slots[`plot${arm}`]!, arm); if (kept) plot.take(kept); return plot; });
+  return arms;
+}
+
 function massage(): HTMLElement {
   const paused = state!.paused, steers = state!.operator;
   slots["when"] = element("span", { class: "note" });
@@ -305,12 +390,7 @@ function massage(): HTMLElement {
   slots["happened"] = element("div", { class: "scroll log", tabindex: "0" });
   slots["softest"] = element("div", { class: "legend" }, dot("#2f9e8f", say("soft")), dot("#8b1e5b", say("stiff")));
   slots["bar"] = element("i", {});
-  const arms = [0, 1].map((arm) => {
-    const now = (slots[`force${arm}`] = element("b", {}, "0.0 N")), what = (slots[`what${arm}`] = element("span", {}));
-    const place = (slots[`plot${arm}`] ??= element("div", { role: "img", "aria-label": say("force_label") }));
-    return element("div", { class: "card" }, element("div", { class: "force" }, dot(armColours[arm]!, say(arm ? "right" : "left")), what, now), place);
-  });
-  forces = [0, 1].map((arm) => { const kept = forces[arm]; const plot = new Forces(slots[`plot${arm}`]!, arm); if (kept) plot.take(kept); return plot; });
+  const arms = armCards();
   const key = (what: string): HTMLElement => element("button", { id: what, onclick: ask(what), disabled: !steers }, say(what));
   const title = state!.phase === "report" ? "writing" : paused ? "paused_title" : "massage_title";
   const picture = stage(element("h1", {}, say(title)), slots["when"]);
@@ -323,12 +403,33 @@ function massage(): HTMLElement {
       element("div", { class: "card" }, element("h2", {}, say("happened")), slots["happened"])));
 }
 
+/** A finished session, at a moment of it. */
+function lookedBack(): HTMLElement {
+  const { session, told } = recording!;
+  player = new Player(recording!, showMoment);
+  slots["happened"] = element("div", { class: "scroll log", tabindex: "0" });
+  slots["softest"] = element("div", { class: "legend" }, dot("#2f9e8f", say("soft")), dot("#8b1e5b", say("stiff")));
+  const picture = stage();
+  // Above the picture, since on a phone they would cover the neck.
+  const head = element("div", { class: "row head" }, element("h1", {}, `${say("session")} ${session} · ${say(told.programme)}`),
+    element("button", { id: "leave", onclick: () => { forgetRecording(); chosen = "choose"; view = viewOf(state!); render(); main.focus(); } }, say(state!.ordered ? "back" : "all_sessions")),
+      element("a", { class: "button", href: `/sessions/${session}/report.html`, target: "_blank" }, say("report")));
+  picture.append(slots["softest"]);
+  return element("div", { class: "split" },
+    element("div", { class: "played" }, head, picture, player.controls),
+    element("div", { class: "side" },
+      told.lost.length ? element("div", { class: "card" }, element("h2", {}, say("damaged")), ...told.lost.map((one) => element("p", { class: "note" }, one))) : "",
+      ...armCards(), element("div", { class: "card" }, element("h2", {}, say("performed")), element("p", { class: "note" }, say("given_ordered")), player.performed),
+      element("div", { class: "card" }, element("h2", {}, say("happened")), slots["happened"])));
+}
+
 function report(): HTMLElement {
-  const made = state!.outcome === "done" || (state!.outcome === "stopped" && live !== undefined);
+  const made = state!.recorded;
   const at = `/sessions/${state!.session}/report.html`;
   return element("div", { class: "narrow" }, element("h1", {}, say(`ended_${state!.outcome}`)),
-    element("div", { class: "row" }, element("button", { class: "go", id: "another", onclick: () => { left = state!.session; chosen = view = "choose"; render(); } }, say("another")),
-      made ? element("a", { class: "button", href: at, target: "_blank" }, say("open_report")) : ""),
+    element("div", { class: "row" }, state!.ordered ? "" : element("button", { class: "go", id: "another", onclick: () => { left = state!.session; chosen = view = "choose"; render(); } }, say("another")),
+      made ? element("button", { id: "look_back", onclick: () => void lookBack(state!.session) }, say("look_back")) : "",
+      made ? element("a", { class: "button", href: at, target: "_blank" }, say("open_report")) : ""), element("p", { id: "refusal", class: "note", role: "alert" }),
     made ? element("iframe", { src: at, title: say("report"), sandbox: "" }) : "",
     element("details", made ? {} : { open: "" }, element("summary", {}, say("details")), element("pre", {}, state!.words)));
 }
@@ -347,7 +448,7 @@ function showLive(): void {
     const path = plan?.paths[arm.path];
     if (slots[`force${i}`]) slots[`force${i}`]!.textContent = `${Math.max(0, arm.felt_n).toFixed(1)} N`;
     if (slots[`what${i}`]) slots[`what${i}`]!.textContent = `${path ? `${sayPath(path.name)} · ` : ""}${say(arm.phase === "stopped" ? "stopped_arm" : arm.phase)}`;
-    forces[i]?.add(live!.forces.map((row) => row[0]!), live!.forces.map((row) => row[1 + 2 * i]!), live!.forces.map((row) => row[2 + 2 * i]!));
+    if (live!.forces.length) forces[i]?.add(live!.forces.map((row) => row[0]!), live!.forces.map((row) => row[1 + 2 * i]!), live!.forces.map((row) => row[2 + 2 * i]!));
   });
   live.forces = [];
   if (!plan) return;
@@ -370,6 +471,12 @@ function showHappened(): void {
 
 addEventListener("keydown", (event) => {
   if (event.key === "Escape") return stop();
+  if (view === "play" && player && !event.ctrlKey && !event.metaKey && !event.altKey) {
+    // Space presses the button that has the focus, and arrows choose in a list.
+    const pressed = (event.target as Element).closest?.(event.key === " " ? "button, a, select" : "select");
+    if (!pressed && player.key(event.key)) event.preventDefault();
+    return;
+  }
   const typing = event.target instanceof HTMLInputElement;
   if (view !== "massage" || typing || event.ctrlKey || event.metaKey || event.altKey || event.repeat) return;
   const keys: Record<string, string> = { " ": state?.paused ? "resume" : "pause", "-": "softer", "+": "firmer", n: "skip", r: "repeat" };

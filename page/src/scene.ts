@@ -52,6 +52,7 @@ export class Scene {
   /** The still part has changed, or only the arms have. */
   private due = true;
   private moved = true;
+  private drawing: { sync: WebGLSync; began: number; whole: boolean } | undefined;
   private restUntilMs = 0;
   /** Pixels of the picture for one of the screen, along one side. */
   private ratio = Math.min(devicePixelRatio, 2);
@@ -84,8 +85,8 @@ export class Scene {
   private draw(renderer: three.WebGLRenderer): void {
     requestAnimationFrame(() => this.draw(renderer));
     this.controls.update();
-    const began = performance.now();
-    if (began < this.restUntilMs) return;
+    const began = performance.now(), gl = renderer.getContext() as WebGL2RenderingContext;
+    if (!this.settled(gl, began) || began < this.restUntilMs) return;
     if (this.fit(renderer)) this.due = true;
     if (!this.due && !this.moved) return;
     const whole = this.due;
@@ -96,12 +97,23 @@ export class Scene {
     }
     renderer.render(this.moving, this.camera);
     this.due = this.moved = false;
-    // Reading one pixel waits until the picture is drawn, so that the time tells what it took.
-    const gl = renderer.getContext();
-    gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
-    const took = performance.now() - began;
+    // Looked after later: whoever waits here keeps a finger on STOP waiting, too.
+    const sync = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+    gl.flush();
+    this.drawing = sync ? { sync, began, whole } : undefined;
+  }
+
+  /** Whether the picture that was asked for last is drawn; how long it took says what the next may cost. */
+  private settled(gl: WebGL2RenderingContext, nowMs: number): boolean {
+    if (!this.drawing) return true;
+    const { sync, began, whole } = this.drawing;
+    if (gl.getSyncParameter(sync, gl.SYNC_STATUS) !== gl.SIGNALED) return gl.isContextLost();
+    gl.deleteSync(sync);
+    this.drawing = undefined;
+    const took = nowMs - began;
     this.restUntilMs = began + 2 * took;
     if (!whole && took > 2 * wantedFrameMs) this.ratio = Math.max(fewestPixels, this.ratio / 1.4);
+    return true;
   }
 
   private fit(renderer: three.WebGLRenderer): boolean {
@@ -254,6 +266,19 @@ export class Scene {
     this.how = how;
     this.controls.enabled = how === "turn";
     this.canvas.style.cursor = how === "turn" ? "" : how === "move" ? "grab" : "crosshair";
+  }
+
+  /** Moves an acupoint over the back by so many metres to the right and up as it is seen, and says where it is then. */
+  nudge(name: string, right: number, up: number): [number, number, number] | undefined {
+    const point = this.points.find((one) => one.name === name);
+    if (!point || !this.back) return undefined;
+    const axis = (column: number): three.Vector3 => new three.Vector3().setFromMatrixColumn(this.camera.matrixWorld, column);
+    const at = toFloat(point.at).addScaledVector(axis(0), right).addScaledVector(axis(1), up);
+    const hit = new three.Raycaster(this.camera.position, at.sub(this.camera.position).normalize()).intersectObject(this.back)[0];
+    if (!hit) return undefined;
+    point.at = hit.point.toArray();
+    this.showAcupoints(this.points);
+    return point.at;
   }
 
   private place(event: PointerEvent): three.Vector3 | undefined {

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Chromium without a window, by the Chrome DevTools Protocol: one tab, its keys, its fingers, its pictures."""
-import base64, itertools, json, re, shutil, subprocess, tempfile, threading, time
+import atexit, base64, itertools, json, re, shutil, subprocess, tempfile, threading, time
 from serve_client import Socket
 
-KEYS = {"Tab": 9, "Enter": 13, "Escape": 27, " ": 32, "ArrowRight": 39, "+": 187, "-": 189}
+KEYS = {"Tab": 9, "Enter": 13, "Escape": 27, " ": 32, "ArrowRight": 39, "ArrowUp": 38, "Home": 36, "End": 35, "+": 187, "-": 189}
 
 
 def chromium():
@@ -19,6 +19,7 @@ class Tab:
             [chromium(), "--headless=new", "--no-sandbox", "--remote-debugging-port=0", "--enable-unsafe-swiftshader",
              f"--user-data-dir={self.folder.name}", "--no-first-run", "about:blank"],
             stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True)
+        atexit.register(self.process.kill)  # a test that fails leaves no browser behind
         while not (at := re.search(r"ws://127\.0\.0\.1:(\d+)(\S+)", self.process.stderr.readline())):
             continue
         threading.Thread(target=self.process.stderr.read, daemon=True).start()
@@ -46,17 +47,24 @@ class Tab:
             return
 
     def call(self, method, **given):
+        return self.answer(self.send(method, **given))
+
+    def send(self, method, **given):
+        """Asks without waiting; `answer` waits for what the number returned stands for."""
         number = next(self.numbers)
         message = {"id": number, "method": method, "params": given}
         if self.session:
             message["sessionId"] = self.session
         self.socket.send(json.dumps(message))
+        return number
+
+    def answer(self, number):
         end = time.monotonic() + 60
         while number not in self.answers and time.monotonic() < end:
             time.sleep(0.002)
         answer = self.answers.pop(number)
         if "error" in answer:
-            raise RuntimeError(f"{method}: {answer['error']}")
+            raise RuntimeError(f"command {number}: {answer['error']}")
         return answer["result"]
 
     def see(self, expression):
@@ -73,7 +81,7 @@ class Tab:
         return seen
 
     def key(self, key, hold_s=0.0):
-        text = {"Enter": "\r", "Tab": "", "Escape": "", "ArrowRight": ""}.get(key, key)
+        text = {"Enter": "\r", "Tab": "", "Escape": "", "ArrowRight": "", "ArrowUp": "", "Home": "", "End": ""}.get(key, key)
         given = {"key": key, "windowsVirtualKeyCode": KEYS.get(key, ord(key[0].upper()))}
         self.call("Input.dispatchKeyEvent", type="keyDown" if text else "rawKeyDown", text=text, **given)
         time.sleep(hold_s)
@@ -88,15 +96,27 @@ class Tab:
         return False
 
     def touch(self, selector, hold_s=0.0):
-        """A finger on the middle of an element, which is brought into view as a hand would scroll it."""
-        x, y = self.see(f"""(() => {{ const found = document.querySelector({json.dumps(selector)});
-            found.scrollIntoView({{ block: "center" }});
-            const box = found.getBoundingClientRect(); return [box.x + box.width / 2, box.y + box.height / 2]; }})()""")
-        self.call("Input.dispatchTouchEvent", type="touchStart", touchPoints=[{"x": x, "y": y}])
-        time.sleep(hold_s)
-        self.call("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
+        """A finger on the middle of an element, brought into view as a hand would scroll it, once it may be pressed and rests."""
+        x, y = self.see(f"""(async () => {{
+            const frame = () => new Promise((drawn) => requestAnimationFrame(drawn));
+            const middle = () => {{ const box = document.querySelector({json.dumps(selector)}).getBoundingClientRect();
+                return [box.x + box.width / 2, box.y + box.height / 2]; }};
+            document.querySelector({json.dumps(selector)}).scrollIntoView({{ block: "center" }});
+            let before = [NaN, NaN], now = middle();
+            while (before[0] !== now[0] || before[1] !== now[1] || document.querySelector({json.dumps(selector)}).disabled) {{
+                await frame(); await frame();
+                before = now; now = middle();
+            }}
+            return now; }})()""")
+        down = self.send("Input.dispatchTouchEvent", type="touchStart", touchPoints=[{"x": x, "y": y}])
         if hold_s:
-            return
+            self.answer(down)
+            time.sleep(hold_s)
+        # A tap's end does not wait for the page: a page that draws for half a second would make it a long press.
+        up = self.send("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
+        if not hold_s:
+            self.answer(down)
+        self.answer(up)
         time.sleep(0.05)
 
     def draw(self, selector, places):

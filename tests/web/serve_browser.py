@@ -65,6 +65,33 @@ def ruled_out_by_keys(server, watcher, tab):
     expect("it may be armed again", tab.until("!document.querySelector('#arm').disabled"))
 
 
+def acupoint(server, watcher, name):
+    points = json.loads(server.ask("/api/map", Cookie=watcher.cookie)[2])["acupoints"]
+    return next(point["at"] for point in points if point["name"] == name)
+
+
+def moved_by_keys(server, watcher, tab):
+    """An acupoint is moved by three steps of 2 mm with the arrows, the plan follows, and it is taken back."""
+    before, at = watcher.state["reviews"], acupoint(server, watcher, "BL50_L")
+    expect("moving is reached", tab.tab_to("#move_BL50_L"))
+    tab.key("Enter")
+    expect("the keys are told", "Arrow keys" in tab.see("document.querySelector('#refusal').textContent"))
+    for _ in range(3):
+        tab.key("ArrowUp")
+    expect("nothing is asked before Enter", watcher.state["reviews"] == before)
+    tab.key("Enter")
+    expect("another plan for the moved point", watcher.until(lambda: watcher.state["reviews"] == before + 1, 20))
+    expect("it is no refusal", not watcher.state["words"])
+    way = [1e3 * (now - was) for now, was in zip(acupoint(server, watcher, "BL50_L"), at)]
+    # A palpated point ends between the finger and the scan.
+    expect(f"upwards, by 6 mm at most {way}", 1.5 < way[2] < 6.5 and abs(way[0]) < 2.0)
+    expect("undoing is reached", tab.until("!document.querySelector('#undo').disabled") and tab.tab_to("#undo"))
+    tab.key("Enter")
+    expect("another plan without it", watcher.until(lambda: watcher.state["reviews"] == before + 2, 20))
+    expect("it may be armed again", tab.until("!document.querySelector('#arm').disabled"))
+    time.sleep(1.0)  # the new back and plan are drawn, and buttons with them
+
+
 def drawn_by_finger(watcher, tab):
     """An area is drawn around on the back, and taken back."""
     for ask in ("#rule_out", "#undo"):
@@ -124,6 +151,7 @@ def by_keyboard(server, watcher, axe, pictures, presses):
     visit.judge("scan")
     expect("review", tab.until("!!document.querySelector('#arm')", 120))
     visit.judge("review")
+    moved_by_keys(server, watcher, tab)
     ruled_out_by_keys(server, watcher, tab)
     expect("arm is reached", tab.tab_to("#arm"))
     tab.key("Enter", hold_s=1.0)
@@ -148,8 +176,38 @@ def by_keyboard(server, watcher, axe, pictures, presses):
     print(f"Esc to the end of the massage as a page hears it: {1e3 * (time.monotonic() - before):.0f} ms")
     expect("report", tab.until("!!document.querySelector('#another')", 60))
     visit.judge("report")
+    looked_back_by_keys(visit)
     visit.ended()
     return delays
+
+
+def at_s(tab):
+    """The moment at which the slider of a finished session stands."""
+    return tab.see("Number(document.querySelector('#when').value)")
+
+
+def looked_back_by_keys(visit):
+    tab = visit.tab
+    expect("looking back is reached", tab.tab_to("#look_back"))
+    tab.key("Enter")
+    expect("it plays", tab.until("!!document.querySelector('#when')", 60))
+    tab.key(" ")
+    expect("it runs", tab.until("Number(document.querySelector('#when').value) > 0.5"))
+    tab.key(" ")
+    before = at_s(tab)
+    tab.key("ArrowRight")
+    expect(f"an arrow goes by 5 s: {before} {at_s(tab)}", abs(at_s(tab) - before - 5.0) < 0.2)
+    for _ in range(5):
+        tab.key("ArrowRight")  # to where the arms press
+    visit.judge("play")
+    tab.key("End")
+    happened = tab.see("document.querySelectorAll('.log tr').length")
+    expect(f"all that happened at the end {happened}", happened > 2)
+    tab.key("Home")
+    expect("nothing has happened at the beginning", at_s(tab) == 0 and tab.see("document.querySelectorAll('.log tr').length") == 0)
+    expect("the list is reached", tab.tab_to("#leave"))
+    tab.key("Enter")
+    expect("the list", tab.until("!!document.querySelector('#next')"))
 
 
 def by_touch(server, watcher, axe, pictures):
@@ -179,6 +237,11 @@ def by_touch(server, watcher, axe, pictures):
     tab.touch("#stop")
     expect("report", tab.until("!!document.querySelector('#another')", 60))
     visit.judge("report")
+    tab.touch("#look_back")
+    expect("it plays", tab.until("!!document.querySelector('#when')", 60))
+    tab.touch("#when")
+    expect(f"a finger in the middle of the slider: {at_s(tab)}", at_s(tab) > 0.0)
+    visit.judge("play")
     visit.ended()
 
 

@@ -4,24 +4,25 @@ import atexit, base64, json, os, re, signal, socket, struct, subprocess, threadi
 
 
 class Server:
-    """`tuina serve --port 0` in a folder of its own; `address` is the line that it printed."""
+    """`tuina serve --port 0`, or another verb with the live page, in a folder of its own; `address` is the line that
+    it printed."""
 
-    def __init__(self, binary, folder, *options):
+    def __init__(self, binary, folder, *options, verb="serve"):
         self.folder = folder
-        self.process = subprocess.Popen([binary, "serve", "--port", "0", "--out", folder, *options],
+        self.process = subprocess.Popen([binary, verb, "--port", "0", "--out", folder, *options],
                                         stdout=subprocess.PIPE, text=True)
         atexit.register(self.process.kill)  # whoever waits for the output of a test waits for its server, too
         self.address = self.process.stdout.readline().strip()
         self.port, self.token = re.fullmatch(r"http://127\.0\.0\.1:(\d+)/\?token=([0-9a-f]{64})", self.address).groups()
         self.port = int(self.port)
-        self.program_address = self.process.stdout.readline().split()[0]
+        self.program_address = self.process.stdout.readline().split()[0] if verb == "serve" else None
 
     def ask(self, path="/", method="GET", body=b"", **headers):
         """Status, headers and content of one request; a header that is None is not sent."""
         given = {"Host": f"127.0.0.1:{self.port}", "Content-Length": str(len(body)) if body else None}
         given.update({name.replace("_", "-"): value for name, value in headers.items()})
         head = "".join(f"{name}: {value}\r\n" for name, value in given.items() if value is not None)
-        with socket.create_connection(("127.0.0.1", self.port), 10) as link:
+        with socket.create_connection(("127.0.0.1", self.port), 60) as link:
             link.sendall(f"{method} {path} HTTP/1.1\r\n{head}\r\n".encode() + body)
             answer = b""
             # A server may wait for the rest of a body before it closes; the answer is whole before that.
