@@ -6,7 +6,7 @@ To wrap your own arm, replace the methods of Arm; Link keeps the protocol. Pytho
 load: this is for trying things out and for reading, the one in C for an arm that touches somebody."""
 import math, socket, struct, sys, time, zlib
 
-VERSION, MAX_JOINTS, MAX_MISSED = 1, 7, 3
+VERSION, MAX_JOINTS, MAX_MISSED, MAX_AGE = 1, 7, 3, 8
 ASK, HELLO, COMMAND, STATE = 1, 2, 3, 4
 IDLE, TORQUE, ADMITTANCE, READY = 0, 1, 2, 3
 STANDS, STOPPED, BRAKED = 1, 2, 4
@@ -104,7 +104,7 @@ class Link:
         own = session == self.session and host == self.host
         if not (opens or own) or (own and 0 < (self.sequence - sequence + 1) % 2**32 < 2**31):
             return  # a stranger; late, or sent twice
-        if own and mode == TORQUE and self.cycle - answers > MAX_MISSED:
+        if own and mode == TORQUE and self.cycle - answers > MAX_AGE:
             return  # stale
         if opens:
             self.stopped = self.braked = False

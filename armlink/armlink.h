@@ -12,6 +12,7 @@ enum {
   ARMLINK_VERSION = 1,
   ARMLINK_MAX_JOINTS = 7,
   ARMLINK_MAX_MISSED = 3,  /* cycles without a command after which an arm under torque stops by itself */
+  ARMLINK_MAX_AGE = 8,     /* cycles from a state to its command, beyond which the arm does not hear it */
   ARMLINK_ASK = 1, ARMLINK_HELLO = 2, ARMLINK_COMMAND = 3, ARMLINK_STATE = 4, /* kinds of datagrams */
   ARMLINK_ASK_SIZE = 20, ARMLINK_HELLO_SIZE = 292, ARMLINK_COMMAND_SIZE = 92, ARMLINK_STATE_SIZE = 268
 };

@@ -14,10 +14,12 @@ std::vector<std::unique_ptr<Verb>> make_evaluations() {
   verbs.push_back(make_evaluate_tissue());
   verbs.push_back(make_evaluate_scanner());
   verbs.push_back(make_evaluate_control());
+  verbs.push_back(make_evaluate_armlink());
   verbs.push_back(make_evaluate_all());
   verbs.push_back(make_evaluate_massage());
   verbs.push_back(make_evaluate_teach());
   verbs.push_back(make_evaluate_robots());
+  verbs.push_back(make_evaluate_history());
   verbs.push_back(make_evaluate_processes());
   verbs.push_back(make_evaluate_safety());
   verbs.push_back(make_evaluate_merge());

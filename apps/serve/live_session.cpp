@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "apps/simulated/session_files.hpp"
-#include "apps/simulated/simulated_session.hpp"
 #include "tuina/core/io/file.hpp"
 
 namespace tuina::app {
@@ -35,16 +34,26 @@ std::string LiveSession::next_number() const {
 }
 
 Result<void> LiveSession::start(StartOrder start) {
+  if (options_.ordered)
+    return fail(Fault::usage, "this page shows the one session that was ordered at the terminal");
   const std::lock_guard lock(mutex_);
   if (phase_ != LivePhase::idle && phase_ != LivePhase::ended)
     return fail(Fault::usage, "a session is running");
   const std::string number = next_number();
-  const std::filesystem::path folder = options_.folder / number;
+  const std::filesystem::path folder = folder_of(options_, number);
   std::error_code fault;
   if (!std::filesystem::create_directory(folder, fault))
     return fail(Fault::file, "{}: cannot be made: {}", folder.string(), fault.message());
   // The session before has ended, so its thread does at once.
   if (thread_.joinable()) thread_.join();
+  begin(number);
+  thread_ = std::thread(
+      [this, folder, start = std::move(start)]() mutable { run(std::move(start), folder); });
+  return {};
+}
+
+// The mutex is held, and no session runs.
+void LiveSession::begin(const std::string& number) {
   session::LiveCommand left = {};
   while (commands_.pop(left)) continue;
   stop_ = stop_told_ = paused_ = false;
@@ -52,10 +61,23 @@ Result<void> LiveSession::start(StartOrder start) {
   phase_ = LivePhase::scan;
   number_ = number;
   outcome_.clear(), words_.clear();
+  recorded_ = false;
   view_ = std::make_shared<LiveView>(options_.robot_model);
-  thread_ = std::thread(
-      [this, folder, start = std::move(start)]() mutable { run(std::move(start), folder); });
-  return {};
+}
+
+void LiveSession::begin_ordered() {
+  const std::lock_guard lock(mutex_);
+  begin("0001");
+}
+
+Attendant LiveSession::attendant() {
+  if (options_.channels != nullptr) options_.channels->begin_session();
+  return {.watches = view_.get(),
+          .channels = options_.channels,
+          .commands = [this](double) { return next_command(); },
+          .reviews = [this](const motion::ReadyPlan& plan,
+                            const std::string& refused) { return wait_for_review(plan, refused); },
+          .ends_scan = [this] { return stop_.load(); }};
 }
 
 Result<void> LiveSession::approve() {
@@ -98,6 +120,7 @@ LiveSession::State LiveSession::state() const {
               .session = number_,
               .outcome = outcome_,
               .words = words_,
+              .recorded = recorded_,
               .reviews = reviews_,
               .progress = {}};
   if (view_) state.progress = view_->progress();
@@ -138,8 +161,13 @@ std::optional<session::LiveCommand> LiveSession::next_command() noexcept {
   return command;
 }
 
-void LiveSession::end(std::string outcome, std::string words) {
+void LiveSession::end_ordered(const std::string& outcome, std::string words) {
+  end(stop_ ? "stopped" : outcome, std::move(words), outcome != "failed");
+}
+
+void LiveSession::end(std::string outcome, std::string words, bool recorded) {
   const std::lock_guard lock(mutex_);
+  recorded_ = recorded;
   outcome_ = std::move(outcome);
   words_ = std::move(words);
   paused_ = false;
@@ -150,13 +178,13 @@ void LiveSession::run(StartOrder start, std::filesystem::path folder) {
   const auto give_up = [&](const Error& error) {
     std::error_code none;
     std::filesystem::remove_all(folder, none);
-    end(stop_ ? "stopped" : "failed", error.message);
+    end(stop_ ? "stopped" : "failed", error.message, false);
   };
   const std::filesystem::path consent = folder / "consent.toml";
   if (auto written = write_file(consent, start.consent_toml); !written)
     return give_up(written.error());
   start.order.consent = consent.string();
-  start.order.real_time = options_.real_time;
+  start.order.pace = options_.pace;
   start.order.robot = options_.robot;
   session::Config config = options_.config;
   config.massage.force_scale *= massage::force_scale_of(start.intensity);
@@ -164,15 +192,8 @@ void LiveSession::run(StartOrder start, std::filesystem::path folder) {
   common.seed = start.seed;
   common.quiet = true;
 
-  if (options_.channels != nullptr) options_.channels->begin_session();
-  auto result = run_simulated_session(
-      start.order, config, common, folder / "session.mcap",
-      {.watches = view_.get(),
-       .channels = options_.channels,
-       .commands = [this](double) { return next_command(); },
-       .reviews = [this](const motion::ReadyPlan& plan,
-                         const std::string& refused) { return wait_for_review(plan, refused); },
-       .ends_scan = [this] { return stop_.load(); }});
+  auto result =
+      run_simulated_session(start.order, config, common, folder / "session.mcap", attendant());
   if (!result) return give_up(result.error());
   {
     const std::lock_guard lock(mutex_);
@@ -183,7 +204,7 @@ void LiveSession::run(StartOrder start, std::filesystem::path folder) {
     return give_up(written.error());
   if (auto kept = finish_record(*result, folder); !kept) return give_up(kept.error());
   const bool stopped = stop_ || !result->session.stops.empty();
-  end(stopped ? "stopped" : "done", session_text(file));
+  end(stopped ? "stopped" : "done", session_text(file), true);
 }
 
 }  // namespace tuina::app

@@ -15,6 +15,7 @@
 #include "apps/serve/live_channels.hpp"
 #include "apps/serve/live_view.hpp"
 #include "apps/serve/start_order.hpp"
+#include "apps/simulated/simulated_session.hpp"
 #include "tuina/core/ring.hpp"
 #include "tuina/session/config.hpp"
 #include "tuina/session/live_command.hpp"
@@ -33,21 +34,29 @@ class LiveSession {
   struct Options {
     session::Config config;
     CommonOptions common;
-    bool real_time = true;
-    std::string robot = "thesis";  ///< name or file, as `robot_model` was loaded from
+    std::optional<double> pace = 1.0;  ///< `record::SessionOrder::pace`
+    std::string robot = "thesis";      ///< name or file, as `robot_model` was loaded from
     robot::RobotModel robot_model;
-    std::filesystem::path folder;      ///< a folder in it for each session
+    std::filesystem::path folder;  ///< a folder in it for each session
+    bool ordered = false;  ///< at the terminal: one session, in `folder` itself; pages start none
     LiveChannels* channels = nullptr;  ///< told what the record of each session is told
   };
   struct State {
     LivePhase phase = LivePhase::idle;
     bool paused = false;
-    std::string session;  ///< number of the newest session, "0001"; empty: there was none
-    std::string outcome;  ///< of an ended session: done, stopped, or failed
-    std::string words;    ///< what happened, for people; in a review why a change was refused
-    int reviews = 0;      ///< plans that were laid before somebody
+    std::string session;    ///< number of the newest session, "0001"; empty: there was none
+    std::string outcome;    ///< of an ended session: done, stopped, or failed
+    std::string words;      ///< what happened, for people; in a review why a change was refused
+    bool recorded = false;  ///< it has ended, and its report and record are in its folder
+    int reviews = 0;        ///< plans that were laid before somebody
     LiveView::Progress progress;
   };
+
+  /// Of the session of that number.
+  [[nodiscard]] static std::filesystem::path folder_of(const Options& options,
+                                                       const std::string& number) {
+    return options.ordered ? options.folder : options.folder / number;
+  }
 
   explicit LiveSession(Options options) : options_(std::move(options)) {}
   ~LiveSession();
@@ -56,6 +65,11 @@ class LiveSession {
 
   /// Refused (Fault::usage) while one runs.
   [[nodiscard]] Result<void> start(StartOrder start);
+  /// The one session that was ordered at the terminal begins; whoever runs it asks `attendant`, and
+  /// tells when it has ended: `outcome` as in `State`, and what happened in words.
+  void begin_ordered();
+  [[nodiscard]] Attendant attendant();
+  void end_ordered(const std::string& outcome, std::string words);
   /// Refused when no plan waits for it.
   [[nodiscard]] Result<void> approve();
   /// Another plan, with these places ruled out and these points put right; refused when no plan
@@ -75,7 +89,8 @@ class LiveSession {
   [[nodiscard]] session::Review wait_for_review(const motion::ReadyPlan& plan,
                                                 const std::string& refused);
   [[nodiscard]] std::optional<session::LiveCommand> next_command() noexcept;
-  void end(std::string outcome, std::string words);
+  void begin(const std::string& number);
+  void end(std::string outcome, std::string words, bool recorded);
   [[nodiscard]] std::string next_number() const;
 
   Options options_;
@@ -86,6 +101,7 @@ class LiveSession {
   int reviews_ = 0;
   bool paused_ = false;
   std::string number_, outcome_, words_;
+  bool recorded_ = false;
   std::shared_ptr<LiveView> view_;
   /// Written under the mutex, read by the session.
   Ring<session::LiveCommand, 64> commands_;

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <nlohmann/json.hpp>
 
+#include "apps/serve/finished_session.hpp"
 #include "apps/serve/plan_change.hpp"
 
 namespace tuina::app {
@@ -53,7 +54,9 @@ Result<std::unique_ptr<LiveSite>> LiveSite::open(Options options) {
                       const web::Request& request) { self->come(client, request); },
        .go = [self](web::ClientId client) { self->go(client); },
        .hear = [self](web::ClientId client,
-                      const web::Frame& frame) { self->hear(client, frame); }});
+                      const web::Frame& frame) { self->hear_page(client, frame.bytes); },
+       .hear_program = [self](web::ClientId client,
+                              const web::Frame& frame) { self->hear_program(client, frame); }});
   if (!server) return tl::unexpected(server.error());
   {
     const std::lock_guard lock(site->mutex_);
@@ -84,6 +87,11 @@ std::string LiveSite::program_address() const {
                      web::foxglove::path, access_->program_token());
 }
 
+bool LiveSite::watched() {
+  const std::lock_guard lock(mutex_);
+  return desk_.clients() > 0;
+}
+
 // The mutex is held.
 std::string LiveSite::name_of_client(web::ClientId client) const {
   return fmt::format("{} {}", pages_.contains(client) ? "page" : "program", client);
@@ -101,17 +109,24 @@ void LiveSite::note(const std::string& who, const std::string& what, const std::
 }
 
 std::optional<web::Reply> LiveSite::answer(const web::Request& request) {
-  const std::lock_guard lock(mutex_);
-  if (!access_) return web::Reply{.status = 503};
-  auto reply = access_->judge(request, clock_.seconds());
   constexpr int see_other = 303;
-  if (reply && reply->status == see_other) {
-    note("browser", "enter", "done");
-    return reply;
+  std::optional<web::Reply> reply;
+  {
+    const std::lock_guard lock(mutex_);
+    if (!access_) return web::Reply{.status = 503};
+    reply = access_->judge(request, clock_.seconds());
+    if (reply && reply->status == see_other) {
+      note("browser", "enter", "done");
+      return reply;
+    }
   }
   if (!reply && request.upgrade) return std::nullopt;
+  // Without the mutex: files may be slow, and what is asked of the session waits for none of them.
   if (!reply) reply = content(request);
-  if (reply->status >= 400) note("browser", "request", fmt::format("{}", reply->status));
+  if (reply->status >= 400) {
+    const std::lock_guard lock(mutex_);
+    note("browser", "request", fmt::format("{}", reply->status));
+  }
   return reply;
 }
 
@@ -126,8 +141,15 @@ web::Reply LiveSite::content(const web::Request& request) const {
     return web::Reply{.type = "application/octet-stream", .body = std::move(body)};
   };
   if (path == "/api/choices") return json_reply(choices_);
-  if (path == "/api/sessions") return json_reply(sessions_json(options_.session.folder));
-  if (auto report = report_of(options_.session.folder, path)) return *report;
+  const LiveSession::Options& sessions = options_.session;
+  if (path == "/api/sessions") return json_reply(sessions_json(sessions.folder));
+  if (const auto number = session_number(path, "/report.html"))
+    return report_of(LiveSession::folder_of(sessions, *number));
+  if (const auto number = session_number(path, "/play")) {
+    if (session_.state().phase != LivePhase::massage)
+      return play_of_session(LiveSession::folder_of(sessions, *number));
+    return {.status = 503, .body = "a massage is running, which looking back must not disturb\n"};
+  }
   if (const auto view = session_.view()) {
     if (path == "/api/cloud") return bytes_reply(view->cloud());
     if (path == "/api/back" && !view->back().empty()) return bytes_reply(view->back());
@@ -186,15 +208,6 @@ std::string LiveSite::decide(web::ClientId client, const web::Message& message) 
   return obeyed ? "done" : obeyed.error().message;
 }
 
-void LiveSite::hear(web::ClientId client, const web::Frame& frame) {
-  bool is_page = false;
-  {
-    const std::lock_guard lock(mutex_);
-    is_page = pages_.contains(client);
-  }
-  is_page ? hear_page(client, frame.bytes) : hear_program(client, frame);
-}
-
 void LiveSite::hear_page(web::ClientId client, std::string_view text) {
   const auto message = web::parse_message(text);
   // Before anything that may wait or fail.
@@ -235,12 +248,14 @@ std::string LiveSite::state_json(web::ClientId client, const LiveSession::State&
                   {"session", state.session},
                   {"outcome", state.outcome},
                   {"words", state.words},
+                  {"recorded", state.recorded},
                   {"reviews", state.reviews},
                   {"cloud_points", state.progress.cloud_points},
                   {"backs", state.progress.backs},
                   {"plans", state.progress.plans},
                   {"events", state.progress.events},
-                  {"real_pace", options_.session.real_time},
+                  {"pace", options_.session.pace ? json(*options_.session.pace) : json()},
+                  {"ordered", options_.session.ordered},
                   {"audit_fails", audit_fails_.load()}});
 }
 

@@ -42,6 +42,9 @@ class LiveSite {
   /// The address at which other programs watch (`web::foxglove`), until the server ends.
   [[nodiscard]] std::string program_address() const;
   [[nodiscard]] int port() const noexcept { return server_->port(); }
+  [[nodiscard]] LiveSession& session() noexcept { return session_; }
+  /// Whether a page or another program is there.
+  [[nodiscard]] bool watched();
 
  private:
   LiveSite(Options options, web::AuditLog audit);
@@ -49,7 +52,6 @@ class LiveSite {
   [[nodiscard]] web::Reply content(const web::Request& request) const;
   void come(web::ClientId client, const web::Request& request);
   void go(web::ClientId client);
-  void hear(web::ClientId client, const web::Frame& frame);
   void hear_page(web::ClientId client, std::string_view text);
   void hear_program(web::ClientId client, const web::Frame& frame);
   void hear_pong(web::ClientId client, const std::string& pong);

@@ -2,9 +2,9 @@
 #include "apps/serve/live_view.hpp"
 
 #include <chrono>
-#include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "apps/serve/shown_arm.hpp"
 #include "apps/serve/shown_back.hpp"
 #include "tuina/session/run.hpp"
 #include "tuina/session/steering.hpp"
@@ -15,15 +15,9 @@ namespace {
 
 using nlohmann::json;
 
-constexpr const char* phase_names[] = {"waiting", "travel",  "approach",
-                                       "contact", "retract", "stopped"};
 constexpr std::uint64_t force_every_ticks = 20;
 // Pages that take nothing for twenty seconds get the rest.
 constexpr std::size_t max_forces = 1000;
-
-double rounded(double value, double step) {
-  return std::round(value / step) * step;
-}
 
 }  // namespace
 
@@ -47,18 +41,18 @@ void LiveView::on_scan(const scanner::Scan& scan) {
 }
 
 void LiveView::on_map(const body::Mapping& map) {
-  std::string back = back_bytes(scan_, map);
+  std::string back = back_bytes(scan_.cloud_in_couch, map.acupoints, map.landmarks);
   const robot::RobotPlacement placement =
       robot::place_robot(robot_, map.position, session::head_at_plus_y(map.acupoints));
   const std::lock_guard lock(mutex_);
   arms_ = robot::both_models(placement.arm, placement.mount);
   back_ = std::move(back);
-  map_ = map_json(map);
+  map_ = map_json(map.position, map.acupoints);
   ++progress_.backs;
 }
 
 void LiveView::show_plan(const motion::ReadyPlan& plan) {
-  std::string text = plan_json(plan);
+  std::string text = plan_json(plan.plan);
   const std::lock_guard lock(mutex_);
   if (text == plan_) return;
   plan_ = std::move(text);
@@ -73,7 +67,7 @@ void LiveView::on_plan(const motion::ReadyPlan& plan, const Transform& base_from
 
 // The mutex is held.
 void LiveView::keep_events(const session::Tick& tick) {
-  const double time_s = rounded(tick.reading.time_s, 0.1);
+  const double time_s = rounded(tick.reading.time_s, 10.0);
   const auto keep = [&](json event) {
     event["time_s"] = time_s;
     events_.push_back(event.dump());
@@ -87,8 +81,8 @@ void LiveView::keep_events(const session::Tick& tick) {
     keep({{"what", "decision"},
           {"path", tick.decided->path},
           {"reason", tick.decided->reason},
-          {"from_n", rounded(tick.decided->from_n, 0.1)},
-          {"to_n", rounded(tick.decided->to_n, 0.1)}});
+          {"from_n", rounded(tick.decided->from_n, 10.0)},
+          {"to_n", rounded(tick.decided->to_n, 10.0)}});
   }
   if (tick.stopped) keep({{"what", "stop"}, {"reason", session::explain(*tick.stopped)}});
   if (!tick.ended) return;
@@ -96,7 +90,7 @@ void LiveView::keep_events(const session::Tick& tick) {
   if (tick.ended->felt) {
     const double stiffness_n_per_m =
         tissue::stiffness_at_force(tick.ended->felt->tissue, session::reference_force_n);
-    ended["stiffness_n_per_mm"] = rounded(stiffness_n_per_m * 1e-3, 0.01);
+    ended["stiffness_n_per_mm"] = rounded(stiffness_n_per_m * 1e-3, 100.0);
   }
   keep(std::move(ended));
 }
@@ -149,36 +143,26 @@ std::optional<std::string> LiveView::take_frame() {
   json arms = json::array();
   for (const Arm arm : both_arms) {
     const session::ArmView& view = newest_->view[arm];
+    const robot::RobotReading& reading = newest_->reading;
     json links = json::array();
-    if (arms_) {
-      const robot::ArmModel& model = (*arms_)[arm];
-      const auto pose = model.kinematics(newest_->reading.arms[arm].q_rad, newest_->reading.rail_m);
-      for (int i = 0; i <= model.joints(); ++i) {
-        const auto joint = static_cast<std::size_t>(i);
-        const Vector3 at = couch_from_base_ * pose.origins_in_base[joint];
-        // A joint is as thick as the link that begins at it; the last origin is the tool's ball.
-        const double radius_m =
-            i < model.joints() ? model.table().links[joint].radius_m : model.table().tool_radius_m;
-        links.push_back({rounded(at.x(), 1e-3), rounded(at.y(), 1e-3), rounded(at.z(), 1e-3),
-                         rounded(radius_m, 1e-3)});
-      }
-    }
-    arms.push_back({{"phase", phase_names[static_cast<std::size_t>(view.phase)]},
+    if (arms_)
+      links = shown_links((*arms_)[arm], reading.arms[arm].q_rad, reading.rail_m, couch_from_base_);
+    arms.push_back({{"phase", session::name_of(view.phase)},
                     {"path", view.path},
                     {"probing", view.probing},
-                    {"target_n", rounded(view.target_n, 0.01)},
-                    {"felt_n", rounded(view.measured_n, 0.01)},
+                    {"target_n", rounded(view.target_n, 100.0)},
+                    {"felt_n", rounded(view.measured_n, 100.0)},
                     {"links", links}});
   }
   json forces = json::array();
   for (const auto& row : forces_) {
     json numbers = json::array();
-    for (const double value : row) numbers.push_back(rounded(value, 0.01));
+    for (const double value : row) numbers.push_back(rounded(value, 100.0));
     forces.push_back(std::move(numbers));
   }
   std::string text = json{
       {"channel", "live"},
-      {"time_s", rounded(newest_->reading.time_s, 1e-3)},
+      {"time_s", rounded(newest_->reading.time_s, 1e3)},
       {"performed", newest_->performed},
       {"arms", arms},
       {"forces", forces}}.dump();

@@ -87,6 +87,15 @@ web::Reply reply_of(const PageFile& file, const web::Request& request) {
   return reply;
 }
 
+std::optional<std::string> session_number(std::string_view path, std::string_view name) {
+  constexpr std::string_view before = "/sessions/";
+  if (!path.starts_with(before) || !path.ends_with(name)) return std::nullopt;
+  path.remove_prefix(before.size());
+  if (path.size() < name.size()) return std::nullopt;
+  path.remove_suffix(name.size());
+  return is_number(path) ? std::optional(std::string(path)) : std::nullopt;
+}
+
 std::string sessions_json(const std::filesystem::path& folder) {
   std::vector<std::string> numbers;
   std::error_code none;
@@ -118,15 +127,9 @@ std::string sessions_json(const std::filesystem::path& folder) {
   return sessions.dump(-1, ' ', true, json::error_handler_t::replace);
 }
 
-std::optional<web::Reply> report_of(const std::filesystem::path& folder, std::string_view path) {
-  constexpr std::string_view before = "/sessions/", after = "/report.html";
-  if (!path.starts_with(before) || !path.ends_with(after)) return std::nullopt;
-  path.remove_prefix(before.size());
-  if (path.size() < after.size()) return std::nullopt;
-  path.remove_suffix(after.size());
-  if (!is_number(path)) return std::nullopt;
-  auto text = read_file(folder / std::string(path) / "report.html");
-  if (!text) return std::nullopt;
+web::Reply report_of(const std::filesystem::path& folder) {
+  auto text = read_file(folder / "report.html");
+  if (!text) return {.status = 404, .body = "not here\n"};
   return web::Reply{
       .type = "text/html; charset=utf-8", .body = std::move(*text), .headers = {report_policy}};
 }

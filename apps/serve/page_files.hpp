@@ -23,12 +23,14 @@ using Page = std::map<std::string, PageFile, std::less<>>;
 /// The file, packed where the browser takes that; 304 where it has kept the same content.
 [[nodiscard]] web::Reply reply_of(const PageFile& file, const web::Request& request);
 
+/// NNNN of the path `/sessions/NNNN` followed by `name`; nothing when `path` is no such path.
+[[nodiscard]] std::optional<std::string> session_number(std::string_view path,
+                                                        std::string_view name);
+
 /// JSON array of the sessions in `folder` that have ended, the newest first.
 [[nodiscard]] std::string sessions_json(const std::filesystem::path& folder);
 
-/// The report of `/sessions/NNNN/report.html`; nothing when `path` is no such path, or there is
-/// none.
-[[nodiscard]] std::optional<web::Reply> report_of(const std::filesystem::path& folder,
-                                                  std::string_view path);
+/// The report of the session in `folder`; 404 where there is none.
+[[nodiscard]] web::Reply report_of(const std::filesystem::path& folder);
 
 }  // namespace tuina::app

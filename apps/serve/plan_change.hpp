@@ -3,7 +3,7 @@
 
 #include <string_view>
 
-#include "tuina/session/by_hand.hpp"
+#include "tuina/session/earlier/by_hand.hpp"
 
 namespace tuina::app {
 

@@ -33,12 +33,13 @@ json numbers(const Vector3& vector) {
 
 }  // namespace
 
-std::string back_bytes(const scanner::Scan& scan, const body::Mapping& map) {
+std::string back_bytes(const PointCloud& cloud_in_couch, std::span<const Acupoint> acupoints,
+                       std::span<const Landmark> landmarks) {
   constexpr double cell_m = 5e-3;  // a page needs no finer one
   Vector3 toward_eye = Vector3::Zero();
-  for (const Vector3& normal : scan.cloud_in_couch.normals) toward_eye += normal;
+  for (const Vector3& normal : cloud_in_couch.normals) toward_eye += normal;
   const telemetry::PictureMesh drawn =
-      telemetry::mesh_scan(scan.cloud_in_couch, toward_eye.normalized(), cell_m);
+      telemetry::mesh_scan(cloud_in_couch, toward_eye.normalized(), cell_m);
   const auto& places = drawn.mesh.vertices;
   std::string bytes;
   append(bytes, static_cast<std::uint32_t>(places.size()));
@@ -48,29 +49,29 @@ std::string back_bytes(const scanner::Scan& scan, const body::Mapping& map) {
   for (const auto& triangle : drawn.mesh.triangles) {
     for (const int corner : triangle) append(bytes, static_cast<std::uint32_t>(corner));
   }
-  const auto chart = massage::BackChart::from(map.acupoints, map.landmarks);
+  const auto chart = massage::BackChart::from(acupoints, landmarks);
   std::optional<massage::ZoneMap> zones;
-  if (chart) zones.emplace(*chart, map.acupoints, map.landmarks);
+  if (chart) zones.emplace(*chart, acupoints, landmarks);
   for (const Vector3& place : places)
     append(bytes, static_cast<std::uint8_t>(zones ? zones->at(place) : massage::Zone::outside));
   return bytes;
 }
 
-std::string map_json(const body::Mapping& map) {
+std::string map_json(BodyPosture position, std::span<const Acupoint> acupoints) {
   json points = json::array();
-  for (const Acupoint& point : map.acupoints) {
+  for (const Acupoint& point : acupoints) {
     points.push_back({{"name", point.name},
                       {"at", numbers(point.at_in_couch)},
                       {"normal", numbers(point.normal_in_couch)},
                       {"uncertainty_mm", to_mm(point.uncertainty_m)}});
   }
-  return json{{"position", name_of(map.position)}, {"acupoints", points}}.dump();
+  return json{{"position", name_of(position)}, {"acupoints", points}}.dump();
 }
 
-std::string plan_json(const motion::ReadyPlan& ready) {
+std::string plan_json(const massage::Plan& plan) {
   constexpr std::size_t max_places = 60;
   json paths = json::array();
-  for (const massage::PlannedPath& planned : ready.plan.paths) {
+  for (const massage::PlannedPath& planned : plan.paths) {
     const auto& points = planned.path.points;
     const std::size_t stride = 1 + points.size() / max_places;
     json places = json::array();
@@ -88,10 +89,10 @@ std::string plan_json(const motion::ReadyPlan& ready) {
                      {"programme_n", planned.programme_n},
                      {"places", places}});
   }
-  return json{{"programme", ready.plan.programme},
-              {"duration_s", ready.plan.duration_s},
-              {"zones_touched", ready.plan.zones_touched},
-              {"notes", ready.plan.notes},
+  return json{{"programme", plan.programme},
+              {"duration_s", plan.duration_s},
+              {"zones_touched", plan.zones_touched},
+              {"notes", plan.notes},
               {"paths", paths}}
       .dump();
 }

@@ -72,7 +72,7 @@ void ArmlinkArms::obey(End& end, const armlink::Command& command,
   if ((!opens && !own) || command.values.size() != hello_.max_torque_nm.size()) return;
   if (own && static_cast<std::int32_t>(command.sequence - end.last.sequence) <= 0) return;
   const std::uint32_t age = end.state.sequence - command.answers;
-  if (command.mode == Mode::torque && age > armlink::max_missed_cycles) return;
+  if (command.mode == Mode::torque && age > armlink::max_answer_age_cycles) return;
   if (stopped_ && command.mode != Mode::idle) return;
   if (opens) end.host = from;
   end.last = command;
@@ -94,6 +94,8 @@ void ArmlinkArms::hear(steady_clock::time_point until) {
       if (const auto command = armlink::decode_command(datagram)) obey(end, *command, from);
     }
   }
+  for (auto& wrist : wrists_.of)
+    if (wrist) wrist->stand(!both_in(Mode::torque));
 }
 
 void ArmlinkArms::tell() {
@@ -164,7 +166,12 @@ void ArmlinkArms::set_states(const robot::RobotReading& reading, const sim::Worl
     state.tau_nm = ends_[arm].last.mode == Mode::torque
                        ? ends_[arm].last.values
                        : JointVector(JointVector::Zero(seen.q_rad.size()));
-    state.wrench_in_tool = seen.wrench_in_tool;
+    if (wrists_[arm]) {
+      wrists_[arm]->feel(reading.time_s, seen.wrench_in_tool);
+      state.wrench_time_s = 0.0;
+    } else {
+      state.wrench_in_tool = seen.wrench_in_tool;
+    }
     ends_[arm].fresh = false;
   }
 }

@@ -4,6 +4,7 @@
 #include <array>
 #include <atomic>
 
+#include "apps/simulated/emulated_wrist.hpp"
 #include "apps/simulated/robot_process.hpp"
 #include "tuina/hardware/armlink.hpp"
 #include "tuina/hardware/udp_socket.hpp"
@@ -22,6 +23,9 @@ class ArmlinkArms {
   [[nodiscard]] static Result<ArmlinkArms> listen(const hardware::UdpAddress& left,
                                                   const std::string& name, const sim::World& world,
                                                   link::Pace pace);
+
+  /// What the arms feel goes to these sensors; armlink's wrenches are zeros from now on.
+  void feel_by(PerArm<std::unique_ptr<EmulatedWrist>> wrists) { wrists_ = std::move(wrists); }
 
   /// One session: waits for a host, stands where it wants, tells and obeys until the host ends it
   /// or has been silent for as long as arms take to stop by themselves, or `ends`.
@@ -49,6 +53,7 @@ class ArmlinkArms {
   void set_states(const robot::RobotReading& reading, const sim::World& world);
 
   PerArm<End> ends_;
+  PerArm<std::unique_ptr<EmulatedWrist>> wrists_ = {};
   hardware::armlink::Hello hello_;
   link::Pace pace_;
   int missed_ = 0;        ///< cycles in a row in which not both arms were commanded

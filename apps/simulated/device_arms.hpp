@@ -6,23 +6,25 @@
 
 #include "apps/simulated/robot_process.hpp"
 #include "tuina/hardware/armlink_robot.hpp"
+#include "tuina/hardware/wrist_robot.hpp"
 #include "tuina/record/session_file.hpp"
 #include "tuina/sim/world.hpp"
 
 namespace tuina::app {
 
-/// The arms that a device file names, and their guard, which runs in this process: it is the last
-/// that decides, right before the commands leave.
+/// The arms and wrist sensors that a device file names, and their guard, which runs in this
+/// process: it is the last that decides, right before the commands leave.
 class DeviceArms final : public link::Supervisor {
  public:
   /// Fails with Fault::device where an arm is missing or another than the world's, and where one is
   /// real: the scanner is simulated, and an arm must not press where a simulated person was seen.
+  /// Wrist sensors must be those by which the simulated arms feel.
   /// `world_name` is what the arms' own program must call its world.
   [[nodiscard]] static Result<std::unique_ptr<DeviceArms>> open(const std::string& device_file,
                                                                 const sim::World& world,
                                                                 const std::string& world_name);
 
-  [[nodiscard]] hardware::ArmlinkRobot& robot() noexcept { return *robot_; }
+  [[nodiscard]] robot::Robot& robot() noexcept { return *wrists_; }
   [[nodiscard]] const SharedTruth& truth() const noexcept { return truth_; }
   [[nodiscard]] record::DeviceRecord record(std::uint64_t truth_missed) const;
 
@@ -39,8 +41,11 @@ class DeviceArms final : public link::Supervisor {
 
  private:
   DeviceArms() = default;
+  [[nodiscard]] bool lock_step() const noexcept;
+
   PerArm<hardware::ArmDevice> arms_;
   std::unique_ptr<hardware::ArmlinkRobot> robot_;
+  std::unique_ptr<hardware::WristRobot> wrists_;  ///< the same arms, joined with their sensors
   SharedTruth truth_;
   link::OwnSupervisor guard_;
   std::string pace_;  ///< and what was granted for a real one

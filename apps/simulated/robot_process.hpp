@@ -25,6 +25,8 @@ struct TruthPage {
   std::array<link::Slot<Bytes>, kept> ticks;
   /// Person, seed and robot (`world_name`), where the session did not start the robot itself.
   std::array<char, 256> world = {};
+  /// The wrist sensors by which the arms feel; empty where they say it themselves.
+  PerArm<std::array<char, 64>> wrists = {};
 };
 using SharedTruth = link::SharedPage<TruthPage>;
 [[nodiscard]] std::string truth_name(const std::string& link);

@@ -56,7 +56,8 @@ const session::LiveCommand* asked_by_person(const session::Session& session, dou
 
 /// Why a path got less or more than the plan orders, in one sentence; nothing where it did not.
 std::optional<std::string> why_not_as_ordered(const session::Session& session,
-                                              const session::Performed& done, double given_n) {
+                                              const session::Performed& done, double given_n,
+                                              double begun_intensity) {
   constexpr double max_off_share = 0.05;
   const double ordered_n =
       session.ready.plan.paths[static_cast<std::size_t>(done.path)].ordered_n();
@@ -73,18 +74,22 @@ std::optional<std::string> why_not_as_ordered(const session::Session& session,
                        last->to_n);
   if (const auto* command = asked_by_person(session, done.end_s))
     return fmt::format("the person asked for it: {}", session::name_of(*command));
+  if (begun_intensity != 1.0)
+    return fmt::format("begun at {:.0f} % of the plan, as wished in an earlier session",
+                       100.0 * begun_intensity);
   if (!done.whole) return "cut short before its strongest place";
   return given_n < ordered_n ? "the tool did not reach it in the time that the technique gives"
                              : "the force swung beyond it";
 }
 
-record::SessionFile::Massage massage_of(const SessionResult& result) {
+record::SessionFile::Massage massage_of(const SessionResult& result, double begun_intensity) {
   const session::Session& session = result.session;
   const SessionTruth& truth = result.truth;
   record::SessionFile::Massage massage{.duration_s = session.massage_s,
                                        .real_time_factor = result.real_time_factor(),
                                        .min_arm_distance_m = truth.min_arm_distance_m,
                                        .clear = truth.clear,
+                                       .intensity = session.intensity,
                                        .force = truth.force};
   for (const telemetry::ArmDistance& row : truth.distances)
     massage.min_distance_to_person_m = std::min(massage.min_distance_to_person_m, row.to_person_m);
@@ -108,7 +113,7 @@ record::SessionFile::Massage massage_of(const SessionResult& result) {
                                  .ordered_n = planned.ordered_n(),
                                  .given_n = given_n,
                                  .true_peak_n = touched.peak_n,
-                                 .why = why_not_as_ordered(session, done, given_n),
+                                 .why = why_not_as_ordered(session, done, given_n, begun_intensity),
                                  .true_over_trip_n = touched.over_trip_n,
                                  .tool_to_acupoint_m = tool_to_acupoint_m(result, i)});
   }
@@ -142,7 +147,7 @@ record::SessionFile session_file(const SessionResult& result, const SessionOrder
                                     .clear = ready.clear,
                                     .zones_touched = ready.plan.zones_touched,
                                     .notes = ready.plan.notes},
-                           .massage = massage_of(result),
+                           .massage = massage_of(result, order.intensity),
                            .answered_by = result.consent.answered_by,
                            .rescans_s = session.rescans_s,
                            .devices = result.devices};
@@ -228,6 +233,8 @@ std::string session_text(const record::SessionFile& file) {
       text += fmt::format(
           "\n{} arm: {} states, {} lost, {} late, {} rejected; {} commands too late", name_of(arm),
           traffic.cycles, traffic.lost, traffic.late, traffic.rejected, traffic.unheard);
+      if (!traffic.wrist.empty())
+        text += fmt::format("\n{} wrist sensor: {}", name_of(arm), traffic.wrist);
     }
   }
   for (const telemetry::Stop& stop : file.stops)

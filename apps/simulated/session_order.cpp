@@ -45,6 +45,8 @@ Result<void> read_order(const SessionOrder& order, const session::Config& config
   read.adaptive = order.adaptive;
   if (order.said) read.said = *order.said;
   read.fixed = order.fixed;
+  read.intensity = order.intensity;
+  if (order.known) read.known = *order.known;
   return {};
 }
 
@@ -80,6 +82,7 @@ sim::WorldOptions world_options(const session::Config& config) {
                         .sigh_share = simulation.sigh_share,
                         .speaking_share = simulation.speaking_share,
                         .coughs_per_h = simulation.coughs_per_h},
+          .tissue_change_share = simulation.tissue_change_share,
           .shift_m = from_mm(simulation.shift_mm),
           .shift_at_s = simulation.shift_at_s,
           .room_light_dn = simulation.room_light_dn,
@@ -105,7 +108,7 @@ Result<SimulatedRoom> make_room(const SessionOrder& order, const session::Config
   if (auto read = read_order(order, config, room.order); !read) return tl::unexpected(read.error());
 
   sim::WorldOptions options = world_options(config);
-  options.real_pace = order.real_time;
+  options.pace = order.pace;
   options.devices.watchdog_ticks = watchdog_ticks;
   auto world = sim::World::make(*person,
                                 robot::place_robot(room.order.robot, person->position,

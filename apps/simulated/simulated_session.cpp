@@ -94,7 +94,7 @@ Result<std::unique_ptr<Processes>> processes_of(const SessionOrder& order,
   if (order.position) same.insert(same.end(), {"--position", name_of(*order.position)});
   if (!common.config_file.empty()) same.insert(same.end(), {"--config", common.config_file});
   for (const std::string& setting : common.settings) same.insert(same.end(), {"--set", setting});
-  return Processes::start(same, order.real_time ? link::Pace::real : link::Pace::max, order.link);
+  return Processes::start(same, order.pace ? link::Pace::real : link::Pace::max, order.link);
 }
 
 Result<std::string> text_of_programme(const std::string& name_or_file) {
@@ -227,7 +227,7 @@ Result<SessionResult> run_simulated_session(const SessionOrder& order,
     std::vector<session::Observer*> all = {&truth, &joints, &watcher};
     if (attendant.waits != nullptr) all.push_back(attendant.waits);
     using Behind = session::Relay::Behind;
-    const Behind behind = order.real_time ? Behind::leave_out : Behind::wait;
+    const Behind behind = order.pace ? Behind::leave_out : Behind::wait;
     std::optional<session::Relay> record;
     if (*recorder) all.push_back(&record.emplace(**recorder, behind));
     std::optional<ToldChannels> channels;

@@ -2,6 +2,7 @@
 // The processes that a session can be given: the guard, and a simulated robot, near or far.
 #include <unistd.h>
 
+#include <cmath>
 #include <csignal>
 #include <nlohmann/json.hpp>
 
@@ -9,6 +10,7 @@
 #include "apps/simulated/robot_process.hpp"
 #include "apps/simulated/session_order.hpp"
 #include "apps/tuina/verbs.hpp"
+#include "tuina/core/io/file.hpp"
 
 namespace tuina::app {
 namespace {
@@ -162,14 +164,24 @@ class RobotArmlink final : public Verb {
     robot_.describe(options);
     options.add("--listen", listen_, "where the left arm is; the right one is at the next port")
         .show_default();
+    auto wrist = options.add(
+        "--wrist", wrist_,
+        "what the arms feel comes by emulated wrist sensors (docs/wrist_sensors.md): where the "
+        "left one is; the right one is at the next port");
+    options
+        .add("--wrist-fault", wrist_fault_,
+             "what becomes of the left sensor: silent for 10 ms, stuck, or off")
+        .one_of({"silent", "stuck", "off"})
+        .needs(wrist);
+    options.add("--wrist-fault-at-s", wrist_failure_.at_s, "when, by the arms' clock").needs(wrist);
+    options.add("--out", out_, "a device file by which a session finds all of this");
     add_pace_option(options, pace_);
   }
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
-    const auto address = hardware::parse_udp_address(listen_);
-    if (!address || ntohs(address->of.sin_port) == UINT16_MAX)
-      return fail(Fault::usage,
-                  "--listen {}: is no IPv4 address and port below 65535, such as 127.0.0.1:7001",
-                  listen_);
+    const auto address = pair_of_addresses("--listen", listen_);
+    if (!address) return tl::unexpected(address.error());
+    auto wrists = emulated_wrists();
+    if (!wrists) return tl::unexpected(wrists.error());
     auto room = robot_.make(common, armlink_watchdog_ticks);
     if (!room) return tl::unexpected(room.error());
     // The arms are called as the memory in which this process tells what is true of them.
@@ -178,8 +190,15 @@ class RobotArmlink final : public Verb {
     if (!truth) return tl::unexpected(truth.error());
     auto& world = (*truth)->world;
     robot_.world_name(*room->world, common.seed).copy(world.data(), world.size());
-    auto arms = ArmlinkArms::listen(*address, name, *room->world, pace_of(pace_));
+    for (const Arm arm : both_arms) {
+      auto& page = (*truth)->wrists[arm];
+      if ((*wrists)[arm]) (*wrists)[arm]->address().copy(page.data(), page.size());
+    }
+    auto arms = ArmlinkArms::listen((*address)[Arm::left].udp, name, *room->world, pace_of(pace_));
     if (!arms) return tl::unexpected(arms.error());
+    if (const auto written = write_device_file(*address, *wrists); !written)
+      return tl::unexpected(written.error());
+    arms->feel_by(std::move(*wrists));
     end_when_asked();
     const std::string granted = pace_ == "real" ? "; " + link::be_real_time() : "";
     if (!common.quiet) fmt::print(stderr, "the arms wait for their host{}\n", granted);
@@ -189,8 +208,59 @@ class RobotArmlink final : public Verb {
   }
 
  private:
+  using Wrists = PerArm<std::unique_ptr<EmulatedWrist>>;
+  /// The address that an option gives, and the one at the next port.
+  [[nodiscard]] static Result<PerArm<hardware::ArmDevice>> pair_of_addresses(
+      const char* option, const std::string& left) {
+    auto udp = hardware::parse_udp_address(left);
+    if (!udp || ntohs(udp->of.sin_port) == UINT16_MAX)
+      return fail(Fault::usage,
+                  "{} {}: is no IPv4 address and port below 65535, such as 127.0.0.1:7001", option,
+                  left);
+    PerArm<hardware::ArmDevice> both;
+    both[Arm::left] = {.address = left, .udp = *udp};
+    const int next = ntohs(udp->of.sin_port) + 1;
+    udp->of.sin_port = htons(static_cast<std::uint16_t>(next));
+    both[Arm::right] = {.address = fmt::format("{}:{}", left.substr(0, left.rfind(':')), next),
+                        .udp = *udp};
+    return both;
+  }
+  [[nodiscard]] Result<Wrists> emulated_wrists() {
+    Wrists wrists;
+    if (wrist_.empty()) return wrists;
+    if (wrist_fault_.empty() == std::isfinite(wrist_failure_.at_s))
+      return fail(Fault::usage, "--wrist-fault and --wrist-fault-at-s belong together");
+    using Kind = WristFailure::Kind;
+    wrist_failure_.kind = wrist_fault_ == "silent"  ? Kind::silent
+                          : wrist_fault_ == "stuck" ? Kind::stuck
+                          : wrist_fault_ == "off"   ? Kind::off
+                                                    : Kind::none;
+    const auto addresses = pair_of_addresses("--wrist", wrist_);
+    if (!addresses) return tl::unexpected(addresses.error());
+    for (const Arm arm : both_arms) {
+      const hardware::ArmDevice& at = (*addresses)[arm];
+      auto wrist = EmulatedWrist::listen(at.udp, at.address,
+                                         arm == Arm::left ? wrist_failure_ : WristFailure{});
+      if (!wrist) return tl::unexpected(wrist.error());
+      wrists[arm] = std::move(*wrist);
+    }
+    return wrists;
+  }
+  [[nodiscard]] Result<void> write_device_file(const PerArm<hardware::ArmDevice>& arms,
+                                               const Wrists& wrists) const {
+    if (out_.empty()) return {};
+    std::string text;
+    for (const Arm arm : both_arms) {
+      text += fmt::format("[arm.{}]\nkind = \"armlink\"\naddress = \"{}\"\n", tuina::name_of(arm),
+                          arms[arm].address);
+      if (wrists[arm]) text += wrists[arm]->section(arm);
+    }
+    return write_file(out_, text);
+  }
+
   SimulatedRobot robot_;
-  std::string listen_ = "127.0.0.1:7001", pace_ = "real";
+  std::string listen_ = "127.0.0.1:7001", pace_ = "real", wrist_, wrist_fault_, out_;
+  WristFailure wrist_failure_;
 };
 
 }  // namespace

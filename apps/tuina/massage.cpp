@@ -3,12 +3,16 @@
 #include <optional>
 
 #include "apps/cli/fixed_points.hpp"
+#include "apps/cli/installed.hpp"
+#include "apps/serve/live_option.hpp"
 #include "apps/simulated/keyboard.hpp"
+#include "apps/simulated/pace_option.hpp"
 #include "apps/simulated/ros2_option.hpp"
 #include "apps/simulated/session_files.hpp"
 #include "apps/simulated/session_replay.hpp"
 #include "apps/simulated/simulated_session.hpp"
 #include "apps/tuina/history/open.hpp"
+#include "apps/tuina/history/remember.hpp"
 #include "apps/tuina/verbs.hpp"
 #include "tuina/history/person_history.hpp"
 
@@ -58,7 +62,7 @@ class Massage final : public Verb {
     options.add("--method", method_, "of finding acupoints").one_of({"field_morphing", "surface"});
     options.add("--atlas", order_.atlas,
                 "an atlas file or a labelled body instead of the shipped atlas");
-    options.add("--pace", pace_, "of the simulation").one_of({"max", "real"}).show_default();
+    pace_.describe(options, "max, with --keys or --live real, unless given");
     auto processes = options.flag("--processes", order_.processes,
                                   "guard and robot as processes of their own, `tuina guard` "
                                   "and `tuina robot simulate`");
@@ -70,6 +74,8 @@ class Massage final : public Verb {
              "person, robot and seed must be theirs")
         .excludes(processes);
     ros2_.describe(options, "what happens");
+    auto live = live_.describe(options).excludes(replay);
+    live.excludes(options.named("--keys")).excludes(options.named("--ros2"));
     options
         .add("--out", out_,
              "folder for session.json, scan.ply, acupoints.json, plan.json, trace.csv, joints.csv, "
@@ -89,12 +95,16 @@ class Massage final : public Verb {
     auto config = effective_config(common);
     if (!config) return tl::unexpected(config.error());
     take_words();
+    const bool far = order_.processes || !order_.device.empty();
+    if (far && order_.pace && *order_.pace != 1.0)
+      return fail(Fault::usage,
+                  "--pace: arms that are not simulated in this program keep real pace");
     std::optional<RecordedSession> recorded;
     if (!replay_.empty()) {
       auto session = recorded_session(given);
       if (!session) return tl::unexpected(session.error());
       recorded.emplace(std::move(*session));
-      recorded->order.real_time = order_.real_time;
+      recorded->order.pace = order_.pace;
       order_ = recorded->order;
       *config = recorded->config;
       common.seed = recorded->seed;
@@ -111,11 +121,18 @@ class Massage final : public Verb {
     order_.fixed = std::move(*fixed);
     auto visit = begin_visit();
     if (!visit) return nothing_done(visit.error());
+    if (!common.quiet && !remembered_.lines.empty()) fmt::print(stderr, "{}\n", remembered_.lines);
     if (const auto begun = ros2_.begin(); !begun) return nothing_done(begun.error());
-    auto result =
-        run_simulated_session(order_, *config, common, std::filesystem::path(out_) / "session.mcap",
-                              {.channels = ros2_.node()});
-    if (!result) return nothing_done(remembering(result.error()));
+    const auto open = live_.begin(order_, *config, common, installed_or("page", TUINA_PAGE), out_);
+    if (!open) return nothing_done(open.error());
+    Attendant attendant = live_.attendant();
+    if (ros2_.node() != nullptr) attendant.channels = ros2_.node();
+    auto result = run_simulated_session(order_, *config, common,
+                                        std::filesystem::path(out_) / "session.mcap", attendant);
+    if (!result) {
+      live_.end("failed", result.error().message);
+      return nothing_done(remembering(result.error()));
+    }
 
     record::SessionFile file = session_file(*result, order_, common.seed);
     if (visit->history) file.visit = visit->label;
@@ -144,6 +161,7 @@ class Massage final : public Verb {
     }
     answer.text +=
         fmt::format("\nreport: {}", (std::filesystem::path(out_) / "report.html").string());
+    live_.end(answer.exit_code == 0 ? "done" : "stopped", session_text(file));
     return answer;
   }
 
@@ -154,10 +172,20 @@ class Massage final : public Verb {
                            "history show`");
     add_history_option(options, history_).needs(who);
     fixed_.describe(options);
+    auto anew = options.flag("--anew", anew_,
+                             "use nothing of this person's earlier sessions: neither what was said "
+                             "by hand, nor wishes, nor tissue");
+    anew.needs(who);
     options
-        .flag("--anew", anew_,
-              "use nothing that was said by hand of this person in earlier sessions")
-        .needs(who);
+        .flag("--as-firm", taken_over_.as_firm,
+              "begin as firm as wished in the last session, also where that is firmer than planned")
+        .needs(who)
+        .excludes(anew);
+    options
+        .flag("--known-tissue", taken_over_.tissue,
+              "probe places by what the last session has felt: one press where it comes as known")
+        .needs(who)
+        .excludes(anew);
     return who;
   }
   void describe_body(Options& options) {
@@ -171,7 +199,8 @@ class Massage final : public Verb {
     if (position_ == "sitting") order_.position = BodyPosture::sitting;
     if (position_ == "prone") order_.position = BodyPosture::prone;
     order_.method = body::parse_method(method_).value_or(order_.method);
-    order_.real_time = pace_ == "real" || order_.keys;
+    const bool steered = order_.keys || live_.asked();
+    order_.pace = pace_.pace(steered ? std::optional(1.0) : std::nullopt);
     order_.adaptive = adaptive_ == "on";
   }
   /// Before the work, not after it: the folder of `--out`. True if it was not there.
@@ -194,8 +223,9 @@ class Massage final : public Verb {
     auto history = open_history(history_);
     if (!history) return tl::unexpected(history.error());
     if (!anew_) {
-      if (auto remembered = remember(*history); !remembered)
-        return tl::unexpected(remembered.error());
+      auto remembered = remember(*history, who_, taken_over_, order_);
+      if (!remembered) return tl::unexpected(remembered.error());
+      remembered_ = std::move(*remembered);
     }
     begun.label = new_visit(who_);
     if (const auto noted =
@@ -205,24 +235,11 @@ class Massage final : public Verb {
     begun.history = std::move(*history);
     return begun;
   }
-  /// What was said by hand of this person holds until somebody says otherwise.
-  [[nodiscard]] Result<void> remember(history::History& history) {
-    const auto visits = history.visits_of(who_);
-    if (!visits) return tl::unexpected(visits.error());
-    const history::Visit* last = history::last_said(*visits, order_.position);
-    if (last == nullptr) return {};
-    auto said = record::parse_said(last->said, "session " + last->id + " of the history");
-    if (!said) return tl::unexpected(said.error());
-    order_.said = std::move(*said);
-    remembered_ = fmt::format("{} ruled out and {} put right by hand, as said on {}",
-                              order_.said->by_hand.no_go.size(), order_.said->by_hand.fixed.size(),
-                              last->began.substr(0, 10));
-    return {};
-  }
   /// Why a session could not begin, with what was remembered.
   [[nodiscard]] Error remembering(Error error) const {
-    if (!remembered_.empty()) {
-      error.message += fmt::format("; of {}: {}; --anew begins without it", who_, remembered_);
+    if (!remembered_.by_hand.empty()) {
+      error.message +=
+          fmt::format("; of {}: {}; --anew begins without it", who_, remembered_.by_hand);
     }
     return error;
   }
@@ -234,7 +251,9 @@ class Massage final : public Verb {
     const auto visits = history.visits_of(who_);
     if (!visits) return tl::unexpected(visits.error());
     std::string text = fmt::format("{}: session {}", who_, visits->size());
-    if (!remembered_.empty()) text += "\nremembered: " + remembered_;
+    if (!remembered_.lines.empty()) text += "\n" + remembered_.lines;
+    if (!taken_over_.as_firm && file.massage.intensity > 1.0)
+      text += "\nfirmer was wished: the next session begins so with --as-firm only";
     if (const auto last = history::last_change(*visits)) text += "\n" + history::sentence_of(*last);
     return text;
   }
@@ -251,14 +270,17 @@ class Massage final : public Verb {
   }
 
   Ros2Option ros2_;
+  LiveOption live_;
+  PaceOption pace_;
   SessionOrder order_;
-  std::string who_, history_, remembered_;
+  std::string who_, history_;
+  Remembered remembered_;
+  TakenOver taken_over_;
   bool anew_ = false;
   FixedPoints fixed_;
   std::string replay_;
   std::string position_ = "auto";
   std::string method_;
-  std::string pace_ = "max";
   std::string adaptive_ = "on";
   std::string out_ = "massage-report";
 };

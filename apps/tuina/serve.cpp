@@ -8,6 +8,7 @@
 
 #include "apps/cli/installed.hpp"
 #include "apps/serve/live_site.hpp"
+#include "apps/simulated/pace_option.hpp"
 #include "apps/tuina/verbs.hpp"
 
 namespace tuina::app {
@@ -29,7 +30,7 @@ class Serve final : public Verb {
         .show_default();
     options.add("--listen", listen_, "127.0.0.1 or ::1: no other address is listened at")
         .show_default();
-    options.add("--pace", pace_, "of the simulation").one_of({"max", "real"}).show_default();
+    pace_.describe(options, "real unless given");
     add_robot_option(options, robot_);
     options.add("--out", out_, "folder for the sessions and audit.log").show_default();
     options.add("--page", page_, "folder of the built page, as `./run serve` makes it")
@@ -52,7 +53,7 @@ class Serve final : public Verb {
                                 .page = page_,
                                 .session = {.config = std::move(*config),
                                             .common = common,
-                                            .real_time = pace_ == "real",
+                                            .pace = pace_.pace(1.0),
                                             .robot = robot_,
                                             .robot_model = std::move(*robot),
                                             .folder = out_}});
@@ -70,9 +71,9 @@ class Serve final : public Verb {
   }
 
  private:
+  PaceOption pace_;
   int port_ = 8642;
   std::string listen_ = "127.0.0.1";
-  std::string pace_ = "real";
   std::string robot_ = "thesis";
   std::string out_ = "tuina-sessions";
   std::string page_ = installed_or("page", TUINA_PAGE).string();

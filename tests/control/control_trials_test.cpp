@@ -35,6 +35,13 @@ TEST_CASE("a table of trials tells the worst of its runs, however many threads s
   CHECK(together.rows[0].result.runs == 3);
 }
 
+TEST_CASE("the force error of runs that ended early reaches no target") {
+  const ControlTarget error = {.rmse_n = 1.0}, highest = {.highest_n = 40.0};
+  CHECK(error.reached({.runs = 2, .rmse_n = 0.5}));
+  CHECK_FALSE(error.reached({.runs = 2, .stopped = 1, .rmse_n = 0.5}));
+  CHECK(highest.reached({.runs = 2, .stopped = 1, .highest_n = 30.0}));
+}
+
 TEST_CASE("every target is tried on three tissues, and the full form has more of everything") {
   const auto quick = control_tables(false, 1), full = control_tables(true, 1);
   REQUIRE(quick.size() == full.size());

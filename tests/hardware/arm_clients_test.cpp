@@ -74,13 +74,14 @@ class RawHost {
   explicit RawHost(const UdpAddress& address) : socket_(*UdpSocket::connect(address)) {}
   std::vector<armlink::State> states;
 
-  void send(armlink::Mode mode, double value) {
-    socket_.send(
-        armlink::encode(armlink::Command{.session = 77,
-                                         .sequence = ++sequence_,
-                                         .answers = states.empty() ? 0 : states.back().sequence,
-                                         .mode = mode,
-                                         .values = JointVector::Constant(6, value)}));
+  /// In answer to the state that came so many cycles before the newest.
+  void send(armlink::Mode mode, double value, std::uint32_t older = 0) {
+    const std::uint32_t newest = states.empty() ? 0 : states.back().sequence;
+    socket_.send(armlink::encode(armlink::Command{.session = 77,
+                                                  .sequence = ++sequence_,
+                                                  .answers = newest - older,
+                                                  .mode = mode,
+                                                  .values = JointVector::Constant(6, value)}));
   }
   void hear_for(std::chrono::milliseconds time) {
     const auto until = std::chrono::steady_clock::now() + time;
@@ -123,9 +124,13 @@ void die_before(const Program& program) {
     host.hear_for(5ms);
   }
   REQUIRE(host.first(has(armlink::status::stands)) != nullptr);
+  host.send(Mode::torque, 0.0, armlink::max_answer_age_cycles + 1);
+  host.hear_for(20ms);
+  CHECK(host.first(driven) == nullptr);  // such a command was under way for too long
   // A loaded machine may answer a state too late for the arm; then once more.
+  constexpr std::uint32_t two_ms_each_way = 5;
   while (!host.first(driven) && std::chrono::steady_clock::now() < until) {
-    host.send(Mode::torque, 0.0);
+    host.send(Mode::torque, 0.0, two_ms_each_way);
     host.hear_for(20ms);
   }
   host.hear_for(100ms);

@@ -4,8 +4,6 @@
 
 #include <doctest/doctest.h>
 
-#include <limits>
-
 #include "tests/allocation.hpp"
 #include "tests/hardware/scripted_arms.hpp"
 #include "tests/reason.hpp"
@@ -73,16 +71,6 @@ void say(const ScriptedArms::State& state, std::vector<std::byte>& bytes) {
   bytes.assign(sent.begin(), sent.end());
 }
 
-/// Why no robot is opened when the left arm says this of itself.
-std::string refused(std::function<void(armlink::Hello&)> hello) {
-  ScriptedArms arms({.hello = std::move(hello)});
-  const auto robot = ArmlinkRobot::open(arms.file(), table, mount);
-  REQUIRE_FALSE(robot.has_value());
-  CHECK(robot.error().fault == Fault::device);
-  CHECK(robot.error().message.find("the left arm at " + arms.file()[Arm::left].address) == 0);
-  return robot.error().message;
-}
-
 bool has(const std::string& text, const char* part) {
   return text.find(part) != std::string::npos;
 }
@@ -147,26 +135,6 @@ TEST_CASE("arms that rest go on where they were") {
   CHECK(drive(**robot, 50).readings == 50);
 }
 
-TEST_CASE("an arm that is less than its table is refused, with both numbers") {
-  using armlink::Hello;
-  CHECK(has(refused([](Hello& hello) { hello.max_torque_nm[2] = 69.5; }),
-            "gives 69.5 Nm at upper_arm_roll, the table believes in 70"));
-  CHECK(has(refused([](Hello& hello) { hello.max_speed_rad_per_s[0] = 0.1; }), "0.1 rad/s"));
-  CHECK(has(refused([](Hello& hello) { hello.max_rad[5] = 1.0; }), "turns wrist from"));
-  CHECK(has(refused([](Hello& hello) { hello.max_rail_m = 0.0; }), "moves its base from"));
-  CHECK(has(refused([](Hello& hello) { hello.flags = 0; }), "has no linear base"));
-  CHECK(has(refused([](Hello& hello) { hello.flags |= armlink::flag::busy; }),
-            "is driven by another host"));
-  CHECK(has(refused([](Hello& hello) { hello.modes = 8; }), "cannot be driven by torques"));
-  CHECK(has(refused([](Hello& hello) { hello.cycle_us = 2000; }), "2000 us, 1000 are needed"));
-  CHECK(has(refused([](Hello& hello) {
-              for (JointVector* limit : {&hello.max_torque_nm, &hello.max_speed_rad_per_s,
-                                         &hello.min_rad, &hello.max_rad})
-                limit->conservativeResize(5);
-            }),
-            "has 5 joints, the table 6"));
-}
-
 TEST_CASE("where nobody listens, or somebody else does, it is said within two seconds") {
   PerArm<ArmDevice> nobody;
   {
@@ -181,52 +149,6 @@ TEST_CASE("where nobody listens, or somebody else does, it is said within two se
   // Two programs cannot be the same arm.
   ScriptedArms arms({});
   CHECK_FALSE(UdpSocket::listen(arms.file()[Arm::left].udp).has_value());
-}
-
-TEST_CASE("whatever an arm says wrongly has a name, and nothing hangs") {
-  using State = ScriptedArms::State;
-  using Bytes = std::vector<std::byte>;
-  const auto named = [](const Told& told, const char* fault) {
-    CAPTURE(told.fault);
-    CHECK(has(told.fault, fault));
-    CHECK(told.readings == 20);  // what was good before
-    CHECK(told.longest_s < 5.0);
-  };
-  named(session([](State&, Bytes& bytes) { bytes.assign(300, std::byte{7}); }),
-        "the left arm sends what is no armlink");
-  named(session([](State&, Bytes& bytes) { bytes[100] ^= std::byte{1}; }), "wrong check sums");
-  named(session([](State&, Bytes& bytes) { bytes[4] = std::byte{2}; }), "another version");
-  named(session([](State&, Bytes& bytes) { bytes.pop_back(); }), "of a wrong size");
-  named(session([](State& state, Bytes& bytes) {
-          state.dq_rad_per_s[2] = std::numeric_limits<double>::quiet_NaN(), say(state, bytes);
-        }),
-        "numbers that are not finite");
-  named(session([](State& state, Bytes& bytes) {
-          for (JointVector* vector : {&state.q_rad, &state.dq_rad_per_s, &state.tau_nm})
-            vector->conservativeResize(5);
-          say(state, bytes);
-        }),
-        "another number of joints");
-  named(session([](State& state, Bytes& bytes) { state.sequence -= 10, say(state, bytes); }),
-        "counts its states backwards");
-  named(session([](State& state, Bytes& bytes) { state.time_s += 3600.0, say(state, bytes); }),
-        "has a clock that jumps");
-  named(session([](State& state, Bytes& bytes) { ++state.session, say(state, bytes); }),
-        "obeys another host as well");
-  named(session([](State& state, Bytes& bytes) { state.answers -= 11, say(state, bytes); }),
-        "does not hear its commands");
-  named(session([](State& state, Bytes& bytes) {
-          state.status = armlink::status::emergency_stop, say(state, bytes);
-        }),
-        "was stopped by an emergency stop");
-  named(session([](State& state, Bytes& bytes) {
-          state.status = armlink::status::drive_fault, say(state, bytes);
-        }),
-        "has a fault in its drives");
-  named(session([](State& state, Bytes& bytes) {
-          state.status = armlink::status::stopped, say(state, bytes);
-        }),
-        "has stopped by itself");
 }
 
 TEST_CASE("an arm that falls silent is told of to the guard first, and given up then") {

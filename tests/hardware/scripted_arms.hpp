@@ -21,9 +21,11 @@ class ScriptedArms {
   using State = hardware::armlink::State;
   struct Script {
     std::function<void(hardware::armlink::Hello&)> hello = {};
+    std::function<void(std::vector<std::byte>&)> hello_sent = {};
     /// Of the state of this sequence; what it leaves in `bytes` is sent.
     std::function<void(State&, std::vector<std::byte>& bytes)> state = {};
     bool waits = true;
+    PerArm<Wrench> felt_in_tool = {};  ///< by the wrists, the weight of the tools included
   };
   explicit ScriptedArms(Script script) : script_(std::move(script)) {
     thread_ = std::thread([this] { live(); });
@@ -46,7 +48,7 @@ class ScriptedArms {
 
   /// Takes free ports from where this process begins to look.
   static hardware::UdpSocket socket_at(hardware::ArmDevice& device) {
-    static int next = 20'000 + static_cast<int>(getpid() % 20'000);
+    static std::atomic<int> next = 20'000 + static_cast<int>(getpid() % 20'000);
     for (;;) {
       device.address = "127.0.0.1:" + std::to_string(next++);
       device.udp = *hardware::parse_udp_address(device.address);
@@ -71,7 +73,10 @@ class ScriptedArms {
     }
     hello.min_rail_m = -3.0, hello.max_rail_m = 3.0;
     if (is_left && script_.hello) script_.hello(hello);
-    end.socket.send(hardware::armlink::encode(hello), end.host);
+    const auto sent = hardware::armlink::encode(hello);
+    std::vector<std::byte> bytes(sent.begin(), sent.end());
+    if (is_left && script_.hello_sent) script_.hello_sent(bytes);
+    if (!bytes.empty()) end.socket.send(bytes, end.host);
   }
 
   void tell(End& end, bool is_left) {
@@ -106,6 +111,8 @@ class ScriptedArms {
 
   void live() {
     using namespace std::chrono_literals;
+    for (const Arm arm : both_arms)
+      ends_of_[arm == Arm::left ? 0 : 1].state.wrench_in_tool = script_.felt_in_tool[arm];
     while (!ends_) {
       const std::array sockets = {ends_of_[0].socket.number(), ends_of_[1].socket.number()};
       hardware::wait_for_datagram(sockets, std::chrono::steady_clock::now() + 5ms);

@@ -141,6 +141,7 @@ TEST_CASE("25 ways not to be a wrist sensor are named before the start") {
        "one measurement under new numbers",
        {.kind = Kind::ati_udp, .sample = [](Sample& s) { s.counter = 7; }}},
   };
+  MESSAGE(cases.size() << " faults of wrist sensors before the start");
   CHECK(cases.size() == 25);
   run_all(cases, refusal);
   CHECK(
@@ -199,6 +200,7 @@ TEST_CASE("20 ways to fail afterwards leave an old sample, and the fault stays")
        "one measurement under new numbers",
        {.kind = Kind::hex_udp, .sample = [](Sample& s) { s.counter = 9; }}},
   };
+  MESSAGE(cases.size() << " faults of wrist sensors afterwards");
   CHECK(cases.size() == 20);
   run_all(cases, later);
 }

@@ -8,6 +8,7 @@
 
 #include "tests/folder.hpp"
 #include "tests/history/server.hpp"
+#include "tests/history/some_visit.hpp"
 #include "tests/reason.hpp"
 #include "tuina/core/io/file.hpp"
 #include "tuina/history/person_history.hpp"
@@ -17,40 +18,6 @@ using namespace tuina;
 using namespace tuina::history;
 
 namespace {
-
-Visit visit_at(const std::string& id, const std::string& began, double stiffness_n_per_mm) {
-  Visit visit{.id = id,
-              .who = "anna",
-              .began = began,
-              .folder = "/nowhere/" + id,
-              .ended = true,
-              .position = "prone",
-              .programme = "relax",
-              .robot = "thesis",
-              .realism = "usual",
-              .version = "0.1",
-              .duration_s = 301.25,
-              .force_rmse_n = 0.25,
-              .force_peak_n = 22.4,
-              .softer = 2,
-              .firmer = 0,
-              .stops = 1,
-              .stop_cause = "it's \"over\"; -- DROP TABLE session",
-              .consent_by = "herself",
-              .acupoints = {},
-              .tissue = {}};
-  visit.acupoints = {{"GV4", Vector3(0.01, -0.02, 0.3), Vector3::Zero(), 8e-3}};
-  visit.tissue = {{.name = "GV4",
-                   .alpha_n = 500.0,
-                   .alpha_ci95_n = std::numeric_limits<double>::infinity(),
-                   .beta_per_m = 20.0,
-                   .beta_ci95_per_m = 1.5,
-                   .stiffness_n_per_mm = stiffness_n_per_mm,
-                   .stiffness_ci95_n_per_mm = 0.02,
-                   .presses = 3,
-                   .converged = true}};
-  return visit;
-}
 
 /// The same statements on both databases, each empty.
 void on_both(const std::function<void(const std::string& address)>& test) {
@@ -74,8 +41,9 @@ TEST_CASE("what is added is what is found, in the order of time, and once") {
   on_both([](const std::string& address) {
     auto history = History::open(address);
     REQUIRE_MESSAGE(history, test::reason(history));
-    const Visit second = visit_at("b", "2026-02-01T09:00:00Z", 3.0);
-    const Visit first = visit_at("a", "2026-01-01T09:00:00Z", 2.5);
+    const Visit second = test::visit_at("b", "2026-02-01T09:00:00Z", 3.0);
+    Visit first = test::visit_at("a", "2026-01-01T09:00:00Z", 2.5);
+    first.intensity = 0.75;
     for (const Visit& visit : {second, first, second}) REQUIRE(history->add(visit));
     REQUIRE(history->add_note("anna", {"2026-01-02T08:00:00Z", "sleeps well"}));
     CHECK_FALSE(history->add_note("nobody", {"2026-01-02T08:00:00Z", "?"}));
@@ -96,6 +64,8 @@ TEST_CASE("what is added is what is found, in the order of time, and once") {
     CHECK(kept.stop_cause == first.stop_cause);
     CHECK(kept.duration_s == first.duration_s);
     CHECK(kept.softer == 2);
+    CHECK(kept.intensity == 0.75);
+    CHECK(std::isnan(visits->back().intensity));
     CHECK(kept.ended);
     REQUIRE(kept.acupoints.size() == 1);
     CHECK(kept.acupoints[0].at_in_couch == first.acupoints[0].at_in_couch);
@@ -114,7 +84,7 @@ TEST_CASE("a session that only began is there, and said to be cut short") {
     REQUIRE(history);
     REQUIRE(history->begin({"anna", "x", "2026-01-01T09:00:00Z"}, "/nowhere"));
     CHECK_FALSE(history->visits_of("anna")->front().ended);
-    REQUIRE(history->add(visit_at("x", "2026-01-01T09:00:00Z", 2.0)));
+    REQUIRE(history->add(test::visit_at("x", "2026-01-01T09:00:00Z", 2.0)));
     REQUIRE(history->visits_of("anna")->size() == 1);
     CHECK(history->visits_of("anna")->front().ended);
   });
@@ -124,12 +94,12 @@ TEST_CASE("a session that cannot be added whole is not there at all") {
   on_both([](const std::string& address) {
     auto history = History::open(address);
     REQUIRE(history);
-    Visit twice = visit_at("a", "2026-01-01T09:00:00Z", 2.0);
+    Visit twice = test::visit_at("a", "2026-01-01T09:00:00Z", 2.0);
     twice.acupoints.push_back(twice.acupoints.front());  // two points of one name
     CHECK_FALSE(history->add(twice));
     CHECK(history->people()->empty());
     // What was there before stays as it was.
-    REQUIRE(history->add(visit_at("a", "2026-01-01T09:00:00Z", 2.0)));
+    REQUIRE(history->add(test::visit_at("a", "2026-01-01T09:00:00Z", 2.0)));
     CHECK_FALSE(history->add(twice));
     CHECK(history->visits_of("anna")->front().tissue.front().stiffness_n_per_mm == 2.0);
   });
@@ -169,9 +139,9 @@ TEST_CASE("who is forgotten is gone from every table, from the file and from the
       REQUIRE(write_file(folder.path() / name / "session.json", record::to_json(file)));
       REQUIRE(write_file(folder.path() / name / "scan.ply", "x"));
     }
-    Visit mine = visit_at("mine", "2026-01-01T09:00:00Z", 2.0);
+    Visit mine = test::visit_at("mine", "2026-01-01T09:00:00Z", 2.0);
     mine.folder = folder / "mine";
-    Visit replaced = visit_at("older", "2026-01-02T09:00:00Z", 2.0);
+    Visit replaced = test::visit_at("older", "2026-01-02T09:00:00Z", 2.0);
     replaced.folder = folder / "replaced";  // where another session has been written since
     REQUIRE(history->add(mine));
     REQUIRE(history->add(replaced));

@@ -44,7 +44,9 @@ def simple(line):
 
 
 def commands(text):
-    """(command, from a block) of a document."""
+    """(command, from a block) of a document; those that make its tables stand in comments."""
+    for comment in re.findall(r"<!-- (tuina .*?)-->", text, re.DOTALL):
+        yield from ((line, True) for line in comment.splitlines() if line.startswith("tuina "))
     for language, _, lines in blocks(text):
         if language in ("sh", "bash"):
             for line in lines:
@@ -94,7 +96,7 @@ def run_verb(words, verbs, from_block):
         return parsed(words, from_block)
     presets = {preset["name"] for preset in json.loads(read("CMakePresets.json"))["configurePresets"]}
     for word in words[1:]:
-        told = word in presets or word in ("ROOM", "FILE", "PRESET", "--check") or word in read("tests/CMakeLists.txt")
+        told = word in presets or word in ("ROOM", "FILE", "PRESET", "PAGE", "--check", "--numbers") or word in read("tests/CMakeLists.txt")
         if not told and not os.path.exists(f"{ROOT}/tuina/{word}"):
             return f"./run {words[0]} has nothing called {word}"
     return ""
@@ -124,12 +126,11 @@ def judge(command, from_block, names, verbs, options):
 
 
 def all_options():
-    """Options of every verb, as the manual page has them, and those of ./run and of the examples in Python."""
+    """Options of every verb, as the manual page has them, and those of ./run."""
     pages = [subprocess.run([os.path.dirname(TUINA) + "/" + program, "manual"], capture_output=True, text=True).stdout
              for program in ("tuina", "tuina-evaluate")]
-    pages += [read(f"examples/python/{name}") for name in os.listdir(f"{ROOT}/examples/python") if name.endswith(".py")]
     text = "".join(pages).replace("\\-", "-")
-    return set(re.findall(r"--[a-z][a-z0-9-]*", text)) | {"--check", "--help", "--version"}
+    return set(re.findall(r"--[a-z][a-z0-9-]*", text)) | {"--check", "--numbers", "--help", "--version"}
 
 
 def check():
@@ -139,6 +140,8 @@ def check():
     faults, other = [], {}
     for document in documents():
         text = read(document)
+        if len(re.findall("<!-- tuina ", text)) != len(re.findall("<!-- end -->", text)):
+            faults.append(f"{document}: `<!-- tuina` and `<!-- end -->` do not come in pairs")
         for command, from_block in commands(text):
             written.setdefault(command, (document, from_block))
         if document != "docs/python.md" and any(language == "python" for language, *_ in blocks(text)):

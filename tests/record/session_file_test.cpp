@@ -31,7 +31,11 @@ TEST_CASE("a session that is written is the session that is read, and what is am
   file.tissue = {{.name = "GV4", .truth = TangentTissue{4.5, 250.0}, .mapped = true}};
   file.stops = {{9.25, "left arm: the force is too large"}};
   file.devices = DeviceRecord{.arms = "armlink", .pace = "real", .traffic = {}, .truth_missed = 2};
-  file.devices->traffic[Arm::right] = {.cycles = 900, .lost = 3, .late = 1, .unheard = 4};
+  file.devices->traffic[Arm::right] = {.cycles = 900,
+                                       .lost = 3,
+                                       .late = 1,
+                                       .unheard = 4,
+                                       .wrist = "127.0.0.1:7003: 9 samples, 0 lost"};
   const std::string text = to_json(file);
   const auto again = parse_session(text, "session.json");
   REQUIRE_MESSAGE(again.has_value(), test::reason(again));
@@ -40,6 +44,8 @@ TEST_CASE("a session that is written is the session that is read, and what is am
   CHECK(again->base_from_couch.isApprox(file.base_from_couch));
   REQUIRE(again->devices.has_value());
   CHECK(again->devices->traffic[Arm::right].lost == 3);
+  CHECK(again->devices->traffic[Arm::right].wrist == "127.0.0.1:7003: 9 samples, 0 lost");
+  CHECK(again->devices->traffic[Arm::left].wrist.empty());
   REQUIRE(again->massage.techniques.size() == 1);
   CHECK(again->massage.techniques[0].technique == Technique::rub);
 

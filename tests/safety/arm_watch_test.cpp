@@ -138,49 +138,6 @@ TEST_CASE("a wrist that says NaN is seen to, be it in its forces or its torques"
   }
 }
 
-TEST_CASE("when an approach begins the wrist is zeroed, by 3 N at most at first") {
-  for (const double drift_n : {1.0, 3.0, 4.0, 30.0}) {
-    Standing arm;
-    arm.pushed_n = drift_n * Vector3(0.6, 0.0, 0.8);
-    CHECK((arm.observe_for(300).force_in_base_n - arm.pushed_n).norm() < 1e-9);
-    const double left_n = std::max(drift_n - 3.0, 0.0);
-    CHECK((arm.observe(Phase::approach).force_in_base_n - left_n / drift_n * arm.pushed_n).norm() <
-          0.01);
-    arm.pushed_n.setZero();  // and stays so, for this approach and what follows
-    const double taken_n = std::min(drift_n, 3.0);
-    CHECK(arm.observe_for(300, Phase::approach).force_in_base_n.norm() ==
-          doctest::Approx(taken_n).epsilon(5e-3));
-    CHECK(arm.observe_for(300, Phase::contact).force_in_base_n.norm() ==
-          doctest::Approx(taken_n).epsilon(5e-3));
-    CHECK(arm.observe_for(300, Phase::free).force_in_base_n.norm() ==
-          doctest::Approx(taken_n).epsilon(5e-3));
-    arm.observe_for(10, Phase::contact);
-    CHECK(arm.observe(Phase::approach).force_in_base_n.norm() < 0.01);
-    arm.pushed_n.x() = 1.0;
-    arm.observe_for(1000, Phase::retract);
-    CHECK(arm.observe(Phase::approach).force_in_base_n.norm() < 0.01);
-  }
-}
-
-TEST_CASE("a sensor that drifts is zeroed by 1 N more for each minute that was watched") {
-  Standing arm;
-  arm.observe_for(30'000);
-  arm.pushed_n = {0.0, 0.0, 9.0};
-  arm.observe_for(3'000);
-  const double zeroed_n = 3.0 + 33.0 / 60.0;
-  CHECK(arm.observe(Phase::approach).force_in_base_n.z() ==
-        doctest::Approx(9.0 - zeroed_n).epsilon(1e-4));
-  // Whoever asks for approaches again and again gets no more by it.
-  for (int i = 0; i < 200; ++i) arm.observe(i % 2 == 0 ? Phase::free : Phase::approach);
-  CHECK(arm.observe(Phase::free).force_in_base_n.z() ==
-        doctest::Approx(9.0 - zeroed_n).epsilon(1e-3));
-  // A clock that jumps counts as ten milliseconds.
-  arm.reading.tick += 1'000'000;
-  arm.observe_for(200);
-  CHECK(arm.observe(Phase::approach).force_in_base_n.z() ==
-        doctest::Approx(9.0 - zeroed_n).epsilon(2e-3));
-}
-
 TEST_CASE("the milliseconds between two readings that came are watched too") {
   Standing arm;
   arm.pushed_n = {0.0, 0.0, 9.0};

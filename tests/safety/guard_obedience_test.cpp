@@ -38,6 +38,61 @@ TEST_CASE("an arm that goes inward against 80 N outward for 50 ms is braked") {
   }
 }
 
+TEST_CASE("an arm that leaves and presses harder and harder, going inward, is braked in 3 ms") {
+  const auto digging = [](double gentlest_n, double n, double inward_m_per_s, int ticks) {
+    Scene scene = leaving(gentlest_n);
+    scene.tick(2);  // the median of three
+    scene.seen.tool_velocity_m_per_s = -inward_m_per_s * scene.normal();
+    scene.force_n = n;
+    scene.tick(1);  // likewise
+    return scene.tick(ticks).action;
+  };
+  CHECK(digging(30.0, 45.1, 0.0501, 2) == Action::retract);
+  CHECK(digging(30.0, 45.1, 0.0501, 3) == Action::brake);
+  CHECK(digging(30.0, 44.9, 0.0501, 30) == Action::retract);
+  CHECK(digging(30.0, 45.1, 0.0499, 30) == Action::retract);
+  CHECK(digging(30.0, 45.1, -0.2, 30) == Action::retract);  // a person who comes closer
+  CHECK(digging(20.0, 39.9, 0.0501, 30) == Action::retract);
+  CHECK(digging(20.0, 40.1, 0.0501, 3) == Action::brake);
+  CHECK(digging(35.0, 50.1, 0.0501, 3) == Action::brake);
+}
+
+TEST_CASE("what was felt before an arm leaves is not its gentlest") {
+  Scene scene;
+  scene.force_n = 10.0;
+  scene.tick(10);
+  scene.force_n = 30.0;
+  scene.tick(10);
+  scene.retract();
+  scene.tick(2);
+  scene.seen.tool_velocity_m_per_s = -0.06 * scene.normal();
+  scene.force_n = 42.0;
+  CHECK(scene.tick(30).action == Action::retract);
+}
+
+TEST_CASE("an arm under the guard that plunges into the body is braked in 3 ms") {
+  const auto plunging = [](Action action, double inward_m_per_s, int ticks) {
+    Scene scene;
+    scene.force_n = 0.0;
+    scene.proposal.phase = Phase::free;
+    scene.tick(10);
+    scene.guard.stop(action, Cause::arms_too_close);
+    scene.tick();
+    scene.seen.tool_velocity_m_per_s = -inward_m_per_s * scene.normal();
+    return scene.tick(ticks).action;
+  };
+  for (const Action action : {Action::comply, Action::retract}) {
+    CHECK(plunging(action, 0.301, 2) == action);
+    CHECK(plunging(action, 0.301, 3) == Action::brake);
+    CHECK(plunging(action, 0.299, 100) == action);
+    CHECK(plunging(action, -0.5, 100) == action);
+  }
+  // One that is free is stopped by its speed first.
+  CHECK(plunging(Action::pass, 0.35, 3) == Action::comply);
+  CHECK(plunging(Action::pass, 0.35, 5) == Action::comply);
+  CHECK(plunging(Action::pass, 0.35, 6) == Action::brake);
+}
+
 TEST_CASE("only a retreat is disobeyed by going inward") {
   Scene scene;
   scene.tick(10);
@@ -127,15 +182,72 @@ TEST_CASE("an arm with one drive to blame is braked; one that presses somebody g
   }
 }
 
-TEST_CASE("no drive is blamed for an arm that was stopped before") {
+TEST_CASE("a drive is blamed in the first millisecond too") {
+  Scene scene;
+  scene.force_n = 0.0;
+  scene.seen.torque_misfit = 2.0;
+  scene.seen.weak_joint = 1;
+  CHECK(scene.tick().action == Action::brake);
+}
+
+TEST_CASE("of an arm that was stopped before a drive is blamed after 5 ms on its way to the body") {
   Scene scene;
   scene.force_n = 0.0;
   scene.proposal.phase = Phase::free;
   scene.tick(10);
   scene.comply();
-  scene.seen.torque_misfit = 2.0;
-  scene.seen.weak_joint = 1;
+  const auto go = [&](double outward_m_per_s, int weak_joint = 1, double misfit = 2.0) {
+    scene.seen.tool_velocity_m_per_s = outward_m_per_s * scene.normal();
+    scene.seen.weak_joint = weak_joint;
+    scene.seen.torque_misfit = misfit;
+  };
+  for (int i = 0; i < 3; ++i) {  // it must last
+    go(-0.06);
+    CHECK(scene.tick(5).action == Action::comply);
+    go(i == 0 ? -0.049 : -0.06, i == 1 ? -1 : 1, i == 2 ? 0.9 : 2.0);
+    CHECK(scene.tick().action == Action::comply);
+  }
+  for (const double outward_m_per_s : {-0.049, 0.0, 0.5}) {
+    go(outward_m_per_s);
+    CHECK(scene.tick(200).action == Action::comply);
+  }
+  go(-0.051);
+  scene.force_n = 6.0;
   CHECK(scene.tick(200).action == Action::comply);
+  scene.force_n = 0.0;
+  CHECK(scene.tick(6).action == Action::comply);  // the median of three is a tick late
+  CHECK(scene.tick().action == Action::brake);
+  CHECK(scene.verdict.cause == Cause::tool_too_fast);  // the first cause stays
+}
+
+TEST_CASE("a tool that flies off faster than any order may be followed, and is not braked") {
+  for (const double outward_m_per_s : {0.349, 0.351}) {
+    Scene scene;
+    scene.force_n = 0.0;
+    scene.tick(10);
+    scene.seen.tool_velocity_m_per_s = outward_m_per_s * scene.normal();
+    scene.seen.torque_misfit = 2.0;
+    scene.seen.weak_joint = 1;
+    const bool flies = outward_m_per_s > 0.35;
+    CHECK(scene.tick().action == (flies ? Action::comply : Action::brake));
+    CHECK(scene.verdict.cause == (flies ? Cause::torques_amiss : Cause::drive_amiss));
+  }
+}
+
+TEST_CASE("who has no living sensor cannot know that nobody is pressed, and brakes for no drive") {
+  for (const bool stuck : {false, true}) {
+    Scene scene;
+    scene.force_n = 0.0;
+    scene.tick(10);
+    if (stuck) scene.seen.wrist_repeats = 20;
+    scene.sensor_alive = stuck;
+    scene.tick(10);
+    REQUIRE(scene.verdict.action == Action::retract);
+    scene.seen.tool_velocity_m_per_s = -0.06 * scene.normal();
+    scene.seen.torque_misfit = 2.0;
+    scene.seen.weak_joint = 1;
+    CHECK(scene.tick(200).action == Action::retract);
+  }
 }
 
 TEST_CASE("an arm that first goes inward and then races is braked by both together") {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tuina/session/by_hand.hpp"
+#include "tuina/session/earlier/by_hand.hpp"
 
 #include <doctest/doctest.h>
 

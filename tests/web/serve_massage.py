@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Massages driven through the WebSocket of `tuina serve`: one to its end, one stopped by a viewer, one left alone."""
-import json, subprocess, sys, tempfile, time
+import json, os, struct, subprocess, sys, tempfile, time
 from serve_client import Page, Server
 
 faults = []
@@ -78,6 +78,49 @@ def to_its_end(server, page, order):
     expect("its report", status == 200 and b"</html>" in report.lower() and b"sandbox" not in report[:100])
     expect("a report runs no script", "script-src" not in headers["Content-Security-Policy"]
            and "default-src 'none'" in headers["Content-Security-Policy"])
+    looked_back(server, page, page.state["session"])
+
+
+def looked_back(server, page, number):
+    """A finished session as the page plays it, held against what the session has left; then damaged records of it."""
+    path, record = f"/sessions/{number}/play", f"{server.folder}/{number}/session.mcap"
+    expect("nobody looks back without a cookie", server.ask(path)[0] == 401)
+    began = time.monotonic()
+    status, _, content = server.ask(path, Cookie=page.cookie)
+    took_s = time.monotonic() - began
+    if status != 200:
+        return expect(f"it plays: {content!r}", False)
+    size, = struct.unpack("<I", content[:4])
+    vertices, triangles = struct.unpack("<II", content[4:12])
+    expect("the back is whole", size == 8 + 25 * vertices + 12 * triangles and vertices > 1000)
+    told, left = json.loads(content[4 + size:]), session(server.folder, number)
+    print(f"a session of {told['duration_s']:.0f} s, {os.path.getsize(record) / 1e6:.1f} MB of record, is {len(content) / 1e6:.1f} MB to play, "
+          f"after {took_s:.1f} s")
+    times = [frame["time_s"] for frame in told["frames"]]
+    expect("time goes on", times == sorted(set(times)) and abs(times[-1] - left["massage"]["duration_s"]) < 0.1)
+    expect("both arms are drawn", all(len(arm["links"]) > 4 for frame in told["frames"] for arm in frame["arms"]))
+    expect("an arm moves", told["frames"][0]["arms"][0]["links"][-1] != told["frames"][-1]["arms"][0]["links"][-1])
+    peaks = [max(row[i] for row in told["forces"]) for i in (2, 4)]
+    expect(f"forces were felt {peaks}", max(peaks) > 5.0)
+    expect("what was performed", [(one["path"], one["why"]) for one in told["performed"]]
+           == [(one["path"], one["why"] or "") for one in left["massage"]["performed"]])
+    expect("what was commanded", [one["name"] for one in told["events"] if one["what"] == "command"]
+           == [one["command"] for one in left["commands"]])
+    expect("nothing is lost", told["lost"] == [])
+    with open(record, "rb") as file:
+        whole = bytearray(file.read())
+    spoilt = whole[:]
+    spoilt[len(whole) // 4] ^= 255
+    for what, now, status in (("damaged", spoilt, 200), ("cut", whole[:len(whole) // 2], 404),
+                              ("foreign", b"%PDF-1.7\n", 404), ("empty", b"", 404), ("gone", None, 404), ("whole", whole, 200)):
+        os.remove(record) if now is None else open(record, "wb").write(now)
+        found, _, said = server.ask(path, Cookie=page.cookie)
+        expect(f"a record that is {what}: {found} {said[:300]!r}", found == status)
+        if found == 404:
+            expect(f"one line about a record that is {what}: {said!r}", said.count(b"\n") == 1 and b"session.mcap" in said)
+        elif found == 200:
+            size, = struct.unpack("<I", said[:4])
+            expect(f"what is lost of a record that is {what}", bool(json.loads(said[4 + size:])["lost"]) == (what == "damaged"))
 
 
 def stopped_by_a_viewer(server, page, viewer, order):
@@ -114,7 +157,32 @@ def stopped_in_scan(server, page, order):
     begin(page, order)
     page.until(lambda: page.state["cloud_points"] > 0, 60)
     page.ask("stop")
-    expect("the scan ends", reaches(page, "ended") and page.state["outcome"] == "stopped")
+    expect("the scan ends", reaches(page, "ended") and page.state["outcome"] == "stopped" and not page.state["recorded"])
+
+
+def from_the_terminal(binary, folder, order):
+    """`massage --live`: one session, armed and stopped in the page; the program ends when the page has gone."""
+    server = Server(binary, f"{folder}/live", "--live", "--pace", "20", "--person", "phantom:slim", "--position", "sitting",
+                    "--seed", "3", "--quiet", verb="massage")
+    page = Page(server, server.enter())
+    expect("control", page.outcome("operate") == "done")
+    expect("it is the one session", "the one session" in page.outcome("start", order) and page.state["ordered"])
+    expect("the pace is said", page.state["pace"] == 20)
+    expect("a review", reaches(page, "review"))
+    page.outcome("hold")
+    time.sleep(2.1)
+    expect("arm", page.outcome("arm") == "done")
+    expect("it moves", page.until(lambda: page.live and page.live[-1]["time_s"] > 2.0, 60))
+    page.ask("stop")
+    expect("it is stopped", reaches(page, "ended") and page.state["outcome"] == "stopped" and page.state["recorded"])
+    expect("its report", server.ask("/sessions/0001/report.html", Cookie=page.cookie)[0] == 200)
+    expect("it plays", server.ask("/sessions/0001/play", Cookie=page.cookie)[0] == 200)
+    expect("it waits for its page", server.process.poll() is None)
+    page.close()
+    try:
+        print(f"massage --live ended with {server.process.wait(60)}")
+    except subprocess.TimeoutExpired:
+        expect("it ends with its page", False)
 
 
 def main(binary):
@@ -133,6 +201,7 @@ def main(binary):
         stopped_by_a_viewer(server, page, viewer, order)
         page.live.clear()
         left_alone(server, page, viewer, order)
+        from_the_terminal(binary, folder, order)
         expect("exit", server.end() == 0)
         expect("audit check", subprocess.run([binary, "audit", "check", f"{folder}/audit.log"],
                                              capture_output=True).returncode == 0)

@@ -26,8 +26,8 @@ Words operator+(Words words, const Words& more) {
 
 /// Ports that no other run of this test has.
 int own_port() {
-  static int next = 21'000 + 2 * static_cast<int>(getpid() % 5'000);
-  return next += 2;
+  static int next = 21'000 + 8 * static_cast<int>(getpid() % 1'200);
+  return next += 8;
 }
 
 std::string device_file(const Folder& folder, int port) {
@@ -41,11 +41,11 @@ std::string device_file(const Folder& folder, int port) {
 /// The program with the arms, which ends with the session of its host.
 class Arms {
  public:
-  Arms(int port, const Words& person)
+  Arms(int port, const Words& words)
       : thread_([=, this] {
           outcome_ = run_tuina(Words{"robot", "armlink", "--pace", "max", "--quiet", "--json",
                                      "--listen", "127.0.0.1:" + std::to_string(port)} +
-                               person);
+                               words);
         }) {}
   ~Arms() {
     if (thread_.joinable()) thread_.join();
@@ -66,33 +66,88 @@ bool is_there(const std::string& device) {
   return false;
 }
 
-}  // namespace
+const Words slim = {"--person", "phantom:slim", "--position", "prone"};
+/// A person who is scanned again, since the back moves.
+const Words moving =
+    slim +
+    Words{"--seed", "7", "--set", "simulation.shift_mm=20", "--set", "simulation.shift_at_s=5"};
 
-TEST_CASE("a massage over UDP is the massage in one program, to the last bit, rescan and all") {
-  const Folder folder;
-  const Words slim = {"--person", "phantom:slim", "--position", "prone"};
-  const Words person =
-      slim +
-      Words{"--seed", "7", "--set", "simulation.shift_mm=20", "--set", "simulation.shift_at_s=5"};
-  const Words massage = Words{"massage", "--quiet", "--programme",
-                              folder.with("brief.toml",
-                                          "name = \"brief\"\n[[part]]\ntechnique = \"press\"\n"
-                                          "points = [\"BL47\"]\nrepeats = 1\n"),
-                              "--out"};
-  const int port = own_port();
-  const std::string device = device_file(folder, port);
-  Arms arms(port, person);
-  REQUIRE(is_there(device));
+/// The words of a brief massage, but where its record goes.
+Words brief_massage(const Folder& folder) {
+  return {"massage", "--quiet", "--programme",
+          folder.with("brief.toml",
+                      "name = \"brief\"\n[[part]]\ntechnique = \"press\"\n"
+                      "points = [\"BL47\"]\nrepeats = 1\n"),
+          "--out"};
+}
+
+json session_of(const Folder& folder, const char* name) {
+  const auto file = std::filesystem::path(folder / name) / "session.json";
+  return json::parse(tuina::read_file(file).value());
+}
+
+/// Another person than the arms are before, and a sensor that cannot feel what they touch.
+void refuses_strangers(const Folder& folder, const Words& massage, const std::string& device) {
   const Outcome stranger =
       run_tuina(massage + Words{folder / "stranger", "--device", device, "--seed", "8"} + slim);
   CHECK(stranger.exit_code == 3);
   CHECK(stranger.err.find("the arms are before phantom_slim_prone_7, seed 7") != std::string::npos);
-  const Outcome far = run_tuina(massage + Words{folder / "far", "--device", device} + person);
+  const std::string numb = folder.with(
+      "numb.toml", tuina::read_file(device).value() +
+                       "[wrist_sensor.left]\nkind = \"ati_udp\"\naddress = \"127.0.0.1:9\"\n"
+                       "counts_per_n = [1, 1, 1]\ncounts_per_nm = [1, 1, 1]\nx = [1, 0, 0]\n"
+                       "z = [0, 0, 1]\nat_mm = [0, 0, 0]\nzero_at_start = true\n");
+  const Outcome real =
+      run_tuina(massage + Words{folder / "real", "--device", numb, "--seed", "7"} + slim);
+  CHECK(real.exit_code == 3);
+  CHECK_MESSAGE(real.err.find("no real sensor feels what they touch") != std::string::npos,
+                real.err);
+}
+
+/// The same massage with what the arms feel coming by wrist sensors only.
+void feels_by_wrists(const Folder& folder, const Words& massage, double own_n) {
+  const int port = own_port();
+  const std::string other = device_file(folder, port);
+  Arms arms(port, moving + Words{"--wrist", "127.0.0.1:" + std::to_string(port + 2), "--out",
+                                 folder / "feeling.toml"});
+  REQUIRE(is_there(other));
+  const Outcome deaf = run_tuina(massage + Words{folder / "deaf", "--device", other} + moving);
+  CHECK(deaf.exit_code == 3);
+  CHECK_MESSAGE(
+      deaf.err.find("the left arm feels by the wrist sensor 127.0.0.1:") != std::string::npos,
+      deaf.err);
+  const Outcome felt =
+      run_tuina(massage + Words{folder / "felt", "--device", folder / "feeling.toml"} + moving);
+  REQUIRE_MESSAGE(felt.exit_code == 0, felt.err);
+  CHECK(arms.end().exit_code == 0);
+  const json session = session_of(folder, "felt");
+  const double felt_n = session["massage"]["force"]["rmse_n"];
+  MESSAGE("force error, N RMS: arms' own sensors " << own_n << ", wrist sensors " << felt_n);
+  CHECK(std::abs(felt_n - own_n) < 0.1);
+  CHECK(session["rescans_s"].size() == 1);
+  const std::string said = session["devices"]["left"]["wrist"];
+  CHECK_MESSAGE(said.find(" samples, 0 lost") != std::string::npos, said);
+  const auto page =
+      tuina::read_file(std::filesystem::path(folder / "felt") / "report.html").value();
+  CHECK(page.find("left wrist sensor " + said) != std::string::npos);
+}
+
+}  // namespace
+
+TEST_CASE("a massage over UDP is the massage in one program, to the last bit, rescan and all") {
+  const Folder folder;
+  const Words massage = brief_massage(folder);
+  const int port = own_port();
+  const std::string device = device_file(folder, port);
+  Arms arms(port, moving);
+  REQUIRE(is_there(device));
+  refuses_strangers(folder, massage, device);
+  const Outcome far = run_tuina(massage + Words{folder / "far", "--device", device} + moving);
   REQUIRE_MESSAGE(far.exit_code == 0, far.err);
   const Outcome& ended = arms.end();
   CHECK_MESSAGE(ended.exit_code == 0, ended.err);
   CHECK(json::parse(ended.out)["silent_ticks"] == 1);  // the last one, which nobody answers
-  const Outcome one = run_tuina(massage + Words{folder / "one"} + person);
+  const Outcome one = run_tuina(massage + Words{folder / "one"} + moving);
   REQUIRE_MESSAGE(one.exit_code == 0, one.err);
   for (const char* file : {"joints.csv", "trace.csv", "distances.csv"}) {
     CAPTURE(file);
@@ -102,14 +157,14 @@ TEST_CASE("a massage over UDP is the massage in one program, to the last bit, re
     REQUIRE(there.has_value());
     CHECK(*here == *there);
   }
-  const json session =
-      json::parse(tuina::read_file(std::filesystem::path(folder / "far") / "session.json").value());
+  const json session = session_of(folder, "far");
   CHECK(session["rescans_s"].size() == 1);
   CHECK(session["devices"]["scanner"] == "simulated");
   CHECK(session["devices"]["left"]["lost"] == 0);
   CHECK(session["devices"]["truth_missed_ms"] == 0);
   const auto page = tuina::read_file(std::filesystem::path(folder / "far") / "report.html").value();
   CHECK(page.find("camera and turntable: simulated") != std::string::npos);
+  feels_by_wrists(folder, massage, session_of(folder, "one")["massage"]["force"]["rmse_n"]);
 }
 
 TEST_CASE("without arms, or with a wrong file, a session ends before it begins") {

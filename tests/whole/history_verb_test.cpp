@@ -30,6 +30,22 @@ void give_again(const fs::path& from, const fs::path& to) {
   REQUIRE(write_file(to / "session.json", session.dump(2)).has_value());
 }
 
+/// Sessions of anna that press two points.
+struct BriefSessions {
+  test::Outcome operator()(const char* out, const std::vector<std::string>& more) const {
+    std::vector<std::string> words = {"massage",     "--position", "sitting",
+                                      "--programme", programme,    "--who",
+                                      "anna",        "--history",  folder / "history.sqlite",
+                                      "--out",       folder / out, "--json",
+                                      "--quiet"};
+    words.insert(words.end(), more.begin(), more.end());
+    return run_tuina(words);
+  }
+  Folder folder;
+  std::string programme = folder.with(
+      "brief.toml", "name = \"brief\"\n[[part]]\ntechnique = \"press\"\npoints = [\"BL50\"]\n");
+};
+
 }  // namespace
 
 TEST_CASE("a person's sessions are remembered, compared, exported and forgotten") {
@@ -70,6 +86,14 @@ TEST_CASE("a person's sessions are remembered, compared, exported and forgotten"
       run_tuina({"history", "export", "anna", "--history", history, "--out", folder / "anna.csv"})
           .exit_code == 0);
   CHECK(read_file(folder / "anna.csv")->find("the second one") != std::string::npos);
+  fs::rename(folder.path() / "all/second", folder.path() / "elsewhere");
+  const auto archive = run_tuina({"history", "export", "anna", "--history", history, "--out",
+                                  folder / "anna.zip", "--json", "--quiet"});
+  REQUIRE_MESSAGE(archive.exit_code == 0, archive.err);
+  const auto archived = nlohmann::json::parse(archive.out);
+  CHECK(archived["files"].get<int>() >= 12);
+  CHECK(archived["missing"].size() == 1);
+  CHECK(fs::file_size(folder / "anna.zip") > 10000);
 
   CHECK(run_tuina({"history", "forget", "anna", "--history", history}).exit_code == 1);
   CHECK(fs::exists(folder.path() / "all/first/session.json"));
@@ -82,17 +106,8 @@ TEST_CASE("a person's sessions are remembered, compared, exported and forgotten"
 }
 
 TEST_CASE("what was said of a person by hand holds in the next session, and of nobody else") {
-  const Folder folder;
-  const std::string history = folder / "history.sqlite";
-  const std::string programme = folder.with(
-      "brief.toml", "name = \"brief\"\n[[part]]\ntechnique = \"press\"\npoints = [\"BL50\"]\n");
-  const auto session = [&](const char* out, const std::vector<std::string>& more) {
-    std::vector<std::string> words = {
-        "massage",   "--position", "sitting", "--programme", programme, "--who",  "anna",
-        "--history", history,      "--out",   folder / out,  "--json",  "--quiet"};
-    words.insert(words.end(), more.begin(), more.end());
-    return run_tuina(words);
-  };
+  const BriefSessions session;
+  const Folder& folder = session.folder;
   const auto plain = session("plain", {});
   REQUIRE_MESSAGE(plain.exit_code == 0, plain.err);
   const auto found = nlohmann::json::parse(plain.out)["acupoints"]["points"];
@@ -139,6 +154,50 @@ TEST_CASE("what was said of a person by hand holds in the next session, and of n
   CHECK(other.err.find("1 ruled out and 1 put right by hand") != std::string::npos);
   CHECK(other.err.find("--anew") != std::string::npos);
   CHECK(session("anew", {"--seed", "2", "--anew"}).exit_code == 0);
+}
+
+TEST_CASE("wishes of the last session hold in the next one, firmer ones by a word") {
+  const BriefSessions session;
+  const std::string history = session.folder / "history.sqlite";
+  const auto end_with = [&](const char* out, double intensity) {
+    const std::string file = session.folder / out + std::string("/session.json");
+    auto ended = nlohmann::ordered_json::parse(*read_file(file));
+    ended["massage"]["intensity"] = intensity;
+    REQUIRE(write_file(file, ended.dump(2)).has_value());
+    REQUIRE(
+        run_tuina({"history", "rebuild", session.folder / out, "--history", history}).exit_code ==
+        0);
+  };
+  const auto first = session("first", {});
+  REQUIRE_MESSAGE(first.exit_code == 0, first.err);
+  CHECK(nlohmann::json::parse(first.out)["massage"]["intensity"] == 1.0);
+  CHECK_FALSE(nlohmann::json::parse(first.out).contains("known"));
+  end_with("first", 0.7);
+  const auto second = session("second", {"--set", "simulation.room_light_dn=9"});
+  REQUIRE_MESSAGE(second.exit_code == 0, second.err);
+  const auto given = nlohmann::json::parse(second.out);
+  CHECK(given["order"]["intensity"] == 0.7);
+  CHECK(given["massage"]["intensity"] == 0.7);
+  REQUIRE(given["massage"]["performed"].size() == 2);
+  for (const auto& path : given["massage"]["performed"]) {
+    const double share = path["given_n"].get<double>() / path["ordered_n"].get<double>();
+    CHECK(share == doctest::Approx(0.7).epsilon(0.1).scale(1e-6));
+  }
+  CHECK_FALSE(given.contains("known"));
+  const auto again = run_tuina(
+      {"massage", "--replay", session.folder / "second", "--out", session.folder / "again"});
+  CHECK_MESSAGE(again.err.find("as recorded") != std::string::npos, again.err);
+
+  // What is remembered is told before the session begins; these never do.
+  end_with("second", 1.3);
+  const auto told = [&](const char* more) {
+    return run_tuina({"massage", "--who", "anna", "--history", history, "--out",
+                      session.folder / "told", "--consent", "not there", more})
+        .err;
+  };
+  CHECK(told("--adaptive=on").find("with --as-firm it begins so") != std::string::npos);
+  CHECK(told("--as-firm").find("begins at 130 % of the planned forces") != std::string::npos);
+  CHECK(told("--anew").find("remembered") == std::string::npos);
 }
 
 TEST_CASE("what cannot be a history is wrong before anybody is scanned") {

@@ -22,6 +22,7 @@ struct Standard {
   double radius95_m = 40e-3;   ///< 95 % radius of a mark carried to another person
 };
 
+/// Both models of one position of the body: of the thesis and of `surface`.
 struct PositionAtlas {
   Standard standard;
   ShapeModel shape;
@@ -32,6 +33,7 @@ struct Atlas {
   std::string made;  ///< origin, for people
   std::vector<PositionAtlas> positions;
 
+  /// Models of a position; null where the atlas has none. They live as long as the atlas.
   [[nodiscard]] const PositionAtlas* of(BodyPosture position) const;
 };
 

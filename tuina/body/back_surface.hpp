@@ -37,7 +37,8 @@ class BackSurface {
   /// Index of the nearest point of the cloud.
   [[nodiscard]] std::size_t closest(const Vector3& place_in_couch) const;
 
-  [[nodiscard]] BodyPosture position() const;
+  [[nodiscard]] BodyPosture position() const;  ///< position that the scan was taken in
+  /// Points in couch, with normals out of the body.
   [[nodiscard]] const PointCloud& points() const;
   [[nodiscard]] double spacing_m() const;  ///< typical distance of neighbouring points
 
@@ -51,6 +52,7 @@ class BackSurface {
 /// be at either end.
 [[nodiscard]] double heading(const PointCloud& back_in_couch, BodyPosture position);
 
+/// How a back is fitted to a scan.
 struct BackOptions {
   std::optional<BodyPosture> position;  ///< absent: recognised from the scan
 };

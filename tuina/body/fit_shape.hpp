@@ -8,6 +8,7 @@
 
 namespace tuina::body {
 
+/// Weights and limits of the fit of a shape model to the skin.
 struct FitOptions {
   double sigma_m = 8e-3;           ///< standard deviation of a skin point, above scan noise since
                                    ///< neighbours' errors correlate

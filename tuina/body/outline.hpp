@@ -33,6 +33,7 @@ struct Outline {
   Arms arms = Arms::unknown;
   double head_m = 0.0;  ///< height of the scan above the shoulders
 
+  /// A place of the couch on the plane of the outline, m.
   [[nodiscard]] Vector2 plane(const Vector3& place_in_couch) const {
     const Vector3 p = back_from_couch * place_in_couch;
     return {p.x(), p.z()};

@@ -33,6 +33,7 @@ struct ShapeModel {
   double usual_residual_m = 0.0;   ///< median RMS residual of the skin on left-out bodies
   double max_outlier_score = 0.0;  ///< maximum ShapeFit outlier score of left-out bodies
 
+  /// Points of the skin; the columns of `mean` after them are labels.
   [[nodiscard]] Eigen::Index skin_points() const {
     return mean.cols() - static_cast<Eigen::Index>(labels.size());
   }

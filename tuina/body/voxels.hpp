@@ -18,6 +18,7 @@ struct Voxels {
   std::vector<Vector3> mean;
   std::vector<Matrix3> scatter;  ///< sum of (x - mean)(x - mean)^T
 
+  /// Number of cubes that have points.
   [[nodiscard]] std::size_t size() const { return place.size(); }
   /// Index of the cube at a place; -1 if empty.
   [[nodiscard]] int at(const std::array<int, 3>& where) const;

@@ -20,6 +20,7 @@ struct Sweep {
 [[nodiscard]] Result<Sweep> read_sweep(const std::filesystem::path& folder,
                                        const Progress& progress = {});
 
+/// Time from a yaw reading to a frame, with its standard deviation.
 struct Latency {
   double latency_s = 0.0;
   double deviation_s = 0.0;

@@ -23,9 +23,10 @@ ArmController::ArmController(const robot::ArmModel& model, const Options& option
     options_.force.trim_per_s = 0.0;
     options_.force.gain_share = 0.0;
     options_.force.finds_skin = false;
-    options_.force.startle_n = std::numeric_limits<double>::infinity();
+    options_.force.escape.startle_n = std::numeric_limits<double>::infinity();
   }
   force_target_ = ForceTarget(options_.force);
+  escape_ = Escape(options_.force.escape);
 }
 
 void ArmController::start(const ArmState& state) noexcept {
@@ -126,6 +127,9 @@ void ArmController::retract(double distance_m) noexcept {
   limits.travel.speed_per_s = options_.retract_m_per_s;
   const Vector3& normal = reference_.pose.normal_in_base;
   travel(centre_ + distance_m * normal, normal, limits, Mode::retract);
+  leaving_m_ = distance_m;
+  leaving_n_ = status_.force_n;
+  escape_.begin(status_.force_n);
 }
 
 void ArmController::lead() noexcept {
@@ -143,7 +147,6 @@ void ArmController::approach(const ToolPose& skin) noexcept {
   stop_learning();
   sense_.tare();
   settling_n_.setZero();
-  lean_in_base_.setZero();
   target_ = {.at_in_base = skin.at_in_base, .normal_in_base = normal, .model = target_.model};
   reference_ = {.pose = centre_pose({skin.at_in_base, normal}, model_->table().tool_radius_m)};
   const Vector3 above = reference_.pose.at_in_base - centre_;

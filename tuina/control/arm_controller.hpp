@@ -9,6 +9,7 @@
 #include "tuina/control/force_target.hpp"
 #include "tuina/control/friction.hpp"
 #include "tuina/control/joint_follower.hpp"
+#include "tuina/control/skin_slope.hpp"
 #include "tuina/control/tool_motion.hpp"
 
 namespace tuina::control {
@@ -47,6 +48,7 @@ enum class ControlLaw : std::uint8_t {
   joint,           ///< [thesis] (3.9), target placed by the tissue model
 };
 
+/// What one arm does, as of its last step.
 struct ArmStatus {
   Mode mode = Mode::hold;
   ContactFault contact_fault = ContactFault::none;
@@ -66,6 +68,7 @@ struct ArmStatus {
 /// exceptions or waiting; commands may be called between any two steps.
 class ArmController {
  public:
+  /// Gains and limits of the law; the defaults are those of docs/control.md.
   struct Options {
     ControlLaw law = ControlLaw::tuina;
     ForceTarget::Options force = {};
@@ -91,6 +94,7 @@ class ArmController {
     double lead_damping_nm_s_per_rad = 4.0;  ///< keeps a guided arm from coasting
   };
 
+  /// At rest, in `hold`; the model must outlive it.
   ArmController(const robot::ArmModel& model, const Options& options) noexcept;
 
   /// Converts readings to a state; call once per tick, before `step`.
@@ -104,6 +108,7 @@ class ArmController {
 
   /// Nullspace posture, which decides the elbow above all.
   void keep_posture(const JointVector& q_rad) noexcept;
+  /// Comes to rest where it is, and stays.
   void hold() noexcept;
   /// Stops at once, for an arm that must not go on.
   void halt() noexcept;
@@ -126,6 +131,7 @@ class ArmController {
   /// Joint torques, gravity included. `rail_m`: position of the linear base.
   [[nodiscard]] JointVector step(const ArmState& state, double rail_m, double dt_s) noexcept;
 
+  /// As of the last step.
   [[nodiscard]] const ArmStatus& status() const noexcept { return status_; }
   /// Dynamics of the last step, for the guard.
   [[nodiscard]] const robot::ArmDynamics& dynamics() const noexcept { return dynamics_; }
@@ -133,13 +139,13 @@ class ArmController {
  private:
   [[nodiscard]] Vector3 free_force(const ArmState& state, double dt_s) noexcept;
   [[nodiscard]] Vector3 contact_force(double dt_s) noexcept;
-  [[nodiscard]] Vector3 skin_normal(double dt_s) noexcept;
   [[nodiscard]] double approach_force(double depth_m, double speed, double dt_s) noexcept;
   [[nodiscard]] JointVector baseline_torque(const ArmState& state, double dt_s) noexcept;
   [[nodiscard]] JointVector learning_torque(const ArmState& state, double dt_s) noexcept;
   void travel(const Vector3& centre, const Vector3& normal, const ToolMotion::Limits& limits,
               Mode mode) noexcept;
   void give_up(ContactFault contact_fault) noexcept;
+  [[nodiscard]] bool escapes(double dt_s) noexcept;
   void stop_learning() noexcept;
 
   const robot::ArmModel* model_;
@@ -147,6 +153,10 @@ class ArmController {
   ArmSense sense_;
   FrictionCompensation friction_;
   ForceTarget force_target_;
+  Escape escape_;           // of a tool that leaves
+  double leaving_n_ = 0.0;  // least force that was felt since it leaves
+  double leaving_m_ = 0.0;  // distance that it shall go
+  SkinSlope slope_;
   JointFollower follower_;
   ToolMotion motion_;
   double motion_s_ = 0.0;
@@ -159,8 +169,6 @@ class ArmController {
   Vector3 spring_n_ = Vector3::Zero();  // spring force of the last step, without damping
   // Integral of the spring force at the goal of a free motion.
   Vector3 settling_n_ = Vector3::Zero();
-  // How the skin rises per metre against the believed one, a vector along it.
-  Vector3 lean_in_base_ = Vector3::Zero();
   double search_m_ = 0.0, search_speed_ = 0.0;
   double quiet_s_ = 0.0, touched_s_ = 0.0, blocked_s_ = 0.0;
   double rail_m_ = 0.0;

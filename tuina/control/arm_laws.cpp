@@ -58,7 +58,23 @@ JointVector ArmController::learning_torque(const ArmState& state, double dt_s) n
   return learn_nm_;
 }
 
+// A tool that leaves presses less and less; where it presses more, the person comes after it. Once
+// away it leaves from where it is then.
+bool ArmController::escapes(double dt_s) noexcept {
+  leaving_n_ = std::min(leaving_n_, std::max(status_.force_n, 0.0));
+  if (!escape_.step(status_.force_n, leaving_n_, dt_s)) return false;
+  spring_n_ = escape_.options().push_out_n * reference_.pose.normal_in_base;
+  if (escape_.over()) {
+    motion_.start({centre_, reference_.pose.normal_in_base});
+    motion_s_ = 0.0;
+    retract(leaving_m_);
+    status_.contact_fault = ContactFault::pushed_away;
+  }
+  return true;
+}
+
 Vector3 ArmController::free_force(const ArmState& state, double dt_s) noexcept {
+  if (status_.mode == Mode::retract && escapes(dt_s)) return spring_n_;
   motion_s_ += dt_s;
   reference_ = motion_.at(motion_s_);
   const Vector3 error = reference_.pose.at_in_base - centre_;
@@ -127,16 +143,17 @@ Vector3 ArmController::contact_force(double dt_s) noexcept {
     normal_spring_n =
         std::min(options_.force.stiffness_n_per_m * (search_m_ - depth_m), options_.touch_pull_n);
   } else {
-    normal_n =
-        force_target_.step({.depth_m = depth_m,
-                            .speed_m_per_s = speed,
-                            .path_speed_m_per_s = inward(reference_.velocity_m_per_s, normal),
-                            .force_n = status_.force_n,
-                            .set_force_n = target_.force_n,
-                            .mass_kg = robot::apparent_mass_kg(dynamics_, normal),
-                            .max_spring_n = target_.max_spring_n,
-                            .model = target_.model},
-                           dt_s);
+    normal_n = force_target_.step(
+        {.depth_m = depth_m,
+         .speed_m_per_s = speed,
+         .path_speed_m_per_s = inward(reference_.velocity_m_per_s, normal),
+         .slope_speed_m_per_s = -slope_.rise_in_base().dot(reference_.velocity_m_per_s),
+         .force_n = status_.force_n,
+         .set_force_n = target_.force_n,
+         .mass_kg = robot::apparent_mass_kg(dynamics_, normal),
+         .max_spring_n = target_.max_spring_n,
+         .model = target_.model},
+        dt_s);
     normal_spring_n = force_target_.spring_n();
     status_.set_force_n = force_target_.set_n();
     status_.skin_error_m = force_target_.skin_error_m();
@@ -197,37 +214,18 @@ void ArmController::resume_from_here() noexcept {
       status_.force_n);
 }
 
-// Friction acts along the way of a tool that slides, and its way lies in the skin. Across that way
-// only the skin presses, however wrong the believed normal is; along the believed normal a lean of
-// 6 degrees would let a tenth of the friction pass for pressing force. What is learned is the lean
-// and not the way itself: breath and haste are no lean, and friction read by the speed of a moment
-// would drive the force loop.
-Vector3 ArmController::skin_normal(double dt_s) noexcept {
-  constexpr double slides_m_per_s = 10e-3, surely_m_per_s = 30e-3;
-  constexpr double learned_s = 0.5, kept_s = 3.0;
-  constexpr double max_lean = 0.2;  // more is a person who moves
-  const Vector3& believed = reference_.pose.normal_in_base;
-  const double outward = velocity_.dot(believed);
-  const Vector3 along = velocity_ - outward * believed;
-  const double sliding = along.norm();
-  lean_in_base_ -= lean_in_base_.dot(believed) * believed;
-  lean_in_base_ *= 1.0 - dt_s / kept_s;
-  const double share =
-      std::clamp((sliding - slides_m_per_s) / (surely_m_per_s - slides_m_per_s), 0.0, 1.0);
-  if (status_.mode != Mode::contact || share == 0.0) return believed;
-  const Vector3 way = along / sliding;
-  const double rise = std::clamp(outward / sliding, -max_lean, max_lean);
-  lean_in_base_ += share * dt_s / learned_s * (rise - lean_in_base_.dot(way)) * way;
-  return (believed - share * lean_in_base_.dot(way) * way).normalized();
-}
-
 JointVector ArmController::step(const ArmState& state, double rail_m, double dt_s) noexcept {
   rail_m_ = rail_m;
   here_rad_ = state.q_rad;
   dynamics_ = model_->evaluate(state.q_rad, state.dq_rad_per_s, rail_m);
   centre_ = dynamics_.base_from_tool.translation();
   velocity_ = dynamics_.jacobian.topRows<3>() * state.dq_rad_per_s;
-  status_.force_n = state.contact_in_base.force_n.dot(skin_normal(dt_s));
+  const Vector3& believed = reference_.pose.normal_in_base;
+  if (status_.mode == Mode::contact)
+    slope_.learn(velocity_, believed, force_target_.deepening_m_per_s(), dt_s);
+  else
+    slope_.begin(believed);
+  status_.force_n = state.contact_in_base.force_n.dot(slope_.normal_in_base());
   status_.touching = status_.force_n > 0.5 * options_.touch_n;
 
   const bool touching = status_.mode == Mode::approach || status_.mode == Mode::contact;

@@ -11,8 +11,10 @@ namespace tuina::control {
 /// one.
 class ArmSense {
  public:
+  /// The model must outlive it.
   explicit ArmSense(const robot::ArmModel& model) noexcept : model_(&model) {}
 
+  /// The state of an arm from one reading; forces in tool become the contact's.
   [[nodiscard]] ArmState sense(const robot::ArmReading& reading, double time_s,
                                double rail_m) noexcept;
 

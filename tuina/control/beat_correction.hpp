@@ -8,6 +8,7 @@ namespace tuina::control {
 /// The first beat is light, and each one at most twice what the last was felt to be. Real-time.
 class BeatCorrection {
  public:
+  /// Bounds of the correction from beat to beat.
   struct Options {
     double kept_n = 3.0;       ///< force between two beats
     double first_n = 10.0;     ///< most of the first beat
@@ -19,6 +20,7 @@ class BeatCorrection {
   };
 
   BeatCorrection() = default;
+  /// Before the first beat.
   explicit BeatCorrection(const Options& options) noexcept : options_(options) {}
 
   /// Another place: beats up to `strongest_n` follow.

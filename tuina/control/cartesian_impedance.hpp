@@ -20,6 +20,7 @@ struct PostureGains {
   double limit_stiffness_nm_per_rad = 60.0;
 };
 
+/// The spring and damper that align the tool's axis.
 struct TurningGains {
   double stiffness_nm_per_rad = 60.0;
   double damping_ratio = 0.8;

@@ -40,12 +40,12 @@ void ForceTarget::begin(const Input& input, double spring_n) noexcept {
   if (options_.finds_skin) trim_n_ = spring_n - set_n_ - K * (expected_m - input.depth_m);
   trim_n_ = std::clamp(trim_n_, -options_.max_trim_out_n, options_.max_trim_in_n);
   spring_n_ = spring_n;
-  foreseen_m_per_s_ = carried_m_per_s_ = 0.0;
+  foreseen_m_per_s_ = carried_m_per_s_ = deepening_m_per_s_ = 0.0;
   last_depth_m_ = input.depth_m;
   tank_j_ = options_.tank_j;
   without_contact_s_ = 0.0;
-  lost_ = startled_ = pushing_out_ = false;
-  last_forces_n_.fill(input.force_n);
+  lost_ = false;
+  escape_.begin(input.force_n);
   since_touch_s_ = 0.0;
 }
 
@@ -56,7 +56,7 @@ void ForceTarget::watch_contact(const Input& input, double dt_s) noexcept {
     lost_ = true;
     hold_m_ = input.depth_m;
     crept_m_ = 0.0;
-  } else if (lost_ && !startled_ && input.force_n > found_again_n) {
+  } else if (lost_ && !escape_.startled() && input.force_n > found_again_n) {
     begin(input, spring_n_);
   }
 }
@@ -84,7 +84,8 @@ double ForceTarget::spring_on_skin(const Input& input, double contact_n_per_m, d
   const double skin_m =
       std::clamp(skin_m_ + lasting_n / K, -options_.max_skin_rise_m, options_.max_skin_error_m);
   trim_n_ -= K * (skin_m - skin_m_);
-  skin_m_ = skin_m;
+  skin_m_ = std::clamp(skin_m + input.slope_speed_m_per_s * dt_s, -options_.max_skin_rise_m,
+                       options_.max_skin_error_m);
 
   const double rings_at = damping / (contact_n_per_m * options_.sensor_lag_s);
   const double gain = std::min(options_.gain_share * rings_at, options_.max_gain);
@@ -106,32 +107,19 @@ double ForceTarget::paid_for(double spring_n, const Input& input) noexcept {
   return spring_n;
 }
 
-// Slope of the force over three ticks; one tick would be noise.
-double ForceTarget::force_rate_n_per_s(const Input& input, double dt_s) noexcept {
-  const double rate = (input.force_n - last_forces_n_.back()) / (3.0 * dt_s);
-  last_forces_n_ = {input.force_n, last_forces_n_[0], last_forces_n_[1]};
-  return rate;
-}
-
-// Escape: the person would be through the tissue before a gentle law answers, so the arm pushes
-// outward with full force and without damping until contact nearly ends.
-double ForceTarget::push_out(const Input& input, double soon_n) noexcept {
-  if (soon_n < options_.kept_n) {
-    pushing_out_ = false;
+double ForceTarget::push_out(const Input& input) noexcept {
+  if (escape_.over()) {
     lost_ = true;
     hold_m_ = input.depth_m;
     crept_m_ = max_creep_m;
   }
   last_depth_m_ = input.depth_m;
-  spring_n_ = -options_.push_out_n;
+  spring_n_ = -options_.escape.push_out_n;
   return spring_n_;
 }
 
 double ForceTarget::step(const Input& input, double dt_s) noexcept {
-  const double rate_n_per_s = force_rate_n_per_s(input, dt_s);
-  const double foreseen_n = input.force_n + options_.startle_ahead_s * rate_n_per_s;
-  if (!startled_ && foreseen_n > set_n_ + options_.startle_n) startled_ = pushing_out_ = true;
-  if (pushing_out_) return push_out(input, input.force_n + options_.sensor_lag_s * rate_n_per_s);
+  if (escape_.step(input.force_n, set_n_, dt_s)) return push_out(input);
 
   const double wanted_n = std::max(input.set_force_n, options_.kept_n);
   // Light contact is soft: a fast change of a small force would throw the tool off the skin.
@@ -144,8 +132,8 @@ double ForceTarget::step(const Input& input, double dt_s) noexcept {
 
   // Damping and inertia are led by the model's prediction only. With the trim in it this would be a
   // force gain that ignores the tissue, which limit-cycles on bone.
-  const double yielding = lost_ ? 0.0 : change_n / dt_s / stiffness_at(input.model, set_n_);
-  const double foreseen = input.path_speed_m_per_s + yielding;
+  deepening_m_per_s_ = lost_ ? 0.0 : change_n / dt_s / stiffness_at(input.model, set_n_);
+  const double foreseen = input.path_speed_m_per_s + input.slope_speed_m_per_s + deepening_m_per_s_;
   const double acceleration = (foreseen - foreseen_m_per_s_) / options_.foreseen_lag_s;
   foreseen_m_per_s_ += acceleration * dt_s;
   const double inertia_n =

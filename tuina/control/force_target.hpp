@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
-
+#include "tuina/control/escape.hpp"
 #include "tuina/core/contact.hpp"
 
 namespace tuina::control {
@@ -27,6 +26,7 @@ struct ContactModel {
 /// force and the energy from target changes are bounded.
 class ForceTarget {
  public:
+  /// Gains and bounds of the force law; the defaults are those of docs/control.md.
   struct Options {
     double stiffness_n_per_m = 1000.0;
     double trim_per_s = 45.0;
@@ -58,18 +58,18 @@ class ForceTarget {
     double foreseen_lag_s = 8e-3;  ///< smooths the predicted speed for the inertia feed-forward
     double max_inertia_n = 4.0;
     double tank_j = 3.0;
-    /// Force above the set force that means the person comes closer, where the present rise leads
-    /// in this time: who starts up presses sooner, and who coughs more gently, than a force tells.
-    double startle_n = 16.0, startle_ahead_s = 20e-3;
-    double push_out_n = 100.0;  ///< force of the escape that follows
-    bool finds_skin = true;     ///< the first touch sets the skin position
+    Escape::Options escape;
+    bool finds_skin = true;  ///< the first touch sets the skin position
   };
 
+  /// What one step of the law is told.
   struct Input {
     double depth_m = 0.0;        ///< depth of the tip beneath the believed skin, negative above
     double speed_m_per_s = 0.0;  ///< tool speed, inward
     double path_speed_m_per_s = 0.0;  ///< speed of the believed skin, inward
-    double force_n = 0.0;             ///< measured, pressing positive
+    /// Speed at which the skin was found to fall away from the believed one along the way, inward.
+    double slope_speed_m_per_s = 0.0;
+    double force_n = 0.0;  ///< measured, pressing positive
     double set_force_n = 0.0;
     double mass_kg = 3.5;        ///< apparent mass along the normal
     double max_spring_n = 90.0;  ///< spring limit of the body zone, besides max_over_set_n
@@ -77,7 +77,9 @@ class ForceTarget {
   };
 
   ForceTarget() = default;
-  explicit ForceTarget(const Options& options) noexcept : options_(options) {}
+  /// Out of contact.
+  explicit ForceTarget(const Options& options) noexcept
+      : options_(options), escape_(options.escape) {}
 
   /// Starts at the first touch; `spring_n` is the present spring force, continued without a step.
   void begin(const Input& input, double spring_n) noexcept;
@@ -86,16 +88,17 @@ class ForceTarget {
 
   [[nodiscard]] bool lost() const noexcept { return lost_; }  ///< contact ended
   /// True when contact ended by an escape from a person who came closer.
-  [[nodiscard]] bool pushed_away() const noexcept { return lost_ && startled_; }
+  [[nodiscard]] bool pushed_away() const noexcept { return lost_ && escape_.startled(); }
   [[nodiscard]] double spring_n() const noexcept { return spring_n_; }
   [[nodiscard]] double set_n() const noexcept { return set_n_; }
   [[nodiscard]] double skin_error_m() const noexcept { return skin_m_; }
+  /// Speed at which a set force that changes presses the tool in, by the model.
+  [[nodiscard]] double deepening_m_per_s() const noexcept { return deepening_m_per_s_; }
   [[nodiscard]] double tank_j() const noexcept { return tank_j_; }
 
  private:
   void watch_contact(const Input& input, double dt_s) noexcept;
-  [[nodiscard]] double force_rate_n_per_s(const Input& input, double dt_s) noexcept;
-  [[nodiscard]] double push_out(const Input& input, double soon_n) noexcept;
+  [[nodiscard]] double push_out(const Input& input) noexcept;
   [[nodiscard]] bool slips(const Input& input) const noexcept;
   [[nodiscard]] double spring_without_skin(const Input& input, double dt_s) noexcept;
   [[nodiscard]] double spring_on_skin(const Input& input, double contact_n_per_m, double damping,
@@ -107,14 +110,14 @@ class ForceTarget {
   double set_n_ = 0.0;
   double trim_n_ = 0.0;
   double foreseen_m_per_s_ = 0.0, carried_m_per_s_ = 0.0;
+  double deepening_m_per_s_ = 0.0;
   double spring_n_ = 0.0;
-  std::array<double, 3> last_forces_n_ = {};  // newest first
+  Escape escape_;
   double since_touch_s_ = 0.0;
   double last_depth_m_ = 0.0;
   double tank_j_ = 0.0;
   double without_contact_s_ = 0.0;
   bool lost_ = false;
-  bool startled_ = false, pushing_out_ = false;
   double hold_m_ = 0.0, crept_m_ = 0.0;
 };
 

@@ -16,21 +16,27 @@ namespace tuina::control {
 /// part that follows the direction (friction) and a constant (gravity error).
 class FrictionCompensation {
  public:
+  /// How much of the friction is fed forward.
   struct Options {
     double share = 0.92;          ///< of the identified friction; 1 would leave no margin
     double share_of_table = 0.6;  ///< of the table's friction, before identification
     double windup_rad = 0.3e-3;   ///< travel at which the gear slips
   };
 
+  /// Knows the friction of the table until it has learned.
   FrictionCompensation(const robot::ArmTable& table, const Options& options) noexcept;
 
+  /// Begins at these joint angles, with every gear unwound.
   void start(const JointVector& q_rad) noexcept;
   /// Torque for this tick; must be called in every tick to follow the travel.
   [[nodiscard]] JointVector step(const JointVector& q_rad) noexcept;
 
+  /// Forgets what was learned before, and begins to sum up.
   void begin_learning() noexcept;
   /// `rest_nm`: torque minus gravity, coupling and inertia.
   void learn(const JointVector& rest_nm, const JointVector& dq_rad_per_s) noexcept;
+  /// Friction of each joint from the sums; it stays as it was where a joint was not moved to and
+  /// fro.
   void end_learning() noexcept;
 
   [[nodiscard]] const JointVector& coulomb_nm() const noexcept { return coulomb_nm_; }

@@ -10,6 +10,7 @@ namespace tuina::control {
 /// the tool centre and axis on a moving reference.
 class JointFollower {
  public:
+  /// Begins at these joint angles.
   void start(const JointVector& q_rad) noexcept { q_rad_ = q_rad; }
   /// Joint angles for this tick; near singular poses they lag instead of jumping.
   const JointVector& step(const robot::ArmModel& model, double rail_m, const ToolPose& centre,

@@ -14,6 +14,7 @@ struct MotionState {
   double acceleration_per_s2 = 0.0;
 };
 
+/// Largest speed, acceleration and jerk of an axis, in metres or radians.
 struct MotionLimits {
   double speed_per_s = 0.0;
   double acceleration_per_s2 = 0.0;
@@ -35,8 +36,10 @@ class MotionProfile {
   [[nodiscard]] bool plan_in(double duration_s, const MotionState& start, double goal,
                              const MotionLimits& limits) noexcept;
 
+  /// State at a time since the plan; at rest at the goal after `duration_s`.
   [[nodiscard]] MotionState at(double time_s) const noexcept;
   [[nodiscard]] double duration_s() const noexcept { return duration_s_; }
+  /// Where it comes to rest, m or rad.
   [[nodiscard]] double goal() const noexcept { return goal_; }
 
   /// A phase of constant jerk.

@@ -29,6 +29,7 @@ struct ToolPose {
           .normal_in_base = tip.normal_in_base};
 }
 
+/// Where the tool should be now, and how it should move, in base.
 struct ToolReference {
   ToolPose pose;
   Vector3 velocity_m_per_s = Vector3::Zero();
@@ -39,6 +40,7 @@ struct ToolReference {
 /// together. From rest the path is straight and the normal turns about one axis.
 class ToolMotion {
  public:
+  /// Limits of the way of the tool's centre and of its turning.
   struct Limits {
     MotionLimits travel = {0.20, 0.6, 6.0};   ///< m/s, m/s2, m/s3
     MotionLimits turning = {0.8, 3.0, 30.0};  ///< rad/s, rad/s2, rad/s3
@@ -51,8 +53,10 @@ class ToolMotion {
   /// a zero normal; the old motion stays.
   [[nodiscard]] bool plan(double time_s, const ToolPose& goal, const Limits& limits) noexcept;
 
+  /// Reference at a time on the clock of `plan`; at rest at the goal afterwards.
   [[nodiscard]] ToolReference at(double time_s) const noexcept;
   [[nodiscard]] double duration_s() const noexcept { return duration_s_; }
+  /// Pose that it comes to rest at.
   [[nodiscard]] const ToolPose& goal() const noexcept { return goal_; }
 
  private:

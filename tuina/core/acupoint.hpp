@@ -15,6 +15,7 @@ namespace tuina {
 /// plane; sitting: y out of the back; prone: y towards the feet.
 enum class BodyPosture : std::uint8_t { sitting, prone };
 
+/// "sitting" or "prone", as files and options say it.
 [[nodiscard]] constexpr const char* name_of(BodyPosture position) {
   return position == BodyPosture::sitting ? "sitting" : "prone";
 }
@@ -28,6 +29,7 @@ struct Acupoint {
   double uncertainty_m = 0.0;  ///< radius that holds the true point in 95 % of cases
 };
 
+/// A place of the body that a scan shows, such as "C7".
 struct Landmark {
   std::string name;
   Vector3 at_in_couch = Vector3::Zero();

@@ -11,8 +11,10 @@ namespace tuina {
 /// One turn of the control loop: 1 kHz.
 inline constexpr double control_period_s = 1e-3;
 
+/// The two arms of a robot.
 enum class Arm : std::uint8_t { left, right };
 inline constexpr std::array<Arm, 2> both_arms = {Arm::left, Arm::right};
+/// "left" or "right".
 [[nodiscard]] constexpr const char* name_of(Arm arm) {
   return arm == Arm::left ? "left" : "right";
 }
@@ -21,16 +23,22 @@ inline constexpr std::array<Arm, 2> both_arms = {Arm::left, Arm::right};
 template <typename T>
 struct PerArm {
   std::array<T, 2> of = {};
+  /// @{
+  /// What belongs to an arm.
   [[nodiscard]] T& operator[](Arm arm) { return of[static_cast<std::size_t>(arm)]; }
   [[nodiscard]] const T& operator[](Arm arm) const { return of[static_cast<std::size_t>(arm)]; }
+  /// @}
 };
 
 /// One number per joint. At most seven, so that arms of six and seven joints share the code without
 /// heap.
 inline constexpr int max_joints = 7;
+/// @{
+/// One number per joint, and a matrix of such rows and columns.
 using JointVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, max_joints, 1>;
 using JointMatrix =
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, max_joints, max_joints>;
+/// @}
 
 /// Force and torque of the environment on the robot at the tool; the name of the variable says the
 /// frame.

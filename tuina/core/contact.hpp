@@ -42,6 +42,7 @@ struct Press {
   double force_n = 0.0;
 };
 
+/// What presses have shown of a tissue.
 struct TissueEstimate {
   TangentTissue tissue;
   double alpha_ci95_n = 0.0;  ///< half-width of the 95 % interval

@@ -21,6 +21,7 @@ struct PrincipalAxes {
   Vector3 moments;
   Matrix3 axes;
 };
+/// Eigenvalues, ascending, and unit eigenvectors of a symmetric matrix.
 [[nodiscard]] PrincipalAxes principal_axes(const Matrix3& symmetric);
 
 }  // namespace tuina

@@ -14,7 +14,9 @@ using Random = std::mt19937_64;
 /// tissue: `make_random(seed, "camera noise")`.
 [[nodiscard]] Random make_random(std::uint64_t seed, std::string_view purpose);
 
+/// A normally distributed number about zero.
 [[nodiscard]] double gaussian(Random& random, double standard_deviation);
+/// An evenly distributed number from low to high.
 [[nodiscard]] double uniform(Random& random, double low, double high);
 
 }  // namespace tuina

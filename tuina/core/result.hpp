@@ -21,11 +21,13 @@ enum class Fault : std::uint8_t {
   stopped,    ///< stopped for safety
 };
 
+/// Why something could not be done.
 struct Error {
   Fault fault;
   std::string message;  ///< a sentence for people, with the numbers in it
 };
 
+/// A value, or why there is none.
 template <typename T>
 using Result = tl::expected<T, Error>;
 

@@ -16,7 +16,7 @@ struct PointCloud {
   std::vector<float> amplitude;    ///< brightness of the laser line, DN
   std::vector<float> deviation_m;  ///< standard deviation of the range
 
-  [[nodiscard]] std::size_t size() const { return points.size(); }
+  [[nodiscard]] std::size_t size() const { return points.size(); }  ///< number of points
 };
 
 /// A triangulated surface in metres; triangles run counter-clockwise seen from outside.

@@ -13,6 +13,7 @@
 
 namespace tuina {
 
+/// What a tool does on the skin.
 enum class Technique : std::uint8_t { press, rub, stroke, tap, knead };
 
 /// Everything that is said of a technique in more than one place. A new technique is an enumerator
@@ -87,12 +88,15 @@ static_assert(
     }(),
     "each technique has its row, in the order of the enumerators");
 
+/// Row of the table of techniques.
 [[nodiscard]] constexpr const TechniqueRow& row_of(Technique technique) {
   return technique_table[static_cast<std::size_t>(technique)];
 }
+/// "press", "rub", "stroke", "tap" or "knead".
 [[nodiscard]] constexpr const char* name_of(Technique technique) {
   return row_of(technique).name;
 }
+/// Whether the tool moves along the skin while it presses.
 [[nodiscard]] constexpr bool slides(Technique technique) {
   return row_of(technique).slides;
 }
@@ -105,6 +109,7 @@ static_assert(
   return std::nullopt;
 }
 
+/// Names of all techniques, in their order.
 [[nodiscard]] inline std::vector<std::string> technique_names() {
   std::vector<std::string> names;
   names.reserve(technique_table.size());

@@ -10,6 +10,8 @@ inline constexpr double gravity_m_per_s2 = 9.81;
 
 /// Units for constants: `constexpr double rub_radius_m = 30_mm;`. Values inside tuina are SI.
 inline namespace units {
+/// @{
+/// Metres from millimetres, and radians from degrees.
 constexpr double operator""_mm(long double x) {
   return static_cast<double>(x) * 1e-3;
 }
@@ -22,6 +24,7 @@ constexpr double operator""_deg(long double x) {
 constexpr double operator""_deg(unsigned long long x) {
   return static_cast<double>(x) * pi / 180.0;
 }
+/// @}
 }  // namespace units
 
 /// Conversions for the command line, config and reports, the only places with degrees and
@@ -29,6 +32,8 @@ constexpr double operator""_deg(unsigned long long x) {
 constexpr double to_mm(double metres) {
   return metres * 1e3;
 }
+/// @{
+/// A number in one unit from the other; metres and radians are inside.
 constexpr double from_mm(double millimetres) {
   return millimetres * 1e-3;
 }
@@ -38,5 +43,6 @@ constexpr double to_deg(double radians) {
 constexpr double from_deg(double degrees) {
   return degrees * pi / 180.0;
 }
+/// @}
 
 }  // namespace tuina

@@ -24,6 +24,7 @@ struct ArmTraffic {
 /// `open` nothing takes heap or waits.
 class ArmPeer {
  public:
+  /// What `hear` has brought.
   enum class Heard : std::uint8_t {
     nothing,
     again,  ///< the newest state once more: the arm waits for its command, or stands
@@ -33,6 +34,7 @@ class ArmPeer {
   /// Asks who is there. Fails with Fault::device when nobody answers within half a second.
   [[nodiscard]] static Result<ArmPeer> open(const UdpAddress& address);
 
+  /// Who answered `open`, and the limits of the arm.
   [[nodiscard]] const armlink::Hello& hello() const noexcept { return hello_; }
   /// From question to answer: the fastest and the slowest of `open`'s.
   [[nodiscard]] double min_round_trip_s() const noexcept { return min_round_trip_s_; }
@@ -48,10 +50,13 @@ class ArmPeer {
   Heard hear() noexcept;
   /// The newest one; only after something was heard.
   [[nodiscard]] const armlink::State& state() const noexcept { return *state_; }
+  /// Whether any state of the arm has come.
   [[nodiscard]] bool heard_anything() const noexcept { return state_.has_value(); }
   /// Whether the newest state came after the last command.
   [[nodiscard]] bool obeyed() const noexcept { return state_ && state_->answers == last_.sequence; }
+  /// Datagrams counted since `open`.
   [[nodiscard]] const ArmTraffic& traffic() const noexcept { return traffic_; }
+  /// Number of the socket, for poll.
   [[nodiscard]] int socket() const noexcept { return socket_.number(); }
 
   /// What ends the session, said of "the left arm"; null while all is well. It stays.

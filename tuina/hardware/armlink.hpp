@@ -19,6 +19,8 @@ inline constexpr std::size_t ask_size = 20, hello_size = 292, command_size = 92,
 inline constexpr std::size_t max_size = hello_size;
 /// Cycles without a command after which an arm under torque stops by itself.
 inline constexpr int max_missed_cycles = 3;
+/// Cycles between a state and the command in answer to it, beyond which the arm does not hear it.
+inline constexpr int max_answer_age_cycles = 8;
 
 enum class Kind : std::uint8_t { ask = 1, hello = 2, command = 3, state = 4 };
 enum class Mode : std::uint8_t {
@@ -54,8 +56,10 @@ struct Hello {
   std::array<char, 24> name = {};  ///< ends with zeros
   JointVector max_torque_nm, max_speed_rad_per_s, min_rad, max_rad;
   double min_rail_m = 0.0, max_rail_m = 0.0;
+  /// The name up to its first zero.
   [[nodiscard]] std::string_view called() const noexcept;
 };
+/// What the host asks of an arm in one cycle (docs/armlink.md).
 struct Command {
   std::uint32_t session = 0, sequence = 0;
   std::uint32_t answers = 0;  ///< sequence of the state that it answers
@@ -64,6 +68,7 @@ struct Command {
   double rail_m = 0.0;  ///< where the linear base should be
   JointVector values;   ///< by the mode
 };
+/// What an arm says of itself in one cycle (docs/armlink.md).
 struct State {
   std::uint32_t session = 0, sequence = 0;
   std::uint32_t answers = 0;  ///< sequence of the last command that was obeyed

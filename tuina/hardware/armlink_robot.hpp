@@ -54,6 +54,7 @@ class ArmlinkRobot final : public robot::Robot {
 
   /// Whether nobody can be touched by either arm.
   [[nodiscard]] bool simulated() const noexcept;
+  /// The arm's end of the network, to ask what came over it.
   [[nodiscard]] const ArmPeer& peer(Arm arm) const noexcept { return peers_[arm]; }
 
  private:

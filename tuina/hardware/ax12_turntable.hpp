@@ -35,6 +35,7 @@ class Ax12Turntable final : public scanner::Turntable {
   [[nodiscard]] Result<bool> arrived() const override;
   [[nodiscard]] Result<void> switch_laser(bool on) override;
   [[nodiscard]] Result<std::vector<scanner::YawReading>> readings() const override;
+  /// Which board and motor answered, for people.
   [[nodiscard]] std::string who() const;
 
  private:

@@ -13,6 +13,7 @@ namespace tuina::hardware {
 /// quickest of each quarter of a second follows a resonator that is wrong by up to 1 %.
 class BoardClock {
  public:
+  /// One question to the board and its answer.
   struct Exchange {
     double sent_s = 0.0;      ///< on the host's clock
     double received_s = 0.0;  ///< likewise

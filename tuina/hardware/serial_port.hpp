@@ -20,6 +20,7 @@ namespace tuina::hardware {
 /// Fault::device and names the line.
 class SerialPort {
  public:
+  /// The clock of deadlines.
   using Clock = std::chrono::steady_clock;
 
   /// `bits_per_s`: one of `serial_speeds`.
@@ -43,7 +44,8 @@ class SerialPort {
   void forget() noexcept;
   /// Raises or lowers the line DTR, which the kernel lowers when this process ends.
   [[nodiscard]] Result<void> raise_dtr(bool high);
-  [[nodiscard]] const std::string& address() const { return address_; }
+  [[nodiscard]] const std::string& address() const { return address_; }  ///< name of the line
+  /// Number of the open file, for poll.
   [[nodiscard]] int number() const noexcept { return number_; }
 
  private:

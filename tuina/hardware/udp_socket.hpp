@@ -41,11 +41,12 @@ class UdpSocket {
 
   /// To the peer. UDP promises nothing; neither does this.
   void send(std::span<const std::byte> datagram) noexcept;
+  /// To another address.
   void send(std::span<const std::byte> datagram, const UdpAddress& to) noexcept;
   /// The size of the next datagram, as much of it as fits in `into`; nothing when none is there.
   [[nodiscard]] std::optional<std::size_t> receive(std::span<std::byte> into,
                                                    UdpAddress* from = nullptr) noexcept;
-  [[nodiscard]] int number() const noexcept { return number_; }
+  [[nodiscard]] int number() const noexcept { return number_; }  ///< number of the socket, for poll
 
  private:
   explicit UdpSocket(int number) : number_(number) {}

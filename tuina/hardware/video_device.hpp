@@ -39,9 +39,11 @@ class VideoDevice {
 
   /// Result and errno of ioctl; once more when a signal came between.
   int ask(unsigned long request, void* what) const;
+  /// Sizes, formats and rates that the camera offers.
   [[nodiscard]] std::vector<CameraMode> modes() const;
+  /// Name of the file of the device.
   [[nodiscard]] const std::string& name() const { return name_; }
-  [[nodiscard]] int number() const { return number_; }
+  [[nodiscard]] int number() const { return number_; }  ///< number of the open file, for poll
 
  private:
   explicit VideoDevice(int number) : number_(number) {}

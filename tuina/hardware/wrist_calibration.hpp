@@ -29,6 +29,7 @@ struct WristPose {
   Wrench in_tool;
 };
 
+/// What `fit_wrist` finds, with its errors.
 struct WristFit {
   WristCalibration found;
   double mass_sd_kg = 0.0, com_sd_m = 0.0, offset_sd_n = 0.0, offset_sd_nm = 0.0;

@@ -13,6 +13,7 @@ namespace tuina::hardware {
 
 /// A force sensor between an arm's last link and its tool, `[wrist_sensor.left]` of a device file.
 struct WristDevice {
+  /// How the sensor is connected and speaks.
   enum class Kind : std::uint8_t {
     hex_serial,  ///< OptoForce HEX at its USB box
     hex_udp,     ///< OptoForce or OnRobot HEX at its Ethernet box

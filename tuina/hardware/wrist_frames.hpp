@@ -40,6 +40,7 @@ class Reader {
   void took(std::size_t bytes) noexcept;
   /// Nothing where more bytes are needed.
   [[nodiscard]] std::optional<WristSample> next() noexcept;
+  /// Forgets bytes that have no whole frame yet.
   void clear() noexcept { *this = {}; }
 
   /// Bytes since the last frame that belong to none.
@@ -64,6 +65,7 @@ class Reader {
 namespace rdt {
 
 inline constexpr std::size_t request_size = 8, record_size = 36;
+/// What a request of RDT asks for; the number is the protocol's.
 enum class Command : std::uint16_t {
   stop = 0,
   start = 2,      ///< data: how many samples, 0 without end
@@ -71,6 +73,7 @@ enum class Command : std::uint16_t {
   filter = 0x81,  ///< OptoForce only: as by serial line
   period = 0x82,  ///< OptoForce only: milliseconds from sample to sample
 };
+/// The bytes of a request.
 [[nodiscard]] std::array<std::byte, request_size> encode(Command command,
                                                          std::uint32_t data) noexcept;
 /// Nothing unless it has the size of one record.

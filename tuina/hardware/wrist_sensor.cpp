@@ -21,6 +21,7 @@ constexpr auto watched = 500ms;
 constexpr auto begin_patience = 5ms;
 constexpr auto zero_takes = 250ms;
 constexpr int max_at_once = 256;  // whatever comes, a millisecond ends
+constexpr int max_queued = 4096;  // samples in a full socket, of which those lost come after
 constexpr double max_rate_off = 0.08;
 // A USB serial line holds bytes back for 16 ms where nobody has told it otherwise. Shorter pauses
 // may be this machine's own; the guard sees them.
@@ -196,12 +197,12 @@ std::optional<WristSample> WristSensor::next() noexcept {
   return std::nullopt;
 }
 
-bool WristSensor::hear() noexcept {
+bool WristSensor::hear(std::optional<double> now_s) noexcept {
   bool fresh = false;
   for (int i = 0; i < max_at_once && stream_->fault() == nullptr; ++i) {
     const auto sample = next();
     if (!sample) break;
-    fresh = stream_->take(*sample, steady_s()) || fresh;
+    fresh = stream_->take(*sample, now_s.value_or(steady_s())) || fresh;
   }
   return fresh && stream_->fault() == nullptr;
 }
@@ -211,18 +212,23 @@ void WristSensor::wait(steady_clock::time_point deadline) const noexcept {
   wait_for_datagram({&number, 1}, deadline);
 }
 
-void WristSensor::begin_anew() noexcept {
+bool WristSensor::begin_anew(std::optional<double> now_s) noexcept {
   // What lies in the queue is old, and what did not fit into it is lost.
   if (port_) port_->forget();
   reader_.clear();
-  for (int i = 0; socket_ && i < 64 && next(); ++i) continue;
+  for (int i = 0; socket_ && i < max_queued && next(); ++i) continue;
   stream_->begin_anew();
-  const auto until = steady_clock::now() + begin_patience;
-  while (stream_->fault() == nullptr && !hear() && steady_clock::now() < until) wait(until);
+  const auto until =
+      steady_clock::now() + (now_s ? steady_clock::duration(ask_patience) : begin_patience);
+  while (stream_->fault() == nullptr && steady_clock::now() < until) {
+    if (hear(now_s)) return true;
+    wait(until);
+  }
+  return false;
 }
 
 Result<void> WristSensor::zero(const Wrench& weight_in_tool) {
-  begin_anew();
+  (void)begin_anew();
   Wrench sum;
   double sum2_n2 = 0.0;
   int count = 0;

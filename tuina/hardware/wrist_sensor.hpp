@@ -24,17 +24,20 @@ class WristSensor {
   /// It sends no more.
   ~WristSensor();
 
-  /// Takes what has come; true where there is a newer sample.
-  bool hear() noexcept;
+  /// Takes what has come; true where there is a newer sample. `now_s`: the time on the clock by
+  /// which samples age, where that is not the host's steady clock.
+  bool hear(std::optional<double> now_s = {}) noexcept;
   /// Waits until something comes, or until the deadline.
   void wait(std::chrono::steady_clock::time_point deadline) const noexcept;
-  /// Forgets what came while nobody listened, and waits 5 ms at most for a new sample.
-  void begin_anew() noexcept;
+  /// Forgets what came while nobody listened, and waits 5 ms at most for a new sample; 100 ms where
+  /// `now_s` stands still meanwhile. True where one has come.
+  bool begin_anew(std::optional<double> now_s = {}) noexcept;
   /// Takes the mean of a quarter of a second, with nothing at the tool, for `weight_in_tool`. Fails
   /// with Fault::device when the sensor is at fault or does not rest, or when a calibrated one
   /// would move by more than 10 N.
   [[nodiscard]] Result<void> zero(const Wrench& weight_in_tool);
 
+  /// The newest sample and what went wrong.
   [[nodiscard]] const WristStream& stream() const noexcept { return *stream_; }
   [[nodiscard]] double measured_rate_hz() const noexcept { return measured_rate_hz_; }
 

@@ -25,6 +25,7 @@ struct WristTraffic {
 /// one.
 class WristStream {
  public:
+  /// Before the first sample.
   explicit WristStream(const WristDevice& device) : device_(device) {}
 
   /// True where the sample is sound and newer than the last one. `now_s`: when it was read, on the
@@ -34,6 +35,7 @@ class WristStream {
   void take_spoilt() noexcept;
   /// Nobody listened for a while: what comes next follows on nothing. A fault stays.
   void begin_anew() noexcept { begun_ = false; }
+  /// From here on the sensor is faulty, with this reason for people.
   void break_off(std::string_view why) noexcept;
 
   /// Force of the environment on the tool about the tool's origin, weight included, offset taken
@@ -42,13 +44,18 @@ class WristStream {
   /// When the newest sample came, at the latest: one that was held up on its way counts as old,
   /// since samples are evenly spaced.
   [[nodiscard]] double time_s() const noexcept { return time_s_; }
+  /// Samples counted since the start.
   [[nodiscard]] const WristTraffic& traffic() const noexcept { return traffic_; }
   /// Said of "the sensor"; null while all is well.
   [[nodiscard]] const char* fault() const noexcept { return faulty_ ? fault_.data() : nullptr; }
 
+  /// The sensor as its file describes it.
   [[nodiscard]] const WristDevice& device() const noexcept { return device_; }
+  /// @{
+  /// The reading without weight and contact, N and Nm, which is taken off every sample.
   [[nodiscard]] const Wrench& offset_in_tool() const noexcept { return offset_in_tool_; }
   void set_offset(const Wrench& offset_in_tool) noexcept { offset_in_tool_ = offset_in_tool; }
+  /// @}
 
  private:
   [[nodiscard]] bool follows(const WristSample& sample, double now_s) noexcept;

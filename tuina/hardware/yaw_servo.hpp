@@ -32,6 +32,7 @@ class YawServo {
   /// Fails when nobody answers there, or another device than an AX-12A in joint mode.
   [[nodiscard]] static Result<YawServo> open(const TurntableDevice& device);
 
+  /// Where the motor was, and when.
   struct Told {
     double stamp_s = 0.0;  ///< on the clock of `host_s`
     int count = 0;         ///< 0 to 1023, over 300 degrees
@@ -47,6 +48,7 @@ class YawServo {
 
   /// Who answered, such as "board version 1, AX-12A (model 12), round trip 1.9 ms".
   [[nodiscard]] std::string who() const;
+  /// The turntable as its file describes it.
   [[nodiscard]] const TurntableDevice& device() const { return device_; }
 
  private:

@@ -77,6 +77,11 @@ std::optional<Scatter> scatter_of(std::span<const Visit> visits) {
 
 }  // namespace
 
+double log_scatter(std::span<const Visit> visits) {
+  const auto scatter = scatter_of(visits);
+  return scatter ? std::max(scatter->sd, assumed_scatter) : assumed_scatter;
+}
+
 Changes changes_between(const Visit& before, const Visit& after, std::span<const Visit> earlier) {
   Changes changes;
   double freedom = std::numeric_limits<double>::infinity();

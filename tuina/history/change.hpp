@@ -32,6 +32,10 @@ struct Changes {
   bool scatter_assumed = true;
 };
 
+/// The scatter between the sessions of a person as their places tell it, in order of time, but at
+/// least the assumed one.
+[[nodiscard]] double log_scatter(std::span<const Visit> visits);
+
 /// Two-sided test of each place's logarithm of stiffness, with the intervals of both sessions and
 /// the scatter between sessions (Student's t where that is an estimate); over all places by Holm's
 /// rule, [holm1979], so that in 95 of 100 sessions without any change none is called real. Scatter

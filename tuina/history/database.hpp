@@ -30,6 +30,7 @@ class Database {
   /// Overwrites on the disk what deleted rows have left there.
   [[nodiscard]] virtual Result<void> scrub() = 0;
 
+  /// Runs a statement and drops its rows. Fails as `query` does.
   [[nodiscard]] Result<void> run(const std::string& sql, std::span<const Value> values = {});
 };
 
@@ -40,6 +41,7 @@ class Database {
 /// What is done until `commit` is done as a whole or, without it, not at all.
 class Transaction {
  public:
+  /// Begins one. Fails as the database does.
   [[nodiscard]] static Result<Transaction> begin(Database& database);
   Transaction(Transaction&& other) noexcept;
   Transaction(const Transaction&) = delete;
@@ -47,6 +49,7 @@ class Transaction {
   Transaction& operator=(Transaction&&) = delete;
   ~Transaction();
 
+  /// Makes it lasting. Fails as the database does.
   [[nodiscard]] Result<void> commit();
 
  private:

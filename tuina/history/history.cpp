@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 
-#include "tuina/core/io/file.hpp"
 #include "tuina/history/schema.hpp"
 
 namespace tuina::history {
@@ -25,13 +24,6 @@ double number(const Value& value) {
   if (const auto* held = std::get_if<double>(&value)) return *held;
   const auto* held = std::get_if<std::int64_t>(&value);
   return held ? static_cast<double>(*held) : std::numeric_limits<double>::quiet_NaN();
-}
-
-/// The session in a folder that belongs to somebody.
-Result<record::SessionFile> read_session_of(const fs::path& folder) {
-  const auto content = read_file(folder / "session.json");
-  if (!content) return tl::unexpected(content.error());
-  return record::parse_session(*content, (folder / "session.json").string());
 }
 
 }  // namespace
@@ -70,12 +62,14 @@ Result<void> History::insert(const Visit& visit) {
                            visit.stops,
                            visit.stop_cause,
                            visit.consent_by,
-                           visit.said};
+                           visit.said,
+                           visit.intensity};
   return database_->run(
       "INSERT INTO session (id, who, began, folder, ended, position, programme, robot, realism, "
       "version, duration_s, force_rmse_n, force_peak_n, softer, firmer, stops, stop_cause, "
-      "consent_by, said) VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $15, "
-      "$16, $17, $18, $19)",
+      "consent_by, said, intensity) VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, "
+      "$13, $14, $15, "
+      "$16, $17, $18, $19, $20)",
       session);
 }
 
@@ -197,9 +191,8 @@ Result<std::vector<Visit>> History::visits_of(const std::string& who) {
   const Value values[] = {who};
   const auto rows = database_->query(
       "SELECT id, began, folder, ended, position, programme, robot, realism, version, duration_s, "
-      "force_rmse_n, force_peak_n, softer, firmer, stops, stop_cause, consent_by, said FROM "
-      "session "
-      "WHERE who = $1 ORDER BY began, id",
+      "force_rmse_n, force_peak_n, softer, firmer, stops, stop_cause, consent_by, said, intensity "
+      "FROM session WHERE who = $1 ORDER BY began, id",
       values);
   if (!rows) return tl::unexpected(rows.error());
   std::vector<Visit> visits;
@@ -223,6 +216,7 @@ Result<std::vector<Visit>> History::visits_of(const std::string& who) {
                       .stop_cause = text(row[15]),
                       .consent_by = text(row[16]),
                       .said = text(row[17]),
+                      .intensity = number(row[18]),
                       .acupoints = {},
                       .tissue = {}});
     if (const auto filled = fill(visits.back()); !filled) return tl::unexpected(filled.error());
@@ -238,8 +232,7 @@ Result<std::vector<std::string>> History::forget(const std::string& who, const s
   for (const Visit& visit : *visits) {
     std::error_code fault;
     if (!fs::exists(visit.folder, fault)) continue;
-    const auto file = read_session_of(visit.folder);
-    if (!file || !file->visit || file->visit->id != visit.id) {
+    if (!still_in_its_folder(visit)) {
       kept.push_back(visit.folder);
       continue;
     }

@@ -10,12 +10,14 @@
 
 namespace tuina::history {
 
+/// Somebody who has had sessions.
 struct Person {
   std::string name;
   std::string since;  ///< day and time of the first session
   std::int64_t sessions = 0;
 };
 
+/// Words of a therapist about a person.
 struct Note {
   std::string at;  ///< day and time
   std::string words;
@@ -39,11 +41,14 @@ class History {
                                    const std::filesystem::path& folder);
   /// A whole session; one with the same id is replaced.
   [[nodiscard]] Result<void> add(const Visit& visit);
+  /// Adds words about somebody who is known. Fails as the database does.
   [[nodiscard]] Result<void> add_note(const std::string& who, const Note& note);
 
+  /// Everybody, in the order of their names.
   [[nodiscard]] Result<std::vector<Person>> people();
   /// In the order of time; empty for somebody who is not known.
   [[nodiscard]] Result<std::vector<Visit>> visits_of(const std::string& who);
+  /// In the order of time; empty for somebody who is not known.
   [[nodiscard]] Result<std::vector<Note>> notes_of(const std::string& who);
 
   /// Removes the rows of somebody and the folders of their sessions, and keeps only that somebody

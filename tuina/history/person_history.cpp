@@ -16,6 +16,13 @@ Json number(double value) {
   return std::isfinite(value) ? Json(value) : Json();
 }
 
+/// What was said by hand; as it stands there where it cannot be read.
+Json said_of(const Visit& visit) {
+  if (visit.said.empty()) return {};
+  Json said = Json::parse(visit.said, nullptr, false);
+  return said.is_discarded() ? Json(visit.said) : said;
+}
+
 Json json_of(const Visit& visit) {
   Json tissue = Json::array();
   for (const VisitTissue& felt : visit.tissue) {
@@ -51,9 +58,11 @@ Json json_of(const Visit& visit) {
       {"force", {{"rmse_n", number(visit.force_rmse_n)}, {"peak_n", number(visit.force_peak_n)}}},
       {"softer", visit.softer},
       {"firmer", visit.firmer},
+      {"intensity", number(visit.intensity)},
       {"stops", visit.stops},
       {"stop_cause", visit.stop_cause},
       {"consent", {{"answered_by", visit.consent_by}}},
+      {"said", said_of(visit)},
       {"acupoints", points},
       {"tissue", tissue}};
 }

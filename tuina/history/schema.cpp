@@ -29,6 +29,8 @@ const std::vector<std::vector<const char*>> steps = {
      "CREATE INDEX session_of_person ON session (who, began)"},
     // What was ruled out or put right by hand, as in session.json.
     {"ALTER TABLE session ADD COLUMN said TEXT"},
+    // Factor on every force as the wishes have left it; NULL of sessions before.
+    {"ALTER TABLE session ADD COLUMN intensity DOUBLE PRECISION"},
 };
 
 }  // namespace

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "tuina/core/io/file.hpp"
+
 namespace tuina::history {
 
 Result<void> check_name(const std::string& who) {
@@ -17,12 +19,18 @@ Result<void> check_name(const std::string& who) {
               who.substr(0, 40));
 }
 
-const Visit* last_said(const std::vector<Visit>& visits, std::optional<BodyPosture> position) {
-  for (auto visit = visits.rbegin(); visit != visits.rend(); ++visit) {
-    const bool there = !position || visit->position == name_of(*position);
-    if (visit->ended && there && !visit->said.empty()) return &*visit;
-  }
-  return nullptr;
+Result<record::SessionFile> read_session_of(const std::filesystem::path& folder) {
+  const auto content = read_file(folder / "session.json");
+  if (!content) return tl::unexpected(content.error());
+  return record::parse_session(*content, (folder / "session.json").string());
+}
+
+Result<void> still_in_its_folder(const Visit& visit) {
+  const auto file = read_session_of(visit.folder);
+  if (!file) return tl::unexpected(file.error());
+  if (!file->visit || file->visit->id != visit.id)
+    return fail(Fault::bad_input, "{}: holds another session by now", visit.folder);
+  return {};
 }
 
 Visit visit_of(const record::SessionFile& file, const std::filesystem::path& folder) {
@@ -43,6 +51,7 @@ Visit visit_of(const record::SessionFile& file, const std::filesystem::path& fol
               .stop_cause = file.stops.empty() ? "" : file.stops.front().cause,
               .consent_by = file.answered_by,
               .said = file.order.said ? record::to_json(*file.order.said) : "",
+              .intensity = file.massage.intensity,
               .acupoints = {},
               .tissue = {}};
   for (const auto& [time_s, command] : file.order.commands) {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -38,7 +39,9 @@ struct Visit {
   std::int64_t stops = 0;
   std::string stop_cause;  ///< of the first stop
   std::string consent_by;
-  std::string said;                 ///< by hand, `record::parse_said`; empty: nothing
+  std::string said;  ///< by hand, `record::parse_said`; empty: nothing
+  /// Factor on every force as the wishes have left it; NaN where it was not told.
+  double intensity = std::numeric_limits<double>::quiet_NaN();
   std::vector<Acupoint> acupoints;  ///< without normals
   std::vector<VisitTissue> tissue;
 };
@@ -46,10 +49,12 @@ struct Visit {
 /// What the record of a session tells of it. `file.visit` is there.
 [[nodiscard]] Visit visit_of(const record::SessionFile& file, const std::filesystem::path& folder);
 
-/// The newest of somebody's sessions in a position in which something was said by hand; null where
-/// there is none. Without a position that of any.
-[[nodiscard]] const Visit* last_said(const std::vector<Visit>& visits,
-                                     std::optional<BodyPosture> position);
+/// The session in a folder. Fails with file and reason.
+[[nodiscard]] Result<record::SessionFile> read_session_of(const std::filesystem::path& folder);
+
+/// Whether the folder of a visit still holds that very session. Fails with the reason: it is gone,
+/// cannot be read, or holds another session by now.
+[[nodiscard]] Result<void> still_in_its_folder(const Visit& visit);
 
 /// Names of people: 1 to 40 letters, digits, `-` and `_`. Refused otherwise.
 [[nodiscard]] Result<void> check_name(const std::string& who);

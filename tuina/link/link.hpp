@@ -22,6 +22,7 @@ inline constexpr std::size_t roles = 5;  ///< that write
 /// wildly or never delays the others by their own deadlines at most.
 class Link {
  public:
+  /// When a wait ends, by the steady clock.
   using Deadline = std::chrono::steady_clock::time_point;
 
   /// Makes the memory anew; the process that does so takes it away when it ends.
@@ -31,15 +32,22 @@ class Link {
 
   /// Writes a frame of this process' own kind and rings.
   void write(const wire::SensorFrame& frame) noexcept;
+  /// @{
+  /// Likewise.
   void write(const wire::ProposalFrame& frame) noexcept;
   void write(const wire::StandFrame& frame) noexcept;
   void write(const wire::DriveFrame& frame) noexcept;
   void write(const wire::WatchFrame& frame) noexcept;
+  /// @}
 
+  /// @{
+  /// The newest frame of another process, as `Slot::read`.
   [[nodiscard]] auto sensors() const noexcept { return drives_->sensors.read(); }
   [[nodiscard]] auto proposal() const noexcept { return controller_->proposal.read(); }
   [[nodiscard]] auto stand() const noexcept { return controller_->stand.read(); }
   [[nodiscard]] auto drive() const noexcept { return guard_->drive.read(); }
+  /// @}
+  /// The newest frame of somebody who watches, likewise.
   [[nodiscard]] auto watch(safety::Watcher watcher) const noexcept {
     return watchers_[static_cast<std::size_t>(watcher)]->watch.read();
   }

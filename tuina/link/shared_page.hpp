@@ -17,6 +17,7 @@ namespace tuina::link {
 template <typename Frame>
 class Slot {
  public:
+  /// Puts a frame in place of the one before. One writer only; never waits.
   void write(const Frame& frame) noexcept {
     const std::uint64_t count = count_.load(std::memory_order_relaxed) | 1U;
     count_.store(count, std::memory_order_relaxed);
@@ -27,6 +28,7 @@ class Slot {
     count_.store(count + 1, std::memory_order_release);
   }
 
+  /// The newest whole frame; nothing before the first one, or where each try met a new one.
   [[nodiscard]] std::optional<Frame> read() const noexcept {
     constexpr int tries = 16;
     for (int i = 0; i < tries; ++i) {
@@ -53,6 +55,7 @@ class Slot {
 /// made it takes it away with its end.
 class SharedMemory {
  public:
+  /// Whether the memory is made anew, or one that is there is opened.
   enum class Use : std::uint8_t { make, write, read };
   /// Fails with Fault::device where there is none of this size.
   [[nodiscard]] static Result<SharedMemory> map(const std::string& name, std::size_t bytes,
@@ -61,7 +64,7 @@ class SharedMemory {
   SharedMemory(SharedMemory&& other) noexcept { *this = std::move(other); }
   SharedMemory& operator=(SharedMemory&& other) noexcept;
   ~SharedMemory();
-  [[nodiscard]] void* begin() const noexcept { return begin_; }
+  [[nodiscard]] void* begin() const noexcept { return begin_; }  ///< first byte
 
  private:
   std::string name_;
@@ -74,6 +77,7 @@ class SharedMemory {
 template <typename Content>
 class SharedPage {
  public:
+  /// Maps the page of this name. Fails with Fault::device where there is none of this layout.
   [[nodiscard]] static Result<SharedPage> map(const std::string& name, SharedMemory::Use use) {
     auto memory = SharedMemory::map(name, sizeof(Page), use);
     if (!memory) return tl::unexpected(memory.error());
@@ -85,6 +89,7 @@ class SharedPage {
     shared.memory_ = std::move(*memory);
     return shared;
   }
+  /// What the processes share.
   [[nodiscard]] Content* operator->() const noexcept { return &page_->content; }
 
  private:

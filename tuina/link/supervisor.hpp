@@ -28,6 +28,7 @@ class Supervisor {
   Supervisor& operator=(const Supervisor&) = default;
 };
 
+/// The guard within this process.
 class OwnSupervisor final : public Supervisor {
  public:
   [[nodiscard]] Result<void> arm(const Arming& arming) override {

@@ -18,16 +18,19 @@ inline constexpr std::uint64_t layout = 0x7475'696e'6100'0002;  // "tuina", vers
 
 inline constexpr std::uint64_t no_tick = ~std::uint64_t{0};
 
+/// One number per joint.
 struct Joints {
   std::array<double, max_joints> of = {};
   std::int32_t count = 0;
 };
 
+/// What one arm senses: rad, rad/s, N and Nm.
 struct SensorArm {
   Joints q_rad, dq_rad_per_s;
   std::array<double, 6> wrench_in_tool = {};  ///< force, then torque
   double wrench_time_s = 0.0;
 };
+/// What the drives sense in a millisecond.
 struct SensorFrame {
   std::uint64_t tick = 0;
   std::uint64_t process = 0;  ///< number of the process that drives
@@ -38,6 +41,7 @@ struct SensorFrame {
   std::array<SensorArm, 2> arms = {};
 };
 
+/// What the controller wants of one arm, as safety::Proposal.
 struct ProposedArm {
   Joints torque_nm;
   std::array<double, 3> normal_in_base = {}, virtual_target_in_base = {};
@@ -45,6 +49,7 @@ struct ProposedArm {
   double stiffness_n_per_m = 0.0;
   std::uint8_t phase = 0, zone = 0;
 };
+/// What the controller wants of both arms.
 struct ProposalFrame {
   std::uint64_t answers_tick = 0;
   double rail_m = 0.0;
@@ -69,10 +74,12 @@ struct WatchFrame {
   std::uint8_t stop = 0;
 };
 
+/// What the guard lets one arm do, as safety::Verdict.
 struct DrivenArm {
   Joints torque_nm;
   std::uint8_t brake = 0, action = 0, cause = 0, latched = 0;
 };
+/// What the guard lets both arms do.
 struct DriveFrame {
   std::uint64_t answers_tick = 0;
   std::uint64_t armed = 0;  ///< number of the process that wrote this; 0: there was none yet

@@ -41,6 +41,7 @@ class BackChart {
   [[nodiscard]] static Result<BackChart> from(std::span<const Acupoint> acupoints,
                                               std::span<const Landmark> landmarks);
 
+  /// Where a place of the couch is on the map; its height over the map is left out.
   [[nodiscard]] Place place_of(const Vector3& in_couch) const;
   /// On the plane of the map, not on the skin; `lift` brings it there.
   [[nodiscard]] Vector3 in_couch(const Place& place) const;
@@ -50,18 +51,23 @@ class BackChart {
     return {(side > 0.0 ? 1.0 : -1.0) * relative.aside_cun * cun_m_,
             relative.up_share * up_of(Level::C7)};
   }
+  /// The place by the measures of this body, whichever side it is on.
   [[nodiscard]] RelativePlace relative(const Place& place) const {
     return {std::abs(place.left_m) / cun_m_, place.up_m / up_of(Level::C7)};
   }
 
+  /// Height of a level over the map's origin, m.
   [[nodiscard]] double up_of(Level level) const {
     return level_up_m_[static_cast<std::size_t>(level)];
   }
   /// A third of the mean distance from the spine to BL47 and BL50, which lie 3 cun beside it.
   [[nodiscard]] double cun_m() const { return cun_m_; }
+  /// @{
+  /// Axes of the map in couch, unit: to the person's left, towards the head, out of the back.
   [[nodiscard]] const Vector3& left() const { return left_; }
   [[nodiscard]] const Vector3& up() const { return up_; }
   [[nodiscard]] const Vector3& out() const { return out_; }
+  /// @}
 
  private:
   [[nodiscard]] Place flat(const Vector3& in_couch) const;

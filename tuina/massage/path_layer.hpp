@@ -17,6 +17,7 @@ namespace tuina::massage {
 /// account of the zones touched and of everything that could not be done as it was ordered.
 class PathLayer {
  public:
+  /// All but the factor on the forces must outlive it.
   PathLayer(const body::BackSurface& back, const BackChart& chart, const ZoneMap& zones,
             const PlanOptions& options, double force_scale);
 
@@ -29,7 +30,9 @@ class PathLayer {
   [[nodiscard]] std::optional<double> hand_over_hand_s(const Part& part,
                                                        std::span<const Target> lines);
 
+  /// Zones that a path so far has touched.
   [[nodiscard]] const std::set<Zone>& touched() const { return touched_; }
+  /// Sentences for people: what was not done as ordered, and why.
   [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }
 
  private:

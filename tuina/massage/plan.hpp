@@ -24,6 +24,7 @@ struct Plan {
   std::vector<std::string> notes;
 };
 
+/// What bounds a plan besides the zones.
 struct PlanOptions {
   double force_scale = 1.0;       ///< Factor on every force, besides the programme's intensity.
   double muscle_cap_n = 30.0;     ///< Cap in muscle; the zone's own cap holds too.

@@ -51,6 +51,7 @@ struct Transfers {
   double start_and_stop_s = 0.4;  ///< Time that each move needs to gain and lose speed.
 
   [[nodiscard]] double retract_s() const;
+  /// Time of a way above the skin.
   [[nodiscard]] double travel_s(double distance_m) const;
   [[nodiscard]] double approach_s() const;
 };

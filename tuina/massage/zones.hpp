@@ -78,11 +78,15 @@ inline constexpr std::array<ZoneRule, 11> zone_rules = {{
 /// uncertainty of the points it comes from.
 class ZoneMap {
  public:
+  /// The zones of one person, from their map, and what somebody has ruled out.
   ZoneMap(const BackChart& chart, std::span<const Acupoint> acupoints,
           std::span<const Landmark> landmarks, std::span<const NoGo> no_go = {});
 
+  /// @{
+  /// The zone that a place lies in.
   [[nodiscard]] Zone at(const Vector3& in_couch) const { return at(chart_.place_of(in_couch)); }
   [[nodiscard]] Zone at(const Place& place) const;
+  /// @}
 
   /// Whether a tool sent here may really come down on a spinous process, once in 2000 times or
   /// more: the borders of the zones hold in 19 of 20 only.

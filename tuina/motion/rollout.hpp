@@ -45,6 +45,7 @@ class Rollout {
   void slide(std::span<const robot::ContactGoal> places, const JointVector& posture_rad,
              JointPath& joint_path);
 
+  /// Joint angles now.
   [[nodiscard]] const JointVector& q_rad() const noexcept { return q_rad_; }
   /// Tool position error now; an arm that got stuck keeps one.
   [[nodiscard]] double tool_error_m() const noexcept { return tool_error_m_; }

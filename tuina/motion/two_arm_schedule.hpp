@@ -14,6 +14,7 @@ namespace tuina::motion {
 /// once if their distance allows, else one after the other with the idle arm out of the way.
 class TwoArmSchedule {
  public:
+  /// The arms and what is around them.
   explicit TwoArmSchedule(Stage stage);
 
   /// Adds one step of the plan, at most one path per arm. Infeasible paths are left out, with the

@@ -23,6 +23,7 @@ struct MappedBack {
 /// seven, a place that is not three numbers in metres or a normal that is not of length one is
 /// refused with its name.
 [[nodiscard]] Result<MappedBack> read_acupoints(const std::filesystem::path& file);
+/// The same of a text; `name` stands for the file in what is wrong.
 [[nodiscard]] Result<MappedBack> parse_acupoints(std::string_view text, std::string_view name);
 
 /// Answer of `map`, and content of acupoints.json.
@@ -32,6 +33,7 @@ struct MapFile {
   std::size_t dropped_points = 0;  ///< points of the scan that were not finite
   double compute_ms = 0.0;
 };
+/// The JSON object of acupoints.json; places in `couch`, metres.
 [[nodiscard]] std::string to_json(const MapFile& map);
 
 }  // namespace tuina::record

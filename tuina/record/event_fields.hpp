@@ -15,6 +15,7 @@
 /// topic and its fields; the JSON and its schema come from these.
 namespace tuina::record {
 
+/// What was ordered, once at the start.
 struct OrderEvent {
   static constexpr const char* topic = "/tuina/order";
   std::uint64_t seed = 1;
@@ -27,6 +28,7 @@ struct OrderEvent {
   };
 };
 
+/// That the questions about health were answered, once at the start.
 struct ConsentEvent {
   static constexpr const char* topic = "/tuina/consent";
   std::string answered_by;
@@ -36,6 +38,7 @@ struct ConsentEvent {
   };
 };
 
+/// What is going to be done, once a plan is made.
 struct PlanEvent {
   static constexpr const char* topic = "/tuina/plan";
   std::string programme;
@@ -99,16 +102,19 @@ struct TissueEvent {
   };
 };
 
+/// The steering lowers a force, and why.
 struct DecisionEvent : telemetry::SteeringDecision {
   static constexpr const char* topic = "/tuina/decisions";
   static constexpr auto fields = decision_fields;
 };
 
+/// The guard stops an arm, and why.
 struct StopEvent : telemetry::Stop {
   static constexpr const char* topic = "/tuina/stops";
   static constexpr auto fields = stop_fields;
 };
 
+/// What somebody told the running session.
 struct CommandEvent {
   static constexpr const char* topic = "/tuina/commands";
   session::LiveCommand command = session::LiveCommand::pause;

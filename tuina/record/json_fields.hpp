@@ -56,10 +56,13 @@ template <typename T>
 concept Enumeration = std::is_enum_v<T>;
 inline constexpr const char* no_enumerator = "auto";  ///< an optional enumerator that is not there
 
+/// Writes one object, field by field.
 class JsonWriter {
  public:
-  using Json = nlohmann::ordered_json;
+  using Json = nlohmann::ordered_json;  ///< keeps the order in which the fields are named
 
+  /// @{
+  /// What every visitor of fields has; `JsonReader` says what each is for.
   template <typename T>
   void operator()(const char* key, const T& value, Unit unit = {}) {
     json[key] = json_of(value, unit);
@@ -100,6 +103,7 @@ class JsonWriter {
     });
   }
   [[nodiscard]] static bool has(const char* /*key*/) { return true; }
+  /// @}
 
   Json json = Json::object();
 
@@ -146,11 +150,13 @@ class JsonWriter {
 /// Reads one object; the first fault is kept, with the path of its field, and ends the reading.
 class JsonReader {
  public:
-  using Json = nlohmann::json;
+  using Json = nlohmann::json;  ///< what is read
 
+  /// `path` names the object in what is wrong; object and fault must outlive it.
   JsonReader(const Json& object, std::string path, std::string& fault)
       : object_(object), path_(std::move(path)), fault_(fault) {}
 
+  /// A value; a key that is not there, or a value of another type, is a fault.
   template <typename T>
   void operator()(const char* key, T& value, Unit unit = {}) {
     if (const Json* node = find(key)) take(*node, path_of(key), value, unit);
@@ -168,6 +174,7 @@ class JsonReader {
   void if_known(const char* key, std::optional<T>& value, const Fields& fields) {
     if (has(key)) fields(*this, value.emplace());
   }
+  /// An object within this one.
   template <typename Fields>
   void object(const char* key, const Fields& fields) {
     const Json* node = find(key);
@@ -192,6 +199,7 @@ class JsonReader {
       fields(inside, items[i]);
     }
   }
+  /// An object with one object for each name; items begin with their key as name.
   template <typename T, typename Fields>
   void named(const char* key, std::vector<T>& items, const Fields& fields) {
     object(key, [&](JsonReader& inside) {
@@ -201,6 +209,7 @@ class JsonReader {
       }
     });
   }
+  /// Whether a key is there.
   [[nodiscard]] bool has(const char* key) const { return object_.contains(key); }
 
  private:
@@ -266,6 +275,7 @@ class JsonReader {
 [[nodiscard]] Result<nlohmann::json> parse_json(std::string_view text, std::string_view file,
                                                 std::string_view what);
 
+/// The JSON object of a struct by its list of fields.
 template <typename T, typename Fields>
 [[nodiscard]] nlohmann::ordered_json to_json(const T& from, const Fields& fields) {
   JsonWriter writer;
@@ -273,6 +283,7 @@ template <typename T, typename Fields>
   return std::move(writer.json);
 }
 
+/// Reads a struct by its list of fields. Fails with file, path of the field and value.
 template <typename T, typename Fields>
 [[nodiscard]] Result<T> parse_json(std::string_view text, std::string_view file,
                                    std::string_view what, const Fields& fields) {

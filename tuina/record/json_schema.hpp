@@ -8,8 +8,11 @@ namespace tuina::record {
 /// Visits a list of fields (json_fields.hpp) and makes the JSON Schema of what `JsonWriter` writes.
 class SchemaWriter {
  public:
+  /// Keeps the order in which the fields are named.
   using Json = nlohmann::ordered_json;
 
+  /// @{
+  /// What `JsonWriter` does with a field, as its type.
   template <typename T>
   void operator()(const char* key, const T&, Unit = {}) {
     properties_[key] = type_of(T());
@@ -24,6 +27,8 @@ class SchemaWriter {
     fields(inside);
     properties_[key] = inside.schema();
   }
+  /// @}
+  /// The schema of the object visited.
   [[nodiscard]] Json schema() const { return {{"type", "object"}, {"properties", properties_}}; }
 
  private:

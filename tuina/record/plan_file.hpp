@@ -22,12 +22,16 @@ struct PlanFile {
   double compute_ms = 0.0;
 };
 
+/// What plan.json says of a plan.
 [[nodiscard]] PlanFile plan_file_of(const motion::ReadyPlan& ready, double compute_ms);
 
 /// The JSON object of plan.json; places in `couch`, in metres.
 [[nodiscard]] std::string to_json(const PlanFile& file);
 
+/// @{
+/// Reads plan.json. Fails with file, path of the field and value; `name` stands for the file.
 [[nodiscard]] Result<PlanFile> read_plan(const std::filesystem::path& file);
 [[nodiscard]] Result<PlanFile> parse_plan(std::string_view text, std::string_view name);
+/// @}
 
 }  // namespace tuina::record

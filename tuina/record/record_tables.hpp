@@ -12,6 +12,7 @@ namespace tuina::record {
 
 /// What `write_tables` has made of a record.
 struct RecordTables {
+  /// One file of CSV.
   struct Made {
     std::string file;  ///< name in the folder
     std::uint64_t rows = 0;

@@ -26,6 +26,7 @@ class ScanChannel {
  public:
   /// The sink must outlive it. Those who read it learn of it here.
   explicit ScanChannel(ChannelSink& sink);
+  /// Writes the cloud of a scan.
   void tell(const scanner::Scan& scan);
 
  private:
@@ -48,9 +49,11 @@ class SessionChannels final : public session::Observer {
   /// Says which milliseconds are missing before that one.
   void tell_gap(std::uint64_t next_tick);
 
+  /// @{
   /// Milliseconds that were told, and those between them that were not.
   [[nodiscard]] std::uint64_t ticks() const { return ticks_; }
   [[nodiscard]] std::uint64_t missing_ms() const { return missing_ms_; }
+  /// @}
   /// Session time of the last millisecond.
   [[nodiscard]] double time_s() const { return time_s_; }
   /// The robot where it stands, once the person is found.

@@ -89,6 +89,7 @@ constexpr auto massage_fields = [](auto& visit, auto& massage) {
   visit("min_arm_distance_mm", massage.min_arm_distance_m, mm);
   surroundings_fields(visit, massage.clear);
   visit.maybe("min_distance_to_person_mm", massage.min_distance_to_person_m, mm);
+  visit.maybe("intensity", massage.intensity);
   visit.object("force", [&](auto& inside) { force_fields(inside, massage.force); });
   visit.object("techniques", [&](auto& inside) { techniques_fields(inside, massage.techniques); });
   visit.list("performed", massage.performed, performed_fields);
@@ -148,6 +149,7 @@ constexpr auto traffic_fields = [](auto& visit, auto& traffic) {
   visit("late", traffic.late);
   visit("unheard", traffic.unheard);
   visit("rejected", traffic.rejected);
+  visit.maybe("wrist", traffic.wrist);
 };
 
 constexpr auto device_fields = [](auto& visit, auto& devices) {
@@ -159,20 +161,31 @@ constexpr auto device_fields = [](auto& visit, auto& devices) {
     visit.object(name_of(arm), [&](auto& inside) { traffic_fields(inside, devices.traffic[arm]); });
 };
 
+constexpr auto point_fields = [](auto& visit, auto& point) {
+  visit("name", point.name);
+  visit("position_m", point.at_in_couch);
+};
+
+constexpr auto known_fields = [](auto& visit, auto& known) {
+  visit("position", known.position);
+  visit.list("lay", known.lay, point_fields);
+  visit.list("places", known.places, [](auto& inside, auto& place) {
+    inside("name", place.name);
+    tangent_fields(inside, place.tissue);
+    inside("log_sd", place.log_sd);
+  });
+};
+
 constexpr auto said_fields = [](auto& visit, auto& said) {
-  const auto place = [](auto& inside, auto& point) {
-    inside("name", point.name);
-    inside("position_m", point.at_in_couch);
-  };
   visit.list("no_go", said.by_hand.no_go, [](auto& inside, auto& area) {
     inside("name", area.name);
     inside("corners_m", area.corners_in_couch);
   });
-  visit.list("fixed", said.by_hand.fixed, [&](auto& inside, auto& point) {
-    place(inside, point);
+  visit.list("fixed", said.by_hand.fixed, [](auto& inside, auto& point) {
+    point_fields(inside, point);
     inside("error_mm", point.error_m, mm);
   });
-  visit.list("lay", said.lay, place);
+  visit.list("lay", said.lay, point_fields);
 };
 
 constexpr auto session_fields = [](auto& visit, auto& file) {
@@ -197,6 +210,9 @@ constexpr auto session_fields = [](auto& visit, auto& file) {
   visit.list("commands", file.order.commands, command_fields);
   visit.if_known("said", file.order.said, [](auto& of_file, auto& said) {
     of_file.object("said", [&](auto& inside) { said_fields(inside, said); });
+  });
+  visit.if_known("known", file.order.known, [](auto& of_file, auto& known) {
+    of_file.object("known", [&](auto& inside) { known_fields(inside, known); });
   });
   visit.list("decisions", file.decisions, decision_fields);
   visit.list("tissue", file.tissue, felt_fields);

@@ -13,7 +13,8 @@
 #include "tuina/body/acupoints.hpp"
 #include "tuina/core/result.hpp"
 #include "tuina/robot/obstacle.hpp"
-#include "tuina/session/by_hand.hpp"
+#include "tuina/session/earlier/by_hand.hpp"
+#include "tuina/session/earlier/known_tissue.hpp"
 #include "tuina/session/force_errors.hpp"
 #include "tuina/session/live_command.hpp"
 #include "tuina/telemetry/report/report_data.hpp"
@@ -33,14 +34,18 @@ struct SessionOrder {
   std::string consent;     ///< a file with answers; empty: the simulated person answers
   std::string robot_pose;  ///< a file of `calibrate --robot`; empty: as good a one
   bool adaptive = true;
+  double intensity = 1.0;  ///< on every force, as the session begins
   tissue::BodyFacts facts;
   /// By hand, in this session or remembered of one before: places ruled out, points put right.
   std::optional<session::Said> said = {};
   std::vector<body::PalpatedPoint> fixed = {};  ///< on this scan; in a record they stand in `said`
-  bool keys = false;                            ///< live commands from standard input
+  /// What an earlier session of this person has felt.
+  std::optional<session::KnownTissue> known = {};
+  bool keys = false;  ///< live commands from standard input
   /// Commands as they were given in a session before, and when; instead of keys.
   std::vector<std::pair<double, session::LiveCommand>> commands;
-  bool real_time = false;
+  /// Seconds of the simulation in one of the clock; nothing: as fast as it can be computed.
+  std::optional<double> pace = {};
   bool processes = false;   ///< guard and robot are processes of their own
   std::string link = {};    ///< name of the memory that they share; empty: one of this process
   std::string device = {};  ///< a device file; empty: all devices are simulated in this program
@@ -74,8 +79,10 @@ struct PerformedEntry {
 
 /// Arms at the other ends of a network, and what came over it.
 struct DeviceRecord {
+  /// Cycles of one arm, and datagrams that did not come as they should.
   struct Traffic {
     std::uint64_t cycles = 0, lost = 0, late = 0, unheard = 0, rejected = 0;
+    std::string wrist = {};  ///< what came from a wrist sensor of its own, and how it has failed
   };
   std::string arms;  ///< kind and addresses
   std::string pace;
@@ -87,6 +94,7 @@ struct DeviceRecord {
 /// The numbers of a session as session.json holds them: all that the report shows of it but for
 /// scan, plan and the tables. A distance that is not known is infinite.
 struct SessionFile {
+  /// The scan in numbers.
   struct Scan {
     int profiles = 0;
     std::size_t points = 0;
@@ -94,6 +102,7 @@ struct SessionFile {
     double rms_error_m = 0.0;
     double compute_ms = 0.0;
   };
+  /// The acupoints found, with errors where the truth is known.
   struct Acupoints {
     body::Method method = body::Method::surface;
     double compute_ms = 0.0;
@@ -101,6 +110,7 @@ struct SessionFile {
     double max_error_m = std::numeric_limits<double>::quiet_NaN();
     std::vector<telemetry::FoundAcupoint> points;
   };
+  /// The plan in numbers.
   struct Plan {
     double compute_ms = 0.0;
     std::size_t paths = 0;
@@ -111,11 +121,14 @@ struct SessionFile {
     std::vector<std::string> zones_touched;
     std::vector<std::string> notes;
   };
+  /// The massage in numbers: forces, distances and contacts.
   struct Massage {
     double duration_s = 0.0;
     double real_time_factor = 0.0;
     double min_arm_distance_m = 0.0;
     robot::Clearances clear;
+    /// Factor on every force as the wishes have left it; a version that did not tell wrote none.
+    double intensity = std::numeric_limits<double>::quiet_NaN();
     double min_distance_to_person_m = std::numeric_limits<double>::infinity();
     session::ForceErrors force;
     std::vector<telemetry::TechniqueForce> techniques;  ///< of the techniques that were used
@@ -154,6 +167,7 @@ struct SessionFile {
 
 /// What was said by hand, as one line of JSON, and back.
 [[nodiscard]] std::string to_json(const session::Said& said);
+/// Fails with path of the field and value; `name` stands for the file.
 [[nodiscard]] Result<session::Said> parse_said(std::string_view text, std::string_view name);
 
 }  // namespace tuina::record

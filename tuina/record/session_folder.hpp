@@ -34,6 +34,7 @@ class SessionFolder {
   /// to its end is; an attachment that would not be a plain file of the folder is refused.
   [[nodiscard]] static Result<SessionFolder> open(const std::filesystem::path& folder_or_mcap);
 
+  /// The folder itself, or the scratch folder of an opened record.
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
   /// An error about a file of the folder, named as the user knows it.
   [[nodiscard]] Error explained(Error error) const;

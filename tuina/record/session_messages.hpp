@@ -23,7 +23,9 @@ namespace ros = telemetry::ros;
 
 /// Session time as messages and files state it.
 [[nodiscard]] std::uint64_t to_ns(double time_s);
+/// The head of a message at a time of the session.
 [[nodiscard]] ros::Header header_of(double time_s, const char* frame);
+/// A transform as a message, metres and quaternion.
 [[nodiscard]] ros::Transform message_of(const Transform& to_from);
 
 /// Points with normals left out and the brightness as `intensity`.
@@ -38,8 +40,10 @@ namespace ros = telemetry::ros;
 /// steps below their noise (docs/record.md), since the rest would be noise that takes space.
 class RobotMessages {
  public:
+  /// The robot as it stands at this couch.
   explicit RobotMessages(const robot::RobotPlacement& placement);
 
+  /// The robot as a tree of parts, for viewers.
   [[nodiscard]] const robot::Description& description() const { return whole_.description; }
   /// The joints of rail and arms with the torques that the robot was told. Lives until the next
   /// call, as the others do.
@@ -51,7 +55,9 @@ class RobotMessages {
   [[nodiscard]] ros::TFMessage still(double time_s, const Transform& base_from_couch) const;
   /// Every part of the robot in the one that carries it.
   const ros::TFMessage& parts(const robot::RobotReading& reading);
+  /// The wrench at an arm's wrist, in its tool.
   [[nodiscard]] ros::WrenchStamped wrench(const robot::RobotReading& reading, Arm arm) const;
+  /// The pose of an arm's tool in base.
   [[nodiscard]] ros::PoseStamped pose(const robot::RobotReading& reading, Arm arm) const;
 
   static constexpr std::array<const char*, 2> tool_frames = {"left_tool", "right_tool"};

@@ -21,6 +21,7 @@ class SessionRecorder final : public session::Observer, private ChannelSink {
  public:
   using Attachments = std::vector<std::pair<std::string, std::string>>;  ///< names, contents
 
+  /// Begins a record at `file` with what is known at the start. Fails with Fault::file.
   [[nodiscard]] static Result<std::unique_ptr<SessionRecorder>> begin(
       const std::filesystem::path& file, const SessionStart& start,
       const Attachments& attached = {});
@@ -34,9 +35,11 @@ class SessionRecorder final : public session::Observer, private ChannelSink {
     if (state_) channels_.on_tick(tick);
   }
 
+  /// @{
   /// Milliseconds that were recorded, and those between them that were not.
   [[nodiscard]] std::uint64_t ticks() const { return channels_.ticks(); }
   [[nodiscard]] std::uint64_t missing_ms() const { return channels_.missing_ms(); }
+  /// @}
 
   /// Attaches these files, those that exist, and closes the record of a session whose last
   /// millisecond was `last_tick`. Large tables and texts are attached as zstd frames with `.zst`

@@ -50,11 +50,16 @@ std::vector<telemetry::KeyNumber> numbers_of(const SessionFile& file) {
        "two arms at 1 kHz, physics at 4 kHz"}};
   if (!file.devices) return numbers;
   std::uint64_t lost = 0, late = 0;
-  for (const DeviceRecord::Traffic& traffic : file.devices->traffic.of)
+  std::string wrists;
+  for (const Arm arm : both_arms) {
+    const DeviceRecord::Traffic& traffic = file.devices->traffic[arm];
     lost += traffic.lost, late += traffic.late + traffic.rejected;
+    if (!traffic.wrist.empty())
+      wrists += fmt::format("; {} wrist sensor {}", name_of(arm), traffic.wrist);
+  }
   numbers.push_back({"arms", fmt::format("{}", lost), "states lost",
-                     fmt::format("{}; {} more late or rejected; camera and turntable: {}",
-                                 file.devices->arms, late, file.devices->scanner)});
+                     fmt::format("{}; {} more late or rejected{}; camera and turntable: {}",
+                                 file.devices->arms, late, wrists, file.devices->scanner)});
   return numbers;
 }
 

@@ -19,15 +19,21 @@ struct JointRow {
   PerArm<JointVector> torque_nm;  ///< torques that the motors were told
 };
 
+/// @{
+/// The table as CSV, with a head that names units and frames.
 [[nodiscard]] std::string csv_of(const std::vector<telemetry::TraceRow>& trace);
 [[nodiscard]] std::string csv_of(const std::vector<JointRow>& joints);
 [[nodiscard]] std::string csv_of(const std::vector<telemetry::ArmDistance>& distances);
+/// @}
 
 /// Refused, with file and line: what is not as it was written.
 [[nodiscard]] Result<std::vector<telemetry::TraceRow>> read_trace(
     const std::filesystem::path& file);
+/// @{
+/// Likewise.
 [[nodiscard]] Result<std::vector<JointRow>> read_joints(const std::filesystem::path& file);
 [[nodiscard]] Result<std::vector<telemetry::ArmDistance>> read_distances(
     const std::filesystem::path& file);
+/// @}
 
 }  // namespace tuina::record

@@ -41,6 +41,7 @@ inline constexpr auto order_fields = [](auto& visit, auto& order) {
   visit("body_mass_index", order.facts.mass_index);
   visit("body_fat_percent", order.facts.fat_percent);
   visit("adaptive", order.adaptive);
+  visit.maybe("intensity", order.intensity);
 };
 
 inline constexpr auto decision_fields = [](auto& visit, auto& made) {

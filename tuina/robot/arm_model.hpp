@@ -27,22 +27,28 @@ struct ArmDynamics {
 /// about 0.3 microseconds for everything (./run bench robot). The rail counts as standing still.
 class ArmModel {
  public:
+  /// One arm of a robot of this table, mounted so.
   ArmModel(const ArmTable& table, const RobotMount& mount, Arm arm) noexcept;
 
+  /// The table that it was made of.
   [[nodiscard]] const ArmTable& table() const noexcept { return table_; }
-  [[nodiscard]] int joints() const noexcept { return table_.joints; }
+  [[nodiscard]] int joints() const noexcept { return table_.joints; }  ///< number of joints: 6 or 7
   /// Distance from the shoulder to the tool's origin of the stretched arm.
   [[nodiscard]] double reach_m() const noexcept { return reach_m_; }
   /// Number of the DH frame whose origin is the elbow; the one before it is the shoulder's.
   [[nodiscard]] std::size_t elbow() const noexcept { return elbow_; }
+  /// Where the shoulder is with the rail there.
   [[nodiscard]] Vector3 shoulder_in_base(double rail_m) const noexcept {
     return shoulder_in_base_ + rail_m * rail_axis_in_base_;
   }
 
+  /// Kinematics and dynamics of a state at once.
   [[nodiscard]] ArmDynamics evaluate(const JointVector& q_rad, const JointVector& dq_rad_per_s,
                                      double rail_m) const noexcept;
 
+  /// Pose of the tool at these joint angles.
   [[nodiscard]] Transform base_from_tool(const JointVector& q_rad, double rail_m) const noexcept;
+  /// Torques that hold the arm against gravity.
   [[nodiscard]] JointVector gravity_nm(const JointVector& q_rad) const noexcept;
 
   /// Pose of the tool and its Jacobian only, for inverse kinematics.
@@ -51,6 +57,7 @@ class ArmModel {
     Jacobian jacobian;
     std::array<Vector3, max_joints + 1> origins_in_base;  ///< DH frames 0 to n
   };
+  /// Kinematics alone, for planning.
   [[nodiscard]] Kinematics kinematics(const JointVector& q_rad, double rail_m) const noexcept;
 
  private:

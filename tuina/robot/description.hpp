@@ -12,6 +12,7 @@ namespace tuina::robot {
 
 /// What a part looks like, its middle at the origin, long along z.
 struct Solid {
+  /// Form of the solid.
   enum class Shape : std::uint8_t { capsule, cylinder, sphere, box } shape = Shape::capsule;
   Transform part_from_solid = Transform::Identity();
   double radius_m = 0.0;
@@ -22,6 +23,7 @@ struct Solid {
 /// One body of a robot and the joint that carries it. Mass properties are in the part's own frame,
 /// which is the joint's.
 struct Part {
+  /// How a part moves on the one that carries it.
   enum class Motion : std::uint8_t { fixed, hinge, slide };
 
   std::string name;

@@ -21,6 +21,7 @@ struct ContactGoal {
 enum class Reach : std::uint8_t { reached, too_far, joint_limits, elbow_in_person };
 [[nodiscard]] const char* explain(Reach reach) noexcept;
 
+/// Joint angles that touch a goal, or how near they come and why no nearer.
 struct ContactPosture {
   JointVector q_rad;
   Reach reach = Reach::too_far;
@@ -29,6 +30,7 @@ struct ContactPosture {
   double dexterity = 0.0;       ///< m/rad
 };
 
+/// What a posture has to keep to.
 struct PostureOptions {
   double max_tilt_rad = 20_deg;
   double limit_margin_rad = 3_deg;   ///< room kept at the end of every joint

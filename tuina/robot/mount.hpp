@@ -29,6 +29,7 @@ struct RobotMount {
   Vector3 ahead_in_base = Vector3::UnitX();  ///< towards the person
   std::vector<Obstacle> obstacles = {};      ///< chair or bed, and the robot's own body
 
+  /// Frame of an arm's shoulder with the rail there.
   [[nodiscard]] Transform base_from_shoulder_at(Arm arm, double rail_m) const {
     return Eigen::Translation3d(rail_m * rail_axis_in_base) * base_from_shoulder[arm];
   }

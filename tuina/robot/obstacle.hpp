@@ -26,11 +26,15 @@ struct Obstacle {
 struct Clearances {
   std::array<double, 2> of = {std::numeric_limits<double>::infinity(),
                               std::numeric_limits<double>::infinity()};
+  /// @{
+  /// Distance of the arms to one kind of surroundings, m.
   [[nodiscard]] double& operator[](Surrounding kind) { return of[static_cast<std::size_t>(kind)]; }
   [[nodiscard]] double operator[](Surrounding kind) const {
     return of[static_cast<std::size_t>(kind)];
   }
+  /// @}
   [[nodiscard]] double min_m() const noexcept { return std::min(of[0], of[1]); }
+  /// Keeps the smaller of each distance.
   void take_least(const Clearances& other) noexcept {
     for (std::size_t i = 0; i < of.size(); ++i) of[i] = std::min(of[i], other.of[i]);
   }

@@ -18,6 +18,7 @@ struct ArmReading {
   double wrench_time_s = 0.0;  ///< when the wrist sensor took it
 };
 
+/// What both arms sense in one millisecond.
 struct RobotReading {
   double time_s = 0.0;
   std::uint64_t tick = 0;  ///< grows by one each millisecond; a gap is a missed tick
@@ -25,6 +26,7 @@ struct RobotReading {
   PerArm<ArmReading> arms;
 };
 
+/// What both arms are told in one millisecond.
 struct RobotCommand {
   PerArm<JointVector> torque_nm;  ///< joint torques, gravity compensation included
   double rail_m = 0.0;            ///< where the position-controlled linear base should be
@@ -53,6 +55,7 @@ class Robot {
   [[nodiscard]] virtual Result<void> stand_ready(const ReadyPose& pose) = 0;
   /// Waits for the next millisecond; nothing when the robot gave no reading in it.
   [[nodiscard]] virtual std::optional<RobotReading> read() noexcept = 0;
+  /// Sends the command of this millisecond; never waits.
   virtual void apply(const RobotCommand& command) noexcept = 0;
   /// Null while all is well, else what the device says of itself, for people.
   [[nodiscard]] virtual const char* fault() const noexcept = 0;

@@ -55,6 +55,7 @@ struct RobotModel {
   Carrier carrier = Carrier::linear_base;
   ArmTable arm;
   std::array<Mounting, 2> mountings;  ///< indexed by position
+  /// Where the robot stands for a person in this position.
   [[nodiscard]] const Mounting& mounting(BodyPosture position) const {
     return mountings[static_cast<std::size_t>(position)];
   }

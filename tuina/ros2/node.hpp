@@ -30,7 +30,7 @@ struct Traffic {
 /// and a system call, so it belongs behind a `Relay`; no reader, however slow, makes it wait.
 class Node : public record::ChannelSink {
  public:
-  [[nodiscard]] virtual Traffic traffic() const = 0;
+  [[nodiscard]] virtual Traffic traffic() const = 0;  ///< messages sent since the start
 };
 
 /// A node in that domain ([rtps] 9.6.1.1), as ROS_DOMAIN_ID says it. A process has one in each

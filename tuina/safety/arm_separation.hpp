@@ -19,6 +19,7 @@ inline constexpr double halting_m_per_s2 = 2.0;
 /// apart; the monitor catches an arm that is pushed or off its plan. Real-time.
 class ArmSeparation {
  public:
+  /// Both arms and what they must not touch.
   explicit ArmSeparation(const PerArm<robot::ArmModel>& models,
                          std::vector<robot::Obstacle> obstacles = {}) noexcept
       : models_(models), obstacles_(std::move(obstacles)) {}

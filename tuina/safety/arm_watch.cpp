@@ -13,6 +13,7 @@ namespace {
 constexpr double averaged_ticks = 100.0;
 // Wrist sensors drift by half of this; who proposes cannot hurry it, for ticks are counted.
 constexpr double max_zero_n = 3.0, max_drift_n_per_s = 1.0 / 60.0;
+constexpr double first_look_s = 0.05;
 constexpr double at_stop_rad = 0.02;
 
 // Friction is known to a fifth, masses to a tenth; a hand may lead an arm with 30 N.
@@ -98,6 +99,21 @@ void ArmWatch::count_repeats(const robot::ArmReading& reading) noexcept {
   sample_time_s_ = reading.wrench_time_s;
 }
 
+// In the air nothing but the tool is felt: at the first look, and whenever an approach begins.
+void ArmWatch::zero(Phase phase) noexcept {
+  const bool approaches = phase == Phase::approach && phase_ != Phase::approach;
+  const bool looks = !looked_ && phase == Phase::free && watched_s_ > first_look_s;
+  if (looks || approaches) {
+    looked_ = true;
+    zero_jump_n_ =
+        (mean_in_tool_n_ - zero_in_tool_n_).norm() - max_drift_n_per_s * (watched_s_ - zeroed_s_);
+  }
+  if (!approaches) return;
+  zeroed_s_ = watched_s_;
+  const double max_n = max_zero_n + max_drift_n_per_s * watched_s_;
+  zero_in_tool_n_ = mean_in_tool_n_ * (max_n / std::max(mean_in_tool_n_.norm(), max_n));
+}
+
 Observation ArmWatch::observe(const robot::RobotReading& reading, Arm arm, const Proposal& proposal,
                               const JointVector& applied_nm) noexcept {
   const Phase phase = proposal.phase;
@@ -123,10 +139,7 @@ Observation ArmWatch::observe(const robot::RobotReading& reading, Arm arm, const
     mean_in_tool_n_ += (felt_in_tool_n - mean_in_tool_n_) / averaged_ticks;
   }
   watched_s_ += control_period_s * std::min(ticks, max_gap_ticks);
-  if (phase == Phase::approach && phase_ != Phase::approach) {
-    const double max_n = max_zero_n + max_drift_n_per_s * watched_s_;
-    zero_in_tool_n_ = mean_in_tool_n_ * (max_n / std::max(mean_in_tool_n_.norm(), max_n));
-  }
+  zero(phase);
   phase_ = phase;
   seen.force_in_base_n = base_from_tool * (felt_in_tool_n - zero_in_tool_n_);
   seen.tool_in_base = dynamics.base_from_tool.translation();
@@ -142,6 +155,7 @@ Observation ArmWatch::observe(const robot::RobotReading& reading, Arm arm, const
   seen.weak_joint = weak_joint_;
   count_repeats(raw);
   seen.wrist_repeats = repeats_;
+  seen.zero_jump_n = zero_jump_n_;
   return seen;
 }
 

@@ -14,11 +14,13 @@ namespace tuina::safety {
 /// sensor of its own. Nothing of it comes from the controller. Real-time: no heap, no exceptions.
 class ArmWatch {
  public:
+  /// Has a copy of the model.
   explicit ArmWatch(const robot::ArmModel& model) noexcept : model_(model) {}
 
   /// `applied_nm` moved the arm since the last reading; empty at the first. Of the proposal two
   /// things count: when an approach begins, the wrist sensor is zeroed, by 3 N at most
-  /// and 1 N more for each minute that was watched; and an arm
+  /// and 1 N more for each minute that was watched, and so much may its zero have drifted since
+  /// the last time, or since the first look at a resting arm, that is judged too; and an arm
   /// without a spring is one that a hand leads, so more of its torque may go unexplained. A sensor
   /// whose torques are no numbers has no force either.
   ///
@@ -36,11 +38,12 @@ class ArmWatch {
                double share) noexcept;
   void weigh(const robot::ArmDynamics& dynamics) noexcept;
   void count_repeats(const robot::ArmReading& reading) noexcept;
+  void zero(Phase phase) noexcept;
 
   robot::ArmModel model_;
   Phase phase_ = Phase::free;
-  bool started_ = false;
-  double watched_s_ = 0.0;
+  bool started_ = false, looked_ = false;
+  double watched_s_ = 0.0, zeroed_s_ = 0.0, zero_jump_n_ = 0.0;
   Vector3 mean_in_tool_n_ = Vector3::Zero(), zero_in_tool_n_ = Vector3::Zero();
 
   std::uint64_t tick_ = 0;

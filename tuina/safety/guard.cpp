@@ -113,7 +113,8 @@ JointVector Guard::let_through(const Observation& seen, const Proposal& proposal
   };
   JointVector torque_nm = torque_fits(proposal) ? proposal.torque_nm : allowed_nm_;
   double rate = options_.limits.torque_rate_nm_per_s;
-  if (proposal.phase == Phase::contact && pushes_outward(seen, torque_nm)) rate *= own_rate_factor;
+  const bool may_press = proposal.phase == Phase::contact || proposal.phase == Phase::retract;
+  if (may_press && pushes_outward(seen, torque_nm)) rate *= own_rate_factor;
   torque_nm = limited(torque_nm + over_n(torque_nm) * outward, rate, finding);
   rate = own_rate_factor * options_.limits.torque_rate_nm_per_s;
   return limited(torque_nm + over_n(torque_nm) * outward, rate, finding);

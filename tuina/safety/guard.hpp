@@ -40,6 +40,7 @@ enum class Cause : std::uint8_t {
   not_as_planned,  ///< an arm about to leave its parking place does not stand in its posture
   clock,           ///< the robot's clock does not go with its ticks
   force_stuck,     ///< the wrist sensor repeats itself while the tool moves
+  force_off_zero,  ///< the wrist sensor is off its zero, or the tool is not that of the table
   force_reversed,  ///< what is felt and the way out of the body point apart
   inward_force,    ///< the torques would press harder than the zone bears
   not_obeyed,      ///< the arm does not do what the guard's own law tells it
@@ -70,7 +71,9 @@ struct Observation {
   /// Momentum that neither torque, wrist nor friction explains, as a share of what a sound arm
   /// leaves.
   double torque_misfit = 0.0;
-  int weak_joint = -1;    ///< whose drive alone would explain it; -1: none
+  int weak_joint = -1;  ///< whose drive alone would explain it; -1: none
+  /// Change of what the wrist sensor says of nothing but the tool, beyond what sensors drift by.
+  double zero_jump_n = 0.0;
   int wrist_repeats = 0;  ///< samples of the wrist sensor that were the one before to the last bit
   const ZoneField::Cell* skin = nullptr;  ///< under the tool, where the guard knows the person
 };
@@ -87,6 +90,7 @@ struct Proposal {
   std::uint32_t age_ticks = 0;  ///< milliseconds since the controller last said anything
 };
 
+/// What an arm may do in this millisecond, and why not more.
 struct Verdict {
   JointVector allowed_nm;
   Action action = Action::pass;  ///< at `brake` the drives' brakes are to hold the joints
@@ -103,6 +107,7 @@ struct Verdict {
 /// a stop begins with a new guard. Real-time: no heap, no exceptions.
 class Guard {
  public:
+  /// The arm and the limits it is guarded by.
   struct Options {
     JointVector torque_limit_nm;  ///< of the drives; one per joint, 0 where it is no number
     std::array<ForceLimits, zones> force = force_ceilings;
@@ -115,6 +120,7 @@ class Guard {
   /// trip with it.
   explicit Guard(const Options& options) noexcept;
 
+  /// Judges one millisecond; must be called in each.
   [[nodiscard]] Verdict check(const Observation& seen, const Proposal& proposal) noexcept;
 
   /// A stop that others than this guard found the reason for; it shows in the next `check`.
@@ -125,6 +131,7 @@ class Guard {
 
   /// Median of the last three forces on the tool.
   [[nodiscard]] double felt_n() const noexcept { return medians_n_.back(); }
+  /// As they count: no option above its compiled ceiling.
   [[nodiscard]] const Options& options() const noexcept { return options_; }
 
  private:
@@ -158,7 +165,9 @@ class Guard {
   void find_way_out(const Observation& seen, const Proposal& proposal) noexcept;
   [[nodiscard]] double inward_n(const Observation& seen,
                                 const JointVector& torque_nm) const noexcept;
+  [[nodiscard]] bool feels() const noexcept;
   [[nodiscard]] bool pressed() const noexcept;
+  [[nodiscard]] bool in_air() const noexcept;
   [[nodiscard]] JointVector own_torque(const Observation& seen, Action action) noexcept;
   [[nodiscard]] JointVector let_through(const Observation& seen, const Proposal& proposal,
                                         Finding& finding) const noexcept;
@@ -189,7 +198,7 @@ class Guard {
   // Checks that need several milliseconds count them here.
   int clock_ = 0, repeated_ = 0, too_fast_ = 0, swinging_ = 0, over_cap_ = 0, saturated_ = 0,
       not_finite_ = 0, pushed_out_ = 0, rising_ = 0, reversed_ = 0, inward_ = 0, not_obeyed_ = 0,
-      frozen_ = 0, blind_ = 0;
+      frozen_ = 0, blind_ = 0, drive_amiss_ = 0;
   double pushed_out_m_ = 0.0;
   std::uint32_t same_ = 0;
   bool encoders_doubted_ = false, force_doubted_ = false;
@@ -201,7 +210,8 @@ class Guard {
   Vector3 hold_in_base_ = Vector3::Zero();
   JointVector hold_rad_;
   Vector3 taken_over_in_base_ = Vector3::Zero();
-  double held_n_ = 0.0;
+  double held_n_ = 0.0;      ///< felt when it took over
+  double min_felt_n_ = 0.0;  ///< least that was felt since the tool leaves
 };
 
 }  // namespace tuina::safety

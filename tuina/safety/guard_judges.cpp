@@ -38,7 +38,10 @@ constexpr double telling_rad_per_s = 1e-3;  // a change of speed that every cont
 // moves a stretched arm's tool as fast as an approach may be, is noticed.
 constexpr double drift_kept = 0.98;
 
+constexpr int blamed_ticks = 5;
+constexpr double returning_m_per_s = 0.05, flying_off_m_per_s = 0.35;
 constexpr int stuck_ticks = 20;
+constexpr double max_zero_jump_n = 1.2;  // the weight of the lightest tool is 1.5 N
 
 constexpr double reversed_n = 8.0;  // more than drift and weight can feign
 constexpr double agreeing = 0.25;  // cosine: what rubs along the skin is felt at 40 degrees at most
@@ -108,13 +111,19 @@ void Guard::judge_joints(const Observation& seen, Finding& finding) noexcept {
   if (let_go || blind_ > blind_ticks) finding.add(Action::brake, Cause::encoder_jump);
 }
 
-// Torques that do not move the joints as they should: where one drive is to blame and nobody is
-// pressed, the brakes are all that is left to trust. Else somebody may be leading the arm, and on a
-// person who breathes brakes would be a wall.
+// Torques that do not move the joints as they should: where one drive is to blame and nothing
+// touches the tool, the brakes are all that is left to trust. But a tool that flies off faster than
+// any order, or that is stopped already, may have a person behind it who follows: it is braked only
+// on its way back to the body. Else somebody may be leading the arm, and on a person who breathes
+// brakes would be a wall.
 void Guard::judge_drives(const Observation& seen, Finding& finding) noexcept {
-  if (!(seen.torque_misfit > 1.0)) return;
-  if (seen.weak_joint >= 0 && !pressed() && !is_stop(state_))
-    finding.add(Action::brake, Cause::drive_amiss);
+  const bool amiss = seen.torque_misfit > 1.0;
+  const bool stopped = is_stop(state_);
+  const double outward_m_per_s = seen.tool_velocity_m_per_s.dot(normal_in_base_);
+  const bool clear = outward_m_per_s < (stopped ? -returning_m_per_s : flying_off_m_per_s);
+  drive_amiss_ = amiss && seen.weak_joint >= 0 && in_air() && clear ? drive_amiss_ + 1 : 0;
+  if (!amiss) return;
+  if (drive_amiss_ > (stopped ? blamed_ticks : 0)) finding.add(Action::brake, Cause::drive_amiss);
   finding.add(Action::comply, Cause::torques_amiss);
 }
 
@@ -124,6 +133,10 @@ void Guard::take_sample(const Observation& seen, Finding& finding) noexcept {
     finding.add(Action::retract, Cause::force_stuck);
     force_doubted_ = true;
   }
+  // An arm that believes in another weight than its tool has sinks or rises by every law, so it is
+  // braked unless it presses somebody.
+  if (seen.zero_jump_n > max_zero_jump_n)
+    finding.add(pressed() ? Action::retract : Action::brake, Cause::force_off_zero);
   const bool suspect = samples_ >= first_samples && std::abs(force_n - samples_n_[2]) > spike_n &&
                        suspects_ < believed_after - 1;
   if (suspect) {

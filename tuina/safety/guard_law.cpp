@@ -2,6 +2,7 @@
 // The law with which a guard drives an arm that it has taken over, and whether the arm obeys it.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "tuina/safety/guard.hpp"
 
@@ -25,19 +26,35 @@ constexpr double push_out_m_per_s = 0.8;
 
 constexpr int disobedient_ticks = 50;
 constexpr double disobedient_m_per_s = 0.05;  // into the body, against 80 N outward
-constexpr double runaway_m_per_s = 1.2;       // beyond what a person and the push together reach
+// Harder than this, and so much harder than at its gentlest, a leaving tool has no reason to press;
+// below it a body that breathes against brakes would be pressed harder than by the arm.
+constexpr double digging_n = 40.0, digging_rise_n = 15.0;
+constexpr double plunging_m_per_s = 0.3;  // into the body, faster than any order or hand
+constexpr int digging_ticks = 3;
+constexpr double runaway_m_per_s = 1.2;  // beyond what a person and the push together reach
 constexpr int runaway_ticks = 10;
 
 }  // namespace
 
+// A sensor that is silent, stuck or reversed feels nothing.
+bool Guard::feels() const noexcept {
+  return !force_doubted_ && sample_age_s_ <= options_.limits.stale_freeze_s;
+}
+
 // Pressed is a tool on which a living sensor feels a force out of the body, whatever else it feels.
 bool Guard::pressed() const noexcept {
-  return !force_doubted_ && sample_age_s_ <= options_.limits.stale_freeze_s &&
-         medians_n_.back() > pressed_n && sample_in_base_n_.dot(normal_in_base_) > pressed_n;
+  return feels() && medians_n_.back() > pressed_n &&
+         sample_in_base_n_.dot(normal_in_base_) > pressed_n;
+}
+
+// Only a living sensor can tell that nobody is there.
+bool Guard::in_air() const noexcept {
+  return feels() && medians_n_.back() < pressed_n;
 }
 
 // An arm that goes into the body although it is pushed out, or that races, has drives or encoders
-// that no law of its own can mend.
+// that no law of its own can mend. One that presses harder and harder meanwhile is not a person who
+// comes closer, for that one pushes the tool outward.
 void Guard::judge_obedience(const Observation& seen, Finding& finding) noexcept {
   const double speed_m_per_s = seen.tool_velocity_m_per_s.norm();
   const double inward_m_per_s = -seen.tool_velocity_m_per_s.dot(normal_in_base_);
@@ -45,8 +62,16 @@ void Guard::judge_obedience(const Observation& seen, Finding& finding) noexcept 
   const bool races = driven && speed_m_per_s > runaway_m_per_s;
   const bool against =
       state_ == GuardState::retracting && pressed() && inward_m_per_s > disobedient_m_per_s;
-  not_obeyed_ =
-      races ? not_obeyed_ + disobedient_ticks / runaway_ticks : (against ? not_obeyed_ + 1 : 0);
+  min_felt_n_ = state_ == GuardState::retracting ? std::min(min_felt_n_, felt_n())
+                                                 : std::numeric_limits<double>::infinity();
+  const bool digs = against && felt_n() > std::max(min_felt_n_ + digging_rise_n, digging_n);
+  const bool plunges = driven && inward_m_per_s > plunging_m_per_s;
+  if (races)
+    not_obeyed_ += disobedient_ticks / runaway_ticks;
+  else if (digs || plunges)
+    not_obeyed_ += disobedient_ticks / digging_ticks + 1;
+  else
+    not_obeyed_ = against ? not_obeyed_ + 1 : 0;
   if (not_obeyed_ >= disobedient_ticks) finding.add(Action::brake, Cause::not_obeyed);
 }
 

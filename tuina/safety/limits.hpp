@@ -18,6 +18,7 @@ inline constexpr std::size_t zones = 7;
   return names[static_cast<std::size_t>(zone)];
 }
 
+/// Force that may be asked for in a zone, and force that stops the arm.
 struct ForceLimits {
   double set_n;   ///< the most that may be asked for
   double trip_n;  ///< a median of three samples above this ends the contact
@@ -43,6 +44,7 @@ inline constexpr std::array<ForceLimits, zones> force_ceilings = {{
 /// Which part of a contact an arm is in: each has its own speed.
 enum class Phase : std::uint8_t { free, approach, contact, retract };
 
+/// Limits that no config can raise.
 struct Ceilings {
   /// Tool speed that stops the arm. What is commanded stays below: 250, 50, 80 and 100 mm/s.
   std::array<double, 4> tool_speed_m_per_s = {0.30, 0.15, 0.25, 0.30};

@@ -36,6 +36,7 @@ const char* name_of(Cause cause) noexcept {
                                 "does not stand as planned",
                                 "clock does not go with the ticks",
                                 "force sensor stuck",
+                                "force sensor off its zero, or another tool",
                                 "felt force against the way out",
                                 "pressing harder than the zone bears",
                                 "arm does not obey",

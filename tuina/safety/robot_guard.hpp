@@ -41,6 +41,7 @@ struct RobotVerdict {
 /// body, and the linear base where it stood. Real-time: no heap, no exceptions after construction.
 class RobotGuard {
  public:
+  /// The surroundings and limits of both arms.
   struct Options {
     std::vector<robot::Obstacle> obstacles = {};  ///< couch and the robot's own body
     double max_set_force_n = std::numeric_limits<double>::infinity();  ///< in every zone
@@ -49,8 +50,10 @@ class RobotGuard {
     bool leased = false;   ///< arms leave when a watcher is silent for half a second
   };
 
+  /// Has copies of both models.
   RobotGuard(const PerArm<robot::ArmModel>& models, const Options& options);
 
+  /// Judges one millisecond of both arms; must be called in each.
   [[nodiscard]] RobotVerdict check(const robot::RobotReading& reading,
                                    const RobotProposal& proposal) noexcept;
 

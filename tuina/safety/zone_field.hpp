@@ -12,6 +12,7 @@ namespace tuina::safety {
 /// What a guard knows of one person's back by itself: zone and outward normal of the skin, on a
 /// grid of equal cells in the plane of the back.
 struct ZoneField {
+  /// One cell of the grid.
   struct Cell {
     Zone zone = Zone::denied;
     Eigen::Vector3f normal_in_base = Eigen::Vector3f::UnitZ();  ///< unit, out of the body
@@ -24,6 +25,7 @@ struct ZoneField {
   std::int32_t columns = 0, rows = 0;
   std::vector<Cell> cells;  ///< row after row; columns * rows of them, or none
 
+  /// Whether nothing of the person is known.
   [[nodiscard]] bool empty() const noexcept { return cells.empty(); }
   /// The cell that a place lies over; null beside the grid.
   [[nodiscard]] const Cell* at(const Vector3& in_base) const noexcept;

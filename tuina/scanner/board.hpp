@@ -15,7 +15,8 @@ struct Board {
   double square_m = 0.025;
   double marker_m = 0.0;  ///< side of a marker with its black frame; 0: a plain chessboard
   int marker_cells = 4;   ///< cells along a side without the frame: 4, 5 or 6
-  [[nodiscard]] int corners() const { return columns * rows; }
+  [[nodiscard]] int corners() const { return columns * rows; }  ///< inner corners of the pattern
+  /// Whether its squares carry markers.
   [[nodiscard]] bool has_markers() const { return marker_m > 0.0; }
 };
 

@@ -35,6 +35,7 @@ struct CalibrationErrors {
   double axis_point_m = 0.5e-3;        ///< along each of the same directions
   double latency_s = 2e-3;
 
+  /// Expected error of a range at this depth from the camera.
   [[nodiscard]] double range_at_m(double depth_m) const;
 };
 

@@ -13,6 +13,7 @@ namespace tuina::scanner {
 /// for all points, resolution 0.1 um.
 class ProfileGrid {
  public:
+  /// One point of the grid, and how far its neighbours may be.
   struct Node {
     Vector3 point = Vector3::Zero();
     float amplitude_dn = 0.0F;
@@ -22,9 +23,13 @@ class ProfileGrid {
     bool unsure = false;            ///< keep only if the surface continues on both sides
   };
 
+  /// Unlit, of so many profiles with so many rows.
   ProfileGrid(std::size_t profiles, std::size_t rows);
+  /// Puts a point into the grid; both indices count from 0.
   void light(std::size_t profile, std::size_t row, const Node& node);
 
+  /// @{
+  /// Size of the grid, whether a point is there, and what it is; unlit points have no value.
   [[nodiscard]] std::size_t profiles() const { return profiles_; }
   [[nodiscard]] std::size_t rows() const { return rows_; }
   [[nodiscard]] bool lit(std::size_t profile, std::size_t row) const {
@@ -40,6 +45,7 @@ class ProfileGrid {
   [[nodiscard]] float deviation_m(std::size_t profile, std::size_t row) const {
     return plane_[deviation][place(profile, row)];
   }
+  /// @}
 
  private:
   friend class NeighbourFilter;
@@ -78,8 +84,10 @@ class ProfileGrid {
 /// Classifies points by their neighbours and estimates normals, profile by profile.
 class NeighbourFilter {
  public:
+  /// The grid must outlive it.
   explicit NeighbourFilter(const ProfileGrid& grid);
 
+  /// What is thought of the rows of one profile.
   struct Verdict {
     /// Zero for mixed points and for points with too few neighbours for a normal. A mixed point
     /// arises where the line covers two surfaces or an edge: it floats between them, dimmer than

@@ -21,6 +21,8 @@ class Recording final : public Camera, public Turntable {
  public:
   /// Conversion of frames: grey (red of colour pictures), or unchanged.
   enum class Frames : std::uint8_t { grey, as_recorded };
+  /// Opens a folder with frames, yaw readings and calibration. Fails with the file and what is
+  /// wrong in it.
   [[nodiscard]] static Result<Recording> open(const std::filesystem::path& folder,
                                               Frames frames = Frames::grey);
 
@@ -31,7 +33,9 @@ class Recording final : public Camera, public Turntable {
   [[nodiscard]] Result<void> switch_laser(bool) override { return {}; }
   [[nodiscard]] Result<std::vector<YawReading>> readings() const override { return readings_; }
 
+  /// As the folder states it.
   [[nodiscard]] const ScannerCalibration& calibration() const { return calibration_; }
+  /// Number of frames.
   [[nodiscard]] int frames() const { return static_cast<int>(frames_.size()); }
 
  private:
@@ -67,6 +71,7 @@ class Recorder final : public Camera, public Turntable {
   [[nodiscard]] Result<bool> arrived() const override { return turntable_->arrived(); }
   [[nodiscard]] Result<void> switch_laser(bool on) override { return turntable_->switch_laser(on); }
   [[nodiscard]] Result<std::vector<YawReading>> readings() const override;
+  /// Writes readings and calibration beside the frames. Fails with Fault::file.
   [[nodiscard]] Result<void> finish(const ScannerCalibration& calibration);
 
  private:

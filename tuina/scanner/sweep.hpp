@@ -33,6 +33,7 @@ struct LiveProfile {
   std::vector<Vector3> points_in_couch;  ///< every fourth row
 };
 
+/// How the unit turns, and what it looks for.
 struct SweepOptions {
   // 36 degrees see 0.70 m across at 1.1 m; speed step 9 of the AX-12A (0.111 rpm each) turns them
   // in 6 s.
@@ -59,6 +60,7 @@ struct WaysCompared {
   double remaining_m = 0.0;     ///< the same after the corrections
 };
 
+/// A sweep as a cloud, with how it went.
 struct Scan {
   PointCloud cloud_in_couch;  ///< with normals, amplitude and deviation
   /// Grid structure of the cloud: the points of frame i (both ways counted on) are

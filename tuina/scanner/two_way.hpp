@@ -18,6 +18,7 @@ inline constexpr double breathing_from_m = 0.03;
 [[nodiscard]] std::optional<std::size_t> turning_point(std::span<const TimedLine> lines,
                                                        std::span<const double> yaw_rad);
 
+/// What forth and back have told of latency and breath.
 struct TwoWay {
   WaysCompared compared;
   std::vector<double> breath_at_m;  ///< per line, towards the scanner, from its minimum

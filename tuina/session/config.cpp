@@ -39,6 +39,8 @@ void each_key(ConfigType& config, Visitor& visit) {
   visit.number("simulation.room_light_dn", config.simulation.room_light_dn, 0.0, 150.0, "");
   visit.number("simulation.shift_mm", config.simulation.shift_mm, -200.0, 200.0, "");
   visit.number("simulation.shift_at_s", config.simulation.shift_at_s, 0.0, 3600.0, "");
+  visit.number("simulation.tissue_change_share", config.simulation.tissue_change_share, -0.9, 2.0,
+               "");
   for (const SimulatedEffect& effect : simulated_effects()) {
     visit.number(effect.key, config.simulation.*effect.value, effect.min, effect.max, "");
   }

@@ -13,28 +13,33 @@ namespace tuina::session {
 /// the units that the key in the file carries, as written there; defaults live here and nowhere
 /// else.
 struct Config {
+  /// The keys of [scan].
   struct Scan {
     double sweep_s = 6.0;               ///< time of one sweep
     double sweep_deg = 36.0;            ///< angle of one sweep, symmetric about straight ahead
     std::string method = "likelihood";  ///< laser line: centroid or likelihood
   } scan;
+  /// The keys of [massage].
   struct Massage {
     double standoff_mm = 40.0;  ///< above the skin, where an approach starts and a retract ends
     double force_scale = 1.0;   ///< on every force of the programme
     bool steer = true;          ///< the tissue estimate feeds the virtual target
     bool cautious = true;       ///< no jump to a force that the felt tissue does not foretell
   } massage;
+  /// The keys of [safety].
   struct Safety {
     double force_ceiling_n = 45.0;  ///< on the set force; zones may ask for less
   } safety;
+  /// The keys of [simulation].
   struct Simulation {
     std::string realism = "usual";  ///< sets all effects; those named after it differ from it
     double breathing_mm = 3.0;
     double breathing_hz = 0.25;
-    double friction = 1.0;        ///< scale on the joint friction of the plant
-    double room_light_dn = 10.0;  ///< brightness of the room without the laser
-    double shift_mm = 0.0;        ///< the person moves once, so far towards the arms
-    double shift_at_s = 30.0;     ///< into the massage
+    double friction = 1.0;             ///< scale on the joint friction of the plant
+    double room_light_dn = 10.0;       ///< brightness of the room without the laser
+    double shift_mm = 0.0;             ///< the person moves once, so far towards the arms
+    double shift_at_s = 30.0;          ///< into the massage
+    double tissue_change_share = 0.0;  ///< alpha of all tissue against what the person has usually
     // Effects; session/realism has their numbers and where those are from.
     double torso_n_per_mm = 0.0;
     double torso_mass_kg = 0.0;

@@ -18,10 +18,13 @@ struct ForceErrors {
 /// sample with a target above zero, which the caller decides.
 class ForceErrorSum {
  public:
+  /// Takes a sample, in the order of time.
   void add(double time_s, double target_n, double true_force_n) noexcept;
   /// The next sample starts a technique, which is a change of target from none.
   void begin() noexcept { previous_target_n_ = -1.0; }
+  /// Whether no sample has counted.
   [[nodiscard]] bool empty() const noexcept { return samples_ == 0; }
+  /// Errors of all samples so far.
   [[nodiscard]] ForceErrors errors() const noexcept;
 
  private:

@@ -50,8 +50,9 @@ void MassageStep::begin_approach(Side& side, Arm arm, double time_s) noexcept {
   side.controller().approach(
       {.at_in_base = side.wanted.at_in_base, .normal_in_base = side.wanted.normal_in_base});
   side.phase = ArmPhase::approach;
-  side.expected = expected_in(planned.zone);
   steering_.begin(arm, job_of(side)->path, time_s);
+  side.foreknown = options_.steer && steering_.known(arm) != nullptr;
+  side.expected = side.foreknown ? *steering_.known(arm) : expected_in(planned.zone);
 }
 
 void MassageStep::begin_contact(Side& side, Arm arm, double time_s) noexcept {
@@ -147,7 +148,12 @@ void MassageStep::feel(Side& side, Arm arm, double time_s, const ArmState& state
                  {.depth_m = normal.dot(side.wanted.at_in_base - tip),
                   .force_n = normal.dot(state.contact_in_base.force_n)});
   const TissueEstimate& estimate = steering_.estimate(arm);
-  if (options_.steer && estimate.converged) side.expected = estimate.tissue;
+  if (options_.steer && estimate.converged) {
+    side.expected = estimate.tissue;
+  } else if (side.foreknown && steering_.known(arm) == nullptr) {
+    side.expected = expected_in(path_of(side)->zone);
+    side.foreknown = false;
+  }
 }
 
 }  // namespace tuina::session

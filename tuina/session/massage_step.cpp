@@ -60,7 +60,10 @@ MassageStep::MassageStep(const massage::Plan& plan, PerArm<std::vector<motion::A
       steering_(plan, {.presses = tissue::pressed_by_robot(options.torso_n_per_m,
                                                            models_[Arm::left].table().tool_mass_kg),
                        .on = options.adaptive,
-                       .cautious = options.cautious}) {
+                       .cautious = options.cautious,
+                       .known = options.known}),
+      intensity_(std::clamp(options.intensity, min_intensity, max_intensity)) {
+  for (Side& side : sides_.of) side.playback.scale(intensity_);
   for (const Arm arm : both_arms) sides_[arm].jobs = std::move(jobs[arm]);
   paths_in_base_.reserve(plan_.paths.size());
   for (const massage::PlannedPath& planned : plan_.paths)
@@ -149,7 +152,7 @@ void MassageStep::heed(Arm arm, const safety::Verdict& verdict) noexcept {
 }
 
 void MassageStep::obey(LiveCommand command) noexcept {
-  constexpr double one_step = 1.15, softest = 0.5, firmest = 1.4;
+  constexpr double one_step = 1.15;
   switch (command) {
     case LiveCommand::pause:
     case LiveCommand::resume:
@@ -181,7 +184,7 @@ void MassageStep::obey(LiveCommand command) noexcept {
     case LiveCommand::softer:
     case LiveCommand::firmer:
       intensity_ *= command == LiveCommand::firmer ? one_step : 1.0 / one_step;
-      intensity_ = std::clamp(intensity_, softest, firmest);
+      intensity_ = std::clamp(intensity_, min_intensity, max_intensity);
       for (Side& side : sides_.of) side.playback.scale(intensity_);
       return;
   }
@@ -227,6 +230,7 @@ void MassageStep::conduct(Arm arm, double time_s) noexcept {
       press_on(side, arm, time_s);
       return;
     case ArmPhase::retract:
+      if (status.contact_fault == control::ContactFault::pushed_away) startled_s_ = time_s;
       if (status.settled) end_retract(side, time_s);
       return;
     case ArmPhase::stopped:

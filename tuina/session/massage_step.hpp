@@ -57,6 +57,7 @@ struct Performed {
   double stiffness_sd = 0.0;           ///< relative error of the stiffness at `reference_force_n`
 };
 
+/// The guard has stopped an arm.
 struct Stop {
   double time_s = 0.0;
   Arm arm = Arm::left;
@@ -71,15 +72,21 @@ struct Stop {
 /// collisions and the arm stays where it is.
 inline constexpr double parked_within_rad = 0.35;
 
+/// Limits of the wishes for more or less force together.
+inline constexpr double min_intensity = 0.5, max_intensity = 1.4;
+
+/// Where the person is believed to be, and what the session may do.
 struct MassageOptions {
   Transform base_from_couch = Transform::Identity();  ///< pose that the session believes
   double rail_m = 0.0;
   double standoff_m = 40e-3;
   double force_ceiling_n = 45.0;
-  double torso_n_per_m = 35e3;  ///< literature value; this person's own is not known
-  bool steer = true;            ///< the estimate is fed forward as soon as it has converged
-  bool adaptive = true;         ///< presses follow the tissue that was felt
-  bool cautious = true;         ///< rule A2 of the steering
+  double torso_n_per_m = 35e3;         ///< literature value; this person's own is not known
+  bool steer = true;                   ///< the estimate is fed forward as soon as it has converged
+  bool adaptive = true;                ///< presses follow the tissue that was felt
+  bool cautious = true;                ///< rule A2 of the steering
+  double intensity = 1.0;              ///< on every force, as it begins
+  std::vector<KnownPlace> known = {};  ///< places that an earlier session has felt
   double max_shift_m =
       10e-3;  ///< largest shift of the skin since the scan; beyond it a new scan is needed
 };
@@ -90,6 +97,7 @@ struct MassageOptions {
 /// constructor; `propose` and `heed` are real-time.
 class MassageStep {
  public:
+  /// Takes all the memory that it needs; `jobs` are the paths of each arm, in their order.
   MassageStep(const massage::Plan& plan, PerArm<std::vector<motion::ArmJob>> jobs,
               const PerArm<robot::ArmModel>& models, const MassageOptions& options);
 
@@ -103,15 +111,21 @@ class MassageStep {
 
   /// True when every job is done, or after a stop when the arms have let go.
   [[nodiscard]] bool finished() const noexcept { return finished_; }
+  /// What each arm does now.
   [[nodiscard]] const PerArm<ArmView>& view() const noexcept { return view_; }
+  /// Contacts that are over, in their order.
   [[nodiscard]] const std::vector<Performed>& performed() const noexcept { return performed_; }
+  /// Stops of the guard, in their order.
   [[nodiscard]] const std::vector<Stop>& stops() const noexcept { return stops_; }
+  /// What the steering has changed, in its order.
   [[nodiscard]] const std::vector<Decision>& decisions() const noexcept {
     return steering_.decisions();
   }
   /// The person lies elsewhere than scanned: the arms let go, fly to where they started, and a new
   /// scan is needed.
   [[nodiscard]] bool wants_scan() const noexcept { return wants_scan_; }
+  /// Factor on every force by the wishes so far.
+  [[nodiscard]] double intensity() const noexcept { return intensity_; }
   /// How far the skin was found from the scan, from the contacts so far.
   [[nodiscard]] const Vector3& shift_in_base() const noexcept { return shift_in_base_; }
 
@@ -139,6 +153,7 @@ class MassageStep {
     int detour_at = -1, detour_legs = 0;
     control::ContactFault contact_fault = control::ContactFault::none;
     TangentTissue expected = {};  ///< tissue that is fed forward
+    bool foreknown = false;       ///< that is the tissue of an earlier session
     BasePoint wanted = {};        ///< the place of the path where the tool should be now
     double commanded_n = 0.0;     ///< `wanted.force_n`, corrected by the taps before
     JointVector q_rad = {};       ///< joint angles of this millisecond
@@ -178,7 +193,7 @@ class MassageStep {
   Steering steering_;
   PerArm<ArmView> view_;
   int step_ = 0;
-  double intensity_ = 1.0;
+  double intensity_;
   bool paused_ = false, stop_asked_ = false, wants_scan_ = false;
   Vector3 shift_in_base_ = Vector3::Zero(), next_shift_in_base_ = Vector3::Zero();
   double time_s_ = 0.0;  ///< of the last reading

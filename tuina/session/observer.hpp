@@ -39,15 +39,22 @@ struct Tick {
 class Observer {
  public:
   virtual ~Observer() = default;
+  /// A stage has come so far, 0 to 1.
   virtual void on_progress(Stage, double /*share*/) noexcept {}
   /// A line of a scan that is still going on; rougher than what `on_scan` brings.
   virtual void on_profile(const scanner::LiveProfile&) {}
+  /// @{
+  /// A scan, or the map of it, is there.
   virtual void on_scan(const scanner::Scan&) {}
   virtual void on_map(const body::Mapping&) {}
+  /// @}
   /// A plan is about to be carried out; it lives until the next one.
   virtual void on_plan(const motion::ReadyPlan&, const Transform& /*base_from_couch*/) {}
+  /// @{
+  /// A contact is over, or a millisecond. Called from the control loop: no waiting.
   virtual void on_performed(const Performed&) noexcept {}
   virtual void on_tick(const Tick&) noexcept {}
+  /// @}
 
  protected:
   Observer() = default;
@@ -58,6 +65,7 @@ class Observer {
 /// Many observers as one, told in their order. They must outlive it.
 class Observers final : public Observer {
  public:
+  /// They are told in this order.
   explicit Observers(std::vector<Observer*> all) : all_(std::move(all)) {}
   void on_progress(Stage stage, double share) noexcept override {
     for (Observer* one : all_) one->on_progress(stage, share);

@@ -126,8 +126,11 @@ Result<void> prepare(Devices devices, const Order& order, const Config& config, 
   }
   auto armed = arm_guard(devices, order, config, *mapped, *now, *planned);
   if (!armed) return armed;
+  Recognised known = recognised(order.known, position, planned->located.acupoints);
+  if (!known.note.empty()) planned->ready.plan.notes.push_back(std::move(known.note));
   // Only now, so that a session whose second scan fails still tells of its first.
   session.said = {.by_hand = std::move(*now), .lay = lies};
+  session.known = std::move(known.places);
   session.scan = std::move(mapped->scan);
   session.locate_ms = mapped->locate_ms;
   session.located = std::move(planned->located);
@@ -145,7 +148,9 @@ MassageOptions massage_options(const Order& order, const Config& config, const S
           .force_ceiling_n = config.safety.force_ceiling_n,
           .steer = config.massage.steer,
           .adaptive = order.adaptive,
-          .cautious = config.massage.cautious};
+          .cautious = config.massage.cautious,
+          .intensity = session.intensity,
+          .known = session.known};
 }
 
 /// How much of what happens in a massage observers were told.
@@ -226,6 +231,7 @@ Result<bool> carry_out(Devices devices, const Order& order, const Config& config
   session.decisions.insert(session.decisions.end(), massage.decisions().begin(),
                            massage.decisions().end());
   session.stops = massage.stops();
+  session.intensity = massage.intensity();
   return massage.wants_scan();
 }
 
@@ -246,6 +252,7 @@ Result<Session> run(Devices devices, const Order& order, const Config& config, O
   link::OwnSupervisor own;
   if (devices.supervisor == nullptr) devices.supervisor = &own;
   Session session;
+  session.intensity = order.intensity;
   if (auto ready = prepare(devices, order, config, observer, std::nullopt, {}, session); !ready)
     return tl::unexpected(ready.error());
   const double rail_m = session.ready.rail_m;

@@ -19,9 +19,10 @@
 #include "tuina/scanner/camera.hpp"
 #include "tuina/scanner/sweep.hpp"
 #include "tuina/scanner/turntable.hpp"
-#include "tuina/session/by_hand.hpp"
 #include "tuina/session/config.hpp"
 #include "tuina/session/consent.hpp"
+#include "tuina/session/earlier/by_hand.hpp"
+#include "tuina/session/earlier/known_tissue.hpp"
 #include "tuina/session/live_command.hpp"
 #include "tuina/session/massage_step.hpp"
 #include "tuina/session/observer.hpp"
@@ -54,6 +55,9 @@ struct Order {
   Said said;
   std::vector<body::PalpatedPoint> fixed;  ///< points that a finger has shown on this scan
   bool adaptive = true;                    ///< presses follow the tissue that was felt
+  double intensity = 1.0;  ///< on every force, as the session begins; wishes change it
+  /// What an earlier session of this person has felt; used where the scan shows the same person.
+  KnownTissue known;
   /// Asked before the first arm moves, and again with every plan that a change gave; it may wait
   /// for somebody who looks. `refused` says why a change could not be made, and is empty otherwise;
   /// the plan is then the one before. Empty: no need to ask.
@@ -71,6 +75,8 @@ struct Session {
   motion::ReadyPlan ready;
   Transform base_from_couch = Transform::Identity();  ///< pose that the session believes
   Said said;                                          ///< by hand, in the end
+  std::vector<KnownPlace> known;                      ///< of earlier sessions, as it was used
+  double intensity = 1.0;                             ///< as the wishes have left it
   double locate_ms = 0.0;                             ///< computing time
   double plan_ms = 0.0;
 

@@ -49,6 +49,14 @@ Steering::Steering(const massage::Plan& plan, const Options& options)
     place_of_path_.push_back(place);
   }
   places_.resize(known.size());
+  for (const KnownPlace& place : options_.known) {
+    const auto found = known.find(place.name);
+    if (found == known.end()) continue;
+    Place& here = places_[static_cast<std::size_t>(found->second)];
+    here.relies = true;
+    here.known = place.tissue;
+    here.known_sd = place.log_sd;
+  }
   decisions_.reserve(max_decisions);
 }
 
@@ -90,6 +98,14 @@ void Steering::begin(Arm arm, int path, double time_s) noexcept {
   side.elsewhen = place.felt;
   side.probing =
       options_.on && side.presses && !place.felt && side.reference_n > massage::kept_force_n;
+  // Next to the spine every press of a new place is needed to tell bone (A8).
+  const bool by_spine = planned.zone == massage::Zone::spine ||
+                        planned.zone == massage::Zone::spine_margin ||
+                        planned.zone == massage::Zone::gv4;
+  side.relies = side.probing && place.relies && !by_spine;
+  side.came_as_known = false;
+  side.known = place.known;
+  side.known_sd = place.known_sd;
   if (options_.on && place.felt) judge(arm, time_s);
 }
 
@@ -128,19 +144,39 @@ void Steering::foretell(Side& side) noexcept {
                                          : tissue::Foretold::loosely;
 }
 
+// A1 where an earlier session has felt the place. What this session feels is estimated without it,
+// so that a change from session to session is not hidden by what was expected.
+void Steering::compare_with_known(Arm arm, double time_s) noexcept {
+  Side& side = sides_[arm];
+  const KnownMatch matched = match(side.known, side.known_sd, side.whole.estimate().tissue,
+                                   side.whole.stiffness_sd(side.peak_n), side.peak_n);
+  side.came_as_known = matched == KnownMatch::holds;
+  if (matched != KnownMatch::differs) return;
+  side.relies = false;
+  decide(arm, time_s, "A1", "the tissue is not as it was felt earlier: probed as a new place",
+         side.peak_n, side.peak_n);
+}
+
 // A1: presses of a second, each as strong as the estimate after the last one allows.
 double Steering::probe_force_n(Arm arm, double time_s) noexcept {
   Side& side = sides_[arm];
   const double region_n = paths_[static_cast<std::size_t>(side.path)].cap_n;
   const double since_s = time_s - side.probe_s;
-  const TissueEstimate& estimate = side.whole.estimate();
   const int done = static_cast<int>(since_s / probe_period_s);
   if (side.peak_n == 0.0 || done > side.probes) {
-    const bool enough = done >= max_probes ||
+    if (side.relies && done == 1) compare_with_known(arm, time_s);
+    // Before its first press a place that is known is as if that one were over.
+    const TissueEstimate estimate = side.relies && done == 0
+                                        ? TissueEstimate{.tissue = side.known, .presses = 1}
+                                        : side.whole.estimate();
+    const bool enough = done >= max_probes || side.came_as_known ||
                         (done >= 2 && !side.whole.surprised() &&
                          tissue::probed_enough(estimate, side.peak_n, side.reference_n, region_n));
     if (enough) {
-      decide(arm, time_s, "A1", "probed the place before it is worked on", 0.0, side.peak_n);
+      decide(arm, time_s, "A1",
+             side.came_as_known ? "one press came as the place was felt earlier"
+                                : "probed the place before it is worked on",
+             0.0, side.peak_n);
       side.probing = false;
       take_reference(side);
       side.last.reset();

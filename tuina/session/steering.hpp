@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "tuina/massage/plan.hpp"
+#include "tuina/session/earlier/known_tissue.hpp"
 #include "tuina/tissue/creep_estimator.hpp"
 #include "tuina/tissue/depth_rules.hpp"
 #include "tuina/tissue/press_estimator.hpp"
@@ -37,11 +38,15 @@ struct Decision {
 /// Real-time after construction.
 class Steering {
  public:
+  /// What the steering may do.
   struct Options {
     tissue::PressEstimatorOptions presses;
     bool on = true;        ///< false: the plan is left as it is
     bool cautious = true;  ///< A2; false only to see what it is good for
+    /// Places that an earlier session has felt: one probing press that comes as known will do.
+    std::vector<KnownPlace> known = {};
   };
+  /// Takes all the memory that a plan needs.
   Steering(const massage::Plan& plan, const Options& options);
 
   /// An arm goes down for a path: in the air the estimators learn the zero of the force sensor.
@@ -61,6 +66,11 @@ class Steering {
   [[nodiscard]] bool well_foretold(Arm arm) const noexcept {
     return sides_[arm].foretold == tissue::Foretold::well;
   }
+  /// Tissue of an earlier session, while this contact relies on it; null otherwise.
+  [[nodiscard]] const TangentTissue* known(Arm arm) const noexcept {
+    return sides_[arm].relies ? &sides_[arm].known : nullptr;
+  }
+  /// Force for the place that is probed, at this time.
   [[nodiscard]] double probe_force_n(Arm arm, double time_s) noexcept;
   /// Force in place of a planned one.
   [[nodiscard]] double steered_n(Arm arm, double planned_n) const noexcept;
@@ -72,10 +82,13 @@ class Steering {
   [[nodiscard]] const TissueEstimate& estimate(Arm arm) const noexcept {
     return sides_[arm].whole.estimate();
   }
+  /// Misfit of the tissue model in this contact; about 1 is good.
   [[nodiscard]] double nis(Arm arm) const noexcept { return sides_[arm].whole.nis(); }
+  /// Relative error of the stiffness at `reference_force_n`.
   [[nodiscard]] double stiffness_sd(Arm arm) const noexcept {
     return sides_[arm].whole.stiffness_sd(reference_force_n);
   }
+  /// What was changed, in the order of time.
   [[nodiscard]] const std::vector<Decision>& decisions() const noexcept { return decisions_; }
 
  private:
@@ -87,6 +100,9 @@ class Steering {
     double nis = 1.0;
     TissueEstimate reference = {};  // what a later visit is compared with
     double reference_nis = 1.0;
+    bool relies = false;  // on an earlier session
+    TangentTissue known = {};
+    double known_sd = 0.0;
   };
   struct Side {
     explicit Side(const tissue::PressEstimatorOptions& options)
@@ -102,6 +118,9 @@ class Steering {
     double touched_s = 0.0;
     int path = -1;
     bool presses = false, probing = false, alarmed = false, worked_enough = false;
+    bool relies = false, came_as_known = false;
+    TangentTissue known = {};
+    double known_sd = 0.0;
     double probe_s = 0.0, peak_n = 0.0;
     int probes = 0;            ///< probing presses that are over
     double reference_n = 0.0;  ///< strongest force of the path as planned
@@ -117,6 +136,7 @@ class Steering {
 
   void judge(Arm arm, double time_s) noexcept;
   void foretell(Side& side) noexcept;
+  void compare_with_known(Arm arm, double time_s) noexcept;
   [[nodiscard]] bool bone_by_spine(const Side& side) const noexcept;
   void lower(Side& side, Arm arm, double time_s, double cap_n, const char* rule,
              const char* reason) noexcept;

@@ -14,6 +14,7 @@
 
 namespace tuina::session {
 
+/// One moment as the hand has shown it.
 struct TaughtSample {
   double time_s = 0.0;
   JointVector q_rad;
@@ -36,6 +37,7 @@ struct TaughtMotion {
 
   [[nodiscard]] double duration_s() const { return samples.empty() ? 0.0 : samples.back().time_s; }
 
+  /// What the arm does at one time of the motion.
   struct Moment {
     JointVector q_rad;
     JointVector dq_rad_per_s;

@@ -13,6 +13,14 @@
 #include "tuina/sim/robot/back_contact.hpp"
 
 namespace tuina::sim {
+namespace {
+
+std::vector<TangentTissue> changed(std::vector<TangentTissue> per_vertex, double alpha_share) {
+  for (TangentTissue& tissue : per_vertex) tissue.alpha_n *= 1.0 + alpha_share;
+  return per_vertex;
+}
+
+}  // namespace
 
 Person moved(Person person, const Vector3& by_in_couch) {
   for (Vector3& point : person.skin_in_couch.vertices) point += by_in_couch;
@@ -79,7 +87,7 @@ struct World::Parts {
     std::optional<robot::RobotReading> read() noexcept override {
       if (!world_.plant) return std::nullopt;
       const auto reading = world_.plant->read();
-      if (world_.options.real_pace) wait_for(reading->time_s);
+      if (world_.options.pace) wait_for(reading->time_s / *world_.options.pace);
       return reading;
     }
     void apply(const robot::RobotCommand& command) noexcept override {
@@ -91,13 +99,13 @@ struct World::Parts {
 
    private:
     using Clock = std::chrono::steady_clock;
-    void wait_for(double time_s) noexcept {
+    void wait_for(double clock_s) noexcept {
       // A scan or a plan in between is not caught up with: time goes on from there.
       constexpr std::chrono::duration<double> max_behind(0.1);
-      const auto due = start_ + std::chrono::duration<double>(time_s);
+      const auto due = start_ + std::chrono::duration<double>(clock_s);
       if (!started_ || Clock::now() - due > max_behind) {
-        start_ = Clock::now() -
-                 std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(time_s));
+        start_ = Clock::now() - std::chrono::duration_cast<Clock::duration>(
+                                    std::chrono::duration<double>(clock_s));
         started_ = true;
         return;
       }
@@ -114,7 +122,7 @@ struct World::Parts {
         robot(placement),
         options(given),
         seed(drawn_by),
-        contact(who.skin_in_couch, lay_tissue(who, drawn_by),
+        contact(who.skin_in_couch, changed(lay_tissue(who, drawn_by), given.tissue_change_share),
                 {.torso_n_per_m = given.torso_n_per_m,
                  .friction = given.skin_friction,
                  .breathing = given.breathing,

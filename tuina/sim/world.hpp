@@ -21,13 +21,15 @@ struct WorldOptions {
   double skin_friction = 0.1;  ///< Coulomb coefficient
   LivingBack living = {};
   Breathing breathing = {0.0, 0.25};
-  double shift_m = 0.0;  ///< the person moves by so much out of the back, once
+  double tissue_change_share = 0.0;  ///< of alpha, against what the seed draws
+  double shift_m = 0.0;              ///< the person moves by so much out of the back, once
   double shift_at_s = 0.0;
   double room_light_dn = 10.0;
   ScanFlaws scan_flaws = {};
   TableErrors arm_errors = {};  ///< of the true arms against their table
   PlantOptions devices = {};    ///< sensors and drives; their seed is the world's
-  bool real_pace = false;       ///< a millisecond takes a millisecond
+  /// Milliseconds of the robot in one of the clock; nothing: as fast as they are computed.
+  std::optional<double> pace = {};
 };
 
 /// The world of a session without hardware: a person with tissue and breath, a two-armed robot and

@@ -13,9 +13,12 @@ namespace tuina::telemetry {
 /// One place of a table. An empty cell says nothing anywhere; a number that is not finite is
 /// unknown, which people see as a dash.
 struct Cell {
+  /// What a cell may hold.
   using Value = std::variant<std::monostate, bool, std::int64_t, double, std::string>;
 
   Cell() = default;
+  /// @{
+  /// A yes or no, a number, a text, something that may be unknown, or a value with a remark.
   Cell(bool claim) : value(claim) {}
   Cell(double number) : value(number) {}
   Cell(std::string text) : value(std::move(text)) {}
@@ -27,6 +30,7 @@ struct Cell {
     if (known) value = Cell(*known).value;
   }
   Cell(Value known, std::string behind) : value(std::move(known)), remark(std::move(behind)) {}
+  /// @}
 
   Value value = {};
   std::string remark = {};  ///< small words behind the value: "± 0.3"
@@ -41,6 +45,7 @@ struct Column {
   bool truth = false;              ///< shaded: known only in simulation
 };
 
+/// One line of a table.
 struct Row {
   std::vector<Cell> cells;  ///< one per column
   std::string group = {};   ///< a heading above the rows that agree in it
@@ -53,6 +58,7 @@ struct Table {
   std::vector<Column> columns = {};
   std::vector<Row> rows = {};
 
+  /// Adds a row; one cell per column.
   void add(std::vector<Cell> cells) { rows.push_back({.cells = std::move(cells)}); }
 };
 

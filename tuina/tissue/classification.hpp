@@ -27,12 +27,14 @@ struct Subject {
 using ClassProbabilities = std::array<double, 3>;
 inline constexpr ClassProbabilities nothing_known = {1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0};
 
+/// A class of tissue with its probability.
 struct Classification {
   TissueClass label = TissueClass::unknown;
   double probability = 0.0;  ///< of the label; for `unknown`: that no class can be named
   ClassProbabilities of = nothing_known;
 };
 
+/// The tissue that a press has found, where the place is known.
 struct KnownPress {
   TangentTissue tissue;
   TissueClass at = TissueClass::bone;

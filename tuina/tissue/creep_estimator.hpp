@@ -19,9 +19,11 @@ namespace tuina::tissue {
 /// no exceptions.
 class CreepEstimator {
  public:
+  /// The same as the press estimator takes.
   using Options = PressEstimatorOptions;
   static constexpr std::size_t filters = 9;
 
+  /// Before the first sample.
   explicit CreepEstimator(const Options& options = {}) noexcept;
 
   /// Adds one sample: position along the inward normal (larger is deeper, the skin near zero) and
@@ -31,6 +33,7 @@ class CreepEstimator {
   /// wait some milliseconds.
   void settle() noexcept;
 
+  /// What is believed of the tissue.
   [[nodiscard]] const TissueEstimate& estimate() const noexcept { return estimate_; }
   /// Normalised innovation squared: about 1 if the law describes the tissue, above 4 if not.
   [[nodiscard]] double nis() const noexcept { return nis_; }
@@ -55,7 +58,9 @@ class CreepEstimator {
     std::array<Memory, filters> memory_n = {};
     double time_s = 0.0;
   };
+  /// What is believed now, to be carried on by `foretell`.
   [[nodiscard]] Outlook outlook() const noexcept;
+  /// A foretold force and its 95 % band.
   struct ForceBand {
     double force_n = 0.0, low_n = 0.0, high_n = 0.0;  ///< 95 % lie between low and high
   };

@@ -26,6 +26,7 @@ class CreepFilter {
  public:
   // `first_press`: by how much ln alpha is larger in it; `change`: a passing one. The first
   // `nonlinear` are linearised at the last pass.
+  /// Places in the state.
   enum Index {
     log_alpha,
     log_beta,
@@ -43,8 +44,12 @@ class CreepFilter {
     breath_speed,
     states
   };
+  /// @{
+  /// The state by `Index`, and its covariance; logarithms of SI values.
   using State = Eigen::Matrix<double, states, 1>;
   using Covariance = Eigen::Matrix<double, states, states>;
+  /// @}
+  /// What is believed after some segments.
   struct Belief {
     State mean = State::Zero();
     Covariance covariance = Covariance::Zero();
@@ -55,6 +60,7 @@ class CreepFilter {
   };
 
   CreepFilter() = default;
+  /// Before the first segment, under one hypothesis.
   CreepFilter(const PressEstimatorOptions& options, const CreepHypothesis& hypothesis) noexcept;
 
   /// A new segment goes into the newest belief, linearised as in the last pass.
@@ -62,14 +68,18 @@ class CreepFilter {
 
   /// A pass over the window: begun, one segment after the other, ended.
   void begin_pass(double tare_sd_n) noexcept;
+  /// @{
+  /// Likewise: one segment, the belief to be kept as the new beginning, the end.
   void pass(const PressSegment& segment) noexcept { fuse(pass_, segment); }
   void keep_middle() noexcept { middle_ = pass_; }
   void finish_pass() noexcept;
+  /// @}
   /// The segments before the kept middle leave the window.
   void forget_before_middle() noexcept { prior_ = middle_; }
   /// True when the parameters have left the place at which they were linearised.
   [[nodiscard]] bool moved() const noexcept;
 
+  /// Belief after the newest segment.
   [[nodiscard]] const Belief& now() const noexcept { return now_; }
   /// Where the last pass was linearised.
   [[nodiscard]] const State& at() const noexcept { return at_; }
@@ -84,6 +94,7 @@ class CreepFilter {
     State H = State::Zero();
     double position_m = 0.0, variance_m2 = 0.0, m_per_n = 0.0;
   };
+  /// What a belief lets expect of the tool's place under a force.
   [[nodiscard]] static Expected expect(const Belief& belief, const State& at, bool first_press,
                                        const Loading& loading) noexcept;
   /// The law of a state without what passes.

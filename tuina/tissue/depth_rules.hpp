@@ -50,8 +50,9 @@ struct ContactImpedance {
 /// third of a second after the last change, and while the tool is slow.
 class ControlShare {
  public:
+  /// The share for this millisecond, 0 to 1.
   double step(double tissue_n_per_m, double tool_speed_m_per_s, double dt_s) noexcept;
-  [[nodiscard]] double share() const noexcept { return share_; }
+  [[nodiscard]] double share() const noexcept { return share_; }  ///< as of the last step
 
  private:
   double share_ = 0.0, since_s_ = 1.0;

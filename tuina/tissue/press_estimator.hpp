@@ -52,13 +52,16 @@ struct PressEstimatorOptions {
 /// positive for any input.
 class PressEstimator {
  public:
+  /// What it knows beforehand of sensor, person and arm.
   using Options = PressEstimatorOptions;
+  /// Before the first sample.
   explicit PressEstimator(const Options& options = {}) noexcept;
 
   /// Adds one sample: position along the inward normal (larger is deeper, the skin near zero) and
   /// force onto the person. Times increase, with any origin.
   void update(double time_s, const Press& sample) noexcept;
 
+  /// As of the last sample.
   [[nodiscard]] const TissueEstimate& estimate() const noexcept { return estimate_; }
 
   /// Normalised innovation squared: about 1 if the tangent law describes the tissue, above 4 if
@@ -71,6 +74,7 @@ class PressEstimator {
   /// Tangent stiffness of the tissue at a force, and its relative standard deviation: the
   /// best-known output.
   [[nodiscard]] double stiffness_n_per_m(double force_n) const noexcept;
+  /// Likewise: its relative standard deviation.
   [[nodiscard]] double stiffness_sd(double force_n) const noexcept;
 
   /// Forgets the person but not the options, for the next acupoint.

@@ -10,6 +10,7 @@
 
 namespace tuina::tissue {
 
+/// One sample of a record.
 struct TimedPress {
   double time_s = 0.0;
   Press press;

@@ -32,6 +32,7 @@ struct PressSegment {
   int press = 0;  ///< presses before the one it belongs to
 };
 
+/// Noise of the samples, and how they are cut into segments.
 struct SegmentOptions {
   double force_noise_n = 0.2;      ///< one standard deviation of one sample
   double contact_sd_m = 0.5e-3;    ///< prior standard deviation of the skin position
@@ -47,33 +48,40 @@ class PressSegments {
  public:
   static constexpr std::size_t capacity = 512;
 
+  /// Without a segment.
   explicit PressSegments(const SegmentOptions& options) noexcept;
 
+  /// Takes a sample, in the order of time.
   void add(double time_s, const Press& sample) noexcept;
 
   /// Takes in the samples that wait for their block and ends the newest segment.
   void close() noexcept;
 
-  [[nodiscard]] std::size_t size() const noexcept { return size_; }
+  [[nodiscard]] std::size_t size() const noexcept { return size_; }  ///< segments that are kept
   /// Those of `size` that will not change any more.
   [[nodiscard]] std::size_t closed() const noexcept { return open_ ? size_ - 1 : size_; }
+  /// The i-th kept segment, from the oldest.
   [[nodiscard]] const PressSegment& operator[](std::size_t i) const noexcept {
     return segments_[i];
   }
+  /// Notes where the skin was in a segment, and how well that is known.
   void record_skin(std::size_t i, double skin_m, double skin_sd_m) noexcept {
     segments_[i].skin_m = skin_m;
     segments_[i].skin_sd_m = skin_sd_m;
   }
+  /// Forgets so many of the oldest segments.
   void drop_oldest(std::size_t count) noexcept;
 
   [[nodiscard]] int presses() const noexcept { return presses_; }  ///< completed presses
   [[nodiscard]] double peak_force_n() const noexcept { return peak_ever_n_; }
   [[nodiscard]] double first_contact_s() const noexcept { return first_contact_s_; }
+  /// Whether there was contact since the start.
   [[nodiscard]] bool ever_touched() const noexcept { return touched_; }
   [[nodiscard]] double now_s() const noexcept { return last_time_s_; }
   [[nodiscard]] double tare_n() const noexcept;
   [[nodiscard]] double tare_sd_n()
       const noexcept;  ///< infinite without free air before the contact
+  /// Blocks of samples that became part of a segment.
   [[nodiscard]] long accepted_blocks() const noexcept { return blocks_; }
   [[nodiscard]] const Memory& memory_n() const noexcept { return memory_n_; }  ///< at `now_s`
 

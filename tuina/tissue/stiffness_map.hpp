@@ -19,6 +19,7 @@ struct FeltPlace {
   double sd = 0.0;
 };
 
+/// How far a felt place tells of its surroundings.
 struct StiffnessMapOptions {
   double reach_m = 40e-3;     ///< correlation length: a muscle's width
   double spread = 0.4;        ///< prior standard deviation over a back: Table 6-2 at 10 N
@@ -29,10 +30,12 @@ struct StiffnessMapOptions {
 /// hardly bends.
 class StiffnessMap {
  public:
+  /// Logarithm of the stiffness at a place, and its standard deviation.
   struct Value {
     double log_stiffness = 0.0;
     double sd = 0.0;
   };
+  /// Takes in all places at once.
   explicit StiffnessMap(std::span<const FeltPlace> places, const StiffnessMapOptions& options = {});
 
   /// Nothing if no near place was pressed.

@@ -32,6 +32,7 @@ namespace tuina::web {
 /// cookie does not let it in, since a browser shows that for any page of this machine.
 class Access {
  public:
+  /// For a server at this port of this machine.
   explicit Access(int port);
 
   /// An address that opens the page, once.

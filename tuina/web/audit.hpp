@@ -41,6 +41,7 @@ class AuditLog {
   /// `now_s` is of a monotonic clock. A flood of what is refused does not fill the disk: beyond 20
   /// a second they are counted, and the next line says how many were left out.
   [[nodiscard]] Result<void> add(const AuditEntry& entry, double now_s);
+  /// The same for what was refused.
   [[nodiscard]] Result<void> add_refused(const AuditEntry& entry, double now_s);
 
  private:

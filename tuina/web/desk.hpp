@@ -32,12 +32,17 @@ inline constexpr double max_messages_per_s = 20.0;
 /// their page falls silent. Times are seconds of one monotonic clock.
 class Desk {
  public:
+  /// @{
+  /// A client has come or gone.
   void come(ClientId client, double now_s);
   void go(ClientId client);
+  /// @}
   /// Takes note of the message, so that it counts once.
   [[nodiscard]] Refusal judge(ClientId client, const Message& message, double now_s);
 
+  /// Who may steer at this time; nobody where their page has fallen silent.
   [[nodiscard]] std::optional<ClientId> operator_at(double now_s) const;
+  /// Number of clients.
   [[nodiscard]] std::size_t clients() const noexcept { return clients_.size(); }
 
  private:

@@ -38,22 +38,27 @@ inline constexpr std::array<Ask, 9> services = {Ask::stop,   Ask::operate, Ask::
                                                 Ask::pause,  Ask::resume,  Ask::softer,
                                                 Ask::firmer, Ask::skip,    Ask::repeat};
 
+/// Asks for messages of channels.
 struct Subscribe {
+  /// One channel, by numbers.
   struct One {
     std::uint32_t subscription = 0;  ///< a number that the client chose
     std::uint32_t channel = 0;
   };
   std::vector<One> all;
 };
+/// Asks for no more messages.
 struct Unsubscribe {
   std::vector<std::uint32_t> subscriptions;
 };
+/// Asks a service to do something.
 struct ServiceCall {
   std::uint32_t service = 0;
   std::uint32_t call = 0;  ///< a number that the client chose
   std::string encoding;
   std::string request;
 };
+/// What a client may say.
 using ClientMessage = std::variant<Subscribe, Unsubscribe, ServiceCall>;
 
 /// Reads a frame, text or binary, of a client. Whatever else is refused.
@@ -63,15 +68,22 @@ using ClientMessage = std::variant<Subscribe, Unsubscribe, ServiceCall>;
 
 /// The first frame of a connection. `session` is another for every run of the server.
 [[nodiscard]] Frame server_info(std::string_view session);
+/// @{
+/// Names the channels, and the services, with their schemas.
 [[nodiscard]] Frame advertise(std::span<const Channel> channels);
 [[nodiscard]] Frame advertise_services();
+/// @}
 /// Why a message of the client was not followed.
 [[nodiscard]] Frame status(std::string_view why);
 /// Times are nanoseconds of the session.
 [[nodiscard]] Frame message_data(std::uint32_t subscription, std::uint64_t time_ns,
                                  std::string_view message);
+/// The time of the session, for who has no other clock.
 [[nodiscard]] Frame time(std::uint64_t time_ns);
+/// @{
+/// The answer to a call: it was done, or why not.
 [[nodiscard]] Frame service_done(const ServiceCall& call);
 [[nodiscard]] Frame service_failed(const ServiceCall& call, std::string_view why);
+/// @}
 
 }  // namespace tuina::web::foxglove

@@ -14,6 +14,7 @@ namespace tuina::web {
 
 /// One message of a WebSocket, either way. A ping comes back as a pong with the same bytes.
 struct Frame {
+  /// Text, bytes or a sign of life.
   enum class Kind : std::uint8_t { text, binary, ping, pong };
   Kind kind = Kind::text;
   std::string bytes;
@@ -24,6 +25,7 @@ struct Frame {
 /// client that reads slowly misses what was not the newest.
 class Outbox {
  public:
+  /// Number of a stream of frames of which only the newest count.
   using Slot = std::uint32_t;
   /// `keep` newest frames of the slot wait at most.
   void put(Slot slot, Frame frame, std::size_t keep = 1);
@@ -33,6 +35,7 @@ class Outbox {
   [[nodiscard]] bool reply(Frame frame);
   /// Waits for the next frame: replies first, then slot after slot in turn; nothing after `close`.
   [[nodiscard]] std::optional<Frame> take();
+  /// No frame goes out any more, and `take` returns.
   void close();
 
  private:

@@ -8,6 +8,7 @@ namespace tuina::web {
 /// So many at once, and so many a second after that.
 class Rate {
  public:
+  /// With all of `at_once` left.
   Rate(double at_once, double per_s) : at_once_(at_once), per_s_(per_s), left_(at_once) {}
 
   /// Whether one more is within the rate at `now_s`; it then counts.

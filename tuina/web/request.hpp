@@ -23,6 +23,7 @@ struct Request {
   std::string known_tags;       ///< of contents that the browser has kept
 };
 
+/// What a browser gets.
 struct Reply {
   int status = 200;
   std::string type = "text/plain; charset=utf-8";

@@ -141,7 +141,8 @@ struct Server::Hall {
     const bool whole = (bits & 0x80) != 0;
     const bool read = *kind != Frame::Kind::binary || !client->is_page;
     if (!whole || !read || size > max_message_bytes) return close;
-    hall.site.hear(client->id, {.kind = *kind, .bytes = std::string(text, size)});
+    const auto& hear = client->is_page ? hall.site.hear : hall.site.hear_program;
+    hear(client->id, {.kind = *kind, .bytes = std::string(text, size)});
     return keep_open;
   }
 

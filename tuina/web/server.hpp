@@ -19,13 +19,14 @@ struct Site {
   std::function<std::optional<Reply>(const Request&)> answer;
   std::function<void(ClientId, const Request&)> come;
   std::function<void(ClientId)> go;
-  std::function<void(ClientId, const Frame&)> hear;
+  std::function<void(ClientId, const Frame&)> hear;          ///< a page
+  std::function<void(ClientId, const Frame&)> hear_program;  ///< another program
 };
 
 /// WebSockets of the page open here, those of other programs at `foxglove::path`.
 inline constexpr const char* page_path = "/live";
 /// Clients that may be there at once; what comes on top is sent away with 503.
-inline constexpr int max_clients = 24;
+inline constexpr int max_clients = 64;
 
 /// HTTP and WebSocket at one port of this machine. Each client has a thread that reads and one that
 /// writes, so that none waits for another. A header has 8 KiB at most and 10 s to arrive; a message
@@ -40,11 +41,14 @@ class Server {
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
 
-  [[nodiscard]] int port() const noexcept;
+  [[nodiscard]] int port() const noexcept;  ///< where it listens
   /// Nothing of these waits for the client, or fails when it has just gone (`Outbox`).
   void put(ClientId client, Outbox::Slot slot, Frame frame, std::size_t keep = 1);
+  /// @{
+  /// Takes back what waits in a slot, or sends a frame that must not be left out.
   void drop(ClientId client, Outbox::Slot slot);
   void reply(ClientId client, Frame frame);
+  /// @}
 
   struct Hall;  ///< the connections
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/evaluation/contact/late_robot.hpp"
 #include "apps/evaluation/contact/patch_path.hpp"
 #include "tuina/control/beat_correction.hpp"
 #include "tuina/massage/technique/contact_path.hpp"
@@ -18,30 +19,6 @@ namespace {
 
 constexpr double dt_s = control_period_s;
 constexpr double standoff_m = 40_mm;
-
-/// A robot whose drives do what they are told some milliseconds late.
-class LateRobot final : public robot::Robot {
- public:
-  LateRobot(robot::Robot& robot, int ticks)
-      : robot_(robot), ticks_(static_cast<std::size_t>(std::max(ticks, 0))) {}
-  [[nodiscard]] Result<void> stand_ready(const robot::ReadyPose& pose) override {
-    return robot_.stand_ready(pose);
-  }
-  [[nodiscard]] std::optional<robot::RobotReading> read() noexcept override {
-    return robot_.read();
-  }
-  void apply(const robot::RobotCommand& command) noexcept override {
-    if (queue_.size() > ticks_) queue_.erase(queue_.begin());
-    queue_.push_back(command);
-    robot_.apply(queue_.front());
-  }
-  [[nodiscard]] const char* fault() const noexcept override { return robot_.fault(); }
-
- private:
-  robot::Robot& robot_;
-  std::size_t ticks_;
-  std::vector<robot::RobotCommand> queue_;
-};
 
 /// How much the true force trembles while its target stands still.
 class Ripple {
@@ -175,6 +152,7 @@ Result<ContactOutcome> run_contact(const ContactExperiment& experiment, const Pr
   const sim::Plant::Start start = {.q_rad = {.of = {*above, waits_rad}}};
   sim::PlantOptions devices = experiment.devices;
   devices.seed = experiment.seed;
+  if (experiment.network) devices.watchdog_ticks = experiment.network->max_missed_cycles;
   auto plant = sim::Plant::make(placement, arms, start, &person, devices);
   if (!plant) return tl::unexpected(plant.error());
 
@@ -189,7 +167,11 @@ Result<ContactOutcome> run_contact(const ContactExperiment& experiment, const Pr
   enum class Act { settle, move, approach, track, retract, done } act = Act::settle;
   double act_s = 0.0, stopped_s = 0.0;
   bool left_skin = false;
-  LateRobot robot(**plant, experiment.late_ticks);
+  LateRobot late(**plant, experiment.late_ticks);
+  std::optional<NetworkedArms> networked;
+  if (experiment.network) networked.emplace(**plant, *experiment.network, experiment.seed);
+  robot::Robot& near = networked ? static_cast<robot::Robot&>(*networked) : late;
+  robot::Robot& robot = experiment.seen_as ? experiment.seen_as(near) : near;
   Ripple ripple;
   const double max_duration_s = path.duration_s() + 30.0;
   Arm arm = Arm::left;
@@ -269,11 +251,14 @@ Result<ContactOutcome> run_contact(const ContactExperiment& experiment, const Pr
     // After a stop the guard drives; a second and a half shows where that ends.
     const auto contact_fault = status.contact_fault;
     const safety::Verdict& verdict = judged.arms[arm];
-    if (!outcome.stopped && (verdict.latched || contact_fault != control::ContactFault::none)) {
+    const bool by_itself = networked && networked->stopped();
+    if (!outcome.stopped &&
+        (verdict.latched || by_itself || contact_fault != control::ContactFault::none)) {
       outcome.stopped = true;
       stopped_s = reading.time_s;
-      outcome.stops.push_back(
-          {reading.time_s, verdict.latched ? name_of(verdict.cause) : name_of(contact_fault)});
+      outcome.stops.push_back({reading.time_s, verdict.latched ? name_of(verdict.cause)
+                                               : by_itself     ? "armlink broke off"
+                                                               : name_of(contact_fault)});
       if (!verdict.latched) controller.retract(standoff_m);
     }
     if (outcome.stopped && reading.time_s > stopped_s + 1.5) next(Act::done);

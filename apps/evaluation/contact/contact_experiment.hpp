@@ -2,9 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "apps/evaluation/contact/networked_arms.hpp"
 #include "apps/evaluation/contact/patch_path.hpp"
 #include "tuina/control/arm_controller.hpp"
 #include "tuina/core/progress.hpp"
@@ -51,6 +54,9 @@ struct ContactExperiment {
   std::vector<sim::Shift> shifts = {};  ///< times count from the start of the technique
   sim::PlantOptions devices = {};       ///< sensors and drives; their seed is the one below
   int late_ticks = 0;                   ///< torques reach the drives so many milliseconds late
+  std::optional<Network> network = {};  ///< the arms are at the other end of armlink
+  /// Gives the robot that control sees for the simulated one, which may stand behind it.
+  std::function<robot::Robot&(robot::Robot&)> seen_as = {};
   std::uint64_t seed = 1;
 };
 

@@ -31,7 +31,7 @@ double highest_n(const TangentTissue& tissue, const ReflexBound& bound) {
 
 std::vector<ReflexBound> reflex_bounds() {
   constexpr double sensor_ms = 2.6;  // a sample and the low-pass of the wrist sensor
-  constexpr double reflex_n = control::ForceTarget::Options{}.push_out_n;
+  constexpr double reflex_n = control::Escape::Options{}.push_out_n;
   constexpr double all_n = 230.0;  // the drives hold about as much on a back
   std::vector<ReflexBound> bounds;
   for (const NamedTissue& tissue : tissues) {

@@ -34,7 +34,8 @@ bool ControlTarget::reached(const ControlResult& result) const {
   const auto within = [](const std::optional<double>& limit, double value) {
     return !limit || value <= *limit;
   };
-  return within(rmse_n, result.rmse_n) && within(overshoot_n, result.overshoot_n) &&
+  const bool ended = rmse_n && result.stopped > 0;  // the error of what was left out is not known
+  return !ended && within(rmse_n, result.rmse_n) && within(overshoot_n, result.overshoot_n) &&
          within(highest_n, result.highest_n) &&
          within(max_speed_m_per_s, result.max_speed_m_per_s) &&
          within(second_impact_n, result.second_impact_n);

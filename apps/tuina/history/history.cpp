@@ -4,6 +4,7 @@
 #include "apps/tuina/history/open.hpp"
 #include "apps/tuina/verbs.hpp"
 #include "tuina/core/io/file.hpp"
+#include "tuina/history/archive.hpp"
 #include "tuina/history/history_page.hpp"
 #include "tuina/history/person_history.hpp"
 
@@ -104,26 +105,41 @@ class HistoryExport final : public HistoryVerb {
  public:
   [[nodiscard]] const char* name() const override { return "history export"; }
   [[nodiscard]] const char* summary() const override {
-    return "what the history holds of one person: JSON, or the tissue of all sessions as CSV";
+    return "what is kept of one person: all of it as an archive, the index as JSON, or the tissue "
+           "as CSV";
   }
   [[nodiscard]] const char* example() const override {
-    return "tuina history export anna --out anna.csv";
+    return "tuina history export anna --out anna.zip";
   }
   void describe(Options& options) override {
     describe_person(options);
-    options.add("--out", out_, "FILE.json or FILE.csv").required();
+    options
+        .add("--out", out_,
+             "FILE.zip: everything, with the folders of the sessions; FILE.json: the index; "
+             "FILE.csv: the tissue of all sessions")
+        .required();
   }
   [[nodiscard]] Result<Answer> run(const CommonOptions&) override {
-    const bool table = out_.ends_with(".csv");
-    if (!table && !out_.ends_with(".json"))
-      return fail(Fault::usage, "--out {}: the name is to end with .json or .csv", out_);
+    const auto kind = std::filesystem::path(out_).extension();
+    if (kind != ".zip" && kind != ".json" && kind != ".csv")
+      return fail(Fault::usage, "--out {}: the name is to end with .zip, .json or .csv", out_);
     const auto known = this->known();
     if (!known) return tl::unexpected(known.error());
+    Json json = {{"who", who_}, {"sessions", known->visits.size()}, {"file", out_}};
+    std::string text = fmt::format("{}: {} sessions in {}", who_, known->visits.size(), out_);
+    if (kind == ".zip") {
+      const auto archived = history::write_archive(*known, utc_now(), out_);
+      if (!archived) return tl::unexpected(archived.error());
+      json["files"] = archived->files;
+      json["missing"] = archived->missing;
+      text += fmt::format(", {} files", archived->files);
+      for (const std::string& missing : archived->missing) text += "\nnot in it: " + missing;
+      return Answer{.json = json.dump(2), .text = text};
+    }
+    const bool table = kind == ".csv";
     const std::string content = table ? history::to_csv(*known) : history::to_json(*known) + "\n";
     if (auto written = write_file(out_, content); !written) return tl::unexpected(written.error());
-    const Json json = {{"who", who_}, {"sessions", known->visits.size()}, {"file", out_}};
-    return Answer{.json = json.dump(2),
-                  .text = fmt::format("{}: {} sessions in {}", who_, known->visits.size(), out_)};
+    return Answer{.json = json.dump(2), .text = text};
   }
 
  private:

@@ -7,6 +7,7 @@
 
 namespace tuina::body {
 
+/// How a shape model is learned.
 struct LearnOptions {
   StatisticsOptions statistics;
   Reach reach = Reach::labels;

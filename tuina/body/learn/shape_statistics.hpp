@@ -15,6 +15,7 @@ struct Registered {
 [[nodiscard]] Registered registered(const Template& standard, const Example& example,
                                     const std::vector<std::string>& names);
 
+/// How many modes the joint Gaussian has, and what it knows before the first person.
 struct StatisticsOptions {
   int modes = 60;
   /// Standard deviation of the smooth deformation added to the observed ones.

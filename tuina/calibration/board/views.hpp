@@ -32,6 +32,7 @@ struct View {
   std::vector<int> which = {};  ///< indices of the corners, as in SeenBoard
   bool laser_on = false;
   std::vector<scanner::LinePoint> line;
+  /// Index on the board of the k-th corner.
   [[nodiscard]] int corner(std::size_t k) const {
     return which.empty() ? static_cast<int>(k) : which[k];
   }

@@ -49,6 +49,7 @@ struct ViewResidual {
   int line_points = 0;
 };
 
+/// What `fit_jointly` finds, with its errors.
 struct JointFit {
   Geometry geometry;
   /// Assumes independent errors of corners and rows; `covariance_to_state` corrects it.

@@ -8,6 +8,7 @@
 
 namespace tuina::calibration {
 
+/// The axis that the turntable turns about, in the frame of the camera.
 struct YawAxis {
   Vector3 point_in_camera = Vector3::Zero();  ///< the point nearest to the camera
   Vector3 direction_in_camera = -Vector3::UnitY();

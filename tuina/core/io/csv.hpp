@@ -15,9 +15,12 @@ namespace tuina {
 /// the format with file and line.
 struct CsvTable {
   std::vector<std::vector<double>> columns;
+  /// Rows below the head.
   [[nodiscard]] std::size_t rows() const { return columns.empty() ? 0 : columns.front().size(); }
 };
 
+/// Reads the wanted columns of a file. An empty cell of the column `may_be_empty` is NaN; every
+/// other cell is a finite number.
 [[nodiscard]] Result<CsvTable> read_csv(const std::filesystem::path& path,
                                         const std::vector<std::string>& wanted_columns,
                                         std::string_view may_be_empty = {});

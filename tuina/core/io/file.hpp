@@ -17,6 +17,7 @@ namespace tuina {
 /// nor a crash sees half a file. Without `finish` nothing is left behind.
 class FileWriter {
  public:
+  /// Begins a file beside its final place. Fails with Fault::file.
   [[nodiscard]] static Result<FileWriter> open(const std::filesystem::path& path);
   FileWriter(FileWriter&& other) noexcept;
   FileWriter(const FileWriter&) = delete;
@@ -24,7 +25,9 @@ class FileWriter {
   FileWriter& operator=(FileWriter&&) = delete;
   ~FileWriter();
 
+  /// Adds to the end. Fails with Fault::file.
   [[nodiscard]] Result<void> append(std::string_view content);
+  /// Puts the whole file at its place. Fails with Fault::file.
   [[nodiscard]] Result<void> finish();
 
  private:

@@ -18,8 +18,11 @@ struct PngFile {
   int bits = 8;
 };
 
+/// @{
+/// A picture with its depth. Fails on what is no PNG of 8 or 16 bits, with its name.
 [[nodiscard]] Result<PngFile> read_png(const std::filesystem::path& path);
 [[nodiscard]] Result<PngFile> parse_png(std::string_view content, std::string_view name);
+/// @}
 
 /// Encodes 8-bit grey (one channel) or RGB (three channels).
 [[nodiscard]] std::string to_png(const Image& image);

@@ -11,6 +11,7 @@ namespace tuina {
 /// the object, and what is in it.
 class ScratchFolder {
  public:
+  /// Makes an empty folder. Fails with Fault::file.
   [[nodiscard]] static Result<ScratchFolder> make();
   ScratchFolder(ScratchFolder&& other) noexcept;
   ScratchFolder(const ScratchFolder&) = delete;
@@ -18,7 +19,7 @@ class ScratchFolder {
   ScratchFolder& operator=(ScratchFolder&&) = delete;
   ~ScratchFolder();
 
-  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }  ///< where it is
 
  private:
   explicit ScratchFolder(std::filesystem::path path) : path_(std::move(path)) {}

@@ -24,12 +24,15 @@ struct SurfaceFile {
 /// recognised by content. Fails on malformed files with file, line or byte, and the remedy. Memory
 /// is bounded by the size of the file, never by the counts in its header.
 [[nodiscard]] Result<SurfaceFile> read_surface(const std::filesystem::path& path);
+/// The same of a text; `name` stands for the file in what is wrong.
 [[nodiscard]] Result<SurfaceFile> parse_surface(std::string_view content, std::string_view name);
 
 /// Binary little-endian PLY in metres, with normals, amplitude and deviation if the cloud has them.
 [[nodiscard]] std::string to_ply(const PointCloud& cloud);
+/// Binary little-endian PLY in metres, with triangles.
 [[nodiscard]] std::string to_ply(const Mesh& mesh);
 
+/// The formats of clouds that are written.
 enum class CloudFormat { ply_ascii, ply_binary, ply_big_endian, pcd_ascii, pcd_binary };
 /// "ply", "ply-ascii", "ply-big-endian", "pcd", "pcd-ascii".
 [[nodiscard]] std::optional<CloudFormat> cloud_format(std::string_view name);

@@ -12,11 +12,16 @@
 /// Shared by the PLY and the PCD reader; all others include surface_file.hpp.
 namespace tuina::surface_parts {
 
+/// @{
+/// Reads one format; `name` stands for the file in what is wrong.
 [[nodiscard]] Result<SurfaceFile> parse_ply(std::string_view content, std::string_view name);
 [[nodiscard]] Result<SurfaceFile> parse_pcd(std::string_view content, std::string_view name);
+/// @}
 
+/// Types of numbers in a file: integers by sign and bits, then floats.
 enum class NumberType : std::uint8_t { i8, u8, i16, u16, i32, u32, i64, u64, f32, f64 };
-[[nodiscard]] std::size_t size_of(NumberType type);
+[[nodiscard]] std::size_t size_of(NumberType type);  ///< bytes of one number
+/// Whether numbers of the type have a point.
 [[nodiscard]] constexpr bool is_floating(NumberType type) {
   return type >= NumberType::f32;
 }
@@ -43,6 +48,7 @@ class PointGatherer {
     none
   };
   static constexpr std::size_t slots = static_cast<std::size_t>(Slot::none);
+  /// Slot of a property of this name; `none` where it has no meaning here.
   [[nodiscard]] static Slot slot_of(std::string_view property);
 
   using Values = std::array<double, slots + 1>;  ///< the last entry takes values without a slot
@@ -56,6 +62,7 @@ class PointGatherer {
   /// Renumbers a triangle of the file and keeps it unless one of its points was left out.
   void add_triangle(std::array<int, 3> corners);
 
+  /// What was collected; the gatherer is empty afterwards.
   [[nodiscard]] SurfaceFile take();
 
  private:

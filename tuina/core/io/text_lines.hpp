@@ -14,6 +14,7 @@ namespace tuina {
 /// stop at any line, since binary data may follow a text header.
 class TextLines {
  public:
+  /// The text must outlive it.
   explicit TextLines(std::string_view text);
 
   /// The next line without its line end; nothing at the end of the text.
@@ -24,6 +25,7 @@ class TextLines {
   [[nodiscard]] std::size_t byte() const {
     return at_;
   }  ///< byte offset of the text after it, from 0
+  /// What follows the line read last.
   [[nodiscard]] std::string_view rest() const { return text_.substr(at_); }
 
  private:

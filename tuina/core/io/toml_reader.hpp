@@ -30,11 +30,14 @@ struct TomlFaults {
 /// One entry of a list.
 class TomlValue {
  public:
+  /// The node must outlive it.
   explicit TomlValue(const toml::node& node) : node_(&node) {}
   [[nodiscard]] std::optional<double> number() const;  ///< finite
+  /// Nothing unless it is a text.
   [[nodiscard]] std::optional<std::string> text() const;
   /// Nothing unless it is a list of `count` finite numbers.
   [[nodiscard]] std::optional<std::vector<double>> numbers(std::size_t count) const;
+  /// For what toml++ itself is asked.
   [[nodiscard]] const toml::node& node() const { return *node_; }
 
  private:
@@ -45,19 +48,22 @@ class TomlValue {
 /// when the value is wrong; the fault is then collected.
 class TomlTable {
  public:
+  /// Keys, or the words that a value may be.
   using Words = std::vector<std::string>;
 
   /// `path`: prefix of the keys in faults, such as "camera."; may be empty.
   TomlTable(const toml::table& table, std::string path, TomlFaults& faults)
       : table_(&table), path_(std::move(path)), faults_(&faults) {}
 
+  /// Whether the key is there, whatever its value.
   [[nodiscard]] bool has(std::string_view key) const;
-  [[nodiscard]] Words keys() const;
+  [[nodiscard]] Words keys() const;  ///< keys of the table
 
   /// Location of the key, or of the table if the key is absent: "file:line: ".
   [[nodiscard]] std::string at(std::string_view key) const;
   /// Collects a fault at `at(key)`.
   void reject(std::string_view key, std::string_view sentence) const;
+  /// Collects a fault at an entry of a list.
   void reject(const TomlValue& value, std::string_view sentence) const;
   /// Collects a fault whose sentence begins with the key and its value.
   void wrong(std::string_view key, std::string_view predicate) const;
@@ -65,11 +71,15 @@ class TomlTable {
   /// the owner of the keys, such as "a programme", in the message.
   void only(const Words& known, const Words& needed = {}, std::string_view whose = "") const;
 
+  /// @{
+  /// A value of the type, numbers from `low` to `high`. Nothing where the key is not there or its
+  /// value is another, which is collected with `why`.
   [[nodiscard]] std::optional<double> number(std::string_view key, double low, double high,
                                              std::string_view why = "") const;
   [[nodiscard]] std::optional<int> whole(std::string_view key, int low, int high) const;
   [[nodiscard]] std::optional<bool> flag(std::string_view key) const;
   [[nodiscard]] std::optional<std::string> text(std::string_view key) const;
+  /// @}
   /// Index of the value in `words`.
   [[nodiscard]] std::optional<std::size_t> word(std::string_view key, const Words& words) const;
   /// A list of `count` numbers, each between -limit and limit.

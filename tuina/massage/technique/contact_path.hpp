@@ -52,6 +52,7 @@ struct Slide {
   double ramp_s = 0.5;
 
   [[nodiscard]] double duration_s() const;
+  /// Way that lies behind after a time; all of it after `duration_s`.
   [[nodiscard]] double way_m(double time_s) const;
   [[nodiscard]] double top_speed_m_per_s() const;
 };

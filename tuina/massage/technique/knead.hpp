@@ -16,6 +16,7 @@ inline constexpr double max_knead_radius_m = 0.020;
 inline constexpr double min_knead_hz = 0.5;
 inline constexpr double max_knead_hz = 1.25;
 
+/// How a place is kneaded.
 struct KneadOptions {
   double force_n = 18.0;  ///< Force at the height of each turn.
   double rate_hz = 0.8;   ///< Turns a second, if neither speed nor force changes too fast.

@@ -22,6 +22,7 @@ struct PressWindow {
   [[nodiscard]] double max_slope_per_s() const;  ///< Slope in the middle of an edge.
 };
 
+/// How a place is pressed.
 struct PressOptions {
   double force_n = 25.0;
   int repeats = 2;

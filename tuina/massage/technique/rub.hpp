@@ -12,6 +12,7 @@ namespace tuina::massage {
 /// Moves a guide point, for instance around a place that must not be touched.
 using Bend = std::function<Vector3(const Vector3& in_couch)>;
 
+/// How a circle is rubbed.
 struct RubOptions {
   double force_n = 15.0;
   double rate_hz = 0.35;    ///< Turns a second of a circle, or of a spiral where it is widest.

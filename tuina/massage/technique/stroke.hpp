@@ -14,6 +14,7 @@ namespace tuina::massage {
 /// Two hands stroke in turn: one begins to press so long before the other leaves. Twice the time
 /// in which the force of most strokes rises, and half a second in which they may touch apart.
 inline constexpr double hands_overlap_s = 1.5;
+/// How two hands share one line.
 struct HandOverHand {
   double pass_s = 0.0;  ///< Time of one stroke, the same for both hands.
   bool second = false;  ///< The hand waits for its turn on the skin, with the kept force.
@@ -21,6 +22,7 @@ struct HandOverHand {
 /// The time of one stroke that leaves the other hand enough to slide back meanwhile.
 [[nodiscard]] double hand_over_hand_pass_s(double length_m, double speed_m_per_s);
 
+/// How a line is stroked.
 struct StrokeOptions {
   double force_n = 12.0;
   double speed_m_per_s = 0.060;

@@ -21,6 +21,7 @@ class SurfaceCurve {
   SurfaceCurve(std::span<const body::SurfacePoint> lifted, bool closed);
 
   [[nodiscard]] double length_m() const { return way_m_.back(); }
+  /// Whether its end is its beginning.
   [[nodiscard]] bool closed() const { return closed_; }
   /// Place and unit normal after a way along the curve; a closed curve goes round again, an open
   /// one stays at its ends.

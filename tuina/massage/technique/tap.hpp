@@ -12,6 +12,7 @@ namespace tuina::massage {
 inline constexpr double min_tap_hz = 1.0;
 inline constexpr double max_tap_hz = 5.0;
 
+/// How a place is tapped.
 struct TapOptions {
   double force_n = 10.0;  ///< Force at the top of each tap.
   double rate_hz = 3.0;   ///< Taps a second, 1 to 5.

@@ -16,6 +16,7 @@ struct Face {
   std::vector<Vector3> points;
   double rms_m = 0.0;
 
+  /// Distance of a place from the face, positive outside.
   [[nodiscard]] double out_m(const Vector3& point) const { return normal.dot(point) - offset_m; }
 };
 

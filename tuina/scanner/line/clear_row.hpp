@@ -28,6 +28,7 @@ struct RowRule {
     const int window_px = LineKernel::taps / 2 + static_cast<int>(max_walk_px) + 1;
     return beside_px + 8 > window_px ? beside_px + 8 : window_px;
   }
+  /// Whether a line at this column has room for its window on both sides.
   [[nodiscard]] bool has_margin(int column) const {
     return column - first >= margin_px() && last - column >= margin_px();
   }

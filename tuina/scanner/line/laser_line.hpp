@@ -27,6 +27,7 @@ struct LinePoint {
   float deviation_px = 0.0F;  ///< standard deviation of column_px from image noise
 };
 
+/// The laser line in one frame.
 struct LaserLine {
   std::vector<LinePoint>
       points;              ///< at most one per row, rows rising; rows without a line are absent
@@ -35,6 +36,7 @@ struct LaserLine {
   double width_px = 0.0;   ///< standard deviation across the line
 };
 
+/// How the line is looked for.
 struct LineOptions {
   LineMethod method = LineMethod::centroid;
   double noise_dn = 0.0;      ///< noise of one pixel; 0: estimated from the image

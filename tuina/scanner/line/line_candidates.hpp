@@ -31,9 +31,13 @@ inline constexpr float rival_share = 0.5F;
 /// Estimates noise, background and line width from a sample of rows.
 class SceneSample {
  public:
+  /// For frames of so many rows.
   SceneSample(const LineScene& scene, std::size_t rows);
+  /// @{
+  /// Takes the row at height `y` of the picture into the sample.
   void add(const std::uint8_t* row, int y);
   void add(const float* row, int y);
+  /// @}
   /// Fills in the scene; arguments above zero replace estimates.
   void estimate(LineScene& scene, double noise_dn, double width_px) const;
 
@@ -55,6 +59,7 @@ struct Candidate {
   float height_dn = 0.0F;
 };
 
+/// Where the line may be in one row.
 struct CandidateRow {
   int y = 0;
   std::vector<Candidate> candidates;  ///< brightest first

@@ -14,6 +14,7 @@ struct LineKernel {
   /// Sub-pixel centres; a step corrects the remaining 1/32 px linearly.
   static constexpr int phases = 16;
 
+  /// Weights of both sums for one sub-pixel centre.
   struct Weights {
     alignas(64) std::array<float, taps> offset;
     alignas(64) std::array<float, taps> height;
@@ -43,6 +44,7 @@ inline constexpr double max_kernel_px = 4.0;
 [[nodiscard]] const LineKernel& gaussian_kernel(double width_px);
 [[nodiscard]] const LineKernel& centroid_kernel(double width_px);
 
+/// Both weighted sums: their ratio is the step, px.
 struct LineStep {
   float offset;
   float height;

@@ -24,6 +24,7 @@ struct Sticker {
 /// cloud and stickers. Fails on grey frames.
 class StickerWatch final : public Camera {
  public:
+  /// The camera must outlive it; stickers are looked for between these depths.
   StickerWatch(Camera& camera, const ScannerCalibration& calibration, double near_m, double far_m);
 
   [[nodiscard]] Result<Frame> next_frame(double timeout_s) override;

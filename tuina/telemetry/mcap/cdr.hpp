@@ -18,16 +18,20 @@ static_assert(std::endian::native == std::endian::little);
 
 template <typename T>
 concept Number = std::is_arithmetic_v<T>;
+/// The four bytes before every message.
 inline constexpr std::string_view cdr_head("\0\1\0\0", 4);
 
+/// Bytes that are left free so that a number of `size` bytes stands at a multiple of its size.
 [[nodiscard]] constexpr std::size_t cdr_padding(std::size_t at, std::size_t size) {
   return (size - (at - cdr_head.size()) % size) % size;
 }
 
+/// Visits the fields of a message and writes them.
 class CdrWriter {
  public:
   /// `out` is begun anew.
   explicit CdrWriter(std::string& out) : out_(out) { out_.assign(cdr_head); }
+  /// Writes one field.
   template <typename T>
   void operator()(const char* /*name*/, const T& value) {
     put(value);
@@ -63,10 +67,13 @@ class CdrWriter {
   std::string& out_;
 };
 
+/// Visits the fields of a message and reads them; after one that does not fit, none is.
 class CdrReader {
  public:
+  /// The bytes of one message, which must outlive it.
   explicit CdrReader(std::string_view bytes)
       : bytes_(bytes), at_(cdr_head.size()), fits_(bytes.starts_with(cdr_head)) {}
+  /// Reads one field.
   template <typename T>
   void operator()(const char* /*name*/, T& value) {
     take(value);

@@ -24,6 +24,7 @@ inline constexpr Search rows{.level = 1, .min_match = 4}, texts{.level = 9};
 /// Compresses with zstd; its memory is used again each time.
 class Compressor {
  public:
+  /// How hard it looks for repetitions.
   explicit Compressor(Search search);
   /// One frame, which states the size of its content. It lives until the next call.
   [[nodiscard]] std::string_view compress(std::string_view bytes);

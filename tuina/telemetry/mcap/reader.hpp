@@ -13,6 +13,7 @@
 
 namespace tuina::telemetry::mcap {
 
+/// One message of a record, with its channel and times.
 struct Message : MessageHead {
   std::string_view data;  ///< lives while the message is looked at
 };
@@ -37,6 +38,7 @@ struct Contents {
   [[nodiscard]] const Attachment* attachment(std::string_view name) const;
 };
 
+/// Called for each message, with what the file has said before it.
 using OnMessage = std::function<void(const Contents&, const Message&)>;
 
 /// Reads an MCAP file [mcap] from its front to its back, also one that is cut off or damaged: a

@@ -19,9 +19,13 @@ static_assert(std::endian::native == std::endian::little);
 /// Opcode and length stand before the content of a record.
 inline constexpr std::size_t record_head_bytes = 9;
 
+/// Visits the fields of a record and writes them.
 class FieldWriter {
  public:
+  /// Adds to the end of `out`.
   explicit FieldWriter(std::string& out) : out_(out) {}
+  /// @{
+  /// Writes one field: a number, a text behind its length, bytes behind theirs.
   template <std::unsigned_integral T>
   void operator()(T value) {
     out_.append(reinterpret_cast<const char*>(&value), sizeof value);
@@ -34,6 +38,7 @@ class FieldWriter {
     (*this)(static_cast<std::uint64_t>(data.bytes.size()));
     out_.append(data.bytes);
   }
+  /// @}
   /// Maps and lists of pairs.
   template <typename Pairs>
   requires requires(const Pairs& pairs) { pairs.begin()->second; }
@@ -55,7 +60,10 @@ class FieldWriter {
 /// Takes fields from the front of some bytes; after a field that does not fit, none is.
 class FieldReader {
  public:
+  /// The bytes must outlive it.
   explicit FieldReader(std::string_view bytes) : rest_(bytes) {}
+  /// @{
+  /// Reads one field; it stays as it was where it does not fit.
   template <std::unsigned_integral T>
   void operator()(T& value) {
     const std::string_view bytes = take(sizeof value);
@@ -71,8 +79,10 @@ class FieldReader {
   void operator()(std::vector<std::pair<First, Second>>& pairs) {
     each_pair<First, Second>([&](First& one, Second& two) { pairs.emplace_back(one, two); });
   }
+  /// @}
+  /// Whether every field has fitted so far.
   [[nodiscard]] bool fits() const { return fits_; }
-  [[nodiscard]] std::string_view rest() const { return rest_; }
+  [[nodiscard]] std::string_view rest() const { return rest_; }  ///< bytes that no field has taken
 
  private:
   template <typename Length>

@@ -16,6 +16,7 @@ namespace tuina::telemetry::mcap {
 /// The first and the last bytes of every file.
 inline constexpr std::string_view magic("\x89MCAP0\r\n", 8);
 
+/// Number of each kind of record, [mcap] "Opcodes".
 enum class Opcode : std::uint8_t {
   header = 0x01,
   footer,
@@ -39,6 +40,7 @@ struct LongBytes {
   std::string_view bytes;
 };
 
+/// The first record: who has written the file.
 struct Header {
   static constexpr Opcode opcode = Opcode::header;
   std::string profile, library;
@@ -48,6 +50,7 @@ struct Header {
   };
 };
 
+/// The last record: where the summary begins; 0: there is none.
 struct Footer {
   static constexpr Opcode opcode = Opcode::footer;
   std::uint64_t summary_start = 0, summary_offset_start = 0;
@@ -59,6 +62,7 @@ struct Footer {
   };
 };
 
+/// The definition of a kind of message.
 struct Schema {
   static constexpr Opcode opcode = Opcode::schema;
   std::uint16_t id = 0;
@@ -71,6 +75,7 @@ struct Schema {
   };
 };
 
+/// A topic and how its messages are written.
 struct Channel {
   static constexpr Opcode opcode = Opcode::channel;
   std::uint16_t id = 0, schema_id = 0;
@@ -99,6 +104,7 @@ struct MessageHead {
   };
 };
 
+/// Messages, compressed together.
 struct Chunk {
   static constexpr Opcode opcode = Opcode::chunk;
   std::uint64_t begin_ns = 0, end_ns = 0, uncompressed_size = 0;
@@ -115,6 +121,7 @@ struct Chunk {
   };
 };
 
+/// Where the messages of one channel are in the chunk before it.
 struct MessageIndex {
   static constexpr Opcode opcode = Opcode::message_index;
   std::uint16_t channel_id = 0;
@@ -125,6 +132,7 @@ struct MessageIndex {
   };
 };
 
+/// Where a chunk is, and what times and channels are in it.
 struct ChunkIndex {
   static constexpr Opcode opcode = Opcode::chunk_index;
   std::uint64_t begin_ns = 0, end_ns = 0, offset = 0, length = 0;
@@ -162,6 +170,7 @@ struct Attachment {
   };
 };
 
+/// Where an attachment is.
 struct AttachmentIndex {
   static constexpr Opcode opcode = Opcode::attachment_index;
   std::uint64_t offset = 0, length = 0, log_time_ns = 0, create_time_ns = 0, data_size = 0;
@@ -177,6 +186,7 @@ struct AttachmentIndex {
   };
 };
 
+/// Names and values about the file.
 struct Metadata {
   static constexpr Opcode opcode = Opcode::metadata;
   std::string name;
@@ -187,6 +197,7 @@ struct Metadata {
   };
 };
 
+/// Where a record of metadata is.
 struct MetadataIndex {
   static constexpr Opcode opcode = Opcode::metadata_index;
   std::uint64_t offset = 0, length = 0;
@@ -198,6 +209,7 @@ struct MetadataIndex {
   };
 };
 
+/// How much is in the file.
 struct Statistics {
   static constexpr Opcode opcode = Opcode::statistics;
   std::uint64_t messages = 0;
@@ -218,6 +230,7 @@ struct Statistics {
   };
 };
 
+/// Where the records of one kind are in the summary.
 struct SummaryOffset {
   static constexpr Opcode opcode = Opcode::summary_offset;
   std::uint8_t group = 0;
@@ -229,6 +242,7 @@ struct SummaryOffset {
   };
 };
 
+/// End of the data, with the check sum of all before it.
 struct DataEnd {
   static constexpr Opcode opcode = Opcode::data_end;
   std::uint32_t data_section_crc = 0;

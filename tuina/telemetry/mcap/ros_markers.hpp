@@ -6,6 +6,7 @@
 /// What viewers of ROS 2 draw, likewise.
 namespace tuina::telemetry::ros {
 
+/// A picture as the bytes of its file.
 struct CompressedImage {
   static constexpr const char* type = "sensor_msgs/CompressedImage";
   Header header = {};
@@ -18,6 +19,7 @@ struct CompressedImage {
   };
 };
 
+/// A place on a texture, 0 to 1.
 struct UVCoordinate {
   static constexpr const char* type = "visualization_msgs/UVCoordinate";
   float u = 0.0F;
@@ -28,6 +30,7 @@ struct UVCoordinate {
   };
 };
 
+/// A mesh as the bytes of its file.
 struct MeshFile {
   static constexpr const char* type = "visualization_msgs/MeshFile";
   std::string filename = {};
@@ -38,6 +41,7 @@ struct MeshFile {
   };
 };
 
+/// A shape that viewers draw, metres.
 struct Marker {
   static constexpr const char* type = "visualization_msgs/Marker";
   Header header = {};
@@ -82,6 +86,7 @@ struct Marker {
   };
 };
 
+/// Shapes that are drawn together.
 struct MarkerArray {
   static constexpr const char* type = "visualization_msgs/MarkerArray";
   std::vector<Marker> markers = {};

@@ -10,6 +10,7 @@
 /// definition of it.
 namespace tuina::telemetry::ros {
 
+/// A time since the epoch of the clock, s and ns.
 struct Time {
   static constexpr const char* type = "builtin_interfaces/Time";
   std::int32_t sec = 0;
@@ -20,6 +21,7 @@ struct Time {
   };
 };
 
+/// A length of time, s and ns.
 struct Duration {
   static constexpr const char* type = "builtin_interfaces/Duration";
   std::int32_t sec = 0;
@@ -30,12 +32,14 @@ struct Duration {
   };
 };
 
+/// What the clock says, for who follows simulated time.
 struct Clock {
   static constexpr const char* type = "rosgraph_msgs/Clock";
   Time clock = {};
   static constexpr auto fields = [](auto& visit, auto& it) { visit("clock", it.clock); };
 };
 
+/// When, and in which frame.
 struct Header {
   static constexpr const char* type = "std_msgs/Header";
   Time stamp = {};
@@ -46,12 +50,14 @@ struct Header {
   };
 };
 
+/// A text.
 struct String {
   static constexpr const char* type = "std_msgs/String";
   std::string data = {};
   static constexpr auto fields = [](auto& visit, auto& it) { visit("data", it.data); };
 };
 
+/// A colour with opacity, 0 to 1 each.
 struct ColorRGBA {
   static constexpr const char* type = "std_msgs/ColorRGBA";
   float r = 0.0F;
@@ -66,6 +72,7 @@ struct ColorRGBA {
   };
 };
 
+/// A free vector, in the unit of what holds it.
 struct Vector3 {
   static constexpr const char* type = "geometry_msgs/Vector3";
   double x = 0.0;
@@ -78,6 +85,7 @@ struct Vector3 {
   };
 };
 
+/// A place, m.
 struct Point {
   static constexpr const char* type = "geometry_msgs/Point";
   double x = 0.0;
@@ -90,6 +98,7 @@ struct Point {
   };
 };
 
+/// A rotation as a unit quaternion.
 struct Quaternion {
   static constexpr const char* type = "geometry_msgs/Quaternion";
   double x = 0.0;
@@ -104,6 +113,7 @@ struct Quaternion {
   };
 };
 
+/// A translation in m and a rotation.
 struct Transform {
   static constexpr const char* type = "geometry_msgs/Transform";
   Vector3 translation = {};
@@ -114,6 +124,7 @@ struct Transform {
   };
 };
 
+/// A frame in another one.
 struct TransformStamped {
   static constexpr const char* type = "geometry_msgs/TransformStamped";
   Header header = {};
@@ -126,12 +137,14 @@ struct TransformStamped {
   };
 };
 
+/// Frames that are told together.
 struct TFMessage {
   static constexpr const char* type = "tf2_msgs/TFMessage";
   std::vector<TransformStamped> transforms = {};
   static constexpr auto fields = [](auto& visit, auto& it) { visit("transforms", it.transforms); };
 };
 
+/// A place and an orientation.
 struct Pose {
   static constexpr const char* type = "geometry_msgs/Pose";
   Point position = {};
@@ -142,6 +155,7 @@ struct Pose {
   };
 };
 
+/// A pose with its time and frame.
 struct PoseStamped {
   static constexpr const char* type = "geometry_msgs/PoseStamped";
   Header header = {};
@@ -152,6 +166,7 @@ struct PoseStamped {
   };
 };
 
+/// A speed and a rate of turning, m/s and rad/s.
 struct Twist {
   static constexpr const char* type = "geometry_msgs/Twist";
   Vector3 linear = {};
@@ -162,6 +177,7 @@ struct Twist {
   };
 };
 
+/// A force and a torque, N and Nm.
 struct Wrench {
   static constexpr const char* type = "geometry_msgs/Wrench";
   Vector3 force = {};
@@ -172,6 +188,7 @@ struct Wrench {
   };
 };
 
+/// A wrench with its time and frame.
 struct WrenchStamped {
   static constexpr const char* type = "geometry_msgs/WrenchStamped";
   Header header = {};
@@ -182,6 +199,7 @@ struct WrenchStamped {
   };
 };
 
+/// Angles, speeds and torques of joints by name: rad, rad/s, Nm; of a rail m, m/s, N.
 struct JointState {
   static constexpr const char* type = "sensor_msgs/JointState";
   Header header = {};
@@ -198,6 +216,7 @@ struct JointState {
   };
 };
 
+/// The same for joints with more than one degree of freedom.
 struct MultiDOFJointState {
   static constexpr const char* type = "sensor_msgs/MultiDOFJointState";
   Header header = {};
@@ -214,6 +233,7 @@ struct MultiDOFJointState {
   };
 };
 
+/// One value that each point of a cloud has.
 struct PointField {
   static constexpr const char* type = "sensor_msgs/PointField";
   std::string name = {};
@@ -228,6 +248,7 @@ struct PointField {
   };
 };
 
+/// A cloud; the fields say what the bytes mean.
 struct PointCloud2 {
   static constexpr const char* type = "sensor_msgs/PointCloud2";
   Header header = {};

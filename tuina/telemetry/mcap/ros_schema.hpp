@@ -12,6 +12,7 @@ namespace tuina::telemetry::ros {
 /// Makes the `.msg` text of a message, and of the messages in it, from its list of fields.
 class DefinitionWriter {
  public:
+  /// Writes the line of one field, and notes the type that it needs.
   template <typename T>
   void operator()(const char* name, const T& value) {
     text_.append(type_of(value)).append(" ").append(name).append("\n");

@@ -15,6 +15,7 @@ namespace tuina::telemetry::mcap {
 struct Record {
   Opcode opcode;
   std::string_view content;
+  /// Bytes of the record with its head.
   [[nodiscard]] std::size_t size() const { return record_head_bytes + content.size(); }
 };
 

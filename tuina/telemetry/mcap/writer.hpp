@@ -14,6 +14,7 @@
 
 namespace tuina::telemetry::mcap {
 
+/// Profile and compression of a file.
 struct WriterOptions {
   std::string profile = "ros2";
   std::string library = "tuina";
@@ -31,6 +32,7 @@ class Writer {
   /// Takes the next bytes of the file.
   using Sink = std::function<Result<void>(std::string_view)>;
 
+  /// Writes the head of the file.
   explicit Writer(Sink sink, const WriterOptions& options = {});
 
   /// `schema.id` is given here; a schema of the same name and encoding is used again. Returns the
@@ -44,11 +46,12 @@ class Writer {
   [[nodiscard]] Result<void> end_chunk();
   /// `crc` is computed here.
   [[nodiscard]] Result<void> attach(Attachment attachment);
+  /// Names and values about the file. Fails as the sink does.
   [[nodiscard]] Result<void> add_metadata(const Metadata& metadata);
   /// Summary, footer and magic; nothing may be written afterwards.
   [[nodiscard]] Result<void> finish();
 
-  [[nodiscard]] std::uint64_t bytes() const { return bytes_; }
+  [[nodiscard]] std::uint64_t bytes() const { return bytes_; }  ///< bytes that went to the sink
 
  private:
   struct Stream {

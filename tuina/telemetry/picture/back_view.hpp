@@ -15,6 +15,7 @@ struct BackPose {
   Vector3 out;
   Vector3 up;
 };
+/// The pose of the back in a report's scan.
 [[nodiscard]] BackPose pose_of(const ReportData& data);
 
 /// The part of the scan that shows the person; the couch would only draw the eye away. No triangles

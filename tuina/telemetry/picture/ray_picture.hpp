@@ -22,6 +22,7 @@ struct Sample {
 /// A scene that light meets (Embree).
 class RayPicture {
  public:
+  /// Builds the tree of the scene's triangles.
   RayPicture(const Scene& scene, const Projection& projection);
   ~RayPicture();
   RayPicture(const RayPicture&) = delete;

@@ -54,6 +54,7 @@ struct Scene {
 /// Where a place of the world is in a picture, so that labels find their point.
 class Projection {
  public:
+  /// Shows all of these places from this side.
   Projection(const View& view, const std::vector<Vector3>& seen);
 
   /// x right and y down in pixels; z is the height towards the eye, in metres.
@@ -63,12 +64,16 @@ class Projection {
   /// From the eye through a point of the picture, in the axes of the picture; one metre deep.
   [[nodiscard]] Vector3 ray(double column, double row) const;
   [[nodiscard]] double distance_m() const { return distance_m_; }  ///< distance of the eye
+  /// A direction of the world along the axes of the picture.
   [[nodiscard]] Vector3 turned(const Vector3& direction) const {
     return view_from_world_ * direction;
   }
+  /// @{
+  /// Scale in the middle of the picture, and its size.
   [[nodiscard]] double px_per_m() const { return scale_ / distance_m_; }
   [[nodiscard]] int width_px() const { return width_px_; }
   [[nodiscard]] int height_px() const { return height_px_; }
+  /// @}
 
  private:
   Matrix3 view_from_world_ = Matrix3::Identity();
@@ -80,6 +85,7 @@ class Projection {
   int height_px_ = 1;
 };
 
+/// A drawn scene, and where its places are.
 struct ShadedPicture {
   Image image;  ///< RGB on white
   Projection projection;

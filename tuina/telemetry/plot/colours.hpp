@@ -12,6 +12,7 @@ namespace tuina::telemetry {
 
 using tuina::Colour;
 
+/// Colour of a technique, as everywhere.
 [[nodiscard]] constexpr Colour colour_of(Technique technique) {
   return row_of(technique).colour;
 }
@@ -33,11 +34,13 @@ inline constexpr Colour stop = {214, 30, 62};
 inline constexpr Colour marker = {250, 246, 236};
 }  // namespace palette
 
+/// Colour of an arm, as everywhere.
 [[nodiscard]] Colour colour_of(Arm arm);
 
 /// From soft (0) to hard (1): yellow over green and blue to violet, evenly darker all the way.
 [[nodiscard]] Colour hardness_colour(double share);
 
+/// From one colour (0) to another (1).
 [[nodiscard]] Colour mix(Colour from, Colour to, double share);
 
 /// `#rrggbb`
@@ -45,6 +48,7 @@ inline constexpr Colour marker = {250, 246, 236};
 
 /// The amounts of light, 0 to 1, in which shading computes.
 [[nodiscard]] std::array<float, 3> to_light(Colour colour);
+/// The colour of such amounts; what is below 0 or above 1 counts as that.
 [[nodiscard]] Colour from_light(const std::array<float, 3>& light);
 
 }  // namespace tuina::telemetry

@@ -32,6 +32,7 @@ struct Band {
   Colour colour = palette::grey;
 };
 
+/// Curves over one axis.
 struct Plot {
   std::string title;    ///< read out by screen readers and shown by no one
   std::string x_label;  ///< quantity and unit: "time, s"

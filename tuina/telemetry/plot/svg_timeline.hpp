@@ -9,6 +9,7 @@
 
 namespace tuina::telemetry {
 
+/// A stretch of time in a row.
 struct Span {
   double begin_s = 0.0;
   double end_s = 0.0;
@@ -17,11 +18,13 @@ struct Span {
   bool thin = false;  ///< a line through the middle of the row, for what matters less
 };
 
+/// What one thing does over time.
 struct TimelineRow {
   std::string name;
   std::vector<Span> spans = {};
 };
 
+/// Rows over one axis of time.
 struct Timeline {
   std::string title;
   double end_s = 0.0;

@@ -28,6 +28,7 @@ namespace tuina::telemetry::figures {
 
 /// Force and depth of the first press, close up.
 [[nodiscard]] std::string first_press_force(const ReportData& data);
+/// Likewise: its depth.
 [[nodiscard]] std::string first_press_depth(const ReportData& data);
 
 /// "Pressing" of "pressing".
@@ -37,6 +38,7 @@ namespace tuina::telemetry::figures {
 [[nodiscard]] std::string spoken(const std::string& acupoint);
 /// "SI11 left to BL50 left", or of a named line "bladder inner left".
 [[nodiscard]] std::string place_of(const ContactPath& path);
+/// The acupoint's Chinese name in Latin letters.
 [[nodiscard]] std::string chinese_name(const std::string& acupoint);
 
 }  // namespace tuina::telemetry::figures

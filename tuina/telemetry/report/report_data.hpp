@@ -130,6 +130,7 @@ struct TechniqueForce {
   double peak_n = 0.0;
 };
 
+/// The guard has stopped an arm, as the report tells it.
 struct Stop {
   double time_s = 0.0;
   std::string cause = {};  ///< a sentence for people

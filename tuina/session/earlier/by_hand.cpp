@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tuina/session/by_hand.hpp"
+#include "tuina/session/earlier/by_hand.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -28,10 +28,9 @@ ByHand joined(ByHand said, const ByHand& more) {
   return said;
 }
 
-Result<ByHand> carried(const Said& said, std::span<const Acupoint> now, double max_misfit_m) {
-  if (said.empty() || said.lay.empty() || the_same(said.lay, now)) return said.by_hand;
+Result<FittedMotion> fit_motion(std::span<const Acupoint> then, std::span<const Acupoint> now) {
   std::vector<std::pair<Vector3, Vector3>> pairs;
-  for (const Acupoint& before : said.lay) {
+  for (const Acupoint& before : then) {
     for (const Acupoint& after : now) {
       if (after.name == before.name) pairs.emplace_back(before.at_in_couch, after.at_in_couch);
     }
@@ -44,7 +43,14 @@ Result<ByHand> carried(const Said& said, std::span<const Acupoint> now, double m
     to.col(i) = pairs[static_cast<std::size_t>(i)].second;
   }
   const Transform motion(Eigen::umeyama(from, to, false));
-  const double misfit_m = std::sqrt((motion * from - to).colwise().squaredNorm().mean());
+  return FittedMotion{motion, std::sqrt((motion * from - to).colwise().squaredNorm().mean())};
+}
+
+Result<ByHand> carried(const Said& said, std::span<const Acupoint> now, double max_misfit_m) {
+  if (said.empty() || said.lay.empty() || the_same(said.lay, now)) return said.by_hand;
+  const auto fitted = fit_motion(said.lay, now);
+  if (!fitted) return tl::unexpected(fitted.error());
+  const auto& [motion, misfit_m] = *fitted;
   if (!(misfit_m <= max_misfit_m)) {
     return fail(Fault::bad_input,
                 "the acupoints lie otherwise to each other than when places were ruled out or put "

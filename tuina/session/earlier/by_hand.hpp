@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tuina/body/acupoints.hpp"
+#include "tuina/core/geometry.hpp"
 #include "tuina/core/result.hpp"
 #include "tuina/massage/no_go.hpp"
 
@@ -22,6 +23,7 @@ struct ByHand {
 struct Said {
   ByHand by_hand;
   std::vector<Acupoint> lay;
+  /// Whether nothing was said.
   [[nodiscard]] bool empty() const { return by_hand.no_go.empty() && by_hand.fixed.empty(); }
 };
 /// RMS distance of the acupoints of two scans of one person: after the person has moved, and in
@@ -31,13 +33,24 @@ inline constexpr double max_moved_misfit_m = 15e-3, max_other_misfit_m = 6e-3;
 /// The answer of somebody who has looked at a plan. `change` asks for another plan, with `wanted`
 /// in place of what was wanted before and beside what the order rules out.
 struct Review {
+  /// No massage, this plan, or another one.
   enum class Answer : std::uint8_t { no, go, change } answer = Answer::no;
   ByHand wanted = {};
 };
 
-/// The same said of a later scan: places move with the person, by the rigid motion that fits the
-/// acupoints of both scans best ([umeyama1991], without scale). Fails (Fault::bad_input) where the
-/// points did not move as one body, for then nobody knows where a place that was ruled out is now.
+/// How a person lies in a later scan: the rigid motion that fits the acupoints of both scans best
+/// ([umeyama1991], without scale), and the RMS distance that it leaves.
+struct FittedMotion {
+  Transform now_from_then = Transform::Identity();
+  double misfit_m = 0.0;
+};
+/// Fails (Fault::bad_input) where fewer than three acupoints are in both.
+[[nodiscard]] Result<FittedMotion> fit_motion(std::span<const Acupoint> then,
+                                              std::span<const Acupoint> now);
+
+/// The same said of a later scan: places move with the person, by the fitted motion. Fails
+/// (Fault::bad_input) where the points did not move as one body, for then nobody knows where a
+/// place that was ruled out is now.
 [[nodiscard]] Result<ByHand> carried(const Said& said, std::span<const Acupoint> now,
                                      double max_misfit_m);
 /// The same with more of it; a point that is said anew takes the place of what was said of it.

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/evaluation/contact/networked_arms.hpp"
+
+#include <algorithm>
+
+namespace tuina::app {
+namespace {
+
+// Room for all that can be under way at once.
+constexpr std::size_t max_under_way = 256;
+// Commands in a row that the arms have not obeyed, before their host breaks off.
+constexpr int max_unheard = 10;
+
+}  // namespace
+
+NetworkedArms::NetworkedArms(robot::Robot& arms, const Network& network, std::uint64_t seed)
+    : arms_(arms), network_(network), random_(make_random(seed, "network")) {
+  states_.reserve(max_under_way);
+  commands_.reserve(max_under_way);
+}
+
+/// Nothing where the datagram is lost.
+std::optional<double> NetworkedArms::arrival_s(double sent_s) noexcept {
+  const double late_s = network_.delay_s + gaussian(random_, network_.jitter_s);
+  const bool lost = uniform(random_, 0.0, 1.0) < network_.loss;
+  if (lost) return std::nullopt;
+  return sent_s + std::max(late_s, 0.0);
+}
+
+/// The arms' next cycle: obeys what has come by its begin, and tells of it.
+bool NetworkedArms::step() noexcept {
+  const Command* newest = nullptr;
+  for (const Command& command : commands_) {
+    const bool old =
+        tick_ - command.answers > static_cast<std::uint64_t>(network_.max_answer_age_cycles);
+    const bool come = command.at_s <= cycle_s_ + control_period_s;
+    if (!come || old || (obeyed_ && command.answers <= *obeyed_)) continue;
+    if (newest == nullptr || command.answers > newest->answers) newest = &command;
+  }
+  if (newest != nullptr && !stopped_) {
+    obeyed_ = newest->answers;
+    arms_.apply(newest->command);
+    missed_in_row_ = 0;
+  } else if (obeyed_) {  // before the first command nobody drives the arms
+    ++missed_;
+    stopped_ = ++missed_in_row_ >= network_.max_missed_cycles || stopped_;
+  }
+  std::erase_if(commands_, [&](const Command& command) {
+    return command.at_s <= cycle_s_ + control_period_s;
+  });
+  const auto reading = arms_.read();
+  if (!reading) return false;
+  tick_ = reading->tick;
+  cycle_s_ = reading->time_s;
+  if (const auto at_s = arrival_s(cycle_s_)) states_.push_back({*at_s, *reading});
+  return true;
+}
+
+std::optional<robot::RobotReading> NetworkedArms::read() noexcept {
+  constexpr int max_cycles = 100;  // then the host gives them up
+  for (int cycles = 0; cycles < max_cycles;) {
+    const auto next = std::min_element(
+        states_.begin(), states_.end(),
+        [](const State& one, const State& other) { return one.at_s < other.at_s; });
+    if (next == states_.end() || next->at_s > cycle_s_ + control_period_s) {
+      if (!step()) return std::nullopt;
+      ++cycles;
+      continue;
+    }
+    const State state = *next;
+    states_.erase(next);
+    if (heard_ && state.reading.tick <= *heard_) continue;
+    heard_ = state.reading.tick;
+    host_s_ = state.at_s;
+    return state.reading;
+  }
+  return std::nullopt;
+}
+
+void NetworkedArms::apply(const robot::RobotCommand& command) noexcept {
+  // Until the first command has come the arms stand by their own drives, as these torques hold
+  // them.
+  if (!obeyed_) {
+    arms_.apply(command);
+    stopped_ = ++unheard_ > max_unheard;
+  }
+  const auto at_s = arrival_s(host_s_);
+  if (at_s && commands_.size() < max_under_way) commands_.push_back({*at_s, *heard_, command});
+}
+
+}  // namespace tuina::app

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/serve/live_option.hpp"
+
+#include <atomic>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <thread>
+
+namespace tuina::app {
+namespace {
+
+std::atomic<bool> page_ends = false;
+
+}  // namespace
+
+Option LiveOption::describe(Options& options) {
+  auto live = options.flag("--live", asked_,
+                           "show the session in a browser, where it is armed, steered and stopped "
+                           "(docs/page.md)");
+  options.add("--port", port_, "of this machine for --live; 0 takes a free one")
+      .between(0, 65535)
+      .show_default()
+      .needs(live);
+  return live;
+}
+
+Result<void> LiveOption::begin(const SessionOrder& order, const session::Config& config,
+                               const CommonOptions& common, const std::filesystem::path& page,
+                               const std::filesystem::path& folder) {
+  if (!asked_) return {};
+  auto robot = robot::load_robot(order.robot);
+  if (!robot) return tl::unexpected(robot.error());
+  auto site = LiveSite::open({.port = port_,
+                              .page = page,
+                              .session = {.config = config,
+                                          .common = common,
+                                          .pace = order.pace,
+                                          .robot = order.robot,
+                                          .robot_model = std::move(*robot),
+                                          .folder = folder,
+                                          .ordered = true}});
+  if (!site) return tl::unexpected(site.error());
+  site_ = std::move(*site);
+  const std::string line = fmt::format("{}\n", site_->invite());
+  std::fputs(line.c_str(), common.json ? stderr : stdout);
+  std::fflush(nullptr);
+  return {};
+}
+
+Attendant LiveOption::attendant() {
+  if (!site_) return {};
+  site_->session().begin_ordered();
+  return site_->session().attendant();
+}
+
+void LiveOption::end(const std::string& outcome, const std::string& words) {
+  if (!site_) return;
+  site_->session().end_ordered(outcome, words);
+  for (const int asked : {SIGINT, SIGTERM}) std::signal(asked, [](int) { page_ends = true; });
+  while (site_->watched() && !page_ends) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+}
+
+}  // namespace tuina::app

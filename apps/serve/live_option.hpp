@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+
+#include "apps/cli/options.hpp"
+#include "apps/serve/live_site.hpp"
+
+namespace tuina::app {
+
+/// The option `--live` of a verb that runs one session: the live page on it, where nothing moves
+/// before somebody has looked at the plan and armed it there.
+class LiveOption {
+ public:
+  /// `--live`, and `--port` with it.
+  Option describe(Options& options);
+  [[nodiscard]] bool asked() const { return asked_; }
+  /// Opens the page that lies built in `page`, with the audit log in `folder`, that of the session;
+  /// prints its address, to stderr beside JSON.
+  [[nodiscard]] Result<void> begin(const SessionOrder& order, const session::Config& config,
+                                   const CommonOptions& common, const std::filesystem::path& page,
+                                   const std::filesystem::path& folder);
+  /// Who watches and steers the session that begins now; nobody where none was asked for.
+  [[nodiscard]] Attendant attendant();
+  /// Tells the pages how the session has ended (`LiveSession::State::outcome`), and waits until the
+  /// last one has gone, or Ctrl-C.
+  void end(const std::string& outcome, const std::string& words);
+
+ private:
+  bool asked_ = false;
+  int port_ = 8642;
+  std::unique_ptr<LiveSite> site_;
+};
+
+}  // namespace tuina::app

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tuina/session/earlier/known_tissue.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tuina/core/units.hpp"
+#include "tuina/session/earlier/by_hand.hpp"
+#include "tuina/tissue/tangent_model.hpp"
+
+namespace tuina::session {
+namespace {
+
+const Acupoint* named(std::span<const Acupoint> points, const std::string& name) {
+  const auto found = std::ranges::find(points, name, &Acupoint::name);
+  return found == points.end() ? nullptr : &*found;
+}
+
+}  // namespace
+
+Recognised recognised(const KnownTissue& known, BodyPosture position,
+                      std::span<const Acupoint> now) {
+  Recognised found;
+  if (known.places.empty()) return found;
+  if (known.position != position) {
+    found.note =
+        fmt::format("the tissue felt earlier is not used: it was felt {}", name_of(known.position));
+    return found;
+  }
+  const auto motion = fit_motion(known.lay, now);
+  if (!motion || !(motion->misfit_m <= max_other_misfit_m)) {
+    found.note = fmt::format(
+        "the tissue felt earlier is not used: {}",
+        motion ? fmt::format("the acupoints lie otherwise to each other than then ({:.1f} mm; "
+                             "{:.0f} mm are borne)",
+                             to_mm(motion->misfit_m), to_mm(max_other_misfit_m))
+               : motion.error().message);
+    return found;
+  }
+  for (const KnownPlace& place : known.places) {
+    const Acupoint *before = named(known.lay, place.name), *after = named(now, place.name);
+    if (before == nullptr || after == nullptr) continue;
+    const Vector3 expected_in_couch = motion->now_from_then * before->at_in_couch;
+    const double offset_m = (expected_in_couch - after->at_in_couch).norm();
+    if (!(offset_m <= max_place_offset_m)) continue;
+    found.places.push_back(place);
+    found.places.back().log_sd = std::hypot(place.log_sd, change_along_skin_per_m * offset_m);
+  }
+  found.note = fmt::format("the tissue of {} of {} places felt earlier counts as known",
+                           found.places.size(), known.places.size());
+  return found;
+}
+
+KnownMatch match(const TangentTissue& known, double known_sd, const TangentTissue& felt,
+                 double felt_sd, double force_n) noexcept {
+  constexpr double sd_of_95 = 1.96, telling = 1.5;
+  const double apart = std::abs(
+      std::log(tissue::depth_at_force(felt, force_n) / tissue::depth_at_force(known, force_n)));
+  const double borne = sd_of_95 * std::hypot(known_sd, felt_sd);
+  // What is not a number has not come as known.
+  if (!(apart <= borne)) return KnownMatch::differs;
+  return borne <= std::log(telling) ? KnownMatch::holds : KnownMatch::unclear;
+}
+
+}  // namespace tuina::session
