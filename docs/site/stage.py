@@ -3,7 +3,8 @@
 """Lays the pages of docs/ out for mkdocs: stage.py FOLDER
 
 The pages stay what a code host shows. In the copy README.md is the home page, files of code that a page links to have
-a page each, and keys such as [thesis] are links into references.md.
+a page each, and keys such as [thesis] are links into references.md. Notebooks are the pages that running them has left
+in FOLDER/notebooks.
 """
 import os, re, shutil, sys
 
@@ -34,6 +35,17 @@ class Site:
         for name in os.listdir(f"{ROOT}/docs"):
             if name.endswith(".md"):
                 self.places.setdefault(f"docs/{name}", name)
+        for name in os.listdir(f"{ROOT}/notebooks"):
+            if name.endswith(".ipynb"):
+                self.places[f"notebooks/{name}"] = f"notebooks/{name.removesuffix('.ipynb')}.md"
+
+    def text(self, source):
+        if not source.endswith(".ipynb"):
+            return read(source)
+        with open(f"{self.folder}/{self.places[source]}", encoding="utf-8") as file:
+            text = file.read().replace("![png]", "![what the cell above draws]")
+        # Tables of pandas look like all others.
+        return re.sub(r"<style scoped>.*?</style>\n", "", text, flags=re.DOTALL).replace(' border="1" class="dataframe"', "")
 
     def write(self, path, text):
         os.makedirs(os.path.dirname(f"{self.pages}/{path}"), exist_ok=True)
@@ -56,27 +68,32 @@ class Site:
         return self.places[path]
 
     def page(self, source, target):
+        def from_here(place):
+            return os.path.relpath(place, os.path.dirname(target) or ".")
+
         def placed(link):
             path, mark, anchor = link.group(1).partition("#")
             if ":" in path or not path:
                 return link.group(0)
-            return f"]({self.place(os.path.normpath(os.path.join(os.path.dirname(source), path)))}{mark}{anchor})"
+            place = self.place(os.path.normpath(os.path.join(os.path.dirname(source), path)))
+            return f"]({from_here(place)}{mark}{anchor})"
 
         def changed(text):
             text = re.sub(r"\]\(([^)\s]+)\)", placed, text)
             if target == "references.md":
                 return re.sub(r"^\| \[(\w+)\] \|", r'| <span id="\1">[\1]</span> |', text, flags=re.MULTILINE)
-            return self.key.sub(r"[\[\1\]](references.md#\1)", text)
+            return self.key.sub(rf"[\[\1\]]({from_here('references.md')}#\1)", text)
 
+        source_text = re.sub(r"^<!-- .*?-->\n", "", self.text(source), flags=re.DOTALL | re.MULTILINE)
         # A list may follow its sentence at once on a code host, here it needs an empty line between.
-        text = re.sub(r"^(?![ >|#]|[-*] |\d+\. )(.+)\n(?=(?:[-*]|\d+\.) )", r"\1\n\n", read(source), flags=re.MULTILINE)
+        text = re.sub(r"^(?![ >|#]|[-*] |\d+\. )(.+)\n(?=(?:[-*]|\d+\.) )", r"\1\n\n", source_text, flags=re.MULTILINE)
         self.write(target, outside_code(text, changed))
 
     def configure(self):
         """mkdocs.yml without the pages that do not exist. Gives the pages that it does not name."""
         lines, named = [], set()
         for line in read("docs/site/mkdocs.yml").splitlines():
-            page = re.match(r"\s+- .*: (\w+\.md)$", line)
+            page = re.match(r"\s+- .*: ([\w/]+\.md)$", line)
             if page and page.group(1) not in self.places.values():
                 print(f"not there yet, and left out of the site: {page.group(1)}", file=sys.stderr)
                 continue
@@ -96,6 +113,9 @@ class Site:
         for kind in ("figures", "pictures"):
             leave_out = shutil.ignore_patterns("*.cpp", "*.txt")
             shutil.copytree(f"{ROOT}/docs/{kind}", f"{self.pages}/{kind}", ignore=leave_out)
+        for name in os.listdir(f"{self.folder}/notebooks"):
+            if name.endswith("_files"):
+                shutil.copytree(f"{self.folder}/notebooks/{name}", f"{self.pages}/notebooks/{name}")
         for name in ("site.css", "equations.js"):
             os.makedirs(f"{self.pages}/assets/katex", exist_ok=True)
             shutil.copy(f"{ROOT}/docs/site/{name}", f"{self.pages}/assets/{name}")
