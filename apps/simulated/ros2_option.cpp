@@ -15,14 +15,25 @@ void Ros2Option::describe(Options& options, const std::string& what_is_told) {
   options.flag("--lan", lan_, "to ROS 2 on the whole network").needs(asked);
 }
 
-Result<void> Ros2Option::begin() {
+Result<void> Ros2Option::begin(const std::filesystem::path& folder) {
   if (!asked_) return {};
   const auto domain = ros2::parse_domain(std::getenv("ROS_DOMAIN_ID"));
   if (!domain) return tl::unexpected(domain.error());
-  auto node = ros2::open_node(*domain, lan_ ? ros2::Reach::lan : ros2::Reach::host);
+  const auto reach = lan_ ? ros2::Reach::lan : ros2::Reach::host;
+  auto node = ros2::open_node(*domain, reach);
   if (!node) return tl::unexpected(node.error());
   node_ = std::move(*node);
+  if (folder.empty()) return {};
+  auto desk = Ros2Desk::open(*node_, reach, folder / "audit.log");
+  if (!desk) return tl::unexpected(desk.error());
+  desk_ = std::move(*desk);
   return {};
+}
+
+Attendant Ros2Option::attendant() {
+  Attendant attendant = desk_ ? desk_->attendant() : Attendant{};
+  attendant.channels = node_.get();
+  return attendant;
 }
 
 std::string Ros2Option::text(std::uint64_t untold_ms) const {

@@ -15,8 +15,10 @@
 namespace tuina::app {
 namespace {
 
+using Commands = std::function<std::optional<session::LiveCommand>(double time_s)>;
+
 /// Commands of a person at the terminal, or those of a session before.
-std::function<std::optional<session::LiveCommand>(double)> commands_of(const SessionOrder& order) {
+Commands commands_of(const SessionOrder& order) {
   if (order.keys) {
     // Keys are read a hundred times a second; the terminal is the keyboard's from the first time
     // on.
@@ -31,6 +33,15 @@ std::function<std::optional<session::LiveCommand>(double)> commands_of(const Ses
           next = std::size_t{0}](double time_s) mutable -> std::optional<session::LiveCommand> {
     if (next >= given.size() || time_s < given[next].first) return std::nullopt;
     return given[next++].second;
+  };
+}
+
+/// Commands of either; those of the first go before.
+Commands either(const Commands& first, const Commands& second) {
+  if (!first) return second;
+  return [first, second](double time_s) {
+    const auto command = first(time_s);
+    return command ? command : second(time_s);
   };
 }
 
@@ -205,7 +216,7 @@ Result<SessionResult> run_simulated_session(const SessionOrder& order,
   auto room = make_room(order, config, common);
   if (!room) return tl::unexpected(room.error());
   sim::World& world = *room->world;
-  room->order.commands = attendant.commands ? attendant.commands : commands_of(order);
+  room->order.commands = either(attendant.commands, commands_of(order));
   room->order.review = attendant.reviews;
 
   TruthRecorder truth(world);

@@ -74,8 +74,7 @@ struct SessionResult {
 /// From the beginning of the scan to the first touch, computing included.
 [[nodiscard]] double scan_to_touch_s(const SessionResult& result);
 
-/// Somebody who is there while a session runs, in place of the terminal. What is empty is not
-/// asked.
+/// Somebody who is there while a session runs, beside the terminal. What is empty is not asked.
 struct Attendant {
   session::Observer* watches = nullptr;  ///< told through a relay, so it may be slow
   /// Told within the millisecond, which waits for it; for who answers by `commands` at once. Not

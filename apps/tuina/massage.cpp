@@ -73,7 +73,7 @@ class Massage final : public Verb {
              "a TOML file that names the arms (docs/armlink.md), in place of those simulated here; "
              "person, robot and seed must be theirs")
         .excludes(processes);
-    ros2_.describe(options, "what happens");
+    ros2_.describe(options, "what happens, and take live commands by its services");
     auto live = live_.describe(options).excludes(replay);
     live.excludes(options.named("--keys")).excludes(options.named("--ros2"));
     options
@@ -122,13 +122,13 @@ class Massage final : public Verb {
     auto visit = begin_visit();
     if (!visit) return nothing_done(visit.error());
     if (!common.quiet && !remembered_.lines.empty()) fmt::print(stderr, "{}\n", remembered_.lines);
-    if (const auto begun = ros2_.begin(); !begun) return nothing_done(begun.error());
+    if (const auto begun = ros2_.begin(out_); !begun) return nothing_done(begun.error());
     const auto open = live_.begin(order_, *config, common, installed_or("page", TUINA_PAGE), out_);
     if (!open) return nothing_done(open.error());
-    Attendant attendant = live_.attendant();
-    if (ros2_.node() != nullptr) attendant.channels = ros2_.node();
-    auto result = run_simulated_session(order_, *config, common,
-                                        std::filesystem::path(out_) / "session.mcap", attendant);
+    auto result =
+        run_simulated_session(order_, *config, common, std::filesystem::path(out_) / "session.mcap",
+                              live_.asked() ? live_.attendant() : ros2_.attendant());
+    ros2_.end_session();
     if (!result) {
       live_.end("failed", result.error().message);
       return nothing_done(remembering(result.error()));

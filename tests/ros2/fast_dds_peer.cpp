@@ -7,6 +7,8 @@
 #include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 #include <fastdds/dds/domain/DomainParticipantListener.hpp>
+#include <fastdds/dds/publisher/DataWriter.hpp>
+#include <fastdds/dds/publisher/Publisher.hpp>
 #include <fastdds/dds/subscriber/DataReader.hpp>
 #include <fastdds/dds/subscriber/DataReaderListener.hpp>
 #include <fastdds/dds/subscriber/SampleInfo.hpp>
@@ -87,6 +89,7 @@ struct FastDdsPeer::Inside final : dds::DomainParticipantListener {
 
   dds::DomainParticipant* participant = nullptr;
   std::map<std::string, std::unique_ptr<Subscription>> subscriptions;
+  std::map<std::string, dds::DataWriter*> writers;
   std::mutex mutex;
   std::map<std::string, std::string> user_data;
 };
@@ -119,6 +122,24 @@ void FastDdsPeer::subscribe(const std::string& dds_topic, const std::string& dds
   auto& subscription = inside_->subscriptions[dds_topic] = std::make_unique<Subscription>();
   inside_->participant->create_subscriber(dds::SUBSCRIBER_QOS_DEFAULT)
       ->create_datareader(inside_->topic(dds_topic, dds_type), qos, subscription.get());
+}
+
+void FastDdsPeer::advertise(const std::string& dds_topic, const std::string& dds_type) {
+  dds::DataWriterQos qos;
+  qos.reliability().kind = dds::RELIABLE_RELIABILITY_QOS;
+  qos.history().kind = dds::KEEP_ALL_HISTORY_QOS;
+  qos.endpoint().history_memory_policy = rtps::DYNAMIC_RESERVE_MEMORY_MODE;
+  inside_->writers[dds_topic] = inside_->participant->create_publisher(dds::PUBLISHER_QOS_DEFAULT)
+                                    ->create_datawriter(inside_->topic(dds_topic, dds_type), qos);
+}
+
+void FastDdsPeer::say(const std::string& dds_topic, std::string bytes) {
+  inside_->writers.at(dds_topic)->write(&bytes);
+}
+
+bool FastDdsPeer::has_come(const std::string& dds_topic) {
+  return inside_->writers.at(dds_topic)->wait_for_acknowledgments({5, 0}) ==
+         ReturnCode_t::RETCODE_OK;
 }
 
 void FastDdsPeer::sleep(const std::string& dds_topic, std::chrono::milliseconds time) {

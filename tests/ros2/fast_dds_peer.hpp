@@ -10,8 +10,8 @@
 
 namespace tuina::test {
 
-/// Another implementation of DDS, Fast DDS, which ROS 2 uses by default: hears topics as bytes.
-/// Only loopback.
+/// Another implementation of DDS, Fast DDS, which ROS 2 uses by default: hears and says topics as
+/// bytes. Only loopback.
 class FastDdsPeer {
  public:
   /// With 0 the socket has the size that the machine gives it, 208 kB on Debian.
@@ -20,6 +20,12 @@ class FastDdsPeer {
 
   /// As ROS 2 subscribes: reliable, and latched topics with what was said before.
   void subscribe(const std::string& dds_topic, const std::string& dds_type, bool latched);
+  /// Publishes on a topic from now on, reliably.
+  void advertise(const std::string& dds_topic, const std::string& dds_type);
+  /// Says these bytes, of which the first four name their encoding.
+  void say(const std::string& dds_topic, std::string bytes);
+  /// Waits until all of it has come to the other side.
+  [[nodiscard]] bool has_come(const std::string& dds_topic);
   /// Takes nothing of the topic for so long from its next message on, and answers nothing.
   void sleep(const std::string& dds_topic, std::chrono::milliseconds time);
 

@@ -4,7 +4,9 @@
 #include <dds/dds.h>
 #include <dds/ddsi/ddsi_serdata.h>
 #include <dds/ddsi/ddsi_sertype.h>
+#include <dds/ddsi/q_radmin.h>
 
+#include <algorithm>
 #include <cstring>
 
 namespace tuina::ros2 {
@@ -44,6 +46,31 @@ ddsi_serdata* from_string(const ddsi_sertype* type, ddsi_serdata_kind kind, cons
   sample->bytes = *static_cast<const std::string*>(bytes);
   return padded(sample);
 }
+// Pieces come in order; one may repeat what those before it brought.
+ddsi_serdata* from_network(const ddsi_sertype* type, ddsi_serdata_kind kind, const nn_rdata* piece,
+                           std::size_t size) {
+  CdrSample* sample = new_sample(type, kind);
+  std::string& bytes = sample->bytes;
+  const std::size_t wanted = std::min(size, max_received_bytes);
+  for (; piece != nullptr && bytes.size() < wanted; piece = piece->nextfrag) {
+    if (piece->maxp1 <= bytes.size()) continue;
+    const auto* first =
+        reinterpret_cast<const char*>(NN_RMSG_PAYLOADOFF(piece->rmsg, NN_RDATA_PAYLOAD_OFF(piece)));
+    const std::size_t known = bytes.size() - piece->min;
+    bytes.append(first + known, std::min<std::size_t>(piece->maxp1, wanted) - bytes.size());
+  }
+  return sample;
+}
+ddsi_serdata* from_parts(const ddsi_sertype* type, ddsi_serdata_kind kind, ddsrt_msg_iovlen_t parts,
+                         const ddsrt_iovec_t* part, std::size_t) {
+  CdrSample* sample = new_sample(type, kind);
+  for (std::size_t i = 0; i < parts; ++i) {
+    const std::size_t room = max_received_bytes - sample->bytes.size();
+    sample->bytes.append(static_cast<const char*>(part[i].iov_base),
+                         std::min<std::size_t>(part[i].iov_len, room));
+  }
+  return sample;
+}
 void copy_bytes(const ddsi_serdata* sample, std::size_t at, std::size_t size, void* to) {
   std::memcpy(to, bytes_of(sample).data() + at, size);
 }
@@ -80,6 +107,16 @@ void key_hash(const ddsi_serdata*, ddsi_keyhash* hash, bool) {
   std::memset(hash, 0, sizeof(*hash));
 }
 
+// A sample that says only that a writer has gone is made of what the caller gave: Cyclone has its
+// content freed, and then all of it set to zero.
+void free_contents(const ddsi_sertype*, void** samples, std::size_t count, dds_free_op_t) {
+  for (std::size_t i = 0; i < count; ++i) static_cast<std::string*>(samples[i])->clear();
+}
+void set_to_zero(const ddsi_sertype*, void* samples, std::size_t count) {
+  auto* first = static_cast<std::string*>(samples);
+  for (std::size_t i = 0; i < count; ++i) first[i].clear();
+}
+
 void free_type(ddsi_sertype* type) {
   ddsi_sertype_fini(type);
   delete type;
@@ -92,9 +129,10 @@ std::uint32_t no_hash(const ddsi_sertype*) {
   return 0;
 }
 
-// Nothing is received, so no sample is made of what comes from the network.
 const ddsi_serdata_ops sample_functions = {.eqkey = same_key,
                                            .get_size = size_of,
+                                           .from_ser = from_network,
+                                           .from_ser_iov = from_parts,
                                            .from_keyhash = from_key,
                                            .from_sample = from_string,
                                            .to_ser = copy_bytes,
@@ -106,10 +144,14 @@ const ddsi_serdata_ops sample_functions = {.eqkey = same_key,
                                            .free = free_sample,
                                            .print = print,
                                            .get_keyhash = key_hash};
-// Strings are the caller's, so Cyclone makes, empties and frees none. A type that describes itself
-// could be found not to match, and ROS 2 asks for none.
-const ddsi_sertype_ops type_functions = {
-    .version = ddsi_sertype_v0, .free = free_type, .equal = same_type, .hash = no_hash};
+// Samples are the caller's, so Cyclone makes none. A type that describes itself could be found not
+// to match, and ROS 2 asks for none.
+const ddsi_sertype_ops type_functions = {.version = ddsi_sertype_v0,
+                                         .free = free_type,
+                                         .zero_samples = set_to_zero,
+                                         .free_samples = free_contents,
+                                         .equal = same_type,
+                                         .hash = no_hash};
 
 }  // namespace
 

@@ -9,6 +9,14 @@ std::string dds_topic(std::string_view ros_topic) {
   return "rt" + std::string(ros_topic);
 }
 
+std::string request_topic(std::string_view ros_service) {
+  return "rq" + std::string(ros_service) + "Request";
+}
+
+std::string answer_topic(std::string_view ros_service) {
+  return "rr" + std::string(ros_service) + "Reply";
+}
+
 std::string dds_type(std::string_view ros_type) {
   std::string type;
   const std::size_t last = ros_type.rfind('/') + 1;

@@ -13,6 +13,12 @@ namespace tuina::ros2 {
 
 /// `/joint_states` of ROS 2 is `rt/joint_states` on DDS.
 [[nodiscard]] std::string dds_topic(std::string_view ros_topic);
+/// @{
+/// Requests of the service `/tuina/stop` of ROS 2 are `rq/tuina/stopRequest` on DDS, and its
+/// answers `rr/tuina/stopReply`.
+[[nodiscard]] std::string request_topic(std::string_view ros_service);
+[[nodiscard]] std::string answer_topic(std::string_view ros_service);
+/// @}
 /// `sensor_msgs/msg/JointState` of ROS 2 is `sensor_msgs::msg::dds_::JointState_` on DDS.
 [[nodiscard]] std::string dds_type(std::string_view ros_type);
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "tuina/ros2/cdr_topic.hpp"
+#include "tuina/ros2/cyclone_services.hpp"
 #include "tuina/ros2/names.hpp"
 #include "tuina/ros2/type_hash.hpp"
 #include "tuina/telemetry/mcap/cdr.hpp"
@@ -27,13 +28,13 @@ constexpr const char* any_config = R"(<CycloneDDS><Domain><Internal><Watermarks>
   <WhcAdaptive>false</WhcAdaptive><WhcHigh>2 MB</WhcHigh><WhcHighInit>2 MB</WhcHighInit>
 </Watermarks></Internal></Domain></CycloneDDS>)";
 // Everybody on this machine is asked, since loopback has no multicast; by their numbers 32
-// participants are found.
+// participants are found, those that come later within a second.
 constexpr const char* host_config = R"(<CycloneDDS><Domain>
   <General><Interfaces><NetworkInterface address="127.0.0.1" multicast="false"/></Interfaces>
     <AllowMulticast>false</AllowMulticast></General>
   <Discovery><ParticipantIndex>auto</ParticipantIndex>
     <MaxAutoParticipantIndex>32</MaxAutoParticipantIndex>
-    <Peers><Peer address="127.0.0.1"/></Peers></Discovery>
+    <SPDPInterval>1 s</SPDPInterval><Peers><Peer address="127.0.0.1"/></Peers></Discovery>
 </Domain></CycloneDDS>)";
 
 /// Pieces of configuration as Cyclone takes them, the later ones on top.
@@ -74,6 +75,10 @@ class CycloneNode final : public Node {
   [[nodiscard]] std::uint16_t add_channel(const record::ChannelDescription& description) override;
   void write(std::uint16_t channel, std::uint64_t time_ns, std::string_view message) override;
   [[nodiscard]] Traffic traffic() const override;
+  [[nodiscard]] Result<std::unique_ptr<Services>> offer(
+      std::span<const std::string> names) override {
+    return offer_services(participant_, names);
+  }
 
  private:
   struct Channel {

@@ -3,10 +3,12 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 
 #include "tuina/core/result.hpp"
 #include "tuina/record/channel_sink.hpp"
+#include "tuina/ros2/services.hpp"
 
 namespace tuina::ros2 {
 
@@ -31,6 +33,9 @@ struct Traffic {
 class Node : public record::ChannelSink {
  public:
   [[nodiscard]] virtual Traffic traffic() const = 0;  ///< messages sent since the start
+  /// Services by these names, as `/tuina/stop`. They end before the node.
+  [[nodiscard]] virtual Result<std::unique_ptr<Services>> offer(
+      std::span<const std::string> names) = 0;
 };
 
 /// A node in that domain ([rtps] 9.6.1.1), as ROS_DOMAIN_ID says it. A process has one in each

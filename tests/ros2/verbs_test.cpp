@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+// Whole verbs with `--ros2`, heard by Fast DDS and asked by a program that knows Cyclone DDS only.
+#include <doctest/doctest.h>
+#include <fmt/format.h>
+
+#include <future>
+#include <random>
+
+#include "tests/ros2/fast_dds_peer.hpp"
+#include "tests/whole/command.hpp"
+#include "tuina/core/io/file.hpp"
+#include "tuina/telemetry/mcap/cdr.hpp"
+#include "tuina/telemetry/mcap/ros_messages.hpp"
+
+using namespace tuina;
+using test::comes_true;
+using test::FastDdsPeer;
+using test::Folder;
+using test::run_tuina;
+using namespace std::chrono_literals;
+namespace ros = telemetry::ros;
+
+namespace {
+
+/// Verbs and peers of this test meet in a domain of their own.
+unsigned some_domain() {
+  const unsigned domain =
+      std::uniform_int_distribution<unsigned>(1, 101)(*std::make_unique<std::random_device>());
+  setenv("ROS_DOMAIN_ID", std::to_string(domain).c_str(), 1);
+  return domain;
+}
+
+std::future<test::Outcome> run_beside(std::vector<std::string> words) {
+  return std::async(std::launch::async, [words = std::move(words)] { return run_tuina(words); });
+}
+
+/// Lines of `service_client` for these services, called one after the other by one program.
+std::string call(unsigned domain, const std::string& services) {
+  const Folder folder;
+  const std::string command =
+      fmt::format("{} {} {} >{}", TUINA_SERVICE_CLIENT, domain, services, folder / "out");
+  const int status = std::system(command.c_str());
+  CHECK(status == 0);
+  return read_file(folder / "out", 10'000).value();
+}
+
+}  // namespace
+
+TEST_CASE("scan --ros2: another program is given the cloud that the file holds") {
+  const Folder folder;
+  FastDdsPeer peer(some_domain(), 4'000'000);
+  peer.subscribe("rt/scan", "sensor_msgs::msg::dds_::PointCloud2_", true);
+  const auto outcome = run_tuina(
+      {"scan", "--ros2", "--person", "phantom:slim", "--json", "--out", folder / "scan.ply"});
+  REQUIRE_MESSAGE(outcome.exit_code == 0, outcome.err);
+  REQUIRE(comes_true([&] { return peer.messages("rt/scan").size() == 1; }));
+  const auto cloud = ros::from_cdr<ros::PointCloud2>(peer.messages("rt/scan").front());
+  REQUIRE(cloud.has_value());
+  const std::string points = "element vertex " + std::to_string(cloud->width) + "\n";
+  CHECK(read_file(folder / "scan.ply", 50'000'000)->find(points) != std::string::npos);
+}
+
+TEST_CASE("massage --ros2: another program sees it, takes control, pauses it, and stops it") {
+  const Folder folder;
+  const unsigned domain = some_domain();
+  CAPTURE(domain);
+  FastDdsPeer peer(domain);
+  peer.subscribe("rt/joint_states", "sensor_msgs::msg::dds_::JointState_", false);
+  auto massage = run_beside({"massage", "--ros2", "--pace", "real", "--person", "phantom:slim",
+                             "--out", folder / "report"});
+  REQUIRE(comes_true([&] { return peer.messages("rt/joint_states").size() > 100; }, 60s));
+  CHECK(call(domain, "/tuina/pause /tuina/operate /tuina/softer /tuina/pause /tuina/hand_over") ==
+        "/tuina/pause false viewer\n/tuina/operate true done\n/tuina/softer true done\n"
+        "/tuina/pause true done\n/tuina/hand_over true done\n");
+  CHECK(call(domain, "/tuina/stop") == "/tuina/stop true done\n");
+  REQUIRE(massage.wait_for(30s) == std::future_status::ready);
+  const auto outcome = massage.get();
+  CHECK(outcome.exit_code == 4);
+  CHECK((outcome.out + outcome.err).find("ROS 2: ") != std::string::npos);
+  const auto session = read_file(std::filesystem::path(folder / "report") / "session.json");
+  REQUIRE(session.has_value());
+  for (const char* command : {"\"softer\"", "\"pause\"", "\"stop\""})
+    CHECK(session->find(command) != std::string::npos);
+  const std::string log = (std::filesystem::path(folder / "report") / "audit.log").string();
+  const auto audit = run_tuina({"audit", "check", log});
+  CHECK_MESSAGE(audit.exit_code == 0, audit.err);
+}
