@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# cmake --install gives find_package(tuina): one target per room, and tuina::tuina for all of them.
+# cmake --install gives find_package(tuina): one target per room, and tuina::tuina for all of them; with COMPONENTS
+# shared all of these are libtuina.so. pkg-config knows that as `tuina`, and the static libraries as `tuina-static`.
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
@@ -14,6 +15,9 @@ endforeach()
 
 set(in_cmake DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/tuina COMPONENT dev)
 install(TARGETS ${targets} EXPORT tuina ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT dev)
+install(TARGETS tuina_shared EXPORT tuina_shared
+  LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT library NAMELINK_COMPONENT dev)
+install(EXPORT tuina_shared NAMESPACE tuina:: FILE tuinaSharedTargets.cmake ${in_cmake})
 install(DIRECTORY tuina/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/tuina COMPONENT dev FILES_MATCHING PATTERN "*.hpp")
 install(EXPORT tuina NAMESPACE tuina:: FILE tuinaTargets.cmake ${in_cmake})
 install(DIRECTORY models config DESTINATION ${CMAKE_INSTALL_DATADIR}/tuina COMPONENT tuina)
@@ -38,8 +42,31 @@ install(FILES ${said}/tuina DESTINATION ${completion}/bash-completion/completion
 install(FILES ${said}/_tuina DESTINATION ${completion}/zsh/vendor-completions COMPONENT tuina OPTIONAL)
 install(FILES ${said}/tuina.fish DESTINATION ${completion}/fish/vendor_completions.d COMPONENT tuina OPTIONAL)
 install(FILES ${said}/tuina.1.gz ${said}/tuina-evaluate.1.gz DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT tuina OPTIONAL)
+list(JOIN TUINA_ROOMS " " shown_rooms)
 configure_package_config_file(cmake/tuinaConfig.cmake.in ${PROJECT_BINARY_DIR}/tuinaConfig.cmake
   INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/tuina)
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/tuinaConfigVersion.cmake
   COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/tuinaConfig.cmake ${PROJECT_BINARY_DIR}/tuinaConfigVersion.cmake ${in_cmake})
+
+# What pkg-config says. Static libraries need by name whatever is hidden in them.
+set(static_libraries "")
+set(hidden_libraries "-lembree3 -lmujoco -lcivetweb -lpthread")
+set(hidden_packages "tinyxml2 libpng libjpeg zlib sqlite3 libpq libarchive libzstd libcrypto")
+foreach(target IN LISTS targets)
+  get_target_property(type ${target} TYPE)
+  if(type STREQUAL "STATIC_LIBRARY")
+    string(APPEND static_libraries " -l${target}")
+  endif()
+endforeach()
+if(TUINA_CALIBRATION)
+  string(APPEND hidden_libraries " -lceres -lglog -lopencv_calib3d -lopencv_imgproc -lopencv_core")
+endif()
+if(TUINA_ROS2)
+  string(APPEND hidden_packages " CycloneDDS")
+endif()
+file(RELATIVE_PATH up_to_prefix /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)
+foreach(package IN ITEMS tuina tuina-static)
+  configure_file(cmake/${package}.pc.in ${PROJECT_BINARY_DIR}/${package}.pc @ONLY)
+  install(FILES ${PROJECT_BINARY_DIR}/${package}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT dev)
+endforeach()

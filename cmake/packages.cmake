@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-# `cpack` makes Debian packages: tuina (programs, atlas, completion, manual, rules for devices), libtuina-dev (headers,
-# libraries, CMake package) and, where `import tuina` is built, python3-tuina. Libraries of other packages that they
-# need are found by dpkg-shlibdeps.
+# `cpack` makes Debian packages: tuina (programs, atlas, completion, manual, rules for devices), libtuina0.1 (the shared
+# library), libtuina-dev (headers, static libraries, CMake package, pkg-config) and, where `import tuina` is built,
+# python3-tuina. Libraries of other packages that they need are found by dpkg-shlibdeps.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME tuina)
 set(CPACK_PACKAGE_CONTACT "tuina developers <tuina@tuina.invalid>")
@@ -10,7 +10,7 @@ set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_PACKAGE_DIRECTORY ${PROJECT_BINARY_DIR}/packages)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
-set(CPACK_COMPONENTS_ALL tuina dev)
+set(CPACK_COMPONENTS_ALL tuina library dev)
 set(CPACK_COMPONENTS_GROUPING IGNORE)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
@@ -20,14 +20,24 @@ set(CPACK_DEBIAN_TUINA_PACKAGE_SHLIBDEPS ON)
 set(CPACK_COMPONENT_TUINA_DESCRIPTION "The programs tuina and tuina-evaluate with the shipped atlas.")
 install(FILES cmake/debian/60-tuina.rules DESTINATION lib/udev/rules.d COMPONENT tuina)
 
+# Several versions of a library may be installed beside each other, so its package is named by its soname.
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_NAME libtuina${soversion})
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_SECTION libs)
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_SHLIBDEPS ON)
+file(WRITE ${PROJECT_BINARY_DIR}/debian/shlibs "libtuina ${soversion} libtuina${soversion} (>= ${PROJECT_VERSION})\n")
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_CONTROL_EXTRA ${PROJECT_BINARY_DIR}/debian/shlibs)
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_RECOMMENDS tuina)
+set(CPACK_COMPONENT_LIBRARY_DESCRIPTION "The shared library of tuina; atlas and robots come with the package tuina.")
+
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME libtuina-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
-set(CPACK_COMPONENT_DEV_DESCRIPTION "Headers, static libraries and the CMake package of tuina.")
+set(CPACK_COMPONENT_DEV_DESCRIPTION "Headers, static libraries, CMake package and pkg-config of tuina.")
 # What its headers and libraries need is what packages.txt names, without the tools of a build.
 file(STRINGS packages.txt needed REGEX "-dev$")
 if(TUINA_ROS2)
   list(APPEND needed cyclonedds-dev)
 endif()
+list(APPEND needed "libtuina${soversion} (= ${PROJECT_VERSION})")
 list(JOIN needed ", " CPACK_DEBIAN_DEV_PACKAGE_DEPENDS)
 
 if(TARGET tuina_python)

@@ -60,6 +60,8 @@ function(tuina_room name)
     set(scope INTERFACE)
   endif()
   add_library(tuina::${name} ALIAS ${target})
+  set_property(GLOBAL APPEND PROPERTY tuina_uses ${ROOM_USES})
+  set_property(GLOBAL APPEND PROPERTY tuina_hides ${ROOM_HIDES})
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
   target_compile_features(${target} ${scope} cxx_std_20)
   target_include_directories(${target} ${scope}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# Installs the build into a fresh folder, builds the consumer against it and runs it. A library with
+# Installs the build into a fresh folder, builds the consumer against it, static and shared, and runs it. A library with
 # sanitizers in it wants a program that is linked with them.
 set(flags)
 if(SANITIZE)
@@ -9,10 +9,13 @@ set(prefix ${BUILD}/consumer)
 file(REMOVE_RECURSE ${prefix})
 set(steps
   "${CMAKE_COMMAND} --install ${BUILD} --prefix ${prefix}/installed"
-  "${CMAKE_COMMAND} -G Ninja -S ${SOURCE}/tests/consumer -B ${prefix}/build -DCMAKE_PREFIX_PATH=${prefix}/installed ${flags}"
-  "${CMAKE_COMMAND} --build ${prefix}/build"
-  "${prefix}/build/consumer"
   "${prefix}/installed/bin/tuina config show --json --quiet")
+foreach(kind IN ITEMS static shared)
+  list(APPEND steps
+    "${CMAKE_COMMAND} -G Ninja -S ${SOURCE}/tests/consumer -B ${prefix}/${kind} -DCMAKE_PREFIX_PATH=${prefix}/installed -DKIND=${kind} ${flags}"
+    "${CMAKE_COMMAND} --build ${prefix}/${kind}"
+    "${prefix}/${kind}/consumer")
+endforeach()
 foreach(step IN LISTS steps)
   separate_arguments(command UNIX_COMMAND "${step}")
   execute_process(COMMAND ${command} RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)

@@ -1,22 +1,41 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
 # try_packages.sh FILE.deb...: on a bare Debian 12, as root: installs the packages of `./run package`, gives a massage,
-# fits a press in Python, compiles a stranger's project against them, and removes them without a rest. Run it where nothing can be harmed.
+# serves the page, fits a press in Python, compiles the examples and a stranger's project against them, static and
+# shared, and removes them without a rest. Run it where nothing can be harmed.
 set -euo pipefail
 packages=$(realpath "$@")
-consumer=$(realpath "$(dirname "$0")/../consumer")
+here=$(realpath "$(dirname "$0")/../..")
 cd "$(mktemp -d)"
 start=$(date +%s)
+said() { echo "$(($(date +%s) - start)) s: $*"; }
 apt-get update -qq
 # shellcheck disable=SC2086
-apt-get install -y -qq --no-install-recommends $packages > /dev/null
-echo "installed in $(($(date +%s) - start)) s"
+DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $packages > apt.txt 2>&1 || { cat apt.txt; exit 1; }
+said installed
+
 tuina --version
 tuina massage --quiet --json --out report > report.json
 test -s report/report.html
 test -s /usr/lib/udev/rules.d/60-tuina.rules
 man_page=$(zcat /usr/share/man/man1/tuina.1.gz | head -1)
 [[ $man_page == .TH\ tuina* ]]
+said "a massage was given"
+
+tuina serve --port 0 --out sessions > addresses.txt &
+server=$!
+trap 'kill $server 2>/dev/null || true' EXIT
+for _ in $(seq 100); do [ -s addresses.txt ] && break; sleep 0.1; done
+python3 - "$(head -1 addresses.txt)" <<'PYTHON'
+import http.cookiejar, sys, urllib.request
+browser = urllib.request.build_opener(urllib.request.HTTPCookieProcessor(http.cookiejar.CookieJar()))
+page = browser.open(sys.argv[1]).read().decode()
+assert "<html" in page, page
+PYTHON
+kill $server
+wait $server
+said "the page was served"
+
 python3 - <<'PYTHON'
 import numpy as np, tuina
 from tuina import simulation
@@ -30,15 +49,39 @@ assert "GV4" in tuina.locate_acupoints(back, tuina.read_atlas()).names
 assert tuina.read_atlas().bodies["prone"] > 1 and tuina.__file__.startswith("/usr/lib/python3"), tuina.__file__
 print(f"python: alpha {fit.alpha_n:.2f} N")
 PYTHON
-apt-get install -y -qq --no-install-recommends g++ cmake ninja-build > /dev/null
-cmake -G Ninja -S "$consumer" -B consumer > /dev/null
-cmake --build consumer > /dev/null
-consumer/consumer
-apt-get install -y -qq --reinstall --no-install-recommends $packages > /dev/null  # as an upgrade does
-du -shc /usr/share/tuina /usr/bin/tuina /usr/bin/tuina-evaluate | tail -1
-apt-get remove -y -qq --purge python3-tuina tuina libtuina-dev > /dev/null
-for rest in /usr/share/tuina /usr/include/tuina /usr/bin/tuina /usr/lib/cmake/tuina /usr/share/doc/tuina \
-    /usr/share/doc/python3-tuina /usr/lib/python3/dist-packages/tuina /usr/lib/udev/rules.d/60-tuina.rules; do
+said "tuina was imported"
+
+DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends g++ cmake ninja-build pkg-config > apt.txt 2>&1
+for kind in static shared; do
+  cmake -G Ninja -S "$here/tests/consumer" -B $kind -DKIND=$kind > /dev/null
+  cmake --build $kind > /dev/null
+  $kind/consumer
+done
+# Each example is compiled once, and linked in both ways.
+compile() {
+  local name
+  name=$(basename "$1" .cpp)
+  # shellcheck disable=SC2046
+  g++ -O1 -DTUINA_MODELS='"/usr/share/tuina/models"' $(pkg-config --cflags tuina) -c "$1" -o "$name.o" &&
+    g++ "$name.o" $(pkg-config --libs tuina) -o "$name.shared" &&
+    g++ "$name.o" $(pkg-config --libs tuina-static) -o "$name.static"
+}
+export -f compile
+printf '%s\n' "$here"/examples/*.cpp | xargs -P 2 -I {} bash -c 'compile {}'
+for kind in shared static; do ./04_press_once.$kind > press.$kind.txt; done
+cmp press.shared.txt press.static.txt
+ldd 04_press_once.shared | grep -q 'libtuina.so.0.1 => /'
+ldd 04_press_once.static | grep -q libtuina.so && exit 1
+said "$(ls ./*.static | wc -l) examples were compiled, and linked static and shared"
+
+# shellcheck disable=SC2086
+DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --reinstall --no-install-recommends $packages > apt.txt 2>&1  # as an upgrade does
+./04_press_once.shared > /dev/null
+du -shc /usr/share/tuina /usr/bin/tuina /usr/bin/tuina-evaluate /usr/lib/libtuina.so.0.1.0 | tail -1
+apt-get remove -y -qq --purge python3-tuina tuina libtuina-dev libtuina0.1 > apt.txt 2>&1
+for rest in /usr/share/tuina /usr/include/tuina /usr/bin/tuina /usr/lib/cmake/tuina /usr/lib/pkgconfig/tuina.pc \
+    /usr/lib/libtuina.so* /usr/share/doc/tuina /usr/share/doc/libtuina* /usr/share/doc/python3-tuina \
+    /usr/lib/python3/dist-packages/tuina /usr/lib/udev/rules.d/60-tuina.rules; do
   [ ! -e "$rest" ] || { echo "left behind: $rest" >&2; exit 1; }
 done
-echo "installed, used and removed in $(($(date +%s) - start)) s"
+said "installed, used and removed"
