@@ -51,7 +51,7 @@ install(FILES ${PROJECT_BINARY_DIR}/tuinaConfig.cmake ${PROJECT_BINARY_DIR}/tuin
 
 # What pkg-config says. Static libraries need by name whatever is hidden in them.
 set(static_libraries "")
-set(hidden_libraries "-lembree3 -lmujoco -lcivetweb -lpthread")
+set(hidden_libraries "-ltomlplusplus -lembree3 -lmujoco -lcivetweb -lpthread")
 set(hidden_packages "tinyxml2 libpng libjpeg zlib sqlite3 libpq libarchive libzstd libcrypto")
 foreach(target IN LISTS targets)
   get_target_property(type ${target} TYPE)

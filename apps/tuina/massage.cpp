@@ -73,7 +73,7 @@ class Massage final : public Verb {
              "a TOML file that names the arms (docs/armlink.md), in place of those simulated here; "
              "person, robot and seed must be theirs")
         .excludes(processes);
-    ros2_.describe(options, "what happens, and take live commands by its services");
+    ros2_.describe(options, "what happens, and offer services for live commands,");
     auto live = live_.describe(options).excludes(replay);
     live.excludes(options.named("--keys")).excludes(options.named("--ros2"));
     options

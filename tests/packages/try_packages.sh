@@ -18,7 +18,7 @@ tuina --version
 tuina massage --quiet --json --out report > report.json
 test -s report/report.html
 test -s /usr/lib/udev/rules.d/60-tuina.rules
-man_page=$(zcat /usr/share/man/man1/tuina.1.gz | head -1)
+man_page=$(zcat /usr/share/man/man1/tuina.1.gz | sed -n 1p)
 [[ $man_page == .TH\ tuina* ]]
 said "a massage was given"
 
@@ -57,12 +57,14 @@ for kind in static shared; do
   cmake --build $kind > /dev/null
   $kind/consumer
 done
-# Each example is compiled once, and linked in both ways.
+# Each example is compiled once, and linked in both ways. Only their own headers come from the sources.
+mkdir own
+cp -r "$here/examples" own
 compile() {
   local name
   name=$(basename "$1" .cpp)
   # shellcheck disable=SC2046
-  g++ -O1 -DTUINA_MODELS='"/usr/share/tuina/models"' $(pkg-config --cflags tuina) -c "$1" -o "$name.o" &&
+  g++ -O1 -DTUINA_MODELS='"/usr/share/tuina/models"' -Iown $(pkg-config --cflags tuina) -c "$1" -o "$name.o" &&
     g++ "$name.o" $(pkg-config --libs tuina) -o "$name.shared" &&
     g++ "$name.o" $(pkg-config --libs tuina-static) -o "$name.static"
 }

@@ -35,7 +35,7 @@ class Escape {
   [[nodiscard]] bool over() const noexcept {
     return startled_ && !pushing_;
   }  ///< the push has ended
-  [[nodiscard]] const Options& options() const noexcept { return options_; }
+  [[nodiscard]] const Options& options() const noexcept { return options_; }  ///< as given
 
  private:
   Options options_;

@@ -14,7 +14,7 @@ namespace tuina::history {
 
 /// What one field of a table holds; nothing is NULL. A number that is not finite is stored as NULL.
 using Value = std::variant<std::monostate, std::int64_t, double, std::string>;
-using Row = std::vector<Value>;
+using Row = std::vector<Value>;  ///< in the order of its columns
 
 /// One connection to a database that speaks SQL: SQLite in a file, or a PostgreSQL server. Not for
 /// two threads at once. A statement that fails is a `Fault::file` with the database's own words.
@@ -58,8 +58,10 @@ class Transaction {
   Database* database_;  // nothing once it is committed
 };
 
+/// @{
 /// The two kinds; `open_database` chooses.
 [[nodiscard]] Result<std::unique_ptr<Database>> open_sqlite(const std::string& path);
 [[nodiscard]] Result<std::unique_ptr<Database>> open_postgres(const std::string& address);
+/// @}
 
 }  // namespace tuina::history
