@@ -26,6 +26,7 @@ Result<std::unique_ptr<Ros2Desk>> Ros2Desk::open(ros2::Node& node, ros2::Reach r
   const auto& all = web::foxglove::services;
   std::vector<web::Ask> asks(all.begin(), reach == ros2::Reach::host ? all.end() : all.begin() + 1);
   std::vector<std::string> names;
+  names.reserve(asks.size());
   for (const web::Ask ask : asks) names.push_back(fmt::format("/tuina/{}", web::name_of(ask)));
   auto audit = web::AuditLog::open(log);
   if (!audit) return tl::unexpected(audit.error());
