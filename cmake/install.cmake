@@ -21,8 +21,6 @@ install(EXPORT tuina_shared NAMESPACE tuina:: FILE tuinaSharedTargets.cmake ${in
 install(DIRECTORY tuina/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/tuina COMPONENT dev FILES_MATCHING PATTERN "*.hpp")
 install(EXPORT tuina NAMESPACE tuina:: FILE tuinaTargets.cmake ${in_cmake})
 install(DIRECTORY models config DESTINATION ${CMAKE_INSTALL_DATADIR}/tuina COMPONENT tuina)
-# The live page, where `./run package` could build it.
-install(DIRECTORY ${PROJECT_BINARY_DIR}/page DESTINATION ${CMAKE_INSTALL_DATADIR}/tuina COMPONENT tuina OPTIONAL)
 install(TARGETS tuina_app tuina_evaluate DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT tuina)
 
 # The program itself says how shells complete it and what man(1) shows.

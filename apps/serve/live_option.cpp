@@ -26,13 +26,11 @@ Option LiveOption::describe(Options& options) {
 }
 
 Result<void> LiveOption::begin(const SessionOrder& order, const session::Config& config,
-                               const CommonOptions& common, const std::filesystem::path& page,
-                               const std::filesystem::path& folder) {
+                               const CommonOptions& common, const std::filesystem::path& folder) {
   if (!asked_) return {};
   auto robot = robot::load_robot(order.robot);
   if (!robot) return tl::unexpected(robot.error());
-  auto site = LiveSite::open({.port = port_,
-                              .page = page,
+  auto site = LiveSite::open({.place = {.port = port_},
                               .session = {.config = config,
                                           .common = common,
                                           .pace = order.pace,

@@ -15,10 +15,10 @@ class LiveOption {
   /// `--live`, and `--port` with it.
   Option describe(Options& options);
   [[nodiscard]] bool asked() const { return asked_; }
-  /// Opens the page that lies built in `page`, with the audit log in `folder`, that of the session;
-  /// prints its address, to stderr beside JSON.
+  /// Opens the page, with the audit log in `folder`, that of the session; prints its address, to
+  /// stderr beside JSON.
   [[nodiscard]] Result<void> begin(const SessionOrder& order, const session::Config& config,
-                                   const CommonOptions& common, const std::filesystem::path& page,
+                                   const CommonOptions& common,
                                    const std::filesystem::path& folder);
   /// Who watches and steers the session that begins now; nobody where none was asked for.
   [[nodiscard]] Attendant attendant();

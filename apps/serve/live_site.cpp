@@ -4,7 +4,6 @@
 #include <chrono>
 #include <nlohmann/json.hpp>
 
-#include "apps/serve/finished_session.hpp"
 #include "apps/serve/plan_change.hpp"
 
 namespace tuina::app {
@@ -48,7 +47,7 @@ Result<std::unique_ptr<LiveSite>> LiveSite::open(Options options) {
   std::unique_ptr<LiveSite> site(new LiveSite(std::move(options), std::move(*audit)));
   LiveSite* self = site.get();
   auto server = web::Server::start(
-      site->options_.address, site->options_.port,
+      site->options_.place,
       {.answer = [self](const web::Request& request) { return self->answer(request); },
        .come = [self](web::ClientId client,
                       const web::Request& request) { self->come(client, request); },
@@ -61,7 +60,10 @@ Result<std::unique_ptr<LiveSite>> LiveSite::open(Options options) {
   {
     const std::lock_guard lock(site->mutex_);
     site->server_ = std::move(*server);
-    site->access_ = std::make_unique<web::Access>(site->server_->port());
+    const auto& certificate = site->options_.place.certificate;
+    const int port = site->server_->port();
+    site->access_ = certificate ? std::make_unique<web::Access>(port, certificate->hosts())
+                                : std::make_unique<web::Access>(port);
     site->note("server", "begin", "done");
   }
   site->teller_ = std::thread([self] { self->tell(); });
@@ -76,15 +78,21 @@ LiveSite::~LiveSite() {
   server_.reset();
 }
 
+// A certificate's first host is what browsers are told: they know the server by no other name.
+std::string LiveSite::address(std::string_view scheme) const {
+  const auto& certificate = options_.place.certificate;
+  return fmt::format("{}{}://{}:{}", scheme, certificate ? "s" : "",
+                     certificate ? certificate->hosts().front() : options_.place.address,
+                     server_->port());
+}
+
 std::string LiveSite::invite() {
   const std::lock_guard lock(mutex_);
-  return fmt::format("http://{}:{}/?token={}", options_.address, server_->port(),
-                     access_->invite());
+  return fmt::format("{}/?token={}", address("http"), access_->invite());
 }
 
 std::string LiveSite::program_address() const {
-  return fmt::format("ws://{}:{}{}?token={}", options_.address, server_->port(),
-                     web::foxglove::path, access_->program_token());
+  return fmt::format("{}{}?token={}", address("ws"), web::foxglove::path, access_->program_token());
 }
 
 bool LiveSite::watched() {
@@ -108,66 +116,15 @@ void LiveSite::note(const std::string& who, const std::string& what, const std::
   if (!written) audit_fails_ = true;
 }
 
-std::optional<web::Reply> LiveSite::answer(const web::Request& request) {
-  constexpr int see_other = 303;
-  std::optional<web::Reply> reply;
-  {
-    const std::lock_guard lock(mutex_);
-    if (!access_) return web::Reply{.status = 503};
-    reply = access_->judge(request, clock_.seconds());
-    if (reply && reply->status == see_other) {
-      note("browser", "enter", "done");
-      return reply;
-    }
-  }
-  if (!reply && request.upgrade) return std::nullopt;
-  // Without the mutex: files may be slow, and what is asked of the session waits for none of them.
-  if (!reply) reply = content(request);
-  if (reply->status >= 400) {
-    const std::lock_guard lock(mutex_);
-    note("browser", "request", fmt::format("{}", reply->status));
-  }
-  return reply;
-}
-
-web::Reply LiveSite::content(const web::Request& request) const {
-  const std::string& path = request.path;
-  if (const auto file = page_.find(path); file != page_.end())
-    return reply_of(file->second, request);
-  const auto json_reply = [](std::string body) {
-    return web::Reply{.type = "application/json", .body = std::move(body)};
-  };
-  const auto bytes_reply = [](std::string body) {
-    return web::Reply{.type = "application/octet-stream", .body = std::move(body)};
-  };
-  if (path == "/api/choices") return json_reply(choices_);
-  const LiveSession::Options& sessions = options_.session;
-  if (path == "/api/sessions") return json_reply(sessions_json(sessions.folder));
-  if (const auto number = session_number(path, "/report.html"))
-    return report_of(LiveSession::folder_of(sessions, *number));
-  if (const auto number = session_number(path, "/play")) {
-    if (session_.state().phase != LivePhase::massage)
-      return play_of_session(LiveSession::folder_of(sessions, *number));
-    return {.status = 503, .body = "a massage is running, which looking back must not disturb\n"};
-  }
-  if (const auto view = session_.view()) {
-    if (path == "/api/cloud") return bytes_reply(view->cloud());
-    if (path == "/api/back" && !view->back().empty()) return bytes_reply(view->back());
-    if (path == "/api/map" && !view->map().empty()) return json_reply(view->map());
-    if (path == "/api/events") return json_reply(view->events());
-    if (path == "/api/plan" && !view->plan().empty()) return json_reply(view->plan());
-  }
-  return web::Reply{.status = 404, .body = "not here\n"};
-}
-
 void LiveSite::come(web::ClientId client, const web::Request& request) {
   const bool is_page = request.path == web::page_path;
   {
     const std::lock_guard lock(mutex_);
     desk_.come(client, clock_.seconds());
-    if (is_page) pages_.insert(client);
+    if (is_page) pages_[client] = access_->known_cookie(request.cookie);
     if (!is_page) programs_[client] = {};
-    note(name_of_client(client), "come", "done");
+    note(name_of_client(client), request.from.empty() ? "come" : "come from " + request.from,
+         "done");
   }
   if (!is_page) channels_.come(client);
 }
@@ -219,8 +176,7 @@ void LiveSite::hear_page(web::ClientId client, std::string_view text) {
     outcome = message ? decide(client, *message) : message.error().message;
     const bool done = outcome == "done";
     if (done && message->ask == web::Ask::invite) {
-      reply["address"] = fmt::format("http://{}:{}/?token={}", options_.address, server_->port(),
-                                     access_->invite());
+      reply["address"] = fmt::format("{}/?token={}", address("http"), access_->invite());
     }
     if (!message || message->ask != web::Ask::beat || !done)
       note(name_of_client(client), message ? name_of(message->ask) : "message", outcome);
@@ -256,7 +212,8 @@ std::string LiveSite::state_json(web::ClientId client, const LiveSession::State&
                   {"events", state.progress.events},
                   {"pace", options_.session.pace ? json(*options_.session.pace) : json()},
                   {"ordered", options_.session.ordered},
-                  {"audit_fails", audit_fails_.load()}});
+                  {"audit_fails", audit_fails_.load()},
+                  {"password", options_.password.has_value()}});
 }
 
 // The mutex is held. Whoever steers must be there: the arms stay where they are until somebody is.
@@ -276,7 +233,7 @@ void LiveSite::tell() {
     const LiveSession::State state = session_.state();
     pause_without_operator(state);
     const bool all = frame % state_every_frames == 0;
-    for (const web::ClientId client : pages_) {
+    for (const auto& [client, cookie] : pages_) {
       if (live) server_->put(client, live_slot, {.bytes = *live});
       if (all) server_->put(client, state_slot, {.bytes = state_json(client, state)});
     }

@@ -7,7 +7,6 @@
 #include <map>
 #include <memory>
 #include <mutex>
-#include <set>
 #include <string>
 #include <thread>
 
@@ -18,6 +17,7 @@
 #include "tuina/web/access.hpp"
 #include "tuina/web/audit.hpp"
 #include "tuina/web/desk.hpp"
+#include "tuina/web/password.hpp"
 #include "tuina/web/server.hpp"
 
 namespace tuina::app {
@@ -27,9 +27,9 @@ namespace tuina::app {
 class LiveSite {
  public:
   struct Options {
-    std::string address = "127.0.0.1";
-    int port = 0;
-    std::filesystem::path page;  ///< folder of the built page
+    web::Place place;
+    std::optional<web::Password> password;  ///< of a server that is reached by TLS
+    std::filesystem::path page = {};  ///< folder of a built page; empty: the one that is carried
     LiveSession::Options session;
   };
   [[nodiscard]] static Result<std::unique_ptr<LiveSite>> open(Options options);
@@ -48,7 +48,10 @@ class LiveSite {
 
  private:
   LiveSite(Options options, web::AuditLog audit);
+  [[nodiscard]] std::string address(std::string_view scheme) const;
   [[nodiscard]] std::optional<web::Reply> answer(const web::Request& request);
+  [[nodiscard]] web::Reply log_in(const web::Request& request);
+  void log_out(const std::string& cookie);
   [[nodiscard]] web::Reply content(const web::Request& request) const;
   void come(web::ClientId client, const web::Request& request);
   void go(web::ClientId client);
@@ -66,6 +69,7 @@ class LiveSite {
   void pause_without_operator(const LiveSession::State& state);
 
   Options options_;
+  std::mutex guessing_;  ///< one password is looked at a time
   Page page_;
   std::string choices_;
   Stopwatch clock_;
@@ -78,7 +82,7 @@ class LiveSite {
     double clock_s = 0.0;  ///< of the server, as the newest pong brought it back
     web::Rate rate{200.0, 20.0};
   };
-  std::set<web::ClientId> pages_;
+  std::map<web::ClientId, std::string> pages_;  ///< and by which cookie they came
   std::map<web::ClientId, Program> programs_;
   web::AuditLog audit_;
   std::atomic<bool> audit_fails_ = false;

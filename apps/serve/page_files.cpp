@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "apps/serve/packed_page.hpp"
 #include "tuina/core/io/file.hpp"
 #include "tuina/record/session_file.hpp"
 #include "tuina/web/digest.hpp"
@@ -29,8 +30,9 @@ const std::pair<std::string, std::string> report_policy = {
 
 constexpr const char* not_built =
     "<!doctype html><meta charset=utf-8><title>tuina</title>"
-    "<h1>The page is not built</h1><p>The server runs, but the page that it shows is missing. It "
-    "needs node 20 and npm: <code>./run serve</code> builds it and starts the server.</p>";
+    "<h1>The page is not built</h1><p>The server runs, but the page that it shows is not in it. It "
+    "needs node 20 and npm: <code>./run serve</code> builds it, puts it in and starts the "
+    "server.</p>";
 
 bool is_number(std::string_view name) {
   return name.size() >= 4 && name.size() <= 6 &&
@@ -48,15 +50,18 @@ Page read_page(const std::filesystem::path& folder) {
       {"page.css", "text/css; charset=utf-8"},
       {"icon.svg", "image/svg+xml"}};
   for (const auto& [name, type] : files) {
-    auto text = read_file(folder / name, max_page_bytes);
-    if (!text) continue;
+    const bool ours = folder.empty();
+    std::string gzip(ours ? packed_page(name) : std::string_view());
+    if (!ours) gzip = read_file(folder / (std::string(name) + ".gz"), max_page_bytes).value_or("");
+    auto text = ours ? unpacked(gzip) : read_file(folder / name, max_page_bytes);
+    if (!text || text->empty()) continue;
     const std::string tag = fmt::format("W/\"{}\"", web::sha256(*text));
     page[std::string("/") + name] = {
         .reply = {.type = type,
                   .body = std::move(*text),
                   .cache = "private, no-cache",
                   .headers = {page_policy, {"ETag", tag}, {"Vary", "Accept-Encoding"}}},
-        .gzip = read_file(folder / (std::string(name) + ".gz"), max_page_bytes).value_or("")};
+        .gzip = std::move(gzip)};
   }
   const auto index = page.find("/index.html");
   const bool whole = index != page.end() && page.contains("/page.js");

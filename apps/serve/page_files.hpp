@@ -12,12 +12,13 @@
 
 namespace tuina::app {
 
-/// A file of the page, and the same as gzip where the build has left it so (`NAME.gz`).
+/// A file of the page, and the same as gzip.
 struct PageFile {
   web::Reply reply;
   std::string gzip;
 };
-/// The page itself by its paths, read once. Where it was not built, a page of words says how to.
+/// The page itself by its paths, read once: what `packed_page` has, or from the folder that is
+/// named instead. Where it was not built, a page of words says how to.
 using Page = std::map<std::string, PageFile, std::less<>>;
 [[nodiscard]] Page read_page(const std::filesystem::path& folder);
 /// The file, packed where the browser takes that; 304 where it has kept the same content.

@@ -3,7 +3,6 @@
 #include <optional>
 
 #include "apps/cli/fixed_points.hpp"
-#include "apps/cli/installed.hpp"
 #include "apps/serve/live_option.hpp"
 #include "apps/simulated/keyboard.hpp"
 #include "apps/simulated/pace_option.hpp"
@@ -123,7 +122,7 @@ class Massage final : public Verb {
     if (!visit) return nothing_done(visit.error());
     if (!common.quiet && !remembered_.lines.empty()) fmt::print(stderr, "{}\n", remembered_.lines);
     if (const auto begun = ros2_.begin(out_); !begun) return nothing_done(begun.error());
-    const auto open = live_.begin(order_, *config, common, installed_or("page", TUINA_PAGE), out_);
+    const auto open = live_.begin(order_, *config, common, out_);
     if (!open) return nothing_done(open.error());
     auto result =
         run_simulated_session(order_, *config, common, std::filesystem::path(out_) / "session.mcap",

@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "apps/cli/installed.hpp"
 #include "apps/serve/live_site.hpp"
+#include "apps/serve/make_password.hpp"
 #include "apps/simulated/pace_option.hpp"
 #include "apps/tuina/verbs.hpp"
 
@@ -28,28 +28,40 @@ class Serve final : public Verb {
     options.add("--port", port_, "of this machine; 0 takes a free one")
         .between(0, 65535)
         .show_default();
-    options.add("--listen", listen_, "127.0.0.1 or ::1: no other address is listened at")
+    options
+        .add("--listen", listen_,
+             "address in numbers; another than 127.0.0.1 needs --certificate and --password-file")
         .show_default();
+    auto certificate =
+        options.add("--certificate", certificate_,
+                    "PEM file of certificate and key: the page is shown by TLS only");
+    auto password = options.add("--password-file", password_,
+                                "file of --make-password: who knows the password comes in, too");
+    certificate.needs(password);
+    password.needs(certificate);
+    options.add("--make-password", make_password_,
+                "ask for a password, write what it is known by into this file, and end");
     pace_.describe(options, "real unless given");
     add_robot_option(options, robot_);
     options.add("--out", out_, "folder for the sessions and audit.log").show_default();
-    options.add("--page", page_, "folder of the built page, as `./run serve` makes it")
-        .show_default();
+    options.add("--page", page_,
+                "folder of a page that was built, instead of the one that the program carries");
   }
 
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
+    if (!make_password_.empty()) return made_password();
     auto config = effective_config(common);
     if (!config) return tl::unexpected(config.error());
-    auto address = web::loopback_address(listen_);
-    if (!address) return tl::unexpected(address.error());
+    auto doors = doors_asked_for();
+    if (!doors) return tl::unexpected(doors.error());
     auto robot = robot::load_robot(robot_);
     if (!robot) return tl::unexpected(robot.error());
     std::error_code fault;
     std::filesystem::create_directories(out_, fault);
     if (!std::filesystem::is_directory(out_))
       return fail(Fault::file, "--out {}: the folder cannot be made: {}", out_, fault.message());
-    auto site = LiveSite::open({.address = *address,
-                                .port = port_,
+    auto site = LiveSite::open({.place = std::move(doors->place),
+                                .password = std::move(doors->password),
                                 .page = page_,
                                 .session = {.config = std::move(*config),
                                             .common = common,
@@ -71,12 +83,41 @@ class Serve final : public Verb {
   }
 
  private:
+  struct Doors {
+    web::Place place;
+    std::optional<web::Password> password;
+  };
+
+  // To a network by TLS and with a password, or to this machine alone.
+  [[nodiscard]] Result<Doors> doors_asked_for() const {
+    auto own = web::loopback_address(listen_);
+    if (certificate_.empty()) {
+      if (!own) return tl::unexpected(own.error());
+      return Doors{.place = {.address = *own, .port = port_}, .password = {}};
+    }
+    auto certificate = web::Certificate::read(certificate_);
+    if (!certificate) return tl::unexpected(certificate.error());
+    auto password = web::Password::read(password_);
+    if (!password) return tl::unexpected(password.error());
+    return Doors{.place = {.address = own.value_or(listen_),
+                           .port = port_,
+                           .certificate = std::move(*certificate)},
+                 .password = std::move(*password)};
+  }
+
+  [[nodiscard]] Result<Answer> made_password() const {
+    if (auto made = make_password_file(make_password_); !made) return tl::unexpected(made.error());
+    return Answer{.json = nlohmann::json{{"file", make_password_}}.dump(2),
+                  .text = fmt::format("{}: for --password-file", make_password_)};
+  }
+
   PaceOption pace_;
   int port_ = 8642;
   std::string listen_ = "127.0.0.1";
+  std::string certificate_, password_, make_password_;
   std::string robot_ = "thesis";
   std::string out_ = "tuina-sessions";
-  std::string page_ = installed_or("page", TUINA_PAGE).string();
+  std::string page_;
 };
 
 }  // namespace

@@ -4,7 +4,7 @@ export interface State {
   clock_s: number; you: number; operator: boolean; operated: boolean; pages: number;
   phase: "idle" | "scan" | "map" | "plan" | "review" | "massage" | "report" | "ended";
   progress: number; paused: boolean; session: string; outcome: string; words: string; recorded: boolean; reviews: number;
-  cloud_points: number; backs: number; plans: number; events: number; pace: number | null; ordered: boolean; audit_fails: boolean;
+  cloud_points: number; backs: number; plans: number; events: number; pace: number | null; ordered: boolean; audit_fails: boolean; password: boolean;
 }
 export interface ArmNow {
   phase: string; path: number; probing: boolean; target_n: number; felt_n: number;
@@ -42,7 +42,7 @@ export class Link {
   }
 
   private open(): void {
-    const socket = new WebSocket(`ws://${location.host}/live`);
+    const socket = new WebSocket(`${location.protocol.replace("http", "ws")}//${location.host}/live`);
     this.socket = socket;
     this.sequence = 0;
     this.heardMs = 0;

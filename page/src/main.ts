@@ -234,9 +234,14 @@ function showTop(): void {
       state?.operator ? element("button", { onclick: () => { steered = false; link.ask("hand_over"); } }, say("hand_over"))
         : element("button", { onclick: ask("operate"), disabled: state?.operated }, say("take")),
       element("button", { onclick: ask("invite") }, say("invite")),
+      state?.password ? element("button", { id: "leave_server", onclick: leaveServer }, say("log_out")) : "",
       element("button", { id: "language", onclick: () => { changeLanguage(); showTop(); render(); } }, say("language")),
       element("button", { onclick: changeTheme, "aria-label": say("theme"), title: say("theme") }, "◐")));
   document.getElementById("foot")!.textContent = state?.audit_fails ? say("unsafe_log") : `${say("simulated")} ${paceWords()}`;
+}
+
+function leaveServer(): void {
+  void fetch("/logout", { method: "POST" }).finally(() => location.assign("/"));
 }
 
 function paceWords(): string {

@@ -7,22 +7,27 @@ class Server:
     """`tuina serve --port 0`, or another verb with the live page, in a folder of its own; `address` is the line that
     it printed."""
 
-    def __init__(self, binary, folder, *options, verb="serve"):
-        self.folder = folder
+    def __init__(self, binary, folder, *options, verb="serve", tls=None, at="127.0.0.1"):
+        """With `tls`, the context of a client of TLS, the server is reached by that at the address `at`."""
+        self.folder, self.tls, self.at = folder, tls, at
         self.process = subprocess.Popen([binary, verb, "--port", "0", "--out", folder, *options],
                                         stdout=subprocess.PIPE, text=True)
         atexit.register(self.process.kill)  # whoever waits for the output of a test waits for its server, too
         self.address = self.process.stdout.readline().strip()
-        self.port, self.token = re.fullmatch(r"http://127\.0\.0\.1:(\d+)/\?token=([0-9a-f]{64})", self.address).groups()
-        self.port = int(self.port)
+        self.host, self.token = re.fullmatch(r"https?://([a-z0-9.]+:\d+)/\?token=([0-9a-f]{64})", self.address).groups()
+        self.origin, self.port = self.address.partition("/?")[0], int(self.host.partition(":")[2])
         self.program_address = self.process.stdout.readline().split()[0] if verb == "serve" else None
+
+    def connect(self, seconds=60):
+        link = socket.create_connection((self.at, self.port), seconds)
+        return self.tls.wrap_socket(link, server_hostname=self.host.partition(":")[0]) if self.tls else link
 
     def ask(self, path="/", method="GET", body=b"", **headers):
         """Status, headers and content of one request; a header that is None is not sent."""
-        given = {"Host": f"127.0.0.1:{self.port}", "Content-Length": str(len(body)) if body else None}
+        given = {"Host": self.host, "Content-Length": str(len(body)) if body else None}
         given.update({name.replace("_", "-"): value for name, value in headers.items()})
         head = "".join(f"{name}: {value}\r\n" for name, value in given.items() if value is not None)
-        with socket.create_connection(("127.0.0.1", self.port), 60) as link:
+        with self.connect() as link:
             link.sendall(f"{method} {path} HTTP/1.1\r\n{head}\r\n".encode() + body)
             answer = b""
             # A server may wait for the rest of a body before it closes; the answer is whole before that.
@@ -56,8 +61,8 @@ class Server:
 class Socket:
     """A WebSocket of RFC 6455; `status` is 101 where the other side agreed."""
 
-    def __init__(self, port, path, **headers):
-        self.link = socket.create_connection(("127.0.0.1", port), 10)
+    def __init__(self, port, path, link=None, **headers):
+        self.link = link or socket.create_connection(("127.0.0.1", port), 10)
         given = {"Host": f"127.0.0.1:{port}", "Upgrade": "websocket", "Connection": "Upgrade",
                  "Sec-WebSocket-Version": "13", "Sec-WebSocket-Key": base64.b64encode(os.urandom(16)).decode()}
         given.update(headers)
@@ -107,8 +112,8 @@ class Page:
     """One open page: reads all the time, keeps the newest state, and beats like the real one."""
 
     def __init__(self, server, cookie, beats=True, **headers):
-        origin = {"Origin": f"http://127.0.0.1:{server.port}", "Cookie": cookie}
-        self.socket = Socket(server.port, "/live", **{**origin, **headers})
+        own = {"Host": server.host, "Origin": server.origin, "Cookie": cookie}
+        self.socket = Socket(server.port, "/live", server.connect(10), **{**own, **headers})
         self.status, self.link = self.socket.status, self.socket.link
         self.cookie = cookie
         self.state, self.live, self.replies, self.sequence, self.open = {}, [], {}, 0, self.status == 101

@@ -9,14 +9,16 @@
 #include <cstdlib>
 
 #include "tuina/web/foxglove.hpp"
+#include "tuina/web/login.hpp"
 
 namespace tuina::web {
 namespace {
 
 constexpr std::int64_t max_body_bytes = 1 << 20;
 constexpr std::size_t max_invitations = 16;
-// Five wrong tokens a minute.
-constexpr double bad_tokens_at_once = 5.0, bad_tokens_per_s = 5.0 / 60.0;
+constexpr std::size_t max_cookies = 256;
+// Five wrong tokens a minute, and five wrong passwords.
+constexpr double guesses_at_once = 5.0, guesses_per_s = 5.0 / 60.0;
 constexpr std::string_view token_key = "token=";
 // Foxglove in a browser, and viewers that a desktop opens from its disk. Origins of others are
 // refused; a program that is no browser sends none.
@@ -43,24 +45,35 @@ bool same_secret(std::string_view one, std::string_view other) noexcept {
 Result<std::string> loopback_address(const std::string& listen) {
   if (listen == "127.0.0.1" || listen == "localhost") return std::string("127.0.0.1");
   if (listen == "::1" || listen == "[::1]") return std::string("[::1]");
-  return fail(Fault::usage,
-              "--listen {}: only this machine itself, 127.0.0.1 or ::1: the page has no encryption "
-              "and no password, so it is not shown to a network",
-              listen);
+  return fail(
+      Fault::usage,
+      "--listen {}: a network sees the page with --certificate FILE and --password-file FILE "
+      "only; without them it is for this machine itself, 127.0.0.1 or ::1",
+      listen);
 }
 
-Access::Access(int port)
-    : cookie_name_(fmt::format("tuina_{}", port)),
-      hosts_({fmt::format("127.0.0.1:{}", port), fmt::format("localhost:{}", port),
-              fmt::format("[::1]:{}", port)}),
-      bad_tokens_(bad_tokens_at_once, bad_tokens_per_s) {}
+Access::Access(int port) : Access(port, {"127.0.0.1", "localhost", "[::1]"}, false) {}
+
+Access::Access(int port, const std::vector<std::string>& hosts) : Access(port, hosts, true) {}
+
+// A browser takes a cookie named `__Host-` from nobody but this host itself, by TLS.
+Access::Access(int port, std::vector<std::string> hosts, bool by_tls)
+    : by_tls_(by_tls),
+      cookie_name_(fmt::format("{}tuina_{}", by_tls ? "__Host-" : "", port)),
+      hosts_(std::move(hosts)),
+      bad_tokens_(guesses_at_once, guesses_per_s),
+      bad_passwords_(guesses_at_once, guesses_per_s) {
+  constexpr int https_port = 443;  // which a browser leaves out
+  for (std::string& host : hosts_)
+    if (!by_tls || port != https_port) host += fmt::format(":{}", port);
+}
 
 std::string Access::invite() {
   if (tokens_.size() == max_invitations) tokens_.erase(tokens_.begin());
   return tokens_.emplace_back(random_token());
 }
 
-bool Access::knows(std::string_view cookies) const {
+std::string Access::known_cookie(std::string_view cookies) const {
   const std::string name = cookie_name_ + "=";
   for (std::size_t at = 0; at < cookies.size();) {
     const std::size_t end = std::min(cookies.find(';', at), cookies.size());
@@ -71,11 +84,11 @@ bool Access::knows(std::string_view cookies) const {
       // Every cookie is compared, so that the time does not tell which one it nearly was.
       bool known = false;
       for (const std::string& cookie : cookies_) known = same_secret(value, cookie) || known;
-      if (known) return true;
+      if (known) return std::string(value);
     }
     at = end + 1;
   }
-  return false;
+  return "";
 }
 
 std::optional<Reply> Access::exchange(std::string_view token, double now_s) {
@@ -86,11 +99,36 @@ std::optional<Reply> Access::exchange(std::string_view token, double now_s) {
     return refuse_token(now_s, "this address was used already, or never given: ask for a new one");
   }
   tokens_.erase(given);
+  return with_cookie();
+}
+
+Reply Access::with_cookie() {
+  if (cookies_.size() == max_cookies) cookies_.erase(cookies_.begin());
   const std::string& cookie = cookies_.emplace_back(random_token());
-  return Reply{.status = 303,
-               .headers = {{"Location", "/"},
-                           {"Set-Cookie", fmt::format("{}={}; HttpOnly; SameSite=Strict; Path=/",
-                                                      cookie_name_, cookie)}}};
+  return {
+      .status = 303,
+      .headers = {{"Location", "/"},
+                  {"Set-Cookie", fmt::format("{}={}; HttpOnly; SameSite=Strict; Path=/{}",
+                                             cookie_name_, cookie, by_tls_ ? "; Secure" : "")}}};
+}
+
+Reply Access::let_in() {
+  bad_passwords_.give_back();
+  return with_cookie();
+}
+
+Reply Access::leave(const Request& request) {
+  std::erase(cookies_, known_cookie(request.cookie));
+  return {
+      .status = 303,
+      .headers = {{"Location", "/"},
+                  {"Set-Cookie", fmt::format("{}=; HttpOnly; SameSite=Strict; Path=/; Max-Age=0{}",
+                                             cookie_name_, by_tls_ ? "; Secure" : "")}}};
+}
+
+bool Access::is_own_page(std::string_view origin) const {
+  const std::string_view scheme = by_tls_ ? "https://" : "http://";
+  return origin.starts_with(scheme) && is_host(origin.substr(scheme.size()));
 }
 
 bool Access::is_host(std::string_view name) const {
@@ -104,7 +142,7 @@ Reply Access::refuse_token(double now_s, const char* why) {
 
 std::optional<Reply> Access::judge_program(const Request& request, double now_s) {
   const std::string_view origin = request.origin;
-  const bool known = origin.empty() || (origin.starts_with("http://") && is_host(origin.substr(7)));
+  const bool known = origin.empty() || is_own_page(origin);
   if (!known &&
       std::find(program_origins.begin(), program_origins.end(), origin) == program_origins.end())
     return refuse(403, "programs of this origin may not watch");
@@ -122,15 +160,26 @@ std::optional<Reply> Access::judge(const Request& request, double now_s) {
   if (!is_host(request.host)) return refuse(403, "this is not the name of this server");
   if (request.body_bytes > max_body_bytes) return refuse(413, "too much");
   if (request.path == foxglove::path) return judge_program(request, now_s);
-  const bool from_elsewhere =
-      !request.origin.starts_with("http://") || !is_host(request.origin.substr(7));
-  if (from_elsewhere && (!request.origin.empty() || request.upgrade))
+  // A page of the server itself says so where it posts or opens a socket.
+  const bool posts = by_tls_ && request.method == "POST";
+  if (!is_own_page(request.origin) && (!request.origin.empty() || request.upgrade || posts))
     return refuse(403, "another page may not ask here");
+  if (posts) return judge_post(request, now_s);
   if (request.method != "GET") return refuse(405, "only GET; commands go through the WebSocket");
   if (request.path == "/" && request.query.starts_with(token_key))
     return exchange(std::string_view(request.query).substr(token_key.size()), now_s);
-  if (!knows(request.cookie))
-    return refuse(401, "open the address that the terminal printed, or that an operator gave you");
+  if (!known_cookie(request.cookie).empty()) return std::nullopt;
+  if (by_tls_ && (request.path == "/" || request.path == login_path))
+    return login_page(LoginAnswer::nothing);
+  return refuse(401, "open the address that the terminal printed, or that an operator gave you");
+}
+
+std::optional<Reply> Access::judge_post(const Request& request, double now_s) {
+  if (request.path == logout_path && !known_cookie(request.cookie).empty()) return leave(request);
+  if (request.path != login_path) return refuse(405, "only GET; commands go through the WebSocket");
+  if (request.body_bytes < 0 || request.body_bytes > max_form_bytes)
+    return refuse(413, "no password is as long");
+  if (!bad_passwords_.take(now_s)) return login_page(LoginAnswer::too_often);
   return std::nullopt;
 }
 

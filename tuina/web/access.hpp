@@ -18,9 +18,12 @@ namespace tuina::web {
 /// Compares in a time that does not tell where two texts differ.
 [[nodiscard]] bool same_secret(std::string_view one, std::string_view other) noexcept;
 
-/// The loopback address to listen at. Refused (Fault::usage): any other address, since there is no
-/// encryption and no password.
+/// The loopback address to listen at. Refused (Fault::usage): any other address, since without
+/// encryption and a password nothing is shown to a network.
 [[nodiscard]] Result<std::string> loopback_address(const std::string& listen);
+
+/// Who asks to be let in with a password, and who leaves: both by POST.
+inline constexpr const char *login_path = "/login", *logout_path = "/logout";
 
 /// Who may come in. A page is opened once with a token, in the address that the terminal printed,
 /// and known by a cookie from then on. A Host that is not this machine is another name for it,
@@ -30,31 +33,47 @@ namespace tuina::web {
 /// Another program that watches (`foxglove::path`) has no cookie and comes again by the same
 /// address, so it shows a token of its own each time: one that is good until the server ends. A
 /// cookie does not let it in, since a browser shows that for any page of this machine.
+///
+/// A server that is reached by TLS is for a network. Its hosts are those of its certificate, and a
+/// password opens it, too. Who guesses passwords is slow after five, and so are all others then who
+/// come with a password; an invitation opens all the same, and who is in stays in.
 class Access {
  public:
   /// For a server at this port of this machine.
   explicit Access(int port);
+  /// For one that is reached by TLS under these names.
+  Access(int port, const std::vector<std::string>& hosts);
 
   /// An address that opens the page, once.
   [[nodiscard]] std::string invite();
   /// The token that other programs show.
   [[nodiscard]] const std::string& program_token() const { return program_token_; }
-  /// The reply to whom is not let in, or who has just shown a token; nothing for whom may go on.
+  /// The reply to whom is not let in, or who has just shown a token, or leaves; nothing for whom
+  /// may go on: to `login_path`, where the password is to be looked at, or anywhere with a cookie.
   [[nodiscard]] std::optional<Reply> judge(const Request& request, double now_s);
+  /// Lets in whose password was right.
+  [[nodiscard]] Reply let_in();
+  /// The cookie of these that is known; empty: none is.
+  [[nodiscard]] std::string known_cookie(std::string_view cookies) const;
 
  private:
-  [[nodiscard]] bool knows(std::string_view cookies) const;
+  Access(int port, std::vector<std::string> hosts, bool by_tls);
   [[nodiscard]] bool is_host(std::string_view name) const;
+  [[nodiscard]] bool is_own_page(std::string_view origin) const;
+  [[nodiscard]] Reply with_cookie();
+  [[nodiscard]] Reply leave(const Request& request);
+  [[nodiscard]] std::optional<Reply> judge_post(const Request& request, double now_s);
   [[nodiscard]] Reply refuse_token(double now_s, const char* why);
   [[nodiscard]] std::optional<Reply> exchange(std::string_view token, double now_s);
   [[nodiscard]] std::optional<Reply> judge_program(const Request& request, double now_s);
 
+  bool by_tls_;
   std::string cookie_name_;  ///< with the port, since ports share their cookies
   std::vector<std::string> hosts_;
   std::vector<std::string> tokens_;   ///< given and not used yet
   std::vector<std::string> cookies_;  ///< of those who are in
   std::string program_token_ = random_token();
-  Rate bad_tokens_;
+  Rate bad_tokens_, bad_passwords_;
 };
 
 }  // namespace tuina::web

@@ -19,6 +19,8 @@ class Rate {
     left_ -= 1.0;
     return true;
   }
+  /// What was taken last does not count after all.
+  void give_back() noexcept { left_ = std::min(at_once_, left_ + 1.0); }
 
  private:
   double at_once_, per_s_, left_;

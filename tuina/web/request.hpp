@@ -8,6 +8,9 @@
 
 namespace tuina::web {
 
+/// A body that is read has so many bytes at most.
+inline constexpr std::int64_t max_form_bytes = 2048;
+
 /// What a browser asks for, as far as somebody looks at it.
 struct Request {
   std::string method;
@@ -21,6 +24,8 @@ struct Request {
   std::string subprotocols;     ///< of the WebSocket, as they were offered
   std::string encodings;        ///< of the content, as the browser takes them
   std::string known_tags;       ///< of contents that the browser has kept
+  std::string from = {};        ///< machine, where it came through the door to the network
+  std::string body = {};        ///< of a POST with max_form_bytes at most
 };
 
 /// What a browser gets.

@@ -3,12 +3,15 @@
 
 #include <civetweb.h>
 
+#include <algorithm>
 #include <array>
 #include <map>
 #include <mutex>
+#include <set>
 #include <thread>
 
 #include "tuina/web/foxglove.hpp"
+#include "tuina/web/tls_door.hpp"
 
 namespace tuina::web {
 namespace {
@@ -37,6 +40,20 @@ Request request_of(const mg_connection* connection) {
           .known_tags = header(connection, "If-None-Match")};
 }
 
+// A form, as far as it has come when the server's patience ends.
+std::string body_of(mg_connection* connection, std::int64_t announced) {
+  std::string body(static_cast<std::size_t>(std::clamp<std::int64_t>(announced, 0, max_form_bytes)),
+                   '\0');
+  std::size_t read = 0;
+  while (read < body.size()) {
+    const int got = mg_read(connection, body.data() + read, body.size() - read);
+    if (got <= 0) break;
+    read += static_cast<std::size_t>(got);
+  }
+  body.resize(read);
+  return body;
+}
+
 int opcode_of(Frame::Kind kind) {
   constexpr std::array<int, 4> opcodes = {MG_WEBSOCKET_OPCODE_TEXT, MG_WEBSOCKET_OPCODE_BINARY,
                                           MG_WEBSOCKET_OPCODE_PING, MG_WEBSOCKET_OPCODE_PONG};
@@ -50,7 +67,7 @@ std::optional<Frame::Kind> kind_of(int opcode) {
   return std::nullopt;
 }
 
-void send(mg_connection* connection, const Reply& reply) {
+void send(mg_connection* connection, const Reply& reply, bool by_tls) {
   std::string head = fmt::format(
       "HTTP/1.1 {} {}\r\nConnection: close\r\nCache-Control: {}\r\n"
       "X-Content-Type-Options: nosniff\r\nReferrer-Policy: no-referrer\r\n"
@@ -60,6 +77,7 @@ void send(mg_connection* connection, const Reply& reply) {
   if (reply.status != not_modified)
     head +=
         fmt::format("Content-Type: {}\r\nContent-Length: {}\r\n", reply.type, reply.body.size());
+  if (by_tls) head += "Strict-Transport-Security: max-age=31536000\r\n";
   for (const auto& [name, value] : reply.headers) head += fmt::format("{}: {}\r\n", name, value);
   head += "\r\n";
   mg_write(connection, head.data(), head.size());
@@ -77,12 +95,15 @@ struct Client {
 };
 
 struct Server::Hall {
-  explicit Hall(Site the_site) : site(std::move(the_site)) {}
+  Hall(Site the_site, bool tls) : site(std::move(the_site)), by_tls(tls) {}
   Site site;
+  bool by_tls;  ///< nobody comes but through the door
   mg_context* context = nullptr;
   std::mutex mutex;
   std::map<ClientId, std::shared_ptr<Outbox>> outboxes;
+  std::set<ClientId> dismissed;
   ClientId last = 0;
+  std::unique_ptr<TlsDoor> door = nullptr;
 
   [[nodiscard]] bool full() {
     const std::lock_guard lock(mutex);
@@ -94,26 +115,47 @@ struct Server::Hall {
     return found == outboxes.end() ? nullptr : found->second;
   }
 
+  [[nodiscard]] bool is_dismissed(ClientId client) {
+    const std::lock_guard lock(mutex);
+    return dismissed.contains(client);
+  }
+
   static Hall& of(const mg_connection* connection) {
     return *static_cast<Hall*>(mg_get_user_data(mg_get_context(connection)));
+  }
+
+  // The machine that asks; nothing: it has gone around the door.
+  [[nodiscard]] std::optional<std::string> caller(const mg_connection* connection) {
+    if (!by_tls) return "";
+    const std::lock_guard lock(mutex);
+    return door ? door->caller(mg_get_request_info(connection)->remote_port) : std::nullopt;
   }
 
   // The status with which the request was answered, or 0: a WebSocket opens.
   static int on_request(mg_connection* connection) {
     Hall& hall = of(connection);
-    const Request request = request_of(connection);
+    const auto from = hall.caller(connection);
+    if (!from) {
+      send(connection, {.status = 403, .body = "\n"}, false);
+      return 403;
+    }
+    Request request = request_of(connection);
+    request.from = *from;
+    if (request.method == "POST" && request.body_bytes <= max_form_bytes)
+      request.body = body_of(connection, request.body_bytes);
     auto reply = hall.site.answer(request);
     const bool is_socket = request.path == page_path || request.path == foxglove::path;
     const bool opens = !reply && request.upgrade && is_socket;
     if (opens && !hall.full()) return 0;
     if (!reply) reply = Reply{.status = opens ? 503 : 404, .body = "\n"};
-    send(connection, *reply);
+    send(connection, *reply, hall.by_tls);
     return reply->status;
   }
 
   static void on_ready(mg_connection* connection, void* data) {
     Hall& hall = *static_cast<Hall*>(data);
-    const Request request = request_of(connection);
+    Request request = request_of(connection);
+    request.from = hall.caller(connection).value_or("");
     auto* client = new Client{.is_page = request.path == page_path};
     {
       const std::lock_guard lock(hall.mutex);
@@ -135,7 +177,7 @@ struct Server::Hall {
     Hall& hall = *static_cast<Hall*>(data);
     const auto* client = static_cast<Client*>(mg_get_user_connection_data(connection));
     const auto kind = kind_of(bits & 0x0f);
-    if (client == nullptr || !kind) return close;
+    if (client == nullptr || !kind || hall.is_dismissed(client->id)) return close;
     if (*kind == Frame::Kind::ping || (*kind == Frame::Kind::pong && client->is_page))
       return keep_open;
     const bool whole = (bits & 0x80) != 0;
@@ -155,6 +197,7 @@ struct Server::Hall {
     {
       const std::lock_guard lock(hall.mutex);
       hall.outboxes.erase(client->id);
+      hall.dismissed.erase(client->id);
     }
     client->outbox->close();
     client->sender.join();
@@ -163,12 +206,13 @@ struct Server::Hall {
 
 Server::Server(std::unique_ptr<Hall> hall) : hall_(std::move(hall)) {}
 
-Result<std::unique_ptr<Server>> Server::start(const std::string& address, int port, Site site) {
-  auto hall = std::make_unique<Hall>(std::move(site));
+Result<std::unique_ptr<Server>> Server::start(const Place& place, Site site) {
+  const bool by_tls = place.certificate.has_value();
+  auto hall = std::make_unique<Hall>(std::move(site), by_tls);
   mg_callbacks callbacks{};
   callbacks.begin_request = &Hall::on_request;
   callbacks.log_message = [](const mg_connection*, const char*) { return 1; };  // said by nobody
-  const std::string at = fmt::format("{}:{}", address, port);
+  const std::string at = by_tls ? "127.0.0.1:0" : fmt::format("{}:{}", place.address, place.port);
   const std::string pool = fmt::format("{}", threads);
   const std::array<const char*, 13> options = {"listening_ports",
                                                at.c_str(),
@@ -198,7 +242,13 @@ Result<std::unique_ptr<Server>> Server::start(const std::string& address, int po
   mg_set_websocket_handler_with_subprotocols(hall->context, foxglove::path, &offered, come_in,
                                              &Hall::on_ready, &Hall::on_data, &Hall::on_close,
                                              hall.get());
-  return std::unique_ptr<Server>(new Server(std::move(hall)));
+  std::unique_ptr<Server> server(new Server(std::move(hall)));
+  if (!by_tls) return server;
+  auto door = TlsDoor::open(place.address, place.port, *place.certificate, server->port());
+  if (!door) return tl::unexpected(door.error());
+  const std::lock_guard lock(server->hall_->mutex);
+  server->hall_->door = std::move(*door);
+  return server;
 }
 
 Server::~Server() {
@@ -207,6 +257,7 @@ Server::~Server() {
 }
 
 int Server::port() const noexcept {
+  if (hall_->door) return hall_->door->port();
   mg_server_port port{};
   return mg_get_server_ports(hall_->context, 1, &port) == 1 ? port.port : 0;
 }
@@ -217,6 +268,14 @@ void Server::put(ClientId client, Outbox::Slot slot, Frame frame, std::size_t ke
 
 void Server::drop(ClientId client, Outbox::Slot slot) {
   if (const auto outbox = hall_->outbox(client)) outbox->drop(slot);
+}
+
+void Server::dismiss(ClientId client) {
+  const auto outbox = hall_->outbox(client);
+  if (!outbox) return;
+  outbox->close();
+  const std::lock_guard lock(hall_->mutex);
+  if (hall_->outboxes.contains(client)) hall_->dismissed.insert(client);
 }
 
 void Server::reply(ClientId client, Frame frame) {

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "tuina/core/result.hpp"
+#include "tuina/web/certificate.hpp"
 #include "tuina/web/desk.hpp"
 #include "tuina/web/outbox.hpp"
 #include "tuina/web/request.hpp"
@@ -28,15 +29,22 @@ inline constexpr const char* page_path = "/live";
 /// Clients that may be there at once; what comes on top is sent away with 503.
 inline constexpr int max_clients = 64;
 
+/// Where a server is reached.
+struct Place {
+  std::string address = "127.0.0.1";
+  int port = 0;  ///< 0 takes a free one
+  /// By TLS alone where it is given, and by HTTP where not.
+  std::optional<Certificate> certificate = {};
+};
+
 /// HTTP and WebSocket at one port of this machine. Each client has a thread that reads and one that
 /// writes, so that none waits for another. A header has 8 KiB at most and 10 s to arrive; a message
 /// of a client, max_message_bytes, or its connection is closed. A page sends text alone.
 class Server {
  public:
-  /// `address` is one of `loopback_address`; port 0 takes a free one. Fault::device when the port
-  /// is not free.
-  [[nodiscard]] static Result<std::unique_ptr<Server>> start(const std::string& address, int port,
-                                                             Site site);
+  /// Without a certificate the address is one of `loopback_address`. Fault::device when the port is
+  /// not free.
+  [[nodiscard]] static Result<std::unique_ptr<Server>> start(const Place& place, Site site);
   ~Server();
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
@@ -49,6 +57,8 @@ class Server {
   void drop(ClientId client, Outbox::Slot slot);
   void reply(ClientId client, Frame frame);
   /// @}
+  /// Nothing is sent to the client any more, and what it says next ends its connection unheard.
+  void dismiss(ClientId client);
 
   struct Hall;  ///< the connections
 
