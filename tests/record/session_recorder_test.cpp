@@ -98,17 +98,17 @@ TEST_CASE(
     for (const Arm arm : both_arms) {
       const auto& seen = tick.reading.arms[arm];
       const std::size_t first = arm == Arm::left ? 1 : 7;
-      CHECK(std::abs(joints.position[first] - seen.q_rad[0]) <= 0x1p-16);
-      CHECK(std::abs(joints.velocity[first] - seen.dq_rad_per_s[0]) <= 0x1p-8);
-      CHECK(std::abs(joints.effort[first] - tick.verdict.command.torque_nm[arm][0]) <= 0x1p-5);
+      CHECK(std::abs(joints.position[first] - seen.q_rad[0]) <= 0x1p-14);
+      CHECK(std::abs(joints.velocity[first] - seen.dq_rad_per_s[0]) <= 0x1p-6);
+      CHECK(std::abs(joints.effort[first] - tick.verdict.command.torque_nm[arm][0]) <= 0x1p-3);
       const auto a = static_cast<std::size_t>(arm);
-      CHECK(std::abs(tools.wrench[a].force.x - seen.wrench_in_tool.force_n.x()) <= 0x1p-5);
+      CHECK(std::abs(tools.wrench[a].force.x - seen.wrench_in_tool.force_n.x()) <= 0x1p-4);
       const Transform pose = models[arm].base_from_tool(seen.q_rad, 0.0);
       const auto& at = tools.transforms[a].translation;
-      CHECK((Vector3(at.x, at.y, at.z) - pose.translation()).cwiseAbs().maxCoeff() <= 0x1p-14);
+      CHECK((Vector3(at.x, at.y, at.z) - pose.translation()).cwiseAbs().maxCoeff() <= 0x1p-12);
       const auto& q = tools.transforms[a].rotation;
       const Eigen::Quaterniond turned(q.w, q.x, q.y, q.z);
-      CHECK(turned.angularDistance(Eigen::Quaterniond(pose.linear())) < 1e-3);
+      CHECK(turned.angularDistance(Eigen::Quaterniond(pose.linear())) < 2e-3);
     }
   }
 }

@@ -73,7 +73,7 @@ TEST_CASE("a massage leaves one record of every millisecond and all that happene
   for (const json& one : massage.shown["attachments"]) attached.insert(one["name"]);
   CHECK(attached == std::set<std::string>{"acupoints.json.zst", "config.toml", "consent.toml",
                                           "distances.csv.zst", "joints.csv.zst", "plan.json.zst",
-                                          "programme.toml", "report.html", "robot.urdf",
+                                          "programme.toml", "report.html.zst", "robot.urdf",
                                           "scan.ply.zst", "session.json.zst", "trace.csv.zst"});
 }
 

@@ -108,10 +108,9 @@ void SessionChannels::on_tick(const session::Tick& tick) noexcept {
     tell(channels_.parts, "/tf", robot_->parts(reading), time_s);
     for (const Arm arm : both_arms) {
       const bool left = arm == Arm::left;
-      tell(channels_.wrench[arm], left ? "/left/wrench" : "/right/wrench",
-           robot_->wrench(reading, arm), time_s);
-      tell(channels_.pose[arm], left ? "/left/pose" : "/right/pose", robot_->pose(reading, arm),
+      tell(channels_.wrench[arm], left ? "/left/wrench" : "/right/wrench", robot_->wrench(arm),
            time_s);
+      tell(channels_.pose[arm], left ? "/left/pose" : "/right/pose", robot_->pose(arm), time_s);
     }
   }
   if (ticks_ % state_every_ticks == 0) tell_arms(tick);

@@ -14,17 +14,31 @@ constexpr const char* base_frame = "base";
 constexpr const char* couch_frame = "couch";
 
 // Steps to which values are rounded: powers of two, so that their last bits are zero and take no
-// space. What a sensor says keeps its noise; poses follow from the joints, which are finer.
-constexpr double angle_step = 0x1p-15;        // 31 microradians, a count of a usual encoder
-constexpr double speed_step = 0x1p-7;         // 8 mrad/s
-constexpr double motor_torque_step = 0x1p-4;  // 63 mNm
+// space. Poses of the tools follow from the joints, which are finer.
+constexpr double angle_step = 0x1p-14;        // 61 microradians; a count of 17 bits is 48
+constexpr double rail_step = 0x1p-13;         // 0.12 mm
+constexpr double speed_step = 0x1p-6;         // 16 mrad/s
+constexpr double motor_torque_step = 0x1p-3;  // 125 mNm
 constexpr double force_step = 0x1p-4;         // 63 mN; the noise of a usual wrist sensor is 50 mN
-constexpr double torque_step = 0x1p-9;        // 2 mNm
-constexpr double place_step = 0x1p-13;        // 0.12 mm
-constexpr double turn_step = 0x1p-12;         // of a quaternion; 0.03 degrees
+constexpr double torque_step = 0x1p-8;        // 4 mNm
+constexpr double place_step = 0x1p-12;        // 0.24 mm
+constexpr double turn_step = 0x1p-11;         // of a quaternion; 0.06 degrees
 
 double rounded(double value, double step) {
   return std::nearbyint(value / step) * step + 0.0;  // never minus zero
+}
+
+// What has changed by less than a step stands as it was told before: noise at the edge between two
+// steps would take a third of the record. What is told is within a step of what was read.
+void settle(double& told, double value, double step) {
+  if (!(std::abs(value - told) < step)) told = rounded(value, step);
+}
+
+template <typename Message>
+void settle(Message& told, const Vector3& v, double step) {
+  settle(told.x, v.x(), step);
+  settle(told.y, v.y(), step);
+  settle(told.z, v.z(), step);
 }
 
 template <typename Message>
@@ -32,16 +46,10 @@ Message three(const Vector3& v, double step) {
   return {rounded(v.x(), step), rounded(v.y(), step), rounded(v.z(), step)};
 }
 
-ros::Quaternion quaternion_of(const Transform& to_from) {
-  const Eigen::Quaterniond q(to_from.linear());
-  const double sign = q.w() < 0.0 ? -1.0 : 1.0;
-  const auto part = [&](double value) { return rounded(sign * value, turn_step); };
-  return {.x = part(q.x()), .y = part(q.y()), .z = part(q.z()), .w = part(q.w())};
-}
-
-ros::Wrench wrench_of(const Wrench& wrench) {
-  return {.force = three<ros::Vector3>(wrench.force_n, force_step),
-          .torque = three<ros::Vector3>(wrench.torque_nm, torque_step)};
+Eigen::Quaterniond quaternion_of(const Transform& to_from) {
+  Eigen::Quaterniond q(to_from.linear());
+  if (q.w() < 0.0) q.coeffs() *= -1.0;
+  return q;
 }
 
 ros::ColorRGBA colour_of(const Colour& colour, float opacity) {
@@ -77,8 +85,12 @@ ros::Header header_of(double time_s, const char* frame) {
 }
 
 ros::Transform message_of(const Transform& to_from) {
+  const Eigen::Quaterniond q = quaternion_of(to_from);
   return {.translation = three<ros::Vector3>(to_from.translation(), place_step),
-          .rotation = quaternion_of(to_from)};
+          .rotation = {.x = rounded(q.x(), turn_step),
+                       .y = rounded(q.y(), turn_step),
+                       .z = rounded(q.z(), turn_step),
+                       .w = rounded(q.w(), turn_step)}};
 }
 
 ros::PointCloud2 cloud_message(double time_s, const PointCloud& cloud_in_couch) {
@@ -194,13 +206,13 @@ const ros::JointState& RobotMessages::joints(const robot::RobotReading& reading,
                                              const robot::RobotCommand& command) {
   joints_.header = header_of(reading.time_s, base_frame);
   std::size_t at = 0;
-  joints_.position[at++] = rounded(reading.rail_m, place_step);
+  settle(joints_.position[at++], reading.rail_m, rail_step);
   for (const Arm arm : both_arms) {
     const robot::ArmReading& seen = reading.arms[arm];
     for (Eigen::Index i = 0; i < seen.q_rad.size(); ++i, ++at) {
-      joints_.position[at] = rounded(seen.q_rad[i], angle_step);
-      joints_.velocity[at] = rounded(seen.dq_rad_per_s[i], speed_step);
-      joints_.effort[at] = rounded(command.torque_nm[arm][i], motor_torque_step);
+      settle(joints_.position[at], seen.q_rad[i], angle_step);
+      settle(joints_.velocity[at], seen.dq_rad_per_s[i], speed_step);
+      settle(joints_.effort[at], command.torque_nm[arm][i], motor_torque_step);
     }
   }
   return joints_;
@@ -210,8 +222,13 @@ const ros::MultiDOFJointState& RobotMessages::tools(const robot::RobotReading& r
   tools_.header = header_of(reading.time_s, base_frame);
   for (const Arm arm : both_arms) {
     const auto at = static_cast<std::size_t>(arm);
-    tools_.transforms[at] = message_of(base_from_tool(reading, arm));
-    tools_.wrench[at] = wrench_of(reading.arms[arm].wrench_in_tool);
+    const Transform pose = base_from_tool(reading, arm);
+    const Eigen::Quaterniond turned = quaternion_of(pose);
+    settle(tools_.transforms[at].translation, pose.translation(), place_step);
+    settle(tools_.transforms[at].rotation, turned.vec(), turn_step);
+    settle(tools_.transforms[at].rotation.w, turned.w(), turn_step);
+    settle(tools_.wrench[at].force, reading.arms[arm].wrench_in_tool.force_n, force_step);
+    settle(tools_.wrench[at].torque, reading.arms[arm].wrench_in_tool.torque_nm, torque_step);
   }
   return tools_;
 }
@@ -233,16 +250,17 @@ const ros::TFMessage& RobotMessages::parts(const robot::RobotReading& reading) {
   return parts_;
 }
 
-ros::WrenchStamped RobotMessages::wrench(const robot::RobotReading& reading, Arm arm) const {
-  return {.header = header_of(reading.time_s, tool_frames[static_cast<std::size_t>(arm)]),
-          .wrench = wrench_of(reading.arms[arm].wrench_in_tool)};
+ros::WrenchStamped RobotMessages::wrench(Arm arm) const {
+  const auto at = static_cast<std::size_t>(arm);
+  return {.header = {.stamp = tools_.header.stamp, .frame_id = tool_frames[at]},
+          .wrench = tools_.wrench[at]};
 }
 
-ros::PoseStamped RobotMessages::pose(const robot::RobotReading& reading, Arm arm) const {
-  const Transform pose = base_from_tool(reading, arm);
-  return {.header = header_of(reading.time_s, base_frame),
-          .pose = {.position = three<ros::Point>(pose.translation(), place_step),
-                   .orientation = quaternion_of(pose)}};
+ros::PoseStamped RobotMessages::pose(Arm arm) const {
+  const ros::Transform& told = tools_.transforms[static_cast<std::size_t>(arm)];
+  return {.header = tools_.header,
+          .pose = {.position = {told.translation.x, told.translation.y, told.translation.z},
+                   .orientation = told.rotation}};
 }
 
 }  // namespace tuina::record

@@ -36,8 +36,9 @@ namespace ros = telemetry::ros;
 /// technique.
 [[nodiscard]] ros::MarkerArray plan_markers(double time_s, const massage::Plan& plan);
 
-/// Turns milliseconds into the messages that tell of both arms. Sensor values are rounded to
-/// steps below their noise (docs/record.md), since the rest would be noise that takes space.
+/// Turns milliseconds into the messages that tell of both arms. Values are rounded to steps near
+/// what sensors can tell, and change by a step at least (docs/record.md), since the rest would be
+/// noise that takes space.
 class RobotMessages {
  public:
   /// The robot as it stands at this couch.
@@ -55,10 +56,11 @@ class RobotMessages {
   [[nodiscard]] ros::TFMessage still(double time_s, const Transform& base_from_couch) const;
   /// Every part of the robot in the one that carries it.
   const ros::TFMessage& parts(const robot::RobotReading& reading);
-  /// The wrench at an arm's wrist, in its tool.
-  [[nodiscard]] ros::WrenchStamped wrench(const robot::RobotReading& reading, Arm arm) const;
-  /// The pose of an arm's tool in base.
-  [[nodiscard]] ros::PoseStamped pose(const robot::RobotReading& reading, Arm arm) const;
+  /// @{
+  /// Of one arm what `tools` has told last: the wrench in its tool, and its pose in base.
+  [[nodiscard]] ros::WrenchStamped wrench(Arm arm) const;
+  [[nodiscard]] ros::PoseStamped pose(Arm arm) const;
+  /// @}
 
   static constexpr std::array<const char*, 2> tool_frames = {"left_tool", "right_tool"};
 

@@ -20,7 +20,7 @@ std::string qos(bool latched) {
 }
 
 bool is_compressed(const std::string& name) {
-  for (const char* ending : {".csv", ".json", ".ply", ".svg"})
+  for (const char* ending : {".csv", ".json", ".ply", ".svg", ".html"})
     if (name.ends_with(ending)) return true;
   return false;
 }

@@ -58,8 +58,8 @@ Result<void> Writer::write(std::uint16_t channel, std::uint64_t log_time_ns,
   Stream& stream = streams_[channel - std::size_t{1}];
   if (!stream.known) announce(stream);
   stream.index.records.emplace_back(log_time_ns, chunk_.size());
+  // No number in the sequence: MCAP lets it be zero, as rosbag2 does, and it takes space.
   const MessageHead head{.channel_id = channel,
-                         .sequence = static_cast<std::uint32_t>(stream.messages),
                          .log_time_ns = log_time_ns,
                          .publish_time_ns = log_time_ns};
   constexpr std::size_t head_bytes = 22;
