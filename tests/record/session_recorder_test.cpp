@@ -241,9 +241,9 @@ TEST_CASE("a process that is killed costs its record a second at most") {
     const std::uint64_t given = told;
     const Read read = read_back(file.string() + ".part");
     const auto kept = read.of.find("/joint_states");
-    REQUIRE(kept != read.of.end());
     CHECK_FALSE(read.contents.lost.empty());
-    worst_ms = std::max(worst_ms, given - kept->second.size());
+    // Before the first chunk has ended nothing is kept.
+    worst_ms = std::max(worst_ms, given - (kept == read.of.end() ? 0 : kept->second.size()));
   }
   ::munmap(shared, sizeof(std::atomic<std::uint64_t>));
   // The chunk that was open, and ten times of what the relay had not passed on: its thread sleeps

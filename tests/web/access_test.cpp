@@ -108,8 +108,10 @@ TEST_CASE("nothing is posted, and a body is refused by the size it announces") {
 
 TEST_CASE("no address but this machine's own is listened at") {
   CHECK(loopback_address("127.0.0.1").value() == "127.0.0.1");
-  CHECK(loopback_address("::1").value() == "[::1]");
-  for (const char* address : {"0.0.0.0", "::", "192.168.0.7", "", "127.0.0.1.evil.example"}) {
+  CHECK(loopback_address("localhost").value() == "127.0.0.1");
+  // CivetWeb as Debian has it knows no IPv6; the door to a network does.
+  for (const char* address :
+       {"0.0.0.0", "::", "::1", "192.168.0.7", "", "127.0.0.1.evil.example"}) {
     CAPTURE(address);
     REQUIRE_FALSE(loopback_address(address).has_value());
     CHECK(loopback_address(address).error().fault == Fault::usage);

@@ -2,7 +2,7 @@
 """A flood at the live page's port, from a process of its own: requests as fast as they are answered, a thousand
 connections that say a byte now and then, and a page that announces a message of 1 GB and goes on sending it. Prints what
 came of it as one JSON object when it is ended.
-Usage: flood.py PORT COOKIE"""
+Usage: flood.py PORT COOKIE [requests,slow,message]"""
 import json, os, signal, socket, struct, sys, threading, time
 from serve_client import Socket
 
@@ -18,7 +18,6 @@ def count(what, by=1):
 
 
 def asks(port):
-    """Half of it nobody's, half by whom nothing is known."""
     request = f"GET /api/choices HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\n\r\n".encode()
     while not ends.is_set():
         try:
@@ -68,11 +67,13 @@ def huge(port, cookie):
             ends.wait(0.5)
 
 
-def main(port, cookie):
+def main(port, cookie, kinds="requests,slow,message"):
     signal.signal(signal.SIGTERM, lambda *_: ends.set())
-    began = time.monotonic()
-    for act, given in [*[(asks, (int(port),))] * ASKERS, (slow, (int(port),)), (huge, (int(port), cookie))]:
-        threading.Thread(target=act, args=given, daemon=True).start()
+    began, port = time.monotonic(), int(port)
+    for kind in kinds.split(","):
+        for _ in range(ASKERS if kind == "requests" else 1):
+            act, given = {"requests": (asks, (port,)), "slow": (slow, (port,)), "message": (huge, (port, cookie))}[kind]
+            threading.Thread(target=act, args=given, daemon=True).start()
     while not ends.is_set():
         ends.wait(0.2)
     print(json.dumps({**told, "seconds": time.monotonic() - began}), flush=True)

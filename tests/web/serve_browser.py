@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """The live page in a real browser: one massage by keyboard alone, one by touch on a phone, in two languages, light and
 dark; each view is judged by axe-core. Prints how soon a key reached the loop that moves the arms.
-Usage: serve_browser.py TUINA PAGE_FOLDER AXE.js [PICTURES]; exit 77 where there is no browser or no page."""
-import json, os, sys, tempfile, time
+Usage: serve_browser.py TUINA PAGE_FOLDER AXE.js [PICTURES]; exit 77 where there is no browser or no page. With PICTURES
+it presses 100 keys, leaves pictures there, and among them play.png of a massage that nobody has disturbed."""
+import json, os, subprocess, sys, tempfile, time
 from browser import Tab, chromium
 from serve_client import Page, Server
 
@@ -245,6 +246,23 @@ def by_touch(server, watcher, axe, pictures):
     visit.ended()
 
 
+def whole_played(server, pictures):
+    """A picture of the player, a third into a whole massage that lies in the server's folder as 0900."""
+    tab = Tab(1600, 1000)
+    tab.call("Page.navigate", url=server.invite())
+    tab.until("!!document.querySelector('#another, #next')")
+    if tab.see("!!document.querySelector('#another')"):
+        tab.see("document.querySelector('#another').click()")
+    expect("the whole massage is listed", tab.until("!!document.querySelector('#play_0900')"))
+    tab.see("document.querySelector('#play_0900').click()")
+    expect("it plays", tab.until("!!document.querySelector('#when')", 60))
+    tab.see("""(() => { const when = document.querySelector('#when'); when.value = String(Number(when.max) / 3);
+        when.dispatchEvent(new Event("input", { bubbles: true })); })()""")
+    time.sleep(3.0)  # drawn, and once more with all pixels
+    tab.picture(f"{pictures}/play.png")
+    tab.close()
+
+
 def main(binary, page_folder, axe_file, pictures=None):
     for what, there in (("Chromium", chromium()), ("the built page", os.path.exists(f"{page_folder}/page.js")),
                         ("axe-core", os.path.exists(axe_file))):
@@ -261,6 +279,9 @@ def main(binary, page_folder, axe_file, pictures=None):
         server.invite = lambda: watcher.invitation()
         delays = by_keyboard(server, watcher, axe, pictures, presses=100 if pictures else 20)
         by_touch(server, watcher, axe, pictures)
+        if pictures:
+            subprocess.run([binary, "massage", "--out", f"{folder}/0900", "--quiet"], check=True, capture_output=True)
+            whole_played(server, pictures)
         expect("exit", server.end() == 0)
     print(f"key to the loop that moves the arms, {len(delays)} keys: median {delays[len(delays) // 2]:.0f} ms, "
           f"90 of 100 {delays[int(0.9 * len(delays)) - 1]:.0f} ms, largest {delays[-1]:.0f} ms")

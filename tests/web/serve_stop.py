@@ -2,9 +2,9 @@
 """How soon STOP, pressed by a mouse in Chromium, changes a torque at real pace. Each press ends a short session. The
 torques are those of its record, held against the same session stopped later: the first millisecond in which one
 differs. Its time on this machine's steady clock is that of the loop's hearing, as an observer behind the relay has it,
-and of the milliseconds from there. All of it counts: browser, server, loop. With `flood`, tests/web/flood.py asks at the
-same port meanwhile.
-Usage: serve_stop.py TUINA PAGE_FOLDER [PRESSES [flood]]; exit 77 where there is no browser or no page. 5 presses are the
+and of the milliseconds from there. All of it counts: browser, server, loop. With a flood, tests/web/flood.py asks at the
+same port meanwhile: KINDS are some of `requests,slow,message`.
+Usage: serve_stop.py TUINA PAGE_FOLDER [PRESSES [KINDS]]; exit 77 where there is no browser or no page. 5 presses are the
 short form, 100 the long one."""
 import atexit, csv, json, os, random, statistics, subprocess, sys, tempfile, time
 from browser import Tab, chromium
@@ -38,8 +38,8 @@ def torques(binary, record, folder, until_s):
 
 
 class Stops:
-    def __init__(self, binary, page_folder, folder, in_flood=False):
-        self.binary, self.folder, self.later_ms, self.in_flood, self.floods = binary, folder, [], in_flood, []
+    def __init__(self, binary, page_folder, folder, flood=""):
+        self.binary, self.folder, self.later_ms, self.flood, self.floods = binary, folder, [], flood, []
         self.server = Server(binary, folder, "--page", page_folder, *SHORT_SCAN)
         self.page = Page(self.server, self.server.enter())
         self.page.outcome("operate")
@@ -74,7 +74,7 @@ class Stops:
 
     def flooded(self):
         """The flood, once it has come."""
-        flood = subprocess.Popen([sys.executable, FLOOD, str(self.server.port), self.page.cookie], stdout=subprocess.PIPE)
+        flood = subprocess.Popen([sys.executable, FLOOD, str(self.server.port), self.page.cookie, self.flood], stdout=subprocess.PIPE)
         atexit.register(flood.kill)
         time.sleep(1.5)
         return flood
@@ -82,7 +82,7 @@ class Stops:
     def press_ms(self):
         self.moving()
         x, y = self.tab.see("(() => { const box = document.querySelector('#stop').getBoundingClientRect(); return [box.x + box.width / 2, box.y + box.height / 2]; })()")
-        flood = self.flooded() if self.in_flood else None
+        flood = self.flooded() if self.flood else None
         time.sleep(random.uniform(0.5, 1.5))  # presses fall anywhere between two frames
         began = time.monotonic()
         self.tab.call("Input.dispatchMouseEvent", type="mousePressed", x=x, y=y, button="left", clickCount=1)
@@ -138,7 +138,7 @@ def main(binary, page_folder, presses="5", flood=""):
             print(f"skipped: {what} is not on this machine")
             return 77
     with tempfile.TemporaryDirectory() as folder:
-        stops = Stops(binary, page_folder, folder, in_flood=flood == "flood")
+        stops = Stops(binary, page_folder, folder, flood)
         found = []
         for _ in range(int(presses)):
             found.append(stops.press_ms())

@@ -44,11 +44,10 @@ bool same_secret(std::string_view one, std::string_view other) noexcept {
 
 Result<std::string> loopback_address(const std::string& listen) {
   if (listen == "127.0.0.1" || listen == "localhost") return std::string("127.0.0.1");
-  if (listen == "::1" || listen == "[::1]") return std::string("[::1]");
   return fail(
       Fault::usage,
       "--listen {}: a network sees the page with --certificate FILE and --password-file FILE "
-      "only; without them it is for this machine itself, 127.0.0.1 or ::1",
+      "only; without them it is for this machine itself, 127.0.0.1",
       listen);
 }
 
