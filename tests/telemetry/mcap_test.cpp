@@ -45,8 +45,8 @@ Written small_file() {
     const std::uint64_t time_ns = 300 * i * ms;
     const std::string data = event ? fmt::format("{{\"i\":{}}}", i) : std::string(20, char(i));
     REQUIRE(writer.write(event ? events : joints, time_ns, data));
-    written.messages.emplace_back(event ? "/events" : "/joints", event ? "text" : "numbers",
-                                  0U, time_ns, data);
+    written.messages.emplace_back(event ? "/events" : "/joints", event ? "text" : "numbers", 0U,
+                                  time_ns, data);
     // A chunk holds a second: four messages.
     if (i % 4 == 0 && i > 0) written.safe.emplace_back(written.bytes.size(), i);
   }

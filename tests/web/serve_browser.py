@@ -2,7 +2,7 @@
 """The live page in a real browser: one massage by keyboard alone, one by touch on a phone, in two languages, light and
 dark; each view is judged by axe-core. Prints how soon a key reached the loop that moves the arms.
 Usage: serve_browser.py TUINA PAGE_FOLDER AXE.js [PICTURES]; exit 77 where there is no browser or no page. With PICTURES
-it presses 100 keys, leaves pictures there, and among them play.png of a massage that nobody has disturbed."""
+it presses 100 keys and leaves pictures there: of each view, of both arms pressing, and of a whole massage played."""
 import json, os, subprocess, sys, tempfile, time
 from browser import Tab, chromium
 from serve_client import Page, Server
@@ -170,6 +170,9 @@ def by_keyboard(server, watcher, axe, pictures, presses):
     expect("a place was felt", watcher.until(
         lambda: any("stiffness_n_per_mm" in one for one in events(server, watcher)), 60))
     visit.judge("felt")
+    if pictures:
+        watcher.until(lambda: all(arm["felt_n"] > 8.0 for arm in watcher.live[-1]["arms"]), 40)
+        tab.picture(f"{pictures}/pressing.png")
     expect("control was never lost", not any("no operator" in line["outcome"] for line in server.audit()))
     before = time.monotonic()
     tab.key("Escape")

@@ -12,12 +12,12 @@ namespace {
 constexpr const char* before =
     R"(<!doctype html><html lang="en"><meta charset="utf-8"><title>tuina</title>
 <meta name="viewport" content="width=device-width,initial-scale=1"><meta name="color-scheme" content="light dark">
-<style>body{font:17px/1.5 system-ui,sans-serif;margin:0;min-height:100vh;display:grid;place-items:center;background:#f6f4ef;color:#1d2320}
+<style>body{font:17px/1.5 system-ui,sans-serif;margin:0;min-height:100vh;display:grid;place-items:center;background:#fbfaf8;color:#1f232a}
 main{width:min(21em,88vw)}h1{font-size:26px;margin:0 0 20px}label{display:block;margin-bottom:6px}
 input,button{font:inherit;box-sizing:border-box;width:100%;min-height:48px;border-radius:10px;border:1px solid #70766f;padding:0 14px;background:#fff;color:inherit}
-button{margin-top:14px;background:#1f6f5c;border-color:#1f6f5c;color:#fff;font-weight:600}p{margin:0 0 14px;color:#a1121a;font-weight:600}
+button{margin-top:14px;background:#c8342c;border-color:#c8342c;color:#fff;font-weight:600}p{margin:0 0 14px;color:#a1121a;font-weight:600}
 :focus-visible{outline:3px solid #4a90e2;outline-offset:2px}
-@media(prefers-color-scheme:dark){body{background:#161a18;color:#ecefec}input{background:#222825}p{color:#ff9a96}}</style>
+@media(prefers-color-scheme:dark){body{background:#14171c;color:#eceef1}input{background:#20242b}p{color:#ff9a96}}</style>
 <main><h1>tuina <span lang="zh-Hant">推拿</span></h1>)";
 constexpr const char* after =
     R"(<form method="post" action="/login"><label for="password">Password <span lang="zh-Hant">密碼</span></label>

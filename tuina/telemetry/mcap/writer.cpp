@@ -59,9 +59,8 @@ Result<void> Writer::write(std::uint16_t channel, std::uint64_t log_time_ns,
   if (!stream.known) announce(stream);
   stream.index.records.emplace_back(log_time_ns, chunk_.size());
   // No number in the sequence: MCAP lets it be zero, as rosbag2 does, and it takes space.
-  const MessageHead head{.channel_id = channel,
-                         .log_time_ns = log_time_ns,
-                         .publish_time_ns = log_time_ns};
+  const MessageHead head{
+      .channel_id = channel, .log_time_ns = log_time_ns, .publish_time_ns = log_time_ns};
   constexpr std::size_t head_bytes = 22;
   chunk_.push_back(static_cast<char>(Opcode::message));
   FieldWriter fields(chunk_);
