@@ -13,11 +13,11 @@ def chromium():
 class Tab:
     """A tab of a browser of its own. `errors` has what the page's scripts complained of."""
 
-    def __init__(self, width, height, touch=False, dark=False):
+    def __init__(self, width, height, touch=False, dark=False, flags=()):
         self.folder = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
         self.process = subprocess.Popen(
             [chromium(), "--headless=new", "--no-sandbox", "--remote-debugging-port=0", "--enable-unsafe-swiftshader",
-             f"--user-data-dir={self.folder.name}", "--no-first-run", "about:blank"],
+             f"--user-data-dir={self.folder.name}", "--no-first-run", *flags, "about:blank"],
             stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True)
         atexit.register(self.process.kill)  # a test that fails leaves no browser behind
         while not (at := re.search(r"ws://127\.0\.0\.1:(\d+)(\S+)", self.process.stderr.readline())):

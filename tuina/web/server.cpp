@@ -67,10 +67,11 @@ std::optional<Frame::Kind> kind_of(int opcode) {
   return std::nullopt;
 }
 
+// A page that named itself nowhere would post its form with the origin `null`.
 void send(mg_connection* connection, const Reply& reply, bool by_tls) {
   std::string head = fmt::format(
       "HTTP/1.1 {} {}\r\nConnection: close\r\nCache-Control: {}\r\n"
-      "X-Content-Type-Options: nosniff\r\nReferrer-Policy: no-referrer\r\n"
+      "X-Content-Type-Options: nosniff\r\nReferrer-Policy: same-origin\r\n"
       "Cross-Origin-Opener-Policy: same-origin\r\nCross-Origin-Resource-Policy: same-origin\r\n",
       reply.status, mg_get_response_code_text(connection, reply.status), reply.cache);
   constexpr int not_modified = 304;  // has no content
