@@ -6,7 +6,6 @@ it presses 100 keys and leaves pictures there: of each view, of both arms pressi
 import json, os, subprocess, sys, tempfile, time
 from browser import Tab, chromium
 from serve_client import Page, Server
-import serve_tls
 
 faults = []
 
@@ -250,29 +249,6 @@ def by_touch(server, watcher, axe, pictures):
     visit.ended()
 
 
-def by_password(binary, folder, page_folder):
-    """From another address: the form in the browser, a wrong password, the right one, the page by TLS, and out again."""
-    files = serve_tls.Files(folder)
-    serve_tls.passwords(binary, files)
-    server = Server(binary, f"{folder}/network", "--page", page_folder, "--listen", serve_tls.ADDRESS, "--certificate", files.good,
-                    "--password-file", files.path("password"), tls=serve_tls.client_of(files), at=serve_tls.ADDRESS)
-    tab = Tab(390, 844, touch=True, flags=("--ignore-certificate-errors", f"--host-resolver-rules=MAP robot.test {serve_tls.ADDRESS}"))
-    tab.call("Page.navigate", url=f"{server.origin}/")
-    for password, wanted in (("not the password", "document.body.textContent.includes('密碼不正確')"), (serve_tls.PASSWORD, "!!document.querySelector('#next')")):
-        expect("the form", tab.until("!!document.querySelector('#password')"))
-        tab.see("document.querySelector('#password').focus()")
-        tab.call("Input.insertText", text=password)
-        tab.key("Enter")
-        expect(f"after {password}", tab.until(wanted))
-    tab.until("!!document.querySelector('#leave_server')")
-    expect("wider than the screen", tab.see("document.documentElement.scrollWidth <= innerWidth"))
-    tab.touch("#leave_server")
-    expect("out again", tab.until("!!document.querySelector('#password')"))
-    expect(f"scripts complain {tab.errors}", not tab.errors)
-    tab.close()
-    expect("exit", server.end() == 0)
-
-
 def whole_played(server, pictures):
     """A picture of the player, a third into a whole massage that lies in the server's folder as 0900."""
     tab = Tab(1600, 1000)
@@ -306,7 +282,6 @@ def main(binary, page_folder, axe_file, pictures=None):
         server.invite = lambda: watcher.invitation()
         delays = by_keyboard(server, watcher, axe, pictures, presses=100 if pictures else 20)
         by_touch(server, watcher, axe, pictures)
-        by_password(binary, folder, page_folder)
         if pictures:
             subprocess.run([binary, "massage", "--out", f"{folder}/0900", "--quiet"], check=True, capture_output=True)
             whole_played(server, pictures)
