@@ -14,7 +14,7 @@ namespace tuina::telemetry::mcap {
 [[nodiscard]] std::uint32_t crc32(std::string_view bytes, std::uint32_t before = 0);
 
 /// How zstd looks for what repeats. Rows of numbers, of which some bytes change and some do not,
-/// are told well by matches of four bytes: `rows`. Its fastest search makes them an eighth larger;
+/// are told well by matches of four bytes: `rows`. Its fastest search makes them a sixth larger;
 /// beyond level 6 a core has much to do for little.
 struct Search {
   int level = 1;
