@@ -19,7 +19,7 @@ namespace {
 
 const Atlas& shipped() {
   static const Atlas atlas = [] {
-    auto read = read_atlas(TUINA_MODELS "/atlas.tuina");
+    auto read = read_atlas(TUINA_SOURCE_DIR "/models/atlas.tuina");
     REQUIRE_MESSAGE(read.has_value(), test::reason(read));
     return std::move(*read);
   }();

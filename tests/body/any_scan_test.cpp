@@ -14,7 +14,7 @@ namespace tuina::body {
 namespace {
 
 const Atlas& shipped() {
-  static const Atlas atlas = *read_atlas(TUINA_MODELS "/atlas.tuina");
+  static const Atlas atlas = *read_atlas(TUINA_SOURCE_DIR "/models/atlas.tuina");
   return atlas;
 }
 

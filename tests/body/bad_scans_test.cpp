@@ -12,7 +12,7 @@ namespace tuina::app {
 namespace {
 
 const body::Atlas& shipped() {
-  static const body::Atlas atlas = *body::read_atlas(TUINA_MODELS "/atlas.tuina");
+  static const body::Atlas atlas = *body::read_atlas(TUINA_SOURCE_DIR "/models/atlas.tuina");
   return atlas;
 }
 

@@ -22,7 +22,7 @@ struct Scene {
 
 const Scene& scene() {
   static const Scene scene = [] {
-    const auto atlas = read_atlas(TUINA_MODELS "/atlas.tuina");
+    const auto atlas = read_atlas(TUINA_SOURCE_DIR "/models/atlas.tuina");
     REQUIRE_MESSAGE(atlas.has_value(), test::reason(atlas));
     LabelledBody person =
         app::labelled(sim::make_phantom(sim::draw_phantom(77), BodyPosture::sitting));

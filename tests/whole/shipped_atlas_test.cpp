@@ -15,7 +15,7 @@ TEST_CASE("the documented command makes the shipped atlas again, byte for byte")
                                   "ideal", "--out", folder / "atlas.tuina", "--json", "--quiet"});
   REQUIRE_MESSAGE(learned.exit_code == 0, learned.err);
   CHECK(nlohmann::json::parse(learned.out)["leave_one_out_mm"] < 6.0);
-  const std::string shipped = tuina::read_file(TUINA_MODELS "/atlas.tuina").value();
+  const std::string shipped = tuina::read_file(TUINA_SOURCE_DIR "/models/atlas.tuina").value();
   const bool same = tuina::read_file(folder / "atlas.tuina").value() == shipped;
   CHECK(same);
   CHECK(shipped.size() < 1'000'000);
