@@ -256,12 +256,14 @@ function changeTheme(): void {
   localStorage.setItem("theme", dark ? "light" : "dark");
 }
 
-// A button that is replaced between touch and release would never hear of the touch.
-let pressing = false, drawsLater = false;
-addEventListener("pointerdown", () => (pressing = true), true);
-for (const end of ["pointerup", "pointercancel"]) {
-  addEventListener(end, () => setTimeout(() => { pressing = false; if (drawsLater) render(); }), true);
-}
+// A button that is replaced between touch and click would never hear of it; on a busy machine the click of a finger comes
+// long after its release, and of a drag none comes.
+let pressing = false, drawsLater = false, released = 0;
+const drawNow = (): void => { pressing = false; if (drawsLater) render(); };
+const drawIn = (ms: number): void => { clearTimeout(released); released = window.setTimeout(drawNow, ms); };
+addEventListener("pointerdown", () => { clearTimeout(released); pressing = true; }, true);
+addEventListener("pointerup", () => drawIn(400), true);
+for (const end of ["click", "pointercancel"]) addEventListener(end, () => drawIn(0), true);
 
 function render(): void {
   if (!choices || !state) return;
