@@ -31,6 +31,7 @@ struct Told {
   int readings = 0;
   std::string fault;
   double longest_s = 0.0;  ///< that one `read` took
+  PerArm<int> aged = {};   ///< readings that tell of torques which were not the newest sent
 };
 
 /// Reads and applies until a fault, or so many readings.
@@ -47,6 +48,7 @@ Told drive(robot::Robot& robot, int readings) {
     }
     if (!reading) continue;
     ++told.readings;
+    for (const Arm arm : both_arms) told.aged[arm] += reading->arms[arm].command_age == 1 ? 1 : 0;
     robot.apply(still());
   }
   return told;
@@ -117,6 +119,8 @@ TEST_CASE("commands that reach an arm too late are counted, and the session goes
   const Told told = drive(**robot, 60);
   CHECK_MESSAGE(told.fault.empty(), told.fault);
   CHECK((*robot)->peer(Arm::left).traffic().unheard == 6);
+  CHECK(told.aged[Arm::left] == 6);
+  CHECK(told.aged[Arm::right] == 0);
   CHECK((*robot)->peer(Arm::right).traffic().unheard == 0);
 }
 

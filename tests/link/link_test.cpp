@@ -33,6 +33,7 @@ robot::RobotReading some_reading() {
     arm.dq_rad_per_s = -arm.q_rad;
     arm.wrench_in_tool = {Vector3(1.0, 2.0, number), Vector3(-1.0, 0.5, number)};
     arm.wrench_time_s = 1.499;
+    arm.command_age = 3;
     number += 0.3;
   }
   return reading;
@@ -64,6 +65,7 @@ TEST_CASE("a reading, a proposal and a verdict come out of their frames as they 
     CHECK(again.arms[arm].wrench_in_tool.force_n == reading.arms[arm].wrench_in_tool.force_n);
     CHECK(again.arms[arm].wrench_in_tool.torque_nm == reading.arms[arm].wrench_in_tool.torque_nm);
     CHECK(again.arms[arm].wrench_time_s == reading.arms[arm].wrench_time_s);
+    CHECK(again.arms[arm].command_age == reading.arms[arm].command_age);
   }
   safety::RobotProposal proposal{.rail_m = -0.1};
   proposal.arms[Arm::right] = {.torque_nm = JointVector::LinSpaced(6, 1.0, 2.0),

@@ -213,11 +213,15 @@ TEST_CASE("a bench is for who says so") {
   }
 }
 
-TEST_CASE("torques that do not do what they should are found with the torques that were allowed") {
+namespace {
+
+/// Milliseconds after which the guard stops an arm that stands still while it wants 25 Nm more than
+/// stand still, and that says it moves by the torques sent so many commands ago.
+int blamed_after_ms(int command_age) {
   StandingRobot robot;
+  for (robot::ArmReading& arm : robot.reading.arms.of) arm.command_age = command_age;
   robot.tick(30);
   CHECK(robot.action(Arm::left) == Action::pass);
-  // The controller wants 25 Nm more than stand still, and the arm does stand still.
   int ms = 0;
   for (; ms < 200 && robot.action(Arm::left) < Action::freeze; ++ms) {
     robot.reading.tick += 1;
@@ -232,8 +236,21 @@ TEST_CASE("torques that do not do what they should are found with the torques th
   }
   CHECK(robot.cause(Arm::left) == Cause::drive_amiss);
   CHECK(robot.action(Arm::right) == Action::pass);
+  return ms;
+}
+
+}  // namespace
+
+TEST_CASE("torques that do not do what they should are found with the torques that were allowed") {
+  const int ms = blamed_after_ms(0);
   CHECK(ms > 9);  // 1 Nm in a millisecond, of which the drive may be off by 9
   CHECK(ms < 25);
+}
+
+TEST_CASE("motion is held against the torques that moved it, up to 15 commands ago") {
+  const int at_once = blamed_after_ms(0);
+  for (const int age : {1, 2, 5, 14, 15}) CHECK(blamed_after_ms(age) == at_once + age);
+  for (const int unknown : {16, 1000, -1, -100}) CHECK(blamed_after_ms(unknown) == at_once + 15);
 }
 
 TEST_CASE("the base is where it is read to be, not where a controller says, from the first") {

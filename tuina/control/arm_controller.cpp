@@ -25,8 +25,27 @@ ArmController::ArmController(const robot::ArmModel& model, const Options& option
     options_.force.finds_skin = false;
     options_.force.escape.startle_n = std::numeric_limits<double>::infinity();
   }
+  given_ = options_;
   force_target_ = ForceTarget(options_.force);
   escape_ = Escape(options_.force.escape);
+}
+
+// The gain of a damper on a mass is bounded by 1 / delay, and what encoders, filters and a cycle
+// take is in `given_`. So gains fall with the ticks beyond one. The law of the force along the
+// normal bears more delay than the springs around it and stays as it is.
+void ArmController::soften(int command_age) noexcept {
+  constexpr double own_ticks = 1.3, max_late_ticks = 15.0, forgotten_per_tick = 1e-3;
+  late_ticks_ = std::min(
+      std::max(static_cast<double>(command_age), late_ticks_ - forgotten_per_tick), max_late_ticks);
+  const double share = own_ticks / (own_ticks + std::max(late_ticks_ - 1.0, 0.0));
+  if (share == gain_share_) return;
+  gain_share_ = share;
+  options_.stiffness_n_per_m = share * given_.stiffness_n_per_m;
+  options_.damping_ratio = std::sqrt(share) * given_.damping_ratio;
+  options_.turning.damping_ratio = share * given_.turning.damping_ratio;
+  options_.turning.stiffness_nm_per_rad = share * given_.turning.stiffness_nm_per_rad;
+  options_.posture.damping_nm_s_per_rad = share * given_.posture.damping_nm_s_per_rad;
+  options_.lead_damping_nm_s_per_rad = share * given_.lead_damping_nm_s_per_rad;
 }
 
 void ArmController::start(const ArmState& state) noexcept {

@@ -97,9 +97,12 @@ class ArmController {
   /// At rest, in `hold`; the model must outlive it.
   ArmController(const robot::ArmModel& model, const Options& options) noexcept;
 
-  /// Converts readings to a state; call once per tick, before `step`.
+  /// Converts readings to a state; call once per tick, before `step`. Drives that obey later than
+  /// the next command are damped less, and so are springs, as long as they do and a second beyond:
+  /// a damper that acts late drives what it should damp.
   [[nodiscard]] ArmState sense(const robot::ArmReading& reading, double time_s,
                                double rail_m) noexcept {
+    soften(reading.command_age);
     return sense_.sense(reading, time_s, rail_m);
   }
   /// Starts in free air. The present configuration becomes the nullspace posture. Joint friction is
@@ -145,11 +148,15 @@ class ArmController {
   void travel(const Vector3& centre, const Vector3& normal, const ToolMotion::Limits& limits,
               Mode mode) noexcept;
   void give_up(ContactFault contact_fault) noexcept;
+  void soften(int command_age) noexcept;
   [[nodiscard]] bool escapes(double dt_s) noexcept;
   void stop_learning() noexcept;
 
   const robot::ArmModel* model_;
   Options options_;
+  Options given_;            // as for drives that obey at once
+  double late_ticks_ = 0.0;  // how late the drives obey
+  double gain_share_ = 1.0;  // of what is given
   ArmSense sense_;
   FrictionCompensation friction_;
   ForceTarget force_target_;

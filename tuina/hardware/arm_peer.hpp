@@ -52,8 +52,13 @@ class ArmPeer {
   [[nodiscard]] const armlink::State& state() const noexcept { return *state_; }
   /// Whether any state of the arm has come.
   [[nodiscard]] bool heard_anything() const noexcept { return state_.has_value(); }
+  /// How many commands were sent since the one that the arm had obeyed when it told the newest
+  /// state; only after something was heard.
+  [[nodiscard]] int command_age() const noexcept {
+    return static_cast<std::int32_t>(last_.sequence - state_->answers);
+  }
   /// Whether the newest state came after the last command.
-  [[nodiscard]] bool obeyed() const noexcept { return state_ && state_->answers == last_.sequence; }
+  [[nodiscard]] bool obeyed() const noexcept { return state_ && command_age() == 0; }
   /// Datagrams counted since `open`.
   [[nodiscard]] const ArmTraffic& traffic() const noexcept { return traffic_; }
   /// Number of the socket, for poll.

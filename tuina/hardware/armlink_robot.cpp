@@ -234,7 +234,8 @@ std::optional<robot::RobotReading> ArmlinkRobot::reading_of(const PerArm<bool>& 
     reading.arms[arm] = {.q_rad = state.q_rad,
                          .dq_rad_per_s = state.dq_rad_per_s,
                          .wrench_in_tool = state.wrench_in_tool,
-                         .wrench_time_s = time_of(arm, state.wrench_time_s)};
+                         .wrench_time_s = time_of(arm, state.wrench_time_s),
+                         .command_age = peers_[arm].command_age()};
   }
   reading.rail_m = peers_[Arm::left].state().rail_m;
   return reading;

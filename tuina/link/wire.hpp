@@ -14,7 +14,7 @@
 // layout; `layout` changes with it.
 namespace tuina::link::wire {
 
-inline constexpr std::uint64_t layout = 0x7475'696e'6100'0002;  // "tuina", version 2
+inline constexpr std::uint64_t layout = 0x7475'696e'6100'0003;  // "tuina", version 3
 
 inline constexpr std::uint64_t no_tick = ~std::uint64_t{0};
 
@@ -29,6 +29,7 @@ struct SensorArm {
   Joints q_rad, dq_rad_per_s;
   std::array<double, 6> wrench_in_tool = {};  ///< force, then torque
   double wrench_time_s = 0.0;
+  std::int32_t command_age = 0;
 };
 /// What the drives sense in a millisecond.
 struct SensorFrame {

@@ -16,6 +16,9 @@ struct ArmReading {
   JointVector dq_rad_per_s;
   Wrench wrench_in_tool;       ///< force of the environment ON the tool, tool weight included
   double wrench_time_s = 0.0;  ///< when the wrist sensor took it
+  /// How many commands were sent since the one that moved the arm in the millisecond before; 0
+  /// where the drives obey at once.
+  int command_age = 0;
 };
 
 /// What both arms sense in one millisecond.

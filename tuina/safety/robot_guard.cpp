@@ -33,6 +33,17 @@ Guard::Options guard_options(const robot::ArmModel& model, const RobotGuard::Opt
 RobotGuard::Side::Side(const robot::ArmModel& model, const Options& options) noexcept
     : watch(model), guard(guard_options(model, options)) {}
 
+void RobotGuard::Side::note_sent(const JointVector& torque_nm) noexcept {
+  newest = (newest + sent_nm.size() - 1) % sent_nm.size();
+  sent_nm[newest] = torque_nm;
+}
+
+const JointVector& RobotGuard::Side::sent_ago(int commands) const noexcept {
+  const int oldest = static_cast<int>(sent_nm.size()) - 1;
+  const int back = commands < 0 ? oldest : std::min(commands, oldest);
+  return sent_nm[(newest + static_cast<std::size_t>(back)) % sent_nm.size()];
+}
+
 RobotGuard::RobotGuard(const PerArm<robot::ArmModel>& models, const Options& options)
     : field_(options.field.reaching(reach_m)),
       separation_(models, options.obstacles),
@@ -87,7 +98,8 @@ RobotVerdict RobotGuard::check(const robot::RobotReading& reading,
   PerArm<Observation> seen;
   for (const Arm arm : both_arms) {
     Side& side = sides_[arm];
-    seen[arm] = side.watch.observe(reading, arm, proposal.arms[arm], side.applied_nm);
+    seen[arm] = side.watch.observe(reading, arm, proposal.arms[arm],
+                                   side.sent_ago(reading.arms[arm].command_age));
     if (!field_.empty()) seen[arm].skin = field_.at(seen[arm].tip_in_base);
   }
   if (!separation_.keeps(reading)) keep_apart(seen, proposal);
@@ -102,8 +114,8 @@ RobotVerdict RobotGuard::check(const robot::RobotReading& reading,
     Proposal told = proposal.arms[arm];
     if (!field_.empty() && seen[arm].skin == nullptr) told.zone = Zone::denied;
     verdict.arms[arm] = side.guard.check(seen[arm], told);
-    side.applied_nm = verdict.arms[arm].allowed_nm;
-    verdict.command.torque_nm[arm] = side.applied_nm;
+    verdict.command.torque_nm[arm] = verdict.arms[arm].allowed_nm;
+    side.note_sent(verdict.command.torque_nm[arm]);
     verdict.command.brake[arm] = verdict.arms[arm].action == Action::brake;
   }
   return verdict;

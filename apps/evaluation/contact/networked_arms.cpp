@@ -39,6 +39,7 @@ bool NetworkedArms::step() noexcept {
   }
   if (newest != nullptr && !stopped_) {
     obeyed_ = newest->answers;
+    moving_ = newest->number;
     arms_.apply(newest->command);
     missed_in_row_ = 0;
   } else if (obeyed_) {  // before the first command nobody drives the arms
@@ -52,7 +53,7 @@ bool NetworkedArms::step() noexcept {
   if (!reading) return false;
   tick_ = reading->tick;
   cycle_s_ = reading->time_s;
-  if (const auto at_s = arrival_s(cycle_s_)) states_.push_back({*at_s, *reading});
+  if (const auto at_s = arrival_s(cycle_s_)) states_.push_back({*at_s, *reading, moving_});
   return true;
 }
 
@@ -67,11 +68,12 @@ std::optional<robot::RobotReading> NetworkedArms::read() noexcept {
       ++cycles;
       continue;
     }
-    const State state = *next;
+    State state = *next;
     states_.erase(next);
     if (heard_ && state.reading.tick <= *heard_) continue;
     heard_ = state.reading.tick;
     host_s_ = state.at_s;
+    for (robot::ArmReading& arm : state.reading.arms.of) arm.command_age = sent_ - state.obeyed;
     return state.reading;
   }
   return std::nullopt;
@@ -80,12 +82,15 @@ std::optional<robot::RobotReading> NetworkedArms::read() noexcept {
 void NetworkedArms::apply(const robot::RobotCommand& command) noexcept {
   // Until the first command has come the arms stand by their own drives, as these torques hold
   // them.
+  ++sent_;
   if (!obeyed_) {
     arms_.apply(command);
+    moving_ = sent_;
     stopped_ = ++unheard_ > max_unheard;
   }
   const auto at_s = arrival_s(host_s_);
-  if (at_s && commands_.size() < max_under_way) commands_.push_back({*at_s, *heard_, command});
+  if (at_s && commands_.size() < max_under_way)
+    commands_.push_back({*at_s, sent_, *heard_, command});
 }
 
 }  // namespace tuina::app

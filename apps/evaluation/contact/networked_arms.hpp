@@ -44,9 +44,11 @@ class NetworkedArms final : public robot::Robot {
   struct State {
     double at_s;  ///< when the host has it
     robot::RobotReading reading;
+    int obeyed;  ///< command that moved the arms before it
   };
   struct Command {
     double at_s;  ///< when the arms have it
+    int number;
     std::uint64_t answers;
     robot::RobotCommand command;
   };
@@ -62,6 +64,7 @@ class NetworkedArms final : public robot::Robot {
   double host_s_ = 0.0;                          ///< when the host heard the state that it answers
   std::uint64_t tick_ = 0;                       ///< newest state
   std::optional<std::uint64_t> heard_, obeyed_;  ///< by host and arms, of the state's tick
+  int sent_ = 0, moving_ = 0;  ///< commands of the host, and the one that moves the arms
   int missed_ = 0, missed_in_row_ = 0, unheard_ = 0;
   bool stopped_ = false;
 };
