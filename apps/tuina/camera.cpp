@@ -142,7 +142,7 @@ class CameraVerb final : public Verb {
     const auto listed = list(devices, json, answer.text);
     if (!listed) return tl::unexpected(listed.error());
     if (!look_.empty()) {
-      const auto looked = look(devices, *listed, json, answer.text);
+      const auto looked = look(devices, json, answer.text);
       if (!looked) return tl::unexpected(looked.error());
     }
     answer.text.pop_back();
@@ -151,20 +151,18 @@ class CameraVerb final : public Verb {
   }
 
  private:
-  /// The camera that is named, or all that there are; the modes of the last.
-  static Result<std::vector<hardware::CameraMode>> list(const hardware::DeviceFile& devices,
-                                                        ordered_json& json, std::string& text) {
-    std::vector<hardware::CameraMode> modes;
+  /// The camera that is named, or all that there are.
+  static Result<void> list(const hardware::DeviceFile& devices, ordered_json& json,
+                           std::string& text) {
     const bool named = devices.camera.has_value();
     for (const std::string& address :
          named ? std::vector{devices.camera->address} : hardware::video_devices()) {
       const auto found = hardware::list_camera(address);
       if (!found && named) return tl::unexpected(found.error());
       if (!found) continue;  // a camera has devices beside it that give no pictures
-      modes = found->modes;
       ordered_json all = ordered_json::array();
       text += fmt::format("{}: {}\n", address, found->name);
-      for (const hardware::CameraMode& mode : modes) {
+      for (const hardware::CameraMode& mode : found->modes) {
         all.push_back({{"format", mode.format},
                        {"width_px", mode.width_px},
                        {"height_px", mode.height_px},
@@ -175,20 +173,13 @@ class CameraVerb final : public Verb {
       json["cameras"].push_back({{"address", address}, {"name", found->name}, {"modes", all}});
     }
     if (text.empty()) text = "no camera is found\n";
-    return modes;
+    return {};
   }
 
-  Result<void> look(const hardware::DeviceFile& devices,
-                    const std::vector<hardware::CameraMode>& modes, ordered_json& json,
+  Result<void> look(const hardware::DeviceFile& devices, ordered_json& json,
                     std::string& text) const {
-    constexpr std::array formats = {"GREY", "YUYV", "MJPG"};
-    const char* wanted = formats.at(static_cast<std::size_t>(devices.camera->format));
-    const auto mode = std::find_if(modes.begin(), modes.end(), [&](const auto& one) {
-      return one.format == wanted && one.width_px <= 1280;
-    });
-    if (mode == modes.end())
-      return fail(Fault::device, "{}: offers no mode {}; see `tuina camera`",
-                  devices.camera->address, wanted);
+    const auto mode = picture_mode(*devices.camera);
+    if (!mode) return tl::unexpected(mode.error());
     const auto picture = take_picture(devices, *mode);
     if (!picture) return tl::unexpected(picture.error());
     const Seen seen = look_at(*picture);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/tuina/scan_device.hpp"
 
+#include <array>
+
 namespace tuina::app {
 namespace {
 
@@ -46,6 +48,17 @@ Result<DeviceScanner> open_scanner(const hardware::DeviceFile& devices,
       .camera = std::move(*camera),
       .turntable = std::move(*turntable),
       .called = fmt::format("{}, {}", devices.camera->address, devices.turntable->address)};
+}
+
+Result<hardware::CameraMode> picture_mode(const hardware::CameraDevice& camera) {
+  constexpr std::array formats = {"GREY", "YUYV", "MJPG"};
+  constexpr int max_width_px = 1280;
+  const char* wanted = formats.at(static_cast<std::size_t>(camera.format));
+  const auto listed = hardware::list_camera(camera.address);
+  if (!listed) return tl::unexpected(listed.error());
+  for (const hardware::CameraMode& mode : listed->modes)
+    if (mode.format == wanted && mode.width_px <= max_width_px) return mode;
+  return fail(Fault::device, "{}: offers no mode {}; see `tuina camera`", camera.address, wanted);
 }
 
 void ask_scanner(const hardware::DeviceFile& devices, ordered_json& all, Answer& answer) {

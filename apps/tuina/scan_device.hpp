@@ -29,6 +29,10 @@ struct DeviceScanner {
 [[nodiscard]] Result<DeviceScanner> open_scanner(const hardware::DeviceFile& devices,
                                                  const scanner::CameraModel& pictures);
 
+/// The first mode in the camera's list with the format that the file wants and pictures of at most
+/// 1280 pixels across. Fails with Fault::device where there is none.
+[[nodiscard]] Result<hardware::CameraMode> picture_mode(const hardware::CameraDevice& camera);
+
 /// For `tuina doctor`: whether camera and turntable of the file answer, and who they are. Nothing
 /// moves, and the laser stays dark.
 void ask_scanner(const hardware::DeviceFile& devices, nlohmann::ordered_json& all, Answer& answer);

@@ -123,7 +123,10 @@ void Ax12Turntable::judge(const YawServo::Told& told) {
     stands_at_count_ = count_;
     stands_since_ = now;
   }
-  turned_ = turned_ || direction_ * (count_ - end_count_) >= 0;
+  // A motor may rest a little short of where it was sent; a sweep is sent further than its end.
+  const bool rests =
+      step_counts_ != 0 && goal_count_ == end_count_ && now - stands_since_ > min_max_stand;
+  turned_ = turned_ || direction_ * (count_ - end_count_) >= (rests ? -near_counts : 0);
   if (turned_ || now - stands_since_ <= max_stand_) return;
   failure_ =
       Error{Fault::device,

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "apps/tuina/calibrate/calibrate_capture.hpp"
 #include "apps/tuina/calibrate/calibrate_robot.hpp"
 #include "apps/tuina/calibrate/calibrate_wrist.hpp"
 #include "apps/tuina/calibrate/report.hpp"
@@ -121,6 +122,7 @@ class Calibrate final : public Verb {
   }
   [[nodiscard]] const char* example() const override {
     return "tuina calibrate --rehearse shots        # photographs a board in simulation\n"
+           "  tuina calibrate --capture shots --device device.toml  # takes the pictures\n"
            "  tuina calibrate shots --out calibration.toml\n"
            "  tuina calibrate --robot --rehearse touches      # a simulated robot touches a board\n"
            "  tuina calibrate touches --robot --out robot.toml\n"
@@ -153,10 +155,19 @@ class Calibrate final : public Verb {
         .excludes(robot)
         .excludes(report)
         .needs(out);
+    auto capture = options.add("--capture", capture_,
+                               "take the pictures with a real scanner, into this folder, which has "
+                               "board.toml; what to do is told picture by picture");
+    capture.excludes(shots).excludes(out).excludes(robot);
+    options.add("--device", device_, "with --capture: the file that names camera and turntable")
+        .needs(capture);
+    options.add("--poses", poses_, "with --capture: boards in the hand, a multiple of 12")
+        .show_default()
+        .needs(capture);
     auto rehearse =
         options.add("--rehearse", rehearse_,
                     "make such a set with the simulated scanner or robot, in this new folder");
-    rehearse.excludes(shots).excludes(out);
+    rehearse.excludes(shots).excludes(out).excludes(capture);
     options
         .add("--board", board_,
              "with --rehearse: what is photographed, chessboard or charuco (a board with "
@@ -170,6 +181,7 @@ class Calibrate final : public Verb {
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
     const BodyPosture position = position_ == "prone" ? BodyPosture::prone : BodyPosture::sitting;
     if (!wrist_.empty()) return calibrate_wrist(wrist_, out_);
+    if (!capture_.empty()) return capture(common);
     if (!rehearse_.empty()) {
       return robot_ ? rehearse_robot(rehearse_, arms_, position, common.seed) : rehearse(common);
     }
@@ -199,6 +211,14 @@ class Calibrate final : public Verb {
   }
 
  private:
+  Result<Answer> capture(const CommonOptions& common) {
+    if (device_.empty())
+      return fail(Fault::usage, "--capture needs --device, a file that names camera and turntable");
+    if (poses_ < 12 || poses_ > 96 || poses_ % 12 != 0)
+      return fail(Fault::usage, "--poses must be 12, 24, 36 ... 96, not {}", poses_);
+    return calibrate_capture(capture_, device_, poses_, common.quiet);
+  }
+
   Result<Answer> rehearse(const CommonOptions& common) {
     sim::SyntheticShotsOptions options;
     if (board_ == "charuco") options.board = sim::charuco_board();
@@ -218,6 +238,9 @@ class Calibrate final : public Verb {
   std::string report_;
   std::string arms_ = "thesis";
   std::string rehearse_;
+  std::string capture_;
+  std::string device_;
+  int poses_ = 12;
   std::string wrist_;
   std::string position_ = "sitting";
   std::string board_ = "chessboard";

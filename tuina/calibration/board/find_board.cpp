@@ -83,7 +83,7 @@ Transform transform_of(const cv::Mat& rotation, const cv::Mat& translation) {
 
 }  // namespace
 
-std::optional<SeenBoard> find_board(ImageView image, const Board& board) {
+std::optional<SeenBoard> find_board(ImageView image, const Board& board, Effort effort) {
   if (board.has_markers()) return find_charuco(image, board);
   const cv::Mat grey(image.height, image.width, CV_8UC1, const_cast<std::uint8_t*>(image.data),
                      static_cast<std::size_t>(image.stride));
@@ -94,7 +94,8 @@ std::optional<SeenBoard> find_board(ImageView image, const Board& board) {
     constexpr int quick = cv::CALIB_CB_NORMALIZE_IMAGE;
     constexpr int thorough = quick | cv::CALIB_CB_EXHAUSTIVE;
     if (!cv::findChessboardCornersSB(grey, pattern, corners, quick) &&
-        !cv::findChessboardCornersSB(grey, pattern, corners, thorough)) {
+        (effort == Effort::quick ||
+         !cv::findChessboardCornersSB(grey, pattern, corners, thorough))) {
       return std::nullopt;
     }
     // The corners of findChessboardCornersSB (OpenCV 4.6) are off by 0.01 to 0.03 px even in clean
