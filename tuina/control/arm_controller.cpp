@@ -34,7 +34,7 @@ ArmController::ArmController(const robot::ArmModel& model, const Options& option
 // take is in `given_`. So gains fall with the ticks beyond one. The law of the force along the
 // normal bears more delay than the springs around it and stays as it is.
 void ArmController::soften(int command_age) noexcept {
-  constexpr double own_ticks = 1.3, max_late_ticks = 15.0, forgotten_per_tick = 1e-3;
+  constexpr double own_ticks = 1.0, max_late_ticks = 15.0, forgotten_per_tick = 1e-3;
   late_ticks_ = std::min(
       std::max(static_cast<double>(command_age), late_ticks_ - forgotten_per_tick), max_late_ticks);
   const double share = own_ticks / (own_ticks + std::max(late_ticks_ - 1.0, 0.0));

@@ -34,14 +34,14 @@ RobotGuard::Side::Side(const robot::ArmModel& model, const Options& options) noe
     : watch(model), guard(guard_options(model, options)) {}
 
 void RobotGuard::Side::note_sent(const JointVector& torque_nm) noexcept {
-  newest = (newest + sent_nm.size() - 1) % sent_nm.size();
+  newest = (newest + 1) % sent_nm.size();
   sent_nm[newest] = torque_nm;
 }
 
-const JointVector& RobotGuard::Side::sent_ago(int commands) const noexcept {
+JointVector RobotGuard::Side::sent_ago(int commands) const noexcept {
   const int oldest = static_cast<int>(sent_nm.size()) - 1;
   const int back = commands < 0 ? oldest : std::min(commands, oldest);
-  return sent_nm[(newest + static_cast<std::size_t>(back)) % sent_nm.size()];
+  return sent_nm[(newest - static_cast<std::size_t>(back)) % sent_nm.size()];
 }
 
 RobotGuard::RobotGuard(const PerArm<robot::ArmModel>& models, const Options& options)

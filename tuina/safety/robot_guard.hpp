@@ -74,13 +74,13 @@ class RobotGuard {
     Side(const robot::ArmModel& model, const Options& options) noexcept;
     ArmWatch watch;
     Guard guard;
-    /// Torques of the last commands, the newest at `newest`, older ones behind it.
+    /// Torques of the last commands, in a ring whose size is a power of two.
     std::array<JointVector, 16> sent_nm = {};
     std::size_t newest = 0;
     void note_sent(const JointVector& torque_nm) noexcept;
     /// The torques sent so many commands ago. Of a command older than are kept nobody knows: those
     /// of the oldest, so that an arm which obeys as late as that is not taken for a healthy one.
-    [[nodiscard]] const JointVector& sent_ago(int commands) const noexcept;
+    [[nodiscard]] JointVector sent_ago(int commands) const noexcept;
   };
 
   void keep_apart(const PerArm<Observation>& seen, const RobotProposal& proposal) noexcept;

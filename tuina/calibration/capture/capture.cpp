@@ -7,15 +7,12 @@
 #include "tuina/calibration/board/find_board.hpp"
 #include "tuina/calibration/board/line_on_print.hpp"
 #include "tuina/calibration/capture/held_board.hpp"
-#include "tuina/core/io/file.hpp"
-#include "tuina/core/io/png.hpp"
+#include "tuina/calibration/capture/kept_shots.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/scanner/recording.hpp"
 
 namespace tuina::calibration {
 namespace {
-
-namespace fs = std::filesystem;
 
 // A hand at rest trembles by less from picture to picture; a board that stands does not move.
 constexpr double max_tremble_px = 0.5, max_moved_px = 0.3;
@@ -28,27 +25,15 @@ constexpr int lit_pictures = 10, passed_pictures = 6;
 constexpr std::size_t min_line_points = 20;
 constexpr int standing_yaws = 5;
 
-/// The laser's light alone, as in a dark room: squares of a board in a lit one would hide the line.
-/// Its zero is raised, so that noise has both signs.
-Image light_of_laser(const Image& lit, const Image& bare) {
-  constexpr int zero_dn = 8;
-  Image light(lit.width, lit.height);
-  if (lit.data.size() != bare.data.size() || lit.data.size() != light.data.size()) return lit;
-  for (std::size_t i = 0; i < light.data.size(); ++i)
-    light.data[i] = static_cast<std::uint8_t>(
-        std::clamp(zero_dn + int{lit.data[i]} - int{bare.data[i]}, 0, 255));
-  return light;
-}
-
 class Capture {
  public:
   using Tell = std::function<void(const CaptureTold&)>;
   Capture(scanner::Camera& camera, scanner::Turntable& turntable, const Board& board,
-          fs::path folder, const CaptureOptions& options, const Tell& tell)
+          KeptShots kept, const CaptureOptions& options, const Tell& tell)
       : camera_(camera),
         turntable_(turntable),
         board_(board),
-        folder_(std::move(folder)),
+        kept_(std::move(kept)),
         options_(options),
         tell_(tell),
         wanted_(options.poses) {
@@ -199,8 +184,7 @@ class Capture {
     const auto at = yaw();
     if (!at) return tl::unexpected(at.error());
     wanted_.keep(held);
-    return keep({{.laser = false, .pose = pose_, .yaw_rad = *at},
-                 {.laser = true, .pose = pose_, .yaw_rad = *at}},
+    return keep({{.laser = false, .yaw_rad = *at}, {.laser = true, .yaw_rad = *at}},
                 {bare->frame.image, *lit}, bare->frame.time_s);
   }
 
@@ -222,7 +206,7 @@ class Capture {
       const auto at = yaw();
       if (!at) return tl::unexpected(at.error());
       if (!seen->board) continue;  // out of view for this angle
-      shots.push_back({.laser = false, .pose = pose_, .yaw_rad = *at});
+      shots.push_back({.laser = false, .yaw_rad = *at});
       pictures.push_back(std::move(seen->frame.image));
     }
     if (auto turned = turn_to(0.0); !turned) return turned;
@@ -243,7 +227,7 @@ class Capture {
   /// A still scene, recorded while the unit turns.
   Result<void> sweep(const char* name, double from_rad, double to_rad) {
     say({});
-    auto recorder = scanner::Recorder::open(camera_, turntable_, folder_ / name);
+    auto recorder = scanner::Recorder::open(camera_, turntable_, kept_.beside(name));
     if (!recorder) return tl::unexpected(recorder.error());
     if (auto turns = recorder->sweep(from_rad, to_rad, options_.sweep_rad_per_s); !turns)
       return turns;
@@ -271,53 +255,37 @@ class Capture {
     return {};
   }
 
-  /// Puts pictures and their rows into the folder; the table is whole at any time.
   Result<void> keep(const std::vector<Shot>& shots, const std::vector<Image>& pictures,
                     double time_s) {
-    for (std::size_t i = 0; i < shots.size(); ++i, ++frame_) {
-      const fs::path picture = folder_ / fmt::format("frames/{:06d}.png", frame_);
-      if (auto written = write_file(picture, to_png(pictures[i])); !written) return written;
-      table_ += fmt::format("{},{},{},{:.3f},{:.4f}\n", frame_, shots[i].laser ? "laser" : "board",
-                            shots[i].pose, time_s, to_deg(shots[i].yaw_rad));
-    }
-    ++pose_;
+    auto kept = kept_.keep(shots, pictures, time_s);
     ++told_.kept;
     last_kept_s_ = time_s;
-    auto written = write_file(folder_ / "frames.csv", table_);
     say({});
-    return written;
+    return kept;
   }
 
   scanner::Camera& camera_;
   scanner::Turntable& turntable_;
   Board board_;
-  fs::path folder_;
+  KeptShots kept_;
   CaptureOptions options_;
   const Tell& tell_;
   WantedPoses wanted_;
   CaptureTold told_;
   std::optional<double> last_kept_s_;
   std::optional<SeenBoard> stood_;
-  std::string table_ = "frame,kind,pose,time_s,yaw_deg\n";
   std::optional<FocalGuess> camera_guess_;
-  int frame_ = 0, pose_ = 0;
 };
 
 }  // namespace
 
 Result<void> capture_shots(scanner::Camera& camera, scanner::Turntable& turntable,
-                           const Board& board, const fs::path& folder,
+                           const Board& board, const std::filesystem::path& folder,
                            const CaptureOptions& options,
                            const std::function<void(const CaptureTold&)>& tell) {
-  if (fs::exists(folder / "frames.csv"))
-    return fail(Fault::file, "{} has pictures already; a new set needs a new folder",
-                folder.string());
-  std::error_code failed;
-  fs::create_directories(folder / "frames", failed);
-  if (failed)
-    return fail(Fault::file, "{}: cannot be made: {}", (folder / "frames").string(),
-                failed.message());
-  auto done = Capture(camera, turntable, board, folder, options, tell).run();
+  auto kept = KeptShots::begin(folder);
+  if (!kept) return tl::unexpected(kept.error());
+  auto done = Capture(camera, turntable, board, std::move(*kept), options, tell).run();
   if (!done) (void)turntable.switch_laser(false);  // whatever failed, the laser is dark
   return done;
 }
