@@ -1,6 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Mutation run over a room, or one file of it: mutate.py safety [guard_law.cpp]
+"""Mutation run over a room, one file of it, or what has changed: mutate.py safety [guard_law.cpp | changed]
+
+tests/mutation/<room>_judged.txt has the sha256 of each file whose mutants were all judged, with the tests of that time;
+`changed` judges the others. Before a release the whole room is judged, since tests may have become weaker.
 
 Every mutant of the sources is built into one test program, which runs once for each with TUINA_MUTANT set. A mutant
 that no test notices must stand in tests/mutation/<room>_survivors.txt with a reason; what stands there must exist and
@@ -11,7 +14,8 @@ import collections, fnmatch, glob, hashlib, json, os, re, subprocess, sys, time
 from concurrent.futures import ThreadPoolExecutor
 
 ROOM = sys.argv[1]
-ONLY = sys.argv[2] if len(sys.argv) > 2 else ""
+ONLY = sys.argv[2] if len(sys.argv) > 2 and sys.argv[2] != "changed" else ""
+CHANGED = sys.argv[2:] == ["changed"]
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 BUILD = f"{ROOT}/build/mutation/{ROOM}"
 FLAGS = ["-std=c++20", "-isystem", "/usr/include/eigen3"]
@@ -334,8 +338,19 @@ def run(program, number, limit_s, test=None):
     return failed.group(1).strip() if failed else "crashed"
 
 
+def sums_of(pattern):
+    return {os.path.basename(path): hashlib.sha256(open(path, "rb").read()).hexdigest() for path in glob.glob(pattern)}
+
+
 def main():
     started = time.time()
+    judged_path = f"{ROOT}/tests/mutation/{ROOM}_judged.txt"
+    known = dict(reversed(line.split()) for line in open(judged_path)) if os.path.exists(judged_path) else {}
+    sums = sums_of(f"{ROOT}/tuina/{ROOM}/*.?pp")
+    changed = {name for name in sums if not CHANGED or known.get(name) != sums[name]}
+    if not changed:
+        print(f"no file of {ROOM} has changed since its mutants were judged")
+        return
     program = build(write_mutants())
     count = collections.Counter()
     for m in mutants:
@@ -362,7 +377,7 @@ def main():
         if hint and hint not in ("crashed", "never ended") and run(program, i, limit_s, hint.replace(",", "?")):
             return hint
         return run(program, i, limit_s)
-    chosen = [i for i, m in enumerate(mutants) if ONLY in ("", m["file"])]
+    chosen = [i for i, m in enumerate(mutants) if ONLY in ("", m["file"]) and m["file"] in changed]
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         results = list(pool.map(judge, chosen))
     judged = [mutants[i] for i in chosen]
@@ -379,7 +394,7 @@ def main():
 
     faults, named = [], set()
     for number, line in enumerate(open(f"{ROOT}/tests/mutation/{ROOM}_survivors.txt"), 1):
-        if not line.strip() or line.startswith("//") or not line.startswith(ONLY):
+        if not line.strip() or line.startswith("//") or not line.startswith(ONLY) or line.split()[0] not in changed:
             continue
         pattern, _, reason = line.strip().partition(" -- ")
         # `*` stands for anything; brackets are themselves.
@@ -392,6 +407,12 @@ def main():
         named |= found
     faults += [f"nothing notices: {name}" for name in noticed if name in survivors - named]
     print("\n".join(faults), end="\n" if faults else "")
+    if not faults:
+        judged_now = {ONLY} if ONLY else changed
+        known = {name: sums[name] if name in judged_now else known[name] for name in sums
+                 if name in judged_now or name in known}
+        with open(judged_path, "w") as file:
+            file.writelines(f"{known[name]} {name}\n" for name in sorted(known))
     sys.exit(1 if faults else 0)
 
 
