@@ -54,9 +54,8 @@ Result<void> LiveSession::start(StartOrder start) {
 
 // The mutex is held, and no session runs.
 void LiveSession::begin(const std::string& number) {
-  session::LiveCommand left = {};
-  while (commands_.pop(left)) continue;
-  stop_ = stop_told_ = paused_ = false;
+  commands_.clear();
+  paused_ = false;
   review_.reset();
   phase_ = LivePhase::scan;
   number_ = number;
@@ -74,10 +73,10 @@ Attendant LiveSession::attendant() {
   if (options_.channels != nullptr) options_.channels->begin_session();
   return {.watches = view_.get(),
           .channels = options_.channels,
-          .commands = [this](double) { return next_command(); },
+          .commands = [this](double) { return commands_.next(); },
           .reviews = [this](const motion::ReadyPlan& plan,
                             const std::string& refused) { return wait_for_review(plan, refused); },
-          .ends_scan = [this] { return stop_.load(); }};
+          .ends_scan = [this] { return commands_.stopped(); }};
 }
 
 Result<void> LiveSession::approve() {
@@ -108,7 +107,7 @@ Result<void> LiveSession::command(session::LiveCommand command) {
 }
 
 void LiveSession::stop() {
-  stop_ = true;
+  commands_.stop();
   const std::lock_guard lock(mutex_);
   answered_.notify_all();
 }
@@ -144,25 +143,14 @@ session::Review LiveSession::wait_for_review(const motion::ReadyPlan& plan,
   words_ = refused;
   ++reviews_;
   review_.reset();
-  answered_.wait(lock, [&] { return review_ || stop_; });
-  if (stop_) return {};
+  answered_.wait(lock, [&] { return review_ || commands_.stopped(); });
+  if (commands_.stopped()) return {};
   if (review_->answer == session::Review::Answer::go) phase_ = LivePhase::massage;
   return *review_;
 }
 
-// Stop goes first, and once.
-std::optional<session::LiveCommand> LiveSession::next_command() noexcept {
-  if (stop_ && !stop_told_) {
-    stop_told_ = true;
-    return session::LiveCommand::stop;
-  }
-  session::LiveCommand command = {};
-  if (!commands_.pop(command)) return std::nullopt;
-  return command;
-}
-
 void LiveSession::end_ordered(const std::string& outcome, std::string words) {
-  end(stop_ ? "stopped" : outcome, std::move(words), outcome != "failed");
+  end(commands_.stopped() ? "stopped" : outcome, std::move(words), outcome != "failed");
 }
 
 void LiveSession::end(std::string outcome, std::string words, bool recorded) {
@@ -178,7 +166,7 @@ void LiveSession::run(StartOrder start, std::filesystem::path folder) {
   const auto give_up = [&](const Error& error) {
     std::error_code none;
     std::filesystem::remove_all(folder, none);
-    end(stop_ ? "stopped" : "failed", error.message, false);
+    end(commands_.stopped() ? "stopped" : "failed", error.message, false);
   };
   const std::filesystem::path consent = folder / "consent.toml";
   if (auto written = write_file(consent, start.consent_toml); !written)
@@ -203,7 +191,7 @@ void LiveSession::run(StartOrder start, std::filesystem::path folder) {
   if (auto written = write_session(*result, config, record::to_json(file), folder); !written)
     return give_up(written.error());
   if (auto kept = finish_record(*result, folder); !kept) return give_up(kept.error());
-  const bool stopped = stop_ || !result->session.stops.empty();
+  const bool stopped = commands_.stopped() || !result->session.stops.empty();
   end(stopped ? "stopped" : "done", session_text(file), true);
 }
 

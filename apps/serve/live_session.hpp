@@ -16,7 +16,7 @@
 #include "apps/serve/live_view.hpp"
 #include "apps/serve/start_order.hpp"
 #include "apps/simulated/simulated_session.hpp"
-#include "tuina/core/ring.hpp"
+#include "tuina/session/command_queue.hpp"
 #include "tuina/session/config.hpp"
 #include "tuina/session/live_command.hpp"
 
@@ -88,7 +88,6 @@ class LiveSession {
   void run(StartOrder start, std::filesystem::path folder);
   [[nodiscard]] session::Review wait_for_review(const motion::ReadyPlan& plan,
                                                 const std::string& refused);
-  [[nodiscard]] std::optional<session::LiveCommand> next_command() noexcept;
   void begin(const std::string& number);
   void end(std::string outcome, std::string words, bool recorded);
   [[nodiscard]] std::string next_number() const;
@@ -104,9 +103,7 @@ class LiveSession {
   bool recorded_ = false;
   std::shared_ptr<LiveView> view_;
   /// Written under the mutex, read by the session.
-  Ring<session::LiveCommand, 64> commands_;
-  std::atomic<bool> stop_ = false;
-  bool stop_told_ = false;  ///< of the session's thread
+  session::CommandQueue commands_;
   std::thread thread_;
 };
 

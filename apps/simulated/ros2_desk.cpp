@@ -43,19 +43,12 @@ Ros2Desk::~Ros2Desk() {
 
 Attendant Ros2Desk::attendant() {
   return {.commands = [this](double) { return next_command(); },
-          .ends_scan = [this] { return stop_.load(); }};
+          .ends_scan = [this] { return commands_.stopped(); }};
 }
 
-// Stop goes first, and once.
 std::optional<session::LiveCommand> Ros2Desk::next_command() noexcept {
   running_ = true;
-  if (stop_ && !stop_told_) {
-    stop_told_ = true;
-    return session::LiveCommand::stop;
-  }
-  session::LiveCommand command = {};
-  if (!commands_.pop(command)) return std::nullopt;
-  return command;
+  return commands_.next();
 }
 
 void Ros2Desk::serve() {
@@ -68,7 +61,7 @@ void Ros2Desk::serve() {
 void Ros2Desk::serve(const ros2::Request& request) {
   const web::Ask ask = asks_.at(request.service);
   // Before anything that may wait or fail, and whatever the request looks like.
-  if (ask == web::Ask::stop) stop_ = true;
+  if (ask == web::Ask::stop) commands_.stop();
   const std::string outcome = decide(request, ask);
   note(fmt::format("ros2 {}", request.from), web::name_of(ask), outcome);
   // Who floods is not answered.

@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "apps/simulated/simulated_session.hpp"
-#include "tuina/core/ring.hpp"
 #include "tuina/core/stopwatch.hpp"
 #include "tuina/ros2/node.hpp"
+#include "tuina/session/command_queue.hpp"
 #include "tuina/web/audit.hpp"
 #include "tuina/web/desk.hpp"
 
@@ -64,9 +64,8 @@ class Ros2Desk {
   web::ClientId last_id_ = 0;
   bool operated_ = false;  ///< somebody took control and has not handed it over
   /// Written by the thread of the desk, read by the session.
-  Ring<session::LiveCommand, 64> commands_;
-  std::atomic<bool> stop_ = false, running_ = false, ends_ = false;
-  bool stop_told_ = false;  ///< of the session's thread
+  session::CommandQueue commands_;
+  std::atomic<bool> running_ = false, ends_ = false;
   std::thread thread_;
 };
 
