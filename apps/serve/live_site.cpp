@@ -55,7 +55,12 @@ Result<std::unique_ptr<LiveSite>> LiveSite::open(Options options) {
        .hear = [self](web::ClientId client,
                       const web::Frame& frame) { self->hear_page(client, frame.bytes); },
        .hear_program = [self](web::ClientId client,
-                              const web::Frame& frame) { self->hear_program(client, frame); }});
+                              const web::Frame& frame) { self->hear_program(client, frame); },
+       .say_too_much =
+           [self](web::ClientId client) {
+             const std::lock_guard lock(self->mutex_);
+             self->note(self->name_of_client(client), "message", "too much at once");
+           }});
   if (!server) return tl::unexpected(server.error());
   {
     const std::lock_guard lock(site->mutex_);

@@ -59,7 +59,7 @@ class Server:
 
 
 class Socket:
-    """A WebSocket of RFC 6455; `status` is 101 where the other side agreed."""
+    """A WebSocket of RFC 6455; `status` is 101 where the other side agreed, `closed_with` the number with which it left."""
 
     def __init__(self, port, path, link=None, **headers):
         self.link = link or socket.create_connection(("127.0.0.1", port), 10)
@@ -72,7 +72,7 @@ class Socket:
         while b"\r\n\r\n" not in self.waiting and (part := self.link.recv(4096)):
             self.waiting += part
         top, _, self.waiting = self.waiting.partition(b"\r\n\r\n")
-        self.status = int(top.split()[1])
+        self.status, self.closed_with = int(top.split()[1]), None
         self.link.settimeout(None)
 
     def exactly(self, size):
@@ -95,6 +95,9 @@ class Socket:
             content = self.exactly(size)
             if first & 15 == 9:
                 self.send(content, opcode=10)
+            if first & 15 == 8:
+                self.closed_with = int.from_bytes(content[:2], "big")
+                raise ConnectionError
             if first & 15 == 1:
                 return json.loads(content)
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What nobody should ask of `tuina serve`: each is refused, changes nothing, and is one line of the audit log."""
-import gzip, json, struct, subprocess, sys, tempfile, time
+import gzip, json, re, struct, subprocess, sys, tempfile, time
 from serve_client import Page, Server, Socket
 
 faults = []
@@ -192,6 +192,53 @@ def closed(server, cookie, what, send):
     expect(f"{what}: closed", page.until(lambda: not page.open), True)
 
 
+def memory_mb(server):
+    with open(f"/proc/{server.process.pid}/status", encoding="ascii") as file:
+        return int(re.search(r"VmHWM:\s+(\d+) kB", file.read())[1]) / 1000
+
+
+def sends_without_end(link, content_bytes):
+    """So much content of a message, until the other side hangs up; what it took of that."""
+    sent, piece = 0, bytes(1 << 18)
+    try:
+        while sent < content_bytes:
+            sent += link.send(piece[:content_bytes - sent])
+    except OSError:
+        pass
+    return sent
+
+
+def without_end(server, cookie):
+    """Messages of 1 GB are not held: 1009, one line in the audit log each, and no memory worth naming."""
+    with open(f"/proc/{server.process.pid}/clear_refs", "w", encoding="ascii") as file:
+        file.write("5")  # the most memory so far begins anew
+    before, content_bytes = memory_mb(server), 1 << 30
+    for who, opcode in (("page", 1), ("page", 2), ("program", 2)):
+        page = Page(server, cookie, beats=False) if who == "page" else None
+        socket = page.socket if page else program(server)
+        lines = len(server.audit())
+        socket.link.sendall(bytes([0x80 | opcode, 0xff]) + struct.pack(">Q", content_bytes) + b"mask")
+        sent = sends_without_end(socket.link, content_bytes)
+        expect(f"a {who}'s message of 1 GB is cut off, after {sent} bytes", sent < content_bytes, True)
+        if page:
+            page.until(lambda: not page.open)
+        else:
+            try:
+                while socket.message():
+                    pass
+            except OSError:
+                pass
+        expect(f"a {who}'s message of 1 GB: told", socket.closed_with, 1009)
+        told = lambda: [line["outcome"] for line in server.audit()[lines:] if line["outcome"].startswith("refused")]
+        end = time.monotonic() + 5
+        while not told() and time.monotonic() < end:
+            time.sleep(0.02)
+        expect(f"a {who}'s message of 1 GB: lines", told(), ["refused: too much at once"])
+    grown = memory_mb(server) - before
+    print(f"three messages of 1 GB: the server's memory grew by {grown:.1f} MB at most")
+    expect(f"memory for messages of 1 GB {grown} MB", grown < 10.0, True)
+
+
 def main(binary):
     with tempfile.TemporaryDirectory() as folder:
         elsewhere = subprocess.run([binary, "serve", "--listen", "0.0.0.0", "--out", folder], capture_output=True)
@@ -219,6 +266,7 @@ def main(binary):
         files(server, cookie)
         flood(server, page, viewer)
         closed(server, cookie, "a huge message", lambda page: page.send("x" * 70000))
+        without_end(server, cookie)
         closed(server, cookie, "a binary message", lambda page: page.send("x", opcode=2))
         watcher.send(b"x" * 70000, opcode=2)
         expect("a huge frame: closed", page.until(lambda: server.audit()[-1]["what"] == "go"), True)

@@ -10,8 +10,9 @@
 #include <set>
 #include <thread>
 
+#include "tuina/web/door.hpp"
 #include "tuina/web/foxglove.hpp"
-#include "tuina/web/tls_door.hpp"
+#include "tuina/web/frame_gate.hpp"
 
 namespace tuina::web {
 namespace {
@@ -98,13 +99,13 @@ struct Client {
 struct Server::Hall {
   Hall(Site the_site, bool tls) : site(std::move(the_site)), by_tls(tls) {}
   Site site;
-  bool by_tls;  ///< nobody comes but through the door
+  bool by_tls;
   mg_context* context = nullptr;
   std::mutex mutex;
   std::map<ClientId, std::shared_ptr<Outbox>> outboxes;
   std::set<ClientId> dismissed;
   ClientId last = 0;
-  std::unique_ptr<TlsDoor> door = nullptr;
+  std::unique_ptr<Door> door = nullptr;
 
   [[nodiscard]] bool full() {
     const std::lock_guard lock(mutex);
@@ -125,11 +126,12 @@ struct Server::Hall {
     return *static_cast<Hall*>(mg_get_user_data(mg_get_context(connection)));
   }
 
-  // The machine that asks; nothing: it has gone around the door.
+  // The machine that asks, not told where it is this one; nothing: it has gone around the door.
   [[nodiscard]] std::optional<std::string> caller(const mg_connection* connection) {
-    if (!by_tls) return "";
     const std::lock_guard lock(mutex);
-    return door ? door->caller(mg_get_request_info(connection)->remote_port) : std::nullopt;
+    auto from = door ? door->caller(mg_get_request_info(connection)->remote_port) : std::nullopt;
+    if (from && !by_tls) from->clear();
+    return from;
   }
 
   // The status with which the request was answered, or 0: a WebSocket opens.
@@ -176,17 +178,34 @@ struct Server::Hall {
                      void* data) {
     constexpr int keep_open = 1, close = 0;
     Hall& hall = *static_cast<Hall*>(data);
-    const auto* client = static_cast<Client*>(mg_get_user_connection_data(connection));
+    auto* client = static_cast<Client*>(mg_get_user_connection_data(connection));
+    if (client == nullptr || hall.is_dismissed(client->id)) return close;
+    if ((bits & 0x0f) == MG_WEBSOCKET_OPCODE_CONNECTION_CLOSE) {
+      hall.see_off(connection, *client, {text, size});
+      return close;
+    }
     const auto kind = kind_of(bits & 0x0f);
-    if (client == nullptr || !kind || hall.is_dismissed(client->id)) return close;
+    if (!kind) return close;
     if (*kind == Frame::Kind::ping || (*kind == Frame::Kind::pong && client->is_page))
       return keep_open;
     const bool whole = (bits & 0x80) != 0;
     const bool read = *kind != Frame::Kind::binary || !client->is_page;
-    if (!whole || !read || size > max_message_bytes) return close;
+    if (!whole || !read) return close;
     const auto& hear = client->is_page ? hall.site.hear : hall.site.hear_program;
     hear(client->id, {.kind = *kind, .bytes = std::string(text, size)});
     return keep_open;
+  }
+
+  // Who takes leave is answered with the same reason, after which nothing is sent.
+  void see_off(mg_connection* connection, Client& client, std::string_view reason) {
+    client.outbox->close();
+    client.sender.join();
+    const bool said_too_much = reason.size() >= 2 && reason[0] == char(message_too_big >> 8U) &&
+                               reason[1] == char(message_too_big & 0xffU);
+    if (said_too_much) site.say_too_much(client.id);
+    constexpr std::size_t max_bytes = 125;
+    mg_websocket_write(connection, MG_WEBSOCKET_OPCODE_CONNECTION_CLOSE, reason.data(),
+                       std::min(reason.size(), max_bytes));
   }
 
   static void on_close(const mg_connection* connection, void* data) {
@@ -201,7 +220,7 @@ struct Server::Hall {
       hall.dismissed.erase(client->id);
     }
     client->outbox->close();
-    client->sender.join();
+    if (client->sender.joinable()) client->sender.join();
   }
 };
 
@@ -213,10 +232,9 @@ Result<std::unique_ptr<Server>> Server::start(const Place& place, Site site) {
   mg_callbacks callbacks{};
   callbacks.begin_request = &Hall::on_request;
   callbacks.log_message = [](const mg_connection*, const char*) { return 1; };  // said by nobody
-  const std::string at = by_tls ? "127.0.0.1:0" : fmt::format("{}:{}", place.address, place.port);
   const std::string pool = fmt::format("{}", threads);
   const std::array<const char*, 13> options = {"listening_ports",
-                                               at.c_str(),
+                                               "127.0.0.1:0",
                                                "num_threads",
                                                pool.c_str(),
                                                "request_timeout_ms",
@@ -231,7 +249,7 @@ Result<std::unique_ptr<Server>> Server::start(const Place& place, Site site) {
   mg_init_library(MG_FEATURES_WEBSOCKET);
   hall->context = mg_start(&callbacks, hall.get(), const_cast<const char**>(options.data()));
   if (hall->context == nullptr) {
-    return fail(Fault::device, "{}: cannot be listened at; is another program there already?", at);
+    return fail(Fault::device, "127.0.0.1: this machine gives no port to listen at");
   }
   const auto come_in = [](const mg_connection*, void*) { return 0; };
   mg_set_websocket_handler(hall->context, page_path, come_in, &Hall::on_ready, &Hall::on_data,
@@ -244,8 +262,9 @@ Result<std::unique_ptr<Server>> Server::start(const Place& place, Site site) {
                                              &Hall::on_ready, &Hall::on_data, &Hall::on_close,
                                              hall.get());
   std::unique_ptr<Server> server(new Server(std::move(hall)));
-  if (!by_tls) return server;
-  auto door = TlsDoor::open(place.address, place.port, *place.certificate, server->port());
+  mg_server_port inner{};
+  mg_get_server_ports(server->hall_->context, 1, &inner);
+  auto door = Door::open(place.address, place.port, place.certificate, inner.port);
   if (!door) return tl::unexpected(door.error());
   const std::lock_guard lock(server->hall_->mutex);
   server->hall_->door = std::move(*door);
@@ -258,9 +277,7 @@ Server::~Server() {
 }
 
 int Server::port() const noexcept {
-  if (hall_->door) return hall_->door->port();
-  mg_server_port port{};
-  return mg_get_server_ports(hall_->context, 1, &port) == 1 ? port.port : 0;
+  return hall_->door->port();
 }
 
 void Server::put(ClientId client, Outbox::Slot slot, Frame frame, std::size_t keep) {

@@ -22,6 +22,8 @@ struct Site {
   std::function<void(ClientId)> go;
   std::function<void(ClientId, const Frame&)> hear;          ///< a page
   std::function<void(ClientId, const Frame&)> hear_program;  ///< another program
+  /// More than `max_message_bytes` at once, which nobody has read; the client goes.
+  std::function<void(ClientId)> say_too_much;
 };
 
 /// WebSockets of the page open here, those of other programs at `foxglove::path`.
@@ -37,9 +39,9 @@ struct Place {
   std::optional<Certificate> certificate = {};
 };
 
-/// HTTP and WebSocket at one port of this machine. Each client has a thread that reads and one that
-/// writes, so that none waits for another. A header has 8 KiB at most and 10 s to arrive; a message
-/// of a client, max_message_bytes, or its connection is closed. A page sends text alone.
+/// HTTP and WebSocket at one port, behind a `Door`. Each client has a thread that reads and one
+/// that writes, so that none waits for another. A header has 8 KiB at most and 10 s to arrive; a
+/// message of a client, max_message_bytes, or its connection is closed. A page sends text alone.
 class Server {
  public:
   /// Without a certificate the address is one of `loopback_address`. Fault::device when the port is

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tuina/web/tls_door.hpp"
+#include "tuina/web/door.hpp"
 
 #include <netdb.h>
 #include <sys/socket.h>
@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "tuina/core/stopwatch.hpp"
-#include "tuina/web/tls_link.hpp"
+#include "tuina/web/door_link.hpp"
 
 namespace tuina::web {
 namespace {
@@ -55,15 +55,15 @@ int port_of(int socket) {
 
 }  // namespace
 
-TlsDoor::TlsDoor(int listener, int port, Certificate certificate, int inner_port)
+Door::Door(int listener, int port, std::optional<Certificate> certificate, int inner_port)
     : listener_(listener),
       port_(port),
       inner_port_(inner_port),
       certificate_(std::move(certificate)),
       thread_([this] { serve(); }) {}
 
-Result<std::unique_ptr<TlsDoor>> TlsDoor::open(const std::string& address, int port,
-                                               Certificate certificate, int inner_port) {
+Result<std::unique_ptr<Door>> Door::open(const std::string& address, int port,
+                                         std::optional<Certificate> certificate, int inner_port) {
   const Addresses at = resolve(address, port);
   if (!at) return fail(Fault::usage, "--listen {}: an address in numbers is needed", address);
   const int listener =
@@ -78,23 +78,23 @@ Result<std::unique_ptr<TlsDoor>> TlsDoor::open(const std::string& address, int p
                 "address one of this machine?",
                 address, port);
   }
-  return std::unique_ptr<TlsDoor>(
-      new TlsDoor(listener, port_of(listener), std::move(certificate), inner_port));
+  return std::unique_ptr<Door>(
+      new Door(listener, port_of(listener), std::move(certificate), inner_port));
 }
 
-TlsDoor::~TlsDoor() {
+Door::~Door() {
   ends_ = true;
   thread_.join();
   ::close(listener_);
 }
 
-std::optional<std::string> TlsDoor::caller(int inner_source_port) const {
+std::optional<std::string> Door::caller(int inner_source_port) const {
   const std::lock_guard lock(mutex_);
   const auto found = callers_.find(inner_source_port);
   return found == callers_.end() ? std::nullopt : std::optional(found->second);
 }
 
-void TlsDoor::serve() {
+void Door::serve() {
   // Who has gone is told by what a write returns.
   sigset_t pipe;
   sigemptyset(&pipe);
@@ -105,7 +105,7 @@ void TlsDoor::serve() {
 }
 
 // Waits until a socket is ready, and serves each that is; true where something is left to do.
-bool TlsDoor::turn(double now_s, bool at_once) {
+bool Door::turn(double now_s, bool at_once) {
   std::vector<pollfd> sockets{{.fd = listener_, .events = POLLIN, .revents = 0}};
   std::vector<std::uint64_t> of;
   for (const auto& [number, link] : links_) {
@@ -120,7 +120,8 @@ bool TlsDoor::turn(double now_s, bool at_once) {
     Link& link = *links_[of[i]];
     const bool ready = (sockets[1 + 2 * i].revents | sockets[2 + 2 * i].revents) != 0;
     if (link.state() == Link::State::shaking && ready && shakes++ < max_shakes_a_turn) link.shake();
-    const bool fresh = link.state() == Link::State::shaken;
+    if (link.state() == Link::State::heading && ready) link.hear_head();
+    const bool fresh = link.state() == Link::State::ready;
     if (fresh && !hand_on(link)) over.push_back(of[i]);
     if (link.state() == Link::State::open && (ready || fresh || at_once) && link.move(now_s))
       more = true;
@@ -138,7 +139,7 @@ bool TlsDoor::turn(double now_s, bool at_once) {
 }
 
 // The server asks whose connection it is as soon as it is there, so it is written down before.
-bool TlsDoor::hand_on(Link& link) {
+bool Door::hand_on(Link& link) {
   if (!link.reserve()) return false;
   {
     const std::lock_guard lock(mutex_);
@@ -147,7 +148,7 @@ bool TlsDoor::hand_on(Link& link) {
   return link.connect(inner_port_);
 }
 
-void TlsDoor::let_in(double now_s) {
+void Door::let_in(double now_s) {
   for (int i = 0; i < max_new_a_turn; ++i) {
     sockaddr_storage from{};
     socklen_t size = sizeof from;
@@ -163,10 +164,10 @@ void TlsDoor::let_in(double now_s) {
   }
 }
 
-// The one that has taken longest to shake hands goes.
-void TlsDoor::make_place() {
+// The one that has been there longest without saying what it wants goes.
+void Door::make_place() {
   for (auto link = links_.begin(); link != links_.end(); ++link) {
-    if (link->second->state() != Link::State::shaking) continue;
+    if (link->second->state() > Link::State::heading) continue;
     links_.erase(link);
     return;
   }

@@ -14,26 +14,30 @@
 
 namespace tuina::web {
 
-/// Connections of a door at once; one that has not shaken hands makes place for one that comes.
+/// Connections of a door at once; one that has not yet said what it wants makes place for one that
+/// comes.
 inline constexpr int max_links = 256;
 
-/// The door to a network: takes connections by TLS and hands what they say, decrypted, to a server
-/// at a port of this machine, which can ask from where a connection comes and refuse those that did
-/// not come through the door. (CivetWeb as Debian has it knows no OpenSSL of today.)
+/// The door of a server that is at another port of this machine: takes connections, by TLS where it
+/// has a certificate, and hands on what they say. The server can ask from where a connection comes
+/// and refuse those that did not come through the door. It is there for what CivetWeb 1.15 as
+/// Debian has it cannot do: it knows no OpenSSL of today, gives a thread to whoever connects and
+/// says nothing, and takes as much memory for a message as that announces (`FrameGate`).
 ///
 /// One thread serves all of them, each in turn: those that are in before those that come, of whom
 /// each turn takes a few. Of a connection 16 KiB wait each way; who does not read is not read from.
-/// Hands are shaken within 10 s.
-class TlsDoor {
+/// Hands are shaken and the head of a request is said within 10 s; the server hears of nobody
+/// before.
+class Door {
  public:
   /// `address` as numbers; port 0 takes a free one. Fault::usage: it is no address. Fault::device:
   /// it is none of this machine, or the port is not free.
-  [[nodiscard]] static Result<std::unique_ptr<TlsDoor>> open(const std::string& address, int port,
-                                                             Certificate certificate,
-                                                             int inner_port);
-  ~TlsDoor();
-  TlsDoor(const TlsDoor&) = delete;
-  TlsDoor& operator=(const TlsDoor&) = delete;
+  [[nodiscard]] static Result<std::unique_ptr<Door>> open(const std::string& address, int port,
+                                                          std::optional<Certificate> certificate,
+                                                          int inner_port);
+  ~Door();
+  Door(const Door&) = delete;
+  Door& operator=(const Door&) = delete;
 
   [[nodiscard]] int port() const noexcept { return port_; }
   /// The machine whose connection the door hands on from this port; nothing: it is not the door's.
@@ -42,7 +46,7 @@ class TlsDoor {
   class Link;  ///< one connection
 
  private:
-  TlsDoor(int listener, int port, Certificate certificate, int inner_port);
+  Door(int listener, int port, std::optional<Certificate> certificate, int inner_port);
   void serve();
   [[nodiscard]] bool turn(double now_s, bool at_once);
   void let_in(double now_s);
@@ -50,7 +54,7 @@ class TlsDoor {
   [[nodiscard]] bool hand_on(Link& link);
 
   int listener_, port_, inner_port_;
-  Certificate certificate_;
+  std::optional<Certificate> certificate_;
   std::map<std::uint64_t, std::unique_ptr<Link>> links_;  ///< by the order of their coming
   std::uint64_t last_ = 0;
   mutable std::mutex mutex_;
