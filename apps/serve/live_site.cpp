@@ -91,9 +91,14 @@ std::string LiveSite::address(std::string_view scheme) const {
                      server_->port());
 }
 
+// The mutex is held.
+std::string LiveSite::invitation(web::Role role) {
+  return fmt::format("{}/?token={}", address("http"), access_->invite(role));
+}
+
 std::string LiveSite::invite() {
   const std::lock_guard lock(mutex_);
-  return fmt::format("{}/?token={}", address("http"), access_->invite());
+  return invitation(web::Role::operate);
 }
 
 std::string LiveSite::program_address() const {
@@ -125,11 +130,14 @@ void LiveSite::come(web::ClientId client, const web::Request& request) {
   const bool is_page = request.path == web::page_path;
   {
     const std::lock_guard lock(mutex_);
-    desk_.come(client, clock_.seconds());
-    if (is_page) pages_[client] = access_->known_cookie(request.cookie);
+    // Whose cookie has ended since it was looked at is nobody's guest.
+    const web::Guest guest = access_->find_guest(request.cookie).value_or(web::Guest{});
+    const web::Role role = is_page ? guest.role : web::Role::operate;
+    desk_.come(client, clock_.seconds(), role);
+    if (is_page) pages_[client] = guest;
     if (!is_page) programs_[client] = {};
     note(name_of_client(client), request.from.empty() ? "come" : "come from " + request.from,
-         "done");
+         role == web::Role::watch ? "done: to watch" : "done");
   }
   if (!is_page) channels_.come(client);
 }
@@ -180,9 +188,9 @@ void LiveSite::hear_page(web::ClientId client, std::string_view text) {
     const std::lock_guard lock(mutex_);
     outcome = message ? decide(client, *message) : message.error().message;
     const bool done = outcome == "done";
-    if (done && message->ask == web::Ask::invite) {
-      reply["address"] = fmt::format("{}/?token={}", address("http"), access_->invite());
-    }
+    if (done && message->ask == web::Ask::invite) reply["address"] = invitation(web::Role::watch);
+    if (done && message->ask == web::Ask::invite_operator)
+      reply["address"] = invitation(web::Role::operate);
     if (!message || message->ask != web::Ask::beat || !done)
       note(name_of_client(client), message ? name_of(message->ask) : "message", outcome);
   }
@@ -194,12 +202,14 @@ void LiveSite::hear_page(web::ClientId client, std::string_view text) {
   if (!silent) server_->reply(client, {.bytes = text_of(reply)});
 }
 
-std::string LiveSite::state_json(web::ClientId client, const LiveSession::State& state) const {
+std::string LiveSite::state_json(web::ClientId client, web::Role role,
+                                 const LiveSession::State& state) const {
   const double now_s = clock_.seconds();
   const auto at_the_desk = desk_.operator_at(now_s);
   return text_of({{"channel", "state"},
                   {"clock_s", now_s},
                   {"you", client},
+                  {"viewer", role == web::Role::watch},
                   {"operator", at_the_desk == client},
                   {"operated", at_the_desk.has_value()},
                   {"pages", desk_.clients()},
@@ -218,7 +228,7 @@ std::string LiveSite::state_json(web::ClientId client, const LiveSession::State&
                   {"pace", options_.session.pace ? json(*options_.session.pace) : json()},
                   {"ordered", options_.session.ordered},
                   {"audit_fails", audit_fails_.load()},
-                  {"password", options_.password.has_value()}});
+                  {"password", options_.passwords.has_value()}});
 }
 
 // The mutex is held. Whoever steers must be there: the arms stay where they are until somebody is.
@@ -238,9 +248,9 @@ void LiveSite::tell() {
     const LiveSession::State state = session_.state();
     pause_without_operator(state);
     const bool all = frame % state_every_frames == 0;
-    for (const auto& [client, cookie] : pages_) {
+    for (const auto& [client, guest] : pages_) {
       if (live) server_->put(client, live_slot, {.bytes = *live});
-      if (all) server_->put(client, state_slot, {.bytes = state_json(client, state)});
+      if (all) server_->put(client, state_slot, {.bytes = state_json(client, guest.role, state)});
     }
     if (!all) continue;
     const std::string now = fmt::format("{:.3f}", clock_.seconds());

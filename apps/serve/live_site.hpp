@@ -28,7 +28,7 @@ class LiveSite {
  public:
   struct Options {
     web::Place place;
-    std::optional<web::Password> password;  ///< of a server that is reached by TLS
+    std::optional<web::Passwords> passwords;  ///< of a server that is reached by TLS
     std::filesystem::path page = {};  ///< folder of a built page; empty: the one that is carried
     LiveSession::Options session;
   };
@@ -37,7 +37,7 @@ class LiveSite {
   LiveSite(const LiveSite&) = delete;
   LiveSite& operator=(const LiveSite&) = delete;
 
-  /// An address that opens the page once.
+  /// An address that opens the page once, for who may take control.
   [[nodiscard]] std::string invite();
   /// The address at which other programs watch (`web::foxglove`), until the server ends.
   [[nodiscard]] std::string program_address() const;
@@ -49,6 +49,7 @@ class LiveSite {
  private:
   LiveSite(Options options, web::AuditLog audit);
   [[nodiscard]] std::string address(std::string_view scheme) const;
+  [[nodiscard]] std::string invitation(web::Role role);
   [[nodiscard]] std::optional<web::Reply> answer(const web::Request& request);
   [[nodiscard]] web::Reply log_in(const web::Request& request);
   void log_out(const std::string& cookie);
@@ -65,7 +66,8 @@ class LiveSite {
   /// A line of the audit log; the mutex is held. An outcome other than "done" is a refusal.
   void note(const std::string& who, const std::string& what, const std::string& outcome);
   void tell();
-  [[nodiscard]] std::string state_json(web::ClientId client, const LiveSession::State& state) const;
+  [[nodiscard]] std::string state_json(web::ClientId client, web::Role role,
+                                       const LiveSession::State& state) const;
   void pause_without_operator(const LiveSession::State& state);
 
   Options options_;
@@ -82,7 +84,7 @@ class LiveSite {
     double clock_s = 0.0;  ///< of the server, as the newest pong brought it back
     web::Rate rate{200.0, 20.0};
   };
-  std::map<web::ClientId, std::string> pages_;  ///< and by which cookie they came
+  std::map<web::ClientId, web::Guest> pages_;  ///< and as whom they came
   std::map<web::ClientId, Program> programs_;
   web::AuditLog audit_;
   std::atomic<bool> audit_fails_ = false;

@@ -44,16 +44,30 @@ class Unseen {
 
 }  // namespace
 
-Result<void> make_password_file(const std::filesystem::path& file) {
+Result<void> make_password_file(const std::filesystem::path& file, web::Role role) {
+  std::optional<web::Passwords> before;
+  std::error_code fault;
+  if (role == web::Role::watch || std::filesystem::exists(file, fault)) {
+    auto read = web::Passwords::read(file);
+    if (!read) return tl::unexpected(read.error());
+    before = std::move(*read);
+  }
   const Unseen input;
   const std::string typed = input.ask("password: ");
   auto password = web::Password::make(typed);
   if (!password) return tl::unexpected(password.error());
+  if (before && before->role_of(typed))
+    return fail(Fault::usage, "{} has this password already: take another one", file.string());
   if (input.terminal() && input.ask("once more: ") != typed)
     return fail(Fault::usage, "the two passwords are not the same: {} was not written",
                 file.string());
+  web::Passwords after = before.value_or(web::Passwords{.operators = *password});
+  if (role == web::Role::watch)
+    after.viewers = std::move(*password);
+  else
+    after.operators = std::move(*password);
   ::umask(S_IRWXG | S_IRWXO);
-  return write_file(file, password->line());
+  return write_file(file, after.text());
 }
 
 }  // namespace tuina::app

@@ -13,11 +13,11 @@ std::optional<web::Reply> LiveSite::answer(const web::Request& request) {
   {
     const std::lock_guard lock(mutex_);
     if (!access_) return web::Reply{.status = 503};
-    const std::string cookie = access_->known_cookie(request.cookie);
+    const auto guest = access_->find_guest(request.cookie);
     reply = access_->judge(request, clock_.seconds());
     if (reply && reply->status == see_other) {
       const bool leaves = request.path == web::logout_path;
-      if (leaves) log_out(cookie);
+      if (leaves && guest) log_out(guest->cookie);
       note(who, leaves ? "leave" : "enter", "done");
       return reply;
     }
@@ -36,17 +36,18 @@ std::optional<web::Reply> LiveSite::answer(const web::Request& request) {
 
 web::Reply LiveSite::log_in(const web::Request& request) {
   const std::lock_guard guessing(guessing_);
-  if (!options_.password || !options_.password->matches(web::password_of(request.body)))
-    return web::login_page(web::LoginAnswer::wrong);
+  const auto role = options_.passwords ? options_.passwords->role_of(web::password_of(request.body))
+                                       : std::nullopt;
+  if (!role) return web::login_page(web::LoginAnswer::wrong);
   const std::lock_guard lock(mutex_);
-  note("browser " + request.from, "log in", "done");
-  return access_->let_in();
+  note("browser " + request.from, "log in", *role == web::Role::watch ? "done: to watch" : "done");
+  return access_->let_in(*role);
 }
 
 // The mutex is held. Pages that came with the cookie see and ask nothing any more.
 void LiveSite::log_out(const std::string& cookie) {
-  for (const auto& [client, came_by] : pages_)
-    if (came_by == cookie) server_->dismiss(client);
+  for (const auto& [client, guest] : pages_)
+    if (guest.cookie == cookie) server_->dismiss(client);
 }
 
 web::Reply LiveSite::content(const web::Request& request) const {

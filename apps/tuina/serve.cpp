@@ -35,12 +35,16 @@ class Serve final : public Verb {
     auto certificate =
         options.add("--certificate", certificate_,
                     "PEM file of certificate and key: the page is shown by TLS only");
-    auto password = options.add("--password-file", password_,
-                                "file of --make-password: who knows the password comes in, too");
+    auto password =
+        options.add("--password-file", password_,
+                    "file of --make-password: who knows a password of it comes in, too");
     certificate.needs(password);
     password.needs(certificate);
-    options.add("--make-password", make_password_,
-                "ask for a password, write what it is known by into this file, and end");
+    auto made =
+        options.add("--make-password", make_password_,
+                    "ask for a password, write what it is known by into this file, and end");
+    options.flag("--viewers", viewers_, "the password is for those who may watch and stop, no more")
+        .needs(made);
     pace_.describe(options, "real unless given");
     add_robot_option(options, robot_);
     options.add("--out", out_, "folder for the sessions and audit.log").show_default();
@@ -61,7 +65,7 @@ class Serve final : public Verb {
     if (!std::filesystem::is_directory(out_))
       return fail(Fault::file, "--out {}: the folder cannot be made: {}", out_, fault.message());
     auto site = LiveSite::open({.place = std::move(doors->place),
-                                .password = std::move(doors->password),
+                                .passwords = std::move(doors->passwords),
                                 .page = page_,
                                 .session = {.config = std::move(*config),
                                             .common = common,
@@ -85,7 +89,7 @@ class Serve final : public Verb {
  private:
   struct Doors {
     web::Place place;
-    std::optional<web::Password> password;
+    std::optional<web::Passwords> passwords;
   };
 
   // To a network by TLS and with a password, or to this machine alone.
@@ -93,25 +97,28 @@ class Serve final : public Verb {
     auto own = web::loopback_address(listen_);
     if (certificate_.empty()) {
       if (!own) return tl::unexpected(own.error());
-      return Doors{.place = {.address = *own, .port = port_}, .password = {}};
+      return Doors{.place = {.address = *own, .port = port_}, .passwords = {}};
     }
     auto certificate = web::Certificate::read(certificate_);
     if (!certificate) return tl::unexpected(certificate.error());
-    auto password = web::Password::read(password_);
-    if (!password) return tl::unexpected(password.error());
+    auto passwords = web::Passwords::read(password_);
+    if (!passwords) return tl::unexpected(passwords.error());
     return Doors{.place = {.address = own.value_or(listen_),
                            .port = port_,
                            .certificate = std::move(*certificate)},
-                 .password = std::move(*password)};
+                 .passwords = std::move(*passwords)};
   }
 
   [[nodiscard]] Result<Answer> made_password() const {
-    if (auto made = make_password_file(make_password_); !made) return tl::unexpected(made.error());
+    const auto role = viewers_ ? web::Role::watch : web::Role::operate;
+    if (auto made = make_password_file(make_password_, role); !made)
+      return tl::unexpected(made.error());
     return Answer{.json = nlohmann::json{{"file", make_password_}}.dump(2),
                   .text = fmt::format("{}: for --password-file", make_password_)};
   }
 
   PaceOption pace_;
+  bool viewers_ = false;
   int port_ = 8642;
   std::string listen_ = "127.0.0.1";
   std::string certificate_, password_, make_password_;

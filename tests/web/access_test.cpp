@@ -28,7 +28,7 @@ Request show(const std::string& token) {
 
 /// The cookie that a fresh token is exchanged for.
 std::string entered(Access& access) {
-  const auto reply = access.judge(show(access.invite()), 0.0);
+  const auto reply = access.judge(show(access.invite(Role::operate)), 0.0);
   REQUIRE(reply.has_value());
   REQUIRE(reply->status == 303);
   const std::string cookie = reply->headers.at(1).second;
@@ -46,7 +46,7 @@ TEST_CASE("tokens are 32 bytes and never the same") {
 
 TEST_CASE("an address opens the page once, and its cookie many times") {
   Access access(port);
-  const std::string token = access.invite();
+  const std::string token = access.invite(Role::operate);
   CHECK(status_of(access, show(token)) == 303);
   CHECK(status_of(access, show(token)) == 401);
   const std::string cookie = entered(access);
@@ -56,9 +56,22 @@ TEST_CASE("an address opens the page once, and its cookie many times") {
   CHECK(status_of(access, get("/page.js")) == 401);
 }
 
+TEST_CASE("who comes by an invitation is what it is for") {
+  Access access(port);
+  for (const Role role : {Role::watch, Role::operate}) {
+    const auto reply = access.judge(show(access.invite(role)), 0.0);
+    REQUIRE(reply.has_value());
+    const std::string cookie = reply->headers.at(1).second;
+    const auto guest = access.find_guest(cookie.substr(0, cookie.find(';')));
+    REQUIRE(guest.has_value());
+    CHECK(guest->role == role);
+  }
+  CHECK_FALSE(access.find_guest("tuina_8642=").has_value());
+}
+
 TEST_CASE("after five wrong tokens, guessing is slow; the right one still opens") {
   Access access(port);
-  const std::string token = access.invite();
+  const std::string token = access.invite(Role::operate);
   for (int i = 0; i < 5; ++i) CHECK(status_of(access, show(random_token()), 1.0) == 401);
   CHECK(status_of(access, show(random_token()), 1.0) == 429);
   CHECK(status_of(access, show(random_token()), 14.0) == 401);

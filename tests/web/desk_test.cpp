@@ -42,6 +42,21 @@ TEST_CASE("a viewer may stop and nothing else") {
   CHECK(pages.desk.operator_at(0.1) == anna);
 }
 
+TEST_CASE("who came to watch may stop and nothing else, also when nobody is in control") {
+  TwoPages pages;
+  constexpr ClientId visitor = 3;
+  pages.desk.come(visitor, 0.0, Role::watch);
+  for (std::size_t i = 0; i < ask_names.size(); ++i) {
+    const auto ask = static_cast<Ask>(i);
+    CAPTURE(name_of(ask));
+    const bool may = ask == Ask::beat || ask == Ask::stop;
+    CHECK(pages.ask(visitor, ask, 0.1) == (may ? Refusal::none : Refusal::viewer));
+  }
+  CHECK_FALSE(pages.desk.operator_at(0.1).has_value());
+  for (const Ask ask : {Ask::invite, Ask::invite_operator})
+    CHECK(pages.ask(anna, ask, 0.1) == Refusal::none);
+}
+
 TEST_CASE("there is one operator, until they leave, hand over or fall silent") {
   TwoPages pages;
   CHECK(pages.ask(anna, Ask::operate, 0.0) == Refusal::none);

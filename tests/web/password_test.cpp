@@ -37,13 +37,12 @@ int answer(Access& access, const Request& request, double now_s = 0.0) {
   return reply ? reply->status : 200;
 }
 
-TEST_CASE("a password is known by its file, which does not have it, and never twice the same") {
-  const test::Folder folder;
+TEST_CASE("a password is known by its line, which does not have it, and never twice the same") {
   const auto made = Password::make(right);
   REQUIRE(made.has_value());
   CHECK(made->line().find("slow") == std::string::npos);
   CHECK(made->line() != Password::make(right)->line());
-  const auto read = Password::read(written(folder, made->line()));
+  const auto read = Password::parse(made->line());
   REQUIRE(read.has_value());
   CHECK(read->matches(right));
   for (const char* wrong : {"", "eleven slow hand", "eleven slow hands ", "Eleven slow hands"})
@@ -57,18 +56,35 @@ TEST_CASE("a password is neither short nor endless") {
   CHECK_FALSE(Password::make(std::string(max_password_bytes + 1, 'x')).has_value());
 }
 
-TEST_CASE("a password file is one whole line that not everybody may read") {
+TEST_CASE("a file has one password for operators, and may have one for viewers") {
   const test::Folder folder;
-  const std::string line = Password::make(right)->line();
+  Passwords passwords{.operators = *Password::make(right)};
+  const auto one = Passwords::read(written(folder, passwords.text()));
+  REQUIRE(one.has_value());
+  CHECK(one->role_of(right) == Role::operate);
+  CHECK_FALSE(one->role_of("twelve quiet eyes").has_value());
+  passwords.viewers = *Password::make("twelve quiet eyes");
+  const auto two = Passwords::read(written(folder, passwords.text()));
+  REQUIRE(two.has_value());
+  CHECK(two->role_of(right) == Role::operate);
+  CHECK(two->role_of("twelve quiet eyes") == Role::watch);
+  CHECK_FALSE(two->role_of("viewers twelve quiet eyes").has_value());
+}
+
+TEST_CASE("a password file is whole lines that not everybody may read") {
+  const test::Folder folder;
+  const std::string line = Password::make(right)->line() + "\n";
   std::string other = line;
   other[other.size() - 2] = 'g';
-  for (const std::string& text : {std::string(), std::string(right), line + line, line.substr(1),
-                                  line.substr(0, line.size() - 2), other})
-    CHECK(Password::read(written(folder, text)).error().fault == Fault::bad_input);
+  for (const std::string& text :
+       {std::string(), std::string(right), line + line, line.substr(1),
+        line.substr(0, line.size() - 2), other, "viewers " + line, line + "viewers " + other,
+        line + "viewers " + line + "\n", line + "viewers ", line + "viewers " + line + line})
+    CHECK(Passwords::read(written(folder, text)).error().fault == Fault::bad_input);
   const fs::path file = written(folder, line);
   fs::permissions(file, fs::perms::others_read, fs::perm_options::add);
-  CHECK(Password::read(file).error().fault == Fault::bad_input);
-  CHECK(Password::read(folder / "nowhere").error().fault == Fault::file);
+  CHECK(Passwords::read(file).error().fault == Fault::bad_input);
+  CHECK(Passwords::read(folder / "nowhere").error().fault == Fault::file);
 }
 
 TEST_CASE("a form's password is decoded, and whatever is no password is none") {
@@ -108,7 +124,7 @@ TEST_CASE("the port that browsers leave out is no part of a host's name") {
 
 TEST_CASE("a cookie of the network goes by TLS alone, and is nothing after its owner has left") {
   Access access = network();
-  const std::string said = access.let_in().headers.at(1).second;
+  const std::string said = access.let_in(Role::operate).headers.at(1).second;
   CHECK(said.starts_with("__Host-tuina_8642="));
   CHECK(said.find("; HttpOnly; SameSite=Strict; Path=/; Secure") != std::string::npos);
   Request request = ask("GET", "/page.js");
@@ -127,7 +143,7 @@ TEST_CASE("after five wrong passwords a minute nobody's is looked at; right ones
   const Request request = ask("POST", login_path);
   for (int i = 0; i < 50; ++i) {
     REQUIRE(answer(access, request) == 200);
-    (void)access.let_in();
+    (void)access.let_in(Role::operate);
   }
   for (int i = 0; i < 5; ++i) CHECK(answer(access, request) == 200);
   CHECK(answer(access, request, 1.0) == 429);

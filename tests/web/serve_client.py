@@ -122,7 +122,8 @@ class Page:
         self.state, self.live, self.replies, self.sequence, self.open = {}, [], {}, 0, self.status == 101
         self.read_at, self.counting = 0.0, threading.Lock()
         if self.open:
-            threading.Thread(target=self.read, daemon=True).start()
+            self.reader = threading.Thread(target=self.read, daemon=True)
+            self.reader.start()
             self.until(lambda: self.state)
         if self.open and beats:
             threading.Thread(target=self.beat, daemon=True).start()
@@ -174,9 +175,9 @@ class Page:
         self.until(lambda: sequence in self.replies)
         return self.replies.get(sequence, {"outcome": "nothing"})["outcome"]
 
-    def invitation(self):
-        """An address that opens the page once more."""
-        sequence = self.ask("invite")
+    def invitation(self, ask="invite_operator"):
+        """An address that opens the page once more; with `invite` for a viewer."""
+        sequence = self.ask(ask)
         self.until(lambda: sequence in self.replies)
         return self.replies[sequence]["address"]
 
@@ -188,4 +189,9 @@ class Page:
 
     def close(self):
         self.open = False
+        try:
+            socket.socket.shutdown(self.link, socket.SHUT_RDWR)
+        except OSError:
+            pass  # the server was first
+        self.reader.join()  # or it would read from whoever gets this number next
         self.link.close()

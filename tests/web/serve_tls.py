@@ -4,7 +4,7 @@ does not. 127.0.0.2 stands for the network here: to the program it is another ad
 import os, socket, ssl, stat, subprocess, sys, tempfile, time, urllib.parse, warnings
 from serve_client import Page, Server, Socket
 
-ADDRESS, PASSWORD = "127.0.0.2", "eleven slow hands & 推拿"
+ADDRESS, PASSWORD, VIEWERS = "127.0.0.2", "eleven slow hands & 推拿", "twelve quiet eyes"
 warnings.simplefilter("ignore", DeprecationWarning)  # of old TLS, which is asked for to be refused
 faults, asked = [], 0
 
@@ -36,6 +36,10 @@ class Files:
     def path(self, name):
         return os.path.join(self.folder, name)
 
+    def lines(self, name):
+        with open(self.path(name), encoding="utf-8") as file:
+            return file.readlines()
+
     def written(self, name, content, mode=0o600):
         with open(self.path(name), "w", encoding="utf-8") as file:
             file.write(content)
@@ -59,11 +63,15 @@ def client_of(files, newest=None):
 
 
 def passwords(binary, files):
-    def make(name, typed):
-        return subprocess.run([binary, "serve", "--make-password", files.path(name)], input=typed.encode(), capture_output=True).returncode
+    def make(name, typed, *options):
+        return subprocess.run([binary, "serve", "--make-password", files.path(name), *options], input=typed.encode(), capture_output=True).returncode
 
     expect("a short password", (make("none", "short\n"), os.path.exists(files.path("none"))), (1, False))
     expect("a password", (make("password", PASSWORD + "\n"), make("again", PASSWORD + "\n")), (0, 0))
+    expect("viewers before operators", (make("none", VIEWERS + "\n", "--viewers"), os.path.exists(files.path("none"))), (2, False))
+    expect("viewers by the operators' password", make("password", PASSWORD + "\n", "--viewers"), 1)
+    expect("viewers", (make("password", VIEWERS + "\n", "--viewers"), len(files.lines("password"))), (0, 2))
+    expect("a password that was taken for the other", make("password", VIEWERS + "\n"), 1)
     with open(files.path("password"), encoding="utf-8") as one, open(files.path("again"), encoding="utf-8") as other:
         first, second = one.read(), other.read()
     expect("its owner's alone", stat.S_IMODE(os.stat(files.path("password")).st_mode), 0o600)
@@ -172,11 +180,31 @@ def cookies(server):
     expect("and is closed when it speaks", other.until(lambda: not other.open))
 
 
+def viewers(server):
+    """Who comes by the viewers' password, or is invited to watch, sees everything, may stop, and nothing else."""
+    status, headers, _ = log_in(server, VIEWERS)
+    expect("the viewers' password opens", status, 303)
+    cookie = headers.get("Set-Cookie", "=; ").split(";")[0]
+    therapist = Page(server, server.enter())
+    guest = Page(server, server.enter(therapist.invitation("invite").partition("=")[2]))
+    for who, page in (("by password", Page(server, cookie)), ("by invitation", guest)):
+        expect(f"a viewer {who} is told", (page.state["viewer"], page.state["operator"]), (True, False))
+        for ask in ("operate", "invite", "invite_operator", "hold", "arm", "pause", "resume", "softer", "hand_over"):
+            expect(f"a viewer {who}: {ask}", page.outcome(ask), "viewer")
+        expect(f"a viewer {who}: start", page.outcome("start", {}), "viewer")
+        expect(f"a viewer {who}: stop", page.outcome("stop"), "done")
+        page.close()
+    expect("a viewer sees", server.ask("/api/choices", Cookie=cookie)[0], 200)
+    expect("who may take control is told", therapist.state["viewer"], False)
+    expect("and may", therapist.outcome("operate"), "done")
+    therapist.close()
+    expect("the log has who came to watch", any(line["outcome"] == "done: to watch" for line in server.audit()))
+
+
 def guesses(server):
     """Who guesses is slow after five, and so is who knows it; an invitation opens, and who is in stays in."""
     before = len(server.audit())
-    cookie = server.enter()
-    page = Page(server, cookie)
+    page = Page(server, log_in(server)[1]["Set-Cookie"].split(";")[0])
     found = [log_in(server, f"{PASSWORD}{i}")[0] for i in range(7)]
     expect("seven guesses", found, [401] * 5 + [429] * 2)
     expect("the right one among guesses", log_in(server)[0], 429)
@@ -239,6 +267,7 @@ def main(binary):
         versions(server, files)
         doors(server)
         cookies(server)
+        viewers(server)
         page = guesses(server)
         around(server, page.cookie)
         programs(server)

@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::int64_t max_body_bytes = 1 << 20;
 constexpr std::size_t max_invitations = 16;
-constexpr std::size_t max_cookies = 256;
+constexpr std::size_t max_guests = 256;
 // Five wrong tokens a minute, and five wrong passwords.
 constexpr double guesses_at_once = 5.0, guesses_per_s = 5.0 / 60.0;
 constexpr std::string_view token_key = "token=";
@@ -67,12 +67,12 @@ Access::Access(int port, std::vector<std::string> hosts, bool by_tls)
     if (!by_tls || port != https_port) host += fmt::format(":{}", port);
 }
 
-std::string Access::invite() {
-  if (tokens_.size() == max_invitations) tokens_.erase(tokens_.begin());
-  return tokens_.emplace_back(random_token());
+std::string Access::invite(Role role) {
+  if (invitations_.size() == max_invitations) invitations_.erase(invitations_.begin());
+  return invitations_.emplace_back(Invitation{random_token(), role}).token;
 }
 
-std::string Access::known_cookie(std::string_view cookies) const {
+std::optional<Guest> Access::find_guest(std::string_view cookies) const {
   const std::string name = cookie_name_ + "=";
   for (std::size_t at = 0; at < cookies.size();) {
     const std::size_t end = std::min(cookies.find(';', at), cookies.size());
@@ -81,29 +81,32 @@ std::string Access::known_cookie(std::string_view cookies) const {
     if (one.starts_with(name)) {
       const std::string_view value = one.substr(name.size());
       // Every cookie is compared, so that the time does not tell which one it nearly was.
-      bool known = false;
-      for (const std::string& cookie : cookies_) known = same_secret(value, cookie) || known;
-      if (known) return std::string(value);
+      const Guest* known = nullptr;
+      for (const Guest& guest : guests_)
+        if (same_secret(value, guest.cookie)) known = &guest;
+      if (known != nullptr) return *known;
     }
     at = end + 1;
   }
-  return "";
+  return std::nullopt;
 }
 
 std::optional<Reply> Access::exchange(std::string_view token, double now_s) {
-  const auto given = std::find_if(tokens_.begin(), tokens_.end(),
-                                  [&](const std::string& one) { return same_secret(one, token); });
-  if (given == tokens_.end()) {
+  const auto given =
+      std::find_if(invitations_.begin(), invitations_.end(),
+                   [&](const Invitation& one) { return same_secret(one.token, token); });
+  if (given == invitations_.end()) {
     // Who has guessed too often is not told whether the next guess is right.
     return refuse_token(now_s, "this address was used already, or never given: ask for a new one");
   }
-  tokens_.erase(given);
-  return with_cookie();
+  const Role role = given->role;
+  invitations_.erase(given);
+  return with_cookie(role);
 }
 
-Reply Access::with_cookie() {
-  if (cookies_.size() == max_cookies) cookies_.erase(cookies_.begin());
-  const std::string& cookie = cookies_.emplace_back(random_token());
+Reply Access::with_cookie(Role role) {
+  if (guests_.size() == max_guests) guests_.erase(guests_.begin());
+  const std::string& cookie = guests_.emplace_back(Guest{random_token(), role}).cookie;
   return {
       .status = 303,
       .headers = {{"Location", "/"},
@@ -111,13 +114,14 @@ Reply Access::with_cookie() {
                                              cookie_name_, cookie, by_tls_ ? "; Secure" : "")}}};
 }
 
-Reply Access::let_in() {
+Reply Access::let_in(Role role) {
   bad_passwords_.give_back();
-  return with_cookie();
+  return with_cookie(role);
 }
 
 Reply Access::leave(const Request& request) {
-  std::erase(cookies_, known_cookie(request.cookie));
+  const auto gone = find_guest(request.cookie);
+  std::erase_if(guests_, [&](const Guest& one) { return gone && one.cookie == gone->cookie; });
   return {
       .status = 303,
       .headers = {{"Location", "/"},
@@ -167,14 +171,14 @@ std::optional<Reply> Access::judge(const Request& request, double now_s) {
   if (request.method != "GET") return refuse(405, "only GET; commands go through the WebSocket");
   if (request.path == "/" && request.query.starts_with(token_key))
     return exchange(std::string_view(request.query).substr(token_key.size()), now_s);
-  if (!known_cookie(request.cookie).empty()) return std::nullopt;
+  if (find_guest(request.cookie)) return std::nullopt;
   if (by_tls_ && (request.path == "/" || request.path == login_path))
     return login_page(LoginAnswer::nothing);
   return refuse(401, "open the address that the terminal printed, or that an operator gave you");
 }
 
 std::optional<Reply> Access::judge_post(const Request& request, double now_s) {
-  if (request.path == logout_path && !known_cookie(request.cookie).empty()) return leave(request);
+  if (request.path == logout_path && find_guest(request.cookie)) return leave(request);
   if (request.path != login_path) return refuse(405, "only GET; commands go through the WebSocket");
   if (request.body_bytes < 0 || request.body_bytes > max_form_bytes)
     return refuse(413, "no password is as long");

@@ -9,6 +9,7 @@
 #include "tuina/core/result.hpp"
 #include "tuina/web/rate.hpp"
 #include "tuina/web/request.hpp"
+#include "tuina/web/role.hpp"
 
 namespace tuina::web {
 
@@ -25,10 +26,16 @@ namespace tuina::web {
 /// Who asks to be let in with a password, and who leaves: both by POST.
 inline constexpr const char *login_path = "/login", *logout_path = "/logout";
 
-/// Who may come in. A page is opened once with a token, in the address that the terminal printed,
-/// and known by a cookie from then on. A Host that is not this machine is another name for it,
-/// given by somebody who wants a browser to ask here; an Origin that is not this server is another
-/// person's page.
+/// Somebody who is in.
+struct Guest {
+  std::string cookie;
+  Role role = Role::watch;
+};
+
+/// Who may come in, and as what. A page is opened once with a token, in the address that the
+/// terminal printed, and known by a cookie from then on. A Host that is not this machine is another
+/// name for it, given by somebody who wants a browser to ask here; an Origin that is not this
+/// server is another person's page.
 ///
 /// Another program that watches (`foxglove::path`) has no cookie and comes again by the same
 /// address, so it shows a token of its own each time: one that is good until the server ends. A
@@ -44,23 +51,23 @@ class Access {
   /// For one that is reached by TLS under these names.
   Access(int port, const std::vector<std::string>& hosts);
 
-  /// An address that opens the page, once.
-  [[nodiscard]] std::string invite();
+  /// A token that opens the page once.
+  [[nodiscard]] std::string invite(Role role);
   /// The token that other programs show.
   [[nodiscard]] const std::string& program_token() const { return program_token_; }
   /// The reply to whom is not let in, or who has just shown a token, or leaves; nothing for whom
   /// may go on: to `login_path`, where the password is to be looked at, or anywhere with a cookie.
   [[nodiscard]] std::optional<Reply> judge(const Request& request, double now_s);
   /// Lets in whose password was right.
-  [[nodiscard]] Reply let_in();
-  /// The cookie of these that is known; empty: none is.
-  [[nodiscard]] std::string known_cookie(std::string_view cookies) const;
+  [[nodiscard]] Reply let_in(Role role);
+  /// Whose cookie is among these.
+  [[nodiscard]] std::optional<Guest> find_guest(std::string_view cookies) const;
 
  private:
   Access(int port, std::vector<std::string> hosts, bool by_tls);
   [[nodiscard]] bool is_host(std::string_view name) const;
   [[nodiscard]] bool is_own_page(std::string_view origin) const;
-  [[nodiscard]] Reply with_cookie();
+  [[nodiscard]] Reply with_cookie(Role role);
   [[nodiscard]] Reply leave(const Request& request);
   [[nodiscard]] std::optional<Reply> judge_post(const Request& request, double now_s);
   [[nodiscard]] Reply refuse_token(double now_s, const char* why);
@@ -70,8 +77,12 @@ class Access {
   bool by_tls_;
   std::string cookie_name_;  ///< with the port, since ports share their cookies
   std::vector<std::string> hosts_;
-  std::vector<std::string> tokens_;   ///< given and not used yet
-  std::vector<std::string> cookies_;  ///< of those who are in
+  struct Invitation {
+    std::string token;
+    Role role;
+  };
+  std::vector<Invitation> invitations_;  ///< given and not used yet
+  std::vector<Guest> guests_;
   std::string program_token_ = random_token();
   Rate bad_tokens_, bad_passwords_;
 };

@@ -16,14 +16,15 @@ namespace tuina::web {
 /// All that a page may ask for. The commands of a running massage have the names of
 /// `session::LiveCommand`.
 enum class Ask : std::uint8_t {
-  beat,       ///< somebody is still there
-  operate,    ///< be the operator
-  hand_over,  ///< be the operator no longer
-  invite,     ///< an address that opens the page for one more
-  start,      ///< begin a session, by the order that the message holds
-  change,     ///< another plan, by the order that the message holds
-  hold,       ///< the button that arms goes down
-  arm,        ///< it was held long enough: the arms may move
+  beat,             ///< somebody is still there
+  operate,          ///< be the operator
+  hand_over,        ///< be the operator no longer
+  invite,           ///< an address that opens the page for one more, who may watch and stop
+  invite_operator,  ///< the same for one who may take control, too
+  start,            ///< begin a session, by the order that the message holds
+  change,           ///< another plan, by the order that the message holds
+  hold,             ///< the button that arms goes down
+  arm,              ///< it was held long enough: the arms may move
   pause,
   resume,
   stop,
@@ -32,9 +33,9 @@ enum class Ask : std::uint8_t {
   softer,
   firmer,
 };
-inline constexpr std::array<const char*, 15> ask_names = {
-    "beat",  "operate", "hand_over", "invite", "start",  "change", "hold",  "arm",
-    "pause", "resume",  "stop",      "skip",   "repeat", "softer", "firmer"};
+inline constexpr std::array<const char*, 16> ask_names = {
+    "beat",  "operate", "hand_over", "invite", "invite_operator", "start",  "change", "hold", "arm",
+    "pause", "resume",  "stop",      "skip",   "repeat",          "softer", "firmer"};
 [[nodiscard]] constexpr const char* name_of(Ask ask) noexcept {
   return ask_names[static_cast<std::size_t>(ask)];
 }

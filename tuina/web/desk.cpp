@@ -12,8 +12,8 @@ const char* name_of(Refusal refusal) noexcept {
   return names[static_cast<std::size_t>(refusal)];
 }
 
-void Desk::come(ClientId client, double now_s) {
-  clients_[client] = {.heard_s = now_s};
+void Desk::come(ClientId client, double now_s, Role role) {
+  clients_[client] = {.role = role, .heard_s = now_s};
 }
 
 void Desk::go(ClientId client) {
@@ -45,7 +45,9 @@ Refusal Desk::judge(ClientId client, const Message& message, double now_s) {
 }
 
 Refusal Desk::judge_operator(ClientId client, Client& from, Ask ask, double now_s) {
-  if (ask == Ask::beat || ask == Ask::invite) return Refusal::none;
+  if (ask == Ask::beat) return Refusal::none;
+  if (from.role == Role::watch) return Refusal::viewer;
+  if (ask == Ask::invite || ask == Ask::invite_operator) return Refusal::none;
   const auto at_the_desk = operator_at(now_s);
   if (ask == Ask::operate) {
     if (at_the_desk && *at_the_desk != client) return Refusal::taken;

@@ -7,6 +7,7 @@
 
 #include "tuina/web/ask.hpp"
 #include "tuina/web/rate.hpp"
+#include "tuina/web/role.hpp"
 
 namespace tuina::web {
 
@@ -28,13 +29,14 @@ inline constexpr double max_hold_s = 10.0;
 inline constexpr double max_messages_per_s = 20.0;
 
 /// Decides who may ask for what. Whoever has a page open may stop: at any rate, at any age, at any
-/// time. All else but `beat`, `operate` and `invite` is for the one operator, whose lease ends when
-/// their page falls silent. Times are seconds of one monotonic clock.
+/// time. `Role::watch` may do nothing else but `beat`. `Role::operate` may `operate` and invite;
+/// all else is for the one operator, whose lease ends when their page falls silent. Times are
+/// seconds of one monotonic clock.
 class Desk {
  public:
   /// @{
   /// A client has come or gone.
-  void come(ClientId client, double now_s);
+  void come(ClientId client, double now_s, Role role = Role::operate);
   void go(ClientId client);
   /// @}
   /// Takes note of the message, so that it counts once.
@@ -47,6 +49,7 @@ class Desk {
 
  private:
   struct Client {
+    Role role = Role::operate;
     std::uint64_t sequence = 0;
     double heard_s = 0.0;
     double held_s = -1.0;  ///< time at which the button went down; -1: it is up
