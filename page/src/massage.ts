@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+import { element, table } from "./element";
+import { stiffnessShare, wordsOf } from "./happening";
+import { ask, page, scene } from "./shown";
+import { armCards, dot, stage } from "./stage";
+import { say, sayPath } from "./words";
+
+export function massage(): HTMLElement {
+  const paused = page.state!.paused, steers = page.state!.operator;
+  page.slots["when"] = element("span", { class: "note" });
+  page.slots["next"] = element("div", {});
+  page.slots["happened"] = element("div", { class: "scroll log", tabindex: "0" });
+  page.slots["softest"] = element("div", { class: "legend" }, dot("#2f9e8f", say("soft")), dot("#8b1e5b", say("stiff")));
+  page.slots["bar"] = element("i", {});
+  const arms = armCards();
+  const key = (what: string): HTMLElement => element("button", { id: what, onclick: ask(what), disabled: !steers }, say(what));
+  const title = page.state!.phase === "report" ? "writing" : paused ? "paused_title" : "massage_title";
+  const picture = stage(element("h1", {}, say(title)), page.slots["when"]);
+  picture.append(page.slots["softest"]);
+  return element("div", { class: "split" }, picture,
+    element("div", { class: "side" }, element("div", { class: "bar" }, page.slots["bar"]),
+      element("div", { class: "keys" }, ...[paused ? "resume" : "pause", "softer", "firmer", "skip", "repeat"].map(key)),
+      element("p", { class: "note" }, steers ? say("keys") : say("not_you")), element("p", { id: "refusal", class: "note", role: "alert" }),
+      ...arms, element("div", { class: "card" }, element("h2", {}, say("next")), page.slots["next"]),
+      element("div", { class: "card" }, element("h2", {}, say("happened")), page.slots["happened"])));
+}
+
+export function showLive(): void {
+  if (!page.live) return;
+  page.live.arms.forEach((arm, i) => {
+    scene.moveArm(i, arm.links);
+    const path = page.plan?.paths[arm.path];
+    if (page.slots[`force${i}`]) page.slots[`force${i}`]!.textContent = `${Math.max(0, arm.felt_n).toFixed(1)} N`;
+    if (page.slots[`what${i}`]) page.slots[`what${i}`]!.textContent = `${path ? `${sayPath(path.name)} · ` : ""}${say(arm.phase === "stopped" ? "stopped_arm" : arm.phase)}`;
+    if (page.live!.forces.length) page.forces[i]?.add(page.live!.forces.map((row) => row[0]!), page.live!.forces.map((row) => row[1 + 2 * i]!), page.live!.forces.map((row) => row[2 + 2 * i]!));
+  });
+  page.live.forces = [];
+  if (!page.plan) return;
+  const step = Math.max(...page.live.arms.map((arm) => page.plan!.paths[arm.path]?.step ?? -1));
+  const next = page.plan.paths.filter((path) => path.step > step).slice(0, 4);
+  page.slots["next"]?.replaceChildren(table(next.map((path) => [sayPath(path.name), say(path.arm), `${path.ordered_n.toFixed(0)} N`])));
+  const rest = Math.max(0, Math.round(page.plan.duration_s - page.live.time_s));
+  if (page.slots["when"]) page.slots["when"].textContent = `${page.live.performed}/${page.plan.paths.length} ${say("done_paths")} · ${say("remaining")} ${Math.floor(rest / 60)}:${String(rest % 60).padStart(2, "0")} ${say("remaining_end")}`;
+}
+
+export function showHappened(): void {
+  scene.showFelt(page.happened.flatMap((one) => {
+    const at = one.stiffness_n_per_mm && page.plan?.paths[one.path]?.places[0];
+    return at ? [{ at, stiffness: stiffnessShare(one.stiffness_n_per_mm!) }] : [];
+  }));
+  const list = page.happened.slice(-40).reverse().map((one) => [`${one.time_s.toFixed(0)} s`, wordsOf(one, sayPath(page.plan?.paths[one.path]?.name ?? ""))]);
+  page.slots["happened"]?.replaceChildren(list.length ? table(list) : element("p", { class: "note" }, say("nothing_yet")));
+  if (page.slots["softest"]) page.slots["softest"].hidden = !page.happened.some((one) => one.stiffness_n_per_mm);
+}

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+import { Forces } from "./forces";
+import { type Happening } from "./happening";
+import { type Link, type Live, type State } from "./link";
+import { type Player } from "./player";
+import { type Plan, type Recording } from "./recording";
+import { type Acupoint, type Edit, Scene } from "./scene";
+import { say } from "./words";
+
+export interface Choices { people: string[]; positions: string[]; programmes: { name: string; description: string }[]; questions: { key: string }[]; zones: { name: string; cap_n: number }[]; max_seed: number }
+export type View = "choose" | "health" | "scan" | "review" | "massage" | "report" | "play";
+/** What is ruled out and what was moved by hand. */
+export interface ByHand { no_go: { name: string; corners: [number, number, number][] }[]; fixed: { name: string; at: [number, number, number] }[] }
+
+interface Shown {
+  link: Link; render(): void; choices: Choices; state?: State; live?: Live | undefined; plan?: Plan | undefined;
+  points: Acupoint[]; happened: Happening[]; view: View; chosen: "choose" | "health";
+  /** The session whose report was left; whether this page has been in control; what has been fetched. */
+  left: string; steered: boolean; zonesShown: boolean; seen: { session: string; cloud: number; backs: number; plans: number; events: number; phase: string };
+  /** Asked for, and what the plan that stands was made with. */
+  wanted: ByHand; kept: ByHand; editing: Edit; reviewsBefore: number;
+  recording?: Recording | undefined; player?: Player | undefined;
+  /** What is drawn anew within a view, by its name. */
+  forces: Forces[]; slots: Record<string, HTMLElement>;
+}
+
+/** What the page knows and shows; every view is made of it. `main` gives it its connection and its way to draw. */
+export const page = {
+  points: [], happened: [], view: "choose", chosen: "choose", left: "", steered: false, zonesShown: false,
+  seen: { session: "", cloud: 0, backs: 0, plans: 0, events: 0, phase: "" }, wanted: { no_go: [], fixed: [] }, kept: { no_go: [], fixed: [] },
+  editing: "turn", reviewsBefore: -1, forces: [], slots: {},
+} as unknown as Shown;
+
+export const main = document.getElementById("main")!;
+export const scene = new Scene(say("view_label"), say("no_picture"));
+export const read = async <T>(path: string): Promise<T> => (await fetch(path)).json() as Promise<T>;
+export const bytes = async (path: string): Promise<ArrayBuffer> => (await fetch(path)).arrayBuffer();
+export const speak = (words: string): void => { document.getElementById("spoken")!.textContent = words; };
+
+/** Says something where it was asked for, aloud too. */
+export function tell(words: string): void {
+  speak(words);
+  const place = document.getElementById("refusal");
+  if (place) place.textContent = words;
+}
+
+export const ask = (what: string) => () => page.link.ask(what);
+/** Whether this page steers, or may begin to by the next thing it asks. */
+export const maySteer = (): boolean => !!page.state && (page.state.operator || !page.state.operated);
+export function steer(): void { if (!page.state?.operator) page.link.ask("operate"); }
+export function stop(): void { page.link.ask("stop"); speak(say("stop_asked")); }
+
+export function viewOf(now: State): View {
+  // A session that runs is what everybody sees: who looks back is called to it.
+  if (page.recording && ["idle", "ended"].includes(now.phase)) return "play";
+  switch (now.phase) {
+    case "scan": case "map": case "plan": return "scan";
+    case "review": return "review";
+    case "massage": case "report": return "massage";
+    case "ended": return now.session === page.left ? page.chosen : "report";
+    default: return page.chosen;
+  }
+}
