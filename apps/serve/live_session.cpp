@@ -57,6 +57,7 @@ void LiveSession::begin(const std::string& number) {
   commands_.clear();
   paused_ = false;
   review_.reset();
+  by_hand_ = asked_by_hand_ = {};
   phase_ = LivePhase::scan;
   number_ = number;
   outcome_.clear(), words_.clear();
@@ -92,6 +93,7 @@ Result<void> LiveSession::change(session::ByHand wanted) {
   const std::lock_guard lock(mutex_);
   if (phase_ != LivePhase::review || review_)
     return fail(Fault::usage, "no plan waits to be changed");
+  asked_by_hand_ = wanted;
   review_ = session::Review{.answer = session::Review::Answer::change, .wanted = std::move(wanted)};
   answered_.notify_all();
   return {};
@@ -130,6 +132,11 @@ LiveSession::State LiveSession::state() const {
   return state;
 }
 
+session::ByHand LiveSession::by_hand() const {
+  const std::lock_guard lock(mutex_);
+  return by_hand_;
+}
+
 std::shared_ptr<LiveView> LiveSession::view() const {
   const std::lock_guard lock(mutex_);
   return view_;
@@ -141,6 +148,7 @@ session::Review LiveSession::wait_for_review(const motion::ReadyPlan& plan,
   std::unique_lock lock(mutex_);
   phase_ = LivePhase::review;
   words_ = refused;
+  if (refused.empty()) by_hand_ = asked_by_hand_;
   ++reviews_;
   review_.reset();
   answered_.wait(lock, [&] { return review_ || commands_.stopped(); });

@@ -77,6 +77,8 @@ class LiveSession {
   [[nodiscard]] Result<void> change(session::ByHand wanted);
   /// Refused when no massage runs.
   [[nodiscard]] Result<void> command(session::LiveCommand command);
+  /// What the plan that stands was made with.
+  [[nodiscard]] session::ByHand by_hand() const;
   /// In any phase; again and again does no harm.
   void stop();
 
@@ -98,6 +100,7 @@ class LiveSession {
   LivePhase phase_ = LivePhase::idle;
   std::optional<session::Review> review_;  ///< answer that the session has not taken yet
   int reviews_ = 0;
+  session::ByHand by_hand_, asked_by_hand_;
   bool paused_ = false;
   std::string number_, outcome_, words_;
   bool recorded_ = false;

@@ -18,6 +18,8 @@ using nlohmann::json;
 constexpr std::uint64_t force_every_ticks = 20;
 // Pages that take nothing for twenty seconds get the rest.
 constexpr std::size_t max_forces = 1000;
+// A page draws so many without a graphics card; of more, every second one is kept, every fourth...
+constexpr std::size_t max_cloud_points = 1 << 16;
 
 }  // namespace
 
@@ -29,11 +31,20 @@ void LiveView::on_progress(session::Stage stage, double share) noexcept {
 
 void LiveView::on_profile(const scanner::LiveProfile& profile) {
   const std::lock_guard lock(mutex_);
-  if (progress_.share == 0.0 && profile.number == 0) cloud_.clear();
-  for (const Vector3& point : profile.points_in_couch) {
-    for (int i = 0; i < 3; ++i) cloud_.push_back(static_cast<float>(point[i]));
+  if (progress_.share == 0.0 && profile.number == 0) {
+    cloud_.clear();
+    cloud_stride_ = 1;
+    progress_.cloud_points = 0;
   }
-  progress_.cloud_points = cloud_.size() / 3;
+  for (const Vector3& point : profile.points_in_couch) {
+    if (progress_.cloud_points++ % cloud_stride_ != 0) continue;
+    cloud_.push_back(point.cast<float>());
+    if (cloud_.size() < max_cloud_points) continue;
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < cloud_.size(); i += 2) cloud_[kept++] = cloud_[i];
+    cloud_.resize(kept);
+    cloud_stride_ *= 2;
+  }
 }
 
 void LiveView::on_scan(const scanner::Scan& scan) {
@@ -114,7 +125,7 @@ LiveView::Progress LiveView::progress() const {
 
 std::string LiveView::cloud() const {
   const std::lock_guard lock(mutex_);
-  return {reinterpret_cast<const char*>(cloud_.data()), cloud_.size() * sizeof(float)};
+  return {reinterpret_cast<const char*>(cloud_.data()), cloud_.size() * sizeof cloud_[0]};
 }
 
 std::string LiveView::back() const {

@@ -29,13 +29,14 @@ class LiveView final : public session::Observer {
   struct Progress {
     session::Stage stage = session::Stage::scan;
     double share = 0.0;
-    std::size_t cloud_points = 0;
+    std::size_t cloud_points = 0;  ///< that were seen
     /// How often back, map and plan were made; 0: not yet.
     int backs = 0, plans = 0;
     std::size_t events = 0;  ///< of `events()`
   };
   [[nodiscard]] Progress progress() const;
-  /// Places of the running scan, three float32 each.
+  /// Places of the running scan, three float32 each: all of them, or an even share of so many that
+  /// a page can draw them.
   [[nodiscard]] std::string cloud() const;
   /// `back_bytes`, `map_json` and `plan_json`; empty: not yet.
   [[nodiscard]] std::string back() const;
@@ -54,7 +55,8 @@ class LiveView final : public session::Observer {
   robot::RobotModel robot_;
   mutable std::mutex mutex_;
   Progress progress_;
-  std::vector<float> cloud_;
+  std::vector<Eigen::Vector3f> cloud_;
+  std::size_t cloud_stride_ = 1;  ///< every so many-th point is kept
   scanner::Scan scan_;
   std::string back_, map_, plan_;
   Transform couch_from_base_ = Transform::Identity();

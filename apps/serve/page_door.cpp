@@ -2,6 +2,7 @@
 // What browsers ask of the live page's server by HTTP, those who log in and out among them.
 #include "apps/serve/finished_session.hpp"
 #include "apps/serve/live_site.hpp"
+#include "apps/serve/plan_change.hpp"
 #include "tuina/web/login.hpp"
 
 namespace tuina::app {
@@ -74,6 +75,7 @@ web::Reply LiveSite::content(const web::Request& request) const {
     if (path == "/api/cloud") return bytes_reply(view->cloud());
     if (path == "/api/back" && !view->back().empty()) return bytes_reply(view->back());
     if (path == "/api/map" && !view->map().empty()) return json_reply(view->map());
+    if (path == "/api/by_hand") return json_reply(plan_change_json(session_.by_hand()));
     if (path == "/api/events") return json_reply(view->events());
     if (path == "/api/plan" && !view->plan().empty()) return json_reply(view->plan());
   }

@@ -90,4 +90,17 @@ Result<session::ByHand> parse_plan_change(std::string_view text) {
   return wanted;
 }
 
+std::string plan_change_json(const session::ByHand& by_hand) {
+  const auto numbers = [](const Vector3& place) { return json{place.x(), place.y(), place.z()}; };
+  json no_go = json::array(), fixed = json::array();
+  for (const massage::NoGo& area : by_hand.no_go) {
+    json corners = json::array();
+    for (const Vector3& corner : area.corners_in_couch) corners.push_back(numbers(corner));
+    no_go.push_back({{"name", area.name}, {"corners", std::move(corners)}});
+  }
+  for (const body::PalpatedPoint& point : by_hand.fixed)
+    fixed.push_back({{"name", point.name}, {"at", numbers(point.at_in_couch)}});
+  return json{{"no_go", std::move(no_go)}, {"fixed", std::move(fixed)}}.dump();
+}
+
 }  // namespace tuina::app

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <string>
 #include <string_view>
 
 #include "tuina/session/earlier/by_hand.hpp"
@@ -11,5 +12,7 @@ namespace tuina::app {
 /// in m in the couch frame. Whatever is missing, unknown, not finite or out of range is refused
 /// with its key.
 [[nodiscard]] Result<session::ByHand> parse_plan_change(std::string_view text);
+/// The same object, written.
+[[nodiscard]] std::string plan_change_json(const session::ByHand& by_hand);
 
 }  // namespace tuina::app

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { element, pills, table } from "./element";
 import { lookBack } from "./look_back";
-import { main, maySteer, page, read, steer } from "./shown";
+import { main, maySteer, page, read, steer, whyNot } from "./shown";
 import { say, sayOr } from "./words";
 
 interface Listed { session: string; person: string; programme: string; duration_s: number; performed: number; paths: number; stops: number }
@@ -30,7 +30,7 @@ export function choose(): HTMLElement {
         (name) => [element("b", {}, say(name)), element("small", {}, sayOr(`about_${name}`, page.choices.programmes.find((one) => one.name === name)!.description))]),
       pills("intensity", ["1", "2", "3", "4", "5"], String(order["intensity"]), pick("intensity"), (value) => [`${value} · ${say(`intensity_${value}`)}`]),
       element("div", {}, element("label", { class: "over", for: "seed" }, say("seed")), seed, element("p", { class: "note", id: "seed_help" }, say("seed_help")))),
-    element("button", { class: "go", id: "next", onclick: () => { page.chosen = page.view = "health"; page.render(); main.focus(); } }, say("on"))),
+    element("button", { class: "go", id: "next", onclick: () => { page.chosen = page.view = "health"; page.render(); main.focus({ preventScroll: true }); } }, say("on"))),
     element("h2", {}, say("sessions")), element("p", { id: "refusal", class: "note", role: "alert" }), element("div", { class: "card scroll-x" }, sessions));
 }
 
@@ -45,5 +45,5 @@ export function health(): HTMLElement {
       pills(`a_${one.key}`, ["no", "yes", "unknown"], answers[one.key] ?? "", (value) => { answers[one.key] = value; whole(); }, undefined, say(`q_${one.key}`)))),
     element("div", { class: "row" }, element("label", { for: "answered_by" }, say("answered_by")), name),
     element("div", { class: "row" }, element("button", { onclick: () => { page.chosen = page.view = "choose"; page.render(); } }, say("back")), go,
-      maySteer() ? "" : element("span", { class: "note" }, say("not_you"))), element("p", { id: "refusal", class: "note", role: "alert" }));
+      maySteer() ? "" : element("span", { class: "note" }, whyNot())), element("p", { id: "refusal", class: "note", role: "alert" }));
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /** What the server says of itself and of the session, four times a second. */
 export interface State {
-  clock_s: number; you: number; operator: boolean; operated: boolean; pages: number;
+  clock_s: number; you: number; viewer: boolean; operator: boolean; operated: boolean; pages: number;
   phase: "idle" | "scan" | "map" | "plan" | "review" | "massage" | "report" | "ended";
   progress: number; paused: boolean; session: string; outcome: string; words: string; recorded: boolean; reviews: number;
   cloud_points: number; backs: number; plans: number; events: number; pace: number | null; ordered: boolean; audit_fails: boolean; password: boolean;

@@ -26,7 +26,7 @@ export async function lookBack(session: string): Promise<void> {
   scene.showPaths(page.plan.paths);
   page.view = viewOf(page.state!);
   page.render();
-  main.focus();
+  main.focus({ preventScroll: true });
 }
 
 export function forgetRecording(): void {
@@ -73,7 +73,7 @@ export function lookedBack(): HTMLElement {
   const picture = stage();
   // Above the picture, since on a phone they would cover the neck.
   const head = element("div", { class: "row head" }, element("h1", {}, `${say("session")} ${session} · ${say(told.programme)}`),
-    element("button", { id: "leave", onclick: () => { forgetRecording(); page.chosen = "choose"; page.view = viewOf(page.state!); page.render(); main.focus(); } }, say(page.state!.ordered ? "back" : "all_sessions")),
+    element("button", { id: "leave", onclick: () => { forgetRecording(); page.chosen = "choose"; page.view = viewOf(page.state!); page.render(); main.focus({ preventScroll: true }); } }, say(page.state!.ordered ? "back" : "all_sessions")),
       element("a", { class: "button", href: `/sessions/${session}/report.html`, target: "_blank" }, say("report")));
   picture.append(page.slots["softest"]);
   return element("div", { class: "split" },

@@ -3,6 +3,7 @@ import "./page.css";
 import { choose, health } from "./choose";
 import { element } from "./element";
 import { type Happening } from "./happening";
+import { showInvitation } from "./invite";
 import { Link, type Reply, type State } from "./link";
 import { forgetRecording, lookedBack, play, showMoment } from "./look_back";
 import { massage, showHappened, showLive } from "./massage";
@@ -10,11 +11,11 @@ import { type Plan } from "./recording";
 import { review, showPlanning } from "./review";
 import { type Acupoint } from "./scene";
 import { report, scan, showProgress } from "./session";
-import { bytes, type Choices, main, page, read, scene, speak, stop, tell, type View, viewOf } from "./shown";
+import { type ByHand, bytes, type Choices, main, page, read, scene, speak, stop, tell, type View, viewOf } from "./shown";
 import { applyTheme, showTop } from "./top";
 import { applyLanguage, say } from "./words";
 
-let operateMs = 0;
+let operateMs = 0, drawn: View | undefined;
 
 page.link = new Link({
   state: (now) => void heard(now),
@@ -40,7 +41,7 @@ async function heard(now: State): Promise<void> {
   if (now.operator) page.steered = true;
   if (page.recording && !["idle", "ended"].includes(now.phase)) forgetRecording();
   if (now.session !== page.seen.session) {
-    page.seen = { session: now.session, cloud: 0, backs: 0, plans: 0, events: 0, phase: page.seen.phase };
+    page.seen = { session: now.session, cloud: 0, backs: 0, plans: 0, events: 0, reviews: -1, phase: page.seen.phase };
     scene.clear();
     page.plan = page.live = undefined;
     page.points = [];
@@ -51,7 +52,12 @@ async function heard(now: State): Promise<void> {
     page.forces = [];
   }
   const next = viewOf(now);
-  if (next !== page.view || page.seen.phase === "") { page.view = next; render(); }
+  if (next !== page.view || page.seen.phase === "") {
+    // Whoever still holds the button that armed sees the arms move.
+    pressing = false;
+    page.view = next;
+    render();
+  }
   if (now.phase !== page.seen.phase) {
     page.seen.phase = now.phase;
     speak(now.phase === "ended" ? say(`ended_${now.outcome}`) : say(`step_${next}`));
@@ -60,15 +66,7 @@ async function heard(now: State): Promise<void> {
   if (before?.operator !== now.operator || before?.operated !== now.operated) { showTop(); if (page.view !== "choose" && page.view !== "health") render(); }
   if (before?.paused !== now.paused) { render(); if (page.view === "massage") speak(say(now.paused ? "paused_title" : "massage_title")); }
   showProgress();
-  if (page.view === "review") {
-    if (before?.reviews !== now.reviews && now.reviews > page.reviewsBefore && now.words) {
-      // What could not be done is taken back, so that the next change does not ask for it again.
-      page.wanted = structuredClone(page.kept);
-      scene.showRuledOut(page.wanted.no_go.map((area) => area.corners));
-      scene.showAcupoints(page.points);
-    } else if (now.reviews > page.reviewsBefore) page.kept = structuredClone(page.wanted);
-    showPlanning();
-  }
+  if (page.view === "review") showPlanning();
   await fetchNew(now);
 }
 
@@ -90,6 +88,14 @@ async function fetchNew(now: State): Promise<void> {
     scene.showPaths(page.plan.paths);
     render();
   }
+  if (["review", "massage"].includes(now.phase) && now.reviews !== page.seen.reviews) {
+    // Whoever has said it, before this page was opened, too; what could not be done is not among it.
+    page.seen.reviews = now.reviews;
+    page.wanted = await read<ByHand>("/api/by_hand");
+    scene.showRuledOut(page.wanted.no_go.map((area) => area.corners));
+    scene.showAcupoints(page.points);
+    render();
+  }
   if (now.events > page.seen.events) {
     page.seen.events = now.events;
     page.happened = await read<Happening[]>("/api/events");
@@ -98,7 +104,7 @@ async function fetchNew(now: State): Promise<void> {
 }
 
 function answered(reply: Reply): void {
-  if (reply.address) { say("invited"); prompt(say("invited"), reply.address); }
+  if (reply.address) showInvitation(reply.address);
   else if (reply.outcome !== "done" && reply.ask !== "operate") tell(`${say("refused")} ${reply.outcome}`);
 }
 
@@ -121,6 +127,8 @@ function render(): void {
   page.slots = {};
   const keep = document.activeElement?.id;
   main.replaceChildren(makers[page.view]());
+  if (drawn !== page.view) scrollTo(0, 0);
+  drawn = page.view;
   const runs = !["idle", "ended"].includes(page.state.phase);
   document.getElementById("stop-bar")!.replaceChildren(...(runs
     ? [element("span", {}, say(page.state.phase === "massage" && page.state.paused ? "paused_title" : `step_${page.view}`)),

@@ -3,7 +3,7 @@ import { circleAround } from "./circle";
 import { element, table } from "./element";
 import { moveKeys } from "./move_keys";
 import { type Acupoint, type Edit, techniqueColours, zoneColours } from "./scene";
-import { maySteer, page, scene, steer, tell } from "./shown";
+import { maySteer, page, scene, steer, tell, whyNot } from "./shown";
 import { dot, stage } from "./stage";
 import { say, sayPath } from "./words";
 
@@ -61,9 +61,9 @@ export function review(): HTMLElement {
   // Beside the picture, since on a phone they would cover the neck.
   const tools = element("div", { class: "row" }, zones, tool("move"), tool("rule_out"), undo);
   return element("div", { class: "split" }, element("div", { class: "tooled" }, tools, picture), element("div", { class: "side" }, element("h1", {}, say("review_title")), hold,
-    maySteer() ? "" : element("p", { class: "note" }, say("not_you")), element("p", { id: "refusal", class: "note", role: "alert" }),
-    element("div", { class: "card" }, element("h2", {}, say("acupoints")), element("div", { class: "scroll", tabindex: "0" },
-      table(page.points.map((point) => [point.name, `${say("uncertainty")} ${point.uncertainty_mm.toFixed(0)} mm`,
+    maySteer() ? "" : element("p", { class: "note" }, whyNot()), element("p", { id: "refusal", class: "note", role: "alert" }),
+    element("div", { class: "card" }, element("h2", {}, `${say("acupoints")} · ${say("uncertainty")}`), element("div", { class: "scroll", tabindex: "0" },
+      table(page.points.map((point) => [point.name, `${point.uncertainty_mm.toFixed(0)} mm`,
         element("div", { class: "row" }, moveKeys(point, scene, !maySteer(), tell),
           element("button", { "aria-label": `${say("rule_out_here")} ${point.name}`, disabled: !maySteer(), onclick: () => ruleOutAround(point) }, say("rule_out_here")))])))),
     element("div", { class: "card" }, element("h2", {}, `${say("paths")} · ${Math.round(page.plan?.duration_s ?? 0)} s`), element("div", { class: "scroll", tabindex: "0" },

@@ -16,9 +16,9 @@ interface Shown {
   link: Link; render(): void; choices: Choices; state?: State; live?: Live | undefined; plan?: Plan | undefined;
   points: Acupoint[]; happened: Happening[]; view: View; chosen: "choose" | "health";
   /** The session whose report was left; whether this page has been in control; what has been fetched. */
-  left: string; steered: boolean; zonesShown: boolean; seen: { session: string; cloud: number; backs: number; plans: number; events: number; phase: string };
-  /** Asked for, and what the plan that stands was made with. */
-  wanted: ByHand; kept: ByHand; editing: Edit; reviewsBefore: number;
+  left: string; steered: boolean; zonesShown: boolean; seen: { session: string; cloud: number; backs: number; plans: number; events: number; reviews: number; phase: string };
+  /** What the plan that stands was made with, and what was asked for since. */
+  wanted: ByHand; editing: Edit; reviewsBefore: number;
   recording?: Recording | undefined; player?: Player | undefined;
   /** What is drawn anew within a view, by its name. */
   forces: Forces[]; slots: Record<string, HTMLElement>;
@@ -27,7 +27,7 @@ interface Shown {
 /** What the page knows and shows; every view is made of it. `main` gives it its connection and its way to draw. */
 export const page = {
   points: [], happened: [], view: "choose", chosen: "choose", left: "", steered: false, zonesShown: false,
-  seen: { session: "", cloud: 0, backs: 0, plans: 0, events: 0, phase: "" }, wanted: { no_go: [], fixed: [] }, kept: { no_go: [], fixed: [] },
+  seen: { session: "", cloud: 0, backs: 0, plans: 0, events: 0, reviews: -1, phase: "" }, wanted: { no_go: [], fixed: [] },
   editing: "turn", reviewsBefore: -1, forces: [], slots: {},
 } as unknown as Shown;
 
@@ -46,7 +46,9 @@ export function tell(words: string): void {
 
 export const ask = (what: string) => () => page.link.ask(what);
 /** Whether this page steers, or may begin to by the next thing it asks. */
-export const maySteer = (): boolean => !!page.state && (page.state.operator || !page.state.operated);
+export const maySteer = (): boolean => !!page.state && !page.state.viewer && (page.state.operator || !page.state.operated);
+/** Why it may not. */
+export const whyNot = (): string => say(page.state?.viewer ? "watch_only" : "not_you");
 export function steer(): void { if (!page.state?.operator) page.link.ask("operate"); }
 export function stop(): void { page.link.ask("stop"); speak(say("stop_asked")); }
 

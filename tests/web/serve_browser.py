@@ -3,7 +3,7 @@
 dark; each view is judged by axe-core. Prints how soon a key reached the loop that moves the arms.
 Usage: serve_browser.py TUINA PAGE_FOLDER AXE.js [PICTURES]; exit 77 where there is no browser or no page. With PICTURES
 it presses 100 keys and leaves pictures there: of each view, of both arms pressing, and of a whole massage played."""
-import json, os, subprocess, sys, tempfile, time
+import json, os, signal, subprocess, sys, tempfile, time
 from browser import Tab, chromium
 from serve_client import Page, Server
 
@@ -18,11 +18,13 @@ def expect(what, holds):
 class Visit:
     """A tab that has entered, and where its pictures go."""
 
-    def __init__(self, tab, server, axe, pictures, name):
+    def __init__(self, tab, server, axe, pictures, name, address=None):
         self.tab, self.axe, self.pictures, self.name = tab, axe, pictures, name
         tab.call("Page.setBypassCSP", enabled=True)  # so that axe may look; the page itself runs without
-        tab.call("Page.navigate", url=server.invite())
-        expect(f"{name}: the page opens", tab.until("!!document.querySelector('#next, #another')"))
+        address, began = address or server.invite(), time.monotonic()
+        tab.call("Page.navigate", url=address)
+        expect(f"{name}: the page opens", tab.until("!!document.querySelector('#next, #another, #stop')"))
+        print(f"{name}: the page is there after {1e3 * (time.monotonic() - began):.0f} ms")
 
     def judge(self, view):
         """Nothing that axe finds, nothing beyond the screen's side, nothing too small for a finger."""
@@ -64,6 +66,9 @@ def ruled_out_by_keys(server, watcher, tab):
     names = [path["name"] for path in plan(server, watcher)["paths"]]
     expect(f"nothing at a place that is ruled out {names}", "press BL50_R" in names and not {"press BL50_L", "rub BL50_L"} & set(names))
     expect("it may be armed again", tab.until("!document.querySelector('#arm').disabled"))
+    tab.call("Page.reload")
+    expect("a page that is opened anew knows what was ruled out", tab.until("document.querySelector('#undo')?.disabled === false"))
+    expect("and may be armed", tab.until("!document.querySelector('#arm').disabled"))
 
 
 def acupoint(server, watcher, name):
@@ -138,10 +143,62 @@ def delays_ms(tab, watcher, server, presses):
     return sorted(delays)
 
 
+def lost_and_back(server, tab):
+    """A server that is silent is told within a second, and told no more when it speaks again."""
+    expect("nothing is lost", tab.see("document.querySelector('#lost').hidden"))
+    os.kill(server.process.pid, signal.SIGSTOP)
+    began = time.monotonic()
+    try:
+        shown = tab.until("!document.querySelector('#lost').hidden", 10)
+        print(f"a lost connection is shown after {1e3 * (time.monotonic() - began):.0f} ms")
+    finally:
+        os.kill(server.process.pid, signal.SIGCONT)
+    expect("a lost connection is shown", shown and tab.see("document.querySelector('#lost').textContent !== ''"))
+    expect("and comes back", tab.until("document.querySelector('#lost').hidden", 10))
+
+
+def invited_by_keys(visit):
+    """Somebody is invited to watch: they see STOP and the plan, and nothing with which they could steer."""
+    tab = visit.tab
+    for button in ("#open_invitation", "#invite"):
+        expect(f"{button} is reached", tab.tab_to(button))
+        tab.key("Enter")
+    expect("an address", tab.until("!!document.querySelector('#invited_address')"))
+    visit.judge("invitation")
+    address = tab.see("document.querySelector('#invited_address').value")
+    expect("closing is reached", tab.tab_to("#close_invitation"))
+    tab.key("Enter")
+    return address
+
+
+def watched(address, axe, pictures):
+    """Who was invited to watch, while a plan waits."""
+    tab = Tab(1024, 768)
+    guest = Visit(tab, None, axe, pictures, "guest", address)
+    expect("a viewer sees the plan", tab.until("!!document.querySelector('#arm')", 20))
+    guest.judge("review")
+    expect("and may do nothing with it", tab.see("document.querySelector('#arm').disabled && document.querySelector('#move').disabled"))
+    expect("nor take control", not tab.see("document.querySelector('#open_invitation')"))
+    expect("but STOP", tab.see("!document.querySelector('#stop').disabled"))
+    guest.ended()
+
+
+def frames_hz(tab, seconds=4.0):
+    """Pictures of the back and both arms in a second, without a graphics card."""
+    def drawn():
+        return tab.see("[performance.now(), Number(document.querySelector('.view canvas')?.dataset.drawn ?? 0)]")
+
+    (began_ms, before), _ = drawn(), time.sleep(seconds)
+    ended_ms, after = drawn()
+    return 1e3 * (after - before) / (ended_ms - began_ms)
+
+
 def by_keyboard(server, watcher, axe, pictures, presses):
     tab = Tab(1600, 1000)
     visit = Visit(tab, server, axe, pictures, "desk")
     visit.judge("choose")
+    lost_and_back(server, tab)
+    invitation = invited_by_keys(visit)
     expect("next is reached", tab.tab_to("#next"))
     tab.key("Enter")
     tab.until("!!document.querySelector('#answered_by')")
@@ -152,6 +209,7 @@ def by_keyboard(server, watcher, axe, pictures, presses):
     visit.judge("scan")
     expect("review", tab.until("!!document.querySelector('#arm')", 120))
     visit.judge("review")
+    watched(invitation, axe, pictures)
     moved_by_keys(server, watcher, tab)
     ruled_out_by_keys(server, watcher, tab)
     expect("arm is reached", tab.tab_to("#arm"))
@@ -165,6 +223,9 @@ def by_keyboard(server, watcher, axe, pictures, presses):
         expect(ask, watcher.until(lambda: any(line["what"] == ask for line in server.audit())))
     expect("the loop followed", watcher.until(lambda: len(events(server, watcher)) >= 2, 5))
     visit.judge("massage")
+    hz = frames_hz(tab)
+    print(f"both arms are drawn {hz:.1f} times a second, in software, at 1600 x 1000")
+    expect("they are drawn", hz > 0.5)
     delays = delays_ms(tab, watcher, server, presses)
     expect("nobody is paused", not watcher.state["paused"])
     expect("a place was felt", watcher.until(

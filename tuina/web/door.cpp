@@ -2,9 +2,11 @@
 #include "tuina/web/door.hpp"
 
 #include <netdb.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <vector>
@@ -53,12 +55,22 @@ int port_of(int socket) {
   return std::stoi(port.data());
 }
 
+// Two files each; some are left for sessions and their records.
+std::size_t links_of_this_process() {
+  constexpr rlim_t others = 256, fewest = 64;
+  rlimit files{};
+  if (::getrlimit(RLIMIT_NOFILE, &files) != 0) return fewest;
+  const rlim_t left = std::max(files.rlim_cur, others + 2 * fewest) - others;
+  return std::min<std::size_t>(max_links, left / 2);
+}
+
 }  // namespace
 
 Door::Door(int listener, int port, std::optional<Certificate> certificate, int inner_port)
     : listener_(listener),
       port_(port),
       inner_port_(inner_port),
+      links_at_once_(links_of_this_process()),
       certificate_(std::move(certificate)),
       thread_([this] { serve(); }) {}
 
@@ -155,8 +167,8 @@ void Door::let_in(double now_s) {
     const int outer = ::accept4(listener_, reinterpret_cast<sockaddr*>(&from), &size,
                                 SOCK_CLOEXEC | SOCK_NONBLOCK);
     if (outer < 0) return;
-    if (links_.size() >= max_links) make_place();
-    if (links_.size() >= max_links) {
+    if (links_.size() >= links_at_once_) make_place();
+    if (links_.size() >= links_at_once_) {
       ::close(outer);
       continue;
     }

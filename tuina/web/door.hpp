@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <cstddef>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -14,9 +15,9 @@
 
 namespace tuina::web {
 
-/// Connections of a door at once; one that has not yet said what it wants makes place for one that
-/// comes.
-inline constexpr int max_links = 256;
+/// Connections of a door at once, or fewer where the process may not open as many files; one that
+/// has not yet said what it wants makes place for one that comes.
+inline constexpr std::size_t max_links = 1280;
 
 /// The door of a server that is at another port of this machine: takes connections, by TLS where it
 /// has a certificate, and hands on what they say. The server can ask from where a connection comes
@@ -54,6 +55,7 @@ class Door {
   [[nodiscard]] bool hand_on(Link& link);
 
   int listener_, port_, inner_port_;
+  std::size_t links_at_once_;
   std::optional<Certificate> certificate_;
   std::map<std::uint64_t, std::unique_ptr<Link>> links_;  ///< by the order of their coming
   std::uint64_t last_ = 0;
