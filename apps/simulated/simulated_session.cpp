@@ -147,10 +147,12 @@ Result<std::unique_ptr<record::SessionRecorder>> recorder_of(const std::filesyst
   if (file.empty()) return std::unique_ptr<record::SessionRecorder>();
   auto programme = text_of_programme(order.programme);
   if (!programme) return tl::unexpected(programme.error());
-  return record::SessionRecorder::begin(file, start_of(order, room, seed),
-                                        {{"config.toml", session::to_toml(config)},
-                                         {"consent.toml", room.consent_toml},
-                                         {"programme.toml", std::move(*programme)}});
+  return record::SessionRecorder::begin(
+      file, start_of(order, room, seed),
+      {{"calibration.toml", scanner::to_toml(room.order.calibration)},
+       {"config.toml", session::to_toml(config)},
+       {"consent.toml", room.consent_toml},
+       {"programme.toml", std::move(*programme)}});
 }
 
 /// A robot that is no part of this program; null and empty where all is to happen in this one.

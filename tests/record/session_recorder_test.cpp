@@ -71,6 +71,9 @@ TEST_CASE(
   const test::Folder folder;
   constexpr std::uint64_t count = 2500;
   const auto recorder = recorder_for(folder / "session.mcap");
+  for (int line = 0; line < 3; ++line)  // the middle one has seen nothing
+    recorder->on_profile(
+        {.number = line, .points_in_couch = std::vector<Vector3>(line == 1 ? 0 : 2)});
   tell_beginning(*recorder);
   for (std::uint64_t ms = 0; ms < count; ++ms) recorder->on_tick(tick_at(ms));
   REQUIRE(recorder->finish(count - 1).has_value());
@@ -80,6 +83,7 @@ TEST_CASE(
   CHECK(read.contents.lost.empty());
   REQUIRE(read.of.at("/joint_states").size() == count);
   REQUIRE(read.of.at("/tools").size() == count);
+  CHECK(read.of.at("/profile").size() == 2);
   CHECK(read.of.at("/scan").size() == 1);
   CHECK(read.of.at("/acupoints").size() == 1);
   CHECK(read.contents.attachment("robot.urdf") != nullptr);

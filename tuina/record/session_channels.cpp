@@ -68,6 +68,12 @@ void SessionChannels::tell(std::uint16_t& channel, const Event& event, double ti
                   .dump(-1, ' ', false, SchemaWriter::Json::error_handler_t::replace));
 }
 
+void SessionChannels::on_profile(const scanner::LiveProfile& profile) {
+  if (profile.points_in_couch.empty()) return;
+  tell(channels_.profile, "/profile", cloud_message(time_s_, {.points = profile.points_in_couch}),
+       time_s_);
+}
+
 void SessionChannels::on_scan(const scanner::Scan& scan) {
   tell(channels_.scan, "/scan", cloud_message(time_s_, scan.cloud_in_couch), time_s_, true);
 }

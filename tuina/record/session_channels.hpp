@@ -35,13 +35,14 @@ class ScanChannel {
 };
 
 /// Tells a session as messages on channels (docs/record.md): joints, tools and their wrenches each
-/// millisecond, scan, acupoints, plan, and what happens. A millisecond takes a microsecond here and
-/// what the sink takes.
+/// millisecond, profiles of a scan and the scan, acupoints, plan, and what happens. A millisecond
+/// takes a microsecond here and what the sink takes.
 class SessionChannels final : public session::Observer {
  public:
   /// The sink must outlive it, and hears of the order and of the consent here.
   SessionChannels(ChannelSink& sink, const SessionStart& start);
 
+  void on_profile(const scanner::LiveProfile& profile) override;
   void on_scan(const scanner::Scan& scan) override;
   void on_map(const body::Mapping& map) override;
   void on_plan(const motion::ReadyPlan& plan, const Transform& base_from_couch) override;
@@ -76,8 +77,8 @@ class SessionChannels final : public session::Observer {
 
   /// Channels are added when their first message comes; 0: not yet.
   struct Channels {
-    std::uint16_t joints = 0, tools = 0, parts = 0, still = 0, scan = 0, acupoints = 0, plan = 0,
-                  urdf = 0;
+    std::uint16_t joints = 0, tools = 0, parts = 0, still = 0, profile = 0, scan = 0, acupoints = 0,
+                  plan = 0, urdf = 0;
     PerArm<std::uint16_t> wrench = {}, pose = {};
     std::uint16_t order = 0, consent = 0, planned = 0, arms = 0, contacts = 0, tissue = 0,
                   decisions = 0, stops = 0, commands = 0, guard = 0, gaps = 0;

@@ -26,6 +26,7 @@ class SessionRecorder final : public session::Observer, private ChannelSink {
       const std::filesystem::path& file, const SessionStart& start,
       const Attachments& attached = {});
 
+  void on_profile(const scanner::LiveProfile& profile) override { channels_.on_profile(profile); }
   void on_scan(const scanner::Scan& scan) override { channels_.on_scan(scan); }
   void on_map(const body::Mapping& map) override;
   void on_plan(const motion::ReadyPlan& plan, const Transform& base_from_couch) override {
