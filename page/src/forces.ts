@@ -13,14 +13,16 @@ export class Forces {
 
   constructor(private readonly place: HTMLElement, arm: number) {
     const ink = getComputedStyle(document.documentElement).getPropertyValue("--soft");
+    const strong = getComputedStyle(document.documentElement).getPropertyValue("--ink");
     const line = getComputedStyle(document.documentElement).getPropertyValue("--line");
     const axis = { stroke: ink, grid: { stroke: line, width: 1 }, ticks: { show: false }, font: "12px system-ui" };
     this.plot = new uPlot({
       width: 300, height: 140, cursor: { show: false }, legend: { show: false },
       scales: { x: { time: false }, y: { range: (_, low, high) => [Math.min(0, low), Math.max(10, high * 1.1)] } },
       axes: [{ ...axis, size: 26, values: (_, ticks) => ticks.map((tick) => `${tick} s`) }, { ...axis, size: 44, values: (_, ticks) => ticks.map((tick) => `${tick} N`) }],
-      series: [{}, { label: say("target"), stroke: ink, width: 1.5, dash: [5, 4] },
-        { label: say("felt"), stroke: armColours[arm]!, width: 2 }],
+      // What is asked for lies on what is felt, which mostly covers it.
+      series: [{}, { label: say("felt"), stroke: armColours[arm]!, width: 2 },
+        { label: say("target"), stroke: strong, width: 1.5, dash: [5, 4] }],
     }, this.rows, place);
     new ResizeObserver(() => this.plot.setSize({ width: Math.max(place.clientWidth, 120), height: 140 })).observe(place);
   }
@@ -33,12 +35,12 @@ export class Forces {
 
   /** These rows and no others. */
   show(times: number[], targets: number[], felts: number[]): void {
-    this.rows = [times, targets, felts];
+    this.rows = [times, felts, targets];
     if (this.place.isConnected) this.plot.setData(this.rows);
   }
 
   add(times: number[], targets: number[], felts: number[]): void {
-    const all = [times, targets, felts];
+    const all = [times, felts, targets];
     const first = (times.at(-1) ?? 0) - shownS;
     const from = this.rows[0].findIndex((time) => time >= first);
     this.rows = this.rows.map((row, i) => [...(from < 0 ? [] : row.slice(from)), ...all[i]!]) as typeof this.rows;

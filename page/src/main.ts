@@ -115,7 +115,9 @@ const drawNow = (): void => { pressing = false; if (drawsLater) render(); };
 const drawIn = (ms: number): void => { clearTimeout(released); released = window.setTimeout(drawNow, ms); };
 addEventListener("pointerdown", () => { clearTimeout(released); pressing = true; }, true);
 addEventListener("pointerup", () => drawIn(400), true);
-for (const end of ["click", "pointercancel"]) addEventListener(end, () => drawIn(0), true);
+for (const end of ["click", "pointercancel", "keyup", "blur"]) addEventListener(end, () => drawIn(0), true);
+// So that a key, too, can hold what is held: whoever begins by it takes control, which is drawn.
+addEventListener("keydown", (event) => { if ((event.target as Element).closest?.(".hold")) { clearTimeout(released); pressing = true; } }, true);
 
 function render(): void {
   if (!page.choices || !page.state) return;

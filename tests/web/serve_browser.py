@@ -29,6 +29,8 @@ class Visit:
     def judge(self, view):
         """Nothing that axe finds, nothing beyond the screen's side, nothing too small for a finger."""
         tab, where = self.tab, f"{self.name}, {view}"
+        if self.pictures:
+            tab.picture(f"{self.pictures}/{self.name}-{view}.png")
         if not tab.see("typeof axe !== 'undefined'"):
             tab.see(f"{self.axe}; true")
         found = tab.see("""axe.run({ iframes: false }).then((all) => all.violations.map((one) =>
@@ -38,8 +40,6 @@ class Visit:
         small = tab.see("""[...document.querySelectorAll("button, a.button, .pills label, input:not([type=radio])")]
             .filter((one) => one.offsetParent && (one.offsetWidth < 44 || one.offsetHeight < 44)).map((one) => one.outerHTML.slice(0, 80))""")
         expect(f"{where}: too small for a finger {small}", not small)
-        if self.pictures:
-            tab.picture(f"{self.pictures}/{self.name}-{view}.png")
 
     def ended(self):
         expect(f"{self.name}: scripts complain {self.tab.errors}", not self.tab.errors)
@@ -66,9 +66,14 @@ def ruled_out_by_keys(server, watcher, tab):
     names = [path["name"] for path in plan(server, watcher)["paths"]]
     expect(f"nothing at a place that is ruled out {names}", "press BL50_R" in names and not {"press BL50_L", "rub BL50_L"} & set(names))
     expect("it may be armed again", tab.until("!document.querySelector('#arm').disabled"))
+
+
+def opened_anew(watcher, tab):
+    """What was ruled out is there when the page is opened anew, by somebody who is not in control any more."""
     tab.call("Page.reload")
     expect("a page that is opened anew knows what was ruled out", tab.until("document.querySelector('#undo')?.disabled === false"))
-    expect("and may be armed", tab.until("!document.querySelector('#arm').disabled"))
+    expect("nobody is in control", watcher.until(lambda: not watcher.state["operated"]))
+    expect("it may be armed", tab.until("!document.querySelector('#arm').disabled") and tab.tab_to("#arm"))
 
 
 def acupoint(server, watcher, name):
@@ -205,7 +210,8 @@ def by_keyboard(server, watcher, axe, pictures, presses):
     visit.judge("health")
     answers_by_keys(tab)
     expect("scan begins", watcher.until(lambda: watcher.state["phase"] == "scan", 20))
-    watcher.until(lambda: watcher.state["cloud_points"] > 20000, 30)
+    expect("the cloud grows", watcher.until(lambda: watcher.state["cloud_points"] > 2000, 30))
+    expect("the scan is seen", tab.until("/^[1-9]/.test(document.querySelector('.over-view .note')?.textContent ?? '')", 5))
     visit.judge("scan")
     expect("review", tab.until("!!document.querySelector('#arm')", 120))
     visit.judge("review")
@@ -216,6 +222,7 @@ def by_keyboard(server, watcher, axe, pictures, presses):
     tab.key("Enter", hold_s=1.0)
     time.sleep(1.5)
     expect("a short hold arms nothing", watcher.state["phase"] == "review")
+    opened_anew(watcher, tab)
     tab.key("Enter", hold_s=2.6)
     expect("massage", tab.until("!!document.querySelector('#softer')"))
     for key, ask in (("-", "softer"), ("+", "firmer")):

@@ -62,6 +62,7 @@ TEST_CASE("a massage leaves one record of every millisecond and all that happene
   const auto ms = static_cast<std::uint64_t>(std::llround(1e3 * duration_s)) + 1;
   CHECK(massage.messages("/joint_states") == ms);
   CHECK(massage.messages("/tools") == ms);
+  CHECK(massage.messages("/profile") > 50);
   CHECK(massage.messages("/scan") == 1);
   CHECK(massage.messages("/acupoints") == 1);
   CHECK(massage.messages("/plan") == 1);
@@ -71,10 +72,11 @@ TEST_CASE("a massage leaves one record of every millisecond and all that happene
   CHECK(massage.messages("/tuina/arms") > 2 * 19 * static_cast<std::uint64_t>(duration_s));
   std::set<std::string> attached;
   for (const json& one : massage.shown["attachments"]) attached.insert(one["name"]);
-  CHECK(attached == std::set<std::string>{"acupoints.json.zst", "config.toml", "consent.toml",
-                                          "distances.csv.zst", "joints.csv.zst", "plan.json.zst",
-                                          "programme.toml", "report.html.zst", "robot.urdf",
-                                          "scan.ply.zst", "session.json.zst", "trace.csv.zst"});
+  CHECK(attached == std::set<std::string>{"acupoints.json.zst", "calibration.toml", "config.toml",
+                                          "consent.toml", "distances.csv.zst", "joints.csv.zst",
+                                          "plan.json.zst", "programme.toml", "report.html.zst",
+                                          "robot.urdf", "scan.ply.zst", "session.json.zst",
+                                          "trace.csv.zst"});
 }
 
 TEST_CASE("report and replay take the record for the folder that it lies in") {
