@@ -26,7 +26,8 @@ Option LiveOption::describe(Options& options) {
 }
 
 Result<void> LiveOption::begin(const SessionOrder& order, const session::Config& config,
-                               const CommonOptions& common, const std::filesystem::path& folder) {
+                               const CommonOptions& common, const Ros2Option& ros2,
+                               const std::filesystem::path& folder) {
   if (!asked_) return {};
   auto robot = robot::load_robot(order.robot);
   if (!robot) return tl::unexpected(robot.error());
@@ -37,7 +38,9 @@ Result<void> LiveOption::begin(const SessionOrder& order, const session::Config&
                                           .robot = order.robot,
                                           .robot_model = std::move(*robot),
                                           .folder = folder,
-                                          .ordered = true}});
+                                          .ordered = true},
+                              .node = ros2.node(),
+                              .reach = ros2.reach()});
   if (!site) return tl::unexpected(site.error());
   site_ = std::move(*site);
   const std::string line = fmt::format("{}\n", site_->invite());

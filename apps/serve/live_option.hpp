@@ -5,6 +5,7 @@
 
 #include "apps/cli/options.hpp"
 #include "apps/serve/live_site.hpp"
+#include "apps/simulated/ros2_option.hpp"
 
 namespace tuina::app {
 
@@ -16,9 +17,9 @@ class LiveOption {
   Option describe(Options& options);
   [[nodiscard]] bool asked() const { return asked_; }
   /// Opens the page, with the audit log in `folder`, that of the session; prints its address, to
-  /// stderr beside JSON.
+  /// stderr beside JSON. A node of ROS 2 that was begun without a folder is steered by its rules.
   [[nodiscard]] Result<void> begin(const SessionOrder& order, const session::Config& config,
-                                   const CommonOptions& common,
+                                   const CommonOptions& common, const Ros2Option& ros2,
                                    const std::filesystem::path& folder);
   /// Who watches and steers the session that begins now; nobody where none was asked for.
   [[nodiscard]] Attendant attendant();

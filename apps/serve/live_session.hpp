@@ -12,7 +12,7 @@
 #include <thread>
 
 #include "apps/cli/command_line.hpp"
-#include "apps/serve/live_channels.hpp"
+#include "apps/serve/channel_fork.hpp"
 #include "apps/serve/live_view.hpp"
 #include "apps/serve/start_order.hpp"
 #include "apps/simulated/simulated_session.hpp"
@@ -39,7 +39,7 @@ class LiveSession {
     robot::RobotModel robot_model;
     std::filesystem::path folder;  ///< a folder in it for each session
     bool ordered = false;  ///< at the terminal: one session, in `folder` itself; pages start none
-    LiveChannels* channels = nullptr;  ///< told what the record of each session is told
+    ChannelFork* channels = nullptr;  ///< told what the record of each session is told
   };
   struct State {
     LivePhase phase = LivePhase::idle;

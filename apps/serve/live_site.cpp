@@ -22,7 +22,7 @@ std::string text_of(const json& object) {
   return object.dump(-1, ' ', true, json::error_handler_t::replace);
 }
 
-LiveSession::Options with_channels(LiveSession::Options options, LiveChannels& channels) {
+LiveSession::Options with_channels(LiveSession::Options options, ChannelFork& channels) {
   options.channels = &channels;
   return options;
 }
@@ -39,7 +39,8 @@ LiveSite::LiveSite(Options options, web::AuditLog audit)
                                auto keep) { server_->put(client, slot, std::move(frame), keep); },
                  .drop = [this](auto client, auto slot) { server_->drop(client, slot); }},
                 web::random_token()),
-      session_(with_channels(options_.session, channels_)) {}
+      fork_(channels_, options_.node),
+      session_(with_channels(options_.session, fork_)) {}
 
 Result<std::unique_ptr<LiveSite>> LiveSite::open(Options options) {
   auto audit = web::AuditLog::open(options.session.folder / "audit.log");
@@ -72,11 +73,13 @@ Result<std::unique_ptr<LiveSite>> LiveSite::open(Options options) {
     site->note("server", "begin", "done");
   }
   site->teller_ = std::thread([self] { self->tell(); });
+  if (auto opened = site->open_to_ros2(); !opened) return tl::unexpected(opened.error());
   return site;
 }
 
 LiveSite::~LiveSite() {
   session_.stop();
+  ros2_.reset();
   ends_ = true;
   if (teller_.joinable()) teller_.join();
   channels_.close();  // the session may still be at its end

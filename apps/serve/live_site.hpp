@@ -10,9 +10,11 @@
 #include <string>
 #include <thread>
 
+#include "apps/serve/channel_fork.hpp"
 #include "apps/serve/live_channels.hpp"
 #include "apps/serve/live_session.hpp"
 #include "apps/serve/page_files.hpp"
+#include "apps/simulated/ros2_door.hpp"
 #include "tuina/core/stopwatch.hpp"
 #include "tuina/web/access.hpp"
 #include "tuina/web/audit.hpp"
@@ -31,6 +33,8 @@ class LiveSite {
     std::optional<web::Passwords> passwords;  ///< of a server that is reached by TLS
     std::filesystem::path page = {};  ///< folder of a built page; empty: the one that is carried
     LiveSession::Options session;
+    ros2::Node* node = nullptr;  ///< told of all sessions, and steers them; outlives the page
+    ros2::Reach reach = ros2::Reach::host;  ///< of that node
   };
   [[nodiscard]] static Result<std::unique_ptr<LiveSite>> open(Options options);
   ~LiveSite();
@@ -60,6 +64,7 @@ class LiveSite {
   void hear_program(web::ClientId client, const web::Frame& frame);
   void hear_pong(web::ClientId client, const std::string& pong);
   void serve(web::ClientId client, const web::foxglove::ServiceCall& call);
+  [[nodiscard]] Result<void> open_to_ros2();
   [[nodiscard]] std::string decide(web::ClientId client, const web::Message& message);
   [[nodiscard]] Result<void> obey(const web::Message& message);
   [[nodiscard]] std::string name_of_client(web::ClientId client) const;
@@ -89,10 +94,12 @@ class LiveSite {
   web::AuditLog audit_;
   std::atomic<bool> audit_fails_ = false;
   LiveChannels channels_;
+  ChannelFork fork_;
   LiveSession session_;
   std::unique_ptr<web::Server> server_;
   std::atomic<bool> ends_ = false;
   std::thread teller_;
+  std::unique_ptr<Ros2Door> ros2_;  ///< ends before all else
 };
 
 }  // namespace tuina::app

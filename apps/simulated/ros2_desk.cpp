@@ -1,44 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/simulated/ros2_desk.hpp"
 
-#include <algorithm>
-
-#include "tuina/web/foxglove.hpp"
-
 namespace tuina::app {
-namespace {
-
-constexpr std::size_t max_programs = 64;
-// So often the desk looks whether its operator is still there.
-constexpr double look_every_s = 0.1;
-
-}  // namespace
-
-Ros2Desk::Ros2Desk(std::vector<web::Ask> asks, std::unique_ptr<ros2::Services> services,
-                   web::AuditLog audit)
-    : asks_(std::move(asks)), services_(std::move(services)), audit_(std::move(audit)) {
-  thread_ = std::thread([this] { serve(); });
-}
 
 Result<std::unique_ptr<Ros2Desk>> Ros2Desk::open(ros2::Node& node, ros2::Reach reach,
                                                  const std::filesystem::path& log) {
-  // Stop is the first of them, so it is taken first.
-  const auto& all = web::foxglove::services;
-  std::vector<web::Ask> asks(all.begin(), reach == ros2::Reach::host ? all.end() : all.begin() + 1);
-  std::vector<std::string> names;
-  names.reserve(asks.size());
-  for (const web::Ask ask : asks) names.push_back(fmt::format("/tuina/{}", web::name_of(ask)));
   auto audit = web::AuditLog::open(log);
   if (!audit) return tl::unexpected(audit.error());
-  auto services = node.offer(names);
-  if (!services) return tl::unexpected(services.error());
-  return std::unique_ptr<Ros2Desk>(
-      new Ros2Desk(std::move(asks), std::move(*services), std::move(*audit)));
-}
-
-Ros2Desk::~Ros2Desk() {
-  ends_ = true;
-  thread_.join();
+  std::unique_ptr<Ros2Desk> desk(new Ros2Desk(std::move(*audit)));
+  Ros2Desk* self = desk.get();
+  auto door = Ros2Door::open(
+      node, reach,
+      {.stop = [self] { self->commands_.stop(); },
+       .come = [self](auto client) { self->desk_.come(client, self->clock_.seconds()); },
+       .go = [self](auto client) { self->desk_.go(client); },
+       .decide = [self](const auto& asked) { return self->decide(asked); },
+       .note = [self](const auto& who, const auto& what,
+                      const auto& outcome) { self->note(who, what, outcome); },
+       .look = [self] { self->pause_without_operator(); }});
+  if (!door) return tl::unexpected(door.error());
+  desk->door_ = std::move(*door);
+  return desk;
 }
 
 Attendant Ros2Desk::attendant() {
@@ -51,36 +33,14 @@ std::optional<session::LiveCommand> Ros2Desk::next_command() noexcept {
   return commands_.next();
 }
 
-void Ros2Desk::serve() {
-  while (!ends_) {
-    if (const auto request = services_->next(look_every_s)) serve(*request);
-    pause_without_operator();
-  }
-}
-
-void Ros2Desk::serve(const ros2::Request& request) {
-  const web::Ask ask = asks_.at(request.service);
-  // Before anything that may wait or fail, and whatever the request looks like.
-  if (ask == web::Ask::stop) commands_.stop();
-  const std::string outcome = decide(request, ask);
-  note(fmt::format("ros2 {}", request.from), web::name_of(ask), outcome);
-  // Who floods is not answered.
-  if (outcome != web::name_of(web::Refusal::too_fast))
-    services_->answer(request, outcome == "done", outcome);
-}
-
 // "done", or why not.
-std::string Ros2Desk::decide(const ros2::Request& request, web::Ask ask) {
-  if (ask == web::Ask::stop) return "done";  // it was, before anything else
-  if (!request.call) return "not a request as rmw_cyclonedds writes it";
+std::string Ros2Desk::decide(const Ros2Door::Asked& asked) {
   if (audit_fails_) return "the audit log cannot be written";
   const double now_s = clock_.seconds();
-  Program* program = program_of(request.from, now_s);
-  if (program == nullptr) return "too many programs";
   const auto refusal = desk_.judge(
-      program->id, {.ask = ask, .sequence = ++program->sequence, .clock_s = now_s - request.age_s},
+      asked.client, {.ask = asked.ask, .sequence = asked.sequence, .clock_s = now_s - asked.age_s},
       now_s);
-  return refusal == web::Refusal::none ? obey(ask) : web::name_of(refusal);
+  return refusal == web::Refusal::none ? obey(asked.ask) : web::name_of(refusal);
 }
 
 std::string Ros2Desk::obey(web::Ask ask) {
@@ -90,27 +50,6 @@ std::string Ros2Desk::obey(web::Ask ask) {
   if (!command) return "done";
   if (!running_) return "no massage is running";
   return commands_.push(*command) ? "done" : "too many commands at once";
-}
-
-/// Null where there are too many of them.
-Ros2Desk::Program* Ros2Desk::program_of(const std::string& name, double now_s) {
-  const auto known = programs_.find(name);
-  if (known == programs_.end() && programs_.size() >= max_programs) {
-    // Those who are silent have no control any more, and lose nothing by being forgotten.
-    std::erase_if(programs_, [&](const auto& entry) {
-      const bool silent = now_s - entry.second.heard_s > web::lease_s;
-      if (silent) desk_.go(entry.second.id);
-      return silent;
-    });
-    if (programs_.size() >= max_programs) return nullptr;
-  }
-  Program& program = programs_[name];
-  if (program.id == 0) {
-    program.id = ++last_id_;
-    desk_.come(program.id, now_s);
-  }
-  program.heard_s = now_s;
-  return &program;
 }
 
 void Ros2Desk::pause_without_operator() {

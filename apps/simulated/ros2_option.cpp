@@ -19,12 +19,11 @@ Result<void> Ros2Option::begin(const std::filesystem::path& folder) {
   if (!asked_) return {};
   const auto domain = ros2::parse_domain(std::getenv("ROS_DOMAIN_ID"));
   if (!domain) return tl::unexpected(domain.error());
-  const auto reach = lan_ ? ros2::Reach::lan : ros2::Reach::host;
-  auto node = ros2::open_node(*domain, reach);
+  auto node = ros2::open_node(*domain, reach());
   if (!node) return tl::unexpected(node.error());
   node_ = std::move(*node);
   if (folder.empty()) return {};
-  auto desk = Ros2Desk::open(*node_, reach, folder / "audit.log");
+  auto desk = Ros2Desk::open(*node_, reach(), folder / "audit.log");
   if (!desk) return tl::unexpected(desk.error());
   desk_ = std::move(*desk);
   return {};

@@ -21,6 +21,7 @@ class Ros2Option {
   [[nodiscard]] Result<void> begin(const std::filesystem::path& folder = {});
   /// Null where none was asked for.
   [[nodiscard]] ros2::Node* node() const { return node_.get(); }
+  [[nodiscard]] ros2::Reach reach() const { return lan_ ? ros2::Reach::lan : ros2::Reach::host; }
   /// Who is told of the session that begins now, and steers it; nobody where none was asked for.
   [[nodiscard]] Attendant attendant();
   /// There is nothing left to steer.

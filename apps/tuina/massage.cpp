@@ -74,7 +74,7 @@ class Massage final : public Verb {
         .excludes(processes);
     ros2_.describe(options, "what happens, and offer services for live commands,");
     auto live = live_.describe(options).excludes(replay);
-    live.excludes(options.named("--keys")).excludes(options.named("--ros2"));
+    live.excludes(options.named("--keys"));
     options
         .add("--out", out_,
              "folder for session.json, scan.ply, acupoints.json, plan.json, trace.csv, joints.csv, "
@@ -121,8 +121,9 @@ class Massage final : public Verb {
     auto visit = begin_visit();
     if (!visit) return nothing_done(visit.error());
     if (!common.quiet && !remembered_.lines.empty()) fmt::print(stderr, "{}\n", remembered_.lines);
-    if (const auto begun = ros2_.begin(out_); !begun) return nothing_done(begun.error());
-    const auto open = live_.begin(order_, *config, common, out_);
+    const auto begun = live_.asked() ? ros2_.begin() : ros2_.begin(out_);
+    if (!begun) return nothing_done(begun.error());
+    const auto open = live_.begin(order_, *config, common, ros2_, out_);
     if (!open) return nothing_done(open.error());
     auto result =
         run_simulated_session(order_, *config, common, std::filesystem::path(out_) / "session.mcap",

@@ -9,6 +9,7 @@
 #include "apps/serve/live_site.hpp"
 #include "apps/serve/make_password.hpp"
 #include "apps/simulated/pace_option.hpp"
+#include "apps/simulated/ros2_option.hpp"
 #include "apps/tuina/verbs.hpp"
 
 namespace tuina::app {
@@ -47,6 +48,7 @@ class Serve final : public Verb {
         .needs(made);
     pace_.describe(options, "real unless given");
     add_robot_option(options, robot_);
+    ros2_.describe(options, "the sessions, and offer services for live commands,");
     options.add("--out", out_, "folder for the sessions and audit.log").show_default();
     options.add("--page", page_,
                 "folder of a page that was built, instead of the one that the program carries");
@@ -64,6 +66,7 @@ class Serve final : public Verb {
     std::filesystem::create_directories(out_, fault);
     if (!std::filesystem::is_directory(out_))
       return fail(Fault::file, "--out {}: the folder cannot be made: {}", out_, fault.message());
+    if (const auto begun = ros2_.begin(); !begun) return tl::unexpected(begun.error());
     auto site = LiveSite::open({.place = std::move(doors->place),
                                 .passwords = std::move(doors->passwords),
                                 .page = page_,
@@ -72,7 +75,9 @@ class Serve final : public Verb {
                                             .pace = pace_.pace(1.0),
                                             .robot = robot_,
                                             .robot_model = std::move(*robot),
-                                            .folder = out_}});
+                                            .folder = out_},
+                                .node = ros2_.node(),
+                                .reach = ros2_.reach()});
     if (!site) return tl::unexpected(site.error());
     for (const int asked : {SIGINT, SIGTERM}) std::signal(asked, [](int) { serve_ends = true; });
     const std::string lines = fmt::format("{}\n{}  (Foxglove, Lichtblick: docs/page.md)\n",
@@ -82,8 +87,10 @@ class Serve final : public Verb {
     while (!serve_ends) std::this_thread::sleep_for(std::chrono::milliseconds(50));
     const int port = (*site)->port();
     site->reset();
+    std::string text = fmt::format("ended; sessions and audit.log are in {}", out_);
+    if (ros2_.node() != nullptr) text += "\n" + ros2_.text();
     return Answer{.json = nlohmann::json{{"port", port}, {"folder", out_}}.dump(2),
-                  .text = fmt::format("ended; sessions and audit.log are in {}", out_)};
+                  .text = std::move(text)};
   }
 
  private:
@@ -119,6 +126,7 @@ class Serve final : public Verb {
 
   PaceOption pace_;
   bool viewers_ = false;
+  Ros2Option ros2_;
   int port_ = 8642;
   std::string listen_ = "127.0.0.1";
   std::string certificate_, password_, make_password_;

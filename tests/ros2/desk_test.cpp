@@ -50,6 +50,7 @@ struct FakeNode final : ros2::Node {
   std::uint16_t add_channel(const record::ChannelDescription&) override { return 1; }
   void write(std::uint16_t, std::uint64_t, std::string_view) override {}
   [[nodiscard]] ros2::Traffic traffic() const override { return {}; }
+  void begin_session() override {}
   Result<std::unique_ptr<ros2::Services>> offer(std::span<const std::string> names) override {
     offered.assign(names.begin(), names.end());
     return std::make_unique<FakeServices>(wire);

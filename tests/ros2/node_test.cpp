@@ -154,6 +154,32 @@ TEST_CASE("another DDS hears a session byte for byte: every topic, its type and 
   CHECK(ros::from_cdr<ros::Clock>(peer.messages("rt/clock").back())->clock.nanosec == 390'000'000);
 }
 
+TEST_CASE("what a session latched is given to nobody in the next, whose clock begins anew") {
+  const unsigned domain = some_domain();
+  CAPTURE(domain);
+  const auto node = node_in(domain);
+  const record::ChannelDescription plan{
+      .topic = "/tuina/plan", .encoding = "json", .schema = text_schema, .latched = true};
+  const std::uint16_t id = node->add_channel(plan);
+  node->write(id, 300'000'000'000, "the first");
+  FastDdsPeer early(domain);
+  early.subscribe("rt/tuina/plan", ros2::dds_type("std_msgs/msg/String"), true);
+  REQUIRE(comes_true([&] { return early.messages("rt/tuina/plan").size() == 1; }));
+
+  node->begin_session();
+  FastDdsPeer late(domain);
+  late.subscribe("rt/tuina/plan", ros2::dds_type("std_msgs/msg/String"), true);
+  late.subscribe("rt/clock", ros2::dds_type("rosgraph_msgs/msg/Clock"), false);
+  REQUIRE(comes_true([&] { return late.publishers("rt/clock") == 1; }));
+  CHECK(node->add_channel(plan) == id);
+  REQUIRE(comes_true([&] { return late.publishers("rt/tuina/plan") == 1; }));
+  node->write(id, 20'000'000, "the second");
+  CHECK(comes_true([&] { return early.messages("rt/tuina/plan").size() == 2; }));
+  REQUIRE(comes_true([&] { return late.messages("rt/tuina/plan").size() == 1; }));
+  CHECK(late.messages("rt/tuina/plan").front().find("the second") != std::string::npos);
+  CHECK(comes_true([&] { return late.messages("rt/clock").size() == 1; }));
+}
+
 TEST_CASE("another DDS takes clouds of 55 000 points whole, 20 of 20") {
   const unsigned domain = some_domain();
   CAPTURE(domain);

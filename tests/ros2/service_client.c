@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* service_client DOMAIN NAME...: calls services of type std_srvs/Trigger one after the other, as a node of ROS 2 on
- * Cyclone DDS does, over loopback. Prints a line for each: name, whether it succeeded, its message. Knows nothing of
- * tuina: the types are described to Cyclone as its own generator would. */
+ * Cyclone DDS does, over loopback. Prints a line for each: name, whether it succeeded, its message. `hear:NAME` is no
+ * service but a latched topic of type std_msgs/String, of which the last message is printed. Knows nothing of tuina:
+ * the types are described to Cyclone as its own generator would. */
 #include <dds/dds.h>
 #include <inttypes.h>
 #include <stddef.h>
@@ -49,6 +50,19 @@ static const dds_topic_descriptor_t answer_type = {
     .m_ops = answer_fields,
     .m_meta = ""};
 
+struct text {
+  char* data;
+};
+static const uint32_t text_fields[] = {DDS_OP_ADR | DDS_OP_TYPE_STR, offsetof(struct text, data),
+                                       DDS_OP_RTS};
+static const dds_topic_descriptor_t text_type = {.m_size = sizeof(struct text),
+                                                 .m_align = sizeof(char*),
+                                                 .m_flagset = DDS_TOPIC_NO_OPTIMIZE,
+                                                 .m_typename = "std_msgs::msg::dds_::String_",
+                                                 .m_nops = 2,
+                                                 .m_ops = text_fields,
+                                                 .m_meta = ""};
+
 static const char loopback[] =
     "<CycloneDDS><Domain><General>"
     "<Interfaces><NetworkInterface address=\"127.0.0.1\" multicast=\"false\"/></Interfaces>"
@@ -81,6 +95,33 @@ static bool call(dds_entity_t writer, dds_entity_t reader, int64_t sequence, str
   return false;
 }
 
+/* Prints what is latched on a topic; false where nothing comes within five seconds. */
+static bool hear(dds_entity_t participant, const char* name) {
+  char topic[200];
+  snprintf(topic, sizeof topic, "rt%s", name);
+  const dds_entity_t texts =
+      checked(dds_create_topic(participant, &text_type, topic, NULL, NULL), "topic of texts");
+  dds_qos_t* qos = dds_create_qos();
+  dds_qset_reliability(qos, DDS_RELIABILITY_RELIABLE, DDS_MSECS(100));
+  dds_qset_durability(qos, DDS_DURABILITY_TRANSIENT_LOCAL);
+  const dds_entity_t reader = checked(dds_create_reader(participant, texts, qos, NULL), "reader");
+  dds_delete_qos(qos);
+  struct text text = {.data = NULL};
+  bool heard = false;
+  for (const dds_time_t end = dds_time() + DDS_SECS(5); !heard && dds_time() < end;) {
+    void* sample = &text;
+    dds_sample_info_t info;
+    if (dds_take(reader, &sample, &info, 1, 1) != 1)
+      dds_sleepfor(DDS_MSECS(1));
+    else
+      heard = info.valid_data;
+  }
+  printf("%s %s\n", name, heard ? text.data : "unheard");
+  dds_free(text.data);
+  dds_delete(reader), dds_delete(texts);
+  return heard;
+}
+
 int main(int argc, char** argv) {
   if (argc < 3) return fputs("service_client DOMAIN NAME...\n", stderr), 1;
   const dds_domainid_t domain = (dds_domainid_t)atoi(argv[1]);
@@ -92,16 +133,21 @@ int main(int argc, char** argv) {
   dds_qset_history(qos, DDS_HISTORY_KEEP_LAST, 10);
   int failed = 0;
   for (int i = 2; i < argc; ++i) {
+    if (strncmp(argv[i], "hear:", 5) == 0) {
+      if (!hear(participant, argv[i] + 5)) failed = 1;
+      continue;
+    }
     char topic[200];
     snprintf(topic, sizeof topic, "rq%sRequest", argv[i]);
     const dds_entity_t requests = checked(
         dds_create_topic(participant, &request_type, topic, NULL, NULL), "topic of requests");
     snprintf(topic, sizeof topic, "rr%sReply", argv[i]);
-    const dds_entity_t answers = checked(
-        dds_create_topic(participant, &answer_type, topic, NULL, NULL), "topic of answers");
+    const dds_entity_t answers =
+        checked(dds_create_topic(participant, &answer_type, topic, NULL, NULL), "topic of answers");
     const dds_entity_t writer =
         checked(dds_create_writer(participant, requests, qos, NULL), "writer");
-    const dds_entity_t reader = checked(dds_create_reader(participant, answers, qos, NULL), "reader");
+    const dds_entity_t reader =
+        checked(dds_create_reader(participant, answers, qos, NULL), "reader");
     const dds_time_t end = dds_time() + DDS_SECS(5);
     while (dds_time() < end && (dds_get_matched_subscriptions(writer, NULL, 0) < 1 ||
                                 dds_get_matched_publications(reader, NULL, 0) < 1))

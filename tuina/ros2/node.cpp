@@ -75,6 +75,7 @@ class CycloneNode final : public Node {
   [[nodiscard]] std::uint16_t add_channel(const record::ChannelDescription& description) override;
   void write(std::uint16_t channel, std::uint64_t time_ns, std::string_view message) override;
   [[nodiscard]] Traffic traffic() const override;
+  void begin_session() override;
   [[nodiscard]] Result<std::unique_ptr<Services>> offer(
       std::span<const std::string> names) override {
     return offer_services(participant_, names);
@@ -82,14 +83,16 @@ class CycloneNode final : public Node {
 
  private:
   struct Channel {
-    dds_entity_t writer = 0;  ///< negative: Cyclone's error
-    bool is_json = false;
+    std::string name;
+    bool is_json = false, latched = false;
+    dds_entity_t topic = 0;   ///< negative: Cyclone's error
+    dds_entity_t writer = 0;  ///< likewise; 0: ended with the session before
   };
   void send(const Channel& channel, const std::string& message);
   void tell_clock(std::uint64_t time_ns);
   dds_entity_t domain_ = 0, participant_ = 0;
   std::vector<Channel> channels_;
-  std::optional<Channel> clock_;
+  std::optional<std::size_t> clock_;  ///< index of its channel
   std::uint64_t next_clock_ns_ = 0;
   std::string bytes_;  ///< of the message that is being sent
   Traffic traffic_;
@@ -130,19 +133,37 @@ Traffic CycloneNode::traffic() const {
 std::uint16_t CycloneNode::add_channel(const record::ChannelDescription& description) {
   const bool is_json = description.encoding == "json";
   const auto schema = is_json ? ros::schema_of<ros::String>() : description.schema;
-  dds_entity_t writer =
-      create_cdr_topic(participant_, dds_topic(description.topic), dds_type(schema.name));
-  if (writer > 0) {
-    const Qos qos = qos_of(description.latched, "typehash=" + type_hash(schema) + ";");
-    writer = dds_create_writer(participant_, writer, qos.get(), nullptr);
+  auto channel = std::find_if(channels_.begin(), channels_.end(), [&](const Channel& known) {
+    return known.name == description.topic;
+  });
+  if (channel == channels_.end()) {
+    const dds_entity_t topic =
+        create_cdr_topic(participant_, dds_topic(description.topic), dds_type(schema.name));
+    channel = channels_.insert(channel, {.name = description.topic,
+                                         .is_json = is_json,
+                                         .latched = description.latched,
+                                         .topic = topic,
+                                         .writer = std::min(topic, 0)});
   }
-  channels_.push_back({.writer = writer, .is_json = is_json});
-  return static_cast<std::uint16_t>(channels_.size());
+  if (channel->writer == 0) {
+    const Qos qos = qos_of(channel->latched, "typehash=" + type_hash(schema) + ";");
+    channel->writer = dds_create_writer(participant_, channel->topic, qos.get(), nullptr);
+  }
+  return static_cast<std::uint16_t>(channel - channels_.begin() + 1);
+}
+
+void CycloneNode::begin_session() {
+  next_clock_ns_ = 0;
+  for (Channel& channel : channels_) {
+    if (!channel.latched || channel.writer <= 0) continue;
+    dds_delete(channel.writer);
+    channel.writer = 0;
+  }
 }
 
 void CycloneNode::write(std::uint16_t channel, std::uint64_t time_ns, std::string_view message) {
   tell_clock(time_ns);
-  const Channel to = channels_.at(channel - std::size_t{1});
+  const Channel& to = channels_.at(channel - std::size_t{1});
   if (to.is_json)
     ros::to_cdr(ros::String{.data = std::string(message)}, bytes_);
   else
@@ -165,14 +186,14 @@ void CycloneNode::tell_clock(std::uint64_t time_ns) {
   if (!clock_) {
     const std::uint16_t id =
         add_channel({.topic = "/clock", .encoding = "cdr", .schema = ros::schema_of<ros::Clock>()});
-    clock_ = channels_[id - std::size_t{1}];
+    clock_ = id - std::size_t{1};
   }
   next_clock_ns_ = time_ns + clock_every_ns;
   constexpr std::uint64_t ns_per_s = 1'000'000'000;
   ros::to_cdr(ros::Clock{.clock = {.sec = static_cast<std::int32_t>(time_ns / ns_per_s),
                                    .nanosec = static_cast<std::uint32_t>(time_ns % ns_per_s)}},
               bytes_);
-  send(*clock_, bytes_);
+  send(channels_[*clock_], bytes_);
 }
 
 }  // namespace

@@ -33,6 +33,9 @@ struct Traffic {
 class Node : public record::ChannelSink {
  public:
   [[nodiscard]] virtual Traffic traffic() const = 0;  ///< messages sent since the start
+  /// Another session of the same program begins, at time zero: what was latched of the one before
+  /// is given to nobody any more. Not beside `write`.
+  virtual void begin_session() = 0;
   /// Services by these names, as `/tuina/stop`. They end before the node.
   [[nodiscard]] virtual Result<std::unique_ptr<Services>> offer(
       std::span<const std::string> names) = 0;
