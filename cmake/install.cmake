@@ -18,7 +18,14 @@ install(TARGETS ${targets} EXPORT tuina ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBD
 install(TARGETS tuina_shared EXPORT tuina_shared
   LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT library NAMELINK_COMPONENT dev)
 install(EXPORT tuina_shared NAMESPACE tuina:: FILE tuinaSharedTargets.cmake ${in_cmake})
-install(DIRECTORY tuina/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/tuina COMPONENT dev FILES_MATCHING PATTERN "*.hpp")
+# Looked up when it is installed, since any header may have been changed since.
+install(CODE "
+  include(${PROJECT_SOURCE_DIR}/cmake/public_headers.cmake)
+  tuina_public_headers(${PROJECT_SOURCE_DIR} headers)
+  foreach(header IN LISTS headers)
+    cmake_path(GET header PARENT_PATH folder)
+    file(INSTALL ${PROJECT_SOURCE_DIR}/\${header} DESTINATION \${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_INCLUDEDIR}/\${folder})
+  endforeach()" COMPONENT dev)
 install(EXPORT tuina NAMESPACE tuina:: FILE tuinaTargets.cmake ${in_cmake})
 install(DIRECTORY models config DESTINATION ${CMAKE_INSTALL_DATADIR}/tuina COMPONENT tuina)
 install(TARGETS tuina_app tuina_evaluate DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT tuina)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-# `cpack` makes Debian packages: tuina (programs, atlas, completion, manual, rules for devices), libtuina0.1 (the shared
-# library), libtuina-dev (headers, static libraries, CMake package, pkg-config) and, where `import tuina` is built,
-# python3-tuina. Libraries of other packages that they need are found by dpkg-shlibdeps.
+# `cpack` makes Debian packages: tuina (programs, atlas, completion, manual), tuina-udev (rules for devices), libtuina0.1
+# (the shared library), libtuina-dev (headers, static libraries, CMake package, pkg-config) and, where `import tuina` is
+# built, python3-tuina. Libraries of other packages that they need are found by dpkg-shlibdeps.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME tuina)
 set(CPACK_PACKAGE_CONTACT "tuina developers <tuina@tuina.invalid>")
@@ -10,15 +10,20 @@ set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_PACKAGE_DIRECTORY ${PROJECT_BINARY_DIR}/packages)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
-set(CPACK_COMPONENTS_ALL tuina library dev)
+set(CPACK_COMPONENTS_ALL tuina udev library dev)
 set(CPACK_COMPONENTS_GROUPING IGNORE)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 
 set(CPACK_DEBIAN_TUINA_PACKAGE_NAME tuina)
 set(CPACK_DEBIAN_TUINA_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_TUINA_PACKAGE_RECOMMENDS tuina-udev)
 set(CPACK_COMPONENT_TUINA_DESCRIPTION "The programs tuina and tuina-evaluate with the shipped atlas.")
-install(FILES cmake/debian/60-tuina.rules DESTINATION lib/udev/rules.d COMPONENT tuina)
+
+set(CPACK_DEBIAN_UDEV_PACKAGE_NAME tuina-udev)
+set(CPACK_DEBIAN_UDEV_PACKAGE_ARCHITECTURE all)
+set(CPACK_COMPONENT_UDEV_DESCRIPTION "Rules of udev: the scanner's board and servos for whoever is logged in.")
+install(FILES cmake/debian/60-tuina.rules DESTINATION lib/udev/rules.d COMPONENT udev)
 
 # Several versions of a library may be installed beside each other, so its package is named by its soname.
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_NAME libtuina${soversion})
@@ -33,13 +38,17 @@ set(CPACK_COMPONENT_LIBRARY_DESCRIPTION "The shared library of tuina; atlas and 
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME libtuina-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 set(CPACK_COMPONENT_DEV_DESCRIPTION "Headers, static libraries, CMake package and pkg-config of tuina.")
-# What its headers and libraries need is what packages.txt names, without the tools of a build.
-file(STRINGS packages.txt needed REGEX "-dev$")
+# Public headers show three packages, and who links the shared library needs no more. Who links the static ones needs
+# whatever packages.txt names, without the tools of a build.
+set(shown libeigen3-dev libexpected-dev libfmt-dev)
+file(STRINGS packages.txt hidden REGEX "-dev$")
+list(REMOVE_ITEM hidden ${shown})
 if(TUINA_ROS2)
-  list(APPEND needed cyclonedds-dev)
+  list(APPEND hidden cyclonedds-dev)
 endif()
-list(APPEND needed "libtuina${soversion} (= ${PROJECT_VERSION})")
-list(JOIN needed ", " CPACK_DEBIAN_DEV_PACKAGE_DEPENDS)
+list(JOIN hidden ", " CPACK_DEBIAN_DEV_PACKAGE_RECOMMENDS)
+list(JOIN shown ", " CPACK_DEBIAN_DEV_PACKAGE_DEPENDS)
+string(APPEND CPACK_DEBIAN_DEV_PACKAGE_DEPENDS ", libtuina${soversion} (= ${PROJECT_VERSION})")
 
 if(TARGET tuina_python)
   list(APPEND CPACK_COMPONENTS_ALL python)

@@ -4,7 +4,7 @@
 // the program where the world says no; a real one asks first.
 #include <fmt/core.h>
 
-#include "examples/simulated_order.hpp"
+#include "simulated_order.hpp"
 #include "tuina/session/force_errors.hpp"
 
 using namespace tuina;

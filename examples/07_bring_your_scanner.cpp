@@ -4,7 +4,7 @@
 // scanner does: it turns, tells its angle in coarse counts, and gives frames until it has arrived.
 #include <fmt/core.h>
 
-#include "examples/simulated_order.hpp"
+#include "simulated_order.hpp"
 #include "tuina/sim/scanner/line_renderer.hpp"
 
 using namespace tuina;

@@ -5,7 +5,7 @@
 
 #include <Eigen/Dense>
 
-#include "examples/simulated_order.hpp"
+#include "simulated_order.hpp"
 #include "tuina/robot/arm_model.hpp"
 #include "tuina/sim/person/tissue_map.hpp"
 using namespace tuina;

@@ -1,8 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdio>
 
-#include "tuina/core/io/surface_file.hpp"
-#include "tuina/session/config.hpp"
+// What users include: one header for each room.
+#include "tuina/body.hpp"
+#include "tuina/calibration.hpp"
+#include "tuina/control.hpp"
+#include "tuina/core.hpp"
+#include "tuina/hardware.hpp"
+#include "tuina/history.hpp"
+#include "tuina/link.hpp"
+#include "tuina/massage.hpp"
+#include "tuina/motion.hpp"
+#include "tuina/record.hpp"
+#include "tuina/robot.hpp"
+#include "tuina/ros2.hpp"
+#include "tuina/safety.hpp"
+#include "tuina/scanner.hpp"
+#include "tuina/session.hpp"
+#include "tuina/sim.hpp"
+#include "tuina/telemetry.hpp"
+#include "tuina/tissue.hpp"
 
 int main() {
   const auto config = tuina::session::parse_config("[scan]\nsweep_s = 5.0\n", "inline");

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Holds the text of the repository to docs/house.md: house.py rooms|paths|references|sizes|names"""
+"""Holds the text of the repository to docs/house.md: house.py rooms|paths|references|sizes|names|version"""
 import collections, itertools, os, re, sys
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
@@ -148,6 +148,18 @@ def names():
     yield from excused("name", broken)
 
 
-faults = list(dict(rooms=rooms, paths=paths, references=references, sizes=sizes, names=names)[sys.argv[1]]())
+def version():
+    """CMakeLists.txt holds the version; files that others read without CMake say the same."""
+    right = re.search(r"project\(tuina VERSION ([0-9.]+)", read("CMakeLists.txt")).group(1)
+    copies = {"CITATION.cff": r"^version: (.*)$", **{path: "<version>(.*)</version>"
+                                                     for path in files("package.xml", folders=("ros2",))}}
+    for path, pattern in copies.items():
+        said = re.search(pattern, read(path), re.MULTILINE)
+        if not said or said.group(1) != right:
+            yield f"{path}: says version {said and said.group(1)}, CMakeLists.txt says {right}"
+
+
+checks = dict(rooms=rooms, paths=paths, references=references, sizes=sizes, names=names, version=version)
+faults = list(checks[sys.argv[1]]())
 print("\n".join(faults))
 sys.exit(bool(faults))

@@ -37,6 +37,7 @@ struct WorldOptions {
 /// through the interfaces of devices; the truth is for observers of the simulation only.
 class World {
  public:
+  /// Fails where the person or the robot cannot be simulated.
   [[nodiscard]] static Result<std::unique_ptr<World>> make(const Person& person,
                                                            const robot::RobotPlacement& robot,
                                                            const WorldOptions& options,
@@ -45,18 +46,25 @@ class World {
   World(const World&) = delete;
   World& operator=(const World&) = delete;
 
+  /// @{
+  /// The devices, as a session is given them.
   [[nodiscard]] scanner::Camera& camera();
   [[nodiscard]] scanner::Turntable& turntable();
   [[nodiscard]] robot::Robot& robot();
+  /// @}
 
+  /// @{
   /// What a careful user has measured before the session: the scanner's calibration, and where the
   /// couch is from the robot (2 mm and 0.3 degrees off).
   [[nodiscard]] scanner::ScannerCalibration believed_calibration() const;
   [[nodiscard]] Transform believed_base_from_couch() const;
+  /// @}
 
-  // The truth.
+  /// @{
+  /// The truth.
   [[nodiscard]] const Person& person() const;
   [[nodiscard]] const robot::RobotMount& mount() const;
+  /// @}
   [[nodiscard]] const robot::ArmTable& robot_table() const;  ///< as believed
   /// How far the person has moved from where the session began, as of now.
   [[nodiscard]] Vector3 shift_in_couch() const;
@@ -66,6 +74,7 @@ class World {
   void tell_truth(const PlantTruth& truth);
   /// The robot itself, for hands that lead it; only after it stands ready.
   [[nodiscard]] Plant& plant();
+  /// The person's back under the tools.
   [[nodiscard]] BackContact& contact();
 
  private:

@@ -38,8 +38,10 @@ class BreathCourse {
  public:
   /// Nobody breathes.
   BreathCourse() = default;
+  /// Breaths of that depth and rate; the seed draws each of them, the words and the coughs.
   BreathCourse(const Breathing& breathing, std::uint64_t seed);
 
+  /// Where the back is, and how fast.
   struct Way {
     double at_m = 0.0, speed_m_per_s = 0.0;
   };

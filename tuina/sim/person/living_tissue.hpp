@@ -16,6 +16,7 @@ inline constexpr double rigid = std::numeric_limits<double>::infinity();
 /// the place's. Layers are skin with fat, which is used up first, and muscle, both exponential
 /// ([fung1993]), one behind the other, over bone; no tangent is in them.
 struct ElasticForm {
+  /// The kind of curve.
   enum class Law : std::uint8_t { tangent, power, exponential, layers } law = Law::tangent;
   double shape = 1.0;                  ///< exponent of the power law, or of the exponential at 20 N
   double fat_share = 0.0;              ///< of the depth at 20 N
@@ -45,7 +46,9 @@ struct Torso {
   double n_per_m = rigid, n_s_per_m = 0.0;
   double at_m = 0.0, speed_m_per_s = 0.0;
 
+  /// Of that stiffness; 1 is damped critically.
   [[nodiscard]] static Torso with(double mass_kg, double n_per_m, double damping_ratio) noexcept;
+  /// A step of time under that force.
   void step(double force_n, double step_s) noexcept;
 };
 

@@ -24,6 +24,7 @@ struct Shift {
   double acceleration_m_per_s2 = std::numeric_limits<double>::infinity();
 };
 
+/// A person's back as tools feel it, and the tools themselves.
 struct ContactOptions {
   double tool_radius_m = 17_mm;
   double torso_n_per_m = 35'000.0;  ///< stiffness beneath the tissue; may be `rigid`
@@ -60,11 +61,16 @@ class BackContact {
   const ContactTruth& touch(Arm arm, double time_s, const Vector3& centre_in_couch,
                             const Vector3& velocity_in_couch) noexcept;
 
+  /// Of the newest `touch`.
   [[nodiscard]] const ContactTruth& truth(Arm arm) const noexcept { return sides_[arm].truth; }
+  /// @{
   /// Displacement and velocity of the person from the mesh: breathing and shifts.
   [[nodiscard]] Vector3 moved_in_couch(double time_s) const noexcept;
   [[nodiscard]] Vector3 moving_m_per_s(double time_s) const noexcept;
+  /// @}
+  /// Out of the back; unit.
   [[nodiscard]] const Vector3& mean_normal_in_couch() const noexcept { return mean_normal_; }
+  /// The person will move so, too.
   void add_shift(const Shift& shift) { options_.shifts.push_back(shift); }
 
  private:

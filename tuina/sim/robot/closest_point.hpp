@@ -14,6 +14,7 @@ namespace tuina::sim {
 /// hint.
 class ClosestPoint {
  public:
+  /// A point of the mesh, in its triangle.
   struct Place {
     int triangle = -1;
     Vector3 at = Vector3::Zero();
@@ -24,7 +25,9 @@ class ClosestPoint {
   /// Asserts at least one triangle.
   explicit ClosestPoint(Mesh mesh);
 
+  /// The mesh it was made of.
   [[nodiscard]] const Mesh& mesh() const noexcept { return mesh_; }
+  /// The closest point; `hint_triangle` is that of the last answer nearby.
   [[nodiscard]] Place find(const Vector3& point, int hint_triangle = 0) const noexcept;
 
  private:

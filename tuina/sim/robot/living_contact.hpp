@@ -33,6 +33,7 @@ class LivingContact {
   LivingContact(const LivingBack& back, double torso_n_per_m, double friction, Random person,
                 Random events);
 
+  /// Where a tool is on the person, and what the tissue there is like.
   struct Tool {
     TangentTissue place;
     double worked = 0.0;    ///< 0: never pressed before, 1: no further change

@@ -81,6 +81,7 @@ struct ArmTruth {
   Drive drive = Drive::commanded;
 };
 
+/// What the robot truly does at one moment.
 struct PlantTruth {
   double time_s = 0.0;
   double rail_m = 0.0;
@@ -93,6 +94,7 @@ struct PlantTruth {
 /// braked. No heap in `read` and `apply`.
 class Plant final : public robot::Robot {
  public:
+  /// Where it stands before the first millisecond.
   struct Start {
     PerArm<JointVector> q_rad;
     double rail_m = 0.0;

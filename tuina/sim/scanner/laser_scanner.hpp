@@ -29,6 +29,7 @@ struct ScannerMount {
 /// Sitting: 1.1 m behind the usual back; prone: 1.1 m above it.
 [[nodiscard]] ScannerMount usual_mount(BodyPosture position);
 
+/// Light, camera and motor of the scanner, and what is wrong with them.
 struct LaserScannerOptions {
   double noise_dn = 4.0;        ///< noise of one pixel
   double room_light_dn = 10.0;  ///< black level and room light
@@ -74,11 +75,14 @@ struct VisibleRows {
 /// camera and turntable in one; frames depend on the seed, never on the number of threads.
 class LaserScanner final : public scanner::Camera, public scanner::Turntable {
  public:
+  /// @{
+  /// The scanner of the thesis, or the one of that calibration, before a person who breathes.
   LaserScanner(const Mesh& skin_in_couch, BodyPosture position, Breathing breathing,
                std::uint64_t seed, const LaserScannerOptions& options = {});
   LaserScanner(const Mesh& skin_in_couch, BodyPosture position, Breathing breathing,
                std::uint64_t seed, const LaserScannerOptions& options,
                const scanner::ScannerCalibration& truth);
+  /// @}
   /// Any scanner before any still scene.
   LaserScanner(const Mesh& scene_in_couch, const Mesh& couch,
                const scanner::ScannerCalibration& truth, std::uint64_t seed,
@@ -94,6 +98,7 @@ class LaserScanner final : public scanner::Camera, public scanner::Turntable {
   [[nodiscard]] Result<void> switch_laser(bool on) override;
   [[nodiscard]] Result<std::vector<scanner::YawReading>> readings() const override;
 
+  /// What its pictures are rendered by.
   [[nodiscard]] const scanner::ScannerCalibration& true_calibration() const;
   /// Over all turns so far.
   [[nodiscard]] const VisibleRows& visible() const;

@@ -21,6 +21,7 @@ struct Readout {
 /// Renders the picture of the scanner's camera at one moment. Thread-safe.
 class LineRenderer {
  public:
+  /// `truth` is what the scanner is like; the seed draws hair, moles and noise.
   LineRenderer(const Mesh& skin_in_couch, const Mesh& couch,
                const scanner::ScannerCalibration& truth, const LaserScannerOptions& options,
                std::uint64_t seed);

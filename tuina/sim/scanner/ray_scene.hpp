@@ -12,6 +12,7 @@ namespace tuina::sim {
 /// Ray tracing and distances on a mesh (Embree). Thread-safe.
 class RayScene {
  public:
+  /// A copy of the mesh is kept, sorted.
   explicit RayScene(const Mesh& mesh);
   RayScene(RayScene&&) noexcept;
   RayScene& operator=(RayScene&&) noexcept;
@@ -19,6 +20,7 @@ class RayScene {
   RayScene& operator=(const RayScene&) = delete;
   ~RayScene();
 
+  /// Where a ray meets the mesh.
   struct Hit {
     double distance_m = 0.0;
     Vector3 normal = Vector3::Zero();  ///< unit normal of the triangle, by the right-hand rule

@@ -29,6 +29,7 @@ class RoomLight {
   /// `white_dn`: level of a white wall facing the camera.
   RoomLight(std::vector<SkinSticker> stickers, double white_dn);
 
+  /// The picture of that camera; `skin_shift_in_couch` is displacement by breathing.
   [[nodiscard]] RoomPicture render(const RayScene& skin, const RayScene& couch,
                                    const scanner::CameraModel& camera,
                                    const Transform& couch_from_camera,

@@ -19,6 +19,7 @@ struct ScanFlaws {
   double flicker_share = 0.0;  ///< of the room light, 100 times a second
   double readout_s = 0.0;      ///< rolling shutter: from the first row to the last
 
+  /// Whether any of them is the skin's, not the room's or the camera's.
   [[nodiscard]] bool of_skin() const {
     return scatter_m > 0.0 || dark_share > 0.0 || moles_per_m2 > 0.0 || hair_share > 0.0 ||
            sweat_share > 0.0;
