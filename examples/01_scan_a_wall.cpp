@@ -5,9 +5,8 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "tuina/scanner/sweep.hpp"
-#include "tuina/sim/robot/back_contact.hpp"
-#include "tuina/sim/scanner/laser_scanner.hpp"
+#include "tuina/scanner.hpp"
+#include "tuina/sim.hpp"
 
 using namespace tuina;
 

@@ -3,10 +3,9 @@
 // or nothing for a phantom whose true points are known.
 #include <fmt/core.h>
 
-#include "tuina/body/acupoints.hpp"
-#include "tuina/core/io/surface_file.hpp"
-#include "tuina/core/units.hpp"
-#include "tuina/sim/person/person.hpp"
+#include "tuina/body.hpp"
+#include "tuina/core.hpp"
+#include "tuina/sim.hpp"
 
 using namespace tuina;
 

@@ -3,9 +3,9 @@
 // skin, and walked at one speed with the tool upright on it.
 #include <fmt/core.h>
 
-#include "tuina/core/units.hpp"
-#include "tuina/massage/technique/rub.hpp"
-#include "tuina/sim/person/person.hpp"
+#include "tuina/core.hpp"
+#include "tuina/massage.hpp"
+#include "tuina/sim.hpp"
 
 using namespace tuina;
 

@@ -4,9 +4,9 @@
 // Alpha and beta of F = alpha tan(beta x) come out, each with the half-width of its 95 % interval.
 #include <fmt/core.h>
 
-#include "tuina/core/random.hpp"
-#include "tuina/sim/robot/back_contact.hpp"
-#include "tuina/tissue/press_estimator.hpp"
+#include "tuina/core.hpp"
+#include "tuina/sim.hpp"
+#include "tuina/tissue.hpp"
 
 using namespace tuina;
 

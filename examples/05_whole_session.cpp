@@ -5,7 +5,7 @@
 #include <fmt/core.h>
 
 #include "simulated_order.hpp"
-#include "tuina/session/force_errors.hpp"
+#include "tuina/session.hpp"
 
 using namespace tuina;
 

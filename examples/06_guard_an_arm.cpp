@@ -4,10 +4,9 @@
 // fast, takes the arm over, and stays there until somebody resets it.
 #include <fmt/core.h>
 
-#include "tuina/robot/arm_model.hpp"
-#include "tuina/robot/inverse_kinematics.hpp"
-#include "tuina/safety/robot_guard.hpp"
-#include "tuina/sim/robot/plant.hpp"
+#include "tuina/robot.hpp"
+#include "tuina/safety.hpp"
+#include "tuina/sim.hpp"
 
 using namespace tuina;
 

@@ -5,7 +5,7 @@
 #include <fmt/core.h>
 
 #include "simulated_order.hpp"
-#include "tuina/sim/scanner/line_renderer.hpp"
+#include "tuina/sim.hpp"
 
 using namespace tuina;
 

@@ -6,8 +6,8 @@
 #include <Eigen/Dense>
 
 #include "simulated_order.hpp"
-#include "tuina/robot/arm_model.hpp"
-#include "tuina/sim/person/tissue_map.hpp"
+#include "tuina/robot.hpp"
+#include "tuina/sim.hpp"
 using namespace tuina;
 
 namespace {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "tuina/session/run.hpp"
-#include "tuina/sim/world.hpp"
+#include "tuina/session.hpp"
+#include "tuina/sim.hpp"
 
 /// What the examples order for the person in a simulated world: the programme `lower_back`.
 inline tuina::session::Order simulated_order(const tuina::sim::World& world) {
