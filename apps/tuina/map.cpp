@@ -140,7 +140,11 @@ class MapVerb final : public Verb {
   }
 
   [[nodiscard]] tl::unexpected<Error> refused(const Error& error) const {
-    return tl::unexpected(Error{error.fault, fmt::format("{}: {}", scan_, error.message)});
+    // Scans of other programs have their own axes, as a rule.
+    const char* hint = error.fault == Fault::not_found
+                           ? "\na scan is in metres, with z up and 0 at the seat or the bed"
+                           : "";
+    return tl::unexpected(Error{error.fault, fmt::format("{}: {}{}", scan_, error.message, hint)});
   }
 
   std::string scan_;

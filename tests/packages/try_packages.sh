@@ -75,7 +75,7 @@ done
 mkdir mine
 sed -n '/^```cmake$/,/^```$/{//!p}' "$here/docs/install.md" > mine/CMakeLists.txt
 cp "$here/examples/04_press_once.cpp" mine/main.cpp
-cmake -S mine -B mine > /dev/null
+cmake -G Ninja -S mine -B mine > /dev/null
 cmake --build mine > /dev/null
 mine/mine | tail -1
 # Each example is compiled once, and linked in each way.
