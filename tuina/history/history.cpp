@@ -8,25 +8,8 @@
 #include "tuina/history/schema.hpp"
 
 namespace tuina::history {
-namespace {
 
 namespace fs = std::filesystem;
-
-std::string text(const Value& value) {
-  const auto* held = std::get_if<std::string>(&value);
-  return held ? *held : std::string();
-}
-std::int64_t whole(const Value& value) {
-  const auto* held = std::get_if<std::int64_t>(&value);
-  return held ? *held : 0;
-}
-double number(const Value& value) {
-  if (const auto* held = std::get_if<double>(&value)) return *held;
-  const auto* held = std::get_if<std::int64_t>(&value);
-  return held ? static_cast<double>(*held) : std::numeric_limits<double>::quiet_NaN();
-}
-
-}  // namespace
 
 Result<History> History::open(const std::string& address) {
   auto database = open_database(address);
@@ -76,6 +59,11 @@ Result<void> History::insert(const Visit& visit) {
 Result<void> History::begin(const record::VisitLabel& label, const fs::path& folder) {
   auto transaction = Transaction::begin(*database_);
   if (!transaction) return tl::unexpected(transaction.error());
+  // One that has ended, told of once more by whoever was late, stays as it is.
+  const Value id[] = {label.id};
+  const auto there = database_->query("SELECT ended FROM session WHERE id = $1", id);
+  if (!there) return tl::unexpected(there.error());
+  if (!there->empty()) return {};
   Visit visit;
   visit.id = label.id;
   visit.who = label.who;
@@ -141,7 +129,8 @@ Result<std::vector<Person>> History::people() {
       {});
   if (!rows) return tl::unexpected(rows.error());
   std::vector<Person> people;
-  for (const Row& row : *rows) people.push_back({text(row[0]), text(row[1]), whole(row[2])});
+  for (const Row& row : *rows)
+    people.push_back({as_text(row[0]), as_text(row[1]), as_whole(row[2])});
   return people;
 }
 
@@ -151,7 +140,7 @@ Result<std::vector<Note>> History::notes_of(const std::string& who) {
       database_->query("SELECT at, words FROM note WHERE who = $1 ORDER BY at", values);
   if (!rows) return tl::unexpected(rows.error());
   std::vector<Note> notes;
-  for (const Row& row : *rows) notes.push_back({text(row[0]), text(row[1])});
+  for (const Row& row : *rows) notes.push_back({as_text(row[0]), as_text(row[1])});
   return notes;
 }
 
@@ -163,9 +152,9 @@ Result<void> History::fill(Visit& visit) {
   if (!points) return tl::unexpected(points.error());
   for (const Row& row : *points) {
     Acupoint point;
-    point.name = text(row[0]);
-    point.at_in_couch = Vector3(number(row[1]), number(row[2]), number(row[3]));
-    point.uncertainty_m = number(row[4]);
+    point.name = as_text(row[0]);
+    point.at_in_couch = Vector3(as_number(row[1]), as_number(row[2]), as_number(row[3]));
+    point.uncertainty_m = as_number(row[4]);
     visit.acupoints.push_back(point);
   }
   const auto felt = database_->query(
@@ -174,15 +163,15 @@ Result<void> History::fill(Visit& visit) {
       id);
   if (!felt) return tl::unexpected(felt.error());
   for (const Row& row : *felt) {
-    visit.tissue.push_back({.name = text(row[0]),
-                            .alpha_n = number(row[1]),
-                            .alpha_ci95_n = number(row[2]),
-                            .beta_per_m = number(row[3]),
-                            .beta_ci95_per_m = number(row[4]),
-                            .stiffness_n_per_mm = number(row[5]),
-                            .stiffness_ci95_n_per_mm = number(row[6]),
-                            .presses = whole(row[7]),
-                            .converged = whole(row[8]) != 0});
+    visit.tissue.push_back({.name = as_text(row[0]),
+                            .alpha_n = as_number(row[1]),
+                            .alpha_ci95_n = as_number(row[2]),
+                            .beta_per_m = as_number(row[3]),
+                            .beta_ci95_per_m = as_number(row[4]),
+                            .stiffness_n_per_mm = as_number(row[5]),
+                            .stiffness_ci95_n_per_mm = as_number(row[6]),
+                            .presses = as_whole(row[7]),
+                            .converged = as_whole(row[8]) != 0});
   }
   return {};
 }
@@ -197,26 +186,26 @@ Result<std::vector<Visit>> History::visits_of(const std::string& who) {
   if (!rows) return tl::unexpected(rows.error());
   std::vector<Visit> visits;
   for (const Row& row : *rows) {
-    visits.push_back({.id = text(row[0]),
+    visits.push_back({.id = as_text(row[0]),
                       .who = who,
-                      .began = text(row[1]),
-                      .folder = text(row[2]),
-                      .ended = whole(row[3]) != 0,
-                      .position = text(row[4]),
-                      .programme = text(row[5]),
-                      .robot = text(row[6]),
-                      .realism = text(row[7]),
-                      .version = text(row[8]),
-                      .duration_s = number(row[9]),
-                      .force_rmse_n = number(row[10]),
-                      .force_peak_n = number(row[11]),
-                      .softer = whole(row[12]),
-                      .firmer = whole(row[13]),
-                      .stops = whole(row[14]),
-                      .stop_cause = text(row[15]),
-                      .consent_by = text(row[16]),
-                      .said = text(row[17]),
-                      .intensity = number(row[18]),
+                      .began = as_text(row[1]),
+                      .folder = as_text(row[2]),
+                      .ended = as_whole(row[3]) != 0,
+                      .position = as_text(row[4]),
+                      .programme = as_text(row[5]),
+                      .robot = as_text(row[6]),
+                      .realism = as_text(row[7]),
+                      .version = as_text(row[8]),
+                      .duration_s = as_number(row[9]),
+                      .force_rmse_n = as_number(row[10]),
+                      .force_peak_n = as_number(row[11]),
+                      .softer = as_whole(row[12]),
+                      .firmer = as_whole(row[13]),
+                      .stops = as_whole(row[14]),
+                      .stop_cause = as_text(row[15]),
+                      .consent_by = as_text(row[16]),
+                      .said = as_text(row[17]),
+                      .intensity = as_number(row[18]),
                       .acupoints = {},
                       .tissue = {}});
     if (const auto filled = fill(visits.back()); !filled) return tl::unexpected(filled.error());

@@ -36,7 +36,7 @@ class History {
   /// `address` as `open_database` takes it; the tables are made or brought up to date.
   [[nodiscard]] static Result<History> open(const std::string& address);
 
-  /// A session begins: should nothing follow, it was cut short.
+  /// A session begins: should nothing follow, it was cut short. One that is there already stays.
   [[nodiscard]] Result<void> begin(const record::VisitLabel& label,
                                    const std::filesystem::path& folder);
   /// A whole session; one with the same id is replaced.
@@ -57,6 +57,9 @@ class History {
                                                         const std::string& at);
   /// Adds every session of somebody that lies in or below a folder.
   [[nodiscard]] Result<Rebuilt> rebuild(const std::filesystem::path& folder);
+
+  /// Its connection.
+  [[nodiscard]] Database& database() { return *database_; }
 
  private:
   explicit History(std::unique_ptr<Database> database) : database_(std::move(database)) {}

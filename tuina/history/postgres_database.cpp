@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <libpq-fe.h>
 
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <optional>
@@ -67,7 +68,8 @@ class PostgresDatabase final : public Database {
                      given.data(), nullptr, nullptr, 0));
     const ExecStatusType state = PQresultStatus(result.get());
     if (state != PGRES_TUPLES_OK && state != PGRES_COMMAND_OK) {
-      return fail(Fault::file, "the history's server: {}",
+      const bool answers = PQstatus(connection_.get()) == CONNECTION_OK;
+      return fail(answers ? Fault::file : Fault::device, "the history's server: {}",
                   first_line(PQerrorMessage(connection_.get())));
     }
     std::vector<Row> rows(static_cast<std::size_t>(PQntuples(result.get())));
@@ -78,6 +80,7 @@ class PostgresDatabase final : public Database {
     return rows;
   }
   [[nodiscard]] const char* begin() const override { return "BEGIN"; }
+  [[nodiscard]] bool has_accounts() const override { return true; }
   Result<void> scrub() override { return run("VACUUM FULL"); }
 
  private:
@@ -86,16 +89,41 @@ class PostgresDatabase final : public Database {
 
 }  // namespace
 
+Result<std::string> name_of_server(const std::string& address) {
+  struct Free {
+    void operator()(PQconninfoOption* parts) const { PQconninfoFree(parts); }
+  };
+  const std::unique_ptr<PQconninfoOption, Free> parts(PQconninfoParse(address.c_str(), nullptr));
+  if (!parts) return fail(Fault::usage, "the address of the history's server cannot be read");
+  std::string host, database;
+  for (const PQconninfoOption* part = parts.get(); part->keyword != nullptr; ++part) {
+    if (part->val == nullptr) continue;
+    if (part->keyword == std::string("host")) host = part->val;
+    if (part->keyword == std::string("dbname")) database = part->val;
+  }
+  std::string name = host + "-" + database;
+  for (char& letter : name) {
+    const bool plain = std::isalnum(static_cast<unsigned char>(letter)) != 0 || letter == '.';
+    if (!plain) letter = '-';
+  }
+  return name;
+}
+
 Result<std::unique_ptr<Database>> open_postgres(const std::string& address) {
-  std::unique_ptr<PGconn, Finish> connection(PQconnectdb(address.c_str()));
+  // Without these a cable that is pulled keeps a program waiting for minutes. What the address
+  // says comes after them, and so goes first.
+  const char* names[] = {"connect_timeout", "tcp_user_timeout", "keepalives_idle", "dbname",
+                         nullptr};
+  const char* values[] = {"5", "10000", "5", address.c_str(), nullptr};
+  std::unique_ptr<PGconn, Finish> connection(PQconnectdbParams(names, values, 1));
   if (PQstatus(connection.get()) != CONNECTION_OK) {
     // The address may hold a password, so it is not repeated.
-    return fail(Fault::file, "the history's server does not answer: {}",
+    return fail(Fault::device, "the history's server does not answer: {}",
                 first_line(PQerrorMessage(connection.get())));
   }
   auto database = std::make_unique<PostgresDatabase>(std::move(connection));
   // Notices are for whoever runs the server.
-  if (const auto set = database->run("SET client_min_messages = warning"); !set)
+  if (const auto set = database->run("SET client_min_messages = error"); !set)
     return tl::unexpected(set.error());
   return database;
 }

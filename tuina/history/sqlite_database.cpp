@@ -39,6 +39,7 @@ class SqliteDatabase final : public Database {
   }
   // Two that read first and write then would wait for each other.
   [[nodiscard]] const char* begin() const override { return "BEGIN IMMEDIATE"; }
+  [[nodiscard]] bool has_accounts() const override { return false; }
   Result<void> scrub() override {
     if (auto done = run("VACUUM"); !done) return done;
     return run("PRAGMA wal_checkpoint(TRUNCATE)");
