@@ -174,6 +174,7 @@ void LiveSession::run(StartOrder start, std::filesystem::path folder) {
   const auto give_up = [&](const Error& error) {
     std::error_code none;
     std::filesystem::remove_all(folder, none);
+    if (options_.has_failed) options_.has_failed(error);
     end(commands_.stopped() ? "stopped" : "failed", error.message, false);
   };
   const std::filesystem::path consent = folder / "consent.toml";
@@ -188,6 +189,9 @@ void LiveSession::run(StartOrder start, std::filesystem::path folder) {
   common.seed = start.seed;
   common.quiet = true;
 
+  if (options_.begins) {
+    if (auto noted = options_.begins(); !noted) return give_up(noted.error());
+  }
   auto result =
       run_simulated_session(start.order, config, common, folder / "session.mcap", attendant());
   if (!result) return give_up(result.error());
@@ -199,8 +203,13 @@ void LiveSession::run(StartOrder start, std::filesystem::path folder) {
   if (auto written = write_session(*result, config, record::to_json(file), folder); !written)
     return give_up(written.error());
   if (auto kept = finish_record(*result, folder); !kept) return give_up(kept.error());
+  std::string words = session_text(file);
+  if (options_.has_ended) {
+    if (auto noted = options_.has_ended(*result, file); !noted)
+      words += "\nnot in the history: " + noted.error().message;
+  }
   const bool stopped = commands_.stopped() || !result->session.stops.empty();
-  end(stopped ? "stopped" : "done", session_text(file), true);
+  end(stopped ? "stopped" : "done", std::move(words), true);
 }
 
 }  // namespace tuina::app

@@ -5,6 +5,7 @@
 #include <condition_variable>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -40,6 +41,13 @@ class LiveSession {
     std::filesystem::path folder;  ///< a folder in it for each session
     bool ordered = false;  ///< at the terminal: one session, in `folder` itself; pages start none
     ChannelFork* channels = nullptr;  ///< told what the record of each session is told
+    /// @{
+    /// Told of each session on its own thread: before it begins, which this may refuse; when its
+    /// record is there; when it has come to none.
+    std::function<Result<void>()> begins = {};
+    std::function<Result<void>(const SessionResult&, const record::SessionFile&)> has_ended = {};
+    std::function<void(const Error&)> has_failed = {};
+    /// @}
   };
   struct State {
     LivePhase phase = LivePhase::idle;

@@ -10,10 +10,8 @@
 #include "apps/simulated/session_files.hpp"
 #include "apps/simulated/session_replay.hpp"
 #include "apps/simulated/simulated_session.hpp"
-#include "apps/tuina/history/open.hpp"
-#include "apps/tuina/history/remember.hpp"
+#include "apps/tuina/history/visit_option.hpp"
 #include "apps/tuina/verbs.hpp"
-#include "tuina/history/person_history.hpp"
 
 namespace tuina::app {
 namespace {
@@ -66,7 +64,8 @@ class Massage final : public Verb {
                                   "guard and robot as processes of their own, `tuina guard` "
                                   "and `tuina robot simulate`");
     options.add("--link", order_.link, "name of the memory that these share").needs(processes);
-    replay.excludes(describe_history(options));
+    replay.excludes(visit_.describe(options));
+    fixed_.describe(options);
     options
         .add("--device", order_.device,
              "a TOML file that names the arms (docs/armlink.md), in place of those simulated here; "
@@ -118,9 +117,9 @@ class Massage final : public Verb {
     auto fixed = fixed_.read();
     if (!fixed) return nothing_done(fixed.error());
     order_.fixed = std::move(*fixed);
-    auto visit = begin_visit();
-    if (!visit) return nothing_done(visit.error());
-    if (!common.quiet && !remembered_.lines.empty()) fmt::print(stderr, "{}\n", remembered_.lines);
+    if (const auto begun = visit_.begin(order_, out_); !begun) return nothing_done(begun.error());
+    if (!common.quiet && !visit_.remembered().empty())
+      fmt::print(stderr, "{}\n", visit_.remembered());
     const auto begun = live_.asked() ? ros2_.begin() : ros2_.begin(out_);
     if (!begun) return nothing_done(begun.error());
     const auto open = live_.begin(order_, *config, common, ros2_, out_);
@@ -131,11 +130,11 @@ class Massage final : public Verb {
     ros2_.end_session();
     if (!result) {
       live_.end("failed", result.error().message);
-      return nothing_done(remembering(result.error()));
+      return nothing_done(visit_.with_remembered(result.error()));
     }
 
     record::SessionFile file = session_file(*result, order_, common.seed);
-    if (visit->history) file.visit = visit->label;
+    file.visit = visit_.label();
     Answer answer{.json = record::to_json(file),
                   .text = session_text(file),
                   .exit_code = result->session.stops.empty() ? 0 : 4};
@@ -148,8 +147,8 @@ class Massage final : public Verb {
     if (const std::uint64_t missing = result->recorder->missing_ms(); missing > 0)
       answer.text += fmt::format("\n{} ms are missing in session.mcap", missing);
     if (ros2_.node() != nullptr) answer.text += "\n" + ros2_.text(result->untold_ms);
-    if (visit->history) {
-      const auto told = end_visit(*visit->history, file);
+    if (visit_.label()) {
+      const auto told = visit_.end(file);
       if (!told) return tl::unexpected(told.error());
       answer.text += "\n" + *told;
     }
@@ -166,28 +165,6 @@ class Massage final : public Verb {
   }
 
  private:
-  Option describe_history(Options& options) {
-    auto who = options.add("--who", who_,
-                           "a pseudonym: the session joins the history of this person, `tuina "
-                           "history show`");
-    add_history_option(options, history_).needs(who);
-    fixed_.describe(options);
-    auto anew = options.flag("--anew", anew_,
-                             "use nothing of this person's earlier sessions: neither what was said "
-                             "by hand, nor wishes, nor tissue");
-    anew.needs(who);
-    options
-        .flag("--as-firm", taken_over_.as_firm,
-              "begin as firm as wished in the last session, also where that is firmer than planned")
-        .needs(who)
-        .excludes(anew);
-    options
-        .flag("--known-tissue", taken_over_.tissue,
-              "probe places by what the last session has felt: one press where it comes as known")
-        .needs(who)
-        .excludes(anew);
-    return who;
-  }
   void describe_body(Options& options) {
     options
         .add("--body-mass-index", order_.facts.mass_index,
@@ -211,52 +188,6 @@ class Massage final : public Verb {
       return fail(Fault::file, "--out {}: the folder cannot be made: {}", out_, fault.message());
     return made;
   }
-  /// The session of a person with a history; without one there is no history.
-  struct BegunVisit {
-    std::optional<history::History> history;
-    record::VisitLabel label;
-  };
-  [[nodiscard]] Result<BegunVisit> begin_visit() {
-    BegunVisit begun;
-    if (who_.empty()) return begun;
-    if (const auto right = history::check_name(who_); !right) return tl::unexpected(right.error());
-    auto history = open_history(history_);
-    if (!history) return tl::unexpected(history.error());
-    if (!anew_) {
-      auto remembered = remember(*history, who_, taken_over_, order_);
-      if (!remembered) return tl::unexpected(remembered.error());
-      remembered_ = std::move(*remembered);
-    }
-    begun.label = new_visit(who_);
-    if (const auto noted =
-            history->begin(begun.label, std::filesystem::absolute(out_).lexically_normal());
-        !noted)
-      return tl::unexpected(noted.error());
-    begun.history = std::move(*history);
-    return begun;
-  }
-  /// Why a session could not begin, with what was remembered.
-  [[nodiscard]] Error remembering(Error error) const {
-    if (!remembered_.by_hand.empty()) {
-      error.message +=
-          fmt::format("; of {}: {}; --anew begins without it", who_, remembered_.by_hand);
-    }
-    return error;
-  }
-  /// Adds the session that has ended, and tells what has changed since the one before.
-  [[nodiscard]] Result<std::string> end_visit(history::History& history,
-                                              const record::SessionFile& file) const {
-    const auto visit = history::visit_of(file, std::filesystem::absolute(out_).lexically_normal());
-    if (const auto added = history.add(visit); !added) return tl::unexpected(added.error());
-    const auto visits = history.visits_of(who_);
-    if (!visits) return tl::unexpected(visits.error());
-    std::string text = fmt::format("{}: session {}", who_, visits->size());
-    if (!remembered_.lines.empty()) text += "\n" + remembered_.lines;
-    if (!taken_over_.as_firm && file.massage.intensity > 1.0)
-      text += "\nfirmer was wished: the next session begins so with --as-firm only";
-    if (const auto last = history::last_change(*visits)) text += "\n" + history::sentence_of(*last);
-    return text;
-  }
   /// The session of --replay, where the other options leave it as it is.
   [[nodiscard]] Result<RecordedSession> recorded_session(const CommonOptions& given) const {
     const CommonOptions usual;
@@ -273,10 +204,7 @@ class Massage final : public Verb {
   LiveOption live_;
   PaceOption pace_;
   SessionOrder order_;
-  std::string who_, history_;
-  Remembered remembered_;
-  TakenOver taken_over_;
-  bool anew_ = false;
+  VisitOption visit_;
   FixedPoints fixed_;
   std::string replay_;
   std::string position_ = "auto";

@@ -10,6 +10,8 @@
 #include "apps/serve/make_password.hpp"
 #include "apps/simulated/pace_option.hpp"
 #include "apps/simulated/ros2_option.hpp"
+#include "apps/tuina/history/fleet_reporter.hpp"
+#include "apps/tuina/history/open.hpp"
 #include "apps/tuina/verbs.hpp"
 
 namespace tuina::app {
@@ -49,6 +51,15 @@ class Serve final : public Verb {
     pace_.describe(options, "real unless given");
     add_robot_option(options, robot_);
     ros2_.describe(options, "the sessions, and offer services for live commands,");
+    auto history = options.add("--history", history_,
+                               "postgresql://... or a SQLite file: tell there what this robot "
+                               "does, for `tuina fleet`; while the server is away it waits here");
+    options.add("--called", machine_.name, "name of this robot among others; else the computer's")
+        .needs(history);
+    options
+        .add("--calibration", calibration_,
+             "file of this robot's calibration, whose age `tuina fleet` shows")
+        .needs(history);
     options.add("--out", out_, "folder for the sessions and audit.log").show_default();
     options.add("--page", page_,
                 "folder of a page that was built, instead of the one that the program carries");
@@ -67,15 +78,18 @@ class Serve final : public Verb {
     if (!std::filesystem::is_directory(out_))
       return fail(Fault::file, "--out {}: the folder cannot be made: {}", out_, fault.message());
     if (const auto begun = ros2_.begin(); !begun) return tl::unexpected(begun.error());
+    if (const auto told = begin_report(); !told) return tl::unexpected(told.error());
+    LiveSession::Options session{.config = std::move(*config),
+                                 .common = common,
+                                 .pace = pace_.pace(1.0),
+                                 .robot = robot_,
+                                 .robot_model = std::move(*robot),
+                                 .folder = out_};
+    report_sessions(session);
     auto site = LiveSite::open({.place = std::move(doors->place),
                                 .passwords = std::move(doors->passwords),
                                 .page = page_,
-                                .session = {.config = std::move(*config),
-                                            .common = common,
-                                            .pace = pace_.pace(1.0),
-                                            .robot = robot_,
-                                            .robot_model = std::move(*robot),
-                                            .folder = out_},
+                                .session = std::move(session),
                                 .node = ros2_.node(),
                                 .reach = ros2_.reach()});
     if (!site) return tl::unexpected(site.error());
@@ -84,9 +98,13 @@ class Serve final : public Verb {
                                           (*site)->invite(), (*site)->program_address());
     std::fputs(lines.c_str(), common.json ? stderr : stdout);
     std::fflush(nullptr);
-    while (!serve_ends) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    while (!serve_ends) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+      if (report_) report_->now(doing((*site)->session().state()));
+    }
     const int port = (*site)->port();
     site->reset();
+    report_.reset();
     std::string text = fmt::format("ended; sessions and audit.log are in {}", out_);
     if (ros2_.node() != nullptr) text += "\n" + ros2_.text();
     return Answer{.json = nlohmann::json{{"port", port}, {"folder", out_}}.dump(2),
@@ -98,6 +116,38 @@ class Serve final : public Verb {
     web::Place place;
     std::optional<web::Passwords> passwords;
   };
+
+  static std::string doing(const LiveSession::State& state) {
+    if (state.phase == LivePhase::ended) return "idle";
+    return name_of(state.phase) + std::string(state.paused ? ", paused" : "");
+  }
+
+  [[nodiscard]] Result<void> begin_report() {
+    if (history_.empty()) return {};
+    if (machine_.name.empty()) machine_.name = name_of_computer();
+    if (auto good = history::check_name(machine_.name); !good) return good;
+    if (!calibration_.empty()) {
+      auto day = day_of_file(calibration_);
+      if (!day) return tl::unexpected(day.error());
+      machine_.calibrated = *day;
+    }
+    machine_.model = robot_;
+    machine_.version = TUINA_VERSION;
+    auto report = FleetReporter::open(history_, machine_);
+    if (!report) return tl::unexpected(report.error());
+    report_ = std::move(*report);
+    return {};
+  }
+  /// The site tells the history of its sessions, if there is one.
+  void report_sessions(LiveSession::Options& session) const {
+    FleetReporter* report = report_.get();
+    if (report == nullptr) return;
+    session.begins = [report] { return report->begin_session(); };
+    session.has_ended = [report](const SessionResult& result, const record::SessionFile& file) {
+      return report->end_session(result, file);
+    };
+    session.has_failed = [report](const Error& error) { report->fail_session(error); };
+  }
 
   // To a network by TLS and with a password, or to this machine alone.
   [[nodiscard]] Result<Doors> doors_asked_for() const {
@@ -133,6 +183,9 @@ class Serve final : public Verb {
   std::string robot_ = "thesis";
   std::string out_ = "tuina-sessions";
   std::string page_;
+  std::string history_, calibration_;
+  history::Machine machine_;
+  std::unique_ptr<FleetReporter> report_;
 };
 
 }  // namespace

@@ -49,6 +49,7 @@ std::vector<std::unique_ptr<Verb>> make_verbs() {
   verbs.push_back(make_history_export());
   verbs.push_back(make_history_forget());
   verbs.push_back(make_history_rebuild());
+  verbs.push_back(make_fleet());
   verbs.push_back(make_config_show());
   verbs.push_back(make_config_check());
   verbs.push_back(make_export_csv());

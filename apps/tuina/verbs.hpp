@@ -47,6 +47,7 @@ std::unique_ptr<Verb> make_history_export();
 std::unique_ptr<Verb> make_history_forget();
 std::unique_ptr<Verb> make_history_rebuild();
 std::unique_ptr<Verb> make_history_note();
+std::unique_ptr<Verb> make_fleet();
 
 /// One line for --help about the verbs that begin with the same word.
 std::string summary_of_group(std::string_view group);

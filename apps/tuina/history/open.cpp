@@ -15,13 +15,12 @@ Option add_history_option(Options& options, std::string& address) {
                      "$XDG_DATA_HOME/tuina or ~/.local/share/tuina");
 }
 
-Result<history::History> open_history(const std::string& address) {
-  if (!address.empty()) return history::History::open(address);
+Result<std::filesystem::path> data_folder() {
   namespace fs = std::filesystem;
   const char* data = std::getenv("XDG_DATA_HOME");
   const char* home = std::getenv("HOME");
   if (data == nullptr && home == nullptr)
-    return fail(Fault::usage, "--history is needed: neither XDG_DATA_HOME nor HOME is set");
+    return fail(Fault::usage, "a folder for the history: neither XDG_DATA_HOME nor HOME is set");
   const fs::path folder =
       (data != nullptr ? fs::path(data) : fs::path(home) / ".local" / "share") / "tuina";
   std::error_code fault;
@@ -29,13 +28,34 @@ Result<history::History> open_history(const std::string& address) {
   if (fault) return fail(Fault::file, "{}: cannot be made: {}", folder.string(), fault.message());
   // Whoever else uses this computer has no business in it.
   fs::permissions(folder, fs::perms::owner_all, fault);
-  return history::History::open(folder / "history.sqlite");
+  return folder;
 }
 
+Result<history::History> open_history(const std::string& address) {
+  if (!address.empty()) return history::History::open(address);
+  const auto folder = data_folder();
+  if (!folder) return tl::unexpected(folder.error());
+  return history::History::open(*folder / "history.sqlite");
+}
+
+namespace {
+
+std::string stamp(std::chrono::system_clock::time_point time) {
+  const auto second = std::chrono::time_point_cast<std::chrono::seconds>(time);
+  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(second));
+}
+
+}  // namespace
+
 std::string utc_now() {
-  const auto now =
-      std::chrono::time_point_cast<std::chrono::seconds>(std::chrono::system_clock::now());
-  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(now));
+  return stamp(std::chrono::system_clock::now());
+}
+
+Result<std::string> day_of_file(const std::filesystem::path& file) {
+  std::error_code fault;
+  const auto written = std::filesystem::last_write_time(file, fault);
+  if (fault) return fail(Fault::file, "{}: {}", file.string(), fault.message());
+  return stamp(std::chrono::file_clock::to_sys(written));
 }
 
 record::VisitLabel new_visit(const std::string& who) {
