@@ -7,7 +7,10 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <functional>
+#include <limits>
 #include <map>
+#include <utility>
 
 #include "tuina/core/units.hpp"
 #include "tuina/history/person_history.hpp"
@@ -81,8 +84,7 @@ void add_stops(telemetry::Page& page, std::span<const MachineHistory> fleet,
   std::ranges::sort(
       stops, [](const Stop& a, const Stop& b) { return a.session->began > b.session->began; });
   std::vector<std::string> counted;
-  for (const auto& [cause, times] : causes)
-    counted.push_back(fmt::format("{} times: {}", times, cause));
+  for (const auto& [cause, times] : causes) counted.push_back(fmt::format("{}: {}", cause, times));
   part.list(counted);
   telemetry::Table table{
       .columns = {{.head = "session began (UTC)"}, {.head = "robot"}, {.head = "first cause"}}};
@@ -95,65 +97,95 @@ void add_stops(telemetry::Page& page, std::span<const MachineHistory> fleet,
     part.note(fmt::format("The newest {} of {}.", max_stops_shown, stops.size()));
 }
 
-/// A value of each session over the days up to now.
-telemetry::Series series_of(const MachineHistory& one, const std::string& now,
-                            const std::string& name, telemetry::Colour colour,
-                            const std::function<double(const MachineSession&)>& value) {
-  telemetry::Series line{.name = name, .colour = colour, .dots = true};
-  for (const MachineSession& session : one.sessions) {
-    const double at = value(session);
-    if (!session.ended || !std::isfinite(at)) continue;
-    line.x.push_back(-days_between(session.began, now));
-    line.y.push_back(at);
-  }
-  return line;
-}
+/// A curve of a figure: the value of a session.
+struct Curve {
+  const char* name;
+  telemetry::Colour colour;
+  std::function<double(const MachineSession&)> value;
+};
+/// The same figure for every robot, with the same axes, so that they can be compared.
+struct RobotFigure {
+  const char* title;
+  const char* y_label;
+  std::vector<Curve> curves;
+};
 
-std::string plot_of(const char* title, const char* y_label, std::vector<telemetry::Series> series) {
-  if (std::ranges::all_of(series, [](const auto& line) { return line.x.empty(); })) return {};
-  telemetry::Plot plot{.title = title,
-                       .x_label = "days ago",
-                       .y_label = y_label,
-                       .series = std::move(series),
-                       .x_high = 0.0,
-                       .width_px = 380,
-                       .height_px = 200};
-  return telemetry::to_svg(plot);
-}
-
-void add_robot(telemetry::Part& part, const MachineHistory& one, const std::string& now) {
+std::vector<RobotFigure> robot_figures() {
   using telemetry::palette::press, telemetry::palette::ink;
   const auto zero_of = [](Arm arm) {
     return [arm](const MachineSession& session) { return session.zero_n[arm]; };
   };
-  const std::vector<telemetry::Figure> figures = {
-      {.svg = plot_of(
-           "wrist sensors in the air", "force in the air, N",
-           {series_of(one, now, "left", telemetry::colour_of(Arm::left), zero_of(Arm::left)),
-            series_of(one, now, "right", telemetry::colour_of(Arm::right), zero_of(Arm::right))}),
-       .name = "Drift of the wrist sensors",
-       .caption = {}},
-      {.svg = plot_of("force error", "force error, N RMS",
-                      {series_of(one, now, "", press,
-                                 [](const auto& session) { return session.force_rmse_n; })}),
-       .name = "Accuracy of the force",
-       .caption = {}},
-      {.svg =
-           plot_of("scan and acupoints", "mm",
-                   {series_of(one, now, "scan, RMS", ink,
-                              [](const auto& session) { return to_mm(session.scan_rms_m); }),
-                    series_of(one, now, "acupoints, 95 %", press,
-                              [](const auto& session) { return to_mm(session.uncertainty_m); })}),
-       .name = "Accuracy of the scan",
-       .caption = {}}};
-  std::vector<telemetry::Figure> drawn;
-  for (const telemetry::Figure& figure : figures)
-    if (!figure.svg.empty()) drawn.push_back(figure);
-  part.heading(one.machine.name);
-  if (drawn.empty()) {
-    part.text("No session with a record yet.");
-  } else {
-    part.figures(drawn, 3);
+  return {{"Drift of the wrist sensors",
+           "force in the air, N",
+           {{"left", telemetry::colour_of(Arm::left), zero_of(Arm::left)},
+            {"right", telemetry::colour_of(Arm::right), zero_of(Arm::right)}}},
+          {"Accuracy of the force",
+           "force error, N RMS",
+           {{"", press, [](const auto& session) { return session.force_rmse_n; }}}},
+          {"Accuracy of the scan",
+           "mm",
+           {{"scan, RMS", ink, [](const auto& session) { return to_mm(session.scan_rms_m); }},
+            {"acupoints, 95 %", press,
+             [](const auto& session) { return to_mm(session.uncertainty_m); }}}}};
+}
+
+/// The largest and the smallest of all robots, and zero.
+std::pair<double, double> range_of(const RobotFigure& figure,
+                                   std::span<const MachineHistory> fleet) {
+  double low = 0.0, high = 0.0;
+  for (const MachineHistory& one : fleet) {
+    for (const MachineSession& session : one.sessions) {
+      for (const Curve& curve : figure.curves) {
+        const double value = curve.value(session);
+        if (std::isfinite(value)) low = std::min(low, value), high = std::max(high, value);
+      }
+    }
+  }
+  return {low, high > low ? high : low + 1.0};
+}
+
+/// Over the days up to now; empty where nothing is known.
+std::string draw(const RobotFigure& figure, const MachineHistory& one, const std::string& now,
+                 std::pair<double, double> range) {
+  telemetry::Plot plot{.title = figure.title,
+                       .x_label = "days ago",
+                       .y_label = figure.y_label,
+                       .x_high = 0.0,
+                       .y_low = range.first,
+                       .y_high = range.second,
+                       .width_px = 380,
+                       .height_px = 200};
+  for (const Curve& curve : figure.curves) {
+    telemetry::Series dots{.name = curve.name, .colour = curve.colour, .dots = true};
+    for (const MachineSession& session : one.sessions) {
+      const double value = curve.value(session);
+      if (!session.ended || !std::isfinite(value)) continue;
+      dots.x.push_back(-days_between(session.began, now));
+      dots.y.push_back(value);
+    }
+    if (!dots.x.empty()) plot.series.push_back(std::move(dots));
+  }
+  return plot.series.empty() ? std::string() : telemetry::to_svg(plot);
+}
+
+void add_robots(telemetry::Page& page, std::span<const MachineHistory> fleet,
+                const std::string& now) {
+  auto& part = page.section(
+      "Over time",
+      "In the air a wrist should feel nothing; the mean of a session tells its drift.");
+  const std::vector<RobotFigure> figures = robot_figures();
+  for (const MachineHistory& one : fleet) {
+    std::vector<telemetry::Figure> drawn;
+    for (const RobotFigure& figure : figures) {
+      if (auto svg = draw(figure, one, now, range_of(figure, fleet)); !svg.empty())
+        drawn.push_back({.svg = std::move(svg), .name = figure.title, .caption = {}});
+    }
+    part.heading(one.machine.name);
+    if (drawn.empty()) {
+      part.text("No session with a record yet.");
+    } else {
+      part.figures(drawn, 3);
+    }
   }
 }
 
@@ -230,10 +262,7 @@ std::string fleet_page(std::span<const MachineHistory> fleet, const std::string&
       "Forces are those of the last session with a record. A robot that tells nothing for a minute "
       "is not heard; its sessions come when its network does.");
   add_stops(page, fleet, now);
-  auto& over_time = page.section(
-      "Over time",
-      "In the air a wrist should feel nothing; the mean of a session tells its drift.");
-  for (const MachineHistory& one : fleet) add_robot(over_time, one, now);
+  add_robots(page, fleet, now);
   return page.str();
 }
 
