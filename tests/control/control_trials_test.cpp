@@ -21,8 +21,9 @@ TEST_CASE("a table of trials tells the worst of its runs, however many threads s
                                                       .target = ControlTarget{.highest_n = 12.0}},
                                                      {.labels = {{"what", "a"}}, .runs = {calm}}}}};
   std::vector<ControlTable> one = fresh, two = fresh;
-  REQUIRE(run_tables(one, 1, {}).has_value());
-  REQUIRE(run_tables(two, 2, {}).has_value());
+  Cells cells;
+  REQUIRE(run_tables(one, cells, 1, {}).has_value());
+  REQUIRE(run_tables(two, cells, 2, {}).has_value());
   const ControlResult &worst = one[0].rows[0].result, &quiet = one[0].rows[1].result;
   CHECK(worst.runs == 2);
   CHECK(worst.stopped == 1);

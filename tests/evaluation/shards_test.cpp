@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <sstream>
 
 #include "tests/whole/command.hpp"
 #include "tuina/core/io/file.hpp"
@@ -24,15 +25,26 @@ std::vector<std::string> with(std::vector<std::string> words,
 }
 
 /// The files of so many shards, done in any order.
-std::vector<std::string> shards_in(const Folder& folder, int parts) {
+std::vector<std::string> shards_in(const Folder& folder, int parts,
+                                   const std::vector<std::string>& words = campaign) {
   std::vector<std::string> files;
   for (int part = parts; part >= 1; --part) {
     files.push_back(folder / (std::to_string(part) + ".cells"));
     const std::string shard = std::to_string(part) + "/" + std::to_string(parts);
-    const auto done = run_tuina(with(campaign, {"--shard", shard, "--out", files.back()}));
+    const auto done = run_tuina(with(words, {"--shard", shard, "--out", files.back()}));
     REQUIRE_MESSAGE(done.exit_code == 0, done.err);
   }
   return files;
+}
+
+/// Tables without what only says how long computing took.
+std::string without_times(const std::string& json) {
+  std::istringstream lines(json);
+  std::string kept, line;
+  while (std::getline(lines, line)) {
+    if (line.find("plan_ms") == std::string::npos) kept += line + "\n";
+  }
+  return kept;
 }
 
 }  // namespace
@@ -49,6 +61,24 @@ TEST_CASE("shards in any order, and one of them twice, give the tables of one ru
   // What was done twice is named; a shard may have no cell at all.
   if (read_file(files.front()).value().find("\n{") != std::string::npos)
     CHECK(merged.err.find("done more than once, counted once: N0 ") != std::string::npos);
+}
+
+TEST_CASE("walls and robots are cells, too") {
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"evaluate", "scanner", "--only", "walls", "--calibration", "drawn",
+                                 "--scanners", "1"},
+        {"evaluate", "robots", "--robots", "thesis", "--programmes", "relax"}}) {
+    const Folder folder;
+    const std::vector<std::string> files = shards_in(folder, 2, words);
+    const auto whole = run_tuina(with(words, {"--json", "--quiet"}));
+    REQUIRE_MESSAGE(whole.exit_code == 0, whole.err);
+    const auto merged = run_tuina(with(with({"evaluate", "merge"}, files), {"--json", "--quiet"}));
+    CHECK_MESSAGE(merged.exit_code == 0, merged.err);
+    CHECK(without_times(merged.out) == without_times(whole.out));
+    const auto lost = run_tuina({"evaluate", "merge", files.front()});
+    CHECK(lost.exit_code == 2);
+    CHECK(lost.err.find("are in none of the files") != std::string::npos);
+  }
 }
 
 TEST_CASE("a cell that was lost is named, and its shard goes on where it ended") {

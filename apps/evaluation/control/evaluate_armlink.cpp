@@ -119,18 +119,27 @@ class EvaluateArmlink final : public Verb {
     options.flag("--full", full_, "more delays, four seeds");
     options.add("--figures", figures_,
                 "the figures armlink_error.svg and armlink_ended.svg into this folder");
+    cells_.describe(options);
   }
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
     if (!figures_.empty() && !std::filesystem::is_directory(figures_))
       return fail(Fault::file, "the folder {} does not exist", figures_);
     const auto config = effective_config(common);
     if (!config) return tl::unexpected(config.error());
+    if (auto opened = cells_.open(common, *config); !opened) return tl::unexpected(opened.error());
     std::vector<ControlTable> tables = {table_of(full_, common.seed)};
     for (ControlRow& row : tables[0].rows)
       for (ContactExperiment& experiment : row.runs) live_in(*config, experiment);
     const unsigned threads = std::clamp(std::thread::hardware_concurrency(), 1U, 8U);
-    if (auto done = run_tables(tables, threads, progress_bar(common, "armlink")); !done)
+    if (auto done = run_tables(tables, cells_, threads, progress_bar(common, "armlink")); !done)
       return tl::unexpected(done.error());
+    return cells_.answer([&] { return answer(tables, common, *config); });
+  }
+
+ private:
+  [[nodiscard]] Result<Answer> answer(const std::vector<ControlTable>& tables,
+                                      const CommonOptions& common,
+                                      const session::Config& config) const {
     if (!figures_.empty()) {
       for (const auto& [name, drawing] : figures_of(tables[0])) {
         const auto path = std::filesystem::path(figures_) / (name + ".svg");
@@ -141,12 +150,12 @@ class EvaluateArmlink final : public Verb {
     const telemetry::Table shown = shown_table(tables[0]);
     const nlohmann::ordered_json json = {{"seed", common.seed},
                                          {"full", full_},
-                                         {"realism", config->simulation.realism},
+                                         {"realism", config.simulation.realism},
                                          {"armlink", to_json(shown)}};
     return Answer{.json = json.dump(2), .text = to_text(shown)};
   }
 
- private:
+  Cells cells_;
   bool full_ = false;
   std::string figures_;
 };

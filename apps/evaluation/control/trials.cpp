@@ -48,27 +48,49 @@ const std::string& ControlRow::label(const std::string& name) const {
   return found == labels.end() ? none : found->second;
 }
 
-Result<void> run_tables(std::vector<ControlTable>& tables, unsigned threads,
-                        const Progress& progress) {
-  struct Job {
-    ControlRow* row;
-    const ContactExperiment* experiment;
-  };
-  std::vector<Job> jobs;
+namespace {
+
+/// One experiment of a row, and the name of its cell.
+struct ControlJob {
+  ControlRow* row;
+  const ContactExperiment* experiment;
+  std::string cell;
+};
+
+std::vector<ControlJob> jobs_of(std::vector<ControlTable>& tables) {
+  std::vector<ControlJob> jobs;
   for (ControlTable& table : tables) {
-    for (ControlRow& row : table.rows) {
-      for (const ContactExperiment& experiment : row.runs) jobs.push_back({&row, &experiment});
+    for (std::size_t i = 0; i < table.rows.size(); ++i) {
+      ControlRow& row = table.rows[i];
+      std::string name = fmt::format("{} {}", table.name, i + 1);
+      for (const auto& [label, value] : row.labels) name += fmt::format(" {}={}", label, value);
+      for (std::size_t k = 0; k < row.runs.size(); ++k)
+        jobs.push_back({&row, &row.runs[k], fmt::format("{} run {}", name, k + 1)});
     }
   }
+  return jobs;
+}
+
+}  // namespace
+
+Result<void> run_tables(std::vector<ControlTable>& tables, Cells& cells, unsigned threads,
+                        const Progress& progress) {
+  const std::vector<ControlJob> jobs = jobs_of(tables);
   std::mutex guard;  // of the rows and of the first failure
   std::optional<Error> failure;
   const auto work = [&](std::size_t k) {
-    const auto outcome = run_contact(*jobs[k].experiment);
+    const auto result = cells.at<ControlResult>(jobs[k].cell, [&]() -> Result<ControlResult> {
+      const auto outcome = run_contact(*jobs[k].experiment);
+      if (!outcome) return tl::unexpected(outcome.error());
+      ControlResult one;
+      one.add(*outcome);
+      return one;
+    });
     const std::lock_guard lock(guard);
-    if (outcome) {
-      jobs[k].row->result.add(*outcome);
+    if (result) {
+      jobs[k].row->result.add(*result);
     } else if (!failure) {
-      failure = outcome.error();
+      failure = result.error();
     }
   };
   for_each_in_parallel(jobs.size(), work, progress, threads);

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "apps/evaluation/cells.hpp"
 #include "apps/evaluation/contact/contact_experiment.hpp"
 
 namespace tuina::app {
@@ -51,9 +52,24 @@ struct ControlTable {
 /// seeds, the other enough of both to see the same.
 [[nodiscard]] std::vector<ControlTable> control_tables(bool full, std::uint64_t seed);
 
-/// Runs them side by side; the results do not depend on how many threads there are.
-[[nodiscard]] Result<void> run_tables(std::vector<ControlTable>& tables, unsigned threads,
-                                      const Progress& progress);
+/// Runs them side by side, a cell for each experiment; the results do not depend on how many
+/// threads there are.
+[[nodiscard]] Result<void> run_tables(std::vector<ControlTable>& tables, Cells& cells,
+                                      unsigned threads, const Progress& progress);
+
+/// Every value of a result with its key, for reading and for writing.
+template <typename Outcome, typename Visit>
+requires std::is_same_v<std::remove_const_t<Outcome>, ControlResult>
+void visit_fields(Outcome& result, const Visit& visit) {
+  visit("runs", result.runs);
+  visit("stopped", result.stopped);
+  visit("rmse_n", result.rmse_n);
+  visit("overshoot_n", result.overshoot_n);
+  visit("ripple_n", result.ripple_n);
+  visit("highest_n", result.highest_n);
+  visit("max_speed_m_per_s", result.max_speed_m_per_s);
+  visit("second_impact_n", result.second_impact_n);
+}
 
 /// Rows that agree in these labels, put together.
 [[nodiscard]] ControlTable grouped(const ControlTable& table,

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/cli/table.hpp"
+#include "apps/evaluation/cells.hpp"
 #include "apps/evaluation/verbs.hpp"
 #include "tuina/core/stopwatch.hpp"
 #include "tuina/core/units.hpp"
@@ -100,15 +101,34 @@ Workspace workspace_of(const robot::RobotPlacement& placement, const Subject& su
   return best;
 }
 
+/// What one robot came to on one person with one programme: a cell.
+struct RobotResult {
+  double reached_percent = 0.0, dexterity_m_per_rad = 0.0, limit_room_deg = 0.0;
+  std::size_t paths = 0, left_out = 0;
+  double duration_s = 0.0, plan_ms = 0.0, arms_mm = 0.0, couch_mm = 0.0, body_mm = 0.0;
+};
+
+template <typename Outcome, typename Visit>
+requires std::is_same_v<std::remove_const_t<Outcome>, RobotResult>
+void visit_fields(Outcome& result, const Visit& visit) {
+  visit("reached_percent", result.reached_percent);
+  visit("dexterity_m_per_rad", result.dexterity_m_per_rad);
+  visit("limit_room_deg", result.limit_room_deg);
+  visit("paths", result.paths);
+  visit("left_out", result.left_out);
+  visit("duration_s", result.duration_s);
+  visit("plan_ms", result.plan_ms);
+  visit("arms_mm", result.arms_mm);
+  visit("couch_mm", result.couch_mm);
+  visit("body_mm", result.body_mm);
+}
+
 struct Row {
   std::string robot;
   std::string who;
   BodyPosture position;
   std::string programme;
-  Workspace workspace;
-  std::size_t paths = 0, left_out = 0;
-  double duration_s = 0.0, plan_ms = 0.0, arms_m = 0.0;
-  robot::Clearances clear;
+  RobotResult result;
 };
 
 /// Robots beside each other: what they reach of a back, and how long their sessions are.
@@ -124,9 +144,13 @@ class EvaluateRobots final : public Verb {
   void describe(Options& options) override {
     options.add("--programmes", programmes_, "shipped ones or files").show_default();
     options.add("--robots", robots_, "shipped ones or files").show_default();
+    cells_.describe(options);
   }
 
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
+    const auto config = effective_config(common);
+    if (!config) return tl::unexpected(config.error());
+    if (auto opened = cells_.open(common, *config); !opened) return tl::unexpected(opened.error());
     std::vector<massage::Programme> programmes;
     for (const std::string& name : programmes_) {
       auto programme = massage::load_programme(name);
@@ -148,42 +172,46 @@ class EvaluateRobots final : public Verb {
         if (!subject) return tl::unexpected(subject.error());
         for (const robot::RobotModel& robot : robots) {
           for (const massage::Programme& programme : programmes) {
-            auto row = row_of(robot, *subject, programme);
-            if (!row) return tl::unexpected(row.error());
-            row->who = who;
-            rows.push_back(std::move(*row));
+            const auto cell =
+                fmt::format("{} {} {} {}", who, name_of(position), robot.name, programme.name);
+            const auto result =
+                cells_.at<RobotResult>(cell, [&] { return result_of(robot, *subject, programme); });
+            if (!result) return tl::unexpected(result.error());
+            rows.push_back({robot.name, who, position, programme.name, *result});
           }
           if (bar) bar((done += 1.0) / (6.0 * static_cast<double>(robots.size())));
         }
       }
     }
-    return answer(rows);
+    return cells_.answer([&]() -> Result<Answer> { return answer(rows); });
   }
 
  private:
-  static Result<Row> row_of(const robot::RobotModel& model, const Subject& subject,
-                            const massage::Programme& programme) {
+  static Result<RobotResult> result_of(const robot::RobotModel& model, const Subject& subject,
+                                       const massage::Programme& programme) {
     const sim::Person& person = subject.person;
     const auto chart = massage::BackChart::from(person.acupoints, person.landmarks);
     if (!chart) return tl::unexpected(chart.error());
     auto plan = massage::plan(subject.back, person.acupoints, person.landmarks, programme);
     if (!plan) return tl::unexpected(plan.error());
-    Row row{
-        .robot = model.name, .who = {}, .position = person.position, .programme = programme.name};
-    row.paths = plan->paths.size();
+    RobotResult result{.paths = plan->paths.size()};
     const robot::RobotPlacement placement = robot::place_robot(model, person.position, false);
-    row.workspace = workspace_of(placement, subject, *chart);
+    const Workspace workspace = workspace_of(placement, subject, *chart);
+    result.reached_percent = 100.0 * workspace.reached / std::max(workspace.places, 1);
+    result.dexterity_m_per_rad = workspace.dexterity;
+    result.limit_room_deg = to_deg(workspace.limit_room_rad);
     const Stopwatch watch;
     const auto ready = motion::make_ready(std::move(*plan), subject.back, placement.mount,
                                           robot::both_models(placement.arm, placement.mount),
                                           placement.mount.base_from_couch, 40_mm);
-    row.plan_ms = watch.ms();
+    result.plan_ms = watch.ms();
     if (!ready) return tl::unexpected(ready.error());
-    row.left_out = row.paths - ready->plan.paths.size();
-    row.duration_s = ready->plan.duration_s;
-    row.arms_m = ready->min_arm_distance_m;
-    row.clear = ready->clear;
-    return row;
+    result.left_out = result.paths - ready->plan.paths.size();
+    result.duration_s = ready->plan.duration_s;
+    result.arms_mm = to_mm(ready->min_arm_distance_m);
+    result.couch_mm = to_mm(ready->clear[robot::Surrounding::couch]);
+    result.body_mm = to_mm(ready->clear[robot::Surrounding::body]);
+    return result;
   }
 
   static Answer answer(const std::vector<Row>& rows) {
@@ -203,16 +231,15 @@ class EvaluateRobots final : public Verb {
                     {.head = "own body, mm", .key = "min_body_distance_mm", .digits = 0},
                     {.head = "plan, ms", .key = "plan_ms", .digits = 0}}};
     for (const Row& row : rows) {
-      table.add({row.robot, row.who, name_of(row.position),
-                 100.0 * row.workspace.reached / std::max(row.workspace.places, 1),
-                 row.workspace.dexterity, to_deg(row.workspace.limit_room_rad), row.programme,
-                 row.duration_s, row.paths, row.left_out, to_mm(row.arms_m),
-                 to_mm(row.clear[robot::Surrounding::couch]),
-                 to_mm(row.clear[robot::Surrounding::body]), row.plan_ms});
+      const RobotResult& did = row.result;
+      table.add({row.robot, row.who, name_of(row.position), did.reached_percent,
+                 did.dexterity_m_per_rad, did.limit_room_deg, row.programme, did.duration_s,
+                 did.paths, did.left_out, did.arms_mm, did.couch_mm, did.body_mm, did.plan_ms});
     }
     return {.json = ordered_json{{"robots", to_json(table)}}.dump(2), .text = to_text(table)};
   }
 
+  Cells cells_;
   std::vector<std::string> robots_ = {"thesis", "successor"};
   std::vector<std::string> programmes_ = {"relax", "full_back_20min"};
 };

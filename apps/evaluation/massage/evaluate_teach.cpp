@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <limits>
+#include <mutex>
 #include <nlohmann/json.hpp>
 
 #include "apps/cli/table.hpp"
+#include "apps/evaluation/cells.hpp"
 #include "apps/evaluation/verbs.hpp"
 #include "apps/simulated/play_motion.hpp"
 #include "apps/simulated/simulated_session.hpp"
@@ -46,6 +48,21 @@ struct Ways {
   std::string person;
   Given taught, carried, automatic;
 };
+
+template <typename Outcome, typename Visit>
+requires std::is_same_v<std::remove_const_t<Outcome>, Ways>
+void visit_fields(Outcome& ways, const Visit& visit) {
+  visit("person", ways.person);
+  const auto visit_way = [&](const std::string& way, auto& given) {
+    visit((way + "_failed").c_str(), given.failed);
+    visit((way + "_time_s").c_str(), given.time_s);
+    visit((way + "_passes_m").c_str(), given.passes_m);
+    visit((way + "_force_rmse_n").c_str(), given.force_rmse_n);
+  };
+  visit_way("taught", ways.taught);
+  visit_way("carried", ways.carried);
+  visit_way("automatic", ways.automatic);
+}
 
 /// How near a tool came to the points while it worked, mean of the points.
 template <typename Rows, typename Place>
@@ -151,11 +168,13 @@ class EvaluateTeach final : public Verb {
     options.add("--people", people_, "that sit, slim, medium and hefty in turn")
         .between(1, 1000)
         .show_default();
+    cells_.describe(options);
   }
 
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
     const auto config = effective_config(common);
     if (!config) return tl::unexpected(config.error());
+    if (auto opened = cells_.open(common, *config); !opened) return tl::unexpected(opened.error());
     CommonOptions quiet = common;
     quiet.quiet = true;
     const auto folder = ScratchFolder::make();
@@ -171,27 +190,40 @@ class EvaluateTeach final : public Verb {
     if (auto written = write_file(carried, *programme); !written)
       return tl::unexpected(written.error());
     std::vector<Ways> all(static_cast<std::size_t>(people_));
-    for_each_in_parallel(
-        all.size(),
-        [&](std::size_t i) {
-          constexpr std::array builds = {"phantom:slim", "phantom:medium", "phantom:hefty"};
-          CommonOptions own = quiet;
-          own.seed = common.seed + i;
-          const char* person = builds[i % builds.size()];
-          all[i].person = fmt::format("{} --seed {}", person, own.seed);
-          all[i].taught = by_teaching(person, *config, own);
-          all[i].carried = by_session(person, carried, *config, own);
-          all[i].automatic = by_session(person, planned, *config, own);
-        },
-        progress_bar(common, "people"));
+    std::mutex guard;  // of the first failure
+    std::optional<Error> failure;
+    const auto give = [&](std::size_t i) {
+      constexpr std::array builds = {"phantom:slim", "phantom:medium", "phantom:hefty"};
+      CommonOptions own = quiet;
+      own.seed = common.seed + i;
+      const char* person = builds[i % builds.size()];
+      const std::string name = fmt::format("{} --seed {}", person, own.seed);
+      auto ways = cells_.at<Ways>(name, [&]() -> Result<Ways> {
+        return Ways{.person = name,
+                    .taught = by_teaching(person, *config, own),
+                    .carried = by_session(person, carried, *config, own),
+                    .automatic = by_session(person, planned, *config, own)};
+      });
+      const std::lock_guard lock(guard);
+      if (!ways) {
+        failure = ways.error();
+      } else {
+        all[i] = std::move(*ways);
+      }
+    };
+    for_each_in_parallel(all.size(), give, progress_bar(common, "people"));
+    if (failure) return tl::unexpected(*failure);
+    return cells_.answer([&]() -> Result<Answer> { return answer_of(std::move(all)); });
+  }
+
+ private:
+  [[nodiscard]] static Answer answer_of(std::vector<Ways> all) {
     all.push_back({.person = "mean of those who got it",
                    .taught = mean_of(all, &Ways::taught),
                    .carried = mean_of(all, &Ways::carried),
                    .automatic = mean_of(all, &Ways::automatic)});
     return answer(all);
   }
-
- private:
   [[nodiscard]] static Answer answer(const std::vector<Ways>& all) {
     telemetry::Table table{.note =
                                "time until it was given; mean distance by which it passes SI11, "
@@ -216,6 +248,7 @@ class EvaluateTeach final : public Verb {
     return {.json = json.dump(2), .text = to_text(table) + failures};
   }
 
+  Cells cells_;
   int people_ = 10;
 };
 

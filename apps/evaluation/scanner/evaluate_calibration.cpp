@@ -9,6 +9,7 @@
 #include <span>
 
 #include "apps/cli/table.hpp"
+#include "apps/evaluation/cells.hpp"
 #include "apps/evaluation/verbs.hpp"
 #include "tuina/calibration/calibrate.hpp"
 #include "tuina/core/random.hpp"
@@ -40,6 +41,23 @@ struct Errors {
     ++sets;
   }
 };
+
+/// What one set says: of each table and quantity an error and what was stated of it, again and
+/// again.
+struct SetErrors {
+  std::map<std::string, std::map<std::string, std::vector<double>>> values;
+
+  void add(const std::string& table, const std::string& quantity, double error, double stated) {
+    auto& of = values[table][quantity];
+    of.insert(of.end(), {error, stated});
+  }
+};
+
+template <typename Outcome, typename Visit>
+requires std::is_same_v<std::remove_const_t<Outcome>, SetErrors>
+void visit_fields(Outcome& set, const Visit& visit) {
+  visit("values", set.values);
+}
 
 telemetry::Table error_table(const std::string& name,
                              const std::map<std::string, Errors>& quantities) {
@@ -96,6 +114,7 @@ class EvaluateCalibration final : public Verb {
     options.add("--sets", sets_, "rehearsed sets, each with a scanner of its own")
         .between(1, 1000)
         .show_default();
+    cells_.describe(options);
   }
 
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
@@ -104,14 +123,30 @@ class EvaluateCalibration final : public Verb {
                           {options.poses, true},
                           {options.poses / 2, false},
                           {options.poses / 2, true}};
+    const auto config = effective_config(common);
+    if (!config) return tl::unexpected(config.error());
+    if (auto opened = cells_.open(common, *config); !opened) return tl::unexpected(opened.error());
     std::map<std::string, std::map<std::string, Errors>> table;
     const auto bar = progress_bar(common, "evaluate calibration");
     for (int set = 0; set < sets_; ++set) {
       const std::uint64_t seed = common.seed + static_cast<std::uint64_t>(set);
-      const auto done = one_set(seed, options, cases, table);
-      if (!done) return tl::unexpected(done.error());
+      const auto errors = cells_.at<SetErrors>(fmt::format("set {}", seed),
+                                               [&] { return one_set(seed, options, cases); });
+      if (!errors) return tl::unexpected(errors.error());
+      for (const auto& [name, quantities] : errors->values) {
+        for (const auto& [quantity, values] : quantities) {
+          for (std::size_t i = 0; i + 1 < values.size(); i += 2)
+            table[name][quantity].add(values[i], values[i + 1]);
+        }
+      }
       if (bar) bar((set + 1.0) / sets_);
     }
+    return cells_.answer([&] { return answer(table); });
+  }
+
+ private:
+  [[nodiscard]] Result<Answer> answer(
+      const std::map<std::string, std::map<std::string, Errors>>& table) const {
     nlohmann::ordered_json json;
     std::string text;
     for (const auto& [name, quantities] : table) {
@@ -124,72 +159,73 @@ class EvaluateCalibration final : public Verb {
                   .text = text};
   }
 
- private:
-  static Result<void> one_set(std::uint64_t seed, const sim::SyntheticShotsOptions& options,
-                              std::span<const Case> cases,
-                              std::map<std::string, std::map<std::string, Errors>>& table) {
+  static Result<SetErrors> one_set(std::uint64_t seed, const sim::SyntheticShotsOptions& options,
+                                   std::span<const Case> cases) {
     std::error_code error;
     const fs::path folder =
         fs::temp_directory_path(error) / fmt::format("tuina-rehearsal-{}-{}", ::getpid(), seed);
     const auto truth = sim::built_scanner(seed);
     const auto written = sim::render_calibration_shots(truth, seed, folder, options);
-    if (!written) return written;
-    const auto measured = measure(truth, seed, folder, options, cases, table);
+    if (!written) return tl::unexpected(written.error());
+    auto measured = measure(truth, seed, folder, options, cases);
     fs::remove_all(folder, error);
     return measured;
   }
 
-  static Result<void> measure(const scanner::ScannerCalibration& truth, std::uint64_t seed,
-                              const fs::path& folder, const sim::SyntheticShotsOptions& options,
-                              std::span<const Case> cases,
-                              std::map<std::string, std::map<std::string, Errors>>& table) {
+  static Result<SetErrors> measure(const scanner::ScannerCalibration& truth, std::uint64_t seed,
+                                   const fs::path& folder,
+                                   const sim::SyntheticShotsOptions& options,
+                                   std::span<const Case> cases) {
     Views all;
     const auto whole = calibrate_folder(folder, all);
     if (!whole) return tl::unexpected(whole.error());
-    auto& sweeps = table["sweeps"];
-    sweeps["latency, ms"].add(1e3 * std::abs(whole->calibration.latency_s - truth.latency_s),
-                              1e3 * whole->latency->deviation_s);
+    SetErrors errors;
+    errors.add("sweeps", "latency, ms",
+               1e3 * std::abs(whole->calibration.latency_s - truth.latency_s),
+               1e3 * whole->latency->deviation_s);
     const Transform& couch = whole->calibration.couch_from_camera;
     const Transform& true_couch = truth.couch_from_camera;
-    sweeps["height over couch, mm"].add(
-        to_mm(std::abs(couch.translation().z() - true_couch.translation().z())),
-        to_mm(whole->couch->height_deviation_m));
+    errors.add("sweeps", "height over couch, mm",
+               to_mm(std::abs(couch.translation().z() - true_couch.translation().z())),
+               to_mm(whole->couch->height_deviation_m));
     const Vector3 up = couch.linear().row(2);
     const Vector3 true_up = true_couch.linear().row(2);
-    sweeps["tilt over couch, deg"].add(to_deg(up.cross(true_up).norm()),
-                                       to_deg(whole->couch->tilt_deviation_rad));
+    errors.add("sweeps", "tilt over couch, deg", to_deg(up.cross(true_up).norm()),
+               to_deg(whole->couch->tilt_deviation_rad));
     for (const Case& one : cases) {
       for (int draw = 0; draw < (one.noise ? draws_of_noise : 1); ++draw) {
         Views views = some_of(all, one, options.poses, seed, draw);
         const auto result = calibrate(views);
         if (!result) return tl::unexpected(result.error());
-        add(truth, *result, table[one.name()]);
+        add(truth, *result, one.name(), errors);
       }
     }
-    return {};
+    return errors;
   }
 
   static void add(const scanner::ScannerCalibration& truth, const Calibrated& result,
-                  std::map<std::string, Errors>& quantities) {
+                  const std::string& table, SetErrors& errors) {
     const auto& found = result.calibration;
     const Covariance& covariance = result.fit.covariance;
     const auto two = [&](int i, int k) { return std::sqrt(covariance(i, i) + covariance(k, k)); };
     for (std::size_t i = 0; i < result.expected.size(); ++i) {
       if (!result.expected[i]) continue;
-      quantities[fmt::format("range at {:.2f} m, mm", reported_depths_m[i])].add(
-          to_mm(sim::range_error_m(truth, found, reported_depths_m[i])),
-          to_mm(result.expected[i]->systematic_m));
+      errors.add(table, fmt::format("range at {:.2f} m, mm", reported_depths_m[i]),
+                 to_mm(sim::range_error_m(truth, found, reported_depths_m[i])),
+                 to_mm(result.expected[i]->systematic_m));
     }
-    quantities["focal length, px"].add(std::abs(found.camera.fx_px - truth.camera.fx_px),
-                                       std::sqrt(covariance(fx, fx)));
+    errors.add(table, "focal length, px", std::abs(found.camera.fx_px - truth.camera.fx_px),
+               std::sqrt(covariance(fx, fx)));
     const Vector3& axis = truth.axis_direction_in_camera;
-    quantities["axis direction, deg"].add(to_deg(found.axis_direction_in_camera.cross(axis).norm()),
-                                          to_deg(two(axis_tilt_1, axis_tilt_2)));
+    errors.add(table, "axis direction, deg",
+               to_deg(found.axis_direction_in_camera.cross(axis).norm()),
+               to_deg(two(axis_tilt_1, axis_tilt_2)));
     const Vector3 apart = found.axis_point_in_camera - truth.axis_point_in_camera;
-    quantities["axis place, mm"].add(to_mm(apart.cross(axis).norm()),
-                                     to_mm(two(axis_shift_1, axis_shift_2)));
+    errors.add(table, "axis place, mm", to_mm(apart.cross(axis).norm()),
+               to_mm(two(axis_shift_1, axis_shift_2)));
   }
 
+  Cells cells_;
   int sets_ = 10;
 };
 

@@ -77,6 +77,7 @@ class EvaluateScanner final : public Verb {
         .one_of(kinds)
         .show_default();
     options.add("--page", page_, "one HTML page with plots and pictures");
+    cells_.describe(options);
   }
 
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
@@ -88,41 +89,46 @@ class EvaluateScanner final : public Verb {
       options.curves = only_ == "curves";
       options.bodies = only_ == "bodies";
     }
-    if (const auto built = build_scanners(common, options); !built) {
-      return tl::unexpected(built.error());
-    }
-    const auto proof = prove_scanner(options, common.seed, progress_bar(common, "scanner"));
+    const auto config = effective_config(common);
+    if (!config) return tl::unexpected(config.error());
+    if (auto opened = cells_.open(common, *config); !opened) return tl::unexpected(opened.error());
+    options.of_walls = [&] { return built(common, Use::walls); };
+    options.of_backs = [&](bool upright) {
+      return built(common, upright ? Use::upright : Use::across);
+    };
+    const auto proof = prove_scanner(options, cells_, common.seed, progress_bar(common, "scanner"));
     if (!proof) return tl::unexpected(proof.error());
-    if (!page_.empty()) {
-      if (const auto written = write_file(page_, page_of(*proof)); !written) {
-        return tl::unexpected(written.error());
+    return cells_.answer([&]() -> Result<Answer> {
+      if (!page_.empty()) {
+        if (const auto written = write_file(page_, page_of(*proof)); !written)
+          return tl::unexpected(written.error());
       }
-    }
-    return Answer{.json = json{{"seed", common.seed}, {"scanner", json_of(*proof)}}.dump(2),
-                  .text = text_of(*proof)};
+      return Answer{.json = json{{"seed", common.seed}, {"scanner", json_of(*proof)}}.dump(2),
+                    .text = text_of(*proof)};
+    });
   }
 
  private:
-  Result<void> build_scanners(const CommonOptions& common, ProofOptions& options) const {
+  enum class Use : std::uint8_t { walls, upright, across };
+
+  /// Made when they are first asked for: a shard may need none, and a merge needs none.
+  Result<std::span<const BuiltScanner>> built(const CommonOptions& common, Use use) {
+    const bool upright = use == Use::upright;
+    auto& scanners = upright ? upright_ : across_;
 #ifdef TUINA_CALIBRATION
     if (calibration_ == "rehearsed") {
-      if (options.backs || options.curves) {
-        auto upright =
-            rehearsed_scanners(scanners_, common.seed, true, progress_bar(common, "calibrate"));
-        if (!upright) return tl::unexpected(upright.error());
-        options.upright = std::move(*upright);
+      if (scanners.empty()) {
+        const char* bar = upright ? "calibrate" : "calibrate, across";
+        auto made = rehearsed_scanners(scanners_, common.seed, upright, progress_bar(common, bar));
+        if (!made) return tl::unexpected(made.error());
+        scanners = std::move(*made);
       }
-      if (options.walls || options.backs) {
-        auto across = rehearsed_scanners(scanners_, common.seed, false,
-                                         progress_bar(common, "calibrate, for walls"));
-        if (!across) return tl::unexpected(across.error());
-        options.across = std::move(*across);
-      }
-      return {};
+      return scanners;
     }
 #endif
-    if (options.walls) options.across = drawn_scanners(scanners_, common.seed);
-    return {};
+    if (use != Use::walls) return std::span<const BuiltScanner>();
+    if (scanners.empty()) scanners = drawn_scanners(scanners_, common.seed);
+    return scanners;
   }
 
 #ifdef TUINA_CALIBRATION
@@ -130,6 +136,8 @@ class EvaluateScanner final : public Verb {
 #else
   static inline const std::vector<std::string> kinds = {"drawn"};
 #endif
+  Cells cells_;
+  std::vector<BuiltScanner> upright_, across_;
   std::string only_;
   std::string page_;
   std::string calibration_ = kinds.front();

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/evaluation/scanner/proof.hpp"
 
-#include <functional>
+#include <algorithm>
+#include <cmath>
+#include <tuple>
 #include <utility>
 
+#include "apps/evaluation/scanner/outcome_fields.hpp"
 #include "apps/simulated/session_order.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/session/realism.hpp"
@@ -94,9 +97,63 @@ std::vector<CurvePlan> curve_plans() {
   };
 }
 
+Result<std::vector<WallTrial>> walls_cell(Cells& cells, const std::string& name,
+                                          const ProofOptions& options,
+                                          const sim::LaserScannerOptions& scanner,
+                                          std::uint64_t seed) {
+  const auto cell = cells.at<WallNumbers>(name, [&]() -> Result<WallNumbers> {
+    const auto scanners = options.of_walls();
+    if (!scanners) return tl::unexpected(scanners.error());
+    return numbers_of(wall_trials(depths_m, scanner, *scanners, seed));
+  });
+  if (!cell) return tl::unexpected(cell.error());
+  return walls_of(*cell);
+}
+
+Result<BackTrial> back_cell(Cells& cells, const std::string& name, const ProofOptions& options,
+                            const ScanConditions& condition, std::uint64_t seed) {
+  return cells.at<BackTrial>(name, [&]() -> Result<BackTrial> {
+    const auto scanners = options.of_backs(condition.upright);
+    if (!scanners) return tl::unexpected(scanners.error());
+    return back_trial(condition, options.people, seed, *scanners);
+  });
+}
+
+Result<LatencyTrial> latency_cell(Cells& cells, const ProofOptions& options) {
+  return cells.at<LatencyTrial>("latency", [&]() -> Result<LatencyTrial> {
+    const auto scanners = options.of_backs(true);
+    if (!scanners) return tl::unexpected(scanners.error());
+    LatencyTrial trial;
+    if (!scanners->empty()) trial.worst_s = 0.0;
+    for (const BuiltScanner& built : *scanners) {
+      const double error_s = std::abs(built.believed.latency_s - built.truth.latency_s);
+      trial.worst_s = std::max(trial.worst_s, error_s);
+    }
+    return trial;
+  });
+}
+
+/// A box, a ball, and a person to be looked at.
+Result<void> scan_bodies(std::uint64_t seed, ScannerProof& proof) {
+  auto box = box_trial({}, seed);
+  if (!box) return tl::unexpected(box.error());
+  auto sphere = sphere_trial({}, seed);
+  if (!sphere) return tl::unexpected(sphere.error());
+  proof.box = std::move(*box);
+  proof.sphere = std::move(*sphere);
+  const auto person =
+      sim::make_phantom(sim::draw_phantom(sim::BodyType::medium, seed), BodyPosture::sitting);
+  sim::LaserScanner scanner(person.skin_in_couch, person.position, {}, seed);
+  auto scan = scanner::scan_sweep(scanner, scanner,
+                                  sim::believed_calibration(scanner.true_calibration(), seed));
+  if (!scan) return tl::unexpected(scan.error());
+  proof.back_in_couch = std::move(scan->cloud_in_couch);
+  return {};
+}
+
 }  // namespace
 
-Result<ScannerProof> prove_scanner(const ProofOptions& options, std::uint64_t seed,
+Result<ScannerProof> prove_scanner(const ProofOptions& options, Cells& cells, std::uint64_t seed,
                                    const Progress& progress) {
   ScannerProof proof{.people = options.people};
   auto conditions = named_conditions();
@@ -114,33 +171,26 @@ Result<ScannerProof> prove_scanner(const ProofOptions& options, std::uint64_t se
   };
 
   if (options.walls) {
-    proof.walls = wall_trials(depths_m, {}, options.across, seed);
-    step(4.0);
-    proof.speckled_walls = wall_trials(depths_m, {.speckle_px = speckle_px}, options.across, seed);
-    step(4.0);
+    for (const auto& [name, walls, scanner] :
+         {std::tuple("walls", &proof.walls, sim::LaserScannerOptions{}),
+          std::tuple("walls with speckle", &proof.speckled_walls,
+                     sim::LaserScannerOptions{.speckle_px = speckle_px})}) {
+      auto found = walls_cell(cells, name, options, scanner, seed);
+      if (!found) return tl::unexpected(found.error());
+      *walls = std::move(*found);
+      step(4.0);
+    }
   }
-  if (options.bodies) {
-    auto box = box_trial({}, seed);
-    if (!box) return tl::unexpected(box.error());
-    auto sphere = sphere_trial({}, seed);
-    if (!sphere) return tl::unexpected(sphere.error());
-    proof.box = std::move(*box);
-    proof.sphere = std::move(*sphere);
-    const auto person =
-        sim::make_phantom(sim::draw_phantom(sim::BodyType::medium, seed), BodyPosture::sitting);
-    sim::LaserScanner scanner(person.skin_in_couch, person.position, {}, seed);
-    auto scan = scanner::scan_sweep(scanner, scanner,
-                                    sim::believed_calibration(scanner.true_calibration(), seed));
-    if (!scan) return tl::unexpected(scan.error());
-    proof.back_in_couch = std::move(scan->cloud_in_couch);
+  if (options.bodies && !cells.sharded()) {
+    if (auto scanned = scan_bodies(seed, proof); !scanned) return tl::unexpected(scanned.error());
     step(1.0);
   }
   if (options.backs) {
     for (auto& [name, condition] : conditions) {
       condition.upright = name != "landscape_mount";
-      std::span<const BuiltScanner> scanners = options.upright;
-      if (!condition.upright && !scanners.empty()) scanners = options.across;
-      proof.backs[name] = back_trial(condition, options.people, seed, scanners);
+      const auto back = back_cell(cells, "back " + name, options, condition, seed);
+      if (!back) return tl::unexpected(back.error());
+      proof.backs[name] = *back;
       step(1.0);
     }
   }
@@ -149,13 +199,21 @@ Result<ScannerProof> prove_scanner(const ProofOptions& options, std::uint64_t se
       for (const double x : plan.curve.x) {
         ScanConditions condition;
         plan.set(condition, x);
-        plan.curve.y.push_back(back_trial(condition, options.people, seed, options.upright));
+        const auto back =
+            back_cell(cells, fmt::format("{} {}", plan.curve.name, x), options, condition, seed);
+        if (!back) return tl::unexpected(back.error());
+        plan.curve.y.push_back(*back);
         step(1.0);
       }
       proof.curves.push_back(std::move(plan.curve));
     }
   }
-  proof.targets = targets_of(proof, options.upright);
+  if (options.backs || options.curves) {
+    const auto latency = latency_cell(cells, options);
+    if (!latency) return tl::unexpected(latency.error());
+    if (std::isfinite(latency->worst_s)) proof.worst_latency_s = latency->worst_s;
+  }
+  proof.targets = targets_of(proof);
   return proof;
 }
 

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "apps/evaluation/cells.hpp"
 #include "apps/evaluation/scanner/trials.hpp"
 #include "tuina/core/progress.hpp"
 
@@ -38,22 +41,28 @@ struct ScannerProof {
   std::vector<Curve> curves = {};
   std::optional<BoxTrial> box = {};
   std::optional<SphereTrial> sphere = {};
-  PointCloud back_in_couch = {};  ///< scan of one sitting person, to be looked at
+  std::optional<double> worst_latency_s = {};  ///< error of it, of scanners that were calibrated
+  PointCloud back_in_couch = {};               ///< scan of one sitting person, to be looked at
 };
 
 struct ProofOptions {
   bool walls = true, backs = true, curves = true, bodies = true;
   int people = 6;
-  std::vector<BuiltScanner> upright = {};  ///< scanners for backs; none: errors are drawn
-  std::vector<BuiltScanner> across = {};   ///< scanners for walls and the camera across
+  /// @{
+  /// Scanners for walls, and for backs with either mount, made when they are first asked for. Of
+  /// backs none: errors are drawn.
+  std::function<Result<std::span<const BuiltScanner>>()> of_walls = {};
+  std::function<Result<std::span<const BuiltScanner>>(bool upright)> of_backs = {};
+  /// @}
 };
 
-/// Targets for the walls and backs that were measured, and for the latency of these scanners.
-[[nodiscard]] std::vector<Target> targets_of(const ScannerProof& proof,
-                                             std::span<const BuiltScanner> upright);
+/// Targets for the walls and backs that were measured, and for the latency of the scanners.
+[[nodiscard]] std::vector<Target> targets_of(const ScannerProof& proof);
 
-[[nodiscard]] Result<ScannerProof> prove_scanner(const ProofOptions& options, std::uint64_t seed,
-                                                 const Progress& progress);
+/// Walls and each condition of backs are cells; the two bodies are no cells, and left out of a
+/// shard.
+[[nodiscard]] Result<ScannerProof> prove_scanner(const ProofOptions& options, Cells& cells,
+                                                 std::uint64_t seed, const Progress& progress);
 
 /// One self-contained page.
 [[nodiscard]] std::string page_of(const ScannerProof& proof);
