@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -213,6 +214,41 @@ TEST_CASE("what cannot be a history is wrong before anybody is scanned") {
   CHECK(run_tuina({"massage", "--history", folder / "h.sqlite"}).exit_code == 1);
   CHECK(run_tuina({"history", "rebuild", folder / "nothing", "--history", folder / "h.sqlite"})
             .exit_code == 2);
+}
+
+TEST_CASE("while the server is away a session begins without its memory only, and waits") {
+  const Folder folder;
+  const test::Folder data;
+  ::setenv("XDG_DATA_HOME", data.path().c_str(), 1);
+  const std::vector<std::string> words = {"massage",
+                                          "--who",
+                                          "anna",
+                                          "--history",
+                                          "postgresql://carla:secret@127.0.0.1:9/t",
+                                          "--out",
+                                          folder / "one",
+                                          "--position",
+                                          "sitting"};
+  const auto refused = run_tuina(words);
+  CHECK(refused.exit_code == 3);
+  CHECK(refused.err.find("does not answer") != std::string::npos);
+  CHECK(refused.err.find("--anew begins with nothing of earlier sessions") != std::string::npos);
+  CHECK(refused.err.find("secret") == std::string::npos);
+  CHECK_FALSE(fs::exists(folder.path() / "one"));
+
+  auto alone = words;
+  alone.emplace_back("--anew");
+  const auto given = run_tuina(alone);
+  CHECK(given.exit_code == 0);
+  const std::string outbox = data / "tuina/outbox-127.0.0.1-t.sqlite";
+  CHECK_MESSAGE(given.err.find("anna: the session waits in " + outbox) != std::string::npos,
+                given.err);
+  const auto waits = run_tuina({"history", "show", "anna", "--history", outbox, "--json"});
+  REQUIRE_MESSAGE(waits.exit_code == 0, waits.err);
+  const auto sessions = nlohmann::json::parse(waits.out)["sessions"];
+  REQUIRE(sessions.size() == 1);
+  CHECK(sessions[0]["ended"] == true);
+  ::unsetenv("XDG_DATA_HOME");
 }
 
 }  // namespace tuina
