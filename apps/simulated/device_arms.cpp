@@ -77,6 +77,12 @@ Result<std::unique_ptr<DeviceArms>> DeviceArms::open(const std::string& device_f
   std::unique_ptr<DeviceArms> made(new DeviceArms);
   auto file = hardware::read_device_file(device_file);
   if (!file) return tl::unexpected(file.error());
+  if (file->driven_arms) {
+    return fail(Fault::device,
+                "{}: drives on CAN are real, and the scanner is simulated: an arm must not press "
+                "where a simulated person was seen",
+                device_file);
+  }
   if (!file->arms) {
     return fail(Fault::config, "{}: names no arms; a massage needs [arm.left] and [arm.right]",
                 device_file);

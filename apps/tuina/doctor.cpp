@@ -11,6 +11,7 @@
 #include "apps/tuina/verbs.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/hardware/arm_peer.hpp"
+#include "tuina/hardware/can/drive_setup.hpp"
 #include "tuina/hardware/device_file.hpp"
 
 namespace tuina::app {
@@ -68,6 +69,60 @@ FoundArm ask_arm(const hardware::ArmDevice& device) {
   return found;
 }
 
+/// Lines of the answer, each also as JSON; what is not good makes it exit with 3.
+struct Findings {
+  ordered_json& all;
+  Answer& answer;
+  void add(const std::string& who, bool good, const std::string& finding, ordered_json json) {
+    answer.text += fmt::format("{} {:<18} {}\n", good ? "ok  " : "none", who, finding);
+    json.update(ordered_json{{"good", good}, {"finding", finding}});
+    all.push_back(std::move(json));
+    if (!good) answer.exit_code = 3;
+  }
+};
+
+void ask_drive(hardware::CanBus& bus, const hardware::DriveDevice& device, Arm arm,
+               std::size_t joint, Findings& findings) {
+  const auto found = hardware::find_drive(bus, device);
+  ordered_json json = {{"device", "drive"},
+                       {"arm", tuina::name_of(arm)},
+                       {"joint", joint},
+                       {"bus", bus.name()},
+                       {"node", device.node}};
+  std::string finding = found ? "" : found.error().message;
+  if (found) {
+    finding = fmt::format(
+        "node {} at {}: vendor 0x{:X}, product 0x{:X}, serial 0x{:X}, at {:.1f} deg, {}",
+        device.node, bus.name(), found->vendor, found->product, found->serial,
+        to_deg(found->joint_rad), hardware::cia402::name_of(found->state));
+    json.update(ordered_json{{"vendor", found->vendor},
+                             {"product", found->product},
+                             {"serial", found->serial},
+                             {"joint_deg", to_deg(found->joint_rad)},
+                             {"state", hardware::cia402::name_of(found->state)}});
+  }
+  const bool in_fault = found && found->state == hardware::cia402::State::fault;
+  findings.add(fmt::format("{} joint {}", tuina::name_of(arm), joint), found && !in_fault, finding,
+               std::move(json));
+}
+
+/// What each bus has to carry, and who the drives on it are. Nothing is set and nothing moves.
+void ask_drives(const PerArm<hardware::DrivenArm>& arms, Findings findings) {
+  for (const hardware::BusLoad& load : hardware::bus_loads(arms)) {
+    auto bus = hardware::CanBus::open(load.bus);
+    findings.add(load.bus, bus.has_value(),
+                 bus ? fmt::format("{} drives, {:.0f} % of its bits in each millisecond",
+                                   load.drives, 100.0 * load.share)
+                     : bus.error().message,
+                 {{"device", "bus"}, {"bus", load.bus}, {"load_percent", 100.0 * load.share}});
+    if (!bus) continue;
+    for (const Arm arm : both_arms)
+      for (std::size_t i = 0; i < arms[arm].joints.size(); ++i)
+        if (arms[arm].joints[i].bus == load.bus)
+          ask_drive(*bus, arms[arm].joints[i], arm, i + 1, findings);
+  }
+}
+
 /// Says what of this machine tuina could use, and what stands in the way.
 class Doctor final : public Verb {
  public:
@@ -80,8 +135,8 @@ class Doctor final : public Verb {
     options.add(
         "--device", device_,
         "ask the arms, the wrist sensors, the camera and the turntable that this file names "
-        "(docs/armlink.md, docs/wrist_sensors.md, docs/build_a_scanner.md); 3 where one is "
-        "missing");
+        "(docs/armlink.md, docs/can_drives.md, docs/wrist_sensors.md, docs/build_a_scanner.md); 3 "
+        "where one is missing");
   }
 
   [[nodiscard]] Result<Answer> run(const CommonOptions&) override {
@@ -140,6 +195,7 @@ class Doctor final : public Verb {
       all.push_back(std::move(found.json));
       if (!found.good) answer.exit_code = 3;
     }
+    if (devices.driven_arms) ask_drives(*devices.driven_arms, {all, answer});
     ask_wrists(devices, all, answer);
     ask_scanner(devices, all, answer);
     return all;

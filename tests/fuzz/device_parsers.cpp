@@ -56,8 +56,10 @@ bool accepts_device_file(std::string_view content) {
   const auto file = hardware::parse_device_file(content, "device.toml");
   if (!file) return false;
   const auto& wrists = file->wrists.of;
-  demand(file->arms || wrists[0] || wrists[1] || file->camera || file->turntable,
-         "a device is named");
+  demand(
+      file->arms || file->driven_arms || wrists[0] || wrists[1] || file->camera || file->turntable,
+      "a device is named");
+  demand(!(file->arms && file->driven_arms), "arms are of one kind");
   for (const auto& wrist : wrists) {
     if (!wrist) continue;
     demand(wrist->counts_per_n.minCoeff() > 0.0 && wrist->counts_per_nm.minCoeff() > 0.0,

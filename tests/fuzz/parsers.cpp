@@ -16,7 +16,7 @@ const std::vector<Parser>& parsers() {
   static const std::vector<Parser> all = [] {
     std::vector<Parser> every = scanner_parsers();
     for (const auto& more :
-         {person_parsers(), session_parsers(), device_parsers(), guard_frames()}) {
+         {person_parsers(), session_parsers(), device_parsers(), can_parsers(), guard_frames()}) {
       every.insert(every.end(), more.begin(), more.end());
     }
     return every;

@@ -22,6 +22,7 @@ struct Parser {
 [[nodiscard]] std::vector<Parser> person_parsers();
 [[nodiscard]] std::vector<Parser> session_parsers();
 [[nodiscard]] std::vector<Parser> device_parsers();
+[[nodiscard]] std::vector<Parser> can_parsers();
 /// No file, but what a guard sees: accepted where it stops nothing, and its torques must be sound.
 [[nodiscard]] std::vector<Parser> guard_frames();
 /// All of them.

@@ -61,6 +61,28 @@ TEST_CASE("the doctor names what is amiss with a wrist sensor and exits with 3")
   CHECK(said.find("let the sensor warm up") != std::string::npos);
 }
 
+TEST_CASE("the doctor says which CAN bus of the arms is not there, and exits with 3") {
+  ScriptedWrist left({.kind = ScriptedWrist::Kind::ati_udp});
+  ScriptedWrist right({.kind = ScriptedWrist::Kind::hex_udp});
+  std::string text = left.section("left") + right.section("right");
+  for (const char* arm : {"left", "right"})
+    text += fmt::format(
+        "[arm.{0}]\nkind = \"cia402\"\n[[arm.{0}.joint]]\nbus = \"no_{0}\"\nnode = 1\n"
+        "counts_per_turn = 4096\ngear = 100\nrated_torque_nm = 0.6\n",
+        arm);
+  const test::Folder folder;
+  const Outcome done =
+      run_tuina({"doctor", "--device", folder.with("device.toml", text), "--json"});
+  CHECK(done.exit_code == 3);
+  const json devices = json::parse(done.out)["devices"];
+  REQUIRE(devices.size() == 4);
+  CHECK(devices[0]["bus"] == "no_left");
+  CHECK(devices[0]["good"] == false);
+  CHECK(devices[0]["load_percent"].get<double>() == doctest::Approx(29.9).epsilon(0.01));
+  CHECK(devices[1]["finding"].get<std::string>().find("no_right: there is no such CAN interface") !=
+        std::string::npos);
+}
+
 #ifdef TUINA_CALIBRATION
 TEST_CASE("calibrate --wrist finds a tool from a table, and refuses what is none") {
   std::string rows =

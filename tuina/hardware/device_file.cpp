@@ -10,24 +10,38 @@
 namespace tuina::hardware {
 namespace {
 
-PerArm<ArmDevice> read_arms(const TomlTable& table) {
-  PerArm<ArmDevice> arms;
+void read_armlink(const TomlTable& section, Arm arm, PerArm<ArmDevice>& arms) {
+  section.only({}, {"kind", "address"});
+  arms[arm].address = section.text("address").value_or("");
+  const auto address = parse_udp_address(arms[arm].address);
+  if (!address && section.has("address"))
+    section.wrong("address", "is no IPv4 address and port, such as \"192.168.3.10:7001\"");
+  arms[arm].udp = address.value_or(UdpAddress{});
+  const bool both_known = address && arm == Arm::right && arms[Arm::left].udp.of.sin_port;
+  if (both_known && *address == arms[Arm::left].udp)
+    section.wrong("address", "is that of the left arm; each arm has an address of its own");
+}
+
+/// Both arms are of one kind.
+void read_arms(const TomlTable& table, DeviceFile& file) {
   table.only({}, {"left", "right"});
   for (const Arm arm : both_arms) {
     const auto section = table.table(name_of(arm));
     if (!section) continue;
-    section->only({}, {"kind", "address"});
-    (void)section->word("kind", {"armlink"});
-    arms[arm].address = section->text("address").value_or("");
-    const auto address = parse_udp_address(arms[arm].address);
-    if (!address && section->has("address"))
-      section->wrong("address", "is no IPv4 address and port, such as \"192.168.3.10:7001\"");
-    arms[arm].udp = address.value_or(UdpAddress{});
-    const bool both_known = address && arm == Arm::right && arms[Arm::left].udp.of.sin_port;
-    if (both_known && *address == arms[Arm::left].udp)
-      section->wrong("address", "is that of the left arm; each arm has an address of its own");
+    const bool driven = section->word("kind", {"armlink", "cia402"}) == std::size_t{1};
+    if (arm == Arm::right && (driven ? file.arms.has_value() : file.driven_arms.has_value()))
+      section->wrong("kind", "is not that of the left arm; both are of one kind");
+    if (driven) {
+      if (!file.driven_arms) file.driven_arms.emplace();
+      (*file.driven_arms)[arm] = read_driven_arm(*section);
+    } else {
+      if (!file.arms) file.arms.emplace();
+      read_armlink(*section, arm, *file.arms);
+    }
   }
-  return arms;
+  if (!file.driven_arms) return;
+  if (const std::string fault = fault_of(*file.driven_arms); !fault.empty())
+    table.reject("left", fault);
 }
 
 PerArm<std::optional<WristDevice>> read_wrists(const TomlTable& table) {
@@ -92,10 +106,14 @@ Result<DeviceFile> parse_device_file(std::string_view text, std::string_view nam
   DeviceFile file;
   const auto read = read_toml(text, name, Fault::config, [&](const TomlTable& root) {
     root.only({"arm", "wrist_sensor", "camera", "turntable"});
-    if (const auto arms = root.table("arm")) file.arms = read_arms(*arms);
+    if (const auto arms = root.table("arm")) read_arms(*arms, file);
     if (const auto wrists = root.table("wrist_sensor")) file.wrists = read_wrists(*wrists);
     if (const auto camera = root.table("camera")) file.camera = read_camera(*camera);
     if (const auto turntable = root.table("turntable")) file.turntable = read_turntable(*turntable);
+    if (file.driven_arms && !(file.wrists[Arm::left] && file.wrists[Arm::right]))
+      root.reject("arm",
+                  "drives on CAN feel no contact: [wrist_sensor.left] and [wrist_sensor.right] are "
+                  "needed beside them");
     if (root.keys().empty())
       root.reject("arm",
                   "no device is named: [arm.left] and [arm.right], [wrist_sensor.left], "

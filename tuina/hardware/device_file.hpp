@@ -9,12 +9,13 @@
 
 #include "tuina/core/arm.hpp"
 #include "tuina/core/result.hpp"
+#include "tuina/hardware/can/drive_device.hpp"
 #include "tuina/hardware/udp_socket.hpp"
 #include "tuina/hardware/wrist_device.hpp"
 
 namespace tuina::hardware {
 
-/// One arm of a `device.toml`.
+/// One arm of a `device.toml`, kind "armlink".
 struct ArmDevice {
   std::string address;  ///< as it stands there
   UdpAddress udp;
@@ -46,10 +47,12 @@ struct TurntableDevice {
   bool reversed = false;  ///< counts fall while the yaw rises
 };
 
-/// The devices that a session or a scan has, `--device FILE`: both arms, by armlink; force sensors
-/// at their wrists; camera and turntable of the scanner. Each may be absent, but not all.
+/// The devices that a session or a scan has, `--device FILE`: both arms, by armlink or by drives
+/// on CAN; force sensors at their wrists; camera and turntable of the scanner. Each may be absent,
+/// but not all.
 struct DeviceFile {
-  std::optional<PerArm<ArmDevice>> arms;
+  std::optional<PerArm<ArmDevice>> arms;         ///< by armlink
+  std::optional<PerArm<DrivenArm>> driven_arms;  ///< by drives on CAN; never beside `arms`
   PerArm<std::optional<WristDevice>> wrists;
   std::optional<CameraDevice> camera;
   std::optional<TurntableDevice> turntable;
