@@ -20,7 +20,8 @@ struct Balance {
   const robot::ArmModel& model;
   bool begun = false, driven = false;
   std::uint64_t tick = 0;
-  std::array<double, 6> dq = {}, lagged_nm = {}, ahead = {}, back = {}, wrench = {};
+  std::array<double, 6> dq = {}, lagged_nm = {}, settled_nm = {}, ahead = {}, back = {},
+                        wrench = {};
   double misfit = 0.0;
   int weak_joint = -1;
 
@@ -52,8 +53,9 @@ struct Balance {
     for (int i = 0; i < 6; ++i) {
       const auto k = static_cast<std::size_t>(i);
       const robot::Link& link = model.table().links[k];
-      if (!driven) lagged_nm[k] = applied_nm[i];
+      if (!driven) lagged_nm[k] = settled_nm[k] = applied_nm[i];
       lagged_nm[k] += (applied_nm[i] - lagged_nm[k]) / 3.0;  // 1 ms of 1 ms and 2 ms
+      settled_nm[k] += (lagged_nm[k] - settled_nm[k]) / 41.0;
       double nm = lagged_nm[k] - dynamics.coriolis_nm[i] - dynamics.gravity_nm[i];
       for (int row = 0; row < 6; ++row) nm += dynamics.jacobian(row, i) * wrench[std::size_t(row)];
       const double missing = passed_s * nm - gained[k];
@@ -65,7 +67,8 @@ struct Balance {
       if (arm.q_rad[i] < link.min_rad + 0.02 || arm.q_rad[i] > link.max_rad - 0.02)
         ahead[k] = back[k] = 0.0;
       shares[k] = std::max(ahead[k], back[k]) /
-                  (0.05 * dynamics.mass_kg_m2(i, i) + 0.25e-3 * link.torque_limit_nm);
+                  (0.05 * dynamics.mass_kg_m2(i, i) + 0.25e-3 * link.torque_limit_nm +
+                   4e-3 * std::abs(lagged_nm[k] - settled_nm[k]));
     }
     driven = true;
     const auto worst = static_cast<std::size_t>(

@@ -243,8 +243,8 @@ int blamed_after_ms(int command_age) {
 
 TEST_CASE("torques that do not do what they should are found with the torques that were allowed") {
   const int ms = blamed_after_ms(0);
-  CHECK(ms > 9);  // 1 Nm in a millisecond, of which the drive may be off by 9
-  CHECK(ms < 25);
+  CHECK(ms > 9);   // 1 Nm in a millisecond, of which the drive may be off by 9
+  CHECK(ms < 30);  // and gears that have rung from these
 }
 
 TEST_CASE("motion is held against the torques that moved it, up to 15 commands ago") {

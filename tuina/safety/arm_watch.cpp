@@ -26,6 +26,10 @@ constexpr double unexplained_rad_per_s = 0.05;
 constexpr double untimed_s = 0.25e-3;
 // Speeds and samples of the wrist are filtered and tell of a torque that much later.
 constexpr double lag_s = 2e-3;
+// A gear hands on a torque that has changed as its own spring swings, some 80 times a second: from
+// crest to trough it keeps back what the change gives in this time. A few swings later that is
+// over.
+constexpr double ringing_s = 4e-3, rung_out_s = 40e-3;
 // A wild sample of the wrist may change what is known of it by this much in a millisecond.
 constexpr double wild_n = 10.0, wild_nm = 1.0;
 constexpr double max_gap_ticks = 10.0;
@@ -52,10 +56,11 @@ void ArmWatch::compare(const robot::ArmDynamics& dynamics, const robot::ArmReadi
   dq_rad_per_s_ = reading.dq_rad_per_s;
   if (applied_nm.size() != reading.q_rad.size()) return;
   if (lagged_nm_.size() == 0) {
-    lagged_nm_ = applied_nm;
+    lagged_nm_ = settled_nm_ = applied_nm;
     missing_ahead_ = missing_back_ = JointVector::Zero(applied_nm.size());
   }
   lagged_nm_ += control_period_s / (control_period_s + lag_s) * (applied_nm - lagged_nm_);
+  settled_nm_ += control_period_s / (control_period_s + rung_out_s) * (lagged_nm_ - settled_nm_);
   const JointVector driven_nm = lagged_nm_ - dynamics.coriolis_nm - dynamics.gravity_nm +
                                 dynamics.jacobian.transpose() * wrench_;
   const JointVector missing = passed_s * driven_nm - gained;
@@ -79,7 +84,8 @@ void ArmWatch::compare(const robot::ArmDynamics& dynamics, const robot::ArmReadi
 void ArmWatch::weigh(const robot::ArmDynamics& dynamics) noexcept {
   Eigen::Index worst = 0;
   const JointVector borne = unexplained_rad_per_s * JointVector(dynamics.mass_kg_m2.diagonal()) +
-                            untimed_s * model_.table().torque_limits_nm();
+                            untimed_s * model_.table().torque_limits_nm() +
+                            ringing_s * (lagged_nm_ - settled_nm_).cwiseAbs();
   const JointVector shares = missing_ahead_.cwiseMax(missing_back_).cwiseQuotient(borne);
   misfit_ = shares.maxCoeff(&worst);
   JointVector others = shares;
