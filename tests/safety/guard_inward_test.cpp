@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // How hard the torques would press, whatever the controller says of them.
+#include <algorithm>
 #include <cmath>
 
 #include "tests/safety/scene.hpp"
@@ -9,31 +10,49 @@ using namespace tuina::safety;
 
 namespace {
 
-/// A scene whose controller has been pushing its tool inward with a force for a while.
+/// A scene whose controller has been pushing its tool inward with a force for a while, 5 N felt.
 Scene pushing(double inward_n, Phase phase = Phase::contact, Zone zone = Zone::muscle,
               int ticks = 50) {
   Scene scene;
-  scene.proposal.phase = phase;
   scene.proposal.zone = zone;
-  scene.proposal.set_force_n = 0.0;
+  scene.proposal.set_force_n = ceiling_of(zone).set_n;
   scene.force_n = 5.0;
   scene.proposal.virtual_target_in_base = scene.seen.tool_in_base;
   scene.tick(3);
+  scene.proposal.phase = phase;
   scene.pull(-inward_n * scene.normal());
   scene.tick(ticks);
   return scene;
 }
 
+/// The body comes to press with so much, 1 N a tick.
+void come_to(Scene& scene, double felt_n) {
+  while (scene.force_n != felt_n) {
+    scene.force_n += std::clamp(felt_n - scene.force_n, -1.0, 1.0);
+    scene.tick();
+  }
+  scene.tick(5);
+  REQUIRE(scene.verdict.action == Action::pass);
+}
+
+/// The hardest push that a scene lets through, asked for 200 N.
+double hardest_n(Scene scene) {
+  scene.pull(-200.0 * scene.normal());
+  scene.tick(50);
+  return -scene.outward_n();
+}
+
 }  // namespace
 
-TEST_CASE("torques may press as hard as the trip and friction, or 60 N where nobody is to press") {
-  const std::array<double, 7> trip_n = {60.0, 25.0, 30.0, 15.0, 10.0, 10.0, 90.0};
+TEST_CASE("torques may press 15 N harder than is asked for, or 60 N where nobody is to press") {
   for (std::size_t zone = 0; zone < zones; ++zone) {
     for (int phase = 0; phase < 4; ++phase) {
       CAPTURE(zone);
       CAPTURE(phase);
-      const bool presses = phase == 1 || phase == 2;
-      const double limit_n = presses ? trip_n[zone] + 10.0 : 60.0;
+      const double set_n = force_ceilings[zone].set_n;
+      const double in_contact_n = set_n + 15.0 - 2.0 * std::max(5.0 - set_n, 0.0);
+      const std::array<double, 4> limits_n = {60.0, in_contact_n, in_contact_n, 5.0 + 15.0};
+      const double limit_n = limits_n[static_cast<std::size_t>(phase)];
       const auto at = [&](double inward_n) {
         return pushing(inward_n, static_cast<Phase>(phase), static_cast<Zone>(zone));
       };
@@ -47,10 +66,51 @@ TEST_CASE("torques may press as hard as the trip and friction, or 60 N where nob
   }
 }
 
+TEST_CASE("each newton felt beyond what is asked for takes two from what torques may press") {
+  for (const double set_n : {0.0, 10.0, 30.0}) {
+    for (const double felt_n : {0.0, 9.0, 20.0, 31.0, 44.0}) {
+      CAPTURE(set_n);
+      CAPTURE(felt_n);
+      Scene scene = pushing(0.0);
+      scene.proposal.set_force_n = set_n;
+      come_to(scene, felt_n);
+      const double limit_n = set_n + 15.0 - 2.0 * std::max(felt_n - set_n, 0.0);
+      CHECK(hardest_n(scene) == doctest::Approx(std::max(limit_n, 0.0)).epsilon(1e-6));
+    }
+  }
+}
+
+TEST_CASE("less than nothing, or no number, is not asked for") {
+  for (const double set_n : {-20.0, -infinity}) {
+    Scene scene = pushing(0.0);
+    scene.proposal.set_force_n = set_n;
+    CHECK(hardest_n(scene) == doctest::Approx(15.0 - 2.0 * 5.0));
+  }
+}
+
+TEST_CASE("on the way out torques press 15 N harder than the least that was felt since") {
+  Scene scene = pushing(0.0);
+  come_to(scene, 30.0);
+  scene.proposal.phase = Phase::retract;
+  scene.tick(10);
+  CHECK(hardest_n(scene) == doctest::Approx(45.0));
+  come_to(scene, 12.0);
+  come_to(scene, 30.0);
+  CHECK(hardest_n(scene) == doctest::Approx(27.0));
+  scene.proposal.phase = Phase::contact;  // the next contact forgets it
+  scene.tick(5);
+  scene.proposal.phase = Phase::retract;
+  CHECK(hardest_n(scene) == doctest::Approx(45.0));
+  scene.proposal.phase = Phase::contact;
+  come_to(scene, 52.0);
+  scene.proposal.phase = Phase::retract;
+  CHECK(hardest_n(scene) == doctest::Approx(60.0));
+}
+
 TEST_CASE("pressing too hard is clamped at once, and for a tenth of a second ends the contact") {
   Scene scene = pushing(200.0, Phase::contact, Zone::muscle, 99);
   CHECK(scene.verdict.action == Action::warn);
-  check_same(scene.allowed_n(), -70.0 * scene.normal());
+  check_same(scene.allowed_n(), -60.0 * scene.normal());
   Scene pause = scene;
   CHECK(scene.tick().action == Action::retract);
   CHECK(scene.verdict.cause == Cause::inward_force);
@@ -72,7 +132,7 @@ TEST_CASE("130 N inward behind springs of no stiffness, or along the skin, are n
     scene.pull(-130.0 * scene.normal());
     double max_n = 0.0;
     for (int i = 0; i < 100; ++i) scene.tick(), max_n = std::max(max_n, -scene.outward_n());
-    CHECK(max_n < 70.001);
+    CHECK(max_n < 60.001);
     CHECK(scene.verdict.action == Action::retract);
   }
 }
@@ -91,6 +151,7 @@ TEST_CASE("a heavy joint presses less with its torque than a light one") {
   // The body holds the tool still: what it must push back is torque that would speed the tool up.
   Scene scene;
   scene.face(Vector3(1.0, 1.0, 0.0).normalized());
+  scene.proposal.set_force_n = 45.0;
   scene.force_n = 0.0;
   scene.seen.mass_kg_m2 = JointMatrix::Identity(6, 6);
   scene.seen.mass_kg_m2(0, 0) = 0.25;
@@ -101,16 +162,17 @@ TEST_CASE("a heavy joint presses less with its torque than a light one") {
   const double implied_n = 0.2 * 4.0 * 10.0 / std::sqrt(2.0) / (0.2 * 0.2 * 2.5);
   REQUIRE(implied_n == doctest::Approx(56.57).epsilon(1e-3));
   CHECK(scene.tick(50).action == Action::pass);
-  scene.proposal.torque_nm[0] -= 2.3;
-  CHECK(scene.tick(3).action == Action::pass);  // 69.6 N
+  scene.proposal.torque_nm[0] -= 0.5;
+  CHECK(scene.tick(3).action == Action::pass);  // 59.4 N
   scene.proposal.torque_nm[0] -= 0.2;
-  CHECK(scene.tick().cause == Cause::inward_force);  // 70.7 N
+  CHECK(scene.tick().cause == Cause::inward_force);  // 60.5 N
 }
 
 TEST_CASE("joints that reach their torques one after the other press no harder on the way") {
   for (const double second_nm : {40.0, 200.0}) {  // which a drive can give, or cannot
     Scene scene;
     scene.face(Vector3(1.0, 1.0, 0.0).normalized());
+    scene.proposal.set_force_n = 45.0;
     scene.seen.gravity_nm.setZero(6);
     scene.proposal.torque_nm.setZero(6);
     scene.seen.jacobian(1, 1) = 0.05;
@@ -119,9 +181,9 @@ TEST_CASE("joints that reach their torques one after the other press no harder o
     const auto implied_n = [&](const JointVector& torque_nm) {
       return -lever.dot(torque_nm.head<3>()) / lever.squaredNorm();
     };
-    scene.proposal.torque_nm[0] = second_nm > 50.0 ? -40.0 : -20.0;
+    scene.proposal.torque_nm[0] = second_nm > 50.0 ? -40.0 : -18.0;
     scene.proposal.torque_nm[1] = second_nm;
-    REQUIRE(implied_n(scene.proposal.torque_nm) < 69.0);
+    REQUIRE(implied_n(scene.proposal.torque_nm) < 59.0);
     double max_n = 0.0;
     JointVector before_nm = scene.verdict.allowed_nm;
     bool warned = false;
@@ -133,8 +195,8 @@ TEST_CASE("joints that reach their torques one after the other press no harder o
       before_nm = scene.verdict.allowed_nm;
     }
     CHECK(warned);
-    CHECK(max_n > 65.0);
-    CHECK(max_n < (second_nm > 50.0 ? 71.0 : 70.001));  // a drive at its limit cannot help
+    CHECK(max_n > 55.0);
+    CHECK(max_n < (second_nm > 50.0 ? 61.0 : 60.001));  // a drive at its limit cannot help
   }
 }
 
@@ -186,9 +248,10 @@ TEST_CASE("joints that reach harmless torques one after the other are clamped on
   Scene scene;
   const Vector3 normal(0.8, 0.6, 0.0);
   scene.face(normal);
+  scene.proposal.set_force_n = 45.0;
   scene.proposal.virtual_target_in_base = scene.seen.tool_in_base;
   scene.tick(3);
-  scene.pull(-69.9 * normal);
+  scene.pull(-59.9 * normal);
   REQUIRE(scene.tick(50).action == Action::pass);
   // The first joint may turn inward at once, the second needs five ticks for its way outward.
   scene.proposal.torque_nm[0] -= 0.99;
@@ -197,12 +260,12 @@ TEST_CASE("joints that reach harmless torques one after the other are clamped on
   scene.tick();
   CHECK(scene.verdict.action == Action::warn);
   CHECK(scene.verdict.cause == Cause::torque_rate_clamped);
-  CHECK(-scene.outward_n() < 70.0 + 1e-9);
+  CHECK(-scene.outward_n() < 60.0 + 1e-9);
 }
 
 TEST_CASE("a tool that no joint moves presses nobody, where nothing may be pressed at all either") {
   Guard::Options options = six_joints();
-  options.limits.friction_n = 0.0;
+  options.limits.pressing_n = 0.0;
   for (ForceLimits& limits : options.force) limits.trip_n = 0.0;
   Scene scene(options);
   scene.force_n = scene.noise_n = 0.0;

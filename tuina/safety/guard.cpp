@@ -9,6 +9,7 @@ namespace tuina::safety {
 namespace {
 
 constexpr double mostly = 0.9;
+constexpr double yields_per_n = 2.0;
 constexpr double own_rate_factor = 10.0;  // leaving may be more sudden than pressing
 constexpr double agreeing = 0.25;         // cosine between the way out and what is felt
 constexpr double directed_n = 5.0;        // from here a force has a direction worth believing
@@ -38,7 +39,7 @@ Guard::Guard(const Options& options) noexcept : options_(options) {
   lower(limits.joint_speed_rad_per_s, ceilings.joint_speed_rad_per_s);
   lower(limits.stale_freeze_s, ceilings.stale_freeze_s);
   lower(limits.stale_retract_s, ceilings.stale_retract_s);
-  lower(limits.friction_n, ceilings.friction_n);
+  lower(limits.pressing_n, ceilings.pressing_n);
   lower(limits.free_inward_n, ceilings.free_inward_n);
   lower(options_.period_s, control_period_s);
   for (double& limit_nm : options_.torque_limit_nm)
@@ -83,7 +84,7 @@ Verdict Guard::check(const Observation& seen, const Proposal& proposal) noexcept
     judge_proposal(seen, proposal, finding);
     judge_torques(seen, proposal, finding);
     judge_drives(seen, finding);
-    judge_obedience(seen, finding);
+    judge_obedience(seen, proposal, finding);
     if (!encoders_doubted_) gravity_nm_ = seen.gravity_nm;
   }
   if (!is_stop(state_)) stopped_by_ = finding.cause;
@@ -106,7 +107,7 @@ Verdict Guard::check(const Observation& seen, const Proposal& proposal) noexcept
 // is proposed one after the other can press harder on the way than at its end.
 JointVector Guard::let_through(const Observation& seen, const Proposal& proposal,
                                Finding& finding) const noexcept {
-  const double cap_n = inward_cap_n(seen, proposal);
+  const double cap_n = inward_cap_n(proposal);
   const JointVector outward = seen.jacobian.transpose() * normal_in_base_;
   const auto over_n = [&](const JointVector& torque_nm) {
     return std::max(inward_n(seen, torque_nm) - cap_n, 0.0);
@@ -153,10 +154,16 @@ ForceLimits Guard::limits_of(const Observation& seen, const Proposal& proposal) 
   return {std::min(told.set_n, here.set_n), std::min(told.trip_n, here.trip_n)};
 }
 
-double Guard::inward_cap_n(const Observation& seen, const Proposal& proposal) const noexcept {
-  const bool presses = proposal.phase == Phase::contact || proposal.phase == Phase::approach;
-  return presses ? limits_of(seen, proposal).trip_n + options_.limits.friction_n
-                 : options_.limits.free_inward_n;
+// A sound controller presses less where it feels more, so torques that press on are not its own.
+double Guard::inward_cap_n(const Proposal& proposal) const noexcept {
+  const Ceilings& limits = options_.limits;
+  if (proposal.phase == Phase::retract)
+    return std::min(min_felt_n_ + limits.pressing_n, limits.free_inward_n);
+  if (proposal.phase != Phase::contact && proposal.phase != Phase::approach)
+    return limits.free_inward_n;
+  const double set_n = std::max(0.0, proposal.set_force_n);
+  const double over_n = std::max(felt_n() - set_n, 0.0);
+  return std::max(set_n + limits.pressing_n - yields_per_n * over_n, 0.0);
 }
 
 // The force inward with which the body would have to hold the tool still along the normal: the

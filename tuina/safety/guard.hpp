@@ -152,7 +152,8 @@ class Guard {
   void judge_force(const Observation& seen, const Proposal& proposal, Finding& finding) noexcept;
   void judge_motion(const Observation& seen, const Proposal& proposal, Finding& finding) noexcept;
   void judge_proposal(const Observation& seen, const Proposal& proposal, Finding& finding) noexcept;
-  void judge_obedience(const Observation& seen, Finding& finding) noexcept;
+  void judge_obedience(const Observation& seen, const Proposal& proposal,
+                       Finding& finding) noexcept;
   [[nodiscard]] bool torque_fits(const Proposal& proposal) const noexcept;
   void judge_torques(const Observation& seen, const Proposal& proposal, Finding& finding) noexcept;
   void judge_drives(const Observation& seen, Finding& finding) noexcept;
@@ -160,8 +161,7 @@ class Guard {
                                            const Proposal& proposal) noexcept;
   [[nodiscard]] ForceLimits limits_of(const Observation& seen,
                                       const Proposal& proposal) const noexcept;
-  [[nodiscard]] double inward_cap_n(const Observation& seen,
-                                    const Proposal& proposal) const noexcept;
+  [[nodiscard]] double inward_cap_n(const Proposal& proposal) const noexcept;
   void find_way_out(const Observation& seen, const Proposal& proposal) noexcept;
   [[nodiscard]] double inward_n(const Observation& seen,
                                 const JointVector& torque_nm) const noexcept;

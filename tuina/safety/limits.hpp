@@ -58,10 +58,11 @@ struct Ceilings {
   double joint_speed_rad_per_s = 3.0;
   double stale_freeze_s = 3e-3;  ///< age of the wrist sensor's sample
   double stale_retract_s = 5e-3;
-  /// Force inward that the torques of a contact may stand for, above the trip of the zone: what
-  /// overcomes the friction of the joints is seen as such a force too.
-  double friction_n = 10.0;
-  double free_inward_n = 60.0;  ///< likewise, of an arm that nobody says to press
+  /// Force inward that torques may stand for beyond the force that is asked for, and on the way out
+  /// beyond the least that was felt since: what overcomes the friction of the joints and speeds the
+  /// tool is seen as such a force too. Each newton felt beyond what is asked for takes two away.
+  double pressing_n = 15.0;
+  double free_inward_n = 60.0;  ///< of an arm that nobody says to press
 };
 inline constexpr Ceilings ceilings;
 
