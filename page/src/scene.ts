@@ -18,6 +18,7 @@ function toFloat(place: [number, number, number]): three.Vector3 { return new th
 
 const ruledOutColour = "#d04a4a";
 export type Edit = "turn" | "move" | "rule_out";
+const newestPoints = 400;
 const wantedFrameMs = 40, fewestPixels = 0.5;
 
 /**
@@ -35,6 +36,7 @@ export class Scene {
   private readonly camera = new three.PerspectiveCamera(32, 1, 0.05, 10);
   private readonly controls: OrbitControls;
   private cloud?: three.Points;
+  private framed = new three.Box3();
   private back?: three.Mesh;
   private marks = new three.Group();
   private paths = new three.Group();
@@ -143,6 +145,7 @@ export class Scene {
   clear(): void {
     for (const part of [this.cloud, this.back]) if (part) this.still.remove(part);
     this.cloud = this.back = undefined;
+    this.framed.makeEmpty();
     for (const group of [this.marks, this.paths, this.felt, this.ruledOut]) group.clear();
     this.edit("turn");
     for (const arm of this.arms) arm.group.visible = false;
@@ -153,11 +156,17 @@ export class Scene {
     if (this.cloud) this.still.remove(this.cloud);
     const geometry = new three.BufferGeometry();
     geometry.setAttribute("position", new three.BufferAttribute(places, 3));
-    this.cloud = new three.Points(geometry, new three.PointsMaterial({ color: "#d8493f", size: 0.0035 }));
+    // The newest lines are where the laser is.
+    const colours = new Float32Array(places.length), line = new three.Color("#ff2418"), seen = new three.Color("#a8704f");
+    for (let i = 0; i < places.length; i += 3) (i < places.length - 3 * newestPoints ? seen : line).toArray(colours, i);
+    geometry.setAttribute("color", new three.BufferAttribute(colours, 3));
+    this.cloud = new three.Points(geometry, new three.PointsMaterial({ vertexColors: true, size: 0.007 }));
     this.still.add(this.cloud);
-    if (places.length > 300) {
-      geometry.computeBoundingBox();
-      this.frame(geometry.boundingBox!, new three.Vector3(0, 1, 0.15));
+    geometry.computeBoundingBox();
+    if (places.length > 300 && !this.framed.containsBox(geometry.boundingBox!)) {
+      // A little ahead of the laser, so that the picture does not move with every line.
+      const { y, z } = this.framed.union(geometry.boundingBox!).expandByScalar(0.05).getSize(new three.Vector3());
+      this.frame(this.framed, z < y ? new three.Vector3(0, 0, 1) : new three.Vector3(0, 1, 0.15));
     }
     this.due = true;
   }

@@ -9,7 +9,7 @@ export function scan(): HTMLElement {
   page.slots["title"] = element("h1", {});
   page.slots["points"] = element("span", { class: "note" });
   page.slots["bar"] = element("i", {});
-  return element("div", {}, page.slots["title"], element("div", { class: "bar" }, page.slots["bar"]), stage(page.slots["points"]));
+  return element("div", { class: "tooled" }, page.slots["title"], element("div", { class: "bar" }, page.slots["bar"]), stage(page.slots["points"]));
 }
 
 export function report(): HTMLElement {
