@@ -73,7 +73,9 @@ def opened_anew(watcher, tab):
     tab.call("Page.reload")
     expect("a page that is opened anew knows what was ruled out", tab.until("document.querySelector('#undo')?.disabled === false"))
     expect("nobody is in control", watcher.until(lambda: not watcher.state["operated"]))
-    expect("it may be armed", tab.until("!document.querySelector('#arm').disabled") and tab.tab_to("#arm"))
+    expect("it may be armed", tab.until("!document.querySelector('#arm').disabled"))
+    time.sleep(1.0)  # the back is drawn, and buttons with it
+    expect("arm is reached anew", tab.tab_to("#arm"))
 
 
 def acupoint(server, watcher, name):
@@ -223,7 +225,7 @@ def by_keyboard(server, watcher, axe, pictures, presses):
     time.sleep(1.5)
     expect("a short hold arms nothing", watcher.state["phase"] == "review")
     opened_anew(watcher, tab)
-    tab.key("Enter", hold_s=2.6)
+    tab.key("Enter", hold_s=3.5)
     expect("massage", tab.until("!!document.querySelector('#softer')"))
     for key, ask in (("-", "softer"), ("+", "firmer")):
         tab.key(key)

@@ -22,7 +22,7 @@ def by_password(binary, folder, page_folder):
                     "--password-file", files.path("password"), tls=serve_tls.client_of(files), at=serve_tls.ADDRESS)
     tab = Tab(390, 844, touch=True, flags=("--ignore-certificate-errors", f"--host-resolver-rules=MAP robot.test {serve_tls.ADDRESS}"))
     tab.call("Page.navigate", url=f"{server.origin}/")
-    for password, wanted in (("not the password", "document.body.textContent.includes('密碼不正確')"), (serve_tls.PASSWORD, "!!document.querySelector('#next')")):
+    for password, wanted in (("not the password", "!!document.body?.textContent.includes('密碼不正確')"), (serve_tls.PASSWORD, "!!document.querySelector('#next')")):
         expect("the form", tab.until("!!document.querySelector('#password')"))
         tab.see("document.querySelector('#password').focus()")
         tab.call("Input.insertText", text=password)
