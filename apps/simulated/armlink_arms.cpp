@@ -7,6 +7,9 @@
 #include <chrono>
 #include <thread>
 
+#include "tuina/core/units.hpp"
+#include "tuina/robot/arm_model.hpp"
+
 namespace tuina::app {
 namespace {
 
@@ -19,6 +22,7 @@ constexpr auto lock_step_patience = 6s;  // for a host that computes
 constexpr auto gone_patience = 5ms;      // and for one that is gone
 constexpr auto min_host_time = 700us;    // from a state to the end of its cycle, at real pace
 constexpr auto rest_patience = 300s;     // while the person is scanned again
+constexpr int calming_ticks = 500;       // at the end of a way in mode ready
 constexpr int max_stopped_ticks = 1000;  // then the arms have long been braked
 
 armlink::Hello hello_of(const std::string& name, const sim::World& world, link::Pace pace) {
@@ -104,7 +108,7 @@ void ArmlinkArms::tell() {
     end.state.answers = end.last.sequence;
     end.state.mode = end.last.mode;
     end.state.status &= static_cast<std::uint16_t>(~armlink::status::stands);
-    if (end.last.mode == Mode::ready) end.state.status |= armlink::status::stands;
+    if (end.last.mode == Mode::ready && !goes()) end.state.status |= armlink::status::stands;
     end.socket.send(armlink::encode(end.state), end.host);
   }
 }
@@ -113,6 +117,54 @@ bool ArmlinkArms::both_in(Mode mode) const {
   return std::all_of(ends_.of.begin(), ends_.of.end(), [&](const End& end) {
     return end.last.session != 0 && end.last.mode == mode;
   });
+}
+
+/// Whether they are told to stand at another place than they do; what a session rests at is where
+/// they are.
+bool ArmlinkArms::goes() const {
+  if (!both_in(Mode::ready)) return false;
+  if (way_ && way_->passed < way_->ticks) return true;
+  return std::any_of(both_arms.begin(), both_arms.end(), [&](Arm arm) {
+    const End& end = ends_[arm];
+    if (end.state.q_rad.size() == 0 || (way_ && way_->to[arm] == end.last.values)) return false;
+    constexpr double max_off_rad = 1_deg;
+    return (end.state.q_rad - end.last.values).cwiseAbs().maxCoeff() > max_off_rad;
+  });
+}
+
+void ArmlinkArms::begin_way() {
+  constexpr double speed_rad_per_s = 20_deg;
+  Way way;
+  double farthest_rad = 0.0;
+  for (const Arm arm : both_arms) {
+    way.from[arm] = ends_[arm].state.q_rad;
+    way.to[arm] = ends_[arm].last.values;
+    farthest_rad = std::max(farthest_rad, (way.to[arm] - way.from[arm]).cwiseAbs().maxCoeff());
+  }
+  way.ticks =
+      static_cast<int>(1.5 * farthest_rad / speed_rad_per_s / control_period_s) + calming_ticks;
+  way_ = way;
+}
+
+/// Position drives: each joint on a spring that goes from rest to rest and calms down.
+robot::RobotCommand ArmlinkArms::own_drives(const robot::RobotReading& reading,
+                                            const sim::World& world) {
+  constexpr double stiffness_per_s2 = 900.0, damping_per_s = 54.0;
+  if (!way_ || way_->passed >= way_->ticks) begin_way();
+  ++way_->passed;
+  const double s = std::min(1.0, static_cast<double>(way_->passed) / (way_->ticks - calming_ticks));
+  const double share = s * s * (3.0 - 2.0 * s);
+  const auto models = robot::both_models(world.robot_table(), world.mount());
+  robot::RobotCommand command{.torque_nm = {}, .rail_m = reading.rail_m};
+  for (const Arm arm : both_arms) {
+    const robot::ArmReading& told = reading.arms[arm];
+    const auto dynamics = models[arm].evaluate(told.q_rad, told.dq_rad_per_s, reading.rail_m);
+    const JointVector place = way_->from[arm] + share * (way_->to[arm] - way_->from[arm]);
+    command.torque_nm[arm] =
+        dynamics.gravity_nm + dynamics.mass_kg_m2 * (stiffness_per_s2 * (place - told.q_rad) -
+                                                     damping_per_s * told.dq_rad_per_s);
+  }
+  return command;
 }
 
 bool ArmlinkArms::left() const {
@@ -141,6 +193,7 @@ void ArmlinkArms::wait_for_commands(steady_clock::time_point next, const std::at
     const auto patience = missed_ == 0 ? steady_clock::duration(lock_step_patience) : gone_patience;
     const auto until = rests ? begun + rest_patience : real ? next : begun + patience;
     const auto now = steady_clock::now();
+    if (goes()) return;
     if (now >= until || (!real && answered()) || (real && !rests && now >= next)) return;
     hear(std::min(until, again));
     if (steady_clock::now() < again) continue;
@@ -197,6 +250,10 @@ Result<RobotReport> ArmlinkArms::keep(sim::World& world, SharedTruth& truth,
     // stood still, and the host has its time all the same.
     next = std::max(next + 1ms, steady_clock::now() + min_host_time);
     wait_for_commands(next, ends);
+    if (goes()) {
+      world.robot().apply(own_drives(*reading, world));
+      continue;
+    }
     if (answered() && !stopped_) {
       robot::RobotCommand command{.torque_nm = {}, .rail_m = ends_[Arm::left].last.rail_m};
       for (const Arm arm : both_arms) {

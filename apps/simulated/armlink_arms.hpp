@@ -3,6 +3,7 @@
 
 #include <array>
 #include <atomic>
+#include <optional>
 
 #include "apps/simulated/emulated_wrist.hpp"
 #include "apps/simulated/robot_process.hpp"
@@ -50,6 +51,10 @@ class ArmlinkArms {
   [[nodiscard]] bool answered() const;
   [[nodiscard]] bool left() const;
   void wait_for_commands(std::chrono::steady_clock::time_point next, const std::atomic<bool>& ends);
+  [[nodiscard]] bool goes() const;
+  void begin_way();
+  [[nodiscard]] robot::RobotCommand own_drives(const robot::RobotReading& reading,
+                                               const sim::World& world);
   void set_states(const robot::RobotReading& reading, const sim::World& world);
 
   PerArm<End> ends_;
@@ -58,6 +63,12 @@ class ArmlinkArms {
   link::Pace pace_;
   int missed_ = 0;        ///< cycles in a row in which not both arms were commanded
   bool stopped_ = false;  ///< by themselves
+  /// From one place in mode ready to another.
+  struct Way {
+    PerArm<JointVector> from, to;
+    int ticks = 0, passed = 0;
+  };
+  std::optional<Way> way_;
 };
 
 }  // namespace tuina::app

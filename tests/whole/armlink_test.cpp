@@ -3,6 +3,8 @@
 #include <doctest/doctest.h>
 #include <unistd.h>
 
+#include <array>
+#include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <thread>
@@ -133,6 +135,31 @@ void feels_by_wrists(const Folder& folder, const Words& massage, double own_n) {
 }
 
 }  // namespace
+
+// The emulated sensors' zero, and the sphere and handle of the thesis' tool.
+TEST_CASE("an arm weighs its own tool, in twelve ways to hold it") {
+  const Folder folder;
+  const int port = own_port();
+  Arms arms(port, slim + Words{"--seed", "7", "--wrist", "127.0.0.1:" + std::to_string(port + 2),
+                               "--out", folder / "feeling.toml"});
+  REQUIRE(is_there(device_file(folder, port)));
+  const Outcome done = run_tuina({"calibrate", "--wrist", folder / "poses.csv", "--turn", "left",
+                                  "--device", folder / "feeling.toml", "--position", "prone",
+                                  "--out", folder / "wrist.toml", "--json", "--quiet"});
+  REQUIRE_MESSAGE(done.exit_code == 0, done.err);
+  CHECK(arms.end().exit_code == 0);
+  const json found = json::parse(done.out);
+  CHECK(found["poses"] == 12);
+  CHECK(found["condition"].get<double>() < 10.0);
+  CHECK(std::abs(found["mass_kg"].get<double>() - 0.16) < 0.02);
+  constexpr std::array zero_in_tool_n = {3.0, 2.0, 1.5};
+  for (std::size_t i = 0; i < 3; ++i)
+    CHECK(std::abs(found["offset_n"][i].get<double>() - zero_in_tool_n.at(i)) < 0.3);
+  MESSAGE("mass " << found["mass_kg"].get<double>() << " kg, condition "
+                  << found["condition"].get<double>() << ", force left "
+                  << found["force_rms_n"].get<double>() << " N RMS, offset "
+                  << found["offset_n"].dump() << " N");
+}
 
 TEST_CASE("a massage over UDP is the massage in one program, to the last bit, rescan and all") {
   const Folder folder;

@@ -106,8 +106,15 @@ void ArmlinkRobot::hold_ready(const PerArm<JointVector>& q_rad, double rail_m) n
 
 Result<void> ArmlinkRobot::stand_ready(const robot::ReadyPose& pose) {
   if (standing_) return {};
-  const auto begun = Clock::now();
   standing_ = resting_ = true;
+  return move_to(pose);
+}
+
+Result<void> ArmlinkRobot::move_to(const robot::ReadyPose& pose) {
+  if (!standing_ || !resting_) return fail(Fault::usage, "arms under torque are no place's");
+  const auto begun = Clock::now();
+  // That they stand somewhere else says nothing.
+  const auto obeyed = [&] { return peers_[Arm::left].obeyed() && peers_[Arm::right].obeyed(); };
   while (Clock::now() < begun + stand_patience) {
     hold_ready(pose.q_rad, pose.rail_m);
     const auto next = Clock::now() + repeat_ready_every;
@@ -116,7 +123,7 @@ Result<void> ArmlinkRobot::stand_ready(const robot::ReadyPose& pose) {
       (void)hear_both();
       if (!note_faults()) return fail(Fault::device, "{}", fault_.data());
     }
-    if (both(armlink::status::stands)) return {};
+    if (both(armlink::status::stands) && obeyed()) return {};
     for (const Arm arm : both_arms) {
       // The world of simulated arms is made once both are told where to stand.
       if (peers_[arm].heard_anything() || Clock::now() < begun + join_patience) continue;

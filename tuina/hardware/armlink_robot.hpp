@@ -42,6 +42,9 @@ class ArmlinkRobot final : public robot::Robot {
 
   /// By the arms' own drives, within a minute.
   [[nodiscard]] Result<void> stand_ready(const robot::ReadyPose& pose) override;
+  /// From where they stand to another place, likewise; only before the first torques and between
+  /// `rest` and the next.
+  [[nodiscard]] Result<void> move_to(const robot::ReadyPose& pose);
   /// Waits for both arms, but not for one that is silent, and for 2 ms at most; where the arms are
   /// simulated and wait for their host, for 6 s.
   [[nodiscard]] std::optional<robot::RobotReading> read() noexcept override;

@@ -9,6 +9,7 @@
 #include "apps/tuina/calibrate/calibrate_robot.hpp"
 #include "apps/tuina/calibrate/calibrate_wrist.hpp"
 #include "apps/tuina/calibrate/report.hpp"
+#include "apps/tuina/calibrate/wrist_poses.hpp"
 #include "apps/tuina/verbs.hpp"
 #include "tuina/core/io/file.hpp"
 #include "tuina/core/units.hpp"
@@ -126,7 +127,8 @@ class Calibrate final : public Verb {
            "  tuina calibrate shots --out calibration.toml\n"
            "  tuina calibrate --robot --rehearse touches      # a simulated robot touches a board\n"
            "  tuina calibrate touches --robot --out robot.toml\n"
-           "  tuina calibrate --wrist poses.csv --out wrist.toml";
+           "  tuina calibrate --wrist poses.csv --out wrist.toml\n"
+           "  tuina calibrate --wrist poses.csv --turn left --device device.toml --out wrist.toml";
   }
   void describe(Options& options) override {
     auto shots = options.add("shots", shots_, "the folder with the pictures, or with the touches");
@@ -138,29 +140,35 @@ class Calibrate final : public Verb {
     auto robot = options.flag("--robot", robot_,
                               "the place of the robot instead, from touches.csv in the folder");
     robot.excludes(report);
-    options.add("--position", position_, "with --robot: of the person for whom it stands there")
+    options
+        .add("--position", position_,
+             "with --robot and --turn: of the person for whom it stands there")
         .one_of({"sitting", "prone"})
-        .show_default()
-        .needs(robot);
+        .show_default();
     options
         .add("--arms", arms_,
-             "with --robot: whose arms touch, a TOML file or " + shipped_robot_names())
-        .show_default()
-        .needs(robot);
-    options
-        .add("--wrist", wrist_,
-             "the weight of a tool, its centre and the offset of its force sensor instead, from "
-             "this table of poses (docs/wrist_sensors.md)")
-        .excludes(shots)
-        .excludes(robot)
-        .excludes(report)
-        .needs(out);
+             "with --robot and --turn: whose arms touch or turn, a TOML file or " +
+                 shipped_robot_names())
+        .show_default();
+    auto wrist = options.add(
+        "--wrist", wrist_,
+        "the weight of a tool, its centre and the offset of its force sensor instead, from "
+        "this table of poses (docs/wrist_sensors.md)");
+    wrist.excludes(shots).excludes(robot).excludes(report).needs(out);
     auto capture = options.add("--capture", capture_,
                                "take the pictures with a real scanner, into this folder, which has "
                                "board.toml; what to do is told picture by picture");
     capture.excludes(shots).excludes(out).excludes(robot);
-    options.add("--device", device_, "with --capture: the file that names camera and turntable")
-        .needs(capture);
+    auto device = options.add("--device", device_,
+                              "with --capture: the file that names camera and turntable; with "
+                              "--turn: arms and wrist sensors");
+    options
+        .add("--turn", turn_,
+             "with --wrist: this arm of the device file holds its tool in twelve ways, with nobody "
+             "near, and the table is made of that")
+        .one_of({"left", "right"})
+        .needs(wrist)
+        .needs(device);
     options.add("--poses", poses_, "with --capture: boards in the hand, a multiple of 12")
         .show_default()
         .needs(capture);
@@ -180,6 +188,10 @@ class Calibrate final : public Verb {
 
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
     const BodyPosture position = position_ == "prone" ? BodyPosture::prone : BodyPosture::sitting;
+    if (const auto fits = judge_words(); !fits) return tl::unexpected(fits.error());
+    if (!turn_.empty())
+      if (const auto made = make_poses(common, position); !made)
+        return tl::unexpected(made.error());
     if (!wrist_.empty()) return calibrate_wrist(wrist_, out_);
     if (!capture_.empty()) return capture(common);
     if (!rehearse_.empty()) {
@@ -219,6 +231,23 @@ class Calibrate final : public Verb {
     return calibrate_capture(capture_, device_, poses_, common.quiet);
   }
 
+  /// Words that nothing takes are a mistake.
+  [[nodiscard]] Result<void> judge_words() const {
+    if (!device_.empty() && capture_.empty() && turn_.empty())
+      return fail(Fault::usage, "--device belongs to --capture or to --wrist with --turn");
+    if (!robot_ && turn_.empty() && (arms_ != "thesis" || position_ != "sitting"))
+      return fail(Fault::usage, "--arms and --position belong to --robot or to --turn");
+    return {};
+  }
+
+  [[nodiscard]] Result<void> make_poses(const CommonOptions& common, BodyPosture position) const {
+    const auto model = robot::load_robot(arms_);
+    if (!model) return tl::unexpected(model.error());
+    return record_wrist_poses(device_, turn_ == "left" ? Arm::left : Arm::right,
+                              robot::place_robot(*model, position), wrist_,
+                              progress_bar(common, "poses"));
+  }
+
   Result<Answer> rehearse(const CommonOptions& common) {
     sim::SyntheticShotsOptions options;
     if (board_ == "charuco") options.board = sim::charuco_board();
@@ -241,7 +270,7 @@ class Calibrate final : public Verb {
   std::string capture_;
   std::string device_;
   int poses_ = 12;
-  std::string wrist_;
+  std::string wrist_, turn_;
   std::string position_ = "sitting";
   std::string board_ = "chessboard";
   bool robot_ = false;

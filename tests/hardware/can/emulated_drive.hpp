@@ -91,6 +91,10 @@ class EmulatedDrive {
     status_ = 0x40;
   }
   void fall_into_fault_silently() { status_ = 0x08; }
+  void stop_by_itself() {
+    powered = false;
+    status_ = value(0x6041) = 0x07;
+  }
 
   double inertia_kg_m2 = 0.0;  ///< of the joint; 0: it stands still whatever the torque
   bool blocked = false;        ///< where it is, while it should hold another place
@@ -204,6 +208,7 @@ class EmulatedDrive {
   /// The transitions of [cia402] that a control word asks for.
   void obey_control() {
     const std::uint32_t word = value(0x6040);
+    if (status_ == 0x07 && !powered) return;
     if (status_ == 0x08) {
       if (word == 0x80 && !stays_in_fault) status_ = 0x40;
     } else if ((word & 0x02U) == 0 || !powered) {
