@@ -145,6 +145,10 @@ TEST_CASE("what is wrong with drives in a device file is said") {
       "node = 128");
   said("[arm.left]\nkind = \"cia402\"\n[arm.right]\nkind = \"armlink\"\naddress = \"1.2.3.4:5\"\n",
        "is not that of the left arm; both are of one kind");
+  said(
+      "[arm.left]\nkind = \"cia402\"\n[[arm.left.joint]]\nbus = \"can0\"\nnode = 1\n"
+      "counts_per_turn = 16777216\ngear = 100\nrated_torque_nm = 1\n",
+      "make more counts a turn of the joint than 2^29");
   said("[arm.left]\nkind = \"cia402\"\n[arm.right]\nkind = \"cia402\"\n",
        "drives on CAN feel no contact: [wrist_sensor.left]");
 }
