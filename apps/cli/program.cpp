@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -12,6 +13,7 @@
 
 #include "apps/cli/manual.hpp"
 #include "tuina/core/io/file.hpp"
+#include "tuina/core/io/near_miss.hpp"
 #include "tuina/core/io/text_lines.hpp"
 
 namespace tuina::app {
@@ -170,6 +172,16 @@ int refuse_unknown(const std::vector<std::string>& words) {
   return 1;
 }
 
+/// What is wrong with the words; a first one that is no verb may be a slip.
+std::string refusal_of(const CLI::App& tuina, const std::string& first,
+                       const CLI::ParseError& error) {
+  std::vector<std::string> verbs;
+  for (const CLI::App* verb : tuina.get_subcommands(nullptr)) verbs.push_back(verb->get_name());
+  if (first.starts_with('-') || std::find(verbs.begin(), verbs.end(), first) != verbs.end())
+    return brief(error.what());
+  return fmt::format("there is no verb `{}`; {}", first, suggestion(first, verbs));
+}
+
 /// This process becomes another program, with the same words.
 int become(const ProgramBeside& other, char** argv) {
   const std::string path = program_beside(other.program);
@@ -213,7 +225,7 @@ int run_program(int argc, char** argv, const Program& program) {
     fmt::print("tuina {}\n", TUINA_VERSION);
     return 0;
   } catch (const CLI::ParseError& error) {
-    fmt::print(stderr, "tuina: {}\nSee `tuina --help`.\n", brief(error.what()));
+    fmt::print(stderr, "tuina: {}\nSee `tuina --help`.\n", refusal_of(tuina, argv[1], error));
     return 1;
   }
 

@@ -1,17 +1,20 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# try_packages.sh [--static] FILE.deb...: on a bare Debian 12, as root: installs the packages of `./run package`, gives a
-# massage, serves the page, fits a press in Python, compiles the examples and a stranger's project against them, and
-# removes them without a rest. With --static all is linked with the static libraries, too, which need the -dev packages
-# of every library within. Run it where nothing can be harmed.
+# try_packages.sh [--all] FILE.deb...: on a bare Debian 12, as root: installs the packages of `./run package`, gives a
+# massage, serves the page, fits a press in Python, compiles an example and a stranger's project against them, installs
+# them once more as an upgrade does, and removes them without a rest. With --all every example is compiled, and linked
+# with the static libraries, too, which need the -dev packages of whatever is hidden in them. Run it where nothing can
+# be harmed.
 set -euo pipefail
+here=$(realpath "$(dirname "$0")/../..")
 kinds=(shared)
-if [ "$1" = --static ]; then
+examples=("$here/examples/05_whole_session.cpp")
+if [ "$1" = --all ]; then
   kinds+=(static)
+  examples=("$here"/examples/*.cpp)
   shift
 fi
 packages=$(realpath "$@")
-here=$(realpath "$(dirname "$0")/../..")
 cd "$(mktemp -d)"
 start=$(date +%s)
 said() { echo "$(($(date +%s) - start)) s: $*"; }
@@ -78,7 +81,7 @@ cp "$here/examples/04_press_once.cpp" mine/main.cpp
 cmake -G Ninja -S mine -B mine > /dev/null
 cmake --build mine > /dev/null
 mine/mine | tail -1
-# Each example is compiled once, and linked in each way.
+# By pkg-config; each example is compiled once, and linked in each way.
 compile() {  # SOURCE KINDS
   local name kind
   local -A library=([shared]=tuina [static]=tuina-static)
@@ -92,19 +95,18 @@ compile() {  # SOURCE KINDS
 }
 export -f compile
 export kinds_text="${kinds[*]}"
-printf '%s\n' "$here"/examples/*.cpp | xargs -P 2 -I {} bash -ec 'compile {} "$kinds_text"'
-for kind in "${kinds[@]}"; do ./04_press_once."$kind" > press."$kind".txt; done
-[[ $(ldd 04_press_once.shared) == *"libtuina.so.0.1 => /"* ]]
+printf '%s\n' "${examples[@]}" | xargs -P 2 -I {} bash -ec 'compile {} "$kinds_text"'
+[[ $(ldd 05_whole_session.shared) == *"libtuina.so.0.1 => /"* ]]
 if [ ${#kinds[@]} = 2 ]; then
+  for kind in "${kinds[@]}"; do ./04_press_once."$kind" > press."$kind".txt; done
   cmp press.shared.txt press.static.txt
   [[ $(ldd 04_press_once.static) != *libtuina.so* ]]
 fi
-programs=(./*.shared)
-said "${#programs[@]} examples were compiled and linked: ${kinds[*]}"
+said "compiled against it, ${kinds[*]}"
 
 # shellcheck disable=SC2086
 "${install[@]}" --reinstall $packages > apt.txt 2>&1  # as an upgrade does
-./04_press_once.shared > /dev/null
+mine/mine > /dev/null
 du -shc /usr/share/tuina /usr/bin/tuina /usr/bin/tuina-evaluate /usr/lib/libtuina.so.0.1.0 | tail -1
 apt-get remove -y -qq --purge python3-tuina tuina tuina-udev libtuina-dev libtuina0.1 > apt.txt 2>&1
 for rest in /usr/share/tuina /usr/include/tuina /usr/bin/tuina /usr/lib/cmake/tuina /usr/lib/pkgconfig/tuina.pc \

@@ -73,6 +73,11 @@ TEST_CASE("no verb shows the help and is wrong use") {
   CHECK(nothing.err.find("Subcommands:") != std::string::npos);
 }
 
+TEST_CASE("a slip in a verb is told what was meant") {
+  CHECK(run_tuina({"mesage"}).err.find("no verb `mesage`; is `massage` meant?") !=
+        std::string::npos);
+}
+
 TEST_CASE("wrong use gets one or two lines, exit code 1 and an empty stdout") {
   const std::vector<std::vector<std::string>> wrong = {
       {"mesage"},
