@@ -115,8 +115,7 @@ std::size_t Campaign::false_stops() const {
          count(random, [](const RandomTrial& one) { return !one.outcome.tried; }) +
          count(clean, [](const TrialOutcome& one) { return one.stopped; }) +
          count(clean_sessions, [](const CleanSession& one) { return !one.stops.empty(); }) +
-         count(people,
-               [](const PersonRun& one) { return one.outcome.stopped && one.does != "coughs"; });
+         count(people, [](const PersonRun& one) { return one.outcome.by_guard; });
 }
 
 std::size_t Campaign::violations() const {

@@ -21,6 +21,7 @@ void visit_fields(Outcome& outcome, const Visit& visit) {
   visit("apart_m", outcome.apart_m);
   visit("rmse_n", outcome.rmse_n);
   visit("stopped", outcome.stopped);
+  visit("by_guard", outcome.by_guard);
   visit("cause", outcome.cause);
   visit("end", outcome.end);
   visit("end_force_n", outcome.end_force_n);

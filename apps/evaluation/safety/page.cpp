@@ -271,8 +271,9 @@ Result<std::string> page_of(const Campaign& campaign) {
   if (const auto people = people_table(campaign); !people.rows.empty())
     page.section(
             "Nobody is stopped for nothing",
-            "People who breathe up to 12 mm deep, cough, shift, and whole sessions; a cough may "
-            "end a massage, breath and shifting must not.")
+            "People who breathe up to 12 mm deep, cough, shift, and whole sessions. None of it may "
+            "end a massage by the guard; a controller that lets go of somebody who has moved goes "
+            "on after another scan.")
         .table(people);
   page.section("Not in this campaign").table(elsewhere_table());
   return page.str();

@@ -141,12 +141,13 @@ Table people_table(const Campaign& campaign) {
   Table table{.title = "People without a fault",
               .columns = {{.head = "what they do", .key = "does"},
                           {.head = "people", .key = "people"},
-                          {.head = "stopped", .key = "stopped"},
+                          {.head = "stopped by the guard", .key = "stopped"},
+                          {.head = "let go, to be scanned again", .key = "let_go"},
                           {.head = "force, N", .key = "worst_force_n", .digits = 0},
                           {.head = "above what is set, N", .key = "worst_over_n", .digits = 0},
                           {.head = "causes", .key = "causes"}}};
   for (const char* does : {"breathes", "coughs", "shifts"}) {
-    int people = 0, stopped = 0;
+    int people = 0, stopped = 0, let_go = 0;
     double worst_n = 0.0, over_n = 0.0;
     std::set<std::string> causes;
     for (const PersonRun& one : campaign.people) {
@@ -155,12 +156,12 @@ Table people_table(const Campaign& campaign) {
       worst_n = std::max(worst_n, one.outcome.worst_force_n);
       over_n = std::max(over_n, one.outcome.worst_force_n - one.outcome.set_force_n);
       if (!one.outcome.stopped) continue;
-      ++stopped;
+      ++(one.outcome.by_guard ? stopped : let_go);
       causes.insert(one.outcome.cause);
     }
     if (people > 0)
-      table.add(
-          {does, people, stopped, worst_n, over_n, fmt::format("{}", fmt::join(causes, ", "))});
+      table.add({does, people, stopped, let_go, worst_n, over_n,
+                 fmt::format("{}", fmt::join(causes, ", "))});
   }
   if (campaign.clean_sessions.empty()) return table;
   int stopped = 0;
@@ -172,7 +173,7 @@ Table people_table(const Campaign& campaign) {
     causes.insert(one.stops.begin(), one.stops.end());
   }
   table.add({"sessions of 20 minutes", static_cast<int>(campaign.clean_sessions.size()), stopped,
-             worst_n, std::numeric_limits<double>::quiet_NaN(),
+             telemetry::Cell(), worst_n, std::numeric_limits<double>::quiet_NaN(),
              fmt::format("{}", fmt::join(causes, ", "))});
   return table;
 }

@@ -101,7 +101,7 @@ TrialOutcome Trial::run() {
         return !over();
       });
   if (!driven) {
-    truth_.note_stop(driven.error().message);
+    truth_.note_stop(driven.error().message, true);
     while (!over() && truth_.fault() == nullptr) (void)truth_.read();
   }
   return truth_.finish();
@@ -261,12 +261,12 @@ void Trial::judge_stop() {
     if (verdict->action < safety::Action::freeze && verdict->cause != safety::Cause::inward_force)
       continue;
     truth_.note_action();
-    if (verdict->latched) truth_.note_stop(name_of(verdict->cause));
+    if (verdict->latched) truth_.note_stop(name_of(verdict->cause), true);
   }
   const control::ContactFault fault = arm_.controller().status().contact_fault;
   if (fault != control::ContactFault::none && !arm_.stopped()) {
     truth_.note_action();
-    truth_.note_stop(name_of(fault));
+    truth_.note_stop(name_of(fault), false);
     if (stage_ == Stage::approach || stage_ == Stage::contact)
       arm_.controller().retract(standoff_m);
     stage_ = Stage::retract;

@@ -61,7 +61,8 @@ struct TrialOutcome {
   /// Between the arms, and from couch and robot's body.
   double apart_m = std::numeric_limits<double>::infinity();
   double rmse_n = 0.0;
-  bool stopped = false;
+  bool stopped = false;   ///< for good, or by a controller that let go to scan again
+  bool by_guard = false;  ///< for good
   std::string cause = "none";
   std::string end = "at work";
   double end_force_n = 0.0, end_m_per_s = 0.0;

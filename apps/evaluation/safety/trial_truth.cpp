@@ -46,7 +46,7 @@ void TrialTruth::look() {
       std::max(outcome_.further_m, (from_in_couch_ - at_in_couch).dot(plan_.site->normal_in_couch));
   const bool braked = truth.drive == sim::Drive::braked;
   if (braked || truth.drive == sim::Drive::damped) note_action();
-  if (braked) note_stop("braked by the drives");
+  if (braked) note_stop("braked by the drives", true);
   if (plan_.traced) outcome_.trace.push_back({since_s, set_n_, force_n});
 }
 
@@ -69,9 +69,10 @@ void TrialTruth::note_action() noexcept {
     outcome_.first_action_ms = 1e3 * std::max(0.0, time_s() - onset_s_);
 }
 
-void TrialTruth::note_stop(const std::string& cause) {
+void TrialTruth::note_stop(const std::string& cause, bool by_guard) {
   if (!outcome_.stopped) outcome_.cause = cause;
   outcome_.stopped = true;
+  outcome_.by_guard = outcome_.by_guard || by_guard;
 }
 
 TrialOutcome TrialTruth::finish() {

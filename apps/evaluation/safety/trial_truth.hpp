@@ -35,7 +35,7 @@ class TrialTruth final : public robot::Robot {
   /// Somebody does something about the fault.
   void note_action() noexcept;
   /// The arm will not go on; the first cause is kept.
-  void note_stop(const std::string& cause);
+  void note_stop(const std::string& cause, bool by_guard);
   [[nodiscard]] TrialOutcome finish();
 
  private:
