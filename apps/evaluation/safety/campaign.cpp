@@ -189,7 +189,7 @@ Result<Campaign> run_campaign(const CampaignOrder& order, Cells& cells, const Pr
   if (!sites) return tl::unexpected(sites.error());
   Campaign campaign{.order = order, .sites = std::move(*sites)};
   if (order.cells) campaign.cells = campaign_cells(campaign.sites, order.full, order.seed);
-  if (order.cells && order.only.empty()) campaign.pairs = fault_pairs();
+  if (order.pairs && order.only.empty()) campaign.pairs = fault_pairs();
   if (!order.only.empty())
     std::erase_if(campaign.cells, [&](const auto& cell) { return cell.fault->name != order.only; });
   const std::size_t pair_trials =

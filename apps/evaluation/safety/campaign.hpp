@@ -42,7 +42,8 @@ struct CampaignOrder {
   bool full = false;
   std::uint64_t seed = 1;
   std::string only = {};  ///< the cells or the search of this class, and nothing else
-  bool cells = true;      ///< those of the table, pairs of faults, scans and sessions
+  bool cells = true;      ///< those of the table, scans and sessions
+  bool pairs = true;      ///< of faults
   std::size_t random_trials = 300;
   std::size_t clean_runs = 10;  ///< presses of half a minute
   std::size_t clean_sessions = 0, people = 0;

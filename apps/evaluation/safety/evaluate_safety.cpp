@@ -28,6 +28,7 @@ class EvaluateSafety final : public Verb {
     const auto part = [&](const char* option, std::uint64_t& count, const char* what) {
       options.add(option, count, std::string("this and nothing else: ") + what).between(1, 100'000);
     };
+    options.flag("--pairs", pairs_, "this and nothing else: pairs of faults within 20 ms");
     part("--random", random_, "random faults at random moments; other seeds are other trials");
     part("--clean", clean_, "whole sessions of 20 minutes without a fault");
     part("--people", people_, "people who breathe deeply, cough and shift");
@@ -48,8 +49,9 @@ class EvaluateSafety final : public Verb {
       if (error) return fail(Fault::file, "the folder {}: {}", out_, error.message());
     }
     CampaignOrder order = campaign_order(full_, only_, common.seed);
-    if (random_ + clean_ + people_ + search_ > 0) {
+    if (pairs_ || random_ + clean_ + people_ + search_ > 0) {
       order.cells = false;
+      order.pairs = pairs_;
       order.clean_runs = 0;
       order.random_trials = random_;
       order.clean_sessions = clean_;
@@ -78,7 +80,7 @@ class EvaluateSafety final : public Verb {
     return Answer{.json = json, .text = to_text(campaign)};
   }
 
-  bool full_ = false;
+  bool full_ = false, pairs_ = false;
   std::uint64_t random_ = 0, clean_ = 0, people_ = 0, search_ = 0;
   std::string only_, out_;
   Cells cells_;
