@@ -147,6 +147,23 @@ TEST_CASE("a retreat pushes on a living sensor only: 80 N end 3 ms after its las
   CHECK(blow.outward_n() > 40.0);
 }
 
+TEST_CASE("where nothing is felt any more nothing holds a tool back that goes outward") {
+  const auto outward_n = [](bool alive, double outward_m_per_s) {
+    Scene scene = leaving(0.0);
+    scene.tick(5);
+    scene.sensor_alive = alive;
+    scene.tick(6);
+    scene.seen.tool_in_base += 0.03 * scene.normal();
+    scene.seen.tool_velocity_m_per_s = outward_m_per_s * scene.normal() + Vector3(0.1, 0.0, 0.0);
+    scene.tick(5);
+    CHECK(scene.allowed_n().x() == doctest::Approx(-60.0 * 0.1));
+    return scene.outward_n();
+  };
+  CHECK(outward_n(true, 0.25) == doctest::Approx(-5.0 - 60.0 * 0.25));
+  CHECK(std::abs(outward_n(false, 0.25)) < 1e-9);
+  CHECK(outward_n(false, -0.25) == doctest::Approx(60.0 * 0.25));  // nor lets it fall back
+}
+
 TEST_CASE("a controller that turns its normal round does not turn the retreat, before or after") {
   for (const bool before : {false, true}) {
     Scene scene;

@@ -104,7 +104,9 @@ JointVector Guard::own_torque(const Observation& seen, Action action) noexcept {
       lead_m < max_outward_n / own_stiffness_n_per_m) {
     hold_in_base_ += retract_m_per_s * options_.period_s * normal_in_base_;
   }
-  const double spared_m_per_s = pressed() ? std::max(outward_m_per_s, 0.0) : 0.0;
+  // Where nothing is felt any more, what moves the tool outward may be a person who comes after it.
+  const bool gives_way = pressed() || !feels();
+  const double spared_m_per_s = gives_way ? std::max(outward_m_per_s, 0.0) : 0.0;
   Vector3 force_n =
       -own_damping_n_s_per_m * (seen.tool_velocity_m_per_s - spared_m_per_s * normal_in_base_);
   JointVector torque_nm = seen.gravity_nm - own_joint_damping * seen.dq_rad_per_s;
@@ -112,7 +114,8 @@ JointVector Guard::own_torque(const Observation& seen, Action action) noexcept {
     const Vector3 spring_n = own_stiffness_n_per_m * (hold_in_base_ - seen.tool_in_base);
     const double outward_n = spring_n.dot(normal_in_base_);
     const Vector3 aside_n = spring_n - outward_n * normal_in_base_;
-    force_n += std::clamp(outward_n, -max_inward_n, max_outward_n) * normal_in_base_;
+    force_n +=
+        std::clamp(outward_n, feels() ? -max_inward_n : 0.0, max_outward_n) * normal_in_base_;
     force_n += aside_n * std::min(1.0, max_outward_n / std::max(aside_n.norm(), max_outward_n));
     torque_nm += own_posture_nm_per_rad * (hold_rad_ - seen.q_rad);
   }
