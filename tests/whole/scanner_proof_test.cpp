@@ -68,9 +68,8 @@ TEST_CASE("what was wanted stands beside what is so") {
   ScannerProof proof;
   proof.walls = {{.depth_m = 1.0, .ours = {.rms_m = 0.4_mm}}};
   proof.backs["noise_only"] = {.rms_m = 0.7_mm, .outlier_share = 0.0, .seen_share = 0.995};
-  const std::vector<BuiltScanner> scanners = {
-      {.truth = {.latency_s = 0.1}, .believed = {.latency_s = 0.104}}};
-  const auto targets = targets_of(proof, scanners);
+  proof.worst_latency_s = 0.004;
+  const auto targets = targets_of(proof);
   REQUIRE(targets.size() == 5);
   CHECK(targets[0].reached());        // the wall
   CHECK_FALSE(targets[1].reached());  // the back
