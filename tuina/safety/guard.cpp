@@ -84,7 +84,7 @@ Verdict Guard::check(const Observation& seen, const Proposal& proposal) noexcept
     judge_proposal(seen, proposal, finding);
     judge_torques(seen, proposal, finding);
     judge_drives(seen, finding);
-    judge_obedience(seen, proposal, finding);
+    judge_obedience(seen, finding);
     if (!encoders_doubted_) gravity_nm_ = seen.gravity_nm;
   }
   if (!is_stop(state_)) stopped_by_ = finding.cause;
@@ -157,10 +157,9 @@ ForceLimits Guard::limits_of(const Observation& seen, const Proposal& proposal) 
 // A sound controller presses less where it feels more, so torques that press on are not its own.
 double Guard::inward_cap_n(const Proposal& proposal) const noexcept {
   const Ceilings& limits = options_.limits;
+  if (proposal.phase == Phase::free) return limits.free_inward_n;
   if (proposal.phase == Phase::retract)
     return std::min(min_felt_n_ + limits.pressing_n, limits.free_inward_n);
-  if (proposal.phase != Phase::contact && proposal.phase != Phase::approach)
-    return limits.free_inward_n;
   const double set_n = std::max(0.0, proposal.set_force_n);
   const double over_n = std::max(felt_n() - set_n, 0.0);
   return std::max(set_n + limits.pressing_n - yields_per_n * over_n, 0.0);

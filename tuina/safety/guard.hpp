@@ -152,8 +152,7 @@ class Guard {
   void judge_force(const Observation& seen, const Proposal& proposal, Finding& finding) noexcept;
   void judge_motion(const Observation& seen, const Proposal& proposal, Finding& finding) noexcept;
   void judge_proposal(const Observation& seen, const Proposal& proposal, Finding& finding) noexcept;
-  void judge_obedience(const Observation& seen, const Proposal& proposal,
-                       Finding& finding) noexcept;
+  void judge_obedience(const Observation& seen, Finding& finding) noexcept;
   [[nodiscard]] bool torque_fits(const Proposal& proposal) const noexcept;
   void judge_torques(const Observation& seen, const Proposal& proposal, Finding& finding) noexcept;
   void judge_drives(const Observation& seen, Finding& finding) noexcept;

@@ -2,6 +2,7 @@
 // What a guard looks for in each millisecond: one function for each thing that can be amiss.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "tuina/safety/guard.hpp"
 
@@ -181,6 +182,8 @@ void Guard::judge_sensor(const Observation& seen, Finding& finding) noexcept {
 
 void Guard::judge_force(const Observation& seen, const Proposal& proposal,
                         Finding& finding) noexcept {
+  const bool leaves = state_ == GuardState::retracting || proposal.phase == Phase::retract;
+  min_felt_n_ = leaves ? std::min(min_felt_n_, felt_n()) : std::numeric_limits<double>::infinity();
   if (samples_ < first_samples) return;
   const ForceLimits limits = limits_of(seen, proposal);
   const double now_n = medians_n_.back();

@@ -2,7 +2,6 @@
 // The law with which a guard drives an arm that it has taken over, and whether the arm obeys it.
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "tuina/safety/guard.hpp"
 
@@ -55,16 +54,13 @@ bool Guard::in_air() const noexcept {
 // An arm that goes into the body although it is pushed out, or that races, has drives or encoders
 // that no law of its own can mend. One that presses harder and harder meanwhile is not a person who
 // comes closer, for that one pushes the tool outward.
-void Guard::judge_obedience(const Observation& seen, const Proposal& proposal,
-                            Finding& finding) noexcept {
+void Guard::judge_obedience(const Observation& seen, Finding& finding) noexcept {
   const double speed_m_per_s = seen.tool_velocity_m_per_s.norm();
   const double inward_m_per_s = -seen.tool_velocity_m_per_s.dot(normal_in_base_);
   const bool driven = state_ >= GuardState::complying;
   const bool races = driven && speed_m_per_s > runaway_m_per_s;
   const bool against =
       state_ == GuardState::retracting && pressed() && inward_m_per_s > disobedient_m_per_s;
-  const bool leaves = state_ == GuardState::retracting || proposal.phase == Phase::retract;
-  min_felt_n_ = leaves ? std::min(min_felt_n_, felt_n()) : std::numeric_limits<double>::infinity();
   const bool digs = against && felt_n() > std::max(min_felt_n_ + digging_rise_n, digging_n);
   const bool plunges = driven && inward_m_per_s > plunging_m_per_s;
   if (races)
