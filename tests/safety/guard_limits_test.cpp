@@ -48,7 +48,8 @@ TEST_CASE("the ceilings are those of docs/safety.md") {
   CHECK(ceilings.joint_speed_rad_per_s == 3.0);
   CHECK(ceilings.stale_freeze_s == 3e-3);
   CHECK(ceilings.stale_retract_s == 5e-3);
-  CHECK(ceilings.pressing_n == 15.0);
+  CHECK(ceilings.pressing_n == 25.0);
+  CHECK(ceilings.over_trip_n == 10.0);
   CHECK(ceilings.free_inward_n == 60.0);
 }
 
@@ -61,7 +62,7 @@ TEST_CASE("options lower every ceiling, raise none, and what is no number or bel
          {&limits.inward_m_per_s, &limits.pushed_out_m_per_s, &limits.force_rate_n_per_s,
           &limits.over_cap_n, &limits.torque_rate_nm_per_s, &limits.encoder_jump_rad,
           &limits.joint_speed_rad_per_s, &limits.stale_freeze_s, &limits.stale_retract_s,
-          &limits.pressing_n, &limits.free_inward_n, &options.period_s})
+          &limits.pressing_n, &limits.over_trip_n, &limits.free_inward_n, &options.period_s})
       visit(*limit);
   };
   const auto as_guarded = [&](double factor, double shift) {

@@ -225,8 +225,17 @@ TEST_CASE("where the way out is the guard's own, a force against it is the senso
   CHECK(scene.outward_n() == doctest::Approx(8.0).epsilon(1e-3));
 }
 
-TEST_CASE("a leash may press as hard as the place bears, whatever it is called") {
+TEST_CASE("torques and leash may press as hard as the place bears, whatever it is called") {
   const Cell here = cell(Zone::bony);
+  Scene scene;
+  scene.seen.skin = &here;
+  scene.force_n = 0.0;
+  scene.proposal.set_force_n = 15.0;
+  scene.tick(3);
+  scene.pull(-60.0 * scene.normal());
+  scene.tick(50);
+  CHECK(scene.verdict.cause == Cause::inward_force);
+  CHECK((scene.allowed_n() + 35.0 * scene.normal()).norm() < 1e-4);
   Scene leashed;
   leashed.seen.skin = &here;
   leashed.proposal.set_force_n = 0.0;

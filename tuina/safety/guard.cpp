@@ -40,6 +40,7 @@ Guard::Guard(const Options& options) noexcept : options_(options) {
   lower(limits.stale_freeze_s, ceilings.stale_freeze_s);
   lower(limits.stale_retract_s, ceilings.stale_retract_s);
   lower(limits.pressing_n, ceilings.pressing_n);
+  lower(limits.over_trip_n, ceilings.over_trip_n);
   lower(limits.free_inward_n, ceilings.free_inward_n);
   lower(options_.period_s, control_period_s);
   for (double& limit_nm : options_.torque_limit_nm)
@@ -107,7 +108,7 @@ Verdict Guard::check(const Observation& seen, const Proposal& proposal) noexcept
 // is proposed one after the other can press harder on the way than at its end.
 JointVector Guard::let_through(const Observation& seen, const Proposal& proposal,
                                Finding& finding) const noexcept {
-  const double cap_n = inward_cap_n(proposal);
+  const double cap_n = inward_cap_n(seen, proposal);
   const JointVector outward = seen.jacobian.transpose() * normal_in_base_;
   const auto over_n = [&](const JointVector& torque_nm) {
     return std::max(inward_n(seen, torque_nm) - cap_n, 0.0);
@@ -155,14 +156,16 @@ ForceLimits Guard::limits_of(const Observation& seen, const Proposal& proposal) 
 }
 
 // A sound controller presses less where it feels more, so torques that press on are not its own.
-double Guard::inward_cap_n(const Proposal& proposal) const noexcept {
+double Guard::inward_cap_n(const Observation& seen, const Proposal& proposal) const noexcept {
   const Ceilings& limits = options_.limits;
   if (proposal.phase == Phase::free) return limits.free_inward_n;
   if (proposal.phase == Phase::retract)
     return std::min(min_felt_n_ + limits.pressing_n, limits.free_inward_n);
   const double set_n = std::max(0.0, proposal.set_force_n);
   const double over_n = std::max(felt_n() - set_n, 0.0);
-  return std::max(set_n + limits.pressing_n - yields_per_n * over_n, 0.0);
+  const double trip_n = limits_of(seen, proposal).trip_n;
+  const double may_n = std::min(set_n + limits.pressing_n, trip_n + limits.over_trip_n);
+  return std::max(may_n - yields_per_n * over_n, 0.0);
 }
 
 // The force inward with which the body would have to hold the tool still along the normal: the

@@ -160,7 +160,8 @@ class Guard {
                                            const Proposal& proposal) noexcept;
   [[nodiscard]] ForceLimits limits_of(const Observation& seen,
                                       const Proposal& proposal) const noexcept;
-  [[nodiscard]] double inward_cap_n(const Proposal& proposal) const noexcept;
+  [[nodiscard]] double inward_cap_n(const Observation& seen,
+                                    const Proposal& proposal) const noexcept;
   void find_way_out(const Observation& seen, const Proposal& proposal) noexcept;
   [[nodiscard]] double inward_n(const Observation& seen,
                                 const JointVector& torque_nm) const noexcept;

@@ -283,7 +283,7 @@ void Guard::judge_torques(const Observation& seen, const Proposal& proposal,
   saturated_ = saturated ? saturated_ + 1 : 0;
   if (saturated_ >= saturated_ticks) finding.add(Action::comply, Cause::torque_saturated);
   // What the controller says of its springs may be untrue; what its torques press is not.
-  const bool presses = fits && inward_n(seen, proposal.torque_nm) > inward_cap_n(proposal);
+  const bool presses = fits && inward_n(seen, proposal.torque_nm) > inward_cap_n(seen, proposal);
   inward_ = presses ? inward_ + 1 : 0;
   if (presses) finding.add(Action::warn, Cause::inward_force);
   if (inward_ >= inward_ticks) finding.add(Action::retract, Cause::inward_force);
