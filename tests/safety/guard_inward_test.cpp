@@ -53,7 +53,8 @@ TEST_CASE(
       CAPTURE(phase);
       const double set_n = force_ceilings[zone].set_n;
       const double may_n = std::min(set_n + 25.0, force_ceilings[zone].trip_n + 10.0);
-      const double in_contact_n = may_n - 2.0 * std::max(5.0 - set_n, 0.0);
+      const bool bench = static_cast<Zone>(zone) == Zone::bench;
+      const double in_contact_n = bench ? 100.0 : may_n - 2.0 * std::max(5.0 - set_n, 0.0);
       const std::array<double, 4> limits_n = {60.0, in_contact_n, in_contact_n, 5.0 + 25.0};
       const double limit_n = limits_n[static_cast<std::size_t>(phase)];
       const auto at = [&](double inward_n) {
@@ -83,7 +84,15 @@ TEST_CASE("each newton felt beyond what is asked for takes two from what torques
   }
 }
 
-TEST_CASE("less than nothing, or no number, is not asked for") {
+TEST_CASE("a hand that leads an arm may press as hard as the place bears, whatever is felt") {
+  Scene scene = pushing(0.0, Phase::contact, Zone::bony);
+  scene.proposal.stiffness_n_per_m = 0.0;
+  scene.proposal.set_force_n = 0.0;
+  come_to(scene, 20.0);
+  CHECK(hardest_n(scene) == doctest::Approx(35.0));
+}
+
+TEST_CASE("less than nothing is not asked for") {
   for (const double set_n : {-20.0, -infinity}) {
     Scene scene = pushing(0.0);
     scene.proposal.set_force_n = set_n;

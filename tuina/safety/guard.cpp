@@ -156,16 +156,17 @@ ForceLimits Guard::limits_of(const Observation& seen, const Proposal& proposal) 
 }
 
 // A sound controller presses less where it feels more, so torques that press on are not its own.
+// But a hand that leads an arm without a spring asks for no force, and a bench is nobody.
 double Guard::inward_cap_n(const Observation& seen, const Proposal& proposal) const noexcept {
   const Ceilings& limits = options_.limits;
   if (proposal.phase == Phase::free) return limits.free_inward_n;
   if (proposal.phase == Phase::retract)
     return std::min(min_felt_n_ + limits.pressing_n, limits.free_inward_n);
+  const double place_n = limits_of(seen, proposal).trip_n + limits.over_trip_n;
+  if (proposal.stiffness_n_per_m == 0.0 || proposal.zone == Zone::bench) return place_n;
   const double set_n = std::max(0.0, proposal.set_force_n);
   const double over_n = std::max(felt_n() - set_n, 0.0);
-  const double trip_n = limits_of(seen, proposal).trip_n;
-  const double may_n = std::min(set_n + limits.pressing_n, trip_n + limits.over_trip_n);
-  return std::max(may_n - yields_per_n * over_n, 0.0);
+  return std::max(std::min(set_n + limits.pressing_n, place_n) - yields_per_n * over_n, 0.0);
 }
 
 // The force inward with which the body would have to hold the tool still along the normal: the
