@@ -281,7 +281,7 @@ TEST_CASE("a tool that no joint moves presses nobody, where nothing may be press
   for (ForceLimits& limits : options.force) limits.trip_n = 0.0;
   Scene scene(options);
   scene.force_n = scene.noise_n = scene.proposal.set_force_n = 0.0;
-  scene.proposal.stiffness_n_per_m = 0.0;
+  scene.proposal.virtual_target_in_base = scene.seen.tool_in_base;
   scene.seen.jacobian.setZero();
   CHECK(scene.tick(3).action == Action::pass);
 }
