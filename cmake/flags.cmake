@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 # Every compiler flag rides on one target, so a consumer of the installed library inherits none of them.
 # Structs are filled by designated initialisers that name what differs from the default, which -Wextra would
-# call missing initialisers. g++ 12 sees overlaps in std::string's own operator+ that are not there (GCC bug 105651), hence -Wno-restrict, and
+# call missing initialisers. g++ 12 sees overlaps in std::string's own operator+ that are not there (GCC bug 105651),
+# hence -Wno-restrict, and
 # members of an empty std::optional that are never read (GCC bug 80635), hence -Wno-maybe-uninitialized.
 # Where sources are compiled in batches, types in anonymous namespaces seem to come from headers; that is no error.
 add_library(tuina_flags INTERFACE)
@@ -11,7 +12,7 @@ set(CMAKE_CXX_FLAGS_RELEASE "-O2 -DNDEBUG")
 target_compile_options(tuina_flags INTERFACE -fPIC -fno-semantic-interposition)
 target_compile_options(tuina_flags INTERFACE -Wall -Wextra -Wpedantic -Wconversion -Wshadow
   -Wno-missing-field-initializers -Wno-restrict -Wno-maybe-uninitialized
-  $<$<BOOL:${TUINA_WERROR}>:-Werror> $<$<AND:$<BOOL:${TUINA_WERROR}>,$<BOOL:${TUINA_UNITY}>>:-Wno-error=subobject-linkage>)
+  $<$<BOOL:${TUINA_WERROR}>:-Werror> $<$<BOOL:${TUINA_UNITY}>:-Wno-subobject-linkage>)
 # g++ collects its garbage again and again while it reads templates; below 1.5 GB it need not, which is a tenth of the
 # time for a tenth more memory.
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
