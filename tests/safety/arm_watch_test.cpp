@@ -56,7 +56,7 @@ struct Balance {
       const robot::Link& link = model.table().links[k];
       if (!driven) lagged_nm[k] = settled_nm[k] = applied_nm[i];
       lagged_nm[k] += (applied_nm[i] - lagged_nm[k]) / 3.0;  // 1 ms of 1 ms and 2 ms
-      settled_nm[k] += (lagged_nm[k] - settled_nm[k]) / 41.0;
+      settled_nm[k] += (lagged_nm[k] - settled_nm[k]) / 16.0;
       double nm = lagged_nm[k] - dynamics.coriolis_nm[i] - dynamics.gravity_nm[i];
       for (int row = 0; row < 6; ++row) nm += dynamics.jacobian(row, i) * wrench[std::size_t(row)];
       const double missing = passed_s * nm - gained[k];
@@ -69,7 +69,7 @@ struct Balance {
         ahead[k] = back[k] = 0.0;
       shares[k] = std::max(ahead[k], back[k]) /
                   (0.05 * dynamics.mass_kg_m2(i, i) + 0.25e-3 * link.torque_limit_nm +
-                   4e-3 * std::abs(lagged_nm[k] - settled_nm[k]));
+                   2e-3 * std::abs(lagged_nm[k] - settled_nm[k]));
     }
     driven = true;
     const auto worst = static_cast<std::size_t>(
@@ -245,7 +245,7 @@ TEST_CASE("the misfit is the balance of momentum, and of whom it complains, what
 TEST_CASE(
     "a gear that rings after a step of torque is no fault, a drive that does not give the step "
     "is") {
-  constexpr double swings_hz = 80.0, damping_ratio = 0.05, rate = 2.0 * pi * swings_hz;
+  constexpr double swings_hz = 160.0, damping_ratio = 0.05, rate = 2.0 * pi * swings_hz;
   for (Eigen::Index joint = 0; joint < 6; ++joint) {
     for (const bool given : {true, false}) {
       Standing arm;

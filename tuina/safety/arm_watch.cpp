@@ -26,10 +26,10 @@ constexpr double unexplained_rad_per_s = 0.05;
 constexpr double untimed_s = 0.25e-3;
 // Speeds and samples of the wrist are filtered and tell of a torque that much later.
 constexpr double lag_s = 2e-3;
-// A gear hands on a torque that has changed as its own spring swings, some 80 times a second: from
-// crest to trough it keeps back what the change gives in this time. A few swings later that is
-// over.
-constexpr double ringing_s = 4e-3, rung_out_s = 40e-3;
+// A gear hands on a torque that has changed as its own spring swings: meanwhile it keeps back what
+// the change gives in some 2 ms. More would hide a hand that leads the arm, to which its torques
+// answer.
+constexpr double ringing_s = 2e-3, rung_out_s = 15e-3;
 // A wild sample of the wrist may change what is known of it by this much in a millisecond.
 constexpr double wild_n = 10.0, wild_nm = 1.0;
 constexpr double max_gap_ticks = 10.0;
