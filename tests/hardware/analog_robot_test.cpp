@@ -131,7 +131,7 @@ TEST_CASE("torques become volts of the right sign, ten at the most, without heap
 }
 
 TEST_CASE("a card without counts, and a torque that is no number, put the arms on their brakes") {
-  Card card;
+  Card card, other;  // which outlive their robots
   auto robot = standing(card);
   robot->apply(torques(0.0));
   card.silent = true;
@@ -139,7 +139,6 @@ TEST_CASE("a card without counts, and a torque that is no number, put the arms o
   REQUIRE(robot->fault() != nullptr);
   CHECK(std::string(robot->fault()) == "the card gives no counts");
   CHECK_FALSE(card.powered(Arm::left));
-  Card other;
   robot = standing(other);
   robot->apply(torques(std::numeric_limits<double>::quiet_NaN()));
   REQUIRE(robot->fault() != nullptr);
