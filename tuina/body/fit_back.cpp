@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <iterator>
 #include <limits>
 
 #include "tuina/body/back_surface.hpp"
+#include "tuina/body/thin_skin.hpp"
 #include "tuina/body/voxels.hpp"
 #include "tuina/core/units.hpp"
 
@@ -195,65 +195,6 @@ Result<void> check_lying(const std::vector<Vector3>& person) {
   return {};
 }
 
-// Laser scans and surfaces leave 0.2 to 0.4 mm; 3 mm of noise along the line of sight, 2 mm.
-constexpr double much_noise_m = 1.5_mm;  // median residual of neighbourhoods about their planes
-constexpr double share_of_tails = 0.15;
-
-/// Thins points evenly and estimates unoriented normals from the 27 cubes around each. Noisy skin
-/// fills several layers of cubes: it is projected onto the planes of its neighbourhoods, and cubes
-/// with only noise tails are dropped.
-PointCloud thin_with_normals(const std::vector<Vector3>& person, double spacing_m) {
-  const Voxels voxels = gather(person, spacing_m);
-
-  PointCloud cloud;
-  std::vector<double> thickness_m;
-  std::vector<double> off_m;  // distance from the plane of the neighbourhood
-  std::vector<double> share;  // share of the fullest cube of the neighbourhood
-  for (std::size_t i = 0; i < voxels.size(); ++i) {
-    const auto& p = voxels.place[i];
-    int count = 0;
-    int cubes = 0;
-    int fullest = 0;
-    Vector3 mean = Vector3::Zero();
-    std::array<int, 27> near{};
-    for (int k = 0; k < 27; ++k) {
-      const int j = voxels.at({p[0] + k / 9 - 1, p[1] + k / 3 % 3 - 1, p[2] + k % 3 - 1});
-      if (j < 0) continue;
-      near[static_cast<std::size_t>(cubes++)] = j;
-      count += voxels.count[static_cast<std::size_t>(j)];
-      fullest = std::max(fullest, voxels.count[static_cast<std::size_t>(j)]);
-      mean += voxels.count[static_cast<std::size_t>(j)] * voxels.mean[static_cast<std::size_t>(j)];
-    }
-    if (cubes < 4) continue;  // flying pixels have no neighbours
-    mean /= count;
-    Matrix3 scatter = Matrix3::Zero();
-    for (int k = 0; k < cubes; ++k) {
-      const auto j = static_cast<std::size_t>(near[static_cast<std::size_t>(k)]);
-      const Vector3 offset = voxels.mean[j] - mean;
-      scatter += voxels.scatter[j] + voxels.count[j] * offset * offset.transpose();
-    }
-    Eigen::SelfAdjointEigenSolver<Matrix3> eigen;
-    eigen.computeDirect(scatter);
-    cloud.points.push_back(voxels.mean[i]);
-    cloud.normals.push_back(eigen.eigenvectors().col(0));
-    thickness_m.push_back(std::sqrt(std::max(0.0, eigen.eigenvalues()[0]) / count));
-    off_m.push_back(cloud.normals.back().dot(voxels.mean[i] - mean));
-    share.push_back(static_cast<double>(voxels.count[i]) / fullest);
-  }
-  if (cloud.size() == 0) return cloud;
-  std::vector<double> sorted = thickness_m;
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
-  if (*middle < much_noise_m) return cloud;
-  PointCloud smooth;
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    if (share[i] < share_of_tails) continue;
-    smooth.points.push_back(cloud.points[i] - off_m[i] * cloud.normals[i]);
-    smooth.normals.push_back(cloud.normals[i]);
-  }
-  return smooth;
-}
-
 /// Orients normals towards the scanner, whose direction turns with the person.
 void turn_normals_out(PointCloud& cloud, BodyPosture position) {
   Vector3 eye = Vector3::Zero();
@@ -348,7 +289,7 @@ Result<BackSurface> fit_back(const PointCloud& scan_in_couch, const BackOptions&
   }
 
   const double spacing_m = std::clamp(1.3 * spacing_of(*person), 6_mm, 15_mm);
-  PointCloud cloud = thin_with_normals(*person, spacing_m);
+  PointCloud cloud = thin_skin(*person, spacing_m);
   const Transform couch_from_own = own_from_couch.inverse();
   for (Vector3& p : cloud.points) p = couch_from_own * p;
   for (Vector3& n : cloud.normals) n = couch_from_own.linear() * n;
