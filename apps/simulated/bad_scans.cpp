@@ -232,7 +232,16 @@ constexpr std::array kinds = {
     BadScan{"540 mm in view", [](LabelledBody& p) { only_m(p, 20_mm, 0.54); }},
     BadScan{"450 mm in view", [](LabelledBody& p) { only_m(p, 0.0, 0.45); }},
     BadScan{"somebody else close behind", [](LabelledBody& p) { double_up(p, 0.32, 0.05, 0.03); }},
-    BadScan{"moved between two sweeps", [](LabelledBody& p) { double_up(p, 0.0, 0.07, 0.0); }},
+    BadScan{"moved between two sweeps, 70 mm up",
+            [](LabelledBody& p) { double_up(p, 0.0, 70_mm, 0.0); }},
+    BadScan{"moved between two sweeps, 30 mm up",
+            [](LabelledBody& p) { double_up(p, 0.0, 30_mm, 0.0); }},
+    BadScan{"moved between two sweeps, 50 mm aside",
+            [](LabelledBody& p) { double_up(p, 50_mm, 0.0, 0.0); }},
+    BadScan{"moved between two sweeps, 15 mm out",
+            [](LabelledBody& p) { double_up(p, 0.0, 0.0, 15_mm); }},
+    BadScan{"moved between two sweeps, 40 mm out",
+            [](LabelledBody& p) { double_up(p, 0.0, 0.0, 40_mm); }},
     BadScan{"moved while scanned", [](LabelledBody& p) { slip(p, 0.5, 40_mm); }},
 };
 

@@ -63,8 +63,7 @@ Transform own_frame(const std::vector<Vector3>& points) {
   Vector3 centre = Vector3::Zero();
   for (const Vector3& p : points) centre += p / static_cast<double>(points.size());
   centre.z() = 0.0;
-  double xx = 0.0;
-  double xy = 0.0;
+  double xx = 0.0, xy = 0.0;
   for (const Vector3& p : points) {
     const Vector3 d = p - centre;
     xx += d.x() * d.x() - d.y() * d.y();
@@ -92,8 +91,7 @@ void drop_strays(std::vector<Vector3>& above) {
   });
   const int few = *usual / hardly;
   std::erase_if(above, [&](const Vector3& p) {
-    const auto whole = [](double x) { return static_cast<int>(std::floor(x / gap_m)); };
-    const int voxel = voxels.at({whole(p.x()), whole(p.y()), whole(p.z())});
+    const int voxel = voxels.around(p);
     return voxels.count[static_cast<std::size_t>(voxel)] <= few;
   });
 }
@@ -129,8 +127,7 @@ Result<std::vector<Vector3>> find_person(const std::vector<Vector3>& above) {
       if (shared.x() > 0.7 * own.x() && shared.y() > 0.7 * own.y()) {
         return fail(Fault::bad_input,
                     "two large things of {} and {} patches of 3 cm lie over each other: the cloud "
-                    "is mirrored "
-                    "along the line of sight",
+                    "is mirrored along the line of sight",
                     cells[largest], cells[part]);
       }
       return fail(Fault::bad_input,
@@ -142,8 +139,7 @@ Result<std::vector<Vector3>> find_person(const std::vector<Vector3>& above) {
   }
   std::vector<Vector3> person;
   for (const Vector3& p : above) {
-    const auto whole = [](double x) { return static_cast<int>(std::floor(x / gap_m)); };
-    const int voxel = voxels.at({whole(p.x()), whole(p.y()), whole(p.z())});
+    const int voxel = voxels.around(p);
     if (kept[static_cast<std::size_t>(parts.of_voxel[static_cast<std::size_t>(voxel)])])
       person.push_back(p);
   }
@@ -182,10 +178,9 @@ Result<void> check_lying(const std::vector<Vector3>& person) {
   std::copy_if(person.begin(), person.end(), std::back_inserter(layer),
                [&](const Vector3& p) { return p.z() > top - 8_mm; });
   double narrow = std::numeric_limits<double>::max();
-  for (int axis = 0; axis < 2; ++axis) {
+  for (int axis = 0; axis < 2; ++axis)
     narrow =
         std::min(narrow, quantile_along(layer, axis, 0.95) - quantile_along(layer, axis, 0.05));
-  }
   if (narrow > max_top_m) {
     return fail(Fault::bad_input,
                 "the top is flat over {:.0f} mm, {:.0f} allowed: the cloud is mirrored along the "
@@ -224,8 +219,7 @@ double heading(const PointCloud& back_in_couch, BodyPosture position) {
     const double axis = std::atan2(-own_from_couch(0, 1),
                                    own_from_couch(0, 0));  // angle of the long axis against x
     const double turned = std::remainder(-axis - 0.5 * pi, pi);
-    // Half a metre of a person with raised arms is wider than long: then the bed says what is
-    // along.
+    // Half a metre of a person with raised arms is wider than long: the bed says what is along.
     double square = 0.0;
     for (const Vector3& p : back_in_couch.points)
       square += std::pow((own_from_couch * p).x(), 2) / static_cast<double>(back_in_couch.size());
@@ -284,12 +278,13 @@ Result<BackSurface> fit_back(const PointCloud& scan_in_couch, const BackOptions&
   const auto position = recognise(*person, options.position);
   if (!position) return tl::unexpected(position.error());
 
-  if (*position == BodyPosture::prone) {
+  if (*position == BodyPosture::prone)
     if (auto whole = check_lying(*person); !whole) return tl::unexpected(whole.error());
-  }
 
   const double spacing_m = std::clamp(1.3 * spacing_of(*person), 6_mm, 15_mm);
-  PointCloud cloud = thin_skin(*person, spacing_m);
+  auto thinned = thin_skin(*person, spacing_m);
+  if (!thinned) return tl::unexpected(thinned.error());
+  PointCloud cloud = std::move(*thinned);
   const Transform couch_from_own = own_from_couch.inverse();
   for (Vector3& p : cloud.points) p = couch_from_own * p;
   for (Vector3& n : cloud.normals) n = couch_from_own.linear() * n;

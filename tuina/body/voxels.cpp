@@ -38,6 +38,10 @@ int Voxels::at(const std::array<int, 3>& where) const {
   return found != to && *found == wanted ? static_cast<int>(found - key.begin()) : -1;
 }
 
+int Voxels::around(const Vector3& point) const {
+  return at(place_of(point, size_m));
+}
+
 Voxels gather(const std::vector<Vector3>& points, double size_m) {
   std::vector<std::pair<std::uint64_t, std::uint32_t>> order(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {

@@ -22,6 +22,8 @@ struct Voxels {
   [[nodiscard]] std::size_t size() const { return place.size(); }
   /// Index of the cube at a place; -1 if empty.
   [[nodiscard]] int at(const std::array<int, 3>& where) const;
+  /// Index of the cube around a point; -1 if empty.
+  [[nodiscard]] int around(const Vector3& point) const;
 
   std::vector<std::uint64_t> key;                 ///< sorted, one per cube
   std::vector<std::pair<std::int64_t, int>> row;  ///< (x, y) columns and their first cube, sorted
