@@ -5,6 +5,7 @@
 
 #include "tests/reason.hpp"
 #include "tuina/ros2/type_hash.hpp"
+#include "tuina/telemetry/mcap/ros_diagnostics.hpp"
 #include "tuina/telemetry/mcap/ros_markers.hpp"
 #include "tuina/telemetry/mcap/ros_schema.hpp"
 
@@ -49,7 +50,9 @@ TEST_CASE("the hash of each type is the one that the packages of ROS 2 have") {
       {ros::schema_of<ros::PointCloud2>(),
        "9198cabf7da3796ae6fe19c4cb3bdd3525492988c70522628af5daa124bae2b5"},
       {ros::schema_of<ros::MarkerArray>(),
-       "86cb8800b6fb05b5eff1abd7a56f62a5641d3ae9a1c29e78e67e704f1d067dcf"}};
+       "86cb8800b6fb05b5eff1abd7a56f62a5641d3ae9a1c29e78e67e704f1d067dcf"},
+      {ros::schema_of<ros::DiagnosticArray>(),
+       "5a8a36efb05fb25070fa0fb3810290c0e6cd4862b54a8fb975a1ee8dc55a333e"}};
   for (const auto& [schema, hash] : known) {
     CAPTURE(schema.name);
     CHECK(ros2::type_hash(schema) == "RIHS01_" + hash);

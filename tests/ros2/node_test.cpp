@@ -14,6 +14,7 @@
 #include "tuina/ros2/names.hpp"
 #include "tuina/ros2/type_hash.hpp"
 #include "tuina/telemetry/mcap/cdr.hpp"
+#include "tuina/telemetry/mcap/ros_diagnostics.hpp"
 #include "tuina/telemetry/mcap/ros_schema.hpp"
 
 using namespace tuina;
@@ -107,6 +108,8 @@ TEST_CASE("another DDS hears a session byte for byte: every topic, its type and 
   record::SessionChannels session(
       kept,
       {.version = "0", .answered_by = "somebody", .robot = robot::load_robot("thesis").value()});
+  const scanner::LiveProfile line{.points_in_couch = {Vector3(0.1, 0.2, 0.5)}};
+  session.on_profile(line);
   test::tell_beginning(session);
   session.on_tick(test::tick_at(0));
   const auto before = kept.written;
@@ -126,9 +129,14 @@ TEST_CASE("another DDS hears a session byte for byte: every topic, its type and 
   const std::size_t readers = kept.described.size() + 1;  // the clock's too
   REQUIRE(comes_true([&] { return node->traffic().readers == readers; }));
   constexpr std::uint64_t count = 400;
-  for (std::uint64_t ms = 1; ms < count; ++ms) session.on_tick(test::tick_at(ms));
+  session.on_profile(line);
+  for (std::uint64_t ms = 1; ms < count; ++ms) {
+    session::Tick tick = test::tick_at(ms);
+    if (ms == 300) tick.stopped = {.time_s = 0.3, .cause = safety::Cause::asked_to};
+    session.on_tick(tick);
+  }
 
-  CHECK(kept.described.size() >= 15);
+  CHECK(kept.described.size() >= 17);
   check_rviz(kept);
   CHECK(node->traffic().first_fault == "");
   CHECK(node->traffic().dropped == 0);
@@ -149,6 +157,11 @@ TEST_CASE("another DDS hears a session byte for byte: every topic, its type and 
       REQUIRE(without_padding(heard[i], sent.size()) == sent);
     }
   }
+  CHECK(peer.messages("rt/profile").size() == 1);
+  const auto how = ros::from_cdr<ros::DiagnosticArray>(peer.messages("rt/diagnostics").back());
+  REQUIRE(how.has_value());
+  CHECK(how->status.back().name == "tuina: session");
+  CHECK(how->status.back().level == ros::DiagnosticStatus::error);
   CHECK(peer.messages("rt/joint_states").size() == count - 1);
   CHECK(ros::from_cdr<ros::JointState>(peer.messages("rt/joint_states").back())->name.size() == 13);
   CHECK(ros::from_cdr<ros::Clock>(peer.messages("rt/clock").back())->clock.nanosec == 390'000'000);
