@@ -5,7 +5,7 @@ import { moveKeys } from "./move_keys";
 import { type Acupoint, type Edit, techniqueColours, zoneColours } from "./scene";
 import { maySteer, page, scene, steer, tell, whyNot } from "./shown";
 import { dot, stage } from "./stage";
-import { say, sayPath } from "./words";
+import { say, sayLines, sayPath, saySentence } from "./words";
 
 /** Asks for another plan, with what is ruled out and what was moved. */
 function change(): void {
@@ -30,7 +30,7 @@ export function showPlanning(): void {
   const planning = page.state!.reviews === page.reviewsBefore;
   const arm = document.getElementById("arm") as HTMLButtonElement | null, place = document.getElementById("refusal");
   if (arm) arm.disabled = planning || !maySteer();
-  if (place && page.view === "review") place.textContent = planning ? say("planning_anew") : page.state!.words ? `${say("refused")} ${page.state!.words}` : "";
+  if (place && page.view === "review") place.textContent = planning ? say("planning_anew") : page.state!.said.length ? `${say("refused")} ${sayLines(page.state!.said)}` : "";
 }
 
 export function review(): HTMLElement {
@@ -68,5 +68,5 @@ export function review(): HTMLElement {
           element("button", { "aria-label": `${say("rule_out_here")} ${point.name}`, disabled: !maySteer(), onclick: () => ruleOutAround(point) }, say("rule_out_here")))])))),
     element("div", { class: "card" }, element("h2", {}, `${say("paths")} · ${Math.round(page.plan?.duration_s ?? 0)} s`), element("div", { class: "scroll", tabindex: "0" },
       table((page.plan?.paths ?? []).map((path) => [sayPath(path.name), say(path.arm), say(path.zone), `${path.ordered_n.toFixed(0)} N`])))),
-    element("div", { class: "card" }, element("h2", {}, say("notes")), ...(page.plan?.notes ?? []).map((note) => element("p", { class: "note" }, note)))));
+    element("div", { class: "card" }, element("h2", {}, say("notes")), ...(page.plan?.notes ?? []).map((note) => element("p", { class: "note" }, saySentence(note))))));
 }

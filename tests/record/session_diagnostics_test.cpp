@@ -107,7 +107,7 @@ TEST_CASE("what a guard does is a warning, what it latches an error, of the part
   CHECK(part(*stopped, "left guard").level == Status::error);
   CHECK(part(*stopped, "left arm").level == Status::error);
   CHECK(part(*stopped, "session").level == Status::error);
-  CHECK(part(*stopped, "session").message == "stopped: " + session::explain(*tick.stopped));
+  CHECK(part(*stopped, "session").message == "stopped: " + session::explain(*tick.stopped).words);
 }
 
 TEST_CASE("a wrist that drifts by more than such sensors do is a warning, before a guard minds") {

@@ -24,10 +24,10 @@ TEST_CASE("a session that is written is the session that is read, and what is am
   file.massage.performed = {{.name = "press GV4",
                              .contact_fault = "none",
                              .programme_n = 22.0,
-                             .lowered_by = "GV4",
+                             .lowered_by = sentence("by_zone", "{}", "GV4"),
                              .ordered_n = 8.0,
                              .given_n = 7.1,
-                             .why = "the tool did not reach it"}};
+                             .why = sentence("why_too_short", "the tool did not reach it")}};
   file.tissue = {{.name = "GV4", .truth = TangentTissue{4.5, 250.0}, .mapped = true}};
   file.stops = {{9.25, "left arm: the force is too large"}};
   file.devices = DeviceRecord{.arms = "armlink", .pace = "real", .traffic = {}, .truth_missed = 2};

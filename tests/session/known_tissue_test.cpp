@@ -114,7 +114,7 @@ TEST_CASE("a place that lies a little aside is less sure, one that lies far asid
   now[2].at_in_couch.x() += 20_mm;
   const Recognised other = recognised(known, BodyPosture::prone, now);
   CHECK(other.places.empty());
-  CHECK(other.note.find("lie otherwise") != std::string::npos);
+  CHECK(other.note.words.find("lie otherwise") != std::string::npos);
 }
 
 TEST_CASE("a press holds, differs or cannot tell, and what is no number never holds") {

@@ -210,6 +210,7 @@ void SessionChannels::tell_events(const session::Tick& tick) {
                                   .path = name_of_path(made.path).path,
                                   .rule = made.rule,
                                   .reason = made.reason,
+                                  .key = made.key,
                                   .from_n = made.from_n,
                                   .to_n = made.to_n}};
     tell(channels_.decisions, decision, time_s);

@@ -197,7 +197,7 @@ const ros::DiagnosticArray* SessionDiagnostics::look(const session::Tick& tick,
   ++ticks_;
   if (tick.stopped) {
     ++stops_;
-    stopped_by_ = session::explain(*tick.stopped);
+    stopped_by_ = session::explain(*tick.stopped).words;
     news_ = true;
   }
   const double time_s = tick.reading.time_s;
