@@ -35,10 +35,13 @@ export const sayLines = (lines: Said[][]): string => lines.map((line) => line.ma
 /** What is said in English alone, or in another language what this key says in its place. */
 export const sayInstead = (english: string, key: Word): string => (inEnglish() ? english : say(key));
 
+const techniques = ["press", "rub", "stroke", "tap", "knead"];
+
 /** A name in the language chosen; of a path its technique, then places. */
 export function sayPath(name: string): string {
   if (say(name) !== name) return say(name);
   const [technique, ...places] = name.split(" ");
+  if (!techniques.includes(technique!)) return name;
   return [say(technique!), ...places.map((place) => (place === "to" ? say(place) : place))].join(" ");
 }
 
