@@ -82,11 +82,16 @@ TEST_CASE("what a guard does is a warning, what it latches an error, of the part
   auto diagnostics = diagnostics_of_thesis();
   REQUIRE(diagnostics.look(resting(0), 0) != nullptr);
   session::Tick tick = resting(1);
+  // To clamp is a guard's daily work.
+  tick.verdict.arms[Arm::right] = {.action = safety::Action::warn,
+                                   .cause = safety::Cause::torque_rate_clamped};
+  CHECK(diagnostics.look(tick, 0) == nullptr);
   tick.verdict.arms[Arm::right].action = safety::Action::freeze;
   tick.verdict.arms[Arm::right].cause = safety::Cause::force_stale;
   const auto* warned = diagnostics.look(tick, 0);
   REQUIRE(warned != nullptr);
   CHECK(part(*warned, "right guard").level == Status::warn);
+  CHECK(value(part(*warned, "right guard"), "clamped_ms") == "1");
   CHECK(part(*warned, "right guard").message == "freeze: force sensor stale");
   CHECK(part(*warned, "right wrist sensor").level == Status::warn);
   CHECK(part(*warned, "right arm").level == Status::ok);

@@ -40,6 +40,7 @@ class SessionDiagnostics {
   using Status = telemetry::ros::DiagnosticStatus;
   struct Side {
     safety::Verdict worst;               ///< since the message before
+    int clamped_ms = 0;                  ///< likewise
     double age_s = 0.0;                  ///< oldest sample of the wrist sensor, likewise
     Vector3 air_n = Vector3::Zero();     ///< felt in the air, low-passed, in the tool
     std::optional<Vector3> first_air_n;  ///< the same at the beginning, once it is known
