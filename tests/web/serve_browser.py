@@ -42,8 +42,10 @@ class Visit:
         expect(f"{where}: too small for a finger {small}", not small)
 
     def judge_chinese(self, view):
-        """No three Latin words in a row are to be read, and no page within the page, whose words nobody translates."""
-        left = self.tab.see("""[...document.body.innerText.matchAll(/[A-Za-z]{2,}(?:[ ,.;:'()-]+[A-Za-z]+){2,}/g)].map((one) => one[0])""")
+        """No line with three Latin words is to be read, and no page within the page, whose words nobody translates. What has
+        a digit or a line below in it is a name."""
+        left = self.tab.see("""document.body.innerText.split("\\n").filter((line) =>
+            (line.match(/(?<!\\w)[A-Za-z]{2,}(?!\\w)/g) ?? []).filter((word) => word !== "mm").length >= 3)""")
         expect(f"{self.name}, {view}: words left in English {left}", not left)
         expect(f"{self.name}, {view}: a page within the page", not self.tab.see("document.querySelectorAll('iframe').length"))
         self.judge(view)
