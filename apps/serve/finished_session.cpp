@@ -10,6 +10,7 @@
 #include "apps/serve/record_player.hpp"
 #include "apps/serve/shown_arm.hpp"
 #include "apps/serve/shown_back.hpp"
+#include "apps/serve/shown_sentence.hpp"
 #include "tuina/core/io/file.hpp"
 #include "tuina/core/io/surface_file.hpp"
 #include "tuina/record/acupoint_file.hpp"
@@ -62,10 +63,10 @@ json performed_of(const record::SessionFile& file) {
                                               {"end_s", rounded(done.end_s, 10.0)},
                                               {"ordered_n", rounded(done.ordered_n, 10.0)},
                                               {"given_n", rounded(done.given_n, 10.0)},
-                                              {"why", done.why.value_or("")}});
+                                              {"why", shown_sentence(done.why)}});
     if (!done.lowered_by.empty()) {
       shown["programme_n"] = rounded(done.programme_n, 10.0);
-      shown["lowered_by"] = done.lowered_by;
+      shown["lowered_by"] = shown_sentence(done.lowered_by);
     }
   }
   return performed;
@@ -88,14 +89,14 @@ json events_of(const Attached& session, const std::vector<double>& stiffness_n_p
   for (const telemetry::SteeringDecision& made : file.decisions) {
     keep(made.time_s, {{"what", "decision"},
                        {"path", index_of(session.plan, made.path)},
-                       {"reason", made.reason},
+                       {"reason", shown_sentence({.words = made.reason, .key = made.key})},
                        {"from_n", rounded(made.from_n, 10.0)},
                        {"to_n", rounded(made.to_n, 10.0)}});
   }
   for (const auto& [time_s, command] : file.order.commands)
     keep(time_s, {{"what", "command"}, {"name", name_of(command)}});
   for (const telemetry::Stop& stop : file.stops)
-    keep(stop.time_s, {{"what", "stop"}, {"reason", stop.cause}});
+    keep(stop.time_s, {{"what", "stop"}, {"reason", shown_sentence(stop.cause)}});
   std::stable_sort(events.begin(), events.end(),
                    [](const json& a, const json& b) { return a["time_s"] < b["time_s"]; });
   return events;

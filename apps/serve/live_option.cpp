@@ -55,9 +55,9 @@ Attendant LiveOption::attendant() {
   return site_->session().attendant();
 }
 
-void LiveOption::end(const std::string& outcome, const std::string& words) {
+void LiveOption::end(const std::string& outcome, std::vector<SentenceLine> said) {
   if (!site_) return;
-  site_->session().end_ordered(outcome, words);
+  site_->session().end_ordered(outcome, std::move(said));
   for (const int asked : {SIGINT, SIGTERM}) std::signal(asked, [](int) { page_ends = true; });
   while (site_->watched() && !page_ends) std::this_thread::sleep_for(std::chrono::milliseconds(50));
 }

@@ -25,7 +25,7 @@ class LiveOption {
   [[nodiscard]] Attendant attendant();
   /// Tells the pages how the session has ended (`LiveSession::State::outcome`), and waits until the
   /// last one has gone, or Ctrl-C.
-  void end(const std::string& outcome, const std::string& words);
+  void end(const std::string& outcome, std::vector<SentenceLine> said);
 
  private:
   bool asked_ = false;

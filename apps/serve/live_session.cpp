@@ -3,10 +3,24 @@
 
 #include <algorithm>
 
-#include "apps/simulated/session_files.hpp"
+#include "apps/serve/shown_sentence.hpp"
 #include "tuina/core/io/file.hpp"
 
 namespace tuina::app {
+
+namespace {
+
+Sentence not_in_history(const Error& error) {
+  return {.words = "not in the history: " + error.message, .key = "not_in_history"};
+}
+
+/// What has changed since the session before, or why this one did not join the others.
+void add_changes(Result<std::vector<Sentence>> changes, std::vector<SentenceLine>& said) {
+  if (!changes) return said.push_back({not_in_history(changes.error())});
+  for (Sentence& one : *changes) said.push_back({std::move(one)});
+}
+
+}  // namespace
 
 const char* name_of(LivePhase phase) noexcept {
   constexpr const char* names[] = {"idle",   "scan",    "map",    "plan",
@@ -36,6 +50,8 @@ std::string LiveSession::next_number() const {
 Result<void> LiveSession::start(StartOrder start) {
   if (options_.ordered)
     return fail(Fault::usage, "this page shows the one session that was ordered at the terminal");
+  if (!start.who.empty() && !options_.people.begin)
+    return fail(Fault::usage, "who: this server keeps no history of people (--history)");
   const std::lock_guard lock(mutex_);
   if (phase_ != LivePhase::idle && phase_ != LivePhase::ended)
     return fail(Fault::usage, "a session is running");
@@ -60,7 +76,7 @@ void LiveSession::begin(const std::string& number) {
   by_hand_ = asked_by_hand_ = {};
   phase_ = LivePhase::scan;
   number_ = number;
-  outcome_.clear(), words_.clear();
+  outcome_.clear(), said_.clear();
   recorded_ = false;
   view_ = std::make_shared<LiveView>(options_.robot_model);
 }
@@ -120,7 +136,7 @@ LiveSession::State LiveSession::state() const {
               .paused = paused_,
               .session = number_,
               .outcome = outcome_,
-              .words = words_,
+              .said = said_,
               .recorded = recorded_,
               .reviews = reviews_,
               .progress = {}};
@@ -147,7 +163,8 @@ session::Review LiveSession::wait_for_review(const motion::ReadyPlan& plan,
   view_->show_plan(plan);
   std::unique_lock lock(mutex_);
   phase_ = LivePhase::review;
-  words_ = refused;
+  said_.clear();
+  if (!refused.empty()) said_.push_back({{.words = refused, .key = "change_refused"}});
   if (refused.empty()) by_hand_ = asked_by_hand_;
   ++reviews_;
   review_.reset();
@@ -157,15 +174,15 @@ session::Review LiveSession::wait_for_review(const motion::ReadyPlan& plan,
   return *review_;
 }
 
-void LiveSession::end_ordered(const std::string& outcome, std::string words) {
-  end(commands_.stopped() ? "stopped" : outcome, std::move(words), outcome != "failed");
+void LiveSession::end_ordered(const std::string& outcome, std::vector<SentenceLine> said) {
+  end(commands_.stopped() ? "stopped" : outcome, std::move(said), outcome != "failed");
 }
 
-void LiveSession::end(std::string outcome, std::string words, bool recorded) {
+void LiveSession::end(std::string outcome, std::vector<SentenceLine> said, bool recorded) {
   const std::lock_guard lock(mutex_);
   recorded_ = recorded;
   outcome_ = std::move(outcome);
-  words_ = std::move(words);
+  said_ = std::move(said);
   paused_ = false;
   phase_ = LivePhase::ended;
 }
@@ -175,7 +192,11 @@ void LiveSession::run(StartOrder start, std::filesystem::path folder) {
     std::error_code none;
     std::filesystem::remove_all(folder, none);
     if (options_.has_failed) options_.has_failed(error);
-    end(commands_.stopped() ? "stopped" : "failed", error.message, false);
+    Sentence why = sentence_of(error);
+    // Whoever answers the questions or ends what moves hears that, not of a fault.
+    if (error.fault == Fault::stopped)
+      why.key = commands_.stopped() ? "stopped_before" : "not_begun";
+    end(commands_.stopped() ? "stopped" : "failed", {{std::move(why)}}, false);
   };
   const std::filesystem::path consent = folder / "consent.toml";
   if (auto written = write_file(consent, start.consent_toml); !written)
@@ -192,6 +213,12 @@ void LiveSession::run(StartOrder start, std::filesystem::path folder) {
   if (options_.begins) {
     if (auto noted = options_.begins(); !noted) return give_up(noted.error());
   }
+  std::optional<record::VisitLabel> visit;
+  if (!start.who.empty()) {
+    auto begun = options_.people.begin(start.who, start.confirmed, start.order, folder);
+    if (!begun) return give_up(begun.error());
+    visit = std::move(*begun);
+  }
   auto result =
       run_simulated_session(start.order, config, common, folder / "session.mcap", attendant());
   if (!result) return give_up(result.error());
@@ -199,17 +226,19 @@ void LiveSession::run(StartOrder start, std::filesystem::path folder) {
     const std::lock_guard lock(mutex_);
     phase_ = LivePhase::report;
   }
-  const record::SessionFile file = session_file(*result, start.order, start.seed);
+  record::SessionFile file = session_file(*result, start.order, start.seed);
+  file.visit = visit;
   if (auto written = write_session(*result, config, record::to_json(file), folder); !written)
     return give_up(written.error());
   if (auto kept = finish_record(*result, folder); !kept) return give_up(kept.error());
-  std::string words = session_text(file);
+  std::vector<SentenceLine> said = session_lines(file);
   if (options_.has_ended) {
     if (auto noted = options_.has_ended(*result, file); !noted)
-      words += "\nnot in the history: " + noted.error().message;
+      said.push_back({not_in_history(noted.error())});
   }
+  if (visit) add_changes(options_.people.end(file, folder), said);
   const bool stopped = commands_.stopped() || !result->session.stops.empty();
-  end(stopped ? "stopped" : "done", std::move(words), true);
+  end(stopped ? "stopped" : "done", std::move(said), true);
 }
 
 }  // namespace tuina::app

@@ -14,8 +14,10 @@
 
 #include "apps/cli/command_line.hpp"
 #include "apps/serve/channel_fork.hpp"
+#include "apps/serve/known_people.hpp"
 #include "apps/serve/live_view.hpp"
 #include "apps/serve/start_order.hpp"
+#include "apps/simulated/session_files.hpp"
 #include "apps/simulated/simulated_session.hpp"
 #include "tuina/session/command_queue.hpp"
 #include "tuina/session/config.hpp"
@@ -48,13 +50,15 @@ class LiveSession {
     std::function<Result<void>(const SessionResult&, const record::SessionFile&)> has_ended = {};
     std::function<void(const Error&)> has_failed = {};
     /// @}
+    KnownPeople people = {};  ///< whose history a session may join
   };
   struct State {
     LivePhase phase = LivePhase::idle;
     bool paused = false;
-    std::string session;    ///< number of the newest session, "0001"; empty: there was none
-    std::string outcome;    ///< of an ended session: done, stopped, or failed
-    std::string words;      ///< what happened, for people; in a review why a change was refused
+    std::string session;  ///< number of the newest session, "0001"; empty: there was none
+    std::string outcome;  ///< of an ended session: done, stopped, or failed
+    /// What happened, for people; in a review why a change was refused.
+    std::vector<SentenceLine> said;
     bool recorded = false;  ///< it has ended, and its report and record are in its folder
     int reviews = 0;        ///< plans that were laid before somebody
     LiveView::Progress progress;
@@ -74,10 +78,10 @@ class LiveSession {
   /// Refused (Fault::usage) while one runs.
   [[nodiscard]] Result<void> start(StartOrder start);
   /// The one session that was ordered at the terminal begins; whoever runs it asks `attendant`, and
-  /// tells when it has ended: `outcome` as in `State`, and what happened in words.
+  /// tells when it has ended: `outcome` and what is said as in `State`.
   void begin_ordered();
   [[nodiscard]] Attendant attendant();
-  void end_ordered(const std::string& outcome, std::string words);
+  void end_ordered(const std::string& outcome, std::vector<SentenceLine> said);
   /// Refused when no plan waits for it.
   [[nodiscard]] Result<void> approve();
   /// Another plan, with these places ruled out and these points put right; refused when no plan
@@ -99,7 +103,7 @@ class LiveSession {
   [[nodiscard]] session::Review wait_for_review(const motion::ReadyPlan& plan,
                                                 const std::string& refused);
   void begin(const std::string& number);
-  void end(std::string outcome, std::string words, bool recorded);
+  void end(std::string outcome, std::vector<SentenceLine> said, bool recorded);
   [[nodiscard]] std::string next_number() const;
 
   Options options_;
@@ -110,7 +114,8 @@ class LiveSession {
   int reviews_ = 0;
   session::ByHand by_hand_, asked_by_hand_;
   bool paused_ = false;
-  std::string number_, outcome_, words_;
+  std::string number_, outcome_;
+  std::vector<SentenceLine> said_;
   bool recorded_ = false;
   std::shared_ptr<LiveView> view_;
   /// Written under the mutex, read by the session.

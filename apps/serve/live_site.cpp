@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/serve/plan_change.hpp"
+#include "apps/serve/shown_sentence.hpp"
 
 namespace tuina::app {
 namespace {
@@ -32,7 +33,7 @@ LiveSession::Options with_channels(LiveSession::Options options, ChannelFork& ch
 LiveSite::LiveSite(Options options, web::AuditLog audit)
     : options_(std::move(options)),
       page_(read_page(options_.page)),
-      choices_(choices_json()),
+      choices_(choices_json(static_cast<bool>(options_.session.people.find))),
       audit_(std::move(audit)),
       channels_({.reply = [this](auto client, auto frame) { server_->reply(client, frame); },
                  .put = [this](auto client, auto slot, auto frame,
@@ -173,12 +174,13 @@ Result<void> LiveSite::obey(const web::Message& message) {
 }
 
 // The mutex is held. "done", or why not.
-std::string LiveSite::decide(web::ClientId client, const web::Message& message) {
+Sentence LiveSite::decide(web::ClientId client, const web::Message& message) {
   const auto refusal = desk_.judge(client, message, clock_.seconds());
-  if (refusal != web::Refusal::none) return name_of(refusal);
-  if (message.ask == web::Ask::stop) return "done";  // it was, before anything else
+  if (refusal != web::Refusal::none)
+    return {.words = name_of(refusal), .key = fmt::format("refusal_{}", name_of(refusal))};
+  if (message.ask == web::Ask::stop) return {.words = "done"};  // it was, before anything else
   const auto obeyed = obey(message);
-  return obeyed ? "done" : obeyed.error().message;
+  return obeyed ? Sentence{.words = "done"} : sentence_of(obeyed.error());
 }
 
 void LiveSite::hear_page(web::ClientId client, std::string_view text) {
@@ -186,10 +188,11 @@ void LiveSite::hear_page(web::ClientId client, std::string_view text) {
   // Before anything that may wait or fail.
   if (message && message->ask == web::Ask::stop) session_.stop();
   json reply = {{"channel", "reply"}, {"sequence", message ? message->sequence : 0}};
-  std::string outcome;
+  Sentence said;
+  const std::string& outcome = said.words;
   {
     const std::lock_guard lock(mutex_);
-    outcome = message ? decide(client, *message) : message.error().message;
+    said = message ? decide(client, *message) : sentence_of(message.error());
     const bool done = outcome == "done";
     if (done && message->ask == web::Ask::invite) reply["address"] = invitation(web::Role::watch);
     if (done && message->ask == web::Ask::invite_operator)
@@ -199,6 +202,7 @@ void LiveSite::hear_page(web::ClientId client, std::string_view text) {
   }
   reply["ask"] = message ? name_of(message->ask) : "";
   reply["outcome"] = outcome;
+  reply["said"] = shown_sentence(said);
   // A beat is answered by the next state, and who floods is not answered.
   const bool silent = (message && message->ask == web::Ask::beat && outcome == "done") ||
                       outcome == name_of(web::Refusal::too_fast);
@@ -221,7 +225,8 @@ std::string LiveSite::state_json(web::ClientId client, web::Role role,
                   {"paused", state.paused},
                   {"session", state.session},
                   {"outcome", state.outcome},
-                  {"words", state.words},
+                  {"words", english_of(state.said)},
+                  {"said", shown_sentence(state.said)},
                   {"recorded", state.recorded},
                   {"reviews", state.reviews},
                   {"cloud_points", state.progress.cloud_points},

@@ -58,6 +58,7 @@ class LiveSite {
   [[nodiscard]] web::Reply log_in(const web::Request& request);
   void log_out(const std::string& cookie);
   [[nodiscard]] web::Reply content(const web::Request& request) const;
+  [[nodiscard]] std::optional<web::Reply> people(const std::string& path, bool operates) const;
   void come(web::ClientId client, const web::Request& request);
   void go(web::ClientId client);
   void hear_page(web::ClientId client, std::string_view text);
@@ -65,7 +66,7 @@ class LiveSite {
   void hear_pong(web::ClientId client, const std::string& pong);
   void serve(web::ClientId client, const web::foxglove::ServiceCall& call);
   [[nodiscard]] Result<void> open_to_ros2();
-  [[nodiscard]] std::string decide(web::ClientId client, const web::Message& message);
+  [[nodiscard]] Sentence decide(web::ClientId client, const web::Message& message);
   [[nodiscard]] Result<void> obey(const web::Message& message);
   [[nodiscard]] std::string name_of_client(web::ClientId client) const;
   /// A line of the audit log; the mutex is held. An outcome other than "done" is a refusal.

@@ -6,6 +6,7 @@
 
 #include "apps/serve/shown_arm.hpp"
 #include "apps/serve/shown_back.hpp"
+#include "apps/serve/shown_sentence.hpp"
 #include "tuina/session/run.hpp"
 #include "tuina/session/steering.hpp"
 #include "tuina/tissue/tangent_model.hpp"
@@ -91,11 +92,12 @@ void LiveView::keep_events(const session::Tick& tick) {
   if (tick.decided) {
     keep({{"what", "decision"},
           {"path", tick.decided->path},
-          {"reason", tick.decided->reason},
+          {"reason", shown_sentence({.words = tick.decided->reason, .key = tick.decided->key})},
           {"from_n", rounded(tick.decided->from_n, 10.0)},
           {"to_n", rounded(tick.decided->to_n, 10.0)}});
   }
-  if (tick.stopped) keep({{"what", "stop"}, {"reason", session::explain(*tick.stopped)}});
+  if (tick.stopped)
+    keep({{"what", "stop"}, {"reason", shown_sentence(session::explain(*tick.stopped))}});
   if (!tick.ended) return;
   json ended{{"what", "ended"}, {"path", tick.ended->path}, {"whole", tick.ended->whole}};
   if (tick.ended->felt) {

@@ -1,20 +1,57 @@
 // SPDX-License-Identifier: Apache-2.0
 // What browsers ask of the live page's server by HTTP, those who log in and out among them.
+#include <future>
+#include <nlohmann/json.hpp>
+
 #include "apps/serve/finished_session.hpp"
 #include "apps/serve/live_site.hpp"
 #include "apps/serve/plan_change.hpp"
+#include "apps/serve/shown_sentence.hpp"
 #include "tuina/web/login.hpp"
 
 namespace tuina::app {
+namespace {
+
+using nlohmann::json;
+
+Result<std::string> people_json(const KnownPeople& known) {
+  const auto names = known.names();
+  if (!names) return tl::unexpected(names.error());
+  return json(*names).dump();
+}
+
+/// Of `POSITION/WHO`.
+Result<std::string> remembered_json(const KnownPeople& known, const std::string& asked) {
+  const std::size_t slash = asked.find('/');
+  const std::string position = asked.substr(0, slash);
+  if (slash == std::string::npos ||
+      (position != "sitting" && position != "prone" && position != "auto"))
+    return fail(Fault::bad_input, "a position and a pseudonym are asked for");
+  std::optional<BodyPosture> lies;
+  if (position == "sitting") lies = BodyPosture::sitting;
+  if (position == "prone") lies = BodyPosture::prone;
+  const auto found = known.find(asked.substr(slash + 1), lies);
+  if (!found) return tl::unexpected(found.error());
+  json items = json::array();
+  for (const RememberedItem& item : found->items)
+    items.push_back({{"kind", name_of(item.kind)}, {"said", shown_sentence(item.words)}});
+  return json{
+      {"sessions", found->sessions}, {"items", items}, {"changes", shown_sentence(found->changes)}}
+      .dump();
+}
+
+}  // namespace
 
 std::optional<web::Reply> LiveSite::answer(const web::Request& request) {
   constexpr int see_other = 303;
   const std::string who = request.from.empty() ? "browser" : "browser " + request.from;
   std::optional<web::Reply> reply;
+  bool operates = false;
   {
     const std::lock_guard lock(mutex_);
     if (!access_) return web::Reply{.status = 503};
     const auto guest = access_->find_guest(request.cookie);
+    operates = guest && guest->role == web::Role::operate;
     reply = access_->judge(request, clock_.seconds());
     if (reply && reply->status == see_other) {
       const bool leaves = request.path == web::logout_path;
@@ -27,6 +64,13 @@ std::optional<web::Reply> LiveSite::answer(const web::Request& request) {
   // Without the mutex: files and passwords may be slow, and what is asked of the session waits for
   // none of them.
   const bool logs_in = !reply && request.method == "POST";
+  if (!reply && !logs_in) {
+    reply = people(request.path, operates);
+    if (reply && reply->status < 400) {
+      const std::lock_guard lock(mutex_);
+      note(who, "look up people", "done");
+    }
+  }
   if (!reply) reply = logs_in ? log_in(request) : content(request);
   if (reply->status >= 400) {
     const std::lock_guard lock(mutex_);
@@ -49,6 +93,22 @@ web::Reply LiveSite::log_in(const web::Request& request) {
 void LiveSite::log_out(const std::string& cookie) {
   for (const auto& [client, guest] : pages_)
     if (guest.cookie == cookie) server_->dismiss(client);
+}
+
+// Who has had sessions, and what is remembered of them, is for who may order the next one.
+std::optional<web::Reply> LiveSite::people(const std::string& path, bool operates) const {
+  constexpr std::string_view all = "/api/people", one = "/api/remembered/";
+  if (path != all && !path.starts_with(one)) return std::nullopt;
+  if (!operates) return web::Reply{.status = 403, .body = "for who operates alone\n"};
+  const KnownPeople& known = options_.session.people;
+  if (!known.find) return web::Reply{.status = 404, .body = "no history is kept here\n"};
+  // The threads of the web's library have too little stack for databases.
+  const auto text =
+      std::async(std::launch::async, [&] {
+        return path == all ? people_json(known) : remembered_json(known, path.substr(one.size()));
+      }).get();
+  if (!text) return web::Reply{.status = 404, .body = text.error().message + "\n"};
+  return web::Reply{.type = "application/json", .body = *text};
 }
 
 web::Reply LiveSite::content(const web::Request& request) const {

@@ -22,31 +22,32 @@ std::optional<double> clock_of(const std::string& pong) {
 
 Result<void> LiveSite::open_to_ros2() {
   if (options_.node == nullptr) return {};
-  auto door = Ros2Door::open(*options_.node, options_.reach,
-                             {.stop = [this] { session_.stop(); },
-                              .come =
-                                  [this](auto client) {
-                                    const std::lock_guard lock(mutex_);
-                                    desk_.come(client, clock_.seconds());
-                                  },
-                              .go =
-                                  [this](auto client) {
-                                    const std::lock_guard lock(mutex_);
-                                    desk_.go(client);
-                                  },
-                              .decide =
-                                  [this](const auto& asked) {
-                                    const std::lock_guard lock(mutex_);
-                                    return decide(asked.client,
-                                                  {.ask = asked.ask,
-                                                   .sequence = asked.sequence,
-                                                   .clock_s = clock_.seconds() - asked.age_s});
-                                  },
-                              .note =
-                                  [this](const auto& who, const auto& what, const auto& outcome) {
-                                    const std::lock_guard lock(mutex_);
-                                    note(who, what, outcome);
-                                  }});
+  auto door =
+      Ros2Door::open(*options_.node, options_.reach,
+                     {.stop = [this] { session_.stop(); },
+                      .come =
+                          [this](auto client) {
+                            const std::lock_guard lock(mutex_);
+                            desk_.come(client, clock_.seconds());
+                          },
+                      .go =
+                          [this](auto client) {
+                            const std::lock_guard lock(mutex_);
+                            desk_.go(client);
+                          },
+                      .decide =
+                          [this](const auto& asked) {
+                            const std::lock_guard lock(mutex_);
+                            return decide(asked.client, {.ask = asked.ask,
+                                                         .sequence = asked.sequence,
+                                                         .clock_s = clock_.seconds() - asked.age_s})
+                                .words;
+                          },
+                      .note =
+                          [this](const auto& who, const auto& what, const auto& outcome) {
+                            const std::lock_guard lock(mutex_);
+                            note(who, what, outcome);
+                          }});
   if (!door) return tl::unexpected(door.error());
   ros2_ = std::move(*door);
   return {};
@@ -65,6 +66,7 @@ void LiveSite::serve(web::ClientId client, const foxglove::ServiceCall& call) {
     outcome =
         ask ? decide(client,
                      {.ask = *ask, .sequence = ++program.sequence, .clock_s = program.clock_s})
+                  .words
             : ask.error().message;
     note(name_of_client(client), ask ? name_of(*ask) : "service", outcome);
   }

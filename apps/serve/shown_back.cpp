@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/serve/shown_back.hpp"
 
+#include "apps/serve/shown_sentence.hpp"
+
 #include <bit>
 #include <cstring>
 #include <nlohmann/json.hpp>
@@ -92,7 +94,7 @@ std::string plan_json(const massage::Plan& plan) {
   return json{{"programme", plan.programme},
               {"duration_s", plan.duration_s},
               {"zones_touched", plan.zones_touched},
-              {"notes", plan.notes},
+              {"notes", shown_sentence(plan.notes)},
               {"paths", paths}}
       .dump();
 }

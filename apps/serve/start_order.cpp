@@ -17,8 +17,9 @@ using nlohmann::json;
 constexpr std::array<const char*, 3> people = {"phantom:slim", "phantom:medium", "phantom:hefty"};
 constexpr std::array<const char*, 3> positions = {"sitting", "prone", "auto"};
 constexpr std::array<const char*, 3> answers = {"yes", "no", "unknown"};
-constexpr std::array<const char*, 7> keys = {"person", "position",    "programme", "intensity",
-                                             "seed",   "answered_by", "answers"};
+constexpr std::array<const char*, 9> keys = {"person",    "position", "programme",
+                                             "intensity", "seed",     "answered_by",
+                                             "answers",   "who",      "remember"};
 constexpr std::size_t max_name_bytes = 80;
 constexpr std::uint64_t max_seed = 1'000'000;
 
@@ -89,6 +90,32 @@ Result<std::string> consent_of(const json& object) {
   return toml;
 }
 
+/// A pseudonym; whether it is a right one is for the history to say. Not there: nobody's.
+Result<std::string> who_of(const json& object) {
+  const auto found = object.find("who");
+  if (found == object.end()) return "";
+  if (!found->is_string() || found->get_ref<const std::string&>().size() > max_name_bytes)
+    return fail(Fault::bad_input, "who: is no pseudonym");
+  return found->get<std::string>();
+}
+
+/// What is remembered, each to be used or not.
+Result<Confirmed> confirmed_of(const json& object) {
+  Confirmed confirmed = {};
+  const auto given = object.find("remember");
+  if (given == object.end()) return confirmed;
+  if (!given->is_object()) return fail(Fault::bad_input, "remember: is no object");
+  for (const auto& [key, use] : given->items()) {
+    const auto kind = std::find(remembered_names.begin(), remembered_names.end(), key);
+    if (kind == remembered_names.end() || !use.is_boolean()) {
+      return fail(Fault::bad_input, "remember: is not true or false for one of {}",
+                  fmt::join(remembered_names, ", "));
+    }
+    confirmed[static_cast<std::size_t>(kind - remembered_names.begin())] = use.get<bool>();
+  }
+  return confirmed;
+}
+
 }  // namespace
 
 Result<StartOrder> parse_start_order(std::string_view text) {
@@ -104,22 +131,28 @@ Result<StartOrder> parse_start_order(std::string_view text) {
   const auto intensity = whole_number(object, "intensity", 1, 5);
   const auto seed = whole_number(object, "seed", 1, max_seed);
   auto consent = consent_of(object);
+  auto who = who_of(object);
+  const auto confirmed = confirmed_of(object);
   if (!person) return tl::unexpected(person.error());
   if (!position) return tl::unexpected(position.error());
   if (!programme) return tl::unexpected(programme.error());
   if (!intensity) return tl::unexpected(intensity.error());
   if (!seed) return tl::unexpected(seed.error());
   if (!consent) return tl::unexpected(consent.error());
+  if (!who) return tl::unexpected(who.error());
+  if (!confirmed) return tl::unexpected(confirmed.error());
   StartOrder start{.order = {.person = *person, .programme = *programme},
                    .intensity = static_cast<int>(*intensity),
                    .seed = *seed,
-                   .consent_toml = std::move(*consent)};
+                   .consent_toml = std::move(*consent),
+                   .who = std::move(*who),
+                   .confirmed = *confirmed};
   if (*position == "sitting") start.order.position = BodyPosture::sitting;
   if (*position == "prone") start.order.position = BodyPosture::prone;
   return start;
 }
 
-std::string choices_json() {
+std::string choices_json(bool keeps_people) {
   json programmes = json::array();
   for (const auto& shipped : massage::shipped_programmes()) {
     const auto read = massage::parse_programme(shipped.toml, shipped.name);
@@ -131,8 +164,13 @@ std::string choices_json() {
   json zones = json::array();
   for (const auto& rule : massage::zone_rules)
     zones.push_back({{"name", rule.name}, {"cap_n", rule.cap_n}});
-  return json{{"people", people},       {"positions", positions}, {"programmes", programmes},
-              {"questions", questions}, {"zones", zones},         {"max_seed", max_seed}}
+  return json{{"people", people},
+              {"positions", positions},
+              {"programmes", programmes},
+              {"questions", questions},
+              {"zones", zones},
+              {"max_seed", max_seed},
+              {"keeps_people", keeps_people}}
       .dump();
 }
 

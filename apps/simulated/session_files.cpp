@@ -54,32 +54,36 @@ const session::LiveCommand* asked_by_person(const session::Session& session, dou
   return nullptr;
 }
 
-/// Why a path got less or more than the plan orders, in one sentence; nothing where it did not.
-std::optional<std::string> why_not_as_ordered(const session::Session& session,
-                                              const session::Performed& done, double given_n,
-                                              double begun_intensity) {
+/// Why a path got less or more than the plan orders; empty where it did not.
+Sentence why_not_as_ordered(const session::Session& session, const session::Performed& done,
+                            double given_n, double begun_intensity) {
   constexpr double max_off_share = 0.05;
   const double ordered_n =
       session.ready.plan.paths[static_cast<std::size_t>(done.path)].ordered_n();
-  if (std::abs(given_n - ordered_n) <= max_off_share * ordered_n) return std::nullopt;
+  if (std::abs(given_n - ordered_n) <= max_off_share * ordered_n) return {};
   if (done.contact_fault != control::ContactFault::none)
-    return fmt::format("cut short: {}", control::name_of(done.contact_fault));
+    return sentence("why_cut_short", "cut short: {}", control::name_of(done.contact_fault));
   const session::Decision* last = nullptr;
   for (const session::Decision& decision : session.decisions) {
     const bool during = decision.path == done.path && decision.time_s <= done.end_s;
     if (during && decision.to_n != decision.from_n && decision.from_n > 0.0) last = &decision;
   }
-  if (last != nullptr)
-    return fmt::format("{} ({}: {:.1f} N to {:.1f} N)", last->reason, last->rule, last->from_n,
-                       last->to_n);
+  if (last != nullptr) {
+    Sentence why = sentence("why_decided", "{} ({}: {:.1f} N to {:.1f} N)", last->reason,
+                            last->rule, last->from_n, last->to_n);
+    why.values.front() = last->key;
+    return why;
+  }
   if (const auto* command = asked_by_person(session, done.end_s))
-    return fmt::format("the person asked for it: {}", session::name_of(*command));
+    return sentence("why_asked", "the person asked for it: {}", session::name_of(*command));
   if (begun_intensity != 1.0)
-    return fmt::format("begun at {:.0f} % of the plan, as wished in an earlier session",
-                       100.0 * begun_intensity);
-  if (!done.whole) return "cut short before its strongest place";
-  return given_n < ordered_n ? "the tool did not reach it in the time that the technique gives"
-                             : "the force swung beyond it";
+    return sentence("why_wished", "begun at {:.0f} % of the plan, as wished in an earlier session",
+                    100.0 * begun_intensity);
+  if (!done.whole) return sentence("why_not_whole", "cut short before its strongest place");
+  return given_n < ordered_n
+             ? sentence("why_too_short",
+                        "the tool did not reach it in the time that the technique gives")
+             : sentence("why_swung", "the force swung beyond it");
 }
 
 record::SessionFile::Massage massage_of(const SessionResult& result, double begun_intensity) {
@@ -118,6 +122,22 @@ record::SessionFile::Massage massage_of(const SessionResult& result, double begu
                                  .tool_to_acupoint_m = tool_to_acupoint_m(result, i)});
   }
   return massage;
+}
+
+void add_devices(const record::DeviceRecord& devices, std::vector<SentenceLine>& lines) {
+  lines.push_back(
+      {sentence("sum_devices", "arms: {}, pace {}; camera and turntable: {}; truth of {} ms missed",
+                devices.arms, devices.pace, devices.scanner, devices.truth_missed)});
+  for (const Arm arm : both_arms) {
+    const auto& traffic = devices.traffic[arm];
+    lines.push_back({sentence(
+        "sum_traffic", "{} arm: {} states, {} lost, {} late, {} rejected; {} commands too late",
+        name_of(arm), traffic.cycles, traffic.lost, traffic.late, traffic.rejected,
+        traffic.unheard)});
+    if (!traffic.wrist.empty()) {
+      lines.push_back({sentence("sum_wrist", "{} wrist sensor: {}", name_of(arm), traffic.wrist)});
+    }
+  }
 }
 
 }  // namespace
@@ -160,6 +180,7 @@ record::SessionFile session_file(const SessionResult& result, const SessionOrder
          .path = ready.plan.paths[static_cast<std::size_t>(made.path)].path.name,
          .rule = made.rule,
          .reason = made.reason,
+         .key = made.key,
          .from_n = made.from_n,
          .to_n = made.to_n});
   }
@@ -207,39 +228,45 @@ Result<void> finish_record(SessionResult& result, const std::filesystem::path& f
   return result.recorder->finish(result.last_tick, files);
 }
 
-std::string session_text(const record::SessionFile& file) {
-  std::string text = fmt::format(
-      "{} ({}): {} points scanned, acupoints within {:.1f} mm (largest error {:.1f} mm)\n"
-      "{} paths in {:.0f} s, force error {:.2f} N RMS, peak {:.1f} N, {:.0f} times real time",
-      file.person, name_of(file.position), file.scan.points, to_mm(file.acupoints.mean_error_m),
-      to_mm(file.acupoints.max_error_m), file.massage.performed.size(), file.massage.duration_s,
-      file.massage.force.rmse_n, file.massage.force.peak_n, file.massage.real_time_factor);
+std::vector<SentenceLine> session_lines(const record::SessionFile& file) {
+  std::vector<SentenceLine> lines = {
+      {sentence("sum_scanned",
+                "{} ({}): {} points scanned, acupoints within {:.1f} mm (largest error {:.1f} mm)",
+                file.person, name_of(file.position), file.scan.points,
+                to_mm(file.acupoints.mean_error_m), to_mm(file.acupoints.max_error_m))},
+      {sentence("sum_massaged",
+                "{} paths in {:.0f} s, force error {:.2f} N RMS, peak {:.1f} N, {:.0f} times real "
+                "time",
+                file.massage.performed.size(), file.massage.duration_s, file.massage.force.rmse_n,
+                file.massage.force.peak_n, file.massage.real_time_factor)}};
   for (const record::PerformedEntry& done : file.massage.performed) {
     if (done.contact_fault != control::name_of(control::ContactFault::none))
-      text += fmt::format("\n{}: {}", done.name, done.contact_fault);
+      lines.push_back({sentence("sum_fault", "{}: {}", done.name, done.contact_fault)});
   }
   for (const record::PerformedEntry& done : file.massage.performed) {
-    if (done.why)
-      text += fmt::format("\n{}: {:.1f} N ordered, {:.1f} N given: {}", done.name, done.ordered_n,
-                          done.given_n, *done.why);
+    if (done.why.empty()) continue;
+    lines.push_back({sentence("sum_given", "{}: {:.1f} N ordered, {:.1f} N given: ", done.name,
+                              done.ordered_n, done.given_n),
+                     done.why});
   }
-  for (const std::string& note : file.plan.notes) text += "\n" + note;
-  if (file.devices) {
-    text += fmt::format("\narms: {}, pace {}; camera and turntable: {}; truth of {} ms missed",
-                        file.devices->arms, file.devices->pace, file.devices->scanner,
-                        file.devices->truth_missed);
-    for (const Arm arm : both_arms) {
-      const auto& traffic = file.devices->traffic[arm];
-      text += fmt::format(
-          "\n{} arm: {} states, {} lost, {} late, {} rejected; {} commands too late", name_of(arm),
-          traffic.cycles, traffic.lost, traffic.late, traffic.rejected, traffic.unheard);
-      if (!traffic.wrist.empty())
-        text += fmt::format("\n{} wrist sensor: {}", name_of(arm), traffic.wrist);
-    }
-  }
+  for (const Sentence& note : file.plan.notes) lines.push_back({note});
+  if (file.devices) add_devices(*file.devices, lines);
   for (const telemetry::Stop& stop : file.stops)
-    text += fmt::format("\nstopped at {:.2f} s, {}", stop.time_s, stop.cause);
+    lines.push_back({sentence("sum_stopped", "stopped at {:.2f} s, ", stop.time_s), stop.cause});
+  return lines;
+}
+
+std::string english_of(const std::vector<SentenceLine>& lines) {
+  std::string text;
+  for (const SentenceLine& line : lines) {
+    if (!text.empty()) text += "\n";
+    for (const Sentence& one : line) text += one.words;
+  }
   return text;
+}
+
+std::string session_text(const record::SessionFile& file) {
+  return english_of(session_lines(file));
 }
 
 }  // namespace tuina::app

@@ -3,8 +3,10 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "apps/simulated/simulated_session.hpp"
+#include "tuina/core/sentence.hpp"
 #include "tuina/record/session_file.hpp"
 
 namespace tuina::app {
@@ -25,7 +27,12 @@ namespace tuina::app {
 [[nodiscard]] Result<void> finish_record(SessionResult& result,
                                          const std::filesystem::path& folder);
 
-/// What happened, in a few lines for people.
+/// What happened, in a few lines for people: sentences of a line follow each other.
+using SentenceLine = std::vector<Sentence>;
+[[nodiscard]] std::vector<SentenceLine> session_lines(const record::SessionFile& file);
+/// Lines in English.
+[[nodiscard]] std::string english_of(const std::vector<SentenceLine>& lines);
+/// What happened, in English.
 [[nodiscard]] std::string session_text(const record::SessionFile& file);
 
 }  // namespace tuina::app

@@ -4,6 +4,7 @@
 
 #include "apps/cli/fixed_points.hpp"
 #include "apps/serve/live_option.hpp"
+#include "apps/serve/shown_sentence.hpp"
 #include "apps/simulated/keyboard.hpp"
 #include "apps/simulated/pace_option.hpp"
 #include "apps/simulated/ros2_option.hpp"
@@ -129,7 +130,7 @@ class Massage final : public Verb {
                               live_.asked() ? live_.attendant() : ros2_.attendant());
     ros2_.end_session();
     if (!result) {
-      live_.end("failed", result.error().message);
+      live_.end("failed", {{sentence_of(result.error())}});
       return nothing_done(visit_.with_remembered(result.error()));
     }
 
@@ -160,7 +161,7 @@ class Massage final : public Verb {
     }
     answer.text +=
         fmt::format("\nreport: {}", (std::filesystem::path(out_) / "report.html").string());
-    live_.end(answer.exit_code == 0 ? "done" : "stopped", session_text(file));
+    live_.end(answer.exit_code == 0 ? "done" : "stopped", session_lines(file));
     return answer;
   }
 

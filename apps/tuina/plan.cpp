@@ -69,7 +69,7 @@ std::string text_of(const record::PlanFile& file, BodyPosture position) {
                         name_of(planned.arm), planned.path.name, peak_n,
                         massage::name_of(planned.zone));
   }
-  for (const std::string& note : plan.notes) text += fmt::format("note: {}\n", note);
+  for (const Sentence& note : plan.notes) text += fmt::format("note: {}\n", note.words);
   const bool at_once = plan.min_tool_distance_m > 0.0;  // no two paths run together otherwise
   text += fmt::format(
       "the arms stay {:.0f} mm apart{}; {:.0f} mm from the {}, {:.0f} mm from the robot's body; "

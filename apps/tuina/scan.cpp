@@ -130,7 +130,7 @@ class ScanVerb final : public Verb {
     options.add("--format", format_, "of --out, when its name does not tell")
         .one_of({"ply", "ply-ascii", "ply-big-endian", "pcd", "pcd-ascii"});
     (void)position;
-    ros2_.describe(options, "/scan");
+    ros2_.describe(options, "/profile, line by line, and /scan");
   }
 
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
@@ -166,6 +166,7 @@ class ScanVerb final : public Verb {
     if (const auto method = scanner::line_method(method_)) options.method = *method;
     options.both_ways = both_ways_;
     if (stop_and_shoot_) options.step_rad = from_deg(300.0 / 1024.0);
+    if (told_) options.on_profile = [this](const auto& profile) { told_->tell(profile); };
     if (real) return scan_with_devices(common, calibration, options);
     return replay_.empty() ? simulate(common, *config, calibration, options)
                            : replay(common, calibration, options);
@@ -344,7 +345,7 @@ class ScanVerb final : public Verb {
   }
 
   Ros2Option ros2_;
-  std::optional<record::ScanChannel> told_;
+  std::optional<record::ScanChannels> told_;
   std::string person_;
   std::string replay_;
   std::string device_;

@@ -12,6 +12,7 @@
 #include "apps/simulated/ros2_option.hpp"
 #include "apps/tuina/history/fleet_reporter.hpp"
 #include "apps/tuina/history/open.hpp"
+#include "apps/tuina/history/people_of_page.hpp"
 #include "apps/tuina/verbs.hpp"
 
 namespace tuina::app {
@@ -86,6 +87,7 @@ class Serve final : public Verb {
                                  .robot_model = std::move(*robot),
                                  .folder = out_};
     report_sessions(session);
+    if (!history_.empty()) session.people = people_of_page(history_);
     auto site = LiveSite::open({.place = std::move(doors->place),
                                 .passwords = std::move(doors->passwords),
                                 .page = page_,

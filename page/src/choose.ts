@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { element, pills, table } from "./element";
 import { lookBack } from "./look_back";
+import { ofWhom, remembered, remembersAll } from "./remembered";
 import { main, maySteer, page, read, steer, whyNot } from "./shown";
 import { say, sayOr } from "./words";
 
@@ -11,7 +12,7 @@ const order: Record<string, string | number> =
 const answers: Record<string, string> = {};
 
 export function choose(): HTMLElement {
-  const pick = (key: string) => (value: string) => { order[key] = key === "intensity" ? Number(value) : value; };
+  const pick = (key: string) => (value: string) => { order[key] = key === "intensity" ? Number(value) : value; if (key === "position") page.render(); };
   const seed = element("input", { id: "seed", type: "number", min: "1", max: String(page.choices.max_seed), value: String(order["seed"]), "aria-describedby": "seed_help" });
   seed.oninput = () => { order["seed"] = Math.min(page.choices.max_seed, Math.max(1, Math.round(Number(seed.value)) || 1)); };
   const sessions = element("div", { class: "sessions" }, say("no_sessions"));
@@ -29,13 +30,14 @@ export function choose(): HTMLElement {
       pills("programme", page.choices.programmes.map((one) => one.name), String(order["programme"]), pick("programme"),
         (name) => [element("b", {}, say(name)), element("small", {}, sayOr(`about_${name}`, page.choices.programmes.find((one) => one.name === name)!.description))]),
       pills("intensity", ["1", "2", "3", "4", "5"], String(order["intensity"]), pick("intensity"), (value) => [`${value} · ${say(`intensity_${value}`)}`]),
-      element("div", {}, element("label", { class: "over", for: "seed" }, say("seed")), seed, element("p", { class: "note", id: "seed_help" }, say("seed_help")))),
-    element("button", { class: "go", id: "next", onclick: () => { page.chosen = page.view = "health"; page.render(); main.focus({ preventScroll: true }); } }, say("on"))),
+      element("div", {}, element("label", { class: "over", for: "seed" }, say("seed")), seed, element("p", { class: "note", id: "seed_help" }, say("seed_help"))),
+      remembered(String(order["position"]))),
+    element("button", { class: "go", id: "next", disabled: !remembersAll(), onclick: () => { page.chosen = page.view = "health"; page.render(); main.focus({ preventScroll: true }); } }, say("on"))),
     element("h2", {}, say("sessions")), element("p", { id: "refusal", class: "note", role: "alert" }), element("div", { class: "card scroll-x" }, sessions));
 }
 
 export function health(): HTMLElement {
-  const go = element("button", { class: "go", id: "scan", onclick: () => { steer(); page.link.ask("start", { ...order, answers }); } }, say("scan_now"));
+  const go = element("button", { class: "go", id: "scan", onclick: () => { steer(); page.link.ask("start", { ...order, ...ofWhom(), answers }); } }, say("scan_now"));
   const whole = (): void => { go.disabled = !maySteer() || !order["answered_by"] || page.choices.questions.some((one) => !answers[one.key]); };
   const name = element("input", { id: "answered_by", maxlength: "40", autocomplete: "off", value: String(order["answered_by"]) });
   name.oninput = () => { order["answered_by"] = name.value; whole(); };

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-import { say } from "./words";
+import { type Said, say, saySentence } from "./words";
 
 /** What happened in a massage, as /api/events tells it. */
-export interface Happening { what: "ended" | "decision" | "command" | "stop"; time_s: number; path: number; whole: boolean; stiffness_n_per_mm?: number; reason: string; name: string; from_n: number; to_n: number }
+export interface Happening { what: "ended" | "decision" | "command" | "stop"; time_s: number; path: number; whole: boolean; stiffness_n_per_mm?: number; reason: Said; name: string; from_n: number; to_n: number }
 
 /** From soft (0) to stiff (1), on a scale of ratios: backs are felt from 0.3 to 5 N/mm. */
 export function stiffnessShare(stiffness_n_per_mm: number): number {
@@ -13,8 +13,8 @@ export function stiffnessShare(stiffness_n_per_mm: number): number {
 export function wordsOf(one: Happening, path: string): string {
   switch (one.what) {
     case "ended": return `${path}: ${one.whole ? say("served") : say("cut_short")}${one.stiffness_n_per_mm ? ` · ${one.stiffness_n_per_mm.toFixed(2)} N/mm` : ""}`;
-    case "decision": return `${path}: ${one.from_n.toFixed(0)} → ${one.to_n.toFixed(0)} N, ${one.reason}`;
+    case "decision": return `${path}: ${one.from_n.toFixed(0)} → ${one.to_n.toFixed(0)} N, ${saySentence(one.reason)}`;
     case "command": return say(one.name);
-    case "stop": return one.reason;
+    case "stop": return saySentence(one.reason);
   }
 }

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
+import { type Said } from "./words";
+
 /** What the server says of itself and of the session, four times a second. */
 export interface State {
   clock_s: number; you: number; viewer: boolean; operator: boolean; operated: boolean; pages: number;
   phase: "idle" | "scan" | "map" | "plan" | "review" | "massage" | "report" | "ended";
-  progress: number; paused: boolean; session: string; outcome: string; words: string; recorded: boolean; reviews: number;
+  progress: number; paused: boolean; session: string; outcome: string; said: Said[][]; recorded: boolean; reviews: number;
   cloud_points: number; backs: number; plans: number; events: number; pace: number | null; ordered: boolean; audit_fails: boolean; password: boolean;
 }
 export interface ArmNow {
@@ -13,7 +15,7 @@ export interface ArmNow {
 }
 /** The newest millisecond, and time, target and felt force of both arms since the message before. */
 export interface Live { time_s: number; performed: number; arms: [ArmNow, ArmNow]; forces: number[][] }
-export interface Reply { ask: string; outcome: string; address?: string }
+export interface Reply { ask: string; outcome: string; said: Said; address?: string }
 
 interface Listener { state(state: State): void; live(live: Live): void; reply(reply: Reply): void; lost(lost: boolean): void }
 

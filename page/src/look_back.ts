@@ -6,7 +6,7 @@ import { Player } from "./player";
 import { Recording } from "./recording";
 import { main, page, scene, tell, viewOf } from "./shown";
 import { armCards, dot, stage } from "./stage";
-import { say } from "./words";
+import { say, sayInstead } from "./words";
 
 /** Opens a finished session; why it cannot be opened is said where it was asked for. */
 export async function lookBack(session: string): Promise<void> {
@@ -15,7 +15,7 @@ export async function lookBack(session: string): Promise<void> {
   try {
     page.recording = await Recording.open(session);
   } catch (fault) {
-    return tell(`${say("refused")} ${(fault as Error).message}`);
+    return tell(`${say("refused")} ${sayInstead((fault as Error).message, "record_unreadable")}`);
   }
   if (!page.state!.ordered) page.left = page.state!.session;
   scene.clear();
@@ -79,7 +79,7 @@ export function lookedBack(): HTMLElement {
   return element("div", { class: "split" },
     element("div", { class: "played" }, head, picture, page.player.controls),
     element("div", { class: "side" },
-      told.lost.length ? element("div", { class: "card" }, element("h2", {}, say("damaged")), ...told.lost.map((one) => element("p", { class: "note" }, one))) : "",
+      told.lost.length ? element("div", { class: "card" }, element("h2", {}, say("damaged")), ...told.lost.map((one) => element("p", { class: "note" }, sayInstead(one, "record_gap")))) : "",
       ...armCards(), element("div", { class: "card" }, element("h2", {}, say("performed")), element("p", { class: "note" }, say("given_ordered")), page.player.performed),
       element("div", { class: "card" }, element("h2", {}, say("happened")), page.slots["happened"])));
 }

@@ -13,7 +13,7 @@ import { type Acupoint } from "./scene";
 import { report, scan, showProgress } from "./session";
 import { type ByHand, bytes, type Choices, main, page, read, scene, speak, stop, tell, type View, viewOf } from "./shown";
 import { applyTheme, showTop } from "./top";
-import { applyLanguage, say } from "./words";
+import { applyLanguage, say, saySentence } from "./words";
 
 let operateMs = 0, drawn: View | undefined;
 
@@ -105,7 +105,7 @@ async function fetchNew(now: State): Promise<void> {
 
 function answered(reply: Reply): void {
   if (reply.address) showInvitation(reply.address);
-  else if (reply.outcome !== "done" && reply.ask !== "operate") tell(`${say("refused")} ${reply.outcome}`);
+  else if (reply.outcome !== "done" && reply.ask !== "operate") tell(`${say("refused")} ${saySentence(reply.said)}`);
 }
 
 // A button that is replaced between touch and click would never hear of it; on a busy machine the click of a finger comes

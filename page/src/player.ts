@@ -2,7 +2,7 @@
 import { element } from "./element";
 import { type Done, type Recording } from "./recording";
 import { armColours } from "./scene";
-import { say, sayPath } from "./words";
+import { say, sayPath, saySentence } from "./words";
 
 const speeds = [1, 2, 3, 5, 10];
 /** What an arrow key or a button goes by. */
@@ -64,7 +64,7 @@ export class Player {
 
   private row(done: Done): HTMLElement {
     const name = sayPath(this.recording.told.plan.paths[done.path]!.name);
-    const why = [done.lowered_by ? `${say("lowered")} (${done.programme_n!.toFixed(0)} N): ${say(done.lowered_by)}` : "", done.why].filter(Boolean);
+    const why = [done.lowered_by ? `${say("lowered")} (${done.programme_n!.toFixed(0)} N): ${saySentence(done.lowered_by)}` : "", saySentence(done.why)].filter(Boolean);
     const whole = this.recording.told.events.some((one) => one.what === "ended" && one.path === done.path && one.time_s === done.end_s && one.whole);
     return element("tr", {}, element("td", {}, element("button", { "aria-label": `${say("go_to")} ${name}, ${clock(done.begin_s)}`, onclick: () => this.seek(done.begin_s) }, clock(done.begin_s))),
       element("td", {}, element("b", {}, name), ` · ${say(done.arm)}${whole ? "" : ` · ${say("cut_short")}`}`, ...why.map((one) => element("small", {}, one))),

@@ -2,10 +2,11 @@
 import { type Happening } from "./happening";
 import { type ArmNow, type Live } from "./link";
 import { type Acupoint, type Path } from "./scene";
+import { type Said } from "./words";
 
-export interface Plan { duration_s: number; notes: string[]; paths: Path[] }
+export interface Plan { duration_s: number; notes: Said[]; paths: Path[] }
 /** A path as it was performed; `why` it was given otherwise than ordered, and what bears less than the programme wants. */
-export interface Done { path: number; arm: string; begin_s: number; end_s: number; ordered_n: number; given_n: number; why: string; programme_n?: number; lowered_by?: string }
+export interface Done { path: number; arm: string; begin_s: number; end_s: number; ordered_n: number; given_n: number; why: Said; programme_n?: number; lowered_by?: Said }
 interface Told {
   duration_s: number; programme: string; lost: string[]; map: { acupoints: Acupoint[] }; plan: Plan; performed: Done[];
   events: Happening[]; forces: number[][]; frames: Live[];

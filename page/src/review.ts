@@ -5,7 +5,7 @@ import { moveKeys } from "./move_keys";
 import { type Acupoint, type Edit, techniqueColours, zoneColours } from "./scene";
 import { maySteer, page, scene, steer, tell, whyNot } from "./shown";
 import { dot, stage } from "./stage";
-import { say, sayPath } from "./words";
+import { say, sayLines, sayPath, saySentence } from "./words";
 
 /** Asks for another plan, with what is ruled out and what was moved. */
 function change(): void {
@@ -30,7 +30,7 @@ export function showPlanning(): void {
   const planning = page.state!.reviews === page.reviewsBefore;
   const arm = document.getElementById("arm") as HTMLButtonElement | null, place = document.getElementById("refusal");
   if (arm) arm.disabled = planning || !maySteer();
-  if (place && page.view === "review") place.textContent = planning ? say("planning_anew") : page.state!.words ? `${say("refused")} ${page.state!.words}` : "";
+  if (place && page.view === "review") place.textContent = planning ? say("planning_anew") : page.state!.said.length ? `${say("refused")} ${sayLines(page.state!.said)}` : "";
 }
 
 export function review(): HTMLElement {
@@ -58,15 +58,18 @@ export function review(): HTMLElement {
   picture.append(element("div", { class: "legend" }, ...(page.zonesShown
     ? page.choices.zones.map((zone, i) => dot(zoneColours[i]!, `${say(zone.name)} ${zone.cap_n} N`))
     : Object.entries(techniqueColours).filter(([name]) => page.plan?.paths.some((path) => path.technique === name)).map(([name, colour]) => dot(colour, say(name))))));
+  const notes = page.plan?.notes ?? [], dropped = notes.filter((note) => note.key === "note_said_dropped");
   // Beside the picture, since on a phone they would cover the neck.
   const tools = element("div", { class: "row" }, zones, tool("move"), tool("rule_out"), undo);
   return element("div", { class: "split" }, element("div", { class: "tooled" }, tools, picture), element("div", { class: "side" }, element("h1", {}, say("review_title")), hold,
     maySteer() ? "" : element("p", { class: "note" }, whyNot()), element("p", { id: "refusal", class: "note", role: "alert" }),
+    // What was ruled out once and is not now is seen before anybody begins.
+    ...dropped.map((note) => element("p", { class: "dropped", role: "alert" }, saySentence(note))),
     element("div", { class: "card" }, element("h2", {}, `${say("acupoints")} · ${say("uncertainty")}`), element("div", { class: "scroll", tabindex: "0" },
       table(page.points.map((point) => [point.name, `${point.uncertainty_mm.toFixed(0)} mm`,
         element("div", { class: "row" }, moveKeys(point, scene, !maySteer(), tell),
           element("button", { "aria-label": `${say("rule_out_here")} ${point.name}`, disabled: !maySteer(), onclick: () => ruleOutAround(point) }, say("rule_out_here")))])))),
     element("div", { class: "card" }, element("h2", {}, `${say("paths")} · ${Math.round(page.plan?.duration_s ?? 0)} s`), element("div", { class: "scroll", tabindex: "0" },
       table((page.plan?.paths ?? []).map((path) => [sayPath(path.name), say(path.arm), say(path.zone), `${path.ordered_n.toFixed(0)} N`])))),
-    element("div", { class: "card" }, element("h2", {}, say("notes")), ...(page.plan?.notes ?? []).map((note) => element("p", { class: "note" }, note)))));
+    element("div", { class: "card" }, element("h2", {}, say("notes")), ...notes.filter((note) => !dropped.includes(note)).map((note) => element("p", { class: "note" }, saySentence(note))))));
 }

@@ -3,7 +3,7 @@ import { element } from "./element";
 import { lookBack } from "./look_back";
 import { page } from "./shown";
 import { stage } from "./stage";
-import { say } from "./words";
+import { inEnglish, say, sayLines } from "./words";
 
 export function scan(): HTMLElement {
   page.slots["title"] = element("h1", {});
@@ -19,8 +19,9 @@ export function report(): HTMLElement {
     element("div", { class: "row" }, page.state!.ordered ? "" : element("button", { class: "go", id: "another", onclick: () => { page.left = page.state!.session; page.chosen = page.view = "choose"; page.render(); } }, say("another")),
       made ? element("button", { id: "look_back", onclick: () => void lookBack(page.state!.session) }, say("look_back")) : "",
       made ? element("a", { class: "button", href: at, target: "_blank" }, say("open_report")) : ""), element("p", { id: "refusal", class: "note", role: "alert" }),
-    made ? element("iframe", { src: at, title: say("report"), sandbox: "" }) : "",
-    element("details", made ? {} : { open: "" }, element("summary", {}, say("details")), element("pre", {}, page.state!.words)));
+    // The report itself is written in English.
+    made && inEnglish() ? element("iframe", { src: at, title: say("report"), sandbox: "" }) : "",
+    element("details", made && inEnglish() ? {} : { open: "" }, element("summary", {}, say("details")), element("pre", { id: "said" }, sayLines(page.state!.said))));
 }
 
 export function showProgress(): void {

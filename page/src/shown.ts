@@ -7,7 +7,7 @@ import { type Plan, type Recording } from "./recording";
 import { type Acupoint, type Edit, Scene } from "./scene";
 import { say } from "./words";
 
-export interface Choices { people: string[]; positions: string[]; programmes: { name: string; description: string }[]; questions: { key: string }[]; zones: { name: string; cap_n: number }[]; max_seed: number }
+export interface Choices { people: string[]; positions: string[]; programmes: { name: string; description: string }[]; questions: { key: string }[]; zones: { name: string; cap_n: number }[]; max_seed: number; keeps_people: boolean }
 export type View = "choose" | "health" | "scan" | "review" | "massage" | "report" | "play";
 /** What is ruled out and what was moved by hand. */
 export interface ByHand { no_go: { name: string; corners: [number, number, number][] }[]; fixed: { name: string; at: [number, number, number] }[] }

@@ -7,6 +7,8 @@ const languages = { en, "zh-Hant": zh } as const;
 let language: keyof typeof languages =
   (localStorage.getItem("language") ?? navigator.language).startsWith("zh") ? "zh-Hant" : "en";
 
+export const inEnglish = (): boolean => language === "en";
+
 /** The word in the language that was chosen; what has no translation stands as it is. */
 export function say(word: string): string {
   const words: Record<string, string> = languages[language];
@@ -19,10 +21,28 @@ export function sayOr(word: string, otherwise: string): string {
   return words[word] ?? otherwise;
 }
 
-/** A path's name in the language chosen: its technique, then places. */
+/** A sentence of the server: whole in English, and its key with what stands in it. */
+export interface Said { words: string; key: string; values: string[] }
+
+/** In the language that was chosen. */
+export function saySentence(said: Said): string {
+  const words: Record<string, string> = languages[language];
+  return words[said.key]?.replace(/\{(\d)\}/g, (_, i: string) => sayPath(said.values[Number(i)] ?? "")) ?? said.words;
+}
+
+export const sayLines = (lines: Said[][]): string => lines.map((line) => line.map(saySentence).join("")).join("\n");
+
+/** What is said in English alone, or in another language what this key says in its place. */
+export const sayInstead = (english: string, key: Word): string => (inEnglish() ? english : say(key));
+
+const techniques = ["press", "rub", "stroke", "tap", "knead"];
+
+/** A name in the language chosen; of a path its technique, then places. */
 export function sayPath(name: string): string {
+  if (say(name) !== name) return say(name);
   const [technique, ...places] = name.split(" ");
-  return [say(technique!), ...places].join(" ");
+  if (!techniques.includes(technique!)) return name;
+  return [say(technique!), ...places.map((place) => (place === "to" ? say(place) : place))].join(" ");
 }
 
 export function applyLanguage(): void {

@@ -145,7 +145,7 @@ void add_plan(py::module_& module) {
           },
           "In the order of their steps.")
       .def_property_readonly(
-          "notes", [](const record::PlanFile& self) { return self.plan.notes; },
+          "notes", [](const record::PlanFile& self) { return words_of(self.plan.notes); },
           "Sentences for people: which force was lowered, which path bent, cut or left out, and "
           "why.")
       .def(

@@ -112,7 +112,8 @@ Given given_of(app::SessionResult& result, std::string json) {
     const auto& path = session.ready.plan.paths[static_cast<std::size_t>(done.path)].path;
     given.contacts.push_back({done, path.name});
   }
-  for (const session::Stop& stop : session.stops) given.stops.push_back(session::explain(stop));
+  for (const session::Stop& stop : session.stops)
+    given.stops.push_back(session::explain(stop).words);
   for (const telemetry::TraceRow& row : result.truth.trace) given.trace[row.arm].push_back(row);
   return given;
 }

@@ -124,7 +124,7 @@ record::PlanFile some_plan() {
   record::PlanFile file;
   file.plan.programme = "mine";
   file.plan.zones_touched = {"muscle"};
-  file.plan.notes = {"press BL47_L: 22.0 N lowered to 13.0 N (ribs)"};
+  file.plan.notes = {{.words = "press BL47_L: 22.0 N lowered to 13.0 N (ribs)"}};
   massage::PlannedPath planned;
   planned.path.name = "press BL47_L";
   planned.path.acupoints = {"BL47_L"};

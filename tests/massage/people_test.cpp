@@ -98,9 +98,9 @@ void lay_programmes_on(const sim::Person& person, std::uint64_t seed) {
     REQUIRE_MESSAGE(plan.has_value(), test::reason(plan));
     CHECK(plan->min_tool_distance_m >= closest_tools_m);
     // Of twenty minutes all over the back a path may fall to the zones of one person, not more.
-    const auto left_out =
-        std::count_if(plan->notes.begin(), plan->notes.end(),
-                      [](const std::string& note) { return note.find("left out") != note.npos; });
+    const auto left_out = std::count_if(
+        plan->notes.begin(), plan->notes.end(),
+        [](const Sentence& note) { return note.words.find("left out") != std::string::npos; });
     CHECK(left_out <= (shipped.name == "full_back_20min" ? 2 : 0));
     for (const PlannedPath& planned : plan->paths) {
       CAPTURE(planned.path.name);

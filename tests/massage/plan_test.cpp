@@ -30,8 +30,9 @@ Programme programme_of(const std::string& parts) {
 }
 
 bool noted(const Plan& plan, const char* what) {
-  return std::any_of(plan.notes.begin(), plan.notes.end(),
-                     [&](const std::string& note) { return note.find(what) != std::string::npos; });
+  return std::any_of(plan.notes.begin(), plan.notes.end(), [&](const Sentence& note) {
+    return note.words.find(what) != std::string::npos;
+  });
 }
 
 }  // namespace

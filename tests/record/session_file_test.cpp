@@ -24,12 +24,12 @@ TEST_CASE("a session that is written is the session that is read, and what is am
   file.massage.performed = {{.name = "press GV4",
                              .contact_fault = "none",
                              .programme_n = 22.0,
-                             .lowered_by = "GV4",
+                             .lowered_by = sentence("by_zone", "{}", "GV4"),
                              .ordered_n = 8.0,
                              .given_n = 7.1,
-                             .why = "the tool did not reach it"}};
+                             .why = sentence("why_too_short", "the tool did not reach it")}};
   file.tissue = {{.name = "GV4", .truth = TangentTissue{4.5, 250.0}, .mapped = true}};
-  file.stops = {{9.25, "left arm: the force is too large"}};
+  file.stops = {{9.25, sentence("stopped_arm_by", "{} arm: {}", "left", "force over the trip")}};
   file.devices = DeviceRecord{.arms = "armlink", .pace = "real", .traffic = {}, .truth_missed = 2};
   file.devices->traffic[Arm::right] = {.cycles = 900,
                                        .lost = 3,
@@ -41,6 +41,8 @@ TEST_CASE("a session that is written is the session that is read, and what is am
   REQUIRE_MESSAGE(again.has_value(), test::reason(again));
   CHECK(to_json(*again) == text);
   CHECK(again->order.commands == file.order.commands);
+  CHECK(again->stops[0].cause == file.stops[0].cause);
+  CHECK(again->massage.performed[0].why == file.massage.performed[0].why);
   CHECK(again->base_from_couch.isApprox(file.base_from_couch));
   REQUIRE(again->devices.has_value());
   CHECK(again->devices->traffic[Arm::right].lost == 3);

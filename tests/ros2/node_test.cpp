@@ -14,6 +14,7 @@
 #include "tuina/ros2/names.hpp"
 #include "tuina/ros2/type_hash.hpp"
 #include "tuina/telemetry/mcap/cdr.hpp"
+#include "tuina/telemetry/mcap/ros_diagnostics.hpp"
 #include "tuina/telemetry/mcap/ros_schema.hpp"
 
 using namespace tuina;
@@ -67,6 +68,12 @@ std::string without_padding(std::string received, std::size_t size) {
   return received;
 }
 
+session::Tick stopped_at_once() {
+  session::Tick tick = test::tick_at(0);
+  tick.stopped = {.cause = safety::Cause::asked_to};
+  return tick;
+}
+
 void check_rviz(const Kept& kept) {
   // RViz is told to show nothing that nobody publishes.
   const std::string rviz =
@@ -78,6 +85,13 @@ void check_rviz(const Kept& kept) {
     CHECK(kept.written.contains(rviz.substr(first, rviz.find('\n', first) - first)));
   }
   CHECK(shown == 6);
+}
+
+void check_stopped(const std::string& diagnostics) {
+  const auto how = ros::from_cdr<ros::DiagnosticArray>(diagnostics);
+  REQUIRE(how.has_value());
+  CHECK(how->status.back().name == "tuina: session");
+  CHECK(how->status.back().level == ros::DiagnosticStatus::error);
 }
 
 record::ChannelDescription cloud_channel() {
@@ -107,8 +121,10 @@ TEST_CASE("another DDS hears a session byte for byte: every topic, its type and 
   record::SessionChannels session(
       kept,
       {.version = "0", .answered_by = "somebody", .robot = robot::load_robot("thesis").value()});
+  const scanner::LiveProfile line{.points_in_couch = {Vector3(0.1, 0.2, 0.5)}};
+  session.on_profile(line);
   test::tell_beginning(session);
-  session.on_tick(test::tick_at(0));
+  session.on_tick(stopped_at_once());
   const auto before = kept.written;
 
   FastDdsPeer peer(domain);
@@ -125,10 +141,11 @@ TEST_CASE("another DDS hears a session byte for byte: every topic, its type and 
   }
   const std::size_t readers = kept.described.size() + 1;  // the clock's too
   REQUIRE(comes_true([&] { return node->traffic().readers == readers; }));
-  constexpr std::uint64_t count = 400;
+  constexpr std::uint64_t count = 1200;
+  session.on_profile(line);
   for (std::uint64_t ms = 1; ms < count; ++ms) session.on_tick(test::tick_at(ms));
 
-  CHECK(kept.described.size() >= 15);
+  CHECK(kept.described.size() >= 17);
   check_rviz(kept);
   CHECK(node->traffic().first_fault == "");
   CHECK(node->traffic().dropped == 0);
@@ -149,9 +166,11 @@ TEST_CASE("another DDS hears a session byte for byte: every topic, its type and 
       REQUIRE(without_padding(heard[i], sent.size()) == sent);
     }
   }
+  CHECK(peer.messages("rt/profile").size() == 1);
+  check_stopped(peer.messages("rt/diagnostics").back());
   CHECK(peer.messages("rt/joint_states").size() == count - 1);
   CHECK(ros::from_cdr<ros::JointState>(peer.messages("rt/joint_states").back())->name.size() == 13);
-  CHECK(ros::from_cdr<ros::Clock>(peer.messages("rt/clock").back())->clock.nanosec == 390'000'000);
+  CHECK(ros::from_cdr<ros::Clock>(peer.messages("rt/clock").back())->clock.nanosec == 190'000'000);
 }
 
 TEST_CASE("what a session latched is given to nobody in the next, whose clock begins anew") {

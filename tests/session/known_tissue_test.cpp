@@ -89,14 +89,14 @@ TEST_CASE("tissue felt earlier counts for the same person in the same position")
   const Recognised same = recognised(known, BodyPosture::prone, now);
   REQUIRE(same.places.size() == 5);
   CHECK(same.places[0].log_sd == doctest::Approx(0.08).scale(1e-6));
-  CHECK(same.note.find("5 of 5 places") != std::string::npos);
+  CHECK(same.note.words.find("5 of 5 places") != std::string::npos);
 
   CHECK(recognised(known, BodyPosture::sitting, now).places.empty());
-  CHECK(recognised(known, BodyPosture::sitting, now).note.find("prone") != std::string::npos);
+  CHECK(recognised(known, BodyPosture::sitting, now).note.words.find("prone") != std::string::npos);
   CHECK(recognised({}, BodyPosture::prone, now).note.empty());
   const Recognised few = recognised(known, BodyPosture::prone, std::span(now).first(2));
   CHECK(few.places.empty());
-  CHECK(few.note.find("3 are needed") != std::string::npos);
+  CHECK(few.note.words.find("3 are needed") != std::string::npos);
 }
 
 TEST_CASE("a place that lies a little aside is less sure, one that lies far aside is not known") {
@@ -114,7 +114,7 @@ TEST_CASE("a place that lies a little aside is less sure, one that lies far asid
   now[2].at_in_couch.x() += 20_mm;
   const Recognised other = recognised(known, BodyPosture::prone, now);
   CHECK(other.places.empty());
-  CHECK(other.note.find("lie otherwise") != std::string::npos);
+  CHECK(other.note.words.find("lie otherwise") != std::string::npos);
 }
 
 TEST_CASE("a press holds, differs or cannot tell, and what is no number never holds") {

@@ -242,7 +242,7 @@ TEST_CASE("an arm that does not stand where its plan begins stays there, and the
   const session::Stop& stop = room->massage.stops().front();
   CHECK(stop.arm == Arm::left);
   CHECK(stop.cause == safety::Cause::not_as_planned);
-  CHECK(session::explain(stop) ==
+  CHECK(session::explain(stop).words ==
         "left arm: does not stand as planned: joint 4 is 30 degrees off, 20 are allowed");
   CHECK(time_s < 10.0);
   CHECK(room->massage.performed().empty());

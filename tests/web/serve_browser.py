@@ -41,6 +41,15 @@ class Visit:
             .filter((one) => one.offsetParent && (one.offsetWidth < 44 || one.offsetHeight < 44)).map((one) => one.outerHTML.slice(0, 80))""")
         expect(f"{where}: too small for a finger {small}", not small)
 
+    def judge_chinese(self, view):
+        """No line with three Latin words is to be read, and no page within the page, whose words nobody translates. What has
+        a digit or a line below in it is a name."""
+        left = self.tab.see("""document.body.innerText.split("\\n").filter((line) =>
+            (line.match(/(?<!\\w)[A-Za-z]{2,}(?!\\w)/g) ?? []).filter((word) => word !== "mm").length >= 3)""")
+        expect(f"{self.name}, {view}: words left in English {left}", not left)
+        expect(f"{self.name}, {view}: a page within the page", not self.tab.see("document.querySelectorAll('iframe').length"))
+        self.judge(view)
+
     def ended(self):
         expect(f"{self.name}: scripts complain {self.tab.errors}", not self.tab.errors)
         self.tab.close()
@@ -291,31 +300,36 @@ def by_touch(server, watcher, axe, pictures):
         tab.touch("#another")
     tab.touch("#language")
     expect("Chinese", tab.until("document.documentElement.lang === 'zh-Hant'"))
-    visit.judge("choose")
+    visit.judge_chinese("choose")
     english = tab.see("""[...document.querySelectorAll("button, h1, legend, .pills label")].map((one) => one.textContent)
         .filter((words) => /[a-z]{4}/.test(words) && words !== "English")""")
     expect(f"words left in English {english}", not english)
+    tab.touch("label:has(#intensity_5)")  # more than zones bear, so that notes say what was lowered
     tab.touch("#next")
     for question in tab.see("[...document.querySelectorAll('.ask input[value=no]')].map((one) => one.id)"):
         tab.touch(f"label:has([id='{question}'])")
     tab.touch("#answered_by")
     tab.call("Input.insertText", text="林")
-    visit.judge("health")
+    visit.judge_chinese("health")
     tab.touch("#scan")
     expect("review", tab.until("!!document.querySelector('#arm')", 120))
-    visit.judge("review")
+    notes = tab.see("""[...document.querySelectorAll(".card:last-child .note")].map((one) => one.textContent)""")
+    expect(f"what was changed is said {notes}", any("降為" in note for note in notes))
+    visit.judge_chinese("review")
     drawn_by_finger(watcher, tab)
     tab.touch("#arm", hold_s=2.6)
     expect("massage", tab.until("!!document.querySelector('#softer')"))
-    visit.judge("massage")
+    visit.judge_chinese("massage")
     tab.touch("#stop")
     expect("report", tab.until("!!document.querySelector('#another')", 60))
-    visit.judge("report")
+    visit.judge_chinese("report")
+    said = tab.see("document.querySelector('#said').innerText")
+    expect(f"what happened is said {said}", "有人要求停止" in said)
     tab.touch("#look_back")
     expect("it plays", tab.until("!!document.querySelector('#when')", 60))
     tab.touch("#when")
     expect(f"a finger in the middle of the slider: {at_s(tab)}", at_s(tab) > 0.0)
-    visit.judge("play")
+    visit.judge_chinese("play")
     visit.ended()
 
 

@@ -49,7 +49,7 @@ def changed_by_hand(server, page):
         expect("another review", page.until(lambda: page.state["reviews"] == before + 1, 20))
         expect(f"refused {page.state['words']!r}", bool(page.state["words"]) == refused)
     noted = json.loads(server.ask("/api/plan", Cookie=page.cookie)[2])["notes"]
-    expect(f"the plan says so {noted}", any(note.startswith("GV4 was put by hand 6 mm") for note in noted))
+    expect(f"the plan says so {noted}", any(note["words"].startswith("GV4 was put by hand 6 mm") for note in noted))
 
 
 def session(folder, number):
@@ -102,7 +102,7 @@ def looked_back(server, page, number):
     expect("an arm moves", told["frames"][0]["arms"][0]["links"][-1] != told["frames"][-1]["arms"][0]["links"][-1])
     peaks = [max(row[i] for row in told["forces"]) for i in (2, 4)]
     expect(f"forces were felt {peaks}", max(peaks) > 5.0)
-    expect("what was performed", [(one["path"], one["why"]) for one in told["performed"]]
+    expect("what was performed", [(one["path"], one["why"]["words"]) for one in told["performed"]]
            == [(one["path"], one["why"] or "") for one in left["massage"]["performed"]])
     expect("what was commanded", [one["name"] for one in told["events"] if one["what"] == "command"]
            == [one["command"] for one in left["commands"]])

@@ -107,24 +107,35 @@ std::string day_and_time(const std::string& stamp) {
   return stamp.substr(0, 10) + " " + stamp.substr(11, 5);
 }
 
+std::vector<Sentence> sentences_of(const LastChange& change) {
+  const std::string since = day_and_time(change.before->began);
+  std::vector<Sentence> said;
+  for (const bool softer : {true, false}) {
+    std::string spoken, named;
+    for (const PlaceChange& place : change.changes.places) {
+      if (!place.real || (place.change < 0.0) != softer) continue;
+      const std::string by = fmt::format(" ({:+.0f} %)", 100.0 * place.change);
+      spoken += (spoken.empty() ? "" : ", ") + telemetry::figures::spoken(place.name) + by;
+      named += (named.empty() ? "" : ", ") + place.name + by;
+    }
+    if (named.empty()) continue;
+    said.push_back(
+        {.words = fmt::format("{} since {}: {}.", softer ? "Softer" : "Harder", since, spoken),
+         .key = softer ? "changed_softer" : "changed_harder",
+         .values = {since, named}});
+  }
+  if (said.empty()) {
+    said.push_back(sentence(
+        "changed_nothing", "No change that could be told from chance at any of {} places since {}.",
+        change.changes.places.size(), since));
+  }
+  return said;
+}
+
 std::string sentence_of(const LastChange& change) {
-  std::string softer, harder;
-  for (const PlaceChange& place : change.changes.places) {
-    if (!place.real) continue;
-    std::string& list = place.change < 0.0 ? softer : harder;
-    list += fmt::format("{}{} ({:+.0f} %)", list.empty() ? "" : ", ",
-                        telemetry::figures::spoken(place.name), 100.0 * place.change);
-  }
-  const std::string since = "since " + day_and_time(change.before->began);
-  if (softer.empty() && harder.empty()) {
-    return fmt::format("No change that could be told from chance at any of {} places {}.",
-                       change.changes.places.size(), since);
-  }
-  std::string sentence;
-  if (!softer.empty()) sentence = fmt::format("Softer {}: {}.", since, softer);
-  if (!harder.empty())
-    sentence += fmt::format("{}Harder {}: {}.", sentence.empty() ? "" : " ", since, harder);
-  return sentence;
+  std::string text;
+  for (const Sentence& one : sentences_of(change)) text += (text.empty() ? "" : " ") + one.words;
+  return text;
 }
 
 std::string to_json(const PersonHistory& person) {

@@ -32,6 +32,8 @@ struct LastChange {
 
 /// One sentence: which places have really changed, or that none has.
 [[nodiscard]] std::string sentence_of(const LastChange& change);
+/// The same as sentences that can be said in another language.
+[[nodiscard]] std::vector<Sentence> sentences_of(const LastChange& change);
 
 /// One JSON object; a number that is not known is null.
 [[nodiscard]] std::string to_json(const PersonHistory& person);

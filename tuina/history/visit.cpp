@@ -48,7 +48,7 @@ Visit visit_of(const record::SessionFile& file, const std::filesystem::path& fol
               .force_rmse_n = file.massage.force.rmse_n,
               .force_peak_n = file.massage.force.peak_n,
               .stops = static_cast<std::int64_t>(file.stops.size()),
-              .stop_cause = file.stops.empty() ? "" : file.stops.front().cause,
+              .stop_cause = file.stops.empty() ? "" : file.stops.front().cause.words,
               .consent_by = file.answered_by,
               .said = file.order.said ? record::to_json(*file.order.said) : "",
               .intensity = file.massage.intensity,

@@ -47,10 +47,10 @@ std::optional<double> PathLayer::hand_over_hand_s(const Part& part, std::span<co
   }
   if (laid.size() == 2 && nearest_m >= closest_tools_m) return pass_s;
   name_ = fmt::format("{} {}", name_of(part.technique), lines.front().name);
-  note(
-      "hand after hand, not hand over hand: the tools would come within {:.0f} mm, {:.0f} are "
-      "needed",
-      to_mm(nearest_m), to_mm(closest_tools_m));
+  note("note_hand_after_hand",
+       "hand after hand, not hand over hand: the tools would come within {:.0f} mm, {:.0f} are "
+       "needed",
+       to_mm(nearest_m), to_mm(closest_tools_m));
   return std::nullopt;
 }
 
@@ -59,7 +59,8 @@ Result<std::optional<WaitingPath>> PathLayer::lay(const Part& part, const Target
   name_ = fmt::format("{} {}", name_of(part.technique), target.name);
   for (const Acupoint& point : target.points) {
     if (point.uncertainty_m <= max_uncertainty_m) continue;
-    note("left out, the place of {} is known to {:.0f} mm only, {:.0f} mm at most are allowed",
+    note("note_place_unsure",
+         "left out, the place of {} is known to {:.0f} mm only, {:.0f} mm at most are allowed",
          point.name, to_mm(point.uncertainty_m), to_mm(max_uncertainty_m));
     return std::optional<WaitingPath>{};
   }
@@ -67,7 +68,7 @@ Result<std::optional<WaitingPath>> PathLayer::lay(const Part& part, const Target
       slides(part.technique) ? lay_sliding(part, target, pass_s) : lay_standing(part, target);
   if (!waiting && waiting.error().fault == Fault::not_found) {
     // The scan ends before the path does; the rest of the programme can still be given.
-    note("left out, {}", waiting.error().message);
+    note("note_beyond_scan", "left out, {}", waiting.error().message);
     return std::optional<WaitingPath>{};
   }
   if (!waiting) {
@@ -98,9 +99,9 @@ PathLayer::MaybePath PathLayer::lay_standing(const Part& part, const Target& tar
     const double time_s = std::min(part.time_s.value_or(4.0), max_s);
     const double strongest_n = strongest_tap_n(part.rate_hz);
     if (force_n > strongest_n) {
-      note("{:.1f} N lowered to {:.1f} N, the most at {} taps a second", force_n, strongest_n,
-           part.rate_hz);
-      path.lowered_by = fmt::format("{} taps a second", part.rate_hz);
+      note("note_taps_lowered", "{:.1f} N lowered to {:.1f} N, the most at {} taps a second",
+           force_n, strongest_n, part.rate_hz);
+      path.lowered_by = sentence("by_taps", "{} taps a second", part.rate_hz);
     }
     path.path =
         plan_tap(*place, {.force_n = force_n, .rate_hz = part.rate_hz, .time_s = time_s}, name_);
@@ -128,12 +129,12 @@ ContactPath PathLayer::pressed(const body::SurfacePoint& place, const Part& part
     path = plan_press(place, press, name_);
   }
   if (press.repeats < wanted) {
-    note("{} instead of {} presses, {} bears {:.0f} s of contact", press.repeats, wanted,
-         name_of(zone), max_duration_s);
+    note("note_fewer_presses", "{} instead of {} presses, {} bears {:.0f} s of contact",
+         press.repeats, wanted, name_of(zone), max_duration_s);
   }
   if (press.window.hold_s < part.hold_s) {
-    note("held for {:.1f} s instead of {:.1f} s, {} bears {:.0f} s of contact", press.window.hold_s,
-         part.hold_s, name_of(zone), max_duration_s);
+    note("note_held_shorter", "held for {:.1f} s instead of {:.1f} s, {} bears {:.0f} s of contact",
+         press.window.hold_s, part.hold_s, name_of(zone), max_duration_s);
   }
   return path;
 }
@@ -150,13 +151,14 @@ PathLayer::MaybePath PathLayer::lay_sliding(const Part& part, const Target& targ
   const bool strokes = part.technique == Technique::stroke;
   auto curve = strokes ? line(part, target, bend) : circle(part, target, bend);
   if (!curve) return tl::unexpected(curve.error());
-  if (bent_m > 1_mm) note("bent by up to {:.0f} mm around what must not be touched", to_mm(bent_m));
+  if (bent_m > 1_mm)
+    note("note_bent", "bent by up to {:.0f} mm around what must not be touched", to_mm(bent_m));
 
   ZoneWalk zones = walk(*curve, zones_, part.technique);
   if (zones.denied != Zone::muscle) {
     const double kept_m = zones.to_m - zones.from_m;
     if (!strokes || kept_m < min_stroke_m) return left_out(zones.denied);
-    note("cut from {:.0f} to {:.0f} mm at {}", to_mm(curve->length_m()), to_mm(kept_m),
+    note("note_cut", "cut from {:.0f} to {:.0f} mm at {}", to_mm(curve->length_m()), to_mm(kept_m),
          name_of(zones.denied));
     curve = stretch_of(*curve, zones.from_m, zones.to_m);
     zones = walk(*curve, zones_, part.technique);
@@ -209,8 +211,8 @@ int PathLayer::repeats_of(const Part& part, double one_s, Zone zone) {
   if (part.repeats) wanted = *part.repeats;
   if (part.time_s) wanted = std::max(1.0, std::round(*part.time_s / one_s));
   if (wanted > most) {
-    note("{:.0f} instead of {:.0f} times, {:.0f} s are allowed at one place", most, wanted,
-         max_duration_s);
+    note("note_fewer_times", "{:.0f} instead of {:.0f} times, {:.0f} s are allowed at one place",
+         most, wanted, max_duration_s);
   }
   return static_cast<int>(std::min(wanted, most));
 }
@@ -295,20 +297,26 @@ WaitingPath PathLayer::waiting(const Part& part, Zone zone, bool perhaps_spine) 
                    .cap_n = cap_of(part.technique, zone, perhaps_spine),
                    .programme_n = part.force_n * force_scale_};
   if (path.cap_n > 0.0 && path.programme_n > path.cap_n) {
-    path.lowered_by = fmt::format("{}{}", name_of(zone), perhaps_spine ? ", perhaps spine" : "");
-    note("{:.1f} N lowered to {:.1f} N ({})", path.programme_n, path.cap_n, path.lowered_by);
+    path.lowered_by = perhaps_spine
+                          ? sentence("by_zone_perhaps_spine", "{}, perhaps spine", name_of(zone))
+                          : sentence("by_zone", "{}", name_of(zone));
+    note(perhaps_spine ? "note_lowered_perhaps_spine" : "note_lowered",
+         "{:.1f} N lowered to {:.1f} N ({})", path.programme_n, path.cap_n, path.lowered_by.words);
+    notes_.back().values.back() = name_of(zone);
   }
   return path;
 }
 
 PathLayer::MaybePath PathLayer::left_out(Zone zone) {
-  note("left out, it may not be done on {}", name_of(zone));
+  note("note_zone_denied", "left out, it may not be done on {}", name_of(zone));
   return std::optional<WaitingPath>{};
 }
 
 template <typename... Args>
-void PathLayer::note(fmt::format_string<Args...> format, Args&&... args) {
-  notes_.push_back(name_ + ": " + fmt::format(format, std::forward<Args>(args)...));
+void PathLayer::note(const char* key, fmt::format_string<Args...> words, const Args&... args) {
+  Sentence& added = notes_.emplace_back(sentence(key, words, args...));
+  added.words = name_ + ": " + added.words;
+  added.values.insert(added.values.begin(), name_);
 }
 
 }  // namespace tuina::massage

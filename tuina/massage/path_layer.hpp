@@ -33,7 +33,7 @@ class PathLayer {
   /// Zones that a path so far has touched.
   [[nodiscard]] const std::set<Zone>& touched() const { return touched_; }
   /// Sentences for people: what was not done as ordered, and why.
-  [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }
+  [[nodiscard]] const std::vector<Sentence>& notes() const { return notes_; }
 
  private:
   using MaybePath = Result<std::optional<WaitingPath>>;
@@ -56,7 +56,7 @@ class PathLayer {
   [[nodiscard]] WaitingPath waiting(const Part& part, Zone zone, bool perhaps_spine);
   [[nodiscard]] MaybePath left_out(Zone zone);
   template <typename... Args>
-  void note(fmt::format_string<Args...> format, Args&&... args);
+  void note(const char* key, fmt::format_string<Args...> words, const Args&... args);
 
   const body::BackSurface& back_;
   const BackChart& chart_;
@@ -65,7 +65,7 @@ class PathLayer {
   double force_scale_;
   std::string name_;  // name of the path being laid
   std::set<Zone> touched_;
-  std::vector<std::string> notes_;
+  std::vector<Sentence> notes_;
 };
 
 }  // namespace tuina::massage

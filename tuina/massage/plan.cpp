@@ -43,8 +43,7 @@ double min_tool_distance_m(const std::vector<PlannedPath>& paths) {
 
 /// The points whose place is known less well than a press tolerates, in one sentence; each is
 /// pressed all the same, where the map has it.
-std::string doubtful_places(std::span<const Acupoint> acupoints,
-                            std::span<const PlannedPath> paths) {
+Sentence doubtful_places(std::span<const Acupoint> acupoints, std::span<const PlannedPath> paths) {
   std::vector<std::string> doubtful;
   for (const Acupoint& point : acupoints) {
     const bool pressed = std::any_of(paths.begin(), paths.end(), [&](const PlannedPath& planned) {
@@ -55,10 +54,10 @@ std::string doubtful_places(std::span<const Acupoint> acupoints,
       doubtful.push_back(fmt::format("{} {:.0f} mm", point.name, to_mm(point.uncertainty_m)));
   }
   if (doubtful.empty()) return {};
-  return fmt::format(
-      "the tool covers {:.0f} mm, and the places of these points are known less well "
-      "than that (95 %): {}",
-      to_mm(contact_radius_m), fmt::join(doubtful, ", "));
+  return sentence("note_places_unsure",
+                  "the tool covers {:.0f} mm, and the places of these points are known less well "
+                  "than that (95 %): {}",
+                  to_mm(contact_radius_m), fmt::format("{}", fmt::join(doubtful, ", ")));
 }
 
 bool other_side_of(const ContactPath& one, const ContactPath& other) {
@@ -122,7 +121,7 @@ Result<Plan> plan(const body::BackSurface& back, std::span<const Acupoint> acupo
   }
   if (waiting.empty()) {
     return fail(Fault::not_found, "nothing of the programme {} may be done on this back: {}",
-                programme.name, listed(layer.notes(), "; "));
+                programme.name, listed(words_of(layer.notes()), "; "));
   }
   Plan result;
   result.programme = programme.name;
@@ -134,7 +133,7 @@ Result<Plan> plan(const body::BackSurface& back, std::span<const Acupoint> acupo
   result.min_tool_distance_m = min_tool_distance_m(result.paths);
   for (const Zone zone : layer.touched()) result.zones_touched.emplace_back(name_of(zone));
   result.notes = layer.notes();
-  if (std::string doubt = doubtful_places(acupoints, result.paths); !doubt.empty())
+  if (Sentence doubt = doubtful_places(acupoints, result.paths); !doubt.empty())
     result.notes.push_back(std::move(doubt));
   return result;
 }

@@ -8,6 +8,7 @@
 #include "tuina/body/back_surface.hpp"
 #include "tuina/core/acupoint.hpp"
 #include "tuina/core/result.hpp"
+#include "tuina/core/sentence.hpp"
 #include "tuina/massage/programme.hpp"
 #include "tuina/massage/schedule.hpp"
 
@@ -21,7 +22,7 @@ struct Plan {
   double min_tool_distance_m = 0.0;  ///< Least distance of paths of one step; 0 if none has two.
   std::vector<std::string> zones_touched;  ///< Names, from the least to the most restricted.
   /// Sentences for people: which force was lowered, which path bent, cut or left out, and why.
-  std::vector<std::string> notes;
+  std::vector<Sentence> notes;
 };
 
 /// What bounds a plan besides the zones.

@@ -7,6 +7,7 @@
 
 #include "tuina/core/arm.hpp"
 #include "tuina/core/contact.hpp"
+#include "tuina/core/sentence.hpp"
 #include "tuina/massage/zones.hpp"
 
 namespace tuina::massage {
@@ -17,7 +18,7 @@ struct WaitingPath {
   Zone zone = Zone::muscle;  ///< Strictest zone that the path touches.
   double cap_n = 0.0;
   double programme_n = 0.0;  ///< Largest force that the programme asks for.
-  std::string lowered_by;    ///< What bears less than that; empty: nothing.
+  Sentence lowered_by;       ///< What bears less than that; empty: nothing.
   std::optional<Arm> arm;    ///< Empty where either arm may do it, as on the spine.
   bool together = true;
   int part = 0;  ///< Part of the programme; only paths of one part run at the same time.
@@ -34,7 +35,7 @@ struct PlannedPath {
   Zone zone = Zone::muscle;
   double cap_n = 0.0;        ///< Largest force that may be asked for here.
   double programme_n = 0.0;  ///< Largest force that the programme asks for.
-  std::string lowered_by;    ///< What bears less than that; empty: nothing.
+  Sentence lowered_by;       ///< What bears less than that; empty: nothing.
 
   [[nodiscard]] double end_s() const { return start_s + path.duration_s(); }
   [[nodiscard]] double ordered_n() const;  ///< Largest force of the path, all limits regarded.

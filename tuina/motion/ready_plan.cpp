@@ -141,7 +141,7 @@ Result<ReadyPlan> make_ready(massage::Plan plan, const body::BackSurface& back,
   }
   ready.plan.paths = std::move(best->paths);
   ready.plan.duration_s = best->end_s;
-  for (std::string& note : best->notes) ready.plan.notes.push_back(std::move(note));
+  for (Sentence& note : best->notes) ready.plan.notes.push_back(std::move(note));
   ready.jobs = std::move(best->jobs);
   ready.min_arm_distance_m = best->min_arm_distance_m;
   ready.clear = best->clear;

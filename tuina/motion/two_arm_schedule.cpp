@@ -62,8 +62,9 @@ massage::PlannedPath TwoArmSchedule::bearable(const massage::PlannedPath& planne
   if (planned_n <= max_n) return path;
   for (ContactPoint& point : path.path.points) point.force_n = std::min(point.force_n, max_n);
   lowered_n += planned_n - max_n;
-  path.lowered_by = fmt::format("an arm that is felt as {:.1f} kg", mass_kg);
-  std::string note = fmt::format(
+  path.lowered_by = sentence("by_mass", "an arm that is felt as {:.1f} kg", mass_kg);
+  Sentence note = sentence(
+      "note_arm_too_heavy",
       "{}: {:.0f} N instead of {:.0f} N: the arm is felt as {:.1f} kg there, too heavy for a "
       "person who starts up",
       path.path.name, max_n, planned_n, mass_kg);
@@ -154,7 +155,8 @@ void TwoArmSchedule::plan_single(Arm arm, const massage::PlannedPath& planned) {
   }
   if (!move) {
     ++left_out;
-    notes.push_back(fmt::format("{} is left out: {}", planned.path.name, move.error().message));
+    notes.push_back(sentence("note_out_of_reach", "{} is left out: {}", planned.path.name,
+                             move.error().message));
     return;
   }
   const auto beside_m = [&](const JointPath& of_idle) {
@@ -186,8 +188,9 @@ void TwoArmSchedule::plan_single(Arm arm, const massage::PlannedPath& planned) {
   }
   if (apart < closest_arm_distance_m) {
     ++left_out;
-    notes.push_back(fmt::format("{} is left out: the arms would come within {:.0f} mm",
-                                planned.path.name, to_mm(apart)));
+    notes.push_back(sentence("note_arms_too_close",
+                             "{} is left out: the arms would come within {:.0f} mm",
+                             planned.path.name, to_mm(apart)));
     return;
   }
   min_arm_distance_m = std::min(min_arm_distance_m, apart);
@@ -198,11 +201,11 @@ void TwoArmSchedule::add_step(PerArm<Planned> planned) {
   const bool both = planned[Arm::left] != nullptr && planned[Arm::right] != nullptr;
   if (both) {
     if (plan_pair(planned)) return;
-    notes.push_back(
-        fmt::format("{} and {} run one after the other: the arms would come within "
-                    "{:.0f} mm of each other",
-                    planned[Arm::left]->path.name, planned[Arm::right]->path.name,
-                    to_mm(wanted_arm_distance_m)));
+    notes.push_back(sentence("note_one_after_the_other",
+                             "{} and {} run one after the other: the arms would come within "
+                             "{:.0f} mm of each other",
+                             planned[Arm::left]->path.name, planned[Arm::right]->path.name,
+                             to_mm(wanted_arm_distance_m)));
   }
   for (const Arm arm : both_arms) {
     if (planned[arm] != nullptr) plan_single(arm, *planned[arm]);

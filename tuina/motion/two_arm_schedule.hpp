@@ -26,7 +26,7 @@ class TwoArmSchedule {
   /// Paths that are kept, with their new steps and times, and the jobs of each arm in order.
   std::vector<massage::PlannedPath> paths;
   PerArm<std::vector<ArmJob>> jobs;
-  std::vector<std::string> notes;
+  std::vector<Sentence> notes;
   double min_arm_distance_m;  ///< for any timing within a step
   robot::Clearances clear;    ///< minimum distances of both arms from couch and robot body
   double end_s;               ///< nominal end of the last job

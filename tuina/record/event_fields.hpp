@@ -44,12 +44,12 @@ struct PlanEvent {
   std::string programme;
   std::size_t paths = 0;
   double duration_s = 0.0;
-  std::vector<std::string> notes;
+  std::vector<Sentence> notes;
   static constexpr auto fields = [](auto& visit, auto& it) {
     visit("programme", it.programme);
     visit("paths", it.paths);
     visit("duration_s", it.duration_s);
-    visit("notes", it.notes);
+    english_fields(visit, "notes", it.notes);
   };
 };
 

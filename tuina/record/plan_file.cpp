@@ -30,7 +30,7 @@ constexpr auto path_fields = [](auto& visit, auto& planned) {
   visit("zone", planned.zone);
   visit("cap_n", planned.cap_n);
   visit.maybe("programme_n", planned.programme_n, micro);
-  visit.maybe("lowered_by", planned.lowered_by);
+  visit.maybe("lowered_by", planned.lowered_by.words);
   visit.told("peak_n", planned.ordered_n(), micro);
   visit.list("points", planned.path.points, point_fields);
 };
@@ -46,7 +46,7 @@ constexpr auto plan_fields = [](auto& visit, auto& file) {
   visit("min_tool_distance_mm", plan.min_tool_distance_m, micro_mm);
   visit("rail_m", file.rail_m, micro);
   visit("zones_touched", plan.zones_touched);
-  visit("notes", plan.notes);
+  english_fields(visit, "notes", plan.notes);
   visit("compute_ms", file.compute_ms, micro_ms);
   visit.list("paths", plan.paths, path_fields);
 };

@@ -12,24 +12,36 @@ namespace {
 // Viewers draw poses, frames and the state of an arm no faster.
 constexpr std::uint64_t shown_every_ticks = 80;
 constexpr std::uint64_t state_every_ticks = 50;
+constexpr const char *profile_topic = "/profile", *scan_topic = "/scan";
 
 }  // namespace
 
-ScanChannel::ScanChannel(ChannelSink& sink)
+ScanChannels::ScanChannels(ChannelSink& sink)
     : sink_(sink),
-      channel_(sink.add_channel({.topic = "/scan",
+      profile_(sink.add_channel({.topic = profile_topic,
                                  .encoding = "cdr",
-                                 .schema = ros::schema_of<ros::PointCloud2>(),
-                                 .latched = true})) {}
+                                 .schema = ros::schema_of<ros::PointCloud2>()})),
+      scan_(sink.add_channel({.topic = scan_topic,
+                              .encoding = "cdr",
+                              .schema = ros::schema_of<ros::PointCloud2>(),
+                              .latched = true})) {}
 
-void ScanChannel::tell(const scanner::Scan& scan) {
+void ScanChannels::tell(const scanner::LiveProfile& profile) {
+  if (!profile.points_in_couch.empty()) write(profile_, {.points = profile.points_in_couch});
+}
+
+void ScanChannels::tell(const scanner::Scan& scan) {
+  write(scan_, scan.cloud_in_couch);
+}
+
+void ScanChannels::write(std::uint16_t channel, const PointCloud& cloud_in_couch) {
   std::string bytes;
-  ros::to_cdr(cloud_message(0.0, scan.cloud_in_couch), bytes);
-  sink_.write(channel_, 0, bytes);
+  ros::to_cdr(cloud_message(0.0, cloud_in_couch), bytes);
+  sink_.write(channel, 0, bytes);
 }
 
 SessionChannels::SessionChannels(ChannelSink& sink, const SessionStart& start)
-    : sink_(sink), robot_model_(start.robot) {
+    : sink_(sink), robot_model_(start.robot), diagnostics_(start.robot.name) {
   tell(channels_.order,
        OrderEvent{.seed = start.seed, .version = start.version, .order = start.order}, 0.0, true);
   tell(channels_.consent, ConsentEvent{.answered_by = start.answered_by}, 0.0, true);
@@ -70,19 +82,22 @@ void SessionChannels::tell(std::uint16_t& channel, const Event& event, double ti
 
 void SessionChannels::on_profile(const scanner::LiveProfile& profile) {
   if (profile.points_in_couch.empty()) return;
-  tell(channels_.profile, "/profile", cloud_message(time_s_, {.points = profile.points_in_couch}),
-       time_s_);
+  tell(channels_.profile, profile_topic,
+       cloud_message(time_s_, {.points = profile.points_in_couch}), time_s_);
 }
 
 void SessionChannels::on_scan(const scanner::Scan& scan) {
-  tell(channels_.scan, "/scan", cloud_message(time_s_, scan.cloud_in_couch), time_s_, true);
+  tell(channels_.scan, scan_topic, cloud_message(time_s_, scan.cloud_in_couch), time_s_, true);
+  diagnostics_.note_scan(scan);
 }
 
 void SessionChannels::on_map(const body::Mapping& map) {
   tell(channels_.acupoints, "/acupoints", acupoint_markers(time_s_, map.acupoints), time_s_, true);
   if (robot_) return;
-  robot_.emplace(
-      robot::place_robot(robot_model_, map.position, session::head_at_plus_y(map.acupoints)));
+  const auto placement =
+      robot::place_robot(robot_model_, map.position, session::head_at_plus_y(map.acupoints));
+  robot_.emplace(placement);
+  diagnostics_.note_place(placement);
   urdf_ = robot::to_urdf(robot_->description());
   tell(channels_.urdf, "/robot_description", ros::String{.data = urdf_}, time_s_, true);
 }
@@ -122,6 +137,8 @@ void SessionChannels::on_tick(const session::Tick& tick) noexcept {
   if (ticks_ % state_every_ticks == 0) tell_arms(tick);
   tell_guard(tick);
   tell_events(tick);
+  if (const ros::DiagnosticArray* due = diagnostics_.look(tick, missing_ms_))
+    tell(channels_.diagnostics, "/diagnostics", *due, time_s);
   ++ticks_;
 }
 
@@ -180,21 +197,24 @@ void SessionChannels::tell_events(const session::Tick& tick) {
                       .contact_fault = control::name_of(done.contact_fault),
                       .whole = done.whole},
          time_s);
-    if (done.felt)
-      tell(channels_.tissue, TissueEvent{.path = name_of_path(done.path).path, .felt = *done.felt},
-           time_s);
+    if (done.felt) {
+      const TissueEvent felt{.path = name_of_path(done.path).path, .felt = *done.felt};
+      tell(channels_.tissue, felt, time_s);
+      diagnostics_.note_tissue(felt);
+    }
   }
   if (tick.decided) {
     const session::Decision& made = *tick.decided;
-    tell(channels_.decisions,
-         DecisionEvent{{.time_s = made.time_s,
-                        .arm = made.arm,
-                        .path = name_of_path(made.path).path,
-                        .rule = made.rule,
-                        .reason = made.reason,
-                        .from_n = made.from_n,
-                        .to_n = made.to_n}},
-         time_s);
+    const DecisionEvent decision{{.time_s = made.time_s,
+                                  .arm = made.arm,
+                                  .path = name_of_path(made.path).path,
+                                  .rule = made.rule,
+                                  .reason = made.reason,
+                                  .key = made.key,
+                                  .from_n = made.from_n,
+                                  .to_n = made.to_n}};
+    tell(channels_.decisions, decision, time_s);
+    diagnostics_.note_decision(decision);
   }
   if (tick.stopped) {
     tell(channels_.stops,

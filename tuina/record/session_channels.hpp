@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tuina/record/channel_sink.hpp"
+#include "tuina/record/session_diagnostics.hpp"
 #include "tuina/record/session_file.hpp"
 #include "tuina/record/session_messages.hpp"
 #include "tuina/session/observer.hpp"
@@ -21,22 +22,25 @@ struct SessionStart {
   robot::RobotModel robot;
 };
 
-/// Tells a scan that belongs to no session, at time zero.
-class ScanChannel {
+/// Tells a scan that belongs to no session, at time zero: its lines as they come, then the cloud.
+class ScanChannels {
  public:
-  /// The sink must outlive it. Those who read it learn of it here.
-  explicit ScanChannel(ChannelSink& sink);
+  /// The sink must outlive it. Those who read it learn of both channels here.
+  explicit ScanChannels(ChannelSink& sink);
+  /// Writes a line of the laser, where it has seen anything.
+  void tell(const scanner::LiveProfile& profile);
   /// Writes the cloud of a scan.
   void tell(const scanner::Scan& scan);
 
  private:
+  void write(std::uint16_t channel, const PointCloud& cloud_in_couch);
   ChannelSink& sink_;
-  std::uint16_t channel_;
+  std::uint16_t profile_, scan_;
 };
 
 /// Tells a session as messages on channels (docs/record.md): joints, tools and their wrenches each
-/// millisecond, profiles of a scan and the scan, acupoints, plan, and what happens. A millisecond
-/// takes a microsecond here and what the sink takes.
+/// millisecond, profiles of a scan and the scan, acupoints, plan, and what happens; each second how
+/// the devices are. A millisecond takes a microsecond here and what the sink takes.
 class SessionChannels final : public session::Observer {
  public:
   /// The sink must outlive it, and hears of the order and of the consent here.
@@ -78,7 +82,7 @@ class SessionChannels final : public session::Observer {
   /// Channels are added when their first message comes; 0: not yet.
   struct Channels {
     std::uint16_t joints = 0, tools = 0, parts = 0, still = 0, profile = 0, scan = 0, acupoints = 0,
-                  plan = 0, urdf = 0;
+                  plan = 0, urdf = 0, diagnostics = 0;
     PerArm<std::uint16_t> wrench = {}, pose = {};
     std::uint16_t order = 0, consent = 0, planned = 0, arms = 0, contacts = 0, tissue = 0,
                   decisions = 0, stops = 0, commands = 0, guard = 0, gaps = 0;
@@ -88,6 +92,7 @@ class SessionChannels final : public session::Observer {
   robot::RobotModel robot_model_;
   Channels channels_;
   std::optional<RobotMessages> robot_;
+  SessionDiagnostics diagnostics_;
   std::string urdf_;
   std::vector<PathName> paths_;  ///< of the plan that is carried out
   std::string bytes_;            ///< of the message that is being written

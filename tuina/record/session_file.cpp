@@ -44,7 +44,7 @@ constexpr auto planned_fields = [](auto& visit, auto& plan) {
   visit("min_arm_distance_mm", plan.min_arm_distance_m, mm);
   surroundings_fields(visit, plan.clear);
   visit("zones_touched", plan.zones_touched);
-  visit("notes", plan.notes);
+  english_fields(visit, "notes", plan.notes);
 };
 
 constexpr auto performed_fields = [](auto& visit, auto& done) {
@@ -55,10 +55,14 @@ constexpr auto performed_fields = [](auto& visit, auto& done) {
   visit("end_s", done.end_s);
   visit("trouble", done.contact_fault);
   visit.maybe("programme_n", done.programme_n);
-  visit.maybe("lowered_by", done.lowered_by);
+  visit.maybe("lowered_by", done.lowered_by.words);
+  key_fields(visit, "lowered_by_said", done.lowered_by);
   visit.maybe("ordered_n", done.ordered_n);
   visit.maybe("given_n", done.given_n);
-  visit.maybe("why", done.why);
+  auto why = done.why.empty() ? std::nullopt : std::optional(done.why.words);
+  visit.maybe("why", why);
+  if constexpr (requires { done.why.words = *why; }) done.why.words = why.value_or("");
+  key_fields(visit, "why_said", done.why);
   visit("true_peak_n", done.true_peak_n);
   visit.maybe("true_over_trip_n", done.true_over_trip_n);
   visit.if_known("tool_to_acupoint_mm", done.tool_to_acupoint_m,
@@ -229,7 +233,10 @@ constexpr auto session_fields = [](auto& visit, auto& file) {
     inside("presses", file.condition_presses);
     inside.told("caution", "by the seven people of the thesis' Table 6-2, one of them a woman");
   });
-  visit.list("stops", file.stops, stop_fields);
+  visit.list("stops", file.stops, [](auto& inside, auto& stop) {
+    stop_fields(inside, stop);
+    key_fields(inside, "cause_said", stop.cause);
+  });
   visit.if_known("devices", file.devices, [](auto& of_file, auto& devices) {
     of_file.object("devices", [&](auto& inside) { device_fields(inside, devices); });
   });

@@ -67,12 +67,12 @@ struct PerformedEntry {
   double end_s = 0.0;
   std::string contact_fault;  ///< "none": it was carried out as planned
   double programme_n = 0.0;   ///< largest force that the programme asks for
-  std::string lowered_by;     ///< what bears less than that; empty: nothing
+  Sentence lowered_by;        ///< what bears less than that; empty: nothing
   double ordered_n = 0.0;     ///< largest force of the plan, which regards what is borne
   /// Largest force of a press or a tap; of what slides, the mean while all of it was asked for.
   double given_n = 0.0;
   double true_peak_n = 0.0;
-  std::optional<std::string> why;  ///< where the given force is more than 5 % off the ordered one
+  Sentence why;  ///< where the given force is more than 5 % off the ordered one
   double true_over_trip_n = -std::numeric_limits<double>::infinity();
   std::optional<double> tool_to_acupoint_m;  ///< known of a press of an acupoint
 };
@@ -119,7 +119,7 @@ struct SessionFile {
     double min_arm_distance_m = 0.0;
     robot::Clearances clear;
     std::vector<std::string> zones_touched;
-    std::vector<std::string> notes;
+    std::vector<Sentence> notes;
   };
   /// The massage in numbers: forces, distances and contacts.
   struct Massage {

@@ -1,6 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "tuina/core/sentence.hpp"
 #include "tuina/record/json_fields.hpp"
 
 /// Fields of what stands in the JSON of more than one file or command.
@@ -50,13 +56,35 @@ inline constexpr auto decision_fields = [](auto& visit, auto& made) {
   visit("path", made.path);
   visit("rule", made.rule);
   visit("reason", made.reason);
+  visit.maybe("key", made.key);  // versions that spoke English alone wrote none
   visit("from_n", made.from_n);
   visit("to_n", made.to_n);
 };
 
+/// Of a sentence whose English stands beside it: what says it in another language. Versions that
+/// spoke English alone wrote none.
+inline constexpr auto key_fields = [](auto& visit, const char* key, auto& sentence) {
+  constexpr bool writes = std::is_const_v<std::remove_reference_t<decltype(sentence)>>;
+  if (writes ? sentence.key.empty() : !visit.has(key)) return;
+  visit.object(key, [&](auto& inside) {
+    inside("key", sentence.key);
+    inside("values", sentence.values);
+  });
+};
+
+/// Sentences as a list of their English.
+inline constexpr auto english_fields = [](auto& visit, const char* key, auto& sentences) {
+  std::vector<std::string> words = words_of(sentences);
+  visit(key, words);
+  if constexpr (requires { sentences.clear(); }) {
+    sentences.clear();
+    for (std::string& one : words) sentences.push_back({.words = std::move(one)});
+  }
+};
+
 inline constexpr auto stop_fields = [](auto& visit, auto& stop) {
   visit("time_s", stop.time_s);
-  visit("cause", stop.cause);
+  visit("cause", stop.cause.words);
 };
 
 }  // namespace tuina::record

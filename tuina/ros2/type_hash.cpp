@@ -16,7 +16,7 @@ namespace {
 // Numbers of type_description_interfaces/msg/FieldType for the types that `ros_schema.hpp` writes.
 constexpr std::pair<std::string_view, int> plain_types[] = {
     {"uint8", 3},    {"int32", 6}, {"uint32", 7}, {"float32", 10},
-    {"float64", 11}, {"bool", 15}, {"string", 17}};
+    {"float64", 11}, {"bool", 15}, {"byte", 16},  {"string", 17}};
 constexpr int nested_type = 1;
 constexpr int unbounded_sequence = 144;  // added to the number of its items
 

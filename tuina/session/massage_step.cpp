@@ -42,13 +42,12 @@ consteval bool rules_agree() {
 }
 static_assert(rules_agree());
 
-std::string explain(const Stop& stop) {
-  std::string text = fmt::format("{} arm: {}", name_of(stop.arm), safety::name_of(stop.cause));
-  if (stop.joint >= 0) {
-    text += fmt::format(": joint {} is {:.0f} degrees off, {:.0f} are allowed", stop.joint + 1,
-                        to_deg(stop.off_rad), to_deg(parked_within_rad));
-  }
-  return text;
+Sentence explain(const Stop& stop) {
+  const char *arm = name_of(stop.arm), *cause = safety::name_of(stop.cause);
+  if (stop.joint < 0) return sentence("stopped_arm_by", "{} arm: {}", arm, cause);
+  return sentence("stopped_arm_at_joint",
+                  "{} arm: {}: joint {} is {:.0f} degrees off, {:.0f} are allowed", arm, cause,
+                  stop.joint + 1, to_deg(stop.off_rad), to_deg(parked_within_rad));
 }
 
 MassageStep::MassageStep(const massage::Plan& plan, PerArm<std::vector<motion::ArmJob>> jobs,

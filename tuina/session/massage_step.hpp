@@ -10,6 +10,7 @@
 #include "tuina/control/arm_controller.hpp"
 #include "tuina/control/beat_correction.hpp"
 #include "tuina/core/contact.hpp"
+#include "tuina/core/sentence.hpp"
 #include "tuina/massage/plan.hpp"
 #include "tuina/motion/arm_job.hpp"
 #include "tuina/robot/arm_model.hpp"
@@ -66,7 +67,7 @@ struct Stop {
   double off_rad = 0.0;  ///< distance from the planned start
 };
 /// One line for people: the arm and the cause.
-[[nodiscard]] std::string explain(const Stop& stop);
+[[nodiscard]] Sentence explain(const Stop& stop);
 
 /// Largest joint error at which a planned move may start; beyond it, the way was not checked for
 /// collisions and the arm stays where it is.

@@ -22,6 +22,7 @@ struct Planned {
   body::Mapping located;
   robot::RobotPlacement placement;
   motion::ReadyPlan ready;
+  std::vector<KnownPlace> known;
   double plan_ms = 0.0;
 };
 
@@ -56,10 +57,18 @@ Result<Planned> plan_on(const MappedPerson& mapped, const ByHand& said, const Or
                          order.placed.base_from_couch, from_mm(config.massage.standoff_mm), rail_m);
   if (!ready) return tl::unexpected(ready.error());
   planned.ready = std::move(*ready);
+  std::vector<Sentence>& notes = planned.ready.plan.notes;
+  if (!rail_m && !carried(order.said, mapped.located.acupoints, max_other_misfit_m)) {
+    notes.push_back(sentence("note_said_dropped",
+                             "what was said by hand in an earlier session is not used: the "
+                             "acupoints lie otherwise to each other than then"));
+  }
+  Recognised known = recognised(order.known, mapped.back.position(), planned.located.acupoints);
+  if (!known.note.empty()) notes.push_back(std::move(known.note));
+  planned.known = std::move(known.places);
   for (const body::PalpatedPoint& point : said.fixed) {
-    planned.ready.plan.notes.push_back(
-        fmt::format("{} was put by hand {:.0f} mm from where it was found", point.name,
-                    to_mm(distance_to(mapped.located.acupoints, point))));
+    notes.push_back(sentence("note_by_hand", "{} was put by hand {:.0f} mm from where it was found",
+                             point.name, to_mm(distance_to(mapped.located.acupoints, point))));
   }
   planned.plan_ms = 1e3 * watch.seconds();
   return planned;
@@ -114,8 +123,8 @@ Result<void> prepare(Devices devices, const Order& order, const Config& config, 
   const std::vector<Acupoint>& lies = mapped->located.acupoints;
   auto now = rail_m ? carried(session.said, lies, max_moved_misfit_m)
                     : carried(order.said, lies, max_other_misfit_m);
-  if (!now) return tl::unexpected(now.error());
-  if (!rail_m) now = joined(std::move(*now), {order.plan_options.no_go, order.fixed});
+  if (!now && (rail_m || !order.review)) return tl::unexpected(now.error());
+  if (!rail_m) now = joined(now.value_or(ByHand()), {order.plan_options.no_go, order.fixed});
   auto planned = plan_on(*mapped, *now, order, config, rail_m, done);
   if (!planned) return tl::unexpected(planned.error());
   if (!now->fixed.empty()) observer.on_map(planned->located);
@@ -126,11 +135,9 @@ Result<void> prepare(Devices devices, const Order& order, const Config& config, 
   }
   auto armed = arm_guard(devices, order, config, *mapped, *now, *planned);
   if (!armed) return armed;
-  Recognised known = recognised(order.known, position, planned->located.acupoints);
-  if (!known.note.empty()) planned->ready.plan.notes.push_back(std::move(known.note));
   // Only now, so that a session whose second scan fails still tells of its first.
   session.said = {.by_hand = std::move(*now), .lay = lies};
-  session.known = std::move(known.places);
+  session.known = std::move(planned->known);
   session.scan = std::move(mapped->scan);
   session.locate_ms = mapped->locate_ms;
   session.located = std::move(planned->located);
@@ -272,7 +279,8 @@ Result<Session> run(Devices devices, const Order& order, const Config& config, O
             : Result<void>(fail(Fault::bad_input, "the person keeps moving"));
     if (!again) {
       session.stops.push_back({session.massage_s, Arm::left, safety::Cause::person_moved});
-      session.ready.plan.notes.push_back("after the person had moved: " + again.error().message);
+      session.ready.plan.notes.push_back(
+          sentence("note_after_moving", "after the person had moved: {}", again.error().message));
       session.ready.plan.paths.clear();
       break;
     }

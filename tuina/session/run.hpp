@@ -50,8 +50,9 @@ struct Order {
   scanner::ScannerCalibration calibration;
   robot::RobotModel robot;
   PlacedRobot placed;  ///< measured place of the robot
-  /// What was said by hand of this person in a session before. Refused when it does not fit the
-  /// back that is seen, for a place that was ruled out must not be lost.
+  /// What was said by hand of this person in a session before. Where it does not fit the back that
+  /// is seen, it is left out and a note says so to who reviews the plan; without a `review` it is
+  /// refused, for a place that was ruled out must not be lost unseen.
   Said said;
   std::vector<body::PalpatedPoint> fixed;  ///< points that a finger has shown on this scan
   bool adaptive = true;                    ///< presses follow the tissue that was felt

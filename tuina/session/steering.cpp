@@ -60,14 +60,14 @@ Steering::Steering(const massage::Plan& plan, const Options& options)
   decisions_.reserve(max_decisions);
 }
 
-void Steering::decide(Arm arm, double time_s, const char* rule, const char* reason, double from_n,
-                      double to_n) noexcept {
+void Steering::decide(Arm arm, double time_s, Reason reason, double from_n, double to_n) noexcept {
   if (decisions_.size() == max_decisions) return;
   decisions_.push_back({.time_s = time_s,
                         .arm = arm,
                         .path = sides_[arm].path,
-                        .rule = rule,
-                        .reason = reason,
+                        .rule = reason.rule,
+                        .reason = reason.words,
+                        .key = reason.key,
                         .from_n = from_n,
                         .to_n = to_n});
 }
@@ -153,7 +153,8 @@ void Steering::compare_with_known(Arm arm, double time_s) noexcept {
   side.came_as_known = matched == KnownMatch::holds;
   if (matched != KnownMatch::differs) return;
   side.relies = false;
-  decide(arm, time_s, "A1", "the tissue is not as it was felt earlier: probed as a new place",
+  decide(arm, time_s,
+         {"A1", "why_changed", "the tissue is not as it was felt earlier: probed as a new place"},
          side.peak_n, side.peak_n);
 }
 
@@ -173,10 +174,9 @@ double Steering::probe_force_n(Arm arm, double time_s) noexcept {
                         (done >= 2 && !side.whole.surprised() &&
                          tissue::probed_enough(estimate, side.peak_n, side.reference_n, region_n));
     if (enough) {
-      decide(arm, time_s, "A1",
-             side.came_as_known ? "one press came as the place was felt earlier"
-                                : "probed the place before it is worked on",
-             0.0, side.peak_n);
+      constexpr Reason as_known{"A1", "why_known", "one press came as the place was felt earlier"};
+      constexpr Reason probed{"A1", "why_probed", "probed the place before it is worked on"};
+      decide(arm, time_s, side.came_as_known ? as_known : probed, 0.0, side.peak_n);
       side.probing = false;
       take_reference(side);
       side.last.reset();
@@ -216,12 +216,11 @@ bool Steering::bone_by_spine(const Side& side) const noexcept {
   return is_bone(place.estimate, place.nis);
 }
 
-void Steering::lower(Side& side, Arm arm, double time_s, double cap_n, const char* rule,
-                     const char* reason) noexcept {
+void Steering::lower(Side& side, Arm arm, double time_s, double cap_n, Reason reason) noexcept {
   constexpr double tells_n = 0.5;  // less is no news
   const double planned_n = std::min(side.reference_n, side.cap_n);
   side.cap_n = std::min(side.cap_n, cap_n);
-  if (side.cap_n < planned_n - tells_n) decide(arm, time_s, rule, reason, planned_n, side.cap_n);
+  if (side.cap_n < planned_n - tells_n) decide(arm, time_s, reason, planned_n, side.cap_n);
 }
 
 // What the next press of the place may be: A2, and no more than a process bears where it is one.
@@ -231,15 +230,18 @@ void Steering::judge(Arm arm, double time_s) noexcept {
   side.cap_n = planned.cap_n;
   foretell(side);
   if (bone_by_spine(side)) {
-    lower(side, arm, time_s, massage::perhaps_spine_n(planned.path.technique), "A8",
-          "bone where the spine may be: no more than a process bears");
+    lower(side, arm, time_s, massage::perhaps_spine_n(planned.path.technique),
+          {"A8", "why_perhaps_spine", "bone where the spine may be: no more than a process bears"});
   }
   if (!side.presses || !options_.cautious) return;
+  constexpr Reason otherwise{
+      "A2", "why_otherwise",
+      "the last press came otherwise than foretold: no firmer than the strongest so far"};
+  constexpr Reason unsure{
+      "A2", "why_unsure",
+      "the tissue is not known well enough: at most twice the strongest press so far"};
   lower(side, arm, time_s, tissue::firmest_next_n(side.foretold, side.strongest_n, planned.cap_n),
-        "A2",
-        side.foretold == tissue::Foretold::wrongly
-            ? "the last press came otherwise than foretold: no firmer than the strongest so far"
-            : "the tissue is not known well enough: at most twice the strongest press so far");
+        side.foretold == tissue::Foretold::wrongly ? otherwise : unsure);
 }
 
 // A9: each press against the first ones.
@@ -259,7 +261,8 @@ void Steering::watch(Arm arm, double time_s) noexcept {
   const tissue::Alarm alarm = tissue::compare(side.reference, now, reference_force_n);
   if (alarm == tissue::Alarm::none) return;
   side.alarmed = true;
-  decide(arm, time_s, "A9", tissue::name_of(alarm), std::min(side.reference_n, side.cap_n), 0.0);
+  decide(arm, time_s, {"A9", tissue::key_of(alarm), tissue::name_of(alarm)},
+         std::min(side.reference_n, side.cap_n), 0.0);
 }
 
 void Steering::begin_sets(Side& side) noexcept {
@@ -284,7 +287,8 @@ void Steering::count_press(Arm arm, double time_s) noexcept {
       std::span<const tissue::PressSet>(side.sets.data(), side.sets_felt), time_s - side.touched_s);
   if (dwell == tissue::Dwell::go_on || side.worked_enough) return;
   side.worked_enough = true;
-  decide(arm, time_s, "A7", tissue::name_of(dwell), std::min(side.reference_n, side.cap_n), 0.0);
+  decide(arm, time_s, {"A7", tissue::key_of(dwell), tissue::name_of(dwell)},
+         std::min(side.reference_n, side.cap_n), 0.0);
 }
 
 double Steering::steered_n(Arm arm, double planned_n) const noexcept {

@@ -28,8 +28,16 @@ struct Decision {
   int path = 0;
   const char* rule = "";    ///< "A3"
   const char* reason = "";  ///< a sentence for people
+  const char* key = "";     ///< of that sentence, for who says it in another language
   double from_n = 0.0;      ///< force before
   double to_n = 0.0;        ///< force after
+};
+
+/// What a decision rests on: as in `Decision`.
+struct Reason {
+  const char* rule;
+  const char* key;
+  const char* words;
 };
 
 /// Lets what the presses feel decide how hard the next one may be: probing presses first, no jump
@@ -138,14 +146,12 @@ class Steering {
   void foretell(Side& side) noexcept;
   void compare_with_known(Arm arm, double time_s) noexcept;
   [[nodiscard]] bool bone_by_spine(const Side& side) const noexcept;
-  void lower(Side& side, Arm arm, double time_s, double cap_n, const char* rule,
-             const char* reason) noexcept;
+  void lower(Side& side, Arm arm, double time_s, double cap_n, Reason reason) noexcept;
   void take_reference(Side& side) noexcept;
   void watch(Arm arm, double time_s) noexcept;
   void begin_sets(Side& side) noexcept;
   void count_press(Arm arm, double time_s) noexcept;
-  void decide(Arm arm, double time_s, const char* rule, const char* reason, double from_n,
-              double to_n) noexcept;
+  void decide(Arm arm, double time_s, Reason reason, double from_n, double to_n) noexcept;
 
   Options options_;
   PerArm<Side> sides_;

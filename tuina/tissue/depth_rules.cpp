@@ -107,6 +107,11 @@ const char* name_of(Dwell dwell) noexcept {
   return "";
 }
 
+const char* key_of(Dwell dwell) noexcept {
+  constexpr const char* keys[] = {"", "why_softened", "why_no_change", "why_time_up"};
+  return keys[static_cast<std::size_t>(dwell)];
+}
+
 Dwell dwell_after(std::span<const PressSet> sets, double elapsed_s) noexcept {
   constexpr double enough = 0.1, max_duration_s = 90.0;
   if (sets.size() >= 2 && sets.front().log_stiffness - sets.back().log_stiffness >= enough)
@@ -131,6 +136,11 @@ const char* name_of(Alarm alarm) noexcept {
       return "the skin moved";
   }
   return "";
+}
+
+const char* key_of(Alarm alarm) noexcept {
+  constexpr const char* keys[] = {"", "why_guarding", "why_moved"};
+  return keys[static_cast<std::size_t>(alarm)];
 }
 
 Alarm compare(const TissueEstimate& reference, const TissueEstimate& now, double force_n) noexcept {

@@ -69,12 +69,20 @@ struct PressSet {
 /// A7. Continue at this place, or stop because it is a tenth softer, twice without a significant
 /// change, or after a minute and a half. "No change" is an honest end.
 enum class Dwell : std::uint8_t { go_on, softened, no_change, time_up };
+/// @{
+/// A sentence for people, and its key for who says it in another language.
 [[nodiscard]] const char* name_of(Dwell dwell) noexcept;
+[[nodiscard]] const char* key_of(Dwell dwell) noexcept;
+/// @}
 [[nodiscard]] Dwell dwell_after(std::span<const PressSet> sets, double elapsed_s) noexcept;
 
 /// A9. Reasons to let go and ask the person.
 enum class Alarm : std::uint8_t { none, guarding, moved };
+/// @{
+/// A sentence for people, and its key for who says it in another language.
 [[nodiscard]] const char* name_of(Alarm alarm) noexcept;
+[[nodiscard]] const char* key_of(Alarm alarm) noexcept;
+/// @}
 /// A9. Compares the tissue now with the reference at one force. Guarding: alpha or tangent
 /// stiffness a quarter higher, beyond both intervals (the person tenses). Moved: the skin is more
 /// than 3 mm away. `now` comes from a separate estimator of the last press.

@@ -71,10 +71,10 @@ SessionOutcome run_session_trial(const SessionTrial& trial, const session::Confi
   outcome.beyond = not_as_planned(*done);
   outcome.real_time_factor = done->real_time_factor();
   for (const session::Stop& stop : done->session.stops) {
-    outcome.stops.push_back(session::explain(stop));
+    outcome.stops.push_back(session::explain(stop).words);
   }
-  for (const std::string& note : done->session.ready.plan.notes) {
-    if (note.find("left out") != std::string::npos) outcome.left_out.push_back(note);
+  for (const Sentence& note : done->session.ready.plan.notes) {
+    if (note.words.find("left out") != std::string::npos) outcome.left_out.push_back(note.words);
   }
   outcome.over_cap_n = outcome.over_trip_n = -std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < done->session.performed.size(); ++i) {

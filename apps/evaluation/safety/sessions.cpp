@@ -183,7 +183,7 @@ Result<CleanSession> run_clean_session(std::uint64_t seed) {
   CleanSession clean{.person = fmt::format("{} {}", name_of(*order.position), order.person),
                      .massage_s = session->massage_s,
                      .max_force_n = saw.max_force_n};
-  for (const session::Stop& stop : session->stops) clean.stops.push_back(explain(stop));
+  for (const session::Stop& stop : session->stops) clean.stops.push_back(explain(stop).words);
   return clean;
 }
 

@@ -133,7 +133,8 @@ Result<void> place_arms(std::vector<Site>& sites, std::vector<massage::PlannedPa
   const auto ready = motion::make_ready({.programme = "campaign", .paths = std::move(paths)}, back,
                                         mount, models, mount.base_from_couch, standoff_m);
   if (!ready) return tl::unexpected(ready.error());
-  if (!ready->reachable) return fail(Fault::not_found, "{}", fmt::join(ready->plan.notes, "; "));
+  if (!ready->reachable)
+    return fail(Fault::not_found, "{}", fmt::join(words_of(ready->plan.notes), "; "));
   for (const Arm arm : both_arms) {
     for (const motion::ArmJob& job : ready->jobs[arm]) {
       if (job.path < 0) continue;

@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "apps/serve/known_people.hpp"
 #include "tuina/history/history.hpp"
 #include "tuina/record/session_file.hpp"
 
@@ -12,12 +13,15 @@ namespace tuina::app {
 struct Remembered {
   std::string by_hand;  ///< what was said by hand; empty: nothing
   std::string lines;    ///< all of it, a line each
+  std::vector<RememberedItem> items;
 };
 
-/// What a session takes over only where somebody says so.
+/// What a session takes over, and what only where somebody says so.
 struct TakenOver {
   bool as_firm = false;  ///< force beyond the plan, where the last session ended so
   bool tissue = false;   ///< tissue of the last session, to probe by
+  bool by_hand = true;   ///< places ruled out and points put right
+  bool softer = true;    ///< less force than planned, where the last session ended so
 };
 
 /// Puts into an order what earlier sessions of somebody say for it: what was said by hand, wishes

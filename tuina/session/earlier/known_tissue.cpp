@@ -26,17 +26,19 @@ Recognised recognised(const KnownTissue& known, BodyPosture position,
   if (known.places.empty()) return found;
   if (known.position != position) {
     found.note =
-        fmt::format("the tissue felt earlier is not used: it was felt {}", name_of(known.position));
+        sentence("note_known_other_position", "the tissue felt earlier is not used: it was felt {}",
+                 name_of(known.position));
     return found;
   }
   const auto motion = fit_motion(known.lay, now);
   if (!motion || !(motion->misfit_m <= max_other_misfit_m)) {
-    found.note = fmt::format(
-        "the tissue felt earlier is not used: {}",
-        motion ? fmt::format("the acupoints lie otherwise to each other than then ({:.1f} mm; "
-                             "{:.0f} mm are borne)",
-                             to_mm(motion->misfit_m), to_mm(max_other_misfit_m))
-               : motion.error().message);
+    found.note =
+        motion ? sentence("note_known_other_lay",
+                          "the tissue felt earlier is not used: the acupoints lie otherwise to "
+                          "each other than then ({:.1f} mm; {:.0f} mm are borne)",
+                          to_mm(motion->misfit_m), to_mm(max_other_misfit_m))
+               : sentence("note_known_unlike", "the tissue felt earlier is not used: {}",
+                          motion.error().message);
     return found;
   }
   for (const KnownPlace& place : known.places) {
@@ -48,8 +50,8 @@ Recognised recognised(const KnownTissue& known, BodyPosture position,
     found.places.push_back(place);
     found.places.back().log_sd = std::hypot(place.log_sd, change_along_skin_per_m * offset_m);
   }
-  found.note = fmt::format("the tissue of {} of {} places felt earlier counts as known",
-                           found.places.size(), known.places.size());
+  found.note = sentence("note_known", "the tissue of {} of {} places felt earlier counts as known",
+                        found.places.size(), known.places.size());
   return found;
 }
 

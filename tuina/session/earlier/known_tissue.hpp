@@ -8,6 +8,7 @@
 
 #include "tuina/core/acupoint.hpp"
 #include "tuina/core/contact.hpp"
+#include "tuina/core/sentence.hpp"
 #include "tuina/core/surface.hpp"
 
 namespace tuina::session {
@@ -36,7 +37,7 @@ inline constexpr double max_place_offset_m = 5e-3, change_along_skin_per_m = 30.
 /// The places whose tissue still counts in a new scan, and a sentence for people.
 struct Recognised {
   std::vector<KnownPlace> places;
-  std::string note;  ///< empty where nothing was known
+  Sentence note;  ///< empty where nothing was known
 };
 /// None where the position is another one or the acupoints are those of somebody else
 /// (`max_other_misfit_m`); without places that lie elsewhere among the acupoints than they did, the

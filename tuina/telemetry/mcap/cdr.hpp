@@ -2,6 +2,7 @@
 #pragma once
 
 #include <bit>
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <optional>
@@ -46,6 +47,7 @@ class CdrWriter {
   void put(const T& value) {
     append(&value, 1);
   }
+  void put(std::byte value) { put(std::to_integer<std::uint8_t>(value)); }
   void put(const std::string& text) {
     put(static_cast<std::uint32_t>(text.size() + 1));
     out_.append(text.c_str(), text.size() + 1);
@@ -94,6 +96,11 @@ class CdrReader {
     std::uint8_t byte = 0;
     take(byte);
     value = byte != 0;
+  }
+  void take(std::byte& value) {
+    std::uint8_t byte = 0;
+    take(byte);
+    value = std::byte{byte};
   }
   void take(std::string& text) {
     const std::size_t size = count(1);

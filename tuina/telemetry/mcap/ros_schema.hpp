@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <type_traits>
 #include <vector>
@@ -51,6 +52,7 @@ class DefinitionWriter {
   static std::string type_of(std::int32_t) { return "int32"; }
   static std::string type_of(std::uint32_t) { return "uint32"; }
   static std::string type_of(std::uint8_t) { return "uint8"; }
+  static std::string type_of(std::byte) { return "byte"; }
   static std::string type_of(bool) { return "bool"; }
   static std::string type_of(const std::string&) { return "string"; }
 

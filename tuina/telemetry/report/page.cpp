@@ -129,7 +129,7 @@ std::string summary(const ReportData& data) {
     text += "Nothing had to be stopped.";
   else
     text += fmt::format("The session was stopped for safety after {}: {}.",
-                        minutes(data.stops.front().time_s), data.stops.front().cause);
+                        minutes(data.stops.front().time_s), data.stops.front().cause.words);
   return text;
 }
 
@@ -235,7 +235,7 @@ void add_stops(Page& page, const ReportData& data) {
   if (data.stops.empty())
     part.calm("The guard watched every millisecond and had no cause to stop.");
   for (const Stop& stop : data.stops)
-    part.alarm(fmt::format("{:.3f} s: {}", stop.time_s, stop.cause));
+    part.alarm(fmt::format("{:.3f} s: {}", stop.time_s, stop.cause.words));
   std::vector<std::string> troubles;
   for (const PerformedPath& performed : data.paths) {
     if (!performed.contact_fault.empty())

@@ -11,6 +11,7 @@
 #include "tuina/core/acupoint.hpp"
 #include "tuina/core/arm.hpp"
 #include "tuina/core/contact.hpp"
+#include "tuina/core/sentence.hpp"
 #include "tuina/core/surface.hpp"
 #include "tuina/telemetry/page.hpp"
 
@@ -95,6 +96,7 @@ struct SteeringDecision {
   std::string path = {};  ///< its name
   std::string rule = {};  ///< "A3"
   std::string reason = {};
+  std::string key = {};  ///< of the reason, for who says it in another language
   double from_n = 0.0;
   double to_n = 0.0;
 };
@@ -133,7 +135,7 @@ struct TechniqueForce {
 /// The guard has stopped an arm, as the report tells it.
 struct Stop {
   double time_s = 0.0;
-  std::string cause = {};  ///< a sentence for people
+  Sentence cause = {};
 };
 
 /// Everything that the report of one session shows. Places are in `couch`, times in session time.
