@@ -124,7 +124,7 @@ class EmulatedDrive {
     if (frame.can_id == 0x77F) host_heard_ = std::chrono::steady_clock::now();
     if (frame.can_id == 0x600U + device_.node) answer(frame);
     for (const int pdo : {0x1400, 0x1401})
-      if (network_ == 5 && value(pdo, 1) == frame.can_id) staged_.push_back({pdo, frame});
+      if (network_ == 5 && value(pdo, 1) == frame.can_id) staged_.emplace_back(pdo, frame);
   }
 
   /// What goes by the clock and not by the SYNC.
