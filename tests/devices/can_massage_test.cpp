@@ -119,7 +119,7 @@ TEST_CASE("a massage over CAN has the force of the massage in one program to 0.1
   CHECK(over_can["devices"]["truth_missed_ms"] == 0);
 }
 
-TEST_CASE("a bus that is unplugged in a press ends the massage, and every brake is closed") {
+TEST_CASE("a bus that is unplugged in a press ends the massage, and no tool presses harder for it") {
   const Folder folder;
   Drives drives(folder, {"--unplug", "can1", "--unplug-at-s", "10"});
   const Outcome cut =
@@ -131,5 +131,5 @@ TEST_CASE("a bus that is unplugged in a press ends the massage, and every brake 
   REQUIRE_MESSAGE(ended.exit_code == 0, ended.err);
   const json report = json::parse(ended.out);
   MESSAGE(cut.err, report.dump());
-  CHECK(report["max_force_n"] < 60.0);
+  CHECK(report["max_force_n"] < 22.0);  // of the programme
 }
