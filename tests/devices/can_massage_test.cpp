@@ -119,7 +119,7 @@ TEST_CASE("a massage over CAN has the force of the massage in one program to 0.1
   CHECK(over_can["devices"]["truth_missed_ms"] == 0);
 }
 
-TEST_CASE("a bus that is unplugged in a press ends the massage, and no tool presses harder for it") {
+TEST_CASE("a bus that is unplugged in a press ends the massage, and no tool presses harder") {
   const Folder folder;
   Drives drives(folder, {"--unplug", "can1", "--unplug-at-s", "10"});
   const Outcome cut =
