@@ -49,6 +49,14 @@ armlink::Hello hello_of(const std::string& name, const sim::World& world, link::
 
 }  // namespace
 
+JointVector hold_at(const JointVector& place_rad, const robot::ArmModel& model,
+                    const robot::ArmReading& told, double rail_m) {
+  constexpr double stiffness_per_s2 = 900.0, damping_per_s = 54.0;
+  const auto dynamics = model.evaluate(told.q_rad, told.dq_rad_per_s, rail_m);
+  return dynamics.gravity_nm + dynamics.mass_kg_m2 * (stiffness_per_s2 * (place_rad - told.q_rad) -
+                                                      damping_per_s * told.dq_rad_per_s);
+}
+
 Result<ArmlinkArms> ArmlinkArms::listen(const hardware::UdpAddress& left, const std::string& name,
                                         const sim::World& world, link::Pace pace) {
   hardware::UdpAddress right = left;
@@ -146,10 +154,9 @@ void ArmlinkArms::begin_way() {
   way_ = way;
 }
 
-/// Position drives: each joint on a spring that goes from rest to rest and calms down.
+/// From rest to rest, and calming down.
 robot::RobotCommand ArmlinkArms::own_drives(const robot::RobotReading& reading,
                                             const sim::World& world) {
-  constexpr double stiffness_per_s2 = 900.0, damping_per_s = 54.0;
   if (!way_ || way_->passed >= way_->ticks) begin_way();
   ++way_->passed;
   const double s = std::min(1.0, static_cast<double>(way_->passed) / (way_->ticks - calming_ticks));
@@ -157,12 +164,8 @@ robot::RobotCommand ArmlinkArms::own_drives(const robot::RobotReading& reading,
   const auto models = robot::both_models(world.robot_table(), world.mount());
   robot::RobotCommand command{.torque_nm = {}, .rail_m = reading.rail_m};
   for (const Arm arm : both_arms) {
-    const robot::ArmReading& told = reading.arms[arm];
-    const auto dynamics = models[arm].evaluate(told.q_rad, told.dq_rad_per_s, reading.rail_m);
     const JointVector place = way_->from[arm] + share * (way_->to[arm] - way_->from[arm]);
-    command.torque_nm[arm] =
-        dynamics.gravity_nm + dynamics.mass_kg_m2 * (stiffness_per_s2 * (place - told.q_rad) -
-                                                     damping_per_s * told.dq_rad_per_s);
+    command.torque_nm[arm] = hold_at(place, models[arm], reading.arms[arm], reading.rail_m);
   }
   return command;
 }

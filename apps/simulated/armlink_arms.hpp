@@ -9,12 +9,17 @@
 #include "apps/simulated/robot_process.hpp"
 #include "tuina/hardware/armlink.hpp"
 #include "tuina/hardware/udp_socket.hpp"
+#include "tuina/robot/arm_model.hpp"
 #include "tuina/sim/world.hpp"
 
 namespace tuina::app {
 
 /// Drives of a robot at the other ends of armlink bear so many cycles without a command.
 inline constexpr int armlink_watchdog_ticks = hardware::armlink::max_missed_cycles;
+
+/// Torques of drives that hold an arm at a place, each joint on a spring.
+[[nodiscard]] JointVector hold_at(const JointVector& place_rad, const robot::ArmModel& model,
+                                  const robot::ArmReading& told, double rail_m);
 
 /// The arm's side of armlink for both arms of a simulated robot (docs/armlink.md).
 class ArmlinkArms {

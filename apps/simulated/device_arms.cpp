@@ -6,6 +6,8 @@
 #include <cstring>
 #include <span>
 
+#include "tuina/hardware/can/emulated_bus.hpp"
+
 namespace tuina::app {
 namespace {
 
@@ -13,24 +15,20 @@ std::string text_of(std::span<const char> zeros_follow) {
   return {zeros_follow.data(), strnlen(zeros_follow.data(), zeros_follow.size())};
 }
 
-/// What is true of these arms, if they stand in the world that the session scans.
-Result<SharedTruth> truth_of(const hardware::ArmlinkRobot& robot, const std::string& world) {
-  if (!robot.simulated()) {
-    return fail(Fault::device,
-                "these arms are real, and the scanner is simulated: an arm must not press where a "
-                "simulated person was seen");
-  }
-  const std::string left(robot.peer(Arm::left).hello().called());
-  const std::string right(robot.peer(Arm::right).hello().called());
-  if (left != right)
-    return fail(Fault::device, "the left arm is `{}` and the right one `{}`: not of one world",
-                left, right);
-  auto truth = SharedTruth::map(truth_name(left), link::SharedMemory::Use::read);
+constexpr const char* real_arms =
+    "these arms are real, and the scanner is simulated: an arm must not press where a simulated "
+    "person was seen";
+
+/// What is true of the arms that this program simulates, if they stand in the world that the
+/// session scans.
+Result<SharedTruth> truth_of(const std::string& program, const char* verb,
+                             const std::string& world) {
+  auto truth = SharedTruth::map(truth_name(program), link::SharedMemory::Use::read);
   if (!truth) {
     return fail(Fault::device,
-                "nobody tells what is true of the simulated arms `{}`, as `tuina robot armlink` on "
+                "nobody tells what is true of the simulated arms `{}`, as `tuina robot {}` on "
                 "this machine does",
-                left);
+                program, verb);
   }
   const std::string there = text_of((*truth)->world);
   if (there != world.substr(0, (*truth)->world.size()))
@@ -71,42 +69,70 @@ std::string wrist_said(const hardware::WristSensor* sensor) {
 
 }  // namespace
 
+Result<void> DeviceArms::open_armlink(const hardware::DeviceFile& file, const sim::World& world,
+                                      const std::string& world_name) {
+  const PerArm<hardware::ArmDevice>& arms = *file.arms;
+  named_ = fmt::format("armlink {}, {}", arms[Arm::left].address, arms[Arm::right].address);
+  auto robot = hardware::ArmlinkRobot::open(arms, world.robot_table(), world.mount());
+  if (!robot) return tl::unexpected(robot.error());
+  armlink_ = std::move(*robot);
+  if (!armlink_->simulated()) return fail(Fault::device, "{}", real_arms);
+  const std::string left(armlink_->peer(Arm::left).hello().called());
+  const std::string right(armlink_->peer(Arm::right).hello().called());
+  if (left != right)
+    return fail(Fault::device, "the left arm is `{}` and the right one `{}`: not of one world",
+                left, right);
+  auto truth = truth_of(left, "armlink", world_name);
+  if (!truth) return tl::unexpected(truth.error());
+  truth_ = std::move(*truth);
+  return {};
+}
+
+Result<void> DeviceArms::open_drives(const hardware::DeviceFile& file, const sim::World& world,
+                                     const std::string& world_name) {
+  const auto loads = hardware::bus_loads(*file.driven_arms);
+  named_ = "drives on";
+  for (const hardware::BusLoad& load : loads) named_ += " " + load.bus;
+  const auto program = hardware::emulator_of(loads.front().bus);
+  if (!program) return fail(Fault::device, "{}", real_arms);
+  auto truth = truth_of(*program, "can", world_name);
+  if (!truth) return tl::unexpected(truth.error());
+  truth_ = std::move(*truth);
+  constexpr std::chrono::seconds patience(6);  // with a simulation that computes
+  const hardware::CanBuses buses = {.wait = true, .patience = patience};
+  auto robot =
+      hardware::Cia402Robot::open(*file.driven_arms, world.robot_table(), world.mount(), buses);
+  if (!robot) return tl::unexpected(robot.error());
+  drives_ = std::move(*robot);
+  return {};
+}
+
 Result<std::unique_ptr<DeviceArms>> DeviceArms::open(const std::string& device_file,
                                                      const sim::World& world,
                                                      const std::string& world_name) {
   std::unique_ptr<DeviceArms> made(new DeviceArms);
-  auto file = hardware::read_device_file(device_file);
+  const auto file = hardware::read_device_file(device_file);
   if (!file) return tl::unexpected(file.error());
-  if (file->driven_arms) {
-    return fail(Fault::device,
-                "{}: drives on CAN are real, and the scanner is simulated: an arm must not press "
-                "where a simulated person was seen",
-                device_file);
-  }
-  if (!file->arms) {
+  if (!file->arms && !file->driven_arms) {
     return fail(Fault::config, "{}: names no arms; a massage needs [arm.left] and [arm.right]",
                 device_file);
   }
-  made->arms_ = std::move(*file->arms);
-  auto robot = hardware::ArmlinkRobot::open(made->arms_, world.robot_table(), world.mount());
-  if (!robot) return tl::unexpected(robot.error());
-  made->robot_ = std::move(*robot);
-  auto truth = truth_of(*made->robot_, world_name);
-  if (!truth) return fail(truth.error().fault, "{}: {}", device_file, truth.error().message);
-  made->truth_ = std::move(*truth);
-  if (const auto good = judge_wrists(*file, made->truth_); !good)
-    return fail(good.error().fault, "{}: {}", device_file, good.error().message);
+  auto opened = file->driven_arms ? made->open_drives(*file, world, world_name)
+                                  : made->open_armlink(*file, world, world_name);
+  if (opened) opened = judge_wrists(*file, made->truth_);
+  if (!opened) return fail(opened.error().fault, "{}: {}", device_file, opened.error().message);
+  robot::Robot& arms = made->drives_ ? static_cast<robot::Robot&>(*made->drives_) : *made->armlink_;
   using Clock = hardware::WristRobot::Clock;
-  auto joined =
-      hardware::WristRobot::open(*made->robot_, file->wrists, world.robot_table(), world.mount(),
-                                 made->lock_step() ? Clock::arms : Clock::host);
+  auto joined = hardware::WristRobot::open(arms, file->wrists, world.robot_table(), world.mount(),
+                                           made->lock_step() ? Clock::arms : Clock::host);
   if (!joined) return fail(joined.error().fault, "{}: {}", device_file, joined.error().message);
   made->wrists_ = std::move(*joined);
   return made;
 }
 
 bool DeviceArms::lock_step() const noexcept {
-  return robot_->peer(Arm::left).waits() && robot_->peer(Arm::right).waits();
+  if (drives_) return true;
+  return armlink_->peer(Arm::left).waits() && armlink_->peer(Arm::right).waits();
 }
 
 Result<void> DeviceArms::arm(const link::Arming& arming) {
@@ -116,27 +142,31 @@ Result<void> DeviceArms::arm(const link::Arming& arming) {
 
 void DeviceArms::rest() noexcept {
   guard_.rest();
-  robot_->rest();
+  if (armlink_) armlink_->rest();
   wrists_->rest();
   const sched_param usual = {};
   (void)sched_setscheduler(0, SCHED_OTHER, &usual);
 }
 
+record::DeviceRecord::Traffic DeviceArms::traffic(Arm arm) const {
+  const std::string wrist = wrist_said(wrists_->sensor(arm));
+  if (drives_) {
+    const hardware::DriveTraffic& seen = drives_->traffic();
+    return {.cycles = seen.cycles, .lost = seen.lost[arm], .late = seen.late, .wrist = wrist};
+  }
+  const hardware::ArmTraffic& seen = armlink_->peer(arm).traffic();
+  return {.cycles = seen.states,
+          .lost = seen.lost,
+          .late = seen.late,
+          .unheard = seen.unheard,
+          .rejected = seen.rejected,
+          .wrist = wrist};
+}
+
 record::DeviceRecord DeviceArms::record(std::uint64_t truth_missed) const {
   record::DeviceRecord record{
-      .arms = fmt::format("armlink {}, {}", arms_[Arm::left].address, arms_[Arm::right].address),
-      .pace = pace_,
-      .traffic = {},
-      .truth_missed = truth_missed};
-  for (const Arm arm : both_arms) {
-    const hardware::ArmTraffic& seen = robot_->peer(arm).traffic();
-    record.traffic[arm] = {.cycles = seen.states,
-                           .lost = seen.lost,
-                           .late = seen.late,
-                           .unheard = seen.unheard,
-                           .rejected = seen.rejected,
-                           .wrist = wrist_said(wrists_->sensor(arm))};
-  }
+      .arms = named_, .pace = pace_, .traffic = {}, .truth_missed = truth_missed};
+  for (const Arm arm : both_arms) record.traffic[arm] = traffic(arm);
   return record;
 }
 

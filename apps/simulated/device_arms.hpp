@@ -6,6 +6,8 @@
 
 #include "apps/simulated/robot_process.hpp"
 #include "tuina/hardware/armlink_robot.hpp"
+#include "tuina/hardware/can/cia402_robot.hpp"
+#include "tuina/hardware/device_file.hpp"
 #include "tuina/hardware/wrist_robot.hpp"
 #include "tuina/record/session_file.hpp"
 #include "tuina/sim/world.hpp"
@@ -41,11 +43,20 @@ class DeviceArms final : public link::Supervisor {
 
  private:
   DeviceArms() = default;
+  [[nodiscard]] Result<void> open_armlink(const hardware::DeviceFile& file, const sim::World& world,
+                                          const std::string& world_name);
+  [[nodiscard]] Result<void> open_drives(const hardware::DeviceFile& file, const sim::World& world,
+                                         const std::string& world_name);
   [[nodiscard]] bool lock_step() const noexcept;
+  [[nodiscard]] record::DeviceRecord::Traffic traffic(Arm arm) const;
 
-  PerArm<hardware::ArmDevice> arms_;
-  std::unique_ptr<hardware::ArmlinkRobot> robot_;
-  std::unique_ptr<hardware::WristRobot> wrists_;  ///< the same arms, joined with their sensors
+  std::string named_;  ///< kind and addresses
+  /// @{
+  /// One of these, and the same arms joined with their sensors.
+  std::unique_ptr<hardware::ArmlinkRobot> armlink_;
+  std::unique_ptr<hardware::Cia402Robot> drives_;
+  std::unique_ptr<hardware::WristRobot> wrists_;
+  /// @}
   SharedTruth truth_;
   link::OwnSupervisor guard_;
   std::string pace_;  ///< and what was granted for a real one

@@ -99,7 +99,7 @@ sim::WorldOptions world_options(const session::Config& config) {
 }
 
 Result<SimulatedRoom> make_room(const SessionOrder& order, const session::Config& config,
-                                const CommonOptions& common, int watchdog_ticks) {
+                                const CommonOptions& common, const sim::PlantOptions& devices) {
   SimulatedRoom room;
   if (auto answered = read_answers(order.consent, room); !answered)
     return tl::unexpected(answered.error());
@@ -109,7 +109,9 @@ Result<SimulatedRoom> make_room(const SessionOrder& order, const session::Config
 
   sim::WorldOptions options = world_options(config);
   options.pace = order.pace;
-  options.devices.watchdog_ticks = watchdog_ticks;
+  const sim::DeviceFlaws flaws = options.devices.flaws;
+  options.devices = devices;
+  options.devices.flaws = flaws;
   auto world = sim::World::make(*person,
                                 robot::place_robot(room.order.robot, person->position,
                                                    session::head_at_plus_y(person->acupoints)),

@@ -23,11 +23,12 @@ struct SimulatedRoom {
   session::Order order;
   std::string consent_toml;  ///< answers as they were given
 };
-/// Reads all that an order names. Nobody is scanned before the health questions are answered. The
-/// drives of the robot bear so many milliseconds without a command.
-[[nodiscard]] Result<SimulatedRoom> make_room(
-    const SessionOrder& order, const session::Config& config, const CommonOptions& common,
-    int watchdog_ticks = sim::PlantOptions{}.watchdog_ticks);
+/// Reads all that an order names. Nobody is scanned before the health questions are answered.
+/// `devices` are the robot's sensors and drives, but for their flaws, which the config has.
+[[nodiscard]] Result<SimulatedRoom> make_room(const SessionOrder& order,
+                                              const session::Config& config,
+                                              const CommonOptions& common,
+                                              const sim::PlantOptions& devices = {});
 /// What two programs must have in common that simulate parts of one session: person, seed, robot.
 [[nodiscard]] std::string world_name(const SessionOrder& order, const sim::World& world,
                                      std::uint64_t seed);

@@ -59,6 +59,7 @@ std::vector<std::unique_ptr<Verb>> make_verbs() {
   verbs.push_back(make_robot_import());
   verbs.push_back(make_robot_simulate());
   verbs.push_back(make_robot_armlink());
+  verbs.push_back(make_robot_can());
   verbs.push_back(make_guard());
   verbs.push_back(make_camera());
   verbs.push_back(make_doctor());

@@ -33,6 +33,7 @@ std::unique_ptr<Verb> make_robot_import();
 std::unique_ptr<Verb> make_robot_show();
 std::unique_ptr<Verb> make_robot_simulate();
 std::unique_ptr<Verb> make_robot_armlink();
+std::unique_ptr<Verb> make_robot_can();
 std::unique_ptr<Verb> make_guard();
 std::unique_ptr<Verb> make_line();
 std::unique_ptr<Verb> make_calibrate();  // only where its room is built

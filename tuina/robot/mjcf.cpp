@@ -33,7 +33,8 @@ std::string geom(const Solid& solid) {
 std::string joint(const Part& part) {
   if (part.motion == Part::Motion::fixed) return "";
   const char* type = part.motion == Part::Motion::slide ? "slide" : "hinge";
-  const std::string limits = part.limited
+  // MuJoCo knows no empty range: a base that has no way to go is held by its drive alone.
+  const std::string limits = part.limited && part.lowest < part.highest
                                  ? fmt::format(R"(range="{} {}")", part.lowest, part.highest)
                                  : std::string(R"(limited="false")");
   return fmt::format(

@@ -5,6 +5,7 @@
 #include "apps/evaluation/scanner/synthetic_calibrations.hpp"
 #endif
 #include "apps/cli/table.hpp"
+#include "apps/evaluation/scanner/light.hpp"
 #include "apps/evaluation/scanner/proof.hpp"
 #include "apps/evaluation/scanner/tables.hpp"
 #include "apps/evaluation/verbs.hpp"
@@ -63,7 +64,10 @@ class EvaluateScanner final : public Verb {
     return "tuina evaluate scanner --page scanner.html";
   }
   void describe(Options& options) override {
-    options.add("--only", only_, "one part only").one_of({"walls", "backs", "curves", "bodies"});
+    options
+        .add("--only", only_,
+             "one part only; light: red and infrared side by side, which the whole has not")
+        .one_of({"walls", "backs", "curves", "bodies", "light"});
     options.add("--people", people_, "phantoms per condition").between(1, 1000).show_default();
     options
         .add("--scanners", scanners_,
@@ -92,6 +96,7 @@ class EvaluateScanner final : public Verb {
     const auto config = effective_config(common);
     if (!config) return tl::unexpected(config.error());
     if (auto opened = cells_.open(common, *config); !opened) return tl::unexpected(opened.error());
+    if (only_ == "light") return light(common);
     options.of_walls = [&] { return built(common, Use::walls); };
     options.of_backs = [&](bool upright) {
       return built(common, upright ? Use::upright : Use::across);
@@ -109,6 +114,31 @@ class EvaluateScanner final : public Verb {
   }
 
  private:
+  Result<Answer> light(const CommonOptions& common) {
+    CalibrateLit calibrate;
+#ifdef TUINA_CALIBRATION
+    if (calibration_ == "rehearsed") {
+      calibrate = [&](double line_share) {
+        return rehearsed_scanners(scanners_, common.seed, true, progress_bar(common, "calibrate"),
+                                  line_share);
+      };
+    }
+#endif
+    const auto proof =
+        prove_light(people_, calibrate, cells_, common.seed, progress_bar(common, "light"));
+    if (!proof) return tl::unexpected(proof.error());
+    return cells_.answer([&]() -> Result<Answer> {
+      std::string text = to_text(light_table(*proof));
+      json all = {{"light", to_json(light_table(*proof))}};
+      if (!proof->calibrated.empty()) {
+        text += to_text(lit_calibration_table(*proof));
+        all["calibrated_in_light"] = to_json(lit_calibration_table(*proof));
+      }
+      text.pop_back();
+      return Answer{.json = json{{"seed", common.seed}, {"scanner", all}}.dump(2), .text = text};
+    });
+  }
+
   enum class Use : std::uint8_t { walls, upright, across };
 
   /// Made when they are first asked for: a shard may need none, and a merge needs none.

@@ -13,7 +13,7 @@ namespace tuina::app {
 namespace fs = std::filesystem;
 
 Result<std::vector<BuiltScanner>> rehearsed_scanners(int count, std::uint64_t seed, bool upright,
-                                                     const Progress& progress) {
+                                                     const Progress& progress, double line_share) {
   std::vector<BuiltScanner> scanners;
   for (int k = 0; k < count; ++k) {
     const std::uint64_t own_seed = seed * 1000 + static_cast<std::uint64_t>(k);
@@ -26,7 +26,8 @@ Result<std::vector<BuiltScanner>> rehearsed_scanners(int count, std::uint64_t se
         if (progress) progress((k + from + (to - from) * done) / count);
       };
     };
-    const auto taken = sim::render_calibration_shots(truth, own_seed, folder, {}, part(0.0, 0.5));
+    const auto taken = sim::render_calibration_shots(truth, own_seed, folder,
+                                                     {.line_share = line_share}, part(0.0, 0.5));
     if (!taken) return tl::unexpected(taken.error());
     calibration::Views views;
     const auto found = calibration::calibrate_folder(folder, views, part(0.5, 1.0));

@@ -13,7 +13,7 @@
 
 using namespace tuina;
 using namespace tuina::hardware;
-using tuina::tests::EmulatedDrive;
+using tuina::app::EmulatedDrive;
 using tuina::tests::EmulatedRobot;
 using Script = EmulatedRobot::Script;
 

@@ -15,8 +15,8 @@
 
 using namespace tuina;
 using namespace tuina::hardware;
+using tuina::app::EmulatedDrive;
 using tuina::test::reason;
-using tuina::tests::EmulatedDrive;
 using tuina::tests::EmulatedRobot;
 using Clock = std::chrono::steady_clock;
 

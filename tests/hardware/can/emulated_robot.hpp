@@ -10,10 +10,12 @@
 #include <mutex>
 #include <thread>
 
-#include "tests/hardware/can/emulated_drive.hpp"
+#include "apps/simulated/can/emulated_drive.hpp"
 #include "tuina/hardware/can/cia402_robot.hpp"
 
 namespace tuina::tests {
+
+using app::EmulatedDrive;
 
 /// A robot of twelve drives on four buses, three each, at the other ends of pairs of sockets.
 class EmulatedRobot {

@@ -11,6 +11,8 @@
 #include <cerrno>
 #include <cstring>
 
+#include "tuina/hardware/can/emulated_bus.hpp"
+
 namespace tuina::hardware {
 namespace {
 
@@ -25,6 +27,11 @@ bool is_up(int socket, const std::string& interface) noexcept {
 }  // namespace
 
 Result<CanBus> CanBus::open(const std::string& interface) {
+  if (emulator_of(interface)) {
+    const auto socket = connect_to_emulated(interface);
+    if (!socket) return tl::unexpected(socket.error());
+    return CanBus(interface, *socket);
+  }
   const unsigned index = if_nametoindex(interface.c_str());
   if (index == 0)
     return fail(Fault::device,

@@ -15,7 +15,8 @@ namespace tuina::hardware {
 /// it is made.
 class CanBus {
  public:
-  /// Fails with Fault::device where the interface, such as "can0", is not there or not up.
+  /// Fails with Fault::device where the interface, such as "can0", is not there or not up; or where
+  /// nobody emulates drives at "emulated:PROGRAM/BUS".
   [[nodiscard]] static Result<CanBus> open(const std::string& interface);
   /// On any socket that carries a `can_frame` each time, such as one end of a pair with emulated
   /// drives at the other. The socket is closed with this.

@@ -16,7 +16,6 @@ using namespace std::chrono_literals;
 
 constexpr auto millisecond = 1ms;
 constexpr auto drives_patience = 700us;  // from the SYNC on
-constexpr auto lock_step_patience = 200ms;
 constexpr auto enable_patience = 3s;
 constexpr double ready_speed_rad_per_s = 15_deg;
 constexpr double max_ready_off_rad = 0.5_deg, max_following_rad = 3_deg;
@@ -60,6 +59,7 @@ Result<std::unique_ptr<Cia402Robot>> Cia402Robot::open(const PerArm<DrivenArm>& 
   std::unique_ptr<Cia402Robot> made(new Cia402Robot);
   made->rail_m_ = mount.min_rail_m;
   made->lock_step_ = buses.wait;
+  made->patience_ = buses.wait ? Clock::duration(buses.patience) : drives_patience;
   for (const Arm arm : both_arms) {
     for (int i = 0; i < table.joints; ++i) {
       const auto at = static_cast<std::size_t>(i);
@@ -153,12 +153,15 @@ void Cia402Robot::cycle() noexcept {
   send_to_all_buses(canopen::sync());
   std::array<int, 4> sockets = {};
   for (std::size_t i = 0; i < buses_.size(); ++i) sockets.at(i) = buses_[i].socket();
-  const auto deadline =
-      Clock::now() + (lock_step_ ? Clock::duration(lock_step_patience) : drives_patience);
+  const auto deadline = Clock::now() + patience_;
   do {
     wait_for_datagram({sockets.data(), buses_.size()}, deadline);
     hear();
   } while (!all([](const Drive& drive) { return drive.fresh(); }) && Clock::now() < deadline);
+  ++traffic_.cycles;
+  traffic_.late += static_cast<std::uint64_t>(late);
+  for (std::size_t k = 0; k < drives_.size(); ++k)
+    traffic_.lost[seats_[k].arm] += drives_[k].fresh() ? 0 : 1;
   note_faults();
 }
 
@@ -240,6 +243,7 @@ Result<void> Cia402Robot::stand_ready(const robot::ReadyPose& pose) {
 std::optional<robot::RobotReading> Cia402Robot::read() noexcept {
   if (faulty_ || !standing_) return std::nullopt;
   if (!in_cycles_) begin_cycles();
+  if (!first_tick_) traffic_ = {};
   cycle();
   if (faulty_) return std::nullopt;
   if (!first_tick_) first_tick_ = tick_;

@@ -20,9 +20,17 @@ namespace tuina::hardware {
 /// Where the buses of a robot come from.
 struct CanBuses {
   std::function<Result<CanBus>(const std::string& name)> open = CanBus::open;
-  /// Drives are emulated and nobody is real: a millisecond lasts until all have told, 0.2 s at the
-  /// most.
+  /// Drives are emulated and nobody is real: a millisecond lasts until all have told, so long at
+  /// the most.
   bool wait = false;
+  std::chrono::milliseconds patience{200};
+};
+
+/// What came over the buses since the first reading.
+struct DriveTraffic {
+  std::uint64_t cycles = 0;         ///< SYNCs that were sent
+  std::uint64_t late = 0;           ///< milliseconds that the host has let pass without one
+  PerArm<std::uint64_t> lost = {};  ///< a drive had told nothing when its time was over
 };
 
 /// A robot whose joints are drives of CiA 402 on CAN (docs/can_drives.md). Its host has the clock:
@@ -56,6 +64,7 @@ class Cia402Robot final : public robot::Robot {
   [[nodiscard]] const char* fault() const noexcept override {
     return faulty_ ? fault_.data() : nullptr;
   }
+  [[nodiscard]] const DriveTraffic& traffic() const noexcept { return traffic_; }
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -82,13 +91,15 @@ class Cia402Robot final : public robot::Robot {
   std::vector<Drive> drives_;  ///< of the left arm from its shoulder on, then of the right
   std::vector<Seat> seats_;    ///< of each of them
   bool lock_step_ = false;
-  double rail_m_ = 0.0;    ///< where the base stands for ever
-  bool standing_ = false;  ///< a session has begun
+  Clock::duration patience_ = {};  ///< with the drives, from the SYNC on
+  double rail_m_ = 0.0;            ///< where the base stands for ever
+  bool standing_ = false;          ///< a session has begun
   bool in_cycles_ = false;
   Clock::time_point next_;  ///< when the next millisecond begins
   std::uint64_t tick_ = 0;
   std::optional<std::uint64_t> first_tick_;  ///< that a reading told
   std::uint64_t commands_ = 0;
+  DriveTraffic traffic_;
   bool faulty_ = false;
   std::array<char, 200> fault_ = {};
 };

@@ -7,6 +7,7 @@
 
 #include "tuina/core/units.hpp"
 #include "tuina/hardware/can/cia402.hpp"
+#include "tuina/hardware/can/emulated_bus.hpp"
 
 namespace tuina::hardware {
 namespace {
@@ -19,7 +20,8 @@ DriveDevice read_drive(const TomlTable& table) {
   table.only({"zero_count", "reversed"},
              {"bus", "node", "counts_per_turn", "gear", "rated_torque_nm"}, "a drive");
   drive.bus = table.text("bus").value_or("");
-  constexpr std::size_t max_name = 15;  // of an interface of Linux
+  const bool emulated = emulator_of(drive.bus).has_value();
+  const std::size_t max_name = emulated ? 80 : 15;  // of an interface of Linux
   if (table.has("bus") && (drive.bus.empty() || drive.bus.size() > max_name))
     table.wrong("bus", "is no CAN interface, such as \"can0\"");
   drive.node =
@@ -84,6 +86,10 @@ std::string fault_of(const PerArm<DrivenArm>& arms) {
         return fmt::format("node {} at {} is named twice; each drive has a node of its own",
                            drive.node, drive.bus);
   const auto loads = bus_loads(arms);
+  for (const BusLoad& load : loads)
+    if (emulator_of(load.bus) != emulator_of(loads.front().bus))
+      return fmt::format("{} and {} do not go together: drives are real, or all of one program",
+                         loads.front().bus, load.bus);
   for (const BusLoad& load : loads)
     if (load.share > 1.0)
       return fmt::format(

@@ -108,9 +108,10 @@ Result<void> take(const ScannerCalibration& truth, std::uint64_t seed, const fs:
   const auto work = [&] {
     for (std::size_t i = next++; i < pictures.size(); i = next++) {
       Random random = make_random(seed, fmt::format("calibration picture {}", i));
+      BoardLight light = pictures[i].laser ? laser_exposure() : board_exposure();
+      light.laser_dn *= options.line_share;
       const Image image =
-          photograph(truth, options.board, pictures[i].camera_from_board,
-                     pictures[i].laser ? laser_exposure() : board_exposure(), random);
+          photograph(truth, options.board, pictures[i].camera_from_board, light, random);
       const auto written = write_file(folder / fmt::format("{:06}.png", i), to_png(image));
       const std::scoped_lock lock(telling);
       if (!written) outcome = written;

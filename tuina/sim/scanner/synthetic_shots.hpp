@@ -27,7 +27,8 @@ struct SyntheticShotsOptions {
   int standing_poses = 8;  ///< poses of boards that stand while the unit turns
   double nearest_m = 0.5;
   double max_distance_m = 1.75;
-  bool sweeps = true;  ///< also sweep_left, sweep_right and couch
+  double line_share = 1.0;  ///< of the usual brightness of the laser line on the board
+  bool sweeps = true;       ///< also sweep_left, sweep_right and couch
   int threads = 2;
 };
 

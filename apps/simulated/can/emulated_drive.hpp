@@ -13,7 +13,7 @@
 
 #include "tuina/hardware/can/drive_device.hpp"
 
-namespace tuina::tests {
+namespace tuina::app {
 
 /// A drive of CiA 402 from the other side: its dictionary, by which all it does can be asked and
 /// set, its states, its PDOs as they are mapped, a motor with a flywheel. It writes its bytes by
@@ -73,6 +73,8 @@ class EmulatedDrive {
     counts_ = device_.zero_count + q_rad * device_.counts_per_rad();
     value(0x6064) = value(0x607A) = static_cast<std::uint32_t>(std::lround(counts_));
   }
+  /// Something else than its own flywheel turns it; where it should be stays.
+  void turn_to(double q_rad) { counts_ = device_.zero_count + q_rad * device_.counts_per_rad(); }
   void report(std::uint16_t code) {
     const auto low = static_cast<std::uint8_t>(code), high = static_cast<std::uint8_t>(code >> 8);
     send_({.can_id = 0x080U + device_.node, .can_dlc = 8, .data = {low, high, 0x20}});
@@ -104,6 +106,14 @@ class EmulatedDrive {
 
   [[nodiscard]] bool enabled() const { return status_ == 0x27; }
   [[nodiscard]] std::uint8_t mode() { return static_cast<std::uint8_t>(value(0x6060)); }
+  [[nodiscard]] double q_rad() const {
+    return (counts_ - device_.zero_count) / device_.counts_per_rad();
+  }
+  /// Whether its motor does what torques it is ordered, and which one at the joint since the SYNC.
+  [[nodiscard]] bool obeys_torques() { return enabled() && mode() == 10; }
+  [[nodiscard]] double torque_nm() {
+    return 1e-3 * static_cast<std::int16_t>(value(0x6077)) * device_.rated_torque_at_joint_nm();
+  }
   [[nodiscard]] int cycles_of_torque() const { return cycles_of_torque_; }
   [[nodiscard]] const hardware::DriveDevice& device() const { return device_; }
 
@@ -114,7 +124,7 @@ class EmulatedDrive {
     if (frame.can_id == 0x77F) host_heard_ = std::chrono::steady_clock::now();
     if (frame.can_id == 0x600U + device_.node) answer(frame);
     for (const int pdo : {0x1400, 0x1401})
-      if (network_ == 5 && value(pdo, 1) == frame.can_id) staged_.push_back({pdo, frame});
+      if (network_ == 5 && value(pdo, 1) == frame.can_id) staged_.emplace_back(pdo, frame);
   }
 
   /// What goes by the clock and not by the SYNC.
@@ -258,4 +268,4 @@ class EmulatedDrive {
   int cycles_of_torque_ = -1;
 };
 
-}  // namespace tuina::tests
+}  // namespace tuina::app

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+// A massage in which every torque and every reading goes over CAN, to and from emulated drives.
+#include <doctest/doctest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <regex>
+#include <thread>
+
+#include "tests/whole/command.hpp"
+#include "tuina/core/io/file.hpp"
+
+using nlohmann::json;
+using tuina::test::Folder;
+using tuina::test::Outcome;
+using tuina::test::run_tuina;
+
+namespace {
+
+using Words = std::vector<std::string>;
+
+Words operator+(Words words, const Words& more) {
+  words.insert(words.end(), more.begin(), more.end());
+  return words;
+}
+
+std::string text_of(const std::filesystem::path& file) {
+  return tuina::read_file(file, 1 << 24).value_or("");
+}
+
+/// The person, and the thesis' robot on a base that stands, for drives on CAN have none.
+Words same_world(const Folder& folder) {
+  const std::string thesis = text_of(TUINA_SOURCE_DIR "/models/robots/thesis.toml");
+  const std::string standing =
+      std::regex_replace(thesis, std::regex("rail_mm = [^\n]*"), "rail_mm = [0, 0]");
+  return {"--person",   "phantom:slim",
+          "--position", "prone",
+          "--seed",     "7",
+          "--robot",    folder.with("standing.toml", standing)};
+}
+
+Words brief_massage(const Folder& folder) {
+  return {"massage", "--quiet", "--programme",
+          folder.with("brief.toml",
+                      "name = \"brief\"\n[[part]]\ntechnique = \"press\"\n"
+                      "points = [\"BL47\"]\nrepeats = 1\n"),
+          "--out"};
+}
+
+/// The program with the drives, which ends with the session of its host.
+class Drives {
+ public:
+  Drives(const Folder& folder, const Words& words) : device_(folder / "device.toml") {
+    std::filesystem::remove(device_);
+    static int port = 21'003 + 8 * static_cast<int>(getpid() % 1'200);
+    port += 8;
+    const Words all =
+        Words{"robot", "can",  "--quiet", "--json", "--wrist", "127.0.0.1:" + std::to_string(port),
+              "--out", device_} +
+        same_world(folder) + words;
+    thread_ = std::thread([this, all] { outcome_ = run_tuina(all); });
+    for (int i = 0; i < 600 && !std::filesystem::exists(device_); ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+  ~Drives() {
+    if (thread_.joinable()) thread_.join();
+  }
+  [[nodiscard]] const Outcome& end() {
+    thread_.join();
+    return outcome_;
+  }
+  [[nodiscard]] const std::string& device() const { return device_; }
+
+ private:
+  std::string device_;
+  Outcome outcome_;
+  std::thread thread_;
+};
+
+json session_of(const Folder& folder, const char* name) {
+  return json::parse(text_of(std::filesystem::path(folder / name) / "session.json"));
+}
+
+}  // namespace
+
+TEST_CASE("a massage over CAN has the force of the massage in one program to 0.1 N") {
+  const Folder folder;
+  const Words massage = brief_massage(folder), world = same_world(folder);
+  Drives drives(folder, {});
+  const Outcome asked = run_tuina({"doctor", "--device", drives.device(), "--json"});
+  CHECK_MESSAGE(asked.exit_code == 0, asked.out);
+  CHECK(json::parse(asked.out)["devices"].size() == 18);  // of it four buses and two sensors
+  const Outcome stranger =
+      run_tuina(massage + Words{folder / "stranger", "--device", drives.device(), "--seed", "8"});
+  CHECK(stranger.exit_code == 3);
+  CHECK_MESSAGE(stranger.err.find("the arms are before") != std::string::npos, stranger.err);
+
+  const Outcome far =
+      run_tuina(massage + Words{folder / "far", "--device", drives.device()} + world);
+  REQUIRE_MESSAGE(far.exit_code == 0, far.err);
+  const Outcome& ended = drives.end();
+  REQUIRE_MESSAGE(ended.exit_code == 0, ended.err);
+  const Outcome one = run_tuina(massage + Words{folder / "one"} + world);
+  REQUIRE_MESSAGE(one.exit_code == 0, one.err);
+  const json over_can = session_of(folder, "far"), here = session_of(folder, "one");
+  const double far_n = over_can["massage"]["force"]["rmse_n"];
+  const double one_n = here["massage"]["force"]["rmse_n"];
+  const json& traffic = over_can["devices"]["left"];
+  MESSAGE("force error, N RMS: one process ", one_n, ", over CAN ", far_n, "; ",
+          traffic["cycles"].get<int>(), " cycles, ", traffic["lost"].get<int>(), " lost, ",
+          traffic["late"].get<int>(), " late; ", json::parse(ended.out).dump());
+  CHECK(std::abs(far_n - one_n) < 0.1);
+  CHECK(over_can["massage"]["performed"].size() == here["massage"]["performed"].size());
+  CHECK(over_can["devices"]["arms"].get<std::string>().find("/can3") != std::string::npos);
+  CHECK(traffic["cycles"] > 10'000);
+  CHECK(traffic["lost"] == 0);
+  CHECK(over_can["devices"]["truth_missed_ms"] == 0);
+}
+
+TEST_CASE("a bus that is unplugged in a press ends the massage, and no tool presses harder") {
+  const Folder folder;
+  Drives drives(folder, {"--unplug", "can1", "--unplug-at-s", "10"});
+  const Outcome cut =
+      run_tuina(brief_massage(folder) + Words{folder / "cut", "--device", drives.device()} +
+                same_world(folder));
+  CHECK(cut.exit_code == 3);
+  CHECK_MESSAGE(cut.err.find("/can1 was unplugged") != std::string::npos, cut.err);
+  const Outcome& ended = drives.end();
+  REQUIRE_MESSAGE(ended.exit_code == 0, ended.err);
+  const json report = json::parse(ended.out);
+  MESSAGE(cut.err, report.dump());
+  CHECK(report["max_force_n"] < 22.0);  // of the programme
+}
