@@ -13,8 +13,7 @@ using namespace tuina::app;
 
 namespace {
 
-constexpr sim::PositionLoop quick = {.cycle_hz = 500.0, .bandwidth_hz = 20.0},
-                            slow = {.cycle_hz = 125.0, .bandwidth_hz = 10.0};
+constexpr sim::PositionLoop quick = sim::quick_loop, slow = sim::slow_loop;
 
 ContactExperiment press(const sim::PositionLoop& loop, double force_n) {
   return {.robot = "ur",

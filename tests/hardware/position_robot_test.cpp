@@ -138,8 +138,8 @@ TEST_CASE("what lasts of a wrong place is in the readings") {
   stage.drives.stuck_from = 50;
   stage.live(50, Vector3::Zero());
   const JointVector stood_rad = stage.drives.last.q_rad[Arm::left];
-  stage.live(50, 0.3 * stage.inward);
-  stage.live(200, Vector3::Zero());
+  stage.live(50, 0.1 * stage.inward);
+  stage.live(1000, Vector3::Zero());
   const auto reading = stage.robot.read();
   REQUIRE(stage.robot.fault() == nullptr);
   const JointVector& sent_rad = stage.drives.last.q_rad[Arm::left];

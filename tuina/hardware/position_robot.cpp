@@ -7,9 +7,9 @@
 namespace tuina::hardware {
 namespace {
 
-// What the arms differ by within a motion is how well their lag is known; a law that answered to it
-// would answer to that. Only what lasts is a place.
-constexpr double lasting_s = 0.08;
+// What the arms differ by within a motion is how well their lag is known, and no motion that the
+// torques of a controller or the watch of a guard should answer to. Only what lasts is a place.
+constexpr double lasting_s = 0.5;
 constexpr int far_away_ticks = 5;
 
 }  // namespace
@@ -19,7 +19,7 @@ PositionRobot::PositionRobot(robot::PositionDrives& drives, const PerArm<robot::
     : drives_(drives),
       options_(options),
       lag_ticks_(static_cast<std::size_t>(std::clamp(std::lround(options.lag_s / control_period_s),
-                                                     0L, static_cast<long>(max_lag_ticks) - 1L))),
+                                                     0L, static_cast<long>(ring_ticks) / 2L - 1L))),
       sides_{{Side(models[Arm::left]), Side(models[Arm::right])}} {}
 
 Result<void> PositionRobot::stand_ready(const robot::ReadyPose& pose) {
@@ -40,15 +40,25 @@ void PositionRobot::begin(const robot::RobotReading& reading) noexcept {
   }
 }
 
+/// Whether the joints are anywhere near where they were sent a lag ago, or half of it, or two.
+bool PositionRobot::follows(const Side& side, const JointVector& q_rad) const noexcept {
+  JointVector low_rad = sent(side, lag_ticks_), high_rad = low_rad;
+  for (std::size_t ago = lag_ticks_ / 2; ago <= 2 * lag_ticks_; ++ago) {
+    low_rad = low_rad.cwiseMin(sent(side, ago));
+    high_rad = high_rad.cwiseMax(sent(side, ago));
+  }
+  return (low_rad - q_rad).maxCoeff() < options_.max_off_rad &&
+         (q_rad - high_rad).maxCoeff() < options_.max_off_rad;
+}
+
 /// The real arm, where it would be if it were not late; tells of one that is elsewhere.
 void PositionRobot::compare(Arm arm, robot::ArmReading& reading) noexcept {
   Side& side = sides_[arm];
-  const JointVector& due_rad = side.sent_rad[(next_ + max_lag_ticks - lag_ticks_) % max_lag_ticks];
+  const JointVector& due_rad = sent(side, lag_ticks_);
   const bool known = reading.q_rad.size() == due_rad.size() && reading.q_rad.allFinite();
   const JointVector off_rad =
       known ? JointVector(reading.q_rad - due_rad) : JointVector::Zero(due_rad.size());
-  const bool far = !known || off_rad.cwiseAbs().maxCoeff() > options_.max_off_rad;
-  side.far_ticks = far ? side.far_ticks + 1 : 0;
+  side.far_ticks = known && follows(side, reading.q_rad) ? 0 : side.far_ticks + 1;
   if (side.far_ticks >= far_away_ticks && fault_ == nullptr)
     fault_ = arm == Arm::left ? "the left arm is not where it was sent"
                               : "the right arm is not where it was sent";
@@ -79,7 +89,7 @@ std::optional<robot::RobotReading> PositionRobot::read() noexcept {
     side.sample_time_s = reading->arms[arm].wrench_time_s;
     compare(arm, reading->arms[arm]);
   }
-  next_ = (next_ + 1) % max_lag_ticks;
+  next_ = (next_ + 1) % ring_ticks;
   return reading;
 }
 

@@ -39,16 +39,21 @@ class PositionRobot final : public robot::Robot {
   }
 
  private:
-  static constexpr std::size_t max_lag_ticks = 200;
+  static constexpr std::size_t ring_ticks = 401;
   struct Side {
     explicit Side(const robot::ArmModel& model) noexcept : arm(model) {}
     robot::VirtualArm arm;
-    std::array<JointVector, max_lag_ticks> sent_rad = {};  ///< where it was to be, a ring
-    JointVector off_rad;                                   ///< what lasts of the difference
-    Wrench wrench_in_tool;                                 ///< newest
+    std::array<JointVector, ring_ticks> sent_rad = {};  ///< where it was to be, a ring
+    JointVector off_rad;                                ///< what lasts of the difference
+    Wrench wrench_in_tool;                              ///< newest
     double sample_time_s = 0.0;
     int far_ticks = 0;
   };
+  /// Where the arm was to be so many milliseconds ago.
+  [[nodiscard]] const JointVector& sent(const Side& side, std::size_t ago_ticks) const noexcept {
+    return side.sent_rad[(next_ + ring_ticks - ago_ticks) % ring_ticks];
+  }
+  [[nodiscard]] bool follows(const Side& side, const JointVector& q_rad) const noexcept;
   void begin(const robot::RobotReading& reading) noexcept;
   void compare(Arm side, robot::ArmReading& reading) noexcept;
   void stop_both() noexcept;

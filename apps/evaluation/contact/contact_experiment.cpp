@@ -6,7 +6,7 @@
 
 #include "apps/evaluation/contact/late_robot.hpp"
 #include "apps/evaluation/contact/patch_path.hpp"
-#include "apps/evaluation/contact/placed_arms.hpp"
+#include "apps/simulated/placed_arms.hpp"
 #include "tuina/control/beat_correction.hpp"
 #include "tuina/control/late_force.hpp"
 #include "tuina/massage/technique/contact_path.hpp"

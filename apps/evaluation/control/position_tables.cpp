@@ -11,13 +11,10 @@ namespace tuina::app {
 namespace {
 
 constexpr const char* arm = "ur";
-// What such arms do, by no measurement: a newer controller and an older one.
-constexpr sim::PositionLoop quick = {.cycle_hz = 500.0, .bandwidth_hz = 20.0},
-                            slow = {.cycle_hz = 125.0, .bandwidth_hz = 10.0};
 
 std::vector<Choice> loops() {
   std::vector<Choice> all = {{"torque", [](auto&) {}}};
-  for (const sim::PositionLoop& loop : {quick, slow})
+  for (const sim::PositionLoop& loop : {sim::quick_loop, sim::slow_loop})
     all.push_back(
         {fmt::format("{:g} Hz", loop.cycle_hz), [loop](auto& run) { run.position = loop; }});
   return all;
@@ -32,7 +29,19 @@ ControlRow row_of(double force_n, int seeds, std::uint64_t first_seed) {
   return row;
 }
 
-/// The left wrist fails so, ten seconds after the arms were switched on, in a press.
+/// The targets of every arm in contact (`evaluate control --table targets`).
+ControlTarget target_of(const ContactExperiment& run) {
+  if (run.technique != Technique::press) return {.rmse_n = 1.0, .highest_n = 90.0};
+  const bool light = run.force_n <= 30.0;
+  return {.rmse_n = light ? 0.8 : 1.5, .overshoot_n = light ? 3.0 : 5.0, .highest_n = 90.0};
+}
+
+std::vector<ControlRow> with_targets(std::vector<ControlRow> rows) {
+  for (ControlRow& row : rows) row.target = target_of(row.runs.front());
+  return rows;
+}
+
+/// The left wrist fails so, in a press.
 Choice wrist(const char* name, sim::RobotFault kind, double size) {
   return {name, [kind, size](ContactExperiment& run) {
             run.duration_s = 12.0;
@@ -65,7 +74,16 @@ ControlTable position_table(int seeds, std::uint64_t first_seed) {
           .about =
               "Contact by an arm that takes torques, and by the same arm where it takes places, in "
               "cycles of 500 Hz (20 Hz of bandwidth) and of 125 Hz (10 Hz).",
-          .rows = varied(rows, "tissue", all_tissues())};
+          .rows = with_targets(varied(rows, "tissue", all_tissues()))};
+}
+
+// What contact must hold, by an arm that takes torques and by the same arm where it takes places.
+ControlTable position_targets_table(ControlTable targets) {
+  for (ControlRow& row : targets.rows)
+    for (ContactExperiment& run : row.runs) run.robot = arm;
+  return {.name = "position_targets",
+          .about = targets.about + " By an arm that takes torques, and where it takes places.",
+          .rows = varied(targets.rows, "loop", loops())};
 }
 
 // The force that such an arm holds, by how quick it is.
@@ -80,7 +98,7 @@ ControlTable position_hold_table(std::uint64_t seed) {
   rows = varied(rows, "force_n", forces({10.0, 20.0, 30.0, 45.0, 60.0}));
   return {.name = "position_hold",
           .about = "Presses by an arm that takes places: by its cycle and its bandwidth.",
-          .rows = varied(rows, "tissue", all_tissues())};
+          .rows = with_targets(varied(rows, "tissue", all_tissues()))};
 }
 
 // What a wrist that fails does to an arm whose force nothing bounds except that wrist.

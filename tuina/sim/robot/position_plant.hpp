@@ -18,6 +18,10 @@ struct PositionLoop {
   [[nodiscard]] bool operator==(const PositionLoop&) const = default;
 };
 
+/// What newer and older arms of that kind do, by no measurement.
+inline constexpr PositionLoop quick_loop = {.cycle_hz = 500.0, .bandwidth_hz = 20.0},
+                              slow_loop = {.cycle_hz = 125.0, .bandwidth_hz = 10.0};
+
 /// A simulated robot behind such a controller, which knows its arms as their table does. The
 /// robot's encoders must be exact and its gears rigid: they are within the maker's loop. No heap in
 /// `read` and `follow`.

@@ -2,12 +2,21 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "tuina/hardware/position_robot.hpp"
+#include "tuina/session/config.hpp"
 #include "tuina/sim/robot/plant.hpp"
 #include "tuina/sim/robot/position_plant.hpp"
 
 namespace tuina::app {
+
+/// What the arms of a session take, where that is no torques.
+[[nodiscard]] inline std::optional<sim::PositionLoop> loop_of(const session::Config& config) {
+  if (config.simulation.arms == "position_500") return sim::quick_loop;
+  if (config.simulation.arms == "position_125") return sim::slow_loop;
+  return std::nullopt;
+}
 
 /// Gears and encoders of an arm that takes places are its maker's to mind.
 inline void as_within_a_loop(sim::PlantOptions& devices) {
