@@ -276,8 +276,12 @@ Result<ContactOutcome> run_contact(const ContactExperiment& experiment, const Pr
       progress(std::min(reading.time_s / (path.duration_s() + 5.0), 0.99));
     return act != Act::done;
   };
-  if (auto driven = session::run_control_loop(robot, guard, propose, look); !driven)
-    return tl::unexpected(driven.error());
+  if (auto driven = session::run_control_loop(robot, guard, propose, look); !driven) {
+    // Arms that could not go where they were sent have pressed as hard as they can.
+    if (!placed || outcome.trace.empty()) return tl::unexpected(driven.error());
+    outcome.stopped = true;
+    outcome.stops.push_back({outcome.trace.back().time_s, driven.error().message});
+  }
   if (progress) progress(1.0);
   if (!errors.empty()) outcome.force = errors.errors();
   outcome.ripple_n = ripple.rms_n();
