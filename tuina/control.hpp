@@ -9,5 +9,6 @@
 #include "tuina/control/force_target.hpp"
 #include "tuina/control/friction.hpp"
 #include "tuina/control/joint_follower.hpp"
+#include "tuina/control/late_force.hpp"
 #include "tuina/control/motion_profile.hpp"
 #include "tuina/control/skin_slope.hpp"

@@ -2,6 +2,7 @@
 #include "apps/simulated/session_order.hpp"
 
 #include "apps/simulated/atlas_source.hpp"
+#include "apps/simulated/placed_arms.hpp"
 #include "tuina/core/io/file.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/session/lay_plan.hpp"
@@ -112,6 +113,7 @@ Result<SimulatedRoom> make_room(const SessionOrder& order, const session::Config
   const sim::DeviceFlaws flaws = options.devices.flaws;
   options.devices = devices;
   options.devices.flaws = flaws;
+  if (loop_of(config)) as_within_a_loop(options.devices);
   auto world = sim::World::make(*person,
                                 robot::place_robot(room.order.robot, person->position,
                                                    session::head_at_plus_y(person->acupoints)),

@@ -7,6 +7,7 @@
 
 #include "apps/simulated/device_arms.hpp"
 #include "apps/simulated/keyboard.hpp"
+#include "apps/simulated/placed_arms.hpp"
 #include "apps/simulated/robot_process.hpp"
 #include "apps/simulated/truth_recorder.hpp"
 #include "tuina/core/io/file.hpp"
@@ -164,9 +165,13 @@ struct FarRobot {
   const SharedTruth* truth = nullptr;
 };
 
-Result<FarRobot> far_robot(const SessionOrder& order, const CommonOptions& common,
-                           const sim::World& world) {
+Result<FarRobot> far_robot(const SessionOrder& order, const session::Config& config,
+                           const CommonOptions& common, const sim::World& world) {
   FarRobot far;
+  if (loop_of(config) && (order.processes || !order.device.empty()))
+    return fail(Fault::usage,
+                "simulation.arms = {}: only arms that are simulated in this program take places",
+                config.simulation.arms);
   if (!order.device.empty()) {
     auto arms = DeviceArms::open(order.device, world, world_name(order, world, common.seed));
     if (!arms) return tl::unexpected(arms.error());
@@ -234,7 +239,7 @@ Result<SessionResult> run_simulated_session(const SessionOrder& order,
     // A terminal or a page may be slow; the truth is read in the millisecond in which it is true.
     session::Observer& terminal = bars;
     session::Relay watcher(attendant.watches != nullptr ? *attendant.watches : terminal);
-    auto far = far_robot(order, common, world);
+    auto far = far_robot(order, config, common, world);
     if (!far) return tl::unexpected(far.error());
     std::optional<LinkedTruth> told;
     std::vector<session::Observer*> all = {&truth, &joints, &watcher};
@@ -254,10 +259,17 @@ Result<SessionResult> run_simulated_session(const SessionOrder& order,
     }
     session::Observers observers(all);
     EndingCamera camera(world.camera(), attendant.ends_scan);
-    auto session =
-        session::run({camera, world.turntable(),
-                      far->robot != nullptr ? *far->robot : world.robot(), far->supervisor},
-                     room->order, config, observers);
+    std::optional<PlacedArms> placed;
+    const auto loop = loop_of(config);
+    if (loop)
+      placed.emplace(world.robot(), robot::both_models(world.robot_table(), world.mount()), *loop,
+                     common.seed);
+    robot::Robot& robot = placed                  ? placed->robot
+                          : far->robot != nullptr ? *far->robot
+                                                  : world.robot();
+    auto session = session::run({camera, world.turntable(), robot, far->supervisor,
+                                 loop ? believed_lag_s(*loop, common.seed) : 0.0},
+                                room->order, config, observers);
     record.reset();
     if (channels) result.untold_ms = channels->end(joints.last_tick);
     if (!session) {

@@ -15,6 +15,37 @@ constexpr double found_again_n = 1.5;
 constexpr double creep_m_per_s = 10e-3;
 constexpr double max_creep_m = 3e-3;
 constexpr double carried_below_n_per_s = 8.0;  // of the set force; faster, the tool goes itself
+// Beyond this lag of the force it is late. A late tool sinks no farther before it is felt than
+// this, by the believed tissue; goes ahead of the force with this share of what is believed; and
+// has this share of stiffness times lag for damping.
+constexpr double prompt_lag_s = 4e-3;
+constexpr double max_blind_m = 0.6e-3, late_belief = 0.6, late_share = 2.5;
+
+bool is_late(const ForceTarget::Options& options) noexcept {
+  return options.sensor_lag_s > prompt_lag_s;
+}
+
+/// Of the set force.
+double max_rate_n_per_s(const ForceTarget::Options& options, const ContactModel& model,
+                        double set_n, double since_touch_s) noexcept {
+  const double landed =
+      since_touch_s < options.landing_s ? options.landing_n_per_s : options.max_rate_n_per_s;
+  if (!is_late(options)) return landed;
+  return std::min(landed, max_blind_m / options.sensor_lag_s * stiffness_at(model, set_n));
+}
+
+// A force that is late by T and moves a tool of mass m is followed without ringing by D where
+// K_c (T + m / D) / D stays below a share of one.
+double damping_of(const ForceTarget::Options& options, double mass_kg, double contact_n_per_m,
+                  bool lost) noexcept {
+  const double free =
+      2.0 * options.free_damping_ratio * std::sqrt(mass_kg * options.stiffness_n_per_m);
+  if (lost) return 2.0 * free;
+  const double prompt = 2.0 * options.contact_damping_ratio * std::sqrt(mass_kg * contact_n_per_m);
+  const double late_s = std::max(options.sensor_lag_s - prompt_lag_s, 0.0);
+  const double late = 0.5 * late_share * contact_n_per_m * late_s;
+  return std::clamp(late + std::hypot(late, prompt), free, options.max_damping_n_s_per_m);
+}
 
 }  // namespace
 
@@ -124,15 +155,16 @@ double ForceTarget::step(const Input& input, double dt_s) noexcept {
   const double wanted_n = std::max(input.set_force_n, options_.kept_n);
   // Light contact is soft: a fast change of a small force would throw the tool off the skin.
   since_touch_s_ += dt_s;
-  const double fastest =
-      since_touch_s_ < options_.landing_s ? options_.landing_n_per_s : options_.max_rate_n_per_s;
+  const double fastest = max_rate_n_per_s(options_, input.model, set_n_, since_touch_s_);
   const double change_n = std::clamp(wanted_n - set_n_, -fastest * dt_s, fastest * dt_s);
   set_n_ += change_n;
   watch_contact(input, dt_s);
 
   // Damping and inertia are led by the model's prediction only. With the trim in it this would be a
   // force gain that ignores the tissue, which limit-cycles on bone.
-  deepening_m_per_s_ = lost_ ? 0.0 : change_n / dt_s / stiffness_at(input.model, set_n_);
+  const double believed_share = is_late(options_) ? late_belief : 1.0;
+  deepening_m_per_s_ =
+      lost_ ? 0.0 : believed_share * change_n / dt_s / stiffness_at(input.model, set_n_);
   const double foreseen = input.path_speed_m_per_s + input.slope_speed_m_per_s + deepening_m_per_s_;
   const double acceleration = (foreseen - foreseen_m_per_s_) / options_.foreseen_lag_s;
   foreseen_m_per_s_ += acceleration * dt_s;
@@ -140,13 +172,7 @@ double ForceTarget::step(const Input& input, double dt_s) noexcept {
       std::clamp(input.mass_kg * acceleration, -options_.max_inertia_n, options_.max_inertia_n);
 
   const double contact_n_per_m = stiffness_at(input.model, std::max(input.force_n, 1.0));
-  const double free_damping =
-      2.0 * options_.free_damping_ratio * std::sqrt(input.mass_kg * options_.stiffness_n_per_m);
-  const double contact_damping =
-      2.0 * options_.contact_damping_ratio * std::sqrt(input.mass_kg * contact_n_per_m);
-  const double damping =
-      lost_ ? 2.0 * free_damping
-            : std::clamp(contact_damping, free_damping, options_.max_damping_n_s_per_m);
+  const double damping = damping_of(options_, input.mass_kg, contact_n_per_m, lost_);
 
   const double spring_n = lost_ ? spring_without_skin(input, dt_s)
                                 : spring_on_skin(input, contact_n_per_m, damping, dt_s);

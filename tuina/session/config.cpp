@@ -33,6 +33,7 @@ void each_key(ConfigType& config, Visitor& visit) {
   if constexpr (!std::is_const_v<ConfigType>) {
     if (visit.names("simulation.realism")) set_realism(config.simulation);
   }
+  visit.word("simulation.arms", config.simulation.arms, {"torque", "position_500", "position_125"});
   visit.number("simulation.breathing_mm", config.simulation.breathing_mm, 0.0, 20.0, "");
   visit.number("simulation.breathing_hz", config.simulation.breathing_hz, 0.05, 1.0, "");
   visit.number("simulation.friction", config.simulation.friction, 0.0, 3.0, "");

@@ -33,6 +33,8 @@ struct Config {
   /// The keys of [simulation].
   struct Simulation {
     std::string realism = "usual";  ///< sets all effects; those named after it differ from it
+    /// What the arms of `tuina massage` take: torques, or places in cycles of 500 or 125 Hz.
+    std::string arms = "torque";
     double breathing_mm = 3.0;
     double breathing_hz = 0.25;
     double friction = 1.0;             ///< scale on the joint friction of the plant

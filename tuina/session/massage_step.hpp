@@ -82,12 +82,13 @@ struct MassageOptions {
   double rail_m = 0.0;
   double standoff_m = 40e-3;
   double force_ceiling_n = 45.0;
-  double torso_n_per_m = 35e3;         ///< literature value; this person's own is not known
-  bool steer = true;                   ///< the estimate is fed forward as soon as it has converged
-  bool adaptive = true;                ///< presses follow the tissue that was felt
-  bool cautious = true;                ///< rule A2 of the steering
-  double intensity = 1.0;              ///< on every force, as it begins
-  std::vector<KnownPlace> known = {};  ///< places that an earlier session has felt
+  double torso_n_per_m = 35e3;  ///< literature value; this person's own is not known
+  bool steer = true;            ///< the estimate is fed forward as soon as it has converged
+  bool adaptive = true;         ///< presses follow the tissue that was felt
+  bool cautious = true;         ///< rule A2 of the steering
+  double intensity = 1.0;       ///< on every force, as it begins
+  control::ArmController::Options controller = {};  ///< of both arms
+  std::vector<KnownPlace> known = {};               ///< places that an earlier session has felt
   double max_shift_m =
       10e-3;  ///< largest shift of the skin since the scan; beyond it a new scan is needed
 };
@@ -132,7 +133,8 @@ class MassageStep {
 
  private:
   struct Side {
-    explicit Side(const robot::ArmModel& model) : controlled(model) {}
+    Side(const robot::ArmModel& model, const control::ArmController::Options& controller)
+        : controlled(model, controller) {}
     ControlledArm controlled;
     control::ArmController& controller() noexcept { return controlled.controller; }
     [[nodiscard]] const control::ArmController& controller() const noexcept {

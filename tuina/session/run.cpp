@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "tuina/body/palpation.hpp"
+#include "tuina/control/late_force.hpp"
 #include "tuina/core/stopwatch.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/session/control_loop.hpp"
@@ -148,7 +149,8 @@ Result<void> prepare(Devices devices, const Order& order, const Config& config, 
   return {};
 }
 
-MassageOptions massage_options(const Order& order, const Config& config, const Session& session) {
+MassageOptions massage_options(const Order& order, const Config& config, const Session& session,
+                               double lag_s) {
   return {.base_from_couch = session.base_from_couch,
           .rail_m = session.ready.rail_m,
           .standoff_m = from_mm(config.massage.standoff_mm),
@@ -157,6 +159,7 @@ MassageOptions massage_options(const Order& order, const Config& config, const S
           .adaptive = order.adaptive,
           .cautious = config.massage.cautious,
           .intensity = session.intensity,
+          .controller = control::for_late_force({}, lag_s),
           .known = session.known};
 }
 
@@ -186,7 +189,8 @@ Result<bool> carry_out(Devices devices, const Order& order, const Config& config
                        Observer& observer, Session& session) {
   const motion::ReadyPlan& ready = session.ready;
   const auto models = robot::both_models(session.placement.arm, session.placement.mount);
-  MassageStep massage(ready.plan, ready.jobs, models, massage_options(order, config, session));
+  MassageStep massage(ready.plan, ready.jobs, models,
+                      massage_options(order, config, session, devices.lag_s));
   observer.on_plan(ready, session.base_from_couch);
   // A contact that never ends is a fault of the robot, not of the person; it must not hold anyone.
   const double max_s = 3.0 * ready.plan.duration_s + 60.0;

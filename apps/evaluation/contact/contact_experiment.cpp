@@ -6,7 +6,9 @@
 
 #include "apps/evaluation/contact/late_robot.hpp"
 #include "apps/evaluation/contact/patch_path.hpp"
+#include "apps/simulated/placed_arms.hpp"
 #include "tuina/control/beat_correction.hpp"
+#include "tuina/control/late_force.hpp"
 #include "tuina/massage/technique/contact_path.hpp"
 #include "tuina/robot/inverse_kinematics.hpp"
 #include "tuina/robot/robot_model.hpp"
@@ -153,11 +155,16 @@ Result<ContactOutcome> run_contact(const ContactExperiment& experiment, const Pr
   sim::PlantOptions devices = experiment.devices;
   devices.seed = experiment.seed;
   if (experiment.network) devices.watchdog_ticks = experiment.network->max_missed_cycles;
+  if (experiment.position) as_within_a_loop(devices);
   auto plant = sim::Plant::make(placement, arms, start, &person, devices);
   if (!plant) return tl::unexpected(plant.error());
 
+  const double lag_s = experiment.position && experiment.late_gains
+                           ? believed_lag_s(*experiment.position, experiment.seed)
+                           : 0.0;
   PerArm<session::ControlledArm> controlled = {
-      {session::ControlledArm(models[Arm::left], experiment.controller),
+      {session::ControlledArm(models[Arm::left],
+                              control::for_late_force(experiment.controller, lag_s)),
        session::ControlledArm(models[Arm::right])}};
   safety::RobotGuard guard(models, {.bench = true});
   tissue::PressEstimator estimator(tissue::pressed_by_robot(35'000.0, believed.tool_mass_kg));
@@ -171,7 +178,10 @@ Result<ContactOutcome> run_contact(const ContactExperiment& experiment, const Pr
   std::optional<NetworkedArms> networked;
   if (experiment.network) networked.emplace(**plant, *experiment.network, experiment.seed);
   robot::Robot& near = networked ? static_cast<robot::Robot&>(*networked) : late;
-  robot::Robot& robot = experiment.seen_as ? experiment.seen_as(near) : near;
+  robot::Robot& seen = experiment.seen_as ? experiment.seen_as(near) : near;
+  std::optional<PlacedArms> placed;
+  if (experiment.position) placed.emplace(seen, models, *experiment.position, experiment.seed);
+  robot::Robot& robot = placed ? static_cast<robot::Robot&>(placed->robot) : seen;
   Ripple ripple;
   const double max_duration_s = path.duration_s() + 30.0;
   Arm arm = Arm::left;
@@ -266,8 +276,12 @@ Result<ContactOutcome> run_contact(const ContactExperiment& experiment, const Pr
       progress(std::min(reading.time_s / (path.duration_s() + 5.0), 0.99));
     return act != Act::done;
   };
-  if (auto driven = session::run_control_loop(robot, guard, propose, look); !driven)
-    return tl::unexpected(driven.error());
+  if (auto driven = session::run_control_loop(robot, guard, propose, look); !driven) {
+    // Arms that could not go where they were sent have pressed as hard as they can.
+    if (!placed || outcome.trace.empty()) return tl::unexpected(driven.error());
+    outcome.stopped = true;
+    outcome.stops.push_back({outcome.trace.back().time_s, driven.error().message});
+  }
   if (progress) progress(1.0);
   if (!errors.empty()) outcome.force = errors.errors();
   outcome.ripple_n = ripple.rms_n();

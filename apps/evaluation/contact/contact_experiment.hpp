@@ -18,6 +18,7 @@
 #include "tuina/session/force_errors.hpp"
 #include "tuina/sim/robot/back_contact.hpp"
 #include "tuina/sim/robot/plant.hpp"
+#include "tuina/sim/robot/position_plant.hpp"
 #include "tuina/tissue/press_record.hpp"
 
 namespace tuina::app {
@@ -55,7 +56,11 @@ struct ContactExperiment {
   sim::PlantOptions devices = {};       ///< sensors and drives; their seed is the one below
   int late_ticks = 0;                   ///< torques reach the drives so many milliseconds late
   std::optional<Network> network = {};  ///< the arms are at the other end of armlink
-  /// Gives the robot that control sees for the simulated one, which may stand behind it.
+  /// The arms take places and no torques; their lag is known to a fifth.
+  std::optional<sim::PositionLoop> position = {};
+  bool late_gains = true;  ///< gains that suit that lag, not those of an arm that takes torques
+  /// Gives the robot that control sees for the simulated one, which may stand behind it. One that
+  /// takes places stands before that.
   std::function<robot::Robot&(robot::Robot&)> seen_as = {};
   std::uint64_t seed = 1;
 };

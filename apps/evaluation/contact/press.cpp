@@ -102,6 +102,14 @@ class Press final : public Verb {
         .one_of(technique_names())
         .show_default();
     add_robot_option(options, robot_);
+    auto cycle = options
+                     .add("--cycle-hz", cycle_hz_,
+                          "the arm takes places and no torques, so often: 125 or 500")
+                     .one_of({"125", "500"});
+    options.add("--bandwidth-hz", bandwidth_hz_, "of such an arm")
+        .between(1.0, 100.0)
+        .show_default()
+        .needs(cycle);
     options.add("--rub-shape", rub_shape_, "way of a rub").one_of(names(rub_shapes)).show_default();
     options
         .add("--controller", controller_,
@@ -188,6 +196,7 @@ class Press final : public Verb {
     experiment.friction_error *= model_error_;
     experiment.tissue_error *= model_error_;
     experiment.seed = common.seed;
+    experiment.position = loop();
     for (const Vector3& by_mm : {Vector3(0.0, rise_mm_, 0.0), Vector3(slide_mm_, 0.0, 0.0)}) {
       if (by_mm.isZero()) continue;
       sim::Shift shift{.start_s = shift_at_s_,
@@ -215,6 +224,10 @@ class Press final : public Verb {
   }
 
  private:
+  [[nodiscard]] std::optional<sim::PositionLoop> loop() const {
+    if (cycle_hz_.empty()) return std::nullopt;
+    return sim::PositionLoop{.cycle_hz = std::stod(cycle_hz_), .bandwidth_hz = bandwidth_hz_};
+  }
   [[nodiscard]] Answer answer_of(const ContactExperiment& experiment,
                                  const ContactOutcome& outcome) const {
     const session::ForceErrors& force = outcome.force;
@@ -253,9 +266,10 @@ class Press final : public Verb {
   }
 
   std::string robot_ = "thesis", tissue_ = "hard", technique_ = "press", rub_shape_ = "circle";
-  std::string controller_ = "tuina", torso_, out_, plot_;
+  std::string controller_ = "tuina", cycle_hz_, torso_, out_, plot_;
   double alpha_n_ = 0.0, beta_per_mm_ = 0.0, force_n_ = 0.0;
   double surface_error_mm_ = 0.0, surface_tilt_deg_ = 0.0, friction_ = -1.0;
+  double bandwidth_hz_ = sim::PositionLoop{}.bandwidth_hz;
   double rise_mm_ = 0.0, slide_mm_ = 0.0, shift_mm_per_s_ = 100.0;
   double shift_m_per_s2_ = 0.0, shift_at_s_ = 2.0;
   std::string realism_;

@@ -104,6 +104,37 @@ std::string stiffness_plot(const ControlTable& stiffness) {
   return telemetry::to_svg(plot);
 }
 
+struct PositionSection {
+  const char *table, *title, *drawing;
+};
+constexpr PositionSection position_sections[] = {
+    {"position", "Arms that take places", ""},
+    {"position_targets", "Targets of arms that take places", ""},
+    {"position_hold", "The force that they hold", "control_position"},
+    {"position_faults", "Wrist sensors that fail", ""}};
+
+/// What an arm that takes places is off by, by how quick it is.
+std::string position_plot(const ControlTable& hold) {
+  Plot plot{.title = "error of a press of 30 N by arms that take places",
+            .x_label = "bandwidth of the arm, Hz",
+            .y_label = "worst error of the true force, N rms"};
+  ControlTable presses = grouped(hold, {"cycle_hz", "bandwidth_hz", "force_n"});
+  std::erase_if(presses.rows, [](const ControlRow& row) { return row.label("force_n") != "30"; });
+  for (const char* cycle : {"125", "500"}) {
+    Series series = over(presses, "bandwidth_hz", &ControlResult::rmse_n, "cycle_hz", cycle);
+    series.name = fmt::format("cycle of {} Hz", cycle);
+    series.colour = cycle == std::string("500") ? palette::press : palette::stroke;
+    plot.series.push_back(std::move(series));
+  }
+  plot.series.push_back({.name = "target",
+                         .x = {5.0, 40.0},
+                         .y = {0.8, 0.8},
+                         .colour = palette::grey,
+                         .dashed = true});
+  plot.y_low = 0.0;
+  return telemetry::to_svg(plot);
+}
+
 void put_in(std::vector<std::string>& ticks, const std::string& tick) {
   if (std::find(ticks.begin(), ticks.end(), tick) == ticks.end()) ticks.push_back(tick);
 }
@@ -149,6 +180,8 @@ std::vector<std::pair<std::string, std::string>> figures_of(const ControlReport&
     figures.emplace_back("control_errors", error_plot(*table));
   if (const auto* table = report.table("stiffness"))
     figures.emplace_back("control_stiffness", stiffness_plot(*table));
+  if (const auto* table = report.table("position_hold"))
+    figures.emplace_back("control_position", position_plot(*table));
   if (const auto* table = report.table("stability")) {
     figures.emplace_back("control_stability",
                          stability_maps(*table, "tuina", "damping_share", "damping, share of it"));
@@ -205,6 +238,7 @@ std::string page_of(const ControlReport& report) {
   add("stiffness", "Stiffness", "control_stiffness");
   add("devices", "Sensors and drives");
   add("rules", "Rules of the tissue");
+  for (const auto& [name, title, drawing] : position_sections) add(name, title, drawing);
   page.section("Beyond reach", "The target walks 0.2 m beyond the stretched arm.")
       .table(beyond_reach_table(report));
   page.section(

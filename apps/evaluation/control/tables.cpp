@@ -203,7 +203,11 @@ std::vector<ControlTable> control_tables(bool full, std::uint64_t seed) {
           stiffness_table(full, seed),
           devices_table(seed),
           stability_table(full, seed),
-          rules_table(seed)};
+          rules_table(seed),
+          position_table(full ? 4 : 1, seed),
+          position_targets_table(targets(seeds, seed)),
+          position_hold_table(seed),
+          position_faults_table(seed)};
 }
 
 }  // namespace tuina::app

@@ -52,5 +52,11 @@ struct Choice {
 [[nodiscard]] ControlTable stability_table(bool full, std::uint64_t seed);
 /// A table about what rules A5 and A6 of the tissue would do to the force.
 [[nodiscard]] ControlTable rules_table(std::uint64_t seed);
+/// Tables about arms that take places and no torques: the contact tasks, the targets of all arms,
+/// the force they hold, and wrist sensors that fail.
+[[nodiscard]] ControlTable position_table(int seeds, std::uint64_t first_seed);
+[[nodiscard]] ControlTable position_targets_table(ControlTable targets);
+[[nodiscard]] ControlTable position_hold_table(std::uint64_t seed);
+[[nodiscard]] ControlTable position_faults_table(std::uint64_t seed);
 
 }  // namespace tuina::app

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tuina/hardware/position_robot.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tuina::hardware {
+namespace {
+
+// What the arms differ by within a motion is how well their lag is known, and no motion that the
+// torques of a controller or the watch of a guard should answer to. Only what lasts is a place.
+constexpr double lasting_s = 0.5;
+constexpr int far_away_ticks = 5;
+
+}  // namespace
+
+PositionRobot::PositionRobot(robot::PositionDrives& drives, const PerArm<robot::ArmModel>& models,
+                             const Options& options) noexcept
+    : drives_(drives),
+      options_(options),
+      lag_ticks_(static_cast<std::size_t>(std::clamp(std::lround(options.lag_s / control_period_s),
+                                                     0L, static_cast<long>(ring_ticks) / 2L - 1L))),
+      sides_{{Side(models[Arm::left]), Side(models[Arm::right])}} {}
+
+Result<void> PositionRobot::stand_ready(const robot::ReadyPose& pose) {
+  started_ = false;
+  return drives_.stand_ready(pose);
+}
+
+void PositionRobot::begin(const robot::RobotReading& reading) noexcept {
+  started_ = answered_ = true;
+  fault_ = nullptr;
+  for (const Arm arm : both_arms) {
+    Side& side = sides_[arm];
+    const JointVector& q_rad = reading.arms[arm].q_rad;
+    side.arm.stand(q_rad);
+    side.sent_rad.fill(q_rad);
+    side.off_rad = JointVector::Zero(q_rad.size());
+    side.far_ticks = 0;
+  }
+}
+
+/// Whether the joints are anywhere near where they were sent a lag ago, or half of it, or two.
+bool PositionRobot::follows(const Side& side, const JointVector& q_rad) const noexcept {
+  JointVector low_rad = sent(side, lag_ticks_), high_rad = low_rad;
+  for (std::size_t ago = lag_ticks_ / 2; ago <= 2 * lag_ticks_; ++ago) {
+    low_rad = low_rad.cwiseMin(sent(side, ago));
+    high_rad = high_rad.cwiseMax(sent(side, ago));
+  }
+  return (low_rad - q_rad).maxCoeff() < options_.max_off_rad &&
+         (q_rad - high_rad).maxCoeff() < options_.max_off_rad;
+}
+
+/// The real arm, where it would be if it were not late; tells of one that is elsewhere.
+void PositionRobot::compare(Arm arm, robot::ArmReading& reading) noexcept {
+  Side& side = sides_[arm];
+  const JointVector& due_rad = sent(side, lag_ticks_);
+  const bool known = reading.q_rad.size() == due_rad.size() && reading.q_rad.allFinite();
+  const JointVector off_rad =
+      known ? JointVector(reading.q_rad - due_rad) : JointVector::Zero(due_rad.size());
+  side.far_ticks = known && follows(side, reading.q_rad) ? 0 : side.far_ticks + 1;
+  if (side.far_ticks >= far_away_ticks && fault_ == nullptr)
+    fault_ = arm == Arm::left ? "the left arm is not where it was sent"
+                              : "the right arm is not where it was sent";
+  const JointVector change_rad =
+      control_period_s / (lasting_s + control_period_s) * (off_rad - side.off_rad);
+  side.off_rad += change_rad;
+  reading.q_rad = side.arm.q_rad() + side.off_rad;
+  reading.dq_rad_per_s = side.arm.dq_rad_per_s() + change_rad / control_period_s;
+}
+
+/// Who is silent is not followed.
+void PositionRobot::stop_both() noexcept {
+  for (Side& side : sides_.of) side.arm.stand(side.arm.q_rad());
+}
+
+std::optional<robot::RobotReading> PositionRobot::read() noexcept {
+  auto reading = drives_.read();
+  if (!reading) return reading;
+  if (!started_) begin(*reading);
+  if (!answered_) stop_both();
+  answered_ = false;
+  time_s_ = reading->time_s;
+  rail_m_ = reading->rail_m;
+  for (const Arm arm : both_arms) {
+    Side& side = sides_[arm];
+    side.sent_rad[next_] = side.arm.q_rad();
+    side.wrench_in_tool = reading->arms[arm].wrench_in_tool;
+    side.sample_time_s = reading->arms[arm].wrench_time_s;
+    compare(arm, reading->arms[arm]);
+  }
+  next_ = (next_ + 1) % ring_ticks;
+  return reading;
+}
+
+void PositionRobot::apply(const robot::RobotCommand& command) noexcept {
+  answered_ = true;
+  if (!started_ || fault_ != nullptr) return;
+  robot::PlaceCommand wanted{.rail_m = command.rail_m};
+  for (const Arm arm : both_arms) {
+    Side& side = sides_[arm];
+    const double age_s = time_s_ - side.sample_time_s;
+    const bool felt = std::abs(age_s) <= options_.max_wrench_age_s &&
+                      side.wrench_in_tool.force_n.allFinite() &&
+                      side.wrench_in_tool.torque_nm.allFinite();
+    if (command.brake[arm])
+      side.arm.stand(side.arm.q_rad());
+    else
+      side.arm.step(command.torque_nm[arm], side.wrench_in_tool, felt, rail_m_);
+    wanted.q_rad[arm] = side.arm.q_rad();
+  }
+  drives_.follow(wanted);
+}
+
+}  // namespace tuina::hardware
