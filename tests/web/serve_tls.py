@@ -216,9 +216,20 @@ def guesses(server):
     return page
 
 
+def open_files(process):
+    """What a process has open; what it closes meanwhile is left out."""
+    found = set()
+    for fd in os.listdir(f"/proc/{process.pid}/fd"):
+        try:
+            found.add(os.readlink(f"/proc/{process.pid}/fd/{fd}"))
+        except FileNotFoundError:
+            pass
+    return found
+
+
 def around(server, cookie):
     """The server behind the door hears nobody who comes another way."""
-    sockets = {os.readlink(f"/proc/{server.process.pid}/fd/{fd}") for fd in os.listdir(f"/proc/{server.process.pid}/fd")}
+    sockets = open_files(server.process)
     with open("/proc/net/tcp", encoding="ascii") as file:
         rows = [line.split() for line in file][1:]
     ports = [int(row[1].partition(":")[2], 16) for row in rows if row[3] == "0A" and f"socket:[{row[9]}]" in sockets]
