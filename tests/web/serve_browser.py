@@ -97,7 +97,7 @@ def moved_by_keys(server, watcher, tab):
     before, at = watcher.state["reviews"], acupoint(server, watcher, "BL50_L")
     expect("moving is reached", tab.tab_to("#move_BL50_L"))
     tab.key("Enter")
-    expect("the keys are told", "Arrow keys" in tab.see("document.querySelector('#refusal').textContent"))
+    expect("the keys are told", tab.until("document.querySelector('#refusal').textContent.includes('Arrow keys')", 3))
     for _ in range(3):
         tab.key("ArrowUp")
     expect("nothing is asked before Enter", watcher.state["reviews"] == before)
@@ -165,11 +165,11 @@ def lost_and_back(server, tab):
     os.kill(server.process.pid, signal.SIGSTOP)
     began = time.monotonic()
     try:
-        shown = tab.until("!document.querySelector('#lost').hidden", 10)
+        shown = tab.until("!document.querySelector('#lost').hidden && document.querySelector('#lost').textContent !== ''", 10)
         print(f"a lost connection is shown after {1e3 * (time.monotonic() - began):.0f} ms")
     finally:
         os.kill(server.process.pid, signal.SIGCONT)
-    expect("a lost connection is shown", shown and tab.see("document.querySelector('#lost').textContent !== ''"))
+    expect("a lost connection is shown", shown)
     expect("and comes back", tab.until("document.querySelector('#lost').hidden", 10))
 
 
