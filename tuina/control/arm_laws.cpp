@@ -62,10 +62,11 @@ JointVector ArmController::learning_torque(const ArmState& state, double dt_s) n
 // away it leaves from where it is then.
 bool ArmController::escapes(double dt_s) noexcept {
   leaving_n_ = std::min(leaving_n_, std::max(status_.force_n, 0.0));
-  if (!escape_.step(status_.force_n, leaving_n_, dt_s)) return false;
-  spring_n_ = escape_.options().push_out_n * reference_.pose.normal_in_base;
+  if (!escape_.step(status_.force_n, {leaving_n_, 0.0}, dt_s)) return false;
+  const Vector3& outward = reference_.pose.normal_in_base;
+  spring_n_ = escape_.push_n(velocity_.dot(outward)) * outward;
   if (escape_.over()) {
-    motion_.start({centre_, reference_.pose.normal_in_base});
+    motion_.start({centre_, outward});
     motion_s_ = 0.0;
     retract(leaving_m_);
     status_.contact_fault = ContactFault::pushed_away;

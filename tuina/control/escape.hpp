@@ -15,9 +15,20 @@ class Escape {
     /// leads in this time: who starts up presses sooner, and who coughs more gently, than a force
     /// tells.
     double startle_n = 16.0, startle_ahead_s = 20e-3;
-    double push_out_n = 100.0;   ///< outward, without damping
+    /// Least force of a person who comes closer: an arm that swings in the air feels its own mass.
+    double min_felt_n = 4.0;
+    double push_out_n = 100.0;  ///< outward, without damping
+    /// Outward speeds of the tool up to which the push is whole, and from which on none is left: a
+    /// tool that leaves as fast needs no more, and a push that ends in one tick makes gears ring.
+    double full_push_m_per_s = 0.5, max_m_per_s = 1.2;
     double sensor_lag_s = 4e-3;  ///< of the force that is felt
     double kept_n = 1.0;         ///< force at which contact counts as nearly ended
+  };
+
+  /// What the arm presses with by itself, pressing positive.
+  struct Expected {
+    double force_n = 0.0;
+    double rate_n_per_s = 0.0;  ///< at which its own motion makes it rise
   };
 
   Escape() = default;
@@ -26,10 +37,11 @@ class Escape {
 
   /// Begins anew with the force that is felt, in newtons.
   void begin(double force_n) noexcept;
-  /// True in each tick in which the arm is to push itself out with `push_out_n`. Of the force that
-  /// is felt, `expected_n` is what the arm presses with by itself; both in newtons, pressing
-  /// positive.
-  [[nodiscard]] bool step(double force_n, double expected_n, double dt_s) noexcept;
+  /// True in each tick in which the arm is to push itself out with `push_n`. The force is what is
+  /// felt, in newtons, pressing positive.
+  [[nodiscard]] bool step(double force_n, const Expected& expected, double dt_s) noexcept;
+  /// Push of a tool that goes outward at this speed, in newtons, outward positive.
+  [[nodiscard]] double push_n(double outward_m_per_s) const noexcept;
 
   [[nodiscard]] bool startled() const noexcept { return startled_; }  ///< since it began
   [[nodiscard]] bool over() const noexcept {

@@ -77,7 +77,7 @@ void ForceTarget::begin(const Input& input, double spring_n) noexcept {
   without_contact_s_ = 0.0;
   lost_ = false;
   escape_.begin(input.force_n);
-  since_touch_s_ = 0.0;
+  since_touch_s_ = since_felt_s_ = 0.0;
 }
 
 void ForceTarget::watch_contact(const Input& input, double dt_s) noexcept {
@@ -145,12 +145,21 @@ double ForceTarget::push_out(const Input& input) noexcept {
     crept_m_ = max_creep_m;
   }
   last_depth_m_ = input.depth_m;
-  spring_n_ = -options_.escape.push_out_n;
+  spring_n_ = -escape_.push_n(-input.speed_m_per_s);
   return spring_n_;
 }
 
+// A tool that lands, or that left light contact and comes back, presses harder by its own speed;
+// nobody comes closer then.
+double ForceTarget::landing_rate_n_per_s(const Input& input) const noexcept {
+  if (since_felt_s_ >= options_.landing_s) return 0.0;
+  return std::max(input.speed_m_per_s, 0.0) * stiffness_at(input.model, input.force_n);
+}
+
 double ForceTarget::step(const Input& input, double dt_s) noexcept {
-  if (escape_.step(input.force_n, set_n_, dt_s)) return push_out(input);
+  since_felt_s_ = input.force_n < touching_n ? 0.0 : since_felt_s_ + dt_s;
+  if (escape_.step(input.force_n, {set_n_, landing_rate_n_per_s(input)}, dt_s))
+    return push_out(input);
 
   const double wanted_n = std::max(input.set_force_n, options_.kept_n);
   // Light contact is soft: a fast change of a small force would throw the tool off the skin.

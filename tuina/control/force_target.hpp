@@ -98,6 +98,7 @@ class ForceTarget {
 
  private:
   void watch_contact(const Input& input, double dt_s) noexcept;
+  [[nodiscard]] double landing_rate_n_per_s(const Input& input) const noexcept;
   [[nodiscard]] double push_out(const Input& input) noexcept;
   [[nodiscard]] bool slips(const Input& input) const noexcept;
   [[nodiscard]] double spring_without_skin(const Input& input, double dt_s) noexcept;
@@ -113,7 +114,7 @@ class ForceTarget {
   double deepening_m_per_s_ = 0.0;
   double spring_n_ = 0.0;
   Escape escape_;
-  double since_touch_s_ = 0.0;
+  double since_touch_s_ = 0.0, since_felt_s_ = 0.0;
   double last_depth_m_ = 0.0;
   double tank_j_ = 0.0;
   double without_contact_s_ = 0.0;
