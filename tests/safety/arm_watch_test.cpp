@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <random>
+#include <vector>
 
 #include "tests/safety/two_arms.hpp"
 
@@ -21,8 +22,9 @@ struct Balance {
   const robot::ArmModel& model;
   bool begun = false, driven = false;
   std::uint64_t tick = 0;
-  std::array<double, 6> dq = {}, lagged_nm = {}, settled_nm = {}, ahead = {}, back = {},
-                        wrench = {};
+  std::array<double, 6> dq = {}, lagged_nm = {}, ahead = {}, back = {}, wrench = {};
+  /// Lagged torque and unexplained momentum of each joint, one for each time.
+  std::array<std::vector<double>, 6> torques_nm = {}, sums_nms = {};
   double misfit = 0.0;
   int weak_joint = -1;
 
@@ -33,6 +35,15 @@ struct Balance {
       const double most = k < 3 ? 10.0 : 1.0;
       wrench[k] = begun ? std::clamp(felt[k], wrench[k] - most, wrench[k] + most) : felt[k];
     }
+  }
+  /// Greatest rise within the last 16 steps of what is `sign` times these values.
+  static double rise(const std::vector<double>& values, double sign) {
+    double greatest = 0.0;
+    const std::size_t first = values.size() > 17 ? values.size() - 17 : 0;
+    for (std::size_t from = first; from < values.size(); ++from)
+      for (std::size_t to = from; to < values.size(); ++to)
+        greatest = std::max(greatest, sign * (values[to] - values[from]));
+    return greatest;
   }
   void take(const robot::ArmReading& arm, std::uint64_t now, const Vector3& force_n,
             const JointVector& applied_nm, double share) {
@@ -54,12 +65,13 @@ struct Balance {
     for (int i = 0; i < 6; ++i) {
       const auto k = static_cast<std::size_t>(i);
       const robot::Link& link = model.table().links[k];
-      if (!driven) lagged_nm[k] = settled_nm[k] = applied_nm[i];
+      if (!driven) lagged_nm[k] = applied_nm[i], torques_nm[k] = {applied_nm[i]}, sums_nms[k] = {0};
       lagged_nm[k] += (applied_nm[i] - lagged_nm[k]) / 3.0;  // 1 ms of 1 ms and 2 ms
-      settled_nm[k] += (lagged_nm[k] - settled_nm[k]) / 16.0;
+      torques_nm[k].push_back(lagged_nm[k]);
       double nm = lagged_nm[k] - dynamics.coriolis_nm[i] - dynamics.gravity_nm[i];
       for (int row = 0; row < 6; ++row) nm += dynamics.jacobian(row, i) * wrench[std::size_t(row)];
       const double missing = passed_s * nm - gained[k];
+      sums_nms[k].push_back(sums_nms[k].back() + missing);
       const double friction_nm =
           link.coulomb_nm + link.viscous_nm_s_per_rad * std::abs(arm.dq_rad_per_s[i]);
       const double allowed = passed_s * (1.5 * friction_nm + share * link.torque_limit_nm);
@@ -67,9 +79,11 @@ struct Balance {
       back[k] = std::max(0.0, back[k] - missing - allowed);
       if (arm.q_rad[i] < link.min_rad + 0.02 || arm.q_rad[i] > link.max_rad - 0.02)
         ahead[k] = back[k] = 0.0;
-      shares[k] = std::max(ahead[k], back[k]) /
-                  (0.05 * dynamics.mass_kg_m2(i, i) + 0.25e-3 * link.torque_limit_nm +
-                   2e-3 * std::abs(lagged_nm[k] - settled_nm[k]));
+      const double raised = rise(torques_nm[k], 1.0), lowered = rise(torques_nm[k], -1.0);
+      const double borne = 0.05 * dynamics.mass_kg_m2(i, i) + 0.25e-3 * link.torque_limit_nm +
+                           2.0 * std::min(rise(sums_nms[k], 1.0), rise(sums_nms[k], -1.0)) +
+                           1e-3 * std::max(raised, lowered);
+      shares[k] = std::max(ahead[k] / (borne + 4e-3 * lowered), back[k] / (borne + 4e-3 * raised));
     }
     driven = true;
     const auto worst = static_cast<std::size_t>(

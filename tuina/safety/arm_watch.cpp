@@ -26,10 +26,12 @@ constexpr double unexplained_rad_per_s = 0.05;
 constexpr double untimed_s = 0.25e-3;
 // Speeds and samples of the wrist are filtered and tell of a torque that much later.
 constexpr double lag_s = 2e-3;
-// A gear hands on a torque that has changed as its own spring swings: meanwhile it keeps back what
-// the change gives in some 2 ms. More would hide a hand that leads the arm, to which its torques
-// answer.
-constexpr double ringing_s = 2e-3, rung_out_s = 15e-3;
+// A change of torque comes late to the arm, and a gear lets the motor, where the encoder is, run
+// ahead of it: in the direction of the change too much momentum is seen so long.
+constexpr double late_s = 1e-3, ahead_s = 5e-3;
+// What a gear swings to and fro comes back; a hand or a fault takes momentum one way. The swing
+// that was seen may be the half of the next.
+constexpr double swings_share = 2.0;
 // A wild sample of the wrist may change what is known of it by this much in a millisecond.
 constexpr double wild_n = 10.0, wild_nm = 1.0;
 constexpr double max_gap_ticks = 10.0;
@@ -56,16 +58,20 @@ void ArmWatch::compare(const robot::ArmDynamics& dynamics, const robot::ArmReadi
   dq_rad_per_s_ = reading.dq_rad_per_s;
   if (applied_nm.size() != reading.q_rad.size()) return;
   if (lagged_nm_.size() == 0) {
-    lagged_nm_ = settled_nm_ = applied_nm;
+    lagged_nm_ = applied_nm;
     missing_ahead_ = missing_back_ = JointVector::Zero(applied_nm.size());
   }
-  lagged_nm_ += control_period_s / (control_period_s + lag_s) * (applied_nm - lagged_nm_);
-  settled_nm_ += control_period_s / (control_period_s + rung_out_s) * (lagged_nm_ - settled_nm_);
+  const JointVector change_nm =
+      control_period_s / (control_period_s + lag_s) * (applied_nm - lagged_nm_);
+  lagged_nm_ += change_nm;
   const JointVector driven_nm = lagged_nm_ - dynamics.coriolis_nm - dynamics.gravity_nm +
                                 dynamics.jacobian.transpose() * wrench_;
   const JointVector missing = passed_s * driven_nm - gained;
   for (Eigen::Index i = 0; i < missing.size(); ++i) {
-    const robot::Link& link = model_.table().links[static_cast<std::size_t>(i)];
+    const auto joint = static_cast<std::size_t>(i);
+    const robot::Link& link = model_.table().links[joint];
+    torques_nm_[joint].add(change_nm[i]);
+    unexplained_nms_[joint].add(missing[i]);
     const double friction_nm =
         link.coulomb_nm + link.viscous_nm_s_per_rad * std::abs(reading.dq_rad_per_s[i]);
     const double allowed = passed_s * (friction_share * friction_nm + share * link.torque_limit_nm);
@@ -83,10 +89,19 @@ void ArmWatch::compare(const robot::ArmDynamics& dynamics, const robot::ArmReadi
 // direction of its torque; a hand on the arm leaves several joints so, in any.
 void ArmWatch::weigh(const robot::ArmDynamics& dynamics) noexcept {
   Eigen::Index worst = 0;
-  const JointVector borne = unexplained_rad_per_s * JointVector(dynamics.mass_kg_m2.diagonal()) +
-                            untimed_s * model_.table().torque_limits_nm() +
-                            ringing_s * (lagged_nm_ - settled_nm_).cwiseAbs();
-  const JointVector shares = missing_ahead_.cwiseMax(missing_back_).cwiseQuotient(borne);
+  const JointVector torque_limits_nm = model_.table().torque_limits_nm();
+  JointVector shares(missing_ahead_.size());
+  for (Eigen::Index i = 0; i < shares.size(); ++i) {
+    const auto joint = static_cast<std::size_t>(i);
+    const Swing::Extent torque_nm = torques_nm_[joint].extent();
+    const double borne_nms = unexplained_rad_per_s * dynamics.mass_kg_m2(i, i) +
+                             untimed_s * torque_limits_nm[i] +
+                             swings_share * unexplained_nms_[joint].extent().to_and_fro() +
+                             late_s * std::max(torque_nm.raised, torque_nm.lowered);
+    const double more_s = ahead_s - late_s;
+    shares[i] = std::max(missing_ahead_[i] / (borne_nms + more_s * torque_nm.lowered),
+                         missing_back_[i] / (borne_nms + more_s * torque_nm.raised));
+  }
   misfit_ = shares.maxCoeff(&worst);
   JointVector others = shares;
   others[worst] = 0.0;

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <limits>
 
 #include "tuina/robot/arm_model.hpp"
 #include "tuina/robot/robot.hpp"
 #include "tuina/safety/guard.hpp"
+#include "tuina/safety/swing.hpp"
 
 namespace tuina::safety {
 
@@ -27,8 +29,8 @@ class ArmWatch {
   /// Torques and motion are compared by their momentum [deluca2006], joint by joint: what torques,
   /// wrist and weight should have added to it, and what was seen to be added, may differ by
   /// friction and a share of the drive in each millisecond. What goes beyond is summed up
-  /// [page1954] and compared with what coarse encoders, a badly timed drive and a gear that rings
-  /// after a step of torque may feign.
+  /// [page1954] and compared with what coarse encoders, a badly timed drive, and a gear that takes
+  /// up a change of torque late and swings after it, may feign.
   [[nodiscard]] Observation observe(const robot::RobotReading& reading, Arm arm,
                                     const Proposal& proposal,
                                     const JointVector& applied_nm) noexcept;
@@ -49,8 +51,9 @@ class ArmWatch {
 
   std::uint64_t tick_ = 0;
   JointVector dq_rad_per_s_;
-  JointVector lagged_nm_;   ///< of the drives, as late as speeds and wrist are
-  JointVector settled_nm_;  ///< what gears no longer ring from
+  JointVector lagged_nm_;                     ///< of the drives, as late as speeds and wrist are
+  std::array<Swing, max_joints> torques_nm_;  ///< of the drives, as late
+  std::array<Swing, max_joints> unexplained_nms_;  ///< momentum
   robot::Vector6 wrench_ =
       robot::Vector6::Zero();  ///< on the tool, in `base`, without wild samples
   /// Momentum of each joint that nothing explains, in N m s: too little of it in the direction of
