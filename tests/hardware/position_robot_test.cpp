@@ -24,6 +24,8 @@ class PlacedDrives final : public robot::PositionDrives {
   int stuck_from = 1 << 30;  ///< the left arm goes no farther
   int wrist_silent_from = 1 << 30, wrist_nan_from = 1 << 30;
   Vector3 force_in_tool_n = Vector3::Zero();
+  bool tells_torques = false;
+  PerArm<JointVector> torque_nm;
   robot::PlaceCommand last;
   int followed = 0;
 
@@ -49,6 +51,9 @@ class PlacedDrives final : public robot::PositionDrives {
       if (ms_ < wrist_silent_from) seen.wrench_time_s = reading_.time_s - 1e-3;
     }
     return reading_;
+  }
+  const PerArm<JointVector>* driven_nm() const noexcept override {
+    return tells_torques ? &torque_nm : nullptr;
   }
   void follow(const robot::PlaceCommand& command) noexcept override {
     last = command;
@@ -177,6 +182,40 @@ TEST_CASE("a wrist sensor that is silent or says no number lets no tool go on in
     stage.live(100, -5.0 * stage.inward);
     CHECK((stage.tool_sent_in_base() - before).dot(stage.inward) < -0.5e-3);
   }
+}
+
+TEST_CASE("drives that press harder than the wrist feels are believed, until it feels them again") {
+  Stage stage(placed_ur());
+  stage.weigh();
+  const auto dynamics =
+      stage.models[Arm::left].evaluate(stage.q_rad, JointVector::Zero(stage.q_rad.size()), 0.0);
+  const JointVector lever = dynamics.jacobian.topRows<3>().transpose() * stage.inward;
+  const Matrix3 turn = dynamics.base_from_tool.linear();
+  const Vector3 weight_in_tool_n = stage.drives.force_in_tool_n;
+  const auto told_n = [&](double pressed_n, double felt_n) {
+    for (const Arm arm : both_arms) stage.drives.torque_nm[arm] = dynamics.gravity_nm;
+    stage.drives.torque_nm[Arm::left] += pressed_n * lever;
+    stage.drives.force_in_tool_n =
+        weight_in_tool_n - turn.transpose() * Vector3(felt_n * stage.inward);
+    const auto reading = stage.robot.read();
+    REQUIRE(reading.has_value());
+    CHECK(reading->arms[Arm::right].wrench_in_tool.force_n == stage.drives.force_in_tool_n);
+    return weight_in_tool_n.x() - reading->arms[Arm::left].wrench_in_tool.force_n.x();
+  };
+  CHECK(told_n(200.0, 10.0) == doctest::Approx(10.0));  // nobody tells what the drives do
+  stage.drives.tells_torques = true;
+  // Friction of the UR5e's table bears some of it; how much is found by pressing very hard.
+  const double friction_n = 1000.0 - told_n(1000.0, 10.0);
+  CHECK(friction_n > 1.0);
+  CHECK(friction_n < 120.0);
+  CHECK(told_n(friction_n + 10.0, 10.0) == doctest::Approx(10.0));
+  CHECK(told_n(friction_n + 29.0, 10.0) == doctest::Approx(10.0));
+  CHECK(told_n(friction_n + 31.0, 10.0) == doctest::Approx(31.0));
+  CHECK(told_n(friction_n + 16.0, 10.0) == doctest::Approx(16.0));
+  CHECK(told_n(friction_n + 14.0, 10.0) == doctest::Approx(10.0));
+  CHECK(told_n(friction_n + 29.0, 10.0) == doctest::Approx(10.0));
+  CHECK(told_n(friction_n - 60.0, 10.0) == doctest::Approx(10.0));    // this wrist feels more
+  CHECK(told_n(friction_n + 40.0, -20.0) == doctest::Approx(-20.0));  // a reversed one is seen
 }
 
 TEST_CASE("nobody follows a host that is silent, nor moves an arm that is braked") {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tuina/hardware/position_robot.hpp"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
@@ -11,6 +12,28 @@ namespace {
 // torques of a controller or the watch of a guard should answer to. Only what lasts is a place.
 constexpr double lasting_s = 0.5;
 constexpr int far_away_ticks = 5;
+// Drives that were believed are so until the wrist feels all but this of what they press with.
+constexpr double felt_again_n = 5.0;
+
+/// What drives press with along the shaft of the tool beyond all that friction may bear. Of the
+/// forces at a tool that hold such torques it is the one which leaves the arm unaccelerated
+/// [khatib1987].
+double pressing_n(const robot::ArmModel& model, const robot::ArmDynamics& dynamics,
+                  const JointVector& dq_rad_per_s, const JointVector& driven_nm) noexcept {
+  const Vector3 inward = dynamics.base_from_tool.linear().col(0);
+  const JointVector lever = dynamics.jacobian.topRows<3>().transpose() * inward;
+  const JointVector yields = dynamics.mass_kg_m2.llt().solve(lever);
+  const double mobility_per_kg = lever.dot(yields);
+  if (!(mobility_per_kg > 0.0)) return 0.0;
+  const JointVector net_nm = driven_nm - dynamics.coriolis_nm - dynamics.gravity_nm;
+  double friction_n = 0.0;
+  for (Eigen::Index i = 0; i < yields.size(); ++i) {
+    const robot::Link& link = model.table().links[static_cast<std::size_t>(i)];
+    friction_n += std::abs(yields[i]) *
+                  (link.coulomb_nm + link.viscous_nm_s_per_rad * std::abs(dq_rad_per_s[i]));
+  }
+  return (yields.dot(net_nm) - friction_n) / mobility_per_kg;
+}
 
 }  // namespace
 
@@ -69,6 +92,26 @@ void PositionRobot::compare(Arm arm, robot::ArmReading& reading) noexcept {
   reading.dq_rad_per_s = side.arm.dq_rad_per_s() + change_rad / control_period_s;
 }
 
+/// A wrist sensor that says too little would let an arm that takes places press as hard as its
+/// drives can. Where they press much harder than it feels, the reading has their force. A sensor
+/// that tells of a pull speaks for itself: no body pulls, and that is to be seen.
+void PositionRobot::hear_drives(Arm arm, robot::ArmReading& reading,
+                                const JointVector& driven_nm) noexcept {
+  Side& side = sides_[arm];
+  const robot::ArmModel& model = side.arm.model();
+  if (driven_nm.size() != model.joints() || reading.q_rad.size() != model.joints() ||
+      reading.dq_rad_per_s.size() != model.joints())
+    return;
+  const auto dynamics = model.evaluate(reading.q_rad, reading.dq_rad_per_s, rail_m_);
+  const Vector3 weight_n(0.0, 0.0, -model.table().tool_mass_kg * gravity_m_per_s2);
+  const double weight_along_n = dynamics.base_from_tool.linear().col(0).dot(weight_n);
+  const double felt_n = weight_along_n - reading.wrench_in_tool.force_n.x();
+  const double unfelt_n = pressing_n(model, dynamics, reading.dq_rad_per_s, driven_nm) - felt_n;
+  const double max_unfelt_n = side.drives_believed ? felt_again_n : options_.max_unfelt_n;
+  side.drives_believed = unfelt_n > max_unfelt_n && felt_n > -felt_again_n;
+  if (side.drives_believed) reading.wrench_in_tool.force_n.x() -= unfelt_n;
+}
+
 /// Who is silent is not followed.
 void PositionRobot::stop_both() noexcept {
   for (Side& side : sides_.of) side.arm.stand(side.arm.q_rad());
@@ -82,8 +125,10 @@ std::optional<robot::RobotReading> PositionRobot::read() noexcept {
   answered_ = false;
   time_s_ = reading->time_s;
   rail_m_ = reading->rail_m;
+  const PerArm<JointVector>* driven_nm = drives_.driven_nm();
   for (const Arm arm : both_arms) {
     Side& side = sides_[arm];
+    if (driven_nm != nullptr) hear_drives(arm, reading->arms[arm], (*driven_nm)[arm]);
     side.sent_rad[next_] = side.arm.q_rad();
     side.wrench_in_tool = reading->arms[arm].wrench_in_tool;
     side.sample_time_s = reading->arms[arm].wrench_time_s;

@@ -17,7 +17,8 @@ namespace tuina::hardware {
 ///
 /// A reading has the virtual arm's joints, which are not late, and what the real ones differ by for
 /// longer from where they should be by now. Real arms that are elsewhere altogether are a fault.
-/// Brakes are: the arm stands. No heap in `read` and `apply`.
+/// Brakes are: the arm stands. Drives that tell their torques are believed where they press harder
+/// than the wrist feels: the reading then has their force. No heap in `read` and `apply`.
 class PositionRobot final : public robot::Robot {
  public:
   /// What the arms are like; measured, once for each kind of arm.
@@ -25,6 +26,9 @@ class PositionRobot final : public robot::Robot {
     double lag_s = 0.0;              ///< by which the joints follow; 0.2 s at most
     double max_off_rad = 30e-3;      ///< from where a joint should be by now
     double max_wrench_age_s = 5e-3;  ///< of the wrist sensor's sample; an older one tells nothing
+    /// Force along the shaft which the drives may press with and the wrist not feel, beyond their
+    /// friction.
+    double max_unfelt_n = 20.0;
   };
 
   /// `drives` must outlive it.
@@ -48,6 +52,7 @@ class PositionRobot final : public robot::Robot {
     Wrench wrench_in_tool;                              ///< newest
     double sample_time_s = 0.0;
     int far_ticks = 0;
+    bool drives_believed = false;
   };
   /// Where the arm was to be so many milliseconds ago.
   [[nodiscard]] const JointVector& sent(const Side& side, std::size_t ago_ticks) const noexcept {
@@ -56,6 +61,7 @@ class PositionRobot final : public robot::Robot {
   [[nodiscard]] bool follows(const Side& side, const JointVector& q_rad) const noexcept;
   void begin(const robot::RobotReading& reading) noexcept;
   void compare(Arm side, robot::ArmReading& reading) noexcept;
+  void hear_drives(Arm side, robot::ArmReading& reading, const JointVector& driven_nm) noexcept;
   void stop_both() noexcept;
 
   robot::PositionDrives& drives_;

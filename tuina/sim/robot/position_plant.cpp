@@ -86,6 +86,7 @@ std::optional<robot::RobotReading> PositionPlant::read() noexcept {
     seen.q_rad = side.told_rad;
     seen.dq_rad_per_s = side.told_rad_per_s;
   }
+  driven_nm_ = command.torque_nm;
   torques_.apply(command);
   return reading;
 }

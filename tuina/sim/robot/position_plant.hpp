@@ -33,6 +33,9 @@ class PositionPlant final : public robot::PositionDrives {
 
   [[nodiscard]] Result<void> stand_ready(const robot::ReadyPose& pose) override;
   [[nodiscard]] std::optional<robot::RobotReading> read() noexcept override;
+  [[nodiscard]] const PerArm<JointVector>* driven_nm() const noexcept override {
+    return started_ ? &driven_nm_ : nullptr;
+  }
   void follow(const robot::PlaceCommand& command) noexcept override { newest_ = command; }
   [[nodiscard]] const char* fault() const noexcept override { return torques_.fault(); }
 
@@ -55,6 +58,7 @@ class PositionPlant final : public robot::PositionDrives {
   double filter_per_s_;
   bool started_ = false;
   robot::PlaceCommand newest_;
+  PerArm<JointVector> driven_nm_;
 };
 
 }  // namespace tuina::sim
