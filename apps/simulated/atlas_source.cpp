@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/simulated/atlas_source.hpp"
 
+#include <algorithm>
 #include <filesystem>
+#include <utility>
 
 #include "apps/cli/installed.hpp"
 #include "apps/simulated/scanned_people.hpp"
@@ -9,6 +11,19 @@
 namespace tuina::app {
 
 namespace fs = std::filesystem;
+
+Result<std::vector<fs::path>> list_labelled(const std::vector<std::string>& places) {
+  std::vector<fs::path> all;
+  for (const auto& place : places) {
+    const auto paths = body::list_labelled_bodies(place);
+    if (!paths) return tl::unexpected(paths.error());
+    all.insert(all.end(), paths->begin(), paths->end());
+  }
+  std::sort(all.begin(), all.end(), [](const fs::path& a, const fs::path& b) {
+    return std::pair(a.filename(), a) < std::pair(b.filename(), b);
+  });
+  return all;
+}
 
 Result<std::vector<body::LabelledBody>> read_labelled(const std::vector<std::string>& places) {
   std::vector<body::LabelledBody> bodies;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <filesystem>
 #include <string>
 
 #include "tuina/body/atlas.hpp"
@@ -13,6 +14,10 @@ namespace tuina::app {
 [[nodiscard]] Result<body::Atlas> open_atlas(const std::string& words,
                                              const Progress& progress = {});
 
+/// Files of all labelled bodies of some folders and files, by name: the same in whatever order, and
+/// over however many folders, they are given.
+[[nodiscard]] Result<std::vector<std::filesystem::path>> list_labelled(
+    const std::vector<std::string>& places);
 /// The labelled bodies of folders and .ply files.
 [[nodiscard]] Result<std::vector<body::LabelledBody>> read_labelled(
     const std::vector<std::string>& places);

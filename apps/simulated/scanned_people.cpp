@@ -29,14 +29,17 @@ Result<Seen> see(const body::LabelledBody& person, const Scan& look, std::uint64
               .compute_ms = scan->compute_ms};
 }
 
+void scan_body(body::LabelledBody& person, std::uint64_t seed) {
+  if (person.skin_in_couch.triangles.empty()) return;
+  auto seen = see(person, {.by = Scan::By::laser}, seed);
+  // Whom the scanner cannot see is learned from as the skin is.
+  if (seen) person.scan_in_couch.points = std::move(seen->cloud_in_couch.points);
+}
+
 void scan_everybody(std::vector<body::LabelledBody>& people, std::uint64_t seed,
                     const Progress& progress) {
   for (std::size_t i = 0; i < people.size(); ++i) {
-    body::LabelledBody& person = people[i];
-    if (person.skin_in_couch.triangles.empty()) continue;
-    auto seen = see(person, {.by = Scan::By::laser}, seed + i);
-    // Whom the scanner cannot see is learned from as the skin is.
-    if (seen) person.scan_in_couch.points = std::move(seen->cloud_in_couch.points);
+    scan_body(people[i], seed + i);
     if (progress) progress(static_cast<double>(i + 1) / static_cast<double>(people.size()));
   }
 }

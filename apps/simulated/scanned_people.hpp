@@ -27,6 +27,8 @@ struct Scan {
 [[nodiscard]] Result<Seen> see(const body::LabelledBody& person, const Scan& scan,
                                std::uint64_t seed);
 
+/// Somebody scanned by the simulated scanner. Who is a cloud already stays as they are.
+void scan_body(body::LabelledBody& person, std::uint64_t seed);
 /// Everybody scanned by the simulated scanner, so that an atlas learns what a scan leaves open. Who
 /// is a cloud already stays as they are.
 void scan_everybody(std::vector<body::LabelledBody>& people, std::uint64_t seed,

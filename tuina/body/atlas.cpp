@@ -2,56 +2,46 @@
 #include "tuina/body/atlas.hpp"
 
 #include <algorithm>
-#include <iterator>
-#include <set>
 
 #include "tuina/body/learn/learn_shape.hpp"
-#include "tuina/core/io/text_lines.hpp"
 
 namespace tuina::body {
 namespace {
 
-/// The labels of the model that every example has.
-std::vector<std::string> shared_names(const std::vector<Example>& examples,
-                                      const ShapeModel& shape) {
+/// The labels of the model that the examples have.
+std::vector<std::string> shared_names(const Examples& examples, const ShapeModel& shape) {
   std::vector<std::string> names;
-  for (const auto& name : shape.labels) {
-    if (std::all_of(examples.begin(), examples.end(),
-                    [&](const Example& e) { return labels_of(e).contains(name); })) {
-      names.push_back(name);
-    }
-  }
+  for (const auto& name : shape.labels)
+    if (examples.have(name)) names.push_back(name);
   return names;
 }
 
-/// Bodies of one position are learned from together, so each label is on all of them.
-Result<void> check_same_labels(const std::vector<LabelledBody>& bodies, BodyPosture position) {
-  const LabelledBody* first = nullptr;
-  std::set<std::string> wanted;
-  for (const LabelledBody& body : bodies) {
-    if (body.position != position) continue;
-    std::set<std::string> names;
-    for (const Acupoint& point : body.acupoints) names.insert(point.name);
-    for (const Landmark& landmark : body.landmarks) names.insert(landmark.name);
-    if (first == nullptr) {
-      first = &body;
-      wanted = names;
+/// Leaves out whom the room cannot make a back of, with the cause.
+Result<void> leave_out_unusable(Examples& examples, std::vector<std::string>& causes,
+                                const Progress& progress) {
+  const auto count = static_cast<double>(examples.size());
+  std::size_t seen = 0;
+  for (std::size_t i = 0; i < examples.size();) {
+    const auto body = examples.source->read(examples.numbers[i], BodySource::Needs::scan);
+    if (!body) return tl::unexpected(body.error());
+    auto example = make_example(*body);
+    if (example && body->scan_in_couch.size() > 0)
+      example = make_example(*body, BodySource::Needs::scan);
+    if (example) {
+      ++i;
+    } else {
+      causes.push_back(example.error().message);
+      examples.leave_out(i);
     }
-    std::vector<std::string> missing;
-    std::vector<std::string> more;
-    std::set_difference(wanted.begin(), wanted.end(), names.begin(), names.end(),
-                        std::back_inserter(missing));
-    std::set_difference(names.begin(), names.end(), wanted.begin(), wanted.end(),
-                        std::back_inserter(more));
-    if (missing.empty() && more.empty()) continue;
-    const bool lacks = !missing.empty();
-    return fail(Fault::bad_input,
-                "{} lacks {}, which {} has; bodies that are learned from together need the same "
-                "labels",
-                lacks ? body.id : first->id, listed(lacks ? missing : more),
-                lacks ? first->id : body.id);
+    if (progress) progress(static_cast<double>(++seen) / count);
   }
   return {};
+}
+
+/// Tells a part of the way.
+Progress part_of(const Progress& progress, double from, double share) {
+  if (!progress) return {};
+  return [=](double done) { progress(from + share * done); };
 }
 
 /// Pose of the model's mean on an example, from their shared labels.
@@ -71,14 +61,15 @@ Transform example_pose(const Example& example, const ShapeModel& shape) {
 }
 
 /// Standard model of the thesis: the medium back, or the next one with a usable outline.
-Result<Standard> make_standard(std::vector<Example>& examples, const ShapeModel& shape) {
-  while (!examples.empty()) {
-    const auto medium =
-        static_cast<std::ptrdiff_t>(medium_of(examples, shared_names(examples, shape)));
-    const Example& example = examples[static_cast<std::size_t>(medium)];
+Result<Standard> make_standard(Examples& examples, const ShapeModel& shape) {
+  while (examples.size() > 0) {
+    const std::size_t medium = medium_of(examples, shared_names(examples, shape));
+    const auto made = examples.make(medium, BodySource::Needs::skin);
+    if (!made) return tl::unexpected(made.error());
+    const Example& example = *made;
     const auto outline = find_outline(example.back);
     if (!outline) {
-      examples.erase(examples.begin() + medium);
+      examples.leave_out(medium);
       continue;
     }
     Standard standard;
@@ -119,44 +110,38 @@ std::vector<FeatureLine> feature_lines(const Outline& outline) {
 
 Result<Atlas> learn_atlas(const std::vector<LabelledBody>& bodies, const Atlas* prior,
                           const Progress& progress, LearnReport* report, Reach reach) {
+  return learn_atlas(source_of(bodies), prior, progress, report, reach);
+}
+
+Result<Atlas> learn_atlas(const BodySource& bodies, const Atlas* prior, const Progress& progress,
+                          LearnReport* report, Reach reach) {
   Atlas atlas;
   LearnReport learned;
   double sum_mm = 0.0;
   double parts = 0.0;
-  for (const BodyPosture position : {BodyPosture::sitting, BodyPosture::prone}) {
-    const auto count = std::count_if(bodies.begin(), bodies.end(),
-                                     [&](const LabelledBody& b) { return b.position == position; });
+  auto read = read_examples(bodies, part_of(progress, 0.0, 0.1));
+  if (!read) return tl::unexpected(read.error());
+  double begun = 0.1;
+  for (Examples& examples : *read) {
+    const std::size_t count = examples.size();
     if (count == 0) continue;
-    if (auto same = check_same_labels(bodies, position); !same) return tl::unexpected(same.error());
-    const double share = static_cast<double>(count) / static_cast<double>(bodies.size());
-    const double from = position == BodyPosture::sitting ? 0.0 : 1.0 - share;
-    const auto step = [&](double done) {
-      if (progress) progress(from + share * done);
-    };
-    std::vector<Example> examples;
-    for (const LabelledBody& body : bodies) {
-      if (body.position != position) continue;
-      auto example = make_example(body);
-      if (example) {
-        examples.push_back(std::move(*example));
-      } else {
-        learned.skipped.push_back(example.error().message);
-      }
-      step(0.2 * static_cast<double>(examples.size()) / static_cast<double>(count));
-    }
+    const double share = 0.9 * static_cast<double>(count) / static_cast<double>(bodies.count);
+    const Progress step = part_of(progress, begun, share);
+    begun += share;
+    if (auto tried = leave_out_unusable(examples, learned.skipped, part_of(step, 0.0, 0.2)); !tried)
+      return tl::unexpected(tried.error());
     // More than one failed body in ten means that something is wrong with the folder.
-    if (examples.empty() || 10 * learned.skipped.size() > bodies.size()) {
+    if (examples.size() == 0 || 10 * learned.skipped.size() > bodies.count) {
       return fail(Fault::bad_input,
                   "{} of {} labelled bodies cannot be learned from, the first: {}",
-                  learned.skipped.size(), bodies.size(), learned.skipped.front());
+                  learned.skipped.size(), bodies.count, learned.skipped.front());
     }
     LearnOptions options;
-    const PositionAtlas* known = prior != nullptr ? prior->of(position) : nullptr;
+    const PositionAtlas* known = prior != nullptr ? prior->of(examples.position) : nullptr;
     options.reach = reach;
     if (known != nullptr) options.prior = &known->shape;
     Eigen::MatrixXd left_out_mm;
-    auto shape = learn_shape(
-        examples, options, [&](double done) { step(0.2 + 0.8 * done); }, &left_out_mm);
+    auto shape = learn_shape(examples, options, part_of(step, 0.2, 0.8), &left_out_mm);
     if (!shape) return tl::unexpected(shape.error());
     if (left_out_mm.rows() >= 7) {
       sum_mm += left_out_mm.topRows(7).mean() * static_cast<double>(count);

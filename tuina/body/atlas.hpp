@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tuina/body/field_morphing.hpp"
+#include "tuina/body/learn/body_source.hpp"
 #include "tuina/body/learn/correspondence.hpp"
 #include "tuina/body/learn/labelled_body.hpp"
 #include "tuina/body/outline.hpp"
@@ -49,6 +50,12 @@ struct LearnReport {
 /// Learns from labelled bodies of one or both positions; deterministic. With a `prior`, a few
 /// bodies adapt it; without one, a single body gives an atlas of itself. `report` may be null.
 [[nodiscard]] Result<Atlas> learn_atlas(const std::vector<LabelledBody>& bodies, const Atlas* prior,
+                                        const Progress& progress, LearnReport* report,
+                                        Reach reach = Reach::labels);
+/// The same of bodies that are read when they are needed: memory for one of them, some ten
+/// kilobytes of each, and a file among the system's temporary ones with the registered backs,
+/// ninety kilobytes of each.
+[[nodiscard]] Result<Atlas> learn_atlas(const BodySource& bodies, const Atlas* prior,
                                         const Progress& progress, LearnReport* report,
                                         Reach reach = Reach::labels);
 

@@ -36,7 +36,7 @@ class AtlasLearn final : public Verb {
     options.add("bodies", places_,
                 "folders of labelled bodies, or NAME.ply with NAME.json beside it");
     options.add("--phantoms", phantoms_, "so many drawn persons in each position, by --seed")
-        .between(1, 10000);
+        .between(1, 100000);
     options.add("--prior", prior_, "`default` or an atlas file that a few bodies then adapt");
     options
         .add("--scan", scan_,
@@ -52,18 +52,8 @@ class AtlasLearn final : public Verb {
                   "atlas learn needs labelled bodies or --phantoms N, one of the two");
     }
     if (const auto good = check_folder_of(out_); !good) return tl::unexpected(good.error());
-    Result<std::vector<body::LabelledBody>> bodies = std::vector<body::LabelledBody>{};
-    if (!places_.empty()) {
-      bodies = read_labelled(places_);
-      if (!bodies) return tl::unexpected(bodies.error());
-    }
-    for (int i = 0; i < phantoms_; ++i) {
-      const auto shape = sim::draw_phantom(common.seed * 100000 + static_cast<std::uint64_t>(i));
-      for (const BodyPosture position : {BodyPosture::sitting, BodyPosture::prone}) {
-        bodies->push_back(labelled(sim::make_phantom(shape, position)));
-      }
-    }
-    if (scan_ == "laser") scan_everybody(*bodies, common.seed, progress_bar(common, "scan"));
+    auto bodies = source(common.seed);
+    if (!bodies) return tl::unexpected(bodies.error());
     std::optional<body::Atlas> prior;
     if (!prior_.empty()) {
       auto read = prior_ == "default" ? open_atlas("") : body::read_atlas(prior_);
@@ -99,6 +89,37 @@ class AtlasLearn final : public Verb {
   }
 
  private:
+  /// Bodies that are read, drawn and scanned again whenever they are looked at: nobody stays in
+  /// memory.
+  [[nodiscard]] Result<body::BodySource> source(std::uint64_t seed) const {
+    const bool laser = scan_ == "laser";
+    const auto scanned = [=](body::LabelledBody body, std::size_t number,
+                             body::BodySource::Needs needs) {
+      if (laser && needs == body::BodySource::Needs::scan) scan_body(body, seed + number);
+      return body;
+    };
+    if (phantoms_ > 0) {
+      const auto drawn = [=](std::size_t number, body::BodySource::Needs needs) {
+        const auto position = number % 2 == 0 ? BodyPosture::sitting : BodyPosture::prone;
+        const auto shape = sim::draw_phantom(seed * 100000 + number / 2);
+        return Result<body::LabelledBody>(
+            scanned(labelled(sim::make_phantom(shape, position)), number, needs));
+      };
+      return body::BodySource{2 * static_cast<std::size_t>(phantoms_), drawn};
+    }
+    auto paths = list_labelled(places_);
+    if (!paths) return tl::unexpected(paths.error());
+    const std::size_t count = paths->size();
+    const auto read = [=, paths = std::move(*paths)](
+                          std::size_t number,
+                          body::BodySource::Needs needs) -> Result<body::LabelledBody> {
+      auto body = body::read_labelled_body(paths[number]);
+      if (!body) return body;
+      return scanned(std::move(*body), number, needs);
+    };
+    return body::BodySource{count, read};
+  }
+
   std::vector<std::string> places_;
   int phantoms_ = 0;
   std::string prior_;

@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tuina/body/learn/example.hpp"
 
+#include <algorithm>
+#include <iterator>
 #include <limits>
+#include <optional>
+#include <set>
 
+#include "tuina/core/io/text_lines.hpp"
 #include "tuina/core/units.hpp"
 
 namespace tuina::body {
@@ -16,6 +21,48 @@ std::string other_side(const std::string& name) {
 
 const Vector3 flip(-1.0, 1.0, 1.0);
 
+std::optional<std::size_t> index_of(const std::vector<std::string>& names,
+                                    const std::string& name) {
+  const auto found = std::find(names.begin(), names.end(), name);
+  if (found == names.end()) return {};
+  return static_cast<std::size_t>(found - names.begin());
+}
+
+/// Bodies of one position are learned from together, so each label is on all of them.
+Result<void> check_same_labels(const Examples& examples, const std::string& first,
+                               const LabelledBody& body) {
+  std::set<std::string> wanted(examples.acupoints.begin(), examples.acupoints.end());
+  wanted.insert(examples.landmarks.begin(), examples.landmarks.end());
+  std::set<std::string> names;
+  for (const Acupoint& point : body.acupoints) names.insert(point.name);
+  for (const Landmark& landmark : body.landmarks) names.insert(landmark.name);
+  std::vector<std::string> missing;
+  std::vector<std::string> more;
+  std::set_difference(wanted.begin(), wanted.end(), names.begin(), names.end(),
+                      std::back_inserter(missing));
+  std::set_difference(names.begin(), names.end(), wanted.begin(), wanted.end(),
+                      std::back_inserter(more));
+  if (missing.empty() && more.empty()) return {};
+  const bool lacks = !missing.empty();
+  return fail(Fault::bad_input,
+              "{} lacks {}, which {} has; bodies that are learned from together need the same "
+              "labels",
+              lacks ? body.id : first, listed(lacks ? missing : more), lacks ? first : body.id);
+}
+
+/// The labels of a body in the order of the examples.
+Places labels_like(const Examples& examples, const LabelledBody& body) {
+  std::map<std::string, Vector3> labels;
+  for (const auto& landmark : body.landmarks) labels[landmark.name] = landmark.at_in_couch;
+  for (const auto& acupoint : body.acupoints) labels[acupoint.name] = acupoint.at_in_couch;
+  Places places(3,
+                static_cast<Eigen::Index>(examples.acupoints.size() + examples.landmarks.size()));
+  Eigen::Index k = 0;
+  for (const auto* names : {&examples.acupoints, &examples.landmarks})
+    for (const std::string& name : *names) places.col(k++) = labels.at(name);
+  return places;
+}
+
 BackSurface mirrored(const BackSurface& back) {
   PointCloud cloud = back.points();
   for (Vector3& p : cloud.points) p = p.cwiseProduct(flip);
@@ -25,21 +72,16 @@ BackSurface mirrored(const BackSurface& back) {
 
 }  // namespace
 
-Result<Example> make_example(const LabelledBody& body) {
-  auto back = fit_back(sample(body.skin_in_couch, 4_mm), {.position = body.position});
+Result<Example> make_example(const LabelledBody& body, BodySource::Needs needs) {
+  const bool scanned = needs == BodySource::Needs::scan && body.scan_in_couch.size() > 0;
+  auto back = scanned ? fit_back(body.scan_in_couch, {.position = body.position})
+                      : fit_back(sample(body.skin_in_couch, 4_mm), {.position = body.position});
   if (!back) return fail(back.error().fault, "{}: {}", body.id, back.error().message);
-  Example example{std::move(*back), body.acupoints, body.landmarks, {}};
-  if (body.scan_in_couch.size() > 0) {
-    auto scanned = fit_back(body.scan_in_couch, {.position = body.position});
-    if (!scanned) return fail(scanned.error().fault, "{}: {}", body.id, scanned.error().message);
-    example.scanned = std::move(*scanned);
-  }
-  return example;
+  return Example{std::move(*back), body.acupoints, body.landmarks};
 }
 
 Example mirrored(const Example& example) {
-  Example twin{mirrored(example.back), example.acupoints, example.landmarks, {}};
-  if (example.scanned) twin.scanned = mirrored(*example.scanned);
+  Example twin{mirrored(example.back), example.acupoints, example.landmarks};
   for (auto& point : twin.acupoints) {
     point.name = other_side(point.name);
     point.at_in_couch = point.at_in_couch.cwiseProduct(flip);
@@ -67,12 +109,71 @@ Places labels_in_couch(const Example& example, const std::vector<std::string>& n
   return places;
 }
 
-std::size_t medium_of(const std::vector<Example>& examples, const std::vector<std::string>& names) {
-  Places mean = labels_in_couch(examples.front(), names);
+BodySource source_of(const std::vector<LabelledBody>& bodies) {
+  return {.count = bodies.size(), .read = [&bodies](std::size_t number, BodySource::Needs) {
+            return Result<LabelledBody>(bodies[number]);
+          }};
+}
+
+bool Examples::have(const std::string& name) const {
+  return index_of(acupoints, name) || index_of(landmarks, name);
+}
+
+Result<Example> Examples::make(std::size_t i, BodySource::Needs needs) const {
+  const auto body = source->read(numbers[i], needs);
+  if (!body) return tl::unexpected(body.error());
+  return make_example(*body, needs);
+}
+
+void Examples::leave_out(std::size_t i) {
+  numbers.erase(numbers.begin() + static_cast<std::ptrdiff_t>(i));
+  labels_in_couch.erase(labels_in_couch.begin() + static_cast<std::ptrdiff_t>(i));
+}
+
+Places labels_in_couch(const Examples& examples, std::size_t i,
+                       const std::vector<std::string>& names) {
+  Places places(3, static_cast<Eigen::Index>(names.size()));
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    const auto acupoint = index_of(examples.acupoints, names[k]);
+    const auto at =
+        acupoint ? *acupoint
+                 : examples.acupoints.size() + index_of(examples.landmarks, names[k]).value();
+    places.col(static_cast<Eigen::Index>(k)) =
+        examples.labels_in_couch[i].col(static_cast<Eigen::Index>(at));
+  }
+  return places;
+}
+
+Result<std::array<Examples, 2>> read_examples(const BodySource& source, const Progress& progress) {
+  std::array<Examples, 2> both;
+  both[1].position = BodyPosture::prone;
+  std::array<std::string, 2> first;
+  for (std::size_t number = 0; number < source.count; ++number) {
+    const auto body = source.read(number, BodySource::Needs::skin);
+    if (!body) return tl::unexpected(body.error());
+    const std::size_t k = body->position == BodyPosture::sitting ? 0 : 1;
+    Examples& examples = both[k];
+    examples.source = &source;
+    if (examples.size() == 0) {
+      first[k] = body->id;
+      for (const Acupoint& point : body->acupoints) examples.acupoints.push_back(point.name);
+      for (const Landmark& mark : body->landmarks) examples.landmarks.push_back(mark.name);
+    }
+    if (auto same = check_same_labels(examples, first[k], *body); !same)
+      return tl::unexpected(same.error());
+    examples.numbers.push_back(number);
+    examples.labels_in_couch.push_back(labels_like(examples, *body));
+    if (progress) progress(static_cast<double>(number + 1) / static_cast<double>(source.count));
+  }
+  return both;
+}
+
+std::size_t medium_of(const Examples& examples, const std::vector<std::string>& names) {
+  Places mean = labels_in_couch(examples, 0, names);
   for (int round = 0; round < 3; ++round) {
     Places sum = Places::Zero(3, mean.cols());
-    for (const Example& e : examples) {
-      const Places labels = labels_in_couch(e, names);
+    for (std::size_t i = 0; i < examples.size(); ++i) {
+      const Places labels = labels_in_couch(examples, i, names);
       sum += align(labels, mean) * labels / static_cast<double>(examples.size());
     }
     mean = sum;
@@ -80,7 +181,7 @@ std::size_t medium_of(const std::vector<Example>& examples, const std::vector<st
   std::size_t medium = 0;
   double nearest = std::numeric_limits<double>::max();
   for (std::size_t i = 0; i < examples.size(); ++i) {
-    const Places labels = labels_in_couch(examples[i], names);
+    const Places labels = labels_in_couch(examples, i, names);
     const double far = (align(labels, mean) * labels - mean).squaredNorm();
     if (far < nearest) {
       nearest = far;

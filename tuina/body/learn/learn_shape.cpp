@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "tuina/body/correction.hpp"
 #include "tuina/core/units.hpp"
@@ -25,53 +24,81 @@ struct Names {
   int acupoints = 0;
 };
 
-Names names_of(const std::vector<Example>& examples, const ShapeModel* prior) {
+Names names_of(const Examples& examples, const ShapeModel* prior) {
   if (prior != nullptr) return {prior->labels, prior->acupoints};
-  const auto everywhere = [&](const std::string& name) {
-    return std::all_of(examples.begin(), examples.end(),
-                       [&](const Example& e) { return labels_of(e).contains(name); });
-  };
-  Names names;
-  for (const auto& acupoint : examples.front().acupoints) {
-    if (everywhere(acupoint.name)) names.all.push_back(acupoint.name);
-  }
-  names.acupoints = static_cast<int>(names.all.size());
-  for (const auto& landmark : examples.front().landmarks) {
-    if (everywhere(landmark.name)) names.all.push_back(landmark.name);
-  }
+  Names names{examples.acupoints, static_cast<int>(examples.acupoints.size())};
+  names.all.insert(names.all.end(), examples.landmarks.begin(), examples.landmarks.end());
   return names;
 }
 
 /// Training examples; with two views, each is followed by its reflection.
 struct People {
-  const std::vector<Example>& examples;
+  const Examples& examples;
   Names names;
   std::size_t views = 1;
+
+  /// An example as learning looks at it: reflected, for the second view.
+  [[nodiscard]] Result<std::vector<Example>> views_of(std::size_t i,
+                                                      BodySource::Needs needs) const {
+    auto example = examples.make(i, needs);
+    if (!example) return tl::unexpected(example.error());
+    std::vector<Example> seen;
+    seen.push_back(std::move(*example));
+    if (views == 2) seen.push_back(mirrored(seen.front()));
+    return seen;
+  }
 };
 
 /// All examples registered to the template.
 struct Register {
   const People& people;
   Template standard;
-  std::vector<Registered> backs;
+  RegisteredBacks backs;
 
   /// The model of all examples, or of all but one fold.
-  [[nodiscard]] ShapeModel model(const LearnOptions& options, std::size_t fold = 0,
-                                 std::size_t folds = 0) const {
-    std::vector<const Registered*> chosen;
-    int persons = 0;
-    for (std::size_t i = 0; i < backs.size(); ++i) {
-      if (folds > 0 && i / people.views % folds == fold) continue;
-      chosen.push_back(&backs[i]);
-      persons += i % people.views == 0 ? 1 : 0;
-    }
-    ShapeModel made = model_of(chosen, standard, persons, options.statistics);
-    made.position = people.examples.front().back.position();
-    made.acupoints = people.names.acupoints;
-    made.labels = people.names.all;
+  [[nodiscard]] Result<ShapeModel> model(const LearnOptions& options, std::size_t fold = 0,
+                                         std::size_t folds = 0) {
+    const auto wanted = [=, views = people.views](std::size_t i) {
+      return folds == 0 || i / views % folds != fold;
+    };
+    const Backs chosen = backs.chosen(wanted);
+    auto made = model_of(chosen, standard, static_cast<int>(chosen.count / people.views),
+                         options.statistics);
+    if (!made) return made;
+    made->position = people.examples.position;
+    made->acupoints = people.names.acupoints;
+    made->labels = people.names.all;
     return made;
   }
 };
+
+/// All examples registered to the mean of the prior, or to the medium one of them.
+Result<Register> register_all(const People& people, const LearnOptions& options,
+                              const Progress& progress) {
+  const ShapeModel* prior = options.statistics.prior;
+  Template standard;
+  if (prior != nullptr) {
+    standard = template_of(*prior);
+  } else {
+    const auto medium =
+        people.examples.make(medium_of(people.examples, people.names.all), BodySource::Needs::skin);
+    if (!medium) return tl::unexpected(medium.error());
+    standard = make_template(*medium, people.names.all, options.reach);
+  }
+  auto backs = RegisteredBacks::make(standard.skin.cols() + standard.labels.cols());
+  if (!backs) return tl::unexpected(backs.error());
+  for (std::size_t i = 0; i < people.examples.size(); ++i) {
+    const auto views = people.views_of(i, BodySource::Needs::skin);
+    if (!views) return tl::unexpected(views.error());
+    for (const Example& view : *views) {
+      auto added = backs->add(registered(standard, view, people.names.all));
+      if (!added) return tl::unexpected(added.error());
+    }
+    if (progress)
+      progress(static_cast<double>(i + 1) / static_cast<double>(people.examples.size()));
+  }
+  return Register{people, std::move(standard), std::move(*backs)};
+}
 
 /// Labels of an example; missing ones are taken from `otherwise`.
 Places labels_or(const Example& example, const std::vector<std::string>& names,
@@ -88,8 +115,8 @@ Places labels_or(const Example& example, const std::vector<std::string>& names,
 
 /// Fits every back with a model of the other folds.
 template <typename OthersOf>
-LeftOut leave_out(const People& people, const ShapeModel& model, std::size_t folds,
-                  const OthersOf& others_of, const Progress& progress) {
+Result<LeftOut> leave_out(const People& people, const ShapeModel& model, std::size_t folds,
+                          const OthersOf& others_of, const Progress& progress) {
   const auto columns = static_cast<Index>(people.views * people.examples.size());
   const auto labels = static_cast<Index>(people.names.all.size());
   LeftOut left{.features = MatrixXd(model.modes.cols(), columns),
@@ -98,30 +125,32 @@ LeftOut leave_out(const People& people, const ShapeModel& model, std::size_t fol
                .residual_m = VectorXd(columns),
                .views = static_cast<Index>(people.views)};
   for (std::size_t fold = 0; fold < folds; ++fold) {
-    const ShapeModel others = others_of(fold);
-    for (Index column = 0; column < columns; ++column) {
-      const auto i = static_cast<std::size_t>(column);
-      if (i / people.views % folds != fold) continue;
-      const Example* example = &people.examples[i / people.views];
-      std::optional<Example> twin;
-      if (i % people.views == 1) {
-        twin.emplace(mirrored(*example));
-        example = &*twin;
+    const Result<ShapeModel> others = others_of(fold);
+    if (!others) return tl::unexpected(others.error());
+    for (std::size_t i = fold; i < people.examples.size(); i += folds) {
+      const auto views = people.views_of(i, BodySource::Needs::scan);
+      if (!views) return tl::unexpected(views.error());
+      auto column = static_cast<Index>(i * people.views);
+      for (const Example& view : *views) {
+        const ShapeFit fit = fit_shape(*others, view.back);
+        const Transform model_from_couch =
+            align(fit.skin_in_couch, model.mean.leftCols(model.skin_points()));
+        left.features.col(column) = skin_features(model, model_from_couch * fit.skin_in_couch);
+        const Places off =
+            1e3 * (model_from_couch.linear() *
+                   (labels_or(view, people.names.all, fit.labels_in_couch) - fit.labels_in_couch));
+        left.targets_mm.col(column) = Eigen::Map<const VectorXd>(off.data(), off.size());
+        left.variance_m2.col(column) = fit.label_var_m2;
+        left.residual_m[column] = fit.residual_m;
+        left.max_outlier_score = std::max(left.max_outlier_score, fit.outlier_score());
+        ++column;
       }
-      const ShapeFit fit = fit_shape(others, example->shown());
-      const Transform model_from_couch =
-          align(fit.skin_in_couch, model.mean.leftCols(model.skin_points()));
-      left.features.col(column) = skin_features(model, model_from_couch * fit.skin_in_couch);
-      const Places off =
-          1e3 *
-          (model_from_couch.linear() *
-           (labels_or(*example, people.names.all, fit.labels_in_couch) - fit.labels_in_couch));
-      left.targets_mm.col(column) = Eigen::Map<const VectorXd>(off.data(), off.size());
-      left.variance_m2.col(column) = fit.label_var_m2;
-      left.residual_m[column] = fit.residual_m;
-      left.max_outlier_score = std::max(left.max_outlier_score, fit.outlier_score());
+      if (progress) {
+        progress((static_cast<double>(fold) +
+                  static_cast<double>(i + 1) / static_cast<double>(people.examples.size())) /
+                 static_cast<double>(folds));
+      }
     }
-    if (progress) progress(static_cast<double>(fold + 1) / static_cast<double>(folds));
   }
   return left;
 }
@@ -142,34 +171,27 @@ MatrixXd acupoint_errors(const MatrixXd& wrong_mm, int acupoints) {
 }
 
 /// Mean and modes of these people, with the prior in the statistics.
-Learned learned_shape(const People& people, const LearnOptions& options, const Progress& progress) {
+Result<Learned> learned_shape(const People& people, const LearnOptions& options,
+                              const Progress& progress) {
   const auto& examples = people.examples;
   const auto& names = people.names;
   const ShapeModel* prior = options.statistics.prior;
-  Register all{.people = people,
-               .standard = prior != nullptr
-                               ? template_of(*prior)
-                               : make_template(examples[medium_of(examples, names.all)], names.all,
-                                               options.reach),
-               .backs = {}};
-  for (const Example& example : examples) {
-    all.backs.push_back(registered(all.standard, example, names.all));
-    if (people.views == 2) {
-      all.backs.push_back(registered(all.standard, mirrored(example), names.all));
-    }
-    if (progress) {
-      progress(0.4 * static_cast<double>(all.backs.size()) /
-               static_cast<double>(people.views * examples.size()));
-    }
-  }
-  Learned learned{.model = all.model(options), .out_of_fold_mm = {}};
+  auto all = register_all(people, options, [&](double done) {
+    if (progress) progress(0.4 * done);
+  });
+  if (!all) return tl::unexpected(all.error());
+  auto made = all->model(options);
+  if (!made) return tl::unexpected(made.error());
+  Learned learned{.model = std::move(*made), .out_of_fold_mm = {}};
   ShapeModel& model = learned.model;
   if (prior != nullptr) {
     model.bodies += prior->bodies;
     if (prior->correction.size() > 0) model.correction = correction_carried(*prior, model);
   }
   if (examples.size() < enough_to_correct) {
-    const ShapeFit own = fit_shape(model, examples.front().shown());
+    const auto first = examples.make(0, BodySource::Needs::scan);
+    if (!first) return tl::unexpected(first.error());
+    const ShapeFit own = fit_shape(model, first->back);
     model.nominal_var_m2 = own.label_var_m2;
     model.usual_residual_m = own.residual_m;
     // 95 % of an isotropic 3D Gaussian lies within 2.8 standard deviations.
@@ -178,23 +200,26 @@ Learned learned_shape(const People& people, const LearnOptions& options, const P
   }
   model.radius95_m = VectorXd::Zero(static_cast<Index>(names.all.size()));
   const auto folds = std::min(static_cast<std::size_t>(options.folds), examples.size());
-  const LeftOut left = leave_out(
-      people, model, folds, [&](std::size_t fold) { return all.model(options, fold, folds); },
+  const auto left = leave_out(
+      people, model, folds, [&](std::size_t fold) { return all->model(options, fold, folds); },
       [&](double done) {
         if (progress) progress(0.4 + 0.6 * done);
       });
-  learned.out_of_fold_mm = acupoint_errors(learn_correction(left, model), names.acupoints);
+  if (!left) return tl::unexpected(left.error());
+  learned.out_of_fold_mm = acupoint_errors(learn_correction(*left, model), names.acupoints);
   return learned;
 }
 
 /// The prior's shape with a correction learned from these people: the mean and modes of a few
 /// people describe their selection more than others.
-Learned corrected_prior(const People& people, const ShapeModel& prior, const Progress& progress) {
-  const LeftOut left = leave_out(
-      people, prior, 1, [&](std::size_t) { return prior; }, progress);
+Result<Learned> corrected_prior(const People& people, const ShapeModel& prior,
+                                const Progress& progress) {
+  const auto left = leave_out(
+      people, prior, 1, [&](std::size_t) { return Result<ShapeModel>(prior); }, progress);
+  if (!left) return tl::unexpected(left.error());
   Learned learned{.model = prior, .out_of_fold_mm = {}};
   ShapeModel& model = learned.model;
-  const MatrixXd wrong_mm = learn_correction(left, model);
+  const MatrixXd wrong_mm = learn_correction(*left, model);
   model.bodies += static_cast<int>(people.examples.size());
   if (people.examples.size() >= enough_to_correct) {
     learned.out_of_fold_mm = acupoint_errors(wrong_mm, people.names.acupoints);
@@ -211,14 +236,14 @@ Learned corrected_prior(const People& people, const ShapeModel& prior, const Pro
 
 }  // namespace
 
-Result<ShapeModel> learn_shape(const std::vector<Example>& examples, const LearnOptions& options,
+Result<ShapeModel> learn_shape(const Examples& examples, const LearnOptions& options,
                                const Progress& progress, MatrixXd* out_of_fold_mm) {
-  if (examples.empty()) return fail(Fault::bad_input, "no body to learn from");
+  if (examples.size() == 0) return fail(Fault::bad_input, "no body to learn from");
   const ShapeModel* prior = options.prior;
   const std::size_t views = options.mirror && (examples.size() > 1 || prior != nullptr) ? 2U : 1U;
   const People people{.examples = examples, .names = names_of(examples, nullptr), .views = views};
   const People known{.examples = examples, .names = names_of(examples, prior), .views = views};
-  Learned learned;
+  Result<Learned> learned;
   if (prior != nullptr && examples.size() < enough_to_learn) {
     learned = corrected_prior(known, *prior, progress);
   } else if (prior != nullptr) {
@@ -230,19 +255,21 @@ Result<ShapeModel> learn_shape(const std::vector<Example>& examples, const Learn
     learned = learned_shape(known, with_prior, [&](double done) {
       if (progress) progress(alone ? 0.5 * done : done);
     });
-    if (alone) {
-      Learned own = learned_shape(people, options, [&](double done) {
+    if (learned && alone) {
+      auto own = learned_shape(people, options, [&](double done) {
         if (progress) progress(0.5 + 0.5 * done);
       });
-      if (own.out_of_fold_mm.mean() < learned.out_of_fold_mm.mean()) learned = std::move(own);
+      if (!own || own->out_of_fold_mm.mean() < learned->out_of_fold_mm.mean())
+        learned = std::move(own);
     }
   } else {
     learned = learned_shape(people, options, progress);
   }
-  if (out_of_fold_mm != nullptr && learned.out_of_fold_mm.size() > 0) {
-    *out_of_fold_mm = std::move(learned.out_of_fold_mm);
+  if (!learned) return tl::unexpected(learned.error());
+  if (out_of_fold_mm != nullptr && learned->out_of_fold_mm.size() > 0) {
+    *out_of_fold_mm = std::move(learned->out_of_fold_mm);
   }
-  return std::move(learned.model);
+  return std::move(learned->model);
 }
 
 }  // namespace tuina::body

@@ -20,7 +20,7 @@ struct LearnOptions {
 
 /// Learns one position from examples in it; deterministic. `out_of_fold_mm`, if given, receives the
 /// cross-validated error of each acupoint (row) of each example (column).
-[[nodiscard]] Result<ShapeModel> learn_shape(const std::vector<Example>& examples,
+[[nodiscard]] Result<ShapeModel> learn_shape(const Examples& examples,
                                              const LearnOptions& options = {},
                                              const Progress& progress = {},
                                              Eigen::MatrixXd* out_of_fold_mm = nullptr);

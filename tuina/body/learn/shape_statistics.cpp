@@ -2,10 +2,10 @@
 #include "tuina/body/learn/shape_statistics.hpp"
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
-#include "tuina/body/fit_shape.hpp"
 #include "tuina/core/decompositions.hpp"
 #include "tuina/core/units.hpp"
 
@@ -19,6 +19,7 @@ using Eigen::VectorXd;
 constexpr double coarse_m = 30_mm;  // standard deviation between two backs when only one is known
 constexpr double coarse_length_m = 180_mm;
 constexpr double fine_length_m = 70_mm;
+constexpr Index block_columns = 64;
 
 /// Columns of a low-rank Gaussian process: smooth deformations with correlation length `length` and
 /// standard deviation `amplitude` per axis, from evenly spread anchors.
@@ -58,44 +59,140 @@ MatrixXd smooth_modes(const Places& mean, double amplitude, double length, Index
 }
 
 /// Mean pose of people who sit or lie.
-Transform mean_pose(const std::vector<const Registered*>& backs, const Places& mean) {
+Result<Transform> mean_pose(const Backs& backs, const Places& mean) {
   Matrix3 turn = Matrix3::Zero();
   Vector3 shift = Vector3::Zero();
-  for (const Registered* back : backs) {
+  auto seen = backs.visit([&](const Registered& back) {
     const Transform person_from_model =
-        back->couch_from_person.inverse() * align(mean, back->shape_in_couch);
+        back.couch_from_person.inverse() * align(mean, back.shape_in_couch);
     turn += person_from_model.linear();
-    shift += person_from_model.translation() / static_cast<double>(backs.size());
-  }
+    shift += person_from_model.translation() / static_cast<double>(backs.count);
+  });
+  if (!seen) return tl::unexpected(seen.error());
   Transform pose = Transform::Identity();
   pose.linear() = nearest_rotation(turn);
   pose.translation() = shift;
   return pose;
 }
 
-}  // namespace
-
-Registered registered(const Template& standard, const Example& example,
-                      const std::vector<std::string>& names) {
-  // Labelled people who lie have their head where the couch frame says (docs/bodies.md).
-  return {correspond(standard, example, names), couch_from_person(example.back).front()};
+/// Brings every back onto the mean of the others, in rounds. `onto` is what they were last brought
+/// onto.
+Result<Places> mean_shape(const Backs& backs, const Places& standard, Places& onto) {
+  Places mean = standard;
+  for (int round = 0; round < 4; ++round) {
+    onto = mean;
+    Places sum = Places::Zero(3, mean.cols());
+    auto seen = backs.visit([&](const Registered& back) {
+      const Places aligned = align(back.shape_in_couch, onto) * back.shape_in_couch;
+      sum += aligned / static_cast<double>(backs.count);
+    });
+    if (!seen) return tl::unexpected(seen.error());
+    mean = sum;
+  }
+  return mean;
 }
 
-ShapeModel model_of(const std::vector<const Registered*>& backs, const Template& standard,
-                    int persons, const StatisticsOptions& options) {
-  const Index n = standard.skin.cols();
-  ShapeModel model;
-  model.mean = Places(3, n + standard.labels.cols());
-  model.mean << standard.skin, standard.labels;
-  std::vector<Places> aligned(backs.size());
-  for (int round = 0; round < 4; ++round) {
-    Places sum = Places::Zero(3, model.mean.cols());
-    for (std::size_t i = 0; i < backs.size(); ++i) {
-      aligned[i] = align(backs[i]->shape_in_couch, model.mean) * backs[i]->shape_in_couch;
-      sum += aligned[i] / static_cast<double>(backs.size());
+/// Calls `each` with the deviation of every back from the mean.
+Result<void> visit_deviations(const Backs& backs, const Places& onto, const Places& mean,
+                              const std::function<void(const VectorXd&)>& each) {
+  return backs.visit([&](const Registered& back) {
+    const Places offset = align(back.shape_in_couch, onto) * back.shape_in_couch - mean;
+    each(Eigen::Map<const VectorXd>(offset.data(), offset.size()));
+  });
+}
+
+/// The sign of an eigenvector is arbitrary; its largest entry fixes it.
+VectorXd signed_by_largest(VectorXd mode) {
+  Index largest = 0;
+  mode.cwiseAbs().maxCoeff(&largest);
+  if (mode[largest] < 0.0) mode = -mode;
+  return mode;
+}
+
+/// Deviations of unit variance, a column each.
+MatrixXd modes_of_products(const MatrixXd& factor, Index count) {
+  const MatrixXd gram = factor.transpose() * factor;
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(gram);
+  const Index kept = std::min<Index>(count, gram.cols());
+  MatrixXd modes(factor.rows(), kept);
+  for (Index k = 0; k < kept; ++k)
+    modes.col(k) = signed_by_largest(factor * eigen.eigenvectors().col(gram.cols() - 1 - k));
+  return modes;
+}
+
+/// The strongest modes of a covariance, of which the lower half is given, by iteration of a
+/// subspace: the whole decomposition of some thousand rows takes minutes.
+MatrixXd modes_of_sum(const MatrixXd& covariance, const MatrixXd& begin, Index count) {
+  constexpr int max_rounds = 200;
+  constexpr double enough = 1e-12;  // of the largest variance: what a mode is off in a round
+  const Index width = std::min<Index>(2 * count + 40, begin.cols());
+  const auto orthonormal = [&](const MatrixXd& columns) {
+    return MatrixXd(Eigen::HouseholderQR<MatrixXd>(columns).householderQ() *
+                    MatrixXd::Identity(columns.rows(), columns.cols()));
+  };
+  // What is assumed of backs is smooth and of full rank; so are their strongest modes.
+  MatrixXd basis = orthonormal(begin.leftCols(width));
+  const Index kept = std::min(count, width);
+  MatrixXd modes(covariance.rows(), kept);
+  for (int round = 0; round < max_rounds; ++round) {
+    MatrixXd image = covariance.selfadjointView<Eigen::Lower>() * basis;
+    const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(basis.transpose() * image);
+    const VectorXd variances = eigen.eigenvalues().tail(kept);
+    const MatrixXd unit = basis * eigen.eigenvectors().rightCols(kept);
+    const MatrixXd off =
+        image * eigen.eigenvectors().rightCols(kept) - unit * variances.asDiagonal();
+    for (Index k = 0; k < kept; ++k) {
+      const Index from = kept - 1 - k;
+      modes.col(k) = signed_by_largest(std::sqrt(std::max(0.0, variances[from])) * unit.col(from));
     }
-    model.mean = sum;
+    if (off.colwise().norm().maxCoeff() < enough * variances[kept - 1]) break;
+    basis = orthonormal(image * eigen.eigenvectors());
   }
+  return modes;
+}
+
+/// Modes of what the backs show, each by `weight`, and of what is assumed beside it.
+Result<MatrixXd> modes_of(const Backs& backs, const Places& onto, const Places& mean, double weight,
+                          const MatrixXd& assumed, const StatisticsOptions& options) {
+  const auto seen = static_cast<Index>(backs.count > 1 ? backs.count : 0);
+  const double scale = std::sqrt(weight / static_cast<double>(std::max<Index>(seen, 1)));
+  const bool few = seen + assumed.cols() <= options.max_products;
+  MatrixXd factor(assumed.rows(), few ? seen + assumed.cols() : block_columns);
+  MatrixXd covariance;
+  if (!few) covariance = MatrixXd::Zero(assumed.rows(), assumed.rows());
+  Index column = 0;
+  const auto add_block = [&] {
+    covariance.selfadjointView<Eigen::Lower>().rankUpdate(factor.leftCols(column));
+    column = 0;
+  };
+  if (seen > 0) {
+    auto visited = visit_deviations(backs, onto, mean, [&](const VectorXd& deviation) {
+      factor.col(column++) = deviation * scale;
+      if (!few && column == factor.cols()) add_block();
+    });
+    if (!visited) return tl::unexpected(visited.error());
+  }
+  if (few) {
+    factor.rightCols(assumed.cols()) = assumed;
+    return modes_of_products(factor, options.modes);
+  }
+  add_block();
+  covariance.selfadjointView<Eigen::Lower>().rankUpdate(assumed);
+  return modes_of_sum(covariance, assumed, options.modes);
+}
+
+}  // namespace
+
+Result<ShapeModel> model_of(const Backs& backs, const Template& standard, int persons,
+                            const StatisticsOptions& options) {
+  const Index n = standard.skin.cols();
+  Places all(3, n + standard.labels.cols());
+  all << standard.skin, standard.labels;
+  Places onto;
+  auto mean = mean_shape(backs, all, onto);
+  if (!mean) return tl::unexpected(mean.error());
+  ShapeModel model;
+  model.mean = std::move(*mean);
   // A prior weighs more for the covariance of backs than for their mean.
   MatrixXd known(3 * model.mean.cols(), 0);
   double share = 0.0;
@@ -112,35 +209,20 @@ ShapeModel model_of(const std::vector<const Registered*>& backs, const Template&
           std::sqrt(share) * (model_from_prior.linear() * mode);
     }
   }
-  model.person_from_model = mean_pose(backs, model.mean);
+  const auto pose = mean_pose(backs, model.mean);
+  if (!pose) return tl::unexpected(pose.error());
+  model.person_from_model = *pose;
   model.normals = align(standard.skin, model.mean.leftCols(n)).linear() * standard.normals;
-
   const MatrixXd coarse = smooth_modes(
       model.mean,
       coarse_m / std::sqrt(persons + (options.prior != nullptr ? options.prior_people : 0.0)),
       coarse_length_m, 40);
   const MatrixXd fine = smooth_modes(model.mean, options.smooth_m, fine_length_m, 70);
-  const auto seen = static_cast<Index>(backs.size() > 1 ? backs.size() : 0);
-  MatrixXd factor(3 * model.mean.cols(), seen + coarse.cols() + fine.cols() + known.cols());
-  for (Index i = 0; i < seen; ++i) {
-    const Places offset = aligned[static_cast<std::size_t>(i)] - model.mean;
-    factor.col(i) = Eigen::Map<const VectorXd>(offset.data(), offset.size()) *
-                    std::sqrt((1.0 - share) / static_cast<double>(seen));
-  }
-  factor.middleCols(seen, coarse.cols()) = coarse;
-  factor.middleCols(seen + coarse.cols(), fine.cols()) = fine;
-  factor.rightCols(known.cols()) = known;
-  const MatrixXd gram = factor.transpose() * factor;
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(gram);
-  const Index kept = std::min<Index>(options.modes, gram.cols());
-  model.modes.resize(factor.rows(), kept);
-  for (Index k = 0; k < kept; ++k) {
-    // The sign of an eigenvector is arbitrary; its largest entry fixes it.
-    VectorXd mode = factor * eigen.eigenvectors().col(gram.cols() - 1 - k);
-    Index largest = 0;
-    mode.cwiseAbs().maxCoeff(&largest);
-    model.modes.col(k) = mode[largest] < 0.0 ? VectorXd(-mode) : mode;
-  }
+  MatrixXd assumed(3 * model.mean.cols(), coarse.cols() + fine.cols() + known.cols());
+  assumed << coarse, fine, known;
+  auto modes = modes_of(backs, onto, model.mean, 1.0 - share, assumed, options);
+  if (!modes) return tl::unexpected(modes.error());
+  model.modes = std::move(*modes);
   model.bodies = persons;
   return model;
 }

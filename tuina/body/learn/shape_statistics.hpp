@@ -1,19 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <vector>
-
-#include "tuina/body/learn/correspondence.hpp"
+#include "tuina/body/learn/registered_backs.hpp"
 
 namespace tuina::body {
-
-/// The template registered to one back, and the frame that moves with the person.
-struct Registered {
-  Places shape_in_couch;
-  Transform couch_from_person;
-};
-[[nodiscard]] Registered registered(const Template& standard, const Example& example,
-                                    const std::vector<std::string>& names);
 
 /// How many modes the joint Gaussian has, and what it knows before the first person.
 struct StatisticsOptions {
@@ -24,11 +14,13 @@ struct StatisticsOptions {
   const ShapeModel* prior = nullptr;
   double prior_people = 5.0;
   double prior_people_for_mean = 1.0;
+  /// Up to so many deviations, of backs and assumed ones, modes come of their products with each
+  /// other; of more, of a sum over the backs that takes the same memory for any number of them.
+  Eigen::Index max_products = 1000;
 };
 
 /// Mean and modes of the backs of `persons` people: a joint Gaussian of skin points and labels.
-[[nodiscard]] ShapeModel model_of(const std::vector<const Registered*>& backs,
-                                  const Template& standard, int persons,
-                                  const StatisticsOptions& options);
+[[nodiscard]] Result<ShapeModel> model_of(const Backs& backs, const Template& standard, int persons,
+                                          const StatisticsOptions& options);
 
 }  // namespace tuina::body

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <numeric>
+#include <string>
+
+#include "tuina/body/learn/shape_statistics.hpp"
+#include "tuina/core/random.hpp"
+#include "tuina/core/units.hpp"
+
+namespace tuina::body {
+namespace {
+
+using Eigen::Index;
+
+/// A curved sheet of 200 points, and two labels on it.
+Template sheet() {
+  Template made;
+  made.skin.resize(3, 200);
+  for (Index i = 0; i < 200; ++i) {
+    const double x = 30_mm * static_cast<double>(i % 10), z = 30_mm * static_cast<double>(i / 10);
+    made.skin.col(i) << x - 135_mm, 0.3 * x * (270_mm - x) + 0.1 * z * z, z;
+  }
+  made.normals = Vector3::UnitY().replicate(1, 200);
+  made.labels = made.skin.leftCols(2);
+  return made;
+}
+
+/// The sheet bent in five ways, with unevenness of its own, somewhere on the couch.
+Registered drawn(std::size_t number) {
+  Random random = make_random(number, "a bent sheet");
+  const Template flat = sheet();
+  Places shape(3, 202);
+  shape << flat.skin, flat.labels;
+  for (int wave = 1; wave <= 5; ++wave) {
+    const double high_m = gaussian(random, 12_mm / wave);
+    for (Index i = 0; i < shape.cols(); ++i)
+      shape(1, i) += high_m * std::sin(5.0 * wave * shape(2, i) + 3.0 * wave * shape(0, i));
+  }
+  for (double& value : shape.reshaped()) value += gaussian(random, 1_mm);
+  const Eigen::AngleAxisd turn(gaussian(random, 0.2), Vector3::UnitZ());
+  shape = (turn.toRotationMatrix() * shape).eval();
+  return {shape, Transform(turn)};
+}
+
+/// Sheets with these numbers, one after another.
+Backs drawn_backs(std::vector<std::size_t> numbers) {
+  const std::size_t count = numbers.size();
+  return {count, [numbers = std::move(numbers)](const auto& each) -> Result<void> {
+            for (const std::size_t number : numbers) each(drawn(number));
+            return {};
+          }};
+}
+
+std::vector<std::size_t> first(std::size_t count) {
+  std::vector<std::size_t> numbers(count);
+  std::iota(numbers.begin(), numbers.end(), std::size_t{0});
+  return numbers;
+}
+
+ShapeModel model(const Backs& backs, Index max_products) {
+  auto made = model_of(backs, sheet(), static_cast<int>(backs.count),
+                       {.modes = 20, .max_products = max_products});
+  REQUIRE(made.has_value());
+  return std::move(*made);
+}
+
+/// The largest difference of means, and of what the modes say, in parts of the largest value.
+double difference(const ShapeModel& a, const ShapeModel& b) {
+  const Eigen::MatrixXd spread = a.modes * a.modes.transpose();
+  const Eigen::MatrixXd other = b.modes * b.modes.transpose();
+  return std::max((a.mean - b.mean).cwiseAbs().maxCoeff() / a.mean.cwiseAbs().maxCoeff(),
+                  (spread - other).cwiseAbs().maxCoeff() / spread.cwiseAbs().maxCoeff());
+}
+
+/// The most memory that work takes at once, in kilobytes.
+template <typename Work>
+long peak_kb(const Work& work) {
+  std::ofstream("/proc/self/clear_refs") << 5;  // the peak begins anew
+  work();
+  std::ifstream status("/proc/self/status");
+  std::string word;
+  while (status >> word && word != "VmHWM:") {
+  }
+  long peak = 0;
+  status >> peak;
+  return peak;
+}
+
+}  // namespace
+
+TEST_CASE("the sum over many backs has the modes that the products of few have") {
+  const Backs backs = drawn_backs(first(60));
+  const ShapeModel by_products = model(backs, 1000), by_sum = model(backs, 0);
+  CHECK(difference(by_products, by_sum) < 1e-9);
+  CHECK((by_products.modes - by_sum.modes).cwiseAbs().maxCoeff() < 1e-9);
+}
+
+TEST_CASE("a model does not depend on the order of people, nor on how they are split into parts") {
+  const ShapeModel usual = model(drawn_backs(first(120)), 0);
+  auto numbers = first(120);
+  std::reverse(numbers.begin(), numbers.end());
+  CHECK(difference(model(drawn_backs(numbers), 0), usual) < 1e-9);
+  // Seven parts, of which the last is visited first.
+  std::stable_sort(numbers.begin(), numbers.end(),
+                   [](std::size_t a, std::size_t b) { return a % 7 > b % 7; });
+  CHECK(difference(model(drawn_backs(numbers), 0), usual) < 1e-9);
+  CHECK(difference(model(drawn_backs(first(119)), 0), usual) > 1e-6);
+}
+
+TEST_CASE("backs come out of their file as they went in") {
+  auto kept = RegisteredBacks::make(202);
+  REQUIRE(kept.has_value());
+  for (const std::size_t number : first(5)) REQUIRE(kept->add(drawn(number)).has_value());
+  std::size_t next = 1;
+  const Backs odd = kept->chosen([](std::size_t number) { return number % 2 == 1; });
+  REQUIRE(odd.count == 2);
+  REQUIRE(odd.visit([&](const Registered& back) {
+               CHECK(back.shape_in_couch == drawn(next).shape_in_couch);
+               CHECK(back.couch_from_person.isApprox(drawn(next).couch_from_person, 0.0));
+               next += 2;
+             })
+              .has_value());
+  CHECK(next == 5);
+}
+
+TEST_CASE("ten times as many backs need no more memory") {
+  // Held in memory, each would take 5 kB.
+  const long of_some_kb = peak_kb([] { (void)model(drawn_backs(first(300)), 0); });
+  const long of_many_kb = peak_kb([] { (void)model(drawn_backs(first(3000)), 0); });
+  REQUIRE(of_some_kb > 1000);
+  CHECK(of_many_kb - of_some_kb < 2000);
+}
+
+}  // namespace tuina::body
