@@ -91,6 +91,7 @@ record::SessionFile::Massage massage_of(const SessionResult& result, double begu
   const SessionTruth& truth = result.truth;
   record::SessionFile::Massage massage{.duration_s = session.massage_s,
                                        .real_time_factor = result.real_time_factor(),
+                                       .late = result.late,
                                        .min_arm_distance_m = truth.min_arm_distance_m,
                                        .clear = truth.clear,
                                        .intensity = session.intensity,

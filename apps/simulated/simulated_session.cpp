@@ -257,6 +257,9 @@ Result<SessionResult> run_simulated_session(const SessionOrder& order,
       told.emplace(*far->truth, world);
       all.insert(all.begin(), &*told);
     }
+    // Arms of another machine have a clock of their own; what came late of them, `devices` tells.
+    std::optional<session::LateTicks> late;
+    if (order.pace && order.device.empty()) all.push_back(&late.emplace(*order.pace));
     session::Observers observers(all);
     EndingCamera camera(world.camera(), attendant.ends_scan);
     std::optional<PlacedArms> placed;
@@ -278,6 +281,7 @@ Result<SessionResult> run_simulated_session(const SessionOrder& order,
       return tl::unexpected(session.error());
     }
     result.session = std::move(*session);
+    if (late) result.late = late->found();
     if (far->arms) result.devices = far->arms->record(told->missed());
   }
   result.recorder = std::move(*recorder);

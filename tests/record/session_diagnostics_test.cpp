@@ -3,7 +3,11 @@
 
 #include <doctest/doctest.h>
 
+#include <set>
+#include <sstream>
+
 #include "tests/record/told_session.hpp"
+#include "tuina/core/io/file.hpp"
 
 using namespace tuina;
 using record::SessionDiagnostics;
@@ -151,4 +155,21 @@ TEST_CASE("tissue and decisions are told at once, with their numbers") {
   CHECK(part(*decided, "steering").message == "hard");
   CHECK(value(part(*decided, "steering"), "to_n") == "5.0");
   CHECK(part(*decided, "session").level == Status::warn);  // 7 ms are missing
+}
+
+TEST_CASE(
+    "each part that is told has a group in the monitor of ROS 2, and no group waits for another") {
+  const std::string yaml =
+      read_file(TUINA_SOURCE_DIR "/ros2/tuina_view/config/analyzers.yaml", 100'000).value();
+  std::multiset<std::string> grouped, told;
+  for (auto at = yaml.find("expected: ["); at != std::string::npos;
+       at = yaml.find("expected: [", at + 1)) {
+    std::istringstream names(yaml.substr(at, yaml.find(']', at) - at));
+    std::string before, name;
+    while (std::getline(names, before, '\'') && std::getline(names, name, '\''))
+      grouped.insert(name);
+  }
+  SessionDiagnostics diagnostics = diagnostics_of_thesis();
+  for (const Status& one : diagnostics.look(resting(0), 0)->status) told.insert(one.name);
+  CHECK(grouped == told);
 }

@@ -101,6 +101,7 @@ void has_keys(const json& object, const std::string& wanted) {
 json without_computing_times(json session) {
   for (const char* part : {"scan", "acupoints", "plan"}) session[part].erase("compute_ms");
   session["massage"].erase("real_time_factor");
+  session["massage"].erase("late_ms");
   return session;
 }
 

@@ -9,6 +9,8 @@
 namespace tuina::record {
 namespace {
 
+constexpr Unit ms{1e3, 1e-3, 0.01};
+
 constexpr auto found_fields = [](auto& visit, auto& found) {
   visit("name", found.acupoint.name);
   acupoint_fields(visit, found.acupoint);
@@ -87,9 +89,18 @@ constexpr auto techniques_fields = [](auto& visit, auto& used) {
   }
 };
 
+constexpr auto late_fields = [](auto& visit, auto& late) {
+  visit("median", late.median_s, ms);
+  visit("p999", late.p999_s, ms);
+  visit("max", late.max_s, ms);
+};
+
 constexpr auto massage_fields = [](auto& visit, auto& massage) {
   visit("duration_s", massage.duration_s);
   visit("real_time_factor", massage.real_time_factor);
+  visit.if_known("late_ms", massage.late, [](auto& of_massage, auto& late) {
+    of_massage.object("late_ms", [&](auto& inside) { late_fields(inside, late); });
+  });
   visit("min_arm_distance_mm", massage.min_arm_distance_m, mm);
   surroundings_fields(visit, massage.clear);
   visit.maybe("min_distance_to_person_mm", massage.min_distance_to_person_m, mm);
