@@ -1,16 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Whether the joints of an arm move as their torques and the wrist sensor say.
 #include <Eigen/Cholesky>
-#include <limits>
 
+#include "tests/safety/scene.hpp"
 #include "tests/safety/two_arms.hpp"
 
 using namespace tuina;
 using namespace tuina::safety;
 
 namespace {
-
-constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
 /// An arm that moves as its equation of motion says, with friction; the watch believes a table of
 /// other masses and friction.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tuina/safety/arm_separation.hpp"
 
+#include "tests/safety/scene.hpp"
 #include "tests/safety/two_arms.hpp"
 #include "tuina/robot/clearance.hpp"
 
@@ -8,8 +9,6 @@ using namespace tuina;
 using namespace tuina::safety;
 
 namespace {
-
-constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
 robot::RobotReading both_at_zero() {
   robot::RobotReading reading;

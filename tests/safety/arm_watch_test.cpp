@@ -4,17 +4,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <random>
 
+#include "tests/safety/scene.hpp"
 #include "tests/safety/two_arms.hpp"
 
 using namespace tuina;
 using namespace tuina::safety;
 
 namespace {
-
-constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
 /// The balance of momentum of an arm once more, joint by joint.
 struct Balance {

@@ -2,16 +2,11 @@
 // The guard of a whole robot: raw readings in, what the drives do out.
 #include "tuina/safety/robot_guard.hpp"
 
+#include "tests/safety/scene.hpp"
 #include "tests/safety/standing_robot.hpp"
 
 using namespace tuina;
 using namespace tuina::safety;
-
-namespace {
-
-constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
-
-}  // namespace
 
 TEST_CASE("what is well passes to the robot as it is proposed") {
   StandingRobot robot;
