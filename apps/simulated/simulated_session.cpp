@@ -258,7 +258,7 @@ Result<SessionResult> run_simulated_session(const SessionOrder& order,
       all.insert(all.begin(), &*told);
     }
     // Arms of another machine have a clock of their own; what came late of them, `devices` tells.
-    std::optional<session::LateTicks> late;
+    std::optional<record::LateTicks> late;
     if (order.pace && order.device.empty()) all.push_back(&late.emplace(*order.pace));
     session::Observers observers(all);
     EndingCamera camera(world.camera(), attendant.ends_scan);

@@ -13,10 +13,10 @@
 #include "apps/simulated/given_presses.hpp"
 #include "apps/simulated/session_order.hpp"
 #include "tuina/massage/zones.hpp"
+#include "tuina/record/late_ticks.hpp"
 #include "tuina/record/session_recorder.hpp"
 #include "tuina/record/session_tables.hpp"
 #include "tuina/session/force_errors.hpp"
-#include "tuina/session/late_ticks.hpp"
 #include "tuina/session/run.hpp"
 #include "tuina/sim/person/person.hpp"
 
@@ -63,7 +63,7 @@ struct SessionResult {
   /// Record that was asked for, not finished yet; else null.
   std::unique_ptr<record::SessionRecorder> recorder;
   std::optional<record::DeviceRecord> devices;
-  std::optional<session::Lateness> late;  ///< where the clock of this machine sets the pace
+  std::optional<record::Lateness> late;  ///< where the clock of this machine sets the pace
   std::uint64_t untold_ms = 0;  ///< milliseconds that an attendant's channels were too slow for
 
   [[nodiscard]] double real_time_factor() const { return session.massage_s / session.compute_s; }

@@ -20,7 +20,7 @@ TEST_CASE("a session that is written is the session that is read, and what is am
   file.base_from_couch.translate(Vector3(0.1, -0.2, 0.3))
       .rotate(Eigen::AngleAxisd(0.3, Vector3::UnitZ()));
   file.acupoints.points = {{{"GV4", Vector3(0.0, 0.1, 0.3), Vector3::UnitY(), 8_mm}, std::nullopt}};
-  file.massage.late = session::Lateness{.median_s = 2e-5, .p999_s = 4.5e-4, .max_s = 12.3e-3};
+  file.massage.late = Lateness{.median_s = 2e-5, .p999_s = 4.5e-4, .max_s = 12.3e-3};
   file.massage.techniques = {{Technique::rub, 0.5, 16.0}};
   file.massage.performed = {{.name = "press GV4",
                              .contact_fault = "none",

@@ -50,6 +50,22 @@ const Given& given() {
   return massage;
 }
 
+/// What a reader of others says of a record; null where it is not installed.
+json read_by(const std::string& script, const std::string& record) {
+  const Folder folder;
+  const std::string command =
+      "node " TUINA_READERS "/" + script + " '" + record + "' >'" + (folder / "out") + "' 2>&1";
+  const int status = std::system(command.c_str());
+  const std::string said = tuina::read_file(folder / "out").value();
+  constexpr int no_such_program = 127, not_installed = 77;
+  if (WEXITSTATUS(status) == no_such_program || WEXITSTATUS(status) == not_installed) {
+    MESSAGE("skipped: ", said, "install node 20, then: npm ci --prefix " TUINA_READERS);
+    return nullptr;
+  }
+  REQUIRE_MESSAGE(status == 0, said);
+  return json::parse(said);
+}
+
 }  // namespace
 
 TEST_CASE("a massage leaves one record of every millisecond and all that happened") {
@@ -143,18 +159,8 @@ TEST_CASE("a record that was cut off is shown as far as it is whole, and is no f
 
 TEST_CASE("the readers of others read the record whole, with every checksum and definition") {
   const Given& massage = given();
-  const Folder folder;
-  const std::string command = "node " TUINA_READERS "/read_mcap.mjs '" + massage.record + "' >'" +
-                              (folder / "out") + "' 2>&1";
-  const int status = std::system(command.c_str());
-  const std::string said = tuina::read_file(folder / "out").value();
-  constexpr int no_such_program = 127, not_installed = 77;
-  if (WEXITSTATUS(status) == no_such_program || WEXITSTATUS(status) == not_installed) {
-    MESSAGE("skipped: ", said, "install node 20, then: npm ci --prefix " TUINA_READERS);
-    return;
-  }
-  REQUIRE_MESSAGE(status == 0, said);
-  const json read = json::parse(said);
+  const json read = read_by("read_mcap.mjs", massage.record);
+  if (read.is_null()) return;
   CHECK(read["streamed"] == massage.shown["messages"]);
   CHECK(read["within_a_second"] == 1000);
   CHECK(read["definitions"] > 20);
@@ -170,4 +176,19 @@ TEST_CASE("the readers of others read the record whole, with every checksum and 
   CHECK(last["position"].size() == 13);
   const double end_s = massage.shown["end_s"];
   CHECK(last["header"]["stamp"]["sec"] == static_cast<int>(end_s));
+}
+
+TEST_CASE("the robot in a record stands in urdf-loader, its tools where the record has them") {
+  const json robot = read_by("read_urdf.mjs", given().record);
+  if (robot.is_null()) return;
+  CHECK(robot["links"] == 17);
+  CHECK(robot["shapes"] == 25);
+  REQUIRE(robot["joints"].size() == 13);
+  CHECK(robot["joints"]["rail_joint"]["type"] == "prismatic");
+  const json& elbow = robot["joints"]["left_elbow_joint"];
+  CHECK(elbow["type"] == "revolute");
+  CHECK(elbow["upper"].get<double>() == doctest::Approx(M_PI / 3.0));
+  CHECK(robot["compared"] > 100);
+  // Joints and tools are rounded: docs/record.md.
+  CHECK(robot["off_m"] < 1e-3);
 }

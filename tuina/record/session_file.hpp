@@ -12,11 +12,11 @@
 
 #include "tuina/body/acupoints.hpp"
 #include "tuina/core/result.hpp"
+#include "tuina/record/late_ticks.hpp"
 #include "tuina/robot/obstacle.hpp"
 #include "tuina/session/earlier/by_hand.hpp"
 #include "tuina/session/earlier/known_tissue.hpp"
 #include "tuina/session/force_errors.hpp"
-#include "tuina/session/late_ticks.hpp"
 #include "tuina/session/live_command.hpp"
 #include "tuina/telemetry/report/report_data.hpp"
 #include "tuina/tissue/body_condition.hpp"
@@ -126,7 +126,7 @@ struct SessionFile {
   struct Massage {
     double duration_s = 0.0;
     double real_time_factor = 0.0;
-    std::optional<session::Lateness> late;  ///< where the clock sets the pace
+    std::optional<Lateness> late;  ///< where the clock sets the pace
     double min_arm_distance_m = 0.0;
     robot::Clearances clear;
     /// Factor on every force as the wishes have left it; a version that did not tell wrote none.

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tuina/session/late_ticks.hpp"
+#include "tuina/record/late_ticks.hpp"
 
 #include <doctest/doctest.h>
 
 #include "tests/allocation.hpp"
 
 using namespace tuina;
-using namespace tuina::session;
+using namespace tuina::record;
 
 TEST_CASE("of a thousand milliseconds the middle one and the last ones say how late the loop is") {
   LateTicks late(1.0);

@@ -8,7 +8,7 @@
 #include "tuina/core/stopwatch.hpp"
 #include "tuina/session/observer.hpp"
 
-namespace tuina::session {
+namespace tuina::record {
 
 /// How late the milliseconds of a massage were over, by the clock of this machine.
 struct Lateness {
@@ -18,13 +18,15 @@ struct Lateness {
 
 /// How late each millisecond was over, its torques sent, at a pace that the clock sets. The
 /// quickest one is the measure: it was not late. Memory is taken at once.
-class LateTicks final : public Observer {
+class LateTicks final : public session::Observer {
  public:
   /// Milliseconds of the robot in one of the clock.
   explicit LateTicks(double pace) : pace_(pace) {}
   /// Time that a scan or a plan took is no lateness.
   void on_plan(const motion::ReadyPlan&, const Transform&) override { begins_.reset(); }
-  void on_tick(const Tick& tick) noexcept override { note(watch_.seconds(), tick.reading.time_s); }
+  void on_tick(const session::Tick& tick) noexcept override {
+    note(watch_.seconds(), tick.reading.time_s);
+  }
   /// The millisecond `time_s` of the robot was over at `clock_s`.
   void note(double clock_s, double time_s) noexcept;
   /// To 0.01 ms up to 0.1 s, the largest exactly.
@@ -42,4 +44,4 @@ class LateTicks final : public Observer {
   double max_s_ = 0.0;
 };
 
-}  // namespace tuina::session
+}  // namespace tuina::record

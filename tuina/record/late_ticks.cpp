@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tuina/session/late_ticks.hpp"
+#include "tuina/record/late_ticks.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-namespace tuina::session {
+namespace tuina::record {
 
 void LateTicks::note(double clock_s, double time_s) noexcept {
   const double begins_s = clock_s - time_s / pace_;
@@ -36,4 +36,4 @@ Lateness LateTicks::found() const noexcept {
       .ticks = ticks_, .median_s = at_share_s(0.5), .p999_s = at_share_s(0.999), .max_s = max_s_};
 }
 
-}  // namespace tuina::session
+}  // namespace tuina::record
