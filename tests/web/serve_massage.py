@@ -99,7 +99,8 @@ def looked_back(server, page, number):
     times = [frame["time_s"] for frame in told["frames"]]
     expect("time goes on", times == sorted(set(times)) and abs(times[-1] - left["massage"]["duration_s"]) < 0.1)
     expect("both arms are drawn", all(len(arm["links"]) > 4 for frame in told["frames"] for arm in frame["arms"]))
-    expect("an arm moves", told["frames"][0]["arms"][0]["links"][-1] != told["frames"][-1]["arms"][0]["links"][-1])
+    # At the end it may stand where it began.
+    expect("an arm moves", len({str(frame["arms"][0]["links"][-1]) for frame in told["frames"]}) > 100)
     peaks = [max(row[i] for row in told["forces"]) for i in (2, 4)]
     expect(f"forces were felt {peaks}", max(peaks) > 5.0)
     expect("what was performed", [(one["path"], one["why"]["words"]) for one in told["performed"]]
