@@ -5,26 +5,20 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tuina/robot/tool_task.hpp"
+
 namespace tuina::control {
 namespace {
 
-using Task = Eigen::Matrix<double, 5, Eigen::Dynamic, 0, 5, max_joints>;
 using Matrix5 = Eigen::Matrix<double, 5, 5>;
 
 // Floor of the task mobility: near singular poses the task inertia is capped at 50 kg.
 constexpr double mobility_floor = 0.02;
 
-struct Turning {
-  Vector3 across, over;  // two axes perpendicular to the tool axis
-  Vector3 moment_nm;
-};
-
-Turning turning_of(const robot::ArmDynamics& dynamics, const JointVector& dq,
+/// Moment that turns the axis of the tool to its reference.
+Vector3 turning_nm(const robot::ArmDynamics& dynamics, const JointVector& dq,
                    const ToolReference& reference, const TurningGains& gains) {
   const Vector3 axis = tool_normal(dynamics.base_from_tool);
-  Turning turning;
-  turning.across = axis.unitOrthogonal();
-  turning.over = axis.cross(turning.across);
   const Vector3 cross = axis.cross(reference.pose.normal_in_base);
   const double sine = cross.norm();
   const double angle = std::atan2(sine, axis.dot(reference.pose.normal_in_base));
@@ -35,9 +29,7 @@ Turning turning_of(const robot::ArmDynamics& dynamics, const JointVector& dq,
   Vector3 spring = gains.stiffness_nm_per_rad * error;
   spring *= std::min(1.0, gains.max_nm / std::max(spring.norm(), 1e-9));
   Vector3 moment = spring + damping * (reference.turning_rad_per_s - omega);
-  moment -= axis * axis.dot(moment);
-  turning.moment_nm = moment;
-  return turning;
+  return moment - axis * axis.dot(moment);
 }
 
 JointVector posture_torque(const robot::ArmTable& table, const JointVector& q,
@@ -59,19 +51,15 @@ JointVector posture_torque(const robot::ArmTable& table, const JointVector& q,
 
 // Nullspace torque, which does not accelerate the task: (1 - J^T Lambda J M^-1) torque,
 // [khatib1987].
-JointVector beside_task(const robot::ArmDynamics& dynamics, const Turning& turning,
-                        const JointVector& torque) {
-  const auto joints = torque.size();
-  Task J(5, joints);
-  J.topRows<3>() = dynamics.jacobian.topRows<3>();
-  J.row(3) = turning.across.transpose() * dynamics.jacobian.bottomRows<3>();
-  J.row(4) = turning.over.transpose() * dynamics.jacobian.bottomRows<3>();
+JointVector beside_task(const robot::ArmDynamics& dynamics, const JointVector& torque) {
+  const robot::ToolJacobian J = robot::tool_jacobian(dynamics.base_from_tool, dynamics.jacobian);
   const Eigen::LLT<JointMatrix> mass(dynamics.mass_kg_m2);
   Eigen::Matrix<double, Eigen::Dynamic, 5, 0, max_joints, 5> mobile = J.transpose();
   mass.solveInPlace(mobile);
   const Matrix5 mobility = J * mobile + mobility_floor * Matrix5::Identity();
-  const Eigen::Matrix<double, 5, 1> acceleration = mobile.transpose() * torque;
-  return torque - J.transpose() * mobility.llt().solve(acceleration);
+  const robot::ToolError acceleration = mobile.transpose() * torque;
+  const robot::ToolError force = mobility.llt().solve(acceleration);
+  return torque - J.transpose() * force;
 }
 
 }  // namespace
@@ -81,11 +69,10 @@ JointVector task_torque(const robot::ArmDynamics& dynamics, const robot::ArmTabl
                         const Vector3& force_n, const ToolReference& reference,
                         const JointVector& posture_rad, const TurningGains& turning,
                         const PostureGains& posture) noexcept {
-  const Turning turn = turning_of(dynamics, dq_rad_per_s, reference, turning);
+  const Vector3 turn_nm = turning_nm(dynamics, dq_rad_per_s, reference, turning);
   const JointVector rest = posture_torque(table, q_rad, dq_rad_per_s, posture_rad, posture);
   return dynamics.jacobian.topRows<3>().transpose() * force_n +
-         dynamics.jacobian.bottomRows<3>().transpose() * turn.moment_nm +
-         beside_task(dynamics, turn, rest);
+         dynamics.jacobian.bottomRows<3>().transpose() * turn_nm + beside_task(dynamics, rest);
 }
 
 JointVector lead_through_torque(const robot::ArmTable& table, const JointVector& q_rad,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tuina/core/decompositions.hpp"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
 
@@ -19,6 +20,27 @@ Transform rigid_motion(const Eigen::Matrix3Xd& from, const Eigen::Matrix3Xd& to)
   Transform motion = Transform::Identity();
   motion.matrix() = Eigen::umeyama(from, to, false);
   return motion;
+}
+
+Vector2 solve_symmetric(const Eigen::Matrix2d& symmetric, const Vector2& right) {
+  return symmetric.ldlt().solve(right);
+}
+
+Vector3 solve_symmetric(const Matrix3& symmetric, const Vector3& right) {
+  return symmetric.ldlt().solve(right);
+}
+
+Eigen::VectorXd solve_symmetric(const Eigen::MatrixXd& symmetric, const Eigen::VectorXd& right) {
+  return symmetric.ldlt().solve(right);
+}
+
+Eigen::MatrixXd solve_symmetric(const Eigen::MatrixXd& symmetric, const Eigen::MatrixXd& right) {
+  return symmetric.ldlt().solve(right);
+}
+
+Eigen::VectorXd eigenvalues(const Eigen::MatrixXd& symmetric) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(symmetric, Eigen::EigenvaluesOnly);
+  return solver.eigenvalues();
 }
 
 PrincipalAxes principal_axes(const Matrix3& symmetric) {

@@ -16,6 +16,18 @@ namespace tuina {
 /// The motion that takes the points `from` (columns) to `to` with the least squares [umeyama1991].
 [[nodiscard]] Transform rigid_motion(const Eigen::Matrix3Xd& from, const Eigen::Matrix3Xd& to);
 
+/// The x of `symmetric` x = `right`, normal equations of a least-squares fit (LDLT).
+[[nodiscard]] Vector2 solve_symmetric(const Eigen::Matrix2d& symmetric, const Vector2& right);
+[[nodiscard]] Vector3 solve_symmetric(const Matrix3& symmetric, const Vector3& right);
+[[nodiscard]] Eigen::VectorXd solve_symmetric(const Eigen::MatrixXd& symmetric,
+                                              const Eigen::VectorXd& right);
+/// The same for each column of `right`.
+[[nodiscard]] Eigen::MatrixXd solve_symmetric(const Eigen::MatrixXd& symmetric,
+                                              const Eigen::MatrixXd& right);
+
+/// Eigenvalues of a symmetric matrix, ascending.
+[[nodiscard]] Eigen::VectorXd eigenvalues(const Eigen::MatrixXd& symmetric);
+
 /// Principal axes of a symmetric matrix: axes are the columns, their moments rise.
 struct PrincipalAxes {
   Vector3 moments;

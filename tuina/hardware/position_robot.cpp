@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tuina/hardware/position_robot.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
@@ -22,7 +21,7 @@ double pressing_n(const robot::ArmModel& model, const robot::ArmDynamics& dynami
                   const JointVector& dq_rad_per_s, const JointVector& driven_nm) noexcept {
   const Vector3 inward = dynamics.base_from_tool.linear().col(0);
   const JointVector lever = dynamics.jacobian.topRows<3>().transpose() * inward;
-  const JointVector yields = dynamics.mass_kg_m2.llt().solve(lever);
+  const JointVector yields = robot::acceleration(dynamics.mass_kg_m2, lever);
   const double mobility_per_kg = lever.dot(yields);
   if (!(mobility_per_kg > 0.0)) return 0.0;
   const JointVector net_nm = driven_nm - dynamics.coriolis_nm - dynamics.gravity_nm;

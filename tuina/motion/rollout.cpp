@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tuina/motion/rollout.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -9,6 +8,7 @@
 #include "tuina/control/cartesian_impedance.hpp"
 #include "tuina/core/decompositions.hpp"
 #include "tuina/robot/clearance.hpp"
+#include "tuina/robot/tool_task.hpp"
 
 namespace tuina::motion {
 namespace {
@@ -65,26 +65,13 @@ JointVector Rollout::posture_drift(const JointVector& posture_rad) const {
 
 void Rollout::step_to(const Vector3& centre_in_base, const Vector3& normal_in_base,
                       const JointVector& posture_rad, JointPath& joint_path) {
-  using Task = Eigen::Matrix<double, 5, Eigen::Dynamic, 0, 5, max_joints>;
   constexpr int iterations = 2;
   constexpr double damping = 1e-3, max_step_rad = 0.3;
   for (int n = 0; n < iterations; ++n) {
-    const robot::ArmModel::Kinematics& now = now_;
-    const Vector3 axis = control::tool_normal(now.base_from_tool);
-    const Vector3 across = axis.unitOrthogonal(), over = axis.cross(across);
-    const Vector3 turn = axis.cross(normal_in_base);
-    Task J(5, q_rad_.size());
-    J.topRows<3>() = now.jacobian.topRows<3>();
-    J.row(3) = across.transpose() * now.jacobian.bottomRows<3>();
-    J.row(4) = over.transpose() * now.jacobian.bottomRows<3>();
-    Eigen::Matrix<double, 5, 1> error;
-    error << centre_in_base - now.base_from_tool.translation(), turn.dot(across), turn.dot(over);
     const JointVector drift =
         n == 0 ? posture_drift(posture_rad) : JointVector::Zero(q_rad_.size());
-    const Eigen::Matrix<double, 5, 5> square =
-        J * J.transpose() + damping * damping * Eigen::Matrix<double, 5, 5>::Identity();
-    const Eigen::Matrix<double, 5, 1> rest = error - J * drift;
-    const JointVector step = drift + J.transpose() * square.llt().solve(rest);
+    const robot::ToolTask task = robot::tool_task(now_, centre_in_base, -normal_in_base);
+    const JointVector step = robot::solve_step(task, damping, drift);
     q_rad_ += step.cwiseMax(-max_step_rad).cwiseMin(max_step_rad);
     for (int i = 0; i < model_->joints(); ++i) {
       const robot::Link& link = model_->table().links[static_cast<std::size_t>(i)];

@@ -258,6 +258,10 @@ PerArm<ArmModel> both_models(const ArmTable& table, const RobotMount& mount) noe
   return {.of = {ArmModel(table, mount, Arm::left), ArmModel(table, mount, Arm::right)}};
 }
 
+JointVector acceleration(const JointMatrix& mass_kg_m2, const JointVector& torque_nm) noexcept {
+  return mass_kg_m2.llt().solve(torque_nm);
+}
+
 Matrix6 tool_mobility(const ArmDynamics& dynamics) noexcept {
   const Eigen::LLT<JointMatrix> factor(dynamics.mass_kg_m2);
   Eigen::Matrix<double, Eigen::Dynamic, 6, 0, max_joints, 6> half = dynamics.jacobian.transpose();
@@ -267,8 +271,7 @@ Matrix6 tool_mobility(const ArmDynamics& dynamics) noexcept {
 
 double apparent_mass_kg(const ArmDynamics& dynamics, const Vector3& direction_in_base) noexcept {
   const JointVector push = dynamics.jacobian.topRows<3>().transpose() * direction_in_base;
-  const Eigen::LLT<JointMatrix> factor(dynamics.mass_kg_m2);
-  const JointVector answer = factor.solve(push);
+  const JointVector answer = acceleration(dynamics.mass_kg_m2, push);
   return 1.0 / std::max(push.dot(answer), 1e-12);
 }
 

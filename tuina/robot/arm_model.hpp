@@ -84,6 +84,11 @@ class ArmModel {
 /// The models of both arms of one robot.
 [[nodiscard]] PerArm<ArmModel> both_models(const ArmTable& table, const RobotMount& mount) noexcept;
 
+/// How the joints of an arm at rest answer to torques that nothing else balances: M^-1 torque, in
+/// rad/s^2.
+[[nodiscard]] JointVector acceleration(const JointMatrix& mass_kg_m2,
+                                       const JointVector& torque_nm) noexcept;
+
 /// Inverse of the inertia that the tool shows to a force: J M^-1 J^T, [thesis] chapter 3. Always
 /// defined.
 [[nodiscard]] Matrix6 tool_mobility(const ArmDynamics& dynamics) noexcept;

@@ -2,10 +2,12 @@
 #include "tuina/robot/inverse_kinematics.hpp"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
+
+#include "tuina/core/decompositions.hpp"
+#include "tuina/robot/tool_task.hpp"
 
 namespace tuina::robot {
 namespace {
@@ -147,8 +149,9 @@ ContactPosture descend(const Task& task, JointVector q, double cone_rad) {
     damped.diagonal().array() += damping;
     const Eigen::LDLT<Matrix6> factor(damped);
     const JointVector wanted = wish(task, state, q);
-    const Vector6 gone = state.jacobian * wanted;
-    JointVector step = state.jacobian.transpose() * factor.solve(state.error - gone) + wanted;
+    const Vector6 rest = state.error - state.jacobian * wanted;
+    const Vector6 along = factor.solve(rest);
+    JointVector step = state.jacobian.transpose() * along + wanted;
     const double most = step.cwiseAbs().maxCoeff();
     if (most > max_step_rad) step *= max_step_rad / most;
     q += step;
@@ -202,16 +205,9 @@ bool out_of_reach(const Task& task) {
 }  // namespace
 
 double dexterity(const ArmModel::Kinematics& pose) noexcept {
-  const Vector3 axis = pose.base_from_tool.linear().col(0);
-  const Vector3 across = axis.unitOrthogonal(), over = axis.cross(across);
-  Eigen::Matrix<double, 5, Eigen::Dynamic, 0, 5, max_joints> J(5, pose.jacobian.cols());
-  J.topRows<3>() = pose.jacobian.topRows<3>();
-  J.row(3) = radian_m * across.transpose() * pose.jacobian.bottomRows<3>();
-  J.row(4) = radian_m * over.transpose() * pose.jacobian.bottomRows<3>();
-  const Eigen::Matrix<double, 5, 5> square = J * J.transpose();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 5, 5>> eigen(square,
-                                                                         Eigen::EigenvaluesOnly);
-  return std::sqrt(std::max(0.0, eigen.eigenvalues()[0]));
+  ToolJacobian J = tool_jacobian(pose.base_from_tool, pose.jacobian);
+  J.bottomRows<2>() *= radian_m;
+  return std::sqrt(std::max(0.0, eigenvalues(J * J.transpose())(0)));
 }
 
 double limit_room_rad(const ArmTable& table, const JointVector& q_rad) noexcept {

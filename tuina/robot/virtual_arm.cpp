@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tuina/robot/virtual_arm.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
@@ -25,7 +24,7 @@ void VirtualArm::keep_from_pressing(const ArmDynamics& dynamics) noexcept {
   const JointVector lever = dynamics.jacobian.topRows<3>().transpose() * inward;
   const double inward_m_per_s = lever.dot(dq_rad_per_s_);
   if (inward_m_per_s <= 0.0) return;
-  const JointVector yields = dynamics.mass_kg_m2.llt().solve(lever);
+  const JointVector yields = acceleration(dynamics.mass_kg_m2, lever);
   const double mobility_per_kg = lever.dot(yields);
   if (mobility_per_kg <= 0.0) return stand(q_rad_);
   dq_rad_per_s_ -= inward_m_per_s / mobility_per_kg * yields;
@@ -63,7 +62,7 @@ void VirtualArm::step(const JointVector& torque_nm, const Wrench& wrench_in_tool
     wrench << contact_n, base_from_tool * wrench_in_tool.torque_nm;
     driven_nm += dynamics.jacobian.transpose() * wrench;
   }
-  dq_rad_per_s_ += control_period_s * dynamics.mass_kg_m2.llt().solve(driven_nm);
+  dq_rad_per_s_ += control_period_s * acceleration(dynamics.mass_kg_m2, driven_nm);
   if (!believed) keep_from_pressing(dynamics);
   if (!dq_rad_per_s_.allFinite()) dq_rad_per_s_.setZero();
   keep_limits();
