@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "tuina/core/decompositions.hpp"
 #include "tuina/core/units.hpp"
 
 namespace tuina::body {
@@ -124,7 +125,7 @@ void descend(const ShapeModel& model, const BackSurface& back, const Stage& stag
     at.normal_matrix.diagonal().tail(modes).array() += 1.0;
     right_side.tail(modes) -= at.weights.head(modes);
     at.normal_matrix.diagonal().head(6).array() += 1e-3;
-    const Eigen::VectorXd step = at.normal_matrix.ldlt().solve(right_side);
+    const Eigen::VectorXd step = solve_symmetric(at.normal_matrix, right_side);
     const Vector3 turn = step.head<3>();
     Transform motion = Transform::Identity();
     motion.translate(centre + step.segment<3>(3));

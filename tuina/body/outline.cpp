@@ -55,7 +55,7 @@ Vector3 plane_of(const std::vector<Vector3>& in_back, const SilhouetteFeatures& 
       normal += w * row * row.transpose();
       right_side += w * p.y() * row;
     }
-    solution = normal.ldlt().solve(right_side);
+    solution = solve_symmetric(normal, right_side);
   }
   return solution;
 }

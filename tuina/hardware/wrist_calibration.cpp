@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tuina/hardware/wrist_calibration.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
+#include "tuina/core/decompositions.hpp"
 #include "tuina/core/io/csv.hpp"
 #include "tuina/core/io/toml_reader.hpp"
 #include "tuina/core/units.hpp"
@@ -31,41 +31,41 @@ Vector3 down_in_tool(const WristPose& pose) {
   return pose.base_from_tool.transpose() * Vector3(0.0, 0.0, -1.0);
 }
 
-/// Least squares of rows of three equations each for `N` unknowns.
-template <int N>
+/// Least squares of rows of three equations each.
 struct Squares {
-  using Rows = Eigen::Matrix<double, 3, N>;
-  using Unknowns = Eigen::Matrix<double, N, 1>;
-  Eigen::Matrix<double, N, N> normal = Eigen::Matrix<double, N, N>::Zero();
-  Unknowns right = Unknowns::Zero();
-  int equations = 0;
+  explicit Squares(Eigen::Index unknowns)
+      : normal(Eigen::MatrixXd::Zero(unknowns, unknowns)), right(Eigen::VectorXd::Zero(unknowns)) {}
 
-  void add(const Rows& rows, const Vector3& seen) {
+  void add(const Eigen::Matrix3Xd& rows, const Vector3& seen) {
     normal += rows.transpose() * rows;
     right += rows.transpose() * seen;
     equations += 3;
   }
   [[nodiscard]] double condition() const {
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, N, N>> solver(normal,
-                                                                            Eigen::EigenvaluesOnly);
-    const double least = std::max(solver.eigenvalues()(0), 1e-12);
-    return std::sqrt(solver.eigenvalues()(N - 1) / least);
+    const Eigen::VectorXd values = eigenvalues(normal);
+    return std::sqrt(values(values.size() - 1) / std::max(values(0), 1e-12));
   }
-  [[nodiscard]] Unknowns solve() const { return normal.ldlt().solve(right); }
+  [[nodiscard]] Eigen::VectorXd solve() const { return solve_symmetric(normal, right); }
   /// Variances of the unknowns where the residuals' squares sum up to `sum2`.
-  [[nodiscard]] Unknowns variances(double sum2) const {
-    return normal.inverse().diagonal() * (sum2 / (equations - N));
+  [[nodiscard]] Eigen::VectorXd variances(double sum2) const {
+    const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(right.size(), right.size());
+    const auto spare = static_cast<double>(equations - right.size());
+    return solve_symmetric(normal, one).diagonal() * (sum2 / spare);
   }
+
+  Eigen::MatrixXd normal;
+  Eigen::VectorXd right;
+  Eigen::Index equations = 0;
 };
 
-Eigen::Matrix<double, 3, 4> force_rows(const Vector3& down) {
-  Eigen::Matrix<double, 3, 4> rows;
+Eigen::Matrix3Xd force_rows(const Vector3& down) {
+  Eigen::Matrix3Xd rows(3, 4);
   rows << Matrix3::Identity(), down;
   return rows;
 }
 
-Eigen::Matrix<double, 3, 6> torque_rows(const Vector3& down) {
-  Eigen::Matrix<double, 3, 6> rows;
+Eigen::Matrix3Xd torque_rows(const Vector3& down) {
+  Eigen::Matrix3Xd rows(3, 6);
   rows << Matrix3::Identity(), -cross_of(down);
   return rows;
 }
@@ -130,8 +130,7 @@ Result<WristFit> fit_wrist(std::span<const WristPose> poses) {
   if (poses.size() < min_poses)
     return fail(Fault::bad_input, "{} poses; at least {} are needed, twelve are better",
                 poses.size(), min_poses);
-  Squares<4> forces;
-  Squares<6> torques;
+  Squares forces(4), torques(6);
   for (const WristPose& pose : poses) {
     const Vector3 down = down_in_tool(pose);
     forces.add(force_rows(down), pose.in_tool.force_n);
@@ -144,8 +143,8 @@ Result<WristFit> fit_wrist(std::span<const WristPose> poses) {
                 "stands the same way in the tool in all of them; tilt the tool to all sides, by 45 "
                 "degrees and more",
                 std::min(fit.condition, 1e6), max_condition);
-  const Eigen::Vector4d by_force = forces.solve();
-  const Eigen::Matrix<double, 6, 1> by_torque = torques.solve();
+  const Eigen::VectorXd by_force = forces.solve();
+  const Eigen::VectorXd by_torque = torques.solve();
   const double weight_n = by_force(3);
   fit.found.mass_kg = weight_n / gravity_m_per_s2;
   fit.found.offset_in_tool = {.force_n = by_force.head<3>(), .torque_nm = by_torque.head<3>()};
@@ -162,8 +161,8 @@ Result<WristFit> fit_wrist(std::span<const WristPose> poses) {
   fit.force_rms_n = std::sqrt(force2 / count);
   fit.torque_rms_nm = std::sqrt(torque2 / count);
   fit.max_force_n = *std::max_element(left_n.begin(), left_n.end());
-  const auto force_variances = forces.variances(force2);
-  const auto torque_variances = torques.variances(torque2);
+  const Eigen::VectorXd force_variances = forces.variances(force2);
+  const Eigen::VectorXd torque_variances = torques.variances(torque2);
   fit.mass_sd_kg = std::sqrt(force_variances(3)) / gravity_m_per_s2;
   fit.offset_sd_n = std::sqrt(force_variances.head<3>().maxCoeff());
   fit.offset_sd_nm = std::sqrt(torque_variances.head<3>().maxCoeff());

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "tuina/core/decompositions.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/scanner/triangulation.hpp"
 
@@ -190,7 +191,7 @@ Sine fit_breath(const std::vector<Pair>& pairs, const Fit& fit) {
     }
     // Regularised: what the pairs hardly determine becomes zero.
     const Eigen::Matrix2d damped = normal + 3e-3 * normal.trace() * Eigen::Matrix2d::Identity();
-    const Eigen::Vector2d found = damped.ldlt().solve(rhs);
+    const Eigen::Vector2d found = solve_symmetric(damped, rhs);
     const double explained = all2 > 0.0 ? found.dot(rhs) / all2 : 0.0;
     if (explained > best.explained) best = {found.x(), found.y(), hz, explained};
   }

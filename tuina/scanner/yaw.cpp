@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 
+#include "tuina/core/decompositions.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/scanner/sweep.hpp"
 
@@ -91,7 +92,7 @@ double local_yaw(std::span<const YawReading> readings, double time_s) {
     }
     if (near.size() < enough_for_a_fit) sums(2, 2) += 1.0;  // with too few readings a straight line
     sums.diagonal().array() += 1e-9;
-    return sums.ldlt().solve(moments)(0);
+    return solve_symmetric(sums, moments)(0);
   }
 }
 

@@ -9,6 +9,7 @@
 #include <optional>
 #include <vector>
 
+#include "tuina/core/decompositions.hpp"
 #include "tuina/core/random.hpp"
 
 namespace tuina::calibration {
@@ -77,7 +78,7 @@ Course fit_course(const std::vector<Vector2>& points) {
     sums += place * place.transpose();
     moments += place * point.x();
   }
-  course.coefficients = sums.ldlt().solve(moments);
+  course.coefficients = solve_symmetric(sums, moments);
   return course;
 }
 
@@ -140,7 +141,7 @@ class Fit {
         moments += place * static_cast<double>(laser_.row(row)[column]);
       }
     }
-    background_ = sums.ldlt().solve(moments);
+    background_ = solve_symmetric(sums, moments);
     std::vector<int> steps;  // between neighbours, mostly within one square
     for (int row = 0; row < board_.height; row += 4) {
       for (int column = 1; column < board_.width; column += 2) {
@@ -201,7 +202,7 @@ class Fit {
         moments.y() += weight.x() * (usual - height);
         moments.z() -= weight.y() * offset;
       }
-      const Vector3 change = sums.ldlt().solve(moments);
+      const Vector3 change = solve_symmetric(sums, moments);
       height += change.y();
       offset += change.z();
       if (step > 0) {

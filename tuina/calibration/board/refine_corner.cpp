@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tuina/core/decompositions.hpp"
+
 namespace tuina::calibration {
 
 // cornerSubPix interpolates gradients between pixels, which shifts corners by 0.02 px depending on
@@ -33,7 +35,7 @@ std::optional<Vector2> refine_corner(ImageView image, Vector2 corner, int window
         moments += weight * slope * slope.dot(at);
       }
     }
-    const Vector2 next = sums.ldlt().solve(moments);
+    const Vector2 next = solve_symmetric(sums, moments);
     if (!((next - corner).norm() < std::max(1.0, 0.5 * window))) return std::nullopt;
     const bool settled = (next - corner).norm() < 1e-5;
     corner = next;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 
+#include "tuina/core/decompositions.hpp"
 #include "tuina/core/units.hpp"
 
 namespace tuina::calibration {
@@ -115,7 +116,7 @@ Result<YawAxis> find_yaw_axis(Views& views, std::vector<Transform>& camera_from_
     sums += moved.transpose() * moved;
     moments += moved.transpose() * turn.motion.translation();
   }
-  axis.point_in_camera = sums.ldlt().solve(moments);
+  axis.point_in_camera = solve_symmetric(sums, moments);
   return axis;
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tuina/core/decompositions.hpp"
 #include "tuina/core/units.hpp"
 
 namespace tuina::session {
@@ -42,7 +43,7 @@ Result<FittedMotion> fit_motion(std::span<const Acupoint> then, std::span<const 
     from.col(i) = pairs[static_cast<std::size_t>(i)].first;
     to.col(i) = pairs[static_cast<std::size_t>(i)].second;
   }
-  const Transform motion(Eigen::umeyama(from, to, false));
+  const Transform motion = rigid_motion(from, to);
   return FittedMotion{motion, std::sqrt((motion * from - to).colwise().squaredNorm().mean())};
 }
 
