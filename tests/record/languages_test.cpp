@@ -23,6 +23,7 @@ telemetry::ReportData full_report() {
   data.person = "phantom:slim";
   data.programme = "relax";
   data.version = "";
+  data.numbers = {{"scan error", "0.42", "mm", "RMS distance of the scan from the true surface"}};
   data.config_toml = "";
   data.paths[0].ordered_n = data.paths[0].given_n = 18.0;
   data.paths[0].lowered_by = sentence("by_zone", "{}", "kidney");
@@ -44,10 +45,13 @@ telemetry::ReportData full_report() {
   return data;
 }
 
-/// What a reader sees of a report.
+/// What a reader sees of a report, but for GV4, which has a name of its own in Chinese.
 std::string read(const std::string& page) {
   const std::size_t begin = page.find("<style>"), end = page.find("</style>");
-  return tests::words_of(page.substr(0, begin) + page.substr(end));
+  std::string words = tests::words_of(page.substr(0, begin) + page.substr(end));
+  for (auto at = words.find("GV4"); at != std::string::npos; at = words.find("GV4", at))
+    words.erase(at, 3);
+  return words;
 }
 
 /// Runs of letters or of digits, as often as they stand there.
