@@ -6,6 +6,7 @@
 
 #include "tuina/record/acupoint_file.hpp"
 #include "tuina/record/channel_sink.hpp"
+#include "tuina/record/languages.hpp"
 #include "tuina/record/plan_file.hpp"
 #include "tuina/record/session_channels.hpp"
 #include "tuina/record/session_file.hpp"

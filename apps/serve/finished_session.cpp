@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
+#include <functional>
 #include <future>
 #include <mutex>
 
+#include "apps/serve/page_files.hpp"
 #include "apps/serve/record_player.hpp"
 #include "apps/serve/shown_arm.hpp"
 #include "apps/serve/shown_back.hpp"
@@ -16,7 +18,9 @@
 #include "tuina/record/acupoint_file.hpp"
 #include "tuina/record/plan_file.hpp"
 #include "tuina/record/session_folder.hpp"
+#include "tuina/record/session_report.hpp"
 #include "tuina/session/run.hpp"
+#include "tuina/telemetry/report/page.hpp"
 
 namespace tuina::app {
 namespace {
@@ -150,17 +154,36 @@ Result<std::string> play_of(const Path& mcap) {
   return play;
 }
 
+Result<std::string> report_in(const Path& folder, const Language& language) {
+  auto data = record::read_record(folder);
+  if (!data) return tl::unexpected(data.error());
+  data->language = language;
+  return telemetry::report_page(*data);
+}
+
+/// What `make` reads of a session, one session at a time; nothing while another one is read.
+std::optional<Result<std::string>> read_alone(const std::function<Result<std::string>()>& make) {
+  static std::mutex one;
+  const std::unique_lock lock(one, std::try_to_lock);
+  if (!lock) return std::nullopt;
+  // The threads of the web's library have 100 kB of stack, too little for the readers of a record.
+  return std::async(std::launch::async, make).get();
+}
+
+const web::Reply another_is_read{.status = 503, .body = "another session is being read\n"};
+
 }  // namespace
 
 web::Reply play_of_session(const Path& folder) {
-  static std::mutex one;
-  const std::unique_lock lock(one, std::try_to_lock);
-  if (!lock) return {.status = 503, .body = "another session is being read\n"};
-  // The threads of the web's library have 100 kB of stack, too little for the readers of a record.
-  auto play =
-      std::async(std::launch::async, [&] { return play_of(folder / "session.mcap"); }).get();
-  if (!play) return {.status = 404, .body = play.error().message + "\n"};
-  return {.type = "application/octet-stream", .body = std::move(*play)};
+  auto play = read_alone([&] { return play_of(folder / "session.mcap"); });
+  if (!play) return another_is_read;
+  if (!*play) return {.status = 404, .body = play->error().message + "\n"};
+  return {.type = "application/octet-stream", .body = std::move(**play)};
+}
+
+web::Reply report_of_session(const Path& folder, const Language& language) {
+  auto report = read_alone([&] { return report_in(folder, language); });
+  return report ? report_reply(std::move(*report)) : another_is_read;
 }
 
 }  // namespace tuina::app

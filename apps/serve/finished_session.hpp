@@ -3,6 +3,7 @@
 
 #include <filesystem>
 
+#include "tuina/core/language.hpp"
 #include "tuina/web/request.hpp"
 
 namespace tuina::app {
@@ -15,5 +16,10 @@ namespace tuina::app {
 /// is no such record, or none that can be played; 503 while another one is read, so that memory is
 /// that of one record of 512 MB at most.
 [[nodiscard]] web::Reply play_of_session(const std::filesystem::path& folder);
+
+/// The report of the session in `folder`, made again in a language; 404 where there is no session,
+/// 503 while another one is read.
+[[nodiscard]] web::Reply report_of_session(const std::filesystem::path& folder,
+                                           const Language& language);
 
 }  // namespace tuina::app

@@ -58,6 +58,7 @@ class LiveSite {
   [[nodiscard]] web::Reply log_in(const web::Request& request);
   void log_out(const std::string& cookie);
   [[nodiscard]] web::Reply content(const web::Request& request) const;
+  [[nodiscard]] std::optional<web::Reply> look_back(const web::Request& request) const;
   [[nodiscard]] std::optional<web::Reply> people(const std::string& path, bool operates) const;
   void come(web::ClientId client, const web::Request& request);
   void go(web::ClientId client);

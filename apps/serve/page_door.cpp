@@ -7,6 +7,8 @@
 #include "apps/serve/live_site.hpp"
 #include "apps/serve/plan_change.hpp"
 #include "apps/serve/shown_sentence.hpp"
+#include "tuina/core/io/file.hpp"
+#include "tuina/record/languages.hpp"
 #include "tuina/web/login.hpp"
 
 namespace tuina::app {
@@ -111,6 +113,26 @@ std::optional<web::Reply> LiveSite::people(const std::string& path, bool operate
   return web::Reply{.type = "application/json", .body = *text};
 }
 
+// What lies in the folder of a finished session. The report in English lies there; in another
+// language it is made anew.
+std::optional<web::Reply> LiveSite::look_back(const web::Request& request) const {
+  constexpr std::string_view in_language = "language=";
+  const auto report = session_number(request.path, "/report.html");
+  const auto play = session_number(request.path, "/play");
+  if (!report && !play) return std::nullopt;
+  const auto folder = LiveSession::folder_of(options_.session, report ? *report : *play);
+  const std::string_view query = request.query;
+  const bool other = query.starts_with(in_language) && query != "language=en";
+  if (report && !other) return report_reply(read_file(folder / "report.html"));
+  if (session_.state().phase == LivePhase::massage)
+    return web::Reply{.status = 503,
+                      .body = "a massage is running, which looking back must not disturb\n"};
+  if (play) return play_of_session(folder);
+  const auto language = record::find_language(query.substr(in_language.size()));
+  if (!language) return web::Reply{.status = 404, .body = language.error().message + "\n"};
+  return report_of_session(folder, *language);
+}
+
 web::Reply LiveSite::content(const web::Request& request) const {
   const std::string& path = request.path;
   if (const auto file = page_.find(path); file != page_.end())
@@ -124,13 +146,7 @@ web::Reply LiveSite::content(const web::Request& request) const {
   if (path == "/api/choices") return json_reply(choices_);
   const LiveSession::Options& sessions = options_.session;
   if (path == "/api/sessions") return json_reply(sessions_json(sessions.folder));
-  if (const auto number = session_number(path, "/report.html"))
-    return report_of(LiveSession::folder_of(sessions, *number));
-  if (const auto number = session_number(path, "/play")) {
-    if (session_.state().phase != LivePhase::massage)
-      return play_of_session(LiveSession::folder_of(sessions, *number));
-    return {.status = 503, .body = "a massage is running, which looking back must not disturb\n"};
-  }
+  if (const auto reply = look_back(request)) return *reply;
   if (const auto view = session_.view()) {
     if (path == "/api/cloud") return bytes_reply(view->cloud());
     if (path == "/api/back" && !view->back().empty()) return bytes_reply(view->back());

@@ -132,11 +132,10 @@ std::string sessions_json(const std::filesystem::path& folder) {
   return sessions.dump(-1, ' ', true, json::error_handler_t::replace);
 }
 
-web::Reply report_of(const std::filesystem::path& folder) {
-  auto text = read_file(folder / "report.html");
-  if (!text) return {.status = 404, .body = "not here\n"};
+web::Reply report_reply(Result<std::string> report) {
+  if (!report) return {.status = 404, .body = "not here\n"};
   return web::Reply{
-      .type = "text/html; charset=utf-8", .body = std::move(*text), .headers = {report_policy}};
+      .type = "text/html; charset=utf-8", .body = std::move(*report), .headers = {report_policy}};
 }
 
 }  // namespace tuina::app

@@ -31,7 +31,7 @@ using Page = std::map<std::string, PageFile, std::less<>>;
 /// JSON array of the sessions in `folder` that have ended, the newest first.
 [[nodiscard]] std::string sessions_json(const std::filesystem::path& folder);
 
-/// The report of the session in `folder`; 404 where there is none.
-[[nodiscard]] web::Reply report_of(const std::filesystem::path& folder);
+/// A report as a browser gets it; 404 where there is none.
+[[nodiscard]] web::Reply report_reply(Result<std::string> report);
 
 }  // namespace tuina::app

@@ -3,6 +3,7 @@
 
 #include "apps/tuina/verbs.hpp"
 #include "tuina/core/io/file.hpp"
+#include "tuina/record/languages.hpp"
 #include "tuina/record/session_folder.hpp"
 #include "tuina/record/session_report.hpp"
 #include "tuina/telemetry/report/page.hpp"
@@ -24,13 +25,20 @@ class Report final : public Verb {
     options.add("record", record_, "the folder of `tuina massage --out`, or the session.mcap in it")
         .required();
     options.add("--out", out_, "one self-contained HTML page").required();
+    options
+        .add("--language", language_,
+             "in which it is written: en, or zh-Hant (Traditional Chinese)")
+        .show_default();
   }
 
   [[nodiscard]] Result<Answer> run(const CommonOptions&) override {
+    auto language = record::find_language(language_);
+    if (!language) return tl::unexpected(language.error());
     const auto folder = record::SessionFolder::open(record_);
     if (!folder) return tl::unexpected(folder.error());
-    const auto data = record::read_record(folder->path());
+    auto data = record::read_record(folder->path());
     if (!data) return tl::unexpected(folder->explained(data.error()));
+    data->language = std::move(*language);
     const std::string page = telemetry::report_page(*data);
     if (const auto written = write_file(out_, page); !written)
       return tl::unexpected(written.error());
@@ -44,7 +52,7 @@ class Report final : public Verb {
   }
 
  private:
-  std::string record_, out_;
+  std::string record_, out_, language_ = "en";
 };
 
 }  // namespace

@@ -70,6 +70,9 @@ class Serve final : public Verb {
     if (!make_password_.empty()) return made_password();
     auto config = effective_config(common);
     if (!config) return tl::unexpected(config.error());
+    if (!page_.empty() && !std::filesystem::exists(std::filesystem::path(page_) / "page.js"))
+      return fail(Fault::file, "--page {}: no page.js is in this folder; `./run serve` builds one",
+                  page_);
     auto doors = doors_asked_for();
     if (!doors) return tl::unexpected(doors.error());
     auto robot = robot::load_robot(robot_);

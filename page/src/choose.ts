@@ -3,7 +3,7 @@ import { element, pills, table } from "./element";
 import { lookBack } from "./look_back";
 import { ofWhom, remembered, remembersAll } from "./remembered";
 import { main, maySteer, page, read, steer, whyNot } from "./shown";
-import { say, sayOr } from "./words";
+import { reportOf, say, sayOr } from "./words";
 
 interface Listed { session: string; person: string; programme: string; duration_s: number; performed: number; paths: number; stops: number }
 
@@ -17,11 +17,11 @@ export function choose(): HTMLElement {
   seed.oninput = () => { order["seed"] = Math.min(page.choices.max_seed, Math.max(1, Math.round(Number(seed.value)) || 1)); };
   const sessions = element("div", { class: "sessions" }, say("no_sessions"));
   void read<Listed[]>("/api/sessions").then((all) => {
-    if (all.length) sessions.replaceChildren(table(all.map((one) => [one.session, say(one.person), say(one.programme),
-      `${Math.round(one.duration_s)} s`, `${one.performed}/${one.paths} ${say("paths_short")}${one.stops ? `, ${one.stops} ${say("stops_short")}` : ""}`,
+    if (all.length) sessions.replaceChildren(table(all.map((one) => [one.session, `${say(one.person)} · ${say(one.programme)}`,
+      `${Math.round(one.duration_s)} s · ${one.performed}/${one.paths} ${say("paths_short")}${one.stops ? ` · ${say("ended_stopped")}` : ""}`,
       element("div", { class: "row" },
         element("button", { id: `play_${one.session}`, "aria-label": `${say("look_back")} ${one.session}`, onclick: () => void lookBack(one.session) }, say("look_back")),
-        element("a", { class: "button", href: `/sessions/${one.session}/report.html`, target: "_blank" }, say("report")))])));
+        element("a", { class: "button", href: reportOf(one.session), target: "_blank" }, say("report")))])));
   });
   return element("div", { class: "narrow" }, element("div", { class: "card" }, element("h1", {}, say("choose_title")),
     element("div", { class: "fields" },

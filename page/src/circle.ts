@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-import { type Acupoint } from "./scene";
+import { type Acupoint } from "./picture/marks";
 
 /** Corners of a circle in the skin's plane around an acupoint; radius in m. */
 export function circleAround(point: Acupoint, radius: number): [number, number, number][] {

@@ -6,7 +6,7 @@ import { Player } from "./player";
 import { Recording } from "./recording";
 import { main, page, scene, tell, viewOf } from "./shown";
 import { armCards, dot, stage } from "./stage";
-import { say, sayInstead } from "./words";
+import { reportOf, say, sayInstead } from "./words";
 
 /** Opens a finished session; why it cannot be opened is said where it was asked for. */
 export async function lookBack(session: string): Promise<void> {
@@ -74,7 +74,7 @@ export function lookedBack(): HTMLElement {
   // Above the picture, since on a phone they would cover the neck.
   const head = element("div", { class: "row head" }, element("h1", {}, `${say("session")} ${session} · ${say(told.programme)}`),
     element("button", { id: "leave", onclick: () => { forgetRecording(); page.chosen = "choose"; page.view = viewOf(page.state!); page.render(); main.focus({ preventScroll: true }); } }, say(page.state!.ordered ? "back" : "all_sessions")),
-      element("a", { class: "button", href: `/sessions/${session}/report.html`, target: "_blank" }, say("report")));
+      element("a", { class: "button", href: reportOf(session), target: "_blank" }, say("report")));
   picture.append(page.slots["softest"]);
   return element("div", { class: "split" },
     element("div", { class: "played" }, head, picture, page.player.controls),

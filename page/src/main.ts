@@ -9,7 +9,7 @@ import { forgetRecording, lookedBack, play, showMoment } from "./look_back";
 import { massage, showHappened, showLive } from "./massage";
 import { type Plan } from "./recording";
 import { review, showPlanning } from "./review";
-import { type Acupoint } from "./scene";
+import { type Acupoint } from "./picture/marks";
 import { report, scan, showProgress } from "./session";
 import { type ByHand, bytes, type Choices, main, page, read, scene, speak, stop, tell, type View, viewOf } from "./shown";
 import { applyTheme, showTop } from "./top";

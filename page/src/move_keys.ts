@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { element } from "./element";
-import { type Acupoint, type Scene } from "./scene";
+import { type Acupoint } from "./picture/marks";
+import { type Scene } from "./picture/scene";
 import { say } from "./words";
 
 const stepM = 0.002;

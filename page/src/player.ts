@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { element } from "./element";
 import { type Done, type Recording } from "./recording";
-import { armColours } from "./scene";
+import { armColours } from "./picture/scene";
 import { say, sayPath, saySentence } from "./words";
 
 const speeds = [1, 2, 3, 5, 10];

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { type Happening } from "./happening";
 import { type ArmNow, type Live } from "./link";
-import { type Acupoint, type Path } from "./scene";
+import { type Acupoint, type Path } from "./picture/marks";
 import { type Said } from "./words";
 
 export interface Plan { duration_s: number; notes: Said[]; paths: Path[] }

@@ -2,7 +2,9 @@
 import { circleAround } from "./circle";
 import { element, table } from "./element";
 import { moveKeys } from "./move_keys";
-import { type Acupoint, type Edit, techniqueColours, zoneColours } from "./scene";
+import { zoneColours } from "./picture/back_shape";
+import { type Acupoint, techniqueColours } from "./picture/marks";
+import { type Edit } from "./picture/scene";
 import { maySteer, page, scene, steer, tell, whyNot } from "./shown";
 import { dot, stage } from "./stage";
 import { say, sayLines, sayPath, saySentence } from "./words";

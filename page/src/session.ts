@@ -3,7 +3,7 @@ import { element } from "./element";
 import { lookBack } from "./look_back";
 import { page } from "./shown";
 import { stage } from "./stage";
-import { inEnglish, say, sayLines } from "./words";
+import { reportOf, say, sayLines } from "./words";
 
 export function scan(): HTMLElement {
   page.slots["title"] = element("h1", {});
@@ -14,14 +14,13 @@ export function scan(): HTMLElement {
 
 export function report(): HTMLElement {
   const made = page.state!.recorded;
-  const at = `/sessions/${page.state!.session}/report.html`;
+  const at = reportOf(page.state!.session);
   return element("div", { class: "narrow" }, element("h1", {}, say(`ended_${page.state!.outcome}`)),
     element("div", { class: "row" }, page.state!.ordered ? "" : element("button", { class: "go", id: "another", onclick: () => { page.left = page.state!.session; page.chosen = page.view = "choose"; page.render(); } }, say("another")),
       made ? element("button", { id: "look_back", onclick: () => void lookBack(page.state!.session) }, say("look_back")) : "",
       made ? element("a", { class: "button", href: at, target: "_blank" }, say("open_report")) : ""), element("p", { id: "refusal", class: "note", role: "alert" }),
-    // The report itself is written in English.
-    made && inEnglish() ? element("iframe", { src: at, title: say("report"), sandbox: "" }) : "",
-    element("details", made && inEnglish() ? {} : { open: "" }, element("summary", {}, say("details")), element("pre", { id: "said" }, sayLines(page.state!.said))));
+    made ? element("iframe", { src: at, title: say("report"), sandbox: "" }) : "",
+    element("details", made ? {} : { open: "" }, element("summary", {}, say("details")), element("pre", { id: "said" }, sayLines(page.state!.said))));
 }
 
 export function showProgress(): void {

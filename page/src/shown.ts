@@ -4,7 +4,8 @@ import { type Happening } from "./happening";
 import { type Link, type Live, type State } from "./link";
 import { type Player } from "./player";
 import { type Plan, type Recording } from "./recording";
-import { type Acupoint, type Edit, Scene } from "./scene";
+import { type Acupoint } from "./picture/marks";
+import { type Edit, Scene } from "./picture/scene";
 import { say } from "./words";
 
 export interface Choices { people: string[]; positions: string[]; programmes: { name: string; description: string }[]; questions: { key: string }[]; zones: { name: string; cap_n: number }[]; max_seed: number; keeps_people: boolean }

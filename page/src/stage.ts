@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { element } from "./element";
 import { Forces } from "./forces";
-import { armColours } from "./scene";
+import { armColours } from "./picture/scene";
 import { page, scene } from "./shown";
 import { say } from "./words";
 

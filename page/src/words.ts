@@ -7,7 +7,10 @@ const languages = { en, "zh-Hant": zh } as const;
 let language: keyof typeof languages =
   (localStorage.getItem("language") ?? navigator.language).startsWith("zh") ? "zh-Hant" : "en";
 
-export const inEnglish = (): boolean => language === "en";
+const inEnglish = (): boolean => language === "en";
+
+/** The report of a session. English is what the session leaves; another language is asked of the server. */
+export const reportOf = (session: string): string => `/sessions/${session}/report.html${inEnglish() ? "" : `?language=${language}`}`;
 
 /** The word in the language that was chosen; what has no translation stands as it is. */
 export function say(word: string): string {

@@ -29,6 +29,7 @@ TEST_CASE("a session that is written is the session that is read, and what is am
                              .ordered_n = 8.0,
                              .given_n = 7.1,
                              .why = sentence("why_too_short", "the tool did not reach it")}};
+  file.plan.notes = {sentence("note_cut", "{}: cut at the {}", "rub GV4", "spine"), {"unsaid"}};
   file.tissue = {{.name = "GV4", .truth = TangentTissue{4.5, 250.0}, .mapped = true}};
   file.stops = {{9.25, sentence("stopped_arm_by", "{} arm: {}", "left", "force over the trip")}};
   file.devices = DeviceRecord{.arms = "armlink", .pace = "real", .traffic = {}, .truth_missed = 2};
@@ -44,6 +45,7 @@ TEST_CASE("a session that is written is the session that is read, and what is am
   CHECK(again->order.commands == file.order.commands);
   CHECK(again->stops[0].cause == file.stops[0].cause);
   CHECK(again->massage.performed[0].why == file.massage.performed[0].why);
+  CHECK(again->plan.notes == file.plan.notes);
   CHECK(again->base_from_couch.isApprox(file.base_from_couch));
   REQUIRE(again->devices.has_value());
   CHECK(again->devices->traffic[Arm::right].lost == 3);

@@ -57,9 +57,9 @@ TEST_CASE("a path that got another force than asked for is told with its reason,
   CHECK(holds(report_page(data), "Every place was given the force that the plan orders"));
   CHECK_FALSE(holds(report_page(data), "Given otherwise than asked for"));
   data.paths[0].ordered_n = data.paths[0].given_n = 18.0;
-  data.paths[0].lowered_by = "kidney";
+  data.paths[0].lowered_by = {"kidney"};
   data.paths[1].given_n = 18.1;
-  data.paths[1].why = "the person asked for it: softer";
+  data.paths[1].why = {"the person asked for it: softer"};
   const std::string page = report_page(data);
   CHECK(holds(page, "Given otherwise than asked for"));
   CHECK(holds(page, "lowered for kidney"));
@@ -122,7 +122,7 @@ TEST_CASE("a path that was not carried out as planned is named with its trouble"
 TEST_CASE("what the plan has lowered or left out is on the page, with the reason") {
   ReportData data = sample_without_pictures();
   CHECK_FALSE(holds(report_page(data), "Planned otherwise than ordered"));
-  data.plan_notes = {"press BL23_L: 18 N instead of 25 N: the arm is felt as 5.1 kg there"};
+  data.plan_notes = {{"press BL23_L: 18 N instead of 25 N: the arm is felt as 5.1 kg there"}};
   CHECK(holds(report_page(data), "18 N instead of 25 N"));
 }
 

@@ -86,5 +86,5 @@ TEST_CASE("a timeline shows where an arm moved through the air and not where it 
   const std::string svg = figures::timeline(data);
   REQUIRE(count(svg, "moves through the air") == 1);
   const auto at = svg.find("moves through the air");
-  CHECK(svg.substr(at, 40).find("(2.0 s to 4.") != std::string::npos);
+  CHECK(svg.substr(at, 40).find("(2.0 – 4.") != std::string::npos);
 }

@@ -81,7 +81,7 @@ TEST_CASE("a timeline shows each span with its place in time, and a stop") {
       .rows = {{.name = "left", .spans = {{10.0, 20.0, "BL47 L", palette::press}}}},
       .marks = {{.x = 50.0, .text = "stop", .colour = palette::stop}}};
   const std::string svg = to_svg(timeline);
-  CHECK(svg.find("BL47 L (10.0 s to 20.0 s)") != std::string::npos);
+  CHECK(svg.find("BL47 L (10.0 – 20.0 s)") != std::string::npos);
   CHECK(svg.find(">stop<") != std::string::npos);
 }
 

@@ -30,7 +30,7 @@ class Tab:
         self.session = self.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
         for domain in ("Page", "Runtime"):
             self.call(f"{domain}.enable")
-        self.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=touch)
+        self.resize(width, height, touch)
         self.call("Emulation.setTouchEmulationEnabled", enabled=touch)
         self.call("Emulation.setEmulatedMedia",
                   features=[{"name": "prefers-color-scheme", "value": "dark" if dark else "light"}])
@@ -128,6 +128,9 @@ class Tab:
             self.call("Input.dispatchTouchEvent", type="touchMove" if i else "touchStart",
                       touchPoints=[{"x": x + along * width, "y": y + down * height}])
         self.call("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
+
+    def resize(self, width, height, touch=False):
+        self.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=touch)
 
     def picture(self, file):
         data = self.call("Page.captureScreenshot", format="png")["data"]

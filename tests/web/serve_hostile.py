@@ -50,6 +50,7 @@ def requests(server, cookie):
             ("a way up to a report", 404, "/sessions/../../report.html", {"Cookie": cookie}),
             ("the log", 404, "/audit.log", {"Cookie": cookie}),
             ("a session that is none", 404, "/sessions/9999/report.html", {"Cookie": cookie}),
+            ("a report in no language", 404, "/sessions/0001/report.html?language=../../en", {"Cookie": cookie}),
             ("a session without number", 404, "/sessions/000x/report.html", {"Cookie": cookie}),
             ("a long name", 404, "/sessions/" + "9" * 3000 + "/report.html", {"Cookie": cookie}),
             ("another file of a session", 404, "/sessions/0001/consent.toml", {"Cookie": cookie})]:

@@ -76,6 +76,9 @@ def to_its_end(server, page, order):
     expect("it is listed", [one["session"] for one in listed] == [page.state["session"]])
     status, headers, report = server.ask(f"/sessions/{page.state['session']}/report.html", Cookie=page.cookie)
     expect("its report", status == 200 and b"</html>" in report.lower() and b"sandbox" not in report[:100])
+    status, headers_too, other = server.ask(f"/sessions/{page.state['session']}/report.html?language=zh-Hant", Cookie=page.cookie)
+    expect("its report in Chinese", status == 200 and b'<html lang="zh-Hant">' in other and "力量".encode() in other
+           and headers_too["Content-Security-Policy"] == headers["Content-Security-Policy"])
     expect("a report runs no script", "script-src" not in headers["Content-Security-Policy"]
            and "default-src 'none'" in headers["Content-Security-Policy"])
     looked_back(server, page, page.state["session"])

@@ -152,6 +152,14 @@ TEST_CASE("a report folder that cannot be made is refused before the massage") {
   CHECK(outcome.err.find("scan") == std::string::npos);
 }
 
+TEST_CASE("serve does not begin with a folder in which no page is") {
+  const Folder folder;
+  const auto outcome =
+      run_tuina({"serve", "--port", "0", "--page", folder / "", "--out", folder / "sessions"});
+  CHECK(outcome.exit_code == 2);
+  CHECK(outcome.err.find("no page.js is in this folder") != std::string::npos);
+}
+
 TEST_CASE("a page for which there is no folder is refused before the evaluation, not after it") {
   const Folder folder;
   for (const std::vector<std::string>& verb :

@@ -5,6 +5,7 @@
 
 #include "tuina/core/io/file.hpp"
 #include "tuina/record/json_fields.hpp"
+#include "tuina/record/shared_fields.hpp"
 
 namespace tuina::record {
 namespace {

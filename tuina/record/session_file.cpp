@@ -47,6 +47,8 @@ constexpr auto planned_fields = [](auto& visit, auto& plan) {
   surroundings_fields(visit, plan.clear);
   visit("zones_touched", plan.zones_touched);
   english_fields(visit, "notes", plan.notes);
+  // Versions that spoke English alone wrote none.
+  if (visit.has("notes_said")) visit.list("notes_said", plan.notes, spoken_fields);
 };
 
 constexpr auto performed_fields = [](auto& visit, auto& done) {

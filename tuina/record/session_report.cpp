@@ -99,10 +99,10 @@ telemetry::PerformedPath shown(const PerformedEntry& done, const ContactPath& pa
           .end_s = done.end_s,
           .contact_fault = done.contact_fault == "none" ? "" : done.contact_fault,
           .programme_n = done.programme_n,
-          .lowered_by = done.lowered_by.words,
+          .lowered_by = done.lowered_by,
           .ordered_n = done.ordered_n,
           .given_n = done.given_n,
-          .why = done.why.words};
+          .why = done.why};
 }
 
 }  // namespace
@@ -145,7 +145,7 @@ Result<ReportData> read_record(const std::filesystem::path& folder) {
                   .distances = std::move(*distances),
                   .stopping_distance_m = safety::stopping_arm_distance_m,
                   .stops = file->stops,
-                  .plan_notes = words_of(plan->plan.notes),
+                  .plan_notes = file->plan.notes,
                   .numbers = numbers_of(*file),
                   .config_toml = std::move(*config),
                   .version = file->version};

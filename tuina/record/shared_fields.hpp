@@ -61,15 +61,17 @@ inline constexpr auto decision_fields = [](auto& visit, auto& made) {
   visit("to_n", made.to_n);
 };
 
-/// Of a sentence whose English stands beside it: what says it in another language. Versions that
-/// spoke English alone wrote none.
+/// Of a sentence whose English stands elsewhere: what says it in another language.
+inline constexpr auto spoken_fields = [](auto& visit, auto& sentence) {
+  visit("key", sentence.key);
+  visit("values", sentence.values);
+};
+
+/// Likewise, as an object beside the English. Versions that spoke English alone wrote none.
 inline constexpr auto key_fields = [](auto& visit, const char* key, auto& sentence) {
   constexpr bool writes = std::is_const_v<std::remove_reference_t<decltype(sentence)>>;
   if (writes ? sentence.key.empty() : !visit.has(key)) return;
-  visit.object(key, [&](auto& inside) {
-    inside("key", sentence.key);
-    inside("values", sentence.values);
-  });
+  visit.object(key, [&](auto& inside) { spoken_fields(inside, sentence); });
 };
 
 /// Sentences as a list of their English.

@@ -23,7 +23,7 @@ class VirtualArm {
   void step(const JointVector& torque_nm, const Wrench& wrench_in_tool, bool felt,
             double rail_m) noexcept;
 
-  [[nodiscard]] const ArmModel& model() const noexcept { return model_; }
+  [[nodiscard]] const ArmModel& model() const noexcept { return model_; }  ///< the copy
   /// @{
   /// Where its joints are, and how fast.
   [[nodiscard]] const JointVector& q_rad() const noexcept { return q_rad_; }

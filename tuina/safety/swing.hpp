@@ -22,6 +22,7 @@ class Swing {
     changes_[oldest_] = change;
     oldest_ = (oldest_ + 1) % changes_.size();
   }
+  /// Of the changes that are kept.
   [[nodiscard]] Extent extent() const noexcept {
     Extent extent;
     Extent now;  // of what ends with the change that is looked at

@@ -88,10 +88,10 @@ Part& Page::section(std::string_view title, std::string_view about, bool is_long
 
 std::string Page::str() const {
   std::string html = fmt::format(
-      "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
+      "<!doctype html>\n<html lang=\"{}\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
       "content=\"width=device-width,initial-scale=1\"><title>{}</title>\n<style>{}</style></head>"
       "<body><main>\n<header><div class=\"over\"><span>{}</span>",
-      escaped(head_.title), page_style, escaped(head_.over));
+      escaped(head_.language), escaped(head_.title), page_style, escaped(head_.over));
   for (const std::string& badge : head_.badges)
     html += "<span class=\"badge\">" + escaped(badge) + "</span>";
   for (const std::string& alarm : head_.alarms)

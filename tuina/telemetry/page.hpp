@@ -80,6 +80,7 @@ class Part {
 /// What stands at the top and at the end of a page.
 struct PageHead {
   std::string title;                     ///< words in the tab of the browser
+  std::string language = "en";           ///< of the words, as BCP 47 names it
   std::string over = {};                 ///< a small line above the heading
   std::vector<std::string> badges = {};  ///< words beside that line
   std::vector<std::string> alarms = {};  ///< badges in red

@@ -39,9 +39,12 @@ struct Examples {
   std::vector<std::size_t> numbers;     ///< in the source
   std::vector<Places> labels_in_couch;  ///< acupoints, then landmarks
 
-  [[nodiscard]] std::size_t size() const { return numbers.size(); }
+  [[nodiscard]] std::size_t size() const { return numbers.size(); }  ///< people
+  /// Whether a label of that name is among theirs.
   [[nodiscard]] bool have(const std::string& name) const;
+  /// One of them with the back, which the source reads now; fails as that does.
   [[nodiscard]] Result<Example> make(std::size_t i, BodySource::Needs needs) const;
+  /// Forgets one of them.
   void leave_out(std::size_t i);
 };
 [[nodiscard]] Places labels_in_couch(const Examples& examples, std::size_t i,

@@ -29,8 +29,9 @@ class RegisteredBacks {
  public:
   /// A file among the system's temporary ones, for backs of so many points.
   [[nodiscard]] static Result<RegisteredBacks> make(Eigen::Index points);
+  /// Fails where the disk is full.
   [[nodiscard]] Result<void> add(const Registered& back);
-  [[nodiscard]] std::size_t size() const { return count_; }
+  [[nodiscard]] std::size_t size() const { return count_; }  ///< backs that were added
   /// Those whose number is chosen. They last no longer than this.
   [[nodiscard]] Backs chosen(const std::function<bool(std::size_t number)>& wanted);
 

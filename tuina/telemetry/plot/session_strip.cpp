@@ -66,14 +66,14 @@ void draw_path(Scene& scene, const ContactPath& path, bool now) {
   }
 }
 
-std::string caption_of(const Moment& moment) {
+std::string caption_of(const Moment& moment, const Language& say) {
   const auto whole = static_cast<long>(std::lround(std::max(0.0, moment.begin_s)));
   std::string html = fmt::format("<figcaption><b>{}:{:02}</b>", whole / 60, whole % 60);
   for (const PerformedPath* performed : moment.paths) {
-    html += fmt::format("<span><i style=\"background:{}\"></i>{} arm: {} {}</span>",
-                        css(colour_of(performed->arm)), name_of(performed->arm),
-                        name_of(performed->path.technique),
-                        escaped(figures::place_of(performed->path)));
+    html += fmt::format(
+        "<span><i style=\"background:{}\"></i>{}</span>", css(colour_of(performed->arm)),
+        escaped(say("{} arm: {} {}", name_of(performed->arm), name_of(performed->path.technique),
+                    figures::place_of(performed->path, say))));
   }
   return html + "</figcaption>";
 }
@@ -145,9 +145,10 @@ std::string session_strip(const ReportData& data) {
     const ShadedPicture picture = shade(scene, view_of(data.position, pose));
     html += fmt::format(
         "<figure><svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {:.0f} {:.0f}\" "
-        "role=\"img\" aria-label=\"picture {} of the session\">{}</svg>{}</figure>",
-        picture.image.width / 2.0, picture.image.height / 2.0, k + 1, picture_element(picture),
-        caption_of(moment));
+        "role=\"img\" aria-label=\"{}\">{}</svg>{}</figure>",
+        picture.image.width / 2.0, picture.image.height / 2.0,
+        escaped(data.language("picture {} of the session", k + 1)), picture_element(picture),
+        caption_of(moment, data.language));
   }
   return html + "</div>";
 }

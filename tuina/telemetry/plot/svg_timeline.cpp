@@ -29,8 +29,8 @@ std::string to_svg(const Timeline& timeline) {
     svg += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\">{}</text>",
                        px(time_s), bottom + 18, tick_text(time_s, at));
   }
-  svg += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"end\">time, s</text>",
-                     left + width, bottom + 34);
+  svg += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"end\">{}</text>", left + width,
+                     bottom + 34, escaped(timeline.x_label));
   for (std::size_t row = 0; row < timeline.rows.size(); ++row) {
     const double y = top + row_px * static_cast<double>(row) + (row_px - bar_px) / 2;
     svg += fmt::format(
@@ -45,7 +45,7 @@ std::string to_svg(const Timeline& timeline) {
       const double wide = std::max(1.0, px(span.end_s) - x);
       const double high = span.thin ? thin_px : bar_px;
       svg += fmt::format(
-          "<g><title>{} ({:.1f} s to {:.1f} s)</title><rect x=\"{:.1f}\" y=\"{:.1f}\" "
+          "<g><title>{} ({:.1f} – {:.1f} s)</title><rect x=\"{:.1f}\" y=\"{:.1f}\" "
           "width=\"{:.1f}\" height=\"{:.1f}\" rx=\"2\" fill=\"{}\"/>",
           escaped(span.text), span.begin_s, span.end_s, x, y + (bar_px - high) / 2, wide, high,
           css(span.colour));

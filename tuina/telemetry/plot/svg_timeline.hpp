@@ -27,6 +27,7 @@ struct TimelineRow {
 /// Rows over one axis of time.
 struct Timeline {
   std::string title;
+  std::string x_label = "time, s";
   double end_s = 0.0;
   std::vector<TimelineRow> rows = {};
   std::vector<Mark> marks = {};  ///< x in seconds

@@ -144,21 +144,23 @@ std::string capital(std::string text) {
   return text;
 }
 
-std::string spoken(const std::string& acupoint) {
-  if (acupoint.ends_with("_L")) return acupoint.substr(0, acupoint.size() - 2) + " left";
-  if (acupoint.ends_with("_R")) return acupoint.substr(0, acupoint.size() - 2) + " right";
-  return acupoint;
+std::string spoken(const std::string& acupoint, const Language& say) {
+  const auto whole = [&](std::string name) {
+    std::replace(name.begin(), name.end(), '_', ' ');
+    return name;
+  };
+  const std::string name = whole(acupoint.substr(0, acupoint.rfind('_')));
+  if (acupoint.ends_with("_L")) return say("{} left", name);
+  if (acupoint.ends_with("_R")) return say("{} right", name);
+  return whole(acupoint);
 }
 
-std::string place_of(const ContactPath& path) {
-  if (path.acupoints.empty()) {
-    // The name says the technique first: "stroke bladder_inner_L".
-    std::string line = spoken(path.name.substr(path.name.find(' ') + 1));
-    std::replace(line.begin(), line.end(), '_', ' ');
-    return line;
-  }
-  const std::string first = spoken(path.acupoints.front());
-  return path.acupoints.size() == 1 ? first : first + " to " + spoken(path.acupoints.back());
+std::string place_of(const ContactPath& path, const Language& say) {
+  // The name says the technique first: "stroke bladder_inner_L".
+  if (path.acupoints.empty()) return spoken(path.name.substr(path.name.find(' ') + 1), say);
+  const std::string first = spoken(path.acupoints.front(), say);
+  return path.acupoints.size() == 1 ? first
+                                    : say("{} to {}", first, spoken(path.acupoints.back(), say));
 }
 
 std::string chinese_name(const std::string& acupoint) {
@@ -208,17 +210,18 @@ std::string back(const ReportData& data) {
     labels.push_back(
         {.at = drawn(picture.projection, point.at_in_couch + 4_mm * point.normal_in_couch),
          .name = short_name(point.name),
-         .remark =
-             fmt::format("{} ± {:.0f} mm", chinese_name(point.name), to_mm(point.uncertainty_m))});
+         .remark = fmt::format("{} ± {:.0f} mm", data.language(chinese_name(point.name)),
+                               to_mm(point.uncertainty_m))});
   }
-  return compose(picture, std::move(labels), "The scanned back with acupoints and paths");
+  return compose(picture, std::move(labels),
+                 data.language("The scanned back with acupoints and paths"));
 }
 
 std::string tissue_curves(const ReportData& data) {
   constexpr double shown_n = 30.0;  // as hard as a massage presses
-  Plot plot{.title = "Force against depth at each point",
-            .x_label = "depth below the skin, mm",
-            .y_label = "force, N"};
+  Plot plot{.title = data.language("Force against depth at each point"),
+            .x_label = data.language("depth below the skin, mm"),
+            .y_label = data.language("force, N")};
   const double hardest = stiffest_shown(data);
   const std::vector<FeltTissue> all_felt = last_felt(data);
   const auto curve = [&](const TangentTissue& tissue) {
@@ -284,9 +287,9 @@ std::string tissue(const ReportData& data, double scale_n_per_mm) {
                                             felt.stiffness_ci95_n_per_mm)});
   }
   return compose(picture, std::move(labels),
-                 "The back coloured by the estimated stiffness of its tissue") +
+                 data.language("The back coloured by the estimated stiffness of its tissue")) +
          hardness_bar_svg(0.0, hardest,
-                          fmt::format("stiffness under {:.0f} N, N/mm", data.stiffness_force_n));
+                          data.language("stiffness under {:.0f} N, N/mm", data.stiffness_force_n));
 }
 
 }  // namespace tuina::telemetry::figures

@@ -30,7 +30,7 @@ std::vector<Distance> distances_of(const ReportData& data) {
       {"arm to arm", &ArmDistance::apart_m, palette::press}};
   std::vector<Distance> known;
   for (const auto& [name, member, colour] : wanted) {
-    Distance distance{.series = {.name = name, .colour = colour}};
+    Distance distance{.series = {.name = data.language(name), .colour = colour}};
     for (const ArmDistance& row : data.distances) {
       if (!std::isfinite(row.*member)) continue;
       distance.series.x.push_back(row.time_s);
@@ -43,6 +43,7 @@ std::vector<Distance> distances_of(const ReportData& data) {
 }
 
 void add_distances(Part& part, const ReportData& data) {
+  const Language& say = data.language;
   const std::vector<Distance> distances = distances_of(data);
   if (distances.empty()) return;
   const double stop_mm = to_mm(data.stopping_distance_m);
@@ -54,34 +55,35 @@ void add_distances(Part& part, const ReportData& data) {
   }
   std::reverse(least.begin(), least.end());
   const double end_s = std::max(data.duration_s, data.distances.back().time_s);
-  Plot plot{.title = "How far the arms kept from each other and from what is around them",
-            .x_label = "time, s",
-            .y_label = "distance, mm",
+  Plot plot{.title = say("How far the arms kept from each other and from what is around them"),
+            .x_label = say("time, s"),
+            .y_label = say("distance, mm"),
             .x_low = 0.0,
             .x_high = end_s,
             .y_low = 0.0,
             .y_high = 1.05 * max_mm,
             .width_px = 1040,
             .height_px = 220};
-  plot.series.push_back({.name = "arms stop",
+  plot.series.push_back({.name = say("arms stop"),
                          .x = {0.0, end_s},
                          .y = {stop_mm, stop_mm},
                          .colour = palette::stop,
                          .dashed = true});
   for (const Distance& distance : distances) plot.series.push_back(distance.series);
-  part.heading("How far they stayed apart")
+  part.heading(say("How far they stayed apart"))
       .figure(to_svg(plot))
-      .text(fmt::format("At the least: {}.", fmt::join(least, ", ")))
-      .note(
+      .text(say("At the least: {}.", fmt::format("{}", fmt::join(least, say(", ")))))
+      .note(say(
           "Between surfaces. Nearer to each other, to the couch or to the robot's body than the "
           "dashed line both arms stop. An arm's last link, with the tool, is meant to touch the "
           "person and is left out there; the upper arm hangs on the body and is left out beside "
-          "it.");
+          "it."));
 }
 
 }  // namespace
 
 std::vector<KeyEntry> technique_key(const ReportData& data, bool moving) {
+  const Language& say = data.language;
   std::vector<KeyEntry> key;
   for (const Technique technique : all_techniques) {
     const bool used =
@@ -89,30 +91,31 @@ std::vector<KeyEntry> technique_key(const ReportData& data, bool moving) {
                     [&](const PerformedPath& p) { return p.path.technique == technique; });
     if (!used) continue;
     key.push_back(
-        {colour_of(technique), figures::capital(row_of(technique).doing), slides(technique)});
+        {colour_of(technique), figures::capital(say(row_of(technique).doing)), slides(technique)});
   }
   if (moving) {
-    key.push_back({mix(palette::paper, palette::grey, 0.7), "Moving through the air", true});
-    key.push_back({Colour{233, 235, 238}, "Waiting"});
+    key.push_back({mix(palette::paper, palette::grey, 0.7), say("Moving through the air"), true});
+    key.push_back({Colour{233, 235, 238}, say("Waiting")});
   }
   return key;
 }
 
 void add_conduct(Page& page, const ReportData& data) {
+  const Language& say = data.language;
   Part& part = page.section(
-      "How it went",
-      "The session in the order of time: what is being done, faintly what has been done, and the "
-      "two arms that do it, drawn thinner than they are so that they hide less.");
+      say("How it went"),
+      say("The session in the order of time: what is being done, faintly what has been done, and "
+          "the two arms that do it, drawn thinner than they are so that they hide less."));
   const std::size_t moments = moments_of(data).size();
   const std::string strip = session_strip(data);
   part.html(strip);
-  if (strip.empty()) part.note("There is nothing to picture.");
+  if (strip.empty()) part.note(say("There is nothing to picture."));
   if (!strip.empty() && moments > max_pictures)
-    part.note(fmt::format("{} of {} moments, evenly picked.", max_pictures, moments));
-  part.heading("What each arm did when");
+    part.note(say("{} of {} moments, evenly picked.", max_pictures, moments));
+  part.heading(say("What each arm did when"));
   const std::string timeline = figures::timeline(data);
   if (timeline.empty()) {
-    part.note("No path was carried out.");
+    part.note(say("No path was carried out."));
   } else {
     part.figure(timeline).key(technique_key(data, true));
   }
@@ -126,51 +129,58 @@ std::string given_in_words(const ReportData& data) {
     otherwise += !performed.why.empty();
   }
   if (ordered == 0) return "";
-  if (otherwise == 0) return "Every place was given the force that the plan orders. ";
-  return fmt::format("{} of {} paths were given another force than was ordered, see below. ",
-                     otherwise, ordered);
+  const Language& say = data.language;
+  if (otherwise == 0) return say("Every place was given the force that the plan orders. ");
+  return say("{} of {} paths were given another force than was ordered, see below. ", otherwise,
+             ordered);
 }
 
 void add_given(Page& page, const ReportData& data) {
-  Table table{.columns = {{.head = "path"},
-                          {.head = "programme, N", .digits = 1},
-                          {.head = "ordered, N", .digits = 1},
-                          {.head = "given, N", .digits = 1, .truth = data.simulated},
-                          {.head = "why"}}};
+  const Language& say = data.language;
+  Table table{.columns = {{.head = say("path")},
+                          {.head = say("programme, N"), .digits = 1},
+                          {.head = say("ordered, N"), .digits = 1},
+                          {.head = say("given, N"), .digits = 1, .truth = data.simulated},
+                          {.head = say("why")}}};
   for (const PerformedPath& performed : data.paths) {
-    std::string why = performed.why;
-    if (!performed.lowered_by.empty())
-      why = fmt::format("lowered for {}{}{}", performed.lowered_by, why.empty() ? "" : "; ", why);
+    std::string why = say(performed.why);
+    if (!performed.lowered_by.empty()) {
+      const std::string lowered = say("lowered for {}", say(performed.lowered_by));
+      why = why.empty() ? lowered : lowered + say("; ") + why;
+    }
     if (why.empty()) continue;
-    table.add(
-        {performed.path.name, performed.programme_n, performed.ordered_n, performed.given_n, why});
+    table.add({say(performed.path.name), performed.programme_n, performed.ordered_n,
+               performed.given_n, why});
   }
   if (table.rows.empty()) return;
-  page.section("Given otherwise than asked for",
-               "Where the plan orders less than the programme asks for, or the given force is "
-               "more than 5 % off the ordered one. A press or a tap counts by its largest force, "
-               "what slides by its mean.")
+  page.section(
+          say("Given otherwise than asked for"),
+          say("Where the plan orders less than the programme asks for, or the given force is "
+              "more than 5 % off the ordered one. A press or a tap counts by its largest force, "
+              "what slides by its mean."))
       .table(table);
 }
 
 void add_decisions(Page& page, const ReportData& data) {
   if (data.decisions.empty()) return;
-  Table table{.columns = {{.head = "time, s", .digits = 1},
-                          {.head = "arm"},
-                          {.head = "path"},
-                          {.head = "rule"},
-                          {.head = "reason"},
-                          {.head = "planned, N", .digits = 1},
-                          {.head = "decided, N", .digits = 1}}};
+  const Language& say = data.language;
+  Table table{.columns = {{.head = say("time, s"), .digits = 1},
+                          {.head = say(Sentence{.words = "arm", .key = "which_arm"})},
+                          {.head = say("path")},
+                          {.head = say("rule")},
+                          {.head = say("reason")},
+                          {.head = say("planned, N"), .digits = 1},
+                          {.head = say("decided, N"), .digits = 1}}};
   for (const SteeringDecision& made : data.decisions) {
-    table.add({made.time_s, name_of(made.arm), made.path, made.rule, made.reason,
+    table.add({made.time_s, say(name_of(made.arm)), say(made.path), made.rule,
+               say(Sentence{.words = made.reason, .key = made.key}),
                made.from_n > 0.0 ? Cell(made.from_n) : Cell(), made.to_n});
   }
   page.section(
-          "What the tissue decided",
-          "While it presses, the robot feels how hard and how thick the tissue is, and does "
-          "less where less is right. Every change, with its reason; the rules are those of the "
-          "manual.")
+          say("What the tissue decided"),
+          say("While it presses, the robot feels how hard and how thick the tissue is, and does "
+              "less where less is right. Every change, with its reason; the rules are those of the "
+              "manual."))
       .table(table);
 }
 

@@ -34,10 +34,10 @@ namespace tuina::telemetry::figures {
 /// "Pressing" of "pressing".
 [[nodiscard]] std::string capital(std::string text);
 
-/// "BL47 left", with its Chinese name where it is known: "Hunmen".
-[[nodiscard]] std::string spoken(const std::string& acupoint);
+/// "BL47 left".
+[[nodiscard]] std::string spoken(const std::string& acupoint, const Language& say = {});
 /// "SI11 left to BL50 left", or of a named line "bladder inner left".
-[[nodiscard]] std::string place_of(const ContactPath& path);
+[[nodiscard]] std::string place_of(const ContactPath& path, const Language& say = {});
 /// The acupoint's Chinese name in Latin letters.
 [[nodiscard]] std::string chinese_name(const std::string& acupoint);
 

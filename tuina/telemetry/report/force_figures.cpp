@@ -50,7 +50,7 @@ std::vector<Contact> contacts_of(const ReportData& data, Technique technique) {
       }
       if (path == nullptr && here != nullptr) {
         path = here;
-        contacts.back().name = place_of(here->path);
+        contacts.back().name = place_of(here->path, data.language);
       }
       contacts.back().rows.push_back(&row);
       last = &row;
@@ -63,15 +63,16 @@ std::vector<Contact> contacts_of(const ReportData& data, Technique technique) {
 
 /// Target, true and measured force of contacts set one behind the other.
 Plot force_plot(const ReportData& data, const std::vector<Contact>& contacts, Technique technique) {
-  Plot plot{.title = fmt::format("Force while {}", row_of(technique).doing),
-            .x_label = "time in contact, s",
-            .y_label = "force, N"};
+  const Language& say = data.language;
+  Plot plot{.title = say("Force while {}", row_of(technique).doing),
+            .x_label = say("time in contact, s"),
+            .y_label = say("force, N")};
   Series measured{
-      .name = "measured", .colour = mix(palette::paper, palette::grey, 0.55), .width_px = 1.0};
-  Series truth{.name = data.simulated ? "true (simulation)" : "",
+      .name = say("measured"), .colour = mix(palette::paper, palette::grey, 0.55), .width_px = 1.0};
+  Series truth{.name = data.simulated ? say("true (simulation)") : "",
                .colour = colour_of(technique),
                .width_px = 1.5};
-  Series target{.name = "target", .colour = palette::ink, .width_px = 1.2, .dashed = true};
+  Series target{.name = say("target"), .colour = palette::ink, .width_px = 1.2, .dashed = true};
   double begin_s = 0.0;
   for (const Contact& contact : contacts) {
     if (contacts.size() > 1) plot.marks.push_back({.x = begin_s, .text = contact.name});
@@ -115,7 +116,7 @@ std::vector<Span> travels_of(const ReportData& data, Arm arm) {
     } else if (moves) {
       spans.push_back({.begin_s = last->time_s,
                        .end_s = row.time_s,
-                       .text = "moves through the air",
+                       .text = data.language("moves through the air"),
                        .colour = mix(palette::paper, palette::grey, 0.7),
                        .thin = true});
     }
@@ -140,8 +141,8 @@ std::string first_press_force(const ReportData& data) {
   if (contacts.empty()) return "";
   contacts.resize(1);
   Plot plot = force_plot(data, contacts, Technique::press);
-  plot.title = "The first press, close up: force";
-  plot.x_label = "time since contact was sought, s";
+  plot.title = data.language("The first press, close up: force");
+  plot.x_label = data.language("time since contact was sought, s");
   plot.width_px = 510;
   plot.height_px = 260;
   return to_svg(plot);
@@ -150,9 +151,9 @@ std::string first_press_force(const ReportData& data) {
 std::string first_press_depth(const ReportData& data) {
   auto contacts = contacts_of(data, Technique::press);
   if (contacts.empty()) return "";
-  Plot plot{.title = "The first press, close up: depth",
-            .x_label = "time since contact was sought, s",
-            .y_label = "depth below the skin, mm"};
+  Plot plot{.title = data.language("The first press, close up: depth"),
+            .x_label = data.language("time since contact was sought, s"),
+            .y_label = data.language("depth below the skin, mm")};
   Series depth{.name = "", .colour = colour_of(Technique::press)};
   for (const TraceRow* row : contacts.front().rows) {
     depth.x.push_back(row->time_s - contacts.front().begin_s);
@@ -165,13 +166,17 @@ std::string first_press_depth(const ReportData& data) {
 }
 
 std::string timeline(const ReportData& data) {
-  Timeline timeline{.title = "What each arm did when", .end_s = data.duration_s, .width_px = 1040};
+  const Language& say = data.language;
+  Timeline timeline{.title = say("What each arm did when"),
+                    .x_label = say("time, s"),
+                    .end_s = data.duration_s,
+                    .width_px = 1040};
   for (const Arm arm : both_arms) {
-    TimelineRow row{.name = fmt::format("{} arm", name_of(arm)), .spans = travels_of(data, arm)};
+    TimelineRow row{.name = say("{} arm", name_of(arm)), .spans = travels_of(data, arm)};
     for (const PerformedPath& performed : data.paths) {
       if (performed.arm != arm) continue;
       const double end_s = performed.ended_s();
-      std::string text = performed.path.acupoints.empty() ? place_of(performed.path)
+      std::string text = performed.path.acupoints.empty() ? place_of(performed.path, say)
                                                           : performed.path.acupoints.front();
       std::replace(text.begin(), text.end(), '_', ' ');
       row.spans.push_back({.begin_s = performed.begin_s,
@@ -183,7 +188,7 @@ std::string timeline(const ReportData& data) {
     timeline.rows.push_back(std::move(row));
   }
   for (const Stop& stop : data.stops) {
-    timeline.marks.push_back({.x = stop.time_s, .text = "stop", .colour = palette::stop});
+    timeline.marks.push_back({.x = stop.time_s, .text = say("stop"), .colour = palette::stop});
   }
   return data.paths.empty() ? "" : to_svg(timeline);
 }

@@ -11,6 +11,7 @@
 #include "tuina/core/acupoint.hpp"
 #include "tuina/core/arm.hpp"
 #include "tuina/core/contact.hpp"
+#include "tuina/core/language.hpp"
 #include "tuina/core/sentence.hpp"
 #include "tuina/core/surface.hpp"
 #include "tuina/telemetry/page.hpp"
@@ -32,10 +33,10 @@ struct PerformedPath {
   std::optional<double> end_s = {};  ///< time at which the arm had left it; none: not known
   std::string contact_fault = {};  ///< reason why it was not carried out as planned; empty: it was
   double programme_n = 0.0;        ///< largest force that the programme asks for
-  std::string lowered_by = {};     ///< what bears less than that; empty: nothing
+  Sentence lowered_by = {};        ///< what bears less than that; empty: nothing
   double ordered_n = 0.0;          ///< largest force of the plan
   double given_n = 0.0;            ///< largest of a press or a tap, mean of what slides
-  std::string why = {};            ///< reason why that is not what was ordered; empty: it is
+  Sentence why = {};               ///< reason why that is not what was ordered; empty: it is
 
   [[nodiscard]] double ended_s() const { return end_s.value_or(begin_s + path.duration_s()); }
 };
@@ -163,10 +164,11 @@ struct ReportData {
   double stopping_distance_m = 0.0;  ///< arms nearer than this stop
   std::vector<ArmsPose> poses = {};  ///< ordered by time; a picture takes the nearest
   std::vector<Stop> stops = {};
-  std::vector<std::string> plan_notes = {};  ///< what was lowered, bent or left out, and why
-  std::vector<KeyNumber> numbers = {};       ///< besides those that the page counts itself
-  std::string config_toml = {};              ///< the whole effective configuration
+  std::vector<Sentence> plan_notes = {};  ///< what was lowered, bent or left out, and why
+  std::vector<KeyNumber> numbers = {};    ///< besides those that the page counts itself
+  std::string config_toml = {};           ///< the whole effective configuration
   std::string version = {};
+  Language language = {};  ///< in which the report is said
 };
 
 }  // namespace tuina::telemetry
