@@ -82,7 +82,7 @@ TEST_CASE("a report in Chinese has no English words, and every number of the Eng
   CHECK(holds(page, "<html lang=\"zh-Hant\">"));
   const std::string chinese = read(page);
   std::multiset<std::string> words = runs(chinese, std::isalpha, 3);
-  words.erase("tuina");
+  for (const char* kept : {"tuina", "min", "tan"}) words.erase(kept);
   const std::string left(words.empty() ? "" : *words.begin());
   CHECK_MESSAGE(words.empty(), left);
   CHECK(runs(chinese, std::isdigit, 1) == runs(english, std::isdigit, 1));
