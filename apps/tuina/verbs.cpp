@@ -12,7 +12,9 @@ std::string summary_of_group(std::string_view group) {
     return "motions that a hand shows to an arm: record, play, look at them, carry them to others";
   if (group == "history") return "people over time: show, notes, export, forget, rebuild";
   if (group == "tissue") return "what a record of presses says about the tissue";
-  if (group == "export") return "for other programs: a record as CSV, the robot as URDF or MJCF";
+  if (group == "export")
+    return "for other programs: a record as CSV, the robot as URDF or MJCF; the scanner's mount to "
+           "print";
   if (group == "robot")
     return "robots: show a table, make one from a URDF file, simulate one as a process, near or "
            "over UDP";
@@ -55,6 +57,7 @@ std::vector<std::unique_ptr<Verb>> make_verbs() {
   verbs.push_back(make_export_csv());
   verbs.push_back(make_export_urdf());
   verbs.push_back(make_export_mjcf());
+  verbs.push_back(make_export_mount());
   verbs.push_back(make_robot_show());
   verbs.push_back(make_robot_import());
   verbs.push_back(make_robot_simulate());

@@ -29,6 +29,7 @@ std::unique_ptr<Verb> make_doctor();
 std::unique_ptr<Verb> make_export_csv();
 std::unique_ptr<Verb> make_export_urdf();
 std::unique_ptr<Verb> make_export_mjcf();
+std::unique_ptr<Verb> make_export_mount();
 std::unique_ptr<Verb> make_robot_import();
 std::unique_ptr<Verb> make_robot_show();
 std::unique_ptr<Verb> make_robot_simulate();

@@ -72,7 +72,7 @@ class CameraStage {
       if (sent < 0 && errno == EAGAIN) {
         pushes_ = false;
         pollfd wanted = {.fd = number, .events = POLLOUT, .revents = 0};
-        if (::poll(&wanted, 1, 2000) <= 0) return false;
+        if (::poll(&wanted, 1, 20'000) <= 0) return false;  // a busy machine
         continue;
       }
       if (sent <= 0) break;

@@ -1,138 +1,111 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <fcntl.h>
-#include <sys/mman.h>
-
 #include <atomic>
 #include <chrono>
-#include <cmath>
-#include <filesystem>
+#include <deque>
 #include <fstream>
 #include <functional>
-#include <map>
-#include <new>
-#include <optional>
-#include <stdexcept>
 #include <string>
 #include <thread>
-#include <vector>
 
 #include "tests/devices/camera_stage.hpp"
-#include "tests/hardware/scripted_board.hpp"
+#include "tests/devices/firmware_board.hpp"
+#include "tests/devices/stage_clock.hpp"
+#include "tuina/core/image.hpp"
 #include "tuina/hardware/camera_pixels.hpp"
-#include "tuina/scanner/calibration.hpp"
 
 namespace tuina::tests {
 
-/// The clock of a stage, which a host under fake_v4l2.cpp goes by, too.
-class StageClock {
- public:
-  explicit StageClock(const std::string& path) {
-    const int file = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
-    if (file < 0 || ::ftruncate(file, bytes) != 0) throw std::runtime_error("cannot write " + path);
-    void* page = ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
-    ::close(file);
-    if (page == MAP_FAILED) throw std::runtime_error("cannot map " + path);
-    time_ns_ = new (page) std::atomic<std::int64_t>(1'000'000'000'000);
-  }
-  StageClock(const StageClock&) = delete;
-  StageClock& operator=(const StageClock&) = delete;
-  ~StageClock() { ::munmap(time_ns_, bytes); }
-  [[nodiscard]] double now_s() const { return 1e-9 * static_cast<double>(time_ns_->load()); }
-  void pass(std::int64_t by_ns) { *time_ns_ += by_ns; }
-
- private:
-  static constexpr std::size_t bytes = 4096;
-  std::atomic<std::int64_t>* time_ns_;
-};
-
-/// A scanner before which somebody shows what a script says: camera and board of the devices' own
-/// kinds in a folder, and the time, which waits for a host that computes. What the host has told
-/// its user stands in FOLDER/err, and who it is in FOLDER/host.
+/// A scanner before which somebody shows what a script says: in a folder a camera, the board with
+/// its firmware and its motor, their device file, and the time. Pictures come late, as from a real
+/// camera.
 class CaptureStage {
  public:
   /// The picture of the scanner's camera at that yaw, at that time, with the laser lit or dark.
   using Picture = std::function<Image(double yaw_rad, double time_s, bool lit)>;
 
-  CaptureStage(std::string folder, Picture picture)
-      : folder_(std::move(folder)),
-        picture_(std::move(picture)),
-        clock_(folder_ + "/clock"),
-        board_({.clock = [this] { return clock_.now_s(); }}),
-        camera_(folder_ + "/camera", hello()) {
-    std::ofstream(folder_ + "/device.toml") << "[camera]\nkind = \"v4l2\"\naddress = \"" << folder_
-                                            << "/camera\"\nturned_deg = 90\nframes_per_s = "
-                                               "15\n[turntable]\nkind = \"board\"\naddress = \""
-                                            << board_.device().address << "\"\n";
+  /// A picture is there, and stamped, `latency_s` after its exposure.
+  CaptureStage(const std::string& folder, const std::string& firmware, double latency_s,
+               Picture picture)
+      : picture_(std::move(picture)),
+        latency_s_(latency_s),
+        clock_(folder),
+        board_(firmware),
+        camera_(folder + "/camera", hello()) {
+    std::ofstream(folder + "/device.toml")
+        << "[camera]\nkind = \"v4l2\"\naddress = \"" << folder
+        << "/camera\"\nturned_deg = 90\nframes_per_s = 15\n"
+        << "[turntable]\nkind = \"board\"\naddress = \"" << board_.address() << "\"\n";
     thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
   }
-  /// After the host has ended.
-  [[nodiscard]] bool lit() const { return board_.lit(); }
+  [[nodiscard]] bool lit() const { return lit_; }
   /// While the unit stood, at once.
   [[nodiscard]] double max_lit_s() const { return max_lit_s_; }
+  [[nodiscard]] double now_s() const { return clock_.now_s() - StageClock::begins_s; }
+  [[nodiscard]] bool crashed() const { return crashed_; }
 
  private:
+  struct Taken {
+    double due_s = 0.0;
+    CameraStage::Bytes bytes;
+  };
+
   static v4l2::Hello hello() {
     v4l2::Hello hello;
     hello.mode_count = 1;
     hello.modes[0] = {.code = V4L2_PIX_FMT_YUYV, .width = 640, .height = 480, .frames_per_s = 15};
     return hello;
   }
-  /// Whether a thread of the host runs or could.
-  bool host_computes() {
-    if (host_ == 0) std::ifstream(folder_ + "/host") >> host_;
-    std::error_code gone;
-    const std::filesystem::path tasks = "/proc/" + std::to_string(host_) + "/task";
-    if (host_ == 0 || !std::filesystem::exists(tasks, gone)) return false;
-    for (const auto& thread : std::filesystem::directory_iterator(tasks, gone)) {
-      std::string text;
-      std::getline(std::ifstream(thread.path() / "stat"), text);
-      const std::size_t name_end = text.rfind(") ");
-      if (name_end == std::string::npos) continue;
-      const char state = text[name_end + 2];
-      if (state == 'R' || state == 'D') return true;
-    }
-    return false;
-  }
   void run(const std::stop_token& stop) {
-    constexpr std::int64_t slice_ns = 500'000;
-    constexpr double frame_every_s = 1.0 / 15.0;
+    constexpr double slice_s = 0.25e-3, frame_every_s = 1.0 / 15.0;
+    constexpr auto slice = std::chrono::microseconds(250);
     auto next = std::chrono::steady_clock::now();
-    double lit_s = 0.0, shown_s = 0.0;
-    while (!stop.stop_requested()) {
+    double lit_s = 0.0, exposed_s = 0.0;
+    for (double now_s = 0.0; !stop.stop_requested(); now_s += slice_s) {
       // At the pace of the world, but never ahead of a host that computes.
-      next = std::max(next + std::chrono::nanoseconds(slice_ns), std::chrono::steady_clock::now());
+      next = std::max(next + slice, std::chrono::steady_clock::now());
       std::this_thread::sleep_until(next);
-      while (!stop.stop_requested() && (camera_.pushes() || host_computes()))
+      while (!stop.stop_requested() && (camera_.pushes() || clock_.host_computes()))
         std::this_thread::sleep_for(std::chrono::microseconds(50));
-      clock_.pass(slice_ns);
-      const bool stands = board_.servo().speed_counts_per_s(clock_.now_s()) == 0.0;
-      lit_s = board_.lit() && stands ? lit_s + 1e-9 * slice_ns : 0.0;
+      board_.run_to(now_s);
+      lit_ = board_.lit();
+      crashed_ = board_.crashed();
+      const bool stands = board_.servo().speed_counts_per_s(now_s) == 0.0;
+      lit_s = lit_ && stands ? lit_s + slice_s : 0.0;
       max_lit_s_ = std::max<double>(max_lit_s_, lit_s);
-      if (!camera_.taken() || clock_.now_s() < shown_s + frame_every_s) continue;
-      shown_s = clock_.now_s();
-      show(shown_s);
+      if (camera_.taken() && now_s >= exposed_s + frame_every_s) {
+        exposed_s = now_s;
+        taken_.push_back({now_s + latency_s_, picture_at(now_s)});
+      }
+      if (!taken_.empty() && taken_.front().due_s <= now_s) send(now_s);
+      clock_.set(StageClock::begins_s + now_s);
     }
   }
-  void show(double time_s) {
-    const double counts = board_.servo().at(time_s) - 512.0;
-    const Image seen = picture_(counts * scanner::yaw_count_rad, time_s, board_.lit());
+  CameraStage::Bytes picture_at(double now_s) {
+    const double counts = board_.servo().at(now_s) - 512.0;
+    const Image seen = picture_(counts * scanner::yaw_count_rad, now_s, lit_);
     const Image sensor = hardware::turned(seen, 270);  // the camera lies on its side
     CameraStage::Bytes bytes(2 * sensor.data.size(), 128);
     for (std::size_t k = 0; k < sensor.data.size(); ++k) bytes[2 * k] = sensor.data[k];
-    camera_.send({.bytes = static_cast<std::uint32_t>(bytes.size()),
+    return bytes;
+  }
+  void send(double now_s) {
+    const Taken taken = std::move(taken_.front());
+    taken_.pop_front();
+    camera_.send({.bytes = static_cast<std::uint32_t>(taken.bytes.size()),
                   .flags = V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC,
-                  .stamp_us = static_cast<std::int64_t>(1e6 * time_s)},
-                 bytes);
+                  .stamp_us = static_cast<std::int64_t>(1e6 * (StageClock::begins_s + now_s))},
+                 taken.bytes);
   }
 
-  std::string folder_;
   Picture picture_;
+  double latency_s_;
   StageClock clock_;
-  ScriptedBoard board_;
+  FirmwareBoard board_;
   CameraStage camera_;
-  long host_ = 0;
+  std::deque<Taken> taken_;
+  std::atomic<bool> lit_ = false, crashed_ = false;
   std::atomic<double> max_lit_s_ = 0.0;
   std::jthread thread_;
 };

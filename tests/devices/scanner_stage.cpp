@@ -8,25 +8,20 @@
 // Faults, once that frame has been shown: camera_silent, camera_unplugged, camera_repeats,
 // camera_late, board_unplugged, motor_blocked, motor_silent, motor_skips, and host_killed: the
 // process of FOLDER/host.
-#include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
-#include <stdlib.h>
-#include <sys/mman.h>
 #include <unistd.h>
 
-#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
-#include <new>
 #include <thread>
 
 #include "tests/devices/camera_stage.hpp"
-#include "tests/devices/mega.hpp"
-#include "tests/hardware/servo_emulator.hpp"
+#include "tests/devices/firmware_board.hpp"
+#include "tests/devices/stage_clock.hpp"
 #include "tuina/core/random.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/hardware/camera_pixels.hpp"
@@ -38,11 +33,7 @@ using namespace tuina::tests;
 namespace {
 
 constexpr double frame_every_s = 1.0 / 30.0;
-// The gear of the simulated scanner turns as unevenly.
-constexpr double ripple_rad = 0.02_deg, ripple_period_rad = 7.0_deg;
 constexpr double sweep_rad_per_s = 9.0 * 0.666_deg;
-constexpr double byte_of_motor_s = 10e-6;
-constexpr double host_from_stage_s = 1000.0;
 
 /// The pictures of a sweep as the sensor gives them, on its side, in YUYV.
 std::vector<CameraStage::Bytes> pictures_of(const std::string& sweep) {
@@ -69,22 +60,17 @@ class Stage {
         folder_(std::move(folder)),
         fault_(std::move(fault)),
         fault_frame_(fault_frame),
-        mega_(elf),
+        clock_(folder_),
+        board_(elf),
         camera_(folder_ + "/camera", hello()) {
-    open_clock();
-    open_line();
-    servo_.ripple_counts = ripple_rad / scanner::yaw_count_rad;
-    servo_.ripple_period_counts = ripple_period_rad / scanner::yaw_count_rad;
-    mega_.on_byte = [this](int line, std::uint8_t byte) {
-      if (line == 0 && master_ >= 0) (void)!::write(master_, &byte, 1);
-      if (line == 1) hear_motor_line(byte);
-    };
+    const std::string line = folder_ + "/board";
+    ::unlink(line.c_str());
+    (void)!::symlink(board_.address().c_str(), line.c_str());
     dark_ = CameraStage::Bytes(pictures_.front().size(), 128);
     Random random = make_random(5, "dark frames");
     for (std::size_t k = 0; k < dark_.size(); k += 2)
       dark_[k] = static_cast<std::uint8_t>(10.0 + std::abs(gaussian(random, 4.0)));
   }
-  ~Stage() { close_line(); }
   Stage(const Stage&) = delete;
   Stage& operator=(const Stage&) = delete;
 
@@ -96,14 +82,13 @@ class Stage {
       // At the pace of the world, but never ahead of a host that computes.
       next = std::max(next + std::chrono::microseconds(250), std::chrono::steady_clock::now());
       std::this_thread::sleep_until(next);
-      while (camera_.pushes() || host_computes())
+      while (camera_.pushes() || clock_.host_computes())
         std::this_thread::sleep_for(std::chrono::microseconds(50));
-      listen_to_host();
-      mega_.run_to(now_s);
+      board_.run_to(now_s);
       show(now_s);
       watch_laser();
-      *clock_ = static_cast<std::int64_t>(1e9 * (host_from_stage_s + now_s));
-      if (mega_.crashed()) throw std::runtime_error("the board's program has ended");
+      clock_.set(StageClock::begins_s + now_s);
+      if (board_.crashed()) throw std::runtime_error("the board's program has ended");
       pollfd input = {.fd = STDIN_FILENO, .events = POLLIN, .revents = 0};
       char byte = 0;
       if (::poll(&input, 1, 0) > 0 && ::read(STDIN_FILENO, &byte, 1) <= 0) break;
@@ -111,84 +96,27 @@ class Stage {
     std::ofstream(folder_ + "/stage.json")
         << "{\"frames_shown\": " << shown_ << ", \"lit_s\": " << lit_for_s_
         << ", \"lit_after_fault_ms\": " << 1e3 * lit_after_fault_s_
-        << ", \"is_lit\": " << (mega_.laser_lit() ? "true" : "false") << "}\n";
+        << ", \"is_lit\": " << (board_.lit() ? "true" : "false") << "}\n";
   }
 
  private:
-  /// Whether a thread of the host, whose number is in FOLDER/host, runs or could.
-  bool host_computes() {
-    if (host_ == 0) std::ifstream(folder_ + "/host") >> host_;
-    if (host_ == 0) return false;
-    std::error_code gone;
-    for (const auto& thread :
-         std::filesystem::directory_iterator("/proc/" + std::to_string(host_) + "/task", gone)) {
-      std::string text;
-      std::getline(std::ifstream(thread.path() / "stat"), text);
-      const std::size_t name_end = text.rfind(") ");
-      if (name_end == std::string::npos) continue;
-      const char state = text[name_end + 2];
-      if (state == 'R' || state == 'D') return true;
-    }
-    return false;
-  }
-  void open_clock() {
-    const std::string path = folder_ + "/clock";
-    const int file = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
-    if (file < 0 || ::ftruncate(file, 4096) != 0) throw std::runtime_error("cannot write " + path);
-    void* page = ::mmap(nullptr, 4096, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
-    ::close(file);
-    if (page == MAP_FAILED) throw std::runtime_error("cannot map " + path);
-    clock_ =
-        new (page) std::atomic<std::int64_t>(static_cast<std::int64_t>(1e9 * host_from_stage_s));
-  }
   v4l2::Hello hello() const {
     v4l2::Hello hello;
     hello.mode_count = 1;
     hello.modes[0] = {.code = V4L2_PIX_FMT_YUYV, .width = 640, .height = 480};
     return hello;
   }
-  void open_line() {
-    master_ = ::posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK);
-    ::grantpt(master_);
-    ::unlockpt(master_);
-    const std::string line = ::ptsname(master_);
-    keep_ = ::open(line.c_str(), O_RDWR | O_NOCTTY);
-    ::unlink((folder_ + "/board").c_str());
-    (void)!::symlink(line.c_str(), (folder_ + "/board").c_str());
-  }
-  void close_line() {
-    if (keep_ >= 0) ::close(keep_);
-    if (master_ >= 0) ::close(master_);
-    keep_ = master_ = -1;
-  }
-  void listen_to_host() {
-    std::uint8_t bytes[64];
-    if (master_ < 0) return;
-    const ssize_t size = ::read(master_, bytes, sizeof bytes);
-    for (ssize_t i = 0; i < size; ++i) mega_.send(0, bytes[i], mega_.time_s());
-  }
-  // One wire: what the board sends comes back to it, and reaches the motor.
-  void hear_motor_line(std::uint8_t byte) {
-    mega_.send(1, byte, mega_.time_s());
-    motor_line_.add({&byte, 1});
-    while (const auto packet = motor_line_.next()) {
-      if (motor_silent_) continue;
-      double due_s = mega_.time_s() + ServoEmulator::answer_after_s;
-      for (const std::uint8_t one : servo_.answer(*packet, mega_.time_s()))
-        mega_.send(1, one, due_s += byte_of_motor_s);
-    }
-  }
   void watch_laser() {
-    const double now_s = mega_.time_s();
-    if (mega_.laser_lit()) lit_for_s_ += now_s - looked_s_;
-    if (mega_.laser_lit() && fault_s_ >= 0.0) lit_after_fault_s_ = now_s - fault_s_;
+    const double now_s = board_.time_s();
+    if (board_.lit()) lit_for_s_ += now_s - looked_s_;
+    if (board_.lit() && fault_s_ >= 0.0) lit_after_fault_s_ = now_s - fault_s_;
     looked_s_ = now_s;
   }
   /// Exposes each picture of the sweep when the motor is where it was taken, else the dark.
   void show(double now_s) {
-    const double even_counts = servo_.at(now_s) - 512.0;
+    const double even_counts = board_.servo().at(now_s) - 512.0;
     const double yaw_rad = even_counts * scanner::yaw_count_rad;
-    const double rad_per_s = servo_.speed_counts_per_s(now_s) * scanner::yaw_count_rad;
+    const double rad_per_s = board_.servo().speed_counts_per_s(now_s) * scanner::yaw_count_rad;
     const double per_frame_rad = sweep_rad_per_s * frame_every_s;
     if (rad_per_s <= 0.0) next_ = 0;
     const bool sweeps = std::abs(rad_per_s - sweep_rad_per_s) < 1e-6;
@@ -200,7 +128,7 @@ class Stage {
     const double at_rad = sweep_from_rad_ + static_cast<double>(next_) * per_frame_rad;
     if (sweeps && next_ < pictures_.size() && yaw_rad >= at_rad) {
       const double exposed_s = now_s - (yaw_rad - at_rad) / rad_per_s;
-      expose(exposed_s, mega_.laser_lit() ? pictures_[next_] : dark_);
+      expose(exposed_s, board_.lit() ? pictures_[next_] : dark_);
       ++next_;
     } else if (now_s - last_exposed_s_ > 1.2 * frame_every_s) {
       expose(now_s, dark_);
@@ -219,19 +147,19 @@ class Stage {
     if (!lit) dark_[2 * (static_cast<std::size_t>(1e3 * exposed_s) % 1000)] ^= 1;
     camera_.send({.bytes = static_cast<std::uint32_t>(before_->size()),
                   .flags = V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC,
-                  .stamp_us = static_cast<std::int64_t>(1e6 * (host_from_stage_s + exposed_s))},
+                  .stamp_us = static_cast<std::int64_t>(1e6 * (StageClock::begins_s + exposed_s))},
                  *before_);
   }
   void begin_fault() {
-    fault_s_ = mega_.time_s();
+    fault_s_ = board_.time_s();
     if (fault_ == "camera_unplugged") camera_.unplug();
-    if (fault_ == "board_unplugged") close_line();
-    if (fault_ == "motor_blocked") servo_.block(fault_s_);
-    if (fault_ == "motor_silent") motor_silent_ = true;
+    if (fault_ == "board_unplugged") board_.unplug();
+    if (fault_ == "motor_blocked") board_.servo().block(fault_s_);
+    if (fault_ == "motor_silent") board_.motor_silent = true;
     if (fault_ == "host_killed") {
-      if (host_ > 1) ::kill(static_cast<pid_t>(host_), SIGKILL);
+      if (clock_.host() > 1) ::kill(static_cast<pid_t>(clock_.host()), SIGKILL);
     }
-    if (fault_ == "motor_skips") servo_.skip_counts = 2.0_deg / scanner::yaw_count_rad;
+    if (fault_ == "motor_skips") board_.servo().skip_counts = 2.0_deg / scanner::yaw_count_rad;
   }
 
   std::vector<CameraStage::Bytes> pictures_;
@@ -239,14 +167,9 @@ class Stage {
   CameraStage::Bytes dark_;
   std::string folder_, fault_;
   int fault_frame_;
-  Mega mega_;
-  ServoEmulator servo_;
-  hardware::dynamixel::Reader motor_line_;
+  StageClock clock_;
+  FirmwareBoard board_;
   CameraStage camera_;
-  int master_ = -1, keep_ = -1;
-  bool motor_silent_ = false;
-  std::atomic<std::int64_t>* clock_ = nullptr;
-  long host_ = 0;
   double last_exposed_s_ = -1.0, looked_s_ = 0.0, lit_for_s_ = 0.0;
   double fault_s_ = -1.0, lit_after_fault_s_ = 0.0;
   std::size_t next_ = 0;

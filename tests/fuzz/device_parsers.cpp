@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "armlink/armlink.h"
 #include "tests/fuzz/parsers.hpp"
 #include "tuina/hardware/armlink.hpp"
 #include "tuina/hardware/camera_pixels.hpp"
@@ -43,13 +44,24 @@ bool accepts_datagram(std::string_view content) {
 }
 
 /// A spoilt datagram fails by its check sum, so the faults are put under a right one.
-bool accepts_mended(std::string_view content) {
-  if (content.size() < armlink::ask_size) return accepts_datagram(content);
+std::string mended(std::string_view content) {
+  if (content.size() < armlink::ask_size) return std::string(content);
   std::string mended(content.substr(0, content.size() - 4));
   const auto crc = static_cast<std::uint32_t>(
       crc32_z(0, reinterpret_cast<const unsigned char*>(mended.data()), mended.size()));
   for (unsigned i = 0; i < 4; ++i) mended.push_back(static_cast<char>(crc >> (8 * i)));
-  return accepts_datagram(mended);
+  return mended;
+}
+
+/// The header in C takes the commands that are taken in C++, and no others.
+bool accepts_in_c(std::string_view content) {
+  const std::string bytes = mended(content);
+  const auto* in = reinterpret_cast<const std::uint8_t*>(bytes.data());
+  armlink_command command = {};
+  const bool read = armlink_kind(in, static_cast<int>(bytes.size())) == ARMLINK_COMMAND &&
+                    armlink_read_command(in, &command) != 0;
+  demand(read == armlink::decode_command(bytes_of(bytes)).has_value(), "C reads what C++ reads");
+  return read;
 }
 
 bool accepts_device_file(std::string_view content) {
@@ -211,7 +223,9 @@ std::vector<std::string> some_datagrams() {
 
 std::vector<Parser> device_parsers() {
   return {
-      {"armlink", some_datagrams(), accepts_mended},
+      {"armlink", some_datagrams(),
+       [](std::string_view content) { return accepts_datagram(mended(content)); }},
+      {"armlink_in_c", {some_datagrams().back()}, accepts_in_c},
       {"dynamixel", some_packets(), accepts_packets},
       {"hex_serial", {some_hex()}, accepts_hex},
       {"rdt", {std::string(36, '\0'), std::string(12, '\0') + std::string(24, '\7')}, accepts_rdt},

@@ -1,72 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 // The reference clients in C and in Python, as programs of their own on loopback.
 #include <doctest/doctest.h>
-#include <signal.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <thread>
 
+#include "tests/hardware/arm_programs.hpp"
 #include "tests/reason.hpp"
 #include "tuina/hardware/armlink_robot.hpp"
 #include "tuina/robot/inverse_kinematics.hpp"
 
-extern char** environ;
-
 using namespace tuina;
 using namespace tuina::hardware;
 using namespace std::chrono_literals;
+using namespace tuina::tests;
 using tuina::test::reason;
 
 namespace {
-
-/// A program that ends with the object.
-class Child {
- public:
-  explicit Child(std::vector<std::string> words) {
-    std::vector<char*> pointers;
-    for (std::string& word : words) pointers.push_back(word.data());
-    pointers.push_back(nullptr);
-    REQUIRE(posix_spawnp(&process_, pointers[0], nullptr, nullptr, pointers.data(), environ) == 0);
-  }
-  Child(const Child&) = delete;
-  Child& operator=(const Child&) = delete;
-  ~Child() {
-    kill(process_, SIGKILL);
-    waitpid(process_, nullptr, 0);
-  }
-
- private:
-  pid_t process_ = 0;
-};
-
-UdpAddress address_of(int port) {
-  return *parse_udp_address("127.0.0.1:" + std::to_string(port));
-}
-
-/// A port that nobody listens at.
-int free_port() {
-  static int next = 40'000 + static_cast<int>(getpid() % 20'000);
-  while (!UdpSocket::listen(address_of(next))) ++next;
-  return next++;
-}
-
-using Program = std::vector<std::string>;
-const Program in_c = {TUINA_ARM_CLIENT};
-const Program in_python = {"python3", "-B", TUINA_SOURCE_DIR "/armlink/arm_client.py"};
-
-Child start(Program program, int port) {
-  program.push_back(std::to_string(port));
-  return Child(std::move(program));
-}
-
-Result<ArmPeer> open_patiently(const UdpAddress& address) {
-  for (int i = 0; i < 40; ++i)
-    if (auto peer = ArmPeer::open(address)) return peer;
-  return ArmPeer::open(address);
-}
 
 /// A host that keeps every state that it hears.
 class RawHost {

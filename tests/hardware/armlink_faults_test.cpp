@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "tests/hardware/scripted_arms.hpp"
+#include "tests/open_files.hpp"
 #include "tests/reason.hpp"
 #include "tuina/hardware/armlink_robot.hpp"
 #include "tuina/hardware/wrist_calibration.hpp"
@@ -199,6 +200,7 @@ std::vector<FaultCase> under_torque() {
 
 void run_all(const std::vector<FaultCase>& cases) {
   const auto begun = Clock::now();
+  const std::size_t open = test::open_files();
   std::vector<std::future<std::string>> all;
   for (const FaultCase& one : cases)
     all.push_back(std::async(std::launch::async, outcome, one.script));
@@ -210,6 +212,7 @@ void run_all(const std::vector<FaultCase>& cases) {
     CHECK_MESSAGE(named, said);
   }
   CHECK(Clock::now() - begun < std::chrono::seconds(60));
+  CHECK(test::open_files() == open);
 }
 
 }  // namespace

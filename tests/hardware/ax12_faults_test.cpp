@@ -6,6 +6,7 @@
 #include <future>
 
 #include "tests/hardware/scripted_board.hpp"
+#include "tests/open_files.hpp"
 #include "tests/reason.hpp"
 #include "tuina/core/units.hpp"
 
@@ -47,7 +48,9 @@ struct FaultCase {
 };
 
 /// All at the same time, since each waits most of its own.
-void check_all(const std::vector<FaultCase>& cases) {
+void check_all(const char* what, const std::vector<FaultCase>& cases) {
+  MESSAGE(cases.size() << " " << std::string(what));
+  const std::size_t open = test::open_files();
   std::vector<std::future<Ended>> all;
   for (const FaultCase& one : cases)
     all.push_back(std::async(std::launch::async, end_of, one.script));
@@ -58,6 +61,7 @@ void check_all(const std::vector<FaultCase>& cases) {
     CHECK(ended.in_time);
     CHECK(ended.dark);
   }
+  CHECK(test::open_files() == open);
 }
 
 /// The parameters of an answer of the board, put back under a right check sum.
@@ -107,12 +111,12 @@ TEST_CASE("a line that is no scanner's is refused when it is opened") {
        "motor 1 says: voltage out of range",
        {.from_poll = -1, .motor = [](ServoEmulator& s, double) { s.error = 1; }}},
   };
-  check_all(cases);
+  check_all("faults of a scanner's board before the start", cases);
 }
 
 TEST_CASE("what goes wrong with the line in a turn ends it with its cause, and the laser dark") {
   const auto held = std::make_shared<Bytes>();
-  check_all({
+  const std::vector<FaultCase> cases = {
       {"unplugged", "plug it in again", {.from_poll = 5, .unplugged = true}},
       {"silence",
        "did not answer within 40 ms",
@@ -169,7 +173,8 @@ TEST_CASE("what goes wrong with the line in a turn ends it with its cause, and t
       {"huge length",
        "did not answer within 40 ms",
        {.from_poll = 5, .packet = [](Bytes& b) { b = {0xFF, 0xFF, 200, 255, 0, 1, 2}; }}},
-  });
+  };
+  check_all("faults of its line in a turn", cases);
 }
 
 TEST_CASE("what goes wrong with motor, laser or clock in a turn ends it in the dark") {
@@ -180,7 +185,7 @@ TEST_CASE("what goes wrong with motor, laser or clock in a turn ends it in the d
     for (unsigned i = 0; i < 4; ++i) told[10 + i] = static_cast<std::uint8_t>(us >> (8 * i));
   };
   const auto from_first = std::make_shared<std::uint32_t>(0);
-  check_all({
+  const std::vector<FaultCase> cases = {
       {"blocked",
        "the motor has stood at",
        {.from_poll = 5,
@@ -240,14 +245,16 @@ TEST_CASE("what goes wrong with motor, laser or clock in a turn ends it in the d
               for (unsigned i = 0; i < 4; ++i)
                 t[10 + i] = static_cast<std::uint8_t>(*from_first >> (8 * i));
             }}},
-  });
+  };
+  check_all("faults of motor, laser or clock in a turn", cases);
 }
 
 TEST_CASE("a single lost or broken answer in a turn changes nothing") {
   const auto once = [](void (*spoil)(Bytes&)) {
     return Script{.from_poll = 7, .once = true, .packet = spoil};
   };
-  check_all({{"lost", "arrived", once([](Bytes& b) { b.clear(); })},
+  check_all("single faults that are borne",
+            {{"lost", "arrived", once([](Bytes& b) { b.clear(); })},
              {"wrong check sum", "arrived", once([](Bytes& b) { b.back() ^= 1; })},
              {"marks before", "arrived", once([](Bytes& b) { b.insert(b.begin(), 3, 0xFF); })},
              {"a byte behind", "arrived", once([](Bytes& b) { b.push_back(0x17); })}});

@@ -27,14 +27,17 @@ class PlacedDrives final : public robot::PositionDrives {
   bool tells_torques = false;
   PerArm<JointVector> torque_nm;
   robot::PlaceCommand last;
-  int followed = 0;
+  int followed = 0, stood = 0;
 
   explicit PlacedDrives(const JointVector& q_rad) {
     last.q_rad = {{q_rad, q_rad}};
     for (int i = 0; i < 300; ++i) sent_.push_back(last);
     now_ = last;
   }
-  Result<void> stand_ready(const robot::ReadyPose&) override { return {}; }
+  Result<void> stand_ready(const robot::ReadyPose&) override {
+    ++stood;
+    return {};
+  }
   std::optional<robot::RobotReading> read() noexcept override {
     reading_.tick = static_cast<std::uint64_t>(++ms_);
     reading_.time_s = 1e-3 * ms_;
@@ -135,6 +138,20 @@ TEST_CASE("arms that take places move as torques would move them, and the readin
   CHECK((q_rad - sent_rad).norm() < 1e-9);  // and not where the arm was sent 10 ms ago
   CHECK(reading->arms[Arm::left].dq_rad_per_s.norm() > 0.0);
   CHECK(stage.robot.fault() == nullptr);
+}
+
+TEST_CASE("arms of which nobody tells torques do not stand ready unless that is allowed") {
+  Stage stage(placed_ur());
+  const auto refused = stage.robot.stand_ready({});
+  REQUIRE_FALSE(refused.has_value());
+  CHECK(refused.error().fault == Fault::config);
+  CHECK(refused.error().message.find("nothing but the wrist sensor bounds") != std::string::npos);
+  CHECK(stage.drives.stood == 0);
+  PositionRobot allowed(stage.drives, stage.models, {.bounded_by_wrist_alone = true});
+  CHECK(allowed.stand_ready({}).has_value());
+  stage.drives.tells_torques = true;
+  CHECK(stage.robot.stand_ready({}).has_value());
+  CHECK(stage.drives.stood == 2);
 }
 
 TEST_CASE("what lasts of a wrong place is in the readings") {

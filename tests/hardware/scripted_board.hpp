@@ -38,10 +38,10 @@ class ScriptedBoard {
     std::function<void(Bytes& packet)> packet;                    ///< as it is sent
     std::function<void(std::array<std::uint8_t, 3>& who)> hello;  ///< from the beginning
     double board_rate = 1.0;                                      ///< of the board's clock
-    std::function<double()> clock = hardware::steady_s;           ///< by which time goes here
   };
 
-  explicit ScriptedBoard(Script script) : script_(std::move(script)), began_s_(script_.clock()) {
+  explicit ScriptedBoard(Script script)
+      : script_(std::move(script)), began_s_(hardware::steady_s()) {
     master_ = ::posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK);
     ::grantpt(master_);
     ::unlockpt(master_);
@@ -81,7 +81,7 @@ class ScriptedBoard {
     while (!stop.stop_requested() && master_ >= 0) {
       pollfd wanted = {.fd = master_, .events = POLLIN, .revents = 0};
       if (::poll(&wanted, 1, 5) <= 0) {
-        if (lit_ && script_.clock() - last_lit_s_ > 0.1) drop(1);
+        if (lit_ && hardware::steady_s() - last_lit_s_ > 0.1) drop(1);
         continue;
       }
       std::array<std::uint8_t, 256> bytes;
@@ -102,7 +102,7 @@ class ScriptedBoard {
   }
   void answer(const hardware::dynamixel::Packet& in) {
     namespace board = hardware::scanner_board;
-    const double now_s = script_.clock();
+    const double now_s = hardware::steady_s();
     const bool for_board = in.id == board::id && !script_.alone;
     const bool is_poll = for_board ? in.kind == board::poll
                                    : in.kind == hardware::dynamixel::read &&

@@ -6,6 +6,7 @@
 #include <cerrno>
 
 #include "tests/hardware/sending_camera.hpp"
+#include "tests/open_files.hpp"
 
 using namespace tuina;
 using namespace tuina::tests;
@@ -48,11 +49,14 @@ std::string message_of(const CameraFault& fault) {
 }
 
 void check_all(const std::vector<CameraFault>& faults) {
+  MESSAGE(faults.size() << " cases of a camera");
+  const std::size_t open = test::open_files();
   for (const CameraFault& fault : faults) {
     const std::string message = message_of(fault);
     INFO(std::string(fault.name));
     CHECK_MESSAGE(message.find(fault.said) != std::string::npos, message);
   }
+  CHECK(test::open_files() == open);
 }
 
 std::function<void(Hello&)> fails(unsigned long request, int why) {

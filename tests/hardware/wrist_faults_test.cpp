@@ -6,6 +6,7 @@
 #include <future>
 
 #include "tests/hardware/scripted_wrist.hpp"
+#include "tests/open_files.hpp"
 #include "tests/reason.hpp"
 #include "tuina/hardware/steady_clock.hpp"
 #include "tuina/hardware/wrist_sensor.hpp"
@@ -31,6 +32,7 @@ struct FaultCase {
 /// All at the same time, since each waits most of its own.
 template <typename Judge>
 std::vector<std::string> run_all(const std::vector<FaultCase>& cases, Judge&& judge) {
+  const std::size_t open = test::open_files();
   std::vector<std::future<std::string>> all;
   for (const FaultCase& one : cases)
     all.push_back(std::async(std::launch::async, judge, one.script));
@@ -40,6 +42,7 @@ std::vector<std::string> run_all(const std::vector<FaultCase>& cases, Judge&& ju
     INFO(std::string(cases[i].name));
     CHECK_MESSAGE(said.back().find(cases[i].said) != std::string::npos, said.back());
   }
+  CHECK(test::open_files() == open);
   return said;
 }
 

@@ -46,6 +46,11 @@ PositionRobot::PositionRobot(robot::PositionDrives& drives, const PerArm<robot::
 
 Result<void> PositionRobot::stand_ready(const robot::ReadyPose& pose) {
   started_ = false;
+  if (drives_.driven_nm() == nullptr && !options_.bounded_by_wrist_alone)
+    return fail(Fault::config,
+                "these arms take places and tell no torques of their drives, so that nothing but "
+                "the wrist sensor bounds what they press with; give PositionDrives::driven_nm, or "
+                "set `bounded_by_wrist_alone` (docs/position_arms.md)");
   return drives_.stand_ready(pose);
 }
 

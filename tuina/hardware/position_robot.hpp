@@ -29,12 +29,17 @@ class PositionRobot final : public robot::Robot {
     /// Force along the shaft which the drives may press with and the wrist not feel, beyond their
     /// friction.
     double max_unfelt_n = 20.0;
+    /// Drives that tell no torques are driven all the same. Nothing but the wrist sensor then
+    /// bounds what these arms press with: 233 N where it never says more than 10 N.
+    bool bounded_by_wrist_alone = false;
   };
 
   /// `drives` must outlive it.
   PositionRobot(robot::PositionDrives& drives, const PerArm<robot::ArmModel>& models,
                 const Options& options) noexcept;
 
+  /// Fault::config, before anything moves, where the drives tell no torques and `Options` does not
+  /// allow it.
   [[nodiscard]] Result<void> stand_ready(const robot::ReadyPose& pose) override;
   [[nodiscard]] std::optional<robot::RobotReading> read() noexcept override;
   void apply(const robot::RobotCommand& command) noexcept override;

@@ -27,7 +27,8 @@ Result<void> make_raw(int number, const std::string& address, int bits_per_s) {
                                    [&](const LineSpeed& s) { return s.bits_per_s == bits_per_s; });
   termios line = {};
   if (speed == line_speeds.end() || ::tcgetattr(number, &line) != 0)
-    return fail(Fault::device, "{} is no serial line", address);
+    return fail(Fault::device, "{} is no serial line; `tuina doctor` lists those that are",
+                address);
   ::cfmakeraw(&line);
   line.c_cflag |= CLOCAL | CREAD;
   line.c_cc[VMIN] = 0;

@@ -28,7 +28,7 @@ class PositionDrives {
   /// milliseconds old at most; the wrist sensor has a new sample every millisecond or two.
   [[nodiscard]] virtual std::optional<RobotReading> read() noexcept = 0;
   /// Torques of the drives at their joints with the reading that came last, Nm, as their currents
-  /// tell; null where nobody tells them.
+  /// tell; null, from the beginning, where nobody tells them.
   [[nodiscard]] virtual const PerArm<JointVector>* driven_nm() const noexcept { return nullptr; }
   /// The newest place; the arms take what is there when their own cycle begins.
   virtual void follow(const PlaceCommand& command) noexcept = 0;

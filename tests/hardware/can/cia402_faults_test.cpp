@@ -5,6 +5,7 @@
 #include <linux/can/error.h>
 
 #include "tests/hardware/can/emulated_robot.hpp"
+#include "tests/open_files.hpp"
 #include "tests/reason.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/hardware/wrist_calibration.hpp"
@@ -78,6 +79,7 @@ std::string outcome(const FaultCase& one) {
 }
 
 void run_all(const std::vector<FaultCase>& cases) {
+  const std::size_t open = test::open_files();
   for (const FaultCase& one : cases) {
     const auto begun = std::chrono::steady_clock::now();
     const std::string said = outcome(one);
@@ -85,6 +87,7 @@ void run_all(const std::vector<FaultCase>& cases) {
     CHECK_MESSAGE(said.find(one.said) != std::string::npos, said);
     CHECK(std::chrono::steady_clock::now() - begun < std::chrono::seconds(20));
   }
+  CHECK(test::open_files() == open);
 }
 
 Script setup(std::function<void(EmulatedDrive&)> wrong) {

@@ -19,9 +19,9 @@ constexpr double max_tremble_px = 0.5, max_moved_px = 0.3;
 constexpr double still_s = 0.5, standing_s = 3.0;
 // A board that was photographed standing counts as another one once it has moved by so much.
 constexpr double min_other_px = 40.0;
-// The firmware puts the laser of a unit that stands out after 0.25 s; a camera shows light and
-// darkness some pictures later.
-constexpr int lit_pictures = 10, passed_pictures = 6;
+// The firmware puts the laser of a unit that stands out after 0.25 s, and tells that as a fault.
+constexpr double lit_s = 0.15;
+constexpr int passed_pictures = 6;  // a camera shows light and darkness some pictures later
 constexpr std::size_t min_line_points = 20;
 constexpr int standing_yaws = 5;
 
@@ -102,11 +102,12 @@ class Capture {
     }
   }
 
-  Result<double> yaw() {
+  /// The newest of the motor; its time is by the clock of the pictures, which come later.
+  Result<scanner::YawReading> reading() {
     const auto readings = turntable_.readings();
     if (!readings) return tl::unexpected(readings.error());
     if (readings->empty()) return fail(Fault::device, "the motor tells no angle");
-    return readings->back().yaw_rad;
+    return readings->back();
   }
 
   void say(std::string seen) {
@@ -138,12 +139,19 @@ class Capture {
 
   /// The laser's light in that picture of several which shows most of it on the board.
   Result<Image> light_up(const Looked& bare, std::size_t& points) {
+    const auto before = reading();
+    if (!before) return tl::unexpected(before.error());
     if (auto lit = turntable_.switch_laser(true); !lit) return tl::unexpected(lit.error());
+    bool dark = false;
     Image best;
     points = 0;
-    for (int i = 0; i < lit_pictures; ++i) {
+    for (int late = 0; late < passed_pictures; late += dark ? 1 : 0) {
       auto frame = next_frame();
       if (!frame) return tl::unexpected(frame.error());
+      const auto now = reading();
+      if (!now) return tl::unexpected(now.error());
+      dark = dark || now->time_s - before->time_s >= lit_s;
+      if (auto out = turntable_.switch_laser(!dark); !out) return tl::unexpected(out.error());
       Image light = light_of_laser(frame->image, bare.frame.image);
       const auto line =
           scanner::find_laser_line(light, {.method = scanner::LineMethod::likelihood});
@@ -152,7 +160,6 @@ class Capture {
       points = on_board.size();
       best = std::move(light);
     }
-    if (auto dark = turntable_.switch_laser(false); !dark) return tl::unexpected(dark.error());
     return best;
   }
 
@@ -168,7 +175,6 @@ class Capture {
     std::size_t points = 0;
     const auto lit = light_up(*bare, points);
     if (!lit) return tl::unexpected(lit.error());
-    if (auto passed = pass_over(); !passed) return passed;
     if (points < min_line_points) {
       say("the laser line does not cross the board: move it into the line");
       return {};
@@ -181,10 +187,10 @@ class Capture {
                       moved));
       return {};
     }
-    const auto at = yaw();
+    const auto at = reading();
     if (!at) return tl::unexpected(at.error());
     wanted_.keep(held);
-    return keep({{.laser = false, .yaw_rad = *at}, {.laser = true, .yaw_rad = *at}},
+    return keep({{.laser = false, .yaw_rad = at->yaw_rad}, {.laser = true, .yaw_rad = at->yaw_rad}},
                 {bare->frame.image, *lit}, bare->frame.time_s);
   }
 
@@ -203,10 +209,10 @@ class Capture {
       if (auto turned = turn_to(share * options_.standing_yaw_rad); !turned) return turned;
       auto seen = look();
       if (!seen) return tl::unexpected(seen.error());
-      const auto at = yaw();
+      const auto at = reading();
       if (!at) return tl::unexpected(at.error());
       if (!seen->board) continue;  // out of view for this angle
-      shots.push_back({.laser = false, .yaw_rad = *at});
+      shots.push_back({.laser = false, .yaw_rad = at->yaw_rad});
       pictures.push_back(std::move(seen->frame.image));
     }
     if (auto turned = turn_to(0.0); !turned) return turned;

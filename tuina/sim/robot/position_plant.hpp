@@ -34,7 +34,7 @@ class PositionPlant final : public robot::PositionDrives {
   [[nodiscard]] Result<void> stand_ready(const robot::ReadyPose& pose) override;
   [[nodiscard]] std::optional<robot::RobotReading> read() noexcept override;
   [[nodiscard]] const PerArm<JointVector>* driven_nm() const noexcept override {
-    return started_ ? &driven_nm_ : nullptr;
+    return &driven_nm_;
   }
   void follow(const robot::PlaceCommand& command) noexcept override { newest_ = command; }
   [[nodiscard]] const char* fault() const noexcept override { return torques_.fault(); }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/tuina/ask_wrists.hpp"
+#include "apps/tuina/doctor/ask_wrists.hpp"
 
 #include <chrono>
 #include <cmath>

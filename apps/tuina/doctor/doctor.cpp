@@ -1,12 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <sys/resource.h>
-#include <unistd.h>
-
-#include <filesystem>
 #include <nlohmann/json.hpp>
-#include <thread>
 
-#include "apps/tuina/ask_wrists.hpp"
+#include "apps/tuina/doctor/ask_wrists.hpp"
+#include "apps/tuina/doctor/check_machine.hpp"
 #include "apps/tuina/scan_device.hpp"
 #include "apps/tuina/verbs.hpp"
 #include "tuina/core/units.hpp"
@@ -26,6 +22,19 @@ struct FoundArm {
   bool good = false;
 };
 
+/// Why no session can drive an arm that says so; empty where one can.
+std::string hindrance(const hardware::armlink::Hello& hello) {
+  namespace armlink = hardware::armlink;
+  constexpr int needed_modes =
+      armlink::bit_of(armlink::Mode::torque) | armlink::bit_of(armlink::Mode::ready);
+  if ((hello.modes & needed_modes) != needed_modes)
+    return "; it takes no torques, and armlink drives no other arms (docs/position_arms.md)";
+  if (hello.cycle_us != 1000) return "; its cycle must be 1000 us";
+  if ((hello.flags & armlink::flag::busy) != 0)
+    return "; another host has it: end that program, or wait a second";
+  return {};
+}
+
 FoundArm ask_arm(const hardware::ArmDevice& device) {
   FoundArm found{.json = {{"address", device.address}}};
   const auto peer = hardware::ArmPeer::open(device.udp);
@@ -41,7 +50,8 @@ FoundArm ask_arm(const hardware::ArmDevice& device) {
     for (double& number : numbers) number *= scale;
     return numbers;
   };
-  found.good = true;
+  const std::string why_not = hindrance(hello);
+  found.good = why_not.empty();
   found.json.update(ordered_json{
       {"name", std::string(hello.called())},
       {"joints", hello.max_torque_nm.size()},
@@ -65,7 +75,7 @@ FoundArm ask_arm(const hardware::ArmDevice& device) {
       says(flag::has_rail) ? fmt::format(", base {:.0f} to {:.0f} mm", to_mm(hello.min_rail_m),
                                          to_mm(hello.max_rail_m))
                            : "",
-      says(flag::simulated) ? ", simulated" : "", says(flag::busy) ? ", has a host" : "");
+      says(flag::simulated) ? ", simulated" : "", why_not);
   return found;
 }
 
@@ -148,30 +158,14 @@ class Doctor final : public Verb {
     }
     nlohmann::json checks = nlohmann::json::array();
     Answer answer;
-    const auto add = [&](const char* what, bool good, const std::string& finding,
-                         const char* remedy) {
-      checks.push_back(
-          {{"check", what}, {"good", good}, {"finding", finding}, {"remedy", good ? "" : remedy}});
-      answer.text += fmt::format("{} {:<18} {}{}\n", good ? "ok  " : "note", what, finding,
-                                 good ? "" : fmt::format("; {}", remedy));
-    };
-    const unsigned cores = std::thread::hardware_concurrency();
-    add("cores", cores >= 2, fmt::format("{}", cores),
-        "two are wanted: one for control, one for the rest");
-    const bool camera = std::filesystem::exists("/dev/video0");
-    add("camera", camera && ::access("/dev/video0", R_OK | W_OK) == 0,
-        camera ? "/dev/video0" : "none found",
-        "simulation needs none; else join the group `video`");
-    bool serial = false;
-    for (const char* port : {"/dev/ttyACM0", "/dev/ttyUSB0"})
-      serial = serial || ::access(port, R_OK | W_OK) == 0;
-    add("turntable", serial, serial ? "serial port found" : "no serial port",
-        "simulation needs none; else plug the Arduino in and join the group `dialout`");
-    rlimit limit{};
-    ::getrlimit(RLIMIT_RTPRIO, &limit);
-    add("real-time", limit.rlim_cur >= 80 || ::geteuid() == 0,
-        fmt::format("rtprio limit {}", limit.rlim_cur),
-        "simulation needs none; for a robot allow rtprio 80 in /etc/security/limits.d");
+    for (const MachineCheck& check : check_machine()) {
+      checks.push_back({{"check", check.what},
+                        {"good", check.good},
+                        {"finding", check.finding},
+                        {"remedy", check.remedy}});
+      answer.text += fmt::format("{} {:<18} {}{}{}\n", check.good ? "ok  " : "note", check.what,
+                                 check.finding, check.good ? "" : "; ", check.remedy);
+    }
     ordered_json json = {{"version", TUINA_VERSION}, {"checks", checks}};
     if (!device_.empty()) json["devices"] = ask_devices(devices, answer);
     answer.text.pop_back();

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace tuina::app {
+
+/// One thing that tuina could use of this machine.
+struct MachineCheck {
+  std::string what;
+  bool good = false;
+  std::string finding;
+  std::string remedy;  ///< for who needs it; empty where it is good
+};
+
+/// Cores, cameras, serial lines and CAN interfaces with the right to open them, what a real-time
+/// thread may have, and how late this machine wakes up now. Takes a third of a second.
+[[nodiscard]] std::vector<MachineCheck> check_machine();
+
+}  // namespace tuina::app
