@@ -115,12 +115,14 @@ void hide(LabelledBody& person, const Hidden& hidden) {
 /// Moves skin, points and landmarks alike; normals keep.
 template <typename Motion>
 void move_body(LabelledBody& person, const Motion& motion) {
+  for (Vector3& p : person.skin_in_couch.vertices) p = motion(p);
   for (Vector3& p : person.scan_in_couch.points) p = motion(p);
   for (Acupoint& point : person.acupoints) point.at_in_couch = motion(point.at_in_couch);
   for (Landmark& landmark : person.landmarks) landmark.at_in_couch = motion(landmark.at_in_couch);
 }
 
-/// The spine as an arc of this angle to the left, from the sacrum up.
+}  // namespace
+
 void bend(LabelledBody& person, double angle_rad) {
   const Frame frame(person);
   move_body(person, [&](const Vector3& p) {
@@ -145,6 +147,8 @@ void twist(LabelledBody& person, double angle_rad) {
     return Vector3(axis + Eigen::AngleAxisd(share * angle_rad, frame.up) * (p - axis));
   });
 }
+
+namespace {
 
 void resize(LabelledBody& person, double scale) {
   move_body(person, [&](const Vector3& p) { return Vector3(scale * p); });

@@ -21,6 +21,13 @@ struct BadScan {
 /// A person whose skin was sampled every 5 mm and then spoilt.
 [[nodiscard]] body::LabelledBody spoilt(body::LabelledBody person, const BadScan& bad);
 
+/// @{
+/// The same person with the spine bent to the left from the sacrum up, and with the shoulders
+/// twisted against the pelvis: skin, scan, points and landmarks; normals keep.
+void bend(body::LabelledBody& person, double angle_rad);
+void twist(body::LabelledBody& person, double angle_rad);
+/// @}
+
 /// How far a found point is from the true one, along the true skin: what lies on a point raises it,
 /// but does not move its place on the back.
 [[nodiscard]] double place_error_m(const Acupoint& found, const Acupoint& truth);

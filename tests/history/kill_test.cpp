@@ -6,6 +6,7 @@
 
 #include <chrono>
 #include <csignal>
+#include <cstdlib>
 #include <thread>
 
 #include "tests/folder.hpp"
@@ -19,8 +20,13 @@ using namespace tuina::history;
 
 namespace {
 
-constexpr int kills = 20;
 constexpr int places = 12;
+
+/// Twenty, or as many as TUINA_KILLS says.
+int kills() {
+  const char* wanted = std::getenv("TUINA_KILLS");
+  return wanted == nullptr ? 20 : std::atoi(wanted);
+}
 
 /// A program that says when it has begun, adds sessions as fast as it can, and says of each that it
 /// is there.
@@ -46,7 +52,7 @@ void kill_again_and_again(const std::string& address) {
   REQUIRE(History::open(address));
   Random random = make_random(1, "kills");
   int all_acknowledged = 0, cut_short = 0;
-  for (int round = 0; round < kills; ++round) {
+  for (int round = 0; round < kills(); ++round) {
     int ends[2];
     REQUIRE(::pipe2(ends, O_CLOEXEC) == 0);
     const pid_t child = ::fork();
@@ -81,9 +87,9 @@ void kill_again_and_again(const std::string& address) {
     }
     for (const bool one : there) CHECK(one);
   }
-  MESSAGE(all_acknowledged, " sessions acknowledged before ", kills, " kills, ", cut_short,
+  MESSAGE(all_acknowledged, " sessions acknowledged before ", kills(), " kills, ", cut_short,
           " cut short");
-  CHECK(all_acknowledged > kills / 2);  // a busy disk takes its time
+  CHECK(all_acknowledged > kills() / 2);  // a busy disk takes its time
 }
 
 }  // namespace

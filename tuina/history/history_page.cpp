@@ -58,26 +58,27 @@ void add_change(telemetry::Page& page, std::span<const Visit> visits) {
   part.text(sentence_of(*last));
   telemetry::Table table{
       .columns = {{.head = "place"},
-                  {.head = day_and_time(last->before->began) + ", N/mm", .digits = 2},
-                  {.head = day_and_time(last->after->began) + ", N/mm", .digits = 2},
+                  {.head = "alpha, " + day_and_time(last->before->began) + ", N", .digits = 2},
+                  {.head = day_and_time(last->after->began) + ", N", .digits = 2},
                   {.head = "change, %", .digits = 0},
                   {.head = "95 % interval"},
                   {.head = "real?"}}};
-  for (const PlaceChange& place : last->changes.places) {
+  const auto add = [&](const Change& one, std::string name) {
     table.rows.push_back(
-        {.cells = {telemetry::figures::spoken(place.name), place.before_n_per_mm,
-                   place.after_n_per_mm, 100.0 * place.change,
-                   fmt::format("{:+.0f} to {:+.0f} %", 100.0 * place.low, 100.0 * place.high),
-                   place.real ? (place.change < 0.0 ? "softer" : "harder") : "not told apart"},
-         .emphasised = place.real});
-  }
+        {.cells = {std::move(name), one.before_n, one.after_n, 100.0 * one.change,
+                   fmt::format("{:+.0f} to {:+.0f} %", 100.0 * one.low, 100.0 * one.high),
+                   one.real ? (one.change < 0.0 ? "softer" : "harder") : "not told apart"},
+         .emphasised = one.real});
+  };
+  if (last->changes.whole) add(*last->changes.whole, "all places together");
+  for (const Change& place : last->changes.places)
+    add(place, telemetry::figures::spoken(place.name));
   part.table(table);
   part.note(fmt::format(
-      "Stiffness of the tissue at the force at which sessions compare it. A press of the same "
-      "place "
-      "scatters from session to session by {:.0f} %, {}. A change is called real by a test over "
-      "all "
-      "places together, which is wrong in 5 of 100 sessions in which nothing has changed.",
+      "alpha is the hardness of the tissue. The same place scatters from session to session by "
+      "{:.0f} %, {}. Changes are called real by a test over all places together, which is wrong in "
+      "5 of 100 sessions in which nothing has changed. What all places share that day, such as the "
+      "warmth of the room or another force sensor, looks like a change of the whole back.",
       100.0 * last->changes.scatter,
       last->changes.scatter_assumed ? "which is assumed as long as there are few sessions"
                                     : "told from the earlier sessions"));

@@ -67,22 +67,25 @@ Json json_of(const Visit& visit) {
       {"tissue", tissue}};
 }
 
+Json json_of(const Change& change) {
+  return {{"name", change.name},
+          {"before_alpha_n", change.before_n},
+          {"after_alpha_n", change.after_n},
+          {"change_percent", 100.0 * change.change},
+          {"low_percent", 100.0 * change.low},
+          {"high_percent", 100.0 * change.high},
+          {"p", change.p},
+          {"real", change.real}};
+}
+
 Json json_of(const LastChange& last) {
   Json places = Json::array();
-  for (const PlaceChange& place : last.changes.places) {
-    places.push_back({{"name", place.name},
-                      {"before_n_per_mm", place.before_n_per_mm},
-                      {"after_n_per_mm", place.after_n_per_mm},
-                      {"change_percent", 100.0 * place.change},
-                      {"low_percent", 100.0 * place.low},
-                      {"high_percent", 100.0 * place.high},
-                      {"p", place.p},
-                      {"real", place.real}});
-  }
+  for (const Change& place : last.changes.places) places.push_back(json_of(place));
   return {{"before", last.before->id},
           {"after", last.after->id},
           {"scatter_percent", 100.0 * last.changes.scatter},
           {"scatter_assumed", last.changes.scatter_assumed},
+          {"whole", last.changes.whole ? json_of(*last.changes.whole) : Json()},
           {"places", places}};
 }
 
@@ -92,7 +95,8 @@ std::optional<LastChange> last_change(std::span<const Visit> visits) {
   for (std::size_t last = visits.size(); last-- > 1;) {
     if (visits[last].tissue.empty()) continue;
     for (std::size_t before = last; before-- > 0;) {
-      if (visits[before].tissue.empty()) continue;
+      if (visits[before].tissue.empty() || visits[before].position != visits[last].position)
+        continue;
       auto changes = changes_between(visits[before], visits[last], visits.first(last));
       if (changes.places.empty()) continue;
       return LastChange{&visits[before], &visits[last], std::move(changes)};
@@ -110,9 +114,20 @@ std::string day_and_time(const std::string& stamp) {
 std::vector<Sentence> sentences_of(const LastChange& change) {
   const std::string since = day_and_time(change.before->began);
   std::vector<Sentence> said;
+  if (const auto& whole = change.changes.whole; whole && whole->real) {
+    const double percent = 100.0 * whole->change, low = 100.0 * whole->low,
+                 high = 100.0 * whole->high;
+    said.push_back(percent < 0.0
+                       ? sentence("changed_whole_softer",
+                                  "Softer as a whole since {}: {:+.0f} % ({:+.0f} to {:+.0f} %).",
+                                  since, percent, low, high)
+                       : sentence("changed_whole_harder",
+                                  "Harder as a whole since {}: {:+.0f} % ({:+.0f} to {:+.0f} %).",
+                                  since, percent, low, high));
+  }
   for (const bool softer : {true, false}) {
     std::string spoken, named;
-    for (const PlaceChange& place : change.changes.places) {
+    for (const Change& place : change.changes.places) {
       if (!place.real || (place.change < 0.0) != softer) continue;
       const std::string by = fmt::format(" ({:+.0f} %)", 100.0 * place.change);
       spoken += (spoken.empty() ? "" : ", ") + telemetry::figures::spoken(place.name) + by;

@@ -18,7 +18,8 @@ struct PersonHistory {
   std::vector<Note> notes;
 };
 
-/// What can be told of the last session against the one before it in which places were felt.
+/// What can be told of the last session against the one before it in the same position in which
+/// places were felt.
 struct LastChange {
   const Visit* before = nullptr;
   const Visit* after = nullptr;
@@ -30,7 +31,7 @@ struct LastChange {
 /// "2026-11-22 14:03" of "2026-11-22T14:03:05Z".
 [[nodiscard]] std::string day_and_time(const std::string& stamp);
 
-/// One sentence: which places have really changed, or that none has.
+/// In words: whether the whole back has really changed, which places have, or that none has.
 [[nodiscard]] std::string sentence_of(const LastChange& change);
 /// The same as sentences that can be said in another language.
 [[nodiscard]] std::vector<Sentence> sentences_of(const LastChange& change);

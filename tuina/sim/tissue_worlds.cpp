@@ -134,15 +134,21 @@ const std::vector<TissueWorld>& tissue_worlds() {
 
 WorldPresses press_in_world(const TissueWorld& world, Pressing pressing,
                             const TangentTissue& tissue, Random& random) {
-  TangentTissue here{tissue.alpha_n * std::exp(gaussian(random, 0.15)),
-                     tissue.beta_per_m * std::exp(gaussian(random, 0.08))};
+  const TangentTissue here{tissue.alpha_n * std::exp(gaussian(random, 0.15)),
+                           tissue.beta_per_m * std::exp(gaussian(random, 0.08))};
+  return press_in_world(world, pressing, here, {random, random, random});
+}
+
+WorldPresses press_in_world(const TissueWorld& world, Pressing pressing, TangentTissue here,
+                            const WorldDraws& draws) {
+  Random& random = draws.day;
   LivingTissue living{
-      .form = draw_form(world.elastic, random),
-      .relaxation = Relaxation::draw(world.relaxing_share, {0.1, 1.0, 10.0}, random)};
+      .form = draw_form(world.elastic, draws.place),
+      .relaxation = Relaxation::draw(world.relaxing_share, {0.1, 1.0, 10.0}, draws.place)};
   BreathingSkin breathing(world.breath_m, random);
-  living.torso = draw_torso(world.on_torso, random);
-  ForceSensor sensor(world.poor_sensor, random);
-  living.damping_s_per_m = world.damping_s_per_m * uniform(random, 0.67, 1.33);
+  living.torso = draw_torso(world.on_torso, draws.place);
+  ForceSensor sensor(world.poor_sensor, draws.sensor);
+  living.damping_s_per_m = world.damping_s_per_m * uniform(draws.place, 0.67, 1.33);
   const PressPlan plan = plan_of(pressing);
   const double usual_n = uniform(random, 14.0, 25.0);
   double skin_m = gaussian(random, 0.5_mm), tool_m = -3_mm, speed_m_per_s = 0.0, force_n = 0.0;

@@ -41,7 +41,16 @@ struct WorldPresses {
   std::vector<tissue::TimedPress> record, truth;
   std::size_t last_press = 0;  ///< sample at which the last press begins, in the air
 };
+/// Of tissue about as given, of a person of its own.
 [[nodiscard]] WorldPresses press_in_world(const TissueWorld& world, Pressing pressing,
                                           const TangentTissue& tissue, Random& random);
+
+/// What a press is drawn by: what stays with a place of a person, the force sensor, and the day.
+struct WorldDraws {
+  Random &place, &sensor, &day;
+};
+/// Of this very tissue, so that a place can be pressed again on another day.
+[[nodiscard]] WorldPresses press_in_world(const TissueWorld& world, Pressing pressing,
+                                          TangentTissue here, const WorldDraws& draws);
 
 }  // namespace tuina::sim
