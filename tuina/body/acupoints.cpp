@@ -36,7 +36,7 @@ constexpr double max_doubt_m = 150_mm;
 constexpr double min_strangeness = 2.0;
 // Sitting flattens the loins: of 92 people of docs/bodies.md who sit one is more than 50 mm hollow,
 // and where they are less hollow, the deepest place is anywhere from L4 to T12.
-constexpr double depth_of_sitting_m = 45_mm, depth_of_standing_m = 55_mm;
+constexpr double depth_of_sitting_m = 50_mm, depth_of_standing_m = 55_mm;
 // The hollow of who stands is deepest at L4 or the disc above it [roussouly2005].
 constexpr double hollow_error_m = 15_mm;
 constexpr double max_hollow_sigmas = 3.0;  // farther off it is another hollow
