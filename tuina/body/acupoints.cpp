@@ -39,6 +39,8 @@ constexpr double min_strangeness = 2.0;
 constexpr double depth_of_sitting_m = 50_mm, depth_of_standing_m = 55_mm;
 // The hollow of who stands is deepest at L4 or the disc above it [roussouly2005].
 constexpr double hollow_error_m = 15_mm;
+// An arm or a bag hides some of the back and holds the ruler off the rest.
+constexpr double min_covered = 0.9;
 constexpr double max_hollow_sigmas = 3.0;  // farther off it is another hollow
 constexpr std::array<std::string_view, 9> midline = {"C7", "T3",  "T7", "T9",       "T12",
                                                      "L2", "GV4", "L4", "sacrum_S2"};
@@ -110,7 +112,7 @@ std::vector<Eigen::Index> columns_of(const ShapeModel& shape,
 void follow_hollow(LabelEstimate& estimate, const ShapeModel& shape, const BackSurface& back) {
   if (shape.position != BodyPosture::sitting || estimate.strangeness < min_strangeness) return;
   const auto columns = columns_of(shape, midline);
-  if (columns.empty()) return;
+  if (columns.empty() || estimate.fit.coverage < min_covered) return;
   const Matrix3 axes = estimate.fit.couch_from_model.linear();
   const Places places = estimate.at_in_couch(Eigen::all, columns);
   const auto hollow = find_lumbar_hollow(back, places, axes);
