@@ -175,8 +175,9 @@ LabelEstimate estimate_labels(const ShapeModel& model, const BackSurface& back) 
     estimate.at_in_couch += model_from_couch.linear().transpose() *
                             Eigen::Map<const Places>(off.data(), 3, off.size() / 3);
   }
-  estimate.radius95_m = strangeness(model, fit) * model.radius95_m.cwiseProduct(widening(
-                                                      model, fit.label_var_m2, fit.residual_m));
+  estimate.strangeness = strangeness(model, fit);
+  estimate.radius95_m = estimate.strangeness * model.radius95_m.cwiseProduct(widening(
+                                                   model, fit.label_var_m2, fit.residual_m));
   estimate.radius95_m = estimate.radius95_m.cwiseMax(fit.label_doubt_m);
   return estimate;
 }

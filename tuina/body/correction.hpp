@@ -29,6 +29,8 @@ Eigen::MatrixXd learn_correction(const LeftOut& left_out, ShapeModel& model);
 struct LabelEstimate {
   Places at_in_couch;
   Eigen::VectorXd radius95_m;
+  /// Sum of the squared weights of the modes, over that of a usual back; at least 1.
+  double strangeness = 1.0;
   ShapeFit fit;
 };
 [[nodiscard]] LabelEstimate estimate_labels(const ShapeModel& model, const BackSurface& back);
