@@ -2,11 +2,11 @@
 #include "tuina/robot/inverse_kinematics.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "tuina/core/decompositions.hpp"
 #include "tuina/robot/tool_task.hpp"
 
 namespace tuina::robot {
@@ -207,7 +207,10 @@ bool out_of_reach(const Task& task) {
 double dexterity(const ArmModel::Kinematics& pose) noexcept {
   ToolJacobian J = tool_jacobian(pose.base_from_tool, pose.jacobian);
   J.bottomRows<2>() *= radian_m;
-  return std::sqrt(std::max(0.0, eigenvalues(J * J.transpose())(0)));
+  const Eigen::Matrix<double, 5, 5> square = J * J.transpose();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 5, 5>> eigen(square,
+                                                                         Eigen::EigenvaluesOnly);
+  return std::sqrt(std::max(0.0, eigen.eigenvalues()[0]));
 }
 
 double limit_room_rad(const ArmTable& table, const JointVector& q_rad) noexcept {
