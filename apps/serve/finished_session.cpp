@@ -2,6 +2,7 @@
 #include "apps/serve/finished_session.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <cstring>
 #include <functional>
@@ -161,11 +162,19 @@ Result<std::string> report_in(const Path& folder, const Language& language) {
   return telemetry::report_page(*data);
 }
 
-/// What `make` reads of a session, one session at a time; nothing while another one is read.
+/// What `make` reads of a session, one session at a time. Two may wait for it, as a page does that
+/// is drawn twice; nothing for more, so that the threads of the server stay free for a STOP.
 std::optional<Result<std::string>> read_alone(const std::function<Result<std::string>()>& make) {
+  constexpr int max_waiting = 2;
   static std::mutex one;
-  const std::unique_lock lock(one, std::try_to_lock);
-  if (!lock) return std::nullopt;
+  static std::atomic<int> here = 0;
+  const struct Place {
+    Place() : number(++here) {}
+    ~Place() { --here; }
+    int number;
+  } place;
+  if (place.number > 1 + max_waiting) return std::nullopt;
+  const std::lock_guard lock(one);
   // The threads of the web's library have 100 kB of stack, too little for the readers of a record.
   return std::async(std::launch::async, make).get();
 }
