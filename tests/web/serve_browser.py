@@ -331,7 +331,7 @@ def by_touch(server, watcher, axe, pictures):
     tab.touch("#stop")
     expect("report", tab.until("!!document.querySelector('#another')", 60))
     visit.judge_chinese("report")
-    said = tab.see("document.querySelector('#said').innerText")
+    said = tab.see("document.querySelector('#said').textContent")
     expect(f"what happened is said {said}", "有人要求停止" in said)
     tab.touch("#look_back")
     expect("it plays", tab.until("!!document.querySelector('#when')", 60))
