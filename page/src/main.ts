@@ -44,6 +44,7 @@ async function heard(now: State): Promise<void> {
     page.seen = { session: now.session, cloud: 0, backs: 0, plans: 0, events: 0, reviews: -1, phase: page.seen.phase };
     scene.clear();
     page.plan = page.live = undefined;
+    page.shownPlan = 0;
     page.points = [];
     page.happened = [];
     page.wanted = { no_go: [], fixed: [] };
@@ -85,6 +86,7 @@ async function fetchNew(now: State): Promise<void> {
   if (now.plans > page.seen.plans) {
     page.seen.plans = now.plans;
     page.plan = await read<Plan>("/api/plan");
+    page.shownPlan = now.plans;
     scene.showPaths(page.plan.paths);
     render();
   }

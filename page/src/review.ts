@@ -27,16 +27,19 @@ function ruleOutAround(point: Acupoint): void {
   change();
 }
 
+/** Nobody arms a plan that the page does not show: another one is being made, or is on its way. */
+const mayArm = (): boolean => maySteer() && page.state!.reviews !== page.reviewsBefore && page.shownPlan === page.state!.plans;
+
 /** While another plan is made nothing can be armed; what could not be done is said. */
 export function showPlanning(): void {
   const planning = page.state!.reviews === page.reviewsBefore;
   const arm = document.getElementById("arm") as HTMLButtonElement | null, place = document.getElementById("refusal");
-  if (arm) arm.disabled = planning || !maySteer();
+  if (arm) arm.disabled = !mayArm();
   if (place && page.view === "review") place.textContent = planning ? say("planning_anew") : page.state!.said.length ? `${say("refused")} ${sayLines(page.state!.said)}` : "";
 }
 
 export function review(): HTMLElement {
-  const hold = element("button", { class: "go hold", id: "arm", disabled: !maySteer() }, element("span", {}, say("arm")));
+  const hold = element("button", { class: "go hold", id: "arm", disabled: !mayArm() }, element("span", {}, say("arm")));
   let timer = 0;
   const down = (): void => {
     if (timer || hold.disabled) return;

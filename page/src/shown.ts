@@ -15,6 +15,8 @@ export interface ByHand { no_go: { name: string; corners: [number, number, numbe
 
 interface Shown {
   link: Link; render(): void; choices: Choices; state?: State; live?: Live | undefined; plan?: Plan | undefined;
+  /** Which of the session's plans `plan` is; 0 while none has come. */
+  shownPlan: number;
   points: Acupoint[]; happened: Happening[]; view: View; chosen: "choose" | "health";
   /** The session whose report was left; whether this page has been in control; what has been fetched. */
   left: string; steered: boolean; zonesShown: boolean; seen: { session: string; cloud: number; backs: number; plans: number; events: number; reviews: number; phase: string };
@@ -27,7 +29,7 @@ interface Shown {
 
 /** What the page knows and shows; every view is made of it. `main` gives it its connection and its way to draw. */
 export const page = {
-  points: [], happened: [], view: "choose", chosen: "choose", left: "", steered: false, zonesShown: false,
+  shownPlan: 0, points: [], happened: [], view: "choose", chosen: "choose", left: "", steered: false, zonesShown: false,
   seen: { session: "", cloud: 0, backs: 0, plans: 0, events: 0, reviews: -1, phase: "" }, wanted: { no_go: [], fixed: [] },
   editing: "turn", reviewsBefore: -1, forces: [], slots: {},
 } as unknown as Shown;
