@@ -76,6 +76,7 @@ sim::WorldOptions world_options(const session::Config& config) {
                      .tensing_share = simulation.tensing_share,
                      .tensing_probability = simulation.tensing_probability,
                      .grain_share = simulation.tissue_grain_share,
+                     .place_share = simulation.tissue_place_share,
                      .skin_shear_n_per_m = 1e3 * simulation.skin_shear_n_per_mm},
           .breathing = {.amplitude_m = from_mm(simulation.breathing_mm),
                         .frequency_hz = simulation.breathing_hz,

@@ -24,7 +24,7 @@ namespace tuina::app {
 
 /// What only the simulation knows of one contact.
 struct Touched {
-  TangentTissue tissue;                        ///< tissue where the force was highest
+  TangentTissue tissue;                        ///< first loading where the force was highest
   Vector3 at_in_couch = Vector3::Zero();       ///< the skin there
   massage::Zone zone = massage::Zone::muscle;  ///< the true zone there
   double peak_n = 0.0;

@@ -97,6 +97,11 @@ void TruthRecorder::on_tick(const session::Tick& tick) noexcept {
 }
 
 SessionTruth TruthRecorder::finish() {
+  for (Touched& touched : truth_.touched) {
+    if (touched.peak_n > 0.0)
+      touched.tissue =
+          world_.contact().first_loading(touched.tissue, touched.at_in_couch, touched.peak_n);
+  }
   truth_.force = all_.errors();
   truth_.presses = presses_.take();
   for (const auto& [technique, sum] : by_technique_) truth_.techniques[technique] = sum.errors();

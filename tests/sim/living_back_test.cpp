@@ -228,3 +228,29 @@ TEST_CASE("with depth and rate alone a breath is a sine") {
   CHECK(course.at(2.0).at_m == doctest::Approx(3_mm));
   CHECK(course.at(1.0).speed_m_per_s == doctest::Approx(3_mm * pi * 0.25));
 }
+
+TEST_CASE("the first loading of a place that keeps to the tangent law is that law") {
+  const BackContact back = back_with({});
+  CHECK(back.first_loading(hard, Vector3::Zero(), 20.0).alpha_n == hard.alpha_n);
+  CHECK(back.first_loading(hard, Vector3::Zero(), 20.0).beta_per_m == hard.beta_per_m);
+}
+
+TEST_CASE("the first loading meets what a tool feels that goes in with 10 mm/s, and half of it") {
+  constexpr double m_per_s = 10e-3, dt_s = 1e-3, wanted_n = 22.0;
+  BackContact back = back_with({.fat_share = 0.45, .relaxing_share = 0.3, .damping_s_per_m = 3.0},
+                               {.torso_n_per_m = rigid, .seed = 7});
+  const TangentTissue law = back.first_loading(hard, Vector3::Zero(), wanted_n);
+  double worst_half_n = 0.0, worst_full_n = 0.0, force_n = 0.0;
+  for (int i = 0; force_n < wanted_n && i < 5000; ++i) {
+    const double depth_m = m_per_s * dt_s * i;
+    force_n = back.touch(Arm::left, dt_s * i, pressed_by(depth_m), {0.0, -m_per_s, 0.0}).force_n;
+    const double off_n = std::abs(tissue::force_at_depth(law, depth_m) - force_n);
+    if (std::abs(force_n - 0.5 * wanted_n) < 0.1) worst_half_n = std::max(worst_half_n, off_n);
+    if (std::abs(force_n - wanted_n) < 0.2) worst_full_n = std::max(worst_full_n, off_n);
+  }
+  CHECK(force_n >= wanted_n);
+  CHECK(worst_half_n < 0.3);
+  CHECK(worst_full_n < 0.4);
+  // Not the numbers that the place was drawn with.
+  CHECK(std::abs(law.alpha_n / hard.alpha_n - 1.0) > 0.2);
+}

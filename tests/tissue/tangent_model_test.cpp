@@ -39,3 +39,23 @@ TEST_CASE("bone is far stiffer at 20 N than soft muscle") {
   CHECK(stiffness_at_force(bone, 20.0) == doctest::Approx(24.3e3).epsilon(0.02));
   CHECK(stiffness_at_force(soft, 20.0) < 15e3);
 }
+
+TEST_CASE("the law through two depths of a law is that law") {
+  for (const TangentTissue& tissue : {bone, hard, soft}) {
+    for (const double force_n : {5.0, 20.0, 60.0}) {
+      const TangentTissue again = tangent_through(force_n, depth_at_force(tissue, force_n),
+                                                  depth_at_force(tissue, 0.5 * force_n));
+      CHECK(again.alpha_n == doctest::Approx(tissue.alpha_n).epsilon(1e-6));
+      CHECK(again.beta_per_m == doctest::Approx(tissue.beta_per_m).epsilon(1e-6));
+    }
+  }
+}
+
+TEST_CASE("the law through depths that no tangent has still meets the force") {
+  // Softer at first than any tangent, and a straight line.
+  for (const double half_m : {4.9e-3, 2.5e-3}) {
+    const TangentTissue nearest = tangent_through(20.0, 5e-3, half_m);
+    CHECK(std::isfinite(nearest.alpha_n));
+    CHECK(depth_at_force(nearest, 20.0) == doctest::Approx(5e-3).epsilon(0.02));
+  }
+}

@@ -52,6 +52,7 @@ struct Config {
     double tensing_share = 0.0;
     double tensing_probability = 0.0;
     double tissue_grain_share = 0.0;
+    double tissue_place_share = 0.0;
     double skin_friction = 0.0;
     double skin_shear_n_per_mm = 0.0;
     double breath_variation = 0.0;

@@ -26,6 +26,8 @@ constexpr SimulatedEffect effects[] = {
      "in four seconds of contact; assumed"},
     {"simulation.tissue_grain_share", &Simulation::tissue_grain_share, 0, 0.07, 0.12, 0, 0.3,
      "of alpha, 0.4 of it of beta, within 2 to 6 cm; assumed"},
+    {"simulation.tissue_place_share", &Simulation::tissue_place_share, 0, 0.3, 0.5, 0, 1,
+     "of layers and relaxation, from place to place, within 10 to 30 cm; assumed"},
     {"simulation.skin_friction", &Simulation::skin_friction, 0.1, 0.15, 0.5, 0, 1.5,
      "[derler2012]: dry skin about 0.5; with oil assumed"},
     {"simulation.skin_shear_n_per_mm", &Simulation::skin_shear_n_per_mm, 0, 2, 1, 0, 20,

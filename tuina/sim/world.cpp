@@ -223,5 +223,8 @@ Plant& World::plant() {
 BackContact& World::contact() {
   return parts_->contact;
 }
+const BackContact& World::contact() const {
+  return parts_->contact;
+}
 
 }  // namespace tuina::sim

@@ -74,8 +74,11 @@ class World {
   void tell_truth(const PlantTruth& truth);
   /// The robot itself, for hands that lead it; only after it stands ready.
   [[nodiscard]] Plant& plant();
+  /// @{
   /// The person's back under the tools.
   [[nodiscard]] BackContact& contact();
+  [[nodiscard]] const BackContact& contact() const;
+  /// @}
 
  private:
   struct Parts;

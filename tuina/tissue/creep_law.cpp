@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "tuina/core/units.hpp"
+#include "tuina/tissue/tangent_model.hpp"
 
 namespace tuina::tissue {
 namespace {
@@ -78,14 +79,7 @@ TangentTissue first_loading(const CreepLaw& law, double force_n) noexcept {
     depth_m = depth_of(law, now).depth_m;
     if (2 * k == loading_steps) half_m = depth_m;
   }
-  // atan(u) / atan(u / 2) falls from 2 to 1 as u = force / alpha grows.
-  double low = 0.02, high = 200.0;
-  for (int i = 0; i < 40; ++i) {
-    const double u = std::sqrt(low * high);
-    (std::atan(u) * half_m > std::atan(0.5 * u) * depth_m ? low : high) = u;
-  }
-  const double u = std::sqrt(low * high);
-  return {force_n / u, std::atan(u) / std::max(depth_m, 1e-6)};
+  return tangent_through(force_n, depth_m, half_m);
 }
 
 }  // namespace tuina::tissue

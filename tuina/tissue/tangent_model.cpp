@@ -37,6 +37,17 @@ double stiffness_at_force(const TangentTissue& tissue, double force_n) noexcept 
   return tissue.alpha_n * tissue.beta_per_m * (1.0 + q * q);
 }
 
+TangentTissue tangent_through(double force_n, double depth_m, double half_force_depth_m) noexcept {
+  // atan(u) / atan(u / 2) falls from 2 to 1 as u = force / alpha grows.
+  double low = 0.02, high = 200.0;
+  for (int i = 0; i < 40; ++i) {
+    const double u = std::sqrt(low * high);
+    (std::atan(u) * half_force_depth_m > std::atan(0.5 * u) * depth_m ? low : high) = u;
+  }
+  const double u = std::sqrt(low * high);
+  return {force_n / u, std::atan(u) / std::max(depth_m, 1e-6)};
+}
+
 double stiffness_at_depth(const TangentTissue& tissue, double depth_m) noexcept {
   const double angle = std::clamp(tissue.beta_per_m * depth_m, 0.0, last_angle);
   const double q = std::tan(angle);

@@ -72,6 +72,11 @@ struct LivingTissue {
   /// time passes. No heap.
   double press(const TangentTissue& place, double travel_m, double m_per_s, double stiffer,
                double step_s, double renewed_per_s = 0.0) noexcept;
+
+  /// The tangent law of the first loading, at 10 mm/s up to a force, of rested tissue on a torso
+  /// that does not yield: as deep as it at that force and at half of it. No heap.
+  [[nodiscard]] TangentTissue first_loading(const TangentTissue& place,
+                                            double force_n) const noexcept;
 };
 
 }  // namespace tuina::sim

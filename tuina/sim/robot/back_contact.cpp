@@ -93,6 +93,13 @@ Vector3 BackContact::moved_in_couch(double time_s) const noexcept {
   return moved;
 }
 
+TangentTissue BackContact::first_loading(const TangentTissue& place, const Vector3& at_in_couch,
+                                         double to_n) const noexcept {
+  // Both tools meet the same person.
+  const std::optional<LivingContact>& living = sides_[Arm::left].living;
+  return living ? living->first_loading(place, at_in_couch, to_n) : place;
+}
+
 Vector3 BackContact::moving_m_per_s(double time_s) const noexcept {
   Vector3 moving = mean_normal_ * breath_.at(time_s).speed_m_per_s;
   for (const Shift& shift : options_.shifts) {
@@ -184,6 +191,7 @@ void BackContact::press(Side& side, const ClosestPoint::Place& place, const Vect
   if (side.living) {
     LivingContact& living = *side.living;
     living.press({.place = truth.tissue,
+                  .at = truth.at_in_couch,
                   .worked = worked(side, place, step_s),
                   .travel_m = -truth.gap_m,
                   .normal = normal,

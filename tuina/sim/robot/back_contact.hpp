@@ -68,6 +68,10 @@ class BackContact {
   [[nodiscard]] Vector3 moved_in_couch(double time_s) const noexcept;
   [[nodiscard]] Vector3 moving_m_per_s(double time_s) const noexcept;
   /// @}
+  /// The tangent law that somebody who presses the person there, up to that force, can find: of the
+  /// first loading of rested tissue at 10 mm/s. The place's own law where it keeps to that.
+  [[nodiscard]] TangentTissue first_loading(const TangentTissue& place, const Vector3& at_in_couch,
+                                            double to_n) const noexcept;
   /// Out of the back; unit.
   [[nodiscard]] const Vector3& mean_normal_in_couch() const noexcept { return mean_normal_; }
   /// The person will move so, too.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "tuina/core/geometry.hpp"
@@ -20,6 +21,7 @@ struct LivingBack {
   double tensing_share = 0.0;        ///< stiffer by it, and let go again
   double tensing_probability = 0.0;  ///< in four seconds of contact
   double grain_share = 0.0;          ///< standard deviation of alpha within centimetres
+  double place_share = 0.0;          ///< of layers and relaxation, from place to place
   double skin_shear_n_per_m = 0.0;   ///< skin gives way sideways before it slips; 0: it does not
 
   [[nodiscard]] bool operator==(const LivingBack&) const = default;
@@ -36,13 +38,17 @@ class LivingContact {
   /// Where a tool is on the person, and what the tissue there is like.
   struct Tool {
     TangentTissue place;
-    double worked = 0.0;    ///< 0: never pressed before, 1: no further change
-    double travel_m = 0.0;  ///< below the resting skin
+    Vector3 at = Vector3::Zero();  ///< on the resting person
+    double worked = 0.0;           ///< 0: never pressed before, 1: no further change
+    double travel_m = 0.0;         ///< below the resting skin
     Vector3 normal = Vector3::UnitZ();
     Vector3 velocity_m_per_s = Vector3::Zero();  ///< against the skin
   };
   /// The tool touches, or may; then a step of time passes.
   void press(const Tool& tool, double step_s) noexcept;
+  /// As `LivingTissue::first_loading`, of a place that has been worked.
+  [[nodiscard]] TangentTissue first_loading(const TangentTissue& place, const Vector3& at,
+                                            double to_n) const noexcept;
   /// The tool is away for a step.
   void rest(double step_s) noexcept;
 
@@ -51,12 +57,32 @@ class LivingContact {
   Vector3 drag_n = Vector3::Zero();  ///< of the skin onto the tool, across the normal
 
  private:
+  /// Height of a landscape over the body, with hills and hollows of 0.1 to 0.3 m and a standard
+  /// deviation of one.
+  class Landscape {
+   public:
+    Landscape() = default;  ///< flat
+    explicit Landscape(Random& random);
+    [[nodiscard]] double at(const Vector3& place) const noexcept;
+
+   private:
+    struct Wave {
+      Vector3 way = Vector3::Zero();  // radians in a metre
+      double phase = 0.0;
+    };
+    std::array<Wave, 6> waves_;
+  };
+
+  /// The layers and the relaxation of a place.
+  void lay(const Vector3& at, LivingTissue& tissue) const noexcept;
   [[nodiscard]] double tension(double step_s) noexcept;
   /// Stretches the skin; how fast the tool slips over it.
   double slip(const Tool& tool, double step_s) noexcept;
 
   LivingBack back_;
   LivingTissue tissue_;
+  std::array<double, 3> relaxing_ = {};  // shares of the person, as is the fat of `back_`
+  Landscape fat_, relaxation_;
   double friction_, shear_n_s_per_m_;
   Random events_;
   Vector3 stretch_ = Vector3::Zero();

@@ -122,10 +122,12 @@ void add_tissue(Page& page, const ReportData& data) {
   }
   part.beside(Part().html(figures::tissue(data)), laws)
       .table(tissue_table(data))
-      .note(say("± is the half-width of the 95 % interval.") +
-            (truth ? say(" The shaded columns are the tissue that the simulated person was given; "
-                         "they exist in simulation only and no part of tuina reads them.")
-                   : ""));
+      .note(
+          say("± is the half-width of the 95 % interval.") +
+          (truth
+               ? say(" The shaded columns are the same law drawn through the first loading of the "
+                     "simulated tissue; no part of tuina reads them.")
+               : ""));
   add_before_and_after(part, data);
   add_condition(part, data);
 }
