@@ -135,6 +135,18 @@ TEST_CASE("the mean error is that of the seven points, whatever further ones wer
   CHECK(holds(page, "the main seven were 4"));
 }
 
+TEST_CASE("points that no path goes to stand below the others") {
+  ReportData data = sample_without_pictures();
+  CHECK_FALSE(holds(report_page(data), "Found as well"));
+  for (const char* name : {"BL13_L", "BL13_R", "BL15_L", "BL15_R"})
+    data.acupoints.push_back({{.name = name}, 4e-3});
+  const std::string page = report_page(data);
+  CHECK(page.find("Found as well") < page.find("BL13 left"));
+  CHECK(page.find(">SI11 left") < page.find("Found as well"));
+  for (const char* name : {"BL13 left", "BL13 right", "BL15 left", "BL15 right"})
+    CHECK(count(page, name) == 1);
+}
+
 TEST_CASE("text from outside cannot become markup") {
   ReportData data = sample_without_pictures();
   const std::string evil = "<img src=x onerror=alert(1)>\"'&\x01";
@@ -178,6 +190,8 @@ TEST_CASE("the report shows what the tissue decided and how far the arms stayed 
   const std::string page = report_page(data);
   CHECK(holds(page, "What the tissue decided"));
   CHECK(holds(words_of(page), "press GV4 <b>"));
+  data.decisions[0].path = data.paths[0].path.name;
+  CHECK(holds(words_of(report_page(data)), "right press SI11 left A3"));
   CHECK(holds(page, "hard enough"));
   CHECK(holds(page, "arm to arm"));
   CHECK_FALSE(holds(page, "arm to person"));

@@ -44,6 +44,20 @@ Part& Part::figures(const std::vector<Figure>& figures, int in_a_row) {
   return html("</div>");
 }
 
+Part& Part::columns(const Table& table, int in_a_row) {
+  html(in_a_row == 2 ? "<div class=\"even\">" : "<div class=\"three\">");
+  const auto columns = static_cast<std::size_t>(in_a_row);
+  const std::size_t each = (table.rows.size() + columns - 1) / columns;
+  Table some = table;
+  for (std::size_t from = 0; from < table.rows.size(); from += each) {
+    const std::size_t to = std::min(from + each, table.rows.size());
+    some.rows.assign(table.rows.begin() + static_cast<std::ptrdiff_t>(from),
+                     table.rows.begin() + static_cast<std::ptrdiff_t>(to));
+    html("<div>" + to_html(some) + "</div>");
+  }
+  return html("</div>");
+}
+
 Part& Part::list(const std::vector<std::string>& items) {
   html("<ul>");
   for (const std::string& item : items) element("li", "", item);
@@ -51,7 +65,8 @@ Part& Part::list(const std::vector<std::string>& items) {
 }
 
 Part& Part::tiles(const std::vector<KeyNumber>& numbers) {
-  html("<div class=\"tiles\">");
+  // More than one row holds are spread over rows of equal length.
+  html(numbers.size() > 7 ? "<div class=\"tiles rows\">" : "<div class=\"tiles\">");
   for (const KeyNumber& number : numbers) {
     html(fmt::format(
         "<div class=\"tile\"><span class=\"label\">{}</span><b>{}<small>{}</small></b><i>{}</i>"

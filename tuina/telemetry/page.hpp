@@ -56,6 +56,8 @@ class Part {
   Part& figures(const std::vector<Figure>& figures, int in_a_row = 2);
   /// A table without its title and note.
   Part& table(const Table& table) { return html(to_html(table)); }
+  /// A narrow table, its rows spread over so many beside each other, two or three.
+  Part& columns(const Table& table, int in_a_row);
   /// A list with a dot before each item.
   Part& list(const std::vector<std::string>& items);
   /// Numbers in large print, each with its words.

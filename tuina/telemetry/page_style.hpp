@@ -23,6 +23,7 @@ p{margin:0 0 12px;max-width:46em}
 .lead{font-size:20px;line-height:1.6;margin:26px 0 34px;max-width:43em}
 .tiles{display:flex;flex-wrap:wrap;gap:1px;background:var(--line);border:1px solid var(--line);border-radius:12px;overflow:hidden;margin:0 0 20px}
 .tile{background:var(--card);padding:15px 14px 13px 16px;flex:1 1 136px}
+.tiles.rows .tile{flex-basis:max(136px,22%)}
 .tile b{display:block;font-size:26px;line-height:1.15;font-weight:600;letter-spacing:-.02em;white-space:nowrap}
 .tile b small{font-size:14px;font-weight:500;color:var(--soft);letter-spacing:0;margin-left:4px}
 .tile .label{display:block;font-size:13px;color:var(--soft);margin-bottom:4px}
@@ -32,6 +33,7 @@ section>p:first-of-type{color:var(--soft)}
 .two{display:grid;grid-template-columns:minmax(0,1.6fr) minmax(0,1fr);gap:30px;align-items:start}
 .even{display:grid;grid-template-columns:1fr 1fr;gap:24px}
 .three{display:grid;grid-template-columns:repeat(3,minmax(0,1fr));gap:20px}
+.strip.odd{grid-template-columns:repeat(auto-fill,minmax(300px,1fr))}
 svg{max-width:100%;height:auto;display:block}
 svg.back{width:100%}
 .strip{display:grid;grid-template-columns:repeat(auto-fill,minmax(226px,1fr));gap:22px 20px;margin:14px 0 6px}

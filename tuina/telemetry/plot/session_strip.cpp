@@ -131,7 +131,8 @@ std::string session_strip(const ReportData& data) {
       }
     }
   }
-  std::string html = "<div class=strip>";
+  // Four in a row would leave the last one alone.
+  std::string html = pictures % 4 == 1 ? "<div class=\"strip odd\">" : "<div class=strip>";
   for (std::size_t k = 0; k < pictures; ++k) {
     const Moment& moment = moments[shown[k]];
     Scene scene;

@@ -163,6 +163,10 @@ std::string place_of(const ContactPath& path, const Language& say) {
                                     : say("{} to {}", first, spoken(path.acupoints.back(), say));
 }
 
+std::string said_path(const ContactPath& path, const Language& say) {
+  return say(name_of(path.technique)) + " " + place_of(path, say);
+}
+
 std::string chinese_name(const std::string& acupoint) {
   // WHO Standard Acupuncture Point Locations in the Western Pacific Region (2008).
   static const std::map<std::string, std::string> names = {

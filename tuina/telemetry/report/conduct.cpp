@@ -149,14 +149,14 @@ void add_given(Page& page, const ReportData& data) {
       why = why.empty() ? lowered : lowered + say("; ") + why;
     }
     if (why.empty()) continue;
-    table.add({say(performed.path.name), performed.programme_n, performed.ordered_n,
+    table.add({figures::said_path(performed.path, say), performed.programme_n, performed.ordered_n,
                performed.given_n, why});
   }
   if (table.rows.empty()) return;
   page.section(
           say("Given otherwise than asked for"),
           say("Where the plan orders less than the programme asks for, or the given force is "
-              "more than 5 % off the ordered one. A press or a tap counts by its largest force, "
+              "more than 5 % off the ordered one. A press or a tap counts by its largest force, "
               "what slides by its mean."))
       .table(table);
 }
@@ -172,7 +172,12 @@ void add_decisions(Page& page, const ReportData& data) {
                           {.head = say("planned, N"), .digits = 1},
                           {.head = say("decided, N"), .digits = 1}}};
   for (const SteeringDecision& made : data.decisions) {
-    table.add({made.time_s, say(name_of(made.arm)), say(made.path), made.rule,
+    const auto decided =
+        std::find_if(data.paths.begin(), data.paths.end(),
+                     [&](const PerformedPath& one) { return one.path.name == made.path; });
+    const std::string path =
+        decided == data.paths.end() ? say(made.path) : figures::said_path(decided->path, say);
+    table.add({made.time_s, say(name_of(made.arm)), path, made.rule,
                say(Sentence{.words = made.reason, .key = made.key}),
                made.from_n > 0.0 ? Cell(made.from_n) : Cell(), made.to_n});
   }

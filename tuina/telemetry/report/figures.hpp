@@ -38,6 +38,8 @@ namespace tuina::telemetry::figures {
 [[nodiscard]] std::string spoken(const std::string& acupoint, const Language& say = {});
 /// "SI11 left to BL50 left", or of a named line "bladder inner left".
 [[nodiscard]] std::string place_of(const ContactPath& path, const Language& say = {});
+/// "stroke SI11 left to BL50 left".
+[[nodiscard]] std::string said_path(const ContactPath& path, const Language& say = {});
 /// The acupoint's Chinese name in Latin letters.
 [[nodiscard]] std::string chinese_name(const std::string& acupoint);
 

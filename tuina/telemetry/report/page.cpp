@@ -47,7 +47,15 @@ std::vector<KeyNumber> tiles(const ReportData& data) {
   return tiles;
 }
 
-Table acupoint_table(const ReportData& data) {
+bool is_worked_on(const ReportData& data, const std::string& acupoint) {
+  return std::any_of(data.paths.begin(), data.paths.end(), [&](const PerformedPath& performed) {
+    const std::vector<std::string>& names = performed.path.acupoints;
+    return std::find(names.begin(), names.end(), acupoint) != names.end();
+  });
+}
+
+/// Those that paths of the session name, or the others.
+Table acupoint_table(const ReportData& data, bool worked_on) {
   const bool truth = std::any_of(data.acupoints.begin(), data.acupoints.end(),
                                  [](const FoundAcupoint& f) { return f.error_m.has_value(); });
   const Language& say = data.language;
@@ -58,6 +66,7 @@ Table acupoint_table(const ReportData& data) {
           {.head = truth ? say("distance to the truth, mm") : "", .digits = 1, .truth = true}}};
   for (const FoundAcupoint& found : data.acupoints) {
     const Acupoint& point = found.acupoint;
+    if (is_worked_on(data, point.name) != worked_on) continue;
     table.add({{figures::spoken(point.name, say), say(figures::chinese_name(point.name))},
                to_mm(point.uncertainty_m),
                found.error_m ? Cell(to_mm(*found.error_m)) : Cell()});
@@ -77,7 +86,8 @@ void add_back(Page& page, const ReportData& data) {
   if (data.acupoints.empty()) {
     points.note(say("No acupoint was located."));
   } else {
-    points.table(acupoint_table(data))
+    const Table worked_on = acupoint_table(data, true);
+    (worked_on.rows.empty() ? points : points.table(worked_on))
         .note(say("The pale ring around a point, and the column “within”, is the radius that "
                   "holds the true point in 95 of 100 cases. Left and right are the person’s "
                   "own.") +
@@ -85,11 +95,14 @@ void add_back(Page& page, const ReportData& data) {
                                       "points, which only a simulation knows.")
                                 : ""));
   }
-  page.section(say("The back"),
-               say("The surface that the scanner saw, with the acupoints that were found on it and "
-                   "the paths of both arms."),
-               false)
-      .beside(picture, points);
+  Part& part =
+      page.section(say("The back"),
+                   say("The surface that the scanner saw, with the acupoints that were found on it "
+                       "and the paths of both arms."),
+                   false)
+          .beside(picture, points);
+  const Table others = acupoint_table(data, false);
+  if (!others.rows.empty()) part.heading(say("Found as well")).columns(others, 3);
 }
 
 void add_forces(Page& page, const ReportData& data) {
