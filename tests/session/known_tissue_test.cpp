@@ -56,12 +56,14 @@ struct Probed {
     planned.zone = zone;
     const massage::Plan plan{.paths = {planned}};
     Steering steering(plan,
-                      {.presses = tissue::pressed_by_robot(1e6, 0.2), .known = std::move(known)});
+                      {.presses = tissue::pressed_by_robot(35e3, 0.2), .known = std::move(known)});
     double time_s = 0.0;
     steering.begin(Arm::left, 0, time_s);
     relied = steering.known(Arm::left) != nullptr;
     const auto feel = [&](double force_n) {
-      const double depth_m = force_n > 0.0 ? tissue::depth_at_force(felt, force_n) : -2e-3;
+      constexpr double torso_n_per_m = 20e3;
+      const double depth_m =
+          force_n > 0.0 ? tissue::depth_at_force(felt, force_n) + force_n / torso_n_per_m : -2e-3;
       steering.feel(Arm::left, time_s, {.depth_m = depth_m, .force_n = force_n});
       time_s += 1e-3;
     };

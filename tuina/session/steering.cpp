@@ -76,7 +76,7 @@ void Steering::begin(Arm arm, int path, double time_s) noexcept {
   Side& side = sides_[arm];
   const auto index = static_cast<std::size_t>(path);
   const massage::PlannedPath& planned = paths_[index];
-  side.whole.reset();
+  side.whole.next_place();
   side.elastic.reset();
   side.last.reset();
   side.path = path;
@@ -113,6 +113,7 @@ void Steering::end(Arm arm) noexcept {
   Side& side = sides_[arm];
   const int number = side.path < 0 ? -1 : place_of_path_[static_cast<std::size_t>(side.path)];
   if (number < 0 || !side.presses || side.probing) return;
+  side.whole.keep_person();
   Place& place = places_[static_cast<std::size_t>(number)];
   place.felt = true;
   place.strongest_n = side.strongest_n;

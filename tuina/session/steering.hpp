@@ -114,7 +114,7 @@ class Steering {
   };
   struct Side {
     explicit Side(const tissue::PressEstimatorOptions& options)
-        : whole(options), elastic(options), last(options), set(options) {}
+        : whole(tissue::on_unknown_torso(options)), elastic(options), last(options), set(options) {}
     /// All presses of this contact.
     SessionEstimator whole;
     /// By the tangent law alone, which compares like with like: all presses of this contact, the

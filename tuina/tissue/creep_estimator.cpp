@@ -19,6 +19,8 @@ constexpr std::size_t turns_per_tick = 2;
 constexpr double z95 = 1.96;
 // Neighbouring segments share what the law leaves out, so evidence counts less than its sum.
 constexpr double evidence_share = 0.6;
+// How well the presses of one place were foretold says half as much of those of another one.
+constexpr double kept_judgement = 0.5;
 
 /// Tissue that only springs back, and tissue that remembers, each with breath and passing changes
 /// of several sizes, around what the caller expects of the breath. Tuned in the worlds of
@@ -53,19 +55,38 @@ CreepEstimator::CreepEstimator(const Options& options) noexcept
 }
 
 void CreepEstimator::reset() noexcept {
+  const auto assumed = hypotheses(options_.breathing_m);
+  for (std::size_t i = 0; i < filters; ++i) unpressed_[i] = CreepFilter(options_, assumed[i]);
+  kept_surprise_ = kept_judged_ = 0.0;
+  next_place();
+}
+
+void CreepEstimator::keep_person() noexcept {
+  if (seen_presses_ == 0) return;
+  const auto assumed = hypotheses(options_.breathing_m);
+  for (std::size_t i = 0; i < filters; ++i) {
+    unpressed_[i] = CreepFilter(options_, assumed[i]);
+    unpressed_[i].expect_person(filters_[i].now());
+  }
+  kept_surprise_ = kept_judgement * surprise_;
+  kept_judged_ = kept_judgement * judged_;
+}
+
+void CreepEstimator::next_place() noexcept {
+  filters_ = unpressed_;
   segments_ = PressSegments({.force_noise_n = options_.force_noise_n,
                              .contact_sd_m = options_.contact_sd_m,
                              .force_delay_s = options_.force_delay_s,
                              .tool_mass_kg = options_.tool_mass_kg,
                              .max_segments = PressSegments::capacity});
-  const auto assumed = hypotheses(options_.breathing_m);
-  for (std::size_t i = 0; i < filters; ++i) filters_[i] = CreepFilter(options_, assumed[i]);
-  weights_.fill(1.0 / static_cast<double>(filters));
-  leader_ = followed_ = next_ = 0;
+  weigh();
+  followed_ = next_ = 0;
   passing_ = middle_kept_ = pressing_ = as_told_ = false;
   seen_presses_ = 0;
   press_ = -1;
-  surprise_ = judged_ = rise_s_ = 0.0;
+  rise_s_ = 0.0;
+  surprise_ = kept_surprise_;
+  judged_ = kept_judged_;
   strongest_ = PressSegment{};
   nis_ = 1.0;
   estimate_ = TissueEstimate{};
@@ -179,6 +200,14 @@ void CreepEstimator::publish() noexcept {
   loading_covariance_ =
       nis_ * J * now.covariance.topLeftCorner<CreepFilter::nonlinear, CreepFilter::nonlinear>() *
       J.transpose();
+  // What the other filters say instead is as possible as they are.
+  for (std::size_t i = 0; i < filters; ++i) {
+    if (i == leader_ || weights_[i] < 0.01) continue;
+    const TangentTissue other = loading_of(filters_[i].now().mean);
+    const Eigen::Vector2d apart(std::log(other.alpha_n / estimate_.tissue.alpha_n),
+                                std::log(other.beta_per_m / estimate_.tissue.beta_per_m));
+    loading_covariance_ += weights_[i] * apart * apart.transpose();
+  }
   estimate_.alpha_ci95_n = estimate_.tissue.alpha_n * z95 * std::sqrt(loading_covariance_(0, 0));
   estimate_.beta_ci95_per_m =
       estimate_.tissue.beta_per_m * z95 * std::sqrt(loading_covariance_(1, 1));

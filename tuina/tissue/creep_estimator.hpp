@@ -47,9 +47,14 @@ class CreepEstimator {
   [[nodiscard]] double force_half_width(double force_n) const noexcept;
   /// True when the last press was foretold and came otherwise, by more than two standard
   /// deviations.
-  [[nodiscard]] bool surprised() const noexcept { return judged_ > 0.0 && !as_told_; }
+  [[nodiscard]] bool surprised() const noexcept { return seen_presses_ >= 2 && !as_told_; }
   /// Forgets the person but not the options.
   void reset() noexcept;
+  /// Keeps of the presses so far what people have much alike all over, such as how their tissue
+  /// relaxes and is layered, for the places that follow.
+  void keep_person() noexcept;
+  /// Another place: forgets this one. What was kept of the person is expected there, less surely.
+  void next_place() noexcept;
 
   /// What is believed at one time, carried on without further forces.
   struct Outlook {
@@ -83,6 +88,7 @@ class CreepEstimator {
 
   Options options_;
   PressSegments segments_;
+  std::array<CreepFilter, filters> unpressed_;  // of this person, before the first press
   std::array<CreepFilter, filters> filters_;
   std::array<double, filters> weights_ = {};
   std::size_t leader_ = 0;
@@ -99,6 +105,7 @@ class CreepEstimator {
   int seen_presses_ = 0;
   bool as_told_ = false;                  // the last press, within two standard deviations
   double surprise_ = 0.0, judged_ = 0.0;  // sum of squared normalised errors, and their number
+  double kept_surprise_ = 0.0, kept_judged_ = 0.0;  // of the places before
 
   double nis_ = 1.0, published_s_ = 0.0;
   Eigen::Matrix2d loading_covariance_;  // of ln alpha and ln beta of the first loading

@@ -35,6 +35,8 @@ constexpr double clear_of_skin_m = 0.5_mm;  // there the sensor shows its zero
 constexpr double settled_share = 0.3, settled_step = 0.01;
 
 constexpr double never_s = -std::numeric_limits<double>::infinity();
+// Of logarithms, from place to place of one person; and how much of the evidence counts there.
+constexpr double place_sd = 0.3, kept_between_places = 0.2;
 constexpr double unknown_inertia = 0.3;  // error share of the compensated tool inertia
 
 constexpr double square(double x) {
@@ -81,6 +83,26 @@ CreepFilter::CreepFilter(const PressEstimatorOptions& options,
   sd(breath_speed) = sd(breath) * 2.0 * pi * options.breathing_hz;
   prior_.covariance.diagonal() = sd.array().square();
   prior_.time_s = never_s;
+  pass_ = middle_ = now_ = prior_;
+  at_ = prior_.mean;
+}
+
+void CreepFilter::expect_person(const Belief& elsewhere) noexcept {
+  // Relaxation, layers and what lies beneath; alpha and beta are the place's own.
+  constexpr int first = log_creep, count = log_softness + 1 - first;
+  const Eigen::Matrix<double, count, 1> unknown =
+      prior_.covariance.diagonal().segment<count>(first);
+  auto known = prior_.covariance.block<count, count>(first, first);
+  prior_.mean.segment<count>(first) = elsewhere.mean.segment<count>(first);
+  known = elsewhere.covariance.block<count, count>(first, first);
+  known.diagonal().array() += square(place_sd);
+  for (int i = 0; i < count; ++i) {
+    // Never less sure than of somebody unknown.
+    const double scale = std::min(1.0, std::sqrt(unknown(i) / known(i, i)));
+    known.row(i) *= scale;
+    known.col(i) *= scale;
+  }
+  prior_.log_evidence = kept_between_places * elsewhere.log_evidence;
   pass_ = middle_ = now_ = prior_;
   at_ = prior_.mean;
 }

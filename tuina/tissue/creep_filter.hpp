@@ -74,6 +74,9 @@ class CreepFilter {
   void keep_middle() noexcept { middle_ = pass_; }
   void finish_pass() noexcept;
   /// @}
+  /// Before the first segment, after another place of the same person: what people have much alike
+  /// all over is expected as it was found there, less surely.
+  void expect_person(const Belief& elsewhere) noexcept;
   /// The segments before the kept middle leave the window.
   void forget_before_middle() noexcept { prior_ = middle_; }
   /// True when the parameters have left the place at which they were linearised.

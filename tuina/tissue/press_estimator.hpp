@@ -41,6 +41,8 @@ struct PressEstimatorOptions {
 /// alpha to 8 % and beta to 5 %. Tuned in simulation with other seeds than tests and tables.
 [[nodiscard]] PressEstimatorOptions pressed_by_robot(double torso_n_per_m,
                                                      double tool_mass_kg) noexcept;
+/// The same on a person of whom nothing is known: torsos yield by 10 to 35 N/mm (docs/tissue.md).
+[[nodiscard]] PressEstimatorOptions on_unknown_torso(PressEstimatorOptions options) noexcept;
 
 /// Recursive estimator of alpha and beta in F = alpha tan(beta x) from one person's presses.
 ///
