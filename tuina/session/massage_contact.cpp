@@ -148,8 +148,11 @@ void MassageStep::feel(Side& side, Arm arm, double time_s, const ArmState& state
                  {.depth_m = normal.dot(side.wanted.at_in_base - tip),
                   .force_n = normal.dot(state.contact_in_base.force_n)});
   const TissueEstimate& estimate = steering_.estimate(arm);
+  // Another law in the midst of a press would move the tool while it presses: between two of them.
+  constexpr double barely_n = 0.5;
+  const bool pressing = side.commanded_n > massage::kept_force_n + barely_n;
   if (options_.steer && estimate.converged) {
-    side.expected = estimate.tissue;
+    if (!pressing) side.expected = estimate.tissue;
   } else if (side.foreknown && steering_.known(arm) == nullptr) {
     side.expected = expected_in(path_of(side)->zone);
     side.foreknown = false;

@@ -82,7 +82,7 @@ struct MassageOptions {
   double rail_m = 0.0;
   double standoff_m = 40e-3;
   double force_ceiling_n = 45.0;
-  double torso_n_per_m = 35e3;  ///< literature value; this person's own is not known
+  double torso_n_per_m = 18e3;  ///< between 10 and 35; this person's own is not known
   bool steer = true;            ///< the estimate is fed forward as soon as it has converged
   bool adaptive = true;         ///< presses follow the tissue that was felt
   bool cautious = true;         ///< rule A2 of the steering
