@@ -57,12 +57,6 @@ PressEstimatorOptions pressed_by_robot(double torso_n_per_m, double tool_mass_kg
           .converged_beta = 0.05};
 }
 
-PressEstimatorOptions on_unknown_torso(PressEstimatorOptions options) noexcept {
-  options.torso_n_per_m = 18e3;
-  options.torso_sd = 0.35;  // of the logarithm: 95 % within 9 and 36 N/mm
-  return options;
-}
-
 PressEstimator::PressEstimator(const PressEstimatorOptions& options) noexcept
     : options_(options), segments_(segment_options(options)) {
   reset();

@@ -42,7 +42,11 @@ struct PressEstimatorOptions {
 [[nodiscard]] PressEstimatorOptions pressed_by_robot(double torso_n_per_m,
                                                      double tool_mass_kg) noexcept;
 /// The same on a person of whom nothing is known: torsos yield by 10 to 35 N/mm (docs/tissue.md).
-[[nodiscard]] PressEstimatorOptions on_unknown_torso(PressEstimatorOptions options) noexcept;
+[[nodiscard]] inline PressEstimatorOptions on_unknown_torso(PressEstimatorOptions options) {
+  options.torso_n_per_m = 18e3;
+  options.torso_sd = 0.35;  // of the logarithm: 95 % within 9 and 36 N/mm
+  return options;
+}
 
 /// Recursive estimator of alpha and beta in F = alpha tan(beta x) from one person's presses.
 ///

@@ -138,8 +138,7 @@ TangentTissue LivingTissue::first_loading(const TangentTissue& place,
     at_m += m_per_s * step_s;
     const double now_n = rested.press(place, at_m, m_per_s, 1.0, step_s);
     if (before_n < 0.5 * force_n && now_n >= 0.5 * force_n) half_m = passed_m(0.5 * force_n, now_n);
-    if (now_n >= force_n)
-      return tissue::tangent_through(force_n, passed_m(force_n, now_n), half_m);
+    if (now_n >= force_n) return tissue::tangent_through(force_n, passed_m(force_n, now_n), half_m);
     before_n = now_n;
   }
   return place;
