@@ -170,6 +170,7 @@ class EvaluateMassage final : public Verb {
     }
     ordered_json json{{"massages", to_json_by_name(session_table(rows))},
                       {"given", to_json_by_name(given_table(given))},
+                      {"felt", to_json_by_name(felt_table(given))},
                       {"incidents", incidents}};
     if (!adaptive.empty()) json["adaptive"] = to_json_by_name(session_table(adaptive));
     if (!html_.empty()) {
@@ -180,7 +181,8 @@ class EvaluateMassage final : public Verb {
       const auto written = write_file(html_, session_page(rows, adaptive, judged, incidents));
       if (!written) return tl::unexpected(written.error());
     }
-    std::string text = to_text(session_table(rows)) + "\n" + to_text(given_table(given));
+    std::string text = to_text(session_table(rows)) + "\n" + to_text(given_table(given)) + "\n" +
+                       to_text(felt_table(given));
     if (!adaptive.empty()) text += "\n" + to_text(session_table(adaptive));
     for (const std::string& incident : incidents) text += incident + "\n";
     return Answer{.json = json.dump(2), .text = text};

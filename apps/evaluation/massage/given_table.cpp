@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 
 #include "apps/evaluation/massage/page.hpp"
@@ -80,6 +81,42 @@ telemetry::Table given_table(const std::vector<const SessionOutcome*>& outcomes)
     rows_of(fmt::format("all from {} 3 on", what),
             [&](const GivenPress& p) { return at(p, false) && p.index >= 3; });
   }
+  return table;
+}
+
+telemetry::Table felt_table(const std::vector<const SessionOutcome*>& outcomes) {
+  telemetry::Table table{
+      .note =
+          "Of all contacts that press a place, at their ends. The truth is the tangent of the "
+          "first "
+          "loading of the rested tissue at 10 mm/s. Held: it lies in the 95 % interval that is "
+          "said.",
+      .columns = {{.head = "felt"},
+                  {.head = "contacts", .key = "contacts"},
+                  {.head = "converged, %", .key = "converged_percent", .digits = 0},
+                  {.head = "held, %", .key = "held_percent", .digits = 0},
+                  {.head = "10 % below, %", .key = "error_percent.p10", .digits = 0},
+                  {.head = "median", .key = "error_percent.median", .digits = 0},
+                  {.head = "90 % below", .key = "error_percent.p90", .digits = 0},
+                  {.head = "interval, median +- %", .key = "reach_percent", .digits = 0}}};
+  const auto add = [&](const char* name, double FeltTrial::*error, double FeltTrial::*reach) {
+    std::vector<double> errors, reaches;
+    double converged = 0.0, held = 0.0;
+    for (const SessionOutcome* one : outcomes) {
+      for (const FeltTrial& felt : one->felt) {
+        errors.push_back(100.0 * std::expm1(felt.*error));
+        reaches.push_back(100.0 * felt.*reach);
+        converged += felt.converged;
+        held += std::abs(felt.*error) <= felt.*reach;
+      }
+    }
+    if (errors.empty()) return;
+    const double percent = 100.0 / static_cast<double>(errors.size());
+    table.add({name, errors.size(), percent * converged, percent * held, percentile(errors, 0.1),
+               percentile(errors, 0.5), percentile(errors, 0.9), percentile(reaches, 0.5)});
+  };
+  add("alpha", &FeltTrial::alpha_error, &FeltTrial::alpha_reach);
+  add("beta", &FeltTrial::beta_error, &FeltTrial::beta_reach);
   return table;
 }
 

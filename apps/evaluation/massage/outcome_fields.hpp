@@ -23,7 +23,22 @@ void visit_press(Press& press, const Visit& visit) {
   visit("end_s", press.end_s);
 }
 
-// The JSON library finds these two by their names.
+template <typename Felt, typename Visit>
+void visit_felt(Felt& felt, const Visit& visit) {
+  visit("converged", felt.converged);
+  visit("alpha_error", felt.alpha_error);
+  visit("alpha_reach", felt.alpha_reach);
+  visit("beta_error", felt.beta_error);
+  visit("beta_reach", felt.beta_reach);
+}
+
+// The JSON library finds these four by their names.
+inline void to_json(nlohmann::ordered_json& json, const FeltTrial& felt) {
+  visit_felt(felt, [&](const char* key, const auto& value) { json[key] = value; });
+}
+inline void from_json(const nlohmann::ordered_json& json, FeltTrial& felt) {
+  visit_felt(felt, [&](const char* key, auto& value) { json.at(key).get_to(value); });
+}
 inline void to_json(nlohmann::ordered_json& json, const GivenPress& press) {
   visit_press(press, [&](const char* key, const auto& value) { json[key] = value; });
 }
@@ -49,6 +64,7 @@ void visit_fields(Outcome& outcome, const Visit& visit) {
   visit("arm_distance_m", outcome.arm_distance_m);
   visit("tool_to_acupoint_m", outcome.tool_to_acupoint_m);
   visit("presses", outcome.presses);
+  visit("felt", outcome.felt);
   visit("scan_to_touch_s", outcome.scan_to_touch_s);
   visit("plan_ms", outcome.plan_ms);
   visit("real_time_factor", outcome.real_time_factor);

@@ -113,6 +113,9 @@ std::string session_page(const std::vector<SessionRow>& rows,
   page.section("What was given of what was planned",
                "Largest true force of each press and tap, per cent of its plan.")
       .table(given_table(given));
+  page.section("What was felt against the truth",
+               "alpha and beta, per cent of those of the true first loading.")
+      .table(felt_table(given));
   page.section("All of them, sorted", "Dashed: what must be kept.").figures(plots_of(outcomes));
   if (!adaptive.empty())
     page.section("What steering by the tissue changes",

@@ -21,6 +21,10 @@ struct SessionRow {
 /// Largest true force of presses and taps as a share of the plan, by their index at a place.
 [[nodiscard]] telemetry::Table given_table(const std::vector<const SessionOutcome*>& outcomes);
 
+/// alpha and beta as felt against those of the true first loading, and how often the intervals that
+/// are said hold them.
+[[nodiscard]] telemetry::Table felt_table(const std::vector<const SessionOutcome*>& outcomes);
+
 /// What `evaluate massage` found, as one page that needs nothing else. `adaptive` are the same
 /// sessions with steering and without, or empty.
 [[nodiscard]] std::string session_page(const std::vector<SessionRow>& rows,

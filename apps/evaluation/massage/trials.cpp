@@ -2,6 +2,7 @@
 #include "apps/evaluation/massage/trials.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "apps/evaluation/cells.hpp"
@@ -30,6 +31,14 @@ double uncertainty_of(const SessionResult& done, const std::string& name) {
     if (point.name == name) return point.uncertainty_m;
   }
   return 0.0;
+}
+
+FeltTrial felt_trial(const TissueEstimate& felt, const TangentTissue& truth) {
+  return {.converged = felt.converged,
+          .alpha_error = std::log(felt.tissue.alpha_n / truth.alpha_n),
+          .alpha_reach = felt.alpha_ci95_n / felt.tissue.alpha_n,
+          .beta_error = std::log(felt.tissue.beta_per_m / truth.beta_per_m),
+          .beta_reach = felt.beta_ci95_per_m / felt.tissue.beta_per_m};
 }
 
 /// The presses from the third of a place on that were not as planned, each with what was decided.
@@ -87,6 +96,8 @@ SessionOutcome run_session_trial(const SessionTrial& trial, const session::Confi
       outcome.troubles.push_back(
           fmt::format("{}: {}", path.name, control::name_of(performed.contact_fault)));
     }
+    if (performed.felt && touched.peak_n > 0.0)
+      outcome.felt.push_back(felt_trial(*performed.felt, touched.tissue));
     if (bony(touched.zone)) outcome.bony_peak_n = std::max(outcome.bony_peak_n, touched.peak_n);
     outcome.over_cap_n = std::max(outcome.over_cap_n, touched.over_cap_n);
     outcome.over_trip_n = std::max(outcome.over_trip_n, touched.over_trip_n);

@@ -18,6 +18,13 @@ struct SessionTrial {
   std::uint64_t seed = 1;
 };
 
+/// Tissue as felt in one contact, beside the first loading of the true one.
+struct FeltTrial {
+  bool converged = false;
+  /// Logarithms of felt over true, and how far the 95 % interval reaches.
+  double alpha_error = 0.0, alpha_reach = 0.0, beta_error = 0.0, beta_reach = 0.0;
+};
+
 /// What became of it, judged by what only the simulation knows.
 struct SessionOutcome {
   std::string refused = {};  ///< why there was no session; the rest is then empty
@@ -34,6 +41,7 @@ struct SessionOutcome {
   std::vector<double> tool_to_acupoint_m =
       {};  ///< distance of each press of one of the seven points
   std::vector<GivenPress> presses = {};
+  std::vector<FeltTrial> felt = {};
   double scan_to_touch_s = 0.0;
   double plan_ms = 0.0;
   double real_time_factor = 0.0;
