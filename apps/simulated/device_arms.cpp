@@ -143,6 +143,7 @@ Result<void> DeviceArms::arm(const link::Arming& arming) {
 void DeviceArms::rest() noexcept {
   guard_.rest();
   if (armlink_) armlink_->rest();
+  if (drives_) drives_->rest();
   wrists_->rest();
   const sched_param usual = {};
   (void)sched_setscheduler(0, SCHED_OTHER, &usual);
