@@ -31,6 +31,8 @@ Result<void> LiveOption::begin(const SessionOrder& order, const session::Config&
   if (!asked_) return {};
   auto robot = robot::load_robot(order.robot);
   if (!robot) return tl::unexpected(robot.error());
+  auto devices = served_devices(order, common.seed);
+  if (!devices) return tl::unexpected(devices.error());
   auto site = LiveSite::open({.place = {.port = port_},
                               .session = {.config = config,
                                           .common = common,
@@ -38,7 +40,8 @@ Result<void> LiveOption::begin(const SessionOrder& order, const session::Config&
                                           .robot = order.robot,
                                           .robot_model = std::move(*robot),
                                           .folder = folder,
-                                          .ordered = true},
+                                          .ordered = true,
+                                          .devices = std::move(*devices)},
                               .node = ros2.node(),
                               .reach = ros2.reach()});
   if (!site) return tl::unexpected(site.error());

@@ -175,7 +175,9 @@ session::Review LiveSession::wait_for_review(const motion::ReadyPlan& plan,
 }
 
 void LiveSession::end_ordered(const std::string& outcome, std::vector<SentenceLine> said) {
-  end(commands_.stopped() ? "stopped" : outcome, std::move(said), outcome != "failed");
+  const bool failed = outcome == "failed";
+  const bool stopped = commands_.stopped() || (failed && view_->progress().drives);
+  end(stopped ? "stopped" : outcome, std::move(said), !failed);
 }
 
 void LiveSession::end(std::string outcome, std::vector<SentenceLine> said, bool recorded) {
@@ -187,17 +189,25 @@ void LiveSession::end(std::string outcome, std::vector<SentenceLine> said, bool 
   phase_ = LivePhase::ended;
 }
 
+// A session that has moved the arms leaves its record, whatever it came to.
+void LiveSession::give_up(const Error& error, const std::filesystem::path& folder) {
+  std::error_code none;
+  const bool moved = view_->progress().drives;
+  if (!moved) std::filesystem::remove_all(folder, none);
+  if (options_.has_failed) options_.has_failed(error);
+  std::vector<SentenceLine> said = {{sentence_of(error)}};
+  // Whoever answers the questions or ends what moves hears that, not of a fault.
+  if (error.fault == Fault::stopped && !moved)
+    said[0][0].key = commands_.stopped() ? "stopped_before" : "not_begun";
+  if (moved && std::filesystem::exists(folder / "session.mcap", none)) {
+    said.push_back({sentence("record_kept", "recorded until then: {}/session.mcap",
+                             folder.filename().string())});
+  }
+  end(commands_.stopped() || moved ? "stopped" : "failed", std::move(said), false);
+}
+
 void LiveSession::run(StartOrder start, std::filesystem::path folder) {
-  const auto give_up = [&](const Error& error) {
-    std::error_code none;
-    std::filesystem::remove_all(folder, none);
-    if (options_.has_failed) options_.has_failed(error);
-    Sentence why = sentence_of(error);
-    // Whoever answers the questions or ends what moves hears that, not of a fault.
-    if (error.fault == Fault::stopped)
-      why.key = commands_.stopped() ? "stopped_before" : "not_begun";
-    end(commands_.stopped() ? "stopped" : "failed", {{std::move(why)}}, false);
-  };
+  const auto give_up = [&](const Error& error) { this->give_up(error, folder); };
   const std::filesystem::path consent = folder / "consent.toml";
   if (auto written = write_file(consent, start.consent_toml); !written)
     return give_up(written.error());

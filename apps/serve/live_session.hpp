@@ -50,7 +50,8 @@ class LiveSession {
     std::function<Result<void>(const SessionResult&, const record::SessionFile&)> has_ended = {};
     std::function<void(const Error&)> has_failed = {};
     /// @}
-    KnownPeople people = {};  ///< whose history a session may join
+    KnownPeople people = {};                    ///< whose history a session may join
+    std::optional<ServedDevices> devices = {};  ///< nothing: arms are simulated in this program
   };
   struct State {
     LivePhase phase = LivePhase::idle;
@@ -100,6 +101,7 @@ class LiveSession {
 
  private:
   void run(StartOrder start, std::filesystem::path folder);
+  void give_up(const Error& error, const std::filesystem::path& folder);
   [[nodiscard]] session::Review wait_for_review(const motion::ReadyPlan& plan,
                                                 const std::string& refused);
   void begin(const std::string& number);

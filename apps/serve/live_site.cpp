@@ -33,7 +33,8 @@ LiveSession::Options with_channels(LiveSession::Options options, ChannelFork& ch
 LiveSite::LiveSite(Options options, web::AuditLog audit)
     : options_(std::move(options)),
       page_(read_page(options_.page)),
-      choices_(choices_json(static_cast<bool>(options_.session.people.find))),
+      choices_(
+          choices_json(static_cast<bool>(options_.session.people.find), options_.session.devices)),
       audit_(std::move(audit)),
       channels_({.reply = [this](auto client, auto frame) { server_->reply(client, frame); },
                  .put = [this](auto client, auto slot, auto frame,
@@ -159,7 +160,7 @@ Result<void> LiveSite::obey(const web::Message& message) {
   if (audit_fails_ && (message.ask == web::Ask::start || message.ask == web::Ask::arm))
     return fail(Fault::file, "the audit log cannot be written, so nothing is begun");
   if (message.ask == web::Ask::start) {
-    auto start = parse_start_order(message.order);
+    auto start = parse_start_order(message.order, options_.session.devices);
     if (!start) return tl::unexpected(start.error());
     return session_.start(std::move(*start));
   }

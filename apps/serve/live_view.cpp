@@ -111,6 +111,7 @@ void LiveView::keep_events(const session::Tick& tick) {
 void LiveView::on_tick(const session::Tick& tick) noexcept {
   const std::lock_guard lock(mutex_);
   keep_events(tick);
+  progress_.drives = true;
   newest_ = tick;
   if (tick.reading.tick % force_every_ticks != 0 || forces_.size() == max_forces) return;
   const session::ArmView &left = tick.view[Arm::left], &right = tick.view[Arm::right];

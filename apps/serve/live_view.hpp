@@ -33,6 +33,7 @@ class LiveView final : public session::Observer {
     /// How often back, map and plan were made; 0: not yet.
     int backs = 0, plans = 0;
     std::size_t events = 0;  ///< of `events()`
+    bool drives = false;     ///< the arms are driven, or were
   };
   [[nodiscard]] Progress progress() const;
   /// Places of the running scan, three float32 each: all of them, or an even share of so many that

@@ -5,8 +5,11 @@
 
 #include <algorithm>
 #include <array>
+#include <filesystem>
 #include <nlohmann/json.hpp>
+#include <span>
 
+#include "apps/simulated/device_arms.hpp"
 #include "tuina/session/consent.hpp"
 
 namespace tuina::app {
@@ -17,9 +20,10 @@ using nlohmann::json;
 constexpr std::array<const char*, 3> people = {"phantom:slim", "phantom:medium", "phantom:hefty"};
 constexpr std::array<const char*, 3> positions = {"sitting", "prone", "auto"};
 constexpr std::array<const char*, 3> answers = {"yes", "no", "unknown"};
-constexpr std::array<const char*, 9> keys = {"person",    "position", "programme",
-                                             "intensity", "seed",     "answered_by",
-                                             "answers",   "who",      "remember"};
+constexpr std::array<const char*, 9> keys = {"person",    "position",  "seed",
+                                             "programme", "intensity", "answered_by",
+                                             "answers",   "who",       "remember"};
+constexpr std::size_t of_person = 3;  // of these, the first
 constexpr std::size_t max_name_bytes = 80;
 constexpr std::uint64_t max_seed = 1'000'000;
 
@@ -48,6 +52,12 @@ std::vector<std::string> programme_names() {
   std::vector<std::string> names;
   for (const auto& shipped : massage::shipped_programmes()) names.emplace_back(shipped.name);
   return names;
+}
+
+std::optional<BodyPosture> posture_of(const std::string& position) {
+  if (position == "sitting") return BodyPosture::sitting;
+  if (position == "prone") return BodyPosture::prone;
+  return std::nullopt;
 }
 
 /// A name as a TOML string: what is no printable text is refused.
@@ -116,43 +126,67 @@ Result<Confirmed> confirmed_of(const json& object) {
   return confirmed;
 }
 
+/// Who is simulated.
+Result<void> read_person(const json& object, StartOrder& start) {
+  auto person = one_of(object, "person", people);
+  const auto position = one_of(object, "position", positions);
+  const auto seed = whole_number(object, "seed", 1, max_seed);
+  if (!person) return tl::unexpected(person.error());
+  if (!position) return tl::unexpected(position.error());
+  if (!seed) return tl::unexpected(seed.error());
+  start.order.person = std::move(*person);
+  start.order.position = posture_of(*position);
+  start.seed = *seed;
+  return {};
+}
+
 }  // namespace
 
-Result<StartOrder> parse_start_order(std::string_view text) {
+Result<std::optional<ServedDevices>> served_devices(const SessionOrder& order, std::uint64_t seed) {
+  if (order.device.empty()) return std::optional<ServedDevices>();
+  const auto file = read_arms(order.device);
+  if (!file) return tl::unexpected(file.error());
+  const std::string name = std::filesystem::path(order.device).filename().string();
+  return ServedDevices{
+      .order = order, .seed = seed, .named = fmt::format("{}: {}", name, name_of_arms(*file))};
+}
+
+Result<StartOrder> parse_start_order(std::string_view text,
+                                     const std::optional<ServedDevices>& devices) {
   const json object = json::parse(text, nullptr, false);
   if (!object.is_object()) return fail(Fault::bad_input, "order: is no JSON object");
+  const std::span<const char* const> known =
+      devices ? std::span(keys).subspan(of_person) : std::span(keys);
   for (const auto& [key, value] : object.items()) {
-    if (std::find(keys.begin(), keys.end(), key) == keys.end())
-      return fail(Fault::bad_input, "order: has a key that is none of {}", fmt::join(keys, ", "));
+    if (std::find(known.begin(), known.end(), key) == known.end())
+      return fail(Fault::bad_input, "order: has a key that is none of {}", fmt::join(known, ", "));
   }
-  const auto person = one_of(object, "person", people);
-  const auto position = one_of(object, "position", positions);
-  const auto programme = one_of(object, "programme", programme_names());
+  StartOrder start;
+  if (devices) {
+    start.order = devices->order;
+    start.seed = devices->seed;
+  } else if (auto read = read_person(object, start); !read) {
+    return tl::unexpected(read.error());
+  }
+  auto programme = one_of(object, "programme", programme_names());
   const auto intensity = whole_number(object, "intensity", 1, 5);
-  const auto seed = whole_number(object, "seed", 1, max_seed);
   auto consent = consent_of(object);
   auto who = who_of(object);
   const auto confirmed = confirmed_of(object);
-  if (!person) return tl::unexpected(person.error());
-  if (!position) return tl::unexpected(position.error());
   if (!programme) return tl::unexpected(programme.error());
   if (!intensity) return tl::unexpected(intensity.error());
-  if (!seed) return tl::unexpected(seed.error());
   if (!consent) return tl::unexpected(consent.error());
   if (!who) return tl::unexpected(who.error());
   if (!confirmed) return tl::unexpected(confirmed.error());
-  StartOrder start{.order = {.person = *person, .programme = *programme},
-                   .intensity = static_cast<int>(*intensity),
-                   .seed = *seed,
-                   .consent_toml = std::move(*consent),
-                   .who = std::move(*who),
-                   .confirmed = *confirmed};
-  if (*position == "sitting") start.order.position = BodyPosture::sitting;
-  if (*position == "prone") start.order.position = BodyPosture::prone;
+  start.order.programme = std::move(*programme);
+  start.intensity = static_cast<int>(*intensity);
+  start.consent_toml = std::move(*consent);
+  start.who = std::move(*who);
+  start.confirmed = *confirmed;
   return start;
 }
 
-std::string choices_json(bool keeps_people) {
+std::string choices_json(bool keeps_people, const std::optional<ServedDevices>& devices) {
   json programmes = json::array();
   for (const auto& shipped : massage::shipped_programmes()) {
     const auto read = massage::parse_programme(shipped.toml, shipped.name);
@@ -164,13 +198,22 @@ std::string choices_json(bool keeps_people) {
   json zones = json::array();
   for (const auto& rule : massage::zone_rules)
     zones.push_back({{"name", rule.name}, {"cap_n", rule.cap_n}});
+  json driven;
+  if (devices) {
+    const auto& position = devices->order.position;
+    driven = {{"named", devices->named},
+              {"person", devices->order.person},
+              {"position", position ? name_of(*position) : "auto"},
+              {"seed", devices->seed}};
+  }
   return json{{"people", people},
               {"positions", positions},
               {"programmes", programmes},
               {"questions", questions},
               {"zones", zones},
               {"max_seed", max_seed},
-              {"keeps_people", keeps_people}}
+              {"keeps_people", keeps_people},
+              {"devices", driven}}
       .dump();
 }
 

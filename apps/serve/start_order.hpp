@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -20,12 +21,25 @@ struct StartOrder {
   Confirmed confirmed = {};  ///< what is remembered of them
 };
 
-/// Reads the JSON object of `start`. Whatever is missing, unknown or out of range is refused with
+/// The devices that a server's sessions are driven on: no page chooses who is before them.
+struct ServedDevices {
+  SessionOrder order;      ///< what is known without a page: device file, robot, person, position
+  std::uint64_t seed = 1;  ///< of that person
+  std::string named;       ///< for people: the file's name, kind and addresses of the arms
+};
+/// Of an order that names a device file, which is read; nothing of one that names none.
+[[nodiscard]] Result<std::optional<ServedDevices>> served_devices(const SessionOrder& order,
+                                                                  std::uint64_t seed);
+
+/// Reads the JSON object of `start`; with `devices` it has neither person nor position nor seed.
+/// Whatever is missing, unknown or out of range is refused with
 /// its key. Answers are only read, not judged: `session::parse_consent` does that.
-[[nodiscard]] Result<StartOrder> parse_start_order(std::string_view text);
+[[nodiscard]] Result<StartOrder> parse_start_order(
+    std::string_view text, const std::optional<ServedDevices>& devices = {});
 
 /// JSON object of what may be chosen, for the page of a server that keeps a history of people, or
-/// none.
-[[nodiscard]] std::string choices_json(bool keeps_people);
+/// none, and that drives devices, or none.
+[[nodiscard]] std::string choices_json(bool keeps_people,
+                                       const std::optional<ServedDevices>& devices = {});
 
 }  // namespace tuina::app

@@ -247,6 +247,7 @@ Result<RobotReport> ArmlinkArms::keep(sim::World& world, SharedTruth& truth,
     if (const char* fault = world.robot().fault()) return fail(Fault::device, "{}", fault);
     tell_truth(truth, reading->tick, world.truth());
     report.see(world.truth());
+    if (hand_) hand_(world, reading->time_s);
     set_states(*reading, world);
     tell();
     // Computing physics is no part of an arm's cycle: where it took long, the clock of this robot

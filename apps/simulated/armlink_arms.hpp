@@ -3,6 +3,7 @@
 
 #include <array>
 #include <atomic>
+#include <functional>
 #include <optional>
 
 #include "apps/simulated/emulated_wrist.hpp"
@@ -32,6 +33,11 @@ class ArmlinkArms {
 
   /// What the arms feel goes to these sensors; armlink's wrenches are zeros from now on.
   void feel_by(PerArm<std::unique_ptr<EmulatedWrist>> wrists) { wrists_ = std::move(wrists); }
+
+  /// A hand on an arm, told of each millisecond.
+  void lead_by(std::function<void(sim::World& world, double time_s)> hand) {
+    hand_ = std::move(hand);
+  }
 
   /// One session: waits for a host, stands where it wants, tells and obeys until the host ends it
   /// or has been silent for as long as arms take to stop by themselves, or `ends`.
@@ -64,6 +70,7 @@ class ArmlinkArms {
 
   PerArm<End> ends_;
   PerArm<std::unique_ptr<EmulatedWrist>> wrists_ = {};
+  std::function<void(sim::World& world, double time_s)> hand_ = {};
   hardware::armlink::Hello hello_;
   link::Pace pace_;
   int missed_ = 0;        ///< cycles in a row in which not both arms were commanded

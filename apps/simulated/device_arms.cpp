@@ -2,6 +2,7 @@
 #include "apps/simulated/device_arms.hpp"
 
 #include <sched.h>
+#include <sys/mman.h>
 
 #include <cstring>
 #include <span>
@@ -56,6 +57,13 @@ Result<void> judge_wrists(const hardware::DeviceFile& file, const SharedTruth& t
   return {};
 }
 
+/// Of the calling thread, which is one among others again.
+void end_real_time() noexcept {
+  const sched_param usual = {};
+  (void)sched_setscheduler(0, SCHED_OTHER, &usual);
+  (void)munlockall();
+}
+
 /// What has come from a sensor, and what it has failed of; empty where the arm has none.
 std::string wrist_said(const hardware::WristSensor* sensor) {
   if (sensor == nullptr) return {};
@@ -69,10 +77,29 @@ std::string wrist_said(const hardware::WristSensor* sensor) {
 
 }  // namespace
 
+Result<hardware::DeviceFile> read_arms(const std::string& device_file) {
+  auto file = hardware::read_device_file(device_file);
+  if (file && !file->arms && !file->driven_arms) {
+    return fail(Fault::config, "{}: names no arms; a massage needs [arm.left] and [arm.right]",
+                device_file);
+  }
+  return file;
+}
+
+std::string name_of_arms(const hardware::DeviceFile& file) {
+  if (file.arms) {
+    const PerArm<hardware::ArmDevice>& arms = *file.arms;
+    return fmt::format("armlink {}, {}", arms[Arm::left].address, arms[Arm::right].address);
+  }
+  std::string named = "drives on";
+  for (const hardware::BusLoad& load : hardware::bus_loads(*file.driven_arms))
+    named += " " + load.bus;
+  return named;
+}
+
 Result<void> DeviceArms::open_armlink(const hardware::DeviceFile& file, const sim::World& world,
                                       const std::string& world_name) {
   const PerArm<hardware::ArmDevice>& arms = *file.arms;
-  named_ = fmt::format("armlink {}, {}", arms[Arm::left].address, arms[Arm::right].address);
   auto robot = hardware::ArmlinkRobot::open(arms, world.robot_table(), world.mount());
   if (!robot) return tl::unexpected(robot.error());
   armlink_ = std::move(*robot);
@@ -91,8 +118,6 @@ Result<void> DeviceArms::open_armlink(const hardware::DeviceFile& file, const si
 Result<void> DeviceArms::open_drives(const hardware::DeviceFile& file, const sim::World& world,
                                      const std::string& world_name) {
   const auto loads = hardware::bus_loads(*file.driven_arms);
-  named_ = "drives on";
-  for (const hardware::BusLoad& load : loads) named_ += " " + load.bus;
   const auto program = hardware::emulator_of(loads.front().bus);
   if (!program) return fail(Fault::device, "{}", real_arms);
   auto truth = truth_of(*program, "can", world_name);
@@ -111,12 +136,9 @@ Result<std::unique_ptr<DeviceArms>> DeviceArms::open(const std::string& device_f
                                                      const sim::World& world,
                                                      const std::string& world_name) {
   std::unique_ptr<DeviceArms> made(new DeviceArms);
-  const auto file = hardware::read_device_file(device_file);
+  const auto file = read_arms(device_file);
   if (!file) return tl::unexpected(file.error());
-  if (!file->arms && !file->driven_arms) {
-    return fail(Fault::config, "{}: names no arms; a massage needs [arm.left] and [arm.right]",
-                device_file);
-  }
+  made->named_ = name_of_arms(*file);
   auto opened = file->driven_arms ? made->open_drives(*file, world, world_name)
                                   : made->open_armlink(*file, world, world_name);
   if (opened) opened = judge_wrists(*file, made->truth_);
@@ -128,6 +150,10 @@ Result<std::unique_ptr<DeviceArms>> DeviceArms::open(const std::string& device_f
   if (!joined) return fail(joined.error().fault, "{}: {}", device_file, joined.error().message);
   made->wrists_ = std::move(*joined);
   return made;
+}
+
+DeviceArms::~DeviceArms() {
+  end_real_time();
 }
 
 bool DeviceArms::lock_step() const noexcept {
@@ -143,9 +169,9 @@ Result<void> DeviceArms::arm(const link::Arming& arming) {
 void DeviceArms::rest() noexcept {
   guard_.rest();
   if (armlink_) armlink_->rest();
+  if (drives_) drives_->rest();
   wrists_->rest();
-  const sched_param usual = {};
-  (void)sched_setscheduler(0, SCHED_OTHER, &usual);
+  end_real_time();
 }
 
 record::DeviceRecord::Traffic DeviceArms::traffic(Arm arm) const {

@@ -14,6 +14,11 @@
 
 namespace tuina::app {
 
+/// A device file that names arms; what else it names, the session may need or not.
+[[nodiscard]] Result<hardware::DeviceFile> read_arms(const std::string& device_file);
+/// Kind and addresses of its arms, for people.
+[[nodiscard]] std::string name_of_arms(const hardware::DeviceFile& file);
+
 /// The arms and wrist sensors that a device file names, and their guard, which runs in this
 /// process: it is the last that decides, right before the commands leave.
 class DeviceArms final : public link::Supervisor {
@@ -26,11 +31,16 @@ class DeviceArms final : public link::Supervisor {
                                                                 const sim::World& world,
                                                                 const std::string& world_name);
 
+  ~DeviceArms() override;
+  DeviceArms(const DeviceArms&) = delete;
+  DeviceArms& operator=(const DeviceArms&) = delete;
+
   [[nodiscard]] robot::Robot& robot() noexcept { return *wrists_; }
   [[nodiscard]] const SharedTruth& truth() const noexcept { return truth_; }
   [[nodiscard]] record::DeviceRecord record(std::uint64_t truth_missed) const;
 
-  /// Where the arms do not wait, this thread is a real-time one from here on, as far as it may be.
+  /// Where the arms do not wait, this thread is a real-time one from here on, as far as it may be,
+  /// until they rest or this ends.
   [[nodiscard]] Result<void> arm(const link::Arming& arming) override;
   [[nodiscard]] safety::RobotVerdict check(
       const robot::RobotReading& reading, const safety::RobotProposal& proposal) noexcept override {

@@ -4,11 +4,65 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tuina/body/back_surface.hpp"
 #include "tuina/control/cartesian_impedance.hpp"
+#include "tuina/core/units.hpp"
+#include "tuina/massage/plan.hpp"
+#include "tuina/massage/programme.hpp"
 
 namespace tuina::app {
 
 using control::ToolPose;
+
+namespace {
+
+/// The first path of this technique on this side of the true back, and how the arm gets there.
+Result<motion::ReadyPlan> plan_for(const sim::Person& person, const TeachOrder& order,
+                                   const robot::RobotPlacement& placement) {
+  PointCloud skin;
+  skin.points = person.skin_in_couch.vertices;
+  const auto back = body::fit_back(skin, {.position = order.position});
+  if (!back) return tl::unexpected(back.error());
+  const auto programme = massage::load_programme("relax");
+  if (!programme) return tl::unexpected(programme.error());
+  auto plan = massage::plan(*back, person.acupoints, person.landmarks, *programme);
+  if (!plan) return tl::unexpected(plan.error());
+  const auto wanted = std::find_if(
+      plan->paths.begin(), plan->paths.end(), [&](const massage::PlannedPath& planned) {
+        return planned.path.technique == order.technique && planned.arm == order.arm;
+      });
+  if (wanted == plan->paths.end()) {
+    return fail(Fault::usage, "the programme `relax` has no {} for the {} arm",
+                name_of(order.technique), name_of(order.arm));
+  }
+  plan->paths = {massage::PlannedPath(*wanted)};
+  plan->paths.front().step = 0;
+  const robot::RobotMount& mount = placement.mount;
+  constexpr double standoff_m = 40_mm;
+  return motion::make_ready(std::move(*plan), *back, mount,
+                            robot::both_models(placement.arm, mount), mount.base_from_couch,
+                            standoff_m);
+}
+
+HandMotion hand_motion(const motion::ReadyPlan& ready, const ToolPose& home, Arm arm,
+                       const Transform& base_from_couch) {
+  const ContactPath& path = ready.plan.paths.front().path;
+  const auto& way = ready.jobs[arm].front().waypoints_in_base;
+  const auto over = [&](const ContactPoint& point, double height_m) {
+    const Vector3 normal = base_from_couch.linear() * point.normal_in_couch;
+    return ToolPose{base_from_couch * point.at_in_couch + height_m * normal, normal};
+  };
+  HandMotion motion(home);
+  for (const ToolPose& pose : way) motion.go(pose, 0.10);
+  motion.go(over(path.points.front(), -2_mm), 0.04);
+  motion.press(path, base_from_couch);
+  motion.go(over(path.points.back(), 60_mm), 0.04);
+  for (auto pose = way.rbegin(); pose != way.rend(); ++pose) motion.go(*pose, 0.10);
+  motion.go(home, 0.10);
+  return motion;
+}
+
+}  // namespace
 
 void HandMotion::go(const ToolPose& to, double speed_m_per_s) {
   const double way_m = (to.at_in_base - last_.at_in_base).norm();
@@ -82,6 +136,30 @@ Wrench Hand::push(const HandMotion::Now& wanted, const Transform& base_from_tool
   last_axis_ = axis;
   return {.force_n = control::clamp_norm(force, max_n),
           .torque_nm = turn_stiffness * axis.cross(normal) - turn_damping * axis.cross(turning)};
+}
+
+Result<TeachingHand> TeachingHand::make(const TeachOrder& order, const sim::Person& person,
+                                        const robot::RobotPlacement& placement) {
+  auto plan = plan_for(person, order, placement);
+  if (!plan) return tl::unexpected(plan.error());
+  auto kept = std::make_unique<const motion::ReadyPlan>(std::move(*plan));
+  const robot::ArmModel model = robot::both_models(placement.arm, placement.mount)[order.arm];
+  const Transform home = model.base_from_tool(kept->ready_rad[order.arm], kept->rail_m);
+  HandMotion wanted = hand_motion(*kept, control::tip_pose(home, model.table().tool_radius_m),
+                                  order.arm, placement.mount.base_from_couch);
+  return TeachingHand(order.arm, std::move(kept), std::move(wanted));
+}
+
+Wrench TeachingHand::lead(sim::World& world, double time_s) {
+  if (time_s < learning_s) return {};
+  const sim::ArmTruth& truth = world.truth().arms[arm_];
+  const Transform& base_from_couch = world.mount().base_from_couch;
+  const Wrench push =
+      hand_.push(wanted_.at(time_s - learning_s), base_from_couch * truth.couch_from_tool,
+                 base_from_couch.linear() * truth.velocity_in_couch, truth.contact.force_n,
+                 world.robot_table().tool_radius_m);
+  world.plant().push(arm_, push);
+  return push;
 }
 
 }  // namespace tuina::app

@@ -1,13 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <memory>
+#include <string>
 #include <vector>
 
 #include "tuina/control/tool_motion.hpp"
 #include "tuina/core/arm.hpp"
 #include "tuina/core/contact.hpp"
+#include "tuina/motion/ready_plan.hpp"
+#include "tuina/robot/robot_model.hpp"
+#include "tuina/sim/world.hpp"
 
 namespace tuina::app {
+
+/// What a simulated masseur shows to an arm.
+struct TeachOrder {
+  std::string person = "phantom:medium";
+  std::string robot = "thesis";  ///< a shipped robot or the file of its table
+  BodyPosture position = BodyPosture::sitting;
+  Technique technique = Technique::stroke;  ///< shown as the first of `relax` on that side
+  Arm arm = Arm::left;
+  std::string device = {};  ///< a device file; empty: the arm is simulated in this program
+};
 
 /// Where a hand has the tool at a time, and how hard it presses; smooth from leg to leg.
 class HandMotion {
@@ -54,6 +69,31 @@ class Hand {
  private:
   double leaning_n_ = 0.0;
   Vector3 last_axis_ = Vector3::Zero();
+};
+
+/// The hand that shows what is ordered, to an arm that lets itself be led from `learning_s` on.
+class TeachingHand {
+ public:
+  static constexpr double learning_s = 3.5;  ///< the arm learns its friction before it is led
+
+  [[nodiscard]] static Result<TeachingHand> make(const TeachOrder& order, const sim::Person& person,
+                                                 const robot::RobotPlacement& placement);
+
+  /// Where the arms stand before, and what the hand follows.
+  [[nodiscard]] const motion::ReadyPlan& plan() const { return *plan_; }
+  /// When all is shown, from the robot's first millisecond on.
+  [[nodiscard]] double end_s() const { return learning_s + wanted_.duration_s() + 0.5; }
+  /// Pushes the arm of a world in this millisecond, not before `learning_s`; what it pushes with.
+  Wrench lead(sim::World& world, double time_s);
+
+ private:
+  TeachingHand(Arm arm, std::unique_ptr<const motion::ReadyPlan> plan, HandMotion wanted)
+      : arm_(arm), plan_(std::move(plan)), wanted_(std::move(wanted)) {}
+
+  Arm arm_;
+  std::unique_ptr<const motion::ReadyPlan> plan_;  // `wanted_` looks at it
+  HandMotion wanted_;
+  Hand hand_;
 };
 
 }  // namespace tuina::app

@@ -41,4 +41,9 @@ std::optional<double> PaceOption::pace(std::optional<double> usual) const {
   return word_ == "real" ? 1.0 : number_in(word_);
 }
 
+Result<void> suits_other_arms(const std::optional<double>& pace) {
+  if (!pace || *pace == 1.0) return {};
+  return fail(Fault::usage, "--pace: arms that are not simulated in this program keep real pace");
+}
+
 }  // namespace tuina::app

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "apps/cli/options.hpp"
+#include "tuina/core/result.hpp"
 
 namespace tuina::app {
 
@@ -19,5 +20,8 @@ class PaceOption {
  private:
   std::string word_;  ///< empty: not given
 };
+
+/// Whether arms that are no part of this program can keep that pace: theirs is real, or they wait.
+[[nodiscard]] Result<void> suits_other_arms(const std::optional<double>& pace);
 
 }  // namespace tuina::app

@@ -13,7 +13,8 @@
 namespace tuina::app {
 
 Result<PlayedMotion> play_motion(const session::TaughtMotion& motion, const std::string& name,
-                                 const session::Config& config, const CommonOptions& common) {
+                                 const session::Config& config, const CommonOptions& common,
+                                 const std::string& device) {
   const auto person = sim::parse_person(name, motion.position, common.seed);
   if (!person) return tl::unexpected(person.error());
   const auto robot = robot::load_robot(motion.robot);
@@ -24,7 +25,8 @@ Result<PlayedMotion> play_motion(const session::TaughtMotion& motion, const std:
   robot::ReadyPose start{.q_rad = robot::ready_posture(table, placement.mount),
                          .rail_m = motion.rail_m};
   start.q_rad[motion.arm] = motion.samples.front().q_rad;
-  auto made = TeachingStage::make(*person, placement, start, config, common.seed);
+  auto made =
+      TeachingStage::make(*person, placement, start, config, common.seed, {device, motion.robot});
   if (!made) return tl::unexpected(made.error());
   TeachingStage& stage = **made;
   const robot::ArmModel& model = stage.models[motion.arm];
@@ -89,6 +91,7 @@ Result<PlayedMotion> play_motion(const session::TaughtMotion& motion, const std:
     if (time_s > motion.duration_s() + 0.5) return std::nullopt;
     if (stopped_s >= 0.0 && reading.time_s > stopped_s + 1.5) return std::nullopt;
     if (bar && reading.tick % 100 == 0) bar(std::clamp(time_s / motion.duration_s(), 0.0, 1.0));
+    stage.hear(reading);
     safety::RobotProposal wanted{.rail_m = motion.rail_m};
     for (const Arm side : both_arms) {
       session::ControlledArm& one = stage.arms[side];
@@ -107,8 +110,7 @@ Result<PlayedMotion> play_motion(const session::TaughtMotion& motion, const std:
     }
     return true;
   };
-  if (auto driven = session::run_control_loop(stage.world->robot(), stage.guard, propose, look);
-      !driven)
+  if (auto driven = session::run_control_loop(stage.robot(), stage.guard(), propose, look); !driven)
     return tl::unexpected(driven.error());
   if (bar) bar(1.0);
   const auto rms = [](double sum, double count) { return std::sqrt(sum / std::max(1.0, count)); };

@@ -20,10 +20,12 @@ struct PlayedMotion {
   std::optional<std::string> stop;  ///< why the guard ended it
 };
 
-/// Joint impedance along a taught motion, under the guard; the arm begins where the motion does.
+/// Joint impedance along a taught motion, under the guard; the arm begins where the motion does. It
+/// is one of a device file, or simulated in this program.
 [[nodiscard]] Result<PlayedMotion> play_motion(const session::TaughtMotion& motion,
                                                const std::string& person,
                                                const session::Config& config,
-                                               const CommonOptions& common);
+                                               const CommonOptions& common,
+                                               const std::string& device = {});
 
 }  // namespace tuina::app

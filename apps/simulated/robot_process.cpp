@@ -127,18 +127,18 @@ Result<RobotReport> keep_robot(link::Link& link, SharedTruth& truth, sim::World&
   return report;
 }
 
-void LinkedTruth::on_tick(const session::Tick& tick) noexcept {
-  const auto bytes = shared_->ticks[tick.reading.tick % TruthPage::kept].read();
-  const bool there = bytes && bytes->tick == tick.reading.tick;
+void LinkedTruth::tell(const robot::RobotReading& reading) noexcept {
+  const auto bytes = shared_->ticks[reading.tick % TruthPage::kept].read();
+  const bool there = bytes && bytes->tick == reading.tick;
   missed_ += there ? 0 : 1;
   sim::PlantTruth truth;
   if (there) {
     std::memcpy(static_cast<void*>(&truth), bytes->of.data(), sizeof truth);
   } else if (!told_) {  // nothing is known yet but where the arms are
-    truth.time_s = tick.reading.time_s;
+    truth.time_s = reading.time_s;
     for (const Arm arm : both_arms) {
-      truth.arms[arm].q_rad = tick.reading.arms[arm].q_rad;
-      truth.arms[arm].dq_rad_per_s = tick.reading.arms[arm].dq_rad_per_s;
+      truth.arms[arm].q_rad = reading.arms[arm].q_rad;
+      truth.arms[arm].dq_rad_per_s = reading.arms[arm].dq_rad_per_s;
     }
   }
   if (there || !told_) world_.tell_truth(truth);

@@ -59,7 +59,9 @@ class LinkedTruth final : public session::Observer {
  public:
   /// Both must outlive it.
   LinkedTruth(const SharedTruth& shared, sim::World& world) : shared_(shared), world_(world) {}
-  void on_tick(const session::Tick& tick) noexcept override;
+  void on_tick(const session::Tick& tick) noexcept override { tell(tick.reading); }
+  /// What is true in the millisecond of a reading.
+  void tell(const robot::RobotReading& reading) noexcept;
   /// Milliseconds whose truth was not there, because it is told elsewhere or was read too late.
   [[nodiscard]] std::uint64_t missed() const noexcept { return missed_; }
 

@@ -4,13 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apps/simulated/leading_hand.hpp"
 #include "apps/simulated/session_order.hpp"
-#include "tuina/body/back_surface.hpp"
 #include "tuina/core/units.hpp"
-#include "tuina/massage/plan.hpp"
-#include "tuina/massage/programme.hpp"
-#include "tuina/motion/ready_plan.hpp"
 #include "tuina/session/guarded_zone.hpp"
 #include "tuina/session/scan_step.hpp"
 #include "tuina/sim/person/person.hpp"
@@ -19,52 +14,6 @@ namespace tuina::app {
 namespace {
 
 using control::ToolPose;
-
-/// The first path of this technique on this side of the true back, and how the arm gets there.
-Result<motion::ReadyPlan> plan_for(const sim::Person& person, const TeachOrder& order,
-                                   const robot::RobotPlacement& placement) {
-  PointCloud skin;
-  skin.points = person.skin_in_couch.vertices;
-  const auto back = body::fit_back(skin, {.position = order.position});
-  if (!back) return tl::unexpected(back.error());
-  const auto programme = massage::load_programme("relax");
-  if (!programme) return tl::unexpected(programme.error());
-  auto plan = massage::plan(*back, person.acupoints, person.landmarks, *programme);
-  if (!plan) return tl::unexpected(plan.error());
-  const auto wanted = std::find_if(
-      plan->paths.begin(), plan->paths.end(), [&](const massage::PlannedPath& planned) {
-        return planned.path.technique == order.technique && planned.arm == order.arm;
-      });
-  if (wanted == plan->paths.end()) {
-    return fail(Fault::usage, "the programme `relax` has no {} for the {} arm",
-                name_of(order.technique), name_of(order.arm));
-  }
-  plan->paths = {massage::PlannedPath(*wanted)};
-  plan->paths.front().step = 0;
-  const robot::RobotMount& mount = placement.mount;
-  constexpr double standoff_m = 40_mm;
-  return motion::make_ready(std::move(*plan), *back, mount,
-                            robot::both_models(placement.arm, mount), mount.base_from_couch,
-                            standoff_m);
-}
-
-HandMotion hand_motion(const motion::ReadyPlan& ready, const ToolPose& home, Arm arm,
-                       const Transform& base_from_couch) {
-  const ContactPath& path = ready.plan.paths.front().path;
-  const auto& way = ready.jobs[arm].front().waypoints_in_base;
-  const auto over = [&](const ContactPoint& point, double height_m) {
-    const Vector3 normal = base_from_couch.linear() * point.normal_in_couch;
-    return ToolPose{base_from_couch * point.at_in_couch + height_m * normal, normal};
-  };
-  HandMotion motion(home);
-  for (const ToolPose& pose : way) motion.go(pose, 0.10);
-  motion.go(over(path.points.front(), -2_mm), 0.04);
-  motion.press(path, base_from_couch);
-  motion.go(over(path.points.back(), 60_mm), 0.04);
-  for (auto pose = way.rbegin(); pose != way.rend(); ++pose) motion.go(*pose, 0.10);
-  motion.go(home, 0.10);
-  return motion;
-}
 
 /// The way of the tool from its first touch to its farthest place, told by the points that the
 /// session's own scan and map find on this back.
@@ -135,43 +84,34 @@ Result<TaughtByHand> record_by_hand(const TeachOrder& order, const session::Conf
   if (!robot) return tl::unexpected(robot.error());
   const robot::RobotPlacement placement =
       robot::place_robot(*robot, order.position, session::head_at_plus_y(person->acupoints));
-  const auto ready = plan_for(*person, order, placement);
-  if (!ready) return tl::unexpected(ready.error());
-  auto made =
-      TeachingStage::make(*person, placement, {.q_rad = ready->ready_rad, .rail_m = ready->rail_m},
-                          config, common.seed);
+  auto hand = TeachingHand::make(order, *person, placement);
+  if (!hand) return tl::unexpected(hand.error());
+  const motion::ReadyPlan& ready = hand->plan();
+  auto made = TeachingStage::make(*person, placement, {ready.ready_rad, ready.rail_m}, config,
+                                  common.seed, {order.device, order.robot});
   if (!made) return tl::unexpected(made.error());
   TeachingStage& stage = **made;
   const Arm arm = order.arm;
-  const robot::ArmModel& model = stage.models[arm];
-  const double radius_m = model.table().tool_radius_m;
-  const Transform home = model.base_from_tool(ready->ready_rad[arm], ready->rail_m);
-  const HandMotion wanted = hand_motion(
-      *ready,
-      {home.translation() - radius_m * control::tool_normal(home), control::tool_normal(home)}, arm,
-      stage.mount().base_from_couch);
-
-  const massage::PlannedPath& planned = ready->plan.paths.front();
+  const massage::PlannedPath& planned = ready.plan.paths.front();
   TaughtByHand taught{.motion = {.name = planned.path.name,
                                  .position = order.position,
                                  .robot = order.robot,
                                  .arm = arm,
-                                 .rail_m = ready->rail_m,
+                                 .rail_m = ready.rail_m,
                                  .zone = session::guarded_zone(planned.zone)}};
-  Hand hand;
-  constexpr double learning_s = 3.5;  // the arm learns its friction before it is led
-  const double end_s = learning_s + wanted.duration_s() + 0.5;
+  const double end_s = hand->end_s();
   const Progress bar = progress_bar(common, "teach");
   std::optional<Error> stopped;
   const auto propose =
       [&](const robot::RobotReading& reading) -> std::optional<safety::RobotProposal> {
-    const double time_s = reading.time_s - learning_s;
+    const double time_s = reading.time_s - TeachingHand::learning_s;
     if (reading.time_s > end_s) return std::nullopt;
+    stage.hear(reading);
     if (bar && reading.tick % 100 == 0) bar(reading.time_s / end_s);
     for (const Arm side : both_arms) stage.arms[side].sense(reading, side);
     control::ArmController& led = stage.arms[arm].controller;
     if (time_s >= 0.0 && led.status().mode != control::Mode::lead) led.lead();
-    safety::RobotProposal proposal{.rail_m = ready->rail_m};
+    safety::RobotProposal proposal{.rail_m = ready.rail_m};
     for (const Arm side : both_arms) {
       session::ControlledArm& one = stage.arms[side];
       const JointVector torque = one.torque_nm(reading);
@@ -193,15 +133,12 @@ Result<TaughtByHand> record_by_hand(const TeachOrder& order, const session::Conf
                                   safety::name_of(verdict.arms[side].cause))};
       return false;
     }
-    const double time_s = reading.time_s - learning_s;
+    const double time_s = reading.time_s - TeachingHand::learning_s;
     if (time_s < 0.0) return true;
-    const sim::ArmTruth& truth = stage.world->truth().arms[arm];
-    const Transform& base_from_couch = stage.mount().base_from_couch;
-    const Wrench push = hand.push(wanted.at(time_s), base_from_couch * truth.couch_from_tool,
-                                  base_from_couch.linear() * truth.velocity_in_couch,
-                                  truth.contact.force_n, radius_m);
-    stage.world->plant().push(arm, push);
-    taught.peak_hand_n = std::max(taught.peak_hand_n, push.force_n.norm());
+    if (order.device.empty()) {
+      const double push_n = hand->lead(*stage.world, reading.time_s).force_n.norm();
+      taught.peak_hand_n = std::max(taught.peak_hand_n.value_or(0.0), push_n);
+    }
     taught.truth.push_back(stage.row(arm, time_s));
     const ArmState& state = stage.arms[arm].state;
     taught.motion.samples.push_back(
@@ -210,14 +147,13 @@ Result<TaughtByHand> record_by_hand(const TeachOrder& order, const session::Conf
          .force_n = state.contact_in_base.force_n.dot(control::tool_normal(state.base_from_tool))});
     return true;
   };
-  if (auto driven = session::run_control_loop(stage.world->robot(), stage.guard, propose, lead);
-      !driven)
+  if (auto driven = session::run_control_loop(stage.robot(), stage.guard(), propose, lead); !driven)
     return tl::unexpected(driven.error());
   if (stopped) return tl::unexpected(*stopped);
   if (bar) bar(1.0);
   taught.motion = session::smoothed(taught.motion);
   if (order.technique == Technique::stroke) {
-    if (auto added = add_line(order, common, model, taught.motion); !added)
+    if (auto added = add_line(order, common, stage.models[arm], taught.motion); !added)
       return tl::unexpected(added.error());
   }
   return taught;

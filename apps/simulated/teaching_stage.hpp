@@ -2,8 +2,11 @@
 #pragma once
 
 #include <memory>
+#include <optional>
+#include <string>
 
-#include "apps/simulated/session_order.hpp"
+#include "apps/simulated/device_arms.hpp"
+#include "tuina/session/config.hpp"
 #include "tuina/session/control_loop.hpp"
 #include "tuina/session/controlled_arm.hpp"
 #include "tuina/sim/world.hpp"
@@ -17,41 +20,40 @@ struct TeachRow {
   double true_force_n = 0.0;
 };
 
-/// A guarded robot before a person, for motions that a hand shows.
-struct TeachingStage {
-  std::unique_ptr<sim::World> world;
-  PerArm<robot::ArmModel> models;
-  safety::RobotGuard guard;
-  PerArm<session::ControlledArm> arms;  // they look at `models`
-
-  explicit TeachingStage(std::unique_ptr<sim::World> made)
-      : world(std::move(made)),
-        models(robot::both_models(world->robot_table(), world->mount())),
-        guard(models, {}),
-        arms{.of = {session::ControlledArm(models[Arm::left]),
-                    session::ControlledArm(models[Arm::right])}} {}
+/// A guarded robot before a person, for motions that a hand shows: simulated here, or the arms of a
+/// device file.
+class TeachingStage {
+ public:
+  struct Device {
+    std::string file;   ///< empty: simulated here
+    std::string robot;  ///< name or file of its table
+  };
+  /// The robot stands ready, and its guard is armed.
+  [[nodiscard]] static Result<std::unique_ptr<TeachingStage>> make(
+      const sim::Person& who, const robot::RobotPlacement& placement, const robot::ReadyPose& start,
+      const session::Config& config, std::uint64_t seed, const Device& device);
   TeachingStage(const TeachingStage&) = delete;
   TeachingStage& operator=(const TeachingStage&) = delete;
 
-  [[nodiscard]] static Result<std::unique_ptr<TeachingStage>> make(
-      const sim::Person& who, const robot::RobotPlacement& placement, const robot::ReadyPose& start,
-      const session::Config& config, std::uint64_t seed) {
-    auto world = sim::World::make(who, placement, world_options(config), seed);
-    if (!world) return tl::unexpected(world.error());
-    if (auto stands = (*world)->robot().stand_ready(start); !stands)
-      return tl::unexpected(stands.error());
-    return std::make_unique<TeachingStage>(std::move(*world));
+  [[nodiscard]] robot::Robot& robot() { return far_ ? far_->robot() : world->robot(); }
+  [[nodiscard]] link::Supervisor& guard();
+  /// Of each reading first: what is true in its millisecond.
+  void hear(const robot::RobotReading& reading) noexcept {
+    if (told_) told_->tell(reading);
   }
-
   [[nodiscard]] const robot::RobotMount& mount() const { return world->mount(); }
-  [[nodiscard]] TeachRow row(Arm arm, double time_s) const {
-    const sim::ArmTruth& truth = world->truth().arms[arm];
-    const Vector3 ahead = truth.couch_from_tool.linear().col(0);
-    return {.time_s = time_s,
-            .tool_in_couch =
-                truth.couch_from_tool.translation() + models[arm].table().tool_radius_m * ahead,
-            .true_force_n = truth.contact.force_n};
-  }
+  [[nodiscard]] TeachRow row(Arm arm, double time_s) const;
+
+  std::unique_ptr<sim::World> world;
+  PerArm<robot::ArmModel> models;
+  PerArm<session::ControlledArm> arms;  // they look at `models`
+
+ private:
+  explicit TeachingStage(std::unique_ptr<sim::World> made);
+
+  link::OwnSupervisor own_;
+  std::unique_ptr<DeviceArms> far_;
+  std::optional<LinkedTruth> told_;
 };
 
 }  // namespace tuina::app

@@ -94,10 +94,10 @@ class Massage final : public Verb {
     auto config = effective_config(common);
     if (!config) return tl::unexpected(config.error());
     take_words();
-    const bool far = order_.processes || !order_.device.empty();
-    if (far && order_.pace && *order_.pace != 1.0)
-      return fail(Fault::usage,
-                  "--pace: arms that are not simulated in this program keep real pace");
+    if (order_.processes || !order_.device.empty()) {
+      if (const auto suits = suits_other_arms(order_.pace); !suits)
+        return tl::unexpected(suits.error());
+    }
     std::optional<RecordedSession> recorded;
     if (!replay_.empty()) {
       auto session = recorded_session(given);

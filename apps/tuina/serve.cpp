@@ -50,7 +50,19 @@ class Serve final : public Verb {
     options.flag("--viewers", viewers_, "the password is for those who may watch and stop, no more")
         .needs(made);
     pace_.describe(options, "real unless given");
-    add_robot_option(options, robot_);
+    add_robot_option(options, order_.robot);
+    auto device = options.add("--device", order_.device,
+                              "a TOML file that names the arms (docs/armlink.md), in place of "
+                              "those simulated here; the page then chooses no person");
+    options
+        .add("--person", order_.person,
+             "who is before these arms, which --seed and --robot must fit, too")
+        .show_default()
+        .needs(device);
+    options.add("--position", position_, "of that person")
+        .one_of({"auto", "sitting", "prone"})
+        .show_default()
+        .needs(device);
     ros2_.describe(options, "the sessions, and offer services for live commands,");
     auto history = options.add("--history", history_,
                                "postgresql://... or a SQLite file: tell there what this robot "
@@ -75,8 +87,10 @@ class Serve final : public Verb {
                   page_);
     auto doors = doors_asked_for();
     if (!doors) return tl::unexpected(doors.error());
-    auto robot = robot::load_robot(robot_);
+    auto robot = robot::load_robot(order_.robot);
     if (!robot) return tl::unexpected(robot.error());
+    auto devices = devices_of(common.seed);
+    if (!devices) return tl::unexpected(devices.error());
     std::error_code fault;
     std::filesystem::create_directories(out_, fault);
     if (!std::filesystem::is_directory(out_))
@@ -86,9 +100,10 @@ class Serve final : public Verb {
     LiveSession::Options session{.config = std::move(*config),
                                  .common = common,
                                  .pace = pace_.pace(1.0),
-                                 .robot = robot_,
+                                 .robot = order_.robot,
                                  .robot_model = std::move(*robot),
-                                 .folder = out_};
+                                 .folder = out_,
+                                 .devices = std::move(*devices)};
     report_sessions(session);
     if (!history_.empty()) session.people = people_of_page(history_);
     auto site = LiveSite::open({.place = std::move(doors->place),
@@ -127,6 +142,17 @@ class Serve final : public Verb {
     return name_of(state.phase) + std::string(state.paused ? ", paused" : "");
   }
 
+  // Arms that are missing when the server begins may be there when a session does.
+  [[nodiscard]] Result<std::optional<ServedDevices>> devices_of(std::uint64_t seed) {
+    if (position_ == "sitting") order_.position = BodyPosture::sitting;
+    if (position_ == "prone") order_.position = BodyPosture::prone;
+    if (!order_.device.empty()) {
+      if (const auto suits = suits_other_arms(pace_.pace(1.0)); !suits)
+        return tl::unexpected(suits.error());
+    }
+    return served_devices(order_, seed);
+  }
+
   [[nodiscard]] Result<void> begin_report() {
     if (history_.empty()) return {};
     if (machine_.name.empty()) machine_.name = name_of_computer();
@@ -136,7 +162,7 @@ class Serve final : public Verb {
       if (!day) return tl::unexpected(day.error());
       machine_.calibrated = *day;
     }
-    machine_.model = robot_;
+    machine_.model = order_.robot;
     machine_.version = TUINA_VERSION;
     auto report = FleetReporter::open(history_, machine_);
     if (!report) return tl::unexpected(report.error());
@@ -185,7 +211,8 @@ class Serve final : public Verb {
   int port_ = 8642;
   std::string listen_ = "127.0.0.1";
   std::string certificate_, password_, make_password_;
-  std::string robot_ = "thesis";
+  SessionOrder order_;  ///< of which a server knows robot and devices
+  std::string position_ = "auto";
   std::string out_ = "tuina-sessions";
   std::string page_;
   std::string history_, calibration_;

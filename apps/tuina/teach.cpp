@@ -24,6 +24,13 @@ std::vector<std::string> shown_techniques() {
   return names;
 }
 
+void add_device_option(Options& options, std::string& file, const std::string& more = {}) {
+  options.add("--device", file,
+              "a TOML file that names the arms (docs/armlink.md), in place of those simulated "
+              "here; person, position, robot and seed must be theirs" +
+                  more);
+}
+
 double contact_s(const session::TaughtMotion& motion) {
   double sum_s = 0.0;
   for (std::size_t i = 1; i < motion.samples.size(); ++i) {
@@ -110,6 +117,7 @@ class TeachRecord final : public Verb {
         .one_of(shown_techniques())
         .show_default();
     options.add("--arm", arm_, "that is led").one_of({"left", "right"}).show_default();
+    add_device_option(options, order_.device, "; so is the hand (`tuina robot armlink --hand`)");
     options.add("--out", out_, "FILE.toml; the samples go to FILE.csv beside it").required();
   }
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
@@ -126,13 +134,17 @@ class TeachRecord final : public Verb {
     if (const auto written = session::write_taught(taught->motion, out_); !written)
       return tl::unexpected(written.error());
     nlohmann::json json = json_of(taught->motion);
-    json["peak_hand_n"] = taught->peak_hand_n;
-    return Answer{.json = json.dump(2),
-                  .text = fmt::format(
-                      "{}: {:.1f} s, of these {:.1f} s on the skin with up to {:.1f} "
-                      "N; the hand needed {:.0f} N at most\nnow: tuina teach play {}",
-                      taught->motion.name, taught->motion.duration_s(), contact_s(taught->motion),
-                      peak_n(taught->motion), taught->peak_hand_n, out_)};
+    json["peak_hand_n"] =
+        taught->peak_hand_n ? nlohmann::json(*taught->peak_hand_n) : nlohmann::json();
+    const std::string hand = taught->peak_hand_n ? fmt::format("; the hand needed {:.0f} N at most",
+                                                               *taught->peak_hand_n)
+                                                 : "";
+    return Answer{
+        .json = json.dump(2),
+        .text = fmt::format("{}: {:.1f} s, of these {:.1f} s on the skin with up to {:.1f} "
+                            "N{}\nnow: tuina teach play {}",
+                            taught->motion.name, taught->motion.duration_s(),
+                            contact_s(taught->motion), peak_n(taught->motion), hand, out_)};
   }
 
  private:
@@ -156,13 +168,14 @@ class TeachPlay final : public Verb {
              "phantom:slim, phantom:medium, phantom:hefty, or a labelled body FILE.ply")
         .show_default();
     options.add("--plot", plot_, "force over time, taught and played, as SVG");
+    add_device_option(options, device_);
   }
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
     const auto config = effective_config(common);
     if (!config) return tl::unexpected(config.error());
     const auto motion = session::read_taught(file_);
     if (!motion) return tl::unexpected(motion.error());
-    const auto played = play_motion(*motion, person_, *config, common);
+    const auto played = play_motion(*motion, person_, *config, common, device_);
     if (!played) return tl::unexpected(played.error());
     if (!plot_.empty()) {
       if (const auto written = write_file(plot_, draw(*motion, &*played)); !written)
@@ -187,7 +200,7 @@ class TeachPlay final : public Verb {
   }
 
  private:
-  std::string file_, plot_, person_ = "phantom:medium";
+  std::string file_, plot_, device_, person_ = "phantom:medium";
 };
 
 class TeachShow final : public Verb {

@@ -2,7 +2,7 @@
 import { element, pills, table } from "./element";
 import { lookBack } from "./look_back";
 import { ofWhom, remembered, remembersAll } from "./remembered";
-import { main, maySteer, page, read, steer, whyNot } from "./shown";
+import { type Devices, main, maySteer, page, read, steer, whyNot } from "./shown";
 import { reportOf, say, sayOr } from "./words";
 
 interface Listed { session: string; person: string; programme: string; duration_s: number; performed: number; paths: number; stops: number }
@@ -11,7 +11,14 @@ const order: Record<string, string | number> =
   { person: "phantom:medium", position: "sitting", programme: "relax", intensity: 3, seed: 1, answered_by: "" };
 const answers: Record<string, string> = {};
 
+/** Which arms are driven, and before whom. */
+function driven(devices: Devices): HTMLElement {
+  return element("div", { class: "wide", id: "devices" }, element("span", { class: "over" }, say("devices")), element("b", {}, devices.named),
+    element("p", { class: "note" }, `${say("before_whom")} ${say(devices.person)} · ${say(devices.position)} · ${say("seed")} ${devices.seed}`));
+}
+
 export function choose(): HTMLElement {
+  const devices = page.choices.devices;
   const pick = (key: string) => (value: string) => { order[key] = key === "intensity" ? Number(value) : value; if (key === "position") page.render(); };
   const seed = element("input", { id: "seed", type: "number", min: "1", max: String(page.choices.max_seed), value: String(order["seed"]), "aria-describedby": "seed_help" });
   seed.oninput = () => { order["seed"] = Math.min(page.choices.max_seed, Math.max(1, Math.round(Number(seed.value)) || 1)); };
@@ -25,19 +32,25 @@ export function choose(): HTMLElement {
   });
   return element("div", { class: "narrow" }, element("div", { class: "card" }, element("h1", {}, say("choose_title")),
     element("div", { class: "fields" },
-      pills("person", page.choices.people, String(order["person"]), pick("person")),
-      pills("position", page.choices.positions, String(order["position"]), pick("position")),
+      ...(devices ? [driven(devices)] : [pills("person", page.choices.people, String(order["person"]), pick("person")),
+        pills("position", page.choices.positions, String(order["position"]), pick("position"))]),
       pills("programme", page.choices.programmes.map((one) => one.name), String(order["programme"]), pick("programme"),
         (name) => [element("b", {}, say(name)), element("small", {}, sayOr(`about_${name}`, page.choices.programmes.find((one) => one.name === name)!.description))]),
       pills("intensity", ["1", "2", "3", "4", "5"], String(order["intensity"]), pick("intensity"), (value) => [`${value} · ${say(`intensity_${value}`)}`]),
-      element("div", {}, element("label", { class: "over", for: "seed" }, say("seed")), seed, element("p", { class: "note", id: "seed_help" }, say("seed_help"))),
-      remembered(String(order["position"]))),
+      devices ? "" : element("div", {}, element("label", { class: "over", for: "seed" }, say("seed")), seed, element("p", { class: "note", id: "seed_help" }, say("seed_help"))),
+      remembered(devices?.position ?? String(order["position"]))),
     element("button", { class: "go", id: "next", disabled: !remembersAll(), onclick: () => { page.chosen = page.view = "health"; page.render(); main.focus({ preventScroll: true }); } }, say("on"))),
     element("h2", {}, say("sessions")), element("p", { id: "refusal", class: "note", role: "alert" }), element("div", { class: "card scroll-x" }, sessions));
 }
 
+/** Without what the devices decide. */
+function ordered(): object {
+  const { person, position, seed, ...asked } = order;
+  return page.choices.devices ? asked : { person, position, seed, ...asked };
+}
+
 export function health(): HTMLElement {
-  const go = element("button", { class: "go", id: "scan", onclick: () => { steer(); page.link.ask("start", { ...order, ...ofWhom(), answers }); } }, say("scan_now"));
+  const go = element("button", { class: "go", id: "scan", onclick: () => { steer(); page.link.ask("start", { ...ordered(), ...ofWhom(), answers }); } }, say("scan_now"));
   const whole = (): void => { go.disabled = !maySteer() || !order["answered_by"] || page.choices.questions.some((one) => !answers[one.key]); };
   const name = element("input", { id: "answered_by", maxlength: "40", autocomplete: "off", value: String(order["answered_by"]) });
   name.oninput = () => { order["answered_by"] = name.value; whole(); };

@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -117,6 +118,29 @@ TEST_CASE("a massage over CAN has the force of the massage in one program to 0.1
   CHECK(traffic["cycles"] > 10'000);
   CHECK(traffic["lost"] == 0);
   CHECK(over_can["devices"]["truth_missed_ms"] == 0);
+}
+
+TEST_CASE("a person who has moved is scanned again, while the arms stand on their brakes") {
+  const Folder folder;
+  const Words moves = {"--set", "simulation.shift_mm=20", "--set", "simulation.shift_at_s=5"};
+  Drives drives(folder, moves);
+  const Outcome moved =
+      run_tuina(brief_massage(folder) + Words{folder / "moved", "--device", drives.device()} +
+                same_world(folder) + moves);
+  REQUIRE_MESSAGE(moved.exit_code == 0, moved.err);
+  const Outcome& ended = drives.end();
+  REQUIRE_MESSAGE(ended.exit_code == 0, ended.err);
+  const json session = session_of(folder, "moved");
+  const double error_n = session["massage"]["force"]["rmse_n"];
+  MESSAGE("force error ", error_n, " N RMS, scanned again at ", session["rescans_s"].dump(), " s");
+  CHECK(session["rescans_s"].size() == 1);
+  CHECK(session["stops"].empty());
+  CHECK(session["devices"]["left"]["lost"] == 0);
+  CHECK(error_n < 0.4);
+  const json& performed = session["massage"]["performed"];
+  CHECK(std::any_of(performed.begin(), performed.end(), [&](const json& done) {
+    return done["begin_s"] > session["rescans_s"][0];  // the arms move again after it
+  }));
 }
 
 TEST_CASE("a bus that is unplugged in a press ends the massage, and no tool presses harder") {

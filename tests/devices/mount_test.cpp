@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <array>
+#include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -85,4 +86,12 @@ TEST_CASE("a mount that cannot be is refused") {
   CHECK(run_tuina({"export", "mount"}).exit_code == 1);
   CHECK(run_tuina({"export", "mount", "--out", "x", "--lean-deg", "80"}).exit_code == 1);
   CHECK(run_tuina({"export", "mount", "--out", "/dev/null/mount"}).exit_code == 2);
+  const Folder folder;
+  const auto deep = run_tuina({"export", "mount", "--json", "--out", folder / "a/mount"});
+  CHECK(deep.exit_code == 2);
+  CHECK(deep.out.empty());
+  CHECK_MESSAGE(deep.err.find("a/mount: the folder cannot be made: No such file or directory") !=
+                    std::string::npos,
+                deep.err);
+  CHECK_FALSE(std::filesystem::exists(folder / "a"));
 }

@@ -1,72 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 // A massage whose arms are another program, over UDP.
 #include <doctest/doctest.h>
-#include <unistd.h>
 
 #include <array>
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
-#include <thread>
 
-#include "tests/whole/command.hpp"
+#include "tests/devices/armlink_stage.hpp"
 #include "tuina/core/io/file.hpp"
 
 using nlohmann::json;
-using tuina::test::Folder;
-using tuina::test::Outcome;
-using tuina::test::run_tuina;
+using namespace tuina::test;
 
 namespace {
-
-using Words = std::vector<std::string>;
-
-Words operator+(Words words, const Words& more) {
-  words.insert(words.end(), more.begin(), more.end());
-  return words;
-}
-
-/// Ports that no other run of this test has.
-int own_port() {
-  static int next = 21'000 + 8 * static_cast<int>(getpid() % 1'200);
-  return next += 8;
-}
-
-std::string device_file(const Folder& folder, int port) {
-  const auto arm = [](const char* name, int at) {
-    return "[arm." + std::string(name) +
-           "]\nkind = \"armlink\"\naddress = \"127.0.0.1:" + std::to_string(at) + "\"\n";
-  };
-  return folder.with("device.toml", arm("left", port) + arm("right", port + 1));
-}
-
-/// The program with the arms, which ends with the session of its host.
-class Arms {
- public:
-  Arms(int port, const Words& words)
-      : thread_([=, this] {
-          outcome_ = run_tuina(Words{"robot", "armlink", "--pace", "max", "--quiet", "--json",
-                                     "--listen", "127.0.0.1:" + std::to_string(port)} +
-                               words);
-        }) {}
-  ~Arms() {
-    if (thread_.joinable()) thread_.join();
-  }
-  [[nodiscard]] const Outcome& end() {
-    thread_.join();
-    return outcome_;
-  }
-
- private:
-  Outcome outcome_;
-  std::thread thread_;
-};
-
-bool is_there(const std::string& device) {
-  for (int i = 0; i < 60; ++i)
-    if (run_tuina({"doctor", "--device", device, "--quiet"}).exit_code == 0) return true;
-  return false;
-}
 
 const Words slim = {"--person", "phantom:slim", "--position", "prone"};
 /// A person who is scanned again, since the back moves.

@@ -6,13 +6,14 @@
 #include <optional>
 
 #include "apps/evaluation/contact/contact_experiment.hpp"
+#include "apps/evaluation/contact/contact_files.hpp"
+#include "apps/evaluation/contact/press_on_device.hpp"
 #include "apps/evaluation/verbs.hpp"
 #include "tuina/core/io/file.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/massage/technique/tap.hpp"
 #include "tuina/record/shared_fields.hpp"
 #include "tuina/session/config.hpp"
-#include "tuina/telemetry/plot/svg_plot.hpp"
 
 namespace tuina::app {
 namespace {
@@ -31,37 +32,6 @@ std::vector<std::string> names(const std::map<std::string, Value>& map) {
   std::vector<std::string> keys;
   for (const auto& [key, value] : map) keys.push_back(key);
   return keys;
-}
-
-std::string to_csv(const std::vector<ContactSample>& trace) {
-  std::string text = "time_s,target_n,true_force_n,measured_force_n,depth_mm\n";
-  for (const ContactSample& sample : trace) {
-    // Six digits, so that whoever adds the errors up from here finds what the answer says.
-    text += fmt::format("{:.3f},{:.6g},{:.6g},{:.6g},{:.6g}\n", sample.time_s, sample.target_n,
-                        sample.true_force_n, sample.measured_force_n, to_mm(sample.depth_m));
-  }
-  return text;
-}
-
-// Target, true and measured force from the first touch on.
-std::string draw(const std::vector<ContactSample>& trace, const std::string& title) {
-  telemetry::Series target{.name = "target", .colour = telemetry::palette::press, .dashed = true};
-  telemetry::Series measured{
-      .name = "measured", .colour = telemetry::palette::grey, .width_px = 1.0};
-  telemetry::Series truth{.name = "true", .colour = telemetry::palette::ink};
-  bool touched = false;
-  for (const ContactSample& sample : trace) {
-    touched = touched || sample.true_force_n > 0.0;
-    if (!touched) continue;
-    for (auto* series : {&target, &measured, &truth}) series->x.push_back(sample.time_s);
-    target.y.push_back(sample.target_n);
-    measured.y.push_back(sample.measured_force_n);
-    truth.y.push_back(sample.true_force_n);
-  }
-  telemetry::Plot plot{.title = title, .x_label = "time, s", .y_label = "force, N"};
-  plot.series = {measured, target, truth};
-  plot.y_low = 0.0;
-  return telemetry::to_svg(plot);
 }
 
 /// A tap may not change its force too fast.
@@ -160,7 +130,15 @@ class Press final : public Verb {
         .between(0.0, 300.0)
         .show_default();
     options.add("--plot", plot_, "force over time, SVG");
-    options.add("--out", out_, "trace of every millisecond, CSV");
+    options.add("--out", out_, "trace of every millisecond, with --device of every fifth, CSV");
+    std::vector<Option> of_the_bench;
+    for (const char* name :
+         {"--tissue", "--alpha-n", "--cycle-hz", "--rub-shape", "--controller", "--model-error",
+          "--surface-error-mm", "--surface-tilt-deg", "--torso-n-per-mm", "--friction",
+          "--breathing-mm", "--breathing-hz", "--rise-mm", "--slide-mm", "--shift-mm-per-s",
+          "--shift-m-per-s2", "--shift-at-s"})
+      of_the_bench.push_back(options.named(name));
+    device_.describe(options, of_the_bench);
   }
 
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
@@ -206,30 +184,38 @@ class Press final : public Verb {
       experiment.shifts.push_back(shift);
     }
 
+    if (device_.asked()) return on_device(experiment, *config, common);
     const auto outcome = run_contact(experiment, progress_bar(common, "press"));
     if (!outcome) return tl::unexpected(outcome.error());
-    if (!out_.empty()) {
-      if (auto written = write_file(out_, to_csv(outcome->trace)); !written) {
-        return tl::unexpected(written.error());
-      }
-    }
-    if (!plot_.empty()) {
-      const auto title =
-          fmt::format("{} with {:.0f} N, controller {}", technique_, force_n_, controller_);
-      if (auto written = write_file(plot_, draw(outcome->trace, title)); !written) {
-        return tl::unexpected(written.error());
-      }
-    }
-    return answer_of(experiment, *outcome);
+    if (auto written = write_files(*outcome); !written) return tl::unexpected(written.error());
+    return answer_of(experiment.tissue, *outcome);
   }
 
  private:
+  [[nodiscard]] Result<void> write_files(const ContactOutcome& outcome) const {
+    if (!out_.empty()) {
+      if (auto written = write_file(out_, to_csv(outcome.trace)); !written) return written;
+    }
+    if (plot_.empty()) return {};
+    const auto title =
+        fmt::format("{} with {:.0f} N, controller {}", technique_, force_n_, controller_);
+    return write_file(plot_, draw(outcome.trace, title));
+  }
+  [[nodiscard]] Result<Answer> on_device(const ContactExperiment& experiment,
+                                         const session::Config& config,
+                                         const CommonOptions& common) {
+    const auto pressed = device_.press(experiment, config, common);
+    if (!pressed) return tl::unexpected(pressed.error());
+    if (auto written = write_files(pressed->outcome); !written)
+      return tl::unexpected(written.error());
+    return answer_of(pressed->tissue, pressed->outcome, &*pressed);
+  }
   [[nodiscard]] std::optional<sim::PositionLoop> loop() const {
     if (cycle_hz_.empty()) return std::nullopt;
     return sim::PositionLoop{.cycle_hz = std::stod(cycle_hz_), .bandwidth_hz = bandwidth_hz_};
   }
-  [[nodiscard]] Answer answer_of(const ContactExperiment& experiment,
-                                 const ContactOutcome& outcome) const {
+  [[nodiscard]] Answer answer_of(const TangentTissue& tissue, const ContactOutcome& outcome,
+                                 const DevicePressed* on_device = nullptr) const {
     const session::ForceErrors& force = outcome.force;
     const TissueEstimate& estimate = outcome.estimate;
     nlohmann::json stops = nlohmann::json::array();
@@ -244,11 +230,20 @@ class Press final : public Verb {
                            {"target_n", force_n_},
                            {"force", record::to_json(force, record::force_fields)},
                            {"estimate", record::to_json(estimate.tissue, record::tangent_fields)},
-                           {"true", record::to_json(experiment.tissue, record::tangent_fields)},
+                           {"true", record::to_json(tissue, record::tangent_fields)},
                            {"highest_force_n", outcome.highest_n},
-                           {"second_impact_n", outcome.second_impact_n},
-                           {"fastest_tool_mm_per_s", to_mm(outcome.max_speed_m_per_s)},
                            {"stops", stops}};
+    if (on_device != nullptr) {
+      json["ordered_n"] = on_device->ordered_n;
+      json["lowered_by"] = on_device->lowered_by;
+      json["devices"] = {{"arms", on_device->devices.arms}, {"pace", on_device->devices.pace}};
+      if (!on_device->lowered_by.empty())
+        stopped += fmt::format("\n{:.1f} N ordered, lowered by {}", on_device->ordered_n,
+                               on_device->lowered_by);
+    } else {
+      json["second_impact_n"] = outcome.second_impact_n;
+      json["fastest_tool_mm_per_s"] = to_mm(outcome.max_speed_m_per_s);
+    }
     json["force"]["settled_rmse_n"] =
         force.settled_rmse_n ? nlohmann::json(*force.settled_rmse_n) : nlohmann::json();
     json["estimate"]["converged"] = estimate.converged;
@@ -260,11 +255,11 @@ class Press final : public Verb {
                                 "{:.2f} N beta {:.4f} /mm (true {:.2f}, {:.4f}){}",
                                 technique_, force_n_, controller_, force.rmse_n, force.peak_n,
                                 estimate.tissue.alpha_n, 1e-3 * estimate.tissue.beta_per_m,
-                                experiment.tissue.alpha_n, 1e-3 * experiment.tissue.beta_per_m,
-                                stopped),
+                                tissue.alpha_n, 1e-3 * tissue.beta_per_m, stopped),
             .exit_code = outcome.stopped ? 4 : 0};
   }
 
+  DeviceOptions device_;
   std::string robot_ = "thesis", tissue_ = "hard", technique_ = "press", rub_shape_ = "circle";
   std::string controller_ = "tuina", cycle_hz_, torso_, out_, plot_;
   double alpha_n_ = 0.0, beta_per_mm_ = 0.0, force_n_ = 0.0;

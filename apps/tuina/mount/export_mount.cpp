@@ -20,7 +20,8 @@ class ExportMount final : public Verb {
     return "tuina export mount --laser-mm 12 --out mount";
   }
   void describe(Options& options) override {
-    options.add("--out", out_, "a folder for bar, ring and shelf, each .stl and .step").required();
+    options.add("--out", out_, "a folder for bar, ring and shelf, each .stl and .step; it is made")
+        .required();
     options.add("--baseline-mm", baseline_mm_, "from the camera's lens to the laser's beam")
         .between(80.0, 400.0)
         .show_default();
@@ -35,8 +36,9 @@ class ExportMount final : public Verb {
   [[nodiscard]] Result<Answer> run(const CommonOptions&) override {
     const std::filesystem::path folder(out_);
     std::error_code fault;
-    std::filesystem::create_directories(folder, fault);
-    if (fault) return fail(Fault::file, "{}: {}", out_, fault.message());
+    std::filesystem::create_directory(folder, fault);
+    if (!std::filesystem::is_directory(folder))
+      return fail(Fault::file, "--out {}: the folder cannot be made: {}", out_, fault.message());
     nlohmann::ordered_json json;
     std::string text;
     for (const Plate& plate : scanner_mount({.baseline_m = from_mm(baseline_mm_),

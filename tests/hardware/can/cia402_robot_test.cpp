@@ -177,6 +177,68 @@ TEST_CASE("drives whose host falls silent stop by themselves, and the next sessi
   CHECK(opened(again)->stand_ready(ready()).has_value());
 }
 
+TEST_CASE("while nobody commands the arms stand on their brakes, and their host lives") {
+  constexpr int patience_ms = 1000;  // with a thread on a busy machine
+  EmulatedRobot drives({.every = [](EmulatedDrive& d) { d.host_patience_ms = patience_ms; }});
+  const auto robot = opened(drives);
+  REQUIRE(robot->stand_ready(ready()).has_value());
+  robot->rest();  // before the first command they need no host, and stay as they are
+  REQUIRE(robot->read().has_value());
+  drives.look([](auto& all) { CHECK(elbow(all).enabled()); });
+  const auto drive = [&](int cycles) {
+    std::uint64_t tick = 0;
+    for (int i = 0; i < cycles; ++i) {
+      robot->apply(torques(0.0));
+      const auto reading = robot->read();
+      REQUIRE_MESSAGE(reading.has_value(), (robot->fault() ? robot->fault() : "silent"));
+      tick = reading->tick;
+    }
+    return tick;
+  };
+  const std::uint64_t tick = drive(20);
+  robot->rest();
+  std::this_thread::sleep_for(std::chrono::milliseconds(3 * patience_ms));
+  drives.look([](auto& all) {
+    for (EmulatedDrive& one : all) {
+      CHECK_FALSE(one.enabled());
+      CHECK(one.value(0x603F) == 0);  // no fault, as it would be of one that misses its host
+    }
+  });
+  const auto reading = robot->read();
+  REQUIRE_MESSAGE(reading.has_value(), (robot->fault() ? robot->fault() : "silent"));
+  CHECK(reading->tick == tick + 1);
+  CHECK(drive(20) == tick + 21);
+  drives.look([](auto& all) {
+    for (EmulatedDrive& one : all) CHECK(one.obeys_torques());
+  });
+}
+
+TEST_CASE("what goes wrong while nobody commands is told by the next reading") {
+  const auto told = [](const auto& happens) {
+    EmulatedRobot drives;
+    const auto robot = opened(drives);
+    REQUIRE(robot->stand_ready(ready()).has_value());
+    for (int i = 0; i < 20; ++i) {
+      REQUIRE(robot->read().has_value());
+      robot->apply(torques(0.0));
+    }
+    robot->rest();
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    drives.look([&](auto& all) { happens(all, drives); });
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    CHECK_FALSE(robot->read().has_value());
+    return std::string(robot->fault() != nullptr ? robot->fault() : "nothing");
+  };
+  CHECK(told([](auto&, EmulatedRobot& drives) { drives.unplug(); }) ==
+        "the bus can1 was unplugged");
+  CHECK(told([](auto& all, EmulatedRobot&) {
+          elbow(all).report(0x4210);
+        }).starts_with("the left elbow reports error 0x4210"));
+  CHECK(told([](auto& all, EmulatedRobot&) {
+          elbow(all).say_heartbeat(0);
+        }).starts_with("the left elbow has begun anew"));
+}
+
 TEST_CASE("at real pace a millisecond of the readings is one of the host's clock") {
   // Emulated drives answer when this machine lets them; a busy one makes them silent, and no more.
   std::uint64_t tick = 0;

@@ -98,6 +98,7 @@ Result<void> Cia402Robot::add_drive(const DriveDevice& device, Arm arm, int join
 }
 
 Cia402Robot::~Cia402Robot() {
+  end_rest();
   constexpr int times = 3;  // one of them arrives, or the drives miss their host
   for (int i = 0; standing_ && i < times; ++i) {
     for (std::size_t k = 0; k < drives_.size(); ++k)
@@ -241,6 +242,7 @@ Result<void> Cia402Robot::stand_ready(const robot::ReadyPose& pose) {
 }
 
 std::optional<robot::RobotReading> Cia402Robot::read() noexcept {
+  end_rest();
   if (faulty_ || !standing_) return std::nullopt;
   if (!in_cycles_) begin_cycles();
   if (!first_tick_) traffic_ = {};
@@ -268,8 +270,7 @@ std::optional<robot::RobotReading> Cia402Robot::read() noexcept {
 void Cia402Robot::apply(const robot::RobotCommand& command) noexcept {
   if (faulty_ || !standing_) return;
   // Who commands lives. Drives watch for heartbeats from the first one on.
-  if (commands_++ % cia402::commands_a_heartbeat == 0)
-    send_to_all_buses(canopen::heartbeat(canopen::host_node, canopen::NodeState::operational));
+  if (commands_++ % cia402::commands_a_heartbeat == 0) say_heartbeat();
   std::array<bool, 4> asked = {};
   for (std::size_t k = 0; k < drives_.size(); ++k) {
     const auto& [arm, joint, bus] = seats_[k];

@@ -2,11 +2,13 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <functional>
 #include <memory>
 #include <optional>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "tuina/hardware/can/can_bus.hpp"
@@ -64,6 +66,9 @@ class Cia402Robot final : public robot::Robot {
   [[nodiscard]] const char* fault() const noexcept override {
     return faulty_ ? fault_.data() : nullptr;
   }
+  /// Nobody commands until the next `read`, as while a person is scanned again: the arms stand on
+  /// their brakes, and a thread of this class keeps the host's heartbeat up. Time stands still.
+  void rest() noexcept;
   [[nodiscard]] const DriveTraffic& traffic() const noexcept { return traffic_; }
 
  private:
@@ -82,6 +87,8 @@ class Cia402Robot final : public robot::Robot {
   void send(std::size_t drive, const can_frame& frame) noexcept;
   void send_to_all_buses(const can_frame& frame) noexcept;
   void note_faults() noexcept;
+  void say_heartbeat() noexcept;
+  void end_rest() noexcept;
   void break_off(const char* whose, const std::string& name, const char* why) noexcept;
   [[nodiscard]] Result<void> enable_all();
   [[nodiscard]] Result<void> move_to(const std::vector<double>& q_rad);
@@ -95,6 +102,8 @@ class Cia402Robot final : public robot::Robot {
   double rail_m_ = 0.0;            ///< where the base stands for ever
   bool standing_ = false;          ///< a session has begun
   bool in_cycles_ = false;
+  std::atomic<bool> rests_ = false;
+  std::thread keeper_;      ///< while it rests, and then the only one that has buses and drives
   Clock::time_point next_;  ///< when the next millisecond begins
   std::uint64_t tick_ = 0;
   std::optional<std::uint64_t> first_tick_;  ///< that a reading told

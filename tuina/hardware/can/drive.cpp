@@ -113,9 +113,13 @@ void Drive::judge_torque(const cia402::Told& told) noexcept {
 }
 
 void Drive::take_answer(const canopen::Answer& answer) noexcept {
+  const bool refused = answer.kind == canopen::Answer::Kind::refused;
+  if (answer.index == cia402::object::control_word.index && refused)
+    break_off("refuses to be shut down: {} (0x{:08X})", canopen::meaning_of_refusal(answer.value),
+              answer.value);
   if (answer.index != cia402::object::mode.index) return;
   if (answer.kind == canopen::Answer::Kind::written) takes_torque_ = true;
-  if (answer.kind == canopen::Answer::Kind::refused)
+  if (refused)
     break_off("refuses torques: {} (0x{:08X})", canopen::meaning_of_refusal(answer.value),
               answer.value);
 }
@@ -152,6 +156,12 @@ can_frame Drive::order(double torque_nm, bool brake) noexcept {
       brake ? cia402::control::shutdown : cia402::towards_enabled(state());
   return cia402::encode(device_.node,
                         cia402::Ordered{.control = control, .permille = ordered_permille_[0]});
+}
+
+can_frame Drive::shut_down() noexcept {
+  obeys_ = false;
+  ordered_permille_ = {};
+  return canopen::write(device_.node, cia402::object::control_word, cia402::control::shutdown);
 }
 
 can_frame Drive::quick_stop() const noexcept {

@@ -43,6 +43,8 @@ class Drive {
   [[nodiscard]] bool torque_begun() const noexcept { return asked_; }
   /// The torque of this cycle, within the limit; with `brake` none, and its brake closes.
   [[nodiscard]] can_frame order(double torque_nm, bool brake) noexcept;
+  /// At once and without a SYNC: off, and its brake closes. It obeys again by the next orders.
+  [[nodiscard]] can_frame shut_down() noexcept;
   /// Stops by its own ramp, then its brake closes.
   [[nodiscard]] can_frame quick_stop() const noexcept;
 
