@@ -176,10 +176,15 @@ TEST_CASE("wishes of the last session hold in the next one, firmer ones by a wor
   CHECK(given["order"]["intensity"] == 0.7);
   CHECK(given["massage"]["intensity"] == 0.7);
   REQUIRE(given["massage"]["performed"].size() == 2);
+  int as_wished = 0;
   for (const auto& path : given["massage"]["performed"]) {
     const double share = path["given_n"].get<double>() / path["ordered_n"].get<double>();
-    CHECK(share == doctest::Approx(0.7).epsilon(0.1).scale(1e-6));
+    CHECK(share < 0.77);
+    as_wished += share > 0.63;
+    // Less than was wished is given only where rule A2 holds it back.
+    CHECK((share > 0.63 || path["why"].get<std::string>().find("A2") != std::string::npos));
   }
+  CHECK(as_wished >= 1);
   CHECK_FALSE(given.contains("known"));
   const auto again = run_tuina(
       {"massage", "--replay", session.folder / "second", "--out", session.folder / "again"});
