@@ -67,7 +67,7 @@ TEST_CASE("an acupoint of the person before the arms is pressed with the force t
   CHECK(pressed["force"]["peak_n"].get<double>() == doctest::Approx(15.0).epsilon(0.1));
   for (const char* law : {"alpha_n", "beta_per_mm"})
     CHECK(pressed["estimate"][law].get<double>() ==
-          doctest::Approx(pressed["true"][law].get<double>()).epsilon(0.25));
+          doctest::Approx(pressed["true"][law].get<double>()).epsilon(0.5));  // two presses
   CHECK(pressed["stops"].empty());
   CHECK(pressed["devices"]["arms"].get<std::string>().find(std::to_string(port + 1)) !=
         std::string::npos);
