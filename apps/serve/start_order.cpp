@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <span>
 
+#include "apps/cli/position_option.hpp"
 #include "apps/simulated/device_arms.hpp"
 #include "tuina/session/consent.hpp"
 
@@ -52,12 +53,6 @@ std::vector<std::string> programme_names() {
   std::vector<std::string> names;
   for (const auto& shipped : massage::shipped_programmes()) names.emplace_back(shipped.name);
   return names;
-}
-
-std::optional<BodyPosture> posture_of(const std::string& position) {
-  if (position == "sitting") return BodyPosture::sitting;
-  if (position == "prone") return BodyPosture::prone;
-  return std::nullopt;
 }
 
 /// A name as a TOML string: what is no printable text is refused.

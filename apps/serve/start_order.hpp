@@ -32,8 +32,8 @@ struct ServedDevices {
                                                                   std::uint64_t seed);
 
 /// Reads the JSON object of `start`; with `devices` it has neither person nor position nor seed.
-/// Whatever is missing, unknown or out of range is refused with
-/// its key. Answers are only read, not judged: `session::parse_consent` does that.
+/// Whatever is missing, unknown or out of range is refused with its key. Answers are only read, not
+/// judged: `session::parse_consent` does that.
 [[nodiscard]] Result<StartOrder> parse_start_order(
     std::string_view text, const std::optional<ServedDevices>& devices = {});
 

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "apps/cli/fixed_points.hpp"
+#include "apps/cli/position_option.hpp"
 #include "apps/simulated/atlas_source.hpp"
 #include "apps/tuina/verbs.hpp"
 #include "tuina/body/acupoints.hpp"
@@ -58,9 +59,7 @@ class MapVerb final : public Verb {
 
   void describe(Options& options) override {
     options.add("scan", scan_, "a cloud or mesh in couch, PLY or PCD, metres").required();
-    options.add("--position", position_, "sitting, prone, or auto: recognised")
-        .one_of({"auto", "sitting", "prone"})
-        .show_default();
+    position_.describe(options, "sitting, prone, or auto: recognised");
     options.add("--atlas", atlas_,
                 "an atlas file, a labelled body or a folder of them; else the shipped one");
     options.add("--method", method_, "field_morphing (the thesis) or surface")
@@ -97,8 +96,7 @@ class MapVerb final : public Verb {
 
     const auto start = std::chrono::steady_clock::now();
     body::BackOptions options;
-    if (position_ != "auto")
-      options.position = position_ == "prone" ? BodyPosture::prone : BodyPosture::sitting;
+    options.position = position_.position();
     // A mesh says what lies between its vertices.
     const auto back =
         scan->triangles.empty()
@@ -148,7 +146,7 @@ class MapVerb final : public Verb {
   }
 
   std::string scan_;
-  std::string position_ = "auto";
+  PositionOption position_;
   std::string atlas_;
   std::string method_ = "surface";
   std::string board_;

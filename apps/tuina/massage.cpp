@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "apps/cli/fixed_points.hpp"
+#include "apps/cli/position_option.hpp"
 #include "apps/serve/live_option.hpp"
 #include "apps/serve/shown_sentence.hpp"
 #include "apps/simulated/keyboard.hpp"
@@ -37,9 +38,7 @@ class Massage final : public Verb {
         .add("--person", order_.person,
              "phantom:slim, phantom:medium, phantom:hefty, or a labelled body FILE.ply")
         .show_default();
-    options.add("--position", position_, "auto: recognised from the scan")
-        .one_of({"auto", "sitting", "prone"})
-        .show_default();
+    position_.describe(options, "auto: recognised from the scan");
     options.add("--programme", order_.programme, "a shipped programme or a TOML file")
         .show_default();
     add_robot_option(options, order_.robot);
@@ -174,8 +173,7 @@ class Massage final : public Verb {
     options.add("--body-fat-percent", order_.facts.fat_percent, "likewise").between(2.0, 70.0);
   }
   void take_words() {
-    if (position_ == "sitting") order_.position = BodyPosture::sitting;
-    if (position_ == "prone") order_.position = BodyPosture::prone;
+    order_.position = position_.position();
     order_.method = body::parse_method(method_).value_or(order_.method);
     const bool steered = order_.keys || live_.asked();
     order_.pace = pace_.pace(steered ? std::optional(1.0) : std::nullopt);
@@ -208,7 +206,7 @@ class Massage final : public Verb {
   VisitOption visit_;
   FixedPoints fixed_;
   std::string replay_;
-  std::string position_ = "auto";
+  PositionOption position_;
   std::string method_;
   std::string adaptive_ = "on";
   std::string out_ = "massage-report";

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "apps/cli/position_option.hpp"
 #include "apps/serve/live_site.hpp"
 #include "apps/serve/make_password.hpp"
 #include "apps/simulated/pace_option.hpp"
@@ -59,10 +60,7 @@ class Serve final : public Verb {
              "who is before these arms, which --seed and --robot must fit, too")
         .show_default()
         .needs(device);
-    options.add("--position", position_, "of that person")
-        .one_of({"auto", "sitting", "prone"})
-        .show_default()
-        .needs(device);
+    position_.describe(options, "of that person").needs(device);
     ros2_.describe(options, "the sessions, and offer services for live commands,");
     auto history = options.add("--history", history_,
                                "postgresql://... or a SQLite file: tell there what this robot "
@@ -144,8 +142,7 @@ class Serve final : public Verb {
 
   // Arms that are missing when the server begins may be there when a session does.
   [[nodiscard]] Result<std::optional<ServedDevices>> devices_of(std::uint64_t seed) {
-    if (position_ == "sitting") order_.position = BodyPosture::sitting;
-    if (position_ == "prone") order_.position = BodyPosture::prone;
+    order_.position = position_.position();
     if (!order_.device.empty()) {
       if (const auto suits = suits_other_arms(pace_.pace(1.0)); !suits)
         return tl::unexpected(suits.error());
@@ -212,7 +209,7 @@ class Serve final : public Verb {
   std::string listen_ = "127.0.0.1";
   std::string certificate_, password_, make_password_;
   SessionOrder order_;  ///< of which a server knows robot and devices
-  std::string position_ = "auto";
+  PositionOption position_;
   std::string out_ = "tuina-sessions";
   std::string page_;
   std::string history_, calibration_;

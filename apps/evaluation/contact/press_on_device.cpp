@@ -94,10 +94,7 @@ void DeviceOptions::describe(Options& options, const std::vector<Option>& of_the
   options.add("--person", order_.person, "who is before these arms, which --seed must fit, too")
       .show_default()
       .needs(device);
-  options.add("--position", position_, "of that person")
-      .one_of({"auto", "sitting", "prone"})
-      .show_default()
-      .needs(device);
+  position_.describe(options, "of that person").needs(device);
   options.add("--at", at_, "an acupoint of that person").show_default().needs(device);
   for (const Option& one : of_the_bench) device.excludes(one);
 }
@@ -105,8 +102,7 @@ void DeviceOptions::describe(Options& options, const std::vector<Option>& of_the
 Result<DevicePressed> DeviceOptions::press(const ContactExperiment& wanted,
                                            const session::Config& config,
                                            const CommonOptions& common) {
-  if (position_ == "sitting") order_.position = BodyPosture::sitting;
-  if (position_ == "prone") order_.position = BodyPosture::prone;
+  order_.position = position_.position();
   order_.robot = wanted.robot;
   return press_on_device({.order = order_,
                           .at = at_,
@@ -124,7 +120,6 @@ Result<DevicePressed> press_on_device(const DevicePress& wanted, const session::
   if (!scratch) return tl::unexpected(scratch.error());
   record::SessionOrder order = wanted.order;
   order.programme = (scratch->path() / "press.toml").string();
-  order.adaptive = false;  // the force is that of the experiment
   if (auto written = write_file(order.programme, programme_of(wanted)); !written)
     return tl::unexpected(written.error());
   const auto result = run_simulated_session(order, config, common);

@@ -6,6 +6,7 @@
 
 #include "apps/cli/command_line.hpp"
 #include "apps/cli/options.hpp"
+#include "apps/cli/position_option.hpp"
 #include "apps/evaluation/contact/contact_experiment.hpp"
 #include "tuina/record/session_file.hpp"
 
@@ -47,7 +48,8 @@ class DeviceOptions {
 
  private:
   record::SessionOrder order_;
-  std::string position_ = "auto", at_ = "BL47_L";
+  PositionOption position_;
+  std::string at_ = "BL47_L";
 };
 
 }  // namespace tuina::app

@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "apps/cli/position_option.hpp"
 #include "apps/simulated/atlas_source.hpp"
 #include "apps/tuina/atlas/sticker_names.hpp"
 #include "apps/tuina/verbs.hpp"
@@ -63,9 +64,7 @@ class AtlasRecord final : public Verb {
     options.add("--body-type", body_type_, "slim, medium or hefty, for tables")
         .one_of({"slim", "medium", "hefty"})
         .show_default();
-    options.add("--position", position_, "sitting, prone, or auto: recognised")
-        .one_of({"auto", "sitting", "prone"})
-        .show_default();
+    position_.describe(options, "sitting, prone, or auto: recognised");
   }
 
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
@@ -89,9 +88,7 @@ class AtlasRecord final : public Verb {
     if (!stickers) return refused(stickers.error());
 
     body::BackOptions back_options;
-    if (position_ != "auto") {
-      back_options.position = position_ == "prone" ? BodyPosture::prone : BodyPosture::sitting;
-    }
+    back_options.position = position_.position();
     const auto back = body::fit_back(scan->cloud_in_couch, back_options);
     if (!back) return refused(back.error());
     const auto mapping = body::locate_acupoints(*back, *atlas);
@@ -201,7 +198,7 @@ class AtlasRecord final : public Verb {
   std::vector<std::string> labels_;
   std::string out_;
   std::string body_type_ = "medium";
-  std::string position_ = "auto";
+  PositionOption position_;
 };
 
 }  // namespace

@@ -41,9 +41,7 @@ link::Pace pace_of(const std::string& name) {
 
 void SimulatedRobot::describe(Options& options) {
   options.add("--person", order_.person, "as of `tuina massage`").show_default();
-  options.add("--position", position_, "sitting or prone")
-      .one_of({"auto", "sitting", "prone"})
-      .show_default();
+  position_.describe(options, "sitting or prone");
   add_robot_option(options, order_.robot);
 }
 
@@ -51,8 +49,7 @@ Result<SimulatedRoom> SimulatedRobot::make(const CommonOptions& common,
                                            const sim::PlantOptions& devices) {
   const auto config = effective_config(common);
   if (!config) return tl::unexpected(config.error());
-  if (position_ == "sitting") order_.position = BodyPosture::sitting;
-  if (position_ == "prone") order_.position = BodyPosture::prone;
+  order_.position = position_.position();
   return make_room(order_, *config, common, devices);
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "apps/cli/command_line.hpp"
+#include "apps/cli/position_option.hpp"
 #include "apps/simulated/emulated_wrist.hpp"
 #include "apps/simulated/robot_process.hpp"
 #include "apps/simulated/session_order.hpp"
@@ -36,7 +37,7 @@ class SimulatedRobot {
 
  private:
   SessionOrder order_;
-  std::string position_ = "auto";
+  PositionOption position_;
 };
 
 /// The address that an option gives, and the one at the next port.
