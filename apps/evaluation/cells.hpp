@@ -46,7 +46,9 @@ class Cells {
       try {
         visit_fields(outcome, [&](const char* key, auto& value) { take(known->at(key), value); });
       } catch (const std::exception&) {
-        return fail(Fault::bad_input, "the cell {} in a file has not the fields of one", name);
+        return fail(Fault::bad_input,
+                    "the cell \"{}\" has other fields than this version writes: begin a new file",
+                    name);
       }
       return outcome;
     }

@@ -8,7 +8,8 @@
 namespace tuina::app {
 
 template <typename Press, typename Visit>
-void visit_press(Press& press, const Visit& visit) {
+requires std::is_same_v<std::remove_const_t<Press>, GivenPress>
+void visit_entry(Press& press, const Visit& visit) {
   visit("place", press.place);
   visit("technique", press.technique);
   visit("index", press.index);
@@ -22,9 +23,9 @@ void visit_press(Press& press, const Visit& visit) {
   visit("contact_s", press.contact_s);
   visit("end_s", press.end_s);
 }
-
 template <typename Felt, typename Visit>
-void visit_felt(Felt& felt, const Visit& visit) {
+requires std::is_same_v<std::remove_const_t<Felt>, FeltTrial>
+void visit_entry(Felt& felt, const Visit& visit) {
   visit("converged", felt.converged);
   visit("alpha_error", felt.alpha_error);
   visit("alpha_reach", felt.alpha_reach);
@@ -32,18 +33,17 @@ void visit_felt(Felt& felt, const Visit& visit) {
   visit("beta_reach", felt.beta_reach);
 }
 
-// The JSON library finds these four by their names.
-inline void to_json(nlohmann::ordered_json& json, const FeltTrial& felt) {
-  visit_felt(felt, [&](const char* key, const auto& value) { json[key] = value; });
+template <typename Entry>
+concept OutcomeEntry = std::is_same_v<Entry, GivenPress> || std::is_same_v<Entry, FeltTrial>;
+
+// The JSON library finds these two by their names.
+template <OutcomeEntry Entry>
+void to_json(nlohmann::ordered_json& json, const Entry& entry) {
+  visit_entry(entry, [&](const char* key, const auto& value) { json[key] = value; });
 }
-inline void from_json(const nlohmann::ordered_json& json, FeltTrial& felt) {
-  visit_felt(felt, [&](const char* key, auto& value) { json.at(key).get_to(value); });
-}
-inline void to_json(nlohmann::ordered_json& json, const GivenPress& press) {
-  visit_press(press, [&](const char* key, const auto& value) { json[key] = value; });
-}
-inline void from_json(const nlohmann::ordered_json& json, GivenPress& press) {
-  visit_press(press, [&](const char* key, auto& value) { json.at(key).get_to(value); });
+template <OutcomeEntry Entry>
+void from_json(const nlohmann::ordered_json& json, Entry& entry) {
+  visit_entry(entry, [&](const char* key, auto& value) { json.at(key).get_to(value); });
 }
 
 /// Every value of an outcome with its key, for reading and for writing.
