@@ -21,7 +21,7 @@ struct CouchPose {
 [[nodiscard]] Result<CouchPose> find_couch(const Sweep& sweep,
                                            const scanner::ScannerCalibration& measured);
 
-/// Placeholder pose without a board scan: the yaw axis upright through the origin, the camera
+/// Nominal pose without a board scan: the yaw axis upright through the origin, the camera
 /// looking along -y.
 [[nodiscard]] Transform couch_not_measured(const scanner::ScannerCalibration& measured);
 
