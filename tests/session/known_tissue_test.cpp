@@ -56,7 +56,7 @@ struct Probed {
     planned.zone = zone;
     const massage::Plan plan{.paths = {planned}};
     Steering steering(plan,
-                      {.presses = tissue::pressed_by_robot(35e3, 0.2), .known = std::move(known)});
+                      {.presses = tissue::pressed_by_robot(18e3, 0.2), .known = std::move(known)});
     double time_s = 0.0;
     steering.begin(Arm::left, 0, time_s);
     relied = steering.known(Arm::left) != nullptr;

@@ -66,7 +66,7 @@ bool let_go(const session::Steering& steering) {
 
 struct ThreeVisits {
   massage::Plan plan{.paths = {press_at("BL50_L"), press_at("BL47_L"), press_at("BL50_L")}};
-  session::Steering steering{plan, {.presses = tissue::pressed_by_robot(35e3, 0.2)}};
+  session::Steering steering{plan, {.presses = tissue::pressed_by_robot(18e3, 0.2)}};
   double time_s = 0.0;
 };
 
@@ -99,7 +99,7 @@ TEST_CASE("what feels like bone next to the spine gets no more than a spinous pr
     massage::Plan plan{.paths = {press_at("BL18_L")}};
     plan.paths[0].zone = zone;
     plan.paths[0].cap_n = 15.0;
-    session::Steering steering{plan, {.presses = tissue::pressed_by_robot(35e3, 0.2)}};
+    session::Steering steering{plan, {.presses = tissue::pressed_by_robot(18e3, 0.2)}};
     double time_s = 0.0;
     visit(steering, 0, time_s, 2, tissue, torso_n_per_m);
     return steering.steered_n(Arm::left, 15.0);
@@ -120,7 +120,7 @@ namespace {
 double after_probing_n(const TangentTissue& tissue, double stiffens_by, bool cautious) {
   massage::Plan plan{.paths = {press_at("BL50_L")}};
   session::Steering steering{
-      plan, {.presses = tissue::pressed_by_robot(35e3, 0.2), .cautious = cautious}};
+      plan, {.presses = tissue::pressed_by_robot(18e3, 0.2), .cautious = cautious}};
   double time_s = 0.0;
   constexpr double dt_s = 1e-3, probe_s = 1.2;
   steering.begin(Arm::left, 0, 0.0);
@@ -173,7 +173,7 @@ struct LongWork {
   double time_s = 0.0;
 
   LongWork(double fades_by, bool on)
-      : steering(plan, {.presses = tissue::pressed_by_robot(35e3, 0.2), .on = on}) {
+      : steering(plan, {.presses = tissue::pressed_by_robot(18e3, 0.2), .on = on}) {
     constexpr double dt_s = 1e-3, fades_in_s = 8.0;
     visit(steering, 0, time_s, 0, {9.0, 190.0});
     steering.begin(Arm::left, 0, time_s);

@@ -205,7 +205,7 @@ TEST_CASE("a second place of a person is known sooner than the first of somebody
                              .relaxation = sim::Relaxation::draw(0.25, {0.5, 10.0, 1.0}, random),
                              .torso = sim::Torso::with(0.0, uniform(random, 12e3, 30e3), 1.0),
                              .damping_s_per_m = 3.0};
-    CreepEstimator known(on_unknown_torso(pressed_by_robot(35e3, 0.16)));
+    CreepEstimator known(on_unknown_torso(pressed_by_robot(18e3, 0.16)));
     CreepEstimator unknown = known;
     double time_s = 0.0;
     press_layers(known, person, hard, 22.0, time_s, random);

@@ -114,7 +114,10 @@ class Steering {
   };
   struct Side {
     explicit Side(const tissue::PressEstimatorOptions& options)
-        : whole(tissue::on_unknown_torso(options)), elastic(options), last(options), set(options) {}
+        : whole(tissue::on_unknown_torso(options)),
+          elastic(tissue::on_same_torso(options)),
+          last(tissue::on_same_torso(options)),
+          set(tissue::on_same_torso(options)) {}
     /// All presses of this contact.
     SessionEstimator whole;
     /// By the tangent law alone, which compares like with like: all presses of this contact, the

@@ -41,10 +41,16 @@ struct PressEstimatorOptions {
 /// alpha to 8 % and beta to 5 %. Tuned in simulation with other seeds than tests and tables.
 [[nodiscard]] PressEstimatorOptions pressed_by_robot(double torso_n_per_m,
                                                      double tool_mass_kg) noexcept;
-/// The same on a person of whom nothing is known: torsos yield by 10 to 35 N/mm (docs/tissue.md).
+/// The same on a person of whom nothing is known, around the torso that is taken for granted: they
+/// yield by 10 to 35 N/mm (docs/tissue.md).
 [[nodiscard]] inline PressEstimatorOptions on_unknown_torso(PressEstimatorOptions options) {
-  options.torso_n_per_m = 18e3;
-  options.torso_sd = 0.35;  // of the logarithm: 95 % within 9 and 36 N/mm
+  options.torso_sd = 0.35;  // of the logarithm: 95 % within a half and twice of it
+  return options;
+}
+/// The same for presses of one person that are only compared with each other: the torso is alike in
+/// all of them, so an error of it is no reason to know a change less well.
+[[nodiscard]] inline PressEstimatorOptions on_same_torso(PressEstimatorOptions options) {
+  options.torso_sd = 0.0;
   return options;
 }
 
