@@ -254,3 +254,13 @@ TEST_CASE("the first loading meets what a tool feels that goes in with 10 mm/s, 
   // Not the numbers that the place was drawn with.
   CHECK(std::abs(law.alpha_n / hard.alpha_n - 1.0) > 0.2);
 }
+
+TEST_CASE("the first loading is that of a place that has not been worked") {
+  const auto law_of = [](double first_press_stiffer) {
+    return back_with({.first_press_stiffer = first_press_stiffer},
+                     {.torso_n_per_m = rigid, .seed = 7})
+        .first_loading(hard, Vector3::Zero(), 22.0);
+  };
+  CHECK(law_of(0.2).alpha_n > 1.1 * law_of(0.0).alpha_n);
+  CHECK(law_of(0.2).alpha_n < 1.4 * law_of(0.0).alpha_n);
+}

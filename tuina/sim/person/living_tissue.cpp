@@ -123,7 +123,7 @@ double LivingTissue::press(const TangentTissue& place, double travel_m, double m
   return force_n;
 }
 
-TangentTissue LivingTissue::first_loading(const TangentTissue& place,
+TangentTissue LivingTissue::first_loading(const TangentTissue& place, double stiffer,
                                           double force_n) const noexcept {
   constexpr double m_per_s = 10e-3, step_s = 1e-3, max_depth_m = 100e-3;
   LivingTissue rested{.form = form,
@@ -136,7 +136,7 @@ TangentTissue LivingTissue::first_loading(const TangentTissue& place,
   };
   while (at_m < max_depth_m) {
     at_m += m_per_s * step_s;
-    const double now_n = rested.press(place, at_m, m_per_s, 1.0, step_s);
+    const double now_n = rested.press(place, at_m, m_per_s, stiffer, step_s);
     if (before_n < 0.5 * force_n && now_n >= 0.5 * force_n) half_m = passed_m(0.5 * force_n, now_n);
     if (now_n >= force_n) return tissue::tangent_through(force_n, passed_m(force_n, now_n), half_m);
     before_n = now_n;

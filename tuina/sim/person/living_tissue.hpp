@@ -74,8 +74,9 @@ struct LivingTissue {
                double step_s, double renewed_per_s = 0.0) noexcept;
 
   /// The tangent law of the first loading, at 10 mm/s up to a force, of rested tissue on a torso
-  /// that does not yield: as deep as it at that force and at half of it. No heap.
-  [[nodiscard]] TangentTissue first_loading(const TangentTissue& place,
+  /// that does not yield: as deep as it at that force and at half of it. `stiffer` as in `press`.
+  /// No heap.
+  [[nodiscard]] TangentTissue first_loading(const TangentTissue& place, double stiffer,
                                             double force_n) const noexcept;
 };
 

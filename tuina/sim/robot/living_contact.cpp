@@ -106,7 +106,7 @@ TangentTissue LivingContact::first_loading(const TangentTissue& place, const Vec
                                            double to_n) const noexcept {
   LivingTissue tissue = tissue_;
   lay(at, tissue);
-  return tissue.first_loading(place, to_n);
+  return tissue.first_loading(place, 1.0 + back_.first_press_stiffer, to_n);
 }
 
 void LivingContact::press(const Tool& tool, double step_s) noexcept {

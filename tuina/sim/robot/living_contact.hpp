@@ -46,7 +46,7 @@ class LivingContact {
   };
   /// The tool touches, or may; then a step of time passes.
   void press(const Tool& tool, double step_s) noexcept;
-  /// As `LivingTissue::first_loading`, of a place that has been worked.
+  /// As `LivingTissue::first_loading`, of a place that has not been worked.
   [[nodiscard]] TangentTissue first_loading(const TangentTissue& place, const Vector3& at,
                                             double to_n) const noexcept;
   /// The tool is away for a step.
