@@ -13,6 +13,9 @@ constexpr double z95 = 1.96;
 constexpr double floor_m = 0.004e-3;  // of a position whose noise is smoothed away
 // A sum over presses is trusted as if this many had come as expected before.
 constexpr double expected_presses = 1.0;
+// Squared standard deviations of one press that count in that sum: a sigh in a press is no reason
+// to know the tissue less well in the next ones.
+constexpr double max_surprise = 3.0;
 constexpr double kept_per_press = 0.95;  // a person is the same for about twenty presses
 constexpr double converged_surprise = 2.0;
 constexpr double max_force_n = 300.0;  // beyond any press; near its pole the law says anything
@@ -135,7 +138,7 @@ void CreepEstimator::judge_press() noexcept {
   }
   const double surprise = square(error_m) / (square_m2 - square(error_m));
   as_told_ = surprise <= square(converged_surprise * std::max(1.0, widening()));
-  surprise_ = kept_per_press * surprise_ + surprise;
+  surprise_ = kept_per_press * surprise_ + std::min(surprise, max_surprise);
   judged_ = kept_per_press * judged_ + 1.0;
   decide_convergence();
 }
