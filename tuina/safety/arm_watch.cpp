@@ -174,6 +174,9 @@ Observation ArmWatch::observe(const robot::RobotReading& reading, Arm arm, const
           proposal.stiffness_n_per_m == 0.0 ? led_share : drive_share);
   seen.torque_misfit = misfit_;
   seen.weak_joint = weak_joint_;
+  if (ticks > 0.0) drives_.compare(raw.measured_torque_nm, applied_nm, ticks > 1.0);
+  seen.drive_misfit = drives_.misfit();
+  seen.reversed_joint = drives_.reversed_joint();
   count_repeats(raw);
   seen.wrist_repeats = repeats_;
   seen.zero_jump_n = zero_jump_n_;

@@ -118,14 +118,15 @@ void Guard::judge_joints(const Observation& seen, Finding& finding) noexcept {
 // on its way back to the body. Else somebody may be leading the arm, and on a person who breathes
 // brakes would be a wall.
 void Guard::judge_drives(const Observation& seen, Finding& finding) noexcept {
-  const bool amiss = seen.torque_misfit > 1.0;
+  const bool amiss = seen.torque_misfit > 1.0, measured = seen.drive_misfit > 1.0;
   const bool stopped = is_stop(state_);
   const double outward_m_per_s = seen.tool_velocity_m_per_s.dot(normal_in_base_);
   const bool clear = outward_m_per_s < (stopped ? -returning_m_per_s : flying_off_m_per_s);
-  drive_amiss_ = amiss && seen.weak_joint >= 0 && in_air() && clear ? drive_amiss_ + 1 : 0;
-  if (!amiss) return;
+  const bool blamed = measured || (amiss && seen.weak_joint >= 0);
+  drive_amiss_ = blamed && in_air() && clear ? drive_amiss_ + 1 : 0;
   if (drive_amiss_ > (stopped ? blamed_ticks : 0)) finding.add(Action::brake, Cause::drive_amiss);
-  finding.add(Action::comply, Cause::torques_amiss);
+  if (measured) finding.add(Action::comply, Cause::drive_amiss);
+  if (amiss) finding.add(Action::comply, Cause::torques_amiss);
 }
 
 void Guard::take_sample(const Observation& seen, Finding& finding) noexcept {
