@@ -44,6 +44,7 @@ class ArmWatch {
                double share) noexcept;
   void weigh(const robot::ArmDynamics& dynamics) noexcept;
   void count_repeats(const robot::ArmReading& reading) noexcept;
+  [[nodiscard]] bool steps(const robot::ArmReading& reading) noexcept;
   void zero(Phase phase) noexcept;
 
   robot::ArmModel model_;
@@ -68,7 +69,8 @@ class ArmWatch {
 
   Wrench sample_;
   double sample_time_s_ = std::numeric_limits<double>::quiet_NaN();
-  int repeats_ = -1;  ///< of the sample; the first one repeats none
+  int repeats_ = -1;                      ///< of the sample; the first one repeats none
+  std::array<double, 7> changes_n_ = {};  ///< from sample to sample, the newest last
 };
 
 }  // namespace tuina::safety

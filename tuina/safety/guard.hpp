@@ -80,6 +80,7 @@ struct Observation {
   /// Change of what the wrist sensor says of nothing but the tool, beyond what sensors drift by.
   double zero_jump_n = 0.0;
   int wrist_repeats = 0;  ///< samples of the wrist sensor that were the one before to the last bit
+  bool wrist_stepped = false;             ///< it has changed as no body can change it
   const ZoneField::Cell* skin = nullptr;  ///< under the tool, where the guard knows the person
 };
 

@@ -131,10 +131,10 @@ void Guard::judge_drives(const Observation& seen, Finding& finding) noexcept {
 
 void Guard::take_sample(const Observation& seen, Finding& finding) noexcept {
   const double force_n = seen.force_in_base_n.norm();
-  if (seen.wrist_repeats >= stuck_ticks) {
-    finding.add(Action::retract, Cause::force_stuck);
-    force_doubted_ = true;
-  }
+  const bool stuck = seen.wrist_repeats >= stuck_ticks;
+  if (stuck) finding.add(Action::retract, Cause::force_stuck);
+  if (seen.wrist_stepped) finding.add(Action::retract, Cause::force_off_zero);
+  force_doubted_ = force_doubted_ || stuck || seen.wrist_stepped;
   // An arm that believes in another weight than its tool has sinks or rises by every law, so it is
   // braked unless it presses somebody.
   if (seen.zero_jump_n > max_zero_jump_n)
