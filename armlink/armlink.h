@@ -33,7 +33,8 @@ enum armlink_flag {
   ARMLINK_HAS_RAIL = 1,  /* rail_m of commands and states means the linear base */
   ARMLINK_SIMULATED = 2, /* nobody can be touched by it */
   ARMLINK_WAITS = 4,     /* simulated: a cycle lasts until the host has answered it */
-  ARMLINK_BUSY = 8       /* another host has a session */
+  ARMLINK_BUSY = 8,      /* another host has a session */
+  ARMLINK_MEASURES_TORQUE = 16 /* tau_nm of states is measured: by the currents, or by sensors in the joints */
 };
 
 /* Where the fields of each datagram begin. */

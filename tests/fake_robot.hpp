@@ -18,6 +18,7 @@ class FakeRobot final : public robot::Robot {
     int fault_at = never;     ///< the device says that it is broken
     bool refuses_to_stand = false;
     Vector3 wrench_n = Vector3::Zero();  ///< what the wrist sensors say
+    bool measures_torque = false;        ///< the drives tell what they were told
   };
   FakeRobot() = default;
   explicit FakeRobot(const Script& script) : script_(script) {}
@@ -41,6 +42,8 @@ class FakeRobot final : public robot::Robot {
       arm.wrench_time_s = now_.time_s;
       arm.wrench_in_tool.torque_nm.z() = 1e-9 * ms;  // no living sensor repeats itself
     }
+    for (const Arm arm : both_arms)
+      if (script_.measures_torque) now_.arms[arm].measured_torque_nm = last.torque_nm[arm];
     const bool silent = ms >= script_.silent_from && ms - script_.silent_from < script_.silent_for;
     return silent ? std::nullopt : std::optional(now_);
   }

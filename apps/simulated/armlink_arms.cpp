@@ -30,7 +30,7 @@ armlink::Hello hello_of(const std::string& name, const sim::World& world, link::
   armlink::Hello hello;
   hello.modes =
       armlink::bit_of(Mode::idle) | armlink::bit_of(Mode::torque) | armlink::bit_of(Mode::ready);
-  hello.flags = armlink::flag::has_rail | armlink::flag::simulated;
+  hello.flags = armlink::flag::has_rail | armlink::flag::simulated | armlink::flag::measures_torque;
   if (pace == link::Pace::max) hello.flags |= armlink::flag::waits;
   hello.cycle_us = 1000;
   std::copy_n(name.begin(), std::min(name.size(), hello.name.size() - 1), hello.name.begin());
@@ -218,9 +218,9 @@ void ArmlinkArms::set_states(const robot::RobotReading& reading, const sim::Worl
     state.rail_m = arm == Arm::left ? reading.rail_m : 0.0;
     state.q_rad = seen.q_rad;
     state.dq_rad_per_s = seen.dq_rad_per_s;
-    // Its drives have no torque sensors: they give what they are told.
-    state.tau_nm = ends_[arm].last.mode == Mode::torque
-                       ? ends_[arm].last.values
+    // Before the first command there are no currents yet.
+    state.tau_nm = seen.measured_torque_nm.size() == seen.q_rad.size()
+                       ? seen.measured_torque_nm
                        : JointVector(JointVector::Zero(seen.q_rad.size()));
     if (wrists_[arm]) {
       wrists_[arm]->feel(reading.time_s, seen.wrench_in_tool);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "tuina/control/force_target.hpp"
 #include "tuina/core/random.hpp"
@@ -158,4 +159,10 @@ TEST_CASE("changes of the target can put in no more energy than the tank holds")
     REQUIRE(law.tank_j() >= 0.0);
   }
   CHECK(law.spring_n() < 5.0);
+}
+
+TEST_CASE("bone that rises by 0.3 mm against a tool that cannot give way doubles a force of 30 N") {
+  const ContactModel bone = {.tissue = {.alpha_n = 4.559, .beta_per_m = 263.2},
+                             .torso_n_per_m = std::numeric_limits<double>::infinity()};
+  CHECK(depth_at(bone, 60.0) - depth_at(bone, 30.0) < 0.3_mm);
 }

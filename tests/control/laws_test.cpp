@@ -105,6 +105,31 @@ TEST_CASE("a target beyond reach and a stretched arm ask for no large torque") {
   }
 }
 
+TEST_CASE("springs pull less into the body than it bears, by a way out that is ten degrees off") {
+  ArmController controller = still_controller();
+  ArmState state = at_rest(bent());
+  const ToolPose tip = tip_pose(bent());
+  const Vector3 normal = tip.normal_in_base, aside = normal.unitOrthogonal();
+  state.contact_in_base.force_n = 3.0 * normal;
+  controller.approach(tip);
+  for (int i = 0; i < 20; ++i) (void)controller.step(state, 0.0, 1e-3);
+  REQUIRE(controller.status().mode == Mode::contact);
+  for (const double aside_m : {0.0, 3_mm, 50_mm}) {
+    // It is felt too little, so the spring along the normal is soon as strong as it may be.
+    controller.track({.at_in_base = tip.at_in_base + aside_m * aside,
+                      .normal_in_base = normal,
+                      .force_n = 10.0,
+                      .max_spring_n = 14.5});
+    for (int i = 0; i < 3000; ++i) (void)controller.step(state, 0.0, 1e-3);
+    const Vector3 pull_n =
+        controller.status().stiffness_n_per_m *
+        (controller.status().virtual_target_in_base - state.base_from_tool.translation());
+    const Vector3 way_out = std::cos(10_deg) * normal - std::sin(10_deg) * aside;
+    CHECK(-pull_n.dot(way_out) < 14.5);
+    CHECK(-pull_n.dot(normal) > (aside_m > 10_mm ? 9.0 : 13.3));
+  }
+}
+
 TEST_CASE(
     "an arm that is led by a hand follows it, stays where it was left, and then obeys again") {
   ArmController::Options options;

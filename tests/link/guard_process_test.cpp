@@ -31,14 +31,15 @@ struct Guarded {
     drives->write(last_words);
     if (process.joinable()) process.join();
   }
-  /// One millisecond, answered by the controller or not.
-  safety::RobotVerdict tick(bool speaks = true) {
+  /// What a robot that stands senses in the next millisecond, and what would hold it there.
+  safety::RobotProposal sense() {
     reading.tick = ticks;
     reading.time_s = static_cast<double>(ticks) * control_period_s;
     safety::RobotProposal proposal;
     for (const Arm arm : both_arms) {
       const Matrix3 turn = models[arm].base_from_tool(ready_rad[arm], 0.0).linear();
-      const double weight_n = models[arm].table().tool_mass_kg * 9.81 + 1e-6 * reading.time_s;
+      const double weight_n =
+          models[arm].table().tool_mass_kg * 9.81 + 1e-6 * reading.time_s + felt_n;
       reading.arms[arm] = {
           .q_rad = ready_rad[arm],
           .dq_rad_per_s = JointVector::Zero(6),
@@ -46,6 +47,11 @@ struct Guarded {
           .wrench_time_s = reading.time_s};
       proposal.arms[arm].torque_nm = models[arm].gravity_nm(ready_rad[arm]);
     }
+    return proposal;
+  }
+  /// One millisecond, answered by the controller or not.
+  safety::RobotVerdict tick(bool speaks = true) {
+    const safety::RobotProposal proposal = sense();
     wire::SensorFrame frame = wire::to_frame(reading);
     frame.stands = 1;
     if (speaks) controller->write(wire::to_frame(proposal, ticks, false));
@@ -71,6 +77,7 @@ struct Guarded {
   Result<GuardReport> report = fail(Fault::device, "did not run");
   robot::RobotReading reading;
   std::uint64_t ticks = 0;
+  double felt_n = 0.0;  ///< by the wrists, in the air
   std::thread process;
 };
 
@@ -91,6 +98,27 @@ TEST_CASE("a guard in its own thread guards until the drives fall silent, and te
   REQUIRE(robot.report.has_value());
   CHECK(robot.report->ticks == 40);
   CHECK(robot.report->silent_ticks == 20);
+}
+
+TEST_CASE("a guard that finds joints or wrists amiss before its first millisecond is not armed") {
+  Guarded sound("sound");
+  sound.felt_n = 4.9;
+  CHECK(sound.tick().arms[Arm::left].action == safety::Action::pass);
+  const auto refused = [](const char* what, const auto& spoil) {
+    Guarded robot("refused");
+    robot.felt_n = 4.9;
+    (void)robot.sense();
+    spoil(robot.reading.arms[Arm::right]);
+    wire::SensorFrame frame = wire::to_frame(robot.reading);
+    frame.stands = 1;
+    robot.drives->write(frame);
+    robot.process.join();
+    REQUIRE_FALSE(robot.report.has_value());
+    CHECK(robot.report.error().message.find(what) != std::string::npos);
+  };
+  refused("a wrist sensor feels a force in the air",
+          [](auto& arm) { arm.wrench_in_tool.force_n *= 2.0; });
+  refused("the robot has other joints", [](auto& arm) { arm.q_rad.conservativeResize(5); });
 }
 
 TEST_CASE("a stop in a hand, or of the operator, reaches a guard in its own thread at once") {

@@ -5,6 +5,7 @@
 #include <doctest/doctest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <thread>
@@ -34,6 +35,7 @@ robot::RobotReading some_reading() {
     arm.wrench_in_tool = {Vector3(1.0, 2.0, number), Vector3(-1.0, 0.5, number)};
     arm.wrench_time_s = 1.499;
     arm.command_age = 3;
+    if (number > 0.2) arm.measured_torque_nm = 2.0 * arm.q_rad;  // the first tells none
     number += 0.3;
   }
   return reading;
@@ -66,6 +68,7 @@ TEST_CASE("a reading, a proposal and a verdict come out of their frames as they 
     CHECK(again.arms[arm].wrench_in_tool.torque_nm == reading.arms[arm].wrench_in_tool.torque_nm);
     CHECK(again.arms[arm].wrench_time_s == reading.arms[arm].wrench_time_s);
     CHECK(again.arms[arm].command_age == reading.arms[arm].command_age);
+    CHECK(again.arms[arm].measured_torque_nm == reading.arms[arm].measured_torque_nm);
   }
   safety::RobotProposal proposal{.rail_m = -0.1};
   proposal.arms[Arm::right] = {.torque_nm = JointVector::LinSpaced(6, 1.0, 2.0),
@@ -118,9 +121,10 @@ TEST_CASE("frames of random bytes become readings, proposals and verdicts that b
     };
     spoil(sensed), spoil(proposed), spoil(driven);
     for (wire::SensorArm& arm : sensed.arms) arm.q_rad.count %= 12;
+    for (wire::SensorArm& arm : sensed.arms) arm.measured_torque_nm.count %= 12;
     for (wire::DrivenArm& arm : driven.arms) arm.torque_nm.count %= 12;
     for (const robot::ArmReading& arm : wire::from_frame(sensed).arms.of)
-      REQUIRE(arm.q_rad.size() <= max_joints);
+      REQUIRE(std::max(arm.q_rad.size(), arm.measured_torque_nm.size()) <= max_joints);
     for (const safety::Proposal& arm : wire::from_frame(proposed).arms.of)
       REQUIRE(arm.torque_nm.size() <= max_joints);
     for (const safety::Verdict& arm : wire::from_frame(driven).arms.of) {

@@ -309,7 +309,7 @@ def write_mutants():
 
 def build(units):
     beneath = ["core/random", "robot/arm_model", "robot/arm_table", "robot/clearance"]
-    tests = sorted(glob.glob(f"{ROOT}/tests/{ROOM}/*_test.cpp")) + [
+    tests = sorted(glob.glob(f"{ROOT}/tests/{ROOM}/**/*_test.cpp", recursive=True)) + [
         f"{ROOT}/tests/main.cpp", f"{ROOT}/tests/allocation.cpp", *(f"{ROOT}/tuina/{b}.cpp" for b in beneath)]
     objects = [(f"{BUILD}/{os.path.relpath(u, BUILD if u in units else ROOT).replace('/', '_')}.o", u)
                for u in units + tests]
@@ -364,7 +364,7 @@ def main():
     built_s = time.time() - started
 
     digest = hashlib.sha256(b"".join(open(p, "rb").read() for p in sorted(
-        glob.glob(f"{BUILD}/tuina/{ROOM}/*") + glob.glob(f"{ROOT}/tests/{ROOM}/*") +
+        glob.glob(f"{BUILD}/tuina/{ROOM}/*") + glob.glob(f"{ROOT}/tests/{ROOM}/**/*.?pp", recursive=True) +
         glob.glob(f"{ROOT}/tests/mutation/*.hpp")))).hexdigest()
     cache_path = f"{BUILD}/noticed.json"
     cache = json.load(open(cache_path)) if os.path.exists(cache_path) else {}  # name: [digest, the test]

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// The zero of a wrist sensor: who takes it, by how much, and what is made of one that has moved.
+// The zero of a wrist sensor: who takes it, by how much, and what is made of one that has moved or
+// jumps.
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "tests/safety/scene.hpp"
 #include "tests/safety/two_arms.hpp"
+#include "tuina/core/units.hpp"
 
 using namespace tuina;
 using namespace tuina::safety;
@@ -100,4 +103,91 @@ TEST_CASE("a wrist off its zero brakes an arm in the air; one that presses someb
   CHECK(off(5.1, 1.2).action == Action::pass);
   CHECK(off(5.1, 1.201).action == Action::retract);
   CHECK(off(5.1, 1.201).cause == Cause::force_off_zero);
+}
+
+namespace {
+
+/// Whether an arm whose wrist feels these forces, one after the other, and then the last one, is
+/// told of a sensor that steps.
+bool steps(const std::vector<double>& felt_n, double sampled_s = 1e-3) {
+  Standing arm;
+  arm.observe_for(10);
+  bool stepped = false;
+  for (std::size_t i = 0; i < felt_n.size() + 10; ++i) {
+    arm.pushed_n = Vector3(0.6, 0.0, -0.8) * felt_n[std::min(i, felt_n.size() - 1)];
+    arm.arm().wrench_in_tool = wrist_of(arm.model, arm.arm().q_rad, arm.pushed_n);
+    arm.reading.time_s += sampled_s - 1e-3;
+    stepped = arm.look().wrist_stepped || stepped;
+  }
+  return stepped;
+}
+
+}  // namespace
+
+TEST_CASE("a force that comes within one sample and stays is the sensor's own from 5 N on") {
+  CHECK_FALSE(steps({0.0}));
+  for (const double sign : {1.0, -1.0}) {
+    CHECK_FALSE(steps({sign * 4.99}));
+    CHECK(steps({sign * 5.01}));
+    CHECK(steps({sign * 500.0}));
+  }
+  CHECK_FALSE(steps({500.0, 0.0}));  // one wild sample, two, and one each way
+  CHECK_FALSE(steps({500.0, 500.0, 0.0}));
+  CHECK_FALSE(steps({500.0, -500.0, 0.0}));
+  // What a filter of a sensor makes of a sudden force goes on, up to 250 Hz.
+  for (const double cutoff_hz : {100.0, 250.0, 260.0}) {
+    std::vector<double> filtered_n = {0.0};
+    for (int i = 0; i < 20; ++i) {
+      const double share = 1.0 - std::exp(-2.0 * pi * cutoff_hz * 1e-3);
+      filtered_n.push_back(filtered_n.back() + share * (60.0 - filtered_n.back()));
+    }
+    CHECK(steps(filtered_n) == (cutoff_hz > 250.0));
+  }
+  // A fifth of the step before and after it is no calm.
+  for (const double share : {0.19, 0.21}) {
+    const double more_n = 10.0 * share;
+    for (std::size_t later = 1; later <= 4; ++later) {
+      std::vector<double> after_n(later, 10.0);
+      after_n.push_back(10.0 + more_n);
+      CHECK(steps(after_n) == (share < 0.2));
+    }
+    CHECK(steps({10.0, 10.0, 10.0, 10.0, 10.0, 10.0 + more_n}));  // by then it is known
+    CHECK(steps({more_n, 10.0 + more_n}) == (share < 0.2));
+    CHECK(steps({more_n, more_n, 10.0 + more_n}) == (share < 0.2));
+  }
+  CHECK(steps({10.0}, 1.4e-3));
+  CHECK_FALSE(steps({10.0}, 1.6e-3));  // it has had time for it
+}
+
+TEST_CASE("a sample that comes again is no change of its own") {
+  Standing arm;
+  arm.observe_for(10);
+  arm.pushed_n.z() = 10.0;
+  CHECK_FALSE(arm.observe().wrist_stepped);
+  arm.observe();
+  const double old_s = arm.arm().wrench_time_s;
+  for (int i = 0; i < 3; ++i) {
+    arm.reading.tick += 1;
+    arm.arm().wrench_time_s = old_s;
+    CHECK_FALSE(arm.watch.observe(arm.reading, Arm::left, {}, {}).wrist_stepped);
+  }
+  CHECK_FALSE(Observation{}.wrist_stepped);
+}
+
+TEST_CASE("the first sample of all is no step") {
+  Standing arm;
+  arm.pushed_n.z() = 10.0;
+  for (int i = 0; i < 10; ++i) CHECK_FALSE(arm.observe().wrist_stepped);
+}
+
+TEST_CASE("an arm whose wrist steps leaves, and believes it no more") {
+  Scene scene;
+  scene.tick(10);
+  scene.seen.wrist_stepped = true;
+  CHECK(scene.tick().action == Action::retract);
+  CHECK(scene.verdict.cause == Cause::force_off_zero);
+  CHECK(scene.verdict.latched);
+  scene.seen.wrist_stepped = false;
+  scene.tick(100);
+  CHECK(scene.outward_n() < 41.0);  // not the 80 N with which a felt body is left
 }

@@ -117,3 +117,20 @@ TEST_CASE("drives turn torques weak, round or noisy, and dead guards command not
   CHECK(applied(hot).last.torque_nm[Arm::left][0] == 1.5);
   CHECK(applied(hot).last.torque_nm[Arm::right][0] == 3.0);
 }
+
+TEST_CASE("a weak motor turns less than the current says that its drive measures") {
+  for (const RobotFault kind : {RobotFault::motor_gain, RobotFault::drive_gain}) {
+    FakeRobot fake({.measures_torque = true});
+    FaultyRobot robot(fake);
+    robot.add({.kind = kind, .part = 1, .size = 0.5});
+    robot.add({.kind = kind, .part = 9, .size = 0.5});  // no such joint
+    (void)robot.read();
+    JointVector torque_nm = JointVector::Constant(6, 3.0);
+    robot.apply({.torque_nm = {.of = {torque_nm, torque_nm}}});
+    CHECK(fake.last.torque_nm[Arm::left][1] == 1.5);
+    const auto reading = robot.read();
+    CHECK(left(reading).measured_torque_nm[1] == (kind == RobotFault::motor_gain ? 3.0 : 1.5));
+    CHECK(left(reading).measured_torque_nm[0] == 3.0);
+    CHECK(reading->arms[Arm::right].measured_torque_nm[1] == 3.0);
+  }
+}

@@ -3,6 +3,7 @@
 
 #include <doctest/doctest.h>
 
+#include <cmath>
 #include <limits>
 
 #include "tests/allocation.hpp"
@@ -260,4 +261,35 @@ TEST_CASE(
       CHECK((tool.translation() - wanted.translation()).norm() < 0.5e-3);
     }
   }
+}
+
+TEST_CASE("drives tell their currents: errors of scale and offset, noise, and none when braked") {
+  const auto plant = make(believed);
+  auto reading = plant->read();
+  CHECK(reading->arms[Arm::left].measured_torque_nm.size() == 0);  // before the first command
+  for (const bool braked : {false, true}) {
+    JointVector sum_nm = JointVector::Zero(6), squares = sum_nm, told_nm;
+    constexpr int ticks = 400;
+    for (int i = -20; i < ticks; ++i) {
+      robot::RobotCommand command = hold(*reading);
+      command.brake = {.of = {braked, braked}};
+      told_nm = command.torque_nm[Arm::left];
+      plant->apply(command);
+      reading = plant->read();
+      const JointVector off_nm = reading->arms[Arm::left].measured_torque_nm - told_nm;
+      REQUIRE(off_nm.size() == 6);
+      if (i >= 0) sum_nm += off_nm, squares += off_nm.cwiseAbs2();
+    }
+    const JointVector limit_nm = believed.torque_limits_nm(), mean_nm = sum_nm / ticks;
+    for (int i = 0; i < 6; ++i) {
+      const double mean = braked ? mean_nm[i] + told_nm[i] : mean_nm[i];
+      CHECK(std::abs(mean) < (braked ? 0.0 : 0.03 * std::abs(told_nm[i])) + 6.5e-3 * limit_nm[i]);
+      const double spread = std::sqrt(squares[i] / ticks - mean_nm[i] * mean_nm[i]);
+      CHECK(spread == doctest::Approx(5e-3 * limit_nm[i]).epsilon(0.15));
+    }
+  }
+  const auto mute = make(believed, nullptr, {.drives_tell = false});
+  (void)mute->read();
+  mute->apply(hold(*reading));
+  CHECK(mute->read()->arms[Arm::left].measured_torque_nm.size() == 0);
 }

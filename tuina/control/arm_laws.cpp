@@ -19,6 +19,7 @@ constexpr double settling_per_s = 3.0;
 constexpr double max_settling_n = 15.0;
 constexpr double still_m_per_s = 0.015;
 constexpr double search_acceleration = 0.4;  // m/s2
+constexpr double other_way_out = 0.18;       // sine of ten degrees, and a little more
 
 double inward(const Vector3& vector, const Vector3& normal) {
   return -vector.dot(normal);
@@ -138,12 +139,19 @@ Vector3 ArmController::contact_force(double dt_s) noexcept {
   const double speed = inward(velocity_, normal);
   status_.depth_m = depth_m;
 
+  const double K = options_.stiffness_n_per_m;
+  const Vector3 along_error = error - error.dot(normal) * normal;
+  const Vector3 drag_spring_n = clamp_norm(K * along_error, options_.max_drag_n);
+
   double normal_n = 0.0, normal_spring_n = 0.0;
   if (status_.mode == Mode::approach) {
     normal_n = approach_force(depth_m, speed, dt_s);
     normal_spring_n =
         std::min(options_.force.stiffness_n_per_m * (search_m_ - depth_m), options_.touch_pull_n);
   } else {
+    // The guard knows a way out of the body of its own. Where that is some degrees off this normal,
+    // what is stretched along the skin pulls into the body, too.
+    const double drag_inward_n = other_way_out * drag_spring_n.norm();
     normal_n = force_target_.step(
         {.depth_m = depth_m,
          .speed_m_per_s = speed,
@@ -152,7 +160,7 @@ Vector3 ArmController::contact_force(double dt_s) noexcept {
          .force_n = status_.force_n,
          .set_force_n = target_.force_n,
          .mass_kg = robot::apparent_mass_kg(dynamics_, normal),
-         .max_spring_n = target_.max_spring_n,
+         .max_spring_n = target_.max_spring_n - drag_inward_n,
          .model = target_.model},
         dt_s);
     normal_spring_n = force_target_.spring_n();
@@ -167,11 +175,8 @@ Vector3 ArmController::contact_force(double dt_s) noexcept {
   }
   status_.stiffness_n_per_m = options_.force.stiffness_n_per_m;
 
-  const double K = options_.stiffness_n_per_m;
   const double damping = 2.0 * options_.damping_ratio * std::sqrt(typical_mass_kg * K);
-  const Vector3 along_error = error - error.dot(normal) * normal;
   const Vector3 velocity_error = reference_.velocity_m_per_s - velocity_;
-  const Vector3 drag_spring_n = clamp_norm(K * along_error, options_.max_drag_n);
   spring_n_ = drag_spring_n - normal_spring_n * normal;
   return drag_spring_n + damping * (velocity_error - velocity_error.dot(normal) * normal) -
          normal_n * normal;

@@ -40,7 +40,8 @@ inline constexpr std::uint16_t stands = 1, stopped = 2, braked = 4, drive_fault 
 }
 /// Bits of `Hello::flags`.
 namespace flag {
-inline constexpr std::uint16_t has_rail = 1, simulated = 2, waits = 4, busy = 8;
+inline constexpr std::uint16_t has_rail = 1, simulated = 2, waits = 4, busy = 8,
+                               measures_torque = 16;
 }
 
 /// A host's question who is there; changes nothing.

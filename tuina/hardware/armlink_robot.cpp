@@ -243,6 +243,9 @@ std::optional<robot::RobotReading> ArmlinkRobot::reading_of(const PerArm<bool>& 
                          .wrench_in_tool = state.wrench_in_tool,
                          .wrench_time_s = time_of(arm, state.wrench_time_s),
                          .command_age = peers_[arm].command_age()};
+    // What an arm tells beside torques, or in its place, is its own affair.
+    const bool measures = (peers_[arm].hello().flags & armlink::flag::measures_torque) != 0;
+    if (measures && state.mode == Mode::torque) reading.arms[arm].measured_torque_nm = state.tau_nm;
   }
   reading.rail_m = peers_[Arm::left].state().rail_m;
   return reading;

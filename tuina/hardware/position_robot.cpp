@@ -132,6 +132,8 @@ std::optional<robot::RobotReading> PositionRobot::read() noexcept {
   const PerArm<JointVector>* driven_nm = drives_.driven_nm();
   for (const Arm arm : both_arms) {
     Side& side = sides_[arm];
+    // The drives move the real arm; what is commanded moves the virtual one.
+    reading->arms[arm].measured_torque_nm.resize(0);
     if (driven_nm != nullptr) hear_drives(arm, reading->arms[arm], (*driven_nm)[arm]);
     side.sent_rad[next_] = side.arm.q_rad();
     side.wrench_in_tool = reading->arms[arm].wrench_in_tool;

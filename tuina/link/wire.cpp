@@ -42,7 +42,8 @@ SensorFrame to_frame(const robot::RobotReading& reading) noexcept {
         .dq_rad_per_s = pack(arm.dq_rad_per_s),
         .wrench_in_tool = {force.x(), force.y(), force.z(), torque.x(), torque.y(), torque.z()},
         .wrench_time_s = arm.wrench_time_s,
-        .command_age = arm.command_age};
+        .command_age = arm.command_age,
+        .measured_torque_nm = pack(arm.measured_torque_nm)};
   }
   return frame;
 }
@@ -57,7 +58,8 @@ robot::RobotReading from_frame(const SensorFrame& frame) noexcept {
                           .dq_rad_per_s = unpack(arm.dq_rad_per_s),
                           .wrench_in_tool = {{six[0], six[1], six[2]}, {six[3], six[4], six[5]}},
                           .wrench_time_s = arm.wrench_time_s,
-                          .command_age = arm.command_age};
+                          .command_age = arm.command_age,
+                          .measured_torque_nm = unpack(arm.measured_torque_nm)};
   }
   return reading;
 }

@@ -14,7 +14,7 @@
 // layout; `layout` changes with it.
 namespace tuina::link::wire {
 
-inline constexpr std::uint64_t layout = 0x7475'696e'6100'0003;  // "tuina", version 3
+inline constexpr std::uint64_t layout = 0x7475'696e'6100'0004;  // "tuina", version 4
 
 inline constexpr std::uint64_t no_tick = ~std::uint64_t{0};
 
@@ -30,6 +30,7 @@ struct SensorArm {
   std::array<double, 6> wrench_in_tool = {};  ///< force, then torque
   double wrench_time_s = 0.0;
   std::int32_t command_age = 0;
+  Joints measured_torque_nm;  ///< none where the drives tell none
 };
 /// What the drives sense in a millisecond.
 struct SensorFrame {

@@ -19,6 +19,9 @@ struct ArmReading {
   /// How many commands were sent since the one that moved the arm in the millisecond before; 0
   /// where the drives obey at once.
   int command_age = 0;
+  /// Torques that the drives measure of that millisecond, by the currents of their motors or by
+  /// sensors in the joints; empty where they tell none.
+  JointVector measured_torque_nm;
 };
 
 /// What both arms sense in one millisecond.

@@ -38,6 +38,12 @@ constexpr double max_gap_ticks = 10.0;
 // A joint whose drive is to blame stands out of the others by as much.
 constexpr double alone = 2.0;
 
+// A filter of up to 250 Hz spreads what a sensor feels over some samples: after a sudden force the
+// second change is still a fifth of the first. One of this size alone is the sensor's own.
+constexpr double min_step_n = 5.0, calm_share = 0.2;
+constexpr std::size_t calm_before = 2;    // of the changes that are kept; the others come after it
+constexpr double max_sampled_s = 1.5e-3;  // samples that are farther apart have had time for it
+
 }  // namespace
 
 // mass * ddq + coriolis + gravity = motor - friction + J^T wrench, over one millisecond.
@@ -110,6 +116,20 @@ void ArmWatch::weigh(const robot::ArmDynamics& dynamics) noexcept {
   weak_joint_ = of_drive ? static_cast<int>(worst) : -1;
 }
 
+// One or two wild samples come and go, a blow swings back, a body goes on: what was calm for two
+// samples before must be so for four after.
+bool ArmWatch::steps(const robot::ArmReading& reading) noexcept {
+  if (reading.wrench_time_s == sample_time_s_) return false;
+  std::rotate(changes_n_.begin(), changes_n_.begin() + 1, changes_n_.end());
+  changes_n_.back() = (reading.wrench_in_tool.force_n - sample_.force_n).norm();
+  if (!(reading.wrench_time_s - sample_time_s_ < max_sampled_s)) changes_n_.fill(0.0);
+  const double step_n = changes_n_[calm_before];
+  const auto calm = [&](double change_n) { return change_n < calm_share * step_n; };
+  return step_n > min_step_n &&
+         std::all_of(changes_n_.begin(), changes_n_.begin() + calm_before, calm) &&
+         std::all_of(changes_n_.begin() + calm_before + 1, changes_n_.end(), calm);
+}
+
 // No living sensor says the same twice to the last bit: its noise is finer than that.
 void ArmWatch::count_repeats(const robot::ArmReading& reading) noexcept {
   if (reading.wrench_time_s == sample_time_s_) return;
@@ -174,6 +194,10 @@ Observation ArmWatch::observe(const robot::RobotReading& reading, Arm arm, const
           proposal.stiffness_n_per_m == 0.0 ? led_share : drive_share);
   seen.torque_misfit = misfit_;
   seen.weak_joint = weak_joint_;
+  if (ticks > 0.0) drives_.compare(raw.measured_torque_nm, applied_nm, ticks > 1.0);
+  seen.drive_misfit = drives_.misfit();
+  seen.reversed_joint = drives_.reversed_joint();
+  seen.wrist_stepped = steps(raw);
   count_repeats(raw);
   seen.wrist_repeats = repeats_;
   seen.zero_jump_n = zero_jump_n_;

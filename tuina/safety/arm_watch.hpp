@@ -7,6 +7,7 @@
 
 #include "tuina/robot/arm_model.hpp"
 #include "tuina/robot/robot.hpp"
+#include "tuina/safety/drive_watch.hpp"
 #include "tuina/safety/guard.hpp"
 #include "tuina/safety/swing.hpp"
 
@@ -17,7 +18,8 @@ namespace tuina::safety {
 class ArmWatch {
  public:
   /// Has a copy of the model.
-  explicit ArmWatch(const robot::ArmModel& model) noexcept : model_(model) {}
+  explicit ArmWatch(const robot::ArmModel& model) noexcept
+      : model_(model), drives_(model.table().torque_limits_nm()) {}
 
   /// `applied_nm` moved the arm since the last reading; empty at the first. Of the proposal two
   /// things count: when an approach begins, the wrist sensor is zeroed, by 3 N at most
@@ -30,7 +32,8 @@ class ArmWatch {
   /// wrist and weight should have added to it, and what was seen to be added, may differ by
   /// friction and a share of the drive in each millisecond. What goes beyond is summed up
   /// [page1954] and compared with what coarse encoders, a badly timed drive, and a gear that takes
-  /// up a change of torque late and swings after it, may feign.
+  /// up a change of torque late and swings after it, may feign. Drives that measure their torques
+  /// are held against what they were told, too.
   [[nodiscard]] Observation observe(const robot::RobotReading& reading, Arm arm,
                                     const Proposal& proposal,
                                     const JointVector& applied_nm) noexcept;
@@ -41,9 +44,11 @@ class ArmWatch {
                double share) noexcept;
   void weigh(const robot::ArmDynamics& dynamics) noexcept;
   void count_repeats(const robot::ArmReading& reading) noexcept;
+  [[nodiscard]] bool steps(const robot::ArmReading& reading) noexcept;
   void zero(Phase phase) noexcept;
 
   robot::ArmModel model_;
+  DriveWatch drives_;
   Phase phase_ = Phase::free;
   bool started_ = false, looked_ = false;
   double watched_s_ = 0.0, zeroed_s_ = 0.0, zero_jump_n_ = 0.0;
@@ -64,7 +69,8 @@ class ArmWatch {
 
   Wrench sample_;
   double sample_time_s_ = std::numeric_limits<double>::quiet_NaN();
-  int repeats_ = -1;  ///< of the sample; the first one repeats none
+  int repeats_ = -1;                      ///< of the sample; the first one repeats none
+  std::array<double, 7> changes_n_ = {};  ///< from sample to sample, the newest last
 };
 
 }  // namespace tuina::safety

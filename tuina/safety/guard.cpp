@@ -96,7 +96,10 @@ Verdict Guard::check(const Observation& seen, const Proposal& proposal) noexcept
     allowed_nm_ = let_through(seen, proposal, finding);
   } else {
     const double rate = own_rate_factor * options_.limits.torque_rate_nm_per_s;
-    allowed_nm_ = limited(own_torque(seen, action_in(state_, finding.action)), rate, finding);
+    JointVector own_nm = own_torque(seen, action_in(state_, finding.action));
+    // Told nothing, a drive that turns the other way does no more harm than a dead one.
+    if (seen.drive_misfit > 1.0 && seen.reversed_joint >= 0) own_nm[seen.reversed_joint] = 0.0;
+    allowed_nm_ = limited(own_nm, rate, finding);
   }
   return {.allowed_nm = allowed_nm_,
           .action = action_in(state_, finding.action),

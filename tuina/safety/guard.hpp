@@ -45,7 +45,8 @@ enum class Cause : std::uint8_t {
   inward_force,    ///< the torques would press harder than the zone bears
   not_obeyed,      ///< the arm does not do what the guard's own law tells it
   torques_amiss,   ///< the joints do not move as their torques and the wrist sensor say
-  drive_amiss,     ///< one joint alone does not move as its torque says
+  drive_amiss,     ///< a drive measures another torque than it is told, or its joint alone does not
+                   ///< move as its torque says
   rail_moved,
   lease_over,    ///< operator or hand stop do not show any more that they are there
   no_proposal,   ///< the controller is silent
@@ -72,9 +73,14 @@ struct Observation {
   /// leaves.
   double torque_misfit = 0.0;
   int weak_joint = -1;  ///< whose drive alone would explain it; -1: none
+  /// What drives measure of their torques and were not told, as a share of what is borne; 0 where
+  /// they measure none.
+  double drive_misfit = 0.0;
+  int reversed_joint = -1;  ///< whose drive, not believed then, turns the other way; -1: none
   /// Change of what the wrist sensor says of nothing but the tool, beyond what sensors drift by.
   double zero_jump_n = 0.0;
   int wrist_repeats = 0;  ///< samples of the wrist sensor that were the one before to the last bit
+  bool wrist_stepped = false;             ///< it has changed as no body can change it
   const ZoneField::Cell* skin = nullptr;  ///< under the tool, where the guard knows the person
 };
 

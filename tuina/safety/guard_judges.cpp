@@ -118,22 +118,23 @@ void Guard::judge_joints(const Observation& seen, Finding& finding) noexcept {
 // on its way back to the body. Else somebody may be leading the arm, and on a person who breathes
 // brakes would be a wall.
 void Guard::judge_drives(const Observation& seen, Finding& finding) noexcept {
-  const bool amiss = seen.torque_misfit > 1.0;
+  const bool amiss = seen.torque_misfit > 1.0, measured = seen.drive_misfit > 1.0;
   const bool stopped = is_stop(state_);
   const double outward_m_per_s = seen.tool_velocity_m_per_s.dot(normal_in_base_);
   const bool clear = outward_m_per_s < (stopped ? -returning_m_per_s : flying_off_m_per_s);
-  drive_amiss_ = amiss && seen.weak_joint >= 0 && in_air() && clear ? drive_amiss_ + 1 : 0;
-  if (!amiss) return;
+  const bool blamed = measured || (amiss && seen.weak_joint >= 0);
+  drive_amiss_ = blamed && in_air() && clear ? drive_amiss_ + 1 : 0;
   if (drive_amiss_ > (stopped ? blamed_ticks : 0)) finding.add(Action::brake, Cause::drive_amiss);
-  finding.add(Action::comply, Cause::torques_amiss);
+  if (measured) finding.add(Action::comply, Cause::drive_amiss);
+  if (amiss) finding.add(Action::comply, Cause::torques_amiss);
 }
 
 void Guard::take_sample(const Observation& seen, Finding& finding) noexcept {
   const double force_n = seen.force_in_base_n.norm();
-  if (seen.wrist_repeats >= stuck_ticks) {
-    finding.add(Action::retract, Cause::force_stuck);
-    force_doubted_ = true;
-  }
+  const bool stuck = seen.wrist_repeats >= stuck_ticks;
+  if (stuck) finding.add(Action::retract, Cause::force_stuck);
+  if (seen.wrist_stepped) finding.add(Action::retract, Cause::force_off_zero);
+  force_doubted_ = force_doubted_ || stuck || seen.wrist_stepped;
   // An arm that believes in another weight than its tool has sinks or rises by every law, so it is
   // braked unless it presses somebody.
   if (seen.zero_jump_n > max_zero_jump_n)

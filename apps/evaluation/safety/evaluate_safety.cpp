@@ -31,6 +31,7 @@ class EvaluateSafety final : public Verb {
     options.flag("--pairs", pairs_, "this and nothing else: pairs of faults within 20 ms");
     part("--random", random_, "random faults at random moments; other seeds are other trials");
     part("--clean", clean_, "whole sessions of 20 minutes without a fault");
+    part("--presses", presses_, "presses of half a minute without a fault, place after place");
     part("--people", people_, "people who breathe deeply, cough and shift");
     part("--search", search_, "trials of each class that seek its largest force");
     options.add("--out", out_,
@@ -49,10 +50,10 @@ class EvaluateSafety final : public Verb {
       if (error) return fail(Fault::file, "the folder {}: {}", out_, error.message());
     }
     CampaignOrder order = campaign_order(full_, only_, common.seed);
-    if (pairs_ || random_ + clean_ + people_ + search_ > 0) {
+    if (pairs_ || random_ + clean_ + presses_ + people_ + search_ > 0) {
       order.cells = false;
       order.pairs = pairs_;
-      order.clean_runs = 0;
+      order.clean_runs = presses_;
       order.random_trials = random_;
       order.clean_sessions = clean_;
       order.people = people_;
@@ -81,7 +82,7 @@ class EvaluateSafety final : public Verb {
   }
 
   bool full_ = false, pairs_ = false;
-  std::uint64_t random_ = 0, clean_ = 0, people_ = 0, search_ = 0;
+  std::uint64_t random_ = 0, clean_ = 0, presses_ = 0, people_ = 0, search_ = 0;
   std::string only_, out_;
   Cells cells_;
 };

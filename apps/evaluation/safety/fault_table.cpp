@@ -319,13 +319,28 @@ std::vector<FaultClass> person_classes() {
   };
 }
 
+/// Faults behind the currents that drives measure: a weak magnet, or a motor that was wired the
+/// wrong way round. They stand at the end, so that the seeds of the others stay.
+std::vector<FaultClass> hidden_classes() {
+  return {
+      {.number = 9,
+       .name = "motor gives half",
+       .injection = on_robot({.kind = RobotFault::motor_gain, .size = 0.5}),
+       .promise = {.highest_n = 75.0, .act_ms = 15.0}},
+      {.number = 9,
+       .name = "motor reversed",
+       .injection = on_robot({.kind = RobotFault::motor_gain, .size = -1.0}),
+       .promise = {.highest_n = 75.0, .act_ms = 15.0}},
+  };
+}
+
 }  // namespace
 
 const std::vector<FaultClass>& fault_classes() {
   static const std::vector<FaultClass> all = [] {
     std::vector<FaultClass> classes;
     for (auto& part : {wrist_classes(), joint_classes(), time_classes(), controller_classes(),
-                       room_classes(), person_classes()})
+                       room_classes(), person_classes(), hidden_classes()})
       classes.insert(classes.end(), part.begin(), part.end());
     return classes;
   }();

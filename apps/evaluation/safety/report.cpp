@@ -163,6 +163,18 @@ Table people_table(const Campaign& campaign) {
       table.add({does, people, stopped, let_go, worst_n, over_n,
                  fmt::format("{}", fmt::join(causes, ", "))});
   }
+  const double not_looked_at = std::numeric_limits<double>::quiet_NaN();
+  int press_stopped = 0, press_let_go = 0;
+  std::set<std::string> press_causes;
+  for (const TrialOutcome& one : campaign.clean) {
+    if (!one.stopped) continue;
+    ++(one.by_guard ? press_stopped : press_let_go);
+    press_causes.insert(one.cause);
+  }
+  if (!campaign.clean.empty())
+    table.add({"breathes quietly", static_cast<int>(campaign.clean.size()), press_stopped,
+               press_let_go, not_looked_at, not_looked_at,
+               fmt::format("{}", fmt::join(press_causes, ", "))});
   if (campaign.clean_sessions.empty()) return table;
   int stopped = 0;
   double worst_n = 0.0;
@@ -173,7 +185,7 @@ Table people_table(const Campaign& campaign) {
     causes.insert(one.stops.begin(), one.stops.end());
   }
   table.add({"sessions of 20 minutes", static_cast<int>(campaign.clean_sessions.size()), stopped,
-             telemetry::Cell(), worst_n, std::numeric_limits<double>::quiet_NaN(),
+             telemetry::Cell(), worst_n, not_looked_at,
              fmt::format("{}", fmt::join(causes, ", "))});
   return table;
 }

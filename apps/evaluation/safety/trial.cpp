@@ -198,7 +198,8 @@ void Trial::begin_faults() {
       const bool of_joint = fault.kind >= sim::RobotFault::encoder_frozen &&
                             fault.kind <= sim::RobotFault::drive_gain;
       if (of_joint) fault.part = joint();
-      if (fault.kind != sim::RobotFault::drive_gain) fault.size *= onset.severity;
+      if (fault.kind != sim::RobotFault::drive_gain && fault.kind != sim::RobotFault::motor_gain)
+        fault.size *= onset.severity;
       faulty_.add(fault);
     }
     if (injection.person) {
@@ -254,8 +255,9 @@ void Trial::stray(Stray where) {
   }
 }
 
-/// What guard and controller have done in this millisecond.
+/// What guard and controller have done in this millisecond; to drives that hear neither it is none.
 void Trial::judge_stop() {
+  if (truth_.guard_killed()) return;
   for (const safety::Verdict* verdict : {&arm_.verdict(), &arm_.verdict(other_arm())}) {
     // A push that is clamped is answered in its millisecond, though nothing is stopped yet.
     if (verdict->action < safety::Action::freeze && verdict->cause != safety::Cause::inward_force)

@@ -28,6 +28,14 @@ void TrialTruth::begin(double set_n) noexcept {
   from_in_couch_ = arm().couch_from_tool.translation();
 }
 
+bool TrialTruth::guard_killed() const noexcept {
+  return begun() && std::any_of(plan_.onsets.begin(), plan_.onsets.end(), [&](const Onset& onset) {
+           const auto& robot = onset.fault->injection.robot;
+           return robot && robot->kind == sim::RobotFault::commands_lost &&
+                  time_s() > onset_s_ + onset.later_s - 0.5 * control_period_s;
+         });
+}
+
 void TrialTruth::look() {
   const sim::ArmTruth& truth = arm();
   const double since_s = time_s() - onset_s_, force_n = truth.contact.force_n;

@@ -78,6 +78,8 @@ TEST_CASE("drives stand ready together, then torque goes in and position comes o
   CHECK(test::allocations() == before);
   CHECK(reading->tick == cycles);
   CHECK(reading->arms[Arm::left].command_age == 1);
+  REQUIRE(reading->arms[Arm::left].measured_torque_nm.size() == table.joints);
+  CHECK(reading->arms[Arm::left].measured_torque_nm[3] == doctest::Approx(torque_nm).epsilon(0.02));
   // The first command changes the drive to torques, and all count from the next SYNC on.
   const double speed = torque_nm / inertia_kg_m2 * 1e-3 * cycles;
   CHECK(reading->arms[Arm::left].dq_rad_per_s[3] == doctest::Approx(speed).epsilon(0.05));

@@ -258,11 +258,15 @@ std::optional<robot::RobotReading> Cia402Robot::read() noexcept {
     const auto joints = static_cast<Eigen::Index>(drives_.size() / both_arms.size());
     told.q_rad = told.dq_rad_per_s = JointVector::Zero(joints);
     told.command_age = 1;
+    if (all([](const Drive& drive) { return drive.follows(); }))
+      told.measured_torque_nm = told.q_rad;
   }
   for (std::size_t k = 0; k < drives_.size(); ++k) {
     robot::ArmReading& told = reading.arms[seats_[k].arm];
     told.q_rad[seats_[k].joint] = drives_[k].q_rad();
     told.dq_rad_per_s[seats_[k].joint] = drives_[k].dq_rad_per_s();
+    if (told.measured_torque_nm.size() > 0)
+      told.measured_torque_nm[seats_[k].joint] = drives_[k].torque_nm();
   }
   return reading;
 }

@@ -32,6 +32,10 @@ class Drive {
   [[nodiscard]] double torque_nm() const noexcept {
     return torque_at_permille_nm_ * told_.permille;
   }
+  /// Whether it obeys torques, so that what it tells can be held against them.
+  [[nodiscard]] bool follows() const noexcept {
+    return takes_torque_ && state() == cia402::State::enabled && cia402::follows(told_.status);
+  }
   [[nodiscard]] cia402::State state() const noexcept { return cia402::state_of(told_.status); }
 
   /// One state nearer to obeying, without a torque; while it holds a position.

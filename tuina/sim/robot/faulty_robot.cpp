@@ -107,6 +107,10 @@ void FaultyRobot::spoil_arm(Running& running, robot::ArmReading& arm) noexcept {
     case RobotFault::encoder_nan:
       arm.q_rad[fault.part] = arm.dq_rad_per_s[fault.part] = no_number;
       return;
+    case RobotFault::motor_gain:
+      if (fault.part < arm.measured_torque_nm.size())
+        arm.measured_torque_nm[fault.part] += running.hidden_nm;
+      return;
     default:
       return;
   }
@@ -114,13 +118,18 @@ void FaultyRobot::spoil_arm(Running& running, robot::ArmReading& arm) noexcept {
 
 void FaultyRobot::apply(const robot::RobotCommand& command) noexcept {
   robot::RobotCommand given = command;
-  for (const Running& running : faults_) {
+  for (Running& running : faults_) {
     const TimedFault& fault = running.fault;
     if (!acts(running)) continue;
     JointVector& torque_nm = given.torque_nm[fault.arm];
     if (fault.kind == RobotFault::commands_lost) return;
-    if (fault.kind == RobotFault::drive_gain && fault.part < torque_nm.size())
+    const bool of_joint =
+        fault.kind == RobotFault::drive_gain || fault.kind == RobotFault::motor_gain;
+    if (of_joint && fault.part < torque_nm.size()) {
+      const double whole_nm = torque_nm[fault.part];
       torque_nm[fault.part] *= fault.size;
+      running.hidden_nm = whole_nm - torque_nm[fault.part];
+    }
     if (fault.kind == RobotFault::drives_fade)
       torque_nm *= 1.0 - (1.0 - fault.size) * std::clamp(time_s_ - fault.onset_s, 0.0, 1.0);
     if (fault.kind != RobotFault::drive_noise) continue;

@@ -23,9 +23,10 @@ enum class RobotFault : std::uint8_t {
   encoder_frozen,     ///< the old angle, no speed
   encoder_jump,       ///< `size` rad more; the speed does not show it
   encoder_nan,
-  drive_gain,        ///< `size` times the torque: 0 is a dead joint, -1 a reversed one
+  motor_gain,        ///< `size` times the torque, by a current as it is commanded
+  drive_gain,        ///< `size` times current and torque: 0 is a dead joint, -1 a reversed one
   drive_noise,       ///< a deviation of `size` Nm in every joint
-  drives_fade,       ///< every joint gives less, down to `size` times its torque in a second
+  drives_fade,       ///< likewise, every joint, and down to `size` in a second
   clock_stopped,     ///< time and stamps stand still, ticks go on
   clock_jump,        ///< time and stamps `size` s later
   stall,             ///< nobody runs: the next reading is the one after `duration_s`
@@ -70,6 +71,7 @@ class FaultyRobot final : public robot::Robot {
     bool begun = false;
     robot::RobotReading first;  // in which the fault began
     double last_spike = -1.0;
+    double hidden_nm = 0.0;  // lost behind the current that the drive measures
   };
   [[nodiscard]] bool acts(const Running& running) const noexcept;
   void spoil(Running& running, robot::RobotReading& reading) noexcept;

@@ -167,6 +167,7 @@ Result<std::unique_ptr<Plant>> Plant::make(const robot::RobotPlacement& placemen
     arm.velocity_rad_per_s = {};
     if (world->person != nullptr) world->touch(side);
   }
+  world->spoil_currents();
   world->sample_truth();
   return std::unique_ptr<Plant>(new Plant(std::move(world)));
 }
@@ -237,6 +238,7 @@ std::optional<robot::RobotReading> Plant::read() noexcept {
         Eigen::Map<const Eigen::VectorXd>(arm.velocity_rad_per_s.data(), arm.joints);
     seen.wrench_in_tool = world.sample_wrist(arm);
     seen.wrench_time_s = reading.time_s - tick_s;
+    seen.measured_torque_nm = world.measure_currents(arm);
   }
   world.started = true;
   return reading;

@@ -55,6 +55,11 @@ struct PlantOptions {
   double wrist_noise_n = 0.05;  ///< standard deviation of a sample
   double wrist_noise_nm = 0.001;
   double friction_windup_rad = 0.3e-3;  ///< travel of a gear before it slips
+  /// Currents that the drives measure and tell as torques, shares of their limits: errors of scale
+  /// and offset at most, standard deviation of the noise.
+  bool drives_tell = true;
+  double current_scale_share = 0.03, current_offset_share = 0.005, current_noise_share = 0.005;
+  double current_low_pass_hz = 300.0;
   int watchdog_ticks = 20;  ///< readings without a command that the drives bear; 0: any number
   DeviceFlaws flaws = {};
 };

@@ -130,4 +130,34 @@ Wrench Plant::World::sample_wrist(ArmDevices& arm) noexcept {
   return {late.head<3>(), late.tail<3>()};
 }
 
+void Plant::World::spoil_currents() {
+  current_noise = make_random(options.seed, "noise of currents");
+  Random random = make_random(options.seed, "errors of currents");
+  for (ArmDevices& arm : arms.of) {
+    for (std::size_t k = 0; k < static_cast<std::size_t>(arm.joints); ++k) {
+      arm.current_scale[k] = 1.0 + options.current_scale_share * uniform(random, -1.0, 1.0);
+      arm.current_offset_nm[k] =
+          options.current_offset_share * arm.torque_limit_nm[k] * uniform(random, -1.0, 1.0);
+    }
+  }
+}
+
+/// The current of a motor is known after its filter, whatever the motor makes of it.
+void Plant::World::flow(ArmDevices& arm, std::size_t joint, double motor_nm) noexcept {
+  const double share =
+      arm.current_known ? low_pass_share(options.current_low_pass_hz, step_s) : 1.0;
+  arm.current_nm[joint] += share * (motor_nm - arm.current_nm[joint]);
+}
+
+JointVector Plant::World::measure_currents(const ArmDevices& arm) noexcept {
+  JointVector measured_nm(options.drives_tell && arm.current_known ? arm.joints : 0);
+  for (Eigen::Index i = 0; i < measured_nm.size(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const double noise_nm = options.current_noise_share * arm.torque_limit_nm[k];
+    measured_nm[i] = arm.current_scale[k] * arm.current_nm[k] + arm.current_offset_nm[k] +
+                     gaussian(current_noise, noise_nm);
+  }
+  return measured_nm;
+}
+
 }  // namespace tuina::sim

@@ -71,6 +71,7 @@ void Plant::World::drive(ArmDevices& arm) noexcept {
     const Shaft now = shaft(arm, k);
     const double friction = friction_of(arm, k, now.rad_per_s);
     double motor = motor_nm(arm, k);
+    flow(arm, k, arm.drive == Drive::braked ? 0.0 : motor);
     if (options.flaws.torque_ripple_share > 0.0)
       motor *= 1.0 + options.flaws.torque_ripple_share * std::sin(waves_per_turn * now.rad);
     const double left_nm = motor - friction - arm.viscous[k] * now.rad_per_s;
@@ -83,6 +84,7 @@ void Plant::World::drive(ArmDevices& arm) noexcept {
     arm.rotor_rad_per_s[k] += step_s / arm.rotor_inertia[k] * (left_nm - through_nm);
     arm.rotor_rad[k] += step_s * arm.rotor_rad_per_s[k];
   }
+  arm.current_known = true;
 }
 
 }  // namespace tuina::sim

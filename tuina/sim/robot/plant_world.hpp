@@ -45,6 +45,9 @@ struct ArmDevices {
   // Elastic gears: the rotor, seen at the joint. A rigid gear has a stiffness of 0.
   std::array<double, max_joints> gear_nm_per_rad = {}, gear_damping = {}, rotor_inertia = {};
   std::array<double, max_joints> rotor_rad = {}, rotor_rad_per_s = {};
+  // Of the motors: the torque that their current stands for, and how it is measured.
+  std::array<double, max_joints> current_nm = {}, current_scale = {}, current_offset_nm = {};
+  bool current_known = false;
   Vector3 last_velocity = Vector3::Zero();
   Vector6 felt = Vector6::Zero();     // in the tool frame, after the sensor's low-pass
   Vector6 sampled = Vector6::Zero();  // a millisecond ago
@@ -72,7 +75,7 @@ struct Plant::World {
   BackContact* person = nullptr;
   ModelPointer model;
   DataPointer data;
-  Random noise;
+  Random noise, current_noise;
   int substeps = 4;
   double step_s = 0.0;
   PerArm<ArmDevices> arms;
@@ -109,6 +112,9 @@ struct Plant::World {
   void step() noexcept;
   void read_encoders(ArmDevices& arm) noexcept;
   [[nodiscard]] Wrench sample_wrist(ArmDevices& arm) noexcept;
+  void spoil_currents();
+  void flow(ArmDevices& arm, std::size_t joint, double motor_nm) noexcept;
+  [[nodiscard]] JointVector measure_currents(const ArmDevices& arm) noexcept;
   void check_physics() noexcept;
 };
 
