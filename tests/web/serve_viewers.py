@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """Fifty pages that watch one massage at real pace: whether each gets its frames, and what they cost in memory. The
 session's own memory grows while it records, and not evenly, so one page alone is measured before the fifty and after
-them, each for a third of the time and 60 s at most: the programme takes twelve minutes.
+them, each for a third of the time and 30 s at most: the programme takes twelve minutes.
 Usage: serve_viewers.py TUINA [SECONDS [tls]]; 20 is the short form, 600 the long one, which takes a quarter of an hour."""
 import json, os, sys, tempfile, threading, time
 from serve_client import Page, Server
 from serve_stop import ORDER, SHORT_SCAN
 import serve_tls
 
-VIEWERS, FRAMES_HZ, MAX_GROWTH_MB, MIN_SHARE, MAX_GAP_S, MIN_ALONE_S, MAX_ALONE_S, LONG_S = 50, 20.0, 1.0, 0.5, 3.0, 10.0, 60.0, 600.0
+VIEWERS, FRAMES_HZ, MAX_GROWTH_MB, MIN_SHARE, MAX_GAP_S, MIN_ALONE_S, MAX_ALONE_S, LONG_S = 50, 20.0, 1.0, 0.5, 3.0, 10.0, 30.0, 600.0
 faults = []
 
 
