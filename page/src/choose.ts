@@ -2,7 +2,7 @@
 import { element, pills, table } from "./element";
 import { lookBack } from "./look_back";
 import { ofWhom, remembered, remembersAll } from "./remembered";
-import { type Devices, main, maySteer, page, read, steer, whyNot } from "./shown";
+import { type Devices, main, maySteer, page, read, steer, toldPlace, whyNot } from "./shown";
 import { reportOf, say, sayOr } from "./words";
 
 interface Listed { session: string; person: string; programme: string; duration_s: number; performed: number; paths: number; stops: number }
@@ -40,7 +40,7 @@ export function choose(): HTMLElement {
       devices ? "" : element("div", {}, element("label", { class: "over", for: "seed" }, say("seed")), seed, element("p", { class: "note", id: "seed_help" }, say("seed_help"))),
       remembered(devices?.position ?? String(order["position"]))),
     element("button", { class: "go", id: "next", disabled: !remembersAll(), onclick: () => { page.chosen = page.view = "health"; page.render(); main.focus({ preventScroll: true }); } }, say("on"))),
-    element("h2", {}, say("sessions")), element("p", { id: "refusal", class: "note", role: "alert" }), element("div", { class: "card scroll-x" }, sessions));
+    element("h2", {}, say("sessions")), toldPlace(), element("div", { class: "card scroll-x" }, sessions));
 }
 
 /** Without what the devices decide. */
@@ -60,5 +60,5 @@ export function health(): HTMLElement {
       pills(`a_${one.key}`, ["no", "yes", "unknown"], answers[one.key] ?? "", (value) => { answers[one.key] = value; whole(); }, undefined, say(`q_${one.key}`)))),
     element("div", { class: "row" }, element("label", { for: "answered_by" }, say("answered_by")), name),
     element("div", { class: "row" }, element("button", { onclick: () => { page.chosen = page.view = "choose"; page.render(); } }, say("back")), go,
-      maySteer() ? "" : element("span", { class: "note" }, whyNot())), element("p", { id: "refusal", class: "note", role: "alert" }));
+      maySteer() ? "" : element("span", { class: "note" }, whyNot())), toldPlace());
 }

@@ -10,8 +10,7 @@ import { reportOf, say, sayInstead } from "./words";
 
 /** Opens a finished session; why it cannot be opened is said where it was asked for. */
 export async function lookBack(session: string): Promise<void> {
-  const place = document.getElementById("refusal");
-  if (place) place.textContent = say("reading");
+  tell(say("reading"));
   try {
     page.recording = await Recording.open(session);
   } catch (fault) {

@@ -129,6 +129,7 @@ function render(): void {
   const makers: Record<View, () => HTMLElement> =
     { choose: choose, health: health, scan: scan, review: review, massage: massage, report: report, play: lookedBack };
   page.slots = {};
+  if (drawn !== page.view) page.told = "";
   const keep = document.activeElement?.id;
   main.replaceChildren(makers[page.view]());
   if (drawn !== page.view) scrollTo(0, 0);
@@ -138,6 +139,7 @@ function render(): void {
     ? [element("span", {}, say(page.state.phase === "massage" && page.state.paused ? "paused_title" : `step_${page.view}`)),
       element("button", { class: "stop", id: "stop", onpointerdown: stop, onclick: stop }, say("stop"), element("small", {}, say("stop_help")))] : []));
   if (keep) document.getElementById(keep)?.focus();
+  if (page.view === "review") showPlanning();
   showProgress();
   showLive();
   showHappened();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { element, table } from "./element";
 import { stiffnessShare, wordsOf } from "./happening";
-import { ask, page, scene, whyNot } from "./shown";
+import { ask, page, scene, toldPlace, whyNot } from "./shown";
 import { armCards, dot, stage } from "./stage";
 import { say, sayPath } from "./words";
 
@@ -20,7 +20,7 @@ export function massage(): HTMLElement {
   return element("div", { class: "split" }, picture,
     element("div", { class: "side" }, element("div", { class: "bar" }, page.slots["bar"]),
       element("div", { class: "keys" }, ...[paused ? "resume" : "pause", "softer", "firmer", "skip", "repeat"].map(key)),
-      element("p", { class: steers ? "note keyboard" : "note" }, steers ? say("keys") : whyNot()), element("p", { id: "refusal", class: "note", role: "alert" }),
+      element("p", { class: steers ? "note keyboard" : "note" }, steers ? say("keys") : whyNot()), toldPlace(),
       ...arms, element("div", { class: "card" }, element("h2", {}, say("next")), page.slots["next"]),
       element("div", { class: "card" }, element("h2", {}, say("happened")), page.slots["happened"])));
 }

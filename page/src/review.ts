@@ -5,13 +5,14 @@ import { moveKeys } from "./move_keys";
 import { zoneColours } from "./picture/back_shape";
 import { type Acupoint, techniqueColours } from "./picture/marks";
 import { type Edit } from "./picture/scene";
-import { maySteer, page, scene, steer, tell, whyNot } from "./shown";
+import { maySteer, page, scene, steer, tell, toldPlace, whyNot } from "./shown";
 import { dot, stage } from "./stage";
 import { say, sayLines, sayPath, saySentence } from "./words";
 
 /** Asks for another plan, with what is ruled out and what was moved. */
 function change(): void {
   steer();
+  page.told = "";
   page.reviewsBefore = page.state!.reviews;
   scene.showRuledOut(page.wanted.no_go.map((area) => area.corners));
   page.link.ask("change", page.wanted);
@@ -35,7 +36,8 @@ export function showPlanning(): void {
   const planning = page.state!.reviews === page.reviewsBefore;
   const arm = document.getElementById("arm") as HTMLButtonElement | null, place = document.getElementById("refusal");
   if (arm) arm.disabled = !mayArm();
-  if (place && page.view === "review") place.textContent = planning ? say("planning_anew") : page.state!.said.length ? `${say("refused")} ${sayLines(page.state!.said)}` : "";
+  if (!place || page.view !== "review") return;
+  place.textContent = planning ? say("planning_anew") : page.told || (page.state!.said.length ? `${say("refused")} ${sayLines(page.state!.said)}` : "");
 }
 
 export function review(): HTMLElement {
@@ -67,7 +69,7 @@ export function review(): HTMLElement {
   // Beside the picture, since on a phone they would cover the neck.
   const tools = element("div", { class: "row" }, zones, tool("move"), tool("rule_out"), undo);
   return element("div", { class: "split" }, element("div", { class: "tooled" }, tools, picture), element("div", { class: "side" }, element("h1", {}, say("review_title")), hold,
-    maySteer() ? "" : element("p", { class: "note" }, whyNot()), element("p", { id: "refusal", class: "note", role: "alert" }),
+    maySteer() ? "" : element("p", { class: "note" }, whyNot()), toldPlace(),
     // What was ruled out once and is not now is seen before anybody begins.
     ...dropped.map((note) => element("p", { class: "dropped", role: "alert" }, saySentence(note))),
     element("div", { class: "card" }, element("h2", {}, `${say("acupoints")} · ${say("uncertainty")}`), element("div", { class: "scroll", tabindex: "0" },

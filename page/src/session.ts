@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { element } from "./element";
 import { lookBack } from "./look_back";
-import { page } from "./shown";
+import { page, toldPlace } from "./shown";
 import { stage } from "./stage";
 import { reportOf, say, sayLines } from "./words";
 
@@ -18,7 +18,7 @@ export function report(): HTMLElement {
   return element("div", { class: "narrow" }, element("h1", {}, say(`ended_${page.state!.outcome}`)),
     element("div", { class: "row" }, page.state!.ordered ? "" : element("button", { class: "go", id: "another", onclick: () => { page.left = page.state!.session; page.chosen = page.view = "choose"; page.render(); } }, say("another")),
       made ? element("button", { id: "look_back", onclick: () => void lookBack(page.state!.session) }, say("look_back")) : "",
-      made ? element("a", { class: "button", href: at, target: "_blank" }, say("open_report")) : ""), element("p", { id: "refusal", class: "note", role: "alert" }),
+      made ? element("a", { class: "button", href: at, target: "_blank" }, say("open_report")) : ""), toldPlace(),
     made ? element("iframe", { src: at, title: say("report"), sandbox: "" }) : "",
     element("details", made ? {} : { open: "" }, element("summary", {}, say("details")), element("pre", { id: "said" }, sayLines(page.state!.said))));
 }

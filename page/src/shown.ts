@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+import { element } from "./element";
 import { Forces } from "./forces";
 import { type Happening } from "./happening";
 import { type Link, type Live, type State } from "./link";
@@ -25,6 +26,8 @@ interface Shown {
   /** What the plan that stands was made with, and what was asked for since. */
   wanted: ByHand; editing: Edit; reviewsBefore: number;
   recording?: Recording | undefined; player?: Player | undefined;
+  /** What was said last where it was asked for, in this view. */
+  told: string;
   /** What is drawn anew within a view, by its name. */
   forces: Forces[]; slots: Record<string, HTMLElement>;
 }
@@ -33,7 +36,7 @@ interface Shown {
 export const page = {
   shownPlan: 0, points: [], happened: [], view: "choose", chosen: "choose", left: "", steered: false, zonesShown: false,
   seen: { session: "", cloud: 0, backs: 0, plans: 0, events: 0, reviews: -1, phase: "" }, wanted: { no_go: [], fixed: [] },
-  editing: "turn", reviewsBefore: -1, forces: [], slots: {},
+  editing: "turn", reviewsBefore: -1, told: "", forces: [], slots: {},
 } as unknown as Shown;
 
 export const main = document.getElementById("main")!;
@@ -45,9 +48,12 @@ export const speak = (words: string): void => { document.getElementById("spoken"
 /** Says something where it was asked for, aloud too. */
 export function tell(words: string): void {
   speak(words);
+  page.told = words;
   const place = document.getElementById("refusal");
   if (place) place.textContent = words;
 }
+/** Where that stands. It stays when the view is drawn anew, which anybody's doing may cause, until the next view. */
+export const toldPlace = (): HTMLElement => element("p", { id: "refusal", class: "note", role: "alert" }, page.told);
 
 export const ask = (what: string) => () => page.link.ask(what);
 /** Whether this page steers, or may begin to by the next thing it asks. */

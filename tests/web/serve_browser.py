@@ -105,7 +105,11 @@ def moved_by_keys(server, watcher, tab):
     before, at = watcher.state["reviews"], acupoint(server, watcher, "BL50_L")
     expect("moving is reached", tab.tab_to("#move_BL50_L"))
     tab.key("Enter")
-    expect("the keys are told", tab.until("document.querySelector('#refusal').textContent.includes('Arrow keys')", 3))
+    told = "document.querySelector('#refusal').textContent.includes('Arrow keys')"
+    expect("the keys are told", tab.until(told, 3))
+    for _ in range(2):
+        tab.see("document.querySelector('.tooled button').click()")  # zones: the view is drawn anew
+        expect("they stay told when the view is drawn anew", tab.see(told))
     for _ in range(3):
         tab.key("ArrowUp")
     expect("nothing is asked before Enter", watcher.state["reviews"] == before)
