@@ -30,9 +30,8 @@ const std::pair<std::string, std::string> report_policy = {
 
 constexpr const char* not_built =
     "<!doctype html><meta charset=utf-8><title>tuina</title>"
-    "<h1>The page is not built</h1><p>The server runs, but the page that it shows is not in it. It "
-    "needs node 20 and npm: <code>./run serve</code> builds it, puts it in and starts the "
-    "server.</p>";
+    "<h1>The page is not built</h1><p>The server runs, but the page that it shows is not in it. "
+    "<code>./run serve</code> builds it, puts it in and starts the server.</p>";
 
 bool is_number(std::string_view name) {
   return name.size() >= 4 && name.size() <= 6 &&
