@@ -42,6 +42,8 @@ class Verb {
   virtual ~Verb() = default;
   [[nodiscard]] virtual const char* name() const = 0;
   [[nodiscard]] virtual const char* summary() const = 0;  ///< one line
+  /// A second name, by which other programs know the verb; empty if it has none.
+  [[nodiscard]] virtual const char* alias() const { return ""; }
   [[nodiscard]] virtual const char* example() const = 0;  ///< shown by --help
   virtual void describe(Options& options) = 0;
   [[nodiscard]] virtual Result<Answer> run(const CommonOptions& common) = 0;

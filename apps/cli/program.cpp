@@ -139,6 +139,7 @@ std::map<const CLI::App*, Verb*> add_verbs(CLI::App& tuina, const Program& progr
       name = name.substr(space + 1);
     }
     CLI::App* command = parent->add_subcommand(name, verb->summary());
+    if (const std::string alias = verb->alias(); !alias.empty()) command->alias(alias);
     command->footer(fmt::format("Example:\n  {}", verb->example()));
     Options options(*command);
     verb->describe(options);
@@ -176,7 +177,10 @@ int refuse_unknown(const std::vector<std::string>& words) {
 std::string refusal_of(const CLI::App& tuina, const std::string& first,
                        const CLI::ParseError& error) {
   std::vector<std::string> verbs;
-  for (const CLI::App* verb : tuina.get_subcommands(nullptr)) verbs.push_back(verb->get_name());
+  for (const CLI::App* verb : tuina.get_subcommands(nullptr)) {
+    verbs.push_back(verb->get_name());
+    verbs.insert(verbs.end(), verb->get_aliases().begin(), verb->get_aliases().end());
+  }
   if (first.starts_with('-') || std::find(verbs.begin(), verbs.end(), first) != verbs.end())
     return brief(error.what());
   return fmt::format("there is no verb `{}`; {}", first, suggestion(first, verbs));

@@ -29,6 +29,7 @@ class Serve final : public Verb {
     return "a page to start, watch and steer massages of simulated people in a browser";
   }
   [[nodiscard]] const char* example() const override { return "tuina serve --port 8642"; }
+  [[nodiscard]] const char* alias() const override { return "dashboard"; }
   void describe(Options& options) override {
     options.add("--port", port_, "of this machine; 0 takes a free one")
         .between(0, 65535)

@@ -20,7 +20,9 @@ std::vector<std::string> verbs_of(const std::string& help) {
   while (std::getline(lines, line)) {
     std::istringstream words(line);
     std::string verb;
-    if (line.rfind("  ", 0) == 0 && line[2] != ' ' && words >> verb) verbs.push_back(verb);
+    if (line.rfind("  ", 0) != 0 || line[2] == ' ' || !(words >> verb)) continue;
+    if (verb.ends_with(',')) verb.pop_back();  // another name of it follows
+    verbs.push_back(verb);
   }
   return verbs;
 }
@@ -64,6 +66,13 @@ TEST_CASE("help beside an option or a value that the verb does not have says so"
     CHECK(told.exit_code == 1);
     CHECK_FALSE(told.err.empty());
   }
+}
+
+TEST_CASE("a verb is known by its other name, too") {
+  const auto other = run_tuina({"dashboard", "--help"});
+  CHECK(other.exit_code == 0);
+  CHECK(other.out == run_tuina({"serve", "--help"}).out);
+  CHECK(run_tuina({"dashboard", "--port", "much"}).err.find("--port") != std::string::npos);
 }
 
 TEST_CASE("no verb shows the help and is wrong use") {
