@@ -208,6 +208,9 @@ void CreepEstimator::publish() noexcept {
                                 std::log(other.beta_per_m / estimate_.tissue.beta_per_m));
     loading_covariance_ += weights_[i] * apart * apart.transpose();
   }
+  // Where presses come otherwise than foretold the law is not the tissue's, and its parameters are
+  // no better known than the force.
+  loading_covariance_ *= widening() * widening();
   estimate_.alpha_ci95_n = estimate_.tissue.alpha_n * z95 * std::sqrt(loading_covariance_(0, 0));
   estimate_.beta_ci95_per_m =
       estimate_.tissue.beta_per_m * z95 * std::sqrt(loading_covariance_(1, 1));
