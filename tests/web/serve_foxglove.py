@@ -17,6 +17,9 @@ def expect(what, holds):
         faults.append(what)
 
 
+os.environ.setdefault("TUINA_READERS", os.path.join(os.path.dirname(os.path.abspath(__file__)), "../whole/readers"))
+
+
 class Watcher:
     """The client, a process of node."""
 
@@ -27,7 +30,7 @@ class Watcher:
     def ask(self, line):
         self.process.stdin.write(line + "\n")
         self.process.stdin.flush()
-        answer = json.loads(self.process.stdout.readline() or '{"missing": "an answer"}')
+        answer = json.loads(self.process.stdout.readline() or sys.exit("Foxglove's client ended without an answer"))
         if answer.get("missing") and "topics" not in answer:
             print("skipped:", answer["missing"])
             sys.exit(77)
