@@ -12,6 +12,7 @@
 #include "apps/cli/position_option.hpp"
 #include "apps/simulated/device_arms.hpp"
 #include "tuina/session/consent.hpp"
+#include "tuina/telemetry/plot/colours.hpp"
 
 namespace tuina::app {
 namespace {
@@ -187,6 +188,9 @@ std::string choices_json(bool keeps_people, const std::optional<ServedDevices>& 
     const auto read = massage::parse_programme(shipped.toml, shipped.name);
     programmes.push_back({{"name", shipped.name}, {"description", read ? read->description : ""}});
   }
+  json techniques = json::array();
+  for (const auto& row : technique_table)
+    techniques.push_back({{"name", row.name}, {"colour", telemetry::css(row.colour)}});
   json questions = json::array();
   for (const auto& question : session::health_questions)
     questions.push_back({{"key", question.key}, {"text", question.text}});
@@ -204,6 +208,7 @@ std::string choices_json(bool keeps_people, const std::optional<ServedDevices>& 
   return json{{"people", people},
               {"positions", positions},
               {"programmes", programmes},
+              {"techniques", techniques},
               {"questions", questions},
               {"zones", zones},
               {"max_seed", max_seed},

@@ -12,6 +12,7 @@ import { review, showPlanning } from "./review";
 import { type Acupoint } from "./picture/marks";
 import { report, scan, showProgress } from "./session";
 import { type ByHand, bytes, type Choices, main, page, read, scene, speak, stop, tell, type View, viewOf } from "./shown";
+import { learnTechniques } from "./techniques";
 import { applyTheme, showTop } from "./top";
 import { applyLanguage, say, saySentence } from "./words";
 
@@ -165,4 +166,4 @@ requestAnimationFrame(play);
 applyTheme();
 applyLanguage();
 showTop();
-void read<Choices>("/api/choices").then((all) => { page.choices = all; render(); });
+void read<Choices>("/api/choices").then((all) => { page.choices = all; learnTechniques(all.techniques); render(); });

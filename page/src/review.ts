@@ -3,10 +3,11 @@ import { circleAround } from "./circle";
 import { element, table } from "./element";
 import { moveKeys } from "./move_keys";
 import { zoneColours } from "./picture/back_shape";
-import { type Acupoint, techniqueColours } from "./picture/marks";
+import { type Acupoint } from "./picture/marks";
 import { type Edit } from "./picture/scene";
 import { maySteer, page, scene, steer, tell, toldPlace, whyNot } from "./shown";
 import { dot, stage } from "./stage";
+import { techniqueColours } from "./techniques";
 import { say, sayLines, sayPath, saySentence } from "./words";
 
 /** Asks for another plan, with what is ruled out and what was moved. */

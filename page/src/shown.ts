@@ -9,7 +9,7 @@ import { type Acupoint } from "./picture/marks";
 import { type Edit, Scene } from "./picture/scene";
 import { say } from "./words";
 
-export interface Choices { people: string[]; positions: string[]; programmes: { name: string; description: string }[]; questions: { key: string }[]; zones: { name: string; cap_n: number }[]; max_seed: number; keeps_people: boolean; devices: Devices | null }
+export interface Choices { people: string[]; positions: string[]; programmes: { name: string; description: string }[]; techniques: { name: string; colour: string }[]; questions: { key: string }[]; zones: { name: string; cap_n: number }[]; max_seed: number; keeps_people: boolean; devices: Devices | null }
 /** Arms that the server drives, and who is before them; nothing of it is chosen here. */
 export interface Devices { named: string; person: string; position: string; seed: number }
 export type View = "choose" | "health" | "scan" | "review" | "massage" | "report" | "play";

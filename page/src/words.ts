@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import en from "../messages/en.json";
 import zh from "../messages/zh-Hant.json";
+import { techniqueColours } from "./techniques";
 
 export type Word = keyof typeof en;
 const languages = { en, "zh-Hant": zh } as const;
@@ -38,13 +39,11 @@ export const sayLines = (lines: Said[][]): string => lines.map((line) => line.ma
 /** What is said in English alone, or in another language what this key says in its place. */
 export const sayInstead = (english: string, key: Word): string => (inEnglish() ? english : say(key));
 
-const techniques = ["press", "rub", "stroke", "tap", "knead"];
-
 /** A name in the language chosen; of a path its technique, then places. */
 export function sayPath(name: string): string {
   if (say(name) !== name) return say(name);
   const [technique, ...places] = name.split(" ");
-  if (!techniques.includes(technique!)) return name;
+  if (!Object.hasOwn(techniqueColours, technique!)) return name;
   return [say(technique!), ...places.map((place) => (place === "to" ? say(place) : place))].join(" ");
 }
 

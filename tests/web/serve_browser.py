@@ -141,6 +141,16 @@ def drawn_by_finger(watcher, tab):
     tab.touch("#rule_out")
 
 
+def coloured(server, watcher, tab):
+    """The techniques of the plan stand below the back, each with the colour that reports give it, too."""
+    said = {one["name"]: one["colour"] for one in json.loads(server.ask("/api/choices", Cookie=watcher.cookie)[2])["techniques"]}
+    planned = {path["technique"] for path in plan(server, watcher)["paths"]}
+    shown = tab.see("""[...document.querySelectorAll('.legend span')].map((one) => {
+        const [red, green, blue] = getComputedStyle(one.querySelector("i")).backgroundColor.match(/\\d+/g).map(Number);
+        return [one.textContent, "#" + ((red << 16) + (green << 8) + blue).toString(16).padStart(6, "0")]; })""")
+    expect(f"techniques and their colours {shown}", sorted(shown) == sorted([name, said[name]] for name in planned))
+
+
 def answers_by_keys(tab):
     """Health questions: `no` to each, a name, and on; by keys alone."""
     questions = tab.see("[...document.querySelectorAll('.ask input[value=no]')].map((one) => one.id)")
@@ -238,6 +248,7 @@ def by_keyboard(server, watcher, axe, pictures, presses):
     visit.judge("scan")
     expect("review", tab.until("!!document.querySelector('#arm:enabled')", 120))
     visit.judge("review")
+    coloured(server, watcher, tab)
     watched(invitation, axe, pictures)
     moved_by_keys(server, watcher, tab)
     ruled_out_by_keys(server, watcher, tab)

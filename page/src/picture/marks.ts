@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 import * as three from "three";
+import { techniqueColours } from "../techniques";
 
 export type Place = [number, number, number];
 export interface Acupoint { name: string; at: Place; normal: Place; uncertainty_mm: number }
 export interface Path { name: string; technique: string; arm: string; step: number; start_s: number; duration_s: number; zone: string; ordered_n: number; places: Place[] }
 
-export const techniqueColours: Record<string, string> =
-  { press: "#c8342c", rub: "#1868b2", stroke: "#10846a", tap: "#8b4fb0", knead: "#b0741a" };
 const ruledOutColour = "#d04a4a", newestPoints = 400;
 
 export const vector = (place: Place): three.Vector3 => new three.Vector3(...place);
