@@ -92,20 +92,20 @@ CreepFilter::CreepFilter(const PressEstimatorOptions& options,
 }
 
 void CreepFilter::expect_person(const Belief& elsewhere) noexcept {
-  // Relaxation, layers and what lies beneath; alpha and beta are the place's own.
+  // Relaxation, layers and what lies beneath; alpha and beta are the place's own. From place to
+  // place they are an autoregressive process around people in general, so that what one place has
+  // pulled aside comes back, and nobody is known less well than somebody unknown.
   constexpr int first = log_creep, count = log_softness + 1 - first;
-  const Eigen::Matrix<double, count, 1> unknown =
-      prior_.covariance.diagonal().segment<count>(first);
+  using Kept = Eigen::Array<double, count, 1>;
+  const Kept unknown = prior_.covariance.diagonal().segment<count>(first).array();
+  const Kept differs = unknown.min(square(place_sd));
+  const Kept kept = (unknown > differs).select((1.0 - differs / unknown).sqrt(), 0.0);
+  auto mean = prior_.mean.segment<count>(first);
+  mean.array() += kept * (elsewhere.mean.segment<count>(first) - mean).array();
   auto known = prior_.covariance.block<count, count>(first, first);
-  prior_.mean.segment<count>(first) = elsewhere.mean.segment<count>(first);
-  known = elsewhere.covariance.block<count, count>(first, first);
-  known.diagonal().array() += square(place_sd);
-  for (int i = 0; i < count; ++i) {
-    // Never less sure than of somebody unknown.
-    const double scale = std::min(1.0, std::sqrt(unknown(i) / known(i, i)));
-    known.row(i) *= scale;
-    known.col(i) *= scale;
-  }
+  known = kept.matrix().asDiagonal() * elsewhere.covariance.block<count, count>(first, first) *
+          kept.matrix().asDiagonal();
+  known.diagonal().array() += differs;
   prior_.log_evidence = kept_between_places * elsewhere.log_evidence;
   pass_ = middle_ = now_ = prior_;
   at_ = prior_.mean;
