@@ -86,8 +86,16 @@ std::string draw_bar(const Plate& bar, const MountSizes& sizes) {
                    fmt::format("{:.0f}", to_mm(half_m)));
   svg +=
       dimension(placed, Vector2::Zero(), laser, {0.0, 104.0}, fmt::format("{:.0f}", to_mm(half_m)));
-  svg += word(placed.at({0.0, -0.028}), "the motor's axis; slots for M2 on a circle of 11 to 19",
-              "text-anchor=\"middle\" fill=\"#1e8c3c\"");
+  const char* green = "text-anchor=\"middle\" fill=\"#1e8c3c\"";
+  svg += word(placed.at({-0.5 * half_m, -0.028}), "in the middle the motor's axis", green);
+  svg += word(placed.at({0.5 * half_m, -0.028}), "slots for M2, circle of 11 to 19", green);
+  Vector2 end = Vector2::Zero();
+  for (const Vector2& corner : bar.outline) end = end.cwiseMax(corner);
+  const Vector2 left_end(-end.x(), -end.y()), right_end(end.x(), -end.y());
+  svg += dimension(placed, left_end, right_end, {0.0, 82.0},
+                   fmt::format("{:.0f}", to_mm(2.0 * end.x())));
+  svg +=
+      dimension(placed, right_end, end, {24.0, 0.0}, fmt::format("{:.0f}", to_mm(2.0 * end.y())));
   return svg;
 }
 
@@ -98,8 +106,9 @@ std::string draw_ring(const Plate& ring, const MountSizes& sizes) {
   svg += dimension(placed, {0.015, 0.0}, {0.015, 0.02}, {24.0, 0.0}, "20");
   svg += dimension(placed, {-0.015, 0.0}, {0.015, 0.0}, {0.0, 42.0}, "30");
   svg += word(placed.at({0.0, -0.034}),
-              fmt::format("bore {:.1f}: the laser and {:.1f}",
-                          to_mm(sizes.laser_diameter_m + sizes.play_m), to_mm(sizes.play_m)),
+              fmt::format("hole {:.1f}: the laser's {:.1f} and {:.1f} of play",
+                          to_mm(sizes.laser_diameter_m + sizes.play_m),
+                          to_mm(sizes.laser_diameter_m), to_mm(sizes.play_m)),
               "text-anchor=\"middle\"");
   svg += word(placed.at({0.0, -0.042}), "its tab stands in a slot of the bar",
               "text-anchor=\"middle\"");

@@ -72,7 +72,7 @@ std::string motor_line() {
   svg += word(316, 58, "Schottky", middle);
   svg += wire("M220 125H420V100", blue) + joint(420, 100);
   svg += wire("M470 100V82M470 46V30H440") + joint(470, 100) + resistor(470, 46, false, "1 kΩ");
-  svg += word(434, 34, "5 V", right);
+  svg += word(434, 34, "5 V of the Mega", right);
   svg += wire("M560 130H540V212H600", red) + wire("M560 160H528V236H600") + ground(528, 236);
   svg += box(600, 194, 120, 56, "") + word(660, 219, "12 V supply", middle) +
          word(660, 237, "2 A", middle);
@@ -90,8 +90,8 @@ std::string laser_switch() {
   svg += word(492, 290, "N-channel transistor,") + word(492, 306, "logic level, such as IRLZ44N");
   svg += box(500, 370, 220, 70, "line laser, class 2");
   svg += wire("M430 262V254H480V420H500") + wire("M500 396H490V352", red);
-  svg +=
-      word(500, 346, "5 V", middle) + word(510, 400, "+", "fill=\"#d8232f\"") + word(510, 425, "-");
+  svg += word(540, 346, "5 V of the Mega", middle) + word(510, 400, "+", "fill=\"#d8232f\"") +
+         word(510, 425, "-");
   return svg;
 }
 
