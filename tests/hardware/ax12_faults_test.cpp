@@ -48,8 +48,7 @@ struct FaultCase {
 };
 
 /// All at the same time, since each waits most of its own.
-void check_all(const char* what, const std::vector<FaultCase>& cases) {
-  MESSAGE(cases.size() << " " << std::string(what));
+void check_all(const std::vector<FaultCase>& cases) {
   const std::size_t open = test::open_files();
   std::vector<std::future<Ended>> all;
   for (const FaultCase& one : cases)
@@ -76,19 +75,14 @@ std::function<void(Bytes&)> packet_with(std::function<void(hardware::dynamixel::
   };
 }
 
-}  // namespace
-
-TEST_CASE("a line that is no scanner's is refused when it is opened") {
-  using hardware::SerialPort;
-  CHECK(SerialPort::open("/dev/null", 500'000).error().message.find("is no serial line") !=
-        std::string::npos);
-  CHECK(SerialPort::open("/nowhere/ttyACM0", 500'000).error().message.find("is it plugged in") !=
-        std::string::npos);
+std::vector<FaultCase> before_the_start() {
   const auto text = [](Bytes& bytes) {
     const std::string_view nmea = "$GPGGA,123519,4807.038,N,01131.000,E,1,08*47\r\n";
     bytes.assign(nmea.begin(), nmea.end());
   };
-  const std::vector<FaultCase> cases = {
+  return {
+      {"nothing there", "is it plugged in", {.address = "/nowhere/ttyACM0"}},
+      {"no serial line", "is no serial line", {.address = "/dev/null"}},
       {"silent",
        "did not answer within 200 ms; is it the scanner's board",
        {.from_poll = -1, .packet = [](Bytes& b) { b.clear(); }}},
@@ -111,12 +105,11 @@ TEST_CASE("a line that is no scanner's is refused when it is opened") {
        "motor 1 says: voltage out of range",
        {.from_poll = -1, .motor = [](ServoEmulator& s, double) { s.error = 1; }}},
   };
-  check_all("faults of a scanner's board before the start", cases);
 }
 
-TEST_CASE("what goes wrong with the line in a turn ends it with its cause, and the laser dark") {
+std::vector<FaultCase> of_the_line() {
   const auto held = std::make_shared<Bytes>();
-  const std::vector<FaultCase> cases = {
+  return {
       {"unplugged", "plug it in again", {.from_poll = 5, .unplugged = true}},
       {"silence",
        "did not answer within 40 ms",
@@ -174,10 +167,9 @@ TEST_CASE("what goes wrong with the line in a turn ends it with its cause, and t
        "did not answer within 40 ms",
        {.from_poll = 5, .packet = [](Bytes& b) { b = {0xFF, 0xFF, 200, 255, 0, 1, 2}; }}},
   };
-  check_all("faults of its line in a turn", cases);
 }
 
-TEST_CASE("what goes wrong with motor, laser or clock in a turn ends it in the dark") {
+std::vector<FaultCase> of_motor_laser_and_clock() {
   const auto stamp = [](Bytes& told, std::int64_t add_us) {
     std::uint32_t us = 0;
     for (unsigned i = 0; i < 4; ++i) us |= std::uint32_t{told[10 + i]} << (8 * i);
@@ -185,7 +177,7 @@ TEST_CASE("what goes wrong with motor, laser or clock in a turn ends it in the d
     for (unsigned i = 0; i < 4; ++i) told[10 + i] = static_cast<std::uint8_t>(us >> (8 * i));
   };
   const auto from_first = std::make_shared<std::uint32_t>(0);
-  const std::vector<FaultCase> cases = {
+  return {
       {"blocked",
        "the motor has stood at",
        {.from_poll = 5,
@@ -246,15 +238,58 @@ TEST_CASE("what goes wrong with motor, laser or clock in a turn ends it in the d
                 t[10 + i] = static_cast<std::uint8_t>(*from_first >> (8 * i));
             }}},
   };
-  check_all("faults of motor, laser or clock in a turn", cases);
+}
+
+/// A motor at a USB adapter, which no board watches.
+std::vector<FaultCase> of_an_adapter() {
+  return {
+      {"adapter: no motor",
+       "is the motor's 12 V supply on, and its id 1",
+       {.alone = true, .from_poll = -1, .packet = [](Bytes& b) { b.clear(); }}},
+      {"adapter: hears itself alone",
+       "is the motor's 12 V supply on, and its id 1",
+       {.alone = true, .echo = true, .from_poll = -1, .packet = [](Bytes& b) { b.clear(); }}},
+      {"adapter: unplugged",
+       "plug it in again",
+       {.alone = true, .from_poll = 5, .unplugged = true}},
+      {"adapter: garbage",
+       "bytes came that are no packet",
+       {.alone = true,
+        .from_poll = 5,
+        .packet = [](Bytes& b) { std::fill(b.begin(), b.end(), 0x5A); }}},
+      {"adapter: overload",
+       "motor 1 says: overload",
+       {.alone = true, .from_poll = 5, .motor = [](ServoEmulator& s, double) { s.error = 0x20; }}},
+      {"adapter: stuck value",
+       "is the unit blocked, or its 12 V supply too weak",
+       {.alone = true,
+        .from_poll = 5,
+        .motor = [](ServoEmulator& s, double) { s.stuck_count = 512; }}},
+  };
+}
+
+}  // namespace
+
+TEST_CASE("what goes wrong with board, line, motor, laser or clock is named, and the laser dark") {
+  const std::array all = {before_the_start(), of_the_line(), of_motor_laser_and_clock(),
+                          of_an_adapter()};
+  std::size_t count = 1;  // an adapter without a line for its laser, at the end
+  for (const auto& cases : all) count += cases.size();
+  MESSAGE(count << " faults of a turntable");
+  CHECK(count >= 40);
+  tests::adapters_have_dtr = true;
+  for (const auto& cases : all) check_all(cases);
+  CHECK_FALSE(tests::dtr_is_high);
+  tests::adapters_have_dtr = false;
+  const Ended without = end_of({.alone = true});
+  CHECK_MESSAGE(without.message.find("has no line DTR") != std::string::npos, without.message);
 }
 
 TEST_CASE("a single lost or broken answer in a turn changes nothing") {
   const auto once = [](void (*spoil)(Bytes&)) {
     return Script{.from_poll = 7, .once = true, .packet = spoil};
   };
-  check_all("single faults that are borne",
-            {{"lost", "arrived", once([](Bytes& b) { b.clear(); })},
+  check_all({{"lost", "arrived", once([](Bytes& b) { b.clear(); })},
              {"wrong check sum", "arrived", once([](Bytes& b) { b.back() ^= 1; })},
              {"marks before", "arrived", once([](Bytes& b) { b.insert(b.begin(), 3, 0xFF); })},
              {"a byte behind", "arrived", once([](Bytes& b) { b.push_back(0x17); })}});

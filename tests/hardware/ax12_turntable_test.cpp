@@ -17,6 +17,8 @@
 using namespace tuina;
 using namespace std::chrono_literals;
 using hardware::Ax12Turntable;
+using tests::adapters_have_dtr;
+using tests::dtr_is_high;
 using tests::ScriptedBoard;
 using Script = ScriptedBoard::Script;
 
@@ -24,11 +26,13 @@ namespace {
 
 constexpr double speed_rad_per_s = 30.0 * 0.666_deg;
 
-/// Whether the serial lines of this program have a line DTR, and whether it is raised.
-std::atomic<bool> has_dtr = false;
-std::atomic<bool> dtr = false;
-
 }  // namespace
+
+namespace tuina::tests {
+
+std::atomic<bool> adapters_have_dtr = false, dtr_is_high = false;
+
+}  // namespace tuina::tests
 
 /// A pty has no line DTR, so the switch of an adapter's laser is put in before the C library.
 extern "C" int ioctl(int number, unsigned long request, ...) {
@@ -37,8 +41,9 @@ extern "C" int ioctl(int number, unsigned long request, ...) {
   void* what = va_arg(rest, void*);
   va_end(rest);
   const bool is_dtr = request == TIOCMBIS || request == TIOCMBIC;
-  if (!is_dtr || !has_dtr) return static_cast<int>(::syscall(SYS_ioctl, number, request, what));
-  dtr = request == TIOCMBIS;
+  if (!is_dtr || !adapters_have_dtr)
+    return static_cast<int>(::syscall(SYS_ioctl, number, request, what));
+  dtr_is_high = request == TIOCMBIS;
   return 0;
 }
 
@@ -78,20 +83,20 @@ TEST_CASE("a motor behind an adapter is swept as well, with the laser at the lin
   REQUIRE_FALSE(without.has_value());
   CHECK_MESSAGE(without.error().message.find("has no line DTR") != std::string::npos,
                 without.error().message);
-  has_dtr = true;
+  adapters_have_dtr = true;
   {
     auto unit = Ax12Turntable::open(device.device());
     REQUIRE_MESSAGE(unit.has_value(), test::reason(unit));
     CHECK((*unit)->who() == "AX-12A (model 12)");
     REQUIRE((*unit)->sweep(-6.0_deg, 6.0_deg, speed_rad_per_s).has_value());
-    CHECK_FALSE(dtr);
+    CHECK_FALSE(dtr_is_high);
     REQUIRE((*unit)->switch_laser(true).has_value());
-    CHECK(dtr);
+    CHECK(dtr_is_high);
     while (!(*unit)->arrived().value()) std::this_thread::sleep_for(5ms);
     CHECK((*unit)->readings()->back().yaw_rad > 5.8_deg);
   }
-  CHECK_FALSE(dtr);
-  has_dtr = false;
+  CHECK_FALSE(dtr_is_high);
+  adapters_have_dtr = false;
 }
 
 TEST_CASE("steps stand between their counts") {

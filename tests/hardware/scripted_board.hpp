@@ -22,16 +22,21 @@
 
 namespace tuina::tests {
 
+/// Whether serial lines have a line DTR, which those of this machine that are emulated have not,
+/// and whether it is raised. ax12_turntable_test.cpp puts one in.
+extern std::atomic<bool> adapters_have_dtr, dtr_is_high;
+
 /// The board of the scanner with its motor, or the motor alone, at the other end of a pty; the
 /// script says what goes wrong from its `from_poll`-th question for the motor's state on.
 class ScriptedBoard {
  public:
   using Bytes = std::vector<std::uint8_t>;
   struct Script {
-    bool alone = false;  ///< no board: a motor at a USB adapter
-    bool echo = false;   ///< what is sent comes back
-    int from_poll = 0;   ///< begins this many polls after the first that wants the laser
-    bool once = false;   ///< and ends with that one
+    bool alone = false;        ///< no board: a motor at a USB adapter
+    bool echo = false;         ///< what is sent comes back
+    std::string address = {};  ///< where the driver looks for it, if not where it is
+    int from_poll = 0;         ///< begins this many polls after the first that wants the laser
+    bool once = false;         ///< and ends with that one
     bool unplugged = false;
     std::function<void(ServoEmulator&, double time_s)> motor;     ///< before it answers
     std::function<void(Bytes& told)> told;                        ///< of an answer of the board
@@ -61,7 +66,7 @@ class ScriptedBoard {
   [[nodiscard]] hardware::TurntableDevice device() const {
     using Kind = hardware::TurntableDevice::Kind;
     return {.kind = script_.alone ? Kind::adapter : Kind::board,
-            .address = address_,
+            .address = script_.address.empty() ? address_ : script_.address,
             .bits_per_s = script_.alone ? 1'000'000 : 500'000};
   }
   [[nodiscard]] bool lit() const { return lit_; }

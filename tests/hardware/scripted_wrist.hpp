@@ -38,6 +38,7 @@ class ScriptedWrist {
     std::array<std::int32_t, 6> counts = {100, -200, 300, 10, -20, 30};
     bool quiet = false;      ///< its counts have no noise
     bool unplugged = false;  ///< from there
+    bool empty = false;      ///< its datagrams have no bytes, from there
     int rate_hz = 1000;
     int at_once = 1;  ///< samples that come together
   };
@@ -82,6 +83,8 @@ class ScriptedWrist {
     return told_;
   }
   [[nodiscard]] int sent() const { return sent_; }
+  /// It has been unplugged.
+  [[nodiscard]] bool gone() const { return gone_; }
   void spoil_from_now() { spoils_from_ = sent_.load(); }
 
  private:
@@ -101,6 +104,7 @@ class ScriptedWrist {
     } while (::bind(end_, reinterpret_cast<const sockaddr*>(&own_), sizeof own_) != 0);
   }
   void unplug() {
+    gone_ = true;
     for (int* number : {&end_, &keep_})
       if (*number >= 0) ::close(std::exchange(*number, -1));
   }
@@ -136,9 +140,12 @@ class ScriptedWrist {
     if (script_.kind == Kind::hex_serial) {
       (void)!::write(end_, bytes.data(), bytes.size());
     } else {
-      ::sendto(end_, bytes.data(), bytes.size(), MSG_NOSIGNAL,
-               reinterpret_cast<const sockaddr*>(&host_), sizeof host_);
+      send_datagram(bytes);
     }
+  }
+  void send_datagram(const Bytes& bytes) {
+    ::sendto(end_, bytes.data(), bytes.size(), MSG_NOSIGNAL,
+             reinterpret_cast<const sockaddr*>(&host_), sizeof host_);
   }
   /// Takes what it is told; a HEX at its serial box acknowledges.
   void hear() {
@@ -181,6 +188,7 @@ class ScriptedWrist {
     if (spoils && script_.sample) script_.sample(said);
     Bytes bytes = written(said);
     if (spoils && script_.bytes) script_.bytes(bytes);
+    if (spoils && script_.empty) return send_datagram({});
     send(bytes);
   }
   void live(const std::stop_token& stop) {
@@ -203,6 +211,7 @@ class ScriptedWrist {
   bool streams_ = false;
   Sample sample_;
   std::atomic<int> sent_ = 0, spoils_from_ = -1;
+  std::atomic<bool> gone_ = false;
   mutable std::mutex mutex_;
   std::vector<Bytes> told_;
   std::jthread thread_;

@@ -52,7 +52,9 @@ std::optional<UdpAddress> parse_udp_address(std::string_view text) {
 Result<UdpSocket> UdpSocket::connect(const UdpAddress& peer) {
   UdpSocket made(open_socket());
   if (made.number_ < 0 || ::connect(made.number_, plain(peer), sizeof peer.of) != 0)
-    return fail(Fault::device, "{}: {}", text_of(peer), std::strerror(errno));
+    return fail(Fault::device,
+                "{}: cannot be reached: {}; is the address right, and its network up?",
+                text_of(peer), std::strerror(errno));
   return made;
 }
 

@@ -1,209 +1,127 @@
 // SPDX-License-Identifier: Apache-2.0
-// What may be wrong with a wrist sensor, its line and its box: named before the start, an old
-// sample afterwards.
-#include <doctest/doctest.h>
-
-#include <future>
-
-#include "tests/hardware/scripted_wrist.hpp"
-#include "tests/open_files.hpp"
-#include "tests/reason.hpp"
-#include "tuina/hardware/steady_clock.hpp"
-#include "tuina/hardware/wrist_sensor.hpp"
+// What may be wrong with a wrist sensor on a serial line and with that line: named before the
+// start, stopped by the guard afterwards.
+#include "tests/hardware/wrist/judged.hpp"
 
 using namespace tuina;
-using namespace std::chrono_literals;
-using hardware::WristSensor;
-using tests::ScriptedWrist;
-using Script = ScriptedWrist::Script;
-using Sample = ScriptedWrist::Sample;
+using namespace tuina::tests;
 using Bytes = ScriptedWrist::Bytes;
-using Kind = ScriptedWrist::Kind;
-using Clock = std::chrono::steady_clock;
+using Answers = std::vector<Bytes>;
 
 namespace {
 
-struct FaultCase {
-  const char* name;
-  const char* said;
-  Script script;
-};
-
-/// All at the same time, since each waits most of its own.
-template <typename Judge>
-std::vector<std::string> run_all(const std::vector<FaultCase>& cases, Judge&& judge) {
-  const std::size_t open = test::open_files();
-  std::vector<std::future<std::string>> all;
-  for (const FaultCase& one : cases)
-    all.push_back(std::async(std::launch::async, judge, one.script));
-  std::vector<std::string> said;
-  for (std::size_t i = 0; i < cases.size(); ++i) {
-    said.push_back(all[i].get());
-    INFO(std::string(cases[i].name));
-    CHECK_MESSAGE(said.back().find(cases[i].said) != std::string::npos, said.back());
-  }
-  CHECK(test::open_files() == open);
-  return said;
-}
-
-/// Why it is not opened.
-std::string refusal(Script script) {
-  ScriptedWrist wrist(std::move(script));
-  const auto begun = Clock::now();
-  const auto sensor = WristSensor::open(wrist.device());
-  if (sensor) return "opened";
-  if (sensor.error().fault != Fault::device) return "another kind of fault";
-  if (sensor.error().message.find(wrist.device().address) != 0) return "without its address";
-  return Clock::now() - begun < 4s ? sensor.error().message : "too late";
-}
-
-/// What becomes of a sound sensor that is spoilt after it was opened: its fault, or that its sample
-/// has become old, as the guard sees it.
-std::string later(Script script) {
-  script.from = 1 << 30;
-  ScriptedWrist wrist(std::move(script));
-  auto sensor = WristSensor::open(wrist.device());
-  if (!sensor) return sensor.error().message;
-  wrist.spoil_from_now();
-  const auto until = Clock::now() + 150ms;
-  while (Clock::now() < until) {
-    sensor->wait(until);
-    (void)sensor->hear();
-  }
-  const double age_s = hardware::steady_s() - sensor->stream().time_s();
-  if (age_s < 0.05) return fmt::format("a sample of {:.3f} s ago", age_s);
-  return sensor->stream().fault() != nullptr ? sensor->stream().fault() : "old";
-}
-
-const auto nothing = [](Bytes& bytes) { bytes.clear(); };
-const auto text = [](Bytes& bytes) {
-  const std::string_view nmea = "$GPGGA,123519,4807.038,N,01131.000,E,1,08*47\r\n";
-  bytes.assign(nmea.begin(), nmea.end());
-};
-
-}  // namespace
-
-TEST_CASE("25 ways not to be a wrist sensor are named before the start") {
-  const auto other_axes = [](std::uint8_t size) {
-    return [size](Bytes& bytes) {
-      bytes[3] = size;
-      bytes.resize(4U + size, 0);
-      std::uint32_t sum = 0;
-      for (const std::uint8_t byte : bytes) sum += byte;
-      bytes.push_back(static_cast<std::uint8_t>(sum >> 8 & 0xFFU));
-      bytes.push_back(static_cast<std::uint8_t>(sum & 0xFFU));
-    };
+/// Its frames have so many bytes of data, under a right sum.
+std::function<void(Bytes&)> frames_of(std::uint8_t size) {
+  return [size](Bytes& bytes) {
+    bytes[3] = size;
+    bytes.resize(4U + size, 0);
+    std::uint32_t sum = 0;
+    for (const std::uint8_t byte : bytes) sum += byte;
+    bytes.push_back(static_cast<std::uint8_t>(sum >> 8 & 0xFFU));
+    bytes.push_back(static_cast<std::uint8_t>(sum & 0xFFU));
   };
-  const std::vector<FaultCase> cases = {
+}
+std::function<void(Bytes&)> filled_with(std::uint8_t byte) {
+  return [byte](Bytes& bytes) { bytes.assign(bytes.size(), byte); };
+}
+std::function<void(Bytes&)> flipped(std::size_t at, std::uint8_t bits) {
+  return [=](Bytes& bytes) { bytes[at] ^= bits; };
+}
+const auto half = [](Bytes& bytes) { bytes.resize(11); };
+const auto no_answer = [](Answers& answers) { answers.clear(); };
+std::function<void(hardware::WristDevice&)> at(const char* path) {
+  return [path](hardware::WristDevice& device) { device.address = path; };
+}
+
+std::vector<WristFault> before_the_start() {
+  return {
+      {"nothing there", "is it plugged in", {}, at("/nowhere/ttyACM1")},
+      {"no serial line", "is no serial line", {}, at("/dev/null")},
       {"silent line",
        "says nothing; is it at its box",
-       {.bytes = nothing, .answers = [](auto& a) { a.clear(); }}},
-      {"silent after its answer", "says nothing; is it at its box", {.bytes = nothing}},
-      {"another device", "no sample of this kind", {.bytes = text}},
-      {"wrong speed",
+       {.bytes = as_nothing, .answers = no_answer}},
+      {"silent after its answer", "says nothing; is it at its box", {.bytes = as_nothing}},
+      {"another device", "no sample of this kind", {.bytes = as_text}},
+      {"wrong speed", "no sample of this kind", {.bytes = filled_with(0x80)}},
+      {"line held low", "no sample of this kind", {.bytes = filled_with(0)}},
+      {"what is sent comes back",
        "no sample of this kind",
-       {.bytes = [](Bytes& b) { b.assign(b.size(), 0x80); }}},
-      {"wrong check sum", "no sample of this kind", {.bytes = [](Bytes& b) { b.back() ^= 1; }}},
-      {"half frames", "no sample of this kind", {.bytes = [](Bytes& b) { b.resize(11); }}},
-      {"three axes", "a HEX of 6 axes is needed", {.bytes = other_axes(10)}},
-      {"four sensors", "a HEX of 6 axes is needed", {.bytes = other_axes(28)}},
-      {"no acknowledgement", "does not acknowledge", {.answers = [](auto& a) { a.clear(); }}},
+       {.bytes = as_nothing,
+        .answers =
+            [](Answers& answers) {
+              answers = {{0xAA, 0x00, 0x32, 0x03, 1, 0, 0, 0x00, 0xE0}};
+            }}},
+      {"wrong check sum", "no sample of this kind", {.bytes = flipped(21, 1)}},
+      {"half frames", "no sample of this kind", {.bytes = half}},
+      {"three axes", "a HEX of 6 axes is needed", {.bytes = frames_of(10)}},
+      {"four sensors", "a HEX of 6 axes is needed", {.bytes = frames_of(28)}},
+      {"no acknowledgement", "does not acknowledge", {.answers = no_answer}},
+      {"half an acknowledgement",
+       "does not acknowledge",
+       {.answers = [](Answers& answers) { answers[0].resize(4); }}},
+      {"spoilt acknowledgement",
+       "does not acknowledge",
+       {.answers = [](Answers& answers) { answers[0].back() ^= 1; }}},
       {"refused",
        "refuses its configuration with error 2",
        {.answers =
-            [](auto& a) {
-              a = {{0xAA, 0, 0x50, 1, 2, 0, 0xFD}};
+            [](Answers& answers) {
+              answers = {{0xAA, 0, 0x50, 1, 2, 0, 0xFD}};
             }}},
-      {"overloaded",
-       "tells status 0x00000200: it is overloaded",
-       {.sample = [](Sample& s) { s.status = 0x200; }}},
-      {"no sensor at the box",
-       "it has failed or is not at its box",
-       {.sample = [](Sample& s) { s.status = 0x400; }}},
-      {"broken box", "its box has failed", {.sample = [](Sample& s) { s.status = 0x2000; }}},
-      {"saturated",
-       "is saturated: force z is 32767 counts",
-       {.sample = [](Sample& s) { s.counts[2] = 32767; }}},
+      {"overloaded", "tells status 0x00000200: it is overloaded", {.sample = status(0x200)}},
+      {"no sensor at the box", "it has failed or is not at its box", {.sample = status(0x400)}},
+      {"broken box", "its box has failed", {.sample = status(0x2000)}},
+      {"saturated", "is saturated: force z is 32767 counts", {.sample = counts(2, 32767)}},
+      {"one sample for ever", "repeats a sample", {.sample = hold()}},
+      {"counts backwards", "counts backwards", {.sample = count_by(0xFFFFFFFFU)}},
+      {"a sample of ten", "lost 9 samples in a row", {.sample = count_by(10)}},
       {"stuck counts", "says the same for half a second", {.quiet = true}},
       {"too slow", "samples a second, 1000 belong here", {.rate_hz = 333}},
-      {"too fast", "samples a second, 1000 belong here", {.kind = Kind::ati_udp, .rate_hz = 2000}},
       {"latency timer", "set `latency_timer`", {.at_once = 16}},
-      {"silent port", "has it power", {.kind = Kind::ati_udp, .bytes = nothing}},
-      {"port of another", "no sample of this kind", {.kind = Kind::ati_udp, .bytes = text}},
-      {"empty datagrams' kin",
-       "no sample of this kind",
-       {.kind = Kind::hex_udp, .bytes = [](Bytes& b) { b.resize(35); }}},
-      {"status of ATI",
-       "tells status 0x80020000",
-       {.kind = Kind::ati_udp, .sample = [](Sample& s) { s.status = 0x80020000U; }}},
-      {"rail of ATI",
-       "is saturated: torque x",
-       {.kind = Kind::ati_udp, .sample = [](Sample& s) { s.counts[3] = -2147483647 - 1; }}},
       {"unplugged at once", "was unplugged", {.from = 100, .unplugged = true}},
-      {"one measurement",
-       "one measurement under new numbers",
-       {.kind = Kind::ati_udp, .sample = [](Sample& s) { s.counter = 7; }}},
   };
-  MESSAGE(cases.size() << " faults of wrist sensors before the start");
-  CHECK(cases.size() == 25);
-  run_all(cases, refusal);
-  CHECK(
-      WristSensor::open({.address = "/nowhere/ttyACM1"}).error().message.find("is it plugged in") !=
-      std::string::npos);
 }
 
-TEST_CASE("20 ways to fail afterwards leave an old sample, and the fault stays") {
-  const auto jump = [](int by) {
-    return [by](Sample& s) {
-      s.sequence += static_cast<std::uint32_t>(by);
-      s.counter += static_cast<std::uint32_t>(by);
-    };
-  };
-  const auto hold = [] {
-    return [kept = Sample{}](Sample& s) mutable {
-      if (kept.counter == 0) kept = s;
-      s = kept;
-    };
-  };
-  const std::vector<FaultCase> cases = {
-      {"unplugged", "was unplugged", {.unplugged = true}},
-      {"silence", "old", {.bytes = nothing}},
-      {"silence of a port", "old", {.kind = Kind::ati_udp, .bytes = nothing}},
-      {"gone port", "old", {.kind = Kind::hex_udp, .unplugged = true}},
-      {"garbage", "sends bytes that are no frame", {.bytes = text}},
-      {"marks for ever",
-       "sends bytes that are no frame",
-       {.bytes = [](Bytes& b) { b.assign(40, 0xAA); }}},
-      {"spoilt sums", "sends bytes that are no frame", {.bytes = [](Bytes& b) { b.back() ^= 4; }}},
-      {"one bit of a force",
-       "sends bytes that are no frame",
-       {.bytes = [](Bytes& b) { b[9] ^= 8; }}},
-      {"other datagrams", "sends what is no sample", {.kind = Kind::ati_udp, .bytes = text}},
-      {"too long datagrams",
-       "sends what is no sample",
-       {.kind = Kind::hex_udp, .bytes = [](Bytes& b) { b.resize(72); }}},
-      {"overload", "it is overloaded", {.sample = [](Sample& s) { s.status = 0x80; }}},
-      {"overload of a port",
-       "tells status 0x00000010: it is overloaded",
-       {.kind = Kind::hex_udp, .sample = [](Sample& s) { s.status = 0x10; }}},
-      {"saturation",
-       "is saturated: force x is -32768 counts",
-       {.sample = [](Sample& s) { s.counts[0] = -32768; }}},
-      {"saturation of a torque",
-       "is saturated: torque z",
-       {.kind = Kind::ati_udp, .sample = [](Sample& s) { s.counts[5] = 2147483647; }}},
+std::vector<WristFault> afterwards() {
+  const auto no_frame = "sends bytes that are no frame; guard: force sensor stale";
+  return {
+      {"unplugged", "was unplugged; plug it in again; guard: force sensor", {.unplugged = true}},
+      {"silence", "guard: force sensor stale", {.bytes = as_nothing}},
+      {"garbage", no_frame, {.bytes = as_text}},
+      {"marks for ever", no_frame, {.bytes = [](Bytes& b) { b.assign(40, 0xAA); }}},
+      {"spoilt sums", no_frame, {.bytes = flipped(21, 4)}},
+      {"one bit of a force", no_frame, {.bytes = flipped(9, 8)}},
+      {"half frames", no_frame, {.bytes = half}},
+      {"a byte lost of each", no_frame, {.bytes = [](Bytes& b) { b.erase(b.begin() + 12); }}},
+      {"another speed", no_frame, {.bytes = filled_with(0x80)}},
+      {"line held low", no_frame, {.bytes = filled_with(0)}},
+      {"another sensor at the box", no_frame, {.bytes = frames_of(10)}},
+      {"answers alone",
+       "guard: force sensor stale",
+       {.bytes = [](Bytes& bytes) { bytes = {0xAA, 0, 0x50, 1, 0, 0, 0xFB}; }}},
+      {"overload", "it is overloaded; guard: force sensor", {.sample = status(0x80)}},
+      {"sensor off its box", "it has failed or is not at its box", {.sample = status(0x1000)}},
+      {"box fails", "its box has failed", {.sample = status(0x8000)}},
+      {"saturation", "is saturated: force x is -32768 counts", {.sample = counts(0, -32768)}},
+      {"saturation of a torque", "is saturated: torque y", {.sample = counts(4, 32767)}},
       {"one for ever", "repeats a sample", {.sample = hold()}},
-      {"one for ever, a port", "repeats a sample", {.kind = Kind::ati_udp, .sample = hold()}},
       {"jump ahead", "lost 500 samples in a row", {.sample = jump(500)}},
       {"jump back", "counts backwards", {.sample = jump(-500)}},
-      {"began anew",
-       "counts backwards",
-       {.kind = Kind::ati_udp, .sample = [](Sample& s) { s.sequence %= 50; }}},
-      {"one measurement",
-       "one measurement under new numbers",
-       {.kind = Kind::hex_udp, .sample = [](Sample& s) { s.counter = 9; }}},
+      {"began anew", "counts backwards: did it start anew?", {.sample = begin_anew_each(50)}},
+      {"back to 100 Hz", "guard: force sensor stale", slowed(ScriptedWrist::Kind::hex_serial, 10)},
+      {"stuck", "guard: force sensor stuck", {.sample = hold_counts()}},
+      {"600 N at once", "guard: ", {.sample = counts(0, -30'000)}},
+      {"off its calibrated zero", "guard: force sensor off its zero", {}, drifted_by(5.0)},
   };
-  MESSAGE(cases.size() << " faults of wrist sensors afterwards");
-  CHECK(cases.size() == 20);
-  run_all(cases, later);
+}
+
+}  // namespace
+
+TEST_CASE("what is wrong with a wrist sensor on a serial line is named, or the guard stops") {
+  const auto before = before_the_start(), after = afterwards();
+  const std::size_t count = before.size() + after.size();
+  MESSAGE(count << " faults of wrist sensors on a serial line");
+  CHECK(count >= 40);
+  check_all(before, refusal);
+  check_all(after, stopped);
 }
