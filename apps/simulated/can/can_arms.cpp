@@ -203,6 +203,7 @@ void CanArms::end_millisecond(sim::World& world, RobotReport& report) {
     command.torque_nm[arm][joint] = drives_[k].torque_nm();
     held_rad_[arm][joint] = seen_->arms[arm].q_rad[joint];
   }
+  if (hand_) hand_(world, control_period_s * static_cast<double>(tick_));
   world.robot().apply(command);
   seen_ = world.robot().read();
   report.see(world.truth());

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <chrono>
 #include <deque>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -46,6 +47,10 @@ class CanArms {
   /// What the arms feel goes to these sensors.
   void feel_by(PerArm<std::unique_ptr<EmulatedWrist>> wrists) { wrists_ = std::move(wrists); }
   void unplug(const Unplug& unplug) { unplug_ = unplug; }
+  /// A hand on an arm, told of each millisecond.
+  void lead_by(std::function<void(sim::World& world, double time_s)> hand) {
+    hand_ = std::move(hand);
+  }
   /// An arm's section of a device file.
   [[nodiscard]] std::string section(Arm arm) const;
 
@@ -87,6 +92,7 @@ class CanArms {
   std::vector<Seat> seats_;           ///< of each of them
   PerArm<std::unique_ptr<EmulatedWrist>> wrists_ = {};
   Unplug unplug_;
+  std::function<void(sim::World& world, double time_s)> hand_ = {};
   std::vector<std::uint32_t> wanted_;  ///< counts where the drives should be, by the last SYNC
   int syncs_at_rest_ = 0;              ///< since that has changed
   std::optional<robot::RobotReading> seen_;  ///< newest of the plant; nothing before it begins

@@ -112,8 +112,9 @@ MachineCheck check_wake_ups() {
   }
   return {.what = "wake-ups",
           .good = late == 0,
-          .finding = fmt::format("{} of {} more than {} ms late, the worst {:.1f} ms", late,
-                                 wake_ups, max_late_ms, worst_ms),
+          .finding = fmt::format(
+              "of {} sleeps of 1 ms {} ended more than {} ms late, the worst by {:.1f} ms",
+              wake_ups, late, max_late_ms, worst_ms),
           .remedy = "only a robot minds: end other programs, or boot a kernel with PREEMPT_RT"};
 }
 
@@ -124,12 +125,13 @@ std::vector<MachineCheck> check_machine() {
   std::vector<MachineCheck> all = {
       {.what = "cores",
        .good = cores >= 2,
-       .finding = fmt::format("{}", cores),
+       .finding = fmt::format("{} to compute with", cores),
        .remedy = "two are wanted: one for control, one for the rest"},
       check_devices("cameras", hardware::video_devices(), "video",
                     "only a scanner needs one: plug it in (docs/build_a_scanner.md)"),
       check_devices("serial lines", serial_lines(), "dialout",
-                    "only a scanner's board and some wrist sensors need one: plug them in"),
+                    "only a scanner's board and wrist sensors at USB need one: plug them in "
+                    "(docs/wrist_sensors.md)"),
       check_can(),
       check_limits(),
       check_wake_ups()};

@@ -167,7 +167,12 @@ class Doctor final : public Verb {
                                  check.finding, check.good ? "" : "; ", check.remedy);
     }
     ordered_json json = {{"version", TUINA_VERSION}, {"checks", checks}};
-    if (!device_.empty()) json["devices"] = ask_devices(devices, answer);
+    if (device_.empty()) {
+      answer.text +=
+          "A note is no fault: `tuina massage` simulates every device and needs none of this.\n";
+    } else {
+      json["devices"] = ask_devices(devices, answer);
+    }
     answer.text.pop_back();
     answer.json = json.dump(2);
     return answer;

@@ -4,7 +4,7 @@
 
 #include "apps/cli/options.hpp"
 #include "apps/simulated/armlink_arms.hpp"
-#include "apps/simulated/leading_hand.hpp"
+#include "apps/tuina/robot/hand_option.hpp"
 #include "apps/tuina/robot/simulated_robot.hpp"
 #include "apps/tuina/verbs.hpp"
 #include "tuina/core/io/file.hpp"
@@ -62,14 +62,7 @@ class RobotArmlink final : public Verb {
         .show_default();
     wrists_.describe(options, {});
     options.add("--out", out_, "a device file by which a session finds all of this");
-    auto hand = options.add("--hand", technique_,
-                            "a hand leads an arm and shows it this of the programme relax, for "
-                            "`tuina teach record --device`");
-    hand.one_of(technique_names());
-    options.add("--hand-arm", hand_arm_, "that is led")
-        .one_of({"left", "right"})
-        .show_default()
-        .needs(hand);
+    hand_.describe(options);
     add_pace_option(options, pace_);
   }
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
@@ -88,12 +81,9 @@ class RobotArmlink final : public Verb {
     if (const auto written = write_device_file(*address, *wrists); !written)
       return tl::unexpected(written.error());
     arms->feel_by(std::move(*wrists));
-    if (!technique_.empty()) {
-      auto hand = hand_before(*room);
-      if (!hand) return tl::unexpected(hand.error());
-      arms->lead_by([hand = std::make_shared<TeachingHand>(std::move(*hand))](
-                        sim::World& world, double time_s) { hand->lead(world, time_s); });
-    }
+    auto hand = hand_.make(*room);
+    if (!hand) return tl::unexpected(hand.error());
+    arms->lead_by(std::move(*hand));
     end_when_asked();
     const std::string granted = pace_ == "real" ? "; " + link::be_real_time() : "";
     if (!common.quiet) fmt::print(stderr, "the arms wait for their host{}\n", granted);
@@ -103,15 +93,6 @@ class RobotArmlink final : public Verb {
   }
 
  private:
-  [[nodiscard]] Result<TeachingHand> hand_before(const SimulatedRoom& room) const {
-    const sim::Person& person = room.world->person();
-    return TeachingHand::make({.position = person.position,
-                               .technique = *parse_technique(technique_),  // checked by the option
-                               .arm = hand_arm_ == "left" ? Arm::left : Arm::right},
-                              person,
-                              robot::place_robot(room.order.robot, person.position,
-                                                 session::head_at_plus_y(person.acupoints)));
-  }
   [[nodiscard]] Result<void> write_device_file(const PerArm<hardware::ArmDevice>& arms,
                                                const WristsOption::Wrists& wrists) const {
     if (out_.empty()) return {};
@@ -126,8 +107,8 @@ class RobotArmlink final : public Verb {
 
   SimulatedRobot robot_;
   WristsOption wrists_;
+  HandOption hand_;
   std::string listen_ = "127.0.0.1:7001", pace_ = "real", out_;
-  std::string technique_, hand_arm_ = "left";
 };
 
 }  // namespace

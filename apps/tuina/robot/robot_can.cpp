@@ -5,6 +5,7 @@
 
 #include "apps/cli/options.hpp"
 #include "apps/simulated/can/can_arms.hpp"
+#include "apps/tuina/robot/hand_option.hpp"
 #include "apps/tuina/robot/simulated_robot.hpp"
 #include "apps/tuina/verbs.hpp"
 #include "tuina/core/io/file.hpp"
@@ -33,6 +34,7 @@ class RobotCan final : public Verb {
     options.add("--unplug", unplugged_, "a bus whose plug is pulled")
         .one_of({"can0", "can1", "can2", "can3"});
     options.add("--unplug-at-s", unplug_.at_s, "when, by the arms' clock");
+    hand_.describe(options);
   }
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
     if (unplugged_.empty() == std::isfinite(unplug_.at_s))
@@ -48,6 +50,9 @@ class RobotCan final : public Verb {
     if (!truth) return tl::unexpected(truth.error());
     auto arms = CanArms::listen(name, *room->world, counts_);
     if (!arms) return tl::unexpected(arms.error());
+    auto hand = hand_.make(*room);
+    if (!hand) return tl::unexpected(hand.error());
+    (*arms)->lead_by(std::move(*hand));
     if (!unplugged_.empty()) {
       unplug_.bus = static_cast<std::size_t>(unplugged_.back() - '0');
       (*arms)->unplug(unplug_);
@@ -67,6 +72,7 @@ class RobotCan final : public Verb {
  private:
   SimulatedRobot robot_;
   WristsOption wrists_;
+  HandOption hand_;
   CanArms::Unplug unplug_;
   int counts_ = 4096;
   std::string out_, unplugged_;
