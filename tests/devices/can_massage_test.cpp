@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A massage in which every torque and every reading goes over CAN, to and from emulated drives.
+// A massage, and a stroke that a hand shows, in which every torque and every reading goes over CAN,
+// to and from emulated drives.
 #include <doctest/doctest.h>
 #include <unistd.h>
 
@@ -8,10 +9,13 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <regex>
+#include <sstream>
 #include <thread>
 
 #include "tests/whole/command.hpp"
 #include "tuina/core/io/file.hpp"
+#include "tuina/core/units.hpp"
+#include "tuina/robot/arm_model.hpp"
 
 using nlohmann::json;
 using tuina::test::Folder;
@@ -32,12 +36,12 @@ std::string text_of(const std::filesystem::path& file) {
 }
 
 /// The person, and the thesis' robot on a base that stands, for drives on CAN have none.
-Words same_world(const Folder& folder) {
+Words same_world(const Folder& folder, const std::string& position = "prone") {
   const std::string thesis = text_of(TUINA_SOURCE_DIR "/models/robots/thesis.toml");
   const std::string standing =
       std::regex_replace(thesis, std::regex("rail_mm = [^\n]*"), "rail_mm = [0, 0]");
   return {"--person",   "phantom:slim",
-          "--position", "prone",
+          "--position", position,
           "--seed",     "7",
           "--robot",    folder.with("standing.toml", standing)};
 }
@@ -53,14 +57,15 @@ Words brief_massage(const Folder& folder) {
 /// The program with the drives, which ends with the session of its host.
 class Drives {
  public:
-  Drives(const Folder& folder, const Words& words) : device_(folder / "device.toml") {
+  Drives(const Folder& folder, const Words& words, const std::string& position = "prone")
+      : device_(folder / "device.toml") {
     std::filesystem::remove(device_);
     static int port = 21'003 + 8 * static_cast<int>(getpid() % 1'200);
     port += 8;
     const Words all =
         Words{"robot", "can",  "--quiet", "--json", "--wrist", "127.0.0.1:" + std::to_string(port),
               "--out", device_} +
-        same_world(folder) + words;
+        same_world(folder, position) + words;
     thread_ = std::thread([this, all] { outcome_ = run_tuina(all); });
     for (int i = 0; i < 600 && !std::filesystem::exists(device_); ++i)
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
@@ -79,6 +84,20 @@ class Drives {
   Outcome outcome_;
   std::thread thread_;
 };
+
+/// Rows of a table of numbers.
+std::vector<std::vector<double>> samples_of(const std::string& file) {
+  std::istringstream rows(text_of(file));
+  std::vector<std::vector<double>> all;
+  std::string row, cell;
+  std::getline(rows, row);
+  while (std::getline(rows, row)) {
+    std::istringstream cells(row);
+    all.emplace_back();
+    while (std::getline(cells, cell, ',')) all.back().push_back(std::stod(cell));
+  }
+  return all;
+}
 
 json session_of(const Folder& folder, const char* name) {
   return json::parse(text_of(std::filesystem::path(folder / name) / "session.json"));
@@ -156,4 +175,53 @@ TEST_CASE("a bus that is unplugged in a press ends the massage, and no tool pres
   const json report = json::parse(ended.out);
   MESSAGE(cut.err, report.dump());
   CHECK(report["max_force_n"] < 22.0);  // of the programme
+}
+
+TEST_CASE("what a hand shows to an arm on CAN is what it shows to one in this program") {
+  const Folder folder;
+  const auto record = [&](const std::string& to, const Words& more) {
+    return run_tuina(Words{"teach", "record", "--quiet", "--json", "--out", folder / to} +
+                     same_world(folder, "sitting") + more);
+  };
+  const Outcome here = record("here.toml", {});
+  REQUIRE_MESSAGE(here.exit_code == 0, here.err);
+  Drives drives(folder, {"--hand", "stroke"}, "sitting");
+  const Outcome there = record("there.toml", {"--device", drives.device()});
+  REQUIRE_MESSAGE(there.exit_code == 0, there.err);
+  const Outcome& ended = drives.end();
+  REQUIRE_MESSAGE(ended.exit_code == 0, ended.err);
+  const json far = json::parse(there.out), one = json::parse(here.out);
+  CHECK(far["peak_hand_n"].is_null());
+  CHECK(one["contact_s"] > 10.0);
+  CHECK(far["contact_s"].get<double>() ==
+        doctest::Approx(one["contact_s"].get<double>()).epsilon(0.02));
+  const auto a = samples_of(folder / "here.csv"), b = samples_of(folder / "there.csv");
+  REQUIRE(a.size() == b.size());
+  REQUIRE(a.size() > 2000);
+  // Joints in degrees, force in newtons.
+  const auto model = tuina::robot::both_models(
+      tuina::robot::thesis_arm(),
+      tuina::robot::mount_for(tuina::BodyPosture::sitting))[tuina::Arm::left];
+  const auto tool = [&](const std::vector<double>& sample) -> tuina::Vector3 {
+    tuina::JointVector q_rad(6);
+    for (int i = 0; i < 6; ++i) q_rad[i] = tuina::from_deg(sample[static_cast<std::size_t>(i) + 1]);
+    return model.base_from_tool(q_rad, 0.0).translation();
+  };
+  double off2_m2 = 0.0, max_off_m = 0.0, off2_n2 = 0.0, max_off_deg = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const double off_m = (tool(a[i]) - tool(b[i])).norm();
+    max_off_m = std::max(max_off_m, off_m);
+    off2_m2 += off_m * off_m;
+    off2_n2 += std::pow(a[i].back() - b[i].back(), 2);
+    for (std::size_t k = 1; k <= 6; ++k)
+      max_off_deg = std::max(max_off_deg, std::abs(a[i][k] - b[i][k]));
+  }
+  const auto count = static_cast<double>(a.size());
+  const double off_mm = 1e3 * std::sqrt(off2_m2 / count), off_n = std::sqrt(off2_n2 / count);
+  MESSAGE("over CAN and in one program: the tool ", off_mm, " mm RMS apart, at most ",
+          1e3 * max_off_m, " mm, the force ", off_n, " N RMS, a joint at most ", max_off_deg,
+          " deg");
+  CHECK(off_mm < 1.0);
+  CHECK(off_n < 0.2);
+  CHECK(max_off_deg < 2.0);
 }
