@@ -93,7 +93,8 @@ MachineCheck check_limits() {
                                     needed_priority, memory),
       .remedy =
           "only a robot needs it: write `@dialout - rtprio 80` and `@dialout - memlock "
-          "unlimited` into /etc/security/limits.d/tuina.conf, and log in again"};
+          "unlimited` into /etc/security/limits.d/tuina.conf, join the group `dialout`, and log in "
+          "again"};
 }
 
 /// By how much a thread of the usual priority is woken too late.
