@@ -4,12 +4,13 @@
 
 Every command of tuina, in a block or in backticks, is parsed by the program itself: with --help it reads all words
 and does nothing. Of programs of the build the names are checked. With --run the blocks below `<!-- short -->` are
-run, each page in a folder of its own. Commands of other programs are only listed.
+run, each page in a folder of its own, where a block below `<!-- file: NAME -->` lies as that file. Commands of other
+programs are only listed.
 
 `tuina --help` parses all options and their values first; required ones may be missing, since a text may name part of
 a command.
 """
-import itertools, json, os, re, shlex, subprocess, sys, tempfile
+import itertools, json, os, re, shlex, subprocess, sys, tempfile, time
 from concurrent.futures import ThreadPoolExecutor
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
@@ -28,10 +29,10 @@ def documents():
 
 
 def blocks(text):
-    """(language, marked as short, lines) of the blocks of code, joined where a line ends with a backslash."""
-    block = re.compile(r"^ *(<!-- short -->\n+)?```(\S*)\n(.*?)^ *```", re.DOTALL | re.MULTILINE)
-    for short, language, body in block.findall(text):
-        yield language, bool(short), [line.strip() for line in body.replace("\\\n", " ").splitlines()]
+    """(language, mark above, lines) of the blocks of code, joined where a line ends with a backslash."""
+    block = re.compile(r"^ *(?:<!-- (short|file: \S+) -->\n+ *)?```(\S*)\n(.*?)^ *```", re.DOTALL | re.MULTILINE)
+    for mark, language, body in block.findall(text):
+        yield language, mark, [line.strip() for line in body.replace("\\\n", " ").splitlines()]
 
 
 def simple(line):
@@ -160,18 +161,31 @@ def check():
 
 def run_short():
     """Runs what is marked as short; a page's blocks share a folder, as a reader's do."""
+    count, start = 0, time.monotonic()
     for document in documents():
-        lines = [line for _, short, body in blocks(read(document)) if short for line in body if line.strip()]
         with tempfile.TemporaryDirectory() as folder:
             for name in ("config", "examples", "models"):
                 os.symlink(f"{ROOT}/{name}", f"{folder}/{name}")
-            for line in lines:
-                print(f"{document}: {line}", flush=True)
-                line = re.sub(r"^(\./run|build/release/tuina|tuina)(?= )", TUINA, line.strip())
-                done = subprocess.run(["bash", "-c", line], cwd=folder, capture_output=True, text=True, timeout=600,
-                                      env={**os.environ, "HOME": folder, "XDG_DATA_HOME": folder})
-                if done.returncode:
-                    yield f"{document}: `{line}` ends with {done.returncode}: {done.stderr.strip()[-300:]}"
+            for _, mark, lines in blocks(read(document)):
+                if mark.startswith("file: "):
+                    with open(f"{folder}/{mark.removeprefix('file: ')}", "w", encoding="utf-8") as file:
+                        file.write("\n".join(lines) + "\n")
+                if mark != "short":
+                    continue
+                count += 1
+                for line in filter(None, lines):
+                    yield from run_line(document, line, folder)
+    print(f"{count} blocks run in {time.monotonic() - start:.0f} s")
+
+
+def run_line(document, line, folder):
+    start = time.monotonic()
+    command = re.sub(r"^(\./run|build/release/tuina|tuina)(?= )", TUINA, line)
+    done = subprocess.run(["bash", "-c", command], cwd=folder, capture_output=True, text=True, timeout=600,
+                          env={**os.environ, "HOME": folder, "XDG_DATA_HOME": folder})
+    print(f"{document}: {line}: {time.monotonic() - start:.1f} s", flush=True)
+    if done.returncode:
+        yield f"{document}: `{line}` ends with {done.returncode}: {done.stderr.strip()[-300:]}"
 
 
 all_faults = check()
