@@ -8,6 +8,7 @@
 
 #include "tests/record/told_session.hpp"
 #include "tuina/core/io/file.hpp"
+#include "tuina/record/event_fields.hpp"
 
 using namespace tuina;
 using record::SessionDiagnostics;

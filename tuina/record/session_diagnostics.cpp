@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "tuina/record/event_fields.hpp"
 #include "tuina/record/session_messages.hpp"
 
 namespace tuina::record {

@@ -4,13 +4,16 @@
 #include <optional>
 #include <string>
 
-#include "tuina/record/event_fields.hpp"
 #include "tuina/robot/arm_model.hpp"
 #include "tuina/robot/robot_model.hpp"
 #include "tuina/session/observer.hpp"
 #include "tuina/telemetry/mcap/ros_diagnostics.hpp"
 
 namespace tuina::record {
+
+// Both are of event_fields.hpp, which needs a JSON library that users of this header need not have.
+struct TissueEvent;
+struct DecisionEvent;
 
 /// How scanner, guards, arms and wrist sensors are, what was felt and decided last, and whether the
 /// session was stopped, as monitors of ROS 2 show it. A message is due each second, and at once
