@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# try_packages.sh [--all] FILE.deb...: on a bare Debian 12, as root: installs the packages of `./run package`, gives a
-# massage, serves the page, fits a press in Python, compiles an example and a stranger's project against them, installs
-# them once more as an upgrade does, and removes them without a rest. With --all every example is compiled, and linked
-# with the static libraries, too, which need the -dev packages of whatever is hidden in them. Run it where nothing can
-# be harmed.
+# try_packages.sh [--all] FILE.deb...: on a bare Debian 12, as root: installs the packages of `./run package` and does
+# what the site tells a newcomer to do: a massage, the page, a programme and a scan of one's own, a press in Python. It
+# compiles an example and a stranger's project against them, installs them once more as an upgrade does, and removes
+# them without a rest. Each step ends with the seconds since the beginning. With --all every example is compiled, and
+# linked with the static libraries, too, which need the -dev packages of whatever is hidden in them. Run it where
+# nothing can be harmed.
 set -euo pipefail
 here=$(realpath "$(dirname "$0")/../..")
 kinds=(shared)
@@ -21,10 +22,21 @@ said() { echo "$(($(date +%s) - start)) s: $*"; }
 # Nothing here must outlive a loss of power, so nothing waits for the disk.
 export DEBIAN_FRONTEND=noninteractive
 install=(apt-get install -y -qq --no-install-recommends -o Dpkg::Options::=--force-unsafe-io)
+there() { dpkg-query -W -f '${db:Status-Abbrev} ${Package} ${Installed-Size}\n' | grep '^ii' | sort; }
 apt-get update -qq
+there > before.txt
+# shellcheck disable=SC2086
+"${install[@]}" $(printf '%s\n' $packages | grep -E '/(tuina|tuina-udev)_') > apt.txt 2>&1 || { cat apt.txt; exit 1; }
+there | comm -13 before.txt - > new.txt
+# Debian's OpenCV needs the client's libraries of OpenGL and X11; beyond these nothing of a desktop may come.
+if grep -E ' (libwayland|libgtk|libqt|xserver|x11-|xdg-|libcairo|dbus|libcups)' new.txt; then
+  echo "these are of a desktop" >&2
+  exit 1
+fi
+said "tuina installed: $(awk '{ kb += $3 } END { printf "%d packages, %.0f MB", NR, kb / 1024 }' new.txt)"
 # shellcheck disable=SC2086
 "${install[@]}" $packages > apt.txt 2>&1 || { cat apt.txt; exit 1; }
-said installed
+said "library, headers and Python installed"
 
 tuina --version
 tuina massage --quiet --json --out report > report.json
@@ -47,6 +59,17 @@ PYTHON
 kill $server
 wait $server
 said "the page was served"
+
+# The block of docs/PAGE that begins behind a line, as a reader copies it.
+block() { sed -n "/$2/,\$p" "$here/docs/$1" | sed -n '/^```[a-z]/,/^```$/{//!p;/^```$/q}'; }
+block programmes.md '^A programme is' > mine.toml
+tuina plan report/scan.ply report/acupoints.json --programme mine.toml --picture plan.png > plan.txt
+tuina massage --quiet --programme mine.toml --out own_programme
+said "a massage by a programme of one's own was given"
+mkdir own_scan
+(cd own_scan && block first_massage.md '^## 6' | bash -e > ../own_scan.txt)
+test -s own_scan/shoulders.png
+said "a scan of one's own was mapped and planned on"
 
 python3 - <<'PYTHON'
 import numpy as np, tuina
