@@ -103,6 +103,17 @@ class Site:
             file.write("\n".join(lines) + "\n")
         return sorted(set(self.places.values()) - named - {"reference/index.html"})
 
+    def reference(self):
+        """The first page of the reference of the headers: what each room's header says of itself."""
+        rooms = []
+        for name in sorted(os.listdir(f"{ROOT}/tuina")):
+            words = name.endswith(".hpp") and re.search(r"^/// Room \w+: (.*)", read(f"tuina/{name}"), re.MULTILINE)
+            if words:
+                rooms.append(f'- @ref tuina/{name} "tuina/{name}": {words.group(1)}')
+        with open(f"{self.folder}/reference.md", "w", encoding="utf-8") as file:
+            file.write("# C++ reference\n\nOne header for each room names what is meant for others.\n\n" + "\n".join(rooms) +
+                       "\n\nHow to compile against them: [Install](../install.html#compile-against-it).\n")
+
     def build(self):
         shutil.rmtree(self.pages, ignore_errors=True)
         missing = self.configure()
@@ -110,6 +121,7 @@ class Site:
             sys.exit(f"docs/site/mkdocs.yml: nav does not name {', '.join(missing)}")
         for source, target in sorted(self.places.items()):
             self.page(source, target)
+        self.reference()
         for kind in ("figures", "pictures"):
             leave_out = shutil.ignore_patterns("*.cpp", "*.txt")
             shutil.copytree(f"{ROOT}/docs/{kind}", f"{self.pages}/{kind}", ignore=leave_out)
