@@ -205,15 +205,10 @@ std::string choices_json(bool keeps_people, const std::optional<ServedDevices>& 
               {"position", position ? name_of(*position) : "auto"},
               {"seed", devices->seed}};
   }
-  return json{{"people", people},
-              {"positions", positions},
-              {"programmes", programmes},
-              {"techniques", techniques},
-              {"questions", questions},
-              {"zones", zones},
-              {"max_seed", max_seed},
-              {"keeps_people", keeps_people},
-              {"devices", driven}}
+  return json{
+      {"people", people},         {"positions", positions},       {"programmes", programmes},
+      {"techniques", techniques}, {"questions", questions},       {"zones", zones},
+      {"max_seed", max_seed},     {"keeps_people", keeps_people}, {"devices", driven}}
       .dump();
 }
 
