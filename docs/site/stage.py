@@ -104,15 +104,20 @@ class Site:
         return sorted(set(self.places.values()) - named - {"reference/index.html"})
 
     def reference(self):
-        """The first page of the reference of the headers: what each room's header says of itself."""
-        rooms = []
+        """The first page of the reference of the headers, and what each room's namespace says: its header's words.
+        A namespace without words has no page, and its functions would be on none."""
+        rooms, namespaces = [], []
         for name in sorted(os.listdir(f"{ROOT}/tuina")):
-            words = name.endswith(".hpp") and re.search(r"^/// Room \w+: (.*)", read(f"tuina/{name}"), re.MULTILINE)
+            words = name.endswith(".hpp") and re.search(r"^/// Room (\w+): (.*)", read(f"tuina/{name}"), re.MULTILINE)
             if words:
-                rooms.append(f'- @ref tuina/{name} "tuina/{name}": {words.group(1)}')
+                namespace = "tuina" if words.group(1) == "core" else f"tuina::{words.group(1)}"
+                rooms.append(f'- @ref {namespace} "{words.group(1)}": {words.group(2)} `#include "tuina/{name}"`')
+                namespaces.append(f"/// @namespace {namespace}\n/// Room {words.group(1)}: {words.group(2)}\n\n")
         with open(f"{self.folder}/reference.md", "w", encoding="utf-8") as file:
-            file.write("# C++ reference\n\nOne header for each room names what is meant for others.\n\n" + "\n".join(rooms) +
+            file.write("# C++ reference\n\nWhat is meant for others, room by room:\n\n" + "\n".join(rooms) +
                        "\n\nHow to compile against them: [Install](../install.html#compile-against-it).\n")
+        with open(f"{self.folder}/namespaces.dox", "w", encoding="utf-8") as file:
+            file.writelines(namespaces)
 
     def build(self):
         shutil.rmtree(self.pages, ignore_errors=True)

@@ -9,10 +9,13 @@
 
 namespace tuina::body {
 
+/// How an atlas is brought onto a back.
 enum class Method : std::uint8_t { field_morphing, surface };
+/// Name of a method, as options and files have it.
 [[nodiscard]] constexpr const char* name_of(Method method) {
   return method == Method::field_morphing ? "field_morphing" : "surface";
 }
+/// Method of a name; nothing for any other word.
 [[nodiscard]] std::optional<Method> parse_method(std::string_view name);
 
 /// A point of a person that somebody has felt for and shown: an acupoint or a landmark.

@@ -62,7 +62,9 @@ struct LearnReport {
 /// Serialises an atlas (format: docs/acupoints.md). Reading refuses a wrong version, length or
 /// checksum.
 [[nodiscard]] std::string to_bytes(const Atlas& atlas);
+/// Reads an atlas from its bytes; `name` stands in the message of a refusal.
 [[nodiscard]] Result<Atlas> parse_atlas(std::string_view content, std::string_view name);
+/// Reads an atlas from a file; fails as parse_atlas() does, and where there is no such file.
 [[nodiscard]] Result<Atlas> read_atlas(const std::filesystem::path& path);
 
 /// Feature lines of an outline, [thesis] 5.3: shoulders, midline, neck, sides and trunk.

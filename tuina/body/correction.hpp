@@ -33,6 +33,7 @@ struct LabelEstimate {
   double strangeness = 1.0;
   ShapeFit fit;
 };
+/// Finds all labels of a model on a back.
 [[nodiscard]] LabelEstimate estimate_labels(const ShapeModel& model, const BackSurface& back);
 
 }  // namespace tuina::body

@@ -8,7 +8,9 @@
 
 namespace tuina::body {
 
+/// Whether the arms are up beside the head or down beside the trunk.
 enum class Arms : std::uint8_t { up, down, unknown };
+/// Name of it, as messages have it.
 [[nodiscard]] constexpr const char* name_of(Arms arms) {
   return arms == Arms::up ? "up" : arms == Arms::down ? "down" : "unknown";
 }

@@ -17,6 +17,7 @@ struct Sweep {
   std::vector<scanner::YawReading> readings;
   scanner::ScannerCalibration nominal;  ///< calibration.toml of the recording
 };
+/// Reads a recorded sweep and finds its laser lines; fails where the folder is no recording.
 [[nodiscard]] Result<Sweep> read_sweep(const std::filesystem::path& folder,
                                        const Progress& progress = {});
 

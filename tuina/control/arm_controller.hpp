@@ -28,6 +28,7 @@ struct ContactTarget {
 
 /// State of the controller. Commands change it; approach to contact and back is its own mode.
 enum class Mode : std::uint8_t { hold, move, approach, contact, retract, lead };
+/// Name of a mode, as messages and records have it.
 [[nodiscard]] const char* name_of(Mode mode) noexcept;
 
 /// Why a command failed; the arm then holds its position.
@@ -39,8 +40,10 @@ enum class ContactFault : std::uint8_t {
   blocked,
   bad_command
 };
+/// Name of a fault, as messages and records have it.
 [[nodiscard]] const char* name_of(ContactFault contact_fault) noexcept;
 
+/// Law by which an arm follows a contact path.
 enum class ControlLaw : std::uint8_t {
   tuina,           ///< J^T impedance, virtual target, force trim
   virtual_target,  ///< as tuina, without the force trim

@@ -14,6 +14,7 @@ struct ContactModel {
 
 /// Indentation of tissue and torso together at a force, and dF/dx there.
 [[nodiscard]] double depth_at(const ContactModel& model, double force_n) noexcept;
+/// Stiffness dF/dx of tissue and torso together at a force.
 [[nodiscard]] double stiffness_at(const ContactModel& model, double force_n) noexcept;
 
 /// Force controller along the inward normal, for skin whose position and tissue law are roughly

@@ -20,6 +20,7 @@ struct NoGo {
 /// Reads `[[no_go]]` entries with `name` and `corners_m`, three corners at least. Everything wrong
 /// is in the one message, a line each; a file that rules nothing out is refused too.
 [[nodiscard]] Result<std::vector<NoGo>> parse_no_go(std::string_view text, std::string_view name);
+/// Reads such a file; fails as parse_no_go() does, and where there is no such file.
 [[nodiscard]] Result<std::vector<NoGo>> read_no_go(const std::filesystem::path& file);
 
 }  // namespace tuina::massage

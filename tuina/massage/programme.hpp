@@ -15,6 +15,7 @@
 
 namespace tuina::massage {
 
+/// Sides of the body on which points without _L or _R are served.
 enum class Side : std::uint8_t { both, left, right };
 /// In which order the points of a part are served.
 enum class Order : std::uint8_t { listed, downward, upward };
@@ -65,6 +66,7 @@ struct NamedLine {
   const char* name;
   const char* meaning;
 };
+/// All lines that a stroke may name.
 [[nodiscard]] std::span<const NamedLine> named_lines();
 
 /// Reads a programme. Everything wrong is in the one message, a line each with file, line, key,
@@ -79,6 +81,7 @@ struct ShippedProgramme {
   std::string_view name;
   std::string_view toml;
 };
+/// All programmes that are built in.
 [[nodiscard]] std::span<const ShippedProgramme> shipped_programmes();
 
 }  // namespace tuina::massage

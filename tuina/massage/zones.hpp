@@ -53,9 +53,11 @@ inline constexpr std::array<ZoneRule, 11> zone_rules = {{
     {"outside", 0.0, 10.0, false, false, 0.0},
     {"no_go", 0.0, 10.0, false, false, 0.0},
 }};
+/// Cap, trip and techniques of a zone.
 [[nodiscard]] constexpr const ZoneRule& rule_of(Zone zone) {
   return zone_rules[static_cast<std::size_t>(zone)];
 }
+/// Name of a zone, as plans and reports have it.
 [[nodiscard]] constexpr const char* name_of(Zone zone) {
   return rule_of(zone).name;
 }

@@ -35,6 +35,7 @@ struct ArmRest {
   bool parked = true;
   JointPath stay;  ///< configurations the arm may settle in
 };
+/// The arm where it waits before the first contact and after the last.
 [[nodiscard]] ArmRest rest_at_ready(const Stage& stage, Arm arm);
 
 /// One transfer and, unless the arm parks, one contact at its end.
@@ -51,6 +52,7 @@ struct ArmMove {
   ArmRest after;
 };
 
+/// Plans the move from a rest back to where the arm waits.
 [[nodiscard]] ArmMove move_home(const Stage& stage, Arm arm, const ArmRest& from);
 
 /// Plans the move to a path: of the configurations that follow the path, the cheapest that the

@@ -16,11 +16,13 @@ struct ApproachPose {
   Vector3 normal_in_couch = Vector3::UnitZ();
 };
 
+/// The pose `standoff_m` above a point, along its normal.
 [[nodiscard]] inline ApproachPose approach_pose(const ContactPoint& point, double standoff_m) {
   return {.at_in_couch = point.at_in_couch + standoff_m * point.normal_in_couch,
           .normal_in_couch = point.normal_in_couch};
 }
 
+/// The pose `more_m` higher, along its normal.
 [[nodiscard]] inline control::ToolPose above(const control::ToolPose& pose,
                                              double more_m) noexcept {
   return {.at_in_base = pose.at_in_base + more_m * pose.normal_in_base,

@@ -8,8 +8,11 @@
 
 namespace tuina::robot {
 
+/// Linear part before the angular one, as in twists and wrenches.
 using Vector6 = Eigen::Matrix<double, 6, 1>;
+/// Maps one such vector to another.
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
+/// Six rows and a column for each joint.
 using Jacobian = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, max_joints>;
 
 /// One evaluation of an arm's model, everything in `base`. Equation of motion:

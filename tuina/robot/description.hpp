@@ -77,6 +77,7 @@ void add_arm(Description& robot, const ArmTable& table, const std::string& side,
 /// For MuJoCo: joints named as their parts, motors of the same names in newton metres (slides:
 /// newtons), markers as sites. Collisions are off: what the arms touch is the caller's.
 [[nodiscard]] std::string to_mjcf(const Description& robot, double timestep_s);
+/// The same for two arms on a mount, whose column has a mass of `column_kg`.
 [[nodiscard]] inline std::string to_mjcf(const RobotMount& mount, const PerArm<ArmTable>& tables,
                                          double timestep_s, double column_kg = 60.0) {
   return to_mjcf(describe(mount, tables, column_kg), timestep_s);

@@ -19,6 +19,7 @@ struct ContactGoal {
 
 /// Why a goal is out of reach.
 enum class Reach : std::uint8_t { reached, too_far, joint_limits, elbow_in_person };
+/// Says in words why a pose is not reached.
 [[nodiscard]] const char* explain(Reach reach) noexcept;
 
 /// Joint angles that touch a goal, or how near they come and why no nearer.

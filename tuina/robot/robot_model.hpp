@@ -15,6 +15,7 @@ namespace tuina::robot {
 /// What carries the arms: a linear base, or a body on wheels with a waist (`wheeled_body`), whose
 /// linear base is the way ahead of its wheels.
 enum class Carrier : std::uint8_t { linear_base, wheeled_body };
+/// Name of a carrier, as tables of robots have it.
 [[nodiscard]] constexpr const char* name_of(Carrier carrier) {
   return carrier == Carrier::linear_base ? "linear_base" : "wheeled_body";
 }
@@ -70,6 +71,7 @@ struct ShippedRobot {
   std::string_view name;
   std::string_view toml;
 };
+/// All robots that are built in.
 [[nodiscard]] std::span<const ShippedRobot> shipped_robots();
 
 /// A robot as it stands for a person.
@@ -98,6 +100,7 @@ struct WholeRobot {
   std::vector<double> q;
   std::string rail;  ///< the part that is the linear base
 };
+/// The whole robot with two arms as it stands for a person.
 [[nodiscard]] WholeRobot whole_of(const RobotPlacement& placement, const PerArm<ArmTable>& arms);
 
 }  // namespace tuina::robot

@@ -30,6 +30,7 @@ struct Marker {
 
 /// Size of OpenCV's smallest dictionaries; the larger ones begin with the same markers.
 inline constexpr int max_markers = 50;
+/// Number of markers of a ChArUco board of this size: half of its squares.
 [[nodiscard]] int marker_count(const Board& board);
 
 /// Markers of a board with at most `max_markers`, in OpenCV's layout: by rows, the first square

@@ -60,6 +60,7 @@ struct ScannerCalibration {
 /// file and line: unknown, missing and malformed keys, non-finite numbers, normals that are not
 /// unit, matrices that are no rotations.
 [[nodiscard]] Result<ScannerCalibration> read_calibration(const std::filesystem::path& path);
+/// Reads a calibration from text; `name` stands in the message of a refusal.
 [[nodiscard]] Result<ScannerCalibration> parse_calibration(std::string_view text,
                                                            std::string_view name);
 

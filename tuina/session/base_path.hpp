@@ -22,6 +22,7 @@ struct BasePath {
 
   [[nodiscard]] double duration_s() const noexcept { return points.back().time_s; }
 };
+/// Brings a contact path from `couch` to `base`.
 [[nodiscard]] BasePath in_base(const ContactPath& path, const Transform& base_from_couch);
 
 /// A path between its samples, and how the place moves there.

@@ -82,6 +82,7 @@ struct Config {
 /// Reads a TOML file over the defaults. All faults are in the one message, a line each, with file,
 /// line, key, value and what would be right; a near miss is suggested.
 [[nodiscard]] Result<Config> load_config(const std::filesystem::path& file);
+/// Reads a configuration from text; `name` stands in the message of a refusal.
 [[nodiscard]] Result<Config> parse_config(std::string_view text, std::string_view name);
 
 /// `section.key=value` over a config, as --set gives it; a fault is wrong use.

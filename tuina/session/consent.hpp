@@ -37,6 +37,7 @@ struct Consent {
 /// answer that is missing or none of these is bad input; yes and unknown are a refusal
 /// (Fault::stopped). All of it is named in the one message.
 [[nodiscard]] Result<Consent> parse_consent(std::string_view text, std::string_view name);
+/// Reads such a file; fails as parse_consent() does, and where there is no such file.
 [[nodiscard]] Result<Consent> read_consent(const std::filesystem::path& file);
 
 /// A consent file with the same answer everywhere; as it stands without arguments, it is for

@@ -19,6 +19,7 @@ enum class LiveCommand : std::uint8_t {
 };
 inline constexpr std::array<const char*, 7> live_command_names = {
     "pause", "resume", "stop", "skip", "repeat", "softer", "firmer"};
+/// Name of a command, as pages and records have it.
 [[nodiscard]] constexpr const char* name_of(LiveCommand command) noexcept {
   return live_command_names[static_cast<std::size_t>(command)];
 }

@@ -27,6 +27,7 @@ namespace tuina::session {
 
 /// What one arm is doing; the order is that of one contact.
 enum class ArmPhase : std::uint8_t { waiting, travel, approach, contact, retract, stopped };
+/// Name of a phase, as pages and records have it.
 [[nodiscard]] constexpr const char* name_of(ArmPhase phase) noexcept {
   constexpr const char* names[] = {"waiting", "travel",  "approach",
                                    "contact", "retract", "stopped"};

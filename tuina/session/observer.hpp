@@ -14,7 +14,9 @@
 
 namespace tuina::session {
 
+/// Stages of a session, in their order.
 enum class Stage : std::uint8_t { scan, map, plan, massage };
+/// Name of a stage, as pages and records have it.
 [[nodiscard]] constexpr const char* name_of(Stage stage) noexcept {
   constexpr const char* names[] = {"scan", "map", "plan", "massage"};
   return names[static_cast<std::size_t>(stage)];

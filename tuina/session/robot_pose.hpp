@@ -41,6 +41,7 @@ struct RobotPose {
 /// normal_x, normal_y, normal_z. One row a touch, so touch i stands in line i + 2.
 [[nodiscard]] Result<std::vector<robot::Touch>> read_touches(const std::filesystem::path& file,
                                                              const robot::ArmTable& table);
+/// The same columns of touches, written.
 [[nodiscard]] std::string to_csv(std::span<const robot::Touch> touches);
 
 /// Content of robot.toml: where the robot stands, and for people in which position.
@@ -49,9 +50,11 @@ struct PlacedRobot {
   BodyPosture position = BodyPosture::sitting;
   Transform base_from_couch = Transform::Identity();
 };
+/// Serialises it; reading it back gives the same place.
 [[nodiscard]] std::string to_toml(const PlacedRobot& robot);
 /// Unknown, missing and malformed keys are refused together, each with its line.
 [[nodiscard]] Result<PlacedRobot> parse_robot_pose(std::string_view text, std::string_view name);
+/// Reads such a file; fails as parse_robot_pose() does, and where there is no such file.
 [[nodiscard]] Result<PlacedRobot> read_robot_pose(const std::filesystem::path& file);
 
 }  // namespace tuina::session

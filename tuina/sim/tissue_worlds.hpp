@@ -28,6 +28,7 @@ struct TissueWorld {
   bool poor_sensor = false;          ///< drift, crosstalk and hysteresis of the force
   double slipping = 0.0;             ///< 1: another place is 10 % harder, 4 % thinner, 0.5 mm off
 };
+/// All worlds in which estimators are judged.
 [[nodiscard]] const std::vector<TissueWorld>& tissue_worlds();
 
 /// How a place is pressed: swells of a second with pauses in the air, the presses of a session with

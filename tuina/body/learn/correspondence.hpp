@@ -15,6 +15,7 @@ struct Template {
 /// Extent of the template's skin: beyond all labels, or beyond the acupoints only, without
 /// shoulders and arms.
 enum class Reach : std::uint8_t { labels, acupoints };
+/// Makes the template of one labelled back; `names` are the labels it gets.
 [[nodiscard]] Template make_template(const Example& example, const std::vector<std::string>& names,
                                      Reach reach = Reach::labels);
 

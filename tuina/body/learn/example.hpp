@@ -25,6 +25,7 @@ struct Example {
 /// The example reflected, left and right exchanged.
 [[nodiscard]] Example mirrored(const Example& example);
 
+/// All acupoints and landmarks of the example by their names, in couch.
 [[nodiscard]] std::map<std::string, Vector3> labels_of(const Example& example);
 /// The labels with these names that the example has.
 [[nodiscard]] Places labels_in_couch(const Example& example, const std::vector<std::string>& names);
@@ -47,6 +48,7 @@ struct Examples {
   /// Forgets one of them.
   void leave_out(std::size_t i);
 };
+/// The labels with these names of person `i`, in couch.
 [[nodiscard]] Places labels_in_couch(const Examples& examples, std::size_t i,
                                      const std::vector<std::string>& names);
 

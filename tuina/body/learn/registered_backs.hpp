@@ -13,6 +13,7 @@ struct Registered {
   Places shape_in_couch;
   Transform couch_from_person;
 };
+/// Registers the template to the back of an example by the labels with these names.
 [[nodiscard]] Registered registered(const Template& standard, const Example& example,
                                     const std::vector<std::string>& names);
 

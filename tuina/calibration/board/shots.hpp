@@ -36,6 +36,7 @@ struct Shots {
 /// Parsers of the same files from memory; `name` stands for the file in errors, `folder` has the
 /// pictures.
 [[nodiscard]] Result<Board> parse_board(std::string_view text, const std::string& name);
+/// Reads the rows of frames.csv; pictures lie in `folder`. Fails with the line of what is wrong.
 [[nodiscard]] Result<std::vector<Shot>> parse_frames(std::string text,
                                                      const std::filesystem::path& folder);
 

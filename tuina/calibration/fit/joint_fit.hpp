@@ -38,6 +38,7 @@ enum Parameter : int {
   axis_shift_2,
   parameters
 };
+/// Covariance of the parameters, in the order of their enumeration.
 using Covariance = Eigen::Matrix<double, parameters, parameters>;
 
 /// Residuals of one view.

@@ -44,6 +44,7 @@ struct LineOff {
   std::size_t view = 0;
   double off_m = 0.0;  ///< median distance of the line from the plane
 };
+/// Poses whose line is too far from the light plane.
 [[nodiscard]] std::vector<LineOff> lines_off(const LightPlane& plane, const Views& views,
                                              const scanner::CameraModel& camera,
                                              const std::vector<Transform>& camera_from_board);

@@ -10,6 +10,7 @@
 
 namespace tuina::scanner {
 
+/// How the laser line is found in a row of a picture.
 enum class LineMethod : std::uint8_t {
   centroid,    ///< centroid above the local background, for a line of any shape
   likelihood,  ///< Gauss-Newton to the maximum-likelihood position of a Gaussian line

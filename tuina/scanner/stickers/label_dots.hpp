@@ -16,7 +16,9 @@ namespace tuina::scanner {
 enum class StickerColour : std::uint8_t { yellow, green, blue, magenta };
 inline constexpr std::array<StickerColour, 4> sticker_colours = {
     StickerColour::yellow, StickerColour::green, StickerColour::blue, StickerColour::magenta};
+/// Name of a colour, as options have it.
 [[nodiscard]] const char* name_of(StickerColour colour);
+/// Colour of a name; nothing for any other word.
 [[nodiscard]] std::optional<StickerColour> sticker_colour(std::string_view name);
 
 /// A point of the laser line on a sticker.

@@ -23,6 +23,7 @@ struct Breathing {
 struct Breath {
   double depth_m, rate_hz;
 };
+/// Draws the next breath of somebody who usually breathes so.
 [[nodiscard]] Breath draw_breath(const Breathing& usual, Random& random);
 
 /// Share of its depth that a breath has reached at a phase from 0 to 1, with its derivative: in
@@ -30,6 +31,7 @@ struct Breath {
 struct BreathShare {
   double at, per_phase;
 };
+/// Where a breath is at a phase.
 [[nodiscard]] BreathShare breath_share(double phase, double in_share = 0.5,
                                        double out_share = 0.5) noexcept;
 

@@ -23,6 +23,7 @@ struct ElasticForm {
   double fat_n = 1.0, muscle_n = 7.0;  ///< at so much force a layer is twice as stiff as at none
   double bone_n_per_m = 45e3;
 };
+/// Draws a form of that law.
 [[nodiscard]] ElasticForm draw_form(ElasticForm::Law law, Random& random);
 /// Force at a depth; zero above the skin. No heap.
 [[nodiscard]] double elastic_force_n(const ElasticForm& form, const TangentTissue& place,

@@ -17,9 +17,11 @@ namespace tuina::sim {
 /// By body mass index: slim below 18.5, medium to 25, hefty above.
 enum class BodyType : std::uint8_t { slim, medium, hefty };
 
+/// Name of a type, as in `phantom:slim`.
 [[nodiscard]] constexpr const char* name_of(BodyType type) {
   return type == BodyType::slim ? "slim" : type == BodyType::medium ? "medium" : "hefty";
 }
+/// Type of a body mass index, kg/m^2.
 [[nodiscard]] constexpr BodyType body_type_of(double bmi) {
   return bmi < 18.5 ? BodyType::slim : bmi <= 25.0 ? BodyType::medium : BodyType::hefty;
 }

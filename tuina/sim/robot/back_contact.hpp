@@ -119,6 +119,7 @@ struct Patch {
   double bend_radius_m = std::numeric_limits<double>::infinity();
   double edge_m = 8_mm;
 };
+/// Makes the mesh of a patch, in couch.
 [[nodiscard]] Mesh make_patch(const Patch& patch);
 
 }  // namespace tuina::sim

@@ -71,6 +71,7 @@ enum class Drive : std::uint8_t {
   off,        ///< nobody: no power, and the brakes have not closed yet
   braked,
 };
+/// Name of a drive, as the configuration has it.
 [[nodiscard]] constexpr const char* name_of(Drive drive) {
   constexpr std::array names = {"commanded", "damped", "off", "braked"};
   return names[static_cast<std::size_t>(drive)];

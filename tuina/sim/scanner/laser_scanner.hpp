@@ -55,6 +55,7 @@ struct LaserScannerOptions {
 [[nodiscard]] scanner::ScannerCalibration true_calibration(BodyPosture position,
                                                            const ScannerMount& mount,
                                                            double latency_s = 0.12);
+/// The true scanner where it usually stands for a person in that position.
 [[nodiscard]] inline scanner::ScannerCalibration true_calibration(BodyPosture position) {
   return true_calibration(position, usual_mount(position));
 }
@@ -119,6 +120,7 @@ struct ScanTruth {
   std::size_t points = 0;    ///< points of the person; the couch (below 15 mm) is left out
   std::size_t outliers = 0;  ///< of these, farther than 5 mm from the surface
 };
+/// Compares the points of a cloud with the true skin.
 [[nodiscard]] ScanTruth compare_with_truth(const PointCloud& cloud_in_couch,
                                            const Mesh& skin_in_couch);
 

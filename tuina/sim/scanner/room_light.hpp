@@ -20,6 +20,7 @@ struct SkinSticker {
 
 /// Red, green and blue of every pixel, row by row, without noise.
 using Rgb = std::array<float, 3>;
+/// Such pixels of a whole picture.
 using RoomPicture = std::vector<Rgb>;
 
 /// Picture of skin, stickers and couch (matt) by a colour camera in room light. A colour sensor has
