@@ -40,7 +40,8 @@ class Arms {
       : thread_([=, this] {
           outcome_ = run_tuina(Words{"robot", "armlink", "--pace", "max", "--quiet", "--json",
                                      "--listen", "127.0.0.1:" + std::to_string(port)} +
-                               words);
+                                   words,
+                               max_s);
         }) {}
   ~Arms() {
     if (thread_.joinable()) thread_.join();
@@ -51,6 +52,7 @@ class Arms {
   }
 
  private:
+  static constexpr int max_s = 600;
   Outcome outcome_;
   std::thread thread_;
 };

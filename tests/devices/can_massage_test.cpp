@@ -66,7 +66,8 @@ class Drives {
         Words{"robot", "can",  "--quiet", "--json", "--wrist", "127.0.0.1:" + std::to_string(port),
               "--out", device_} +
         same_world(folder, position) + words;
-    thread_ = std::thread([this, all] { outcome_ = run_tuina(all); });
+    constexpr int max_s = 600;
+    thread_ = std::thread([this, all] { outcome_ = run_tuina(all, max_s); });
     for (int i = 0; i < 600 && !std::filesystem::exists(device_); ++i)
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
   }

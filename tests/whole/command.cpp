@@ -26,9 +26,10 @@ std::string quoted(const std::string& word) {
 
 }  // namespace
 
-Outcome run_tuina(const std::vector<std::string>& arguments) {
+Outcome run_tuina(const std::vector<std::string>& arguments, int max_s) {
   const Folder folder;
-  std::string command = quoted(TUINA_BINARY);
+  std::string command = max_s > 0 ? "timeout " + std::to_string(max_s) + " " : "";
+  command += quoted(TUINA_BINARY);
   for (const std::string& argument : arguments) command += " " + quoted(argument);
   command += " >" + quoted(folder / "out") + " 2>" + quoted(folder / "err") + " </dev/null";
   const int status = std::system(command.c_str());
