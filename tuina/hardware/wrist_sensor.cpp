@@ -23,8 +23,8 @@ constexpr auto zero_takes = 250ms;
 constexpr int max_at_once = 256;  // whatever comes, a millisecond ends
 constexpr int max_queued = 4096;  // samples in a full socket, of which those lost come after
 constexpr double max_rate_off = 0.08;
-// A USB serial line holds bytes back for 16 ms where nobody has told it otherwise, and a network
-// that others use may as well. Shorter pauses may be this machine's own; the guard sees them.
+// A USB serial line holds bytes back for 16 ms where nobody has told it otherwise. Shorter pauses
+// may be this machine's own; the guard sees them.
 constexpr double max_pause_s = 10e-3;
 constexpr std::size_t max_spoilt_bytes = 5 * hex_serial::frame_size;
 constexpr double max_restless_n = 0.5, max_zero_moves_n = 10.0;
@@ -152,12 +152,11 @@ Result<void> WristSensor::watch() {
     long_s += pause_s;
     ++long_pauses;
   }
-  if (long_s > 0.5 * (last_s - first_s))
+  if (port_ && long_s > 0.5 * (last_s - first_s))
     return wrong(
-        fmt::format("samples come in bursts {:.0f} ms apart, and the guard needs one every 3; {}",
-                    1e3 * long_s / long_pauses,
-                    port_ ? "set `latency_timer` of the USB serial line to 1"
-                          : "give the sensor a network of its own"));
+        fmt::format("samples come in bursts {:.0f} ms apart, and the guard needs one every 3; "
+                    "set `latency_timer` of the USB serial line to 1",
+                    1e3 * long_s / long_pauses));
   const auto& traffic = stream_->traffic();
   if (traffic.samples > 2 && traffic.longest_row + 2 >= static_cast<int>(traffic.samples))
     return wrong(

@@ -61,7 +61,6 @@ std::vector<WristFault> before_the_start() {
       {"stuck counts", "says the same for half a second", {.kind = ati, .quiet = true}},
       {"too fast", "set its RDT output rate", {.kind = ati, .rate_hz = 2000}},
       {"too slow", "is its line or this machine overloaded", {.kind = hex, .rate_hz = 333}},
-      {"in bursts", "samples come in bursts", {.kind = ati, .at_once = 20}},
   };
 }
 
