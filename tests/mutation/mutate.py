@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Mutation run over a room, one file of it, or what has changed: mutate.py safety [guard_law.cpp | changed]
 
-tests/mutation/<room>_judged.txt has the sha256 of each file whose mutants were all judged, with the tests of that time;
-`changed` judges the others. Before a release the whole room is judged, since tests may have become weaker.
+tests/mutation/<room>_judged.txt has the sha256 of the code, without comments and spaces, of each file whose mutants
+were all judged, with the tests of that time; `changed` judges the others. Before a release the whole room is judged, since tests may have become weaker.
 
 Every mutant of the sources is built into one test program, which runs once for each with TUINA_MUTANT set. A mutant
 that no test notices must stand in tests/mutation/<room>_survivors.txt with a reason; what stands there must exist and
@@ -338,8 +338,15 @@ def run(program, number, limit_s, test=None):
     return failed.group(1).strip() if failed else "crashed"
 
 
+def code_of(path):
+    """Text without comments and spaces: what is in a comment makes no other mutant."""
+    literal_or_comment = r'("(?:\\.|[^"\\\n])*")|//[^\n]*|/\*.*?\*/'
+    text = re.sub(literal_or_comment, lambda m: m.group(1) or " ", open(path).read(), flags=re.DOTALL)
+    return " ".join(text.split())
+
+
 def sums_of(pattern):
-    return {os.path.basename(path): hashlib.sha256(open(path, "rb").read()).hexdigest() for path in glob.glob(pattern)}
+    return {os.path.basename(path): hashlib.sha256(code_of(path).encode()).hexdigest() for path in glob.glob(pattern)}
 
 
 def main():
