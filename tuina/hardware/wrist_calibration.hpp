@@ -48,9 +48,11 @@ struct WristFit {
 /// force_x_n to force_z_n, torque_x_nm to torque_z_nm.
 [[nodiscard]] Result<std::vector<WristPose>> read_wrist_poses(const std::filesystem::path& file);
 
-/// Content of the file that `calibration` in a device file names.
+/// @{
+/// Content of the file that `calibration` in a device file names; `name` is the file's, for errors.
 [[nodiscard]] std::string to_toml(const WristCalibration& calibration);
 [[nodiscard]] Result<WristCalibration> parse_wrist_calibration(std::string_view text,
                                                                std::string_view name);
+/// @}
 
 }  // namespace tuina::hardware

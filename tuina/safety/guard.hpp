@@ -12,6 +12,7 @@
 
 namespace tuina::safety {
 
+/// Why a guard does not let a proposal through as it is.
 enum class Cause : std::uint8_t {
   none,
   torque_clamped,
@@ -52,6 +53,7 @@ enum class Cause : std::uint8_t {
   no_proposal,   ///< the controller is silent
   guard_silent,  ///< found by the controller
 };
+/// In words for people, as reports and records have it.
 [[nodiscard]] const char* name_of(Cause cause) noexcept;
 
 /// What the raw sensors of one arm and the guard's own model of it say in one millisecond.

@@ -17,6 +17,7 @@ enum class Action : std::uint8_t {
   brake,    ///< the joints cannot be known: only the drives' brakes are left
 };
 inline constexpr std::size_t actions = 6;
+/// In words for people, as reports and records have it.
 [[nodiscard]] const char* name_of(Action action) noexcept;
 
 /// What a guard does with its arm from one millisecond to the next.
@@ -30,6 +31,7 @@ enum class GuardState : std::uint8_t {
 };
 inline constexpr std::size_t guard_states = 6;
 
+/// True for a state that lasts until somebody resets the guard.
 [[nodiscard]] constexpr bool is_stop(GuardState state) {
   return state >= GuardState::held;
 }

@@ -12,6 +12,7 @@ namespace tuina::safety {
 enum class Zone : std::uint8_t { muscle, bony, kidney, mingmen, spine, denied, bench };
 inline constexpr std::size_t zones = 7;
 
+/// As plans and records name it.
 [[nodiscard]] constexpr const char* name_of(Zone zone) {
   constexpr std::array<const char*, zones> names = {"muscle", "bony",   "kidney", "mingmen",
                                                     "spine",  "denied", "bench"};
@@ -37,6 +38,7 @@ inline constexpr std::array<ForceLimits, zones> force_ceilings = {{
     {60.0, 90.0},  // bench
 }};
 
+/// Those of a zone.
 [[nodiscard]] constexpr ForceLimits ceiling_of(Zone zone) {
   return force_ceilings[static_cast<std::size_t>(zone)];
 }

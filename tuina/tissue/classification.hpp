@@ -9,7 +9,9 @@
 
 namespace tuina::tissue {
 
+/// What the thesis tells apart by alpha and beta; `unknown` where none is likely enough.
 enum class TissueClass : std::uint8_t { bone, hard, soft, unknown };
+/// As reports and JSON name it.
 [[nodiscard]] const char* name_of(TissueClass tissue_class) noexcept;
 
 /// One row of [thesis] Table 6-2: estimates over bone, hard and soft muscle.
@@ -18,6 +20,7 @@ struct Subject {
   bool female;
   std::array<TangentTissue, 3> tissue;  ///< in the order of TissueClass
 };
+/// The seven people of [thesis] Table 6-2.
 [[nodiscard]] std::span<const Subject, 7> table_6_2() noexcept;
 /// Table 6-2 and the person of Table 6-1, pressed at other places: the soft muscle is a third
 /// thicker.

@@ -35,6 +35,7 @@ struct CreepDepth {
   Memory by_log_creep = {};
   double m_per_n = 0.0;
 };
+/// The depth at a force, which the law gives in closed form.
 [[nodiscard]] CreepDepth depth_of(const CreepLaw& law, const Loading& loading) noexcept;
 
 /// The force at a depth, by Newton's method: the depth is a concave function of the force, so the

@@ -44,6 +44,8 @@ struct ContactImpedance {
   double stiffness_n_per_m = 200.0;
   double damping_n_s_per_m = 0.0;
 };
+/// For tissue of that stiffness before an arm that is felt as so heavy; 200 N/m at least, 3000 at
+/// most.
 [[nodiscard]] ContactImpedance impedance_for(double tissue_n_per_m, double mass_kg) noexcept;
 /// A6. Share of impedance against admittance control after Ott's hybrid: 0 on tissue up to 2 N/mm,
 /// 1 from 15 N/mm. To avoid chatter it changes only when the wanted share differs by a tenth, a
@@ -74,6 +76,7 @@ enum class Dwell : std::uint8_t { go_on, softened, no_change, time_up };
 [[nodiscard]] const char* name_of(Dwell dwell) noexcept;
 [[nodiscard]] const char* key_of(Dwell dwell) noexcept;
 /// @}
+/// What the sets of presses at a place so far, and the time there, advise.
 [[nodiscard]] Dwell dwell_after(std::span<const PressSet> sets, double elapsed_s) noexcept;
 
 /// A9. Reasons to let go and ask the person.

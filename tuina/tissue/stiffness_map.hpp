@@ -75,6 +75,7 @@ struct ComparedVisits {
   FeltPlace before, after;
   StiffnessChange change;
 };
+/// Of all places that were visited more than once.
 [[nodiscard]] std::vector<ComparedVisits> compare_visits(std::span<const Visit> visits);
 
 }  // namespace tuina::tissue

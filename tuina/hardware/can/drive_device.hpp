@@ -38,6 +38,7 @@ struct BusLoad {
   int drives = 0;
   double share = 0.0;  ///< of what it can, when every bit that may be stuffed is; above 1 it cannot
 };
+/// Of each bus that these arms name, in the order in which they name them first.
 [[nodiscard]] std::vector<BusLoad> bus_loads(const PerArm<DrivenArm>& arms);
 /// What is wrong with these arms as a whole: a bus that carries too much, a node named twice, too
 /// many buses; empty where nothing is.
