@@ -113,8 +113,9 @@ static void hear(struct link* link, const struct arm* arm, const struct armlink_
   const int own = command->session == link->last.session && from->sin_port == link->host.sin_port &&
                   from->sin_addr.s_addr == link->host.sin_addr.s_addr;
   if ((!opens && !own) || command->joints != arm->joints) return;
-  if (own && (int32_t)(command->sequence - link->last.sequence) <= 0) return; /* late, or sent twice */
   if (own && command->mode == ARMLINK_TORQUE && link->cycle - command->answers > ARMLINK_MAX_AGE) return; /* stale */
+  if (own) link->heard_in = link->cycle;
+  if (own && (int32_t)(command->sequence - link->last.sequence) <= 0) return; /* overtaken, or sent again */
   if (opens) link->stopped = link->braked = 0, link->host = *from;
   if (link->stopped && command->mode != ARMLINK_IDLE) return;
   link->last = *command;

@@ -102,10 +102,14 @@ class Link:
             return
         opens = not self.busy() and session not in (0, self.session) and mode == READY
         own = session == self.session and host == self.host
-        if not (opens or own) or (own and 0 < (self.sequence - sequence + 1) % 2**32 < 2**31):
-            return  # a stranger; late, or sent twice
+        if not (opens or own):
+            return  # a stranger
         if own and mode == TORQUE and self.cycle - answers > MAX_AGE:
             return  # stale
+        if own:
+            self.heard_in = self.cycle
+        if own and 0 < (self.sequence - sequence + 1) % 2**32 < 2**31:
+            return  # overtaken, or sent again
         if opens:
             self.stopped = self.braked = False
             self.host = host

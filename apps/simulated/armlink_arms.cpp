@@ -82,9 +82,10 @@ void ArmlinkArms::obey(End& end, const armlink::Command& command,
   const bool opens = end.last.session == 0 && command.session != 0 && command.mode == Mode::ready;
   const bool own = command.session == end.last.session && from == end.host;
   if ((!opens && !own) || command.values.size() != hello_.max_torque_nm.size()) return;
-  if (own && static_cast<std::int32_t>(command.sequence - end.last.sequence) <= 0) return;
   const std::uint32_t age = end.state.sequence - command.answers;
-  if (command.mode == Mode::torque && age > armlink::max_answer_age_cycles) return;
+  if (own && command.mode == Mode::torque && age > armlink::max_answer_age_cycles) return;
+  end.heard = true;
+  if (own && static_cast<std::int32_t>(command.sequence - end.last.sequence) <= 0) return;
   if (stopped_ && command.mode != Mode::idle) return;
   if (opens) end.host = from;
   end.last = command;
@@ -183,6 +184,12 @@ bool ArmlinkArms::answered() const {
   });
 }
 
+/// Whether the host of both still speaks, if only by the torques that move them already.
+bool ArmlinkArms::heard() const {
+  return pace_ == link::Pace::real && both_in(Mode::torque) &&
+         std::all_of(ends_.of.begin(), ends_.of.end(), [](const End& end) { return end.heard; });
+}
+
 // While an arm is told to stand, time stands still with it. In lock-step a state is told again, for
 // it or its answer may be lost.
 void ArmlinkArms::wait_for_commands(steady_clock::time_point next, const std::atomic<bool>& ends) {
@@ -228,7 +235,7 @@ void ArmlinkArms::set_states(const robot::RobotReading& reading, const sim::Worl
     } else {
       state.wrench_in_tool = seen.wrench_in_tool;
     }
-    ends_[arm].fresh = false;
+    ends_[arm].fresh = ends_[arm].heard = false;
   }
 }
 
@@ -258,7 +265,9 @@ Result<RobotReport> ArmlinkArms::keep(sim::World& world, SharedTruth& truth,
       world.robot().apply(own_drives(*reading, world));
       continue;
     }
-    if (answered() && !stopped_) {
+    const bool obeys = answered();
+    if (!obeys) ++report.silent_ticks;
+    if ((obeys || heard()) && !stopped_) {
       robot::RobotCommand command{.torque_nm = {}, .rail_m = ends_[Arm::left].last.rail_m};
       for (const Arm arm : both_arms) {
         command.torque_nm[arm] = ends_[arm].last.values;
@@ -268,7 +277,6 @@ Result<RobotReport> ArmlinkArms::keep(sim::World& world, SharedTruth& truth,
       missed_ = 0;
       continue;
     }
-    ++report.silent_ticks;
     stopped_ = ++missed_ >= armlink_watchdog_ticks || stopped_;
     stopped_ticks += stopped_ ? 1 : 0;
   }

@@ -50,7 +50,8 @@ class ArmlinkArms {
     hardware::UdpAddress host = {};
     hardware::armlink::Command last = {};  ///< newest one that was obeyed; session 0: none
     hardware::armlink::State state = {};
-    bool fresh = false;  ///< a command has come since the state was told
+    bool fresh = false;  ///< a new command has come since the state was told
+    bool heard = false;  ///< or one again
   };
   ArmlinkArms(PerArm<End> ends, hardware::armlink::Hello hello, link::Pace pace)
       : ends_(std::move(ends)), hello_(std::move(hello)), pace_(pace) {}
@@ -60,6 +61,7 @@ class ArmlinkArms {
   void tell();
   [[nodiscard]] bool both_in(hardware::armlink::Mode mode) const;
   [[nodiscard]] bool answered() const;
+  [[nodiscard]] bool heard() const;
   [[nodiscard]] bool left() const;
   void wait_for_commands(std::chrono::steady_clock::time_point next, const std::atomic<bool>& ends);
   [[nodiscard]] bool goes() const;
@@ -73,7 +75,7 @@ class ArmlinkArms {
   std::function<void(sim::World& world, double time_s)> hand_ = {};
   hardware::armlink::Hello hello_;
   link::Pace pace_;
-  int missed_ = 0;        ///< cycles in a row in which not both arms were commanded
+  int missed_ = 0;        ///< cycles in a row in which not both arms heard their host
   bool stopped_ = false;  ///< by themselves
   /// From one place in mode ready to another.
   struct Way {

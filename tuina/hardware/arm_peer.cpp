@@ -5,6 +5,8 @@
 #include <cmath>
 #include <random>
 
+#include "tuina/core/units.hpp"
+
 namespace tuina::hardware {
 namespace {
 
@@ -36,6 +38,40 @@ Result<ArmPeer> ArmPeer::open(const UdpAddress& address) {
   if (peer.fault_ != nullptr) return fail(Fault::device, "it {}", peer.fault_);
   if (answered == 0) return fail(Fault::device, "nobody answers");
   return peer;
+}
+
+std::string ArmPeer::lack_of(const robot::ArmTable& table, const robot::RobotMount& mount,
+                             bool carries_rail) const {
+  if (hello_.max_torque_nm.size() != table.joints)
+    return fmt::format("has {} joints, the table {}", hello_.max_torque_nm.size(), table.joints);
+  const auto can = [&](Mode mode) { return (hello_.modes & armlink::bit_of(mode)) != 0; };
+  if (!can(Mode::torque) || !can(Mode::ready)) return "cannot be driven by torques";
+  if (hello_.cycle_us != 1000)
+    return fmt::format("has a cycle of {} us, 1000 are needed", hello_.cycle_us);
+  for (int i = 0; i < table.joints; ++i) {
+    const robot::Link& link = table.links[static_cast<std::size_t>(i)];
+    if (hello_.max_torque_nm[i] < link.torque_limit_nm)
+      return fmt::format("gives {} Nm at {}, the table believes in {}", hello_.max_torque_nm[i],
+                         link.name, link.torque_limit_nm);
+    if (hello_.max_speed_rad_per_s[i] < link.speed_limit_rad_per_s)
+      return fmt::format("turns {} by {} rad/s, the table believes in {}", link.name,
+                         hello_.max_speed_rad_per_s[i], link.speed_limit_rad_per_s);
+    if (hello_.min_rad[i] > link.min_rad || hello_.max_rad[i] < link.max_rad)
+      return fmt::format(
+          "turns {} from {:.1f} to {:.1f} deg, the table believes in {:.1f} to {:.1f}", link.name,
+          to_deg(hello_.min_rad[i]), to_deg(hello_.max_rad[i]), to_deg(link.min_rad),
+          to_deg(link.max_rad));
+  }
+  const bool moves = carries_rail && mount.max_rail_m > mount.min_rail_m;
+  if (moves && (hello_.flags & armlink::flag::has_rail) == 0)
+    return "has no linear base, and the left arm is to carry it";
+  if (moves && (hello_.min_rail_m > mount.min_rail_m || hello_.max_rail_m < mount.max_rail_m))
+    return fmt::format(
+        "moves its base from {:.0f} to {:.0f} mm, the table believes in {:.0f} to "
+        "{:.0f}",
+        to_mm(hello_.min_rail_m), to_mm(hello_.max_rail_m), to_mm(mount.min_rail_m),
+        to_mm(mount.max_rail_m));
+  return {};
 }
 
 bool ArmPeer::ask() noexcept {

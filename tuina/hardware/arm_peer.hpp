@@ -8,6 +8,8 @@
 #include "tuina/core/result.hpp"
 #include "tuina/hardware/armlink.hpp"
 #include "tuina/hardware/udp_socket.hpp"
+#include "tuina/robot/arm_table.hpp"
+#include "tuina/robot/mount.hpp"
 
 namespace tuina::hardware {
 
@@ -39,6 +41,10 @@ class ArmPeer {
   /// From question to answer: the fastest and the slowest of `open`'s.
   [[nodiscard]] double min_round_trip_s() const noexcept { return min_round_trip_s_; }
   [[nodiscard]] double max_round_trip_s() const noexcept { return max_round_trip_s_; }
+  /// What the arm lacks that the table believes in, said of "the left arm"; empty when it lacks
+  /// nothing and is nobody else's.
+  [[nodiscard]] std::string lack_of(const robot::ArmTable& table, const robot::RobotMount& mount,
+                                    bool carries_rail) const;
   /// Whether the arm is simulated and waits for each command.
   [[nodiscard]] bool waits() const noexcept { return (hello_.flags & armlink::flag::waits) != 0; }
 

@@ -3,8 +3,6 @@
 
 #include <algorithm>
 
-#include "tuina/core/units.hpp"
-
 namespace tuina::hardware {
 namespace {
 
@@ -14,47 +12,13 @@ using namespace std::chrono_literals;
 constexpr auto cycle = 1ms;
 constexpr auto cycle_patience = 2ms;        // for the first of the two arms
 constexpr auto late_arm_patience = 1500us;  // from one reading to the next with one arm only
+constexpr auto again_every = 500us;         // so that one lost or late datagram is no missed cycle
 constexpr auto lock_step_patience = 6s;
 constexpr auto stand_patience = 60s, join_patience = 2s;
 constexpr auto repeat_ready_every = 10ms;
 constexpr auto rest_patience = 200ms;
 constexpr int max_silent_reads = 5;     // of both arms; one alone is the guard's to judge ...
 constexpr int max_silent_cycles = 100;  // ... for so long
-
-/// What an arm lacks that the table believes in; empty when it lacks nothing.
-std::string lack_of(const armlink::Hello& hello, const robot::ArmTable& table,
-                    const robot::RobotMount& mount, bool carries_rail) {
-  if (hello.max_torque_nm.size() != table.joints)
-    return fmt::format("has {} joints, the table {}", hello.max_torque_nm.size(), table.joints);
-  const auto can = [&](Mode mode) { return (hello.modes & armlink::bit_of(mode)) != 0; };
-  if (!can(Mode::torque) || !can(Mode::ready)) return "cannot be driven by torques";
-  if (hello.cycle_us != 1000)
-    return fmt::format("has a cycle of {} us, 1000 are needed", hello.cycle_us);
-  for (int i = 0; i < table.joints; ++i) {
-    const robot::Link& link = table.links[static_cast<std::size_t>(i)];
-    if (hello.max_torque_nm[i] < link.torque_limit_nm)
-      return fmt::format("gives {} Nm at {}, the table believes in {}", hello.max_torque_nm[i],
-                         link.name, link.torque_limit_nm);
-    if (hello.max_speed_rad_per_s[i] < link.speed_limit_rad_per_s)
-      return fmt::format("turns {} by {} rad/s, the table believes in {}", link.name,
-                         hello.max_speed_rad_per_s[i], link.speed_limit_rad_per_s);
-    if (hello.min_rad[i] > link.min_rad || hello.max_rad[i] < link.max_rad)
-      return fmt::format(
-          "turns {} from {:.1f} to {:.1f} deg, the table believes in {:.1f} to {:.1f}", link.name,
-          to_deg(hello.min_rad[i]), to_deg(hello.max_rad[i]), to_deg(link.min_rad),
-          to_deg(link.max_rad));
-  }
-  const bool moves = carries_rail && mount.max_rail_m > mount.min_rail_m;
-  if (moves && (hello.flags & armlink::flag::has_rail) == 0)
-    return "has no linear base, and the left arm is to carry it";
-  if (moves && (hello.min_rail_m > mount.min_rail_m || hello.max_rail_m < mount.max_rail_m))
-    return fmt::format(
-        "moves its base from {:.0f} to {:.0f} mm, the table believes in {:.0f} to "
-        "{:.0f}",
-        to_mm(hello.min_rail_m), to_mm(hello.max_rail_m), to_mm(mount.min_rail_m),
-        to_mm(mount.max_rail_m));
-  return {};
-}
 
 Result<ArmPeer> open_arm(const PerArm<ArmDevice>& arms, Arm arm) {
   auto peer = ArmPeer::open(arms[arm].udp);
@@ -75,12 +39,11 @@ Result<std::unique_ptr<ArmlinkRobot>> ArmlinkRobot::open(const PerArm<ArmDevice>
   std::unique_ptr<ArmlinkRobot> made(
       new ArmlinkRobot({.of = {std::move(*left), std::move(*right)}}));
   for (const Arm arm : both_arms) {
-    const armlink::Hello& hello = made->peers_[arm].hello();
-    std::string lack = lack_of(hello, table, mount, arm == Arm::left);
-    if ((hello.flags & armlink::flag::busy) != 0) lack = "is driven by another host";
+    const ArmPeer& peer = made->peers_[arm];
+    const std::string lack = peer.lack_of(table, mount, arm == Arm::left);
     if (!lack.empty())
       return fail(Fault::device, "the {} arm at {} ({}) {}", name_of(arm), arms[arm].address,
-                  hello.called(), lack);
+                  peer.hello().called(), lack);
   }
   return made;
 }
@@ -143,6 +106,10 @@ void ArmlinkRobot::break_off(Arm arm, const char* why) noexcept {
   fault_[size] = '\0';
 }
 
+bool ArmlinkRobot::lock_step() const noexcept {
+  return peers_[Arm::left].waits() && peers_[Arm::right].waits();
+}
+
 void ArmlinkRobot::wait_for_either(Clock::time_point deadline) const noexcept {
   const std::array sockets = {peers_[Arm::left].socket(), peers_[Arm::right].socket()};
   wait_for_datagram(sockets, deadline);
@@ -173,16 +140,23 @@ void ArmlinkRobot::forget_queued() noexcept {
     for (int i = 0; i < max_turns && peer.hear() != ArmPeer::Heard::nothing; ++i) continue;
 }
 
+/// The torques of the last command once more, while its arm waits for the next.
+void ArmlinkRobot::say_again() noexcept {
+  if (!again_at_ || Clock::now() < *again_at_) return;
+  again_at_ = Clock::now() + again_every;
+  for (const Arm arm : both_arms)
+    if (silent_cycles_[arm] < armlink::max_missed_cycles) peers_[arm].send_again();
+}
+
 std::optional<robot::RobotReading> ArmlinkRobot::read() noexcept {
   if (faulty_ || !standing_) return std::nullopt;
   if (resting_) forget_queued();
   const auto begun = Clock::now();
-  const bool lock_step = peers_[Arm::left].waits() && peers_[Arm::right].waits();
   const bool any_silent = silent_cycles_[Arm::left] > 0 || silent_cycles_[Arm::right] > 0;
   const auto first_by =
-      begun + (lock_step && !any_silent ? Clock::duration(lock_step_patience) : cycle_patience);
+      begun + (lock_step() && !any_silent ? Clock::duration(lock_step_patience) : cycle_patience);
   const auto second_by =
-      lock_step && !any_silent
+      lock_step() && !any_silent
           ? first_by
           : std::max<Clock::time_point>(last_reading_ + late_arm_patience, begun + cycle / 2);
   PerArm<bool> fresh = {};
@@ -197,7 +171,8 @@ std::optional<robot::RobotReading> ArmlinkRobot::read() noexcept {
     if (!note_faults()) return std::nullopt;
     const auto until = any ? second_by : first_by;
     if ((any && enough) || Clock::now() >= until) break;
-    wait_for_either(until);
+    wait_for_either(again_at_ ? std::min(until, *again_at_) : until);
+    say_again();
   }
   last_reading_ = Clock::now();
   for (const Arm arm : both_arms) {
@@ -206,7 +181,10 @@ std::optional<robot::RobotReading> ArmlinkRobot::read() noexcept {
     if (silent_cycles_[arm] >= (alone ? max_silent_cycles : max_silent_reads))
       break_off(arm, "is silent");
   }
-  return faulty_ ? std::nullopt : reading_of(fresh);
+  if (faulty_) return std::nullopt;
+  const auto reading = reading_of(fresh);
+  if (reading) again_at_.reset();  // whoever reads and commands nothing is no longer heard
+  return reading;
 }
 
 std::optional<robot::RobotReading> ArmlinkRobot::reading_of(const PerArm<bool>& fresh) noexcept {
@@ -258,20 +236,22 @@ void ArmlinkRobot::apply(const robot::RobotCommand& command) noexcept {
     if (silent_cycles_[arm] >= armlink::max_missed_cycles) continue;
     peers_[arm].send(Mode::torque, command.torque_nm[arm], command.rail_m, command.brake[arm]);
   }
+  // Arms that wait for their host miss nothing.
+  if (!lock_step()) again_at_ = Clock::now() + again_every;
 }
 
 void ArmlinkRobot::rest() noexcept {
   if (faulty_ || !standing_ || resting_) return;
   // The last torques count for one more cycle; what came right behind them would undo them.
-  const bool lock_step = peers_[Arm::left].waits() && peers_[Arm::right].waits();
   const auto obeyed_by =
-      Clock::now() + (lock_step ? Clock::duration(rest_patience) : cycle_patience);
+      Clock::now() + (lock_step() ? Clock::duration(rest_patience) : cycle_patience);
   while (note_faults() && !(peers_[Arm::left].obeyed() && peers_[Arm::right].obeyed()) &&
          Clock::now() < obeyed_by) {
     wait_for_either(obeyed_by);
     (void)hear_both();
   }
   resting_ = true;
+  again_at_.reset();
   const PerArm<JointVector> here = {
       .of = {peers_[Arm::left].state().q_rad, peers_[Arm::right].state().q_rad}};
   const double rail_m = peers_[Arm::left].state().rail_m;

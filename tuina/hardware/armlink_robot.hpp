@@ -65,9 +65,12 @@ class ArmlinkRobot final : public robot::Robot {
   explicit ArmlinkRobot(PerArm<ArmPeer> peers) : peers_(std::move(peers)) {}
   [[nodiscard]] bool note_faults() noexcept;
   void break_off(Arm arm, const char* why) noexcept;
+  /// Whether both arms wait for their host.
+  [[nodiscard]] bool lock_step() const noexcept;
   void wait_for_either(Clock::time_point deadline) const noexcept;
   [[nodiscard]] PerArm<bool> hear_both() noexcept;
   void forget_queued() noexcept;
+  void say_again() noexcept;
   [[nodiscard]] std::optional<robot::RobotReading> reading_of(const PerArm<bool>& fresh) noexcept;
   void hold_ready(const PerArm<JointVector>& q_rad, double rail_m) noexcept;
   [[nodiscard]] bool both(std::uint16_t status_bit) const noexcept;
@@ -77,7 +80,8 @@ class ArmlinkRobot final : public robot::Robot {
   bool standing_ = false;  ///< a session has begun
   bool resting_ = false;   ///< nobody has applied anything since the arms stand by themselves
   Clock::time_point last_reading_;
-  std::optional<PerArm<ArmZero>> zero_;  ///< set by the first reading
+  std::optional<Clock::time_point> again_at_;  ///< when the last command is due once more
+  std::optional<PerArm<ArmZero>> zero_;        ///< set by the first reading
   std::optional<std::uint64_t> last_tick_;
   bool faulty_ = false;
   std::array<char, 160> fault_ = {};

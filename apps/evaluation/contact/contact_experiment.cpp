@@ -154,7 +154,7 @@ Result<ContactOutcome> run_contact(const ContactExperiment& experiment, const Pr
   const sim::Plant::Start start = {.q_rad = {.of = {*above, waits_rad}}};
   sim::PlantOptions devices = experiment.devices;
   devices.seed = experiment.seed;
-  if (experiment.network) devices.watchdog_ticks = experiment.network->max_missed_cycles;
+  if (experiment.network) devices.watchdog_ticks = hardware::armlink::max_missed_cycles;
   if (experiment.position) as_within_a_loop(devices);
   auto plant = sim::Plant::make(placement, arms, start, &person, devices);
   if (!plant) return tl::unexpected(plant.error());

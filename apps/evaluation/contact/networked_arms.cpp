@@ -10,6 +10,8 @@ namespace {
 constexpr std::size_t max_under_way = 256;
 // Commands in a row that the arms have not obeyed, before their host breaks off.
 constexpr int max_unheard = 10;
+// As tuina's host sends the last command again, and for how long.
+constexpr double again_every_s = 0.5e-3, again_for_s = 6e-3;
 
 }  // namespace
 
@@ -27,24 +29,42 @@ std::optional<double> NetworkedArms::arrival_s(double sent_s) noexcept {
   return sent_s + std::max(late_s, 0.0);
 }
 
+void NetworkedArms::send(const Command& command, double sent_s) noexcept {
+  const auto at_s = arrival_s(sent_s);
+  if (!at_s || commands_.size() >= max_under_way) return;
+  commands_.push_back(command);
+  commands_.back().at_s = *at_s;
+}
+
+void NetworkedArms::send_again_until(double time_s) noexcept {
+  for (; last_ && again_s_ < std::min(time_s, host_s_ + again_for_s); again_s_ += again_every_s)
+    send(*last_, again_s_);
+}
+
 /// The arms' next cycle: obeys what has come by its begin, and tells of it.
 bool NetworkedArms::step() noexcept {
   const Command* newest = nullptr;
+  bool heard = false;
   for (const Command& command : commands_) {
     const bool old =
         tick_ - command.answers > static_cast<std::uint64_t>(network_.max_answer_age_cycles);
     const bool come = command.at_s <= cycle_s_ + control_period_s;
-    if (!come || old || (obeyed_ && command.answers <= *obeyed_)) continue;
+    if (!come || old) continue;
+    heard = true;
+    if (obeyed_ && command.answers <= *obeyed_) continue;
     if (newest == nullptr || command.answers > newest->answers) newest = &command;
   }
   if (newest != nullptr && !stopped_) {
     obeyed_ = newest->answers;
     moving_ = newest->number;
-    arms_.apply(newest->command);
+    torques_ = newest->command;
+    arms_.apply(torques_);
     missed_in_row_ = 0;
   } else if (obeyed_) {  // before the first command nobody drives the arms
     ++missed_;
-    stopped_ = ++missed_in_row_ >= network_.max_missed_cycles || stopped_;
+    missed_in_row_ = heard ? 0 : missed_in_row_ + 1;
+    stopped_ = missed_in_row_ >= hardware::armlink::max_missed_cycles || stopped_;
+    if (heard && !stopped_) arms_.apply(torques_);
   }
   std::erase_if(commands_, [&](const Command& command) {
     return command.at_s <= cycle_s_ + control_period_s;
@@ -53,7 +73,8 @@ bool NetworkedArms::step() noexcept {
   if (!reading) return false;
   tick_ = reading->tick;
   cycle_s_ = reading->time_s;
-  if (const auto at_s = arrival_s(cycle_s_)) states_.push_back({*at_s, *reading, moving_});
+  const auto at_s = arrival_s(cycle_s_);
+  if (at_s && cycle_s_ < network_.deaf_from_s) states_.push_back({*at_s, *reading, moving_});
   return true;
 }
 
@@ -63,7 +84,9 @@ std::optional<robot::RobotReading> NetworkedArms::read() noexcept {
     const auto next = std::min_element(
         states_.begin(), states_.end(),
         [](const State& one, const State& other) { return one.at_s < other.at_s; });
-    if (next == states_.end() || next->at_s > cycle_s_ + control_period_s) {
+    const bool in_cycle = next != states_.end() && next->at_s <= cycle_s_ + control_period_s;
+    send_again_until(in_cycle ? next->at_s : cycle_s_ + control_period_s);
+    if (!in_cycle) {
       if (!step()) return std::nullopt;
       ++cycles;
       continue;
@@ -73,6 +96,7 @@ std::optional<robot::RobotReading> NetworkedArms::read() noexcept {
     if (heard_ && state.reading.tick <= *heard_) continue;
     heard_ = state.reading.tick;
     host_s_ = state.at_s;
+    last_.reset();
     for (robot::ArmReading& arm : state.reading.arms.of) arm.command_age = sent_ - state.obeyed;
     return state.reading;
   }
@@ -88,9 +112,10 @@ void NetworkedArms::apply(const robot::RobotCommand& command) noexcept {
     moving_ = sent_;
     stopped_ = ++unheard_ > max_unheard;
   }
-  const auto at_s = arrival_s(host_s_);
-  if (at_s && commands_.size() < max_under_way)
-    commands_.push_back({*at_s, sent_, *heard_, command});
+  const Command sent = {host_s_, sent_, *heard_, command};
+  send(sent, host_s_);
+  if (network_.sent_again) last_ = sent;
+  again_s_ = host_s_ + again_every_s;
 }
 
 }  // namespace tuina::app

@@ -18,16 +18,17 @@ constexpr double usual_jitter_ms = 0.5, usual_loss_percent = 1.0;
 // The target: so much force error up to so much delay.
 constexpr double max_rmse_n = 1.0, max_target_delay_ms = 2.0;
 
-// Cycles without a command after which arms stop by themselves: armlink's rule, and more patience.
-constexpr std::array patiences = {hardware::armlink::max_missed_cycles, 8};
+// What armlink's host does, and what it would lack if each command were one datagram.
+constexpr const char* again = "again each half cycle";
+constexpr const char* once = "once";
 
 struct Cable {
   double delay_ms, jitter_ms, loss_percent;
 };
 
 /// Presses of three forces on three tissues.
-ControlRow row_of(const Cable& cable, int patience, int seeds, std::uint64_t first_seed) {
-  ControlRow row{.labels = {{"max_missed_cycles", std::to_string(patience)},
+ControlRow row_of(const Cable& cable, bool sent_again, int seeds, std::uint64_t first_seed) {
+  ControlRow row{.labels = {{"commands_sent", sent_again ? again : once},
                             {"delay_ms", fmt::format("{:g}", cable.delay_ms)},
                             {"jitter_ms", fmt::format("{:g}", cable.jitter_ms)},
                             {"loss_percent", fmt::format("{:g}", cable.loss_percent)}},
@@ -38,11 +39,12 @@ ControlRow row_of(const Cable& cable, int patience, int seeds, std::uint64_t fir
       run.network = Network{.delay_s = 1e-3 * cable.delay_ms,
                             .jitter_s = 1e-3 * cable.jitter_ms,
                             .loss = 1e-2 * cable.loss_percent,
-                            .max_missed_cycles = patience};
+                            .sent_again = sent_again};
       row.runs.push_back(std::move(run));
     }
   }
-  if (cable.delay_ms <= max_target_delay_ms) row.target = ControlTarget{.rmse_n = max_rmse_n};
+  if (sent_again && cable.delay_ms <= max_target_delay_ms)
+    row.target = ControlTarget{.rmse_n = max_rmse_n};
   return row;
 }
 
@@ -53,18 +55,19 @@ ControlTable table_of(bool full, std::uint64_t seed) {
                          "each way: the worst of all runs.",
                      .rows = {}};
   const int seeds = full ? 4 : 1;
-  const std::vector<double> delays_ms = full ? std::vector{0.0, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0}
-                                             : std::vector{0.0, 0.5, 1.0, 2.0};
-  const auto add = [&](const Cable& cable, int patience) {
-    table.rows.push_back(row_of(cable, patience, seeds, seed));
+  const std::vector<double> delays_ms =
+      full ? std::vector{0.0, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0}
+           : std::vector{0.0, 0.5, 1.0, 2.0, 3.0, 4.0};
+  const auto add = [&](const Cable& cable, bool sent_again) {
+    table.rows.push_back(row_of(cable, sent_again, seeds, seed));
   };
   for (const Cable& alone :
        {Cable{0.0, 0.0, 0.0}, Cable{0.5, 0.0, 0.0}, Cable{1.0, 0.0, 0.0}, Cable{2.0, 0.0, 0.0},
         Cable{0.0, usual_jitter_ms, 0.0}, Cable{0.0, 0.0, usual_loss_percent}})
-    add(alone, patiences[0]);
-  for (const int patience : patiences)
+    add(alone, true);
+  for (const bool sent_again : {true, false})
     for (const double delay_ms : delays_ms)
-      add({delay_ms, usual_jitter_ms, usual_loss_percent}, patience);
+      add({delay_ms, usual_jitter_ms, usual_loss_percent}, sent_again);
   return table;
 }
 
@@ -78,14 +81,14 @@ std::vector<std::pair<std::string, std::string>> figures_of(const ControlTable& 
   ended.title = "presses that ended by the delay between host and arms";
   ended.y_label = "presses that ended, %";
   ended.y_high = 100.0;
-  for (const int patience : patiences) {
+  for (const char* sent : {again, once}) {
     telemetry::Series line{
-        .name = fmt::format("arms stop after {} missed cycles", patience),
-        .colour = patience == patiences[0] ? telemetry::palette::stop : telemetry::palette::ink};
+        .name = fmt::format("commands sent {}", sent),
+        .colour = sent == once ? telemetry::palette::stop : telemetry::palette::ink};
     telemetry::Series share = line;
     for (const ControlRow& row : table.rows) {
       if (row.label("jitter_ms") == "0" || row.label("loss_percent") == "0") continue;
-      if (row.label("max_missed_cycles") != std::to_string(patience)) continue;
+      if (row.label("commands_sent") != sent) continue;
       const ControlResult& result = row.result;
       share.x.push_back(std::stod(row.label("delay_ms")));
       share.y.push_back(100.0 * result.stopped / result.runs);
