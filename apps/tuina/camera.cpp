@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <atomic>
+#include <csignal>
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "apps/serve/live_picture.hpp"
 #include "apps/tuina/line_picture.hpp"
 #include "apps/tuina/scan_device.hpp"
 #include "apps/tuina/verbs.hpp"
@@ -74,36 +77,70 @@ std::vector<std::string> verdict_of(const Seen& seen) {
   return verdict;
 }
 
-/// One picture, of a unit that turns slowly with the laser lit where there is one.
-Result<Image> take_picture(const hardware::DeviceFile& devices, const hardware::CameraMode& mode) {
-  std::unique_ptr<hardware::Ax12Turntable> turntable;
-  if (devices.turntable) {
-    auto opened = hardware::Ax12Turntable::open(*devices.turntable);
-    if (!opened) return tl::unexpected(opened.error());
-    turntable = std::move(*opened);
+/// A camera, and the unit that turns it slowly with the laser lit where there is one.
+class LitCamera {
+ public:
+  static Result<LitCamera> open(const hardware::DeviceFile& devices,
+                                const hardware::CameraMode& mode) {
+    LitCamera lit;
+    if (devices.turntable) {
+      auto opened = hardware::Ax12Turntable::open(*devices.turntable);
+      if (!opened) return tl::unexpected(opened.error());
+      lit.turntable_ = std::move(*opened);
+    }
+    int width_px = mode.width_px, height_px = mode.height_px;
+    if (devices.camera->turned_deg % 180 != 0) std::swap(width_px, height_px);
+    auto camera = hardware::V4l2Camera::open(*devices.camera, width_px, height_px);
+    if (!camera) return tl::unexpected(camera.error());
+    lit.camera_ = std::move(*camera);
+    if (auto turns = lit.turn(); !turns) return tl::unexpected(turns.error());
+    return lit;
   }
-  int width_px = mode.width_px, height_px = mode.height_px;
-  if (devices.camera->turned_deg % 180 != 0) std::swap(width_px, height_px);
-  auto camera = hardware::V4l2Camera::open(*devices.camera, width_px, height_px);
-  if (!camera) return tl::unexpected(camera.error());
-  if (turntable) {
-    const auto turns = turntable->sweep(-3.0_deg, 3.0_deg, 6.0_deg);
-    if (!turns) return tl::unexpected(turns.error());
-    const auto lit = turntable->switch_laser(true);
-    if (!lit) return tl::unexpected(lit.error());
+
+  /// The unit turns again where it has arrived: the laser of one that stands goes out.
+  Result<Image> next() {
+    auto picture = take(scanner::frame_timeout_s);
+    if (!picture || !turntable_) return picture;
+    const auto arrived = turntable_->arrived();
+    if (!arrived) return tl::unexpected(arrived.error());
+    if (*arrived)
+      if (auto turns = turn(); !turns) return tl::unexpected(turns.error());
+    return picture;
   }
-  // The first pictures may be older than the light, and a camera needs some to begin.
-  constexpr int passed_over = 8;
-  constexpr double begin_s = 1.0;
-  Result<scanner::Frame> frame = fail(Fault::device, "no frame");
-  for (int i = 0; i <= passed_over; ++i) {
-    frame = (*camera)->next_frame(i == 0 && !turntable ? begin_s : scanner::frame_timeout_s);
+
+ private:
+  /// On its way to the beginning of the turn nobody asks for pictures, and the laser is dark.
+  Result<void> turn() {
+    if (turntable_) {
+      constexpr double to_rad = 10.0_deg, rad_per_s = 6.0_deg;
+      if (auto dark = turntable_->switch_laser(false); !dark) return dark;
+      if (auto turns = turntable_->sweep(-to_rad, to_rad, rad_per_s); !turns) return turns;
+      if (auto lit = turntable_->switch_laser(true); !lit) return lit;
+    }
+    // The first pictures may be older than the light, and a camera needs some to begin.
+    constexpr int passed_over = 8;
+    constexpr double begin_s = 1.0;
+    for (int i = 0; i < passed_over; ++i) {
+      const bool begins = i == 0 && !turntable_;
+      const auto passed = take(begins ? begin_s : scanner::frame_timeout_s);
+      if (!passed) return tl::unexpected(passed.error());
+    }
+    return {};
+  }
+  Result<Image> take(double patience_s) {
+    auto frame = camera_->next_frame(patience_s);
     if (!frame) return tl::unexpected(frame.error());
-    if (!turntable) continue;
-    if (const auto asked = turntable->arrived(); !asked) return tl::unexpected(asked.error());
+    // Who asks keeps the laser lit.
+    if (turntable_)
+      if (const auto asked = turntable_->arrived(); !asked) return tl::unexpected(asked.error());
+    return std::move(frame->image);
   }
-  return std::move(frame->image);
-}
+
+  std::unique_ptr<hardware::V4l2Camera> camera_;
+  std::unique_ptr<hardware::Ax12Turntable> turntable_;  // the first to go, and its laser with it
+};
+
+std::atomic<bool> live_ends = false;
 
 /// Says which cameras there are, and what one of them sees.
 class CameraVerb final : public Verb {
@@ -121,7 +158,13 @@ class CameraVerb final : public Verb {
                               "turns a little with the laser lit (docs/build_a_scanner.md)");
     options.add("--camera", camera_, "this one alone, such as /dev/video0; else all")
         .excludes(device);
-    options.add("--look", look_, "take a picture, draw the laser line over it into this PNG file");
+    auto look = options.add("--look", look_,
+                            "take a picture, draw the laser line over it into this PNG file");
+    live_
+        .describe(options,
+                  "show what the camera sees, the line drawn over it, and what to change, in a "
+                  "browser until Ctrl-C")
+        .excludes(look);
   }
 
   [[nodiscard]] Result<Answer> run(const CommonOptions&) override {
@@ -134,8 +177,9 @@ class CameraVerb final : public Verb {
     } else if (!camera_.empty()) {
       devices.camera = hardware::CameraDevice{.address = camera_};
     }
-    if (!look_.empty() && !devices.camera)
-      return fail(Fault::usage, "--look needs --device or --camera");
+    if ((!look_.empty() || live_.asked()) && !devices.camera)
+      return fail(Fault::usage, "{} needs --device or --camera",
+                  live_.asked() ? "--live" : "--look");
     if (const auto good = check_folder_of(look_); !good) return tl::unexpected(good.error());
     Answer answer;
     ordered_json json = {{"cameras", ordered_json::array()}};
@@ -144,6 +188,10 @@ class CameraVerb final : public Verb {
     if (!look_.empty()) {
       const auto looked = look(devices, json, answer.text);
       if (!looked) return tl::unexpected(looked.error());
+    }
+    if (live_.asked()) {
+      const auto shown = show(devices);
+      if (!shown) return tl::unexpected(shown.error());
     }
     answer.text.pop_back();
     answer.json = json.dump(2);
@@ -180,7 +228,9 @@ class CameraVerb final : public Verb {
                     std::string& text) const {
     const auto mode = picture_mode(*devices.camera);
     if (!mode) return tl::unexpected(mode.error());
-    const auto picture = take_picture(devices, *mode);
+    auto camera = LitCamera::open(devices, *mode);
+    if (!camera) return tl::unexpected(camera.error());
+    const auto picture = camera->next();
     if (!picture) return tl::unexpected(picture.error());
     const Seen seen = look_at(*picture);
     const auto written = write_file(look_, to_png(draw_line_over(*picture, 8, seen.line)));
@@ -201,8 +251,26 @@ class CameraVerb final : public Verb {
     return {};
   }
 
+  Result<void> show(const hardware::DeviceFile& devices) {
+    const auto mode = picture_mode(*devices.camera);
+    if (!mode) return tl::unexpected(mode.error());
+    auto camera = LitCamera::open(devices, *mode);
+    if (!camera) return tl::unexpected(camera.error());
+    if (auto begun = live_.begin(); !begun) return begun;
+    for (const int asked : {SIGINT, SIGTERM}) std::signal(asked, [](int) { live_ends = true; });
+    while (!live_ends) {
+      const auto picture = camera->next();
+      if (!picture) return tl::unexpected(picture.error());
+      const Seen seen = look_at(*picture);
+      live_.show(draw_line_over(*picture, 8, seen.line),
+                 fmt::format("{}", fmt::join(verdict_of(seen), "; ")));
+    }
+    return {};
+  }
+
   std::string device_;
   std::string camera_;
+  LivePicture live_;
   std::string look_;
 };
 

@@ -15,6 +15,7 @@
 #include "tests/reason.hpp"
 #include "tests/whole/command.hpp"
 #include "tuina/core/io/file.hpp"
+#include "tuina/core/io/png.hpp"
 #include "tuina/core/io/surface_file.hpp"
 
 using namespace tuina;
@@ -210,6 +211,38 @@ TEST_CASE("doctor and camera say who is there and what is seen, and leave the la
   CHECK(std::filesystem::exists(other / "seen.png"));
   CHECK(looked.stage["lit_s"] > 0.1);
   CHECK(looked.stage["is_lit"] == false);
+}
+
+TEST_CASE("what the camera sees is shown in a browser until the program is asked to end") {
+  if (!has_stage) {
+    MESSAGE("skipped: gcc-avr, arduino-core-avr or libsimavr-dev is missing");
+    return;
+  }
+  const Folder folder;
+  std::thread browser([&] {
+    for (int i = 0; i < 600 && text_of(folder / "host").empty(); ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    (void)std::system(("python3 " TUINA_LOOK_LIVE " " + folder / "err" + " " + folder / "seen.png" +
+                       " >" + folder / "seen.json" + " 2>" + folder / "look.err")
+                          .c_str());
+    (void)std::system(("kill -INT $(cat " + folder / "host" + ")").c_str());
+  });
+  const Scanned shown = on_stage(folder, "camera --live --port 0");
+  browser.join();
+  CHECK_MESSAGE(shown.host.exit_code == 0, shown.host.err);
+  const json seen = json::parse(text_of(folder / "seen.json"), nullptr, false);
+  REQUIRE_MESSAGE(seen.is_object(), text_of(folder / "look.err"));
+  CHECK(seen["stranger"] == 401);
+  CHECK(seen["again"] == 401);  // its address opens it once
+  CHECK(seen["assets"] == 2);
+  CHECK(seen["told"] == "focus and exposure are good");
+  CHECK(seen["pictures"] >= 3);
+  const auto picture = read_png(folder / "seen.png");
+  REQUIRE(picture.has_value());
+  CHECK(picture->image.width == 480);  // the camera is turned
+  CHECK(picture->image.height == 640);
+  CHECK(shown.stage["lit_s"] > 0.1);
+  CHECK(shown.stage["is_lit"] == false);
 }
 
 TEST_CASE("a scanner that is not there, or not whole, is refused before anything is lit") {

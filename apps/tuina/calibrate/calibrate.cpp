@@ -159,6 +159,10 @@ class Calibrate final : public Verb {
                                "take the pictures with a real scanner, into this folder, which has "
                                "board.toml; what to do is told picture by picture");
     capture.excludes(shots).excludes(out).excludes(robot);
+    live_
+        .describe(options,
+                  "with --capture: show what the camera sees and what to do in a browser, too")
+        .needs(capture);
     auto device = options.add("--device", device_,
                               "with --capture: the file that names camera and turntable; with "
                               "--turn: arms and wrist sensors");
@@ -228,7 +232,7 @@ class Calibrate final : public Verb {
       return fail(Fault::usage, "--capture needs --device, a file that names camera and turntable");
     if (poses_ < 12 || poses_ > 96 || poses_ % 12 != 0)
       return fail(Fault::usage, "--poses must be 12, 24, 36 ... 96, not {}", poses_);
-    return calibrate_capture(capture_, device_, poses_, common.quiet);
+    return calibrate_capture(capture_, device_, poses_, live_, common.quiet);
   }
 
   /// Words that nothing takes are a mistake.
@@ -268,6 +272,7 @@ class Calibrate final : public Verb {
   std::string arms_ = "thesis";
   std::string rehearse_;
   std::string capture_;
+  LivePicture live_;
   std::string device_;
   int poses_ = 12;
   std::string wrist_, turn_;

@@ -4,6 +4,10 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+
 #include <nlohmann/json.hpp>
 
 #include "apps/tuina/scan_device.hpp"
@@ -13,12 +17,38 @@
 namespace tuina::app {
 namespace {
 
+std::string line_of(const calibration::CaptureTold& told) {
+  return fmt::format("{} of {}  {}{}{}", told.kept, told.wanted, told.now,
+                     told.seen.empty() ? "" : ": ", told.seen);
+}
+
+/// The picture, the corners of the board in it as crosses.
+Image drawn(const calibration::CaptureTold& told) {
+  constexpr int arm_px = 4;
+  const Image& from = *told.picture;
+  Image picture(from.width, from.height, 3);
+  for (int y = 0; y < from.height; ++y)
+    for (int x = 0; x < from.width; ++x)
+      std::fill_n(picture.row(y) + 3 * x, 3, from.row(y)[x * from.channels]);
+  const auto paint = [&](int x, int y) {
+    constexpr std::array<std::uint8_t, 3> green = {60, 220, 110};
+    if (x < 0 || y < 0 || x >= picture.width || y >= picture.height) return;
+    std::copy(green.begin(), green.end(), picture.row(y) + 3 * x);
+  };
+  if (told.board == nullptr) return picture;
+  for (const Vector2& corner : told.board->corners_px) {
+    const auto x = static_cast<int>(std::lround(corner.x()));
+    const auto y = static_cast<int>(std::lround(corner.y()));
+    for (int i = -arm_px; i <= arm_px; ++i) paint(x + i, y), paint(x, y + i);
+  }
+  return picture;
+}
+
 /// Tells who holds the board what to do, whenever that changes; on a terminal in one line.
 class Teller {
  public:
   void operator()(const calibration::CaptureTold& told) {
-    const std::string line = fmt::format("{} of {}  {}{}{}", told.kept, told.wanted, told.now,
-                                         told.seen.empty() ? "" : ": ", told.seen);
+    const std::string line = line_of(told);
     if (line == last_) return;
     last_ = line;
     const bool kept = told.kept > kept_;
@@ -38,7 +68,8 @@ class Teller {
 }  // namespace
 
 Result<Answer> calibrate_capture(const std::filesystem::path& folder,
-                                 const std::string& device_file, int poses, bool quiet) {
+                                 const std::string& device_file, int poses, LivePicture& live,
+                                 bool quiet) {
   const auto board_file = folder / "board.toml";
   const auto text = read_file(board_file);
   if (!text) return tl::unexpected(text.error());
@@ -54,9 +85,11 @@ Result<Answer> calibrate_capture(const std::filesystem::path& folder,
   auto unit = open_scanner(*devices, pictures);
   if (!unit) return tl::unexpected(unit.error());
 
+  if (auto begun = live.begin(); !begun) return tl::unexpected(begun.error());
   Teller teller;
   const auto tell = [&](const calibration::CaptureTold& told) {
     if (!quiet) teller(told);
+    if (live.asked() && told.picture != nullptr) live.show(drawn(told), line_of(told));
   };
   const calibration::CaptureOptions options{.poses = poses};
   const auto done =

@@ -85,9 +85,8 @@ class Capture {
   }
 
   Result<void> pass_over() {
-    for (int i = 0; i < passed_pictures; ++i) {
+    for (int i = 0; i < passed_pictures; ++i)
       if (const auto frame = next_frame(); !frame) return tl::unexpected(frame.error());
-    }
     return {};
   }
 
@@ -110,8 +109,10 @@ class Capture {
     return readings->back();
   }
 
-  void say(std::string seen) {
+  void say(std::string seen, const Looked* looked = nullptr) {
     told_.seen = std::move(seen);
+    told_.picture = looked != nullptr ? &looked->frame.image : nullptr;
+    told_.board = looked != nullptr && looked->board ? &*looked->board : nullptr;
     tell_(told_);
   }
 
@@ -132,7 +133,7 @@ class Capture {
       const bool good = words.empty() && had;
       if (!good) rests_since_s = now->frame.time_s;
       if (good && now->frame.time_s - rests_since_s >= rest_s) return now;
-      say(std::move(words));
+      say(std::move(words), &*now);
       before = std::move(*now);
     }
   }

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "tuina/calibration/board/shots.hpp"
+#include "tuina/calibration/board/views.hpp"
 #include "tuina/scanner/camera.hpp"
 #include "tuina/scanner/turntable.hpp"
 
@@ -26,6 +27,12 @@ struct CaptureTold {
   int kept = 0, wanted = 0;  ///< poses, standing boards and sweeps
   std::string now;           ///< what to do
   std::string seen;          ///< what is wrong with the picture; empty where nothing is
+  /// @{
+  /// While a board is looked for: the newest picture, and the board in it where one was found.
+  /// They last as long as the call.
+  const Image* picture = nullptr;
+  const SeenBoard* board = nullptr;
+  /// @}
 };
 
 /// Leads through the pictures that a calibration needs (docs/calibration.md), into `folder`, as
