@@ -49,7 +49,7 @@ Result<std::vector<body::PalpatedPoint>> FixedPoints::read() const {
                         ? std::nullopt
                         : place_in(std::string_view(word).substr(equals + 1));
     if (!at || equals == 0) {
-      return fail(Fault::usage, "--fix {}: NAME=x,y,z is needed, such as BL18_L=0.030,-0.035,0.399",
+      return fail(Fault::usage, "--fix {}: NAME=x,y,z is needed, such as BL18_L=0.056,0.055,0.449",
                   in_quotes(word));
     }
     const std::string name = word.substr(0, equals);

@@ -53,7 +53,7 @@ class MapVerb final : public Verb {
   [[nodiscard]] const char* summary() const override { return "acupoints of a scan"; }
   [[nodiscard]] const char* example() const override {
     return "tuina map scan.ply --out acupoints.json\n"
-           "  tuina map scan.ply --fix BL18_L=0.030,-0.035,0.399 --out acupoints.json   "
+           "  tuina map scan.ply --fix BL18_L=0.056,0.055,0.449 --out acupoints.json   "
            "(a finger has found BL18_L)";
   }
 
