@@ -42,6 +42,7 @@ Result<ArmPeer> ArmPeer::open(const UdpAddress& address) {
 
 std::string ArmPeer::lack_of(const robot::ArmTable& table, const robot::RobotMount& mount,
                              bool carries_rail) const {
+  if ((hello_.flags & armlink::flag::busy) != 0) return "is driven by another host";
   if (hello_.max_torque_nm.size() != table.joints)
     return fmt::format("has {} joints, the table {}", hello_.max_torque_nm.size(), table.joints);
   const auto can = [&](Mode mode) { return (hello_.modes & armlink::bit_of(mode)) != 0; };
