@@ -29,6 +29,9 @@ struct ArmZero {
 /// mapped onto them. Where one arm gives nothing in a cycle, its last state is in the reading once
 /// more, with the old time of its wrist sensor, by which the guard knows; an arm that was silent
 /// for three cycles is commanded no more, and stops by itself.
+///
+/// While `read` waits, the last command is sent again each half cycle, so that a datagram that is
+/// lost or late is no missed cycle for the arm.
 class ArmlinkRobot final : public robot::Robot {
  public:
   /// Asks both arms who they are. Fails with Fault::device when one is not there, is another
