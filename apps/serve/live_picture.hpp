@@ -6,6 +6,7 @@
 
 #include "apps/cli/options.hpp"
 #include "tuina/core/image.hpp"
+#include "tuina/core/result.hpp"
 
 namespace tuina::app {
 
