@@ -5,6 +5,7 @@
 #include <string>
 
 #include "apps/cli/options.hpp"
+#include "tuina/core/result.hpp"
 #include "tuina/core/surface.hpp"
 
 namespace tuina::app {
