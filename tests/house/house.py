@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Holds the text of the repository to docs/house.md: house.py rooms|paths|references|sizes|names|version"""
+"""Holds the text of the repository to docs/house.md: house.py rooms|paths|references|sizes|names|includes|version"""
 import collections, itertools, os, re, sys
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
@@ -148,6 +148,28 @@ def names():
     yield from excused("name", broken)
 
 
+def includes():
+    """A header that names a type of tuina/core includes its header, itself or by another: built in batches, a source
+    compiles without."""
+    text = {path: read(path) for path in files(".hpp")}
+    included = {path: re.findall(r'#include "([^"]+)"', text[path]) for path in text}
+    code = {path: re.sub(r"//.*|\"(\\.|[^\"\\\n])*\"", "", text[path]) for path in text}
+    types = {name: path for path in text if path.startswith("tuina/core/")
+             for name in re.findall(r"^(?:struct|class|enum class|using) (?:\[\[nodiscard\]\] )?(\w+)[ :{=]", code[path],
+                                    re.MULTILINE)}
+    for path in text:
+        reached, left = set(), [path]
+        while left:
+            at = left.pop()
+            if at not in reached:
+                reached.add(at)
+                left += included.get(at, [])
+        for name in sorted(set(re.findall(r"\b[A-Z]\w+", code[path])) & set(types)):
+            own = re.search(rf"\b(?:struct|class|using|typename) {name}\b", "".join(code.get(at, "") for at in reached))
+            if types[name] not in reached and not own:
+                yield f"{path}: names {name} without {types[name]}"
+
+
 def version():
     """CMakeLists.txt holds the version; files that others read without CMake say the same."""
     right = re.search(r"project\(tuina VERSION ([0-9.]+)", read("CMakeLists.txt")).group(1)
@@ -159,7 +181,8 @@ def version():
             yield f"{path}: says version {said and said.group(1)}, CMakeLists.txt says {right}"
 
 
-checks = dict(rooms=rooms, paths=paths, references=references, sizes=sizes, names=names, version=version)
+checks = dict(rooms=rooms, paths=paths, references=references, sizes=sizes, names=names, includes=includes,
+              version=version)
 faults = list(checks[sys.argv[1]]())
 print("\n".join(faults))
 sys.exit(bool(faults))
