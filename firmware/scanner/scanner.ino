@@ -4,7 +4,9 @@
 // for the host; packets for others are passed on to the motor and its answers back. One instruction is the board's own:
 //
 //   0x10 poll   sequence, lit, motor's id -> sequence, lit, why the laser was put out, motor's answer (0 good, 1 none,
-//               2 wrong check sum), its error bits, position (2 bytes), load (2 bytes), moving, micros() (4 bytes)
+//               2 wrong check sum), its error bits, position (2 bytes), load (2 bytes), moving, micros() when the motor
+//               was asked, which reads its position then (4 bytes), microseconds from the poll to that and from that to
+//               this answer (2 bytes each), by which the host knows better when it was
 //
 // The laser is lit by polls that ask for it, each with a sequence other than the one before. It goes out when none has
 // come for 100 ms, when the beam stands, when the motor is silent, and after a minute; then it stays out until a poll
@@ -13,15 +15,15 @@
 #include <avr/wdt.h>
 
 const uint8_t laser_pin = 8, lamp_pin = 13;  // switch of the laser; the board's own lamp beside it
-const uint8_t board_id = 200, version = 1;
+const uint8_t board_id = 200, version = 2;
 const uint8_t instruction_ping = 1, instruction_read = 2, instruction_poll = 0x10;
 const uint8_t max_length = 34;  // of a packet: parameters and two
-const uint8_t told_bytes = 14;
+const uint8_t told_bytes = 18;
 
 const unsigned long max_silence_ms = 100;
 const unsigned long max_stand_ms = 250;  // two counts of the motor, 0.59 degrees, at 2.3 degrees per second
 const unsigned long max_lit_ms = 60000, rest_ms = 2000;
-const unsigned long motor_patience_us = 3000;
+const unsigned long motor_patience_us = 3000, motor_byte_us = 10;
 
 enum Drop : uint8_t { drop_none, drop_silence, drop_stands, drop_too_long, drop_no_motor };
 
@@ -88,24 +90,26 @@ void send(Stream& to, uint8_t id, uint8_t kind, const uint8_t* parameters, uint8
 }
 
 // Sends a packet to the motor and waits for its answer: 0 good, 1 none, 2 wrong check sum. What is sent comes back on
-// the one wire and is dropped.
-uint8_t ask_motor(const uint8_t* question, uint8_t size, Incoming& answer, unsigned long& stamp_us) {
+// the one wire and is dropped. `asked_us` is when the last byte had gone out.
+uint8_t ask_motor(const uint8_t* question, uint8_t size, Incoming& answer, unsigned long& asked_us) {
   while (Serial1.available()) Serial1.read();
   answer.size = 0;
   Serial1.write(question, size);
-  Serial1.flush();
   uint8_t echoed = 0;
   bool is_echo = true, any_broken = false;
-  unsigned long last_us = micros();
-  const unsigned long sent_us = last_us;
+  const unsigned long sent_us = micros();
+  unsigned long last_us = sent_us;
+  asked_us = sent_us + motor_byte_us * size;  // where nothing comes back
   while (micros() - last_us < motor_patience_us && micros() - sent_us < 3 * motor_patience_us) {
     watch_laser();
     if (!Serial1.available()) continue;
     const uint8_t byte = Serial1.read();
     last_us = micros();
-    if (answer.size == 0 && !(is_echo && echoed < size)) stamp_us = last_us;
     if (is_echo && echoed < size) {
-      if (byte == question[echoed]) { ++echoed; continue; }
+      if (byte == question[echoed]) {
+        if (++echoed == size) asked_us = last_us;
+        continue;
+      }
       // It was no echo, but an answer that begins alike.
       is_echo = false;
       bool broken;
@@ -118,14 +122,14 @@ uint8_t ask_motor(const uint8_t* question, uint8_t size, Incoming& answer, unsig
   return any_broken ? 2 : 1;
 }
 
-void poll(const uint8_t* asked) {
+void poll(const uint8_t* asked, unsigned long heard_us) {
   const uint8_t sequence = asked[0], lit = asked[1], motor = asked[2];
   const uint8_t question[8] = {0xFF, 0xFF, motor, 4, instruction_read, 36, 11,
                                (uint8_t)~(motor + 4 + instruction_read + 36 + 11)};
   Incoming answer;
-  unsigned long stamp_us = micros();
+  unsigned long asked_us;
   uint8_t told[told_bytes] = {sequence};
-  told[3] = ask_motor(question, sizeof question, answer, stamp_us);
+  told[3] = ask_motor(question, sizeof question, answer, asked_us);
   if (told[3] == 0 && (answer.bytes[2] != motor || answer.size != 17)) told[3] = 2;
   const unsigned long now = millis();
   if (told[3] == 0) {
@@ -158,18 +162,23 @@ void poll(const uint8_t* asked) {
   }
   told[1] = laser.lit;
   told[2] = laser.drop;
-  for (uint8_t i = 0; i < 4; ++i) told[10 + i] = stamp_us >> (8 * i);
+  for (uint8_t i = 0; i < 4; ++i) told[10 + i] = asked_us >> (8 * i);
+  const uint16_t before_us = asked_us - heard_us, after_us = micros() - asked_us;
+  for (uint8_t i = 0; i < 2; ++i) {
+    told[14 + i] = before_us >> (8 * i);
+    told[16 + i] = after_us >> (8 * i);
+  }
   send(Serial, board_id, 0, told, sizeof told);
 }
 
-void obey(const Incoming& in) {
+void obey(const Incoming& in, unsigned long heard_us) {
   const uint8_t id = in.bytes[2], instruction = in.bytes[4], count = in.bytes[3] - 2;
   if (id != board_id) {
     Incoming answer;
-    unsigned long stamp_us;
-    if (ask_motor(in.bytes, in.size, answer, stamp_us) == 0) Serial.write(answer.bytes, answer.size);
+    unsigned long asked_us;
+    if (ask_motor(in.bytes, in.size, answer, asked_us) == 0) Serial.write(answer.bytes, answer.size);
   } else if (instruction == instruction_poll && count == 3) {
-    poll(in.bytes + 5);
+    poll(in.bytes + 5, heard_us);
   } else if (instruction == instruction_read && count == 2 && in.bytes[5] == 0 && in.bytes[6] == 3) {
     const uint8_t who[3] = {'T', 'U', version};
     send(Serial, board_id, 0, who, sizeof who);
@@ -202,7 +211,7 @@ void loop() {
   bool broken;
   if (Serial.available()) {
     if (take(from_host, Serial.read(), broken)) {
-      obey(from_host);
+      obey(from_host, micros());
       from_host.size = 0;
     }
     return;

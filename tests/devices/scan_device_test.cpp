@@ -107,6 +107,28 @@ Scanned scan(const Folder& folder, const std::string& fault = "") {
   return on_stage(folder, words, fault);
 }
 
+/// The cloud of the simulated frames by the turn as it was: no rounding of a motor's readings, no
+/// clock.
+PointCloud exact_cloud(const Folder& folder) {
+  constexpr double latency_s = 0.12, frames_per_s = 30.0, from_deg = -10.0;
+  constexpr double deg_per_frame = 9.0 * 0.666 / frames_per_s;
+  const std::string at = folder / "exact";
+  std::filesystem::copy(sweep().at, at, std::filesystem::copy_options::recursive);
+  std::ofstream yaw(at + "/yaw.csv");
+  yaw.precision(12);
+  yaw << "time_s,yaw_deg\n";
+  for (double frame = -30.0; frame < 131.0; frame += 0.25)
+    yaw << frame / frames_per_s - latency_s << ',' << from_deg + frame * deg_per_frame << '\n';
+  yaw.close();
+  const std::string out = folder / "exact.ply";
+  const Outcome replayed = run_tuina(
+      {"scan", "--replay", at, "--calibration", sweep().calibration("0.12"), "--out", out});
+  REQUIRE_MESSAGE(replayed.exit_code == 0, replayed.err);
+  auto cloud = read_surface(out);
+  REQUIRE_MESSAGE(cloud.has_value(), test::reason(cloud));
+  return std::move(cloud->cloud);
+}
+
 /// RMS distance between clouds of the same pictures, along the normals, in millimetres.
 double rms_mm(const PointCloud& a, const PointCloud& b) {
   double sum = 0.0;
@@ -117,7 +139,7 @@ double rms_mm(const PointCloud& a, const PointCloud& b) {
 
 }  // namespace
 
-TEST_CASE("a real scanner's devices give the cloud of the simulation to 0.15 mm") {
+TEST_CASE("a real scanner's devices give the cloud of an exactly known turn to 0.1 mm") {
   if (!has_stage) {
     MESSAGE("skipped: gcc-avr, arduino-core-avr or libsimavr-dev is missing");
     return;
@@ -130,14 +152,18 @@ TEST_CASE("a real scanner's devices give the cloud of the simulation to 0.15 mm"
   REQUIRE_MESSAGE(replayed.exit_code == 0, replayed.err);
   const auto cloud = read_surface(folder / "cloud.ply"),
              simulated = read_surface(folder / "sim.ply");
+  const PointCloud exact = exact_cloud(folder);
   REQUIRE_MESSAGE(cloud.has_value(), test::reason(cloud));
   REQUIRE_MESSAGE(simulated.has_value(), test::reason(simulated));
   REQUIRE(cloud->cloud.size() > 10'000);
   REQUIRE(cloud->cloud.size() == simulated->cloud.size());
-  const double apart_mm = rms_mm(cloud->cloud, simulated->cloud);
-  MESSAGE(cloud->cloud.size(), " points, ", apart_mm, " mm RMS apart");
-  // 0.04 mm on a machine with time; a busy one holds up the bytes of the serial line.
-  CHECK(apart_mm < 0.15);
+  REQUIRE(cloud->cloud.size() == exact.size());
+  const double apart_mm = rms_mm(cloud->cloud, exact);
+  MESSAGE(cloud->cloud.size(), " points, ", apart_mm, " mm RMS from the exact turn, ",
+          rms_mm(cloud->cloud, simulated->cloud), " from the simulated scan, which itself is ",
+          rms_mm(simulated->cloud, exact), " from it");
+  // 0.01 to 0.05 mm on a machine with time; a busy one holds up the bytes of the serial line.
+  CHECK(apart_mm < 0.1);
   CHECK(scanned.stage["is_lit"] == false);
   CHECK(scanned.stage["frames_shown"] >= 99);
 }
@@ -199,7 +225,7 @@ TEST_CASE("doctor and camera say who is there and what is seen, and leave the la
   const json devices = json::parse(doctor.host.out)["devices"];
   REQUIRE(devices.size() == 2);
   CHECK(devices[0]["finding"].get<std::string>().find("fake camera, 1 modes") != std::string::npos);
-  CHECK(devices[1]["finding"].get<std::string>().find("board version 1, AX-12A (model 12)") !=
+  CHECK(devices[1]["finding"].get<std::string>().find("board version 2, AX-12A (model 12)") !=
         std::string::npos);
   CHECK(doctor.stage["lit_s"] == 0.0);
   const Scanned looked = on_stage(other, "camera --look " + (other / "seen.png"));

@@ -134,10 +134,10 @@ std::vector<FaultCase> of_the_line() {
                                                                  p.id = 17;
                                                                })}},
       {"too short an answer",
-       "with 13 bytes where 14 belong",
+       "with 13 bytes where 18 belong",
        {.from_poll = 5, .packet = packet_with([](auto& p) { p.parameters.resize(13); })}},
       {"too long an answer",
-       "with 20 bytes where 14 belong",
+       "with 20 bytes where 18 belong",
        {.from_poll = 5, .packet = packet_with([](auto& p) { p.parameters.resize(20); })}},
       {"error of the board",
        "does not understand",

@@ -98,6 +98,7 @@ class ServoEmulator {
 
   std::array<std::uint8_t, 64> table_ = [] {
     std::array<std::uint8_t, 64> table = {};
+    table[5] = 250;                      // answers after 0.5 ms
     table[8] = 0xFF, table[9] = 0x03;    // limits 0 to 1023
     table[30] = 0x00, table[31] = 0x02;  // goal 512
     return table;

@@ -15,6 +15,8 @@ constexpr auto answer_patience = 40ms;
 constexpr auto boot_patience = 4s;  // opening its line starts an Arduino anew
 constexpr int ax12_model = 12, ax18_model = 18;
 constexpr int max_count = 1023;
+constexpr double return_delay_unit_s = 2e-6;
+constexpr std::size_t frame_bytes = 6;  // of a packet, beside its parameters
 
 int pair_of(const std::vector<std::uint8_t>& bytes, std::size_t at) {
   return bytes[at] | bytes[at + 1] << 8;
@@ -25,6 +27,16 @@ std::uint8_t low(int value) {
 }
 std::uint8_t high(int value) {
   return static_cast<std::uint8_t>(value >> 8);
+}
+
+/// What is left of an exchange once what is known of its two ways is taken off; nothing where a
+/// line is quicker than it says, such as one without bits.
+BoardClock::Exchange narrowed(BoardClock::Exchange whole, double there_s, double back_s) {
+  whole.sent_s += there_s;
+  whole.received_s -= back_s;
+  if (whole.received_s < whole.sent_s)
+    whole.sent_s = whole.received_s = 0.5 * (whole.sent_s + whole.received_s);
+  return whole;
 }
 
 const char* cause_of(scanner_board::Drop drop) {
@@ -76,6 +88,10 @@ Result<void> YawServo::greet() {
                       "`./run firmware` onto it",
                       is[2], scanner_board::version));
   }
+  return greet_motor();
+}
+
+Result<void> YawServo::greet_motor() {
   if (device_.kind == TurntableDevice::Kind::adapter) {
     if (auto dark = bus_.port().raise_dtr(false); !dark) return dark;
   }
@@ -95,6 +111,9 @@ Result<void> YawServo::greet() {
         fmt::format("motor {} is limited to counts {} to {} (addresses 6 and 8); set them "
                     "to 0 and 1023",
                     device_.servo, pair_of(*limits, 0), pair_of(*limits, 2)));
+  const auto delay = read(ax12::return_delay, 1);
+  if (!delay) return tl::unexpected(delay.error());
+  return_delay_s_ = return_delay_unit_s * delay->front();
   return {};  // it is not told to hold: to an old goal it would turn
 }
 
@@ -118,6 +137,12 @@ Result<void> YawServo::write(std::uint8_t address, std::vector<std::uint8_t> byt
       {static_cast<std::uint8_t>(device_.servo), dynamixel::write, bytes}, 0, answer_patience));
   if (!answer) return tl::unexpected(answer.error());
   return {};
+}
+
+// The time that a packet of so many parameters takes on the line.
+double YawServo::line_s(std::size_t parameters) const {
+  constexpr double bits_per_byte = 10.0;  // a start and a stop
+  return bits_per_byte * static_cast<double>(frame_bytes + parameters) / device_.bits_per_s;
 }
 
 Result<void> YawServo::turn_to(int count, int speed) {
@@ -152,9 +177,12 @@ Result<YawServo::Told> YawServo::poll_board(bool lit) {
     return wrong(fmt::format("motor {} answers with a wrong check sum", device_.servo));
   if (told[4] != 0)
     return wrong(fmt::format("motor {} says: {}", device_.servo, dynamixel::errors_of(told[4])));
-  std::uint32_t stamp_us = 0;
-  for (std::size_t i = 0; i < 4; ++i) stamp_us |= std::uint32_t{told[10 + i]} << (8 * i);
-  const auto stamp_s = clock_.add({sent_s, received_s, stamp_us});
+  std::uint32_t asked_us = 0;
+  for (std::size_t i = 0; i < 4; ++i) asked_us |= std::uint32_t{told[10 + i]} << (8 * i);
+  min_round_trip_s_ = std::min(min_round_trip_s_, received_s - sent_s);
+  const auto stamp_s = clock_.add(narrowed(
+      {sent_s, received_s, asked_us}, line_s(scanner_board::asked_bytes) + 1e-6 * pair_of(told, 14),
+      line_s(scanner_board::told_bytes) + 1e-6 * pair_of(told, 16)));
   if (!stamp_s) return wrong("the board: " + stamp_s.error().message);
   return Told{.stamp_s = *stamp_s, .count = pair_of(told, 5), .moving = told[9] != 0};
 }
@@ -165,12 +193,15 @@ Result<YawServo::Told> YawServo::poll_motor(bool lit) {
       return tl::unexpected(switched.error());
     lit_ = lit;
   }
-  constexpr std::uint8_t bytes = 11;  // position, speed, load, voltage, temperature, moving
+  constexpr std::uint8_t asked_bytes = 2,
+                         bytes = 11;  // position, speed, load, voltage, temperature, moving
   const double sent_s = steady_s();
   const auto table = read(ax12::position, bytes);
   const double received_s = steady_s();
   if (!table) return tl::unexpected(table.error());
-  return Told{.stamp_s = 0.5 * (sent_s + received_s),
+  const auto asked =
+      narrowed({sent_s, received_s, 0}, line_s(asked_bytes), return_delay_s_ + line_s(bytes));
+  return Told{.stamp_s = 0.5 * (asked.sent_s + asked.received_s),
               .count = pair_of(*table, 0),
               .moving = table->back() != 0};
 }
@@ -184,7 +215,7 @@ std::string YawServo::who() const {
       fmt::format("{} (model {})", model_ == ax12_model ? "AX-12A" : "AX-18A", model_);
   if (device_.kind == TurntableDevice::Kind::board)
     text = fmt::format("board version {}, {}, round trip {:.1f} ms", scanner_board::version, text,
-                       1e3 * clock_.min_round_trip_s());
+                       1e3 * min_round_trip_s_);
   return text;
 }
 

@@ -12,15 +12,16 @@ namespace tuina::hardware {
 
 /// Addresses in the control table of an AX-12A [ax12].
 namespace ax12 {
-inline constexpr std::uint8_t model = 0, angle_limits = 6, goal = 30, position = 36;
+inline constexpr std::uint8_t model = 0, return_delay = 5, angle_limits = 6, goal = 30,
+                              position = 36;
 }  // namespace ax12
 
 /// The board of `firmware/scanner` is a device of the same protocol: it passes on what is not for
 /// it, and has one instruction of its own, which asks the motor, stamps its answer and keeps the
 /// laser lit.
 namespace scanner_board {
-inline constexpr std::uint8_t id = 200, poll = 0x10, version = 1;
-inline constexpr std::size_t told_bytes = 14;
+inline constexpr std::uint8_t id = 200, poll = 0x10, version = 2;
+inline constexpr std::size_t asked_bytes = 3, told_bytes = 18;
 /// Why the board put the laser out.
 enum class Drop : std::uint8_t { none, silence, stands, too_long, no_motor };
 }  // namespace scanner_board
@@ -32,7 +33,7 @@ class YawServo {
   /// Fails when nobody answers there, or another device than an AX-12A in joint mode.
   [[nodiscard]] static Result<YawServo> open(const TurntableDevice& device);
 
-  /// Where the motor was, and when.
+  /// Where the motor was, and when: as the last byte of its question reached it.
   struct Told {
     double stamp_s = 0.0;  ///< on the clock of `host_s`
     int count = 0;         ///< 0 to 1023, over 300 degrees
@@ -46,7 +47,7 @@ class YawServo {
   /// A stamp on the host's steady clock.
   [[nodiscard]] double host_s(double stamp_s) const;
 
-  /// Who answered, such as "board version 1, AX-12A (model 12), round trip 1.9 ms".
+  /// Who answered, such as "board version 2, AX-12A (model 12), round trip 1.9 ms".
   [[nodiscard]] std::string who() const;
   /// The turntable as its file describes it.
   [[nodiscard]] const TurntableDevice& device() const { return device_; }
@@ -55,16 +56,20 @@ class YawServo {
   YawServo(TurntableDevice device, DynamixelBus bus)
       : device_(std::move(device)), bus_(std::move(bus)) {}
   [[nodiscard]] Result<void> greet();
+  [[nodiscard]] Result<void> greet_motor();
   [[nodiscard]] Result<Told> poll_board(bool lit);
   [[nodiscard]] Result<Told> poll_motor(bool lit);
   [[nodiscard]] Result<std::vector<std::uint8_t>> read(std::uint8_t address, std::uint8_t bytes);
   [[nodiscard]] Result<void> write(std::uint8_t address, std::vector<std::uint8_t> bytes);
   [[nodiscard]] Result<std::vector<std::uint8_t>> good(Result<dynamixel::Packet> answer) const;
+  [[nodiscard]] double line_s(std::size_t parameters) const;
   [[nodiscard]] tl::unexpected<Error> wrong(const std::string& what) const;
 
   TurntableDevice device_;
   DynamixelBus bus_;
   BoardClock clock_;
+  double min_round_trip_s_ = 1e9;
+  double return_delay_s_ = 0.0;  ///< of the motor, before it answers
   int model_ = 0;
   std::uint8_t sequence_ = 0;
   bool lit_ = false;
