@@ -1,20 +1,25 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Holds the commands of the documents to the programs: commands.py TUINA [--run]
+"""Holds the commands of the documents to the programs: commands.py TUINA [--run [DOCUMENT..]]
 
 Every command of tuina, in a block or in backticks, is parsed by the program itself: with --help it reads all words
-and does nothing. Of programs of the build the names are checked. With --run the blocks below `<!-- short -->` are
-run, each page in a folder of its own, where a block below `<!-- file: NAME -->` lies as that file. Commands of other
-programs are only listed.
+and does nothing. Of programs of the build the names are checked. Commands of other programs are only listed.
+
+With --run every block of shell is run, too. A page has a folder of its own, as its reader would. What stands above a
+block is not shown to a reader:
+  <!-- file: NAME -->     the block below lies in the folder as that file
+  <!-- before: COMMAND -->  is run before the block, for what a reader brings along
+  <!-- not run: WHY -->   it takes hours, or somebody's devices
 
 `tuina --help` parses all options and their values first; required ones may be missing, since a text may name part of
 a command.
 """
-import itertools, json, os, re, shlex, subprocess, sys, tempfile, time
+import itertools, json, os, re, shlex, signal, subprocess, sys, tempfile, time
 from concurrent.futures import ThreadPoolExecutor
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 TUINA = os.path.abspath(sys.argv[1])
+MAX_BLOCK_S = 900
 SHELL_ONLY = re.compile(r"^(for|done|wait|export|cd|time|python3|#|with\b)")
 
 
@@ -29,10 +34,12 @@ def documents():
 
 
 def blocks(text):
-    """(language, mark above, lines) of the blocks of code, joined where a line ends with a backslash."""
-    block = re.compile(r"^ *(?:<!-- (short|file: \S+) -->\n+ *)?```(\S*)\n(.*?)^ *```", re.DOTALL | re.MULTILINE)
-    for mark, language, body in block.findall(text):
-        yield language, mark, [line.strip() for line in body.replace("\\\n", " ").splitlines()]
+    """(language, marks above, lines) of the blocks of code, joined where a line ends with a backslash."""
+    marks = r"(?:^ *<!-- (?:file|before|not run): (?:(?!-->).)*-->\n+)*"
+    block = re.compile(rf"({marks}) *```(\S*)\n(.*?)^ *```", re.DOTALL | re.MULTILINE)
+    for above, language, body in block.findall(text):
+        found = re.findall(r"<!-- (file|before|not run): ((?:(?!-->).)*?)\s*-->", above, re.DOTALL)
+        yield language, dict(found), [line.strip() for line in body.replace("\\\n", " ").splitlines()]
 
 
 def simple(line):
@@ -159,37 +166,68 @@ def check():
     return faults
 
 
-def run_short():
-    """Runs what is marked as short; a page's blocks share a folder, as a reader's do."""
-    count, start = 0, time.monotonic()
+def reader_folder(folder):
+    """What lies there for a reader: the parts of the repository that pages name, and the programs."""
+    for name in ("armlink", "config", "examples", "models"):
+        os.symlink(f"{ROOT}/{name}", f"{folder}/{name}")
+    for path in ("bin", "build/release", "docs/figures"):
+        os.makedirs(f"{folder}/{path}")
+    for path in ("bin/tuina", "build/release/tuina"):
+        os.symlink(TUINA, f"{folder}/{path}")
+    with open(f"{folder}/run", "w", encoding="utf-8") as file:
+        file.write(f'#!/bin/sh\ncase $1 in massage | serve) exec {TUINA} "$@" ;; esac\n'
+                   f'HOME={os.environ.get("HOME", "/")} exec {ROOT}/run "$@"\n')
+    os.chmod(f"{folder}/run", 0o755)
+
+
+def run_blocks(chosen):
+    """Runs the blocks of shell; those of a page share a folder."""
+    count, left_out, start = 0, [], time.monotonic()
     for document in documents():
+        if chosen and document not in chosen:
+            continue
         with tempfile.TemporaryDirectory() as folder:
-            for name in ("config", "examples", "models"):
-                os.symlink(f"{ROOT}/{name}", f"{folder}/{name}")
-            for _, mark, lines in blocks(read(document)):
-                if mark.startswith("file: "):
-                    with open(f"{folder}/{mark.removeprefix('file: ')}", "w", encoding="utf-8") as file:
+            reader_folder(folder)
+            for language, marks, lines in blocks(read(document)):
+                if "file" in marks:
+                    with open(f"{folder}/{marks['file']}", "w", encoding="utf-8") as file:
                         file.write("\n".join(lines) + "\n")
-                if mark != "short":
+                elif language not in ("sh", "bash"):
                     continue
-                count += 1
-                for line in filter(None, lines):
-                    yield from run_line(document, line, folder)
-    print(f"{count} blocks run in {time.monotonic() - start:.0f} s")
+                elif "not run" in marks:
+                    left_out.append(f"  {document}: {lines[0]}: {marks['not run']}")
+                else:
+                    count += 1
+                    yield from run_block(document, marks.get("before", ""), lines, folder)
+    print(f"{count} blocks run in {time.monotonic() - start:.0f} s; not run:")
+    print("\n".join(left_out))
 
 
-def run_line(document, line, folder):
+def run_block(document, before, lines, folder):
+    """What goes wrong; what a block leaves running ends with it."""
     start = time.monotonic()
-    command = re.sub(r"^(\./run|build/release/tuina|tuina)(?= )", TUINA, line)
-    done = subprocess.run(["bash", "-c", command], cwd=folder, capture_output=True, text=True, timeout=600,
-                          env={**os.environ, "HOME": folder, "XDG_DATA_HOME": folder})
-    print(f"{document}: {line}: {time.monotonic() - start:.1f} s", flush=True)
-    if done.returncode:
-        yield f"{document}: `{line}` ends with {done.returncode}: {done.stderr.strip()[-300:]}"
+    with tempfile.TemporaryFile("w+") as said:
+        shell = subprocess.Popen(["bash", "-ec", "\n".join([before, *lines])], cwd=folder, stdin=subprocess.DEVNULL,
+                                 stdout=subprocess.DEVNULL, stderr=said, start_new_session=True,
+                                 env={**os.environ, "HOME": folder, "XDG_DATA_HOME": folder,
+                                      "PATH": f"{folder}/bin:{os.environ['PATH']}"})
+        try:
+            code = shell.wait(MAX_BLOCK_S)
+        except subprocess.TimeoutExpired:
+            code = f"nothing after {MAX_BLOCK_S} s"
+        try:
+            os.killpg(shell.pid, signal.SIGKILL)
+        except ProcessLookupError:
+            pass
+        shell.wait()
+        print(f"{document}: {lines[0]}: {time.monotonic() - start:.1f} s", flush=True)
+        said.seek(0)
+        if code:
+            yield f"{document}: `{lines[0]}` ends with {code}: {said.read().strip()[-300:]}"
 
 
 all_faults = check()
 if "--run" in sys.argv:
-    all_faults += run_short()
+    all_faults += run_blocks(sys.argv[sys.argv.index("--run") + 1:])
 print("\n".join(all_faults))
 sys.exit(bool(all_faults))
