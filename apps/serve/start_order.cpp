@@ -10,7 +10,7 @@
 #include <span>
 
 #include "apps/cli/position_option.hpp"
-#include "apps/simulated/device_arms.hpp"
+#include "apps/simulated/devices/device_arms.hpp"
 #include "tuina/session/consent.hpp"
 #include "tuina/telemetry/plot/colours.hpp"
 

@@ -6,7 +6,7 @@
 #include <functional>
 #include <optional>
 
-#include "apps/simulated/emulated_wrist.hpp"
+#include "apps/simulated/devices/emulated_wrist.hpp"
 #include "apps/simulated/robot_process.hpp"
 #include "tuina/hardware/armlink.hpp"
 #include "tuina/hardware/udp_socket.hpp"

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "apps/simulated/device_arms.hpp"
+#include "apps/simulated/devices/device_arms.hpp"
 #include "apps/simulated/keyboard.hpp"
 #include "apps/simulated/placed_arms.hpp"
 #include "apps/simulated/robot_process.hpp"

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "apps/simulated/device_arms.hpp"
+#include "apps/simulated/devices/device_arms.hpp"
 #include "tuina/session/config.hpp"
 #include "tuina/session/control_loop.hpp"
 #include "tuina/session/controlled_arm.hpp"

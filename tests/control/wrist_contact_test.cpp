@@ -7,7 +7,7 @@
 #include <algorithm>
 
 #include "apps/evaluation/contact/contact_experiment.hpp"
-#include "apps/simulated/emulated_wrist.hpp"
+#include "apps/simulated/devices/emulated_wrist.hpp"
 #include "tests/reason.hpp"
 #include "tuina/hardware/device_file.hpp"
 #include "tuina/hardware/wrist_robot.hpp"

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "apps/simulated/can/emulated_drive.hpp"
-#include "apps/simulated/emulated_wrist.hpp"
+#include "apps/simulated/devices/emulated_wrist.hpp"
 #include "apps/simulated/robot_process.hpp"
 #include "tuina/robot/arm_model.hpp"
 #include "tuina/sim/world.hpp"

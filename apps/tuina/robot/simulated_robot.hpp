@@ -7,7 +7,7 @@
 
 #include "apps/cli/command_line.hpp"
 #include "apps/cli/position_option.hpp"
-#include "apps/simulated/emulated_wrist.hpp"
+#include "apps/simulated/devices/emulated_wrist.hpp"
 #include "apps/simulated/robot_process.hpp"
 #include "apps/simulated/session_order.hpp"
 #include "tuina/hardware/device_file.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/simulated/device_arms.hpp"
+#include "apps/simulated/devices/device_arms.hpp"
 
 #include <sched.h>
 #include <sys/mman.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/simulated/emulated_wrist.hpp"
+#include "apps/simulated/devices/emulated_wrist.hpp"
 
 #include <fmt/format.h>
 
