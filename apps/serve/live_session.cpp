@@ -229,8 +229,7 @@ void LiveSession::run(StartOrder start, std::filesystem::path folder) {
     if (!begun) return give_up(begun.error());
     visit = std::move(*begun);
   }
-  auto result =
-      run_simulated_session(start.order, config, common, folder / "session.mcap", attendant());
+  auto result = run_session(start.order, config, common, folder / "session.mcap", attendant());
   if (!result) return give_up(result.error());
   {
     const std::lock_guard lock(mutex_);

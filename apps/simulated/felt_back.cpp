@@ -43,15 +43,16 @@ void add_felt_back(const SessionResult& result, record::SessionFile& file) {
                                   .sd = done.stiffness_sd};
     const bool mapped = done.felt->presses >= 1 && done.nis <= max_nis;
     const double stiffness_n_per_mm = n_per_mm(place.log_stiffness);
-    file.tissue.push_back({.name = name,
-                           .at_in_couch = place.at_in_couch,
-                           .estimate = *done.felt,
-                           .truth = result.truth.touched[i].tissue,
-                           .tissue_class = tissue::name_of(classified.label),
-                           .class_probability = classified.probability,
-                           .stiffness_n_per_mm = stiffness_n_per_mm,
-                           .stiffness_ci95_n_per_mm = 1.96 * place.sd * stiffness_n_per_mm,
-                           .mapped = mapped});
+    file.tissue.push_back(
+        {.name = name,
+         .at_in_couch = place.at_in_couch,
+         .estimate = *done.felt,
+         .truth = result.simulated ? std::optional(result.truth.touched[i].tissue) : std::nullopt,
+         .tissue_class = tissue::name_of(classified.label),
+         .class_probability = classified.probability,
+         .stiffness_n_per_mm = stiffness_n_per_mm,
+         .stiffness_ci95_n_per_mm = 1.96 * place.sd * stiffness_n_per_mm,
+         .mapped = mapped});
     if (!done.felt->converged)
       file.tissue.back().estimate.converged_after_s = std::numeric_limits<double>::quiet_NaN();
     if (!mapped) continue;

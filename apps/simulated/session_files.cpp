@@ -107,20 +107,21 @@ record::SessionFile::Massage massage_of(const SessionResult& result, double begu
     const massage::PlannedPath& planned = session.ready.plan.paths[path];
     const Technique technique = planned.path.technique;
     const double given_n = slides(technique) ? touched.held.mean_n() : touched.peak_n;
-    massage.performed.push_back({.name = planned.path.name,
-                                 .path = path,
-                                 .arm = done.arm,
-                                 .begin_s = done.begin_s,
-                                 .end_s = done.end_s,
-                                 .contact_fault = control::name_of(done.contact_fault),
-                                 .programme_n = planned.programme_n,
-                                 .lowered_by = planned.lowered_by,
-                                 .ordered_n = planned.ordered_n(),
-                                 .given_n = given_n,
-                                 .true_peak_n = touched.peak_n,
-                                 .why = why_not_as_ordered(session, done, given_n, begun_intensity),
-                                 .true_over_trip_n = touched.over_trip_n,
-                                 .tool_to_acupoint_m = tool_to_acupoint_m(result, i)});
+    massage.performed.push_back(
+        {.name = planned.path.name,
+         .path = path,
+         .arm = done.arm,
+         .begin_s = done.begin_s,
+         .end_s = done.end_s,
+         .contact_fault = control::name_of(done.contact_fault),
+         .programme_n = planned.programme_n,
+         .lowered_by = planned.lowered_by,
+         .ordered_n = planned.ordered_n(),
+         .given_n = given_n,
+         .true_peak_n = result.simulated ? touched.peak_n : telemetry::TraceRow::unknown,
+         .why = why_not_as_ordered(session, done, given_n, begun_intensity),
+         .true_over_trip_n = touched.over_trip_n,
+         .tool_to_acupoint_m = tool_to_acupoint_m(result, i)});
   }
   return massage;
 }
@@ -172,6 +173,7 @@ record::SessionFile session_file(const SessionResult& result, const SessionOrder
                            .answered_by = result.consent.answered_by,
                            .rescans_s = session.rescans_s,
                            .devices = result.devices};
+  if (!result.simulated) file.order.person.clear();
   file.order.commands = session.commands;
   if (!session.said.empty()) file.order.said = session.said;
   for (const session::Decision& made : session.decisions) {
@@ -230,11 +232,16 @@ Result<void> finish_record(SessionResult& result, const std::filesystem::path& f
 }
 
 std::vector<SentenceLine> session_lines(const record::SessionFile& file) {
+  const Sentence scanned =
+      file.simulated()
+          ? sentence("sum_scanned",
+                     "{} ({}): {} points scanned, acupoints within {:.1f} mm (largest error {:.1f} "
+                     "mm)",
+                     file.person, name_of(file.position), file.scan.points,
+                     to_mm(file.acupoints.mean_error_m), to_mm(file.acupoints.max_error_m))
+          : sentence("sum_seen", "{} points scanned, {}", file.scan.points, name_of(file.position));
   std::vector<SentenceLine> lines = {
-      {sentence("sum_scanned",
-                "{} ({}): {} points scanned, acupoints within {:.1f} mm (largest error {:.1f} mm)",
-                file.person, name_of(file.position), file.scan.points,
-                to_mm(file.acupoints.mean_error_m), to_mm(file.acupoints.max_error_m))},
+      {scanned},
       {sentence("sum_massaged",
                 "{} paths in {:.0f} s, force error {:.2f} N RMS, peak {:.1f} N, {:.0f} times real "
                 "time",

@@ -10,20 +10,30 @@
 namespace tuina::app {
 namespace {
 
-/// The answers to the health questions: a file, or those of the simulated person.
-Result<void> read_answers(const std::string& file, SimulatedRoom& room) {
-  room.consent_toml = session::consent_form("the simulated person", "no");
+/// The answers to the health questions, as they were given: a file, or those of the simulated
+/// person.
+Result<std::string> read_answers(const std::string& file, session::Consent& consent) {
+  std::string answers = session::consent_form("the simulated person", "no");
   if (!file.empty()) {
     constexpr std::size_t max_bytes = 1 << 20;
     auto text = read_file(file, max_bytes);
     if (!text) return tl::unexpected(text.error());
-    room.consent_toml = std::move(*text);
+    answers = std::move(*text);
   }
-  const auto consent =
-      session::parse_consent(room.consent_toml, file.empty() ? "the simulated person" : file);
-  if (!consent) return tl::unexpected(consent.error());
-  room.order.consent = *consent;
-  return {};
+  const auto read = session::parse_consent(answers, file.empty() ? "the simulated person" : file);
+  if (!read) return tl::unexpected(read.error());
+  consent = *read;
+  return answers;
+}
+
+/// Where the robot was measured to stand, with the arms that the order names.
+Result<session::PlacedRobot> read_place(const SessionOrder& order) {
+  auto placed = session::read_robot_pose(order.robot_pose);
+  if (placed && placed->robot != order.robot) {
+    return fail(Fault::usage, "{}: was measured with the arms of `{}`, and the robot is `{}`",
+                order.robot_pose, placed->robot, order.robot);
+  }
+  return placed;
 }
 
 /// What is known before the person is seen.
@@ -103,8 +113,9 @@ sim::WorldOptions world_options(const session::Config& config) {
 Result<SimulatedRoom> make_room(const SessionOrder& order, const session::Config& config,
                                 const CommonOptions& common, const sim::PlantOptions& devices) {
   SimulatedRoom room;
-  if (auto answered = read_answers(order.consent, room); !answered)
-    return tl::unexpected(answered.error());
+  auto answers = read_answers(order.consent, room.order.consent);
+  if (!answers) return tl::unexpected(answers.error());
+  room.consent_toml = std::move(*answers);
   const auto person = sim::parse_person(order.person, order.position, common.seed);
   if (!person) return tl::unexpected(person.error());
   if (auto read = read_order(order, config, room.order); !read) return tl::unexpected(read.error());
@@ -124,18 +135,39 @@ Result<SimulatedRoom> make_room(const SessionOrder& order, const session::Config
   room.order.calibration = room.world->believed_calibration();
   room.order.placed = {order.robot, person->position, room.world->believed_base_from_couch()};
   if (!order.robot_pose.empty()) {
-    const auto placed = session::read_robot_pose(order.robot_pose);
+    const auto placed = read_place(order);
     if (!placed) return tl::unexpected(placed.error());
-    if (placed->robot != order.robot) {
-      return fail(Fault::usage, "{}: was measured with the arms of `{}`, and the robot is `{}`",
-                  order.robot_pose, placed->robot, order.robot);
-    }
     if (placed->position != person->position) {
       return fail(Fault::config, "{}: the robot stands there for a person {}, and this one is {}",
                   order.robot_pose, name_of(placed->position), name_of(person->position));
     }
     room.order.placed = *placed;
   }
+  return room;
+}
+
+Result<DeviceRoom> make_device_room(const SessionOrder& order, const session::Config& config) {
+  const std::pair<const std::string&, const char*> needed[] = {
+      {order.consent, "--consent FILE.toml, the person's answers to the health questions"},
+      {order.calibration, "--calibration FILE.toml of the scanner, by `tuina calibrate`"},
+      {order.robot_pose, "--robot-pose FILE.toml, by `tuina calibrate --robot`"}};
+  for (const auto& [given, what] : needed) {
+    if (given.empty())
+      return fail(Fault::usage, "{}: a session with a scanner of one's own needs {}", order.device,
+                  what);
+  }
+  DeviceRoom room;
+  auto answers = read_answers(order.consent, room.order.consent);
+  if (!answers) return tl::unexpected(answers.error());
+  room.consent_toml = std::move(*answers);
+  auto calibration = scanner::read_calibration(order.calibration);
+  if (!calibration) return tl::unexpected(calibration.error());
+  auto placed = read_place(order);
+  if (!placed) return tl::unexpected(placed.error());
+  if (auto read = read_order(order, config, room.order); !read) return tl::unexpected(read.error());
+  room.order.calibration = std::move(*calibration);
+  room.order.placed = std::move(*placed);
+  room.placement = robot::place_robot(room.order.robot, room.order.placed.position);
   return room;
 }
 

@@ -29,6 +29,17 @@ struct SimulatedRoom {
                                               const session::Config& config,
                                               const CommonOptions& common,
                                               const sim::PlantOptions& devices = {});
+/// What a session is told whose scanner and arms are real.
+struct DeviceRoom {
+  session::Order order;
+  robot::RobotPlacement placement;
+  std::string consent_toml;  ///< answers as they were given
+};
+/// Reads all that an order names. Nothing is assumed of a person who is not simulated: fails with
+/// Fault::usage where the answers to the health questions, the scanner's calibration or the place
+/// of the robot are not given.
+[[nodiscard]] Result<DeviceRoom> make_device_room(const SessionOrder& order,
+                                                  const session::Config& config);
 /// What two programs must have in common that simulate parts of one session: person, seed, robot.
 [[nodiscard]] std::string world_name(const SessionOrder& order, const sim::World& world,
                                      std::uint64_t seed);

@@ -21,6 +21,12 @@ Result<RecordedSession> read_session(const std::filesystem::path& folder_or_mcap
   if (!config) return tl::unexpected(folder->explained(config.error()));
   auto recorded = record::parse_session(*text, name);
   if (!recorded) return tl::unexpected(folder->explained(recorded.error()));
+  if (!recorded->simulated())
+    return fail(
+        Fault::bad_input,
+        "{}: was a session with devices of one's own; only a simulated one can be given once "
+        "more",
+        name);
   recorded->order.consent = folder->path() / "consent.toml";
   return RecordedSession{.order = std::move(recorded->order),
                          .config = std::move(*config),

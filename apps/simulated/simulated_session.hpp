@@ -36,7 +36,8 @@ struct Touched {
   massage::Zone over_cap_zone = massage::Zone::muscle;  ///< zone of `over_cap_n`
 };
 
-/// What only the simulation knows of a session.
+/// What only the simulation knows of a session; of one with a real scanner, what its sensors said:
+/// errors are not a number then, and forces and distances as they were measured.
 struct SessionTruth {
   double scan_error_m = 0.0;              ///< RMS distance of the scan from the true surface
   std::vector<double> acupoint_errors_m;  ///< per point that was located
@@ -50,14 +51,15 @@ struct SessionTruth {
   robot::Clearances clear;  ///< distances of the arms from the couch and the robot's own body
 };
 
-/// A simulated session: what the session says of itself beside the truth.
+/// A session: what it says of itself, beside the truth or what was measured.
 struct SessionResult {
+  bool simulated = true;
   session::Session session;
   SessionTruth truth;
   sim::Person person;
   session::Consent consent;
   std::string consent_toml;              ///< answers as they were given
-  std::string realism = "ideal";         ///< of the world it happened in
+  std::string realism = "ideal";         ///< of the simulated world it happened in, or "real"
   std::vector<record::JointRow> joints;  ///< joints, twenty times a second
   std::uint64_t last_tick = 0;           ///< the last millisecond of the session
   /// Record that was asked for, not finished yet; else null.
@@ -88,6 +90,14 @@ struct Attendant {
   std::function<session::Review(const motion::ReadyPlan&, const std::string& refused)> reviews = {};
   std::function<bool()> ends_scan = {};  ///< asked with every frame; true ends a scan
 };
+
+/// The session that an order asks for: in a simulated world, or with the scanner and the arms of
+/// its device file where that names a scanner.
+[[nodiscard]] Result<SessionResult> run_session(const SessionOrder& order,
+                                                const session::Config& config,
+                                                const CommonOptions& common,
+                                                const std::filesystem::path& record_file,
+                                                const Attendant& attendant);
 
 /// `session::run` in a simulated world, with the truth written down beside it. With `record_file`
 /// the session is recorded into it; one that fails after the massage has begun leaves its record.

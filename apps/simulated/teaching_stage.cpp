@@ -20,7 +20,7 @@ Result<std::unique_ptr<TeachingStage>> TeachingStage::make(
   if (!device.file.empty()) {
     SessionOrder order;
     order.robot = device.robot;
-    auto far = DeviceArms::open(device.file, *stage->world, world_name(order, *stage->world, seed));
+    auto far = DeviceArms::open(device.file, placement, world_name(order, *stage->world, seed));
     if (!far) return tl::unexpected(far.error());
     stage->far_ = std::move(*far);
     stage->told_.emplace(stage->far_->truth(), *stage->world);

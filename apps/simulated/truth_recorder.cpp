@@ -5,8 +5,6 @@
 #include <cmath>
 #include <limits>
 
-#include "tuina/robot/clearance.hpp"
-
 namespace tuina::app {
 
 namespace {
@@ -49,14 +47,13 @@ void TruthRecorder::on_map(const body::Mapping& map) {
 void TruthRecorder::on_plan(const motion::ReadyPlan& plan, const Transform& base_from_couch) {
   plan_ = &plan.plan;
   last_path_ = {.of = {-1, -1}};
-  if (models_) return;
+  if (distances_) return;
   const sim::Person& person = world_.person();
   couch_from_base_ = base_from_couch.inverse();
-  models_ = robot::both_models(world_.robot_table(), world_.mount());
+  distances_.emplace(world_.robot_table(), world_.mount());
   const auto chart = massage::BackChart::from(person.acupoints, person.landmarks);
   if (chart) true_zones_ = massage::ZoneMap(*chart, person.acupoints, person.landmarks);
   skin_in_base_ = thinned_skin(person.skin_in_couch, world_.mount().base_from_couch);
-  truth_.min_arm_distance_m = std::numeric_limits<double>::infinity();
 }
 
 void TruthRecorder::on_performed(const session::Performed& performed) noexcept {
@@ -102,6 +99,11 @@ SessionTruth TruthRecorder::finish() {
       touched.tissue =
           world_.contact().first_loading(touched.tissue, touched.at_in_couch, touched.peak_n);
   }
+  if (distances_) {
+    truth_.min_arm_distance_m = distances_->min_apart_m();
+    truth_.clear = distances_->clear();
+    truth_.distances = distances_->take();
+  }
   truth_.force = all_.errors();
   truth_.presses = presses_.take();
   for (const auto& [technique, sum] : by_technique_) truth_.techniques[technique] = sum.errors();
@@ -109,29 +111,12 @@ SessionTruth TruthRecorder::finish() {
 }
 
 void TruthRecorder::measure_distances(double time_s, const sim::PlantTruth& truth) {
-  const PerArm<robot::ArmModel>& models = *models_;
-  const auto pose = [&](Arm arm) {
-    return models[arm].kinematics(truth.arms[arm].q_rad, truth.rail_m);
-  };
-  const PerArm<robot::ArmModel::Kinematics> poses = {.of = {pose(Arm::left), pose(Arm::right)}};
-  const double apart_m = robot::distance_between_m(models[Arm::left], poses[Arm::left],
-                                                   models[Arm::right], poses[Arm::right]);
-  truth_.min_arm_distance_m = std::min(truth_.min_arm_distance_m, apart_m);
-  robot::Clearances clear;
-  for (const Arm arm : both_arms) {
-    clear.take_least(
-        robot::clearances(models[arm], poses[arm], truth.rail_m, world_.mount().obstacles));
-  }
-  truth_.clear.take_least(clear);
-  constexpr double distances_every_s = 0.1;
-  auto& distances = truth_.distances;
-  if (!distances.empty() && time_s - distances.back().time_s < distances_every_s - 1e-6) return;
+  const ArmDistances::Poses poses = distances_->poses(
+      {.of = {truth.arms[Arm::left].q_rad, truth.arms[Arm::right].q_rad}}, truth.rail_m);
+  telemetry::ArmDistance* row = distances_->add(time_s, poses, truth.rail_m);
+  if (row == nullptr) return;
   const Vector3 moved_in_base = world_.mount().base_from_couch.linear() * world_.shift_in_couch();
-  distances.push_back({.time_s = time_s,
-                       .apart_m = apart_m,
-                       .to_person_m = to_person_m(poses, moved_in_base),
-                       .to_couch_m = clear[robot::Surrounding::couch],
-                       .to_body_m = clear[robot::Surrounding::body]});
+  row->to_person_m = to_person_m(poses, moved_in_base);
 }
 
 void TruthRecorder::count(double time_s, Arm arm, const session::ArmView& seen,
@@ -148,7 +133,7 @@ double TruthRecorder::to_person_m(const PerArm<robot::ArmModel::Kinematics>& pos
   double min_m = std::numeric_limits<double>::infinity();
   for (const Arm arm : both_arms) {
     const auto& origins = poses[arm].origins_in_base;
-    for (int i = 0; i + 1 < (*models_)[arm].joints(); ++i) {
+    for (int i = 0; i + 1 < distances_->models()[arm].joints(); ++i) {
       const auto link = static_cast<std::size_t>(i);
       const Vector3 from = origins[link] - moved_in_base;
       const Vector3 along = origins[link + 1] - origins[link];
@@ -159,7 +144,8 @@ double TruthRecorder::to_person_m(const PerArm<robot::ArmModel::Kinematics>& pos
         const double share = std::clamp(to.dot(along) / length2, 0.0, 1.0);
         nearest2 = std::min(nearest2, (to - share * along).squaredNorm());
       }
-      min_m = std::min(min_m, std::sqrt(nearest2) - (*models_)[arm].table().links[link].radius_m);
+      min_m = std::min(
+          min_m, std::sqrt(nearest2) - distances_->models()[arm].table().links[link].radius_m);
     }
   }
   return min_m;

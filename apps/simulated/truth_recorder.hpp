@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
+#include "apps/simulated/arm_distances.hpp"
 #include "apps/simulated/simulated_session.hpp"
-#include "tuina/robot/arm_model.hpp"
 #include "tuina/session/observer.hpp"
 #include "tuina/sim/world.hpp"
 
@@ -36,13 +36,12 @@ class TruthRecorder final : public session::Observer {
   void feel(Touched& touched, const sim::ContactTruth& contact, bool row) const;
 
   void measure_distances(double time_s, const sim::PlantTruth& truth);
-
   const sim::World& world_;
   SessionTruth truth_;
   const massage::Plan* plan_ = nullptr;
   Transform couch_from_base_ =
       Transform::Identity();  ///< inverse of the pose that the session believes
-  std::optional<PerArm<robot::ArmModel>> models_;
+  std::optional<ArmDistances> distances_;
   std::optional<massage::ZoneMap> true_zones_;
   std::vector<Vector3> skin_in_base_;
   session::ForceErrorSum all_;

@@ -66,11 +66,7 @@ class Massage final : public Verb {
     options.add("--link", order_.link, "name of the memory that these share").needs(processes);
     replay.excludes(visit_.describe(options));
     fixed_.describe(options);
-    options
-        .add("--device", order_.device,
-             "a TOML file that names the arms (docs/armlink.md), in place of those simulated here; "
-             "person, robot and seed must be theirs")
-        .excludes(processes);
+    describe_devices(options, processes);
     ros2_.describe(options, "what happens, and offer services for live commands,");
     auto live = live_.describe(options).excludes(replay);
     live.excludes(options.named("--keys"));
@@ -83,7 +79,7 @@ class Massage final : public Verb {
     for (const char* recorded :
          {"--person", "--position", "--programme", "--robot", "--no-go", "--consent",
           "--robot-pose", "--keys", "--method", "--atlas", "--adaptive", "--body-mass-index",
-          "--body-fat-percent", "--device", "--fix", "--fix-error-mm"}) {
+          "--body-fat-percent", "--device", "--calibration", "--fix", "--fix-error-mm"}) {
       replay.excludes(options.named(recorded));
     }
   }
@@ -124,8 +120,7 @@ class Massage final : public Verb {
     if (!begun) return nothing_done(begun.error());
     const auto open = live_.begin(order_, *config, common, ros2_, out_);
     if (!open) return nothing_done(open.error());
-    auto result =
-        run_simulated_session(order_, *config, common, std::filesystem::path(out_) / "session.mcap",
+    auto result = run_session(order_, *config, common, std::filesystem::path(out_) / "session.mcap",
                               live_.asked() ? live_.attendant() : ros2_.attendant());
     ros2_.end_session();
     if (!result) {
@@ -171,6 +166,16 @@ class Massage final : public Verb {
              "of the person, kg/m^2, if known: a help in telling the body condition")
         .between(10.0, 80.0);
     options.add("--body-fat-percent", order_.facts.fat_percent, "likewise").between(2.0, 70.0);
+  }
+  void describe_devices(Options& options, const Option& processes) {
+    options
+        .add("--device", order_.device,
+             "a TOML file that names the arms (docs/armlink.md), in place of those simulated here: "
+             "person, robot and seed must be theirs; one that names camera and turntable, too, has "
+             "nothing simulated, and needs --consent, --calibration and --robot-pose")
+        .excludes(processes);
+    options.add("--calibration", order_.calibration, "of the scanner that --device names")
+        .needs(options.named("--device"));
   }
   void take_words() {
     order_.position = position_.position();

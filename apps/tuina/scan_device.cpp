@@ -38,18 +38,6 @@ Result<hardware::DeviceFile> scanner_devices(const std::string& device_file,
               device_file, file->camera ? "turntable" : "camera");
 }
 
-Result<DeviceScanner> open_scanner(const hardware::DeviceFile& devices,
-                                   const scanner::CameraModel& pictures) {
-  auto turntable = hardware::Ax12Turntable::open(*devices.turntable);
-  if (!turntable) return tl::unexpected(turntable.error());
-  auto camera = hardware::V4l2Camera::open(*devices.camera, pictures.width_px, pictures.height_px);
-  if (!camera) return tl::unexpected(camera.error());
-  return DeviceScanner{
-      .camera = std::move(*camera),
-      .turntable = std::move(*turntable),
-      .called = fmt::format("{}, {}", devices.camera->address, devices.turntable->address)};
-}
-
 Result<hardware::CameraMode> picture_mode(const hardware::CameraDevice& camera) {
   constexpr std::array formats = {"GREY", "YUYV", "MJPG"};
   constexpr int max_width_px = 1280;

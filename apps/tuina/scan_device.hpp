@@ -1,33 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 
 #include "apps/cli/command_line.hpp"
-#include "tuina/hardware/ax12_turntable.hpp"
-#include "tuina/hardware/device_file.hpp"
-#include "tuina/hardware/v4l2_camera.hpp"
-#include "tuina/scanner/calibration.hpp"
+#include "apps/simulated/devices/device_scanner.hpp"
 
 namespace tuina::app {
-
-/// Camera and turntable of a real scanner.
-struct DeviceScanner {
-  std::unique_ptr<hardware::V4l2Camera> camera;
-  std::unique_ptr<hardware::Ax12Turntable> turntable;
-  std::string called;  ///< both addresses
-};
 
 /// The scanner of a device file, or of two addresses where there is none. Fails with Fault::usage
 /// or Fault::config where one of the two is not named.
 [[nodiscard]] Result<hardware::DeviceFile> scanner_devices(const std::string& device_file,
                                                            const std::string& camera,
                                                            const std::string& turntable);
-/// Fails with Fault::device, naming the device and what mends it.
-[[nodiscard]] Result<DeviceScanner> open_scanner(const hardware::DeviceFile& devices,
-                                                 const scanner::CameraModel& pictures);
 
 /// The first mode in the camera's list with the format that the file wants and pictures of at most
 /// 1280 pixels across. Fails with Fault::device where there is none.

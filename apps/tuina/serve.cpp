@@ -68,10 +68,13 @@ class Serve final : public Verb {
                                "does, for `tuina fleet`; while the server is away it waits here");
     options.add("--called", machine_.name, "name of this robot among others; else the computer's")
         .needs(history);
+    options.add("--calibration", order_.calibration,
+                "file of the scanner's calibration: of the scanner that --device names; `tuina "
+                "fleet` shows its age");
     options
-        .add("--calibration", calibration_,
-             "file of this robot's calibration, whose age `tuina fleet` shows")
-        .needs(history);
+        .add("--robot-pose", order_.robot_pose,
+             "where the robot of --device stands: a file of `tuina calibrate --robot`")
+        .needs(device);
     options.add("--out", out_, "folder for the sessions and audit.log").show_default();
     options.add("--page", page_,
                 "folder of a page that was built, instead of the one that the program carries");
@@ -155,8 +158,8 @@ class Serve final : public Verb {
     if (history_.empty()) return {};
     if (machine_.name.empty()) machine_.name = name_of_computer();
     if (auto good = history::check_name(machine_.name); !good) return good;
-    if (!calibration_.empty()) {
-      auto day = day_of_file(calibration_);
+    if (!order_.calibration.empty()) {
+      auto day = day_of_file(order_.calibration);
       if (!day) return tl::unexpected(day.error());
       machine_.calibrated = *day;
     }
@@ -213,7 +216,7 @@ class Serve final : public Verb {
   PositionOption position_;
   std::string out_ = "tuina-sessions";
   std::string page_;
-  std::string history_, calibration_;
+  std::string history_;
   history::Machine machine_;
   std::unique_ptr<FleetReporter> report_;
 };

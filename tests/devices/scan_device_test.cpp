@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // `tuina scan --device` with the firmware of the board in simavr, an emulated motor behind it and
-// an emulated camera that shows the frames of a simulated scan. They keep the time, and wait for
-// tuina where the machine is slow.
+// an emulated camera that shows the frames of a simulated scan.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -9,11 +8,10 @@
 #include <fstream>
 #include <future>
 #include <nlohmann/json.hpp>
-#include <regex>
 #include <thread>
 
+#include "tests/devices/whole_scanner.hpp"
 #include "tests/reason.hpp"
-#include "tests/whole/command.hpp"
 #include "tuina/core/io/file.hpp"
 #include "tuina/core/io/png.hpp"
 #include "tuina/core/io/surface_file.hpp"
@@ -26,78 +24,20 @@ using test::run_tuina;
 
 namespace {
 
-#ifdef TUINA_STAGE
-constexpr bool has_stage = true;
-#else
-constexpr bool has_stage = false;
-#define TUINA_STAGE ""
-#define TUINA_FIRMWARE ""
-#endif
-
-// A turn of 20 degrees, at nine of the motor's units of speed.
-const std::vector<std::string> turn = {"--set", "scan.sweep_deg=20", "--set",
-                                       "scan.sweep_s=3.336670003336670"};
-
-std::string text_of(const std::filesystem::path& file) {
-  return read_file(file, 1 << 24).value_or("");
-}
-
-/// The frames of a simulated back, and its calibration with another latency.
-struct Sweep {
-  Folder folder;
-  std::string at = folder / "sweep";
-  Sweep() {
-    std::vector<std::string> words = {"scan",     "--person", "phantom:medium", "--seed", "7",
-                                      "--record", at,         "--quiet"};
-    words.insert(words.end(), turn.begin(), turn.end());
-    const Outcome made = run_tuina(words);
-    REQUIRE_MESSAGE(made.exit_code == 0, made.err);
-  }
-  [[nodiscard]] std::string calibration(const std::string& latency_s) const {
-    const std::string text = text_of(at + "/calibration.toml");
-    return folder.with("calibration_" + latency_s + ".toml",
-                       std::regex_replace(text, std::regex("(yaw_axis[^]*?latency_s = )[^ \n]*"),
-                                          "$01" + latency_s));
-  }
-};
+using test::has_stage;
+using test::Scanned;
+using test::Sweep;
+using test::text_of;
+using test::turn;
 
 const Sweep& sweep() {
-  static const Sweep made;
+  static const Sweep made({"--person", "phantom:medium", "--seed", "7"});
   return made;
 }
 
-struct Scanned {
-  Outcome host;
-  json stage;
-};
-
-/// tuina before the whole stage, which goes wrong once that frame has been shown.
-Scanned on_stage(const Folder& folder, const std::string& words, const std::string& fault = "",
-                 int frame = 40) {
-  const std::string at = folder.path();
-  (void)folder.with("device.toml", "[camera]\nkind = \"v4l2\"\naddress = \"" + at +
-                                       "/camera\"\nturned_deg = 90\nexposure_ms = 5\n"
-                                       "[turntable]\nkind = \"board\"\naddress = \"" +
-                                       at + "/board\"\n");
-  std::string stage = TUINA_STAGE " " TUINA_FIRMWARE " " + sweep().at + " -10 " + at;
-  if (!fault.empty()) stage += " " + fault + " " + std::to_string(frame);
-  FILE* end = ::popen((stage + " >" + at + "/stage.out 2>&1").c_str(), "we");
-  REQUIRE(end != nullptr);
-  for (int i = 0; i < 600 && !std::filesystem::exists(at + "/camera"); ++i)
-    std::this_thread::sleep_for(std::chrono::milliseconds(50));
-  const std::string host = "echo $$ >" + at + "/host; exec env TUINA_CLOCK=" + at +
-                           "/clock LD_PRELOAD='" TUINA_FAKE_V4L2 "' " TUINA_BINARY " " + words +
-                           " --json --device " + at + "/device.toml >" + at + "/out 2>" + at +
-                           "/err </dev/null";
-  const int status = std::system(host.c_str());
-  // A board whose host has gone has a moment to notice.
-  std::this_thread::sleep_for(std::chrono::seconds(1));
-  ::pclose(end);
-  CHECK_MESSAGE(std::filesystem::exists(at + "/stage.json"), text_of(at + "/stage.out"));
-  return {.host = {.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status),
-                   .out = text_of(at + "/out"),
-                   .err = text_of(at + "/err")},
-          .stage = json::parse(text_of(at + "/stage.json"), nullptr, false)};
+Scanned on_stage(const Folder& folder, const std::string& words, const std::string& fault = "") {
+  (void)folder.with("device.toml", test::scanner_of(folder.path()));
+  return test::on_stage(folder, sweep(), words, fault);
 }
 
 Scanned scan(const Folder& folder, const std::string& fault = "") {

@@ -1,41 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <doctest/doctest.h>
-#include <signal.h>
-#include <spawn.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <string>
 #include <vector>
 
+#include "tests/devices/child.hpp"
 #include "tuina/hardware/arm_peer.hpp"
 #include "tuina/hardware/udp_socket.hpp"
 
-extern char** environ;
-
 namespace tuina::tests {
-
-/// A program that ends with the object.
-class Child {
- public:
-  explicit Child(std::vector<std::string> words) {
-    std::vector<char*> pointers;
-    for (std::string& word : words) pointers.push_back(word.data());
-    pointers.push_back(nullptr);
-    REQUIRE(posix_spawnp(&process_, pointers[0], nullptr, nullptr, pointers.data(), environ) == 0);
-  }
-  Child(const Child&) = delete;
-  Child& operator=(const Child&) = delete;
-  ~Child() {
-    kill(process_, SIGKILL);
-    waitpid(process_, nullptr, 0);
-  }
-
- private:
-  pid_t process_ = 0;
-};
 
 inline hardware::UdpAddress address_of(int port) {
   return *hardware::parse_udp_address("127.0.0.1:" + std::to_string(port));

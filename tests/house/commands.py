@@ -9,6 +9,7 @@ With --run every block of shell is run, too. A page has a folder of its own, as 
 block is not shown to a reader:
   <!-- file: NAME -->     the block below lies in the folder as that file
   <!-- before: COMMAND -->  is run before the block, for what a reader brings along
+  <!-- ends with: CODE -->  what a command of it shows, other than 0
   <!-- not run: WHY -->   it takes hours, or somebody's devices
 
 `tuina --help` parses all options and their values first; required ones may be missing, since a text may name part of
@@ -35,10 +36,10 @@ def documents():
 
 def blocks(text):
     """(language, marks above, lines) of the blocks of code, joined where a line ends with a backslash."""
-    marks = r"(?:^ *<!-- (?:file|before|not run): (?:(?!-->).)*-->\n+)*"
+    marks = r"(?:^ *<!-- (?:file|before|ends with|not run): (?:(?!-->).)*-->\n+)*"
     block = re.compile(rf"({marks}) *```(\S*)\n(.*?)^ *```", re.DOTALL | re.MULTILINE)
     for above, language, body in block.findall(text):
-        found = re.findall(r"<!-- (file|before|not run): ((?:(?!-->).)*?)\s*-->", above, re.DOTALL)
+        found = re.findall(r"<!-- (file|before|ends with|not run): ((?:(?!-->).)*?)\s*-->", above, re.DOTALL)
         yield language, dict(found), [line.strip() for line in body.replace("\\\n", " ").splitlines()]
 
 
@@ -198,16 +199,26 @@ def run_blocks(chosen):
                     left_out.append(f"  {document}: {lines[0]}: {marks['not run']}")
                 else:
                     count += 1
-                    yield from run_block(document, marks.get("before", ""), lines, folder)
+                    yield from run_block(document, marks, lines, folder)
     print(f"{count} blocks run in {time.monotonic() - start:.0f} s; not run:")
     print("\n".join(left_out))
 
 
-def run_block(document, before, lines, folder):
+def script_of(marks, lines):
+    """The block as one script, which ends at its first fault. What a reader starts in the background has begun before
+    they type the next line."""
+    script = ["set -e", marks.get("before", "")]
+    for line in lines:
+        may_end = f" || [ $? = {marks['ends with']} ]" if "ends with" in marks else ""
+        script.append(f"{line}\nsleep 3" if line.endswith("&") else re.sub(r"\s+#.*", "", line) + may_end)
+    return "\n".join(script)
+
+
+def run_block(document, marks, lines, folder):
     """What goes wrong; what a block leaves running ends with it."""
     start = time.monotonic()
     with tempfile.TemporaryFile("w+") as said:
-        shell = subprocess.Popen(["bash", "-ec", "\n".join([before, *lines])], cwd=folder, stdin=subprocess.DEVNULL,
+        shell = subprocess.Popen(["bash", "-c", script_of(marks, lines)], cwd=folder, stdin=subprocess.DEVNULL,
                                  stdout=subprocess.DEVNULL, stderr=said, start_new_session=True,
                                  env={**os.environ, "HOME": folder, "XDG_DATA_HOME": folder,
                                       "PATH": f"{folder}/bin:{os.environ['PATH']}"})

@@ -26,7 +26,7 @@ constexpr auto scan_fields = [](auto& visit, auto& scan) {
   visit("profiles", scan.profiles);
   visit("points", scan.points);
   visit("sweep_s", scan.sweep_s);
-  visit("rms_error_mm", scan.rms_error_m, mm);
+  visit.maybe("rms_error_mm", scan.rms_error_m, mm);
   visit("compute_ms", scan.compute_ms);
 };
 
@@ -67,7 +67,7 @@ constexpr auto performed_fields = [](auto& visit, auto& done) {
   visit.maybe("why", why);
   if constexpr (requires { done.why.words = *why; }) done.why.words = why.value_or("");
   key_fields(visit, "why_said", done.why);
-  visit("true_peak_n", done.true_peak_n);
+  visit.maybe("true_peak_n", done.true_peak_n);
   visit.maybe("true_over_trip_n", done.true_over_trip_n);
   visit.if_known("tool_to_acupoint_mm", done.tool_to_acupoint_m,
                  [](auto& of_press, auto& off_m) { of_press("tool_to_acupoint_mm", off_m, mm); });

@@ -30,10 +30,11 @@ struct SessionOrder {
   std::string programme = "relax";
   std::string robot = "thesis";  ///< a shipped robot or the file of its table
   body::Method method = body::Method::surface;
-  std::string atlas;       ///< a file or a labelled body; empty: the shipped one
-  std::string no_go;       ///< a file with what the therapist rules out; empty: nothing
-  std::string consent;     ///< a file with answers; empty: the simulated person answers
-  std::string robot_pose;  ///< a file of `calibrate --robot`; empty: as good a one
+  std::string atlas;             ///< a file or a labelled body; empty: the shipped one
+  std::string no_go;             ///< a file with what the therapist rules out; empty: nothing
+  std::string consent;           ///< a file with answers; empty: the simulated person answers
+  std::string robot_pose;        ///< a file of `calibrate --robot`; empty: as good a one
+  std::string calibration = {};  ///< of a real scanner; a record has its content
   bool adaptive = true;
   double intensity = 1.0;  ///< on every force, as the session begins
   tissue::BodyFacts facts;
@@ -87,7 +88,8 @@ struct DeviceRecord {
   };
   std::string arms;  ///< kind and addresses
   std::string pace;
-  std::string scanner = "simulated";
+  static constexpr const char* simulated_scanner = "simulated";
+  std::string scanner = simulated_scanner;
   PerArm<Traffic> traffic;
   std::uint64_t truth_missed = 0;  ///< milliseconds whose truth was told too late to be known
 };
@@ -159,6 +161,11 @@ struct SessionFile {
   int condition_presses = 0;  ///< presses that the condition rests on
   std::vector<telemetry::Stop> stops;
   std::optional<DeviceRecord> devices;  ///< where the order names a device file
+
+  /// Whether the person was, so that the truth is known.
+  [[nodiscard]] bool simulated() const {
+    return !devices || devices->scanner == DeviceRecord::simulated_scanner;
+  }
 };
 
 /// The JSON object of session.json.

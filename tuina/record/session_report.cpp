@@ -41,13 +41,15 @@ std::function<std::optional<telemetry::MappedStiffness>(const Vector3&)> stiffne
 
 std::vector<telemetry::KeyNumber> numbers_of(const SessionFile& file) {
   const double compute_ms = file.scan.compute_ms + file.acupoints.compute_ms + file.plan.compute_ms;
-  std::vector<telemetry::KeyNumber> numbers = {
-      {"scan error", fmt::format("{:.2f}", to_mm(file.scan.rms_error_m)), "mm",
-       "RMS distance of the scan from the true surface"},
-      {"scan to plan", fmt::format("{:.2f}", 1e-3 * compute_ms), "s",
-       "computing time, the sweep itself not counted"},
-      {"simulation", fmt::format("{:.0f}", file.massage.real_time_factor), "times real time",
-       "two arms at 1 kHz, physics at 4 kHz"}};
+  std::vector<telemetry::KeyNumber> numbers;
+  if (file.simulated())
+    numbers.push_back({"scan error", fmt::format("{:.2f}", to_mm(file.scan.rms_error_m)), "mm",
+                       "RMS distance of the scan from the true surface"});
+  numbers.push_back({"scan to plan", fmt::format("{:.2f}", 1e-3 * compute_ms), "s",
+                     "computing time, the sweep itself not counted"});
+  if (file.simulated())
+    numbers.push_back({"simulation", fmt::format("{:.0f}", file.massage.real_time_factor),
+                       "times real time", "two arms at 1 kHz, physics at 4 kHz"});
   if (!file.devices) return numbers;
   std::uint64_t lost = 0, late = 0;
   std::string wrists;
@@ -132,6 +134,7 @@ Result<ReportData> read_record(const std::filesystem::path& folder) {
                   .position = file->position,
                   .programme = file->order.programme,
                   .seed = file->seed,
+                  .simulated = file->simulated(),
                   .duration_s = file->massage.duration_s,
                   .scan_in_couch = std::move(scan->cloud),
                   .acupoints = file->acupoints.points,

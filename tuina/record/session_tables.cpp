@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <optional>
 
 #include "tuina/core/io/file.hpp"
@@ -33,9 +34,9 @@ constexpr auto trace_columns = [](auto& visit, auto& row) {
   visit("arm", row.arm);
   visit("technique", row.technique);
   visit("target_n", row.target_n, Stated{4});
-  visit("true_force_n", row.true_force_n, Stated{4});
+  visit.maybe("true_force_n", row.true_force_n, Stated{4});
   visit("measured_force_n", row.measured_force_n, Stated{4});
-  visit("depth_mm", row.depth_m, mm(4));
+  visit.maybe("depth_mm", row.depth_m, mm(4));
   visit("x_m", row.tool_in_couch.x(), Stated{5});
   visit("y_m", row.tool_in_couch.y(), Stated{5});
   visit("z_m", row.tool_in_couch.z(), Stated{5});
@@ -58,17 +59,21 @@ constexpr auto joint_columns = [](auto& visit, auto& row) {
 constexpr auto distance_columns = [](auto& visit, auto& row) {
   visit("time_s", row.time_s, Stated{3});
   visit("arm_to_arm_mm", row.apart_m, mm(2));
-  visit("arm_to_person_mm", row.to_person_m, mm(2));
+  visit.maybe("arm_to_person_mm", row.to_person_m, mm(2));
   visit("arm_to_couch_mm", row.to_couch_m, mm(2));
   visit("arm_to_body_mm", row.to_body_m, mm(2));
 };
 
 constexpr const char* no_technique = "none";
 
-/// Header and cells of one row.
+/// Header and cells of one row; `maybe` leaves the cell of what is not known empty.
 struct RowWriter {
   void operator()(std::string_view name, double value, Stated stated) {
     add(name, fmt::format("{:.{}f}", stated.in_file(value), stated.digits));
+  }
+  void maybe(std::string_view name, double value, Stated stated) {
+    if (std::isfinite(value)) return (*this)(name, value, stated);
+    add(name, "");
   }
   void operator()(std::string_view name, Arm arm) { add(name, name_of(arm)); }
   void operator()(std::string_view name, std::optional<Technique> technique) {
@@ -90,6 +95,11 @@ class RowReader {
     const auto number = to_number<double>(next());
     good_ = good_ && number.has_value();
     value = stated.in_si(number.value_or(0.0));
+  }
+  /// An empty cell leaves the value as it is.
+  void maybe(std::string_view name, double& value, Stated stated) {
+    if (!rest_.starts_with(',')) return (*this)(name, value, stated);
+    (void)next();
   }
   void operator()(std::string_view, Arm& arm) {
     const std::string_view cell = next();

@@ -18,7 +18,7 @@ std::string text_of(std::span<const char> zeros_follow) {
 
 constexpr const char* real_arms =
     "these arms are real, and the scanner is simulated: an arm must not press where a simulated "
-    "person was seen";
+    "person was seen; name [camera] and [turntable], too";
 
 /// What is true of the arms that this program simulates, if they stand in the world that the
 /// session scans.
@@ -97,12 +97,14 @@ std::string name_of_arms(const hardware::DeviceFile& file) {
   return named;
 }
 
-Result<void> DeviceArms::open_armlink(const hardware::DeviceFile& file, const sim::World& world,
+Result<void> DeviceArms::open_armlink(const hardware::DeviceFile& file,
+                                      const robot::RobotPlacement& placement,
                                       const std::string& world_name) {
   const PerArm<hardware::ArmDevice>& arms = *file.arms;
-  auto robot = hardware::ArmlinkRobot::open(arms, world.robot_table(), world.mount());
+  auto robot = hardware::ArmlinkRobot::open(arms, placement.arm, placement.mount);
   if (!robot) return tl::unexpected(robot.error());
   armlink_ = std::move(*robot);
+  if (world_name.empty()) return {};
   if (!armlink_->simulated()) return fail(Fault::device, "{}", real_arms);
   const std::string left(armlink_->peer(Arm::left).hello().called());
   const std::string right(armlink_->peer(Arm::right).hello().called());
@@ -115,37 +117,40 @@ Result<void> DeviceArms::open_armlink(const hardware::DeviceFile& file, const si
   return {};
 }
 
-Result<void> DeviceArms::open_drives(const hardware::DeviceFile& file, const sim::World& world,
+Result<void> DeviceArms::open_drives(const hardware::DeviceFile& file,
+                                     const robot::RobotPlacement& placement,
                                      const std::string& world_name) {
-  const auto loads = hardware::bus_loads(*file.driven_arms);
-  const auto program = hardware::emulator_of(loads.front().bus);
-  if (!program) return fail(Fault::device, "{}", real_arms);
-  auto truth = truth_of(*program, "can", world_name);
-  if (!truth) return tl::unexpected(truth.error());
-  truth_ = std::move(*truth);
+  if (!world_name.empty()) {
+    const auto loads = hardware::bus_loads(*file.driven_arms);
+    const auto program = hardware::emulator_of(loads.front().bus);
+    if (!program) return fail(Fault::device, "{}", real_arms);
+    auto truth = truth_of(*program, "can", world_name);
+    if (!truth) return tl::unexpected(truth.error());
+    truth_ = std::move(*truth);
+  }
   constexpr std::chrono::seconds patience(6);  // with a simulation that computes
   const hardware::CanBuses buses = {.wait = true, .patience = patience};
   auto robot =
-      hardware::Cia402Robot::open(*file.driven_arms, world.robot_table(), world.mount(), buses);
+      hardware::Cia402Robot::open(*file.driven_arms, placement.arm, placement.mount, buses);
   if (!robot) return tl::unexpected(robot.error());
   drives_ = std::move(*robot);
   return {};
 }
 
 Result<std::unique_ptr<DeviceArms>> DeviceArms::open(const std::string& device_file,
-                                                     const sim::World& world,
+                                                     const robot::RobotPlacement& placement,
                                                      const std::string& world_name) {
   std::unique_ptr<DeviceArms> made(new DeviceArms);
   const auto file = read_arms(device_file);
   if (!file) return tl::unexpected(file.error());
   made->named_ = name_of_arms(*file);
-  auto opened = file->driven_arms ? made->open_drives(*file, world, world_name)
-                                  : made->open_armlink(*file, world, world_name);
-  if (opened) opened = judge_wrists(*file, made->truth_);
+  auto opened = file->driven_arms ? made->open_drives(*file, placement, world_name)
+                                  : made->open_armlink(*file, placement, world_name);
+  if (opened && made->truth_) opened = judge_wrists(*file, *made->truth_);
   if (!opened) return fail(opened.error().fault, "{}: {}", device_file, opened.error().message);
   robot::Robot& arms = made->drives_ ? static_cast<robot::Robot&>(*made->drives_) : *made->armlink_;
   using Clock = hardware::WristRobot::Clock;
-  auto joined = hardware::WristRobot::open(arms, file->wrists, world.robot_table(), world.mount(),
+  auto joined = hardware::WristRobot::open(arms, file->wrists, placement.arm, placement.mount,
                                            made->lock_step() ? Clock::arms : Clock::host);
   if (!joined) return fail(joined.error().fault, "{}: {}", device_file, joined.error().message);
   made->wrists_ = std::move(*joined);

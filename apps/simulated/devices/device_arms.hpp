@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "apps/simulated/robot_process.hpp"
@@ -10,7 +11,7 @@
 #include "tuina/hardware/device_file.hpp"
 #include "tuina/hardware/wrist_robot.hpp"
 #include "tuina/record/session_file.hpp"
-#include "tuina/sim/world.hpp"
+#include "tuina/robot/robot_model.hpp"
 
 namespace tuina::app {
 
@@ -23,20 +24,22 @@ namespace tuina::app {
 /// process: it is the last that decides, right before the commands leave.
 class DeviceArms final : public link::Supervisor {
  public:
-  /// Fails with Fault::device where an arm is missing or another than the world's, and where one is
-  /// real: the scanner is simulated, and an arm must not press where a simulated person was seen.
-  /// Wrist sensors must be those by which the simulated arms feel.
-  /// `world_name` is what the arms' own program must call its world.
-  [[nodiscard]] static Result<std::unique_ptr<DeviceArms>> open(const std::string& device_file,
-                                                                const sim::World& world,
-                                                                const std::string& world_name);
+  /// Fails with Fault::device where an arm is missing or another than the robot's.
+  /// `world_name` is what the arms' own program must call its world, in which the scanner is
+  /// simulated, too: an arm that is real fails then, for it must not press where a simulated person
+  /// was seen, and wrist sensors must be those by which the simulated arms feel. It is empty where
+  /// a real scanner sees the person: the arms may be any, and nobody tells what is true of them.
+  [[nodiscard]] static Result<std::unique_ptr<DeviceArms>> open(
+      const std::string& device_file, const robot::RobotPlacement& placement,
+      const std::string& world_name);
 
   ~DeviceArms() override;
   DeviceArms(const DeviceArms&) = delete;
   DeviceArms& operator=(const DeviceArms&) = delete;
 
   [[nodiscard]] robot::Robot& robot() noexcept { return *wrists_; }
-  [[nodiscard]] const SharedTruth& truth() const noexcept { return truth_; }
+  /// Only where there is a world.
+  [[nodiscard]] const SharedTruth& truth() const noexcept { return *truth_; }
   [[nodiscard]] record::DeviceRecord record(std::uint64_t truth_missed) const;
 
   /// Where the arms do not wait, this thread is a real-time one from here on, as far as it may be,
@@ -53,9 +56,11 @@ class DeviceArms final : public link::Supervisor {
 
  private:
   DeviceArms() = default;
-  [[nodiscard]] Result<void> open_armlink(const hardware::DeviceFile& file, const sim::World& world,
+  [[nodiscard]] Result<void> open_armlink(const hardware::DeviceFile& file,
+                                          const robot::RobotPlacement& placement,
                                           const std::string& world_name);
-  [[nodiscard]] Result<void> open_drives(const hardware::DeviceFile& file, const sim::World& world,
+  [[nodiscard]] Result<void> open_drives(const hardware::DeviceFile& file,
+                                         const robot::RobotPlacement& placement,
                                          const std::string& world_name);
   [[nodiscard]] bool lock_step() const noexcept;
   [[nodiscard]] record::DeviceRecord::Traffic traffic(Arm arm) const;
@@ -67,7 +72,7 @@ class DeviceArms final : public link::Supervisor {
   std::unique_ptr<hardware::Cia402Robot> drives_;
   std::unique_ptr<hardware::WristRobot> wrists_;
   /// @}
-  SharedTruth truth_;
+  std::optional<SharedTruth> truth_;  ///< none without a world
   link::OwnSupervisor guard_;
   std::string pace_;  ///< and what was granted for a real one
 };

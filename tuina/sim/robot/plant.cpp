@@ -289,11 +289,10 @@ void Plant::World::sample_truth() noexcept {
 }
 
 void Plant::World::check_physics() noexcept {
-  if (broken != nullptr) return;
-  for (int kind = 0; kind < mjNWARNING; ++kind) {
+  for (int kind = 0; broken == nullptr && kind < mjNWARNING; ++kind) {
     if (data->warning[kind].number == 0) continue;
-    broken = mju_warningText(kind, data->warning[kind].lastinfo);
-    return;
+    const bool wild = kind >= mjWARN_BADQPOS && kind <= mjWARN_BADQACC;
+    broken = wild ? ran_off : mju_warningText(kind, data->warning[kind].lastinfo);
   }
 }
 

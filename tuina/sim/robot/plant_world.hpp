@@ -92,7 +92,11 @@ struct Plant::World {
   std::uint64_t tick = 0;
   bool started = false;
   int unanswered = 0;  // readings since the last command
-  const char* broken = nullptr;
+  static constexpr const char* ran_off =
+      "its simulated motion has run off; are rotor_inertia_kg_m2, mass and friction of each link "
+      "in "
+      "its table those of a real arm?";
+  const char* broken = nullptr;  ///< why it cannot be simulated any further
   PlantTruth truth;
 
   void sample_truth() noexcept;

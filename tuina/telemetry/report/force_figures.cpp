@@ -67,11 +67,14 @@ Plot force_plot(const ReportData& data, const std::vector<Contact>& contacts, Te
   Plot plot{.title = say("Force while {}", row_of(technique).doing),
             .x_label = say("time in contact, s"),
             .y_label = say("force, N")};
-  Series measured{
-      .name = say("measured"), .colour = mix(palette::paper, palette::grey, 0.55), .width_px = 1.0};
   Series truth{.name = data.simulated ? say("true (simulation)") : "",
                .colour = colour_of(technique),
                .width_px = 1.5};
+  // Where the truth is not known, what was measured is what there is to see.
+  Series measured{
+      .name = say("measured"),
+      .colour = data.simulated ? mix(palette::paper, palette::grey, 0.55) : truth.colour,
+      .width_px = data.simulated ? 1.0 : truth.width_px};
   Series target{.name = say("target"), .colour = palette::ink, .width_px = 1.2, .dashed = true};
   double begin_s = 0.0;
   for (const Contact& contact : contacts) {

@@ -109,8 +109,11 @@ void add_forces(Page& page, const ReportData& data) {
   const Language& say = data.language;
   Part& part = page.section(
       say("The force on the skin"),
-      say("What was asked for, what the person truly felt, and what the sensor at the wrist said. "
-          "Contacts stand one behind the other; the travel between them is left out."));
+      data.simulated
+          ? say("What was asked for, what the person truly felt, and what the sensor at the wrist "
+                "said. Contacts stand one behind the other; the travel between them is left out.")
+          : say("What was asked for, and what the sensor at the wrist said. Contacts stand one "
+                "behind the other; the travel between them is left out."));
   bool any = false;
   for (const Technique technique : all_techniques) {
     const std::string figure = figures::force(data, technique);
@@ -121,14 +124,17 @@ void add_forces(Page& page, const ReportData& data) {
       if (force.technique != technique) continue;
       part.note(say("Root mean square error {:.2f} N, peak {:.1f} N", force.rmse_n, force.peak_n) +
                 (data.simulated ? say(" (true force, known only in simulation).")
-                                : say(" (true force).")));
+                                : say(" (as measured).")));
     }
     part.figure(figure);
   }
   const std::string close_up = figures::first_press_force(data);
-  if (!close_up.empty())
-    part.heading(say("The first press, close up"))
-        .figures({{.svg = close_up}, {.svg = figures::first_press_depth(data)}});
+  if (!close_up.empty()) {
+    std::vector<Figure> pair = {{.svg = close_up}};
+    // How deep the skin was pressed in is known only in simulation.
+    if (data.simulated) pair.push_back({.svg = figures::first_press_depth(data)});
+    part.heading(say("The first press, close up")).figures(pair);
+  }
   if (!any) part.note(say("There is no record of forces."));
 }
 
@@ -160,11 +166,12 @@ PageHead head_of(const ReportData& data) {
   if (!data.stops.empty()) head.alarms.push_back(say("stopped"));
   if (!data.person.empty()) head.meta += say("person {}", data.person) + "  ·  ";
   if (!data.programme.empty()) head.meta += say("programme {}", data.programme) + "  ·  ";
-  if (!data.version.empty()) head.meta += "tuina " + data.version + "  ·  ";
-  head.meta += say("seed {}", data.seed);
-  if (data.simulated)
+  if (!data.version.empty()) head.meta += "tuina " + data.version + (data.simulated ? "  ·  " : "");
+  if (data.simulated) {
+    head.meta += say("seed {}", data.seed);
     head.footer =
         say("No person and no robot took part: everything on this page happened in a simulation. ");
+  }
   head.footer +=
       say("tuina is open research software. It is not a medical device and makes no diagnosis.");
   return head;

@@ -43,13 +43,15 @@ struct PerformedPath {
 
 /// One row of trace.csv. Rows of the two arms may be interleaved; each arm's times rise.
 struct TraceRow {
+  /// Of what is known only in simulation.
+  static constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
   double time_s = 0.0;
   Arm arm = Arm::left;
   std::optional<Technique> technique = {};  ///< none while the arm travels or rests
   double target_n = 0.0;
-  double true_force_n = 0.0;      ///< the simulation's
+  double true_force_n = unknown;
   double measured_force_n = 0.0;  ///< the wrist sensor's
-  double depth_m = 0.0;
+  double depth_m = unknown;
   Vector3 tool_in_couch = Vector3::Zero();
 };
 

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "apps/simulated/simulated_session.hpp"
+#include "tuina/session/run.hpp"
+
+namespace tuina::app {
+
+/// What a session is begun with, beside its devices.
+struct WatchedOrder {
+  const SessionOrder& given;
+  session::Order& read;             ///< what `given` names; commands and review are put in
+  const std::string& consent_toml;  ///< answers as they were given
+  const session::Config& config;
+  const CommonOptions& common;
+  const std::filesystem::path& record_file;  ///< empty: no record
+  const Attendant& attendant;
+};
+
+/// `session::run` with all who watch: the terminal, the record, an attendant, and `judges`, who are
+/// told within the millisecond, before the others. What the session did, its joints and its record
+/// are left in `result`.
+[[nodiscard]] Result<void> run_watched(const session::Devices& devices, WatchedOrder order,
+                                       const std::vector<session::Observer*>& judges,
+                                       SessionResult& result);
+
+}  // namespace tuina::app
