@@ -4,6 +4,7 @@
 /// @file
 /// Room hardware: real devices behind the interfaces of scanner and robot.
 
+#include "tuina/hardware/analog_robot.hpp"
 #include "tuina/hardware/armlink.hpp"
 #include "tuina/hardware/armlink_robot.hpp"
 #include "tuina/hardware/ax12_turntable.hpp"

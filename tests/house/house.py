@@ -150,24 +150,33 @@ def names():
 
 def includes():
     """A header that names a type of tuina/core includes its header, itself or by another: built in batches, a source
-    compiles without."""
+    compiles without. Examples include what is installed."""
     text = {path: read(path) for path in files(".hpp")}
     included = {path: re.findall(r'#include "([^"]+)"', text[path]) for path in text}
     code = {path: re.sub(r"//.*|\"(\\.|[^\"\\\n])*\"", "", text[path]) for path in text}
     types = {name: path for path in text if path.startswith("tuina/core/")
              for name in re.findall(r"^(?:struct|class|enum class|using) (?:\[\[nodiscard\]\] )?(\w+)[ :{=]", code[path],
                                     re.MULTILINE)}
-    for path in text:
-        reached, left = set(), [path]
+    def reached_by(*paths):
+        reached, left = set(), list(paths)
         while left:
             at = left.pop()
             if at not in reached:
                 reached.add(at)
                 left += included.get(at, [])
+        return reached
+
+    for path in text:
+        reached = reached_by(path)
         for name in sorted(set(re.findall(r"\b[A-Z]\w+", code[path])) & set(types)):
             own = re.search(rf"\b(?:struct|class|using|typename) {name}\b", "".join(code.get(at, "") for at in reached))
             if types[name] not in reached and not own:
                 yield f"{path}: names {name} without {types[name]}"
+    installed = reached_by(*(path for path in text if re.fullmatch(r"tuina/\w+\.hpp", path)))
+    for path in files(".cpp", ".hpp", folders=("examples",)):
+        for header in re.findall(r'#include "(tuina/[^"]+)"', read(path)):
+            if header not in installed:
+                yield f"{path}: {header} is the room's own, and not installed"
 
 
 def version():
