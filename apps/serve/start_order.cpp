@@ -143,8 +143,18 @@ Result<std::optional<ServedDevices>> served_devices(const SessionOrder& order, s
   const auto file = read_arms(order.device);
   if (!file) return tl::unexpected(file.error());
   const std::string name = std::filesystem::path(order.device).filename().string();
-  return ServedDevices{
-      .order = order, .seed = seed, .named = fmt::format("{}: {}", name, name_of_arms(*file))};
+  const bool sees = file->camera && file->turntable;
+  if (sees && (order.calibration.empty() || order.robot_pose.empty())) {
+    return fail(Fault::usage, "{}: a scanner of one's own needs {}", order.device,
+                order.calibration.empty() ? "--calibration FILE.toml, by `tuina calibrate`"
+                                          : "--robot-pose FILE.toml, by `tuina calibrate --robot`");
+  }
+  const std::string scanner =
+      sees ? fmt::format("; {}, {}", file->camera->address, file->turntable->address) : "";
+  return ServedDevices{.order = order,
+                       .seed = seed,
+                       .own_scanner = sees,
+                       .named = fmt::format("{}: {}{}", name, name_of_arms(*file), scanner)};
 }
 
 Result<StartOrder> parse_start_order(std::string_view text,
@@ -201,7 +211,7 @@ std::string choices_json(bool keeps_people, const std::optional<ServedDevices>& 
   if (devices) {
     const auto& position = devices->order.position;
     driven = {{"named", devices->named},
-              {"person", devices->order.person},
+              {"person", devices->own_scanner ? json() : json(devices->order.person)},
               {"position", position ? name_of(*position) : "auto"},
               {"seed", devices->seed}};
   }

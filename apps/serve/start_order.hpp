@@ -23,9 +23,10 @@ struct StartOrder {
 
 /// The devices that a server's sessions are driven on: no page chooses who is before them.
 struct ServedDevices {
-  SessionOrder order;      ///< what is known without a page: device file, robot, person, position
-  std::uint64_t seed = 1;  ///< of that person
-  std::string named;       ///< for people: the file's name, kind and addresses of the arms
+  SessionOrder order;        ///< what is known without a page: device file, robot, person, position
+  std::uint64_t seed = 1;    ///< of that person
+  bool own_scanner = false;  ///< nobody is simulated: who is before the scanner, it says
+  std::string named;  ///< for people: the file's name, kind and addresses of the arms, the scanner
 };
 /// Of an order that names a device file, which is read; nothing of one that names none.
 [[nodiscard]] Result<std::optional<ServedDevices>> served_devices(const SessionOrder& order,

@@ -127,9 +127,13 @@ record::SessionFile::Massage massage_of(const SessionResult& result, double begu
 }
 
 void add_devices(const record::DeviceRecord& devices, std::vector<SentenceLine>& lines) {
+  const bool simulated = devices.scanner == record::DeviceRecord::simulated_scanner;
   lines.push_back(
-      {sentence("sum_devices", "arms: {}, pace {}; camera and turntable: {}; truth of {} ms missed",
-                devices.arms, devices.pace, devices.scanner, devices.truth_missed)});
+      {simulated ? sentence("sum_devices",
+                            "arms: {}, pace {}; camera and turntable: {}; truth of {} ms missed",
+                            devices.arms, devices.pace, devices.scanner, devices.truth_missed)
+                 : sentence("sum_own_devices", "arms: {}, pace {}; camera and turntable: {}",
+                            devices.arms, devices.pace, devices.scanner)});
   for (const Arm arm : both_arms) {
     const auto& traffic = devices.traffic[arm];
     lines.push_back({sentence(

@@ -14,7 +14,8 @@ const answers: Record<string, string> = {};
 /** Which arms are driven, and before whom. */
 function driven(devices: Devices): HTMLElement {
   return element("div", { class: "wide", id: "devices" }, element("span", { class: "over" }, say("devices")), element("b", {}, devices.named),
-    element("p", { class: "note" }, `${say("before_whom")} ${say(devices.person)} · ${say(devices.position)} · ${say("seed")} ${devices.seed}`));
+    element("p", { class: "note" }, devices.person === null ? say("own_scanner")
+      : `${say("before_whom")} ${say(devices.person)} · ${say(devices.position)} · ${say("seed")} ${devices.seed}`));
 }
 
 export function choose(): HTMLElement {
@@ -24,7 +25,7 @@ export function choose(): HTMLElement {
   seed.oninput = () => { order["seed"] = Math.min(page.choices.max_seed, Math.max(1, Math.round(Number(seed.value)) || 1)); };
   const sessions = element("div", { class: "sessions" }, say("no_sessions"));
   void read<Listed[]>("/api/sessions").then((all) => {
-    if (all.length) sessions.replaceChildren(table(all.map((one) => [one.session, `${say(one.person)} · ${say(one.programme)}`,
+    if (all.length) sessions.replaceChildren(table(all.map((one) => [one.session, `${one.person && say(one.person) + " · "}${say(one.programme)}`,
       `${Math.round(one.duration_s)} s · ${one.performed}/${one.paths} ${say("paths_short")}${one.stops ? ` · ${say("ended_stopped")}` : ""}`,
       element("div", { class: "row" },
         element("button", { id: `play_${one.session}`, "aria-label": `${say("look_back")} ${one.session}`, onclick: () => void lookBack(one.session) }, say("look_back")),

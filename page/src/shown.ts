@@ -11,7 +11,7 @@ import { say } from "./words";
 
 export interface Choices { people: string[]; positions: string[]; programmes: { name: string; description: string }[]; techniques: { name: string; colour: string }[]; questions: { key: string }[]; zones: { name: string; cap_n: number }[]; max_seed: number; keeps_people: boolean; devices: Devices | null }
 /** Arms that the server drives, and who is before them; nothing of it is chosen here. */
-export interface Devices { named: string; person: string; position: string; seed: number }
+export interface Devices { named: string; person: string | null; position: string; seed: number }
 export type View = "choose" | "health" | "scan" | "review" | "massage" | "report" | "play";
 /** What is ruled out and what was moved by hand. */
 export interface ByHand { no_go: { name: string; corners: [number, number, number][] }[]; fixed: { name: string; at: [number, number, number] }[] }

@@ -18,7 +18,7 @@ export function showTop(): void {
       page.state?.password ? element("button", { id: "leave_server", onclick: leaveServer }, say("log_out")) : "",
       element("button", { id: "language", onclick: () => { changeLanguage(); showTop(); page.render(); } }, say("language")),
       element("button", { id: "theme", onclick: changeTheme, "aria-label": say("theme"), title: say("theme") }, "◐")));
-  document.getElementById("foot")!.textContent = page.state?.audit_fails ? say("unsafe_log") : `${say("simulated")} ${page.choices?.devices?.named ?? ""} ${paceWords()}`;
+  document.getElementById("foot")!.textContent = page.state?.audit_fails ? say("unsafe_log") : `${say(page.choices?.devices?.person === null ? "own_devices" : "simulated")} ${page.choices?.devices?.named ?? ""} ${paceWords()}`;
 }
 
 function leaveServer(): void {

@@ -10,7 +10,7 @@ block is not shown to a reader:
   <!-- file: NAME -->     the block below lies in the folder as that file
   <!-- before: COMMAND -->  is run before the block, for what a reader brings along
   <!-- ends with: CODE -->  what a command of it shows, other than 0
-  <!-- not run: WHY -->   it takes hours, or somebody's devices
+  <!-- not run: WHY -->  it is long, or needs somebody's devices
 
 `tuina --help` parses all options and their values first; required ones may be missing, since a text may name part of
 a command.

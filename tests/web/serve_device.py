@@ -135,7 +135,11 @@ def refused_at_the_start(binary, folder, device):
     bare = f"{folder}/bare.toml"
     with open(bare, "w", encoding="utf-8") as file:
         file.write('[camera]\nkind = "v4l2"\naddress = "/dev/video0"\n')
+    whole = f"{folder}/whole.toml"
+    with open(whole, "w", encoding="utf-8") as file, open(device, encoding="utf-8") as arms:
+        file.write('[camera]\nkind = "v4l2"\naddress = "/dev/video0"\n[turntable]\nkind = "board"\naddress = "/dev/none"\n' + arms.read())
     for words, code, said in ((("--device", f"{folder}/none.toml"), 2, "none.toml"), (("--device", bare), 2, "names no arms"),
+                              (("--device", whole), 1, "needs --calibration"), (("--device", whole, "--calibration", device), 1, "needs --robot-pose"),
                               (("--device", device, "--pace", "5"), 1, "--pace"), (("--person", "phantom:slim"), 1, "--device"),
                               (("--device", device, "--robot", "none"), 1, "none")):
         done = subprocess.run([binary, "serve", "--port", "0", "--out", f"{folder}/not", *words], capture_output=True, text=True, timeout=60)

@@ -268,6 +268,8 @@ Result<std::string> page_of(const Campaign& campaign) {
                  "What goes wrong with a whole scan or session. An acupoint may be 15 mm off, or "
                  "the scan has to be refused.")
         .table(session_table(campaign));
+  if (const auto random = random_table(campaign); !random.rows.empty())
+    page.section("Random trials").table(random);
   if (const auto people = people_table(campaign); !people.rows.empty())
     page.section(
             "Nobody is stopped for nothing",

@@ -263,7 +263,8 @@ std::string to_json(const Campaign& campaign) {
   json["double_faults"] = {{"held", held}, {"of", campaign.pairs.size()}};
   json["sessions"] = {{"run", campaign.random.size()},
                       {"violations", campaign.violations()},
-                      {"bound", campaign.violation_bound()}};
+                      {"bound", campaign.violation_bound()},
+                      {"told", to_json(random_table(campaign))}};
   json["worst_force_n"] = campaign.worst_force_n();
   json["first_action_ms"] = {{"median", nullptr}, {"max", nullptr}};
   if (!actions_ms.empty())
@@ -282,7 +283,8 @@ std::string to_json(const Campaign& campaign) {
 std::string to_text(const Campaign& campaign) {
   std::string text = summary_of(campaign) + " Simulation only.\n";
   for (const Table& table : {class_table(campaign), pair_table(campaign), session_table(campaign),
-                             people_table(campaign), worst_table(campaign), failed_table(campaign)})
+                             people_table(campaign), worst_table(campaign), random_table(campaign),
+                             failed_table(campaign)})
     if (!table.rows.empty()) text += "\n" + to_text(table);
   return text;
 }

@@ -18,6 +18,8 @@ namespace tuina::app {
 [[nodiscard]] telemetry::Table session_table(const Campaign& campaign);
 [[nodiscard]] telemetry::Table worst_table(const Campaign& campaign);
 [[nodiscard]] telemetry::Table people_table(const Campaign& campaign);
+/// Of random trials only those that violate a bound, or were stopped before their fault came.
+[[nodiscard]] telemetry::Table random_table(const Campaign& campaign);
 /// Faults of the list that nothing here has, and where each is held instead.
 [[nodiscard]] telemetry::Table elsewhere_table();
 /// In a sentence or two what was tried and what held.
