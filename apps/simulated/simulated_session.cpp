@@ -124,7 +124,8 @@ Result<SessionResult> run_simulated_session(const SessionOrder& order,
                                  .config = config,
                                  .common = common,
                                  .record_file = record_file,
-                                 .attendant = attendant},
+                                 .attendant = attendant,
+                                 .real_pace = order.pace || (far->arms && !far->arms->lock_step())},
                                 judges, result);
   if (!done) return tl::unexpected(done.error());
   if (far->arms) result.devices = far->arms->record(told->missed());

@@ -154,7 +154,7 @@ Result<void> run_watched(const session::Devices& devices, WatchedOrder order,
   all.insert(all.end(), {&joints, &watcher});
   if (attendant.waits != nullptr) all.push_back(attendant.waits);
   using Behind = session::Relay::Behind;
-  const Behind behind = order.given.pace ? Behind::leave_out : Behind::wait;
+  const Behind behind = order.real_pace ? Behind::leave_out : Behind::wait;
   std::optional<session::Relay> record;
   if (*recorder) all.push_back(&record.emplace(**recorder, behind));
   std::optional<ToldChannels> channels;

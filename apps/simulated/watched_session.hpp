@@ -19,6 +19,8 @@ struct WatchedOrder {
   const CommonOptions& common;
   const std::filesystem::path& record_file;  ///< empty: no record
   const Attendant& attendant;
+  /// The robot waits for nobody: what a slow record has no room for is left out.
+  bool real_pace = false;
 };
 
 /// `session::run` with all who watch: the terminal, the record, an attendant, and `judges`, who are

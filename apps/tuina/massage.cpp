@@ -18,12 +18,12 @@
 namespace tuina::app {
 namespace {
 
-/// The whole session in simulation: scan, map, plan, massage, report.
+/// The whole session: scan, map, plan, massage, report.
 class Massage final : public Verb {
  public:
   [[nodiscard]] const char* name() const override { return "massage"; }
   [[nodiscard]] const char* summary() const override {
-    return "scan a simulated person, plan and give a massage, write the report";
+    return "scan a person, plan and give a massage, write the report: simulated, or with devices";
   }
   [[nodiscard]] const char* example() const override {
     return "tuina massage --person phantom:hefty --position prone --programme relax --out "

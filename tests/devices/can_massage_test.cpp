@@ -70,6 +70,9 @@ class Drives {
     thread_ = std::thread([this, all] { outcome_ = run_tuina(all, max_s); });
     for (int i = 0; i < 600 && !std::filesystem::exists(device_); ++i)
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    if (std::filesystem::exists(device_)) return;
+    thread_.join();
+    FAIL("no drives: ", outcome_.err);
   }
   ~Drives() {
     if (thread_.joinable()) thread_.join();

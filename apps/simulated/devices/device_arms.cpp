@@ -120,16 +120,16 @@ Result<void> DeviceArms::open_armlink(const hardware::DeviceFile& file,
 Result<void> DeviceArms::open_drives(const hardware::DeviceFile& file,
                                      const robot::RobotPlacement& placement,
                                      const std::string& world_name) {
+  const auto program = hardware::emulator_of(hardware::bus_loads(*file.driven_arms).front().bus);
   if (!world_name.empty()) {
-    const auto loads = hardware::bus_loads(*file.driven_arms);
-    const auto program = hardware::emulator_of(loads.front().bus);
     if (!program) return fail(Fault::device, "{}", real_arms);
     auto truth = truth_of(*program, "can", world_name);
     if (!truth) return tl::unexpected(truth.error());
     truth_ = std::move(*truth);
   }
-  constexpr std::chrono::seconds patience(6);  // with a simulation that computes
-  const hardware::CanBuses buses = {.wait = true, .patience = patience};
+  drives_wait_ = program.has_value();
+  hardware::CanBuses buses = {.wait = drives_wait_};
+  if (drives_wait_) buses.patience = std::chrono::seconds(6);  // with a simulation that computes
   auto robot =
       hardware::Cia402Robot::open(*file.driven_arms, placement.arm, placement.mount, buses);
   if (!robot) return tl::unexpected(robot.error());
@@ -162,7 +162,7 @@ DeviceArms::~DeviceArms() {
 }
 
 bool DeviceArms::lock_step() const noexcept {
-  if (drives_) return true;
+  if (drives_) return drives_wait_;
   return armlink_->peer(Arm::left).waits() && armlink_->peer(Arm::right).waits();
 }
 

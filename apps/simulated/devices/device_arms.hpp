@@ -41,6 +41,8 @@ class DeviceArms final : public link::Supervisor {
   /// Only where there is a world.
   [[nodiscard]] const SharedTruth& truth() const noexcept { return *truth_; }
   [[nodiscard]] record::DeviceRecord record(std::uint64_t truth_missed) const;
+  /// Whether the arms are simulated ones that wait for each command; others wait for nobody.
+  [[nodiscard]] bool lock_step() const noexcept;
 
   /// Where the arms do not wait, this thread is a real-time one from here on, as far as it may be,
   /// until they rest or this ends.
@@ -62,7 +64,6 @@ class DeviceArms final : public link::Supervisor {
   [[nodiscard]] Result<void> open_drives(const hardware::DeviceFile& file,
                                          const robot::RobotPlacement& placement,
                                          const std::string& world_name);
-  [[nodiscard]] bool lock_step() const noexcept;
   [[nodiscard]] record::DeviceRecord::Traffic traffic(Arm arm) const;
 
   std::string named_;  ///< kind and addresses
@@ -70,6 +71,7 @@ class DeviceArms final : public link::Supervisor {
   /// One of these, and the same arms joined with their sensors.
   std::unique_ptr<hardware::ArmlinkRobot> armlink_;
   std::unique_ptr<hardware::Cia402Robot> drives_;
+  bool drives_wait_ = false;  ///< they are emulated
   std::unique_ptr<hardware::WristRobot> wrists_;
   /// @}
   std::optional<SharedTruth> truth_;  ///< none without a world

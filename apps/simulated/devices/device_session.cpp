@@ -75,7 +75,8 @@ Result<SessionResult> run_device_session(const SessionOrder& order, const sessio
                    .config = config,
                    .common = common,
                    .record_file = record_file,
-                   .attendant = attendant},
+                   .attendant = attendant,
+                   .real_pace = !(*arms)->lock_step()},
                   {&felt}, result);
   if (!done) return tl::unexpected(done.error());
   result.devices = (*arms)->record(0);
