@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <unistd.h>
-
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "tests/devices/own_port.hpp"
 #include "tests/whole/command.hpp"
 
 // Simulated arms as another program, over UDP.
@@ -17,12 +16,6 @@ using Words = std::vector<std::string>;
 inline Words operator+(Words words, const Words& more) {
   words.insert(words.end(), more.begin(), more.end());
   return words;
-}
-
-/// Ports that no other run of a test has.
-inline int own_port() {
-  static int next = 21'000 + 8 * static_cast<int>(getpid() % 1'200);
-  return next += 8;
 }
 
 inline std::string device_file(const Folder& folder, int port) {

@@ -12,6 +12,7 @@
 #include <sstream>
 #include <thread>
 
+#include "tests/devices/own_port.hpp"
 #include "tests/whole/command.hpp"
 #include "tuina/core/io/file.hpp"
 #include "tuina/core/units.hpp"
@@ -60,11 +61,10 @@ class Drives {
   Drives(const Folder& folder, const Words& words, const std::string& position = "prone")
       : device_(folder / "device.toml") {
     std::filesystem::remove(device_);
-    static int port = 21'003 + 8 * static_cast<int>(getpid() % 1'200);
-    port += 8;
     const Words all =
-        Words{"robot", "can",  "--quiet", "--json", "--wrist", "127.0.0.1:" + std::to_string(port),
-              "--out", device_} +
+        Words{"robot",  "can",     "--quiet",
+              "--json", "--wrist", "127.0.0.1:" + std::to_string(tuina::test::own_port()),
+              "--out",  device_} +
         same_world(folder, position) + words;
     constexpr int max_s = 600;
     thread_ = std::thread([this, all] { outcome_ = run_tuina(all, max_s); });
