@@ -28,7 +28,7 @@ namespace {
 
 const Words person = {"--person", "phantom:slim", "--position", "prone", "--seed", "7"};
 
-const test::Sweep& sweep() {
+const test::Sweep& lying_sweep() {
   static const test::Sweep made(person);
   return made;
 }
@@ -48,10 +48,10 @@ std::string prepared(const Folder& folder) {
       .base_from_couch = robot::place_robot(*thesis, BodyPosture::prone).mount.base_from_couch};
   return " --consent " + folder.with("consent.toml", session::consent_form("anna", "no")) +
          " --robot-pose " + folder.with("robot.toml", session::to_toml(placed)) +
-         " --calibration " + sweep().calibration("0") + " --out " + folder / "report";
+         " --calibration " + lying_sweep().calibration("0") + " --out " + folder / "report";
 }
 
-std::string turn() {
+std::string turn_words() {
   std::string words;
   for (const std::string& word : test::turn) words += " " + word;
   return words;
@@ -70,7 +70,7 @@ TEST_CASE("a massage by one's own scanner and arms is as planned, and claims no 
   REQUIRE(test::is_there(test::device_file(folder, port)));
   (void)device_file_of_all(folder, port);
   const Scanned session = test::on_stage(
-      folder, sweep(), "massage --quiet" + prepared(folder) + turn(), "", 40, "go\n");
+      folder, lying_sweep(), "massage --quiet" + prepared(folder) + turn_words(), "", 40, "go\n");
   REQUIRE_MESSAGE(session.host.exit_code == 0, session.host.err);
   CHECK(session.host.err.find("the arms move once you type `go`") != std::string::npos);
   CHECK(session.stage["is_lit"] == false);
@@ -143,8 +143,9 @@ TEST_CASE("nobody is touched without answers, calibration, the robot's place and
       right({TUINA_ARM_CLIENT, std::to_string(port + 1)});
   REQUIRE(test::is_there(test::device_file(folder, port)));
   (void)device_file_of_all(folder, port);
-  const Scanned no = test::on_stage(folder, sweep(), "massage --quiet" + prepared(folder) + turn(),
-                                    "", 40, "yes, go\n");
+  const Scanned no =
+      test::on_stage(folder, lying_sweep(), "massage --quiet" + prepared(folder) + turn_words(), "",
+                     40, "yes, go\n");
   CHECK(no.host.exit_code == 4);
   CHECK_MESSAGE(
       no.host.err.find("the plan was not approved, and no arm has moved") != std::string::npos,
