@@ -152,6 +152,26 @@ TEST_CASE("an arm that loses its power sinks for 50 ms, then its brakes hold it"
   CHECK(room.plant->truth().arms[Arm::right].drive == Drive::commanded);
 }
 
+TEST_CASE("an emergency stop lets both arms give way at once, then brakes them for good") {
+  Room room = enter();
+  room.live(100);
+  const Vector3 at = room.left().couch_from_tool.translation();
+  room.plant->emergency_stop();
+  room.live(1);
+  const auto both_are = [&](Drive drive) {
+    const auto& arms = room.plant->truth().arms;
+    return arms[Arm::left].drive == drive && arms[Arm::right].drive == drive;
+  };
+  CHECK(both_are(Drive::damped));
+  room.live(310);
+  CHECK(both_are(Drive::braked));
+  const double sunk_m = (room.left().couch_from_tool.translation() - at).norm();
+  MESSAGE(fmt::format("it sank by {:.2f} mm", 1e3 * sunk_m));
+  CHECK(sunk_m < 2e-3);
+  room.live(1000);
+  CHECK(both_are(Drive::braked));
+}
+
 TEST_CASE("watchdog and brakes take nothing from the heap") {
   Room room = enter();
   room.live(50, 40.0);

@@ -50,7 +50,7 @@ struct Injection {
   sim::Breathing breathing = {};  ///< beside the usual; from the beginning on
   double hand_inward_n = 0.0, hand_aside_n = 0.0;
   bool power_lost = false;
-  bool emergency_stop = false;  ///< neither arm has power any more
+  bool emergency_stop = false;  ///< the drives of both arms stop by themselves
   bool stop_ignored = false;    ///< somebody asks for a stop, and the controller goes on
   Stray stray = Stray::none;    ///< of the arm that works; `other_arm`: the other one comes to it
   double tool_kg = 0.0;         ///< heavier than the table says; from the beginning on

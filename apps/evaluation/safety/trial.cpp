@@ -230,8 +230,8 @@ void Trial::happen() {
       plant_.push(site_.arm, {.force_n = onset.severity * site_.mount.base_from_couch.linear() *
                                          hand_in_couch});
     }
-    if (injection.power_lost || injection.emergency_stop) plant_.cut_power(site_.arm);
-    if (injection.emergency_stop) plant_.cut_power(other_arm());
+    if (injection.power_lost) plant_.cut_power(site_.arm);
+    if (injection.emergency_stop) plant_.emergency_stop();
     if (injection.stop_ignored) arm_.guard().expect_stop();
     if (injection.stray != Stray::none) stray(injection.stray);
     if (injection.madness != Madness::none)

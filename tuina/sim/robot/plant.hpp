@@ -131,6 +131,9 @@ class Plant final : public robot::Robot {
   void push(Arm arm, const Wrench& hand_in_base) noexcept;
   /// From the next millisecond on the arm has no power: no torque, and brakes after 50 ms.
   void cut_power(Arm arm) noexcept;
+  /// From the next millisecond on the drives of both arms heed nobody: for good they do what they
+  /// do without commands, as a stop of category 1 [iec60204], which brakes last.
+  void emergency_stop() noexcept;
 
   /// State at the last `read`.
   [[nodiscard]] const PlantTruth& truth() const noexcept;

@@ -26,7 +26,8 @@ constexpr int brakes_close_ticks = 50;  // without power
 }  // namespace
 
 void Plant::World::choose_drive(ArmDevices& arm) noexcept {
-  const bool alone = options.watchdog_ticks > 0 && unanswered >= options.watchdog_ticks;
+  const bool unheard = options.watchdog_ticks > 0 && unanswered >= options.watchdog_ticks;
+  const bool alone = arm.stopped || unheard;
   arm.damped_ticks = alone ? arm.damped_ticks + 1 : 0;
   arm.unpowered_ticks = arm.powered ? 0 : arm.unpowered_ticks + 1;
   // One millisecond of damping at least, so that the first sample after a jolt does not decide.

@@ -56,7 +56,8 @@ struct ArmDevices {
 
   Drive drive = Drive::commanded;
   bool powered = true, brake_wanted = false;
-  bool caught = false;  // braked by the watchdog, for good
+  bool stopped = false;  // by the emergency stop, for good
+  bool caught = false;   // braked by the drives themselves, for good
   int damped_ticks = 0, unpowered_ticks = 0;
   std::array<double, max_joints> braked_at_rad = {};  // joint angles that the brakes hold
 };
