@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <set>
+#include <map>
 
 #include "apps/cli/table.hpp"
 #include "apps/evaluation/safety/judge.hpp"
@@ -137,6 +137,13 @@ Table worst_table(const Campaign& campaign) {
   return table;
 }
 
+/// Each with how often it stopped somebody.
+std::string in_words(const std::map<std::string, int>& causes) {
+  std::vector<std::string> words;
+  for (const auto& [cause, times] : causes) words.push_back(fmt::format("{} {}", times, cause));
+  return fmt::format("{}", fmt::join(words, ", "));
+}
+
 Table people_table(const Campaign& campaign) {
   Table table{.title = "People without a fault",
               .columns = {{.head = "what they do", .key = "does"},
@@ -149,7 +156,7 @@ Table people_table(const Campaign& campaign) {
   for (const char* does : {"breathes", "coughs", "shifts"}) {
     int people = 0, stopped = 0, let_go = 0;
     double worst_n = 0.0, over_n = 0.0;
-    std::set<std::string> causes;
+    std::map<std::string, int> causes;
     for (const PersonRun& one : campaign.people) {
       if (one.does != does) continue;
       ++people;
@@ -157,36 +164,33 @@ Table people_table(const Campaign& campaign) {
       over_n = std::max(over_n, one.outcome.worst_force_n - one.outcome.set_force_n);
       if (!one.outcome.stopped) continue;
       ++(one.outcome.by_guard ? stopped : let_go);
-      causes.insert(one.outcome.cause);
+      ++causes[one.outcome.cause];
     }
     if (people > 0)
-      table.add({does, people, stopped, let_go, worst_n, over_n,
-                 fmt::format("{}", fmt::join(causes, ", "))});
+      table.add({does, people, stopped, let_go, worst_n, over_n, in_words(causes)});
   }
   const double not_looked_at = std::numeric_limits<double>::quiet_NaN();
   int press_stopped = 0, press_let_go = 0;
-  std::set<std::string> press_causes;
+  std::map<std::string, int> press_causes;
   for (const TrialOutcome& one : campaign.clean) {
     if (!one.stopped) continue;
     ++(one.by_guard ? press_stopped : press_let_go);
-    press_causes.insert(one.cause);
+    ++press_causes[one.cause];
   }
   if (!campaign.clean.empty())
     table.add({"breathes quietly", static_cast<int>(campaign.clean.size()), press_stopped,
-               press_let_go, not_looked_at, not_looked_at,
-               fmt::format("{}", fmt::join(press_causes, ", "))});
+               press_let_go, not_looked_at, not_looked_at, in_words(press_causes)});
   if (campaign.clean_sessions.empty()) return table;
   int stopped = 0;
   double worst_n = 0.0;
-  std::set<std::string> causes;
+  std::map<std::string, int> causes;
   for (const CleanSession& one : campaign.clean_sessions) {
     stopped += one.stops.empty() ? 0 : 1;
     worst_n = std::max(worst_n, one.max_force_n);
-    causes.insert(one.stops.begin(), one.stops.end());
+    for (const std::string& stop : one.stops) ++causes[stop];
   }
   table.add({"sessions of 20 minutes", static_cast<int>(campaign.clean_sessions.size()), stopped,
-             telemetry::Cell(), worst_n, not_looked_at,
-             fmt::format("{}", fmt::join(causes, ", "))});
+             telemetry::Cell(), worst_n, not_looked_at, in_words(causes)});
   return table;
 }
 
