@@ -166,6 +166,7 @@ TEST_CASE(
   for (const auto& spoil : faults) {
     for (const bool wound_up : {false, true}) {
       Scene scene;
+      scene.force_n = 0.0;
       scene.tick(10);
       if (wound_up) scene.retract();
       scene.seen.gravity_nm.array() += 0.5;

@@ -48,7 +48,7 @@ const std::vector<Event> events = {
      Cause::torques_amiss, true},
     {"too high a set force", [](Scene& s) { s.proposal.set_force_n = 46.0; }, Action::retract,
      Cause::set_force_too_high, true},
-    {"no joints", [](Scene& s) { s.seen.q_rad[0] = not_a_number; }, Action::brake,
+    {"no joints", [](Scene& s) { s.seen.q_rad[0] = not_a_number; }, Action::retract,
      Cause::state_not_finite, true},
     {"held", [](Scene& s) { s.guard.stop(Action::freeze, Cause::arms_too_close); }, Action::freeze,
      Cause::arms_too_close, true, true},
@@ -180,7 +180,7 @@ const std::vector<Stop> stops = {
      Cause::force_stuck},
     {"a stop from outside", [](Scene& s) { s.guard.stop(Action::freeze, Cause::arms_too_close); },
      Action::freeze, Cause::arms_too_close},
-    {"no state", [](Scene& s) { s.seen.q_rad[0] = not_a_number; }, Action::brake,
+    {"no state", [](Scene& s) { s.seen.q_rad[0] = not_a_number; }, Action::retract,
      Cause::state_not_finite},
 };
 

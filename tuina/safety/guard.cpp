@@ -45,7 +45,8 @@ Guard::Guard(const Options& options) noexcept : options_(options) {
   lower(options_.period_s, control_period_s);
   for (double& limit_nm : options_.torque_limit_nm)
     limit_nm = std::isfinite(limit_nm) ? std::max(limit_nm, 0.0) : 0.0;
-  gravity_nm_ = allowed_nm_ = drift_rad_ = JointVector::Zero(options.torque_limit_nm.size());
+  gravity_nm_ = levers_m_ = allowed_nm_ = drift_rad_ =
+      JointVector::Zero(options.torque_limit_nm.size());
   spike_ages_.fill(std::numeric_limits<int>::max() / 2);
 }
 
@@ -73,7 +74,7 @@ Verdict Guard::check(const Observation& seen, const Proposal& proposal) noexcept
       seen.jacobian.allFinite() && seen.mass_kg_m2.allFinite() && seen.tool_in_base.allFinite() &&
       seen.tool_velocity_m_per_s.allFinite() && std::isfinite(seen.time_s);
   if (!known) {
-    finding.add(Action::brake, Cause::state_not_finite);
+    judge_unknown(finding);
   } else {
     if (!started_) begin(seen);
     judge_time(seen, finding);
@@ -86,7 +87,10 @@ Verdict Guard::check(const Observation& seen, const Proposal& proposal) noexcept
     judge_torques(seen, proposal, finding);
     judge_drives(seen, finding);
     judge_obedience(seen, finding);
-    if (!encoders_doubted_) gravity_nm_ = seen.gravity_nm;
+    if (!encoders_doubted_) {
+      gravity_nm_ = seen.gravity_nm;
+      levers_m_ = seen.jacobian.transpose() * normal_in_base_;
+    }
   }
   if (!is_stop(state_)) stopped_by_ = finding.cause;
   state_ = next_state(state_, finding.action, false);
@@ -96,7 +100,8 @@ Verdict Guard::check(const Observation& seen, const Proposal& proposal) noexcept
     allowed_nm_ = let_through(seen, proposal, finding);
   } else {
     const double rate = own_rate_factor * options_.limits.torque_rate_nm_per_s;
-    JointVector own_nm = own_torque(seen, action_in(state_, finding.action));
+    const Action action = action_in(state_, finding.action);
+    JointVector own_nm = known ? own_torque(seen, action) : blind_torque(action);
     // Told nothing, a drive that turns the other way does no more harm than a dead one.
     if (seen.drive_misfit > 1.0 && seen.reversed_joint >= 0) own_nm[seen.reversed_joint] = 0.0;
     allowed_nm_ = limited(own_nm, rate, finding);

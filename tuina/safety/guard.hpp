@@ -176,6 +176,8 @@ class Guard {
   [[nodiscard]] bool feels() const noexcept;
   [[nodiscard]] bool pressed() const noexcept;
   [[nodiscard]] bool in_air() const noexcept;
+  void judge_unknown(Finding& finding) noexcept;
+  [[nodiscard]] JointVector blind_torque(Action action) const noexcept;
   [[nodiscard]] JointVector own_torque(const Observation& seen, Action action) noexcept;
   [[nodiscard]] JointVector let_through(const Observation& seen, const Proposal& proposal,
                                         Finding& finding) const noexcept;
@@ -190,7 +192,7 @@ class Guard {
                 ticks_ = 1;  ///< the last one, and how many have gone by since the one before
   double time_s_ = 0.0;
   JointVector q_rad_, dq_rad_per_s_, drift_rad_;
-  JointVector gravity_nm_;
+  JointVector gravity_nm_, levers_m_;  ///< the last that were believed; for a force outward
   JointVector allowed_nm_;
   Vector3 normal_in_base_ = Vector3::UnitZ();
 
@@ -206,7 +208,7 @@ class Guard {
   // Checks that need several milliseconds count them here.
   int clock_ = 0, repeated_ = 0, too_fast_ = 0, swinging_ = 0, over_cap_ = 0, saturated_ = 0,
       not_finite_ = 0, pushed_out_ = 0, rising_ = 0, reversed_ = 0, inward_ = 0, not_obeyed_ = 0,
-      frozen_ = 0, blind_ = 0, drive_amiss_ = 0;
+      frozen_ = 0, blind_ = 0, unknown_ = 0, drive_amiss_ = 0;
   double pushed_out_m_ = 0.0;
   std::uint32_t same_ = 0;
   bool encoders_doubted_ = false, force_doubted_ = false;

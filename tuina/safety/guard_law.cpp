@@ -23,6 +23,11 @@ constexpr double push_out_n = 80.0;
 // A person sits up at 0.6 m/s at most (docs/safety.md); the tool must be able to be faster.
 constexpr double push_out_m_per_s = 0.8;
 
+// An arm of which nothing is known any more leaves the skin by what was known last: the levers turn
+// by less than a tenth meanwhile.
+constexpr double blind_push_n = 40.0;
+constexpr int blind_push_ticks = 40;
+
 constexpr int disobedient_ticks = 50;
 constexpr double disobedient_m_per_s = 0.05;  // into the body, against 80 N outward
 // Harder than this, and so much harder than at its gentlest, a leaving tool has no reason to press;
@@ -72,6 +77,18 @@ void Guard::judge_obedience(const Observation& seen, Finding& finding) noexcept 
   if (not_obeyed_ >= disobedient_ticks) finding.add(Action::brake, Cause::not_obeyed);
 }
 
+// Brakes let an arm sink by some millimetres before they hold, and hold it there: a tool that
+// pressed has to leave the skin first.
+void Guard::judge_unknown(Finding& finding) noexcept {
+  const bool pressed_before = medians_n_.back() > pressed_n;
+  const bool leaves = pressed_before && unknown_++ < blind_push_ticks;
+  finding.add(leaves ? Action::retract : Action::brake, Cause::state_not_finite);
+}
+
+JointVector Guard::blind_torque(Action action) const noexcept {
+  return gravity_nm_ + (action == Action::brake ? 0.0 : blind_push_n) * levers_m_;
+}
+
 JointVector Guard::own_torque(const Observation& seen, Action action) noexcept {
   if (action == Action::brake) return gravity_nm_;
   // Where the joints are in doubt the tool's place is too: only the joints are braked.
@@ -83,13 +100,13 @@ JointVector Guard::own_torque(const Observation& seen, Action action) noexcept {
     // The median, for a single sample may be a blow that nobody has judged yet.
     held_n_ = pressed() ? std::min(felt_n(), sample_in_base_n_.dot(normal_in_base_)) : 0.0;
   }
-  const double outward_m_per_s = seen.tool_velocity_m_per_s.dot(normal_in_base_);
+  const double levers_m_per_s = seen.tool_velocity_m_per_s.dot(normal_in_base_);
   // A person who comes after the tool is met by nothing that holds it in place, nor aside, nor in
   // its posture, however far it is followed.
   if (action == Action::retract && pressed()) {
     hold_in_base_ = seen.tool_in_base;
     hold_rad_ = seen.q_rad;
-    const double push_n = outward_m_per_s < push_out_m_per_s ? push_out_n : 0.0;
+    const double push_n = levers_m_per_s < push_out_m_per_s ? push_out_n : 0.0;
     return seen.gravity_nm - own_joint_damping * seen.dq_rad_per_s +
            seen.jacobian.transpose() * (push_n * normal_in_base_);
   }
@@ -102,7 +119,7 @@ JointVector Guard::own_torque(const Observation& seen, Action action) noexcept {
   }
   // Where nothing is felt any more, what moves the tool outward may be a person who comes after it.
   const bool gives_way = pressed() || !feels();
-  const double spared_m_per_s = gives_way ? std::max(outward_m_per_s, 0.0) : 0.0;
+  const double spared_m_per_s = gives_way ? std::max(levers_m_per_s, 0.0) : 0.0;
   Vector3 force_n =
       -own_damping_n_s_per_m * (seen.tool_velocity_m_per_s - spared_m_per_s * normal_in_base_);
   JointVector torque_nm = seen.gravity_nm - own_joint_damping * seen.dq_rad_per_s;

@@ -264,7 +264,7 @@ std::vector<FaultClass> room_classes() {
       {.number = 44,
        .name = "emergency stop",
        .injection = {.emergency_stop = true},
-       .promise = {.act_ms = 20.0, .further_mm = 5.0, .released_ms = 600.0}},
+       .promise = {.act_ms = 20.0, .further_mm = 5.0}},
   };
 }
 

@@ -6,8 +6,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <map>
+#include <nlohmann/json.hpp>
 
 #include "apps/cli/table.hpp"
 #include "apps/evaluation/safety/judge.hpp"
@@ -166,8 +166,7 @@ Table people_table(const Campaign& campaign) {
       ++(one.outcome.by_guard ? stopped : let_go);
       ++causes[one.outcome.cause];
     }
-    if (people > 0)
-      table.add({does, people, stopped, let_go, worst_n, over_n, in_words(causes)});
+    if (people > 0) table.add({does, people, stopped, let_go, worst_n, over_n, in_words(causes)});
   }
   const double not_looked_at = std::numeric_limits<double>::quiet_NaN();
   int press_stopped = 0, press_let_go = 0;
