@@ -2,38 +2,70 @@
 # SPDX-License-Identifier: Apache-2.0
 """Writes what commands print into the tables of docs/: numbers.py BUILD [PAGE..]
 
-A table stands between a comment and `<!-- end -->`. The comment has commands of tuina, one a line, and then a filter of
-jq that makes rows of cells from their JSON, of several commands from an array. table.jq has what filters share. What a
-command has printed is kept in build/docs/numbers for as long as the program is not built anew. A page is written when
-all its commands are done, and not at all if one fails.
+A table stands between a comment and `<!-- end -->`. The comment has commands, one a line, and then a filter of jq that
+makes rows of cells from their JSON, of several commands from an array. `{a,b}` in a command stands for one with each;
+of commands joined by && the last one answers. What an example or a test of the build prints is one string for the
+filter. table.jq has what filters share. What a command has printed is kept in build/docs/numbers for as long as the
+program is not built anew. A page is written when all its commands are done, and not at all if one fails. A table of
+people who lie beside the repository (`../shared`), or of a test, stays as it is where these are not there.
 """
-import json, os, re, subprocess, sys
+import json, os, re, shlex, subprocess, sys, tempfile
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 KEPT = f"{ROOT}/build/docs/numbers"
-TABLE = re.compile(r"(<!-- (tuina .*?)-->\n)(.*?)(?=<!-- end -->)", re.DOTALL)
+STOPPED = 4  # by the guard; the session is told all the same
+PROGRAMS = ("tuina ", "build/release/")
+TABLE = re.compile(r"(<!-- ((?:tuina |build/release/).*?)-->\n)(.*?)(?=<!-- end -->)", re.DOTALL)
+
+
+def each(command):
+    """The commands that one with {a,b} stands for."""
+    found = re.search(r"\{([^{}]*,[^{}]*)\}", command)
+    if not found:
+        return [command]
+    return [line for word in found[1].split(",") for line in each(command[:found.start()] + word + command[found.end():])]
 
 
 def parts(comment):
     """The commands of a comment, and its filter."""
     lines = comment.strip().splitlines()
-    commands = [line for line in lines if line.startswith("tuina ")]
-    return commands, "\n".join(line for line in lines if not line.startswith("tuina "))
+    commands = [command for line in lines if line.startswith(PROGRAMS) for command in each(line)]
+    return commands, "\n".join(line for line in lines if not line.startswith(PROGRAMS))
+
+
+def said_by(command, build):
+    """What the last of commands joined by && prints. They are run in a folder of their own, for some write files."""
+    with tempfile.TemporaryDirectory() as folder:
+        for one in command.split(" && "):
+            program, *words = shlex.split(one)
+            words = [f"{ROOT}/{word}" if "/" in word and os.path.exists(f"{ROOT}/{word}") else word for word in words]
+            words += ["--json", "--quiet"] if program == "tuina" else []
+            done = subprocess.run([f"{build}/{program.removeprefix('build/release/')}", *words], capture_output=True,
+                                  text=True, cwd=folder)
+            if done.returncode not in (0, STOPPED):
+                sys.exit(f"{one}: ends with {done.returncode}: {done.stderr.strip() or done.stdout.strip()[-300:]}")
+    return done.stdout if program == "tuina" else json.dumps(done.stdout)
 
 
 def answer(command, build):
-    """The JSON that a command prints."""
+    """The JSON of a command."""
     kept = f"{KEPT}/{re.sub(r'[^A-Za-z0-9.=-]+', '_', command)}.json"
-    if not os.path.exists(kept) or os.path.getmtime(kept) < os.path.getmtime(f"{build}/tuina-evaluate"):
+    program = "tuina-evaluate" if command.startswith("tuina ") else command.split()[0].removeprefix("build/release/")
+    if not os.path.exists(kept) or os.path.getmtime(kept) < os.path.getmtime(f"{build}/{program}"):
         print(command, file=sys.stderr, flush=True)
-        done = subprocess.run([f"{build}/tuina", *command.split()[1:], "--json", "--quiet"], capture_output=True, text=True)
-        if done.returncode:
-            sys.exit(f"{command}: ends with {done.returncode}: {done.stderr.strip()}")
+        said = said_by(command, build)
         with open(f"{kept}.part", "w", encoding="utf-8") as file:
-            file.write(done.stdout)
+            file.write(said)
         os.replace(f"{kept}.part", kept)
     with open(kept, encoding="utf-8") as file:
         return file.read()
+
+
+def missing(commands, build):
+    """What a command needs and is not there: a folder beside the repository, or a test that was not built."""
+    words = [word for command in commands for word in command.split()]
+    return next((word for word in words if word.startswith("../") and not os.path.exists(f"{ROOT}/{word}")
+                 or word.startswith("build/release/") and not os.path.exists(f"{build}/{word[14:]}")), None)
 
 
 def table(commands, rows, build, page):
@@ -51,13 +83,22 @@ def table(commands, rows, build, page):
     return "\n" + "".join(f"| {' | '.join(map(str, row))} |\n" for row in cells) + "\n"
 
 
+def written(found, build, page):
+    """The table anew, or as it is."""
+    commands, rows = parts(found[2])
+    if missing(commands, build):
+        print(f"{page}: no {missing(commands, build)} here; the table of `{commands[0]}` stays")
+        return found[0]
+    return found[1] + table(commands, rows, build, page)
+
+
 def main(build, pages):
     os.makedirs(KEPT, exist_ok=True)
     for page in pages or sorted(name for name in os.listdir(f"{ROOT}/docs") if name.endswith(".md")):
         path = f"{ROOT}/docs/{page.removeprefix('docs/')}"
         with open(path, encoding="utf-8") as file:
             text = file.read()
-        new = TABLE.sub(lambda found: found.group(1) + table(*parts(found.group(2)), build, page), text)
+        new = TABLE.sub(lambda found: written(found, build, page), text)
         if new != text:
             with open(f"{path}.part", "w", encoding="utf-8") as file:
                 file.write(new)

@@ -11,6 +11,9 @@ def n(digits):
       + (if digits > 0 then "." + $padded[-digits:] else "" end)
   end;
 
+# With two digits that count, as far as two decimals go: 0.05, 1.4, 15, 162.
+def short: if . == null then n(0) elif fabs < 0.995 then n(2) elif fabs < 9.95 then n(1) else n(0) end;
+
 # With its sign: +1.5.
 def signed(digits): if . != null and . >= 0 then "+" + n(digits) else n(digits) end;
 

@@ -54,8 +54,9 @@ def simple(line):
 
 def commands(text):
     """(command, from a block) of a document; those that make its tables stand in comments."""
-    for comment in re.findall(r"<!-- (tuina .*?)-->", text, re.DOTALL):
-        yield from ((line, True) for line in comment.splitlines() if line.startswith("tuina "))
+    for comment in re.findall(r"<!-- ((?:tuina |build/release/).*?)-->", text, re.DOTALL):
+        yield from ((command, True) for line in comment.splitlines() if line.startswith(("tuina ", "build/release/"))
+                    for command in simple(line))
     for language, _, lines in blocks(text):
         if language in ("sh", "bash"):
             for line in lines:
@@ -73,8 +74,20 @@ def variants(word):
         yield re.sub(r"^(\d|K)/N$", "1/2", one)
 
 
+def each(command):
+    """The commands that one with {a,b} stands for."""
+    found = re.search(r"\{([^{}]*,[^{}]*)\}", command)
+    if not found:
+        return [command]
+    return [line for word in found[1].split(",") for line in each(command[:found.start()] + word + command[found.end():])]
+
+
 def typed(command):
     """The command lines that a written one stands for."""
+    return [words for one in each(command) for words in typed_one(one)]
+
+
+def typed_one(command):
     words = shlex.split(command.replace("[", "").replace("]", "").replace("...", ""))
     return [list(words) for words in itertools.product(*(list(variants(word)) for word in words))]
 
@@ -149,8 +162,8 @@ def check():
     faults, other = [], {}
     for document in documents():
         text = read(document)
-        if len(re.findall("<!-- tuina ", text)) != len(re.findall("<!-- end -->", text)):
-            faults.append(f"{document}: `<!-- tuina` and `<!-- end -->` do not come in pairs")
+        if len(re.findall("<!-- (?:tuina |build/release/)", text)) != len(re.findall("<!-- end -->", text)):
+            faults.append(f"{document}: comments with a command and `<!-- end -->` do not come in pairs")
         for command, from_block in commands(text):
             written.setdefault(command, (document, from_block))
         if document != "docs/python.md" and any(language == "python" for language, *_ in blocks(text)):
