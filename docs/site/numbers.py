@@ -61,10 +61,9 @@ def answer(command, build):
         return file.read()
 
 
-def missing(commands, build):
-    """What a command needs and is not there: a folder beside the repository, or a test that was not built."""
-    words = [word for command in commands for word in command.split()]
-    return next((word for word in words if word.startswith("../") and not os.path.exists(f"{ROOT}/{word}")
+def missing(comment, build):
+    """What is named and not there: a folder beside the repository, or a test that was not built."""
+    return next((word for word in comment.split() if word.startswith("../") and not os.path.exists(f"{ROOT}/{word}")
                  or word.startswith("build/release/") and not os.path.exists(f"{build}/{word[14:]}")), None)
 
 
@@ -86,8 +85,8 @@ def table(commands, rows, build, page):
 def written(found, build, page):
     """The table anew, or as it is."""
     commands, rows = parts(found[2])
-    if missing(commands, build):
-        print(f"{page}: no {missing(commands, build)} here; the table of `{commands[0]}` stays")
+    if missing(found[2], build):
+        print(f"{page}: no {missing(found[2], build)} here; the table of `{commands[0]}` stays")
         return found[0]
     return found[1] + table(commands, rows, build, page)
 
