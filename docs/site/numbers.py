@@ -23,7 +23,8 @@ def each(command):
     found = re.search(r"\{([^{}]*,[^{}]*)\}", command)
     if not found:
         return [command]
-    return [line for word in found[1].split(",") for line in each(command[:found.start()] + word + command[found.end():])]
+    before, after = command[:found.start()], command[found.end():]
+    return [line for word in found[1].split(",") for line in each(before + word + after)]
 
 
 def parts(comment):
@@ -50,8 +51,10 @@ def said_by(command, build):
 def answer(command, build):
     """The JSON of a command."""
     kept = f"{KEPT}/{re.sub(r'[^A-Za-z0-9.=-]+', '_', command)}.json"
-    program = "tuina-evaluate" if command.startswith("tuina ") else command.split()[0].removeprefix("build/release/")
-    if not os.path.exists(kept) or os.path.getmtime(kept) < os.path.getmtime(f"{build}/{program}"):
+    program = command.split()[0].removeprefix("build/release/")
+    programs = ["tuina", "tuina-evaluate"] if program == "tuina" else [program]
+    built = max(os.path.getmtime(f"{build}/{program}") for program in programs)
+    if not os.path.exists(kept) or os.path.getmtime(kept) < built:
         print(command, file=sys.stderr, flush=True)
         said = said_by(command, build)
         with open(f"{kept}.part", "w", encoding="utf-8") as file:
@@ -64,7 +67,7 @@ def answer(command, build):
 def missing(comment, build):
     """What is named and not there: a folder beside the repository, or a test that was not built."""
     return next((word for word in comment.split() if word.startswith("../") and not os.path.exists(f"{ROOT}/{word}")
-                 or word.startswith("build/release/") and not os.path.exists(f"{build}/{word[14:]}")), None)
+                 or word.startswith("build/") and not os.path.exists(word.replace("build/release", build, 1))), None)
 
 
 def table(commands, rows, build, page):

@@ -79,7 +79,8 @@ def each(command):
     found = re.search(r"\{([^{}]*,[^{}]*)\}", command)
     if not found:
         return [command]
-    return [line for word in found[1].split(",") for line in each(command[:found.start()] + word + command[found.end():])]
+    before, after = command[:found.start()], command[found.end():]
+    return [line for word in found[1].split(",") for line in each(before + word + after)]
 
 
 def typed(command):
