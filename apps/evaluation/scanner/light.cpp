@@ -106,6 +106,7 @@ telemetry::Table light_table(const LightProof& proof) {
                to_mm(back.bias_m),
                100.0 * back.seen_share,
                100.0 * back.outlier_share,
+               {},
                {}});
   }
   return table;
