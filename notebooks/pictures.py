@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """How the notebooks draw a back: shaded, head up, the person's left on the left."""
 import numpy as np
+import tuina
 from matplotlib.colors import LinearSegmentedColormap
 
 CLAY = LinearSegmentedColormap.from_list("clay", ["#4e4540", "#b9aaa0", "#f4efeb"])
-TECHNIQUES = {"press": "#c0392b", "rub": "#2471a3", "stroke": "#1e8449", "tap": "#7d3c98", "knead": "#ca6f1e"}
+TECHNIQUES = tuina.technique_colours()
 ARMS = {"left": "#00796b", "right": "#d35400"}
 
 

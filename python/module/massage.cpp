@@ -7,6 +7,7 @@
 #include "tuina/record/acupoint_file.hpp"
 #include "tuina/record/plan_file.hpp"
 #include "tuina/session/lay_plan.hpp"
+#include "tuina/telemetry/plot/colours.hpp"
 
 namespace tuina::python {
 namespace {
@@ -81,6 +82,15 @@ void add_programme(py::module_& module) {
         return names;
       },
       "Names of the shipped programmes.");
+  module.def(
+      "technique_colours",
+      [] {
+        std::map<std::string, std::string> colours;
+        for (const TechniqueRow& row : technique_table)
+          colours.emplace(row.name, telemetry::css(row.colour));
+        return colours;
+      },
+      "Each technique by its name with the colour that pictures and reports give it, as #rrggbb.");
 }
 
 void add_path(py::module_& module) {

@@ -9,7 +9,7 @@ _Singles = npt.NDArray[np.float32]
 _Position = Literal["sitting", "prone"]
 _Method = Literal["surface", "field_morphing"]
 _Arm = Literal["left", "right"]
-_Technique = Literal["press", "rub", "stroke", "tap", "knead"]
+_Technique = str  # a key of technique_colours()
 
 __version__: str
 
@@ -143,6 +143,7 @@ class Programme:
 def load_programme(name_or_file: str) -> Programme: ...
 def parse_programme(text: str, name: str = "programme") -> Programme: ...
 def programme_names() -> list[str]: ...
+def technique_colours() -> dict[str, str]: ...
 
 class PlannedPath:
     @property
