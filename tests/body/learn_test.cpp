@@ -7,6 +7,7 @@
 #include <numeric>
 #include <string>
 
+#include "tuina/body/correction.hpp"
 #include "tuina/body/learn/shape_statistics.hpp"
 #include "tuina/core/random.hpp"
 #include "tuina/core/units.hpp"
@@ -109,6 +110,51 @@ TEST_CASE("a model does not depend on the order of people, nor on how they are s
                    [](std::size_t a, std::size_t b) { return a % 7 > b % 7; });
   CHECK(difference(model(drawn_backs(numbers), 0), usual) < 1e-9);
   CHECK(difference(model(drawn_backs(first(119)), 0), usual) > 1e-6);
+}
+
+TEST_CASE("a back that was found head to feet spoils no correction, and is no small error") {
+  constexpr Eigen::Index people = 40, views = 2, labels = 3;
+  const auto drawn_fits = [](Eigen::Index others) {
+    Random random = make_random(5, "left out");
+    const Eigen::Index columns = views * (people + others);
+    LeftOut fits{.features = Eigen::MatrixXd(2, columns),
+                 .targets_mm = Eigen::MatrixXd(3 * labels, columns),
+                 .variance_m2 = Eigen::MatrixXd::Constant(labels, columns, 1e-6),
+                 .residual_m = Eigen::VectorXd::Constant(columns, 1e-3),
+                 .outlier_score = Eigen::VectorXd::Ones(columns),
+                 .views = views};
+    for (Eigen::Index i = 0; i < columns; ++i) {
+      for (double& feature : fits.features.col(i)) feature = gaussian(random, 1.0);
+      for (double& off_mm : fits.targets_mm.col(i)) off_mm = gaussian(random, 1.0);
+      fits.targets_mm.col(i).array() += 4.0 * fits.features(0, i);
+    }
+    return fits;
+  };
+  const auto learned = [](const LeftOut& fits, Eigen::MatrixXd& wrong_mm) {
+    ShapeModel model;
+    model.radius95_m = Eigen::VectorXd::Zero(labels);
+    wrong_mm = learn_correction(fits, model);
+    return model;
+  };
+  Eigen::MatrixXd right_mm, wrong_mm;
+  const ShapeModel usual = learned(drawn_fits(0), right_mm);
+  CHECK(usual.correction(0, 0) == doctest::Approx(4.0).epsilon(0.1));
+  LeftOut fits = drawn_fits(1);
+  const Eigen::Index elsewhere = views * people;  // one of its views, which is enough
+  fits.targets_mm.col(elsewhere).array() += 200.0;
+  fits.outlier_score[elsewhere] = fits.outlier_score[elsewhere + 1] = 9.0;
+  fits.residual_m[elsewhere] = 9e-3;
+  const ShapeModel spared = learned(fits, wrong_mm);
+  CHECK((spared.correction - usual.correction).norm() < 1e-9);
+  CHECK(spared.max_outlier_score == 1.0);
+  CHECK((wrong_mm.leftCols(elsewhere) - right_mm).norm() < 1e-9);
+  CHECK(wrong_mm.col(elsewhere) == fits.targets_mm.col(elsewhere));
+  // As one of forty it hardly widens a radius of 95 %, as every tenth it does.
+  CHECK((spared.radius95_m.array() < 1.3 * usual.radius95_m.array()).all());
+  LeftOut many = drawn_fits(4);
+  for (Eigen::Index i = 0; i < 4; ++i) many.targets_mm.col(elsewhere + views * i).array() += 200.0;
+  const ShapeModel warned = learned(many, wrong_mm);
+  CHECK((warned.radius95_m.array() > 0.1).all());
 }
 
 TEST_CASE("backs come out of their file as they went in") {

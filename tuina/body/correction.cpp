@@ -24,6 +24,9 @@ constexpr double usual_mahalanobis2_sitting = 8.5;
 constexpr double usual_mahalanobis2_prone = 10.5;
 // Tuned on people of docs/bodies.md outside the training set.
 constexpr double share_of_prior = 0.5;
+// Mean label error of a fit that found the back in another place; the largest of a right one is a
+// third of this.
+constexpr double elsewhere_mm = 100.0;
 
 /// Candidates of the ridge penalty, chosen by leave-one-person-out: for the weights, and for the
 /// constant in equivalent people without error.
@@ -99,29 +102,60 @@ double quantile95(std::vector<double> values) {
                        std::ceil(0.95 * static_cast<double>(values.size()))))];
 }
 
+bool lies_elsewhere(const LeftOut& left_out, Index column) {
+  const auto off_mm = left_out.targets_mm.col(column).reshaped(3, left_out.targets_mm.rows() / 3);
+  return off_mm.colwise().norm().mean() > elsewhere_mm;
+}
+
+/// Columns of the people whose fits found the back, in each view; of all where nobody's did.
+std::vector<Index> found_backs(const LeftOut& left_out) {
+  std::vector<Index> all, found;
+  for (Index person = 0; person < left_out.features.cols(); person += left_out.views) {
+    bool elsewhere = false;
+    for (Index view = 0; view < left_out.views; ++view) {
+      all.push_back(person + view);
+      elsewhere = elsewhere || lies_elsewhere(left_out, person + view);
+    }
+    if (!elsewhere) found.insert(found.end(), all.end() - left_out.views, all.end());
+  }
+  return found.empty() ? all : found;
+}
+
+/// Learns the correction from some columns. Returns the errors of all: those of the others as they
+/// are.
+MatrixXd learn_offsets(const LeftOut& left_out, const std::vector<Index>& found,
+                       ShapeModel& model) {
+  const MatrixXd features = left_out.features(Eigen::all, found);
+  MatrixXd targets_mm = left_out.targets_mm(Eigen::all, found);
+  const bool beside_prior = model.correction.size() > 0;
+  const Index persons = static_cast<Index>(found.size()) / left_out.views;
+  const Penalties penalties = penalties_of(persons, beside_prior);
+  MatrixXd of_found_mm;
+  if (beside_prior) {
+    targets_mm = (targets_mm - model.correction.leftCols(features.rows()) * features).colwise() -
+                 model.correction.col(features.rows());
+    model.correction += ridge(features, targets_mm, left_out.views, penalties, of_found_mm);
+  } else {
+    model.correction = ridge(features, targets_mm, left_out.views, penalties, of_found_mm);
+  }
+  MatrixXd wrong_mm = left_out.targets_mm;
+  wrong_mm(Eigen::all, found) = of_found_mm;
+  return wrong_mm;
+}
+
 }  // namespace
 
 MatrixXd learn_correction(const LeftOut& left_out, ShapeModel& model) {
-  MatrixXd wrong_mm;
   const Index persons = left_out.features.cols() / left_out.views;
-  const bool beside_prior = model.correction.size() > 0;
-  const Penalties penalties = penalties_of(persons, beside_prior);
-  if (beside_prior) {
-    const Index features = left_out.features.rows();
-    const MatrixXd still_wrong_mm =
-        (left_out.targets_mm - model.correction.leftCols(features) * left_out.features).colwise() -
-        model.correction.col(features);
-    model.correction +=
-        ridge(left_out.features, still_wrong_mm, left_out.views, penalties, wrong_mm);
-  } else {
-    model.correction =
-        ridge(left_out.features, left_out.targets_mm, left_out.views, penalties, wrong_mm);
-  }
-  model.nominal_var_m2 = left_out.variance_m2.rowwise().mean();
-  std::vector<double> misfits(left_out.residual_m.begin(), left_out.residual_m.end());
+  const std::vector<Index> found = found_backs(left_out);
+  MatrixXd wrong_mm = learn_offsets(left_out, found, model);
+  model.nominal_var_m2 = left_out.variance_m2(Eigen::all, found).rowwise().mean();
+  const VectorXd residual_m = left_out.residual_m(found);
+  std::vector<double> misfits(residual_m.begin(), residual_m.end());
   std::nth_element(misfits.begin(), misfits.begin() + misfits.size() / 2, misfits.end());
   model.usual_residual_m = misfits[misfits.size() / 2];
-  model.max_outlier_score = std::max(model.max_outlier_score, left_out.max_outlier_score);
+  model.max_outlier_score =
+      std::max(model.max_outlier_score, left_out.outlier_score(found).maxCoeff());
   // The 95 % radius is calibrated on widened radii, as it is used.
   std::vector<std::vector<double>> errors_m(static_cast<std::size_t>(model.radius95_m.size()));
   for (Index i = 0; i < wrong_mm.cols(); ++i) {

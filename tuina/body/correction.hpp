@@ -11,13 +11,14 @@ struct LeftOut {
   Eigen::MatrixXd targets_mm;   ///< label errors, three rows per label, in the model's frame
   Eigen::MatrixXd variance_m2;  ///< variance of each label that the fit leaves
   Eigen::VectorXd residual_m;
-  double max_outlier_score = 0.0;  ///< maximum outlier score of these fits
-  Eigen::Index views = 1;          ///< columns per person
+  Eigen::VectorXd outlier_score;
+  Eigen::Index views = 1;  ///< columns per person
 };
 
 /// Learns correction, 95 % radii and outlier limits from left-out backs. Returns their label errors
 /// in millimetres when each is corrected by the others. An existing correction of the model is the
-/// prior.
+/// prior. A person whose fit came to lie elsewhere, head to feet for instance, counts in radii and
+/// errors as it is, and in nothing else: what is off by 300 mm is no correction of 3.
 Eigen::MatrixXd learn_correction(const LeftOut& left_out, ShapeModel& model);
 
 /// Transfers the correction of a prior to another model on the same template, in that model's

@@ -123,6 +123,7 @@ Result<LeftOut> leave_out(const People& people, const ShapeModel& model, std::si
                .targets_mm = MatrixXd(3 * labels, columns),
                .variance_m2 = MatrixXd(labels, columns),
                .residual_m = VectorXd(columns),
+               .outlier_score = VectorXd(columns),
                .views = static_cast<Index>(people.views)};
   for (std::size_t fold = 0; fold < folds; ++fold) {
     const Result<ShapeModel> others = others_of(fold);
@@ -142,7 +143,7 @@ Result<LeftOut> leave_out(const People& people, const ShapeModel& model, std::si
         left.targets_mm.col(column) = Eigen::Map<const VectorXd>(off.data(), off.size());
         left.variance_m2.col(column) = fit.label_var_m2;
         left.residual_m[column] = fit.residual_m;
-        left.max_outlier_score = std::max(left.max_outlier_score, fit.outlier_score());
+        left.outlier_score[column] = fit.outlier_score();
         ++column;
       }
       if (progress) {
