@@ -33,7 +33,7 @@ TEST_CASE(
 namespace {
 
 /// A tool in contact that goes outward while its controller pushes it outward.
-Scene leaving(double outward_m_per_s, double pushed_n, double ordered_n) {
+Scene going_outward(double outward_m_per_s, double pushed_n, double ordered_n) {
   Scene scene;
   scene.face(Vector3::UnitZ());
   scene.proposal.virtual_target_in_base = scene.seen.tool_in_base;
@@ -51,18 +51,18 @@ int ticks_of_a_cough(double m_per_s) {
 }  // namespace
 
 TEST_CASE("a tool that is felt as was ordered may ride on a cough, and no farther") {
-  Scene scene = leaving(0.1201, 0.0, 10.1);
+  Scene scene = going_outward(0.1201, 0.0, 10.1);
   CHECK(scene.ticks_until_it_acts() == ticks_of_a_cough(0.1201));
   CHECK(scene.verdict.cause == Cause::pushed_out);
-  CHECK(leaving(0.1201, 0.0, 9.9).ticks_until_it_acts() == 2);
-  CHECK(leaving(0.1201, 0.0, not_a_number).ticks_until_it_acts() <= 2);
-  Scene twice = leaving(0.1201, 0.0, 10.1);
+  CHECK(going_outward(0.1201, 0.0, 9.9).ticks_until_it_acts() == 2);
+  CHECK(going_outward(0.1201, 0.0, not_a_number).ticks_until_it_acts() <= 2);
+  Scene twice = going_outward(0.1201, 0.0, 10.1);
   CHECK(twice.tick(100).action == Action::pass);
   twice.seen.tool_velocity_m_per_s.setZero();
   CHECK(twice.tick().action == Action::pass);
   twice.seen.tool_velocity_m_per_s.z() = 0.1201;
   CHECK(twice.ticks_until_it_acts() == ticks_of_a_cough(0.1201));
-  Scene harder = leaving(0.1201, 0.0, 10.1);
+  Scene harder = going_outward(0.1201, 0.0, 10.1);
   CHECK(harder.tick(10).action == Action::pass);
   harder.force_n = 24.0;  // the median of three tells it one tick later
   CHECK(harder.ticks_until_it_acts() == 1);
@@ -70,24 +70,24 @@ TEST_CASE("a tool that is felt as was ordered may ride on a cough, and no farthe
 
 TEST_CASE("a controller may drive its tool out of a cough, however fast, and no farther") {
   for (const double m_per_s : {0.1201, 0.26}) {
-    Scene scene = leaving(m_per_s, 40.2, 0.0);
+    Scene scene = going_outward(m_per_s, 40.2, 0.0);
     CHECK(scene.ticks_until_it_acts() == ticks_of_a_cough(m_per_s));
     CHECK(scene.verdict.cause == Cause::pushed_out);
-    CHECK(leaving(m_per_s, 39.8, 0.0).ticks_until_it_acts() == 2);
+    CHECK(going_outward(m_per_s, 39.8, 0.0).ticks_until_it_acts() == 2);
   }
-  Scene let_go = leaving(0.31, 0.0, 0.0);
+  Scene let_go = going_outward(0.31, 0.0, 0.0);
   let_go.proposal.phase = Phase::retract;
   CHECK(let_go.ticks_until_it_acts() == ticks_of_a_cough(0.31) + 2);
   CHECK(let_go.verdict.cause == Cause::tool_too_fast);
-  Scene free = leaving(0.31, 41.0, 0.0);
+  Scene free = going_outward(0.31, 41.0, 0.0);
   free.proposal.phase = Phase::free;
   CHECK(free.ticks_until_it_acts() == 2);
   CHECK(free.verdict.cause == Cause::tool_too_fast);
-  Scene aside = leaving(0.2, 41.0, 0.0);
+  Scene aside = going_outward(0.2, 41.0, 0.0);
   aside.seen.tool_velocity_m_per_s.x() = 0.26;
   CHECK(aside.ticks_until_it_acts() == 2);
   CHECK(aside.verdict.cause == Cause::tool_too_fast);
-  Scene mute = leaving(0.2, 41.0, 0.0);
+  Scene mute = going_outward(0.2, 41.0, 0.0);
   mute.proposal.torque_nm.resize(0);
   CHECK(mute.ticks_until_it_acts() <= 2);
 }

@@ -11,7 +11,7 @@ using namespace tuina::safety;
 namespace {
 
 /// A retreat from skin that faces up and pushes the tool with that force.
-Scene leaving(double felt_n) {
+Scene retreating(double felt_n) {
   Scene scene;
   scene.face(Vector3::UnitZ());
   scene.noise_n = 0.0;
@@ -25,7 +25,7 @@ Scene leaving(double felt_n) {
 }  // namespace
 
 TEST_CASE("a retreat pulls outward at 0.1 m/s, up to 40 N or 50 mm ahead of the tool") {
-  Scene scene = leaving(0.0);
+  Scene scene = retreating(0.0);
   check_same(scene.allowed_n(), 0.08 * scene.normal());
   scene.tick(99);
   check_same(scene.allowed_n(), 8.0 * scene.normal());
@@ -42,7 +42,7 @@ TEST_CASE("a retreat pulls outward at 0.1 m/s, up to 40 N or 50 mm ahead of the 
 
 TEST_CASE("a retreat goes on until the tool itself has come 60 mm, then it holds") {
   for (const double way_m : {0.0598, 0.0602}) {
-    Scene scene = leaving(0.0);
+    Scene scene = retreating(0.0);
     scene.tick(99);
     scene.seen.tool_in_base += way_m * scene.normal();
     scene.tick();
@@ -67,7 +67,7 @@ TEST_CASE("a retreat that follows a freeze counts its way from where it begins")
 
 TEST_CASE("more than 5 N out of the body make a retreat push with 80 N, up to 0.8 m/s") {
   const auto pushed_n = [](double felt_n, double outward_m_per_s) {
-    Scene scene = leaving(felt_n);
+    Scene scene = retreating(felt_n);
     scene.tick(5);
     scene.seen.tool_velocity_m_per_s = {0.05, 0.0, outward_m_per_s};
     scene.tick(9);  // ten would be a run-away, and be braked
@@ -89,7 +89,7 @@ TEST_CASE("more than 5 N out of the body make a retreat push with 80 N, up to 0.
 }
 
 TEST_CASE("while it is pressed a retreat has no end, and holds the tool at no place") {
-  Scene scene = leaving(20.0);
+  Scene scene = retreating(20.0);
   scene.tick(10);
   const Vector3 far = scene.seen.tool_in_base + Vector3(0.25, 0.0, 0.4);
   scene.seen.tool_in_base = far;
@@ -112,7 +112,7 @@ TEST_CASE("while it is pressed a retreat has no end, and holds the tool at no pl
 
 TEST_CASE("a hand that pushes a leaving tool down, or aside, is not answered with 80 N") {
   for (const Vector3& along : {Vector3(0.0, 0.0, -1.0), Vector3(1.0, 0.0, 0.0)}) {
-    Scene scene = leaving(8.0);
+    Scene scene = retreating(8.0);
     scene.pushed_along = along;
     scene.tick(3);
     check_same(scene.allowed_n(), scene.outward_n() * Vector3::UnitZ());
@@ -126,20 +126,20 @@ TEST_CASE("a hand that pushes a leaving tool down, or aside, is not answered wit
 }
 
 TEST_CASE("a retreat pushes on a living sensor only: 80 N end 3 ms after its last sample") {
-  Scene scene = leaving(20.0);
+  Scene scene = retreating(20.0);
   scene.tick(10);
   scene.sensor_alive = false;
   scene.tick();  // the sample is 2 ms old
   check_same(scene.allowed_n(), 80.0 * scene.normal());
   scene.tick(5);
   CHECK(scene.outward_n() < 1.0);
-  Scene stale = leaving(20.0);  // and what is felt no more ends it in the same millisecond
+  Scene stale = retreating(20.0);  // and what is felt no more ends it in the same millisecond
   stale.tick(10);
   stale.force_n = 0.0;
   stale.tick();
   CHECK(stale.outward_n() < 40.0);
   // One sample over 5 N is not yet a person.
-  Scene blow = leaving(0.0);
+  Scene blow = retreating(0.0);
   blow.force_n = 20.0;
   blow.tick();
   CHECK(blow.outward_n() < 1.0);
@@ -149,7 +149,7 @@ TEST_CASE("a retreat pushes on a living sensor only: 80 N end 3 ms after its las
 
 TEST_CASE("where nothing is felt any more nothing holds a tool back that goes outward") {
   const auto outward_n = [](bool alive, double outward_m_per_s) {
-    Scene scene = leaving(0.0);
+    Scene scene = retreating(0.0);
     scene.tick(5);
     scene.sensor_alive = alive;
     scene.tick(6);

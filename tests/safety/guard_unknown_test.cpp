@@ -49,6 +49,19 @@ TEST_CASE("an arm that pressed and is unknown is pushed off the skin for 40 ms, 
 TEST_CASE("an arm that touches with 5 N at most is braked at once when it is unknown") {
   CHECK(Blind(4.99).tick().action == Action::brake);
   CHECK(Blind(5.01).tick().action == Action::retract);
+  Scene exactly;
+  exactly.face(Vector3::UnitZ());
+  exactly.force_n = 5.0;
+  exactly.noise_n = 0.0;
+  exactly.tick(10);
+  exactly.seen.q_rad[1] = not_a_number;
+  CHECK(exactly.tick().action == Action::brake);
+  Scene leaving;  // what was felt a moment ago does not count
+  leaving.tick(10);
+  leaving.force_n = 0.0;
+  leaving.tick(4);
+  leaving.seen.q_rad[1] = not_a_number;
+  CHECK(leaving.tick().action == Action::brake);
   Scene never;
   never.seen.q_rad[1] = not_a_number;
   CHECK(never.tick().action == Action::brake);

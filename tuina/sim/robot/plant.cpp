@@ -183,9 +183,6 @@ void Plant::push(Arm arm, const Wrench& hand_in_base) noexcept {
 void Plant::cut_power(Arm arm) noexcept {
   world_->arms[arm].powered = false;
 }
-void Plant::emergency_stop() noexcept {
-  for (ArmDevices& arm : world_->arms.of) arm.stopped = true;
-}
 const PlantTruth& Plant::truth() const noexcept {
   return world_->truth;
 }

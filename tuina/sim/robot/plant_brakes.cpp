@@ -25,6 +25,10 @@ constexpr int brakes_close_ticks = 50;  // without power
 
 }  // namespace
 
+void Plant::emergency_stop() noexcept {
+  for (ArmDevices& arm : world_->arms.of) arm.stopped = true;
+}
+
 void Plant::World::choose_drive(ArmDevices& arm) noexcept {
   const bool unheard = options.watchdog_ticks > 0 && unanswered >= options.watchdog_ticks;
   const bool alone = arm.stopped || unheard;
