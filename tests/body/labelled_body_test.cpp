@@ -3,6 +3,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <string>
 
@@ -38,6 +39,25 @@ bool says(const std::string& message, std::string_view words) {
 
 TEST_CASE("a labelled body is read as it was written") {
   CHECK(refusal(anna()).empty());
+}
+
+TEST_CASE("what is sampled of a skin lies within its triangles, no farther apart than asked") {
+  const Mesh skin{.vertices = {{0.0, 0.0, 0.0}, {0.1, 0.0, 0.0}, {0.0, 0.05, 0.0}},
+                  .triangles = {{0, 1, 2}}};
+  const PointCloud cloud = sample(skin, 5_mm);
+  CHECK(cloud.points.size() > 100);
+  for (const Vector3& point : cloud.points) {
+    CHECK(point.z() == 0.0);
+    CHECK(point.head<2>().minCoeff() >= 0.0);
+    CHECK(point.x() / 0.1 + point.y() / 0.05 <= 1.0 + 1e-9);
+    const auto nearest_m = [&] {
+      double min_m = 1.0;
+      for (const Vector3& other : cloud.points)
+        if (&other != &point) min_m = std::min(min_m, (other - point).norm());
+      return min_m;
+    };
+    CHECK(nearest_m() <= 5_mm);
+  }
 }
 
 TEST_CASE("a label off the skin is refused with its distance") {

@@ -23,8 +23,14 @@ TEST_CASE("a scanner that nobody has measured is known after one rehearsed set")
                                                      {.poses = 14, .standing_poses = 2});
   REQUIRE_MESSAGE(written.has_value(), test::reason(written));
   Views views;
-  const auto result = calibrate_folder(folder.path() / "shots", views);
+  double done = 0.0;
+  const auto result = calibrate_folder(folder.path() / "shots", views, [&done](double now) {
+    CHECK(now >= done);
+    CHECK(now <= 1.0);
+    done = now;
+  });
   REQUIRE_MESSAGE(result.has_value(), test::reason(result));
+  CHECK(done > 0.9);
   const auto& found = result->calibration;
   CHECK(result->poses == 14);
   CHECK(result->reprojection_px < 0.06);

@@ -31,6 +31,22 @@ TEST_CASE("the virtual target never pulls harder than the set force and its leas
   }
 }
 
+TEST_CASE("contact that was lost and found again may be missed for six ticks anew") {
+  ForceTarget law;
+  law.begin({.force_n = 10.0}, 10.0);
+  const auto feel = [&law](double force_n, int ticks) {
+    for (int i = 0; i < ticks; ++i)
+      (void)law.step({.depth_m = 4e-3, .force_n = force_n, .set_force_n = 10.0}, 1e-3);
+    return law.lost();
+  };
+  CHECK_FALSE(feel(10.0, 100));
+  CHECK_FALSE(feel(0.0, 6));
+  CHECK(feel(0.0, 1));
+  CHECK_FALSE(feel(3.2, 1));
+  CHECK_FALSE(feel(0.0, 6));
+  CHECK(feel(0.0, 1));
+}
+
 TEST_CASE("a force that leaps above the set one is answered outward at once, a slow one is not") {
   ForceTarget law;
   law.begin({.force_n = 1.5}, 1.5);

@@ -35,6 +35,7 @@ struct Room {
   motion::ReadyPlan plan;
   session::MassageStep massage;
   safety::RobotGuard guard;
+  double highest_set_n = 0.0;  ///< force that an arm was to press with
 };
 
 /// `spoil` may change what the session believes to be ready.
@@ -81,7 +82,10 @@ std::unique_ptr<Room> enter(BodyPosture position,
 /// One millisecond; the time it is.
 double live(Room& room) noexcept {
   const robot::RobotReading reading = *room.world->robot().read();
-  const safety::RobotVerdict verdict = room.guard.check(reading, room.massage.propose(reading));
+  const safety::RobotProposal proposal = room.massage.propose(reading);
+  for (const safety::Proposal& of_arm : proposal.arms.of)
+    room.highest_set_n = std::max(room.highest_set_n, of_arm.set_force_n);
+  const safety::RobotVerdict verdict = room.guard.check(reading, proposal);
   room.world->robot().apply(verdict.command);
   room.massage.heed(verdict);
   return reading.time_s;
@@ -109,6 +113,13 @@ TEST_CASE("twenty seconds of massage by two arms take nothing from the heap") {
     CHECK(highest_n[Arm::left] > 10.0);
     CHECK(highest_n[Arm::right] > 10.0);
     CHECK(room->massage.performed().size() >= 2);
+    // A press aims at a little less than its order, for the true force swings about its target.
+    double ordered_n = 0.0;
+    for (const massage::PlannedPath& path : room->plan.plan.paths)
+      for (const ContactPoint& point : path.path.points)
+        ordered_n = std::max(ordered_n, point.force_n);
+    CHECK(room->highest_set_n > 0.95 * ordered_n);
+    CHECK(room->highest_set_n <= ordered_n - 0.3);
   }
 }
 

@@ -59,6 +59,10 @@ TEST_CASE("a press that begins within the record, has no rows or only known forc
   REQUIRE(told);
   REQUIRE(told->size() == 1);
   CHECK(told->front().band.low_n < told->front().band.high_n);
+  // The first row already may be one to foretell.
+  const auto at_once = foretold({{end_s + 1.0, {0.004, unknown}}});
+  REQUIRE(at_once);
+  CHECK(at_once->front().band.force_n > told->front().band.force_n + 1.0);
 }
 
 TEST_CASE("a row that goes back in time or is no press is named") {
