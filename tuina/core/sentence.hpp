@@ -31,8 +31,8 @@ struct Sentence {
 /// The sentence of a key. Its values are the arguments in their order, each as the English has it;
 /// `words` names them in that order, too.
 template <typename... Args>
-[[nodiscard]] Sentence sentence(std::string key, fmt::format_string<Args...> words,
-                                const Args&... args) {
+[[nodiscard]] Sentence sentence(std::string key,  // NOLINT: it is moved from
+                                fmt::format_string<Args...> words, const Args&... args) {
   const fmt::string_view pattern = words;
   [[maybe_unused]] std::string_view rest(pattern.data(), pattern.size());
   [[maybe_unused]] const auto next = [&rest](const auto& arg) {

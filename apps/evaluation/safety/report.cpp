@@ -140,6 +140,7 @@ Table worst_table(const Campaign& campaign) {
 /// Each with how often it stopped somebody.
 std::string in_words(const std::map<std::string, int>& causes) {
   std::vector<std::string> words;
+  words.reserve(causes.size());
   for (const auto& [cause, times] : causes) words.push_back(fmt::format("{} {}", times, cause));
   return fmt::format("{}", fmt::join(words, ", "));
 }
