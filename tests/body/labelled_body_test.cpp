@@ -50,13 +50,10 @@ TEST_CASE("what is sampled of a skin lies within its triangles, no farther apart
     CHECK(point.z() == 0.0);
     CHECK(point.head<2>().minCoeff() >= 0.0);
     CHECK(point.x() / 0.1 + point.y() / 0.05 <= 1.0 + 1e-9);
-    const auto nearest_m = [&] {
-      double min_m = 1.0;
-      for (const Vector3& other : cloud.points)
-        if (&other != &point) min_m = std::min(min_m, (other - point).norm());
-      return min_m;
-    };
-    CHECK(nearest_m() <= 5_mm);
+    double nearest_m = 1.0;
+    for (const Vector3& other : cloud.points)
+      if (&other != &point) nearest_m = std::min(nearest_m, (other - point).norm());
+    CHECK(nearest_m <= 5_mm);
   }
 }
 

@@ -100,13 +100,13 @@ JointVector Guard::own_torque(const Observation& seen, Action action) noexcept {
     // The median, for a single sample may be a blow that nobody has judged yet.
     held_n_ = pressed() ? std::min(felt_n(), sample_in_base_n_.dot(normal_in_base_)) : 0.0;
   }
-  const double levers_m_per_s = seen.tool_velocity_m_per_s.dot(normal_in_base_);
+  const double outward_m_per_s = seen.tool_velocity_m_per_s.dot(normal_in_base_);
   // A person who comes after the tool is met by nothing that holds it in place, nor aside, nor in
   // its posture, however far it is followed.
   if (action == Action::retract && pressed()) {
     hold_in_base_ = seen.tool_in_base;
     hold_rad_ = seen.q_rad;
-    const double push_n = levers_m_per_s < push_out_m_per_s ? push_out_n : 0.0;
+    const double push_n = outward_m_per_s < push_out_m_per_s ? push_out_n : 0.0;
     return seen.gravity_nm - own_joint_damping * seen.dq_rad_per_s +
            seen.jacobian.transpose() * (push_n * normal_in_base_);
   }
@@ -119,7 +119,7 @@ JointVector Guard::own_torque(const Observation& seen, Action action) noexcept {
   }
   // Where nothing is felt any more, what moves the tool outward may be a person who comes after it.
   const bool gives_way = pressed() || !feels();
-  const double spared_m_per_s = gives_way ? std::max(levers_m_per_s, 0.0) : 0.0;
+  const double spared_m_per_s = gives_way ? std::max(outward_m_per_s, 0.0) : 0.0;
   Vector3 force_n =
       -own_damping_n_s_per_m * (seen.tool_velocity_m_per_s - spared_m_per_s * normal_in_base_);
   JointVector torque_nm = seen.gravity_nm - own_joint_damping * seen.dq_rad_per_s;
