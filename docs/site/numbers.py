@@ -2,36 +2,20 @@
 # SPDX-License-Identifier: Apache-2.0
 """Writes what commands print into the tables of docs/: numbers.py BUILD [PAGE..]
 
-A table stands between a comment and `<!-- end -->`. The comment has commands, one a line, and then a filter of jq that
-makes rows of cells from their JSON, of several commands from an array. `{a,b}` in a command stands for one with each;
-of commands joined by && the last one answers. What an example or a test of the build prints is one string for the
-filter. table.jq has what filters share. What a command has printed is kept in build/docs/numbers for as long as the
-program is not built anew. A page is written when all its commands are done, and not at all if one fails. A table of
-people who lie beside the repository (`../shared`), or of a test, stays as it is where these are not there.
+made_tables.py says how a table names its commands. The filter makes rows of cells from their JSON, of several commands
+from an array; of commands joined by && the last one answers. What an example or a test of the build prints is one
+string for the filter. table.jq has what filters share. What a command has printed is kept in build/docs/numbers for as
+long as the program is not built anew. A page is written when all its commands are done, and not at all if one fails. A
+table of people who lie beside the repository (`../shared`), or of a test, stays as it is where these are not there.
 """
 import json, os, re, shlex, subprocess, sys, tempfile
+
+from made_tables import COMMENT, parts
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 KEPT = f"{ROOT}/build/docs/numbers"
 STOPPED = 4  # by the guard; the session is told all the same
-PROGRAMS = ("tuina ", "build/release/")
-TABLE = re.compile(r"(<!-- ((?:tuina |build/release/).*?)-->\n)(.*?)(?=<!-- end -->)", re.DOTALL)
-
-
-def each(command):
-    """The commands that one with {a,b} stands for."""
-    found = re.search(r"\{([^{}]*,[^{}]*)\}", command)
-    if not found:
-        return [command]
-    before, after = command[:found.start()], command[found.end():]
-    return [line for word in found[1].split(",") for line in each(before + word + after)]
-
-
-def parts(comment):
-    """The commands of a comment, and its filter."""
-    lines = comment.strip().splitlines()
-    commands = [command for line in lines if line.startswith(PROGRAMS) for command in each(line)]
-    return commands, "\n".join(line for line in lines if not line.startswith(PROGRAMS))
+TABLE = re.compile(rf"({COMMENT}\n)(.*?)(?=<!-- end -->)", re.DOTALL)
 
 
 def said_by(command, build):

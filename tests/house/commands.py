@@ -19,6 +19,8 @@ import itertools, json, os, re, shlex, signal, subprocess, sys, tempfile, time
 from concurrent.futures import ThreadPoolExecutor
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+sys.path.append(f"{ROOT}/docs/site")
+from made_tables import COMMENT, parts  # noqa: E402
 TUINA = os.path.abspath(sys.argv[1])
 MAX_BLOCK_S = 900
 SHELL_ONLY = re.compile(r"^(for|done|wait|export|cd|time|python3|#|with\b)")
@@ -54,9 +56,8 @@ def simple(line):
 
 def commands(text):
     """(command, from a block) of a document; those that make its tables stand in comments."""
-    for comment in re.findall(r"<!-- ((?:tuina |build/release/).*?)-->", text, re.DOTALL):
-        yield from ((command, True) for line in comment.splitlines() if line.startswith(("tuina ", "build/release/"))
-                    for command in simple(line))
+    for comment in re.findall(COMMENT, text, re.DOTALL):
+        yield from ((command, True) for line in parts(comment)[0] for command in simple(line))
     for language, _, lines in blocks(text):
         if language in ("sh", "bash"):
             for line in lines:
@@ -74,21 +75,8 @@ def variants(word):
         yield re.sub(r"^(\d|K)/N$", "1/2", one)
 
 
-def each(command):
-    """The commands that one with {a,b} stands for."""
-    found = re.search(r"\{([^{}]*,[^{}]*)\}", command)
-    if not found:
-        return [command]
-    before, after = command[:found.start()], command[found.end():]
-    return [line for word in found[1].split(",") for line in each(before + word + after)]
-
-
 def typed(command):
     """The command lines that a written one stands for."""
-    return [words for one in each(command) for words in typed_one(one)]
-
-
-def typed_one(command):
     words = shlex.split(command.replace("[", "").replace("]", "").replace("...", ""))
     return [list(words) for words in itertools.product(*(list(variants(word)) for word in words))]
 
@@ -163,7 +151,7 @@ def check():
     faults, other = [], {}
     for document in documents():
         text = read(document)
-        if len(re.findall("<!-- (?:tuina |build/release/)", text)) != len(re.findall("<!-- end -->", text)):
+        if len(re.findall(COMMENT, text, re.DOTALL)) != len(re.findall("<!-- end -->", text)):
             faults.append(f"{document}: comments with a command and `<!-- end -->` do not come in pairs")
         for command, from_block in commands(text):
             written.setdefault(command, (document, from_block))
