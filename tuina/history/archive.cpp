@@ -183,7 +183,7 @@ Result<Archived> write_archive(const PersonHistory& person, const std::string& a
     if (!files) return tl::unexpected(files.error());
     for (const fs::path& one : *files) {
       const auto inside = one.lexically_relative(visit.folder).generic_string();
-      if (auto added = zip->add_file(name + "/" + inside, one); !added)
+      if (auto added = zip->add_file(fmt::format("{}/{}", name, inside), one); !added)
         return tl::unexpected(added.error());
     }
     ++archived.sessions;

@@ -164,6 +164,7 @@ std::optional<Change> change_of_whole(std::span<const Change> places, std::span<
 /// no other counts.
 void call_real(std::vector<Change>& places, double max) {
   std::vector<Change*> by_p;
+  by_p.reserve(places.size());
   for (Change& place : places) by_p.push_back(&place);
   std::ranges::sort(by_p, {}, [](const Change* place) { return place->p; });
   for (std::size_t k = 0; k < by_p.size(); ++k) {

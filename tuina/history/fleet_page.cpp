@@ -84,6 +84,7 @@ void add_stops(telemetry::Page& page, std::span<const MachineHistory> fleet,
   std::ranges::sort(
       stops, [](const Stop& a, const Stop& b) { return a.session->began > b.session->began; });
   std::vector<std::string> counted;
+  counted.reserve(causes.size());
   for (const auto& [cause, times] : causes) counted.push_back(fmt::format("{}: {}", cause, times));
   part.list(counted);
   telemetry::Table table{

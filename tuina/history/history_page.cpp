@@ -202,6 +202,7 @@ std::string history_page(const PersonHistory& person) {
                                   "their index."});
   if (!notes.empty()) {
     std::vector<std::string> lines;
+    lines.reserve(notes.size());
     for (const Note& note : notes) lines.push_back(day_and_time(note.at) + ": " + note.words);
     page.section("Notes").list(lines);
   }

@@ -50,7 +50,7 @@ Result<void> deliver_machines(History& outbox, History& server, Delivered& deliv
   const auto machines = fleet_of(outbox.database());
   if (!machines) return tl::unexpected(machines.error());
   for (const MachineHistory& one : *machines) {
-    const auto told = enter(server.database(), one.machine);
+    auto told = enter(server.database(), one.machine);
     if (!told && told.error().fault == Fault::device) return told;
     if (!told) delivered.refused.push_back(one.machine.name + ": " + told.error().message);
     for (const MachineSession& session : one.sessions) {

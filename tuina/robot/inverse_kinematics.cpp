@@ -346,7 +346,9 @@ Result<double> choose_rail(const PerArm<const ArmModel*>& arms, const RobotMount
   double best_rail_m = 0.0, best_worth = -1.0;
   std::size_t best_reached = 0;
   const std::size_t all = goals[Arm::left].size() + goals[Arm::right].size();
-  for (double rail_m = mount.min_rail_m; rail_m <= mount.max_rail_m + 1e-9; rail_m += step_m) {
+  const int steps = static_cast<int>((mount.max_rail_m - mount.min_rail_m + 1e-9) / step_m);
+  for (int i = 0; i <= steps; ++i) {
+    const double rail_m = mount.min_rail_m + i * step_m;
     std::size_t reached = 0, left = all;
     double worst = 1e9;
     // A place of the base that cannot become the best any more is not looked at further.

@@ -105,6 +105,7 @@ std::string html_cell(const Cell& cell, const Column& column, bool right) {
 
 std::vector<Column> named_columns(const std::vector<std::string>& names) {
   std::vector<Column> columns;
+  columns.reserve(names.size());
   for (const std::string& name : names) columns.push_back({.head = name, .key = name});
   return columns;
 }

@@ -141,12 +141,13 @@ class Painter {
       covered += share * sample->cover;
     };
     constexpr int all = samples_per_pixel * samples_per_pixel;
+    const auto at_sample = [](int pixel, int sample) {
+      return static_cast<float>(pixel) + (static_cast<float>(sample) + 0.5F) / samples_per_pixel;
+    };
     const bool smooth = is_smooth(x, y);
     for (int k = 0; k < all && !smooth; ++k) {
-      const float column = (static_cast<float>(k % samples_per_pixel) + 0.5F) / samples_per_pixel;
-      const float row = (static_cast<float>(k / samples_per_pixel) + 0.5F) / samples_per_pixel;
-      add(rays_.seen_through(static_cast<float>(x) + column, static_cast<float>(y) + row),
-          1.F / all);
+      const int column = k % samples_per_pixel, row = k / samples_per_pixel;
+      add(rays_.seen_through(at_sample(x, column), at_sample(y, row)), 1.F / all);
     }
     if (smooth) add(first_[index(x, y)], 1.F);
     sum += Light::Constant(1.F - covered);  // paper

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <ranges>
 
 #include "tuina/core/units.hpp"
 #include "tuina/telemetry/picture/back_view.hpp"
@@ -46,9 +47,9 @@ void spread(std::vector<Label>& labels, double top, double bottom) {
     free_from = label.y + apart;
   }
   double free_to = bottom;
-  for (auto label = labels.rbegin(); label != labels.rend(); ++label) {
-    label->y = std::min(label->y, free_to);
-    free_to = label->y - apart;
+  for (Label& label : std::views::reverse(labels)) {
+    label.y = std::min(label.y, free_to);
+    free_to = label.y - apart;
   }
 }
 
@@ -284,6 +285,7 @@ std::string tissue(const ReportData& data, double scale_n_per_mm) {
   }
   const ShadedPicture picture = shade(scene, view_of(pose));
   std::vector<Label> labels;
+  labels.reserve(all_felt.size());
   for (const FeltTissue& felt : all_felt) {
     labels.push_back({.at = drawn(picture.projection, felt.at_in_couch),
                       .name = short_name(felt.name),

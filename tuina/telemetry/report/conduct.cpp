@@ -146,7 +146,7 @@ void add_given(Page& page, const ReportData& data) {
     std::string why = say(performed.why);
     if (!performed.lowered_by.empty()) {
       const std::string lowered = say("lowered for {}", say(performed.lowered_by));
-      why = why.empty() ? lowered : lowered + say("; ") + why;
+      why = why.empty() ? lowered : fmt::format("{}{}{}", lowered, say("; "), why);
     }
     if (why.empty()) continue;
     table.add({figures::said_path(performed.path, say), performed.programme_n, performed.ordered_n,
