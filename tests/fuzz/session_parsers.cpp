@@ -8,6 +8,7 @@
 #include "tuina/core/units.hpp"
 #include "tuina/massage/no_go.hpp"
 #include "tuina/massage/programme.hpp"
+#include "tuina/massage/technique_law.hpp"
 #include "tuina/record/plan_file.hpp"
 #include "tuina/record/session_file.hpp"
 #include "tuina/robot/arm_model.hpp"
@@ -32,7 +33,7 @@ bool accepts_programme(std::string_view content) {
     demand(!part.points.empty() || !part.line.empty() || part.places.size() > 1,
            "a part has a place");
     demand(part.repeats.value_or(1) >= 1 && part.time_s.value_or(1.0) >= 1.0, "it takes place");
-    const bool circles = part.technique == Technique::rub || part.technique == Technique::knead;
+    const bool circles = massage::law_of(part.technique).circles;
     demand(2.0 * pi * part.radius_m * part.rate_hz < 0.081 || !circles, "a tool slides slowly");
   }
   return true;

@@ -8,10 +8,10 @@
 
 #include "tuina/core/units.hpp"
 #include "tuina/massage/technique/contact_path.hpp"
-#include "tuina/massage/technique/knead.hpp"
 #include "tuina/massage/technique/press.hpp"
 #include "tuina/massage/technique/rub.hpp"
 #include "tuina/massage/technique/tap.hpp"
+#include "tuina/massage/technique_law.hpp"
 #include "tuina/massage/zone_walk.hpp"
 
 namespace tuina::massage {
@@ -148,8 +148,8 @@ PathLayer::MaybePath PathLayer::lay_sliding(const Part& part, const Target& targ
     bent_m = std::max(bent_m, (moved - guide).norm());
     return moved;
   };
-  const bool strokes = part.technique == Technique::stroke;
-  auto curve = strokes ? line(part, target, bend) : circle(part, target, bend);
+  const TechniqueLaw& law = law_of(part.technique);
+  auto curve = law.circles ? circle(part, target, bend) : line(part, target, bend);
   if (!curve) return tl::unexpected(curve.error());
   if (bent_m > 1_mm)
     note("note_bent", "bent by up to {:.0f} mm around what must not be touched", to_mm(bent_m));
@@ -157,7 +157,7 @@ PathLayer::MaybePath PathLayer::lay_sliding(const Part& part, const Target& targ
   ZoneWalk zones = walk(*curve, zones_, part.technique);
   if (zones.denied != Zone::muscle) {
     const double kept_m = zones.to_m - zones.from_m;
-    if (!strokes || kept_m < min_stroke_m) return left_out(zones.denied);
+    if (law.circles || kept_m < min_stroke_m) return left_out(zones.denied);
     note("note_cut", "cut from {:.0f} to {:.0f} mm at {}", to_mm(curve->length_m()), to_mm(kept_m),
          name_of(zones.denied));
     curve = stretch_of(*curve, zones.from_m, zones.to_m);
@@ -168,38 +168,11 @@ PathLayer::MaybePath PathLayer::lay_sliding(const Part& part, const Target& targ
   WaitingPath path = waiting(part, zones.strictest, zones.perhaps_spine);
   const double force_n = std::min(path.programme_n, path.cap_n);
   path.arm = arm_of(curve->at(0.5 * curve->length_m()).at_in_couch);
-  std::optional<HandOverHand> turn;
-  if (pass_s) turn = HandOverHand{.pass_s = *pass_s, .second = target.side < 0.0};
-  path.path = along(*curve, part, zones.strictest, force_n, turn);
+  SlidingOrder order{.part = part, .force_n = force_n};
+  if (pass_s) order.turn = HandOverHand{.pass_s = *pass_s, .second = target.side < 0.0};
+  order.repeats = repeats_of(part, law.once_s(*curve, order), zones.strictest);
+  path.path = law.along(*curve, order, name_);
   return path;
-}
-
-/// The technique of the part along its curve, as often as ordered or as the zone bears.
-ContactPath PathLayer::along(const SurfaceCurve& curve, const Part& part, Zone zone, double force_n,
-                             const std::optional<HandOverHand>& turn) {
-  if (part.technique == Technique::rub) {
-    const double round_m = std::min(2.0 * pi * part.radius_m * part.rate_hz, max_slide_m_per_s);
-    const double one_s = part.spiral ? curve.length_m() / round_m + 1.0 : 1.0 / part.rate_hz;
-    return plan_rub(curve,
-                    {.force_n = force_n,
-                     .rate_hz = part.rate_hz,
-                     .turns = repeats_of(part, one_s, zone),
-                     .radius_m = part.radius_m},
-                    name_);
-  }
-  if (part.technique == Technique::knead) {
-    KneadOptions knead{.force_n = force_n, .rate_hz = part.rate_hz};
-    knead.turns = repeats_of(part, 1.0 / knead_hz(curve, knead), zone);
-    return plan_knead(curve, knead, name_);
-  }
-  const double one_s = turn ? 2.0 * (turn->pass_s - hands_overlap_s)
-                            : 2.0 * (curve.length_m() / part.speed_m_per_s + 0.5);
-  return plan_stroke(curve,
-                     {.force_n = force_n,
-                      .speed_m_per_s = part.speed_m_per_s,
-                      .repeats = repeats_of(part, one_s, zone),
-                      .turn = turn},
-                     name_);
 }
 
 int PathLayer::repeats_of(const Part& part, double one_s, Zone zone) {
@@ -224,8 +197,7 @@ Result<SurfaceCurve> PathLayer::circle(const Part& part, const Target& target,
   // Both hands begin outside and go round as mirror images of each other.
   const bool left = target.side >= 0.0;
   const Vector3 outside = left ? chart_.left() : Vector3(-chart_.left());
-  // A knead begins on the side of the spine, where its force is least.
-  const Vector3 first = part.technique == Technique::knead ? Vector3(-outside) : outside;
+  const Vector3 first = law_of(part.technique).begins_at_spine ? Vector3(-outside) : outside;
   const auto curve_on = part.spiral ? spiral_on : circle_on;
   return curve_on(back_, *centre, part.radius_m, first, left, bend);
 }

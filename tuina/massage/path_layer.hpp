@@ -9,7 +9,7 @@
 
 #include "tuina/massage/plan.hpp"
 #include "tuina/massage/targets.hpp"
-#include "tuina/massage/technique/stroke.hpp"
+#include "tuina/massage/technique/rub.hpp"
 
 namespace tuina::massage {
 
@@ -42,8 +42,6 @@ class PathLayer {
                                       std::optional<double> pass_s);
   [[nodiscard]] ContactPath pressed(const body::SurfacePoint& place, const Part& part, Zone zone,
                                     double force_n);
-  [[nodiscard]] ContactPath along(const SurfaceCurve& curve, const Part& part, Zone zone,
-                                  double force_n, const std::optional<HandOverHand>& turn);
   [[nodiscard]] int repeats_of(const Part& part, double one_s, Zone zone);
 
   [[nodiscard]] Result<SurfaceCurve> circle(const Part& part, const Target& target,

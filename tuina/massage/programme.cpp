@@ -12,8 +12,7 @@
 #include "tuina/core/io/toml_reader.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/massage/technique/contact_path.hpp"
-#include "tuina/massage/technique/knead.hpp"
-#include "tuina/massage/technique/tap.hpp"
+#include "tuina/massage/technique_law.hpp"
 #include "tuina/massage/zones.hpp"
 
 namespace tuina::massage {
@@ -32,49 +31,11 @@ constexpr std::array<NamedLine, 4> lines = {{
     {"loin", "across the loin, from beside the spine outwards below the ribs"},
 }};
 
-/// A number that a programme may give.
-struct Range {
-  double usual, min, max;
-};
-
-/// The keys that a technique knows, and the numbers whose meaning depends on the technique.
-struct TechniqueKeys {
-  Words words;
-  Range rate_hz = {.usual = 0.35, .min = 0.1, .max = 1.0};
-  Range radius_mm = {.usual = 30.0, .min = 10.0, .max = 50.0};
-};
-
-TechniqueKeys keys_of(Technique technique) {
-  switch (technique) {
-    case Technique::press:
-      return {.words = {"technique", "points", "side", "order", "together", "alternating",
-                        "force_n", "repeats", "time_s", "hold_s", "rise_s"}};
-    case Technique::rub:
-      return {.words = {"technique", "points", "side", "order", "together", "alternating",
-                        "force_n", "repeats", "time_s", "rate_hz", "radius_mm", "spiral"}};
-    case Technique::stroke:
-      return {.words = {"technique", "points", "line", "places", "side", "together", "alternating",
-                        "hand_over_hand", "force_n", "repeats", "time_s", "speed_mm_per_s"}};
-    case Technique::tap:
-      return {.words = {"technique", "points", "side", "order", "together", "force_n", "time_s",
-                        "rate_hz"},
-              .rate_hz = {.usual = 3.0, .min = min_tap_hz, .max = max_tap_hz}};
-    case Technique::knead:
-      return {
-          .words = {"technique", "points", "side", "order", "together", "alternating", "force_n",
-                    "repeats", "time_s", "rate_hz", "radius_mm"},
-          .rate_hz = {.usual = 0.8, .min = min_knead_hz, .max = max_knead_hz},
-          .radius_mm = {
-              .usual = 15.0, .min = to_mm(min_knead_radius_m), .max = to_mm(max_knead_radius_m)}};
-  }
-  return {};
-}
-
 Words keys_of_any() {
   Words all;
   for (const Technique technique : all_techniques) {
-    const Words words = keys_of(technique).words;
-    all.insert(all.end(), words.begin(), words.end());
+    const Words& keys = law_of(technique).keys;
+    all.insert(all.end(), keys.begin(), keys.end());
   }
   std::sort(all.begin(), all.end());
   all.erase(std::unique(all.begin(), all.end()), all.end());
@@ -169,7 +130,7 @@ void check_speed(const TomlTable& table, const Part& part) {
 
 /// A force that beats must not change too fast, at the intensity of the programme.
 void check_beat(const TomlTable& table, const Part& part, int intensity) {
-  const double fastest = part.technique == Technique::tap ? max_tap_n_per_s : max_beat_n_per_s;
+  const double fastest = law_of(part.technique).max_beat_n_per_s;
   const double strongest_n = strongest_beat_n(part.rate_hz, fastest) / force_scale_of(intensity);
   if (part.force_n <= strongest_n) return;
   const std::string at_intensity =
@@ -199,9 +160,9 @@ void check_part(const TomlTable& table, const Part& part, int intensity) {
   } else if (part.alternating || part.hand_over_hand) {
     check_turns(table, part, part.alternating ? "alternating" : "hand_over_hand");
   }
-  const bool kneads = part.technique == Technique::knead;
-  if (kneads || part.technique == Technique::rub) check_speed(table, part);
-  if (kneads || part.technique == Technique::tap) check_beat(table, part, intensity);
+  const TechniqueLaw& law = law_of(part.technique);
+  if (law.circles) check_speed(table, part);
+  if (law.max_beat_n_per_s > 0.0) check_beat(table, part, intensity);
 }
 
 std::optional<Part> read_part(const TomlTable& table, int intensity) {
@@ -216,8 +177,8 @@ std::optional<Part> read_part(const TomlTable& table, int intensity) {
   }
   Part part;
   part.technique = all_techniques[*technique];
-  const TechniqueKeys keys = keys_of(part.technique);
-  table.only(keys.words, {}, name_of(part.technique));
+  const TechniqueLaw& law = law_of(part.technique);
+  table.only(law.keys, {}, name_of(part.technique));
   read_points(table, part);
   read_places(table, part);
   Words line_names;
@@ -239,13 +200,13 @@ std::optional<Part> read_part(const TomlTable& table, int intensity) {
   part.time_s = table.number("time_s", 1.0, 60.0);
   part.hold_s = table.number("hold_s", 0.2, 10.0).value_or(part.hold_s);
   part.rise_s = table.number("rise_s", 0.3, 5.0).value_or(part.rise_s);
-  part.radius_m = from_mm(table.number("radius_mm", keys.radius_mm.min, keys.radius_mm.max)
-                              .value_or(keys.radius_mm.usual));
+  part.radius_m = from_mm(table.number("radius_mm", law.radius_mm.min, law.radius_mm.max)
+                              .value_or(law.radius_mm.usual));
   part.spiral = table.flag("spiral").value_or(part.spiral);
   part.speed_m_per_s = from_mm(table.number("speed_mm_per_s", 10.0, to_mm(max_slide_m_per_s))
                                    .value_or(to_mm(part.speed_m_per_s)));
   part.rate_hz =
-      table.number("rate_hz", keys.rate_hz.min, keys.rate_hz.max).value_or(keys.rate_hz.usual);
+      table.number("rate_hz", law.rate_hz.min, law.rate_hz.max).value_or(law.rate_hz.usual);
   check_part(table, part, intensity);
   return part;
 }

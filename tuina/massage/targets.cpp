@@ -6,6 +6,7 @@
 
 #include "tuina/core/io/text_lines.hpp"
 #include "tuina/core/units.hpp"
+#include "tuina/massage/technique_law.hpp"
 
 namespace tuina::massage {
 namespace {
@@ -88,8 +89,8 @@ Result<std::vector<Target>> points_of(const Part& part, const BackChart& chart,
 
 Result<std::vector<Target>> targets_of(const Part& part, const BackChart& chart,
                                        std::span<const Acupoint> acupoints) {
-  return part.technique == Technique::stroke ? lines_of(part, chart, acupoints)
-                                             : points_of(part, chart, acupoints);
+  const bool along_a_line = slides(part.technique) && !law_of(part.technique).circles;
+  return along_a_line ? lines_of(part, chart, acupoints) : points_of(part, chart, acupoints);
 }
 
 std::vector<Place> places_of(const Part& stroke, const BackChart& chart, double side) {

@@ -5,9 +5,9 @@
 #include <cmath>
 
 #include "tuina/massage/technique/contact_path.hpp"
-#include "tuina/massage/technique/knead.hpp"
 #include "tuina/massage/technique/surface_curve.hpp"
 #include "tuina/massage/technique/tap.hpp"
+#include "tuina/massage/technique_law.hpp"
 
 namespace tuina::app {
 namespace {
@@ -44,19 +44,24 @@ body::SurfacePoint place_on(const BelievedPatch& patch, double across_m, double 
           .normal_in_couch = normal};
 }
 
-/// A circle through the centre of the patch, where the force is least.
-ContactPath knead_path(const BelievedPatch& patch, const PatchTask& task) {
-  constexpr double radius_m = 15_mm, step = 0.05;
+/// A circle of the usual size, which begins at the centre of the patch.
+ContactPath circle_path(const BelievedPatch& patch, const PatchTask& task) {
+  constexpr double step = 0.05;
+  const massage::TechniqueLaw& law = massage::law_of(task.technique);
+  const massage::Part part{.technique = task.technique,
+                           .radius_m = from_mm(law.radius_mm.usual),
+                           .rate_hz = law.rate_hz.usual};
   std::vector<body::SurfacePoint> points;
-  for (double angle = 0.0; angle < 2.0 * pi - 0.5 * step; angle += step)
-    points.push_back(
-        place_on(patch, radius_m - radius_m * std::cos(angle), radius_m * std::sin(angle)));
+  for (double angle = 0.0; angle < 2.0 * pi - 0.5 * step; angle += step) {
+    points.push_back(place_on(patch, part.radius_m - part.radius_m * std::cos(angle),
+                              part.radius_m * std::sin(angle)));
+  }
   const massage::SurfaceCurve circle(points, true);
-  massage::KneadOptions knead{.force_n = task.force_n};
-  const double kneading_s = task.duration_s - 2.0 * massage::landing_s;
-  knead.turns =
-      std::max(1, static_cast<int>(std::lround(kneading_s * massage::knead_hz(circle, knead))));
-  return massage::plan_knead(circle, knead, name_of(Technique::knead));
+  massage::SlidingOrder order{.part = part, .force_n = task.force_n};
+  const double circling_s = task.duration_s - 2.0 * massage::landing_s;
+  order.repeats =
+      std::max(1, static_cast<int>(std::lround(circling_s / law.once_s(circle, order))));
+  return law.along(circle, order, name_of(task.technique));
 }
 
 struct Rub {
@@ -90,9 +95,9 @@ Rub rub_on(const BelievedPatch& patch, RubShape shape) {
 ContactPath path_on(const BelievedPatch& patch, const PatchTask& task) {
   if (task.technique == Technique::press) return press_path(place_on(patch, 0.0, 0.0), task);
   if (task.technique == Technique::tap) return tap_path(place_on(patch, 0.0, 0.0), task);
-  if (task.technique == Technique::knead) return knead_path(patch, task);
-
   const bool rub = task.technique == Technique::rub;
+  if (!rub && task.technique != Technique::stroke) return circle_path(patch, task);
+
   const double ramp_s = massage::force_ramp_s(task.force_n, 0.9);
   const Rub rubbed = rub_on(patch, task.rub_shape);
   // Standing and pressing first, then moving, then standing again until the force is gone.

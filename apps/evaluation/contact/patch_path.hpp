@@ -23,8 +23,9 @@ struct BelievedPatch {
 /// to 30 mm and in again, both at 66 mm/s.
 enum class RubShape : std::uint8_t { circle, ellipse, spiral };
 
-/// What is done there. A stroke is 250 mm at 50 mm/s, a knead a circle of 15 mm at 0.8 Hz. What the
-/// techniques are on a person, room `massage` works out from its surface.
+/// What is done there. A stroke is 250 mm at 50 mm/s; what circles, a rub excepted, has the usual
+/// radius and rate of a programme. A rub and a stroke go over a patch by laws of their own, with
+/// shapes and bends that no programme can order; those of a person room `massage` works out.
 struct PatchTask {
   Technique technique = Technique::press;
   double force_n = 30.0;
