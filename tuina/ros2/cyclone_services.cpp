@@ -170,7 +170,7 @@ void CycloneServices::answer(const Request& request, bool success, const std::st
 bool CycloneServices::hears(dds_entity_t writer, const std::string& program) {
   std::array<dds_instance_handle_t, 256> readers{};
   const dds_return_t found = dds_get_matched_subscriptions(writer, readers.data(), readers.size());
-  const auto known = std::min<std::size_t>(readers.size(), std::max(found, 0));
+  const auto known = std::min(readers.size(), static_cast<std::size_t>(std::max(found, 0)));
   return std::any_of(
       readers.begin(), readers.begin() + static_cast<std::ptrdiff_t>(known),
       [&](dds_instance_handle_t reader) {

@@ -55,9 +55,8 @@ struct World::Parts {
     }
     LaserScanner& unit() {
       if (!unit_) {
-        const Person& person = world_.person;
         shift_ = world_.shift_in_couch();
-        unit_.emplace(moved(person, shift_).skin_in_couch, person.position,
+        unit_.emplace(moved(world_.person, shift_).skin_in_couch, world_.person.position,
                       world_.options.breathing, world_.seed,
                       LaserScannerOptions{.room_light_dn = world_.options.room_light_dn,
                                           .flaws = world_.options.scan_flaws});
@@ -77,11 +76,11 @@ struct World::Parts {
       if (world_.plant) return {};
       PlantOptions devices = world_.options.devices;
       devices.seed = world_.seed;
-      auto plant =
+      auto made =
           Plant::make(world_.robot, world_.true_arms, {.q_rad = pose.q_rad, .rail_m = pose.rail_m},
                       &world_.contact, devices);
-      if (!plant) return tl::unexpected(plant.error());
-      world_.plant = std::move(*plant);
+      if (!made) return tl::unexpected(made.error());
+      world_.plant = std::move(*made);
       return {};
     }
     std::optional<robot::RobotReading> read() noexcept override {

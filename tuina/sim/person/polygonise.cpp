@@ -21,10 +21,9 @@ class Lattice {
  public:
   Lattice(const Field& field, const Box& box, double cell_m)
       : field_(field), low_(box.low), cell_m_(cell_m) {
-    for (int axis = 0; axis < 3; ++axis) {
-      const double cells = std::ceil((box.high[axis] - box.low[axis]) / (cell_m * coarse));
-      size_[axis] = coarse * static_cast<int>(cells) + 1;
-    }
+    const Vector3 cells = ((box.high - box.low) / (cell_m * coarse)).array().ceil();
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      size_[axis] = coarse * static_cast<int>(cells[static_cast<Eigen::Index>(axis)]) + 1;
     value_.assign(static_cast<std::size_t>(size_[0]) * static_cast<std::size_t>(size_[1]) *
                       static_cast<std::size_t>(size_[2]),
                   unknown);
@@ -202,7 +201,7 @@ Mesh largest_piece(const Mesh& mesh) {
     return i;
   };
   for (const auto& triangle : mesh.triangles) {
-    for (const std::size_t corner : {1, 2}) {
+    for (const std::size_t corner : {1U, 2U}) {
       root[static_cast<std::size_t>(find(triangle[corner]))] = find(triangle[0]);
     }
   }

@@ -34,7 +34,7 @@ double LivingContact::Landscape::at(const Vector3& place) const noexcept {
 
 LivingContact::LivingContact(const LivingBack& back, double torso_n_per_m, double friction,
                              Random person, Random events)
-    : back_(back), friction_(friction), events_(std::move(events)) {
+    : back_(back), friction_(friction), events_(events) {
   const auto near = [&person](double usual) { return usual * uniform(person, 0.8, 1.2); };
   const bool layers = back.fat_share > 0.0;
   tissue_.form = draw_form(layers ? ElasticForm::Law::layers : ElasticForm::Law::tangent, person);

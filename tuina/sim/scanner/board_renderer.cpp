@@ -210,7 +210,8 @@ bool in_view(const scanner::CameraModel& camera, const scanner::Board& board,
   if (board.has_markers()) {
     int corners = 0;
     for (int i = 0; i < board.corners(); ++i) {
-      corners += seen(i % board.columns, i / board.columns) ? 1 : 0;
+      const int column = i % board.columns, row = i / board.columns;
+      corners += seen(column, row) ? 1 : 0;
     }
     return 3 * corners >= 2 * board.corners();
   }

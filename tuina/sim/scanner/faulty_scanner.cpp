@@ -18,14 +18,12 @@ void blur(Image& image, int over_px) {
   const Image sharp = image;
   for (int y = 0; y < image.height; ++y) {
     for (int x = 0; x < image.width; ++x) {
-      int sum = 0, count = 0;
-      for (int k = x - over_px / 2; k <= x + over_px / 2; ++k) {
-        if (k < 0 || k >= image.width) continue;
-        sum += sharp.row(y)[k * image.channels];
-        ++count;
-      }
+      const int first = std::max(x - over_px / 2, 0);
+      const int last = std::min(x + over_px / 2, image.width - 1);
+      int sum = 0;
+      for (int k = first; k <= last; ++k) sum += sharp.row(y)[k * image.channels];
       for (int c = 0; c < image.channels; ++c)
-        image.row(y)[x * image.channels + c] = static_cast<std::uint8_t>(sum / count);
+        image.row(y)[x * image.channels + c] = static_cast<std::uint8_t>(sum / (last - first + 1));
     }
   }
 }
