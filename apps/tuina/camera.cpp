@@ -84,13 +84,13 @@ class LitCamera {
                                 const hardware::CameraMode& mode) {
     LitCamera lit;
     if (devices.turntable) {
-      auto opened = hardware::Ax12Turntable::open(*devices.turntable);
+      auto opened = open_turntable(*devices.turntable);
       if (!opened) return tl::unexpected(opened.error());
       lit.turntable_ = std::move(*opened);
     }
     int width_px = mode.width_px, height_px = mode.height_px;
     if (devices.camera->turned_deg % 180 != 0) std::swap(width_px, height_px);
-    auto camera = hardware::V4l2Camera::open(*devices.camera, width_px, height_px);
+    auto camera = open_camera(*devices.camera, width_px, height_px);
     if (!camera) return tl::unexpected(camera.error());
     lit.camera_ = std::move(*camera);
     if (auto turns = lit.turn(); !turns) return tl::unexpected(turns.error());
@@ -136,8 +136,8 @@ class LitCamera {
     return std::move(frame->image);
   }
 
-  std::unique_ptr<hardware::V4l2Camera> camera_;
-  std::unique_ptr<hardware::Ax12Turntable> turntable_;  // the first to go, and its laser with it
+  std::unique_ptr<scanner::Camera> camera_;
+  std::unique_ptr<scanner::Turntable> turntable_;  // the first to go, and its laser with it
 };
 
 std::atomic<bool> live_ends = false;

@@ -3,6 +3,8 @@
 
 #include <array>
 
+#include "tuina/hardware/ax12_turntable.hpp"
+
 namespace tuina::app {
 namespace {
 

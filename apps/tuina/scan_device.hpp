@@ -6,6 +6,7 @@
 
 #include "apps/cli/command_line.hpp"
 #include "apps/simulated/devices/device_scanner.hpp"
+#include "tuina/hardware/video_device.hpp"
 
 namespace tuina::app {
 

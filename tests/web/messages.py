@@ -28,8 +28,19 @@ def said_in(source):
 
 def main(folder):
     root = pathlib.Path(folder)
-    chinese = json.loads((root / "page/messages/zh-Hant.json").read_text(encoding="utf-8"))
     faults, keys = [], set()
+
+    def each_once(pairs):
+        once = dict(pairs)
+        faults.extend(f"{key} is twice in a file of messages" for key in once if sum(key == other for other, _ in pairs) > 1)
+        return once
+
+    def messages(language):
+        text = (root / f"page/messages/{language}.json").read_text(encoding="utf-8")
+        return json.loads(text, object_pairs_hook=each_once)
+
+    messages("en")
+    chinese = messages("zh-Hant")
     for source in [*(root / "tuina").rglob("*.cpp"), *(root / "apps").rglob("*.[ch]pp")]:
         for key, values in keys_in(source.read_text(encoding="utf-8")):
             if not re.match(r"(note|why|by|sum|fault|stopped|changed?|not|remembered)_(?!.*said$)", key):
@@ -50,6 +61,13 @@ def main(folder):
         names = re.findall(r'"([^"]+)"', re.search(re.escape(begin) + r"[^{]*\{(.*?)\};", (root / file).read_text(), re.S)[1])
         keys.update(names)
         faults += [f"{file}: {name} has no message in Chinese" for name in names if name not in chinese and name != "none"]
+    # A technique is named, and said as what is done and what was done.
+    table = (root / "tuina/core/technique.hpp").read_text()
+    words = re.findall(r'\.(?:name|doing|did) = "([^"]+)"', table)
+    keys.update(words)
+    faults += [f"technique.hpp: {word} has no message in Chinese" for word in words if word not in chinese]
+    if len(words) < 15:
+        faults.append("technique.hpp: the words of techniques are not found")
     print(f"{len(keys)} keys and names", *faults, sep="\n")
     return 1 if faults or len(keys) < 180 else 0
 

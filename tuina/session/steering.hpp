@@ -16,9 +16,13 @@ namespace tuina::session {
 /// enough to know most tissues.
 inline constexpr double reference_force_n = 10.0;
 
-/// The estimator of every session; another `tissue::SteeringEstimator` is plugged in here.
+/// The estimator that decides forces in every session; another `tissue::SteeringEstimator` is
+/// plugged in here.
 using SessionEstimator = tissue::CreepEstimator;
 static_assert(tissue::SteeringEstimator<SessionEstimator>);
+/// The estimator that compares a press with others; another estimator of the tangent law alone is
+/// plugged in here.
+using ElasticEstimator = tissue::PressEstimator;
 
 /// One decision that the felt tissue led to, for the record. The rules are those of
 /// tissue/depth_rules.hpp.
@@ -122,7 +126,7 @@ class Steering {
     SessionEstimator whole;
     /// By the tangent law alone, which compares like with like: all presses of this contact, the
     /// last one, and those since the last set was complete.
-    tissue::PressEstimator elastic, last, set;
+    ElasticEstimator elastic, last, set;
     std::array<tissue::PressSet, max_sets> sets = {};
     std::size_t sets_felt = 0;
     int set_presses = 0;

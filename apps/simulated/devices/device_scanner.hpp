@@ -5,21 +5,28 @@
 #include <string>
 
 #include "tuina/core/result.hpp"
-#include "tuina/hardware/ax12_turntable.hpp"
 #include "tuina/hardware/device_file.hpp"
-#include "tuina/hardware/v4l2_camera.hpp"
 #include "tuina/scanner/calibration.hpp"
+#include "tuina/scanner/camera.hpp"
+#include "tuina/scanner/turntable.hpp"
 
 namespace tuina::app {
 
 /// Camera and turntable of a real scanner.
 struct DeviceScanner {
-  std::unique_ptr<hardware::V4l2Camera> camera;
-  std::unique_ptr<hardware::Ax12Turntable> turntable;
+  std::unique_ptr<scanner::Camera> camera;
+  std::unique_ptr<scanner::Turntable> turntable;
   std::string called;  ///< both addresses
 };
 
-/// Fails with Fault::device, naming the device and what mends it.
+/// The one place where the kind of a camera, and of a turntable, is chosen. Pictures are so large
+/// after they were turned. Both fail with Fault::device, naming the device and what mends it.
+[[nodiscard]] Result<std::unique_ptr<scanner::Camera>> open_camera(
+    const hardware::CameraDevice& device, int width_px, int height_px);
+[[nodiscard]] Result<std::unique_ptr<scanner::Turntable>> open_turntable(
+    const hardware::TurntableDevice& device);
+
+/// Both of them. Fails with Fault::device, too.
 [[nodiscard]] Result<DeviceScanner> open_scanner(const hardware::DeviceFile& devices,
                                                  const scanner::CameraModel& pictures);
 
