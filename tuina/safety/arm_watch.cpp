@@ -73,6 +73,7 @@ void ArmWatch::compare(const robot::ArmDynamics& dynamics, const robot::ArmReadi
   const JointVector driven_nm = lagged_nm_ - dynamics.coriolis_nm - dynamics.gravity_nm +
                                 dynamics.jacobian.transpose() * wrench_;
   const JointVector missing = passed_s * driven_nm - gained;
+  if (passed_s > 0.0) unexplained_nm_ = missing / passed_s;
   for (Eigen::Index i = 0; i < missing.size(); ++i) {
     const auto joint = static_cast<std::size_t>(i);
     const robot::Link& link = model_.table().links[joint];
@@ -194,6 +195,7 @@ Observation ArmWatch::observe(const robot::RobotReading& reading, Arm arm, const
           proposal.stiffness_n_per_m == 0.0 ? led_share : drive_share);
   seen.torque_misfit = misfit_;
   seen.weak_joint = weak_joint_;
+  seen.unexplained_nm = unexplained_nm_;
   if (ticks > 0.0) drives_.compare(raw.measured_torque_nm, applied_nm, ticks > 1.0);
   seen.drive_misfit = drives_.misfit();
   seen.reversed_joint = drives_.reversed_joint();

@@ -66,6 +66,7 @@ class ArmWatch {
   JointVector missing_ahead_, missing_back_;
   double misfit_ = 0.0;
   int weak_joint_ = -1;
+  JointVector unexplained_nm_;  ///< torque of each joint that does not show in the motion
 
   Wrench sample_;
   double sample_time_s_ = std::numeric_limits<double>::quiet_NaN();

@@ -104,6 +104,7 @@ Verdict Guard::check(const Observation& seen, const Proposal& proposal) noexcept
     JointVector own_nm = known ? own_torque(seen, action) : blind_torque(action);
     // Told nothing, a drive that turns the other way does no more harm than a dead one.
     if (seen.drive_misfit > 1.0 && seen.reversed_joint >= 0) own_nm[seen.reversed_joint] = 0.0;
+    if (motor_trial_.silenced_joint() >= 0) own_nm[motor_trial_.silenced_joint()] = 0.0;
     allowed_nm_ = limited(own_nm, rate, finding);
   }
   return {.allowed_nm = allowed_nm_,

@@ -8,6 +8,7 @@
 #include "tuina/core/arm.hpp"
 #include "tuina/safety/guard_states.hpp"
 #include "tuina/safety/limits.hpp"
+#include "tuina/safety/motor_trial.hpp"
 #include "tuina/safety/zone_field.hpp"
 
 namespace tuina::safety {
@@ -75,6 +76,9 @@ struct Observation {
   /// leaves.
   double torque_misfit = 0.0;
   int weak_joint = -1;  ///< whose drive alone would explain it; -1: none
+  /// The torque of each joint that was told or felt in the last millisecond and does not show in
+  /// the motion; empty where it is not known.
+  JointVector unexplained_nm;
   /// What drives measure of their torques and were not told, as a share of what is borne; 0 where
   /// they measure none.
   double drive_misfit = 0.0;
@@ -213,6 +217,7 @@ class Guard {
   std::uint32_t same_ = 0;
   bool encoders_doubted_ = false, force_doubted_ = false;
   JointVector told_nm_;  ///< the last proposal
+  MotorTrial motor_trial_;
 
   GuardState state_ = GuardState::working;
   Cause stopped_by_ = Cause::none;

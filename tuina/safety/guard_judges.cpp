@@ -127,6 +127,8 @@ void Guard::judge_drives(const Observation& seen, Finding& finding) noexcept {
   if (drive_amiss_ > (stopped ? blamed_ticks : 0)) finding.add(Action::brake, Cause::drive_amiss);
   if (measured) finding.add(Action::comply, Cause::drive_amiss);
   if (amiss) finding.add(Action::comply, Cause::torques_amiss);
+  // A trial changes what the arm does, so it waits until the guard has the arm.
+  motor_trial_.look(seen.unexplained_nm, allowed_nm_, stopped && amiss ? seen.weak_joint : -1);
 }
 
 void Guard::take_sample(const Observation& seen, Finding& finding) noexcept {

@@ -25,6 +25,7 @@ struct Balance {
   std::array<std::vector<double>, 6> torques_nm = {}, sums_nms = {};
   double misfit = 0.0;
   int weak_joint = -1;
+  std::array<double, 6> unexplained_nm = {};
 
   void feel(const std::array<double, 6>& felt) {
     for (const double value : felt)
@@ -70,6 +71,7 @@ struct Balance {
       for (int row = 0; row < 6; ++row) nm += dynamics.jacobian(row, i) * wrench[std::size_t(row)];
       const double missing = passed_s * nm - gained[k];
       sums_nms[k].push_back(sums_nms[k].back() + missing);
+      if (passed > 0) unexplained_nm[k] = missing / passed_s;
       const double friction_nm =
           link.coulomb_nm + link.viscous_nm_s_per_rad * std::abs(arm.dq_rad_per_s[i]);
       const double allowed = passed_s * (1.5 * friction_nm + share * link.torque_limit_nm);
@@ -247,6 +249,11 @@ TEST_CASE("the misfit is the balance of momentum, and of whom it complains, what
       balance.take(raw, standing.reading.tick, seen.force_in_base_n, applied_nm, led ? 0.1 : 0.04);
       CHECK(seen.torque_misfit == doctest::Approx(balance.misfit).epsilon(1e-9));
       CHECK(seen.weak_joint == balance.weak_joint);
+      CHECK((seen.unexplained_nm.size() > 0) == balance.driven);
+      for (int i = 0; i < 6 && balance.driven; ++i) {
+        const double nm = balance.unexplained_nm[static_cast<std::size_t>(i)];
+        CHECK(seen.unexplained_nm[i] == doctest::Approx(nm).epsilon(1e-6));
+      }
       (balance.weak_joint >= 0 ? blamed : sound) += 1;
     }
   }
