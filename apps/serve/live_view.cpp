@@ -57,7 +57,8 @@ void LiveView::on_map(const body::Mapping& map) {
   const robot::RobotPlacement placement =
       robot::place_robot(robot_, map.position, session::head_at_plus_y(map.acupoints));
   const std::lock_guard lock(mutex_);
-  arms_ = robot::both_models(placement.arm, placement.mount);
+  arms_ =
+      std::make_unique<PerArm<robot::ArmModel>>(robot::both_models(placement.arm, placement.mount));
   back_ = std::move(back);
   map_ = map_json(map.position, map.acupoints);
   ++progress_.backs;

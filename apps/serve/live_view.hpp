@@ -61,8 +61,9 @@ class LiveView final : public session::Observer {
   scanner::Scan scan_;
   std::string back_, map_, plan_;
   Transform couch_from_base_ = Transform::Identity();
-  std::optional<PerArm<robot::ArmModel>> arms_;  ///< once the person's position is known
-  std::vector<std::string> events_;              ///< JSON objects
+  /// Once the person's position is known.
+  std::unique_ptr<const PerArm<robot::ArmModel>> arms_;
+  std::vector<std::string> events_;  ///< JSON objects
   std::optional<session::Tick> newest_;
   /// Time, and of each arm the force asked for and the force felt, every 20 ms.
   std::vector<std::array<double, 5>> forces_;

@@ -99,7 +99,8 @@ void SessionDiagnostics::note_scan(const scanner::Scan& scan) {
 
 void SessionDiagnostics::note_place(const robot::RobotPlacement& placement) {
   tool_mass_kg_ = placement.arm.tool_mass_kg;
-  models_ = robot::both_models(placement.arm, placement.mount);
+  models_ =
+      std::make_unique<PerArm<robot::ArmModel>>(robot::both_models(placement.arm, placement.mount));
 }
 
 void SessionDiagnostics::note_tissue(const TissueEvent& felt) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -55,7 +56,7 @@ class SessionDiagnostics {
   void tell_session(const session::Tick& tick, std::uint64_t missing_ms);
 
   double tool_mass_kg_ = 0.0;
-  std::optional<PerArm<robot::ArmModel>> models_;
+  std::unique_ptr<const PerArm<robot::ArmModel>> models_;
   PerArm<Side> sides_;
   telemetry::ros::DiagnosticArray told_;
   double told_s_ = 0.0;

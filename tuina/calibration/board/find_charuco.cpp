@@ -277,8 +277,8 @@ SeenBoard corners_of(ImageView image, const Agreed& agreed, const Board& board) 
   Agreed corners{.on_board = {}, .in_image = {}, .image_from_board = agreed.image_from_board};
   std::vector<Vector2> all(static_cast<std::size_t>(board.corners()));
   for (int i = 0; i < board.corners(); ++i) {
-    const cv::Point2f corner(static_cast<float>(i % board.columns),
-                             static_cast<float>(i / board.columns));
+    const int column = i % board.columns, row = i / board.columns;
+    const cv::Point2f corner(static_cast<float>(column), static_cast<float>(row));
     const auto found = find_corner(image, around(agreed, corner, 24), corner, board,
                                    agreed.first_is_black ? 0 : 1);
     if (!found) continue;

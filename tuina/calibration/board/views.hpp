@@ -40,7 +40,8 @@ struct View {
 
 /// An inner corner in the board frame.
 [[nodiscard]] inline Vector3 corner_on(const Board& board, int corner) {
-  return board.square_m * Vector3(corner % board.columns, corner / board.columns, 0.0);
+  const int column = corner % board.columns, row = corner / board.columns;
+  return board.square_m * Vector3(column, row, 0.0);
 }
 
 /// All measurements of a set of pictures.

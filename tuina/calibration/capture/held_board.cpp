@@ -38,7 +38,8 @@ Matrix3 homography(const SeenBoard& seen, const Board& board, const Vector2& mid
   const double scale_px = middle_px.norm();
   for (std::size_t k = 0; k < seen.corners_px.size(); ++k) {
     const int corner = seen.which.empty() ? static_cast<int>(k) : seen.which[k];
-    const Vector3 at(corner % board.columns, corner / board.columns, 1.0);  // in squares
+    const int column = corner % board.columns, line = corner / board.columns;
+    const Vector3 at(column, line, 1.0);  // in squares
     const Vector2 to = (seen.corners_px[k] - middle_px) / scale_px;
     const auto row = 2 * static_cast<Eigen::Index>(k);
     rows.row(row) << at.transpose(), 0.0, 0.0, 0.0, -to.x() * at.transpose();

@@ -203,7 +203,8 @@ constexpr const char* too_far = "a coordinate beyond 1000 km; coordinates are me
 Result<SurfaceFile> read_ascii(TextLines lines, const PcdHeader& header, std::string_view name) {
   std::uint64_t row_words = 0;
   for (const Field& field : header.fields) row_words += field.count;
-  if (*header.points > (lines.rest().size() + 1) / (2 * row_words)) {
+  const std::uint64_t row_bytes = 2 * std::max<std::uint64_t>(row_words, 1);  // at the least
+  if (*header.points > (lines.rest().size() + 1) / row_bytes) {
     return fail(Fault::bad_input, "{}: the header claims {} points, {} bytes follow it", name,
                 *header.points, lines.rest().size());
   }

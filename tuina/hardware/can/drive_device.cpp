@@ -34,7 +34,7 @@ DriveDevice read_drive(const TomlTable& table) {
   drive.zero_count = table.whole("zero_count", -max_count, max_count).value_or(0);
   drive.reversed = table.flag("reversed").value_or(false);
   // A place of the joint within a turn of its zero is a number of 32 bits.
-  if (drive.counts_per_turn * drive.gear > max_count / 2)
+  if (2.0 * drive.counts_per_turn * drive.gear > max_count)
     table.wrong("counts_per_turn", "and `gear` make more counts a turn of the joint than 2^29");
   return drive;
 }

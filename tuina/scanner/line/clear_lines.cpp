@@ -66,7 +66,8 @@ class ClearRows {
                      .deviation_px = deviation_px_dn_ / height};
       const bool clear = seen.view[k] == RowView::one_line;
       const float moved_px = std::abs(column - static_cast<float>(seen.brightest[k]));
-      next += clear & (height >= min_amplitude_dn_) & (moved_px <= max_distance_px_) ? 1 : 0;
+      const bool counts = clear & (height >= min_amplitude_dn_) & (moved_px <= max_distance_px_);
+      next += counts ? 1 : 0;
       hint_ = clear ? seen.brightest[k] : hint_;
       if (seen.view[k] == RowView::in_doubt) in_doubt.push_back(first + i);
     }
