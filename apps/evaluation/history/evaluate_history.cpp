@@ -66,7 +66,8 @@ class EvaluateHistory final : public Verb {
     auto come_back = returning(common.seed);
     if (!come_back) return tl::unexpected(come_back.error());
     std::optional<ReturningPeople>& bodies = *come_back;
-    const auto people = static_cast<std::size_t>(people_), tested = power_worlds.size() * tested_;
+    const auto people = static_cast<std::size_t>(people_);
+    const auto tested = power_worlds.size() * static_cast<std::size_t>(tested_);
     std::vector<Result<DaysOfOne>> days(people);
     std::vector<Result<PowerOutcome>> powers(tested);
     std::vector<Result<PointsOutcome>> points(bodies ? bodies->size() : 0);
