@@ -51,7 +51,7 @@ std::string help_of(const CLI::App& command, const std::string& words) {
 }
 
 std::string bash_script(const CLI::App& program) {
-  const std::string name = program.get_name();
+  const std::string& name = program.get_name();
   std::string cases;
   for_each_command(program, "", [&](const CLI::App& command, const std::string& path) {
     cases +=
@@ -87,7 +87,7 @@ std::string in_fish_quotes(const std::string& text) {
 }
 
 std::string fish_script(const CLI::App& program) {
-  const std::string name = program.get_name();
+  const std::string& name = program.get_name();
   std::string script;
   for (const CLI::App* verb : program.get_subcommands(nullptr)) {
     script += fmt::format("complete -c {} -n __fish_use_subcommand -f -a {} -d {}\n", name,
@@ -113,7 +113,7 @@ std::string fish_script(const CLI::App& program) {
 }  // namespace
 
 std::string manual_page(const CLI::App& program, const std::string& version) {
-  const std::string name = program.get_name();
+  const std::string& name = program.get_name();
   const std::string said = program.get_description();  // "tuina: what it does"
   const std::string what = said.starts_with(name + ": ") ? said.substr(name.size() + 2) : said;
   std::string page = fmt::format(

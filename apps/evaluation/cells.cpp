@@ -17,7 +17,8 @@ namespace {
 /// The same on every machine, which std::hash is not ([fowler1991], FNV-1a).
 std::uint64_t hash_of(const std::string& name) {
   std::uint64_t hash = 14695981039346656037ULL;
-  for (const unsigned char letter : name) hash = (hash ^ letter) * 1099511628211ULL;
+  for (const char letter : name)
+    hash = (hash ^ static_cast<unsigned char>(letter)) * 1099511628211ULL;
   return hash;
 }
 

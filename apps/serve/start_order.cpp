@@ -82,10 +82,10 @@ Result<std::string> consent_of(const json& object) {
   const auto given = object.find("answers");
   if (given == object.end() || !given->is_object())
     return fail(Fault::bad_input, "answers: is no object");
-  for (const auto& [key, answer] : given->items()) {
+  for (const auto& answer : given->items()) {
     const bool known =
         std::any_of(session::health_questions.begin(), session::health_questions.end(),
-                    [&](const auto& question) { return key == question.key; });
+                    [&](const auto& question) { return answer.key() == question.key; });
     if (!known) return fail(Fault::bad_input, "answers: to a question that is not asked");
   }
   for (const auto& question : session::health_questions) {
