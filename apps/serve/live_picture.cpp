@@ -115,7 +115,7 @@ class LivePicture::Page {
     return {.type = "image/png", .body = to_png(picture)};  // the camera waits for no packing
   }
 
-  const Stopwatch clock_;
+  const Stopwatch clock_{};
   std::mutex mutex_;
   std::optional<web::Access> access_;
   Image picture_;

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ranges>
 
 #include "tuina/body/back_surface.hpp"
 #include "tuina/control/cartesian_impedance.hpp"
@@ -58,7 +57,7 @@ HandMotion hand_motion(const motion::ReadyPlan& ready, const ToolPose& home, Arm
   motion.go(over(path.points.front(), -2_mm), 0.04);
   motion.press(path, base_from_couch);
   motion.go(over(path.points.back(), 60_mm), 0.04);
-  for (const ToolPose& pose : std::views::reverse(way)) motion.go(pose, 0.10);
+  for (auto pose = way.rbegin(); pose != way.rend(); ++pose) motion.go(*pose, 0.10);
   motion.go(home, 0.10);
   return motion;
 }

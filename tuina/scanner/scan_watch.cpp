@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <ranges>
 
 #include "tuina/core/units.hpp"
 
@@ -26,11 +25,11 @@ Result<void> ScanWatch::see(double frame_s, bool new_picture,
   double low_rad = std::numeric_limits<double>::infinity();
   double high_rad = -low_rad;
   // The newest are at the end; a simulated motor has told its future.
-  for (const YawReading& reading : std::views::reverse(readings)) {
-    if (reading.time_s > to_s) continue;
-    if (reading.time_s < from_s) break;
-    low_rad = std::min(low_rad, reading.yaw_rad);
-    high_rad = std::max(high_rad, reading.yaw_rad);
+  for (auto reading = readings.rbegin(); reading != readings.rend(); ++reading) {
+    if (reading->time_s > to_s) continue;
+    if (reading->time_s < from_s) break;
+    low_rad = std::min(low_rad, reading->yaw_rad);
+    high_rad = std::max(high_rad, reading->yaw_rad);
   }
   if (low_rad > high_rad)
     return fail(Fault::device, "the motor has told no angle for {:.2f} s", patience_s_);

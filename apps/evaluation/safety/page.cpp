@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <ranges>
 
 #include "apps/evaluation/safety/judge.hpp"
 #include "apps/evaluation/safety/report.hpp"
@@ -46,12 +45,12 @@ std::string margin_map(const Campaign& campaign) {
       {"contact low", "low"},   {"contact midline", "GV4"}, {"retract", "retract"}};
   for (const auto& [state, tick] : states) map.x_ticks.push_back(tick);
   const auto tried = tried_classes(campaign);
-  for (const auto* fault : std::views::reverse(tried)) {
-    map.y_ticks.push_back(fault->name);
+  for (auto fault = tried.rbegin(); fault != tried.rend(); ++fault) {
+    map.y_ticks.push_back((*fault)->name);
     for (const auto& [state, tick] : states) {
       double worst = std::numeric_limits<double>::quiet_NaN();
       for (const CampaignCell& cell : campaign.cells) {
-        if (cell.fault == fault && state_of(cell) == state && cell.outcome.tried)
+        if (cell.fault == *fault && state_of(cell) == state && cell.outcome.tried)
           worst = std::fmax(worst, std::min(999.0, 100.0 * share_of(cell)));
       }
       map.values.push_back(worst);

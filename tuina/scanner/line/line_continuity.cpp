@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ranges>
 
 namespace tuina::scanner {
 
@@ -89,12 +88,12 @@ void choose_by_continuity(const std::vector<LinePoint>& clear, std::vector<Candi
   if (stages.empty()) return;
   const auto& ends = stages.back().cost;
   auto chosen = static_cast<int>(std::min_element(ends.begin(), ends.end()) - ends.begin());
-  for (const auto& stage : std::views::reverse(stages)) {
-    if (stage.row != nullptr) {
-      std::swap(stage.row->candidates.front(),
-                stage.row->candidates[static_cast<std::size_t>(chosen)]);
+  for (auto stage = stages.rbegin(); stage != stages.rend(); ++stage) {
+    if (stage->row != nullptr) {
+      std::swap(stage->row->candidates.front(),
+                stage->row->candidates[static_cast<std::size_t>(chosen)]);
     }
-    chosen = stage.from[static_cast<std::size_t>(chosen)];
+    chosen = stage->from[static_cast<std::size_t>(chosen)];
   }
 }
 

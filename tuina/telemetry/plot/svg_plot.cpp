@@ -7,7 +7,6 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
-#include <ranges>
 
 #include "tuina/telemetry/plot/svg_parts.hpp"
 
@@ -132,19 +131,19 @@ std::string legend(const Plot& plot, double right) {
       entries.push_back({series.name, series.colour, series.dots, series.dashed, false});
   }
   double x = right;
-  for (const Entry& entry : std::views::reverse(entries)) {
-    x -= letter_px * static_cast<double>(entry.name.size());
-    svg += fmt::format("<text x=\"{:.1f}\" y=\"12\">{}</text>", x, escaped(entry.name));
-    const std::string colour = css(entry.colour);
-    if (entry.band) {
+  for (auto entry = entries.rbegin(); entry != entries.rend(); ++entry) {
+    x -= letter_px * static_cast<double>(entry->name.size());
+    svg += fmt::format("<text x=\"{:.1f}\" y=\"12\">{}</text>", x, escaped(entry->name));
+    const std::string colour = css(entry->colour);
+    if (entry->band) {
       svg += fmt::format(
           "<rect x=\"{:.1f}\" y=\"4\" width=\"16\" height=\"9\" fill=\"{}\" fill-opacity=\".25\"/>",
           x - 22, colour);
-    } else if (entry.dots) {
+    } else if (entry->dots) {
       svg += fmt::format("<circle cx=\"{:.1f}\" cy=\"8.5\" r=\"3\" fill=\"{}\"/>", x - 12, colour);
     } else {
       svg += fmt::format("<path d=\"M{:.1f} 8.5h18\" stroke=\"{}\" stroke-width=\"2.4\"{}/>",
-                         x - 24, colour, entry.dashed ? " stroke-dasharray=\"5 3\"" : "");
+                         x - 24, colour, entry->dashed ? " stroke-dasharray=\"5 3\"" : "");
     }
     x -= 40;
   }

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <ranges>
 
 #include "tuina/core/units.hpp"
 #include "tuina/telemetry/picture/back_view.hpp"
@@ -47,9 +46,9 @@ void spread(std::vector<Label>& labels, double top, double bottom) {
     free_from = label.y + apart;
   }
   double free_to = bottom;
-  for (Label& label : std::views::reverse(labels)) {
-    label.y = std::min(label.y, free_to);
-    free_to = label.y - apart;
+  for (auto label = labels.rbegin(); label != labels.rend(); ++label) {
+    label->y = std::min(label->y, free_to);
+    free_to = label->y - apart;
   }
 }
 
