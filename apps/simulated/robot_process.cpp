@@ -72,7 +72,8 @@ void RobotReport::see(const sim::PlantTruth& truth) noexcept {
 
 void tell_truth(SharedTruth& shared, std::uint64_t tick, const sim::PlantTruth& truth) noexcept {
   TruthPage::Bytes bytes{.tick = tick};
-  std::memcpy(bytes.of.data(), &truth, sizeof(sim::PlantTruth));
+  // Its vectors have their numbers in themselves, so its bytes are all of it.
+  std::memcpy(bytes.of.data(), static_cast<const void*>(&truth), sizeof(sim::PlantTruth));
   shared->ticks[tick % TruthPage::kept].write(bytes);
 }
 
@@ -160,7 +161,7 @@ Result<int> Processes::run(const std::vector<std::string>& arguments) {
 
 // Two guards never speak at once: the one before is over when the next begins.
 Result<void> Processes::start_guard(const link::Arming& arming,
-                                    std::vector<std::string> arguments) {
+                                    const std::vector<std::string>& arguments) {
   if (guard_ != 0) end(guard_);
   if (auto written = link::write_arming(arming_file_, arming); !written) return written;
   const auto started = run(arguments);

@@ -92,7 +92,7 @@ class Processes {
   /// Starts this program once more; the number of the process.
   [[nodiscard]] Result<int> run(const std::vector<std::string>& arguments);
   [[nodiscard]] Result<void> start_guard(const link::Arming& arming,
-                                         std::vector<std::string> arguments);
+                                         const std::vector<std::string>& arguments);
   /// Waits for a child to end, and ends it when it hangs.
   void end(int child);
 
