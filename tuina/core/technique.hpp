@@ -17,7 +17,8 @@ namespace tuina {
 enum class Technique : std::uint8_t { press, rub, stroke, tap, knead };
 
 /// Everything that is said of a technique in more than one room. A new technique is an enumerator
-/// and a row here, a row of `massage/technique_law.cpp`, and its law, a file of `massage/technique`.
+/// and a row here, a row of `massage/technique_law.cpp`, and its law, a file of
+/// `massage/technique`.
 struct TechniqueRow {
   Technique technique;
   const char* name;      ///< "rub": in programmes, in files and on the command line.
