@@ -23,9 +23,9 @@ struct BelievedPatch {
 /// to 30 mm and in again, both at 66 mm/s.
 enum class RubShape : std::uint8_t { circle, ellipse, spiral };
 
-/// What is done there. A stroke is 250 mm at 50 mm/s; what circles, a rub excepted, has the usual
-/// radius and rate of a programme. A rub and a stroke go over a patch by laws of their own, with
-/// shapes and bends that no programme can order; those of a person room `massage` works out.
+/// What is done there. A stroke is 250 mm at 50 mm/s. A technique that goes in circles has the
+/// radius and rate that a programme has by default; only a rub has the shapes above, which no
+/// programme can order. On a person, room `massage` lays paths on the scanned surface instead.
 struct PatchTask {
   Technique technique = Technique::press;
   double force_n = 30.0;
