@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "tuina/body/learn/learn_shape.hpp"
+#include "tuina/core/parallel.hpp"
 
 namespace tuina::body {
 namespace {
@@ -19,23 +20,27 @@ std::vector<std::string> shared_names(const Examples& examples, const ShapeModel
 /// Leaves out whom the room cannot make a back of, with the cause.
 Result<void> leave_out_unusable(Examples& examples, std::vector<std::string>& causes,
                                 const Progress& progress) {
-  const auto count = static_cast<double>(examples.size());
-  std::size_t seen = 0;
-  for (std::size_t i = 0; i < examples.size();) {
+  const auto cause_of = [&](std::size_t i) -> Result<std::string> {
     const auto body = examples.source->read(examples.numbers[i], BodySource::Needs::scan);
     if (!body) return tl::unexpected(body.error());
     auto example = make_example(*body);
     if (example && body->scan_in_couch.size() > 0)
       example = make_example(*body, BodySource::Needs::scan);
-    if (example) {
-      ++i;
-    } else {
-      causes.push_back(example.error().message);
-      examples.leave_out(i);
+    return example ? "" : example.error().message;
+  };
+  std::vector<std::size_t> unusable;
+  const auto note = [&](std::size_t i, const Result<std::string>& cause) -> Result<void> {
+    if (!cause) return tl::unexpected(cause.error());
+    if (!cause->empty()) {
+      causes.push_back(*cause);
+      unusable.push_back(i);
     }
-    if (progress) progress(static_cast<double>(++seen) / count);
-  }
-  return {};
+    if (progress) progress(static_cast<double>(i + 1) / static_cast<double>(examples.size()));
+    return {};
+  };
+  auto tried = for_each_in_order(examples.size(), cause_of, note);
+  for (; !unusable.empty(); unusable.pop_back()) examples.leave_out(unusable.back());
+  return tried;
 }
 
 /// Tells a part of the way.

@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <cstddef>
 #include <mutex>
+#include <optional>
 #include <thread>
 #include <vector>
 
 #include "tuina/core/progress.hpp"
+#include "tuina/core/result.hpp"
 
 namespace tuina {
 
@@ -33,6 +36,23 @@ void for_each_in_parallel(std::size_t count, const Work& work, const Progress& p
   for (unsigned i = 1; i < threads && i < count; ++i) team.emplace_back(run);
   run();
   for (std::thread& thread : team) thread.join();
+}
+
+/// Calls `make(i)` for every i below `count` side by side, and `use(i, what was made)` one after
+/// another in the order of i, so that sums are the same to the last bit. Few are made ahead, so
+/// that many need no more memory. Ends with the first Result of `use` that is an error.
+template <class Make, class Use>
+[[nodiscard]] Result<void> for_each_in_order(std::size_t count, const Make& make, const Use& use) {
+  const std::size_t ahead = 2 * std::max(1U, std::thread::hardware_concurrency());
+  for (std::size_t first = 0; first < count; first += ahead) {
+    std::vector<std::optional<decltype(make(count))>> made(std::min(ahead, count - first));
+    for_each_in_parallel(made.size(), [&](std::size_t k) { made[k].emplace(make(first + k)); });
+    for (std::size_t k = 0; k < made.size(); ++k) {
+      if (auto used = use(first + k, *std::move(made[k])); !used) return used;
+      made[k].reset();
+    }
+  }
+  return {};
 }
 
 }  // namespace tuina

@@ -9,9 +9,9 @@
 
 namespace tuina::body {
 
-/// Labelled bodies that are read one at a time, and each several times, so that learning holds one
-/// of them in memory. Numbers decide who is left out with whom: a body that keeps its number, among
-/// as many, is learned from the same to the last bit.
+/// Labelled bodies that are read by several threads, and each several times, so that learning holds
+/// a few of them in memory. Numbers decide who is left out with whom: a body that keeps its number,
+/// among as many, is learned from the same to the last bit.
 struct BodySource {
   /// What of a body is needed: its skin and labels, or its scan as well, which may take long.
   enum class Needs : std::uint8_t { skin, scan };

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "tuina/core/io/text_lines.hpp"
+#include "tuina/core/parallel.hpp"
 #include "tuina/core/units.hpp"
 
 namespace tuina::body {
@@ -148,8 +149,10 @@ Result<std::array<Examples, 2>> read_examples(const BodySource& source, const Pr
   std::array<Examples, 2> both;
   both[1].position = BodyPosture::prone;
   std::array<std::string, 2> first;
-  for (std::size_t number = 0; number < source.count; ++number) {
-    const auto body = source.read(number, BodySource::Needs::skin);
+  const auto read = [&](std::size_t number) {
+    return source.read(number, BodySource::Needs::skin);
+  };
+  const auto take = [&](std::size_t number, const Result<LabelledBody>& body) -> Result<void> {
     if (!body) return tl::unexpected(body.error());
     const std::size_t k = body->position == BodyPosture::sitting ? 0 : 1;
     Examples& examples = both[k];
@@ -159,12 +162,14 @@ Result<std::array<Examples, 2>> read_examples(const BodySource& source, const Pr
       for (const Acupoint& point : body->acupoints) examples.acupoints.push_back(point.name);
       for (const Landmark& mark : body->landmarks) examples.landmarks.push_back(mark.name);
     }
-    if (auto same = check_same_labels(examples, first[k], *body); !same)
-      return tl::unexpected(same.error());
+    if (auto same = check_same_labels(examples, first[k], *body); !same) return same;
     examples.numbers.push_back(number);
     examples.labels_in_couch.push_back(labels_like(examples, *body));
     if (progress) progress(static_cast<double>(number + 1) / static_cast<double>(source.count));
-  }
+    return {};
+  };
+  if (const auto all = for_each_in_order(source.count, read, take); !all)
+    return tl::unexpected(all.error());
   return both;
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "tuina/body/correction.hpp"
+#include "tuina/core/parallel.hpp"
 #include "tuina/core/units.hpp"
 
 namespace tuina::body {
@@ -87,16 +88,24 @@ Result<Register> register_all(const People& people, const LearnOptions& options,
   }
   auto backs = RegisteredBacks::make(standard.skin.cols() + standard.labels.cols());
   if (!backs) return tl::unexpected(backs.error());
-  for (std::size_t i = 0; i < people.examples.size(); ++i) {
+  const auto make = [&](std::size_t i) -> Result<std::vector<Registered>> {
     const auto views = people.views_of(i, BodySource::Needs::skin);
     if (!views) return tl::unexpected(views.error());
-    for (const Example& view : *views) {
-      auto added = backs->add(registered(standard, view, people.names.all));
-      if (!added) return tl::unexpected(added.error());
+    std::vector<Registered> made;
+    for (const Example& view : *views) made.push_back(registered(standard, view, people.names.all));
+    return made;
+  };
+  const auto keep = [&](std::size_t i, const Result<std::vector<Registered>>& made) {
+    if (!made) return Result<void>(tl::unexpected(made.error()));
+    for (const Registered& back : *made) {
+      if (auto added = backs->add(back); !added) return added;
     }
     if (progress)
       progress(static_cast<double>(i + 1) / static_cast<double>(people.examples.size()));
-  }
+    return Result<void>();
+  };
+  if (const auto all = for_each_in_order(people.examples.size(), make, keep); !all)
+    return tl::unexpected(all.error());
   return Register{people, std::move(standard), std::move(*backs)};
 }
 
@@ -128,7 +137,8 @@ Result<LeftOut> leave_out(const People& people, const ShapeModel& model, std::si
   for (std::size_t fold = 0; fold < folds; ++fold) {
     const Result<ShapeModel> others = others_of(fold);
     if (!others) return tl::unexpected(others.error());
-    for (std::size_t i = fold; i < people.examples.size(); i += folds) {
+    const auto fit_one = [&](std::size_t k) -> Result<void> {
+      const std::size_t i = fold + k * folds;
       const auto views = people.views_of(i, BodySource::Needs::scan);
       if (!views) return tl::unexpected(views.error());
       auto column = static_cast<Index>(i * people.views);
@@ -146,12 +156,19 @@ Result<LeftOut> leave_out(const People& people, const ShapeModel& model, std::si
         left.outlier_score[column] = fit.outlier_score();
         ++column;
       }
+      return {};
+    };
+    const std::size_t among = (people.examples.size() - fold + folds - 1) / folds;
+    const auto note = [&](std::size_t k, const Result<void>& fitted) {
       if (progress) {
-        progress((static_cast<double>(fold) +
-                  static_cast<double>(i + 1) / static_cast<double>(people.examples.size())) /
-                 static_cast<double>(folds));
+        progress(
+            (static_cast<double>(fold) + static_cast<double>(k + 1) / static_cast<double>(among)) /
+            static_cast<double>(folds));
       }
-    }
+      return fitted;
+    };
+    if (const auto all = for_each_in_order(among, fit_one, note); !all)
+      return tl::unexpected(all.error());
   }
   return left;
 }
