@@ -119,6 +119,15 @@ void SessionChannels::on_plan(const motion::ReadyPlan& plan, const Transform& ba
 
 void SessionChannels::on_tick(const session::Tick& tick) noexcept {
   if (!robot_) return;
+  // What is lost must not end the session.
+  try {
+    tell(tick);
+  } catch (const std::exception&) {
+    ++missing_ms_;
+  }
+}
+
+void SessionChannels::tell(const session::Tick& tick) {
   const robot::RobotReading& reading = tick.reading;
   const double time_s = time_s_ = reading.time_s;
   tell_gap(reading.tick);

@@ -50,6 +50,7 @@ class SessionChannels final : public session::Observer {
   void on_scan(const scanner::Scan& scan) override;
   void on_map(const body::Mapping& map) override;
   void on_plan(const motion::ReadyPlan& plan, const Transform& base_from_couch) override;
+  /// A millisecond that cannot be told counts as missing.
   void on_tick(const session::Tick& tick) noexcept override;
   /// Says which milliseconds are missing before that one.
   void tell_gap(std::uint64_t next_tick);
@@ -74,6 +75,7 @@ class SessionChannels final : public session::Observer {
             bool latched = false);
   template <typename Event>
   void tell(std::uint16_t& channel, const Event& event, double time_s, bool latched = false);
+  void tell(const session::Tick& tick);
   void tell_events(const session::Tick& tick);
   void tell_guard(const session::Tick& tick);
   void tell_arms(const session::Tick& tick);

@@ -13,14 +13,14 @@ void Cia402Robot::say_heartbeat() noexcept {
 // Drives watch for their host from its first heartbeat on, brakes or no brakes. No SYNC is sent,
 // upon which a drive would take over its last order.
 void Cia402Robot::rest() noexcept {
-  if (!standing_ || faulty_ || commands_ == 0 || keeper_.joinable()) return;
+  if (!standing_ || fault_ || commands_ == 0 || keeper_.joinable()) return;
   for (std::size_t k = 0; k < drives_.size(); ++k) send(k, drives_[k].shut_down());
   in_cycles_ = false;
   rests_ = true;
   try {
     keeper_ = std::thread([this] {
       constexpr std::chrono::milliseconds every(cia402::commands_a_heartbeat);
-      while (rests_ && !faulty_) {
+      while (rests_ && !fault_) {
         say_heartbeat();
         hear();
         note_faults();

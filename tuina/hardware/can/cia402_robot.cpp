@@ -102,7 +102,7 @@ Cia402Robot::~Cia402Robot() {
   constexpr int times = 3;  // one of them arrives, or the drives miss their host
   for (int i = 0; standing_ && i < times; ++i) {
     for (std::size_t k = 0; k < drives_.size(); ++k)
-      send(k, faulty_ ? drives_[k].quick_stop() : drives_[k].order(0.0, true));
+      send(k, fault_ ? drives_[k].quick_stop() : drives_[k].order(0.0, true));
     send_to_all_buses(canopen::sync());
   }
 }
@@ -167,9 +167,8 @@ void Cia402Robot::cycle() noexcept {
 }
 
 void Cia402Robot::break_off(const char* whose, const std::string& name, const char* why) noexcept {
-  if (faulty_) return;
-  faulty_ = true;
-  *fmt::format_to_n(fault_.data(), fault_.size() - 1, "{}{} {}", whose, name, why).out = '\0';
+  if (fault_) return;
+  fault_.note("{}{} {}", whose, name, why);
   for (std::size_t k = 0; k < drives_.size(); ++k) send(k, drives_[k].quick_stop());
   send_to_all_buses(canopen::sync());
 }
@@ -187,7 +186,7 @@ Result<void> Cia402Robot::enable_all() {
   const auto enabled = [](const Drive& drive) { return drive.state() == cia402::State::enabled; };
   const auto deadline = Clock::now() + enable_patience;
   begin_cycles();
-  while (Clock::now() < deadline && !faulty_) {
+  while (Clock::now() < deadline && !fault_) {
     cycle();
     if (all(enabled)) return {};
     for (std::size_t k = 0; k < drives_.size(); ++k) {
@@ -197,7 +196,7 @@ Result<void> Cia402Robot::enable_all() {
       send(k, drives_[k].enable());
     }
   }
-  if (faulty_) return fail(Fault::device, "{}", fault_.data());
+  if (fault_) return fail(Fault::device, "{}", fault_.words());
   const auto late = std::find_if_not(drives_.begin(), drives_.end(), enabled);
   if (!late->heard_anything())
     return fail(Fault::device, "the {} tells nothing upon a SYNC", late->name());
@@ -215,14 +214,14 @@ Result<void> Cia402Robot::move_to(const std::vector<double>& q_rad) {
   // A cubic from rest to rest is at its fastest one and a half times as fast as a straight line.
   const double duration_s = 1.5 * farthest_rad / ready_speed_rad_per_s;
   const int cycles = static_cast<int>(duration_s / control_period_s) + 1;
-  for (int i = 1; i <= cycles + settling_cycles && !faulty_; ++i) {
+  for (int i = 1; i <= cycles + settling_cycles && !fault_; ++i) {
     const double s = std::min(1.0, static_cast<double>(i) / cycles);
     const double share = s * s * (3.0 - 2.0 * s);
     cycle();
     for (std::size_t k = 0; k < drives_.size(); ++k)
       send(k, drives_[k].place(from[k] + share * (q_rad[k] - from[k])));
   }
-  if (faulty_) return fail(Fault::device, "{}", fault_.data());
+  if (fault_) return fail(Fault::device, "{}", fault_.words());
   for (std::size_t k = 0; k < drives_.size(); ++k)
     if (std::abs(drives_[k].q_rad() - q_rad[k]) > max_ready_off_rad)
       return fail(Fault::device, "the {} stands at {:.1f} deg, ready is {:.1f}", drives_[k].name(),
@@ -243,11 +242,11 @@ Result<void> Cia402Robot::stand_ready(const robot::ReadyPose& pose) {
 
 std::optional<robot::RobotReading> Cia402Robot::read() noexcept {
   end_rest();
-  if (faulty_ || !standing_) return std::nullopt;
+  if (fault_ || !standing_) return std::nullopt;
   if (!in_cycles_) begin_cycles();
   if (!first_tick_) traffic_ = {};
   cycle();
-  if (faulty_) return std::nullopt;
+  if (fault_) return std::nullopt;
   if (!first_tick_) first_tick_ = tick_;
   robot::RobotReading reading;
   reading.tick = tick_ - *first_tick_;
@@ -272,7 +271,7 @@ std::optional<robot::RobotReading> Cia402Robot::read() noexcept {
 }
 
 void Cia402Robot::apply(const robot::RobotCommand& command) noexcept {
-  if (faulty_ || !standing_) return;
+  if (fault_ || !standing_) return;
   // Who commands lives. Drives watch for heartbeats from the first one on.
   if (commands_++ % cia402::commands_a_heartbeat == 0) say_heartbeat();
   std::array<bool, 4> asked = {};

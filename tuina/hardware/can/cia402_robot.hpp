@@ -13,6 +13,7 @@
 
 #include "tuina/hardware/can/can_bus.hpp"
 #include "tuina/hardware/can/drive.hpp"
+#include "tuina/hardware/can/first_fault.hpp"
 #include "tuina/robot/arm_table.hpp"
 #include "tuina/robot/mount.hpp"
 #include "tuina/robot/robot.hpp"
@@ -63,9 +64,7 @@ class Cia402Robot final : public robot::Robot {
   /// Waits for the next millisecond and, 0.7 ms at most, for the drives.
   [[nodiscard]] std::optional<robot::RobotReading> read() noexcept override;
   void apply(const robot::RobotCommand& command) noexcept override;
-  [[nodiscard]] const char* fault() const noexcept override {
-    return faulty_ ? fault_.data() : nullptr;
-  }
+  [[nodiscard]] const char* fault() const noexcept override { return fault_.words(); }
   /// Nobody commands until the next `read`, as while a person is scanned again: the arms stand on
   /// their brakes, and a thread of this class keeps the host's heartbeat up. Time stands still.
   void rest() noexcept;
@@ -109,8 +108,7 @@ class Cia402Robot final : public robot::Robot {
   std::optional<std::uint64_t> first_tick_;  ///< that a reading told
   std::uint64_t commands_ = 0;
   DriveTraffic traffic_;
-  bool faulty_ = false;
-  std::array<char, 200> fault_ = {};
+  FirstFault fault_;
 };
 
 }  // namespace tuina::hardware

@@ -27,16 +27,8 @@ Drive::Drive(const DriveDevice& device, double max_torque_nm, std::string name)
       max_permille_(max_torque_nm / std::abs(torque_at_permille_nm_)),
       name_(std::move(name)) {}
 
-template <typename... Args>
-void Drive::break_off(fmt::format_string<Args...> format, Args&&... args) noexcept {
-  if (faulty_) return;
-  faulty_ = true;
-  *fmt::format_to_n(fault_.data(), fault_.size() - 1, format, std::forward<Args>(args)...).out =
-      '\0';
-}
-
 void Drive::spoilt(const char* why) noexcept {
-  if (++spoilt_in_row_ >= max_spoilt) break_off("{}", why);
+  if (++spoilt_in_row_ >= max_spoilt) fault_.note("{}", why);
 }
 
 double Drive::q_rad() const noexcept {
@@ -44,7 +36,7 @@ double Drive::q_rad() const noexcept {
 }
 
 void Drive::begin_cycle(int milliseconds) noexcept {
-  if (heard_ && !fresh_ && cycles_since_told_ >= max_silent) break_off("is silent");
+  if (heard_ && !fresh_ && cycles_since_told_ >= max_silent) fault_.note("is silent");
   fresh_ = false;
   ++cycles_since_told_;
   ms_since_told_ += milliseconds;
@@ -62,19 +54,19 @@ void Drive::take(const can_frame& frame) noexcept {
       const auto code = canopen::emergency_of(frame);
       if (!code) return spoilt("sends what is no emergency message");
       if (*code != 0)
-        break_off("reports error 0x{:04X}: {}", *code, canopen::meaning_of_emergency(*code));
+        fault_.note("reports error 0x{:04X}: {}", *code, canopen::meaning_of_emergency(*code));
       return;
     }
     case canopen::Kind::heartbeat: {
       const auto state = canopen::heartbeat_of(frame);
       if (!state) return spoilt("sends what is no heartbeat");
-      if (*state == canopen::NodeState::booted) break_off("has begun anew: look at its supply");
+      if (*state == canopen::NodeState::booted) fault_.note("has begun anew: look at its supply");
       if (heard_ && *state != canopen::NodeState::operational)
-        break_off("has left the cycles: its network state is {}", static_cast<int>(*state));
+        fault_.note("has left the cycles: its network state is {}", static_cast<int>(*state));
       return;
     }
     default:
-      return break_off("is ordered about by another host");
+      return fault_.note("is ordered about by another host");
   }
 }
 
@@ -90,17 +82,17 @@ void Drive::take_told(const cia402::Told& told) noexcept {
   const State now = state();
   const bool in_fault = now == State::fault || now == State::fault_reaction;
   cycles_in_fault_ = in_fault ? cycles_in_fault_ + 1 : 0;
-  if (cycles_in_fault_ >= max_fault_cycles) break_off("is in fault and does not say why");
+  if (cycles_in_fault_ >= max_fault_cycles) fault_.note("is in fault and does not say why");
   if (in_fault) return;
   if (obeys_ && now != State::enabled)
-    break_off("obeys no more: {}; look at its supply and safe torque off", cia402::name_of(now));
+    fault_.note("obeys no more: {}; look at its supply and safe torque off", cia402::name_of(now));
   if (now == State::enabled && takes_torque_) judge_torque(told);
 }
 
 void Drive::judge_torque(const cia402::Told& told) noexcept {
   if (!cia402::follows(told.status)) {
     if (++cycles_unfollowed_ > max_mode_cycles)
-      break_off("does not follow the torques it is ordered");
+      fault_.note("does not follow the torques it is ordered");
     return;
   }
   cycles_unfollowed_ = 0;
@@ -108,20 +100,20 @@ void Drive::judge_torque(const cia402::Told& told) noexcept {
   const int off = std::abs(told.permille - ordered_permille_[1]);
   cycles_off_ = off > max_off_permille ? cycles_off_ + 1 : 0;
   if (cycles_off_ > max_off_cycles)
-    break_off("gives {} permille of its rated torque, {} were ordered", told.permille,
-              ordered_permille_[1]);
+    fault_.note("gives {} permille of its rated torque, {} were ordered", told.permille,
+                ordered_permille_[1]);
 }
 
 void Drive::take_answer(const canopen::Answer& answer) noexcept {
   const bool refused = answer.kind == canopen::Answer::Kind::refused;
   if (answer.index == cia402::object::control_word.index && refused)
-    break_off("refuses to be shut down: {} (0x{:08X})", canopen::meaning_of_refusal(answer.value),
-              answer.value);
+    fault_.note("refuses to be shut down: {} (0x{:08X})", canopen::meaning_of_refusal(answer.value),
+                answer.value);
   if (answer.index != cia402::object::mode.index) return;
   if (answer.kind == canopen::Answer::Kind::written) takes_torque_ = true;
   if (refused)
-    break_off("refuses torques: {} (0x{:08X})", canopen::meaning_of_refusal(answer.value),
-              answer.value);
+    fault_.note("refuses torques: {} (0x{:08X})", canopen::meaning_of_refusal(answer.value),
+                answer.value);
 }
 
 can_frame Drive::enable() const noexcept {
@@ -141,7 +133,7 @@ can_frame Drive::begin_torque() noexcept {
 
 can_frame Drive::order(double torque_nm, bool brake) noexcept {
   if (!std::isfinite(torque_nm)) {
-    break_off("was ordered a torque that is no number");
+    fault_.note("was ordered a torque that is no number");
     return quick_stop();
   }
   const double permille =
@@ -149,9 +141,9 @@ can_frame Drive::order(double torque_nm, bool brake) noexcept {
   ordered_permille_ = {static_cast<std::int16_t>(std::lround(permille)), ordered_permille_[0]};
   obeys_ = !brake && (obeys_ || state() == State::enabled);
   cycles_idle_ = brake || obeys_ ? 0 : cycles_idle_ + 1;
-  if (cycles_idle_ > max_enable_cycles) break_off("does not obey: {}", cia402::name_of(state()));
+  if (cycles_idle_ > max_enable_cycles) fault_.note("does not obey: {}", cia402::name_of(state()));
   cycles_changing_ = asked_ && !takes_torque_ ? cycles_changing_ + 1 : 0;
-  if (cycles_changing_ > max_mode_cycles) break_off("does not change from positions to torques");
+  if (cycles_changing_ > max_mode_cycles) fault_.note("does not change from positions to torques");
   const std::uint16_t control =
       brake ? cia402::control::shutdown : cia402::towards_enabled(state());
   return cia402::encode(device_.node,

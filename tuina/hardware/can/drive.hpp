@@ -7,6 +7,7 @@
 
 #include "tuina/hardware/can/cia402.hpp"
 #include "tuina/hardware/can/drive_device.hpp"
+#include "tuina/hardware/can/first_fault.hpp"
 
 namespace tuina::hardware {
 
@@ -55,15 +56,13 @@ class Drive {
   [[nodiscard]] const DriveDevice& device() const noexcept { return device_; }
   [[nodiscard]] const std::string& name() const noexcept { return name_; }
   /// Null while all is well, else what it does wrong, said of it. It stays.
-  [[nodiscard]] const char* fault() const noexcept { return faulty_ ? fault_.data() : nullptr; }
+  [[nodiscard]] const char* fault() const noexcept { return fault_.words(); }
 
  private:
   void take_told(const cia402::Told& told) noexcept;
   void take_answer(const canopen::Answer& answer) noexcept;
   void judge_torque(const cia402::Told& told) noexcept;
   void spoilt(const char* why) noexcept;
-  template <typename... Args>
-  void break_off(fmt::format_string<Args...> format, Args&&... args) noexcept;
 
   DriveDevice device_;
   double torque_at_permille_nm_;
@@ -77,8 +76,7 @@ class Drive {
   bool obeys_ = false;  ///< was enabled, and has not been told otherwise
   std::array<std::int16_t, 2> ordered_permille_ = {};  ///< in this cycle, and in the one before
   int cycles_idle_ = 0, cycles_changing_ = 0, cycles_unfollowed_ = 0, cycles_off_ = 0;
-  bool faulty_ = false;
-  std::array<char, 120> fault_ = {};
+  FirstFault fault_;
 };
 
 }  // namespace tuina::hardware
