@@ -59,11 +59,11 @@ class CaptureStage {
   }
   void run(const std::stop_token& stop) {
     constexpr double slice_s = 0.25e-3, frame_every_s = 1.0 / 15.0;
-    constexpr auto slice = std::chrono::microseconds(250);
+    constexpr auto slice = std::chrono::microseconds(60);
     auto next = std::chrono::steady_clock::now();
     double lit_s = 0.0, exposed_s = 0.0;
     for (double now_s = 0.0; !stop.stop_requested(); now_s += slice_s) {
-      // At the pace of the world, but never ahead of a host that computes.
+      // Four times as fast as the world, but never ahead of a host that computes.
       next = std::max(next + slice, std::chrono::steady_clock::now());
       std::this_thread::sleep_until(next);
       while (!stop.stop_requested() && (camera_.pushes() || clock_.host_computes()))

@@ -197,7 +197,8 @@ class Hands {
 
 }  // namespace
 
-TEST_CASE("twelve good poses are kept of a board that is also held badly, and calibrate to truth") {
+TEST_CASE("twelve good poses are kept of a board that is also held badly, and calibrate to truth" *
+          doctest::skip(!tests::PseudoTerminal::exist())) {
   scanner::ScannerCalibration truth = sim::built_scanner(3);
   truth.latency_s = 0.12;
   const Folder folder;

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <fcntl.h>
-#include <stdlib.h>
 #include <unistd.h>
 
 #include <string>
 
 #include "tests/devices/mega.hpp"
+#include "tests/hardware/pseudo_terminal.hpp"
 #include "tests/hardware/servo_emulator.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/scanner/turntable.hpp"
@@ -19,37 +18,23 @@ namespace tuina::tests {
 class FirmwareBoard {
  public:
   explicit FirmwareBoard(const std::string& elf) : mega_(elf) {
-    master_ = ::posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK);
-    ::grantpt(master_);
-    ::unlockpt(master_);
-    address_ = ::ptsname(master_);
-    // While nobody else has it open, its other end would say that it hangs up.
-    keep_ = ::open(address_.c_str(), O_RDWR | O_NOCTTY);
     servo_.ripple_counts = ripple_rad / scanner::yaw_count_rad;
     servo_.ripple_period_counts = ripple_period_rad / scanner::yaw_count_rad;
     mega_.on_byte = [this](int line, std::uint8_t byte) {
-      if (line == 0 && master_ >= 0) (void)!::write(master_, &byte, 1);
+      if (line == 0 && line_.end() >= 0) (void)!::write(line_.end(), &byte, 1);
       if (line == 1) hear_motor_line(byte);
     };
   }
-  ~FirmwareBoard() { unplug(); }
-  FirmwareBoard(const FirmwareBoard&) = delete;
-  FirmwareBoard& operator=(const FirmwareBoard&) = delete;
-
   bool motor_silent = false;  ///< the motor answers no more
 
   void run_to(double time_s) {
     std::uint8_t bytes[64];
-    const ssize_t size = master_ >= 0 ? ::read(master_, bytes, sizeof bytes) : 0;
+    const ssize_t size = line_.end() >= 0 ? ::read(line_.end(), bytes, sizeof bytes) : 0;
     for (ssize_t i = 0; i < size; ++i) mega_.send(0, bytes[i], mega_.time_s());
     mega_.run_to(time_s);
   }
-  void unplug() {
-    if (keep_ >= 0) ::close(keep_);
-    if (master_ >= 0) ::close(master_);
-    keep_ = master_ = -1;
-  }
-  [[nodiscard]] const std::string& address() const { return address_; }
+  void unplug() { line_.unplug(); }
+  [[nodiscard]] const std::string& address() const { return line_.address(); }
   [[nodiscard]] bool lit() const { return mega_.laser_lit(); }
   [[nodiscard]] bool crashed() const { return mega_.crashed(); }
   [[nodiscard]] double time_s() const { return mega_.time_s(); }
@@ -75,8 +60,7 @@ class FirmwareBoard {
   Mega mega_;
   ServoEmulator servo_;
   hardware::dynamixel::Reader motor_line_;
-  std::string address_;
-  int master_ = -1, keep_ = -1;
+  PseudoTerminal line_;
 };
 
 }  // namespace tuina::tests

@@ -61,7 +61,7 @@ std::string turn_words() {
 
 TEST_CASE("a massage by one's own scanner and arms is as planned, and claims no truth") {
   if (!test::has_stage) {
-    MESSAGE("skipped: gcc-avr, arduino-core-avr or libsimavr-dev is missing");
+    MESSAGE("skipped: ", test::no_stage);
     return;
   }
   const Folder folder;
@@ -136,7 +136,7 @@ TEST_CASE("nobody is touched without answers, calibration, the robot's place and
   CHECK(refused({"--consent", answers, "--calibration", "c.toml"})
             .find("needs --robot-pose FILE.toml") != std::string::npos);
   if (!test::has_stage) {
-    MESSAGE("the word was not tried: gcc-avr, arduino-core-avr or libsimavr-dev is missing");
+    MESSAGE("the word was not tried: ", test::no_stage);
     return;
   }
   const tests::Child left({TUINA_ARM_CLIENT, std::to_string(port)}),

@@ -81,7 +81,7 @@ double rms_mm(const PointCloud& a, const PointCloud& b) {
 
 TEST_CASE("a real scanner's devices give the cloud of an exactly known turn to 0.1 mm") {
   if (!has_stage) {
-    MESSAGE("skipped: gcc-avr, arduino-core-avr or libsimavr-dev is missing");
+    MESSAGE("skipped: ", test::no_stage);
     return;
   }
   const Folder folder;
@@ -110,7 +110,7 @@ TEST_CASE("a real scanner's devices give the cloud of an exactly known turn to 0
 
 TEST_CASE("whatever fails in a scan ends it with exit code 3 and a cause, and the laser in 0.3 s") {
   if (!has_stage) {
-    MESSAGE("skipped: gcc-avr, arduino-core-avr or libsimavr-dev is missing");
+    MESSAGE("skipped: ", test::no_stage);
     return;
   }
   struct Case {
@@ -156,7 +156,7 @@ TEST_CASE("whatever fails in a scan ends it with exit code 3 and a cause, and th
 
 TEST_CASE("doctor and camera say who is there and what is seen, and leave the laser dark") {
   if (!has_stage) {
-    MESSAGE("skipped: gcc-avr, arduino-core-avr or libsimavr-dev is missing");
+    MESSAGE("skipped: ", test::no_stage);
     return;
   }
   const Folder one, other;
@@ -181,7 +181,7 @@ TEST_CASE("doctor and camera say who is there and what is seen, and leave the la
 
 TEST_CASE("what the camera sees is shown in a browser until the program is asked to end") {
   if (!has_stage) {
-    MESSAGE("skipped: gcc-avr, arduino-core-avr or libsimavr-dev is missing");
+    MESSAGE("skipped: ", test::no_stage);
     return;
   }
   const Folder folder;

@@ -12,6 +12,7 @@
 #include <thread>
 #include <vector>
 
+#include "tests/hardware/pseudo_terminal.hpp"
 #include "tests/whole/command.hpp"
 #include "tuina/core/io/file.hpp"
 
@@ -21,12 +22,15 @@
 namespace tuina::test {
 
 #ifdef TUINA_STAGE
-inline constexpr bool has_stage = true;
+inline const bool has_stage = tests::PseudoTerminal::exist();
 #else
 inline constexpr bool has_stage = false;
 #define TUINA_STAGE ""
 #define TUINA_FIRMWARE ""
 #endif
+
+inline constexpr const char* no_stage =
+    "gcc-avr, arduino-core-avr, libsimavr-dev or a pseudo terminal is missing";
 
 /// A turn of 20 degrees, at nine of the motor's units of speed.
 inline const std::vector<std::string> turn = {"--set", "scan.sweep_deg=20", "--set",

@@ -270,7 +270,8 @@ std::vector<FaultCase> of_an_adapter() {
 
 }  // namespace
 
-TEST_CASE("what goes wrong with board, line, motor, laser or clock is named, and the laser dark") {
+TEST_CASE("what goes wrong with board, line, motor, laser or clock is named, and the laser dark" *
+          doctest::skip(!tests::PseudoTerminal::exist())) {
   const std::array all = {before_the_start(), of_the_line(), of_motor_laser_and_clock(),
                           of_an_adapter()};
   std::size_t count = 1;  // an adapter without a line for its laser, at the end
@@ -285,7 +286,8 @@ TEST_CASE("what goes wrong with board, line, motor, laser or clock is named, and
   CHECK_MESSAGE(without.message.find("has no line DTR") != std::string::npos, without.message);
 }
 
-TEST_CASE("a single lost or broken answer in a turn changes nothing") {
+TEST_CASE("a single lost or broken answer in a turn changes nothing" *
+          doctest::skip(!tests::PseudoTerminal::exist())) {
   const auto once = [](void (*spoil)(Bytes&)) {
     return Script{.from_poll = 7, .once = true, .packet = spoil};
   };

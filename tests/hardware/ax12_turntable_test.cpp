@@ -47,7 +47,8 @@ extern "C" int ioctl(int number, unsigned long request, ...) {
   return 0;
 }
 
-TEST_CASE("a sweep is read evenly, at the ordered speed, from before its beginning to its end") {
+TEST_CASE("a sweep is read evenly, at the ordered speed, from before its beginning to its end" *
+          doctest::skip(!tests::PseudoTerminal::exist())) {
   for (const Script& script :
        {Script{}, Script{.echo = true}, Script{.board_rate = 1.004}, Script{.board_rate = 0.996}}) {
     ScriptedBoard device(script);
@@ -77,7 +78,8 @@ TEST_CASE("a sweep is read evenly, at the ordered speed, from before its beginni
   }
 }
 
-TEST_CASE("a motor behind an adapter is swept as well, with the laser at the line DTR") {
+TEST_CASE("a motor behind an adapter is swept as well, with the laser at the line DTR" *
+          doctest::skip(!tests::PseudoTerminal::exist())) {
   ScriptedBoard device({.alone = true, .echo = true});
   const auto without = Ax12Turntable::open(device.device());
   REQUIRE_FALSE(without.has_value());
@@ -99,7 +101,7 @@ TEST_CASE("a motor behind an adapter is swept as well, with the laser at the lin
   adapters_have_dtr = false;
 }
 
-TEST_CASE("steps stand between their counts") {
+TEST_CASE("steps stand between their counts" * doctest::skip(!tests::PseudoTerminal::exist())) {
   ScriptedBoard device({});
   auto unit = Ax12Turntable::open(device.device());
   REQUIRE_MESSAGE(unit.has_value(), test::reason(unit));
@@ -112,7 +114,8 @@ TEST_CASE("steps stand between their counts") {
   CHECK(std::abs(readings.back().yaw_rad - 3.0_deg) < 0.6_deg);
 }
 
-TEST_CASE("what the motor cannot reach is refused") {
+TEST_CASE("what the motor cannot reach is refused" *
+          doctest::skip(!tests::PseudoTerminal::exist())) {
   ScriptedBoard device({});
   auto unit = Ax12Turntable::open(device.device());
   REQUIRE(unit.has_value());
@@ -121,7 +124,8 @@ TEST_CASE("what the motor cannot reach is refused") {
   CHECK_MESSAGE(far.error().message.find("not to 149.0") != std::string::npos, far.error().message);
 }
 
-TEST_CASE("the laser goes out for a scan that asks no more, within 0.2 s and a poll") {
+TEST_CASE("the laser goes out for a scan that asks no more, within 0.2 s and a poll" *
+          doctest::skip(!tests::PseudoTerminal::exist())) {
   ScriptedBoard device({});
   auto unit = Ax12Turntable::open(device.device());
   REQUIRE(unit.has_value());

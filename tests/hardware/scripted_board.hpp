@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <fcntl.h>
 #include <poll.h>
-#include <stdlib.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -14,6 +12,7 @@
 #include <thread>
 #include <vector>
 
+#include "tests/hardware/pseudo_terminal.hpp"
 #include "tests/hardware/servo_emulator.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/hardware/ax12_turntable.hpp"
@@ -47,12 +46,6 @@ class ScriptedBoard {
 
   explicit ScriptedBoard(Script script)
       : script_(std::move(script)), began_s_(hardware::steady_s()) {
-    master_ = ::posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK);
-    ::grantpt(master_);
-    ::unlockpt(master_);
-    address_ = ::ptsname(master_);
-    // While nobody else has it open, its other end would say that it hangs up.
-    keep_ = ::open(address_.c_str(), O_RDWR | O_NOCTTY);
     thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
   }
   ~ScriptedBoard() {
@@ -66,7 +59,7 @@ class ScriptedBoard {
   [[nodiscard]] hardware::TurntableDevice device() const {
     using Kind = hardware::TurntableDevice::Kind;
     return {.kind = script_.alone ? Kind::adapter : Kind::board,
-            .address = script_.address.empty() ? address_ : script_.address,
+            .address = script_.address.empty() ? line_.address() : script_.address,
             .bits_per_s = script_.alone ? 1'000'000 : 500'000};
   }
   [[nodiscard]] bool lit() const { return lit_; }
@@ -76,23 +69,21 @@ class ScriptedBoard {
 
  private:
   void unplug() {
-    if (keep_ >= 0) ::close(keep_);
-    if (master_ >= 0) ::close(master_);
-    keep_ = master_ = -1;
+    line_.unplug();
     lit_ = false;
   }
   void run(const std::stop_token& stop) {
     hardware::dynamixel::Reader reader;
-    while (!stop.stop_requested() && master_ >= 0) {
-      pollfd wanted = {.fd = master_, .events = POLLIN, .revents = 0};
+    while (!stop.stop_requested() && line_.end() >= 0) {
+      pollfd wanted = {.fd = line_.end(), .events = POLLIN, .revents = 0};
       if (::poll(&wanted, 1, 5) <= 0) {
         if (lit_ && hardware::steady_s() - last_lit_s_ > 0.1) drop(1);
         continue;
       }
       std::array<std::uint8_t, 256> bytes;
-      const ssize_t size = ::read(master_, bytes.data(), bytes.size());
+      const ssize_t size = ::read(line_.end(), bytes.data(), bytes.size());
       if (size <= 0) continue;
-      if (script_.echo) (void)!::write(master_, bytes.data(), static_cast<std::size_t>(size));
+      if (script_.echo) (void)!::write(line_.end(), bytes.data(), static_cast<std::size_t>(size));
       reader.add({bytes.data(), static_cast<std::size_t>(size)});
       while (const auto packet = reader.next()) answer(*packet);
     }
@@ -128,7 +119,7 @@ class ScriptedBoard {
       out = hardware::dynamixel::encode({board::id, 0, {who.begin(), who.end()}});
     }
     if (act && script_.packet) script_.packet(out);
-    if (!out.empty()) (void)!::write(master_, out.data(), out.size());
+    if (!out.empty()) (void)!::write(line_.end(), out.data(), out.size());
   }
   Bytes poll(const hardware::dynamixel::Packet& in, double now_s, bool act) {
     if (!wants_lit_) drop(0);
@@ -156,8 +147,7 @@ class ScriptedBoard {
   static constexpr std::int64_t wraps_after_us_ = 0xFFFFFFFFLL - 1'000'000;
   Script script_;
   ServoEmulator servo_;
-  std::string address_;
-  int master_ = -1, keep_ = -1;
+  PseudoTerminal line_;
   int polls_ = 0;
   bool wants_lit_ = false;
   std::uint8_t drop_ = 0;

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <fcntl.h>
-#include <stdlib.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -10,10 +8,12 @@
 #include <cmath>
 #include <functional>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "tests/hardware/pseudo_terminal.hpp"
 #include "tuina/hardware/wrist_device.hpp"
 
 namespace tuina::tests {
@@ -89,11 +89,8 @@ class ScriptedWrist {
 
  private:
   void open_line() {
-    end_ = ::posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK);
-    ::grantpt(end_);
-    ::unlockpt(end_);
-    address_ = ::ptsname(end_);
-    keep_ = ::open(address_.c_str(), O_RDWR | O_NOCTTY);
+    end_ = line_.emplace().end();
+    address_ = line_->address();
   }
   void open_port() {
     static std::atomic<int> next = 41'000 + static_cast<int>(getpid() % 8'000);
@@ -105,8 +102,9 @@ class ScriptedWrist {
   }
   void unplug() {
     gone_ = true;
-    for (int* number : {&end_, &keep_})
-      if (*number >= 0) ::close(std::exchange(*number, -1));
+    if (!line_ && end_ >= 0) ::close(end_);
+    line_.reset();
+    end_ = -1;
   }
 
   static void put(Bytes& bytes, std::uint32_t value, int size) {
@@ -207,7 +205,8 @@ class ScriptedWrist {
   Script script_;
   std::string address_;
   sockaddr_in own_ = {}, host_ = {};
-  int end_ = -1, keep_ = -1;
+  std::optional<PseudoTerminal> line_;
+  int end_ = -1;  ///< of the line, or its port
   bool streams_ = false;
   Sample sample_;
   std::atomic<int> sent_ = 0, spoils_from_ = -1;

@@ -121,7 +121,8 @@ TEST_CASE("a sample that was held up is as old as its number says, not as its ar
   CHECK(stream.time_s() == doctest::Approx(2.599).epsilon(1e-6));  // in time again
 }
 
-TEST_CASE("each kind of sensor is set up by the bytes of its document, and stopped at the end") {
+TEST_CASE("each kind of sensor is set up by the bytes of its document, and stopped at the end" *
+          doctest::skip(!tests::PseudoTerminal::exist())) {
   for (const Kind kind : {Kind::hex_serial, Kind::hex_udp, Kind::ati_udp}) {
     ScriptedWrist wrist({.kind = kind});
     {
@@ -187,7 +188,8 @@ TEST_CASE("the wrench of an arm is its sensor's, of the other arm what that arm 
 }
 
 TEST_CASE(
-    "a sensor that falls silent leaves the time of its last sample, by which the guard stops") {
+    "a sensor that falls silent leaves the time of its last sample, by which the guard stops" *
+    doctest::skip(!tests::PseudoTerminal::exist())) {
   ScriptedWrist wrist({.from = 1 << 30, .bytes = [](auto& bytes) { bytes.clear(); }});
   StillArms arms;
   auto robot =
@@ -203,7 +205,8 @@ TEST_CASE(
   CHECK((*robot)->fault() == nullptr);
 }
 
-TEST_CASE("a long rest is no gap: what queued up is forgotten") {
+TEST_CASE("a long rest is no gap: what queued up is forgotten" *
+          doctest::skip(!tests::PseudoTerminal::exist())) {
   for (const Kind kind : {Kind::hex_serial, Kind::ati_udp}) {
     ScriptedWrist wrist({.kind = kind});
     StillArms arms;
@@ -221,7 +224,8 @@ TEST_CASE("a long rest is no gap: what queued up is forgotten") {
   }
 }
 
-TEST_CASE("a zero that nobody knows, or a tool of another weight, is refused before the start") {
+TEST_CASE("a zero that nobody knows, or a tool of another weight, is refused before the start" *
+          doctest::skip(!tests::PseudoTerminal::exist())) {
   ScriptedWrist wrist({.counts = {500, 0, 0, 0, 0, 0}});  // 10 N
   StillArms arms;
   WristDevice device = wrist.device();

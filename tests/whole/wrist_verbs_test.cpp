@@ -16,7 +16,8 @@ using test::Outcome;
 using test::run_tuina;
 using tests::ScriptedWrist;
 
-TEST_CASE("the doctor says of each wrist sensor who it is, its rate, gaps, noise and drift") {
+TEST_CASE("the doctor says of each wrist sensor who it is, its rate, gaps, noise and drift" *
+          doctest::skip(!tests::PseudoTerminal::exist())) {
   ScriptedWrist left({.kind = ScriptedWrist::Kind::hex_serial});
   ScriptedWrist right({.kind = ScriptedWrist::Kind::ati_udp});
   const test::Folder folder;
@@ -44,7 +45,8 @@ TEST_CASE("the doctor says of each wrist sensor who it is, its rate, gaps, noise
   CHECK(devices[1]["finding"].get<std::string>().find("status 0") != std::string::npos);
 }
 
-TEST_CASE("the doctor names what is amiss with a wrist sensor and exits with 3") {
+TEST_CASE("the doctor names what is amiss with a wrist sensor and exits with 3" *
+          doctest::skip(!tests::PseudoTerminal::exist())) {
   ScriptedWrist left({.sample = [](auto& sample) { sample.status = 0x400; }});
   ScriptedWrist right({.kind = ScriptedWrist::Kind::hex_udp,
                        .sample = [](auto& sample) { sample.counts[2] += sample.counter / 4; }});

@@ -117,7 +117,8 @@ std::vector<WristFault> afterwards() {
 
 }  // namespace
 
-TEST_CASE("what is wrong with a wrist sensor on a serial line is named, or the guard stops") {
+TEST_CASE("what is wrong with a wrist sensor on a serial line is named, or the guard stops" *
+          doctest::skip(!tests::PseudoTerminal::exist())) {
   const auto before = before_the_start(), after = afterwards();
   const std::size_t count = before.size() + after.size();
   MESSAGE(count << " faults of wrist sensors on a serial line");
