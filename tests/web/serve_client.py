@@ -175,6 +175,15 @@ class Page:
         self.until(lambda: sequence in self.replies)
         return self.replies.get(sequence, {"outcome": "nothing"})["outcome"]
 
+    def arm(self):
+        """Holds the button for as long as it takes; once more where this machine was late."""
+        for _ in range(3):
+            self.outcome("hold")
+            time.sleep(2.1)
+            if (outcome := self.outcome("arm")) == "done":
+                break
+        return outcome
+
     def invitation(self, ask="invite_operator"):
         """An address that opens the page once more; with `invite` for a viewer."""
         sequence = self.ask(ask)

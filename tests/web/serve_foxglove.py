@@ -57,9 +57,8 @@ def review(page, order):
 
 
 def arm(page):
-    page.outcome("hold")
-    time.sleep(2.1)
-    expect("arm", page.outcome("arm") == "done")
+    answer = page.arm()
+    expect(f"arm: {answer}", answer == "done")
 
 
 def operated_by_a_program(page, watcher):

@@ -2,7 +2,7 @@
 """Whether the server makes the loop late: the same massage at real pace by turns without it (`tuina massage`) and with it
 (`tuina serve`, and pages that watch). How late the milliseconds were over, session.json has as `massage.late_ms`.
 Usage: serve_late.py TUINA [TURNS [PAGES]]; 2 turns of each and one page unless said."""
-import json, os, statistics, subprocess, sys, tempfile, time
+import json, os, statistics, subprocess, sys, tempfile
 from serve_client import Page, Server
 from serve_stop import ORDER, SHORT_SCAN
 
@@ -35,9 +35,8 @@ def served(binary, folder, pages):
     page.outcome("operate")
     expect("start", page.outcome("start", {**ORDER, "answers": {question["key"]: "no" for question in questions}}) == "done")
     expect("review", page.until(lambda: page.state["phase"] in ("review", "ended"), 120))
-    page.outcome("hold")
-    time.sleep(2.1)
-    expect("arm", page.outcome("arm") == "done")
+    answer = page.arm()
+    expect(f"arm: {answer}", answer == "done")
     expect("it ends", page.until(lambda: page.state["phase"] in ("report", "ended"), 600))
     expect("all pages got frames", all(len(one.live) > 100 for one in watching))
     session = page.state["session"]

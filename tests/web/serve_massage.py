@@ -33,9 +33,8 @@ def armed(server, page, order):
         expect(f"{name} is shown", len(server.ask(f"/api/{name}", Cookie=page.cookie)[2]) > least)
     changed_by_hand(server, page)
     expect("no arm moves before it is armed", not page.live)
-    page.outcome("hold")
-    time.sleep(2.1)
-    expect("arm", page.outcome("arm") == "done")
+    answer = page.arm()
+    expect(f"arm: {answer}", answer == "done")
     expect("massage", reaches(page, "massage"))
 
 
@@ -173,9 +172,8 @@ def from_the_terminal(binary, folder, order):
     expect("it is the one session", "the one session" in page.outcome("start", order) and page.state["ordered"])
     expect("the pace is said", page.state["pace"] == 20)
     expect("a review", reaches(page, "review"))
-    page.outcome("hold")
-    time.sleep(2.1)
-    expect("arm", page.outcome("arm") == "done")
+    answer = page.arm()
+    expect(f"arm: {answer}", answer == "done")
     expect("it moves", page.until(lambda: page.live and page.live[-1]["time_s"] > 2.0, 60))
     page.ask("stop")
     expect("it is stopped", reaches(page, "ended") and page.state["outcome"] == "stopped" and page.state["recorded"])

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Somebody with a history on the live page: what is remembered is told, used only where that is confirmed, and dropped and
 said where it does not fit the back that is seen. Usage: serve_people.py TUINA"""
-import json, sys, tempfile, time
+import json, sys, tempfile
 from serve_client import Page, Server
 
 faults = []
@@ -42,9 +42,8 @@ def first_session(server, page):
     before = page.state["reviews"]
     expect("change", page.outcome("change", {"no_go": [area], "fixed": []}) == "done")
     expect("another plan", page.until(lambda: page.state["reviews"] > before, 60) and not page.state["words"])
-    page.outcome("hold")
-    time.sleep(2.1)
-    expect("arm", page.outcome("arm") == "done")
+    answer = page.arm()
+    expect(f"arm: {answer}", answer == "done")
     expect("softer", page.outcome("softer") == "done")
     expect("it moves", page.until(lambda: page.live and page.live[-1]["time_s"] > 3.0, 60))
     page.ask("stop")

@@ -66,9 +66,8 @@ class Stops:
         expect(f"start {outcome}", outcome == "done")
         page.until(lambda: page.state["session"] != before)
         expect("review", page.until(lambda: page.state["phase"] in ("review", "ended"), 120))
-        page.outcome("hold")
-        time.sleep(2.1)
-        expect("arm", page.outcome("arm") == "done")
+        answer = page.arm()
+        expect(f"arm: {answer}", answer == "done")
         expect("arms move", page.until(lambda: page.live and page.live[-1]["time_s"] > 0.5, 20))
         expect("STOP is there", self.tab.until("!!document.querySelector('#stop') && !!document.querySelector('#softer')"))
 
