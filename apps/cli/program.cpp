@@ -72,7 +72,7 @@ std::string brief(const std::string& message) {
   TextLines text(message);
   while (const auto line = text.next()) lines.emplace_back(*line);
   constexpr std::string_view more = "\nand 9999 more";
-  const std::string first = listed(lines, "\n", max_letters - more.size());
+  std::string first = listed(lines, "\n", max_letters - more.size());
   if (first.size() <= max_letters) return first;
   constexpr std::string_view gap = " ... ";
   return message.substr(0, max_letters - end_letters - gap.size()) + std::string(gap) +
@@ -160,7 +160,7 @@ const CLI::App& chosen_by(const CLI::App& tuina) {
 std::string help_of(const CLI::App& command) {
   std::string before;
   for (const CLI::App* parent = command.get_parent(); parent; parent = parent->get_parent()) {
-    before = parent->get_name() + (before.empty() ? "" : " ") + before;
+    before.insert(0, parent->get_name() + (before.empty() ? "" : " "));
   }
   return command.help(before);
 }

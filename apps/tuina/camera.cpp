@@ -233,7 +233,7 @@ class CameraVerb final : public Verb {
     const auto picture = camera->next();
     if (!picture) return tl::unexpected(picture.error());
     const Seen seen = look_at(*picture);
-    const auto written = write_file(look_, to_png(draw_line_over(*picture, 8, seen.line)));
+    auto written = write_file(look_, to_png(draw_line_over(*picture, 8, seen.line)));
     if (!written) return written;
     const auto verdict = verdict_of(seen);
     json["look"] = {{"picture", look_},

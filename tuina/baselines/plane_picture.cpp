@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "tuina/core/grid.hpp"
 #include "tuina/core/units.hpp"
 
 namespace tuina::baselines {
@@ -31,7 +32,7 @@ void put(Image& image, int column, int row, const Rgb& colour) {
 }
 
 std::size_t index_of(const Image& image, int column, int row) {
-  return static_cast<std::size_t>(row * image.width + column);
+  return grid_index(row, image.width, column);
 }
 
 }  // namespace

@@ -24,7 +24,7 @@ Silhouette::Silhouette(const std::vector<Vector3>& in_back, double spacing_m) {
   high_ += Vector3::Constant(reach + cell_m);
   columns_ = static_cast<int>((high_.x() - low_.x()) / cell_m) + 1;
   rows_ = static_cast<int>((high_.z() - low_.z()) / cell_m) + 1;
-  filled_.assign(static_cast<std::size_t>(columns_ * rows_), false);
+  filled_.assign(grid_cells(rows_, columns_), false);
   const int span = static_cast<int>(std::ceil(reach / cell_m));
   for (const Vector3& p : in_back) {
     const double u = (p.x() - low_.x()) / cell_m;
@@ -34,7 +34,7 @@ Silhouette::Silhouette(const std::vector<Vector3>& in_back, double spacing_m) {
            ++column) {
         const double far = std::hypot(column + 0.5 - u, row + 0.5 - h) * cell_m;
         if (far < reach && row >= 0 && row < rows_ && column >= 0 && column < columns_) {
-          filled_[static_cast<std::size_t>(row * columns_ + column)] = true;
+          filled_[grid_index(row, columns_, column)] = true;
         }
       }
     }

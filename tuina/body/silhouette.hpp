@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "tuina/core/geometry.hpp"
+#include "tuina/core/grid.hpp"
 
 namespace tuina::body {
 
@@ -37,7 +38,7 @@ class Silhouette {
 
  private:
   [[nodiscard]] bool at(int row, int column) const {
-    return filled_[static_cast<std::size_t>(row * columns_ + column)];
+    return filled_[grid_index(row, columns_, column)];
   }
   Vector3 low_;
   Vector3 high_;

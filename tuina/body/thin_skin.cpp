@@ -119,6 +119,7 @@ Result<PointCloud> thin_skin(const std::vector<Vector3>& points, double spacing_
   PointCloud cloud;
   if (patches.empty()) return cloud;
   std::vector<double> thickness_m;
+  thickness_m.reserve(patches.size());
   for (const Patch& patch : patches) thickness_m.push_back(patch.thickness_m);
   const auto middle = thickness_m.begin() + static_cast<std::ptrdiff_t>(thickness_m.size() / 2);
   std::nth_element(thickness_m.begin(), middle, thickness_m.end());
@@ -134,7 +135,7 @@ Result<PointCloud> thin_skin(const std::vector<Vector3>& points, double spacing_
     if (noisy && patch.share < share_of_tails) continue;
     const Vector3& mean = voxels.mean[static_cast<std::size_t>(patch.voxel)];
     const double off_m = noisy ? patch.normal.dot(mean - patch.mean) : 0.0;
-    cloud.points.push_back(mean - off_m * patch.normal);
+    cloud.points.emplace_back(mean - off_m * patch.normal);
     cloud.normals.push_back(patch.normal);
   }
   return cloud;

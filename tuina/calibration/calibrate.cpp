@@ -236,7 +236,7 @@ Result<void> add_latency(const fs::path& folder, Calibrated& result, const Progr
   }
   const auto falling = read_sweep(folder / "sweep_left", part_of(progress, 0.0, 0.5));
   if (!falling) return tl::unexpected(falling.error());
-  if (const auto good = check_turn(folder / "sweep_left", *falling, result); !good) return good;
+  if (auto good = check_turn(folder / "sweep_left", *falling, result); !good) return good;
   const auto rising = read_sweep(folder / "sweep_right", part_of(progress, 0.5, 1.0));
   if (!rising) return tl::unexpected(rising.error());
   const auto latency = find_latency(*falling, *rising);
@@ -258,7 +258,7 @@ Result<void> add_couch(const fs::path& folder, Calibrated& result, const Progres
   }
   const auto sweep = read_sweep(folder / "couch", progress);
   if (!sweep) return tl::unexpected(sweep.error());
-  if (const auto good = check_turn(folder / "couch", *sweep, result); !good) return good;
+  if (auto good = check_turn(folder / "couch", *sweep, result); !good) return good;
   const auto pose = find_couch(*sweep, result.calibration);
   if (!pose) return in_folder(folder / "couch", pose);
   result.couch = *pose;
@@ -289,11 +289,11 @@ std::vector<std::string> leave_out_lines(Views& views, const std::vector<LineOff
 }  // namespace
 
 Result<Calibrated> calibrate(Views& views) {
-  if (const auto good = check_poses(views); !good) return tl::unexpected(good.error());
+  if (auto good = check_poses(views); !good) return tl::unexpected(good.error());
   auto first = calibrate_camera(views);
   if (!first) return tl::unexpected(first.error());
   auto& poses = first->camera_from_board;
-  if (const auto good = check_spread(views, poses); !good) return tl::unexpected(good.error());
+  if (auto good = check_spread(views, poses); !good) return tl::unexpected(good.error());
   const auto light = find_light_plane(views, first->camera, poses);
   if (!light) return tl::unexpected(light.error());
   const auto remarks = leave_out_lines(views, lines_off(*light, views, first->camera, poses));
@@ -311,7 +311,7 @@ Result<Calibrated> calibrate(Views& views) {
   result.calibration = calibration_of(result.fit.geometry);
   result.calibration.errors = errors_of(result.fit);
   sum_up(views, result);
-  if (const auto good = check_result(result); !good) return tl::unexpected(good.error());
+  if (auto good = check_result(result); !good) return tl::unexpected(good.error());
   return result;
 }
 
@@ -324,10 +324,10 @@ Result<Calibrated> calibrate_folder(const fs::path& folder, Views& views,
   views = std::move(*seen);
   auto result = calibrate(views);
   if (!result) return in_folder(folder, result);
-  if (const auto good = add_latency(folder, *result, part_of(progress, 0.5, 0.8)); !good) {
+  if (auto good = add_latency(folder, *result, part_of(progress, 0.5, 0.8)); !good) {
     return tl::unexpected(good.error());
   }
-  if (const auto good = add_couch(folder, *result, part_of(progress, 0.8, 1.0)); !good) {
+  if (auto good = add_couch(folder, *result, part_of(progress, 0.8, 1.0)); !good) {
     return tl::unexpected(good.error());
   }
   if (!result->latency && !result->couch) {

@@ -92,8 +92,11 @@ std::vector<Pair> pairs_of(const std::vector<Trace>& left, const std::vector<Tra
     const Trace& a = left[row];
     const Trace& b = right[row];
     if (a.yaw_rad.size() < 2 || b.yaw_rad.size() < 2) continue;
-    const double last = std::min(a.yaw_rad.back(), b.yaw_rad.back());
-    for (double yaw = std::max(a.yaw_rad.front(), b.yaw_rad.front()); yaw < last; yaw += step_rad) {
+    const double first_rad = std::max(a.yaw_rad.front(), b.yaw_rad.front());
+    const double last_rad = std::min(a.yaw_rad.back(), b.yaw_rad.back());
+    const int steps = static_cast<int>(std::ceil((last_rad - first_rad) / step_rad));
+    for (int step = 0; step < steps; ++step) {
+      const double yaw = first_rad + step * step_rad;
       const Vector2 seen_left = a.at(yaw);
       const Vector2 seen_right = b.at(yaw);
       const double difference = seen_right.x() - seen_left.x();
@@ -176,7 +179,8 @@ Result<Step> compare(const Sweep& falling, const Sweep& rising, double latency_s
 double first_latency_s(const Sweep& falling, const Sweep& rising) {
   double best_s = 0.0;
   double least = std::numeric_limits<double>::infinity();
-  for (double latency_s = -0.4; latency_s < 0.41; latency_s += 0.04) {
+  for (int k = -10; k <= 10; ++k) {
+    const double latency_s = 0.04 * k;
     // Latencies at which readings do not cover the frames are skipped.
     const auto step = compare(falling, rising, latency_s);
     if (!step || step->disagreement >= least) continue;

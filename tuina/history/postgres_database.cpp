@@ -60,8 +60,10 @@ class PostgresDatabase final : public Database {
 
   Result<std::vector<Row>> query(const std::string& sql, std::span<const Value> values) override {
     std::vector<std::optional<std::string>> texts;
+    texts.reserve(values.size());
     for (const Value& value : values) texts.push_back(text_of(value));
     std::vector<const char*> given;
+    given.reserve(texts.size());
     for (const auto& text : texts) given.push_back(text ? text->c_str() : nullptr);
     const std::unique_ptr<PGresult, Clear> result(
         PQexecParams(connection_.get(), sql.c_str(), static_cast<int>(given.size()), nullptr,

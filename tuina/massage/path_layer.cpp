@@ -40,10 +40,10 @@ std::optional<double> PathLayer::hand_over_hand_s(const Part& part, std::span<co
     pass_s = std::max(pass_s, hand_over_hand_pass_s(curve->length_m(), part.speed_m_per_s));
     laid.push_back(std::move(*curve));
   }
-  for (double one_m = 0.0; laid.size() == 2 && one_m <= laid[0].length_m(); one_m += every_m) {
-    const Vector3 at = laid[0].at(one_m).at_in_couch;
-    for (double other_m = 0.0; other_m <= laid[1].length_m(); other_m += every_m)
-      nearest_m = std::min(nearest_m, (laid[1].at(other_m).at_in_couch - at).norm());
+  for (int i = 0; laid.size() == 2 && i * every_m <= laid[0].length_m(); ++i) {
+    const Vector3 at = laid[0].at(i * every_m).at_in_couch;
+    for (int k = 0; k * every_m <= laid[1].length_m(); ++k)
+      nearest_m = std::min(nearest_m, (laid[1].at(k * every_m).at_in_couch - at).norm());
   }
   if (laid.size() == 2 && nearest_m >= closest_tools_m) return pass_s;
   name_ = fmt::format("{} {}", name_of(part.technique), lines.front().name);

@@ -28,11 +28,13 @@ TangentTissue hardest_in(massage::Zone zone) noexcept {
 
 double startle_force_n(double apparent_mass_kg, double force_n,
                        const TangentTissue& tissue) noexcept {
-  constexpr double step_s = 1e-4, watched_s = 0.2;
+  constexpr double step_s = 1e-4;
+  constexpr int steps = 2000;
   double contact_n = force_n, max_n = force_n;
   double drive_n = -force_n;  // of the drives, outward
   double skin_m_per_s = 0.0, skin_m = 0.0, tool_m_per_s = 0.0;
-  for (double time_s = 0.0; time_s < watched_s; time_s += step_s) {
+  for (int step = 0; step < steps; ++step) {
+    const double time_s = step * step_s;
     skin_m_per_s =
         skin_m < start_m ? std::min(start_m_per_s, skin_m_per_s + start_m_per_s2 * step_s) : 0.0;
     skin_m += skin_m_per_s * step_s;

@@ -257,12 +257,12 @@ Result<void> Recorder::keep_readings() {
 }
 
 Result<void> Recorder::sweep(double from_rad, double to_rad, double rad_per_s) {
-  if (const auto kept = keep_readings(); !kept) return kept;
+  if (auto kept = keep_readings(); !kept) return kept;
   return turntable_->sweep(from_rad, to_rad, rad_per_s);
 }
 
 Result<void> Recorder::step(double from_rad, double to_rad, double step_rad) {
-  if (const auto kept = keep_readings(); !kept) return kept;
+  if (auto kept = keep_readings(); !kept) return kept;
   return turntable_->step(from_rad, to_rad, step_rad);
 }
 
@@ -287,7 +287,7 @@ Result<void> Recorder::finish(const ScannerCalibration& calibration) {
   for (const auto& [name, text] : {std::pair<const char*, std::string>{"frames.csv", frames},
                                    {"yaw.csv", yaw},
                                    {"calibration.toml", to_toml(calibration)}}) {
-    if (const auto written = write_file(part_ / name, text); !written) return written;
+    if (auto written = write_file(part_ / name, text); !written) return written;
   }
   std::error_code error;
   fs::remove(folder_, error);  // removes an empty folder of that name

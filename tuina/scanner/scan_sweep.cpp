@@ -105,10 +105,10 @@ class LitLaser {
 Result<void> take_in(Frame frame, const ScannerCalibration& calibration,
                      const LineOptions& line_options, Intake& intake) {
   const auto start = Clock::now();
-  if (const auto good = check_size(frame.image, calibration.camera, "frame"); !good) return good;
+  if (auto good = check_size(frame.image, calibration.camera, "frame"); !good) return good;
   const bool has_dark = !frame.dark.data.empty();
   if (has_dark) {
-    const auto good = check_size(frame.dark, calibration.camera, "dark frame");
+    auto good = check_size(frame.dark, calibration.camera, "dark frame");
     if (!good) return good;
   }
   keep_red(frame.image);
@@ -138,8 +138,8 @@ Result<void> take_turn(Camera& camera, Turntable& turntable, const Turn& turn,
                        double expected_frames, const Progress& progress, Intake& intake) {
   const bool steps = options.step_rad > 0.0;
   const bool live = options.expected_frames == 0;
-  const auto started = steps ? turntable.step(turn.from_rad, turn.to_rad, options.step_rad)
-                             : turntable.sweep(turn.from_rad, turn.to_rad, turn.rad_per_s);
+  auto started = steps ? turntable.step(turn.from_rad, turn.to_rad, options.step_rad)
+                       : turntable.sweep(turn.from_rad, turn.to_rad, turn.rad_per_s);
   if (!started) return started;
   // A unit turns to where it begins with the laser off, and the beam never stands.
   const LitLaser laser(turntable);
@@ -166,12 +166,12 @@ Result<void> take_turn(Camera& camera, Turntable& turntable, const Turn& turn,
                   "the motor has not arrived after {:.1f} s; it should turn for {:.1f} s",
                   frame_s - *first_frame_s, turn_s);
     }
-    const auto taken = take_in(std::move(*frame), calibration, line_options, intake);
+    auto taken = take_in(std::move(*frame), calibration, line_options, intake);
     if (!taken) return taken;
     if (live) {
       const auto so_far = turntable.readings();
       if (!so_far) return tl::unexpected(so_far.error());
-      const auto good = watch.see(frame_s, !intake.is_repeated, *so_far);
+      auto good = watch.see(frame_s, !intake.is_repeated, *so_far);
       if (!good) return good;
     }
     tell(turntable, intake.lines.back(), static_cast<int>(intake.lines.size()), calibration,
@@ -221,7 +221,7 @@ Result<Scan> scan_sweep(Camera& camera, Turntable& turntable, const ScannerCalib
                       calibration, options, frames, progress, intake);
   }
   if (!taken) return tl::unexpected(taken.error());
-  if (const auto good = check(intake); !good) return tl::unexpected(good.error());
+  if (auto good = check(intake); !good) return tl::unexpected(good.error());
 
   const auto start = Clock::now();
   auto scan = make_cloud(intake.lines, intake.readings, calibration, options.max_lost_share);

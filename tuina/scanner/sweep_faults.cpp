@@ -149,9 +149,9 @@ Result<void> check_sequence(std::span<const TimedLine> lines, std::span<const Ya
                             std::span<const double> yaw_rad, double max_lost_share) {
   if (lines.size() < 4) return {};
   const std::size_t turn = turning_point(lines, yaw_rad).value_or(0);
-  if (const auto good = check_lost(lines, turn, max_lost_share); !good) return good;
-  if (const auto good = check_order(lines); !good) return good;
-  if (const auto good = check_motor(readings, yaw_rad); !good) return good;
+  if (auto good = check_lost(lines, turn, max_lost_share); !good) return good;
+  if (auto good = check_order(lines); !good) return good;
+  if (auto good = check_motor(readings, yaw_rad); !good) return good;
   return check_skips(readings);
 }
 

@@ -176,7 +176,8 @@ Sine fit_breath(const std::vector<Pair>& pairs, const Fit& fit) {
   for (std::size_t k = 0; k < pairs.size(); ++k) {
     all2 += fit.weight[k] * fit.moved_m[k] * fit.moved_m[k];
   }
-  for (double hz = 0.12; hz < 0.6; hz += 0.005) {
+  for (int step = 24; step < 120; ++step) {
+    const double hz = 0.005 * step;
     Eigen::Matrix2d normal = Eigen::Matrix2d::Zero();
     Eigen::Vector2d rhs = Eigen::Vector2d::Zero();
     const auto row_of = [hz](const Pair& pair) {

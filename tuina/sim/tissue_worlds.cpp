@@ -167,7 +167,9 @@ WorldPresses press_in_world(const TissueWorld& world, Pressing pressing, Tangent
       skin_m += gaussian(random, 0.5_mm * world.slipping);
     }
     if (press + 1 == plan.presses) out.last_press = out.record.size();
-    for (double since_s = 0.0; since_s < plan.duration_s(); since_s += sample_s) {
+    const int samples = static_cast<int>(std::lround(plan.duration_s() / sample_s));
+    for (int sample = 0; sample < samples; ++sample) {
+      const double since_s = sample * sample_s;
       const double wanted_n = strongest_n * plan.wanted(since_s);
       for (int i = 0; i < substeps; ++i) {
         const double stiffer =

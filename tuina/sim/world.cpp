@@ -85,7 +85,7 @@ struct World::Parts {
     }
     std::optional<robot::RobotReading> read() noexcept override {
       if (!world_.plant) return std::nullopt;
-      const auto reading = world_.plant->read();
+      auto reading = world_.plant->read();
       if (world_.options.pace) wait_for(reading->time_s / *world_.options.pace);
       return reading;
     }

@@ -46,13 +46,14 @@ body::SurfacePoint place_on(const BelievedPatch& patch, double across_m, double 
 
 /// A circle of the usual size, which begins at the centre of the patch.
 ContactPath circle_path(const BelievedPatch& patch, const PatchTask& task) {
-  constexpr double step = 0.05;
+  constexpr int places = 126;  // once around
   const massage::TechniqueLaw& law = massage::law_of(task.technique);
   const massage::Part part{.technique = task.technique,
                            .radius_m = from_mm(law.radius_mm.usual),
                            .rate_hz = law.rate_hz.usual};
   std::vector<body::SurfacePoint> points;
-  for (double angle = 0.0; angle < 2.0 * pi - 0.5 * step; angle += step) {
+  for (int k = 0; k < places; ++k) {
+    const double angle = 2.0 * pi * k / places;
     points.push_back(place_on(patch, part.radius_m - part.radius_m * std::cos(angle),
                               part.radius_m * std::sin(angle)));
   }
@@ -75,9 +76,11 @@ Rub rub_on(const BelievedPatch& patch, RubShape shape) {
   constexpr double long_m = 45_mm, short_m = 20_mm;             // half axes of the ellipse
   constexpr double innermost_m = 6_mm, turns_out_and_in = 6.0;  // of the spiral
   const bool spiral = shape == RubShape::spiral;
-  const double end = 2.0 * pi * (spiral ? turns_out_and_in : 1.0), step = spiral ? 0.1 : 0.05;
+  const double end = 2.0 * pi * (spiral ? turns_out_and_in : 1.0);
+  const int places = spiral ? 377 : 126;
   std::vector<body::SurfacePoint> points;
-  for (double angle = 0.0; angle < end - 0.5 * step; angle += step) {
+  for (int k = 0; k < places; ++k) {
+    const double angle = end * k / places;
     const double radius =
         innermost_m + (radius_m - innermost_m) * 0.5 * (1.0 - std::cos(angle / turns_out_and_in));
     const double along_m = spiral ? radius : shape == RubShape::ellipse ? long_m : radius_m;

@@ -30,6 +30,7 @@ const std::map<std::string, RubShape> rub_shapes = {
 template <typename Value>
 std::vector<std::string> names(const std::map<std::string, Value>& map) {
   std::vector<std::string> keys;
+  keys.reserve(map.size());
   for (const auto& [key, value] : map) keys.push_back(key);
   return keys;
 }

@@ -11,12 +11,14 @@ namespace {
 
 constexpr double mass_kg = 3.4;  // apparent, of the tool along the normal
 constexpr double person_m_per_s = 0.1;
-constexpr double step_s = 1e-6, watched_s = 0.05;
+constexpr double step_s = 1e-6;
+constexpr int steps = 50'000;
 
 double highest_n(const TangentTissue& tissue, const ReflexBound& bound) {
   const double begun_m = tissue::depth_at_force(tissue, bound.force_n);
   double tool_m = 0.0, tool_m_per_s = 0.0, highest_n = bound.force_n;
-  for (double time_s = 0.0; time_s < watched_s; time_s += step_s) {
+  for (int step = 0; step < steps; ++step) {
+    const double time_s = step * step_s;
     const double depth_m = begun_m + person_m_per_s * time_s - tool_m;
     const double contact_n = tissue::force_at_depth(tissue, depth_m);
     const double drive_n = time_s < 1e-3 * bound.after_ms ? -bound.force_n : bound.push_n;

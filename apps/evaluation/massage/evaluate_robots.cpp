@@ -48,11 +48,13 @@ struct Workspace {
 PerArm<std::vector<robot::ContactGoal>> patch_on(const Subject& subject,
                                                  const massage::BackChart& chart,
                                                  const Transform& base_from_couch) {
-  constexpr double step_m = 30_mm, half_width_m = 150_mm, up_m = 330_mm, below_m = 30_mm;
+  constexpr double step_m = 30_mm;
+  constexpr int half_width = 5, up = 11, below = 1;  // steps
   PerArm<std::vector<robot::ContactGoal>> goals;
-  for (double left_m = -half_width_m; left_m < half_width_m + 1e-9; left_m += step_m) {
-    for (double height_m = -below_m; height_m < up_m + 1e-9; height_m += step_m) {
-      const Vector3 flat = chart.in_couch({.left_m = left_m, .up_m = height_m});
+  for (int i = -half_width; i <= half_width; ++i) {
+    for (int k = -below; k <= up; ++k) {
+      const double left_m = i * step_m;
+      const Vector3 flat = chart.in_couch({.left_m = left_m, .up_m = k * step_m});
       const auto met = subject.back.along(flat + 250_mm * chart.out(), -chart.out());
       if (!met) continue;
       const double to_plus_x_m = chart.left().x() > 0.0 ? left_m : -left_m;
@@ -80,8 +82,10 @@ Workspace workspace_of(const robot::RobotPlacement& placement, const Subject& su
   const auto ready = robot::ready_posture(placement.arm, placement.mount);
   const auto goals = patch_on(subject, chart, placement.mount.base_from_couch);
   Workspace best;
-  for (double rail_m = placement.mount.min_rail_m; rail_m < placement.mount.max_rail_m + 1e-9;
-       rail_m += step_m) {
+  const double min_m = placement.mount.min_rail_m, max_m = placement.mount.max_rail_m;
+  const int steps = static_cast<int>((max_m - min_m + 1e-9) / step_m);
+  for (int step = 0; step <= steps; ++step) {
+    const double rail_m = min_m + step * step_m;
     Workspace here;
     std::vector<double> dexterities, rooms;
     for (const Arm arm : both_arms) {

@@ -115,7 +115,7 @@ void TrialArm::spoil(safety::Proposal& proposal) noexcept {
       return;
     case Madness::killed:
       proposal = last_;
-      proposal.age_ticks = static_cast<std::uint32_t>(mad_s_ / control_period_s + 0.5);
+      proposal.age_ticks = static_cast<std::uint32_t>(std::lround(mad_s_ / control_period_s));
       return;
     case Madness::none:
     case Madness::bad_tissue:

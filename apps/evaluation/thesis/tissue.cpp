@@ -34,7 +34,8 @@ Record press_at(const Law& law, double deepest_m, double speed, Random& random) 
   Record record;
   const double half_s = (deepest_m + 1_mm) / speed;
   const double step_s = std::min(1e-3, half_s / 300.0);
-  for (double t = 0.0; t < 2.0 * half_s; t += step_s) {
+  for (int step = 0; step * step_s < 2.0 * half_s; ++step) {
+    const double t = step * step_s;
     const double x = deepest_m - speed * std::abs(t - half_s);
     const double force_n = x > 0.0 ? law(x, t < half_s ? speed : -speed) : 0.0;
     record.push_back({t, {x + gaussian(random, 0.02_mm), force_n + gaussian(random, 0.2)}});
@@ -51,7 +52,9 @@ std::string press_plot(const Record& record, const baselines::LawFit& fit,
     dots.x.push_back(to_mm(record[i].press.depth_m));
     dots.y.push_back(record[i].press.force_n);
   }
-  for (double x = 0.0; x < tissue::depth_at_force(truth, pressed_to_n); x += 0.05_mm) {
+  const double deepest_m = tissue::depth_at_force(truth, pressed_to_n);
+  for (int step = 0; step * 0.05_mm < deepest_m; ++step) {
+    const double x = step * 0.05_mm;
     curve.x.push_back(to_mm(x));
     curve.y.push_back(
         tissue::force_at_depth({fit.parameters[0], fit.parameters[1]}, x - fit.contact_m));

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tuina/core/grid.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/telemetry/picture/picture_element.hpp"
 #include "tuina/telemetry/plot/svg_plot.hpp"
@@ -32,18 +33,18 @@ Mesh grid_over(const body::Places& skin, const body::Places& normals, BodyPostur
   const Vector3 high = skin.rowwise().maxCoeff();
   const int columns = static_cast<int>((high.x() - low.x()) / cell_m) + 1;
   const int rows = static_cast<int>((high.z() - low.z()) / cell_m) + 1;
-  std::vector<int> number(static_cast<std::size_t>(columns * rows), -1);
+  std::vector<int> number(grid_cells(rows, columns), -1);
   Mesh mesh;
   for (int r = 0; r < rows; ++r) {
     for (int c = 0; c < columns; ++c) {
       const Vector3 above(low.x() + cell_m * c, 0.8, low.z() + cell_m * r);
       const auto hit = back.along(above, -Vector3::UnitY());
       if (!hit) continue;
-      number[static_cast<std::size_t>(r * columns + c)] = static_cast<int>(mesh.vertices.size());
+      number[grid_index(r, columns, c)] = static_cast<int>(mesh.vertices.size());
       mesh.vertices.push_back(hit->at_in_couch);
     }
   }
-  const auto at = [&](int r, int c) { return number[static_cast<std::size_t>(r * columns + c)]; };
+  const auto at = [&](int r, int c) { return number[grid_index(r, columns, c)]; };
   for (int r = 0; r + 1 < rows; ++r) {
     for (int c = 0; c + 1 < columns; ++c) {
       if (std::min({at(r, c), at(r, c + 1), at(r + 1, c), at(r + 1, c + 1)}) < 0) continue;

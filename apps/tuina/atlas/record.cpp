@@ -68,7 +68,7 @@ class AtlasRecord final : public Verb {
   }
 
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
-    if (const auto good = check_out(); !good) return tl::unexpected(good.error());
+    if (auto good = check_out(); !good) return tl::unexpected(good.error());
     const auto atlas = open_atlas("");
     if (!atlas) return tl::unexpected(atlas.error());
     const auto groups = parse_stickers(labels_, atlas->positions.front().shape.labels, "--labels");
@@ -110,7 +110,7 @@ class AtlasRecord final : public Verb {
       return fail(Fault::usage, "--out {}: a labelled back is NAME.ply with NAME.json beside it",
                   out_);
     }
-    if (const auto good = check_folder_of(out_); !good) return good;
+    if (auto good = check_folder_of(out_); !good) return good;
     std::error_code fault;
     if (fs::is_directory(sweep_, fault)) return {};
     if (!fs::exists(sweep_, fault)) return fail(Fault::file, "{}: there is no such folder", sweep_);

@@ -122,7 +122,8 @@ std::string boards_from_above(const Calibrated& result, const Views& views) {
   };
   const double width = left + scale * (high_m - low_m) + 90.0;
   std::string body;
-  for (double z = 0.0; z < far_m; z += 0.25) {
+  for (int quarter = 0; 0.25 * quarter < far_m; ++quarter) {
+    const double z = 0.25 * quarter;
     body += line(at(low_m, z), at(high_m, z), palette::hairline, 1.0);
     body += words(at(low_m, z) + Vector2(-8.0, 4.0), fmt::format("{:.2f}", z), "end");
   }

@@ -83,8 +83,7 @@ Result<void> check_body(const LabelledBody& body, const std::string& ply, const 
   }
   const SkinDistance off_skin(body.skin_in_couch);
   for (const Acupoint& point : body.acupoints) {
-    const auto near =
-        check_label(point.name, off_skin(point.at_in_couch), max_label_off_skin_m, file);
+    auto near = check_label(point.name, off_skin(point.at_in_couch), max_label_off_skin_m, file);
     if (!near) return near;
     const double length = point.normal_in_couch.norm();
     if (std::abs(length - 1.0) > max_length_error) {
@@ -204,7 +203,7 @@ PointCloud sample(const Mesh& skin, double spacing_m) {
       for (int j = 0; i + j < steps; ++j) {
         const double u = (i + 1.0 / 3.0) / steps;
         const double v = (j + 1.0 / 3.0) / steps;
-        cloud.points.push_back(a + u * (b - a) + v * (c - a));
+        cloud.points.emplace_back(a + u * (b - a) + v * (c - a));
       }
     }
   }

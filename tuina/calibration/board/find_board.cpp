@@ -12,6 +12,7 @@
 
 #include "tuina/calibration/board/find_charuco.hpp"
 #include "tuina/calibration/board/refine_corner.hpp"
+#include "tuina/core/grid.hpp"
 
 namespace tuina::calibration {
 namespace {
@@ -25,7 +26,7 @@ double min_side_px(const std::vector<cv::Point2f>& corners, const Board& board) 
   double shortest = std::numeric_limits<double>::infinity();
   for (int y = 0; y < board.rows; ++y) {
     for (int x = 0; x < board.columns; ++x) {
-      const auto i = static_cast<std::size_t>(y * board.columns + x);
+      const auto i = grid_index(y, board.columns, x);
       if (x > 0) shortest = std::min(shortest, cv::norm(corners[i] - corners[i - 1]));
       if (y > 0) {
         const auto above = i - static_cast<std::size_t>(board.columns);
@@ -47,9 +48,7 @@ std::vector<cv::Point3f> places_of(const View& view, const Board& board) {
 
 // Outer corners of the board, extrapolated from its inner ones.
 std::array<Vector2, 4> outline(const std::vector<Vector2>& corners, const Board& board) {
-  const auto at = [&](int x, int y) {
-    return corners[static_cast<std::size_t>(y * board.columns + x)];
-  };
+  const auto at = [&](int x, int y) { return corners[grid_index(y, board.columns, x)]; };
   const int right = board.columns - 1;
   const int below = board.rows - 1;
   const auto beyond = [&](int x, int y, int inner_x, int inner_y) -> Vector2 {

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "tuina/calibration/board/refine_corner.hpp"
+#include "tuina/core/grid.hpp"
 
 namespace tuina::calibration {
 namespace {
@@ -93,7 +94,7 @@ std::optional<std::vector<bool>> read_cells(const cv::Mat& grey, const Quad& qua
   int bright_frame = 0;
   for (int y = 0; y < all; ++y) {
     for (int x = 0; x < all; ++x) {
-      const bool bright = cells[static_cast<std::size_t>(y * all + x)] > between;
+      const bool bright = cells[grid_index(y, all, x)] > between;
       const bool frame = x == 0 || y == 0 || x == all - 1 || y == all - 1;
       if (!frame) white.push_back(bright);
       if (frame && bright) ++bright_frame;
@@ -125,7 +126,7 @@ std::optional<SeenMarker> recognise(const std::vector<bool>& white, const Quad& 
           from_x = inside - 1 - from_y;
           from_y = old_x;
         }
-        cells = 2 * cells + (white[static_cast<std::size_t>(from_y * inside + from_x)] ? 1 : 0);
+        cells = 2 * cells + (white[grid_index(from_y, inside, from_x)] ? 1 : 0);
       }
     }
     for (std::size_t i = 0; i < markers.size(); ++i) {

@@ -111,10 +111,10 @@ Result<void> write_cloud(const std::filesystem::path& path, const PointCloud& cl
   for (std::size_t k = 0; k < cloud.size(); ++k) {
     append_point(piece, cloud, k, format);
     if (piece.size() < piece_bytes) continue;
-    if (const auto written = file->append(piece); !written) return written;
+    if (auto written = file->append(piece); !written) return written;
     piece.clear();
   }
-  if (const auto written = file->append(piece); !written) return written;
+  if (auto written = file->append(piece); !written) return written;
   return file->finish();
 }
 

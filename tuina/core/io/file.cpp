@@ -111,7 +111,7 @@ Result<void> FileWriter::finish() {
 Result<void> write_file(const std::filesystem::path& path, std::string_view content) {
   auto file = FileWriter::open(path);
   if (!file) return tl::unexpected(file.error());
-  if (const auto written = file->append(content); !written) return written;
+  if (auto written = file->append(content); !written) return written;
   return file->finish();
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // PLY by G. Turk, 1994: a text header, then the elements as text or binary.
+#include <algorithm>
 #include <limits>
 #include <map>
 
@@ -218,16 +219,14 @@ Result<void> check_header(const PlyHeader& header, std::string_view name, std::s
   return {};
 }
 
-/// Skips a row of an unknown element.
-bool skip_row(Body& body, const Element& element) {
+/// Takes a value, or a list and all that is in it.
+bool skip(Body& body, const Property& property) {
   double value = 0.0;
-  for (const Property& property : element.properties) {
-    if (!body.take(property.count_type.value_or(property.type), value)) return false;
-    if (!property.count_type) continue;
-    if (value < 0.0) return body.wrong("a list of negative length");
-    for (double left = value; left > 0.0; --left) {
-      if (!body.take(property.type, value)) return false;
-    }
+  if (!body.take(property.count_type.value_or(property.type), value)) return false;
+  if (!property.count_type) return true;
+  if (value < 0.0) return body.wrong("a list of negative length");
+  for (auto left = static_cast<std::uint64_t>(value); left > 0; --left) {
+    if (!body.take(property.type, value)) return false;
   }
   return true;
 }
@@ -238,20 +237,13 @@ bool read_vertices(Body& body, const Element& element, PointGatherer& points) {
     slots.push_back(static_cast<std::size_t>(PointGatherer::slot_of(property.name)));
   }
   PointGatherer::Values values = {};
-  double ignored = 0.0;
   for (std::uint64_t row = 0; row < element.count; ++row) {
     if (!body.start_row()) return false;
     for (std::size_t k = 0; k < slots.size(); ++k) {
       const Property& property = element.properties[k];
-      if (!property.count_type) {
-        if (!body.take(property.type, values[slots[k]])) return false;
-        continue;
-      }
-      if (!body.take(*property.count_type, ignored)) return false;
-      if (ignored < 0.0) return body.wrong("a list of negative length");
-      for (double left = ignored; left > 0.0; --left) {
-        if (!body.take(property.type, ignored)) return false;
-      }
+      const bool taken =
+          property.count_type ? skip(body, property) : body.take(property.type, values[slots[k]]);
+      if (!taken) return false;
     }
     if (!body.end_row()) return false;
     if (!points.add(values))
@@ -266,23 +258,24 @@ bool read_faces(Body& body, const Element& element, std::uint64_t vertices,
   for (std::uint64_t row = 0; row < element.count; ++row) {
     if (!body.start_row()) return false;
     for (const Property& property : element.properties) {
-      double value = 0.0;
-      if (!body.take(property.count_type.value_or(property.type), value)) return false;
-      if (!property.count_type) continue;
       const bool corners = property.name == "vertex_indices" || property.name == "vertex_index";
-      const double count = value;
-      if (count < (corners ? 3.0 : 0.0))
-        return body.wrong(fmt::format("a face of {} corners", count));
+      if (!corners || !property.count_type) {
+        if (!skip(body, property)) return false;
+        continue;
+      }
+      double value = 0.0;
+      if (!body.take(*property.count_type, value)) return false;
+      if (value < 3.0) return body.wrong(fmt::format("a face of {} corners", value));
+      const auto count = static_cast<std::uint64_t>(value);
       std::array<int, 3> triangle = {};
-      for (double k = 0.0; k < count; ++k) {
+      for (std::uint64_t k = 0; k < count; ++k) {
         if (!body.take(property.type, value)) return false;
-        if (!corners) continue;
         if (!(value >= 0.0 && value < static_cast<double>(vertices)) ||
             is_floating(property.type)) {
           return body.wrong(fmt::format("vertex {} does not exist; there are {}", value, vertices));
         }
-        triangle[k < 2.0 ? static_cast<std::size_t>(k) : 2] = static_cast<int>(value);
-        if (k < 2.0) continue;
+        triangle[std::min<std::size_t>(k, 2)] = static_cast<int>(value);
+        if (k < 2) continue;
         triangles.push_back(triangle);
         triangle[1] = triangle[2];
       }
@@ -294,7 +287,9 @@ bool read_faces(Body& body, const Element& element, std::uint64_t vertices,
 
 bool read_others(Body& body, const Element& element) {
   for (std::uint64_t row = 0; row < element.count; ++row) {
-    if (!body.start_row() || !skip_row(body, element) || !body.end_row()) return false;
+    const auto taken = [&](const Property& property) { return skip(body, property); };
+    if (!body.start_row() || !std::ranges::all_of(element.properties, taken) || !body.end_row())
+      return false;
   }
   return true;
 }

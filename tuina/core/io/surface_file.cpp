@@ -132,7 +132,7 @@ bool PointGatherer::add(const Values& values) {
     const double length = normal.norm();
     // A property exists for all points or for none: one normal of zero length drops all normals.
     normals_ = std::isfinite(length) && length > 1e-9;
-    if (normals_) cloud.normals.push_back(normal / length);
+    if (normals_) cloud.normals.emplace_back(normal / length);
   }
   amplitude_ = amplitude_ && std::isfinite(values[6]);
   if (amplitude_) cloud.amplitude.push_back(static_cast<float>(values[6]));

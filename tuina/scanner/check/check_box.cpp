@@ -235,7 +235,7 @@ Result<FoundBox> find_box(const PointCloud& cloud, const Vector3& size_m) {
 }
 
 Result<FoundBox> check_box(const PointCloud& cloud, const Vector3& size_m) {
-  const auto box = find_box(cloud, size_m);
+  auto box = find_box(cloud, size_m);
   if (!box) return box;
   if (box->hollow) {
     return fail(Fault::bad_input,

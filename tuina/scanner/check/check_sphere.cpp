@@ -97,7 +97,7 @@ Result<FoundSphere> find_sphere(const PointCloud& cloud, double diameter_m) {
 }
 
 Result<FoundSphere> check_sphere(const PointCloud& cloud, double diameter_m) {
-  const auto sphere = find_sphere(cloud, diameter_m);
+  auto sphere = find_sphere(cloud, diameter_m);
   if (!sphere) return sphere;
   if (sphere->hollow) {
     return fail(Fault::bad_input,

@@ -189,7 +189,7 @@ std::optional<LinePoint> weigh_line(const Sample* row, float column_px, const Li
 template <typename Sample>
 std::optional<LinePoint> measure(const Sample* row, int y, const Candidate& candidate,
                                  const LineKernel& kernel, const LineScene& scene) {
-  const int middle = static_cast<int>(candidate.column_px + 0.5F);
+  const int middle = static_cast<int>(std::lround(candidate.column_px));
   const bool plain = static_cast<float>(row[middle]) < scene.saturated_dn &&
                      scene.width_px <= max_kernel_px && kernel_fits(candidate.column_px, scene) &&
                      !has_spike(row, middle, candidate.height_dn, scene);

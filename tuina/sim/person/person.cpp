@@ -127,7 +127,7 @@ Result<void> write_person(const Person& person, const std::filesystem::path& fol
     truth[i < seven_acupoints.size() ? "acupoints" : "more_acupoints"][point.name] = {
         {"position", json_of(point.at_in_couch)}, {"normal", json_of(point.normal_in_couch)}};
   }
-  const auto surface = write_file(folder / (person.name + ".ply"), to_ply(person.skin_in_couch));
+  auto surface = write_file(folder / (person.name + ".ply"), to_ply(person.skin_in_couch));
   if (!surface) return surface;
   return write_file(folder / (person.name + ".json"), truth.dump(1) + "\n");
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tuina/core/grid.hpp"
 #include "tuina/core/units.hpp"
 
 namespace tuina::sim {
@@ -101,7 +102,7 @@ void PhantomForm::lay_sections(const Proportions& proportions) {
     y.push_back(0.02);
     by_height.emplace_back(std::move(x), std::move(y));
   }
-  radius_.resize(static_cast<std::size_t>(rows * columns));
+  radius_.resize(grid_cells(rows, columns));
   axis_y_.resize(static_cast<std::size_t>(rows));
   for (int row = 0; row < rows; ++row) {
     const double height = lowest + height_step * row;
@@ -120,7 +121,7 @@ void PhantomForm::lay_sections(const Proportions& proportions) {
     }
     const Curve section(angle, radius);
     for (int column = 0; column < columns; ++column) {
-      radius_[static_cast<std::size_t>(row * columns + column)] =
+      radius_[grid_index(row, columns, column)] =
           static_cast<float>(section(to_deg(angle_step * column)));
     }
   }

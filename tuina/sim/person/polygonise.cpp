@@ -240,8 +240,8 @@ Mesh cut(const Mesh& mesh, const std::vector<double>& keep) {
     if (fresh) {
       const double ka = keep[static_cast<std::size_t>(a)];
       const double t = ka / (ka - keep[static_cast<std::size_t>(b)]);
-      rest.vertices.push_back((1.0 - t) * mesh.vertices[static_cast<std::size_t>(a)] +
-                              t * mesh.vertices[static_cast<std::size_t>(b)]);
+      rest.vertices.emplace_back((1.0 - t) * mesh.vertices[static_cast<std::size_t>(a)] +
+                                 t * mesh.vertices[static_cast<std::size_t>(b)]);
     }
     return entry->second;
   };

@@ -15,9 +15,9 @@ Mesh ball_mesh(const Vector3& centre, double radius_m) {
     const double polar = pi * i / over;
     for (int k = 0; k < around; ++k) {
       const double turn = 2.0 * pi * k / around;
-      mesh.vertices.push_back(centre + radius_m * Vector3(std::sin(polar) * std::cos(turn),
-                                                          std::sin(polar) * std::sin(turn),
-                                                          std::cos(polar)));
+      mesh.vertices.emplace_back(centre + radius_m * Vector3(std::sin(polar) * std::cos(turn),
+                                                             std::sin(polar) * std::sin(turn),
+                                                             std::cos(polar)));
     }
   }
   for (int i = 0; i < over; ++i) {
@@ -36,7 +36,7 @@ Mesh box_mesh(const Vector3& middle, const Matrix3& turned, const Vector3& size_
   for (int corner = 0; corner < 8; ++corner) {
     const Vector3 sign((corner & 1) != 0 ? 0.5 : -0.5, (corner & 2) != 0 ? 0.5 : -0.5,
                        (corner & 4) != 0 ? 0.5 : -0.5);
-    mesh.vertices.push_back(middle + turned * sign.cwiseProduct(size_m));
+    mesh.vertices.emplace_back(middle + turned * sign.cwiseProduct(size_m));
   }
   constexpr int faces[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4},
                                {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};

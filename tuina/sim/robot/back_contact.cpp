@@ -261,7 +261,7 @@ Mesh make_patch(const Patch& patch) {
         side = patch.bend_radius_m * std::sin(u / patch.bend_radius_m);
         drop = patch.bend_radius_m * (1.0 - std::cos(u / patch.bend_radius_m));
       }
-      mesh.vertices.push_back(patch.centre_in_couch + side * across + v * along - drop * normal);
+      mesh.vertices.emplace_back(patch.centre_in_couch + side * across + v * along - drop * normal);
     }
   }
   for (int j = 0; j < cells; ++j) {

@@ -21,9 +21,9 @@ ClosestPoint::ClosestPoint(Mesh mesh) : mesh_(std::move(mesh)) {
   centres.reserve(mesh_.triangles.size());
   for (const auto& [a, b, c] : mesh_.triangles) {
     const auto& v = mesh_.vertices;
-    centres.push_back((v[static_cast<std::size_t>(a)] + v[static_cast<std::size_t>(b)] +
-                       v[static_cast<std::size_t>(c)]) /
-                      3.0);
+    centres.emplace_back((v[static_cast<std::size_t>(a)] + v[static_cast<std::size_t>(b)] +
+                          v[static_cast<std::size_t>(c)]) /
+                         3.0);
   }
   order_.resize(mesh_.triangles.size());
   for (std::size_t i = 0; i < order_.size(); ++i) order_[i] = static_cast<int>(i);
@@ -110,8 +110,8 @@ ClosestPoint::Place ClosestPoint::find(const Vector3& point, int hint_triangle) 
     if (square_to(node) >= best_square) continue;
     if (node.count == 0) {
       const int left = node.first;
-      const bool left_is_closer = square_to(nodes_[static_cast<std::size_t>(left)]) <
-                                  square_to(nodes_[static_cast<std::size_t>(left + 1)]);
+      const auto at = static_cast<std::size_t>(left);
+      const bool left_is_closer = square_to(nodes_[at]) < square_to(nodes_[at + 1]);
       waiting[count++] = left_is_closer ? left + 1 : left;
       waiting[count++] = left_is_closer ? left : left + 1;
       continue;

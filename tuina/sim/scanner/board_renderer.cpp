@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "tuina/core/grid.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/scanner/triangulation.hpp"
 
@@ -44,7 +45,7 @@ class Scene {
         const Transform& camera_from_board)
       : truth_(truth), board_(board), board_from_camera_(camera_from_board.inverse()) {
     if (!board.has_markers()) return;
-    black_cells_.resize(static_cast<std::size_t>((board.columns + 1) * (board.rows + 1)));
+    black_cells_.resize(grid_cells(board.rows + 1, board.columns + 1));
     for (const scanner::Marker& marker : scanner::markers_of(board)) {
       black_cells_[square_at(marker.column, marker.row)] = ~marker.cells;
     }
@@ -94,7 +95,7 @@ class Scene {
   }
 
   [[nodiscard]] std::size_t square_at(int column, int row) const {
-    return static_cast<std::size_t>(row * (board_.columns + 1) + column);
+    return grid_index(row, board_.columns + 1, column);
   }
 
   // Blackness of the marker of this square: black cells and frame.

@@ -6,6 +6,7 @@
 #include <limits>
 #include <vector>
 
+#include "tuina/core/grid.hpp"
 #include "tuina/core/random.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/sim/scanner/laser_scanner.hpp"
@@ -78,7 +79,7 @@ double share_seen(const RayScene& scene, const View& view) {
 
 /// Holes that cover a share of the picture.
 std::vector<bool> holes_of(int width, int height, double share, Random& random) {
-  std::vector<bool> lost(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), false);
+  std::vector<bool> lost(grid_cells(height, width), false);
   double area = share * width * height;
   while (area > 0.0) {
     const double radius = uniform(random, 0.2, 1.0) * patch_share * width;
@@ -90,8 +91,7 @@ std::vector<bool> holes_of(int width, int height, double share, Random& random) 
     for (int y = in_picture(v - radius, height); y <= in_picture(v + radius, height); ++y) {
       for (int x = in_picture(u - radius, width); x <= in_picture(u + radius, width); ++x) {
         if (std::hypot(x - u, y - v) > radius) continue;
-        lost[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
-             static_cast<std::size_t>(x)] = true;
+        lost[grid_index(y, width, x)] = true;
       }
     }
     area -= pi * radius * radius;
@@ -126,11 +126,10 @@ PointCloud depth_picture(const Mesh& skin_in_couch, BodyPosture position, std::u
       if (on_edge) range_m = mixed_m;
       if (uniform(random, 0.0, 1.0) < options.flying) range_m *= uniform(random, 0.5, 1.0);
       range_m += gaussian(random, options.noise_m);
-      if (lost[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
-               static_cast<std::size_t>(x)]) {
+      if (lost[grid_index(y, width, x)]) {
         continue;
       }
-      cloud.points.push_back(view.eye + range_m * sight);
+      cloud.points.emplace_back(view.eye + range_m * sight);
     }
   }
   return cloud;

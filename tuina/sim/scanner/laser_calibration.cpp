@@ -94,12 +94,14 @@ void place_on_couch(const ScannerCalibration& truth, ScannerCalibration& believe
   const double tilt_x = std::tan(gaussian(random, board_tilt_error_rad));
   const double tilt_y = std::tan(gaussian(random, board_tilt_error_rad));
   const double height_m = gaussian(random, board_height_error_m);
-  for (double yaw_rad = -12.0_deg; yaw_rad <= 12.0_deg; yaw_rad += 2.0_deg) {
+  for (int step = -6; step <= 6; ++step) {
+    const double yaw_rad = step * 2.0_deg;
     // The light plane at this yaw cuts the couch in a line along y; the board covers 0.4 m of it.
     const Transform couch_from_camera = truth.couch_from_camera_at(yaw_rad);
     const Vector3 normal = couch_from_camera.linear() * truth.laser_normal_in_camera;
     const double offset_m = truth.laser_distance_m + normal.dot(couch_from_camera.translation());
-    for (double y = -0.4; y <= 0.0; y += 0.05) {
+    for (int k = -8; k <= 0; ++k) {
+      const double y = 0.05 * k;
       const Vector3 at((offset_m - normal.y() * y) / normal.x(), y, 0.0);
       const auto seen = seen_in_couch(truth, believed, at, yaw_rad);
       if (!seen) continue;

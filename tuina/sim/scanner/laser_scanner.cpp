@@ -102,12 +102,13 @@ struct LaserScanner::World {
     double last_s = -1e9;
     // Polling over a serial line is irregular. At some speeds regular polling would always sample
     // the same two phases of a count, and rounding would not average out.
-    for (double time_s = start_s - run_up_s; time_s < end_s;
-         time_s += poll_s * uniform(jitter, 0.7, 1.3)) {
+    double time_s = start_s - run_up_s;
+    while (time_s < end_s) {
       const double counts = std::round(yaw_at(time_s) / count_rad);
       const double stamp_s = time_s - options.latency_s + gaussian(jitter, options.yaw_jitter_s);
       last_s = std::max(stamp_s, last_s + 1e-6);
       readings.push_back({last_s, from_deg(counts * (300.0 / 1024.0))});
+      time_s += poll_s * uniform(jitter, 0.7, 1.3);
     }
   }
 

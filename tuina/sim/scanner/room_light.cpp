@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "tuina/core/grid.hpp"
 #include "tuina/scanner/triangulation.hpp"
 
 namespace tuina::sim {
@@ -79,17 +80,17 @@ RoomPicture RoomLight::render(const RayScene& skin, const RayScene& couch,
   const int columns = camera.width_px / 2 + 1;
   const int rows = camera.height_px / 2 + 1;
   RoomPicture coarse;
-  coarse.reserve(static_cast<std::size_t>(columns * rows));
+  coarse.reserve(grid_cells(rows, columns));
   for (int row = 0; row < rows; ++row) {
     for (int column = 0; column < columns; ++column) coarse.push_back(seen(2 * column, 2 * row));
   }
   const auto at = [&](int column, int row) -> const Rgb& {
-    return coarse[static_cast<std::size_t>(row * columns + column)];
+    return coarse[grid_index(row, columns, column)];
   };
-  RoomPicture picture(static_cast<std::size_t>(camera.width_px * camera.height_px));
+  RoomPicture picture(grid_cells(camera.height_px, camera.width_px));
   for (int row = 0; row < camera.height_px; ++row) {
     for (int column = 0; column < camera.width_px; ++column) {
-      Rgb& pixel = picture[static_cast<std::size_t>(row * camera.width_px + column)];
+      Rgb& pixel = picture[grid_index(row, camera.width_px, column)];
       for (std::size_t k = 0; k < 3; ++k) {
         pixel[k] =
             0.25F * (at(column / 2, row / 2)[k] + at((column + 1) / 2, row / 2)[k] +

@@ -67,7 +67,7 @@ Transform hold_board(const ScannerCalibration& truth, const SyntheticShotsOption
         (Eigen::AngleAxisd(tilt, Vector3(std::cos(towards), std::sin(towards), 0.0)) *
          Eigen::AngleAxisd(roll, Vector3::UnitZ()))
             .toRotationMatrix();
-    const Transform pose = about(centre, rotation, options.board);
+    Transform pose = about(centre, rotation, options.board);
     if (in_view(camera, options.board, pose)) return pose;
   }
 }
@@ -88,8 +88,9 @@ std::vector<Picture> stand_board(const ScannerCalibration& truth,
   for (;;) {
     const Transform standing = hold_board(truth, options, depth_m, random);
     std::vector<Picture> pictures;
-    for (double yaw = -sweep_rad; yaw <= sweep_rad; yaw += standing_step_rad) {
-      const double yaw_rad = yaw + uniform(random, -0.5, 0.5) * count_rad;
+    const int steps = static_cast<int>(std::lround(sweep_rad / standing_step_rad));
+    for (int step = -steps; step <= steps; ++step) {
+      const double yaw_rad = step * standing_step_rad + uniform(random, -0.5, 0.5) * count_rad;
       const Transform seen = turned_back(truth, yaw_rad) * standing;
       if (!in_view(truth.camera, options.board, seen)) continue;
       pictures.push_back({.pose = pose, .yaw_rad = told(yaw_rad), .camera_from_board = seen});
@@ -199,7 +200,7 @@ Result<void> record(const Mesh& scene, const Mesh& couch, const ScannerCalibrati
   LaserScanner unit(scene, couch, truth, seed, {});
   auto recorder = scanner::Recorder::open(unit, unit, folder);
   if (!recorder) return tl::unexpected(recorder.error());
-  if (const auto turned = recorder->sweep(from_rad, -from_rad, sweep_rad_per_s); !turned) {
+  if (auto turned = recorder->sweep(from_rad, -from_rad, sweep_rad_per_s); !turned) {
     return turned;
   }
   while (recorder->arrived() == false) {
@@ -225,7 +226,7 @@ Result<void> record_sweeps(const ScannerCalibration& truth, std::uint64_t seed,
                         {"box", box(), -sweep_rad}};
   double done = 0.0;
   for (const Part& part : parts) {
-    const auto recorded = record(part.scene, bed, truth, ++seed, part.from_rad, folder / part.name);
+    auto recorded = record(part.scene, bed, truth, ++seed, part.from_rad, folder / part.name);
     if (!recorded) return recorded;
     done += 1.0 / static_cast<double>(std::size(parts));
     if (progress) progress(done);
@@ -244,11 +245,11 @@ Result<void> write_set(const ScannerCalibration& truth, std::uint64_t seed, cons
     if (!progress) return {};
     return [&progress, from, to](double done) { progress(from + (to - from) * done); };
   };
-  const auto taken = take(truth, seed, folder / "frames", options, pictures, some(0.0, share));
+  auto taken = take(truth, seed, folder / "frames", options, pictures, some(0.0, share));
   if (!taken) return taken;
   const std::string board = board_toml(options.board);
-  if (const auto written = write_file(folder / "board.toml", board); !written) return written;
-  if (const auto written = write_file(folder / "frames.csv", frames_csv(pictures)); !written) {
+  if (auto written = write_file(folder / "board.toml", board); !written) return written;
+  if (auto written = write_file(folder / "frames.csv", frames_csv(pictures)); !written) {
     return written;
   }
   return options.sweeps ? record_sweeps(truth, seed, folder, some(share, 1.0)) : Result<void>();
@@ -319,7 +320,7 @@ Result<void> render_calibration_shots(const ScannerCalibration& truth, std::uint
   if (!part.has_filename()) part = part.parent_path();
   part += ".part";
   fs::remove_all(part, error);
-  const auto written = write_set(truth, seed, part, options, progress);
+  auto written = write_set(truth, seed, part, options, progress);
   if (!written) {
     fs::remove_all(part, error);
     return written;

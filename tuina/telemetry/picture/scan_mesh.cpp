@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "tuina/core/grid.hpp"
+
 namespace tuina::telemetry {
 namespace {
 
@@ -20,8 +22,7 @@ struct Grid {
   std::vector<float> at;
 
   [[nodiscard]] std::size_t index(int column, int row) const {
-    return static_cast<std::size_t>(row) * static_cast<std::size_t>(width) +
-           static_cast<std::size_t>(column);
+    return grid_index(row, width, column);
   }
   [[nodiscard]] bool known(int column, int row) const {
     return column >= 0 && row >= 0 && column < width && row < height &&

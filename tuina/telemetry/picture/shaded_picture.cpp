@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cmath>
 
+#include "tuina/core/grid.hpp"
 #include "tuina/telemetry/picture/ray_picture.hpp"
 
 namespace tuina::telemetry {
@@ -40,10 +41,7 @@ class SquareMean {
   }
 
  private:
-  [[nodiscard]] std::size_t index(int x, int y) const {
-    return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_ + 1) +
-           static_cast<std::size_t>(x);
-  }
+  [[nodiscard]] std::size_t index(int x, int y) const { return grid_index(y, width_ + 1, x); }
   [[nodiscard]] float square(int x, int y, int radius) const {
     const int left = std::max(0, x - radius), right = std::min(width_, x + radius + 1);
     const int top = std::max(0, y - radius), bottom = std::min(height_, y + radius + 1);
@@ -120,7 +118,7 @@ class Painter {
       discs_.push_back({projection.in_view(disc.at).cast<float>(),
                         static_cast<float>(disc.radius_m), Light(light[0], light[1], light[2])});
     }
-    first_.reserve(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_));
+    first_.reserve(grid_cells(height_, width_));
     for (int y = 0; y < height_; ++y) {
       for (int x = 0; x < width_; ++x) {
         const auto& sample = first_.emplace_back(
@@ -161,10 +159,7 @@ class Painter {
     Light tint;
   };
 
-  [[nodiscard]] std::size_t index(int x, int y) const {
-    return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
-           static_cast<std::size_t>(x);
-  }
+  [[nodiscard]] std::size_t index(int x, int y) const { return grid_index(y, width_, x); }
 
   /// One ray is enough where a pixel and its neighbours show one piece of skin, or nothing.
   [[nodiscard]] bool is_smooth(int x, int y) const {

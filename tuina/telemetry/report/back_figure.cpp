@@ -284,6 +284,7 @@ std::string tissue(const ReportData& data, double scale_n_per_mm) {
   }
   const ShadedPicture picture = shade(scene, view_of(pose));
   std::vector<Label> labels;
+  labels.reserve(all_felt.size());
   for (const FeltTissue& felt : all_felt) {
     labels.push_back({.at = drawn(picture.projection, felt.at_in_couch),
                       .name = short_name(felt.name),
