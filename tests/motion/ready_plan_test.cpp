@@ -3,6 +3,8 @@
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
+#include <set>
+
 #include "tests/folder.hpp"
 #include "tuina/motion/free_path.hpp"
 #include "tuina/motion/ready_plan.hpp"
@@ -91,6 +93,19 @@ TEST_CASE("the successor's seven joints do a programme within their ranges, noth
       }
     }
   }
+}
+
+TEST_CASE("a path out of reach is said to be left out, and not to run after another") {
+  const motion::ReadyPlan ready =
+      ready_for("phantom:medium", BodyPosture::prone, "full_back_20min", 5, "successor");
+  std::set<std::string> left_out, after_another;
+  for (const Sentence& note : ready.plan.notes) {
+    if (note.key == "note_out_of_reach") left_out.insert(note.values[0]);
+    if (note.key == "note_one_after_the_other")
+      after_another.insert(note.values.begin(), note.values.begin() + 2);
+  }
+  CHECK_FALSE(left_out.empty());
+  for (const std::string& path : after_another) CHECK_FALSE(left_out.contains(path));
 }
 
 TEST_CASE("arms of another build do the programme relax, nothing left out") {

@@ -106,26 +106,26 @@ Result<ArmMove> TwoArmSchedule::plan_move(Arm arm, const massage::PlannedPath& p
   return move_to_path(stage_, arm, rest_[arm], planned.path, static_cast<int>(paths.size()));
 }
 
-/// True when both paths can run at once.
-bool TwoArmSchedule::plan_pair(const PerArm<Planned>& both) {
+/// Adds both paths where they can run at once.
+TwoArmSchedule::Pair TwoArmSchedule::plan_pair(const PerArm<Planned>& both) {
   // The arms are planned in parallel; which failed is told afterwards.
   PerArm<Result<ArmMove>> move;
   for_each_in_parallel(both_arms.size(), [&](std::size_t i) {
     const Arm arm = both_arms[i];
     move[arm] = plan_move(arm, *both[arm]);
   });
-  if (!move[Arm::left] || !move[Arm::right]) return false;
+  if (!move[Arm::left] || !move[Arm::right]) return Pair::out_of_reach;
   const ArmMove &left = *move[Arm::left], &right = *move[Arm::right];
   const Moves moves{.of = {&left, &right}};
   const double contacts_m = apart_m(left.contact, right.contact);
-  if (contacts_m < wanted_arm_distance_m) return false;
+  if (contacts_m < wanted_arm_distance_m) return Pair::too_close;
   const double all_m =
       std::min({contacts_m, apart_m(left.transfer, right.transfer),
                 apart_m(left.transfer, right.contact), apart_m(left.contact, right.transfer)});
   if (all_m >= wanted_arm_distance_m) {
     min_arm_distance_m = std::min(min_arm_distance_m, all_m);
     add_contacts(moves, both);
-    return true;
+    return Pair::together;
   }
   for (const Arm first : both_arms) {
     const Arm second = other(first);
@@ -137,9 +137,9 @@ bool TwoArmSchedule::plan_pair(const PerArm<Planned>& both) {
     add_transfer(first, *move[first]);
     add_transfer(second, *move[second]);
     add_contacts(moves, both);
-    return true;
+    return Pair::together;
   }
-  return false;
+  return Pair::too_close;
 }
 
 /// One arm works. The other stays where it is, over its next place, moves out of the way first, or
@@ -200,12 +200,15 @@ void TwoArmSchedule::plan_single(Arm arm, const massage::PlannedPath& planned) {
 void TwoArmSchedule::add_step(PerArm<Planned> planned) {
   const bool both = planned[Arm::left] != nullptr && planned[Arm::right] != nullptr;
   if (both) {
-    if (plan_pair(planned)) return;
-    notes.push_back(sentence("note_one_after_the_other",
-                             "{} and {} run one after the other: the arms would come within "
-                             "{:.0f} mm of each other",
-                             planned[Arm::left]->path.name, planned[Arm::right]->path.name,
-                             to_mm(wanted_arm_distance_m)));
+    const Pair pair = plan_pair(planned);
+    if (pair == Pair::together) return;
+    // What is out of reach is left out below, which says so.
+    if (pair == Pair::too_close)
+      notes.push_back(sentence("note_one_after_the_other",
+                               "{} and {} run one after the other: the arms would come within "
+                               "{:.0f} mm of each other",
+                               planned[Arm::left]->path.name, planned[Arm::right]->path.name,
+                               to_mm(wanted_arm_distance_m)));
   }
   for (const Arm arm : both_arms) {
     if (planned[arm] != nullptr) plan_single(arm, *planned[arm]);

@@ -38,7 +38,8 @@ class TwoArmSchedule {
   [[nodiscard]] double apart_m(const JointPath& left, const JointPath& right) const;
   [[nodiscard]] double apart_m(Arm arm, const JointPath& its, const JointPath& of_other) const;
   [[nodiscard]] Result<ArmMove> plan_move(Arm arm, const massage::PlannedPath& planned) const;
-  bool plan_pair(const PerArm<const massage::PlannedPath*>& both);
+  enum class Pair : std::uint8_t { together, too_close, out_of_reach };
+  Pair plan_pair(const PerArm<const massage::PlannedPath*>& both);
   void plan_single(Arm arm, const massage::PlannedPath& planned);
   void add_transfer(Arm arm, const ArmMove& move);
   void add_contacts(const Moves& moves, const PerArm<const massage::PlannedPath*>& planned);
