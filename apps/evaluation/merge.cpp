@@ -41,13 +41,14 @@ class Merge final : public Verb {
       }
     }
     for (const std::string& file : files_) {
-      words.push_back("--merged");
+      words.emplace_back("--merged");
       words.push_back(file);
     }
     if (!out_.empty()) words.insert(words.end(), {"--out", out_});
-    if (common.json) words.push_back("--json");
-    if (common.quiet) words.push_back("--quiet");
+    if (common.json) words.emplace_back("--json");
+    if (common.quiet) words.emplace_back("--quiet");
     std::vector<char*> arguments;
+    arguments.reserve(words.size() + 1);
     for (std::string& word : words) arguments.push_back(word.data());
     arguments.push_back(nullptr);
     ::execv("/proc/self/exe", arguments.data());

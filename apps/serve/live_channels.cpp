@@ -82,6 +82,7 @@ void LiveChannels::come(web::ClientId client) {
   clients_[client];
   door_.reply(client, foxglove::server_info(run_));
   std::vector<foxglove::Channel> channels;
+  channels.reserve(streams_.size());
   for (const Stream& stream : streams_) channels.push_back(stream.channel);
   if (!channels.empty()) door_.reply(client, foxglove::advertise(channels));
   door_.reply(client, foxglove::advertise_services());

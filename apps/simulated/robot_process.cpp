@@ -148,6 +148,7 @@ void LinkedTruth::tell(const robot::RobotReading& reading) noexcept {
 
 Result<int> Processes::run(const std::vector<std::string>& arguments) {
   std::vector<char*> pointers;
+  pointers.reserve(arguments.size());
   for (const std::string& argument : arguments)
     pointers.push_back(const_cast<char*>(argument.c_str()));
   pointers.push_back(nullptr);

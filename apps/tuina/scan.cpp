@@ -170,6 +170,7 @@ class ScanVerb final : public Verb {
     for (const auto& point : person.acupoints) places[point.name] = point.at_in_couch;
     for (const auto& landmark : person.landmarks) places[landmark.name] = landmark.at_in_couch;
     std::vector<std::string> names;
+    names.reserve(places.size());
     for (const auto& [name, place] : places) names.push_back(name);
     const auto groups = parse_stickers(stickers_, names, "--stickers");
     if (!groups) return tl::unexpected(groups.error());

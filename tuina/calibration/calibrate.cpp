@@ -84,6 +84,7 @@ Result<void> check_spread(const Views& views, const std::vector<Transform>& came
                 depths.front(), depths.back(), middle, views.board.square_m);
   }
   std::vector<double> tilts;
+  tilts.reserve(normals.size());
   for (const Vector3& normal : normals) {
     tilts.push_back(std::acos(std::clamp(normal.dot(mean_normal), -1.0, 1.0)));
   }

@@ -33,6 +33,7 @@ struct Plane {
 Result<std::vector<Vector3>> points_of(const Sweep& sweep,
                                        const scanner::ScannerCalibration& measured) {
   std::vector<double> times_s;
+  times_s.reserve(sweep.lines.size());
   for (const auto& line : sweep.lines) times_s.push_back(line.time_s);
   const auto yaw = scanner::yaw_at(times_s, sweep.readings, measured.latency_s);
   if (!yaw) return tl::unexpected(yaw.error());

@@ -42,6 +42,7 @@ struct Trace {
 
 std::vector<double> times_of(const Sweep& sweep) {
   std::vector<double> times_s;
+  times_s.reserve(sweep.lines.size());
   for (const auto& line : sweep.lines) times_s.push_back(line.time_s);
   return times_s;
 }
@@ -120,6 +121,7 @@ DelayFit fit(const std::vector<Pair>& pairs) {
   DelayFit fit;
   for (int i = 0; i < 12; ++i) {
     std::vector<double> sizes;
+    sizes.reserve(pairs.size());
     for (const Pair& pair : pairs)
       sizes.push_back(std::abs(pair.difference + pair.slope * fit.by_s));
     const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);

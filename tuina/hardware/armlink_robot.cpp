@@ -182,7 +182,7 @@ std::optional<robot::RobotReading> ArmlinkRobot::read() noexcept {
       break_off(arm, "is silent");
   }
   if (faulty_) return std::nullopt;
-  const auto reading = reading_of(fresh);
+  auto reading = reading_of(fresh);
   if (reading) again_at_.reset();  // whoever reads and commands nothing is no longer heard
   return reading;
 }

@@ -180,13 +180,13 @@ std::optional<WristSample> WristSensor::next() noexcept {
     for (int i = 0; i < max_at_once; ++i) {
       const auto size = socket_->receive(bytes);
       if (!size) return std::nullopt;
-      if (const auto sample = rdt::decode({bytes.data(), *size})) return sample;
+      if (auto sample = rdt::decode({bytes.data(), *size})) return sample;
       stream_->take_spoilt();
     }
     return std::nullopt;
   }
   for (int i = 0; port_ && i < max_at_once; ++i) {
-    if (const auto sample = reader_.next()) return sample;
+    if (auto sample = reader_.next()) return sample;
     const auto size = port_->take(reader_.room());
     if (!size) stream_->break_off("was unplugged; plug it in again");
     if (!size || *size == 0) return std::nullopt;

@@ -161,6 +161,7 @@ Result<ReportData> read_record(const std::filesystem::path& folder) {
     data.paths.push_back(shown(done, plan->plan.paths[done.path].path));
   }
   std::vector<Acupoint> acupoints;
+  acupoints.reserve(data.acupoints.size());
   for (const auto& shown : data.acupoints) acupoints.push_back(shown.acupoint);
   data.poses = poses_of(
       *joints, robot::place_robot(*model, data.position, session::head_at_plus_y(acupoints)),

@@ -161,6 +161,7 @@ Result<Recording> Recording::open(const fs::path& folder, Frames kind) {
   if (!readings) return tl::unexpected(readings.error());
   recording.readings_ = std::move(*readings);
   std::vector<double> times_s;
+  times_s.reserve(recording.frames_.size());
   for (const Entry& entry : recording.frames_) times_s.push_back(entry.time_s);
   const auto covered = yaw_at(times_s, recording.readings_, recording.calibration_.latency_s);
   if (!covered) return fail(Fault::bad_input, "{}: {}", yaw_csv.string(), covered.error().message);

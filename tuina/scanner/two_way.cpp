@@ -140,6 +140,7 @@ Fit fit(Comparison& comparison) {
     fit.weight = cc;
     // Robust weights: edges and specks have large residuals.
     std::vector<double> residuals;
+    residuals.reserve(comparison.samples.size());
     for (const Sample& s : comparison.samples) {
       residuals.push_back(std::abs(s.difference_px - s.px_per_rad * fit.turn_rad -
                                    s.px_per_m * fit.moved_m[s.pair]));

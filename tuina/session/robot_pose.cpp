@@ -142,6 +142,7 @@ double RobotPose::expected_error_m(const Vector3& place_in_couch) const {
 Result<RobotPose> locate_robot(std::span<const robot::Touch> touches,
                                const PerArm<robot::ArmModel>& arms) {
   std::vector<Pair> pairs;
+  pairs.reserve(touches.size());
   for (const robot::Touch& touch : touches) pairs.push_back(pair_of(touch, arms[touch.arm]));
   if (const auto good = judge(pairs); !good) return tl::unexpected(good.error());
 

@@ -39,6 +39,7 @@ Result<void> check_order(const DevicePress& wanted, std::uint64_t seed) {
   const auto person = sim::parse_person(wanted.order.person, wanted.order.position, seed);
   if (!person) return tl::unexpected(person.error());
   std::vector<std::string> names;
+  names.reserve(person->acupoints.size());
   for (const Acupoint& point : person->acupoints) names.push_back(point.name);
   if (std::find(names.begin(), names.end(), wanted.at) == names.end())
     return fail(Fault::usage, "--at {}: is none of {}", wanted.at, fmt::join(names, ", "));

@@ -109,6 +109,7 @@ std::string session_page(const std::vector<SessionRow>& rows,
                "Forces are true contact forces; zones are drawn from the true points.")
       .table(session_table(rows));
   std::vector<const SessionOutcome*> given;
+  given.reserve(outcomes.size());
   for (const SessionOutcome& one : outcomes) given.push_back(&one);
   page.section("What was given of what was planned",
                "Largest true force of each press and tap, per cent of its plan.")

@@ -74,7 +74,7 @@ Result<void> run_pairs(Campaign& campaign, Runs& runs) {
     for (TrialPlan& plan : plans_of(pair, campaign.sites, campaign.order))
       jobs.push_back({&pair, std::move(plan)});
   }
-  const auto done = runs.each(jobs.size(), [&](std::size_t k) -> Result<void> {
+  auto done = runs.each(jobs.size(), [&](std::size_t k) -> Result<void> {
     const auto outcome = runs.trial("pair", k, jobs[k].plan);
     if (!outcome) return tl::unexpected(outcome.error());
     jobs[k].worst_force_n = outcome->worst_force_n;

@@ -175,6 +175,7 @@ Result<std::string> curve_plot(const char* title, std::vector<Curve> worst) {
 
 std::vector<Curve> curves_of(const std::vector<const CampaignCell*>& worst) {
   std::vector<Curve> all;
+  all.reserve(worst.size());
   for (const CampaignCell* cell : worst)
     all.push_back({fmt::format("{}, {}", cell->fault->name, state_of(*cell)), cell->plan});
   return all;
@@ -182,6 +183,7 @@ std::vector<Curve> curves_of(const std::vector<const CampaignCell*>& worst) {
 
 std::vector<Curve> curves_of(const std::vector<WorstTrial>& worst) {
   std::vector<Curve> all;
+  all.reserve(worst.size());
   for (const WorstTrial& one : worst)
     all.push_back({fmt::format("{}, {}", one.fault->name, name_of(one.plan.stage)), one.plan});
   return all;

@@ -44,6 +44,7 @@ class Child {
  public:
   explicit Child(const std::vector<std::string>& arguments) {
     std::vector<char*> pointers;
+    pointers.reserve(arguments.size());
     for (const std::string& argument : arguments)
       pointers.push_back(const_cast<char*>(argument.c_str()));
     pointers.push_back(nullptr);
@@ -197,7 +198,7 @@ bool ends_controller(const ProcessTrial& trial) {
 /// Waits until a tool has pressed for some time; the force then.
 std::optional<Onlooker::Sight> wait_for_contact(Onlooker& onlooker) {
   std::uint64_t light_tick = 0;  // the last in which no tool pressed
-  while (const auto sight = onlooker.next()) {
+  while (auto sight = onlooker.next()) {
     if (sight->force_n < pressing_n) light_tick = sight->tick;
     if (sight->tick - light_tick >= pressing_ticks) return sight;
   }
@@ -208,7 +209,7 @@ void watch(Onlooker& onlooker, const Onlooker::Sight& blow, ProcessOutcome& outc
   // What drives do without a guard is their own affair: no frame tells of it.
   const bool guard_is_gone = outcome.trial.victim == Victim::guard;
   std::uint64_t last_tick = blow.tick, pressed_tick = blow.tick;
-  while (const auto sight = onlooker.next()) {
+  while (auto sight = onlooker.next()) {
     if (sight->tick < blow.tick) continue;
     const auto after_ms = static_cast<double>(sight->tick - blow.tick);
     outcome.max_force_n = std::max(outcome.max_force_n, sight->force_n);

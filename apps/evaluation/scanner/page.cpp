@@ -21,6 +21,7 @@ namespace palette = telemetry::palette;
 template <typename Trial, typename Of>
 std::vector<double> each(const std::vector<Trial>& trials, Of&& of) {
   std::vector<double> values;
+  values.reserve(trials.size());
   for (const Trial& trial : trials) values.push_back(of(trial));
   return values;
 }
@@ -194,6 +195,7 @@ telemetry::Figure curve_figure(const Curve& curve) {
 void add_curves(Page& page, const ScannerProof& proof) {
   if (proof.curves.empty()) return;
   std::vector<telemetry::Figure> figures;
+  figures.reserve(proof.curves.size());
   for (const Curve& curve : proof.curves) figures.push_back(curve_figure(curve));
   page.section("What spoils a scan, one by one",
                "The same backs while one condition is made worse. What the scan itself expects "

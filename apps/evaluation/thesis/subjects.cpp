@@ -210,6 +210,7 @@ void add_curves(telemetry::Part& part, std::size_t subject, const std::array<Pla
       plot.series.push_back(std::move(line));
     };
     std::vector<double> beta_per_mm;
+    beta_per_mm.reserve(place.beta_per_m.size());
     for (const double value : place.beta_per_m) beta_per_mm.push_back(from_mm(value));
     add(alpha, place.alpha_n, place.truth.alpha_n);
     add(beta, beta_per_mm, from_mm(place.truth.beta_per_m));

@@ -110,6 +110,7 @@ telemetry::Table table_of_laws(Random& random) {
   const auto row = [&](const std::string& name, double to_m, const auto& law) {
     const Record record = press_at(law, to_m, 20_mm, random);
     std::vector<double> aic;
+    aic.reserve(std::size(baselines::tissue_laws));
     for (const auto fitted : baselines::tissue_laws) aic.push_back(fit_law(record, fitted).aic);
     const double best = *std::min_element(aic.begin(), aic.end());
     std::vector<telemetry::Cell> cells = {name};

@@ -161,7 +161,7 @@ class EvaluateTissue final : public Verb {
         entry["by_tissue"][trial_tissues[k].name] = to_json(results[k], method);
       table_[name][name_of(method)] = entry;
       page_.table.rows.push_back({.cells = cells_of(method, results),
-                                  .group = name + ": " + about,
+                                  .group = fmt::format("{}: {}", name, about),
                                   .emphasised = method == TrialMethod::tuina});
       for (std::size_t k = 0; k < results.size(); ++k)
         page_.curves.push_back(

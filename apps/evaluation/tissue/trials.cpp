@@ -170,6 +170,7 @@ double quantile(std::vector<double> values, double share) {
 TrialResult summarise(const std::vector<Run>& all) {
   const auto collect = [&](auto member) {
     std::vector<double> values;
+    values.reserve(all.size());
     for (const Run& run : all) values.push_back(run.*member);
     return values;
   };

@@ -86,6 +86,7 @@ std::string boards_in_image(const Calibrated& result, const Views& views) {
     if (!drawn.insert(views.views[i].pose).second) continue;
     const auto corners = outline(result.fit.geometry.camera_from_board[i], views.board);
     std::vector<Vector2> seen;
+    seen.reserve(corners.size());
     for (const Vector3& corner : corners) {
       seen.emplace_back(scale * scanner::project(result.calibration.camera, corner));
     }
@@ -130,6 +131,7 @@ std::string boards_from_above(const Calibrated& result, const Views& views) {
   body += words({4.0, 18.0}, "depth, m");
   for (const auto& corners : boards) {
     std::vector<Vector2> seen;
+    seen.reserve(corners.size());
     for (const Vector3& corner : corners) seen.push_back(at(corner.x(), corner.z()));
     body += polygon(seen, colour_at(middle_of(corners).z()), 0.04);
   }

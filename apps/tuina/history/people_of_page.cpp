@@ -67,7 +67,7 @@ Result<record::VisitLabel> begin_in(const std::string& address, const std::strin
                                     .softer = wish},
                                    order);
   if (!remembered) return tl::unexpected(remembered.error());
-  const record::VisitLabel label = new_visit(who);
+  record::VisitLabel label = new_visit(who);
   const auto whole_path = std::filesystem::absolute(folder).lexically_normal();
   if (auto noted = history->own().begin(label, whole_path); !noted)
     return tl::unexpected(noted.error());

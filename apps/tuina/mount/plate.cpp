@@ -43,6 +43,7 @@ class Cover {
   explicit Cover(const Plate& plate) {
     ring_ = add(plate.outline);
     std::vector<Ring> holes;
+    holes.reserve(plate.windows.size());
     for (const Outline& window : plate.windows) holes.push_back(add(window));
     // The rightmost first, so that no bridge has to pass over a hole that is not bridged yet.
     std::sort(holes.begin(), holes.end(), [this](const Ring& a, const Ring& b) {

@@ -31,6 +31,7 @@ class StepData {
   /// A plane face between these loops, the outer one first.
   int face(const std::vector<int>& loops, int axes) {
     std::vector<int> bounds;
+    bounds.reserve(loops.size());
     for (const int loop : loops)
       bounds.push_back(
           add(fmt::format("FACE_{}BOUND('',#{},.T.)", bounds.empty() ? "OUTER_" : "", loop)));

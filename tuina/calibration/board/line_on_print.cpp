@@ -268,6 +268,7 @@ void fit_height(const std::vector<LinePoint>& points, LineModel& model) {
   }
   model.height_dn_per_row = middle_of(slopes);
   std::vector<double> heights;
+  heights.reserve(points.size());
   for (const LinePoint& point : points) {
     heights.push_back(static_cast<double>(point.amplitude_dn) -
                       model.height_dn_per_row * point.row);

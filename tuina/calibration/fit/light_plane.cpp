@@ -187,7 +187,7 @@ Result<LightPlane> find_light_plane(const Views& views, const scanner::CameraMod
                 "cross the board?",
                 lit);
   }
-  const LightPlane plane = agreed_on(lines);
+  LightPlane plane = agreed_on(lines);
 
   std::vector<std::string> off;
   std::vector<std::string> mirrored_poses;
@@ -243,6 +243,7 @@ std::vector<LineOff> lines_off(const LightPlane& plane, const Views& views,
     const Line line = line_on_board(views.views[i], views.board, camera, camera_from_board[i]);
     if (line.size() < min_line_points || fits(plane, line)) continue;
     std::vector<double> off;
+    off.reserve(line.size());
     for (const LineOnBoard& point : line) off.push_back(off_m(plane, point.at_in_camera));
     std::nth_element(off.begin(), off.begin() + static_cast<std::ptrdiff_t>(off.size() / 2),
                      off.end());

@@ -233,6 +233,7 @@ Result<void> Cia402Robot::stand_ready(const robot::ReadyPose& pose) {
   if (standing_) return {};
   standing_ = true;
   std::vector<double> q_rad;
+  q_rad.reserve(seats_.size());
   for (const Seat& seat : seats_) q_rad.push_back(pose.q_rad[seat.arm][seat.joint]);
   if (auto enabled = enable_all(); !enabled) return enabled;
   auto moved = move_to(q_rad);

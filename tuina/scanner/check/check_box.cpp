@@ -220,7 +220,7 @@ Result<FoundBox> find_box(const PointCloud& cloud, const Vector3& size_m) {
   for (const bool hollow : {false, true}) {
     const Faces chosen = choose(faces, 2.0 * diagonal_m, hollow);
     if (chosen.empty()) continue;
-    const FoundBox box = measure(chosen, size_m, hollow);
+    FoundBox box = measure(chosen, size_m, hollow);
     bool about = true;
     for (std::size_t k = 0; k < 3; ++k) {
       const double ratio = box.edges_m[k] / size_m(static_cast<Eigen::Index>(k));

@@ -14,6 +14,7 @@ void keep_what_continues(std::vector<LinePoint>& clear, std::vector<CandidateRow
     bool doubtful;
   };
   std::vector<Seen> seen;
+  seen.reserve(clear.size());
   for (const LinePoint& point : clear) seen.push_back({point.row, point.column_px, false});
   for (const CandidateRow& row : unclear)
     seen.push_back({row.y, row.candidates.front().column_px, row.candidates.size() > 1});
