@@ -110,6 +110,14 @@ void LiveView::keep_events(const session::Tick& tick) {
 }
 
 void LiveView::on_tick(const session::Tick& tick) noexcept {
+  try {
+    keep(tick);
+  } catch (const std::exception&) {
+    // The page misses a millisecond; the session goes on.
+  }
+}
+
+void LiveView::keep(const session::Tick& tick) {
   const std::lock_guard lock(mutex_);
   keep_events(tick);
   progress_.drives = true;

@@ -51,6 +51,7 @@ class LiveView final : public session::Observer {
   [[nodiscard]] std::optional<std::string> take_frame();
 
  private:
+  void keep(const session::Tick& tick);
   void keep_events(const session::Tick& tick);
 
   robot::RobotModel robot_;

@@ -102,7 +102,7 @@ void RecordPlayer::take_tissue(const json& told, double time_s) {
 void RecordPlayer::take_joints(const std::vector<double>& q, double time_s) {
   const int joints = arms_[Arm::left].joints();
   const bool known =
-      q.size() == static_cast<std::size_t>(1 + 2 * joints) &&
+      q.size() == 1 + 2 * static_cast<std::size_t>(joints) &&
       std::all_of(q.begin(), q.end(), [](double value) { return std::isfinite(value); });
   if (!known) return;
   next_frame_s_ = time_s + frame_every_s_ - 1e-3;

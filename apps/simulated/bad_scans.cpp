@@ -159,8 +159,8 @@ void double_up(LabelledBody& person, double left_m, double up_m, double out_m) {
   const Frame frame(person);
   const std::vector<Vector3> once = person.scan_in_couch.points;
   for (const Vector3& p : once) {
-    person.scan_in_couch.points.push_back(p + left_m * frame.left + up_m * frame.up +
-                                          out_m * frame.out);
+    person.scan_in_couch.points.emplace_back(p + left_m * frame.left + up_m * frame.up +
+                                             out_m * frame.out);
   }
 }
 

@@ -154,10 +154,9 @@ Wrench TeachingHand::lead(sim::World& world, double time_s) {
   if (time_s < learning_s) return {};
   const sim::ArmTruth& truth = world.truth().arms[arm_];
   const Transform& base_from_couch = world.mount().base_from_couch;
-  const Wrench push =
-      hand_.push(wanted_.at(time_s - learning_s), base_from_couch * truth.couch_from_tool,
-                 base_from_couch.linear() * truth.velocity_in_couch, truth.contact.force_n,
-                 world.robot_table().tool_radius_m);
+  Wrench push = hand_.push(wanted_.at(time_s - learning_s), base_from_couch * truth.couch_from_tool,
+                           base_from_couch.linear() * truth.velocity_in_couch,
+                           truth.contact.force_n, world.robot_table().tool_radius_m);
   world.plant().push(arm_, push);
   return push;
 }

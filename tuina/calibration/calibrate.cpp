@@ -70,7 +70,7 @@ Result<void> check_spread(const Views& views, const std::vector<Transform>& came
   for (std::size_t i = 0; i < views.views.size(); ++i) {
     if (views.views[i].line.size() < min_line_points) continue;
     depths.push_back(depth_m(camera_from_board[i], views.board));
-    normals.push_back(camera_from_board[i].linear().col(2));
+    normals.emplace_back(camera_from_board[i].linear().col(2));
     mean_normal += normals.back();
   }
   mean_normal.normalize();

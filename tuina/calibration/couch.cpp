@@ -114,10 +114,10 @@ Plane largest_plane(const std::vector<Vector3>& points) {
 
 // The board lies on the couch: the nearer of two large parallel planes.
 Plane find_board(const std::vector<Vector3>& points) {
-  const Plane first = largest_plane(points);
+  Plane first = largest_plane(points);
   const auto rest = inside(first, points, false);
   if (static_cast<double>(rest.size()) > min_share * static_cast<double>(points.size())) {
-    const Plane second = largest_plane(rest);
+    Plane second = largest_plane(rest);
     const bool parallel = second.normal.dot(first.normal) > std::cos(5.0_deg);
     const bool large =
         static_cast<double>(second.points) > min_share * static_cast<double>(points.size());

@@ -28,7 +28,7 @@ struct Trace {
 
   // Column and slope per radian at a yaw; NaN at gaps and edges.
   [[nodiscard]] Vector2 at(double yaw) const {
-    const Vector2 nothing = Vector2::Constant(std::nan(""));
+    Vector2 nothing = Vector2::Constant(std::nan(""));
     const auto above = std::upper_bound(yaw_rad.begin(), yaw_rad.end(), yaw);
     if (above == yaw_rad.begin() || above == yaw_rad.end()) return nothing;
     const auto i = static_cast<std::size_t>(above - yaw_rad.begin());

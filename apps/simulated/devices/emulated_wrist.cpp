@@ -89,7 +89,7 @@ void EmulatedWrist::send(const Wrench& in_sensor, int dither_counts) {
   for (int i = 0; i < 3; ++i) {
     const auto force = std::lround(counts_per_n * (in_sensor.force_n[i] + zero_force_n[i]));
     const auto torque = std::lround(counts_per_nm * (in_sensor.torque_nm[i] + zero_torque_nm[i]));
-    const auto word = static_cast<std::size_t>(3 + i);
+    const std::size_t word = 3 + static_cast<std::size_t>(i);
     put(record, word, static_cast<std::uint32_t>(force + dither_counts));
     put(record, word + 3, static_cast<std::uint32_t>(torque + dither_counts));
   }

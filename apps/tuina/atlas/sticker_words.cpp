@@ -63,6 +63,7 @@ Result<std::vector<StickerGroup>> parse_stickers(const std::vector<std::string>&
     const auto colour = scanner::sticker_colour(word.substr(0, equals));
     if (!colour) {
       std::vector<std::string> colours;
+      colours.reserve(scanner::sticker_colours.size());
       for (const auto one : scanner::sticker_colours) colours.emplace_back(scanner::name_of(one));
       return fail(Fault::usage, "{}: stickers are not told by the colour '{}'; {}", option,
                   word.substr(0, equals), suggestion(word.substr(0, equals), colours));

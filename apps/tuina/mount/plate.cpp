@@ -145,7 +145,7 @@ Outline round_hole(const Vector2& at, double diameter_m) {
   Outline hole;
   for (int i = 0; i < sides; ++i) {
     const double angle = -2.0 * pi * i / sides;
-    hole.push_back(at + radius_m * Vector2(std::cos(angle), std::sin(angle)));
+    hole.emplace_back(at + radius_m * Vector2(std::cos(angle), std::sin(angle)));
   }
   return hole;
 }

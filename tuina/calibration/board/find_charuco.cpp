@@ -228,7 +228,7 @@ std::optional<Vector2> find_corner(ImageView image, const cv::Matx33d& image_fro
                                       std::min(at.y - square.y, square.y + 1.0 - at.y));
     return to_border < marker_from;
   };
-  const auto found = refine_corner(image, {start.x, start.y}, window, counts);
+  auto found = refine_corner(image, {start.x, start.y}, window, counts);
   if (!found || (*found - Vector2(start.x, start.y)).norm() > std::max(3.0, 0.15 * side_px)) {
     return std::nullopt;
   }

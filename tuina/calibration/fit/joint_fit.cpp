@@ -229,8 +229,8 @@ class Problem {
     const Transform camera_from_board = pose_of(i);
     std::vector<Vector2> errors;
     for (std::size_t k = 0; k < views_.views[i].corners_px.size(); ++k) {
-      errors.push_back(scanner::project(camera, camera_from_board * corner(i, k)) -
-                       views_.views[i].corners_px[k]);
+      errors.emplace_back(scanner::project(camera, camera_from_board * corner(i, k)) -
+                          views_.views[i].corners_px[k]);
     }
     return errors;
   }

@@ -171,7 +171,7 @@ FoundBox measure(const Faces& faces, const Vector3& size_m, bool hollow) {
   double squares = 0.0;
   for (const Face* face : faces) {
     auto& points = in_box.emplace_back();
-    for (const Vector3& point : face->points) points.push_back(box_from * (point - axes.corner));
+    for (const Vector3& point : face->points) points.emplace_back(box_from * (point - axes.corner));
     squares += face->rms_m * face->rms_m * static_cast<double>(face->points.size());
     box.points += face->points.size();
   }

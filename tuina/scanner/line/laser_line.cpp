@@ -298,7 +298,7 @@ LaserLine find(BasicImageView<Pixel> image, const LineOptions& options,
                             : std::clamp(options.last_column, scene.first_column, image.width - 1);
     scene.saturated_dn = saturated;
     const int step = std::max(1, image.height / sampled_rows);
-    SceneSample sample(scene, static_cast<std::size_t>(image.height / step + 1));
+    SceneSample sample(scene, static_cast<std::size_t>(image.height / step) + 1);
     for (int y = step / 2; y < image.height; y += step) {
       sample.add(rows.template samples<Sample>(y), y);
     }
