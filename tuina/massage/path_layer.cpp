@@ -144,7 +144,7 @@ PathLayer::MaybePath PathLayer::lay_sliding(const Part& part, const Target& targ
                                             std::optional<double> pass_s) {
   double bent_m = 0.0;
   const Bend bend = [&](const Vector3& guide) {
-    const Vector3 moved = zones_.around_denied(guide, target.side);
+    Vector3 moved = zones_.around_denied(guide, target.side);
     bent_m = std::max(bent_m, (moved - guide).norm());
     return moved;
   };

@@ -60,7 +60,8 @@ constexpr auto gaps = [] {
     Gap& gap = all[static_cast<std::size_t>(beside_px)];
     gap.nearest = beside_px - 1;
     gap.bytes.fill(255);
-    for (int i = 0; i <= 2 * gap.nearest; ++i) gap.bytes[static_cast<std::size_t>(window + i)] = 0;
+    for (int i = window; i <= window + 2 * gap.nearest; ++i)
+      gap.bytes[static_cast<std::size_t>(i)] = 0;
   }
   return all;
 }();
