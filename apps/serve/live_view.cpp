@@ -39,7 +39,7 @@ void LiveView::on_profile(const scanner::LiveProfile& profile) {
   }
   for (const Vector3& point : profile.points_in_couch) {
     if (progress_.cloud_points++ % cloud_stride_ != 0) continue;
-    cloud_.push_back(point.cast<float>());
+    cloud_.emplace_back(point.cast<float>());
     if (cloud_.size() < max_cloud_points) continue;
     std::size_t kept = 0;
     for (std::size_t i = 0; i < cloud_.size(); i += 2) cloud_[kept++] = cloud_[i];

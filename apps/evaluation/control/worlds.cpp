@@ -10,6 +10,7 @@ namespace tuina::app {
 std::vector<Choice> numbers(const std::vector<double>& values,
                             const std::function<void(ContactExperiment&, double)>& set) {
   std::vector<Choice> choices;
+  choices.reserve(values.size());
   for (const double value : values)
     choices.push_back({fmt::format("{:g}", value), [=](auto& run) { set(run, value); }});
   return choices;
@@ -21,6 +22,7 @@ std::vector<Choice> forces(const std::vector<double>& forces_n) {
 
 std::vector<Choice> all_tissues() {
   std::vector<Choice> choices;
+  choices.reserve(std::size(tissues));
   for (const NamedTissue& named : tissues)
     choices.push_back({named.name, [named](auto& run) { run.tissue = named.tissue; }});
   return choices;

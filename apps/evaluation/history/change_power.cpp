@@ -72,6 +72,7 @@ class FeltPerson {
 PowerOutcome try_power(const PowerWorld& world, std::uint64_t seed) {
   FeltPerson person(world, seed);
   std::vector<history::Visit> earlier;
+  earlier.reserve(earlier_sessions);
   for (int i = 0; i < earlier_sessions; ++i) earlier.push_back(person.session(0.0));
   const history::Visit same = person.session(0.0), harder = person.session(harder_share);
   const auto changes_in = [&](const history::Visit& after) {

@@ -45,6 +45,7 @@ Result<SurfaceCurve> circle_on(const body::BackSurface& back, const body::Surfac
   const Axes axes = axes_at(centre, first_in_couch, clockwise);
   constexpr int points = 72;
   std::vector<Vector3> guide;
+  guide.reserve(points);
   for (int i = 0; i < points; ++i) {
     guide.push_back(around(centre, axes, radius_m, 2.0 * pi * i / points));
   }
@@ -58,10 +59,11 @@ Result<SurfaceCurve> spiral_on(const body::BackSurface& back, const body::Surfac
   const Axes axes = axes_at(centre, first_in_couch, clockwise);
   const double max_m = std::max(radius_m, innermost_m + winding_m);
   std::vector<Vector3> guide;
-  double theta = 0.0;
-  for (double r = innermost_m; r < max_m; r = innermost_m + winding_m * theta / (2.0 * pi)) {
+  double theta = 0.0, r = innermost_m;
+  while (r < max_m) {
     guide.push_back(around(centre, axes, r, theta));
     theta += step_m / r;
+    r = innermost_m + winding_m * theta / (2.0 * pi);
   }
   return lifted_curve(back, centre, std::move(guide), false, bend);
 }
