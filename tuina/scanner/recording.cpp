@@ -155,7 +155,6 @@ Result<Recording> Recording::open(const fs::path& folder, Frames kind) {
   }
   const auto checked = check_listed(*pictures, darks, listed, frames_csv);
   if (!checked) return tl::unexpected(checked.error());
-
   const fs::path yaw_csv = folder / "yaw.csv";
   auto readings = read_readings(yaw_csv);
   if (!readings) return tl::unexpected(readings.error());
