@@ -315,3 +315,22 @@ TEST_CASE("a record that cannot be written says so at its end, and leaves nothin
   CHECK(finished.error().fault == Fault::file);
   CHECK(finished.error().message.find("/dev/full") != std::string::npos);
 }
+
+TEST_CASE("a millisecond that cannot be told is counted as missing, and the session goes on") {
+  struct FullSink final : ChannelSink {
+    bool full = false;
+    std::uint16_t add_channel(const ChannelDescription&) override { return 1; }
+    void write(std::uint16_t, std::uint64_t, std::string_view) override {
+      if (full) throw std::runtime_error("no room");
+    }
+  } sink;
+  SessionChannels channels(sink, {.robot = thesis_robot()});
+  tell_beginning(channels);
+  channels.on_tick(tick_at(0));
+  sink.full = true;
+  for (std::uint64_t ms = 1; ms <= 3; ++ms) channels.on_tick(tick_at(ms));
+  sink.full = false;
+  channels.on_tick(tick_at(4));
+  CHECK(channels.ticks() == 2);
+  CHECK(channels.missing_ms() == 3);
+}
