@@ -290,11 +290,11 @@ std::vector<std::string> leave_out_lines(Views& views, const std::vector<LineOff
 }  // namespace
 
 Result<Calibrated> calibrate(Views& views) {
-  if (auto good = check_poses(views); !good) return tl::unexpected(good.error());
+  if (const auto good = check_poses(views); !good) return tl::unexpected(good.error());
   auto first = calibrate_camera(views);
   if (!first) return tl::unexpected(first.error());
   auto& poses = first->camera_from_board;
-  if (auto good = check_spread(views, poses); !good) return tl::unexpected(good.error());
+  if (const auto good = check_spread(views, poses); !good) return tl::unexpected(good.error());
   const auto light = find_light_plane(views, first->camera, poses);
   if (!light) return tl::unexpected(light.error());
   const auto remarks = leave_out_lines(views, lines_off(*light, views, first->camera, poses));
@@ -312,7 +312,7 @@ Result<Calibrated> calibrate(Views& views) {
   result.calibration = calibration_of(result.fit.geometry);
   result.calibration.errors = errors_of(result.fit);
   sum_up(views, result);
-  if (auto good = check_result(result); !good) return tl::unexpected(good.error());
+  if (const auto good = check_result(result); !good) return tl::unexpected(good.error());
   return result;
 }
 
@@ -325,10 +325,10 @@ Result<Calibrated> calibrate_folder(const fs::path& folder, Views& views,
   views = std::move(*seen);
   auto result = calibrate(views);
   if (!result) return in_folder(folder, result);
-  if (auto good = add_latency(folder, *result, part_of(progress, 0.5, 0.8)); !good) {
+  if (const auto good = add_latency(folder, *result, part_of(progress, 0.5, 0.8)); !good) {
     return tl::unexpected(good.error());
   }
-  if (auto good = add_couch(folder, *result, part_of(progress, 0.8, 1.0)); !good) {
+  if (const auto good = add_couch(folder, *result, part_of(progress, 0.8, 1.0)); !good) {
     return tl::unexpected(good.error());
   }
   if (!result->latency && !result->couch) {

@@ -221,7 +221,7 @@ Result<Scan> scan_sweep(Camera& camera, Turntable& turntable, const ScannerCalib
                       calibration, options, frames, progress, intake);
   }
   if (!taken) return tl::unexpected(taken.error());
-  if (auto good = check(intake); !good) return tl::unexpected(good.error());
+  if (const auto good = check(intake); !good) return tl::unexpected(good.error());
 
   const auto start = Clock::now();
   auto scan = make_cloud(intake.lines, intake.readings, calibration, options.max_lost_share);

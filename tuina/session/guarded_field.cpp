@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "tuina/core/grid.hpp"
 #include "tuina/massage/back_chart.hpp"
 #include "tuina/massage/zones.hpp"
 #include "tuina/session/guarded_zone.hpp"
@@ -23,11 +24,6 @@ struct Heap {
   safety::Zone zone = safety::Zone::muscle;
 };
 
-std::size_t index_of(int row, int column, int columns) {
-  return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
-         static_cast<std::size_t>(column);
-}
-
 safety::Zone stricter(safety::Zone a, safety::Zone b) {
   return safety::ceiling_of(a).trip_n <= safety::ceiling_of(b).trip_n ? a : b;
 }
@@ -37,11 +33,11 @@ void close_gaps(std::vector<Heap>& heaps, int columns, int rows) {
   const std::vector<Heap> before = heaps;
   for (int row = 0; row < rows; ++row) {
     for (int column = 0; column < columns; ++column) {
-      Heap& heap = heaps[index_of(row, column, columns)];
+      Heap& heap = heaps[grid_index(row, columns, column)];
       if (heap.points > 0) continue;
       for (int i = std::max(row - 1, 0); i <= std::min(row + 1, rows - 1); ++i) {
         for (int j = std::max(column - 1, 0); j <= std::min(column + 1, columns - 1); ++j) {
-          const Heap& beside = before[index_of(i, j, columns)];
+          const Heap& beside = before[grid_index(i, columns, j)];
           if (beside.points == 0) continue;
           heap.zone = heap.points == 0 ? beside.zone : stricter(heap.zone, beside.zone);
           heap.normal_in_base += beside.normal_in_base;
@@ -74,10 +70,10 @@ Result<safety::ZoneField> zone_field(const body::BackSurface& back,
   }
   const Eigen::Array2i size = ((high - low) / cell_m).floor().cast<int>() + 1;
   const int columns = size.x(), rows = size.y();
-  std::vector<Heap> heaps(index_of(rows, 0, columns));
+  std::vector<Heap> heaps(grid_cells(rows, columns));
   for (std::size_t i = 0; i < skin.points.size(); ++i) {
     const Eigen::Array2i at = ((flat(skin.points[i]) - low) / cell_m).floor().cast<int>();
-    Heap& heap = heaps[index_of(at.y(), at.x(), columns)];
+    Heap& heap = heaps[grid_index(at.y(), columns, at.x())];
     const safety::Zone zone = guarded_zone(zones.at(skin.points[i]));
     heap.zone = heap.points == 0 ? zone : stricter(heap.zone, zone);
     heap.normal_in_base += base_from_couch.linear() * skin.normals[i];

@@ -24,8 +24,8 @@ double mean_of(const std::vector<double>& values) {
 double quantile_of(std::vector<double> values, double share) {
   if (values.empty()) return 0.0;
   std::sort(values.begin(), values.end());
-  const auto middle = std::lround(share * static_cast<double>(values.size() - 1));
-  return values[static_cast<std::size_t>(middle)];
+  const auto nearest = std::lround(share * static_cast<double>(values.size() - 1));
+  return values[static_cast<std::size_t>(nearest)];
 }
 
 /// The share of the chosen points that lie within their radius; null for a method that states none.

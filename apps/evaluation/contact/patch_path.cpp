@@ -46,7 +46,8 @@ body::SurfacePoint place_on(const BelievedPatch& patch, double across_m, double 
 
 /// A circle of the usual size, which begins at the centre of the patch.
 ContactPath circle_path(const BelievedPatch& patch, const PatchTask& task) {
-  constexpr int places = 126;  // once around
+  constexpr double step_rad = 0.05;
+  const int places = static_cast<int>(std::lround(2.0 * pi / step_rad));
   const massage::TechniqueLaw& law = massage::law_of(task.technique);
   const massage::Part part{.technique = task.technique,
                            .radius_m = from_mm(law.radius_mm.usual),
@@ -77,7 +78,8 @@ Rub rub_on(const BelievedPatch& patch, RubShape shape) {
   constexpr double innermost_m = 6_mm, turns_out_and_in = 6.0;  // of the spiral
   const bool spiral = shape == RubShape::spiral;
   const double end = 2.0 * pi * (spiral ? turns_out_and_in : 1.0);
-  const int places = spiral ? 377 : 126;
+  const double step_rad = spiral ? 0.1 : 0.05;
+  const int places = static_cast<int>(std::lround(end / step_rad));
   std::vector<body::SurfacePoint> points;
   for (int k = 0; k < places; ++k) {
     const double angle = end * k / places;

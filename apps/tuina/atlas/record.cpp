@@ -68,7 +68,7 @@ class AtlasRecord final : public Verb {
   }
 
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
-    if (auto good = check_out(); !good) return tl::unexpected(good.error());
+    if (const auto good = check_out(); !good) return tl::unexpected(good.error());
     const auto atlas = open_atlas("");
     if (!atlas) return tl::unexpected(atlas.error());
     const auto groups = parse_stickers(labels_, atlas->positions.front().shape.labels, "--labels");
