@@ -41,14 +41,19 @@ set(TUINA_PYTHON module simulation)
 set(TUINA_PYTHON_MAY_INCLUDE_module ${TUINA_PRODUCT} apps/cli)
 set(TUINA_PYTHON_MAY_INCLUDE_simulation ${TUINA_PRODUCT} sim apps/cli apps/simulated python/module)
 
-# tuina_room(<name> SOURCES <file>... [USES <public target>...] [HIDES <private target>...])
-# makes the library tuina::<name> of one room. USES are third-party targets that its headers show,
-# HIDES those that only its .cpp files know.
+# tuina_room(<name> SOURCES <file>... [HOT <file>...] [USES <public target>...] [HIDES <private target>...])
+# makes the library tuina::<name> of one room. HOT are sources that are worth -O3, each compiled alone: the
+# benchmarks show what it gains. USES are third-party targets that its headers show, HIDES those that only its .cpp
+# files know.
 function(tuina_room name)
-  cmake_parse_arguments(ROOM "" "" "SOURCES;USES;HIDES" ${ARGN})
+  cmake_parse_arguments(ROOM "" "" "SOURCES;HOT;USES;HIDES" ${ARGN})
   set(target tuina_${name})
   if(ROOM_SOURCES)
-    add_library(${target} STATIC ${ROOM_SOURCES})
+    add_library(${target} STATIC ${ROOM_SOURCES} ${ROOM_HOT})
+    if(ROOM_HOT)
+      set_source_files_properties(${ROOM_HOT} PROPERTIES COMPILE_OPTIONS $<$<CONFIG:Release>:-O3>
+        SKIP_UNITY_BUILD_INCLUSION ON SKIP_PRECOMPILE_HEADERS ON)
+    endif()
     set(scope PUBLIC)
     target_link_libraries(${target} PRIVATE $<BUILD_INTERFACE:tuina_flags> ${ROOM_HIDES})
     tuina_use_precompiled(${target} tuina_pch)
