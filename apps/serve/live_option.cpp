@@ -7,6 +7,8 @@
 #include <cstdio>
 #include <thread>
 
+#include "apps/serve/page_port.hpp"
+
 namespace tuina::app {
 namespace {
 
@@ -18,10 +20,7 @@ Option LiveOption::describe(Options& options) {
   auto live = options.flag("--live", asked_,
                            "show the session in a browser, where it is armed, steered and stopped "
                            "(docs/page.md)");
-  options.add("--port", port_, "of this machine for --live; 0 takes a free one")
-      .between(0, 65535)
-      .show_default()
-      .needs(live);
+  add_page_port(options, port_, &live);
   return live;
 }
 

@@ -6,6 +6,7 @@
 #include <mutex>
 #include <optional>
 
+#include "apps/serve/page_port.hpp"
 #include "tuina/core/io/png.hpp"
 #include "tuina/core/stopwatch.hpp"
 #include "tuina/web/access.hpp"
@@ -128,10 +129,7 @@ LivePicture::~LivePicture() = default;
 
 Option LivePicture::describe(Options& options, const char* shown) {
   auto live = options.flag("--live", asked_, shown);
-  options.add("--port", port_, "of this machine for --live; 0 takes a free one")
-      .between(0, 65535)
-      .show_default()
-      .needs(live);
+  add_page_port(options, port_, &live);
   return live;
 }
 

@@ -9,6 +9,7 @@
 #include "apps/cli/position_option.hpp"
 #include "apps/serve/live_site.hpp"
 #include "apps/serve/make_password.hpp"
+#include "apps/serve/page_port.hpp"
 #include "apps/simulated/pace_option.hpp"
 #include "apps/simulated/ros2_option.hpp"
 #include "apps/tuina/history/fleet_reporter.hpp"
@@ -31,9 +32,7 @@ class Serve final : public Verb {
   [[nodiscard]] const char* example() const override { return "tuina serve --port 8642"; }
   [[nodiscard]] const char* alias() const override { return "dashboard"; }
   void describe(Options& options) override {
-    options.add("--port", port_, "of this machine; 0 takes a free one")
-        .between(0, 65535)
-        .show_default();
+    add_page_port(options, port_);
     options
         .add("--listen", listen_,
              "address in numbers; another than 127.0.0.1 needs --certificate and --password-file")
