@@ -2,12 +2,14 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "tuina/massage/plan.hpp"
 #include "tuina/session/massage_step.hpp"
+#include "tuina/sim/robot/back_contact.hpp"
 
 namespace tuina::app {
 
@@ -22,17 +24,36 @@ class HeldForce {
   double asked_n_ = 0.0, since_n_ = 0.0, sum_n_ = 0.0, samples_ = 0.0;
 };
 
+/// How much deeper one press brought the tool, and what that says of a depth which was told before.
+class TrueDeepening {
+ public:
+  TrueDeepening() = default;
+  /// Before the press: how far the tool is below the resting skin.
+  explicit TrueDeepening(double travel_m) noexcept : from_m_(travel_m) {}
+  /// One millisecond of it; `whole_n` is all of its force.
+  void add(double whole_n, double force_n, double travel_m) noexcept;
+  /// By how much more than `whole_n` is met at the depth that was told for it, as a share; none
+  /// where the press never had all of its force.
+  [[nodiscard]] std::optional<double> error(double told_m) const noexcept;
+
+ private:
+  double from_m_ = 0.0;
+  std::optional<double> part_m_, whole_m_;  // as the force first passed a part of it, and all
+  double sum_m_ = 0.0, samples_ = 0.0;      // while all of it was there
+};
+
 /// One press or tap as it was given, by the true force.
 struct GivenPress {
   std::string place;  ///< acupoint
   Technique technique = Technique::press;
   int index = 0;  ///< of this technique at this place in the session, from 1, probes included
-  bool probing = false;    ///< it only felt a new place
-  bool foretold = false;   ///< what was felt before foretold one as strong as planned
-  double planned_n = 0.0;  ///< strongest force of its path in the plan
-  double asked_n = 0.0;    ///< largest force that was asked for
-  double peak_n = 0.0;     ///< largest true force
-  double held_n = 0.0;     ///< mean true force while all of it was asked for
+  bool probing = false;         ///< it only felt a new place
+  bool foretold = false;        ///< what was felt before foretold one as strong as planned
+  bool foretold_wrong = false;  ///< at the depth that was told the force is beyond what was said
+  double planned_n = 0.0;       ///< strongest force of its path in the plan
+  double asked_n = 0.0;         ///< largest force that was asked for
+  double peak_n = 0.0;          ///< largest true force
+  double held_n = 0.0;          ///< mean true force while all of it was asked for
   Arm arm = Arm::left;
   double contact_s = 0.0, end_s = 0.0;  ///< from when the tool was on the skin, until it was over
 
@@ -45,7 +66,7 @@ struct GivenPress {
 class GivenPresses {
  public:
   /// One millisecond of one arm; `plan` is the plan that it carries out.
-  void add(double time_s, Arm arm, const session::ArmView& seen, double true_force_n,
+  void add(double time_s, Arm arm, const session::ArmView& seen, const sim::ContactTruth& truth,
            const massage::Plan& plan);
   [[nodiscard]] std::vector<GivenPress> take() { return std::move(done_); }
 
@@ -54,7 +75,8 @@ class GivenPresses {
     bool in_contact = false, open = false;
     GivenPress press = {};
     HeldForce held = {};
-    double contact_s = 0.0;
+    TrueDeepening deepening;
+    double told_m = 0.0, contact_s = 0.0;
   };
   void close(Side& side, double time_s);
 

@@ -79,7 +79,7 @@ void TruthRecorder::on_tick(const session::Tick& tick) noexcept {
       feel(touched_[arm], contact, row);
     }
     touching_[arm] = in_contact;
-    presses_.add(time_s, arm, seen, contact.force_n, *plan_);
+    presses_.add(time_s, arm, seen, contact, *plan_);
     if (row) {
       truth_.trace.push_back({.time_s = time_s,
                               .arm = arm,

@@ -9,7 +9,6 @@
 #include "tests/allocation.hpp"
 #include "tuina/core/random.hpp"
 #include "tuina/core/units.hpp"
-#include "tuina/sim/person/living_tissue.hpp"
 #include "tuina/sim/tissue_worlds.hpp"
 #include "tuina/tissue/tangent_model.hpp"
 
@@ -173,31 +172,6 @@ TEST_CASE("three presses of a session foretell the next one on most breathing ti
   CHECK(10 * held >= 9 * all);
 }
 
-namespace {
-
-/// Three presses of a session into tissue that relaxes and has layers, by depth, 3 N kept between
-/// them.
-void press_layers(CreepEstimator& estimator, sim::LivingTissue person, const TangentTissue& place,
-                  double peak_n, double& time_s, Random& random) {
-  const auto feel = [&](double travel_m, double speed_m_per_s) {
-    const double force_n = person.press(place, travel_m, speed_m_per_s, 1.0, 1e-3);
-    estimator.update(time_s += 1e-3,
-                     {.depth_m = travel_m, .force_n = force_n + gaussian(random, 0.05)});
-  };
-  const double kept_m = depth_at_force(place, 3.0), peak_m = depth_at_force(place, peak_n);
-  for (int i = 500; i > 0; --i) feel(-i * 0.02_mm, 20_mm);
-  for (int i = 0; i < 300; ++i) feel(kept_m * i / 300.0, kept_m / 0.3);
-  for (const double share : {0.4, 0.7, 1.0}) {
-    for (double t = 0.0; t < 1.5; t += 1e-3) {
-      const double height_m = share * peak_m - kept_m, turn = 2.0 * pi / 1.5;
-      feel(kept_m + 0.5 * height_m * (1.0 - std::cos(turn * t)),
-           0.5 * height_m * turn * std::sin(turn * t));
-    }
-  }
-}
-
-}  // namespace
-
 TEST_CASE("after a sigh in one press most of the next ones are still foretold") {
   double quiet = 0.0, sighed = 0.0;
   for (const TangentTissue& tissue : {hard, soft}) {
@@ -210,45 +184,6 @@ TEST_CASE("after a sigh in one press most of the next ones are still foretold") 
   CAPTURE(sighed);
   CHECK(sighed > quiet);
   CHECK(sighed < 0.5);  // 0.61 where a surprise counts in full
-}
-
-TEST_CASE("a second place of a person is known sooner than the first of somebody") {
-  constexpr int people = 10;
-  int sooner = 0, reset_as_new = 0;
-  for (int seed = 1; seed <= people; ++seed) {
-    Random random = make_random(static_cast<std::uint64_t>(seed), "places");
-    sim::LivingTissue person{.form = sim::draw_form(sim::ElasticForm::Law::layers, random),
-                             .relaxation = sim::Relaxation::draw(0.25, {0.5, 10.0, 1.0}, random),
-                             .torso = sim::Torso::with(0.0, uniform(random, 12e3, 30e3), 1.0),
-                             .damping_s_per_m = 3.0};
-    CreepEstimator known(on_unknown_torso(pressed_by_robot(18e3, 0.16)));
-    CreepEstimator unknown = known;
-    double time_s = 0.0;
-    press_layers(known, person, hard, 22.0, time_s, random);
-    known.keep_person();
-    known.next_place();
-    CHECK(known.estimate().presses == 0);
-    CHECK_FALSE(known.surprised());
-    // The other place has half as much fat again, and relaxes by a third less.
-    person.form.fat_share = std::min(0.7, 1.5 * person.form.fat_share);
-    for (double& share : person.relaxation.share) share *= 0.67;
-    Random alike = random;
-    double time_alike_s = time_s;
-    press_layers(known, person, soft, 20.0, time_s, random);
-    press_layers(unknown, person, soft, 20.0, time_alike_s, alike);
-    sooner += known.force_half_width(20.0) < 0.9 * unknown.force_half_width(20.0);
-    // Who forgets the person is as one who never met them.
-    const double width = unknown.force_half_width(20.0);
-    known.reset();
-    alike = random;
-    press_layers(known, person, soft, 20.0, time_s, random);
-    unknown.reset();
-    press_layers(unknown, person, soft, 20.0, time_alike_s, alike);
-    CHECK(width > 0.0);
-    reset_as_new += known.force_half_width(20.0) == unknown.force_half_width(20.0);
-  }
-  CHECK(sooner >= 7);
-  CHECK(reset_as_new == people);
 }
 
 TEST_CASE("whatever comes in, what comes out is finite, and nothing is taken from the heap") {

@@ -145,6 +145,7 @@ void MassageStep::heed(Arm arm, const safety::Verdict& verdict) noexcept {
       .path = path_of(side) != nullptr ? job_of(side)->path : -1,
       .probing = side.phase == ArmPhase::contact && steering_.probing(arm),
       .foretold = side.phase == ArmPhase::contact && steering_.well_foretold(arm),
+      .deepening_m = steering_.deepening_m(arm),
       .target_n = side.phase == ArmPhase::contact ? side.wanted.force_n : 0.0,
       .measured_n = side.controller().status().force_n,
       .tool_in_base =

@@ -37,10 +37,11 @@ enum class ArmPhase : std::uint8_t { waiting, travel, approach, contact, retract
 /// One arm in one millisecond, for whoever records or draws.
 struct ArmView {
   ArmPhase phase = ArmPhase::waiting;
-  int path = -1;          ///< index into the plan; -1 while it serves none
-  bool probing = false;   ///< its presses only feel a new place
-  bool foretold = false;  ///< what was felt foretells a press as strong as the path's strongest
-  double target_n = 0.0;  ///< force the technique asks for now; 0 outside of a contact
+  int path = -1;             ///< index into the plan; -1 while it serves none
+  bool probing = false;      ///< its presses only feel a new place
+  bool foretold = false;     ///< what was felt foretells a press as strong as the path's strongest
+  double deepening_m = 0.0;  ///< by which that one is expected to bring the tool deeper
+  double target_n = 0.0;     ///< force the technique asks for now; 0 outside of a contact
   double measured_n = 0.0;
   Vector3 tool_in_base = Vector3::Zero();  ///< tip of the tool
 };

@@ -143,6 +143,7 @@ void Steering::foretell(Side& side) noexcept {
   side.foretold = side.whole.surprised() ? tissue::Foretold::wrongly
                   : narrow               ? tissue::Foretold::well
                                          : tissue::Foretold::loosely;
+  side.deepening_m = side.whole.deepening_m(side.reference_n);
 }
 
 // A1 where an earlier session has felt the place. What this session feels is estimated without it,
@@ -293,8 +294,7 @@ void Steering::count_press(Arm arm, double time_s) noexcept {
 }
 
 double Steering::steered_n(Arm arm, double planned_n) const noexcept {
-  const Side& side = sides_[arm];
-  return std::min(planned_n, side.cap_n);
+  return std::min(planned_n, sides_[arm].cap_n);
 }
 
 }  // namespace tuina::session

@@ -78,6 +78,8 @@ class Steering {
   [[nodiscard]] bool well_foretold(Arm arm) const noexcept {
     return sides_[arm].foretold == tissue::Foretold::well;
   }
+  /// By how much it is expected to bring the tool deeper.
+  [[nodiscard]] double deepening_m(Arm arm) const noexcept { return sides_[arm].deepening_m; }
   /// Tissue of an earlier session, while this contact relies on it; null otherwise.
   [[nodiscard]] const TangentTissue* known(Arm arm) const noexcept {
     return sides_[arm].relies ? &sides_[arm].known : nullptr;
@@ -143,6 +145,7 @@ class Steering {
     double cap_n = 0.0;
     /// Of a press as strong as the strongest of the path, as of the end of the last press.
     tissue::Foretold foretold = tissue::Foretold::loosely;
+    double deepening_m = 0.0;
     TissueEstimate reference = {};
     double reference_nis = 1.0;
     /// True when the reference is of an earlier contact, with the skin elsewhere.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 
 #include "tuina/core/contact.hpp"
 #include "tuina/tissue/creep_filter.hpp"
@@ -44,7 +45,13 @@ class CreepEstimator {
   /// Half-width of the 95 % band of the force that a next press meets at the depth which it needs
   /// for `force_n`, as a share of that force; infinite before the first press is over. The skin is
   /// found as the press begins. Unless the tool follows the skin, its breath until then counts too.
-  [[nodiscard]] double force_half_width(double force_n) const noexcept;
+  [[nodiscard]] double force_half_width(double force_n) const noexcept {
+    return next_press(force_n).half_width;
+  }
+  /// By how much that press is expected to bring the tool deeper than where it begins.
+  [[nodiscard]] double deepening_m(double force_n) const noexcept {
+    return next_press(force_n).deeper_m;
+  }
   /// True when the last press was foretold and came otherwise, by more than two standard
   /// deviations.
   [[nodiscard]] bool surprised() const noexcept { return seen_presses_ >= 2 && !as_told_; }
@@ -84,6 +91,10 @@ class CreepEstimator {
   void weigh() noexcept;
   void decide_convergence() noexcept;
   void publish() noexcept;
+  struct NextPress {
+    double deeper_m = 0.0, half_width = std::numeric_limits<double>::infinity();
+  };
+  [[nodiscard]] NextPress next_press(double force_n) const noexcept;
   [[nodiscard]] TangentTissue loading_of(const CreepFilter::State& state) const noexcept;
 
   Options options_;
@@ -99,9 +110,10 @@ class CreepEstimator {
   Outlook onset_;   // what was believed as the press of now began
   int press_ = -1;  // its number
   bool pressing_ = false;
-  PressSegment peak_;       // its strongest segment
-  PressSegment strongest_;  // of all presses
-  double rise_s_ = 0.0;     // from the onset of that press
+  PressSegment peak_;            // its strongest segment
+  PressSegment strongest_;       // of all presses
+  Memory memory_before_n_ = {};  // as that press began
+  double rise_s_ = 0.0;          // from the onset of that press
   int seen_presses_ = 0;
   bool as_told_ = false;                  // the last press, within two standard deviations
   double surprise_ = 0.0, judged_ = 0.0;  // sum of squared normalised errors, and their number

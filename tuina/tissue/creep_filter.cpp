@@ -38,6 +38,7 @@ constexpr double settled_share = 0.3, settled_step = 0.01;
 constexpr double never_s = -std::numeric_limits<double>::infinity();
 // Of logarithms, from place to place of one person; and how much of the evidence counts there.
 constexpr double place_sd = 0.3, kept_between_places = 0.2;
+constexpr double alpha_place_sd = 0.45;  // of bone, hard and soft muscle of one person, Table 6-2
 constexpr double unknown_inertia = 0.3;  // error share of the compensated tool inertia
 
 constexpr double square(double x) {
@@ -92,13 +93,16 @@ CreepFilter::CreepFilter(const PressEstimatorOptions& options,
 }
 
 void CreepFilter::expect_person(const Belief& elsewhere) noexcept {
-  // Relaxation, layers and what lies beneath; alpha and beta are the place's own. From place to
-  // place they are an autoregressive process around people in general, so that what one place has
-  // pulled aside comes back, and nobody is known less well than somebody unknown.
-  constexpr int first = log_creep, count = log_softness + 1 - first;
+  // alpha and beta, relaxation, layers and what lies beneath. From place to place they are an
+  // autoregressive process around people in general, so that what one place has pulled aside comes
+  // back, and nobody is known less well than somebody unknown.
+  constexpr int first = log_alpha, count = log_softness + 1 - first;
   using Kept = Eigen::Array<double, count, 1>;
   const Kept unknown = prior_.covariance.diagonal().segment<count>(first).array();
-  const Kept differs = unknown.min(square(place_sd));
+  Kept sd = Kept::Constant(place_sd);
+  sd(log_alpha - first) = alpha_place_sd;
+  sd(log_beta - first) = thinner_share * alpha_place_sd;
+  const Kept differs = unknown.min(sd.square());
   const Kept kept = (unknown > differs).select((1.0 - differs / unknown).sqrt(), 0.0);
   auto mean = prior_.mean.segment<count>(first);
   mean.array() += kept * (elsewhere.mean.segment<count>(first) - mean).array();

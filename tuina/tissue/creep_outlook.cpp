@@ -2,7 +2,6 @@
 // What a creep estimator says of forces to come, and how it judges itself by those that came.
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "tuina/tissue/creep_estimator.hpp"
 
@@ -123,6 +122,7 @@ void CreepEstimator::judge_press() noexcept {
   pressing_ = false;
   if (peak_.force_n > strongest_.force_n) {
     strongest_ = peak_;
+    memory_before_n_ = onset_.memory_n.front();
     rise_s_ = peak_.time_s - onset_.time_s;
   }
   if (seen_presses_ < 2) return;  // before the first one nothing was known
@@ -152,17 +152,26 @@ void CreepEstimator::decide_convergence() noexcept {
     estimate_.converged_after_s = segments_.now_s() - segments_.first_contact_s();
 }
 
-double CreepEstimator::force_half_width(double force_n) const noexcept {
-  if (!(strongest_.force_n > 0.0) || !(force_n > options_.onset_n))
-    return std::numeric_limits<double>::infinity();
-  // A second after the last press, as fast as the strongest one; its memory is in proportion.
-  PressSegment onset{.time_s = segments_.now_s() + 1.0,
-                     .force_n = options_.onset_n,
+CreepEstimator::NextPress CreepEstimator::next_press(double force_n) const noexcept {
+  if (!(strongest_.force_n > 0.0) || !(force_n > options_.onset_n)) return {};
+  // A second after the last press, as fast as the strongest one: to what the tissue remembers then
+  // comes what that press has added.
+  constexpr double rests_s = 1.0;
+  const double share = force_n / strongest_.force_n;
+  Loading light{.force_n = options_.onset_n, .memory_n = segments_.memory_n()};
+  Loading next{.force_n = force_n, .speed_m_per_s = strongest_.speed_m_per_s};
+  for (std::size_t k = 0; k < memory_s.size(); ++k) {
+    const double kept = std::exp(-rise_s_ / memory_s[k]);
+    const double added_n = strongest_.memory_n[k] - kept * memory_before_n_[k];
+    double& before_n = light.memory_n[k];
+    before_n = light.force_n + std::exp(-rests_s / memory_s[k]) * (before_n - light.force_n);
+    next.memory_n[k] = kept * before_n + share * added_n;
+  }
+  PressSegment onset{.time_s = segments_.now_s() + rests_s,
+                     .force_n = light.force_n,
                      .samples = 20.0,
+                     .memory_n = light.memory_n,
                      .press = seen_presses_};
-  const Loading light{.force_n = options_.onset_n};
-  Loading next{force_n, strongest_.memory_n, strongest_.speed_m_per_s};
-  for (double& remembered_n : next.memory_n) remembered_n *= force_n / strongest_.force_n;
   double mean_m = 0.0, square_m2 = square(floor_m), m_per_n = 0.0;
   for (std::size_t i = 0; i < filters; ++i) {
     CreepFilter::Belief belief = filters_[i].now();
@@ -183,7 +192,8 @@ double CreepEstimator::force_half_width(double force_n) const noexcept {
     square_m2 += weights_[i] * (square(deep_m) + variance_m2);
     m_per_n += weights_[i] * told.m_per_n;
   }
-  return z95 * widening() * std::sqrt(square_m2 - square(mean_m)) / (m_per_n * force_n);
+  const double sd_m = std::sqrt(square_m2 - square(mean_m));
+  return {.deeper_m = mean_m, .half_width = z95 * widening() * sd_m / (m_per_n * force_n)};
 }
 
 }  // namespace tuina::tissue

@@ -21,8 +21,8 @@ concept Estimator = std::is_nothrow_constructible_v<T, const typename T::Options
 inline constexpr double well_foretold_share = 0.15;
 
 /// An estimator that may decide forces in a session: it tells whether the law fits, how well
-/// stiffness is known and how well a press of some force is foretold, whether the last press came
-/// otherwise than it had foretold. It is told when the tool goes to the next place, and that the
+/// stiffness is known, how well a press of some force is foretold and how deep it goes, whether the
+/// last press came otherwise than it had foretold. It is told when the tool goes to the next place, and that the
 /// contact which is over may be remembered as of this person.
 template <typename T>
 concept SteeringEstimator = Estimator<T> && requires(T estimator, const T& fed, double force_n) {
@@ -31,6 +31,7 @@ concept SteeringEstimator = Estimator<T> && requires(T estimator, const T& fed, 
   requires std::is_same_v<decltype(fed.nis()), double>;
   requires std::is_same_v<decltype(fed.stiffness_sd(force_n)), double>;
   requires std::is_same_v<decltype(fed.force_half_width(force_n)), double>;
+  requires std::is_same_v<decltype(fed.deepening_m(force_n)), double>;
   requires std::is_same_v<decltype(fed.surprised()), bool>;
 };
 

@@ -21,17 +21,19 @@ double percentile(std::vector<double> values, double share) {
 void add_row(telemetry::Table& table, const std::string& name, const Presses& presses) {
   if (presses.empty()) return;
   std::vector<double> given, held;
-  double as_planned = 0.0, foretold = 0.0;
+  double as_planned = 0.0, foretold = 0.0, wrong = 0.0;
   for (const GivenPress* press : presses) {
     given.push_back(100.0 * press->given());
     held.push_back(100.0 * press->held_n / press->planned_n);
     as_planned += press->given() >= min_given && press->given() <= max_given;
     foretold += press->foretold;
+    wrong += press->foretold_wrong;
   }
   const double percent = 100.0 / static_cast<double>(presses.size());
   table.add({name, presses.size(), percentile(given, 0.0), percentile(given, 0.1),
              percentile(given, 0.5), percentile(given, 0.9), percentile(given, 1.0),
-             percentile(held, 0.5), percent * as_planned, percent * foretold});
+             percentile(held, 0.5), percent * as_planned, percent * foretold,
+             foretold > 0.0 ? telemetry::Cell(100.0 * wrong / foretold) : telemetry::Cell()});
 }
 
 }  // namespace
@@ -40,7 +42,8 @@ telemetry::Table given_table(const std::vector<const SessionOutcome*>& outcomes)
   telemetry::Table table{
       .note =
           "Largest true force, per cent of the strongest force of the plan. Held: mean while all "
-          "of it was asked for. As planned: 95 to 102 %. Foretold: before it, by those before. "
+          "of it was asked for. As planned: 95 to 102 %. Foretold: before it, by those before; "
+          "wrong: of these, the true force at the depth that was told is more than 15 % off. "
           "Counted from the first probing press of a place.",
       .columns = {{.head = "given"},
                   {.head = "presses", .key = "presses"},
@@ -51,7 +54,8 @@ telemetry::Table given_table(const std::vector<const SessionOutcome*>& outcomes)
                   {.head = "largest", .key = "given_percent.max", .digits = 1},
                   {.head = "held, median", .key = "held_percent", .digits = 1},
                   {.head = "as planned, %", .key = "as_planned_percent", .digits = 0},
-                  {.head = "foretold, %", .key = "foretold_percent", .digits = 0}}};
+                  {.head = "foretold, %", .key = "foretold_percent", .digits = 0},
+                  {.head = "wrong, %", .key = "wrong_percent", .digits = 0}}};
   const auto rows_of = [&](const std::string& name,
                            const std::function<bool(const GivenPress&)>& wanted) {
     Presses chosen;

@@ -15,6 +15,7 @@ void visit_entry(Press& press, const Visit& visit) {
   visit("index", press.index);
   visit("probing", press.probing);
   visit("foretold", press.foretold);
+  visit("foretold_wrong", press.foretold_wrong);
   visit("planned_n", press.planned_n);
   visit("asked_n", press.asked_n);
   visit("peak_n", press.peak_n);
