@@ -45,17 +45,20 @@ double press_layers(CreepEstimator& estimator, sim::LivingTissue person, const T
   return told_n / met_n - 1.0;
 }
 
+sim::LivingTissue draw_person(Random& random) {
+  return {.form = sim::draw_form(sim::ElasticForm::Law::layers, random),
+          .relaxation = sim::Relaxation::draw(0.25, {0.5, 10.0, 1.0}, random),
+          .torso = sim::Torso::with(0.0, uniform(random, 12e3, 30e3), 1.0),
+          .damping_s_per_m = 3.0};
+}
+
 }  // namespace
 
 TEST_CASE("a firm press is foretold from light ones as they went at the place before") {
   double known_square = 0.0, unknown_square = 0.0;
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     Random random = make_random(seed, "firmer");
-    const sim::LivingTissue person{
-        .form = sim::draw_form(sim::ElasticForm::Law::layers, random),
-        .relaxation = sim::Relaxation::draw(0.25, {0.5, 10.0, 1.0}, random),
-        .torso = sim::Torso::with(0.0, uniform(random, 12e3, 30e3), 1.0),
-        .damping_s_per_m = 3.0};
+    const sim::LivingTissue person = draw_person(random);
     CreepEstimator known(on_unknown_torso(pressed_by_robot(18e3, 0.16)));
     CreepEstimator unknown = known;
     double time_s = 0.0;
@@ -93,10 +96,7 @@ TEST_CASE("a second place of a person is known sooner than the first of somebody
   int sooner = 0, reset_as_new = 0;
   for (int seed = 1; seed <= people; ++seed) {
     Random random = make_random(static_cast<std::uint64_t>(seed), "places");
-    sim::LivingTissue person{.form = sim::draw_form(sim::ElasticForm::Law::layers, random),
-                             .relaxation = sim::Relaxation::draw(0.25, {0.5, 10.0, 1.0}, random),
-                             .torso = sim::Torso::with(0.0, uniform(random, 12e3, 30e3), 1.0),
-                             .damping_s_per_m = 3.0};
+    sim::LivingTissue person = draw_person(random);
     CreepEstimator known(on_unknown_torso(pressed_by_robot(18e3, 0.16)));
     CreepEstimator unknown = known;
     double time_s = 0.0;
