@@ -22,8 +22,8 @@ inline constexpr double well_foretold_share = 0.15;
 
 /// An estimator that may decide forces in a session: it tells whether the law fits, how well
 /// stiffness is known, how well a press of some force is foretold and how deep it goes, whether the
-/// last press came otherwise than it had foretold. It is told when the tool goes to the next place, and that the
-/// contact which is over may be remembered as of this person.
+/// last press came otherwise than it had foretold. It is told when the tool goes to the next place,
+/// and that the contact which is over may be remembered as of this person.
 template <typename T>
 concept SteeringEstimator = Estimator<T> && requires(T estimator, const T& fed, double force_n) {
   requires noexcept(estimator.next_place());
