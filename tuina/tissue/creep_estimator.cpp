@@ -84,10 +84,9 @@ void CreepEstimator::next_place() noexcept {
   passing_ = middle_kept_ = pressing_ = as_told_ = false;
   seen_presses_ = 0;
   press_ = -1;
-  rise_s_ = 0.0;
   surprise_ = kept_surprise_;
   judged_ = kept_judged_;
-  strongest_ = PressSegment{};
+  strongest_ = rests_before_ = PressSegment{};
   nis_ = 1.0;
   estimate_ = TissueEstimate{};
   publish();

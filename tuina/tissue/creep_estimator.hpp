@@ -110,10 +110,9 @@ class CreepEstimator {
   Outlook onset_;   // what was believed as the press of now began
   int press_ = -1;  // its number
   bool pressing_ = false;
-  PressSegment peak_;            // its strongest segment
-  PressSegment strongest_;       // of all presses
-  Memory memory_before_n_ = {};  // as that press began
-  double rise_s_ = 0.0;          // from the onset of that press
+  double press_over_s_ = 0.0;              // as the press before was over
+  PressSegment rests_, peak_;              // as its force rises, and as all of it is there
+  PressSegment rests_before_, strongest_;  // of the strongest press
   int seen_presses_ = 0;
   bool as_told_ = false;                  // the last press, within two standard deviations
   double surprise_ = 0.0, judged_ = 0.0;  // sum of squared normalised errors, and their number

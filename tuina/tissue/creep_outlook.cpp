@@ -110,20 +110,25 @@ void CreepEstimator::watch_press(const PressSegment& segment) noexcept {
   if (segment.press != press_) {
     press_ = segment.press;
     onset_ = outlook();
-    peak_ = segment;
+    rests_ = peak_ = segment;
     pressing_ = true;
   }
-  if (segment.force_n > peak_.force_n) peak_ = segment;
+  // A tool may rest on the skin before it presses.
+  constexpr double rests_below = 1.5;
+  if (peak_.force_n < rests_below * options_.onset_n) rests_ = segment;
+  // What is held is no longer met: the peak is where the press first has all of its force.
+  constexpr double stronger = 1.03;
+  if (segment.force_n > stronger * peak_.force_n) peak_ = segment;
 }
 
 void CreepEstimator::judge_press() noexcept {
   estimate_.presses = seen_presses_ = segments_.presses();
   if (!pressing_) return;
   pressing_ = false;
+  press_over_s_ = segments_.now_s();
   if (peak_.force_n > strongest_.force_n) {
     strongest_ = peak_;
-    memory_before_n_ = onset_.memory_n.front();
-    rise_s_ = peak_.time_s - onset_.time_s;
+    rests_before_ = rests_;
   }
   if (seen_presses_ < 2) return;  // before the first one nothing was known
   const Loading peak{peak_.force_n, peak_.memory_n, peak_.speed_m_per_s};
@@ -154,15 +159,17 @@ void CreepEstimator::decide_convergence() noexcept {
 
 CreepEstimator::NextPress CreepEstimator::next_press(double force_n) const noexcept {
   if (!(strongest_.force_n > 0.0) || !(force_n > options_.onset_n)) return {};
-  // A second after the last press, as fast as the strongest one: to what the tissue remembers then
-  // comes what that press has added.
-  constexpr double rests_s = 1.0;
+  // A second after the last press, or now if it is later, as fast as the strongest one: to what the
+  // tissue remembers then comes what that press has added.
+  constexpr double pause_s = 1.0;
+  const double rests_s = std::max(0.0, pause_s - (segments_.now_s() - press_over_s_));
   const double share = force_n / strongest_.force_n;
+  const double rise_s = strongest_.time_s - rests_before_.time_s;
   Loading light{.force_n = options_.onset_n, .memory_n = segments_.memory_n()};
   Loading next{.force_n = force_n, .speed_m_per_s = strongest_.speed_m_per_s};
   for (std::size_t k = 0; k < memory_s.size(); ++k) {
-    const double kept = std::exp(-rise_s_ / memory_s[k]);
-    const double added_n = strongest_.memory_n[k] - kept * memory_before_n_[k];
+    const double kept = std::exp(-rise_s / memory_s[k]);
+    const double added_n = strongest_.memory_n[k] - kept * rests_before_.memory_n[k];
     double& before_n = light.memory_n[k];
     before_n = light.force_n + std::exp(-rests_s / memory_s[k]) * (before_n - light.force_n);
     next.memory_n[k] = kept * before_n + share * added_n;
@@ -180,7 +187,7 @@ CreepEstimator::NextPress CreepEstimator::next_press(double force_n) const noexc
     if (!options_.follows_skin) {
       onset.position_m = from.position_m;
       filters_[i].fuse(belief, onset);
-      filters_[i].predict(belief, onset.time_s + rise_s_);
+      filters_[i].predict(belief, onset.time_s + rise_s);
     }
     const CreepFilter::Expected told = CreepFilter::expect(belief, filters_[i].at(), false, next);
     const CreepFilter::State deeper = told.H - from.H;
