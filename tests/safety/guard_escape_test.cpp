@@ -77,6 +77,7 @@ TEST_CASE("a controller may drive its tool out of a cough, however fast, and no 
   }
   Scene let_go = going_outward(0.31, 0.0, 0.0);
   let_go.proposal.phase = Phase::retract;
+  let_go.force_n = 4.9;  // pressed by nobody
   CHECK(let_go.ticks_until_it_acts() == ticks_of_a_cough(0.31) + 2);
   CHECK(let_go.verdict.cause == Cause::tool_too_fast);
   Scene free = going_outward(0.31, 41.0, 0.0);

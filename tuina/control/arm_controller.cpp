@@ -145,6 +145,8 @@ void ArmController::retract(double distance_m) noexcept {
   ToolMotion::Limits limits = options_.motion;
   limits.travel.speed_per_s = options_.retract_m_per_s;
   const Vector3& normal = reference_.pose.normal_in_base;
+  flies_ = status_.mode == Mode::contact && force_target_.pushed_away();
+  escaped_at_in_base_ = centre_;
   travel(centre_ + distance_m * normal, normal, limits, Mode::retract);
   leaving_m_ = distance_m;
   leaving_n_ = status_.force_n;

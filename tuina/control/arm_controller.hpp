@@ -144,6 +144,7 @@ class ArmController {
 
  private:
   [[nodiscard]] Vector3 free_force(const ArmState& state, double dt_s) noexcept;
+  [[nodiscard]] Vector3 flight_force() noexcept;
   [[nodiscard]] Vector3 contact_force(double dt_s) noexcept;
   [[nodiscard]] double approach_force(double depth_m, double speed, double dt_s) noexcept;
   [[nodiscard]] JointVector baseline_torque(const ArmState& state, double dt_s) noexcept;
@@ -153,6 +154,7 @@ class ArmController {
   void give_up(ContactFault contact_fault) noexcept;
   void soften(int command_age) noexcept;
   [[nodiscard]] bool escapes(double dt_s) noexcept;
+  [[nodiscard]] bool flies() noexcept;
   void stop_learning() noexcept;
 
   const robot::ArmModel* model_;
@@ -166,6 +168,8 @@ class ArmController {
   Escape escape_;           // of a tool that leaves
   double leaving_n_ = 0.0;  // least force that was felt since it leaves
   double leaving_m_ = 0.0;  // distance that it shall go
+  bool flies_ = false;      // since it has escaped, from there
+  Vector3 escaped_at_in_base_ = Vector3::Zero();
   SkinSlope slope_;
   JointFollower follower_;
   ToolMotion motion_;

@@ -59,24 +59,53 @@ JointVector ArmController::learning_torque(const ArmState& state, double dt_s) n
   return learn_nm_;
 }
 
-// A tool that leaves presses less and less; where it presses more, the person comes after it. Once
-// away it leaves from where it is then.
+// A tool that leaves presses less and less; where it presses more, the person comes after it.
 bool ArmController::escapes(double dt_s) noexcept {
   leaving_n_ = std::min(leaving_n_, std::max(status_.force_n, 0.0));
   if (!escape_.step(status_.force_n, {leaving_n_, 0.0}, dt_s)) return false;
   const Vector3& outward = reference_.pose.normal_in_base;
   spring_n_ = escape_.push_n(velocity_.dot(outward)) * outward;
-  if (escape_.over()) {
+  flies_ = escape_.over();
+  escaped_at_in_base_ = centre_;
+  return true;
+}
+
+// Nothing slows a tool that has escaped: a person who gets up still comes after it, and would run
+// into one that waits. Once it is well away, or has nearly come to rest, it goes the rest of its
+// way.
+bool ArmController::flies() noexcept {
+  if (!flies_) return false;
+  const Vector3& outward = reference_.pose.normal_in_base;
+  const double flown_m = (centre_ - escaped_at_in_base_).dot(outward);
+  flies_ =
+      flown_m < options_.force.escape.flight_m && velocity_.dot(outward) > options_.retract_m_per_s;
+  if (!flies_) {
     motion_.start({centre_, outward});
     motion_s_ = 0.0;
-    retract(leaving_m_);
-    status_.contact_fault = ContactFault::pushed_away;
+    retract(std::max(leaving_m_ - flown_m, 0.0));
   }
-  return true;
+  status_.contact_fault = ContactFault::pushed_away;
+  return flies_;
+}
+
+// Aside it is kept on its way; whoever comes after it pushes it on with it.
+Vector3 ArmController::flight_force() noexcept {
+  const Vector3& outward = reference_.pose.normal_in_base;
+  const auto aside = [&](const Vector3& vector) -> Vector3 {
+    return vector - vector.dot(outward) * outward;
+  };
+  const double K = options_.stiffness_n_per_m;
+  const bool followed = status_.force_n > options_.force.escape.min_felt_n;
+  const double push_n = followed ? escape_.push_n(velocity_.dot(outward)) : 0.0;
+  spring_n_ =
+      push_n * outward + clamp_norm(K * aside(escaped_at_in_base_ - centre_), options_.max_pull_n);
+  const double damping = 2.0 * options_.damping_ratio * std::sqrt(typical_mass_kg * K);
+  return spring_n_ - damping * aside(velocity_);
 }
 
 Vector3 ArmController::free_force(const ArmState& state, double dt_s) noexcept {
   if (status_.mode == Mode::retract && escapes(dt_s)) return spring_n_;
+  if (status_.mode == Mode::retract && flies()) return flight_force();
   motion_s_ += dt_s;
   reference_ = motion_.at(motion_s_);
   const Vector3 error = reference_.pose.at_in_base - centre_;

@@ -23,6 +23,8 @@ class Escape {
     double full_push_m_per_s = 0.5, max_m_per_s = 1.2;
     double sensor_lag_s = 4e-3;  ///< of the force that is felt
     double kept_n = 1.0;         ///< force at which contact counts as nearly ended
+    double flight_m =
+        0.2;  ///< way after that before anything slows the tool; who sits up goes as far
   };
 
   /// What the arm presses with by itself, pressing positive.

@@ -13,6 +13,7 @@ constexpr double yields_per_n = 2.0;
 constexpr double own_rate_factor = 10.0;  // leaving may be more sudden than pressing
 constexpr double agreeing = 0.25;         // cosine between the way out and what is felt
 constexpr double directed_n = 5.0;        // from here a force has a direction worth believing
+constexpr double off_tip_m = 5e-3;
 
 }  // namespace
 
@@ -137,9 +138,13 @@ bool Guard::torque_fits(const Proposal& proposal) const noexcept {
 }
 
 // The way out of a body that the guard knows is its own. Else it is what the controller says, but
-// a tool that is pushed is not turned against what pushes it; and once latched it stays.
+// a tool that is pushed is not turned against what pushes it; and once latched it stays. A tool
+// that leaves keeps the way out of where it was: over the rim of a back, a hand's breadth above the
+// skin, lies skin that faces aside.
 void Guard::find_way_out(const Observation& seen, const Proposal& proposal) noexcept {
   if (is_stop(state_)) return;
+  if (proposal.phase == Phase::retract && above_where_it_left(seen)) return;
+  left_at_in_base_ = seen.tool_in_base;
   if (seen.skin != nullptr && is_unit(seen.skin->normal_in_base.cast<double>())) {
     normal_in_base_ = seen.skin->normal_in_base.cast<double>();
     return;
@@ -148,6 +153,13 @@ void Guard::find_way_out(const Observation& seen, const Proposal& proposal) noex
   const double outward_n = sample_in_base_n_.dot(proposal.normal_in_base);
   const bool agrees = force_n < directed_n || outward_n > agreeing * force_n;
   if (is_unit(proposal.normal_in_base) && agrees) normal_in_base_ = proposal.normal_in_base;
+}
+
+// Within a cone about that way out; the tool may begin some millimetres off its tip.
+bool Guard::above_where_it_left(const Observation& seen) const noexcept {
+  const Vector3 way_m = seen.tool_in_base - left_at_in_base_;
+  const double out_m = way_m.dot(normal_in_base_);
+  return out_m + off_tip_m > (way_m - out_m * normal_in_base_).norm();
 }
 
 // A zone that does not exist, or one that is not for people, is borne as the most careful one is;

@@ -175,6 +175,7 @@ class Guard {
   [[nodiscard]] double inward_cap_n(const Observation& seen,
                                     const Proposal& proposal) const noexcept;
   void find_way_out(const Observation& seen, const Proposal& proposal) noexcept;
+  [[nodiscard]] bool above_where_it_left(const Observation& seen) const noexcept;
   [[nodiscard]] double inward_n(const Observation& seen,
                                 const JointVector& torque_nm) const noexcept;
   [[nodiscard]] bool feels() const noexcept;
@@ -199,6 +200,7 @@ class Guard {
   JointVector gravity_nm_, levers_m_;  ///< the last that were believed; for a force outward
   JointVector allowed_nm_;
   Vector3 normal_in_base_ = Vector3::UnitZ();
+  Vector3 left_at_in_base_ = Vector3::Constant(std::numeric_limits<double>::quiet_NaN());
 
   // Force: the last samples taken as true, their medians, and the spikes among them.
   double sample_time_s_ = 0.0, sample_age_s_ = 0.0;
@@ -214,6 +216,7 @@ class Guard {
       not_finite_ = 0, pushed_out_ = 0, rising_ = 0, reversed_ = 0, inward_ = 0, not_obeyed_ = 0,
       frozen_ = 0, blind_ = 0, unknown_ = 0, drive_amiss_ = 0;
   double pushed_out_m_ = 0.0;
+  bool fled_ = false, flies_ = false;  ///< pressed as it began to go out; and leaves since then
   std::uint32_t same_ = 0;
   bool encoders_doubted_ = false, force_doubted_ = false;
   JointVector told_nm_;  ///< the last proposal

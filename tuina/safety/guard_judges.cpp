@@ -23,6 +23,8 @@ constexpr int fast_ticks = 3;  // encoder noise reaches one or two
 // The way of a cough, the force above what was ordered with which its skin is followed, and the
 // push outward by which a controller escapes from it.
 constexpr double coughed_m = 20e-3, rides_n = 10.0, escape_n = 40.0;
+// Farther than who sits up, and as fast as that push and the person together make a tool.
+constexpr double flight_m = 0.25, flight_m_per_s = 1.3;
 constexpr int rising_ticks = 3;
 constexpr int over_cap_ticks = 100;
 constexpr int saturated_ticks = 100;
@@ -104,7 +106,8 @@ void Guard::judge_joints(const Observation& seen, Finding& finding) noexcept {
   constexpr Eigen::Index carry_forearm = 4;  // three of the shoulder, and the elbow
   const auto carrying = seen.dq_rad_per_s.head(std::min(seen.q_rad.size(), carry_forearm));
   const double joint_speed = carrying.cwiseAbs().maxCoeff();
-  swinging_ = joint_speed > options_.limits.joint_speed_rad_per_s ? swinging_ + 1 : 0;
+  const bool swings = joint_speed > options_.limits.joint_speed_rad_per_s && !flies_;
+  swinging_ = swings ? swinging_ + 1 : 0;
   if (swinging_ >= fast_ticks) finding.add(Action::comply, Cause::joint_too_fast);
   if (!encoders_doubted_) return;
   ++blind_;
@@ -209,7 +212,7 @@ void Guard::judge_force(const Observation& seen, const Proposal& proposal,
 }
 
 // A cough takes the tool along for some millimetres, and its controller may drive it out of one.
-// The way of a person who gets up is longer, and the force against a tool that stays is larger.
+// Who gets up goes farther; nothing slows a tool down before them that leaves, pressed by them.
 void Guard::judge_motion(const Observation& seen, const Proposal& proposal,
                          Finding& finding) noexcept {
   const auto phase = std::min(static_cast<std::size_t>(proposal.phase), std::size_t{3});
@@ -223,7 +226,9 @@ void Guard::judge_motion(const Observation& seen, const Proposal& proposal,
   const bool rides = soon_over && medians_n_.back() < proposal.set_force_n + rides_n;
   const bool driven_out =
       touches && torque_fits(proposal) && inward_n(seen, proposal.torque_nm) < -escape_n;
-  const bool escapes = soon_over && (driven_out || leaves);
+  fled_ = out && (fled_ || pressed());
+  flies_ = leaves && fled_ && pushed_out_m_ <= flight_m && outward <= flight_m_per_s;
+  const bool escapes = flies_ || (soon_over && (driven_out || leaves));
   if (pushed_out_ >= fast_ticks && !rides && !escapes)
     finding.add(Action::retract, Cause::pushed_out);
 
