@@ -48,6 +48,7 @@ struct Frames {
       safety::Guard(safety::Guard::Options{.torque_limit_nm = JointVector::Constant(6, 50.0)});
   safety::Oracle oracle;
   bool stopped = false;
+  static inline long ticks = 0;  ///< of all frames
 
   Frames() {
     seen.skin = &skin;
@@ -55,6 +56,7 @@ struct Frames {
   }
 
   void tick() {
+    ++ticks;
     seen.tick += 1;
     seen.time_s += 1e-3;
     seen.wrench_time_s += 1e-3;
@@ -164,7 +166,8 @@ std::vector<Parser> guard_frames() {
             bytes_of({31, 129, 0, 13, 130, 31, 31, 31, 31, 129, 0, 13, 132, 31}),  // late ticks
             bytes_of({31, 128, 3, 1, 160, 31, 128, 3, 1, 96, 31, 128, 3, 1, 128, 31}),  // a swing
             bytes_of({31, 128, 0, 15, 1, 128, 0, 14, 0, 31})},  // an approach to a muscle
-           passes_guard}};
+           passes_guard,
+           [] { return Frames::ticks; }}};
 }
 
 }  // namespace tuina::test

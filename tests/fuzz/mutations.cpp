@@ -92,6 +92,7 @@ int main(int count, char** arguments) {
     fmt::print("{:<22} {:>10} {:>9.1f}% {:>12.2f} {:>10.1f}\n", parser.name, outcome.runs,
                100.0 * static_cast<double>(outcome.refused) / static_cast<double>(outcome.runs),
                outcome.slowest_ms, mb);
+    if (parser.steps) fmt::print("  {} milliseconds were judged\n", parser.steps());
     std::fflush(stdout);
     good = good && outcome.slowest_ms < max_ms && mb < max_mb;
   }

@@ -14,6 +14,7 @@ struct Parser {
   std::vector<std::string> good;
   /// Whether the content is accepted. Ends the program when it is and what was read is not sound.
   std::function<bool(std::string_view content)> accepts;
+  std::function<long()> steps = {};  ///< milliseconds that were judged so far, where it judges such
 };
 
 /// Of the scanner and its calibration; of what is known of a person; of what a session is told; of

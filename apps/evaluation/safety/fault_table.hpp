@@ -65,7 +65,8 @@ enum class Duty : std::uint8_t {
   either,  ///< it may do both
 };
 
-/// The promise of one class. Forces are TRUE contact forces, times count from the onset.
+/// The promise of one class. Forces are TRUE contact forces, times count from the onset; the first
+/// action on a person who comes to a tool in the air, or to one that leaves, from when they meet.
 struct Promise {
   Duty duty = Duty::stop;
   std::optional<double> over_set_n = {};  ///< above the force that is set

@@ -10,6 +10,7 @@ namespace tuina::app {
 namespace {
 
 constexpr double resting_n = 5.0;  // less is a tool that lies on the skin
+constexpr double met_n = 2.0;      // more than that of breath
 constexpr int looked_around_every = 5;
 
 }  // namespace
@@ -22,7 +23,9 @@ std::optional<robot::RobotReading> TrialTruth::read() noexcept {
 }
 
 void TrialTruth::begin(double set_n) noexcept {
-  onset_s_ = time_s() + control_period_s;
+  acts_from_s_ = onset_s_ = time_s() + control_period_s;
+  unfelt_ = plan_.stage != Stage::contact && plan_.onsets.front().fault->injection.person;
+  least_n_ = arm().contact.force_n;
   outcome_.tried = true;
   outcome_.set_force_n = set_n;
   from_in_couch_ = arm().couch_from_tool.translation();
@@ -40,6 +43,9 @@ void TrialTruth::look() {
   const sim::ArmTruth& truth = arm();
   const double since_s = time_s() - onset_s_, force_n = truth.contact.force_n;
   outcome_.worst_force_n = std::max(outcome_.worst_force_n, force_n);
+  least_n_ = std::min(least_n_, force_n);
+  unfelt_ = unfelt_ && force_n < least_n_ + met_n;
+  if (unfelt_) acts_from_s_ = time_s();
   if (force_n > seldom_n) outcome_.over_seldom_s += control_period_s;
   if (force_n > 0.0) outcome_.released_ms = 1e3 * since_s;
   squares_ += (force_n - set_n_) * (force_n - set_n_);
@@ -74,7 +80,7 @@ void TrialTruth::look_around() {
 
 void TrialTruth::note_action() noexcept {
   if (begun() && std::isnan(outcome_.first_action_ms))
-    outcome_.first_action_ms = 1e3 * std::max(0.0, time_s() - onset_s_);
+    outcome_.first_action_ms = 1e3 * std::max(0.0, time_s() - acts_from_s_);
 }
 
 void TrialTruth::note_stop(const std::string& cause, bool by_guard) {
