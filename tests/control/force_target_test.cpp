@@ -70,6 +70,34 @@ TEST_CASE("a force that leaps above the set one is answered outward at once, a s
   CHECK(std::abs(push_n) < 5.0);
 }
 
+TEST_CASE("where a place bears little more, less force is a person who comes closer") {
+  // How much more than 13 N is felt as the tool begins to push itself out.
+  const auto startled_n = [](double bears_n, double startle_n) {
+    ForceTarget::Options options;
+    options.escape.startle_n = startle_n;
+    ForceTarget law(options);
+    law.begin({.depth_m = 4e-3, .force_n = 1.5, .set_force_n = 13.0, .max_spring_n = bears_n}, 1.5);
+    double more_n = 0.0, push_n = 0.0;
+    for (int i = 0; i < 2000; ++i) {
+      const double force_n = std::min(13.0, 1.5 + 25e-3 * i);
+      (void)law.step(
+          {.depth_m = 4e-3, .force_n = force_n, .set_force_n = 13.0, .max_spring_n = bears_n},
+          1e-3);
+    }
+    for (; more_n < 30.0 && push_n > -50.0; more_n += 0.02)
+      push_n = law.step(
+          {.depth_m = 4e-3, .force_n = 13.0 + more_n, .set_force_n = 13.0, .max_spring_n = bears_n},
+          1e-3);
+    return more_n;
+  };
+  const double lead_n = 0.4;  // of the rise, 20 N/s
+  CHECK(startled_n(60.0, 16.0) == doctest::Approx(16.0 - lead_n).epsilon(0.01));
+  CHECK(startled_n(25.0, 16.0) == doctest::Approx(0.8 * 12.0 - lead_n).epsilon(0.01));
+  CHECK(startled_n(15.0, 16.0) == doctest::Approx(6.0 - lead_n).epsilon(0.01));
+  CHECK(startled_n(25.0, 5.0) == doctest::Approx(5.0 - lead_n).epsilon(0.02));
+  CHECK(startled_n(25.0, std::numeric_limits<double>::infinity()) >= 30.0);
+}
+
 TEST_CASE(
     "an escape begins where the rise of a force leads, and ends once the force is nearly gone") {
   const auto ticks_until = [](double n_per_ms, double expected_n) {

@@ -12,6 +12,8 @@ constexpr double lost_after_s = 0.006;
 constexpr double lost_matters_n = 3.0;
 constexpr double slipping_share = 0.3;
 constexpr double found_again_n = 1.5;
+// Of what a place bears beyond the set force, and at least so much: a person who comes closer.
+constexpr double borne_share = 0.8, min_startle_n = 6.0;
 constexpr double creep_m_per_s = 10e-3;
 constexpr double max_creep_m = 3e-3;
 constexpr double carried_below_n_per_s = 8.0;  // of the set force; faster, the tool goes itself
@@ -156,9 +158,17 @@ double ForceTarget::landing_rate_n_per_s(const Input& input) const noexcept {
   return std::max(input.speed_m_per_s, 0.0) * stiffness_at(input.model, input.force_n);
 }
 
+// Where the place bears little more than what is asked for, less is a surprise: the guard would
+// stop the arm for a force that the place does not bear.
+double ForceTarget::expected_n(const Input& input) const noexcept {
+  const double margin_n = std::max(borne_share * (input.max_spring_n - set_n_), min_startle_n);
+  const double sooner_n = options_.escape.startle_n - margin_n;
+  return std::isfinite(sooner_n) ? set_n_ - std::max(sooner_n, 0.0) : set_n_;
+}
+
 double ForceTarget::step(const Input& input, double dt_s) noexcept {
   since_felt_s_ = input.force_n < touching_n ? 0.0 : since_felt_s_ + dt_s;
-  if (escape_.step(input.force_n, {set_n_, landing_rate_n_per_s(input)}, dt_s))
+  if (escape_.step(input.force_n, {expected_n(input), landing_rate_n_per_s(input)}, dt_s))
     return push_out(input);
 
   const double wanted_n = std::max(input.set_force_n, options_.kept_n);

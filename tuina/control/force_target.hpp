@@ -100,6 +100,7 @@ class ForceTarget {
  private:
   void watch_contact(const Input& input, double dt_s) noexcept;
   [[nodiscard]] double landing_rate_n_per_s(const Input& input) const noexcept;
+  [[nodiscard]] double expected_n(const Input& input) const noexcept;
   [[nodiscard]] double push_out(const Input& input) noexcept;
   [[nodiscard]] bool slips(const Input& input) const noexcept;
   [[nodiscard]] double spring_without_skin(const Input& input, double dt_s) noexcept;
