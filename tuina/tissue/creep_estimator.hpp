@@ -48,7 +48,8 @@ class CreepEstimator {
   [[nodiscard]] double force_half_width(double force_n) const noexcept {
     return next_press(force_n).half_width;
   }
-  /// By how much that press is expected to bring the tool deeper than where it begins.
+  /// By how much that press is expected to bring the tool deeper than where it begins, as it first
+  /// has its force.
   [[nodiscard]] double deepening_m(double force_n) const noexcept {
     return next_press(force_n).deeper_m;
   }
