@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tools that go outward: a person who gets up or coughs, a controller that escapes or lets go.
+// Tools that go outward: a person who gets up or coughs, a controller that escapes or lets go, and
+// a tool that flies on after it.
 #include "tests/safety/scene.hpp"
 
 using namespace tuina;
@@ -110,4 +111,124 @@ TEST_CASE("in contact no tool goes inward faster than an approach does; aside it
   CHECK(scene.verdict.cause == Cause::tool_too_fast);
   for (const Phase phase : {Phase::free, Phase::retract})
     CHECK(going(phase, 0.249, 0.0).tick(100).action == Action::pass);
+}
+
+namespace {
+
+/// A tool that leaves outward while somebody presses it.
+Scene leaving(double outward_m_per_s) {
+  Scene scene;
+  scene.face(Vector3::UnitZ());
+  scene.proposal.virtual_target_in_base = scene.seen.tool_in_base;
+  scene.pull(Vector3::Zero());
+  scene.seen.tool_velocity_m_per_s = {0.0, 0.0, outward_m_per_s};
+  scene.proposal.phase = Phase::retract;
+  return scene;
+}
+
+/// Ticks until a tool has gone so far, and has been too fast for three.
+int ticks_of(double way_m, double m_per_s) {
+  return static_cast<int>(way_m / (1e-3 * m_per_s)) + 2;
+}
+constexpr double cough_m = 20e-3;
+
+}  // namespace
+
+TEST_CASE("a tool that was pressed may fly on when it leaves, a quarter of a metre") {
+  for (const double m_per_s : {0.31, 1.3}) {
+    CHECK(leaving(m_per_s).ticks_until_it_acts() == ticks_of(0.25, m_per_s));
+    Scene let_go = leaving(m_per_s);
+    CHECK(let_go.tick(4).action == Action::pass);
+    let_go.force_n = 0.0;  // nobody comes after it
+    CHECK(let_go.ticks_until_it_acts() == ticks_of(0.25, m_per_s) - 4);
+    CHECK(let_go.verdict.cause == Cause::tool_too_fast);
+  }
+  Scene racing = leaving(1.3001);
+  CHECK(racing.ticks_until_it_acts() == ticks_of(cough_m, 1.3001));
+  Scene aside = leaving(0.5);
+  aside.seen.tool_velocity_m_per_s.x() = 0.301;
+  CHECK(aside.ticks_until_it_acts() == 2);
+}
+
+TEST_CASE("it begins to fly from the skin only: once it has stopped it is slow again") {
+  Scene scene = leaving(0.31);
+  CHECK(scene.tick(100).action == Action::pass);
+  scene.force_n = 0.0;
+  scene.seen.tool_velocity_m_per_s.setZero();
+  CHECK(scene.tick(3).action == Action::pass);
+  scene.seen.tool_velocity_m_per_s.z() = 0.31;
+  CHECK(scene.ticks_until_it_acts() == ticks_of(cough_m, 0.31));
+  Scene contact = leaving(0.31);
+  CHECK(contact.tick(100).action == Action::pass);
+  contact.proposal.phase = Phase::contact;
+  CHECK(contact.ticks_until_it_acts() == 2);
+}
+
+TEST_CASE("joints may be as fast as a tool that flies away needs") {
+  const auto swinging = [](double outward_m_per_s) {
+    Scene scene = leaving(outward_m_per_s);
+    CHECK(scene.tick(2).action == Action::pass);
+    scene.seen.dq_rad_per_s[1] = 3.01;
+    return scene;
+  };
+  CHECK(swinging(0.1201).tick(20).action == Action::pass);
+  Scene slow = swinging(0.1199);
+  CHECK(slow.ticks_until_it_acts() == 2);
+  CHECK(slow.verdict.cause == Cause::joint_too_fast);
+}
+
+namespace {
+
+ZoneField::Cell facing(const Vector3& normal) {
+  return {Zone::muscle, normal.cast<float>()};
+}
+
+/// Which way the guard pushes a tool that was over one cell, leaves by so much out and aside, is
+/// over another one, and is stopped there.
+Vector3 way_out_after(Phase phase, const Vector3& way_m) {
+  const ZoneField::Cell here = facing(Vector3::UnitZ()), rim = facing(Vector3::UnitX());
+  Scene scene;
+  scene.seen.tool_in_base = {0.5, 0.25, 0.0};
+  scene.face(Vector3::UnitZ());
+  scene.seen.skin = &here;
+  scene.tick(5);
+  scene.seen.skin = &rim;
+  scene.proposal.phase = phase;
+  scene.proposal.stiffness_n_per_m = 0.0;
+  scene.force_n = 6.0;
+  scene.pushed_along = Vector3(1.0, 0.0, 1.0).normalized();  // pressed, whichever way is out
+  scene.seen.tool_in_base += way_m;
+  scene.tick(3);
+  scene.guard.stop(Action::retract, Cause::asked_to);
+  scene.tick(20);
+  return scene.allowed_n().normalized();
+}
+
+}  // namespace
+
+TEST_CASE("a tool that leaves keeps the way out of where it was, above it and not beside") {
+  const Vector3 up = Vector3::UnitZ(), rim = Vector3::UnitX();
+  check_same(way_out_after(Phase::retract, {0.0, 0.0, 0.06}), up);
+  check_same(way_out_after(Phase::contact, {0.0, 0.0, 0.06}), rim);
+  check_same(way_out_after(static_cast<Phase>(4), {0.0, 0.0, 0.06}), rim);
+  check_same(way_out_after(Phase::retract, {0.0, 0.0, -0.00499}), up);
+  check_same(way_out_after(Phase::retract, {0.0, 0.0, -0.005}), rim);
+  check_same(way_out_after(Phase::retract, {0.0, 0.0, -0.00501}), rim);
+  check_same(way_out_after(Phase::retract, {0.0, -0.0649, 0.06}), up);
+  check_same(way_out_after(Phase::retract, {0.0, -0.0651, 0.06}), rim);
+  check_same(way_out_after(Phase::retract, {0.0649, 0.0, 0.06}), up);
+  check_same(way_out_after(Phase::retract, {0.0651, 0.0, 0.06}), rim);
+}
+
+TEST_CASE("a guard that begins while a tool leaves looks for its way out once") {
+  const ZoneField::Cell here = facing(Vector3::UnitX());
+  Scene scene;
+  scene.face(Vector3::UnitX());
+  scene.seen.tool_in_base = {0.0, 0.0, 0.5};
+  scene.seen.skin = &here;
+  scene.proposal.phase = Phase::retract;
+  scene.tick(5);
+  scene.guard.stop(Action::retract, Cause::asked_to);
+  scene.tick(20);
+  check_same(scene.allowed_n().normalized(), Vector3::UnitX());
 }

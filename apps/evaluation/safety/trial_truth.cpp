@@ -25,7 +25,7 @@ std::optional<robot::RobotReading> TrialTruth::read() noexcept {
 void TrialTruth::begin(double set_n) noexcept {
   acts_from_s_ = onset_s_ = time_s() + control_period_s;
   unfelt_ = plan_.stage != Stage::contact && plan_.onsets.front().fault->injection.person;
-  least_n_ = arm().contact.force_n;
+  min_force_n_ = arm().contact.force_n;
   outcome_.tried = true;
   outcome_.set_force_n = set_n;
   from_in_couch_ = arm().couch_from_tool.translation();
@@ -43,8 +43,8 @@ void TrialTruth::look() {
   const sim::ArmTruth& truth = arm();
   const double since_s = time_s() - onset_s_, force_n = truth.contact.force_n;
   outcome_.worst_force_n = std::max(outcome_.worst_force_n, force_n);
-  least_n_ = std::min(least_n_, force_n);
-  unfelt_ = unfelt_ && force_n < least_n_ + met_n;
+  min_force_n_ = std::min(min_force_n_, force_n);
+  unfelt_ = unfelt_ && force_n < min_force_n_ + met_n;
   if (unfelt_) acts_from_s_ = time_s();
   if (force_n > seldom_n) outcome_.over_seldom_s += control_period_s;
   if (force_n > 0.0) outcome_.released_ms = 1e3 * since_s;

@@ -55,7 +55,7 @@ class TrialTruth final : public robot::Robot {
   double onset_s_ = -1.0, set_n_ = 0.0;
   double acts_from_s_ = -1.0;                // where the first action counts from
   bool unfelt_ = false;                      // a person comes, and has not met the tool
-  double least_n_ = 0.0;                     // true force meanwhile
+  double min_force_n_ = 0.0;                 // true force meanwhile
   Vector3 from_in_couch_ = Vector3::Zero();  // where `further_m` counts from
   bool lost_skin_ = false;
   double squares_ = 0.0;
