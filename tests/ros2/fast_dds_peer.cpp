@@ -129,6 +129,8 @@ void FastDdsPeer::advertise(const std::string& dds_topic, const std::string& dds
   qos.reliability().kind = dds::RELIABLE_RELIABILITY_QOS;
   qos.history().kind = dds::KEEP_ALL_HISTORY_QOS;
   qos.endpoint().history_memory_policy = rtps::DYNAMIC_RESERVE_MEMORY_MODE;
+  // What a busy machine loses is told again soon, and not in three seconds.
+  qos.reliable_writer_qos().times.heartbeatPeriod = {0, 100'000'000};
   inside_->writers[dds_topic] = inside_->participant->create_publisher(dds::PUBLISHER_QOS_DEFAULT)
                                     ->create_datawriter(inside_->topic(dds_topic, dds_type), qos);
 }

@@ -48,16 +48,19 @@ struct Asked {
             return services->next(0.1).has_value();
           },
           found_within));
-      while (services->next(0.1)) continue;
+      REQUIRE(peer.has_come(topic));
+      while (services->next(0.3)) continue;
     }
   }
   std::optional<ros2::Request> next() { return services->next(3.0); }
   /// Whoever offers services goes on asking for requests, by which a late answer leaves.
   bool is_answered() {
-    return comes_true([&] {
-      (void)services->next(0.001);
-      return peer.messages(pause_answers).size() == 1;
-    });
+    return comes_true(
+        [&] {
+          (void)services->next(0.001);
+          return peer.messages(pause_answers).size() == 1;
+        },
+        found_within);
   }
 
   unsigned domain;

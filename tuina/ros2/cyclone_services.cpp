@@ -22,7 +22,8 @@ namespace ros = telemetry::ros;
 constexpr int max_waiting_requests = 32;
 // Answers that wait for their readers to be found.
 constexpr std::size_t max_waiting_answers = 64;
-constexpr dds_time_t answer_within = DDS_MSECS(500);
+// Fast DDS tells again of a lost reader three seconds later.
+constexpr dds_time_t answer_within = DDS_SECS(5);
 constexpr double look_again_s = 0.005;
 
 struct EndpointDeleter {
@@ -156,7 +157,7 @@ std::optional<Request> CycloneServices::take_of(std::size_t service) {
 }
 
 void CycloneServices::answer(const Request& request, bool success, const std::string& message) {
-  if (!request.call || answers_.size() >= max_waiting_answers) return;
+  if (!request.call) return;
   Answer answer{.writer = services_.at(request.service).answers,
                 .to = request.from,
                 .until = dds_time() + answer_within};
@@ -164,6 +165,7 @@ void CycloneServices::answer(const Request& request, bool success, const std::st
               answer.bytes);
   answers_.push_back(std::move(answer));
   send_answers();
+  if (answers_.size() > max_waiting_answers) answers_.pop_front();
 }
 
 // A program may be found by its request before the reader of its answer is.

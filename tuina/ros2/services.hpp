@@ -26,7 +26,7 @@ class Services {
   /// The next request, of the service that was named first among those that wait. Nothing where
   /// none comes in time. Of a service the newest 32 wait.
   [[nodiscard]] virtual std::optional<Request> next(double timeout_s) = 0;
-  /// Never waits. Who cannot hear an answer yet is given it within half a second, or never.
+  /// Never waits. Who cannot hear an answer yet is given it within five seconds, or never.
   virtual void answer(const Request& request, bool success, const std::string& message) = 0;
 
  protected:
