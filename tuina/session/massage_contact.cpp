@@ -47,6 +47,7 @@ void MassageStep::begin_approach(Side& side, Arm arm, double time_s) noexcept {
   side.again = side.cut_short = false;
   side.wanted = base_path_of(side).points.front();
   side.wanted.at_in_base += shift_in_base_;
+  side.commanded_n = 0.0;  // an escape has left what the place before bore
   side.controller().approach(
       {.at_in_base = side.wanted.at_in_base, .normal_in_base = side.wanted.normal_in_base});
   side.phase = ArmPhase::approach;
