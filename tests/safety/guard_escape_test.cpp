@@ -158,6 +158,18 @@ TEST_CASE("it begins to fly from the skin only: once it has stopped it is slow a
   CHECK(scene.tick(3).action == Action::pass);
   scene.seen.tool_velocity_m_per_s.z() = 0.31;
   CHECK(scene.ticks_until_it_acts() == ticks_of(cough_m, 0.31));
+  Scene slow = leaving(0.001);  // as somebody presses it, and faster when nobody does any more
+  CHECK(slow.tick(3).action == Action::pass);
+  slow.force_n = 0.0;
+  CHECK(slow.tick(10).action == Action::pass);
+  slow.seen.tool_velocity_m_per_s.z() = 0.31;
+  CHECK(slow.ticks_until_it_acts() == ticks_of(0.25, 0.31));
+  Scene pressed_in = leaving(-0.001);
+  CHECK(pressed_in.tick(3).action == Action::pass);
+  pressed_in.force_n = 0.0;
+  CHECK(pressed_in.tick(10).action == Action::pass);
+  pressed_in.seen.tool_velocity_m_per_s.z() = 0.31;
+  CHECK(pressed_in.ticks_until_it_acts() == ticks_of(cough_m, 0.31));
   Scene contact = leaving(0.31);
   CHECK(contact.tick(100).action == Action::pass);
   contact.proposal.phase = Phase::contact;

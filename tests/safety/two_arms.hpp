@@ -42,7 +42,8 @@ inline robot::ArmTable six_joint_arm() {
 }
 
 /// Two of them side by side, so far from shoulder to shoulder; x ahead, y to the left, z up.
-inline PerArm<robot::ArmModel> two_arms(double apart_m = 0.4) {
+inline PerArm<robot::ArmModel> two_arms(double apart_m = 0.4,
+                                        const robot::ArmTable& table = six_joint_arm()) {
   robot::RobotMount mount;
   Matrix3 turn;
   turn << 0, 1, 0, 0, 0, -1, -1, 0, 0;  // x of the shoulder down, its z to the right
@@ -50,7 +51,7 @@ inline PerArm<robot::ArmModel> two_arms(double apart_m = 0.4) {
   mount.base_from_shoulder[Arm::right].linear() = turn;
   mount.base_from_shoulder[Arm::left].translation().y() = 0.5 * apart_m;
   mount.base_from_shoulder[Arm::right].translation().y() = -0.5 * apart_m;
-  return robot::both_models(six_joint_arm(), mount);
+  return robot::both_models(table, mount);
 }
 
 inline JointVector bent() {
@@ -69,14 +70,15 @@ inline Wrench wrist_of(const robot::ArmModel& model, const JointVector& q_rad,
 
 /// An arm that stands, watched; `pushed_n` is felt at its tool.
 struct Standing {
-  robot::ArmModel model = two_arms()[Arm::left];
+  robot::ArmModel model;
   ArmWatch watch{model};
   robot::RobotReading reading;
   Vector3 pushed_n = Vector3::Zero();
   JointVector extra_nm = JointVector::Zero(6);  ///< beyond what holds the arm
   double stiffness_n_per_m = 0.0;               ///< of the controller; 0: a hand leads the arm
 
-  Standing() {
+  explicit Standing(const robot::ArmTable& table = six_joint_arm())
+      : model(two_arms(0.4, table)[Arm::left]) {
     reading.arms[Arm::left].q_rad = bent();
     reading.arms[Arm::left].dq_rad_per_s = JointVector::Zero(6);
   }

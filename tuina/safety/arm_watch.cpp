@@ -26,9 +26,10 @@ constexpr double unexplained_rad_per_s = 0.05;
 constexpr double untimed_s = 0.25e-3;
 // Speeds and samples of the wrist are filtered and tell of a torque that much later.
 constexpr double lag_s = 2e-3;
-// A change of torque comes late to the arm, and a gear lets the motor, where the encoder is, run
-// ahead of it: in the direction of the change too much momentum is seen so long.
-constexpr double late_s = 1e-3, ahead_s = 5e-3;
+// A change of torque comes late to the arm. A gear that winds up, with 40 Hz at the least, lets the
+// motor, where the encoder is, run ahead of the joint: in the direction of the change more momentum
+// is seen than there is, by as much as the motor is lighter than what it moves.
+constexpr double late_s = 1e-3, winding_s = 4e-3, max_ahead_s = 16e-3;
 // What a gear swings to and fro comes back; a hand or a fault takes momentum one way. The swing
 // that was seen may be the half of the next.
 constexpr double swings_share = 2.0;
@@ -105,9 +106,10 @@ void ArmWatch::weigh(const robot::ArmDynamics& dynamics) noexcept {
                              untimed_s * torque_limits_nm[i] +
                              swings_share * unexplained_nms_[joint].extent().to_and_fro() +
                              late_s * std::max(torque_nm.raised, torque_nm.lowered);
-    const double more_s = ahead_s - late_s;
-    shares[i] = std::max(missing_ahead_[i] / (borne_nms + more_s * torque_nm.lowered),
-                         missing_back_[i] / (borne_nms + more_s * torque_nm.raised));
+    const double rotors = dynamics.mass_kg_m2(i, i) / model_.table().links[joint].rotor_inertia_kg_m2;
+    const double ahead_s = std::min(winding_s * (rotors - 1.0), max_ahead_s);
+    shares[i] = std::max(missing_ahead_[i] / (borne_nms + ahead_s * torque_nm.lowered),
+                         missing_back_[i] / (borne_nms + ahead_s * torque_nm.raised));
   }
   misfit_ = shares.maxCoeff(&worst);
   JointVector others = shares;

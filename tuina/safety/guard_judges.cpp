@@ -226,8 +226,8 @@ void Guard::judge_motion(const Observation& seen, const Proposal& proposal,
   const bool rides = soon_over && medians_n_.back() < proposal.set_force_n + rides_n;
   const bool driven_out =
       touches && torque_fits(proposal) && inward_n(seen, proposal.torque_nm) < -escape_n;
-  fled_ = out && (fled_ || pressed());
-  flies_ = leaves && fled_ && pushed_out_m_ <= flight_m && outward <= flight_m_per_s;
+  fled_ = outward > 0.0 && (fled_ || pressed());
+  flies_ = leaves && out && fled_ && pushed_out_m_ <= flight_m && outward <= flight_m_per_s;
   const bool escapes = flies_ || (soon_over && (driven_out || leaves));
   if (pushed_out_ >= fast_ticks && !rides && !escapes)
     finding.add(Action::retract, Cause::pushed_out);

@@ -83,7 +83,10 @@ struct Balance {
       const double borne = 0.05 * dynamics.mass_kg_m2(i, i) + 0.25e-3 * link.torque_limit_nm +
                            2.0 * std::min(rise(sums_nms[k], 1.0), rise(sums_nms[k], -1.0)) +
                            1e-3 * std::max(raised, lowered);
-      shares[k] = std::max(ahead[k] / (borne + 4e-3 * lowered), back[k] / (borne + 4e-3 * raised));
+      const double moved_kg_m2 = dynamics.mass_kg_m2(i, i) - link.rotor_inertia_kg_m2;
+      const double ahead_s = std::min(4e-3 * moved_kg_m2 / link.rotor_inertia_kg_m2, 16e-3);
+      shares[k] =
+          std::max(ahead[k] / (borne + ahead_s * lowered), back[k] / (borne + ahead_s * raised));
     }
     driven = true;
     const auto worst = static_cast<std::size_t>(
@@ -222,7 +225,11 @@ TEST_CASE("the misfit is the balance of momentum, and of whom it complains, what
   const auto one_in = [&](int n) { return between(0.0, 1.0) * n < 1.0; };
   int blamed = 0, sound = 0;
   for (int arm = 0; arm < 20; ++arm) {
-    Standing standing;
+    robot::ArmTable table = six_joint_arm();
+    // Of some arms nobody has said what their rotors are.
+    for (robot::Link& one : table.links)
+      if (arm % 2 == 0) one.rotor_inertia_kg_m2 = 0.0;
+    Standing standing(table);
     Balance balance{standing.model};
     robot::ArmReading& raw = standing.arm();
     const robot::Link& link = standing.model.table().links[3];
