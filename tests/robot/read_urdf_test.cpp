@@ -50,6 +50,8 @@ TEST_CASE("every shipped arm, written as URDF and read again, moves and weighs a
       CHECK(table.links[k].max_rad == link.max_rad);
       CHECK(table.links[k].torque_limit_nm == link.torque_limit_nm);
       CHECK(table.links[k].coulomb_nm == link.coulomb_nm);
+      for (const double m : table.links[k].com_in_joint)  // nothing that rounding has left
+        CHECK((m == 0.0 || std::abs(m) > 1e-9));
       table.links[k].rotor_inertia_kg_m2 = link.rotor_inertia_kg_m2;  // URDF has no place for it
     }
     RobotMount mounted;

@@ -106,7 +106,8 @@ void ArmWatch::weigh(const robot::ArmDynamics& dynamics) noexcept {
                              untimed_s * torque_limits_nm[i] +
                              swings_share * unexplained_nms_[joint].extent().to_and_fro() +
                              late_s * std::max(torque_nm.raised, torque_nm.lowered);
-    const double rotors = dynamics.mass_kg_m2(i, i) / model_.table().links[joint].rotor_inertia_kg_m2;
+    const double rotors =
+        dynamics.mass_kg_m2(i, i) / model_.table().links[joint].rotor_inertia_kg_m2;
     const double ahead_s = std::min(winding_s * (rotors - 1.0), max_ahead_s);
     shares[i] = std::max(missing_ahead_[i] / (borne_nms + ahead_s * torque_nm.lowered),
                          missing_back_[i] / (borne_nms + ahead_s * torque_nm.raised));

@@ -177,6 +177,16 @@ std::vector<Turning> read_chain(Reader& reader, const XMLElement& robot,
   return chain;
 }
 
+/// Without what rounding leaves of a value that is none: of angles, of lengths in metres, and of
+/// others beside the largest of their kind.
+double cleaned(double value, double largest = 1.0) {
+  return std::abs(value) < 1e-12 * largest ? 0.0 : value;
+}
+
+Matrix3 cleaned(const Matrix3& turn) {
+  return turn.unaryExpr([](double value) { return cleaned(value); });
+}
+
 /// Signed angle about `axis` that turns `from` into `to`, both across it.
 double angle_about(const Vector3& axis, const Vector3& from, const Vector3& to) {
   return std::atan2(axis.dot(from.cross(to)), from.dot(to));
@@ -213,10 +223,10 @@ Transform next_frame(const Transform& here, const Vector3& next_at, const Vector
 void set_row(Link& link, const Transform& here, const Transform& next) {
   const Vector3 z = here.linear().col(2), x = next.linear().col(0);
   const Vector3 apart = next.translation() - here.translation();
-  link.offset_rad = angle_about(z, here.linear().col(0), x);
-  link.d_m = apart.dot(z);
-  link.a_m = apart.dot(x);
-  link.alpha_rad = angle_about(x, z, next.linear().col(2));
+  link.offset_rad = cleaned(angle_about(z, here.linear().col(0), x));
+  link.d_m = cleaned(apart.dot(z));
+  link.a_m = cleaned(apart.dot(x));
+  link.alpha_rad = cleaned(angle_about(x, z, next.linear().col(2)));
 }
 
 /// The last row leads to the tip's place; its turn is the tool's own.
@@ -242,13 +252,11 @@ void set_mass(Link& link, const Mass& mass, const Transform& joint) {
       mass.kg * (centre.squaredNorm() * Matrix3::Identity() - centre * centre.transpose());
   const Vector3 com = joint.inverse() * centre;
   const Matrix3 inertia = joint.linear().transpose() * about_centre * joint.linear();
-  link.com_in_joint = {com.x(), com.y(), com.z()};
+  link.com_in_joint = {cleaned(com.x()), cleaned(com.y()), cleaned(com.z())};
   link.inertia_kg_m2 = {inertia(0, 0), inertia(1, 1), inertia(2, 2)};
-  link.inertia_products_kg_m2 = {inertia(0, 1), inertia(0, 2), inertia(1, 2)};
-  // What rounding leaves of a product that is none.
-  for (double& product : link.inertia_products_kg_m2) {
-    if (std::abs(product) < 1e-12 * inertia.trace()) product = 0.0;
-  }
+  link.inertia_products_kg_m2 = {cleaned(inertia(0, 1), inertia.trace()),
+                                 cleaned(inertia(0, 2), inertia.trace()),
+                                 cleaned(inertia(1, 2), inertia.trace())};
 }
 
 UrdfArm arm_of(const std::vector<Turning>& chain, const Transform& tip) {
@@ -264,6 +272,7 @@ UrdfArm arm_of(const std::vector<Turning>& chain, const Transform& tip) {
   here.linear().col(0) = ahead.norm() > 1e-3 ? Vector3(ahead.normalized()) : axis.unitOrthogonal();
   here.linear().col(1) = axis.cross(here.linear().col(0));
   arm.link_from_shoulder = here;
+  arm.link_from_shoulder.linear() = cleaned(here.linear());
   for (std::size_t i = 0; i < chain.size(); ++i) {
     Link& link = arm.table.links[i];
     link = chain[i].link;
@@ -275,7 +284,7 @@ UrdfArm arm_of(const std::vector<Turning>& chain, const Transform& tip) {
     set_mass(link, chain[i].mass, here * Eigen::AngleAxisd(link.offset_rad, Vector3::UnitZ()));
     here = next;
   }
-  const Matrix3 turn = here.linear().transpose() * tip.linear();
+  const Matrix3 turn = cleaned(here.linear().transpose() * tip.linear());
   if (!turn.isIdentity(1e-12)) arm.table.end_from_tool_turn = turn;
   return arm;
 }
