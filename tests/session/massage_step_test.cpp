@@ -36,6 +36,7 @@ struct Room {
   session::MassageStep massage;
   safety::RobotGuard guard;
   double highest_set_n = 0.0;  ///< force that an arm was to press with
+  PerArm<double> set_n = {};   ///< likewise, in the last millisecond
 };
 
 /// `spoil` may change what the session believes to be ready.
@@ -83,8 +84,10 @@ std::unique_ptr<Room> enter(BodyPosture position,
 double live(Room& room) noexcept {
   const robot::RobotReading reading = *room.world->robot().read();
   const safety::RobotProposal proposal = room.massage.propose(reading);
-  for (const safety::Proposal& of_arm : proposal.arms.of)
-    room.highest_set_n = std::max(room.highest_set_n, of_arm.set_force_n);
+  for (const Arm arm : both_arms) {
+    room.set_n[arm] = proposal.arms[arm].set_force_n;
+    room.highest_set_n = std::max(room.highest_set_n, room.set_n[arm]);
+  }
   const safety::RobotVerdict verdict = room.guard.check(reading, proposal);
   room.world->robot().apply(verdict.command);
   room.massage.heed(verdict);
@@ -174,19 +177,26 @@ TEST_CASE("a person who shrinks back ends no massage: after two quiet seconds it
   }
   PerArm<bool> off = {};
   PerArm<double> touched_again_s = {{-1.0, -1.0}};
+  PerArm<double> first_n;  // with which the next contact begins
   while (time_s < shrinks_s + 25.0) {
     time_s = live(*room);
     for (const Arm arm : both_arms) {
       const bool touches = room->massage.view()[arm].phase == session::ArmPhase::contact;
       off[arm] = off[arm] || !touches;
-      if (off[arm] && touches && touched_again_s[arm] < 0.0) touched_again_s[arm] = time_s;
+      if (off[arm] && touches && touched_again_s[arm] < 0.0) {
+        touched_again_s[arm] = time_s;
+        first_n[arm] = room->set_n[arm];
+      }
     }
   }
   CHECK(room->massage.stops().empty());
   CHECK_FALSE(room->massage.wants_scan());
   REQUIRE_FALSE(room->massage.performed().empty());
   CHECK(room->massage.performed().front().contact_fault == control::ContactFault::contact_lost);
-  for (const Arm arm : both_arms) CHECK(touched_again_s[arm] > shrinks_s + 2.0);
+  for (const Arm arm : both_arms) {
+    CHECK(touched_again_s[arm] > shrinks_s + 2.0);
+    CHECK(first_n[arm] < 2.0);  // nothing of the contact that was cut short
+  }
 }
 
 TEST_CASE("arms that are sent into each other stop before they touch, and nobody is pressed") {
