@@ -7,6 +7,7 @@
 #include <numeric>
 #include <string>
 
+#include "tuina/body/atlas.hpp"
 #include "tuina/body/correction.hpp"
 #include "tuina/body/learn/shape_statistics.hpp"
 #include "tuina/core/random.hpp"
@@ -171,6 +172,25 @@ TEST_CASE("backs come out of their file as they went in") {
              })
               .has_value());
   CHECK(next == 5);
+}
+
+TEST_CASE("an atlas is no surer of a label than another that has it in the same position") {
+  const auto one = [](BodyPosture position, std::vector<std::string> labels,
+                      const Eigen::VectorXd& radii_m) {
+    PositionAtlas made;
+    made.shape.position = position;
+    made.shape.labels = std::move(labels);
+    made.shape.radius95_m = radii_m;
+    return made;
+  };
+  const Atlas other{
+      .positions = {one(BodyPosture::prone, {"GV4", "GV14"}, Eigen::Vector2d(12_mm, 20_mm))}};
+  Atlas atlas{.positions = {one(BodyPosture::sitting, {"GV14"}, Eigen::VectorXd::Constant(1, 5_mm)),
+                            one(BodyPosture::prone, {"GV14", "BL13_L", "GV4"},
+                                Eigen::Vector3d(5_mm, 6_mm, 15_mm))}};
+  keep_radii_above(other, atlas);
+  CHECK(atlas.positions[0].shape.radius95_m[0] == 5_mm);
+  CHECK(atlas.positions[1].shape.radius95_m == Eigen::Vector3d(20_mm, 6_mm, 15_mm));
 }
 
 TEST_CASE("ten times as many backs need no more memory") {

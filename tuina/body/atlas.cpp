@@ -103,6 +103,21 @@ const PositionAtlas* Atlas::of(BodyPosture position) const {
   return nullptr;
 }
 
+void keep_radii_above(const Atlas& other, Atlas& atlas) {
+  for (auto& position : atlas.positions) {
+    ShapeModel& shape = position.shape;
+    const PositionAtlas* same = other.of(shape.position);
+    if (same == nullptr) continue;
+    const auto& names = same->shape.labels;
+    for (std::size_t i = 0; i < shape.labels.size(); ++i) {
+      const auto found = std::ranges::find(names, shape.labels[i]);
+      if (found == names.end()) continue;
+      double& radius_m = shape.radius95_m[static_cast<Eigen::Index>(i)];
+      radius_m = std::max(radius_m, same->shape.radius95_m[found - names.begin()]);
+    }
+  }
+}
+
 std::vector<FeatureLine> feature_lines(const Outline& outline) {
   const Vector2 neck = 0.5 * (outline.neck[left] + outline.neck[right]);
   return {{outline.shoulder[right], outline.shoulder[left]},

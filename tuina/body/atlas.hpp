@@ -59,6 +59,9 @@ struct LearnReport {
                                         const Progress& progress, LearnReport* report,
                                         Reach reach = Reach::labels);
 
+/// Raises each radius of `atlas` that is smaller than the one `other` has for that label.
+void keep_radii_above(const Atlas& other, Atlas& atlas);
+
 /// Serialises an atlas (format: docs/acupoints.md). Reading refuses a wrong version, length or
 /// checksum.
 [[nodiscard]] std::string to_bytes(const Atlas& atlas);
