@@ -71,12 +71,18 @@ Room enter(const PlantOptions& options = {}) {
 
 }  // namespace
 
-TEST_CASE("an arm in the air whose commands stop is braked within 25 ms and stays where it is") {
+TEST_CASE("an arm in the air whose commands stop is damped from 20 ms on, braked 60 ms later") {
   Room room = enter();
   room.live(50);
   const Vector3 at = room.left().couch_from_tool.translation();
   room.leave_alone(20);
   CHECK(room.left().drive == Drive::commanded);
+  room.leave_alone(58);
+  CHECK(room.left().drive == Drive::damped);
+  room.live(2);  // somebody comes back in time
+  CHECK(room.left().drive == Drive::commanded);
+  room.leave_alone(78);
+  CHECK(room.left().drive == Drive::damped);
   room.leave_alone(5);
   CHECK(room.left().drive == Drive::braked);
   room.leave_alone(1000);

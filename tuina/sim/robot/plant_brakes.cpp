@@ -16,10 +16,11 @@ namespace {
 constexpr double brake_share = 2.0;
 constexpr double brake_rate_per_s = 500.0, brake_damping_ratio = 0.7;
 
-// Drives without commands take the speed out of a joint within 20 ms: at the tool this is about
-// 200 N s/m, which a tool at 43 N leaves the skin against in a tenth of a second.
-constexpr double damped_rate_per_s = 50.0;
+// Drives without commands take the speed out of a joint within 40 ms: at the tool this is about
+// 100 N s/m, against which a person who sits up pushes it aside.
+constexpr double damped_rate_per_s = 25.0;
 constexpr double released_n = 2.0;
+constexpr int let_go_ticks = 60;
 constexpr int max_damped_ticks = 300;
 constexpr int brakes_close_ticks = 50;  // without power
 
@@ -34,11 +35,8 @@ void Plant::World::choose_drive(ArmDevices& arm) noexcept {
   const bool alone = arm.stopped || unheard;
   arm.damped_ticks = alone ? arm.damped_ticks + 1 : 0;
   arm.unpowered_ticks = arm.powered ? 0 : arm.unpowered_ticks + 1;
-  // One millisecond of damping at least, so that the first sample after a jolt does not decide.
-  if (alone && arm.damped_ticks > 1 &&
-      (felt_n(arm) < released_n || arm.damped_ticks > max_damped_ticks)) {
-    arm.caught = true;
-  }
+  arm.let_go_ticks = alone && felt_n(arm) < released_n ? arm.let_go_ticks + 1 : 0;
+  if (arm.let_go_ticks >= let_go_ticks || arm.damped_ticks > max_damped_ticks) arm.caught = true;
   const Drive before = arm.drive;
   if (!arm.powered) {
     arm.drive = arm.caught || arm.unpowered_ticks > brakes_close_ticks ? Drive::braked : Drive::off;

@@ -58,7 +58,7 @@ struct ArmDevices {
   bool powered = true, brake_wanted = false;
   bool stopped = false;  // by the emergency stop, for good
   bool caught = false;   // braked by the drives themselves, for good
-  int damped_ticks = 0, unpowered_ticks = 0;
+  int damped_ticks = 0, let_go_ticks = 0, unpowered_ticks = 0;
   std::array<double, max_joints> braked_at_rad = {};  // joint angles that the brakes hold
 };
 
