@@ -48,7 +48,7 @@ TEST_CASE("the ceilings are those of docs/safety.md") {
   CHECK(ceilings.joint_speed_rad_per_s == 3.0);
   CHECK(ceilings.stale_freeze_s == 3e-3);
   CHECK(ceilings.stale_retract_s == 5e-3);
-  CHECK(ceilings.pressing_n == 25.0);
+  CHECK(ceilings.pressing_n == 20.0);
   CHECK(ceilings.over_trip_n == 10.0);
   CHECK(ceilings.free_inward_n == 60.0);
 }

@@ -125,19 +125,12 @@ TEST_CASE("a hand that pushes a leaving tool down, or aside, is not answered wit
   }
 }
 
-TEST_CASE("a retreat pushes on a living sensor only: 80 N end 3 ms after its last sample") {
-  Scene scene = retreating(20.0);
-  scene.tick(10);
-  scene.sensor_alive = false;
-  scene.tick();  // the sample is 2 ms old
-  check_same(scene.allowed_n(), 80.0 * scene.normal());
-  scene.tick(5);
-  CHECK(scene.outward_n() < 1.0);
-  Scene stale = retreating(20.0);  // and what is felt no more ends it in the same millisecond
-  stale.tick(10);
-  stale.force_n = 0.0;
-  stale.tick();
-  CHECK(stale.outward_n() < 40.0);
+TEST_CASE("what is felt no more ends the push of a retreat, and one sample begins none") {
+  Scene gone = retreating(20.0);
+  gone.tick(10);
+  gone.force_n = 0.0;
+  gone.tick();
+  CHECK(gone.outward_n() < 40.0);
   // One sample over 5 N is not yet a person.
   Scene blow = retreating(0.0);
   blow.force_n = 20.0;
@@ -145,6 +138,39 @@ TEST_CASE("a retreat pushes on a living sensor only: 80 N end 3 ms after its las
   CHECK(blow.outward_n() < 1.0);
   blow.tick();
   CHECK(blow.outward_n() > 40.0);
+}
+
+TEST_CASE(
+    "a tool that pressed when its sensor failed leaves by 0.2 m, at up to half a metre a second") {
+  Scene scene = retreating(20.0);
+  scene.tick(10);
+  scene.sensor_alive = false;
+  scene.tick(50);
+  check_same(scene.allowed_n(), 80.0 * scene.normal());
+  scene.seen.tool_velocity_m_per_s = 0.497 * scene.normal() + Vector3(0.1, 0.0, 0.0);
+  scene.tick();
+  check_same(scene.allowed_n(), 80.0 * scene.normal());
+  scene.seen.tool_velocity_m_per_s = 0.503 * scene.normal() + Vector3(0.1, 0.0, 0.0);
+  scene.tick(2);  // torques fall by 10 Nm in each
+  check_same(scene.allowed_n(), Vector3::Zero());
+  scene.seen.tool_velocity_m_per_s.setZero();
+  scene.seen.tool_in_base += 0.199 * scene.normal();
+  scene.tick(2);
+  check_same(scene.allowed_n(), 80.0 * scene.normal());
+  scene.seen.tool_in_base += 0.002 * scene.normal();
+  scene.tick(2);
+  check_same(scene.allowed_n(), Vector3::Zero());
+}
+
+TEST_CASE("a tool in the air whose sensor fails is not pushed") {
+  for (const double felt_n : {4.9, 5.1}) {
+    Scene scene = retreating(felt_n);
+    scene.tick(10);
+    scene.sensor_alive = false;
+    scene.tick(10);
+    if (felt_n < 5.0) CHECK(scene.outward_n() < 3.0);
+    if (felt_n > 5.0) CHECK(scene.outward_n() == doctest::Approx(80.0));
+  }
 }
 
 TEST_CASE("where nothing is felt any more nothing holds a tool back that goes outward") {

@@ -41,7 +41,7 @@ constexpr double alone = 2.0;
 
 // A filter of up to 250 Hz spreads what a sensor feels over some samples: after a sudden force the
 // second change is still a fifth of the first. One of this size alone is the sensor's own.
-constexpr double min_step_n = 5.0, calm_share = 0.2;
+constexpr double min_step_n = 2.5, calm_share = 0.2;
 constexpr std::size_t calm_before = 2;    // of the changes that are kept; the others come after it
 constexpr double max_sampled_s = 1.5e-3;  // samples that are farther apart have had time for it
 

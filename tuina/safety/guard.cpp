@@ -9,7 +9,11 @@ namespace tuina::safety {
 namespace {
 
 constexpr double mostly = 0.9;
+constexpr int saturated_ticks = 100;
+constexpr int inward_ticks = 100;
+constexpr double borne_over_n = 5.0;  // a sound arm of much friction asks for as much, in vain
 constexpr double yields_per_n = 2.0;
+constexpr double eases_n = 3.0;  // the least felt since a tool leaves is its noise's least, too
 constexpr double own_rate_factor = 10.0;  // leaving may be more sudden than pressing
 constexpr double agreeing = 0.25;         // cosine between the way out and what is felt
 constexpr double directed_n = 5.0;        // from here a force has a direction worth believing
@@ -114,6 +118,21 @@ Verdict Guard::check(const Observation& seen, const Proposal& proposal) noexcept
           .latched = is_stop(state_)};
 }
 
+void Guard::judge_torques(const Observation& seen, const Proposal& proposal,
+                          Finding& finding) noexcept {
+  const bool fits = torque_fits(proposal);
+  const bool saturated =
+      fits && (proposal.torque_nm.cwiseAbs() - options_.torque_limit_nm).maxCoeff() >= 0.0;
+  saturated_ = saturated ? saturated_ + 1 : 0;
+  if (saturated_ >= saturated_ticks) finding.add(Action::comply, Cause::torque_saturated);
+  // What the controller says of its springs may be untrue; what its torques press is not.
+  const double over_n =
+      fits ? inward_n(seen, proposal.torque_nm) - inward_cap_n(seen, proposal) : 0.0;
+  inward_ = over_n > borne_over_n ? inward_ + 1 : 0;
+  if (over_n > 0.0) finding.add(Action::warn, Cause::inward_force);
+  if (inward_ >= inward_ticks) finding.add(Action::retract, Cause::inward_force);
+}
+
 // Torques are asked how hard they press before they are limited, and after: joints that reach what
 // is proposed one after the other can press harder on the way than at its end.
 JointVector Guard::let_through(const Observation& seen, const Proposal& proposal,
@@ -182,7 +201,7 @@ double Guard::inward_cap_n(const Observation& seen, const Proposal& proposal) co
   const Ceilings& limits = options_.limits;
   if (proposal.phase == Phase::free) return limits.free_inward_n;
   if (proposal.phase == Phase::retract)
-    return std::min(min_felt_n_ + limits.pressing_n, limits.free_inward_n);
+    return std::min(std::max(min_felt_n_ + eases_n, limits.pressing_n), limits.free_inward_n);
   const double place_n = limits_of(seen, proposal).trip_n + limits.over_trip_n;
   if (proposal.stiffness_n_per_m == 0.0 || proposal.zone == Zone::bench) return place_n;
   const double set_n = std::max(0.0, proposal.set_force_n);

@@ -208,6 +208,7 @@ class Guard {
   int samples_ = 0;
   std::array<double, 3> samples_n_ = {};
   std::array<double, 6> medians_n_ = {};
+  double believed_n_ = 0.0;  ///< the last median of a sensor that was living and believed
   int suspects_ = 0;
   std::array<int, 5> spike_ages_ = {};
 

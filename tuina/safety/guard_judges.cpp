@@ -27,8 +27,6 @@ constexpr double coughed_m = 20e-3, rides_n = 10.0, escape_n = 40.0;
 constexpr double flight_m = 0.25, flight_m_per_s = 1.3;
 constexpr int rising_ticks = 3;
 constexpr int over_cap_ticks = 100;
-constexpr int saturated_ticks = 100;
-constexpr int inward_ticks = 100;
 constexpr int bad_torques = 3;
 constexpr int late_freeze_ticks = 100;
 constexpr std::uint32_t silent_freeze_ticks = 3;
@@ -43,7 +41,7 @@ constexpr double drift_kept = 0.98;
 
 constexpr int blamed_ticks = 5;
 constexpr double returning_m_per_s = 0.05, flying_off_m_per_s = 0.35;
-constexpr int stuck_ticks = 20;
+constexpr int stuck_ticks = 10;
 constexpr double max_zero_jump_n = 1.2;  // the weight of the lightest tool is 1.5 N
 
 constexpr double reversed_n = 8.0;  // more than drift and weight can feign
@@ -72,7 +70,7 @@ void Guard::judge_time(const Observation& seen, Finding& finding) noexcept {
   // Only a tick that follows the last one ends a row of repeated ones: between them some are
   // missed.
   if (gone <= 1) repeated_ = gone == 0 ? repeated_ + 1 : 0;
-  ticks_ = std::clamp<std::uint64_t>(gone, 1, too_many_missed);
+  ticks_ = std::clamp<std::uint64_t>(gone, 1, too_many_missed + 1);
   tick_ = seen.tick;
   frozen_ -= std::min(frozen_, static_cast<int>(ticks_));
   if (gone != 1) finding.add(Action::warn, Cause::late_tick);
@@ -93,10 +91,13 @@ void Guard::judge_time(const Observation& seen, Finding& finding) noexcept {
 
 void Guard::judge_joints(const Observation& seen, Finding& finding) noexcept {
   const double ticks = static_cast<double>(ticks_);
-  const JointVector turned_rad = seen.q_rad - q_rad_;
+  // After a silence that ends a contact, a joint may stand anywhere: it has not jumped.
+  const JointVector told_rad = ticks * options_.period_s * seen.dq_rad_per_s;
+  const JointVector turned_rad =
+      ticks_ > too_many_missed ? told_rad : JointVector(seen.q_rad - q_rad_);
   q_rad_ = seen.q_rad;
   const double jump_rad = turned_rad.cwiseAbs().maxCoeff();
-  drift_rad_ = drift_kept * drift_rad_ + turned_rad - ticks * options_.period_s * seen.dq_rad_per_s;
+  drift_rad_ = drift_kept * drift_rad_ + turned_rad - told_rad;
   const double drift_rad = drift_rad_.cwiseAbs().maxCoeff();
   const double limit_rad = ticks * options_.limits.encoder_jump_rad;
   if (jump_rad > limit_rad || drift_rad > 2.0 * limit_rad) {
@@ -181,6 +182,7 @@ void Guard::judge_sensor(const Observation& seen, Finding& finding) noexcept {
   if (sample_age_s_ > options_.limits.stale_retract_s + rounding_s)
     finding.add(Action::retract, Cause::force_stale);
   const double median_n = median(samples_n_[0], samples_n_[1], samples_n_[2]);
+  if (feels()) believed_n_ = median_n;
   if (begins) return medians_n_.fill(median_n);
   std::rotate(medians_n_.begin(), medians_n_.begin() + 1, medians_n_.end());
   medians_n_.back() = median_n;
@@ -281,20 +283,6 @@ void Guard::judge_proposal(const Observation& seen, const Proposal& proposal,
   if (!(proposal.set_force_n <= limits.set_n)) {
     finding.add(Action::retract, Cause::set_force_too_high);
   }
-}
-
-void Guard::judge_torques(const Observation& seen, const Proposal& proposal,
-                          Finding& finding) noexcept {
-  const bool fits = torque_fits(proposal);
-  const bool saturated =
-      fits && (proposal.torque_nm.cwiseAbs() - options_.torque_limit_nm).maxCoeff() >= 0.0;
-  saturated_ = saturated ? saturated_ + 1 : 0;
-  if (saturated_ >= saturated_ticks) finding.add(Action::comply, Cause::torque_saturated);
-  // What the controller says of its springs may be untrue; what its torques press is not.
-  const bool presses = fits && inward_n(seen, proposal.torque_nm) > inward_cap_n(seen, proposal);
-  inward_ = presses ? inward_ + 1 : 0;
-  if (presses) finding.add(Action::warn, Cause::inward_force);
-  if (inward_ >= inward_ticks) finding.add(Action::retract, Cause::inward_force);
 }
 
 }  // namespace tuina::safety

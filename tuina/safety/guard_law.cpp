@@ -22,6 +22,8 @@ constexpr double pressed_n = 5.0;  // from here the person is still in the way o
 constexpr double push_out_n = 80.0;
 // A person sits up at 0.6 m/s at most (docs/safety.md); the tool must be able to be faster.
 constexpr double push_out_m_per_s = 0.8;
+// As far and as fast as who sits up comes.
+constexpr double blind_way_m = 0.2, blind_m_per_s = 0.5;
 
 // An arm of which nothing is known any more leaves the skin by what was known last: the levers turn
 // by less than a tenth meanwhile.
@@ -101,17 +103,20 @@ JointVector Guard::own_torque(const Observation& seen, Action action) noexcept {
     held_n_ = pressed() ? std::min(felt_n(), sample_in_base_n_.dot(normal_in_base_)) : 0.0;
   }
   const double outward_m_per_s = seen.tool_velocity_m_per_s.dot(normal_in_base_);
+  // Friction and a person who follows may hold the tool back, so the way is the tool's own.
+  const double way_m = (seen.tool_in_base - taken_over_in_base_).dot(normal_in_base_);
+  // A tool that pressed when its sensor failed does not wait to be felt.
+  const bool flees = !feels() && believed_n_ > pressed_n && way_m < blind_way_m;
   // A person who comes after the tool is met by nothing that holds it in place, nor aside, nor in
   // its posture, however far it is followed.
-  if (action == Action::retract && pressed()) {
+  if (action == Action::retract && (pressed() || flees)) {
     hold_in_base_ = seen.tool_in_base;
     hold_rad_ = seen.q_rad;
-    const double push_n = outward_m_per_s < push_out_m_per_s ? push_out_n : 0.0;
+    const double wanted_m_per_s = flees ? blind_m_per_s : push_out_m_per_s;
+    const double push_n = outward_m_per_s < wanted_m_per_s ? push_out_n : 0.0;
     return seen.gravity_nm - own_joint_damping * seen.dq_rad_per_s +
            seen.jacobian.transpose() * (push_n * normal_in_base_);
   }
-  // Friction and a person who follows may hold the tool back, so the way is the tool's own.
-  const double way_m = (seen.tool_in_base - taken_over_in_base_).dot(normal_in_base_);
   const double lead_m = (hold_in_base_ - seen.tool_in_base).dot(normal_in_base_);
   if (action == Action::retract && way_m < retract_m &&
       lead_m < max_outward_n / own_stiffness_n_per_m) {

@@ -61,10 +61,9 @@ struct Ceilings {
   double stale_freeze_s = 3e-3;  ///< age of the wrist sensor's sample
   double stale_retract_s = 5e-3;
   /// Force inward that torques may stand for beyond the force that is asked for, and on the way out
-  /// beyond the least that was felt since: what overcomes friction, be it twice what is believed,
-  /// and speeds the tool is seen as such a force too. Each newton felt beyond what is asked for
-  /// takes two away.
-  double pressing_n = 25.0;
+  /// at all: what overcomes friction and speeds the tool is seen as such a force too. Each newton
+  /// felt beyond what is asked for takes two away.
+  double pressing_n = 20.0;
   double over_trip_n = 10.0;    ///< likewise, beyond the trip of the zone
   double free_inward_n = 60.0;  ///< of an arm that nobody says to press
 };
