@@ -103,14 +103,15 @@ TEST_CASE("only a retreat is disobeyed by going inward") {
 }
 
 TEST_CASE("an arm that races at more than 1.2 m/s for ten ticks under the guard is braked") {
-  const auto racing = [](Action action, double m_per_s, int ticks) {
+  const auto racing = [](Action action, double m_per_s, int ticks, double outward = 0.0) {
     Scene scene;
     scene.force_n = 0.0;
     scene.proposal.phase = Phase::free;
     scene.tick(10);
     scene.guard.stop(action, Cause::arms_too_close);
     scene.tick();
-    scene.seen.tool_velocity_m_per_s = m_per_s * scene.normal();
+    scene.seen.tool_velocity_m_per_s =
+        m_per_s * scene.normal().unitOrthogonal() + outward * scene.normal();
     return scene.tick(ticks).action;
   };
   for (const Action action : {Action::comply, Action::retract}) {
@@ -118,6 +119,13 @@ TEST_CASE("an arm that races at more than 1.2 m/s for ten ticks under the guard 
     CHECK(racing(action, 1.201, 10) == Action::brake);
     CHECK(racing(action, 1.199, 100) == action);
     CHECK(racing(action, -1.201, 10) == Action::brake);
+    CHECK(racing(action, 0.0, 10, -1.201) == Action::brake);
+    // Outward it was thrown by somebody who may come after it.
+    CHECK(racing(action, 0.0, 100, 2.395) == action);
+    CHECK(racing(action, 0.0, 10, 2.405) == Action::brake);
+    CHECK(racing(action, 1.195, 100, 1.195) == action);
+    CHECK(racing(action, 1.205, 10, 1.195) == Action::brake);
+    CHECK(racing(action, 0.5, 10, 2.4) == Action::brake);
   }
   // One that is frozen or free is stopped by its speed first.
   for (const Action action : {Action::pass, Action::freeze}) {
@@ -126,7 +134,7 @@ TEST_CASE("an arm that races at more than 1.2 m/s for ten ticks under the guard 
   }
   Scene scene = leaving();
   for (int i = 0; i < 5; ++i) {
-    scene.seen.tool_velocity_m_per_s = 1.3 * scene.normal();
+    scene.seen.tool_velocity_m_per_s = 1.3 * scene.normal().unitOrthogonal();
     CHECK(scene.tick(9).action == Action::retract);
     scene.seen.tool_velocity_m_per_s.setZero();
     CHECK(scene.tick().action == Action::retract);
@@ -255,7 +263,7 @@ TEST_CASE("an arm that first goes inward and then races is braked by both togeth
   Scene scene = leaving();
   scene.seen.tool_velocity_m_per_s = -0.06 * scene.normal();
   scene.tick(3);
-  scene.seen.tool_velocity_m_per_s = 1.3 * scene.normal();
+  scene.seen.tool_velocity_m_per_s = 1.3 * scene.normal().unitOrthogonal();
   CHECK(scene.tick(9).action == Action::retract);
   CHECK(scene.tick().action == Action::brake);
 }

@@ -37,7 +37,8 @@ constexpr double disobedient_m_per_s = 0.05;  // into the body, against 80 N out
 constexpr double digging_n = 40.0, digging_rise_n = 15.0;
 constexpr double plunging_m_per_s = 0.3;  // into the body, faster than any order or hand
 constexpr int digging_ticks = 3;
-constexpr double runaway_m_per_s = 1.2;  // beyond what a person and the push together reach
+constexpr double runaway_m_per_s = 1.2;  // beyond what a person and the push together reach aside
+constexpr double thrown_m_per_s = 1.2;   // likewise outward, where they may come after the tool
 constexpr int runaway_ticks = 10;
 
 }  // namespace
@@ -62,10 +63,12 @@ bool Guard::in_air() const noexcept {
 // that no law of its own can mend. One that presses harder and harder meanwhile is not a person who
 // comes closer, for that one pushes the tool outward.
 void Guard::judge_obedience(const Observation& seen, Finding& finding) noexcept {
-  const double speed_m_per_s = seen.tool_velocity_m_per_s.norm();
-  const double inward_m_per_s = -seen.tool_velocity_m_per_s.dot(normal_in_base_);
+  const double outward_m_per_s = seen.tool_velocity_m_per_s.dot(normal_in_base_);
+  const double inward_m_per_s = -outward_m_per_s;
+  const double borne_m_per_s = std::min(outward_m_per_s, thrown_m_per_s);  // inward it plunges
+  const Vector3 judged_m_per_s = seen.tool_velocity_m_per_s - borne_m_per_s * normal_in_base_;
   const bool driven = state_ >= GuardState::complying;
-  const bool races = driven && speed_m_per_s > runaway_m_per_s;
+  const bool races = driven && judged_m_per_s.norm() > runaway_m_per_s;
   const bool against =
       state_ == GuardState::retracting && pressed() && inward_m_per_s > disobedient_m_per_s;
   const bool digs = against && felt_n() > std::max(min_felt_n_ + digging_rise_n, digging_n);
