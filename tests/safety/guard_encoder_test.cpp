@@ -168,6 +168,17 @@ TEST_CASE("a blind arm that is still pressed is braked after 0.3 s, and stays so
   CHECK(scene.verdict.allowed_nm == gravity_nm);
 }
 
+TEST_CASE("a blind arm that somebody pushes along is not braked in their way for two seconds") {
+  for (const double rad_per_s : {0.0497, 0.0503, -0.0503}) {
+    Scene scene = blind_scene(20.0);
+    scene.seen.dq_rad_per_s[1] = rad_per_s;
+    const bool pushed = std::abs(rad_per_s) > 0.05;
+    CHECK(scene.tick(300).action == (pushed ? Action::comply : Action::brake));
+    CHECK(scene.tick(1699).action == (pushed ? Action::comply : Action::brake));
+    CHECK(scene.tick().action == Action::brake);
+  }
+}
+
 TEST_CASE("in a tick that is repeated an encoder may turn as far as in a millisecond") {
   for (const double beyond_rad : {-1e-5, 1e-5}) {
     Scene again;

@@ -71,17 +71,17 @@ Room enter(const PlantOptions& options = {}) {
 
 }  // namespace
 
-TEST_CASE("an arm in the air whose commands stop is damped from 20 ms on, braked 60 ms later") {
+TEST_CASE("an arm in the air whose commands stop is damped from 20 ms on, braked 300 ms later") {
   Room room = enter();
   room.live(50);
   const Vector3 at = room.left().couch_from_tool.translation();
   room.leave_alone(20);
   CHECK(room.left().drive == Drive::commanded);
-  room.leave_alone(58);
+  room.leave_alone(298);
   CHECK(room.left().drive == Drive::damped);
   room.live(2);  // somebody comes back in time
   CHECK(room.left().drive == Drive::commanded);
-  room.leave_alone(78);
+  room.leave_alone(318);
   CHECK(room.left().drive == Drive::damped);
   room.leave_alone(5);
   CHECK(room.left().drive == Drive::braked);
@@ -101,6 +101,16 @@ TEST_CASE("a tool that presses is let go of before it is braked") {
   room.leave_alone(320);
   CHECK(room.left().drive == Drive::braked);
   CHECK(room.left().contact.force_n < 0.4 * pressed_n);  // friction of the gears keeps the rest
+}
+
+TEST_CASE("an arm that nobody commands is not braked while somebody pushes it along, for 2 s") {
+  Room room = enter();
+  room.live(50);
+  room.plant->push(Arm::left, {.force_n = {0.0, 0.0, 40.0}});
+  room.leave_alone(1000);
+  CHECK(room.left().drive == Drive::damped);
+  room.leave_alone(1030);
+  CHECK(room.left().drive == Drive::braked);
 }
 
 TEST_CASE("who comes back in time is obeyed again") {

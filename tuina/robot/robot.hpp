@@ -50,10 +50,9 @@ struct ReadyPose {
 ///
 /// Its drives must have a watchdog of their own, for whoever commands them may die. When no command
 /// has come for 20 ms, 30 ms at most, they keep the torque that held the arm against gravity and
-/// damp the joints. The brakes close when the wrist has felt less than 2 N for 60 ms, after 300 ms
-/// in any case: they hold a pressing tool where it is, and behind a tool that was thrown off may be
-/// the person who comes after it. An emergency stop does the same at once, for good: a stop of
-/// category 1 [iec60204]. An arm without power is braked within 50 ms.
+/// damp the joints. The brakes close after 300 ms, once the joints stand still, after 2 s in any
+/// case: in the way of a person who comes they are a wall. An emergency stop does the same at once,
+/// for good: a stop of category 1 [iec60204]. An arm without power is braked within 50 ms.
 class Robot {
  public:
   virtual ~Robot() = default;

@@ -48,9 +48,10 @@ constexpr double reversed_n = 8.0;  // more than drift and weight can feign
 constexpr double agreeing = 0.25;  // cosine: what rubs along the skin is felt at 40 degrees at most
 constexpr int reversed_ticks = 10;
 
-// A blind arm gives way with its joints damped; once nobody is felt, or after this time, it is
-// held: an arm that gives way without knowing where it is helps nobody for longer.
-constexpr int blind_ticks = 300;
+// A blind arm gives way with its joints damped. It is held once nobody is felt, or where it stands
+// still: brakes before a person who comes are a wall, and nobody has come for longer than 2 s.
+constexpr int blind_ticks = 300, max_blind_ticks = 2000;
+constexpr double resting_rad_per_s = 0.05;
 constexpr double let_go_n = 2.0;
 
 double median(double a, double b, double c) {
@@ -113,7 +114,9 @@ void Guard::judge_joints(const Observation& seen, Finding& finding) noexcept {
   if (!encoders_doubted_) return;
   ++blind_;
   const bool let_go = blind_ > fast_ticks && medians_n_.back() < let_go_n;
-  if (let_go || blind_ > blind_ticks) finding.add(Action::brake, Cause::encoder_jump);
+  const bool rests =
+      blind_ > blind_ticks && seen.dq_rad_per_s.cwiseAbs().maxCoeff() < resting_rad_per_s;
+  if (let_go || rests || blind_ > max_blind_ticks) finding.add(Action::brake, Cause::encoder_jump);
 }
 
 // Torques that do not move the joints as they should: where one drive is to blame and nothing

@@ -19,9 +19,8 @@ constexpr double brake_rate_per_s = 500.0, brake_damping_ratio = 0.7;
 // Drives without commands take the speed out of a joint within 40 ms: at the tool this is about
 // 100 N s/m, against which a person who sits up pushes it aside.
 constexpr double damped_rate_per_s = 25.0;
-constexpr double released_n = 2.0;
-constexpr int let_go_ticks = 60;
-constexpr int max_damped_ticks = 300;
+constexpr int min_damped_ticks = 300, max_damped_ticks = 2000;
+constexpr double still_rad_per_s = 0.05;
 constexpr int brakes_close_ticks = 50;  // without power
 
 }  // namespace
@@ -35,8 +34,8 @@ void Plant::World::choose_drive(ArmDevices& arm) noexcept {
   const bool alone = arm.stopped || unheard;
   arm.damped_ticks = alone ? arm.damped_ticks + 1 : 0;
   arm.unpowered_ticks = arm.powered ? 0 : arm.unpowered_ticks + 1;
-  arm.let_go_ticks = alone && felt_n(arm) < released_n ? arm.let_go_ticks + 1 : 0;
-  if (arm.let_go_ticks >= let_go_ticks || arm.damped_ticks > max_damped_ticks) arm.caught = true;
+  const bool rests = arm.damped_ticks > min_damped_ticks && stands_still(arm);
+  if (rests || arm.damped_ticks > max_damped_ticks) arm.caught = true;
   const Drive before = arm.drive;
   if (!arm.powered) {
     arm.drive = arm.caught || arm.unpowered_ticks > brakes_close_ticks ? Drive::braked : Drive::off;
@@ -50,12 +49,12 @@ void Plant::World::choose_drive(ArmDevices& arm) noexcept {
     arm.braked_at_rad[k] = shaft(arm, k).rad;
 }
 
-/// Contact force by the wrist sensor, the tool's weight taken off.
-double Plant::World::felt_n(const ArmDevices& arm) const noexcept {
-  const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> base_from_tool(
-      data->site_xmat + 9 * arm.site);
-  const Vector3 weight_n(0.0, 0.0, -gravity_m_per_s2 * arm.tool_mass_kg);
-  return (arm.felt.head<3>() - base_from_tool.transpose() * weight_n).norm();
+/// Nobody pushes its joints on.
+bool Plant::World::stands_still(const ArmDevices& arm) const noexcept {
+  bool still = true;
+  for (std::size_t k = 0; k < static_cast<std::size_t>(arm.joints); ++k)
+    still = still && std::abs(shaft(arm, k).rad_per_s) < still_rad_per_s;
+  return still;
 }
 
 double Plant::World::motor_nm(ArmDevices& arm, std::size_t joint) const noexcept {

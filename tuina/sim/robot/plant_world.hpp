@@ -58,7 +58,7 @@ struct ArmDevices {
   bool powered = true, brake_wanted = false;
   bool stopped = false;  // by the emergency stop, for good
   bool caught = false;   // braked by the drives themselves, for good
-  int damped_ticks = 0, let_go_ticks = 0, unpowered_ticks = 0;
+  int damped_ticks = 0, unpowered_ticks = 0;
   std::array<double, max_joints> braked_at_rad = {};  // joint angles that the brakes hold
 };
 
@@ -111,7 +111,7 @@ struct Plant::World {
   void choose_drive(ArmDevices& arm) noexcept;
   [[nodiscard]] double motor_nm(ArmDevices& arm, std::size_t joint) const noexcept;
   [[nodiscard]] double brake_nm(ArmDevices& arm, std::size_t joint) const noexcept;
-  [[nodiscard]] double felt_n(const ArmDevices& arm) const noexcept;
+  [[nodiscard]] bool stands_still(const ArmDevices& arm) const noexcept;
   void drive_rail() noexcept;
   void hold(const Held& held) noexcept;
   void step() noexcept;
