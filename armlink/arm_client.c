@@ -17,8 +17,8 @@
 
 #include "armlink.h"
 
-enum { CYCLE_US = 1000, MAX_DAMPED_CYCLES = 300, ALONE_AFTER_CYCLES = 1000 };
-static const double released_n = 2.0;
+enum { CYCLE_US = 1000, MIN_DAMPED_CYCLES = 300, MAX_DAMPED_CYCLES = 2000, ALONE_AFTER_CYCLES = 1000 };
+static const double still_rad_per_s = 0.05;
 
 /* ---- The arm: replace this. -------------------------------------------------------------------------------- */
 
@@ -43,6 +43,12 @@ static void arm_damp(struct arm* arm) {
   double torque_nm[ARMLINK_MAX_JOINTS];
   for (int i = 0; i < arm->joints; ++i) torque_nm[i] = -10.0 * arm->dq_rad_per_s[i];
   arm_apply_torque(arm, torque_nm);
+}
+/* Whether nobody pushes its joints on. */
+static int arm_stands_still(const struct arm* arm) {
+  for (int i = 0; i < arm->joints; ++i)
+    if (arm->dq_rad_per_s[i] > still_rad_per_s || arm->dq_rad_per_s[i] < -still_rad_per_s) return 0;
+  return 1;
 }
 static void arm_brake(struct arm* arm) {
   memset(arm->dq_rad_per_s, 0, sizeof arm->dq_rad_per_s);
@@ -140,9 +146,6 @@ static void listen_to_all(struct link* link, const struct arm* arm) {
 /* One cycle of the arm as its state wants it. */
 static void act(struct link* link, struct arm* arm) {
   const unsigned missed = link->cycle - link->heard_in;
-  double wrench[6];
-  arm_wrench(link->cycle, wrench);
-  const double felt2 = wrench[0] * wrench[0] + wrench[1] * wrench[1] + wrench[2] * wrench[2];
   if (!link->stopped && link->last.session != 0 && link->last.mode == ARMLINK_TORQUE && missed >= ARMLINK_MAX_MISSED) {
     link->stopped = 1;
     link->damped_cycles = 0;
@@ -150,8 +153,9 @@ static void act(struct link* link, struct arm* arm) {
     fflush(stdout);
   }
   link->stands = 0;
-  if (link->stopped) { /* the brakes come last: they would hold a pressing tool where it is */
-    link->braked = link->braked || felt2 < released_n * released_n || ++link->damped_cycles > MAX_DAMPED_CYCLES;
+  if (link->stopped) { /* the brakes come last: in the way of a person who comes they are a wall */
+    const unsigned damped = ++link->damped_cycles;
+    link->braked = link->braked || (damped > MIN_DAMPED_CYCLES && arm_stands_still(arm)) || damped > MAX_DAMPED_CYCLES;
   } else {
     link->braked = link->last.session == 0 || link->last.mode == ARMLINK_IDLE || link->last.brake;
   }

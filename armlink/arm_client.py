@@ -11,7 +11,8 @@ ASK, HELLO, COMMAND, STATE = 1, 2, 3, 4
 IDLE, TORQUE, ADMITTANCE, READY = 0, 1, 2, 3
 STANDS, STOPPED, BRAKED = 1, 2, 4
 HAS_RAIL, SIMULATED, WAITS, BUSY, MEASURES_TORQUE = 1, 2, 4, 8, 16
-CYCLE_S, MAX_DAMPED_CYCLES, ALONE_AFTER_CYCLES, RELEASED_N = 1e-3, 300, 1000, 2.0
+CYCLE_S, ALONE_AFTER_CYCLES = 1e-3, 1000
+MIN_DAMPED_CYCLES, MAX_DAMPED_CYCLES, STILL_RAD_PER_S = 300, 2000, 0.05
 
 HEADER = "<4sBBHII"  # TARM, version, kind, size, session, sequence
 HELLO_BODY = "<BBHI24s7d7d7d7d2d"
@@ -55,6 +56,9 @@ class Arm:
 
     def damp(self):
         self.apply_torque([-10.0 * speed for speed in self.dq_rad_per_s])
+
+    def stands_still(self):
+        return all(abs(speed) < STILL_RAD_PER_S for speed in self.dq_rad_per_s)
 
     def brake(self):
         self.dq_rad_per_s, self.tau_nm = [0.0] * len(self.q_rad), [0.0] * len(self.q_rad)
@@ -136,10 +140,10 @@ class Link:
             self.stopped, self.damped_cycles = True, 0
             print(f"stopped: {missed} cycles without a command", flush=True)
         self.stands = False
-        if self.stopped:  # the brakes come last: they would hold a pressing tool where it is
+        if self.stopped:  # the brakes come last: in the way of a person who comes they are a wall
             self.damped_cycles += 1
-            felt_n = math.hypot(*self.arm.wrench(self.cycle)[:3])
-            self.braked = self.braked or felt_n < RELEASED_N or self.damped_cycles > MAX_DAMPED_CYCLES
+            rests = self.damped_cycles > MIN_DAMPED_CYCLES and self.arm.stands_still()
+            self.braked = self.braked or rests or self.damped_cycles > MAX_DAMPED_CYCLES
         else:
             self.braked = not self.session or self.brake
         if self.braked:
