@@ -61,6 +61,17 @@ TEST_CASE("a value that is not a number interrupts the line and appears nowhere"
   CHECK(count(path, "M") == 2);
 }
 
+TEST_CASE("a legend that does not fit beside the name of the y axis has a row of its own") {
+  const auto drawn = [](const std::string& name) {
+    return to_svg(Plot{.title = "t",
+                       .x_label = "x",
+                       .y_label = "true force, N",
+                       .series = {{.name = name, .x = {0.0, 1.0}, .y = {0.0, 1.0}}}});
+  };
+  CHECK(drawn("short").find("translate(0 15)") == std::string::npos);
+  CHECK(drawn(std::string(120, 'w')).find("translate(0 15)") != std::string::npos);
+}
+
 TEST_CASE("plots without data, with one point and with equal values are still drawings") {
   for (const auto& y :
        {std::vector<double>{}, std::vector<double>{5.0}, std::vector<double>{0.0}}) {

@@ -184,8 +184,7 @@ std::vector<Curve> curves_of(const std::vector<const CampaignCell*>& worst) {
 std::vector<Curve> curves_of(const std::vector<WorstTrial>& worst) {
   std::vector<Curve> all;
   all.reserve(worst.size());
-  for (const WorstTrial& one : worst)
-    all.push_back({fmt::format("{}, {}", one.fault->name, name_of(one.plan.stage)), one.plan});
+  for (const WorstTrial& one : worst) all.push_back({one.fault->name, one.plan});
   return all;
 }
 

@@ -115,13 +115,14 @@ std::string axes(const Plot& plot, const Frame& frame) {
   return svg;
 }
 
-std::string legend(const Plot& plot, double right) {
-  std::string svg;
-  struct Entry {
-    std::string name;
-    Colour colour;
-    bool dots, dashed, band;
-  };
+struct Entry {
+  std::string name;
+  Colour colour;
+  bool dots, dashed, band;
+};
+
+constexpr double key_px = 40.0, row_px = 15.0;
+std::vector<Entry> entries_of(const Plot& plot) {
   std::vector<Entry> entries;
   for (const Band& band : plot.bands) {
     if (!band.name.empty()) entries.push_back({band.name, band.colour, false, false, true});
@@ -130,6 +131,20 @@ std::string legend(const Plot& plot, double right) {
     if (!series.name.empty())
       entries.push_back({series.name, series.colour, series.dots, series.dashed, false});
   }
+  return entries;
+}
+
+/// What the legend needs beside the name of the y axis: a row of its own where both do not fit.
+double legend_row_px(const Plot& plot) {
+  double width_px = letter_px * static_cast<double>(plot.y_label.size()) + 24.0;
+  for (const Entry& entry : entries_of(plot))
+    width_px += letter_px * static_cast<double>(entry.name.size()) + key_px;
+  return width_px > plot.width_px + key_px ? row_px : 0.0;
+}
+
+std::string legend(const Plot& plot, double right) {
+  std::string svg;
+  const auto entries = entries_of(plot);
   double x = right;
   for (auto entry = entries.rbegin(); entry != entries.rend(); ++entry) {
     x -= letter_px * static_cast<double>(entry->name.size());
@@ -145,16 +160,17 @@ std::string legend(const Plot& plot, double right) {
       svg += fmt::format("<path d=\"M{:.1f} 8.5h18\" stroke=\"{}\" stroke-width=\"2.4\"{}/>",
                          x - 24, colour, entry->dashed ? " stroke-dasharray=\"5 3\"" : "");
     }
-    x -= 40;
+    x -= key_px;
   }
-  return svg;
+  const double row = legend_row_px(plot);
+  return row == 0.0 ? svg : fmt::format("<g transform=\"translate(0 {:.0f})\">{}</g>", row, svg);
 }
 
 /// The frame that holds all data, or what the plot fixes.
 Frame frame_of(const Plot& plot) {
   const bool tails = std::any_of(plot.series.begin(), plot.series.end(),
                                  [](const Series& series) { return !series.tail.empty(); });
-  const double top = tails ? 84.0 : plot.marks.empty() ? 24.0 : 40.0;
+  const double top = (tails ? 84.0 : plot.marks.empty() ? 24.0 : 40.0) + legend_row_px(plot);
   Frame frame{.left = 46,
               .top = top,
               .width = plot.width_px - 46.0 - 12.0,
