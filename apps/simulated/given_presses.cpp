@@ -20,13 +20,15 @@ void TrueDeepening::add(double whole_n, double force_n, double travel_m) noexcep
   if (force_n < wholly * whole_n) return;
   if (!whole_m_) whole_m_ = travel_m;
   sum_m_ += travel_m;
+  sum_share_ += force_n / whole_n;
   samples_ += 1.0;
 }
 
 std::optional<double> TrueDeepening::error(double told_m) const noexcept {
   if (!whole_m_ || !(*whole_m_ > *part_m_)) return {};
   const double per_m = (wholly - partly) / (*whole_m_ - *part_m_);
-  return per_m * (told_m - (sum_m_ / samples_ - from_m_));
+  const double deepened_m = sum_m_ / samples_ - from_m_;
+  return sum_share_ / samples_ - 1.0 + per_m * (told_m - deepened_m);
 }
 
 void HeldForce::add(double asked_n, double force_n) noexcept {

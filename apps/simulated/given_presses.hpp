@@ -39,7 +39,7 @@ class TrueDeepening {
  private:
   double from_m_ = 0.0;
   std::optional<double> part_m_, whole_m_;  // as the force first passed a part of it, and all
-  double sum_m_ = 0.0, samples_ = 0.0;      // while all of it was there
+  double sum_m_ = 0.0, sum_share_ = 0.0, samples_ = 0.0;  // while all of it was there
 };
 
 /// One press or tap as it was given, by the true force.

@@ -173,7 +173,7 @@ TEST_CASE("a second place of a person is known sooner than the first of somebody
     double time_alike_s = time_s;
     press_layers(known, person, soft, 20.0, time_s, random);
     press_layers(unknown, person, soft, 20.0, time_alike_s, alike);
-    sooner += known.force_half_width(20.0) < 0.9 * unknown.force_half_width(20.0);
+    sooner += known.stiffness_sd(20.0) < 0.9 * unknown.stiffness_sd(20.0);
     // Who forgets the person is as one who never met them.
     const double width = unknown.force_half_width(20.0);
     known.reset();

@@ -89,6 +89,13 @@ TEST_CASE("A1: a light order is never probed with more than itself") {
   CHECK(probing_force_n(estimate_of(hard), 6.0, 45.0) == 6.0);
 }
 
+TEST_CASE(
+    "A1: where little may be ordered the probe still stands out from the touch that is kept") {
+  CHECK(probing_force_n({}, 8.0, 10.0) == 7.0);
+  CHECK(probing_force_n(estimate_of(hard), 8.0, 10.0) == 7.0);
+  CHECK(probing_force_n({}, 8.0, 6.0) == 6.0);
+}
+
 TEST_CASE("tissue of another law, or an estimate not converged, is no ground for anything") {
   TissueEstimate estimate = estimate_of(hard);
   CHECK(may_steer(estimate, 1.0));

@@ -13,8 +13,9 @@ namespace {
 constexpr double bend_alphas = 2.5;  // force / alpha where alpha and beta can be separated
 constexpr double first_probe_n = 8.0;
 constexpr double max_nis = 4.0;
-constexpr double firmer_by = 2.0;       // of a press against the strongest before it
-constexpr double probed_share = 0.525;  // of the order: a force loop ends a little below its target
+constexpr double firmer_by = 2.0;     // of a press against the strongest before it
+constexpr double probed_share = 0.7;  // of the order
+constexpr double min_probe_n = 7.0;   // less is not felt above the 3 N that are kept
 
 double relative_sd(double ci95, double value) noexcept {
   return ci95 / (1.96 * value);
@@ -42,7 +43,8 @@ bool sound(const TissueEstimate& estimate) noexcept {
 
 double probing_force_n(const TissueEstimate& estimate, double ordered_n,
                        double region_cap_n) noexcept {
-  const double max_n = std::max(0.0, std::min(ordered_n, 0.5 * region_cap_n));
+  const double gentle_n = std::max(min_probe_n, 0.5 * region_cap_n);
+  const double max_n = std::max(0.0, std::min({ordered_n, region_cap_n, gentle_n}));
   if (estimate.presses < 1 || !sound(estimate)) return std::min(first_probe_n, max_n);
   return std::min(std::max(bend_alphas * estimate.tissue.alpha_n, probed_share * ordered_n), max_n);
 }

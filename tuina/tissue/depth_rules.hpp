@@ -14,8 +14,9 @@ namespace tuina::tissue {
 /// to A9 are those of docs/tissue.md, where A3, A4 and A8 are not in use.
 
 /// A1. Peak force of the next probing press: 8 N at first, then as far as the bend of the curve at
-/// 2.5 alpha and at least half of what was ordered, so that twice as much is what was ordered. At
-/// most half of the region's cap, and never more than was ordered.
+/// 2.5 alpha and at least seven tenths of what was ordered, from where the rest is foretold. At
+/// most half of the region's cap, or 7 N where that is more, and never more than the cap or the
+/// order.
 [[nodiscard]] double probing_force_n(const TissueEstimate& estimate, double ordered_n,
                                      double region_cap_n) noexcept;
 /// A1. True after two presses if the last was as strong as the next one would be.
