@@ -173,7 +173,7 @@ Frame frame_of(const Plot& plot) {
   const double top = (tails ? 84.0 : plot.marks.empty() ? 24.0 : 40.0) + legend_row_px(plot);
   Frame frame{.left = 46,
               .top = top,
-              .width = plot.width_px - 46.0 - 12.0,
+              .width = plot.width_px - 46.0 - 16.0,
               .height = plot.height_px - top - 40.0,
               .x = {},
               .y = {}};
