@@ -17,7 +17,7 @@ namespace tuina::app {
 /// robot to the one that judges the session. Both are the same program, so it goes as it is in
 /// memory.
 struct TruthPage {
-  static constexpr std::size_t kept = 8;  ///< in lock-step nobody is more than one behind
+  static constexpr std::size_t kept = 64;  ///< who looks on at real pace may be behind
   struct Bytes {
     std::uint64_t tick = 0;
     alignas(sim::PlantTruth) std::array<std::byte, sizeof(sim::PlantTruth)> of = {};

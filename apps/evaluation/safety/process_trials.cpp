@@ -74,7 +74,7 @@ class Child {
   int status_ = 0;
 };
 
-/// Looks at the true force of the newest millisecond that can be seen.
+/// Looks at the true force, millisecond after millisecond.
 class Onlooker {
  public:
   Onlooker(link::Link link, SharedTruth truth) : link_(std::move(link)), truth_(std::move(truth)) {}
@@ -82,20 +82,24 @@ class Onlooker {
   struct Sight {
     std::uint64_t tick = 0;
     double force_n = 0.0;
+    bool guard_acts = false;
   };
-  /// The next millisecond, or nothing when none comes within twenty seconds.
+  /// The next millisecond, or the newest where that one can no longer be seen; nothing when none
+  /// comes within twenty seconds.
   [[nodiscard]] std::optional<Sight> next() {
     const auto deadline = steady_clock::now() + 20s;
     while (steady_clock::now() < deadline) {
       const auto sensed = link_.sensors();
       if (sensed && sensed->stands > 0 && (!seen_ || sensed->tick != *seen_)) {
-        const auto bytes = truth_->ticks[sensed->tick % TruthPage::kept].read();
-        if (bytes && bytes->tick == sensed->tick) {
-          seen_ = sensed->tick;
+        const bool next_is_kept = seen_ && sensed->tick - *seen_ < TruthPage::kept;
+        const std::uint64_t tick = next_is_kept ? *seen_ + 1 : sensed->tick;
+        const auto bytes = truth_->ticks[tick % TruthPage::kept].read();
+        if (bytes && bytes->tick == tick) {
+          seen_ = tick;
           robot_ = static_cast<pid_t>(sensed->process);
           sim::PlantTruth truth;
           std::memcpy(static_cast<void*>(&truth), bytes->of.data(), sizeof truth);
-          Sight sight{.tick = sensed->tick};
+          Sight sight{.tick = tick, .force_n = 0.0, .guard_acts = guard_acts()};
           for (const sim::ArmTruth& arm : truth.arms.of)
             sight.force_n = std::max(sight.force_n, arm.contact.force_n);
           return sight;
@@ -117,6 +121,8 @@ class Onlooker {
     return drive ? drive->answers_tick : 0;
   }
   [[nodiscard]] pid_t robot() const { return robot_; }
+
+ private:
   [[nodiscard]] bool guard_acts() const {
     const auto frame = link_.drive();
     if (!frame) return false;
@@ -125,7 +131,6 @@ class Onlooker {
                        [](const auto& one) { return one.action >= safety::Action::freeze; });
   }
 
- private:
   link::Link link_;
   SharedTruth truth_;
   std::optional<std::uint64_t> seen_;
@@ -168,25 +173,12 @@ class Hogs {
 /// A blow to a process; hogs live as long as what is given back.
 std::unique_ptr<Hogs> strike(Blow blow, pid_t victim) {
   constexpr rlimit nothing = {.rlim_cur = 0, .rlim_max = 0};
-  switch (blow) {
-    case Blow::kill:
-      kill(victim, SIGKILL);
-      return nullptr;
-    case Blow::stop:
-      kill(victim, SIGSTOP);
-      return nullptr;
-    case Blow::crash:
-      kill(victim, SIGSEGV);
-      return nullptr;
-    case Blow::no_memory:
-      prlimit(victim, RLIMIT_AS, &nothing, nullptr);
-      return nullptr;
-    case Blow::disk_full:
-      prlimit(victim, RLIMIT_FSIZE, &nothing, nullptr);
-      return nullptr;
-    case Blow::hogs:
-      return std::make_unique<Hogs>(2 * std::thread::hardware_concurrency());
-  }
+  if (blow == Blow::hogs) return std::make_unique<Hogs>(2 * std::thread::hardware_concurrency());
+  if (blow == Blow::kill) kill(victim, SIGKILL);
+  if (blow == Blow::stop) kill(victim, SIGSTOP);
+  if (blow == Blow::crash) kill(victim, SIGSEGV);
+  if (blow == Blow::no_memory) prlimit(victim, RLIMIT_AS, &nothing, nullptr);
+  if (blow == Blow::disk_full) prlimit(victim, RLIMIT_FSIZE, &nothing, nullptr);
   return nullptr;
 }
 
@@ -194,6 +186,19 @@ std::unique_ptr<Hogs> strike(Blow blow, pid_t victim) {
 bool ends_controller(const ProcessTrial& trial) {
   return trial.victim == Victim::controller && trial.blow <= Blow::crash;
 }
+
+/// What a session leaves behind, taken away in the end.
+struct Leftovers {
+  std::string name, out;
+
+  ~Leftovers() {
+    std::error_code ignored;
+    std::filesystem::remove_all(out, ignored);
+    for (const char* part :
+         {"drives", "controller", "guard", "bells", "truth", "hand-stop", "operating"})
+      shm_unlink(fmt::format("/tuina-{}-{}", name, part).c_str());
+  }
+};
 
 /// Waits until a tool has pressed for some time; the force then.
 std::optional<Onlooker::Sight> wait_for_contact(Onlooker& onlooker) {
@@ -205,23 +210,30 @@ std::optional<Onlooker::Sight> wait_for_contact(Onlooker& onlooker) {
   return std::nullopt;
 }
 
-void watch(Onlooker& onlooker, const Onlooker::Sight& blow, ProcessOutcome& outcome) {
-  // What drives do without a guard is their own affair: no frame tells of it.
-  const bool guard_is_gone = outcome.trial.victim == Victim::guard;
-  std::uint64_t last_tick = blow.tick, pressed_tick = blow.tick;
+/// Watches from before the blow on. On a busy machine the robot has gone on before it falls, so for
+/// a process that says nothing any more time counts from its last word.
+void watch(Onlooker& onlooker, std::uint64_t struck_tick, ProcessOutcome& outcome) {
+  const ProcessTrial& trial = outcome.trial;
+  std::vector<Onlooker::Sight> sights;
+  std::uint64_t blow_tick = struck_tick;
   while (auto sight = onlooker.next()) {
-    if (sight->tick < blow.tick) continue;
-    const auto after_ms = static_cast<double>(sight->tick - blow.tick);
-    outcome.max_force_n = std::max(outcome.max_force_n, sight->force_n);
-    if (!guard_is_gone && outcome.first_action_ms < 0.0 && onlooker.guard_acts())
-      outcome.first_action_ms = after_ms;
-    if (sight->force_n > let_go_n) pressed_tick = sight->tick;
-    outcome.left_n = sight->force_n;
-    last_tick = sight->tick;
-    if (last_tick - blow.tick >= watched_ticks) break;
+    sights.push_back(*sight);
+    if (trial.blow <= Blow::crash)
+      blow_tick = std::max(struck_tick, onlooker.last_word(trial.victim));
+    if (sight->tick >= blow_tick + watched_ticks) break;
   }
-  if (last_tick > pressed_tick)
-    outcome.released_ms = static_cast<double>(pressed_tick + 1 - blow.tick);
+  std::uint64_t pressed_tick = blow_tick;
+  for (const Onlooker::Sight& sight : sights) {
+    if (sight.tick < blow_tick) continue;
+    outcome.max_force_n = std::max(outcome.max_force_n, sight.force_n);
+    // What drives do without a guard is their own affair: no frame tells of it.
+    if (trial.victim != Victim::guard && outcome.first_action_ms < 0.0 && sight.guard_acts)
+      outcome.first_action_ms = static_cast<double>(sight.tick - blow_tick);
+    if (sight.force_n > let_go_n) pressed_tick = sight.tick;
+    outcome.left_n = sight.force_n;
+  }
+  if (!sights.empty() && sights.back().tick > pressed_tick)
+    outcome.released_ms = static_cast<double>(pressed_tick + 1 - blow_tick);
 }
 
 }  // namespace
@@ -250,6 +262,7 @@ const std::vector<ProcessBlow>& process_blows() {
 Result<ProcessOutcome> run_process_trial(const ProcessTrial& trial) {
   const std::string name = fmt::format("trial-{}-{}", getpid(), trial.seed);
   const std::string out = (std::filesystem::temp_directory_path() / ("tuina-" + name)).string();
+  const Leftovers leftovers{name, out};
   // A process whose files may not grow is told so by its writes, not by a signal that ends it.
   std::signal(SIGXFSZ, SIG_IGN);
   Child session({"tuina", "massage", "--quiet", "--processes", "--link", name, "--programme",
@@ -269,13 +282,7 @@ Result<ProcessOutcome> run_process_trial(const ProcessTrial& trial) {
   ProcessOutcome outcome{.trial = trial, .before_n = contact->force_n};
   const pid_t guard = onlooker->guard();
   const auto hogs = strike(trial.blow, trial.victim == Victim::guard ? guard : session.process());
-  // On a busy machine the robot has gone on before the blow falls: time counts from the last
-  // word, and the others wait two seconds for the next.
-  if (trial.blow <= Blow::crash) {
-    std::this_thread::sleep_for(300ms);
-    contact->tick = std::max(contact->tick, onlooker->last_word(trial.victim));
-  }
-  watch(*onlooker, *contact, outcome);
+  watch(*onlooker, contact->tick, outcome);
   const bool released = outcome.released_ms >= 0.0 && outcome.released_ms <= max_release_ms;
   // Drives without a guard do not know the way out: the tool stays, held by nothing but brakes.
   outcome.held = outcome.max_force_n <= max_force_n && (released || !ends_controller(trial));
@@ -286,10 +293,6 @@ Result<ProcessOutcome> run_process_trial(const ProcessTrial& trial) {
   }
   for (const pid_t left : {guard, onlooker->robot()})
     if (left > 0) kill(left, SIGKILL);
-  std::error_code ignored;
-  std::filesystem::remove_all(out, ignored);
-  for (const char* part : {"drives", "controller", "guard", "bells", "truth"})
-    shm_unlink(fmt::format("/tuina-{}-{}", name, part).c_str());
   return outcome;
 }
 
