@@ -54,7 +54,7 @@ class EvaluateProcesses final : public Verb {
                                                 .real_pace = pace_ == "real"});
         if (bar) bar(static_cast<double>(++done) / (kinds * trials_));
         if (!outcome) {
-          // Some people are refused, or pressed with less: nothing is said of a blow then.
+          // A session may end before anybody is pressed: nothing is said of a blow then.
           if (i + 1 == trials_ && tried_here == 0) return tl::unexpected(outcome.error());
           rows.push_back({{"process", name_of(victim)},
                           {"blow", name_of(blow)},
