@@ -194,6 +194,7 @@ struct Leftovers {
   ~Leftovers() {
     std::error_code ignored;
     std::filesystem::remove_all(out, ignored);
+    std::filesystem::remove(out + ".arming", ignored);
     for (const char* part :
          {"drives", "controller", "guard", "bells", "truth", "hand-stop", "operating"})
       shm_unlink(fmt::format("/tuina-{}-{}", name, part).c_str());
