@@ -157,7 +157,7 @@ TEST_CASE("after the probing presses every tissue that is itself may get all tha
   }
 }
 
-TEST_CASE("tissue three times as stiff at each press is pressed no firmer; without A2 it is") {
+TEST_CASE("thin tissue three times as stiff at each press is pressed no firmer; without A2 it is") {
   const TangentTissue thin{4.5, 263.0};
   CHECK(after_probing_n(thin, 2.0, true) <= 15.0);
   CHECK(after_probing_n(thin, 2.0, false) == 25.0);
