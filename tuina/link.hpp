@@ -6,4 +6,5 @@
 
 #include "tuina/link/guard_process.hpp"
 #include "tuina/link/linked_robot.hpp"
+#include "tuina/link/real_time.hpp"
 #include "tuina/link/supervisor.hpp"

@@ -5,6 +5,7 @@
 #include "apps/tuina/robot/simulated_robot.hpp"
 #include "apps/tuina/verbs.hpp"
 #include "tuina/link/guard_process.hpp"
+#include "tuina/link/real_time.hpp"
 
 namespace tuina::app {
 namespace {
@@ -31,7 +32,7 @@ class GuardVerb final : public Verb {
     auto link = link::Link::open(link_, link::Role::guard);
     if (!link) return tl::unexpected(link.error());
     end_when_asked();
-    const std::string granted = link::be_real_time();
+    const std::string granted = link::be_real_time(link::Priority::guard);
     if (!common.quiet) fmt::print(stderr, "armed: {}; {}\n", link::describe(*arming), granted);
     const auto report = link::keep_guard(*link, *arming, pace_of(pace_), asked_to_end());
     if (!report) return tl::unexpected(report.error());

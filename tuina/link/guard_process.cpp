@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tuina/link/guard_process.hpp"
 
-#include <fmt/format.h>
-#include <sched.h>
-#include <sys/mman.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -102,15 +99,6 @@ void hear_watchers(const Link& link, safety::RobotGuard& guard) noexcept {
 }
 
 }  // namespace
-
-std::string be_real_time() {
-  const bool locked = mlockall(MCL_CURRENT | MCL_FUTURE) == 0;
-  constexpr int above_all_else_of_tuina = 80;
-  const sched_param priority = {.sched_priority = above_all_else_of_tuina};
-  const bool first = sched_setscheduler(0, SCHED_FIFO, &priority) == 0;
-  return fmt::format("memory {}, priority {}", locked ? "locked" : "not locked",
-                     first ? "real-time" : "as any other process");
-}
 
 Result<GuardReport> keep_guard(Link& link, const Arming& arming, Pace pace,
                                const std::atomic<bool>& ends) {

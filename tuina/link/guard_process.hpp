@@ -3,7 +3,6 @@
 
 #include <atomic>
 #include <cstdint>
-#include <string>
 
 #include "tuina/link/arming.hpp"
 #include "tuina/link/link.hpp"
@@ -23,9 +22,6 @@ struct GuardReport {
   double max_check_us = 0.0;       ///< longest time that one judgement took
   PerArm<safety::Verdict> last;
 };
-
-/// Locks the memory of this process and asks for real-time priority; says what was granted.
-[[nodiscard]] std::string be_real_time();
 
 /// The guard as a process: judges each reading of the drives until they end, are silent for twenty
 /// seconds, the session rests its arms, or `ends`. First it tries itself on the first reading: an

@@ -3,6 +3,8 @@
 
 #include <chrono>
 
+#include "tuina/link/real_time.hpp"
+
 namespace tuina::link {
 namespace {
 
@@ -17,6 +19,7 @@ constexpr int silent_guard_ticks = 20;         // then the drives brake
 }  // namespace
 
 LinkedRobot::~LinkedRobot() {
+  if (armed_ && pace_ == Pace::real) end_real_time();
   wish_.ends = 1;
   link_.write(wish_);
 }
@@ -37,6 +40,8 @@ Result<void> LinkedRobot::arm(const Arming& arming) {
   });
   if (!ready)
     return fail(Fault::device, "the guard has not begun within {} s", start_patience.count());
+  // A thread that must wait for its turn longer than the guard waits for it stops the massage.
+  if (pace_ == Pace::real) (void)be_real_time(Priority::loop);
   armed_ = true;
   stop_asked_ = false;
   silent_ticks_ = 0;
@@ -45,6 +50,7 @@ Result<void> LinkedRobot::arm(const Arming& arming) {
 }
 
 void LinkedRobot::rest() noexcept {
+  if (armed_ && pace_ == Pace::real) end_real_time();
   armed_ = false;
   ++wish_.guard;
   link_.write(wish_);

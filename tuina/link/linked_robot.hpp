@@ -21,7 +21,8 @@ class LinkedRobot final : public robot::Robot, public Supervisor {
   ~LinkedRobot() override;
 
   /// Once for each rest: a guard in its own process ends with the massage that it was armed for,
-  /// and the next massage has a new one.
+  /// and the next massage has a new one. At real pace the calling thread is a real-time one from
+  /// then on until it rests, where that is granted.
   [[nodiscard]] Result<void> arm(const Arming& arming) override;
   /// The guard ends, and the drives hold the arms until the next one has come.
   void rest() noexcept override;

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/simulated/devices/device_arms.hpp"
 
-#include <sched.h>
-#include <sys/mman.h>
-
 #include <cstring>
 #include <span>
 
 #include "tuina/hardware/can/emulated_bus.hpp"
+#include "tuina/link/real_time.hpp"
 
 namespace tuina::app {
 namespace {
@@ -55,13 +53,6 @@ Result<void> judge_wrists(const hardware::DeviceFile& file, const SharedTruth& t
                 name_of(arm), there, name_of(arm));
   }
   return {};
-}
-
-/// Of the calling thread, which is one among others again.
-void end_real_time() noexcept {
-  const sched_param usual = {};
-  (void)sched_setscheduler(0, SCHED_OTHER, &usual);
-  (void)munlockall();
 }
 
 /// What has come from a sensor, and what it has failed of; empty where the arm has none.
@@ -158,7 +149,7 @@ Result<std::unique_ptr<DeviceArms>> DeviceArms::open(const std::string& device_f
 }
 
 DeviceArms::~DeviceArms() {
-  end_real_time();
+  link::end_real_time();
 }
 
 bool DeviceArms::lock_step() const noexcept {
@@ -167,7 +158,8 @@ bool DeviceArms::lock_step() const noexcept {
 }
 
 Result<void> DeviceArms::arm(const link::Arming& arming) {
-  pace_ = lock_step() ? "each waits for the other" : "real, " + link::be_real_time();
+  pace_ = lock_step() ? "each waits for the other"
+                      : "real, " + link::be_real_time(link::Priority::loop);
   return guard_.arm(arming);
 }
 
@@ -176,7 +168,7 @@ void DeviceArms::rest() noexcept {
   if (armlink_) armlink_->rest();
   if (drives_) drives_->rest();
   wrists_->rest();
-  end_real_time();
+  link::end_real_time();
 }
 
 record::DeviceRecord::Traffic DeviceArms::traffic(Arm arm) const {

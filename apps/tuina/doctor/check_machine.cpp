@@ -15,6 +15,7 @@
 #include <thread>
 
 #include "tuina/hardware/video_device.hpp"
+#include "tuina/link/real_time.hpp"
 
 namespace tuina::app {
 namespace {
@@ -97,13 +98,14 @@ MachineCheck check_limits() {
           "again"};
 }
 
-/// By how much a thread of the usual priority is woken too late.
+/// By how much a thread is woken too late that asks for the priority of one that controls arms.
 MachineCheck check_wake_ups() {
   constexpr int wake_ups = 300;
   constexpr auto every = std::chrono::milliseconds(1);
   constexpr double max_late_ms = 0.5;
   double worst_ms = 0.0;
   int late = 0;
+  (void)link::be_real_time(link::Priority::loop);
   for (int i = 0; i < wake_ups; ++i) {
     const auto due = steady_clock::now() + every;
     std::this_thread::sleep_until(due);
@@ -111,6 +113,7 @@ MachineCheck check_wake_ups() {
     worst_ms = std::max(worst_ms, by.count());
     late += by.count() > max_late_ms ? 1 : 0;
   }
+  link::end_real_time();
   return {.what = "wake-ups",
           .good = late == 0,
           .finding = fmt::format(

@@ -8,7 +8,7 @@
 #include "apps/tuina/robot/simulated_robot.hpp"
 #include "apps/tuina/verbs.hpp"
 #include "tuina/core/io/file.hpp"
-#include "tuina/link/guard_process.hpp"
+#include "tuina/link/real_time.hpp"
 
 namespace tuina::app {
 namespace {
@@ -35,6 +35,10 @@ class RobotSimulate final : public Verb {
     auto truth = SharedTruth::map(truth_name(link_), link::SharedMemory::Use::write);
     if (!truth) return tl::unexpected(truth.error());
     end_when_asked();
+    if (pace_ == "real") {
+      const std::string granted = link::be_real_time(link::Priority::loop);
+      if (!common.quiet) fmt::print(stderr, "the arms wait for their guard; {}\n", granted);
+    }
     const auto report = keep_robot(*link, *truth, *room->world, pace_of(pace_), asked_to_end());
     if (!report) return tl::unexpected(report.error());
     return SimulatedRobot::answer(*report);
@@ -85,7 +89,8 @@ class RobotArmlink final : public Verb {
     if (!hand) return tl::unexpected(hand.error());
     arms->lead_by(std::move(*hand));
     end_when_asked();
-    const std::string granted = pace_ == "real" ? "; " + link::be_real_time() : "";
+    const std::string granted =
+        pace_ == "real" ? "; " + link::be_real_time(link::Priority::loop) : "";
     if (!common.quiet) fmt::print(stderr, "the arms wait for their host{}\n", granted);
     const auto report = arms->keep(*room->world, *truth, asked_to_end());
     if (!report) return tl::unexpected(report.error());
