@@ -41,7 +41,6 @@ constexpr double drift_kept = 0.98;
 
 constexpr int blamed_ticks = 5;
 constexpr double returning_m_per_s = 0.05, flying_off_m_per_s = 0.35;
-constexpr int stuck_ticks = 10;
 constexpr double max_zero_jump_n = 1.2;  // the weight of the lightest tool is 1.5 N
 
 constexpr double reversed_n = 8.0;  // more than drift and weight can feign
@@ -140,7 +139,7 @@ void Guard::judge_drives(const Observation& seen, Finding& finding) noexcept {
 
 void Guard::take_sample(const Observation& seen, Finding& finding) noexcept {
   const double force_n = seen.force_in_base_n.norm();
-  const bool stuck = seen.wrist_repeats >= stuck_ticks;
+  const bool stuck = seen.wrist_repeats > max_wrist_repeats;
   if (stuck) finding.add(Action::retract, Cause::force_stuck);
   if (seen.wrist_stepped) finding.add(Action::retract, Cause::force_off_zero);
   force_doubted_ = force_doubted_ || stuck || seen.wrist_stepped;

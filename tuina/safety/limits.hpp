@@ -48,7 +48,8 @@ enum class Phase : std::uint8_t { free, approach, contact, retract };
 
 /// Limits that no config can raise.
 struct Ceilings {
-  /// Tool speed that stops the arm. What is commanded stays below: 250, 50, 80 and 100 mm/s.
+  /// Tool speed that stops the arm, by phase. Orders stay below: 200, 50, 80 and 100 mm/s; escapes
+  /// are judged apart.
   std::array<double, 4> tool_speed_m_per_s = {0.30, 0.15, 0.25, 0.30};
   double inward_m_per_s = 0.15;      ///< in contact, into the body: no faster than an approach
   double pushed_out_m_per_s = 0.12;  ///< in contact, along the normal: the person gets up
@@ -56,7 +57,7 @@ struct Ceilings {
   double over_cap_n = 10.0;  ///< this much above the set ceiling is borne for 100 ms only
   double torque_rate_nm_per_s = 1000.0;
   double encoder_jump_rad = 5e-3;  ///< in one millisecond
-  /// Of an elbow that swings while the tool stays; the last two joints turn the hand only.
+  /// Of the first four joints, which carry the forearm: an elbow that swings while the tool stays.
   double joint_speed_rad_per_s = 3.0;
   double stale_freeze_s = 3e-3;  ///< age of the wrist sensor's sample
   double stale_retract_s = 5e-3;
@@ -68,5 +69,9 @@ struct Ceilings {
   double free_inward_n = 60.0;  ///< of an arm that nobody says to press
 };
 inline constexpr Ceilings ceilings;
+
+/// Samples of a wrist sensor in a row that may each be equal to the one before, to the last bit;
+/// with one more it counts as stuck.
+inline constexpr int max_wrist_repeats = 9;
 
 }  // namespace tuina::safety

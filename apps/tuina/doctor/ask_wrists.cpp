@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tuina/hardware/wrist_sensor.hpp"
+#include "tuina/safety/limits.hpp"
 
 namespace tuina::app {
 namespace {
@@ -14,9 +15,7 @@ using nlohmann::ordered_json;
 using namespace std::chrono_literals;
 
 constexpr auto listened = 1500ms;
-// What the guard's zero follows, and what it bears of samples that say the same.
-constexpr double max_drift_n_per_min = 1.0;
-constexpr int max_row = 19;
+constexpr double max_drift_n_per_min = 1.0;  // what the guard's zero follows
 
 /// What one sensor said while nothing touched it.
 struct Quiet {
@@ -118,11 +117,12 @@ FoundWrist ask_wrist(hardware::WristDevice device) {
       "N/min",
       device.address, sensor->measured_rate_hz(), traffic.lost, quiet.force_rms_n,
       quiet.torque_rms_nm, quiet.drift_n_per_min, 2.0 * quiet.drift_sd_n_per_min);
-  if (traffic.longest_row > max_row)
+  if (traffic.longest_row > safety::max_wrist_repeats)
     found.note = fmt::format(
-        "; it said the same {} times in a row, and the guard takes 20 for a fault: use a wider "
-        "filter",
-        traffic.longest_row + 1);
+        "; {} samples in a row were equal to the one before, and the guard takes {} for a fault: "
+        "use "
+        "a wider filter",
+        traffic.longest_row, safety::max_wrist_repeats + 1);
   if (quiet.drift_n_per_min - 3.0 * quiet.drift_sd_n_per_min > max_drift_n_per_min)
     found.note +=
         "; the guard's zero follows 1 N/min: let the sensor warm up, with nothing touching it";
