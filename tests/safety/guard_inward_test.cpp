@@ -231,43 +231,6 @@ TEST_CASE("a tool that no joint moves presses nobody") {
   CHECK(scene.tick(200).cause == Cause::none);
 }
 
-TEST_CASE("a leash may press as hard as the trip, in contact only, and only along the normal") {
-  Scene scene;
-  scene.face(Vector3::UnitZ());
-  scene.seen.tool_in_base = {0.0, 0.0, 0.125};
-  const auto drawn = [&](const Vector3& by_m, double stiffness_n_per_m, Phase phase) {
-    Scene copy = scene;
-    copy.proposal.virtual_target_in_base = copy.seen.tool_in_base + by_m;
-    copy.proposal.stiffness_n_per_m = stiffness_n_per_m;
-    copy.proposal.phase = phase;
-    return copy.tick();
-  };
-  const Vector3 inward_m(0.0, 0.0, -0.0625);
-  CHECK(drawn(inward_m, 960.0, Phase::contact).action == Action::pass);  // 60 N
-  CHECK(drawn(inward_m, 960.1, Phase::contact).action == Action::retract);
-  CHECK(drawn(inward_m, 960.1, Phase::contact).cause == Cause::leash_too_long);
-  CHECK(drawn(inward_m, 960.1, Phase::contact).latched);
-  CHECK(drawn(-inward_m, 5000.0, Phase::contact).action == Action::pass);
-  CHECK(drawn({0.1, 0.1, 0.0}, 5000.0, Phase::contact).action == Action::pass);
-  for (const Phase phase : {Phase::free, Phase::approach, Phase::retract})
-    CHECK(drawn(inward_m, 5000.0, phase).action == Action::pass);
-}
-
-TEST_CASE("a set force over the ceiling of its zone, or none, is not pressed") {
-  for (std::size_t zone = 0; zone < zones; ++zone) {
-    const double set_n = force_ceilings[zone].set_n;
-    for (const double force_n : {set_n, set_n + 1e-9, not_a_number, infinity}) {
-      Scene scene;
-      scene.force_n = 0.0;
-      scene.proposal.virtual_target_in_base = scene.seen.tool_in_base;
-      scene.proposal.zone = static_cast<Zone>(zone);
-      scene.proposal.set_force_n = force_n;
-      CHECK(scene.tick().action == (force_n == set_n ? Action::pass : Action::retract));
-      if (force_n != set_n) CHECK(scene.verdict.cause == Cause::set_force_too_high);
-    }
-  }
-}
-
 TEST_CASE("joints that reach harmless torques one after the other are clamped on the way") {
   Scene scene;
   const Vector3 normal(0.8, 0.6, 0.0);

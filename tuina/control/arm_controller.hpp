@@ -101,8 +101,8 @@ class ArmController {
   ArmController(const robot::ArmModel& model, const Options& options) noexcept;
 
   /// Converts readings to a state; call once per tick, before `step`. Drives that obey later than
-  /// the next command are damped less, and so are springs, as long as they do and a second beyond:
-  /// a damper that acts late drives what it should damp.
+  /// the next command are damped less, and so are springs: a damper that acts late drives what it
+  /// should damp. After the last late command this wears off by one tick of delay a second.
   [[nodiscard]] ArmState sense(const robot::ArmReading& reading, double time_s,
                                double rail_m) noexcept {
     soften(reading.command_age);

@@ -11,7 +11,7 @@ class BeatCorrection {
   /// Bounds of the correction from beat to beat.
   struct Options {
     double kept_n = 3.0;       ///< force between two beats
-    double first_n = 10.0;     ///< most of the first beat
+    double first_n = 10.0;     ///< largest force of the first beat
     double first_share = 0.9;  ///< of what is wanted, for the first beat
     double aim = 0.985;        ///< share of what is wanted: the true force swings about its goal
     double share = 0.8;        ///< of the error of a beat, made up for in the next

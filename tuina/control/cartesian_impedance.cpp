@@ -24,7 +24,7 @@ Vector3 turning_nm(const robot::ArmDynamics& dynamics, const JointVector& dq,
   const double angle = std::atan2(sine, axis.dot(reference.pose.normal_in_base));
   const Vector3 error = sine > 1e-9 ? Vector3(cross * (angle / sine)) : Vector3(cross);
   const Vector3 omega = dynamics.jacobian.bottomRows<3>() * dq;
-  // Damping for about 0.03 kg m2 of wrist with its rotors.
+  // Damping for 0.05 kg m2: a wrist with its rotors.
   const double damping = 2.0 * gains.damping_ratio * std::sqrt(gains.stiffness_nm_per_rad * 0.05);
   Vector3 spring = gains.stiffness_nm_per_rad * error;
   spring *= std::min(1.0, gains.max_nm / std::max(spring.norm(), 1e-9));

@@ -5,10 +5,9 @@
 
 namespace tuina::control {
 
-/// Gains for arms whose motion, and so the force that comes of it, follows by `lag_s`: those that
-/// take places (docs/control.md). None is 0, and these are the gains of `options` then. The damping
-/// of contact rises and the trim slows down with the lag, so that the force loop keeps its distance
-/// from ringing.
+/// Gains for arms that take places (docs/position_arms.md): their motion, and so the force, follows
+/// by `lag_s`. At 0 they are those of `options`. The damping of contact rises and the trim slows
+/// down with the lag, so that the force loop keeps its distance from ringing.
 [[nodiscard]] ArmController::Options for_late_force(ArmController::Options options,
                                                     double lag_s) noexcept;
 

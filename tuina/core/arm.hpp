@@ -40,8 +40,8 @@ using JointMatrix =
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, max_joints, max_joints>;
 /// @}
 
-/// Force and torque of the environment on the robot at the tool; the name of the variable says the
-/// frame.
+/// Force and torque of the environment on the robot, the torque about the tool's origin; the name
+/// of the variable says along which axes.
 struct Wrench {
   Vector3 force_n = Vector3::Zero();
   Vector3 torque_nm = Vector3::Zero();

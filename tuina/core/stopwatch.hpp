@@ -8,7 +8,7 @@ namespace tuina {
 /// Time since it was made, by the steady clock.
 class Stopwatch {
  public:
-  /// S since it was made.
+  /// Seconds since it was made.
   [[nodiscard]] double seconds() const {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
   }

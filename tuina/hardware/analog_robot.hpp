@@ -16,7 +16,8 @@ namespace tuina::hardware {
 
 /// One joint on the card. Signs say which way it turns.
 struct AnalogJoint {
-  /// Of the joint: the amplifier's volts an ampere, by the motor's torque constant and the gear.
+  /// Volts for a newton metre at the joint: amplifier's volts per ampere / (torque constant x
+  /// gear).
   double volts_per_nm = 0.0;
   double counts_per_rad = 0.0;  ///< of the joint
   std::int64_t zero_count = 0;  ///< where the joint is at 0
@@ -28,8 +29,7 @@ struct AnalogJoint {
 /// those of `Cia402Robot`, and have no linear base.
 class AnalogRobot final : public robot::Robot {
  public:
-  /// By what a millisecond goes: the host's steady clock, or each `read` of a card that is
-  /// simulated.
+  /// What times a millisecond: the host's steady clock, or each `read` of a simulated card.
   enum class Clock : std::uint8_t { host, card };
 
   /// The card must outlive this. Fails with Fault::config where the joints are not those of the

@@ -30,7 +30,7 @@ class Ax12Turntable final : public scanner::Turntable {
   /// whole multiples of 0.666 degrees per second. Fails when an angle is beyond the motor's, or
   /// the unit does not come to where it begins.
   [[nodiscard]] Result<void> sweep(double from_rad, double to_rad, double rad_per_s) override;
-  /// One step each 0.1 s, which is a count of the motor at least.
+  /// Takes a step every 0.1 s, of at least one count of the motor (0.29 degrees).
   [[nodiscard]] Result<void> step(double from_rad, double to_rad, double step_rad) override;
   [[nodiscard]] Result<bool> arrived() const override;
   [[nodiscard]] Result<void> switch_laser(bool on) override;

@@ -7,8 +7,8 @@
 namespace tuina::hardware {
 namespace {
 
-// What the arms differ by within a motion is how well their lag is known, and no motion that the
-// torques of a controller or the watch of a guard should answer to. Only what lasts is a place.
+// Differences within a motion tell only how well the arms' lag is known, and neither controller nor
+// guard should answer to them. What lasts this long is a real difference.
 constexpr double lasting_s = 0.5;
 constexpr int far_away_ticks = 5;
 // Drives that were believed are so until the wrist feels all but this of what they press with.

@@ -13,7 +13,7 @@ namespace tuina::hardware {
 
 /// Arms that take places and no torques, as the torque-controlled robot that everything else is
 /// written for: each follows a `VirtualArm` of the robot's table, which obeys the torques that the
-/// guard lets through and yields to the force at its wrist (docs/armlink.md).
+/// guard lets through and yields to the force at its wrist (docs/position_arms.md).
 ///
 /// A reading has the virtual arm's joints, which are not late, and what the real ones differ by for
 /// longer from where they should be by now. Real arms that are elsewhere altogether are a fault.

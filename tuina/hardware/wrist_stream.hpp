@@ -17,7 +17,7 @@ struct WristTraffic {
   std::uint64_t again = 0;   ///< came twice
   std::uint64_t late = 0;    ///< came after a newer one
   std::uint64_t spoilt = 0;  ///< belonged to no frame
-  int longest_row = 0;       ///< samples in a row that were the one before to the last count
+  int longest_row = 0;       ///< longest run of samples equal to the one before, to the last count
 };
 
 /// Judges the samples of one sensor as they come, and turns counts into a wrench at the tool. Takes

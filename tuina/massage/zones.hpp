@@ -15,7 +15,7 @@ namespace tuina::massage {
 /// Regions of a back by what lies under the skin, from the least to the most restricted.
 enum class Zone : std::uint8_t {
   muscle,        ///< Muscle beside the spine, around the shoulder blade, the loin.
-  kidney,        ///< T12 to L3, 40 to 90 mm beside the spine
+  kidney,        ///< T12 to L3, from 40 mm beside the spine to 90 mm or 3.5 cun, the larger
   ribs,          ///< Ribs beside the muscle, below the shoulder blade, above T12.
   scapula_edge,  ///< Medial border and spine of the shoulder blade.
   iliac_crest,   ///< Rim of the pelvis.

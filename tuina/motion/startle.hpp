@@ -8,7 +8,7 @@
 
 namespace tuina::motion {
 
-/// Largest force that a person who starts up may meet (fault 16 of docs/safety.md).
+/// Largest force that a person who starts up may meet (fault 16 of docs/safety_campaign.md).
 inline constexpr double max_startle_n = 75.0;
 /// Postures in which a push along the normal of the skin feels a larger mass are avoided: a person
 /// who starts up with 2 g has to accelerate it before anybody has let go.

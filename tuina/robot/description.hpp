@@ -64,8 +64,8 @@ struct Description {
 void add_arm(Description& robot, const ArmTable& table, const std::string& side, int parent,
              const Transform& parent_from_shoulder);
 
-/// The robot of the thesis: linear base and two arms. The rail's dry mass is that of column and
-/// controllers.
+/// Two arms on a linear base that moves along the mount's axis. `column_kg` is what rides on it
+/// besides the arms.
 [[nodiscard]] Description describe(const RobotMount& mount, const PerArm<ArmTable>& tables,
                                    double column_kg = 60.0);
 

@@ -74,8 +74,8 @@ struct PostureOptions {
 [[nodiscard]] JointVector mirrored(const ArmTable& table, const RobotMount& mount,
                                    const JointVector& q_rad) noexcept;
 
-/// Where the linear base has to stand so that each arm reaches all its goals, as dexterous as can
-/// be at the worst of them. Fails with how many goals are reached at best and the first that is
+/// Place of the linear base, m, at which each arm reaches all its goals, as dexterous as can be at
+/// the worst of them. Fails with how many goals are reached at best and the first that is
 /// not.
 [[nodiscard]] Result<double> choose_rail(const PerArm<const ArmModel*>& arms,
                                          const RobotMount& mount,

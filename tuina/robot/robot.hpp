@@ -56,8 +56,9 @@ struct ReadyPose {
 class Robot {
  public:
   virtual ~Robot() = default;
-  /// Brings the robot there by its own drives, away from anybody; blocks until it stands. A robot
-  /// that stands already, because a massage was broken off and goes on, stays as it is.
+  /// Brings the robot to this pose by its own drives, away from anybody; blocks until it stands. A
+  /// robot that stands already, because a massage was broken off and goes on, stays as it is. Fails
+  /// with Fault::device when the pose is not reached.
   [[nodiscard]] virtual Result<void> stand_ready(const ReadyPose& pose) = 0;
   /// Waits for the next millisecond; nothing when the robot gave no reading in it.
   [[nodiscard]] virtual std::optional<RobotReading> read() noexcept = 0;

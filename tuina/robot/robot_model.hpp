@@ -25,8 +25,8 @@ struct BodyBox {
   Vector3 middle_in_base = Vector3::Zero();
   Vector3 edges_m = Vector3::Zero();
   bool rides = false;  ///< moves with the linear base
-  /// Reaches along x over the whole linear base, by its first edge longer than that; its middle is
-  /// counted from the middle of the linear base.
+  /// Whether the box reaches along x over the whole linear base. Its x edge is then what it is
+  /// longer than that, and its x middle counts from the middle of the linear base.
   bool spans_rail = false;
 };
 

@@ -17,8 +17,8 @@ void VirtualArm::stand(const JointVector& q_rad) noexcept {
   dq_rad_per_s_ = JointVector::Zero(q_rad.size());
 }
 
-// Who feels nothing, or believes in a pull, could press any hard: torques bound the force of an arm
-// that takes them, but nothing except its sensor that of one which takes places.
+// An arm that feels nothing, or a pull, would press as hard as it can. Torques bound what an arm
+// presses with that takes them; with one that takes places only the sensor does.
 void VirtualArm::keep_from_pressing(const ArmDynamics& dynamics) noexcept {
   const Vector3 inward = dynamics.base_from_tool.linear().col(0);
   const JointVector lever = dynamics.jacobian.topRows<3>().transpose() * inward;

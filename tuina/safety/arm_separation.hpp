@@ -29,7 +29,7 @@ class ArmSeparation {
 
   /// Distance between the surfaces of the arms at the last reading.
   [[nodiscard]] double apart_m() const noexcept { return apart_m_; }
-  /// False when the last violation was between the two arms.
+  /// False when the arms were too close to each other at the last reading, or one was not known.
   [[nodiscard]] bool arms_keep() const noexcept { return arms_keep_; }
 
  private:

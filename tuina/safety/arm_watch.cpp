@@ -11,7 +11,8 @@ namespace tuina::safety {
 namespace {
 
 constexpr double averaged_ticks = 100.0;
-// Wrist sensors drift by half of this; who proposes cannot hurry it, for ticks are counted.
+// Zeros may be off by 3 N and drift by 1 N a minute, twice what sensors do. Time is counted in
+// ticks, so that no proposal can hurry it.
 constexpr double max_zero_n = 3.0, max_drift_n_per_s = 1.0 / 60.0;
 constexpr double first_look_s = 0.05;
 constexpr double at_stop_rad = 0.02;

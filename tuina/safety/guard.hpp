@@ -85,8 +85,8 @@ struct Observation {
   int reversed_joint = -1;  ///< whose drive, not believed then, turns the other way; -1: none
   /// Change of what the wrist sensor says of nothing but the tool, beyond what sensors drift by.
   double zero_jump_n = 0.0;
-  int wrist_repeats = 0;  ///< samples of the wrist sensor that were the one before to the last bit
-  bool wrist_stepped = false;             ///< it has changed as no body can change it
+  int wrist_repeats = 0;       ///< samples in a row equal to the one before, to the last bit
+  bool wrist_stepped = false;  ///< it has changed as no body can change it
   const ZoneField::Cell* skin = nullptr;  ///< under the tool, where the guard knows the person
 };
 

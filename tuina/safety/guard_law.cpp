@@ -20,7 +20,7 @@ constexpr double max_inward_n = 5.0;
 constexpr double max_outward_n = 40.0;
 constexpr double pressed_n = 5.0;  // from here the person is still in the way of leaving
 constexpr double push_out_n = 80.0;
-// A person sits up at 0.6 m/s at most (docs/safety.md); the tool must be able to be faster.
+// A person sits up at half a metre a second (docs/safety.md); the tool must be able to be faster.
 constexpr double push_out_m_per_s = 0.8;
 // As far and as fast as who sits up comes.
 constexpr double blind_way_m = 0.2, blind_m_per_s = 0.5;

@@ -14,7 +14,7 @@ enum class Action : std::uint8_t {
   freeze,   ///< the tool stays where it is
   comply,   ///< no stiffness, only damping: the tool can be pushed away
   retract,  ///< outward along the normal, then hold
-  brake,    ///< the joints cannot be known: only the drives' brakes are left
+  brake,    ///< the drives' brakes hold the joints: no law of torques can be trusted
 };
 inline constexpr std::size_t actions = 6;
 /// In words for people, as reports and records have it.
@@ -31,7 +31,7 @@ enum class GuardState : std::uint8_t {
 };
 inline constexpr std::size_t guard_states = 6;
 
-/// True for a state that lasts until somebody resets the guard.
+/// True for a stop: it lasts as long as this guard. Who goes on begins with a new one.
 [[nodiscard]] constexpr bool is_stop(GuardState state) {
   return state >= GuardState::held;
 }

@@ -13,11 +13,11 @@ namespace tuina::session {
 
 /// Carries the milliseconds of a session to an observer that may be slow - a terminal, a file, a
 /// network - on a thread of its own. The session never waits for it: when the observer falls more
-/// than four seconds behind, milliseconds are left out and counted. Only a simulation whose clock
-/// nobody lives by may wait (`Behind::wait`). Scan, map and plan are
-/// passed on at once, after the milliseconds before them; `on_performed` is not, since a `Tick`
-/// tells of the path that ended. An observer that has not caught up within a second when one of
-/// them comes is told nothing any more.
+/// than four seconds behind, milliseconds are left out and counted. Only a simulation that
+/// runs as fast as it can may wait (`Behind::wait`): it keeps pace with no clock. Scan, map and
+/// plan are passed on at once, after the milliseconds before them; `on_performed` is not, since a
+/// `Tick` tells of the path that ended. An observer that has not caught up within a second when one
+/// of them comes is told nothing any more.
 class Relay final : public Observer {
  public:
   /// What becomes of a millisecond for which there is no room.

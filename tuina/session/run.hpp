@@ -36,7 +36,7 @@ struct Devices {
   scanner::Turntable& turntable;
   robot::Robot& robot;
   link::Supervisor* supervisor = nullptr;  ///< null: the guard runs in this process
-  double lag_s = 0.0;  ///< by which arms that take places, and so the force, follow
+  double lag_s = 0.0;  ///< by which arms that take places, and their force, follow; torques: 0
 };
 
 /// What is known and wanted before a session begins.

@@ -30,7 +30,7 @@ struct Decision {
   double time_s = 0.0;
   Arm arm = Arm::left;
   int path = 0;
-  const char* rule = "";    ///< "A3"
+  const char* rule = "";    ///< "A2"
   const char* reason = "";  ///< a sentence for people
   const char* key = "";     ///< of that sentence, for who says it in another language
   double from_n = 0.0;      ///< force before

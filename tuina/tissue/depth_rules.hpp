@@ -10,8 +10,8 @@ namespace tuina::tissue {
 
 /// Rules from what was felt to massage parameters. They only lower what was ordered (`ordered_n`)
 /// and what the body zone allows (`region_cap_n`). Real-time: no heap, no exceptions; non-finite
-/// input counts as unknown. The thresholds are proposals for a therapist to confirm; the numbers A1
-/// to A9 are those of docs/tissue.md, where A3, A4 and A8 are not in use.
+/// input counts as unknown. The thresholds are proposals for a therapist to confirm; the numbers
+/// are those of docs/tissue.md. A3 and A4 are gone; A8 stands in session/steering.cpp.
 
 /// A1. Peak force of the next probing press: 8 N at first, then as far as the bend of the curve at
 /// 2.5 alpha and at least seven tenths of what was ordered, from where the rest is foretold. At

@@ -23,8 +23,8 @@ namespace tuina::hardware {
 /// Where the buses of a robot come from.
 struct CanBuses {
   std::function<Result<CanBus>(const std::string& name)> open = CanBus::open;
-  /// Drives are emulated and nobody is real: a millisecond lasts until all have told, so long at
-  /// the most.
+  /// For emulated drives only: a millisecond lasts until all drives have told, `patience` at
+  /// most.
   bool wait = false;
   std::chrono::milliseconds patience{200};
 };

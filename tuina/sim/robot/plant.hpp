@@ -105,7 +105,7 @@ class Plant final : public robot::Robot {
     PerArm<JointVector> q_rad;
     double rail_m = 0.0;
   };
-  /// The robot of the thesis. `arms` and `mount` are the true ones. `person` may be null and must
+  /// Two arms on a linear base. `arms` and `mount` are the true ones. `person` may be null and must
   /// outlive the plant.
   [[nodiscard]] static Result<std::unique_ptr<Plant>> make(const robot::RobotMount& mount,
                                                            const PerArm<robot::ArmTable>& arms,

@@ -97,7 +97,7 @@ struct SteeringDecision {
   double time_s = 0.0;
   Arm arm = Arm::left;
   std::string path = {};  ///< its name
-  std::string rule = {};  ///< "A3"
+  std::string rule = {};  ///< "A2"
   std::string reason = {};
   std::string key = {};  ///< of the reason, for who says it in another language
   double from_n = 0.0;
