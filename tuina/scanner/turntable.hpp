@@ -22,8 +22,8 @@ struct YawReading {
 class Turntable {
  public:
   virtual ~Turntable() = default;
-  /// Starts one continuous turn; frames of the camera belong to it until `arrived`. Fails
-  /// with Fault::device when the unit does not answer or cannot turn so.
+  /// Starts one continuous turn; frames of the camera belong to it until `arrived`. Fails with
+  /// Fault::device when the unit does not answer or cannot turn so.
   [[nodiscard]] virtual Result<void> sweep(double from_rad, double to_rad, double rad_per_s) = 0;
   /// Starts a turn in steps, the unit standing still while each frame is taken ("stop and shoot",
   /// [thesis] chapter 4); frames of the camera belong to it until `arrived`.

@@ -119,9 +119,8 @@ FoundWrist ask_wrist(hardware::WristDevice device) {
       quiet.torque_rms_nm, quiet.drift_n_per_min, 2.0 * quiet.drift_sd_n_per_min);
   if (traffic.longest_row > safety::max_wrist_repeats)
     found.note = fmt::format(
-        "; {} samples in a row were equal to the one before, and the guard takes {} for a fault: "
-        "use "
-        "a wider filter",
+        "; {} samples in a row were equal to the one before, and the guard takes {} for a "
+        "fault: use a wider filter",
         traffic.longest_row, safety::max_wrist_repeats + 1);
   if (quiet.drift_n_per_min - 3.0 * quiet.drift_sd_n_per_min > max_drift_n_per_min)
     found.note +=
