@@ -27,6 +27,7 @@ ordered_json json_of(const robot::Link& link) {
           {"inertia_kg_m2", link.inertia_kg_m2},
           {"inertia_products_kg_m2", link.inertia_products_kg_m2},
           {"rotor_inertia_kg_m2", link.rotor_inertia_kg_m2},
+          {"gear_nm_per_rad", link.gear_nm_per_rad},
           {"coulomb_nm", link.coulomb_nm},
           {"viscous_nm_s_per_rad", link.viscous_nm_s_per_rad},
           {"radius_mm", to_mm(link.radius_m)}};

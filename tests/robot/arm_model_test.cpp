@@ -194,6 +194,32 @@ TEST_CASE("the apparent mass is the inverse of the mobility along one direction"
   }
 }
 
+TEST_CASE("a tool yields unseen by what its gears wind up under a force") {
+  ArmTable table = thesis_arm();
+  table.links[1].gear_nm_per_rad = 0.0;  // an encoder at the joint sees all of it
+  const ArmModel model(table, askew(), Arm::left);
+  Random random = make_random(7, "arm states");
+  constexpr double force_n = 20.0, rail_m = 0.1;
+  for (int n = 0; n < 100; ++n) {
+    const State state = draw(random);
+    const Vector3 along = Vector3(state.dq.head<3>()).normalized();
+    const auto seen = model.kinematics(state.q, rail_m);
+    JointVector q = state.q;
+    for (int i = 0; i < table.joints; ++i) {
+      const double stiffness = table.links[static_cast<std::size_t>(i)].gear_nm_per_rad;
+      const double torque_nm = force_n * seen.jacobian.col(i).head<3>().dot(along);
+      if (stiffness > 0.0) q[i] += torque_nm / stiffness;
+    }
+    const Vector3 moved_m =
+        model.base_from_tool(q, rail_m).translation() - seen.base_from_tool.translation();
+    const double yields = unseen_yield_m_per_n(table, seen.jacobian, along);
+    CHECK(force_n * yields == doctest::Approx(moved_m.dot(along)).epsilon(0.02).scale(1e-4));
+  }
+  for (Link& link : table.links) link.gear_nm_per_rad = 0.0;
+  CHECK(unseen_yield_m_per_n(table, model.kinematics(draw(random).q, 0.0).jacobian,
+                             Vector3::UnitX()) == 0.0);
+}
+
 TEST_CASE("an arm in a mirrored posture is the other arm's mirror image") {
   const RobotMount mount = mount_for(BodyPosture::prone);
   const ArmTable table = thesis_arm();

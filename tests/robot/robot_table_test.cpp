@@ -71,6 +71,7 @@ TEST_CASE("a table that is written is read as the same robot") {
       CHECK(one.offset_rad == other.offset_rad);
       CHECK(one.d_m == other.d_m);
       CHECK(one.min_rad == other.min_rad);
+      CHECK(one.gear_nm_per_rad == other.gear_nm_per_rad);
       CHECK(one.com_in_joint == other.com_in_joint);
       CHECK(one.inertia_products_kg_m2 == other.inertia_products_kg_m2);
     }

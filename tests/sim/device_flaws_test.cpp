@@ -52,7 +52,7 @@ robot::RobotReading hold(Plant& plant, double extra_nm = 0.0) {
 }  // namespace
 
 TEST_CASE("an elastic gear shows the motor where it stands and the joint hangs from it") {
-  const auto plant = plant_with({.gear_softness = 2.0});
+  const auto plant = plant_with({.gear_softness = 2.0, .gear_spread = 0.0});
   robot::RobotReading reading;
   for (int ms = 0; ms < 1000; ++ms) reading = hold(*plant);
   const JointVector weight_nm = left_arm.gravity_nm(bent()[Arm::left]);
@@ -60,7 +60,7 @@ TEST_CASE("an elastic gear shows the motor where it stands and the joint hangs f
   for (int i = 0; i < 3; ++i) {
     const auto k = static_cast<std::size_t>(i);
     const double wound_rad = reading.arms[Arm::left].q_rad[i] - truth.q_rad[i];
-    const double nm_per_rad = 0.5 * 140.0 * believed.links[k].torque_limit_nm;
+    const double nm_per_rad = 0.5 * believed.links[k].gear_nm_per_rad;
     CAPTURE(i);
     CHECK(wound_rad == doctest::Approx(weight_nm[i] / nm_per_rad).epsilon(0.1).scale(1e-3));
   }
@@ -70,19 +70,22 @@ TEST_CASE("an elastic gear shows the motor where it stands and the joint hangs f
 }
 
 TEST_CASE("behind backlash a joint moves freely, and a rigid gear has none") {
-  const auto worn = plant_with({.gear_softness = 1.0, .backlash_rad = 3e-3});
-  const auto tight = plant_with({.gear_softness = 1.0});
-  const auto slack_rad = [](Plant& plant) {
+  constexpr double play_rad = 3e-3;
+  // Without friction, so that a push to either side lets the motor run through its play.
+  const auto slack_rad = [](double backlash_rad) {
     const auto wound = [&](double extra_nm) {
+      const auto plant =
+          plant_with({.gear_softness = 1.0, .gear_spread = 0.0, .backlash_rad = backlash_rad}, 0.0);
       robot::RobotReading reading;
-      for (int ms = 0; ms < 400; ++ms) reading = hold(plant, extra_nm);
-      return reading.arms[Arm::left].q_rad[1] - plant.truth().arms[Arm::left].q_rad[1];
+      for (int ms = 0; ms < 100; ++ms) reading = hold(*plant, extra_nm);
+      return reading.arms[Arm::left].q_rad[1] - plant->truth().arms[Arm::left].q_rad[1];
     };
-    const double one_way = wound(2.0), other_way = wound(-2.0);
-    return std::abs(one_way - other_way);
+    constexpr double more_than_its_weight_nm = 20.0;
+    return std::abs(wound(more_than_its_weight_nm) - wound(-more_than_its_weight_nm));
   };
-  CHECK(slack_rad(*tight) < 2e-3);
-  CHECK(slack_rad(*worn) >= slack_rad(*tight));
+  const double tight = slack_rad(0.0);
+  CHECK(tight < 3e-3);
+  CHECK(slack_rad(play_rad) > tight + 0.5 * play_rad);
 }
 
 TEST_CASE("a motor whose torque ripples moves an arm without friction, a steady one does not") {

@@ -84,6 +84,12 @@ class ArmModel {
   double reach_m_ = 0.0;
 };
 
+/// By how much encoders at the motors say a tool deeper than it is, in metres for each newton along
+/// the unit `direction_in_base` on its origin: the gears give way. Zero where no gear's stiffness
+/// is known.
+[[nodiscard]] double unseen_yield_m_per_n(const ArmTable& table, const Jacobian& jacobian,
+                                          const Vector3& direction_in_base) noexcept;
+
 /// The models of both arms of one robot.
 [[nodiscard]] PerArm<ArmModel> both_models(const ArmTable& table, const RobotMount& mount) noexcept;
 

@@ -26,6 +26,9 @@ struct Link {
   /// Off-diagonal entries of the same tensor: xy, xz, yz.
   std::array<double, 3> inertia_products_kg_m2 = {};
   double rotor_inertia_kg_m2 = 0.0;  ///< motor's inertia, seen through the gear
+  /// Stiffness between an encoder at the motor and the joint; zero: not known, or the encoder sits
+  /// at the joint.
+  double gear_nm_per_rad = 0.0;
 
   double coulomb_nm = 0.0;  ///< friction of motor and gear
   double viscous_nm_s_per_rad = 0.0;

@@ -103,7 +103,14 @@ void MassageStep::press_on(Side& side, Arm arm, double time_s) noexcept {
        .normal_in_base = now.point.normal_in_base,
        .force_n = side.commanded_n,
        .max_spring_n = max_spring_n(guarded_zone(planned.zone)),
-       .model = {.tissue = side.expected, .torso_n_per_m = options_.torso_n_per_m}});
+       .model = {.tissue = side.expected,
+                 .torso_n_per_m = 1.0 / (1.0 / options_.torso_n_per_m + gears_m_per_n(arm))}});
+}
+
+double MassageStep::gears_m_per_n(Arm arm) const noexcept {
+  const Side& side = sides_[arm];
+  return robot::unseen_yield_m_per_n(models_[arm].table(), side.controller().dynamics().jacobian,
+                                     side.wanted.normal_in_base);
 }
 
 /// Where the tool found the skin tells how the person has shifted since the scan, along the normal
@@ -145,9 +152,10 @@ void MassageStep::feel(Side& side, Arm arm, double time_s, const ArmState& state
   if (side.phase != ArmPhase::approach && side.phase != ArmPhase::contact) return;
   const Vector3& normal = side.wanted.normal_in_base;
   const Vector3 tip = state.base_from_tool.translation() - tool_radius_m_ * normal;
+  const double force_n = normal.dot(state.contact_in_base.force_n);
+  const double depth_m = normal.dot(side.wanted.at_in_base - tip);
   steering_.feel(arm, time_s,
-                 {.depth_m = normal.dot(side.wanted.at_in_base - tip),
-                  .force_n = normal.dot(state.contact_in_base.force_n)});
+                 {.depth_m = depth_m - force_n * gears_m_per_n(arm), .force_n = force_n});
   const TissueEstimate& estimate = steering_.estimate(arm);
   // Another law in the midst of a press would move the tool while it presses: between two of them.
   constexpr double barely_n = 0.5;

@@ -178,6 +178,8 @@ class MassageStep {
   void next_job(Side& side) noexcept;
   void register_skin(Side& side, double time_s) noexcept;
   void end_contact(Side& side, Arm arm, double time_s) noexcept;
+  /// How much deeper than it is the encoders say the tool, for each newton along the normal.
+  [[nodiscard]] double gears_m_per_n(Arm arm) const noexcept;
   void feel(Side& side, Arm arm, double time_s, const ArmState& state) noexcept;
   void let_go(double time_s) noexcept;
   void leave(double time_s) noexcept;

@@ -72,7 +72,7 @@ bool is_of_a_solid(const Link& link) {
 }
 
 Link read_link(const TomlTable& table) {
-  table.only({"inertia_products_kg_m2"},
+  table.only({"inertia_products_kg_m2", "gear_nm_per_rad"},
              {"name", "offset_deg", "d_mm", "a_mm", "alpha_deg", "limits_deg", "torque_limit_nm",
               "speed_limit_rad_per_s", "mass_kg", "com_m", "inertia_kg_m2", "rotor_inertia_kg_m2",
               "coulomb_nm", "viscous_nm_s_per_rad", "radius_mm"},
@@ -111,6 +111,8 @@ Link read_link(const TomlTable& table) {
                                               (*moments)[0], (*moments)[1], (*moments)[2]));
   }
   take(link.rotor_inertia_kg_m2, table.number("rotor_inertia_kg_m2", 0.0, 10.0));
+  if (table.has("gear_nm_per_rad"))
+    take(link.gear_nm_per_rad, table.number("gear_nm_per_rad", 10.0, 1e7));
   take(link.coulomb_nm, table.number("coulomb_nm", 0.0, 100.0));
   take(link.viscous_nm_s_per_rad, table.number("viscous_nm_s_per_rad", 0.0, 100.0));
   take_mm(link.radius_m, table.number("radius_mm", 5.0, 300.0));

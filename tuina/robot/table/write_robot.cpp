@@ -43,11 +43,13 @@ std::string text_of(const Link& link) {
       link.mass_kg, three(link.com_in_joint), three(link.inertia_kg_m2));
   if (link.inertia_products_kg_m2 != std::array<double, 3>{})
     text += fmt::format("inertia_products_kg_m2 = {}\n", three(link.inertia_products_kg_m2));
+  text += fmt::format("rotor_inertia_kg_m2 = {}\n", link.rotor_inertia_kg_m2 + 0.0);
+  if (link.gear_nm_per_rad > 0.0)
+    text += fmt::format("gear_nm_per_rad = {}\n", link.gear_nm_per_rad);
   return text + fmt::format(
-                    "rotor_inertia_kg_m2 = {}\ncoulomb_nm = {}\nviscous_nm_s_per_rad = {}\n"
+                    "coulomb_nm = {}\nviscous_nm_s_per_rad = {}\n"
                     "radius_mm = {}\n",
-                    link.rotor_inertia_kg_m2 + 0.0, link.coulomb_nm + 0.0,
-                    link.viscous_nm_s_per_rad + 0.0, mm(link.radius_m));
+                    link.coulomb_nm + 0.0, link.viscous_nm_s_per_rad + 0.0, mm(link.radius_m));
 }
 
 std::string text_of(const Mounting& mounting, Carrier carrier, BodyPosture position) {

@@ -153,10 +153,11 @@ Result<std::unique_ptr<Plant>> Plant::make(const robot::RobotPlacement& placemen
     }
   }
   mj_forward(m, d);
+  Random gears = make_random(options.seed, "gears");
   Random wrist_errors = make_random(options.seed, "wrist sensors");
   for (const Arm side : both_arms) {
     ArmDevices& arm = world->arms[side];
-    world->soften_gears(arm, arms[side]);
+    world->soften_gears(arm, arms[side], gears);
     // The sensor starts in steady state under the tool's weight.
     const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> turn(d->site_xmat +
                                                                               9 * arm.site);

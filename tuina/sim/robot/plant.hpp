@@ -31,9 +31,11 @@ struct TableErrors {
 
 /// What gears and wrist sensors do beyond lag, noise and friction; all zero, nothing.
 struct DeviceFlaws {
-  /// 0: rigid. 1: 140 Nm/rad for each Nm that the drive can give, 15000 at a shoulder, as harmonic
-  /// drives of that size have [tuttle1992]. Encoders sit at the motors then.
+  /// 0: rigid. 1: as the arm's table says; where it says nothing, 140 Nm/rad for each Nm that the
+  /// drive can give, 15000 at a shoulder, as harmonic drives of that size have [tuttle1992].
+  /// Encoders sit at the motors then.
   double gear_softness = 0.0;
+  double gear_spread = 0.2;          ///< relative, per joint
   double backlash_rad = 0.0;         ///< of an elastic gear, at the joint
   double torque_ripple_share = 0.0;  ///< twice in a turn of the motor, 100 to one of the joint
   /// Friction grows by this share under the full torque and shrinks by it as the gears warm up.

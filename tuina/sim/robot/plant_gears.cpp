@@ -18,12 +18,15 @@ constexpr double warm_s = 600.0;
 
 }  // namespace
 
-void Plant::World::soften_gears(ArmDevices& arm, const robot::ArmTable& table) {
+void Plant::World::soften_gears(ArmDevices& arm, const robot::ArmTable& table, Random& random) {
   if (options.flaws.gear_softness <= 0.0) return;
   for (std::size_t k = 0; k < static_cast<std::size_t>(arm.joints); ++k) {
     const double inertia = table.links[k].rotor_inertia_kg_m2;
+    const double told = table.links[k].gear_nm_per_rad;
+    const double usual = told > 0.0 ? told : stiffness_per_rad * arm.torque_limit_nm[k];
+    const double spread = options.flaws.gear_spread;
     arm.gear_nm_per_rad[k] =
-        stiffness_per_rad * arm.torque_limit_nm[k] / options.flaws.gear_softness;
+        usual * (1.0 + uniform(random, -spread, spread)) / options.flaws.gear_softness;
     arm.rotor_inertia[k] = (1.0 - joint_side_share) * inertia;
     arm.gear_damping[k] =
         2.0 * gear_damping_ratio * std::sqrt(arm.gear_nm_per_rad[k] * arm.rotor_inertia[k]);

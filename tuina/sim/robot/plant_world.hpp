@@ -103,7 +103,7 @@ struct Plant::World {
   void sample_truth() noexcept;
   void touch(Arm arm) noexcept;
   void drive(ArmDevices& arm) noexcept;
-  void soften_gears(ArmDevices& arm, const robot::ArmTable& table);
+  void soften_gears(ArmDevices& arm, const robot::ArmTable& table, Random& random);
   void spoil_wrist(ArmDevices& arm, Random& random);
   [[nodiscard]] Shaft shaft(const ArmDevices& arm, std::size_t joint) const noexcept;
   [[nodiscard]] double friction_of(ArmDevices& arm, std::size_t joint, double speed) noexcept;
