@@ -186,11 +186,19 @@ void CreepFilter::fuse(Belief& belief, const PressSegment& segment) const noexce
     const double sd_m =
         std::sqrt(belief.covariance(skin, skin) + belief.covariance(breath, breath));
     const double height_m = belief.mean(skin) + belief.mean(breath) - segment.position_m;
-    if (height_m < clear_of_skin_m + 3.0 * sd_m) return;
-    State H = State::Zero();
-    H(offset) = 1.0;
-    fuse(belief, H, segment.force_n - belief.mean(offset), force_variance + square(tare_sd_n));
-    return;
+    if (height_m >= clear_of_skin_m + 3.0 * sd_m) {
+      State H = State::Zero();
+      H(offset) = 1.0;
+      fuse(belief, H, segment.force_n - belief.mean(offset), force_variance + square(tare_sd_n));
+      return;
+    }
+    // Whoever presses for the first time, with more than noise and sensor show in the air, touches
+    // the skin already: a soft layer gives way there by a large part of its depth. Later presses
+    // begin where the one before has left a dent.
+    const double felt_n = segment.force_n - belief.mean(offset);
+    const double shown_n = 4.0 * std::sqrt(force_variance + square(sensor_floor_n));
+    const bool first_loading = segment.press == 0 && segment.speed_m_per_s > 0.0;
+    if (!first_loading || !(felt_n > shown_n)) return;
   }
   const double v = segment.speed_m_per_s;
   const Expected at =
