@@ -56,6 +56,8 @@ Progress progress_bar(const CommonOptions& common, std::string label) {
 Result<void> check_folder_of(const std::string& path) {
   const std::filesystem::path folder = std::filesystem::path(path).parent_path();
   std::error_code error;
+  if (std::filesystem::is_directory(path, error))
+    return fail(Fault::file, "{}: is a folder, and a file is to be written", path);
   if (folder.empty() || std::filesystem::is_directory(folder, error)) return {};
   return fail(Fault::file, "{}: there is no folder {}", path, folder.string());
 }

@@ -55,8 +55,8 @@ class Verb {
 /// A bar on a terminal, else a line per 10 %, silent with --quiet; always on stderr.
 [[nodiscard]] Progress progress_bar(const CommonOptions& common, std::string label);
 
-/// Refuses a file that a verb is to write where there is no folder for it: before the work, not
-/// after it. An empty path is none.
+/// Refuses a file that a verb is to write where there is no folder for it, or a folder in its
+/// place: before the work, not after it. An empty path is none.
 [[nodiscard]] Result<void> check_folder_of(const std::string& path);
 
 /// Names of the robots that are built in, for --help.

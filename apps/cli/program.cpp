@@ -15,6 +15,7 @@
 #include "tuina/core/io/file.hpp"
 #include "tuina/core/io/near_miss.hpp"
 #include "tuina/core/io/text_lines.hpp"
+#include "tuina/session/config.hpp"
 
 namespace tuina::app {
 namespace {
@@ -95,6 +96,8 @@ Result<void> print(const std::string& text) {
 // What a verb could not foresee, memory first of all, still ends in one line.
 Result<Answer> run(Verb& verb, const CommonOptions& common) {
   try {
+    // Whoever misspells a setting is told so by verbs, too, that need none.
+    if (const auto read = effective_config(common); !read) return tl::unexpected(read.error());
     return verb.run(common);
   } catch (const std::bad_alloc&) {
     return fail(Fault::bad_input, "{}: there is not enough memory for this input", verb.name());
@@ -244,6 +247,7 @@ int run_program(int argc, char** argv, const Program& program) {
     fmt::print(stderr, "{}", help_of(chosen));
     return 1;
   }
+  if (const auto good = check_folder_of(out); !good) return explain(good.error());
   return show(run(*found->second, common), common, out);
 }
 

@@ -14,6 +14,7 @@
 #include "apps/simulated/simulated_session.hpp"
 #include "apps/tuina/history/visit_option.hpp"
 #include "apps/tuina/verbs.hpp"
+#include "tuina/history/visit.hpp"
 
 namespace tuina::app {
 namespace {
@@ -133,7 +134,11 @@ class Massage final : public Verb {
     Answer answer{.json = record::to_json(file),
                   .text = session_text(file),
                   .exit_code = result->session.stops.empty() ? 0 : 4};
-    if (const auto written = write_session(*result, *config, answer.json, out_); !written) {
+    if (auto written = write_session(*result, *config, answer.json, out_); !written) {
+      // What the session has recorded is kept, as far as it goes.
+      const bool whole = finish_record(*result, out_).has_value();
+      written.error().message +=
+          fmt::format("; its record is {}/session.mcap{}", out_, whole ? "" : ".part");
       return tl::unexpected(written.error());
     }
     if (const auto kept = finish_record(*result, out_); !kept) {
@@ -186,10 +191,14 @@ class Massage final : public Verb {
   }
   /// Before the work, not after it: the folder of `--out`. True if it was not there.
   [[nodiscard]] Result<bool> make_folder() const {
+    namespace fs = std::filesystem;
     std::error_code fault;
-    const bool made = std::filesystem::create_directories(out_, fault);
-    if (!std::filesystem::is_directory(out_))
+    const bool made = fs::create_directories(out_, fault);
+    if (!fs::is_directory(out_))
       return fail(Fault::file, "--out {}: the folder cannot be made: {}", out_, fault.message());
+    if (const auto free = history::is_free(out_); !free) return tl::unexpected(free.error());
+    // Answers about somebody's health are nobody else's business.
+    if (made && visit_.of_somebody()) fs::permissions(out_, fs::perms::owner_all, fault);
     return made;
   }
   /// The session of --replay, where the other options leave it as it is.

@@ -138,13 +138,16 @@ class ScanVerb final : public Verb {
                   "--device, or --camera with --turntable (a real scanner)");
     }
     if (real && stop_and_shoot_)
-      return fail(
-          Fault::usage,
-          "--stop-and-shoot needs a camera that waits for the unit; a real one runs freely, "
-          "so leave it out");
+      return fail(Fault::usage,
+                  "--stop-and-shoot needs a camera that waits for the unit; a real one does not");
     const auto config = effective_config(common);
     if (!config) return tl::unexpected(config.error());
     if (const auto good = check_folder_of(out_); !good) return tl::unexpected(good.error());
+    const std::string ending = fs::path(out_).extension();
+    if (!format_.empty() && (ending == ".ply" || ending == ".pcd") &&
+        !format_.starts_with(ending.substr(1))) {
+      return fail(Fault::usage, "--format {}: the name of --out {} says otherwise", format_, out_);
+    }
     if (const auto good = known_bodies_.begin(); !good) return tl::unexpected(good.error());
     if (const auto begun = ros2_.begin(); !begun) return tl::unexpected(begun.error());
     if (ros2_.node() != nullptr) told_.emplace(*ros2_.node());

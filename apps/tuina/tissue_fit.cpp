@@ -57,7 +57,14 @@ class TissueFit final : public Verb {
         "  force error {:.2f} N (RMS) over {} samples to {:.1f} N",
         fit->tissue.alpha_n, beta_per_mm, fit->tissue.alpha_n, fit->alpha_ci95_n, beta_per_mm,
         beta_ci, to_mm(fit->contact_m), fit->rmse_n, fit->samples, fit->peak_force_n);
-    if (fit->alpha_ci95_n > 0.2 * fit->tissue.alpha_n) {
+    constexpr double nearly = 0.99;
+    if (fit->tissue.beta_per_m < tissue::min_beta_per_m / nearly ||
+        fit->tissue.beta_per_m > nearly * tissue::max_beta_per_m) {
+      answer.text +=
+          "\n  beta ends where the search does: no tissue is so. Is position_mm in millimetres, "
+          "and "
+          "larger the deeper?";
+    } else if (fit->alpha_ci95_n > 0.2 * fit->tissue.alpha_n) {
       answer.text +=
           "\n  The press was too light to tell alpha from beta; press to two or three times alpha.";
     }

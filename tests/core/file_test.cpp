@@ -16,6 +16,22 @@ TEST_CASE("what is written to a file is read back, and nothing is left beside it
   CHECK_FALSE(std::filesystem::exists(path.string() + ".part"));
 }
 
+TEST_CASE("a file for its owner is nobody else's, and a part is left where it is asked for") {
+  const test::Folder folder;
+  const auto path = folder.path() / "answers.toml";
+  REQUIRE(write_file(path, "x", Readers::owner).has_value());
+  constexpr auto others = std::filesystem::perms::group_all | std::filesystem::perms::others_all;
+  CHECK((std::filesystem::status(path).permissions() & others) == std::filesystem::perms::none);
+  {
+    auto cut = FileWriter::open(folder.path() / "session.mcap");
+    REQUIRE(cut.has_value());
+    REQUIRE(cut->append("so far").has_value());
+    cut->leave_part();
+  }
+  CHECK(read_file(folder.path() / "session.mcap.part").value() == "so far");
+  CHECK_FALSE(std::filesystem::exists(folder.path() / "session.mcap"));
+}
+
 TEST_CASE("a file that is not there gives an error with its path") {
   const auto content = read_file("/nowhere/at/all");
   REQUIRE_FALSE(content.has_value());

@@ -134,7 +134,7 @@ TEST_CASE("who is forgotten is gone from every table, from the file and from the
     REQUIRE(history);
     record::SessionFile file{.seed = 1, .version = "0.1"};
     file.visit = {"anna", "mine", "2026-01-01T09:00:00Z"};
-    for (const char* name : {"mine", "replaced"}) {
+    for (const char* name : {"mine", "shared", "replaced"}) {
       std::filesystem::create_directories(folder.path() / name);
       REQUIRE(write_file(folder.path() / name / "session.json", record::to_json(file)));
       REQUIRE(write_file(folder.path() / name / "scan.ply", "x"));
@@ -143,12 +143,26 @@ TEST_CASE("who is forgotten is gone from every table, from the file and from the
     mine.folder = folder / "mine";
     Visit replaced = test::visit_at("older", "2026-01-02T09:00:00Z", 2.0);
     replaced.folder = folder / "replaced";  // where another session has been written since
+    // Beside a session somebody keeps a file of their own.
+    file.visit->id = "shared";
+    REQUIRE(write_file(folder.path() / "shared" / "session.json", record::to_json(file)));
+    REQUIRE(write_file(folder.path() / "shared" / "thesis.txt", "x"));
+    Visit shared = test::visit_at("shared", "2026-01-03T09:00:00Z", 2.0);
+    shared.folder = folder / "shared";
     REQUIRE(history->add(mine));
     REQUIRE(history->add(replaced));
+    REQUIRE(history->add(shared));
     REQUIRE(history->add_note("anna", {"2026-01-02T08:00:00Z", "SECRETWORDS"}));
     const auto kept = history->forget("anna", "2026-03-01T00:00:00Z");
     REQUIRE_MESSAGE(kept, test::reason(kept));
-    CHECK(*kept == std::vector<std::string>{folder / "replaced"});
+    REQUIRE(kept->size() == 2);
+    CHECK(kept->front().folder == folder / "replaced");
+    CHECK(kept->front().other_session);
+    CHECK(kept->back().folder == folder / "shared");
+    CHECK_FALSE(kept->back().other_session);
+    CHECK(std::filesystem::exists(folder.path() / "shared" / "thesis.txt"));
+    CHECK_FALSE(std::filesystem::exists(folder.path() / "shared" / "scan.ply"));
+    CHECK_FALSE(std::filesystem::exists(folder.path() / "shared" / "session.json"));
     CHECK_FALSE(std::filesystem::exists(folder.path() / "mine"));
     CHECK(std::filesystem::exists(folder.path() / "replaced" / "scan.ply"));
     CHECK(history->people()->empty());
@@ -158,7 +172,7 @@ TEST_CASE("who is forgotten is gone from every table, from the file and from the
     REQUIRE(database);
     const auto trace = (*database)->query("SELECT at, sessions FROM forgotten", {});
     REQUIRE(trace);
-    CHECK(std::get<std::int64_t>(trace->front()[1]) == 2);
+    CHECK(std::get<std::int64_t>(trace->front()[1]) == 3);
     if (!address.starts_with("postgresql")) {
       for (const char* end : {"", "-wal"}) {
         const auto bytes = read_file(address + end);

@@ -314,4 +314,12 @@ TEST_CASE("a sweep that cannot be a scan is refused with the cause") {
   auto swapped = lines;
   std::swap(swapped[10].time_s, swapped[11].time_s);
   CHECK(make_cloud(swapped, readings, scanner).error().fault == Fault::bad_input);
+  // Milliseconds in a column of seconds.
+  auto slow_lines = lines;
+  auto slow_readings = readings;
+  for (TimedLine& line : slow_lines) line.time_s *= 1000.0;
+  for (YawReading& reading : slow_readings) reading.time_s *= 1000.0;
+  const auto slow = make_cloud(slow_lines, slow_readings, scanner);
+  REQUIRE_FALSE(slow.has_value());
+  CHECK(slow.error().message.find("are the times in seconds?") != std::string::npos);
 }

@@ -124,6 +124,45 @@ TEST_CASE("what is wrong is said in at most 300 letters, without the words of a 
   }
 }
 
+TEST_CASE("a setting that is none is told by every verb, also by one that needs none") {
+  const Folder folder;
+  const std::vector<std::vector<std::string>> commands = {{"map", folder.with("a.ply", "x")},
+                                                          {"history", "show"},
+                                                          {"doctor"},
+                                                          {"robot", "show", "thesis"}};
+  const std::vector<std::pair<std::vector<std::string>, int>> wrong = {
+      {{"--set", "foo.bar=1"}, 1},
+      {{"--set", "scan.sweep_s=nan"}, 1},
+      {{"--config", "/nowhere.toml"}, 2}};
+  for (auto words : commands) {
+    for (const auto& [more, code] : wrong) {
+      auto all = words;
+      all.insert(all.end(), more.begin(), more.end());
+      CAPTURE(all);
+      const auto outcome = run_tuina(all);
+      CHECK(outcome.exit_code == code);
+      CHECK(outcome.out.empty());
+    }
+  }
+}
+
+TEST_CASE("a cloud whose name says another format than --format is not written") {
+  const Folder folder;
+  const auto outcome = run_tuina(
+      {"scan", "--person", "phantom:medium", "--out", folder / "a.ply", "--format", "pcd"});
+  CHECK(outcome.exit_code == 1);
+  CHECK_FALSE(std::filesystem::exists(folder / "a.ply"));
+}
+
+TEST_CASE("an answer that cannot be written is refused before the work, not after it") {
+  const Folder folder;
+  for (const std::string& out : {folder / "none/a.json", folder / ""}) {
+    const auto outcome = run_tuina({"plan", "none.ply", "none.json", "--out", out});
+    CHECK(outcome.exit_code == 2);
+    CHECK_MESSAGE(outcome.err.find("folder") != std::string::npos, outcome.err);
+  }
+}
+
 TEST_CASE("300 MB of nothing are refused by every verb in less than 512 MB of memory") {
   const Folder folder;
   const std::string path = folder.with("large.x", "");

@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -9,6 +10,7 @@
 #include "tests/reason.hpp"
 #include "tests/whole/command.hpp"
 #include "tuina/core/io/file.hpp"
+#include "tuina/record/session_file.hpp"
 
 namespace tuina {
 namespace {
@@ -25,6 +27,26 @@ void give_again(const fs::path& from, const fs::path& to) {
   session["began"] = "2126-01-01T09:00:00Z";
   for (auto& place : session["tissue"]) place["alpha_n"] = 0.6667 * place["alpha_n"].get<double>();
   REQUIRE(write_file(to / "session.json", session.dump(2)).has_value());
+}
+
+constexpr auto others = fs::perms::group_all | fs::perms::others_all;
+
+/// What a session has left is all that `forget` removes, file by file, and its owner's alone.
+void check_is_private(const fs::path& session, const std::string& history) {
+  for (const auto& entry : fs::directory_iterator(session)) {
+    const std::string name = entry.path().filename();
+    CAPTURE(name);
+    CHECK(std::ranges::find(record::files_of_session, name) != record::files_of_session.end());
+  }
+  CHECK((fs::status(session).permissions() & others) == fs::perms::none);
+  CHECK((fs::status(history).permissions() & others) == fs::perms::none);
+}
+
+/// Nobody's session is written over, not by one of nobody either.
+void check_is_kept(const std::string& session) {
+  const auto again = run_tuina({"massage", "--out", session});
+  CHECK(again.exit_code == 2);
+  CHECK(again.err.find("holds the session of anna") != std::string::npos);
 }
 
 /// Sessions of anna that press two points.
@@ -53,6 +75,8 @@ TEST_CASE("a person's sessions are remembered, compared, exported and forgotten"
                  "--json", "--quiet", "--set", "simulation.realism=ideal"});
   REQUIRE_MESSAGE(first.exit_code == 0, first.err);
   CHECK(nlohmann::json::parse(first.out)["who"] == "anna");
+  check_is_private(folder.path() / "all/first", history);
+  check_is_kept(folder / "all/first");
   give_again(folder.path() / "all/first", folder.path() / "all/second");
   const auto rebuilt =
       run_tuina({"history", "rebuild", folder / "all", "--history", history, "--json", "--quiet"});
@@ -83,6 +107,7 @@ TEST_CASE("a person's sessions are remembered, compared, exported and forgotten"
       run_tuina({"history", "export", "anna", "--history", history, "--out", folder / "anna.csv"})
           .exit_code == 0);
   CHECK(read_file(folder / "anna.csv")->find("the second one") != std::string::npos);
+  CHECK((fs::status(folder / "anna.csv").permissions() & others) == fs::perms::none);
   fs::rename(folder.path() / "all/second", folder.path() / "elsewhere");
   const auto archive = run_tuina({"history", "export", "anna", "--history", history, "--out",
                                   folder / "anna.zip", "--json", "--quiet"});
@@ -213,8 +238,16 @@ TEST_CASE("what cannot be a history is wrong before anybody is scanned") {
   CHECK(nowhere.exit_code == 2);
   CHECK_FALSE(fs::exists(folder / "out"));
   CHECK(run_tuina({"massage", "--history", folder / "h.sqlite"}).exit_code == 1);
-  CHECK(run_tuina({"history", "rebuild", folder / "nothing", "--history", folder / "h.sqlite"})
+  CHECK(run_tuina({"history", "rebuild", folder / "nothing", "--history", folder / "new.sqlite"})
             .exit_code == 2);
+  CHECK_FALSE(fs::exists(folder / "new.sqlite"));
+  for (const std::string& slip : {folder / "typo.sqlite", folder.with("empty.sqlite", "")}) {
+    const auto shown = run_tuina({"history", "show", "--history", slip});
+    CHECK(shown.exit_code == 2);
+    CHECK_MESSAGE(shown.err.find(slip) != std::string::npos, shown.err);
+  }
+  CHECK_FALSE(fs::exists(folder / "typo.sqlite"));
+  CHECK(fs::file_size(folder / "empty.sqlite") == 0);
 }
 
 TEST_CASE("while the server is away a session begins without its memory only, and waits") {

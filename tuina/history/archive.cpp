@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 class Zip {
  public:
   static Result<Zip> open(const fs::path& path) {
-    auto file = FileWriter::open(path);
+    auto file = FileWriter::open(path, Readers::owner);
     if (!file) return tl::unexpected(file.error());
     Zip zip(std::move(*file));
     archive* one = zip.archive_.get();
@@ -200,9 +200,6 @@ Result<Archived> write_archive(const PersonHistory& person, const std::string& a
     ++archived.files;
   }
   if (auto done = zip->finish(); !done) return tl::unexpected(done.error());
-  std::error_code fault;
-  fs::permissions(file, fs::perms::owner_read | fs::perms::owner_write, fault);
-  if (fault) return fail(Fault::file, "{}: {}", file.string(), fault.message());
   return archived;
 }
 

@@ -213,21 +213,26 @@ Result<std::vector<Visit>> History::visits_of(const std::string& who) {
   return visits;
 }
 
-Result<std::vector<std::string>> History::forget(const std::string& who, const std::string& at) {
+Result<std::vector<KeptFolder>> History::forget(const std::string& who, const std::string& at) {
   const auto visits = visits_of(who);
   if (!visits) return tl::unexpected(visits.error());
-  std::vector<std::string> kept;
+  std::vector<KeptFolder> kept;
   // Folders go first: a fault in between leaves rows that still say what there is to remove.
   for (const Visit& visit : *visits) {
     std::error_code fault;
     if (!fs::exists(visit.folder, fault)) continue;
     if (!still_in_its_folder(visit)) {
-      kept.push_back(visit.folder);
+      kept.push_back({visit.folder, true});
       continue;
     }
-    fs::remove_all(visit.folder, fault);
-    if (fault)
-      return fail(Fault::file, "{}: {}; nobody is forgotten yet", visit.folder, fault.message());
+    // session.json is the last to go: until then a second attempt finds the session.
+    for (const char* name : record::files_of_session) {
+      if (fs::remove(fs::path(visit.folder) / name, fault); fault)
+        return fail(Fault::file, "{}/{}: {}; nobody is forgotten yet", visit.folder, name,
+                    fault.message());
+    }
+    // Whoever keeps something of their own beside a session keeps it.
+    if (!fs::remove(visit.folder, fault)) kept.push_back({visit.folder, false});
   }
   auto transaction = Transaction::begin(*database_);
   if (!transaction) return tl::unexpected(transaction.error());

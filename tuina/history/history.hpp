@@ -29,6 +29,12 @@ struct Rebuilt {
   std::vector<std::string> left_out;  ///< folders and why
 };
 
+/// A folder that is left when its person is forgotten.
+struct KeptFolder {
+  std::string folder;
+  bool other_session = false;  ///< or none that is whole; else files that no session leaves
+};
+
 /// People and their sessions over time: an index of session folders that can be made anew of them.
 /// What is written is on the disk as a whole before a call returns, or not there at all.
 class History {
@@ -51,10 +57,10 @@ class History {
   /// In the order of time; empty for somebody who is not known.
   [[nodiscard]] Result<std::vector<Note>> notes_of(const std::string& who);
 
-  /// Removes the rows of somebody and the folders of their sessions, and keeps only that somebody
-  /// was forgotten `at`. Folders that hold another session by now stay and are returned.
-  [[nodiscard]] Result<std::vector<std::string>> forget(const std::string& who,
-                                                        const std::string& at);
+  /// Removes the rows of somebody and the files of their sessions, and keeps only that somebody was
+  /// forgotten `at`. Returned: the folders that stay.
+  [[nodiscard]] Result<std::vector<KeptFolder>> forget(const std::string& who,
+                                                       const std::string& at);
   /// Adds every session of somebody that lies in or below a folder.
   [[nodiscard]] Result<Rebuilt> rebuild(const std::filesystem::path& folder);
 

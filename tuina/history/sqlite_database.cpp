@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 
 #include "tuina/history/database.hpp"
 
@@ -90,6 +91,8 @@ class SqliteDatabase final : public Database {
 }  // namespace
 
 Result<std::unique_ptr<Database>> open_sqlite(const std::string& path) {
+  std::error_code ignored;
+  const bool made = !std::filesystem::exists(path, ignored);
   sqlite3* opened = nullptr;
   const int state =
       sqlite3_open_v2(path.c_str(), &opened, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, nullptr);
@@ -99,6 +102,11 @@ Result<std::unique_ptr<Database>> open_sqlite(const std::string& path) {
                 "{}: {}; it is to be a file that can be written, in a folder that "
                 "is there",
                 path, sqlite3_errstr(state));
+  }
+  // It tells of people. The files that SQLite lays beside it are readable by whom it is.
+  if (made) {
+    namespace fs = std::filesystem;
+    fs::permissions(path, fs::perms::owner_read | fs::perms::owner_write, ignored);
   }
   auto database = std::make_unique<SqliteDatabase>(std::move(connection), path);
   // With FULL an acknowledged row is on the disk; deleted rows are overwritten at once.

@@ -25,6 +25,13 @@ Result<record::SessionFile> read_session_of(const std::filesystem::path& folder)
   return record::parse_session(*content, (folder / "session.json").string());
 }
 
+Result<void> is_free(const std::filesystem::path& folder) {
+  const auto file = read_session_of(folder);
+  if (!file || !file->visit) return {};
+  return fail(Fault::file, "{}: holds the session of {} that began at {}; name another folder",
+              folder.string(), file->visit->who, file->visit->began);
+}
+
 Result<void> still_in_its_folder(const Visit& visit) {
   const auto file = read_session_of(visit.folder);
   if (!file) return tl::unexpected(file.error());

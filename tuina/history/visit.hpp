@@ -52,6 +52,9 @@ struct Visit {
 /// The session in a folder. Fails with file and reason.
 [[nodiscard]] Result<record::SessionFile> read_session_of(const std::filesystem::path& folder);
 
+/// Refused: a folder that holds the session of somebody, whose history counts on it.
+[[nodiscard]] Result<void> is_free(const std::filesystem::path& folder);
+
 /// Whether the folder of a visit still holds that very session. Fails with the reason: it is gone,
 /// cannot be read, or holds another session by now.
 [[nodiscard]] Result<void> still_in_its_folder(const Visit& visit);

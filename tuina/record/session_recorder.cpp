@@ -104,7 +104,9 @@ Result<void> SessionRecorder::finish(std::uint64_t last_tick,
     attach(path.filename().string(), *content);
   }
   keep(writer_.finish());
-  return state_ ? file_.finish() : state_;
+  if (state_) return file_.finish();
+  file_.leave_part();
+  return state_;
 }
 
 }  // namespace tuina::record

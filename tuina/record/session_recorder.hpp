@@ -44,8 +44,8 @@ class SessionRecorder final : public session::Observer, private ChannelSink {
 
   /// Attaches these files, those that exist, and closes the record of a session whose last
   /// millisecond was `last_tick`. Large tables and texts are attached as zstd frames with `.zst`
-  /// behind their names. Fails with the first thing that went wrong since `begin`; then there is no
-  /// record.
+  /// behind their names. Fails with the first thing that went wrong since `begin`; then what was
+  /// written until then stays as `.part`.
   [[nodiscard]] Result<void> finish(std::uint64_t last_tick,
                                     std::span<const std::filesystem::path> attached = {});
 

@@ -17,6 +17,7 @@ namespace {
 constexpr std::size_t rows_of_a_line = 8;  // fewer lit rows are specks, not a line
 constexpr int min_profiles = 10;
 constexpr double min_turn_rad = 2.0_deg;
+constexpr double max_sweep_s = 300.0;  // a minute at most with the shipped turntable
 // At flatter angles a pixel covers many points of the surface.
 constexpr double min_cosine = 0.1;
 
@@ -37,6 +38,12 @@ Result<void> check(std::span<const TimedLine> lines, const std::vector<double>& 
   if (lit < min_profiles) {
     return fail(Fault::not_found, "a laser line is seen in {} of {} frames, {} needed", lit,
                 lines.size(), min_profiles);
+  }
+  const double span_s = lines.back().time_s - lines.front().time_s;
+  if (span_s > max_sweep_s) {
+    return fail(Fault::bad_input,
+                "the sweep's frames span {:.0f} s, {:.0f} at most: are the times in seconds?",
+                span_s, max_sweep_s);
   }
   const auto [low, high] = std::minmax_element(yaw_rad.begin(), yaw_rad.end());
   if (*high - *low < min_turn_rad) {

@@ -210,6 +210,10 @@ void CreepEstimator::publish() noexcept {
   // Where presses come otherwise than foretold the law is not the tissue's, and its parameters are
   // no better known than the force.
   loading_covariance_ *= widening() * widening();
+  // Depths that fit no tangent end at a limit where alpha no longer moves. That is no knowledge.
+  constexpr double no_press_tells = 1e-4, unknown = 1.0;
+  if (!(loading_covariance_(0, 0) > no_press_tells * no_press_tells))
+    loading_covariance_ = unknown * unknown * Eigen::Matrix2d::Identity();
   estimate_.alpha_ci95_n = estimate_.tissue.alpha_n * z95 * std::sqrt(loading_covariance_(0, 0));
   estimate_.beta_ci95_per_m =
       estimate_.tissue.beta_per_m * z95 * std::sqrt(loading_covariance_(1, 1));

@@ -77,7 +77,7 @@ Linearised linearise(std::span<const TimedPress> record, const Parameters& p,
 
 Parameters within_reason(Parameters p) {
   p(0) = std::clamp(p(0), std::log(0.05), std::log(1000.0));
-  p(1) = std::clamp(p(1), std::log(5.0), std::log(5000.0));
+  p(1) = std::clamp(p(1), std::log(min_beta_per_m), std::log(max_beta_per_m));
   return p;
 }
 
@@ -177,8 +177,10 @@ Result<CurveFit> fit_curve(std::span<const TimedPress> raw, const SensorNoise& n
     }
   }
   if (touching < fewest_samples) {
-    return fail(Fault::not_found, "no contact found: {} samples above {:.2f} N, {} needed",
-                touching, touching_n, fewest_samples);
+    return fail(Fault::not_found,
+                "no contact found: {} samples above {:.2f} N, {} needed; the noise of the force "
+                "counts as {:.2f} N, say so if it is less",
+                touching, touching_n, fewest_samples, noise.force_n);
   }
 
   std::optional<Solution> best;

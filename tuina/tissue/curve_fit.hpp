@@ -8,6 +8,11 @@
 
 namespace tuina::tissue {
 
+/// @{
+/// Between these beta is sought; a fit that ends at one of them has found none.
+inline constexpr double min_beta_per_m = 5.0, max_beta_per_m = 5000.0;
+/// @}
+
 /// Tangent law fitted to a whole record.
 struct CurveFit {
   TangentTissue tissue;

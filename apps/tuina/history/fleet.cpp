@@ -26,7 +26,7 @@ class ShowFleet final : public Verb {
   }
   [[nodiscard]] Result<Answer> run(const CommonOptions&) override {
     if (const auto good = check_folder_of(out_); !good) return tl::unexpected(good.error());
-    auto history = open_history(address_);
+    auto history = open_known_history(address_);
     if (!history) return tl::unexpected(history.error());
     const auto fleet = history::fleet_of(history->database());
     if (!fleet) return tl::unexpected(fleet.error());

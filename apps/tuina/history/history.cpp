@@ -39,7 +39,7 @@ class HistoryVerb : public Verb {
     options.add("who", who_, "the pseudonym of `tuina massage --who`").required();
   }
   [[nodiscard]] Result<history::PersonHistory> known() const {
-    auto history = open_history(address_);
+    auto history = open_known_history(address_);
     if (!history) return tl::unexpected(history.error());
     return known_of(*history, who_);
   }
@@ -73,7 +73,8 @@ class HistoryShow final : public HistoryVerb {
       text += "\n" + history::sentence_of(*last);
     if (!out_.empty()) {
       const auto page = history::history_page(*known);
-      if (auto written = write_file(out_, page); !written) return tl::unexpected(written.error());
+      if (auto written = write_file(out_, page, Readers::owner); !written)
+        return tl::unexpected(written.error());
       text += "\npage: " + out_;
     }
     return Answer{.json = history::to_json(*known), .text = text};
@@ -82,7 +83,7 @@ class HistoryShow final : public HistoryVerb {
  private:
   [[nodiscard]] Result<Answer> people() const {
     if (!out_.empty()) return fail(Fault::usage, "--out needs a name: a page is of one person");
-    auto history = open_history(address_);
+    auto history = open_known_history(address_);
     if (!history) return tl::unexpected(history.error());
     const auto people = history->people();
     if (!people) return tl::unexpected(people.error());
@@ -138,7 +139,8 @@ class HistoryExport final : public HistoryVerb {
     }
     const bool table = kind == ".csv";
     const std::string content = table ? history::to_csv(*known) : history::to_json(*known) + "\n";
-    if (auto written = write_file(out_, content); !written) return tl::unexpected(written.error());
+    if (auto written = write_file(out_, content, Readers::owner); !written)
+      return tl::unexpected(written.error());
     return Answer{.json = json.dump(2), .text = text};
   }
 
@@ -150,7 +152,7 @@ class HistoryForget final : public HistoryVerb {
  public:
   [[nodiscard]] const char* name() const override { return "history forget"; }
   [[nodiscard]] const char* summary() const override {
-    return "remove somebody: from the history, and the folders of their sessions";
+    return "remove somebody: from the history, and the files of their sessions";
   }
   [[nodiscard]] const char* example() const override { return "tuina history forget anna --yes"; }
   void describe(Options& options) override {
@@ -158,7 +160,7 @@ class HistoryForget final : public HistoryVerb {
     options.flag("--yes", yes_, "it is meant: nothing brings it back");
   }
   [[nodiscard]] Result<Answer> run(const CommonOptions&) override {
-    auto history = open_history(address_);
+    auto history = open_known_history(address_);
     if (!history) return tl::unexpected(history.error());
     const auto known = known_of(*history, who_);
     if (!known) return tl::unexpected(known.error());
@@ -166,15 +168,21 @@ class HistoryForget final : public HistoryVerb {
       std::string folders;
       for (const history::Visit& visit : known->visits) folders += "\n  " + visit.folder;
       return fail(Fault::usage,
-                  "--yes is needed: {} sessions of {} go for ever, with their folders:{}",
+                  "--yes is needed: {} sessions of {} go for ever, with their files in:{}",
                   known->visits.size(), who_, folders);
     }
     const auto kept = history->forget(who_, utc_now());
     if (!kept) return tl::unexpected(kept.error());
     std::string text = fmt::format("{} is forgotten: {} sessions", who_, known->visits.size());
-    for (const std::string& folder : *kept)
-      text += fmt::format("\n{}: stays, another session is in it by now", folder);
-    const Json json = {{"who", who_}, {"sessions", known->visits.size()}, {"folders_kept", *kept}};
+    Json folders = Json::array();
+    for (const history::KeptFolder& one : *kept) {
+      text += fmt::format(
+          "\n{}: stays, with {} in it", one.folder,
+          one.other_session ? "another session, or none that is whole," : "other files");
+      folders.push_back(one.folder);
+    }
+    const Json json = {
+        {"who", who_}, {"sessions", known->visits.size()}, {"folders_kept", folders}};
     return Answer{.json = json.dump(2), .text = text};
   }
 
@@ -197,6 +205,9 @@ class HistoryRebuild final : public Verb {
         .required();
   }
   [[nodiscard]] Result<Answer> run(const CommonOptions&) override {
+    std::error_code fault;
+    if (!std::filesystem::is_directory(folder_, fault))
+      return fail(Fault::file, "{}: there is no such folder", folder_);
     auto history = open_history(address_);
     if (!history) return tl::unexpected(history.error());
     const auto rebuilt = history->rebuild(folder_);
@@ -223,7 +234,7 @@ class HistoryNote final : public HistoryVerb {
     options.add("words", words_, "the note").required();
   }
   [[nodiscard]] Result<Answer> run(const CommonOptions&) override {
-    auto history = open_history(address_);
+    auto history = open_known_history(address_);
     if (!history) return tl::unexpected(history.error());
     if (const auto known = known_of(*history, who_); !known) return tl::unexpected(known.error());
     const history::Note note{.at = utc_now(), .words = words_};

@@ -38,6 +38,18 @@ Result<history::History> open_history(const std::string& address) {
   return history::History::open(*folder / "history.sqlite");
 }
 
+Result<history::History> open_known_history(const std::string& address) {
+  if (!address.empty() && !history::is_server(address)) {
+    std::error_code fault;
+    const auto bytes = std::filesystem::file_size(address, fault);
+    if (fault || bytes == 0) {
+      return fail(Fault::file, "{}: {}; `tuina massage --who NAME --history FILE` begins a history",
+                  address, fault ? fault.message() : "is empty");
+    }
+  }
+  return open_history(address);
+}
+
 namespace {
 
 std::string stamp(std::chrono::system_clock::time_point time) {

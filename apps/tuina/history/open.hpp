@@ -12,8 +12,12 @@ namespace tuina::app {
 /// `--history`: a SQLite file or the address of a PostgreSQL server.
 Option add_history_option(Options& options, std::string& address);
 
-/// Opens what `--history` names; without it the file in `data_folder`.
+/// Opens what `--history` names; without it the file in `data_folder`. A file that is not there is
+/// made.
 [[nodiscard]] Result<history::History> open_history(const std::string& address);
+/// Likewise, but a file that is named must hold something: a slip in its name shall not look like a
+/// history of nobody.
+[[nodiscard]] Result<history::History> open_known_history(const std::string& address);
 
 /// The folder that the XDG base directory specification gives for such data, for whoever is logged
 /// in and nobody else; made if it is not there.

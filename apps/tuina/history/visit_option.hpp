@@ -22,6 +22,8 @@ class VisitOption {
   /// without `--who`. Refused while a server does not answer, unless nothing is to be remembered.
   [[nodiscard]] Result<void> begin(record::SessionOrder& order,
                                    const std::filesystem::path& folder);
+  /// Whether `--who` names somebody.
+  [[nodiscard]] bool of_somebody() const { return !who_.empty(); }
   /// What was remembered, a line each.
   [[nodiscard]] const std::string& remembered() const { return remembered_.lines; }
   /// Whose session it is; nothing without `--who`.

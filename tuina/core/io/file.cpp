@@ -75,14 +75,19 @@ void FileWriter::close() {
   ::close(std::exchange(descriptor_, -1));
 }
 
-Result<FileWriter> FileWriter::open(const std::filesystem::path& path) {
+void FileWriter::leave_part() {
+  if (descriptor_ >= 0) close();
+}
+
+Result<FileWriter> FileWriter::open(const std::filesystem::path& path, Readers readers) {
   // A device or a pipe (/dev/stdout) is written in place: it cannot be renamed over.
   std::error_code ignored;
   const auto status = std::filesystem::status(path, ignored);
   const bool in_place =
       std::filesystem::exists(status) && !std::filesystem::is_regular_file(status);
   std::string written_to = in_place ? path.string() : path.string() + ".part";
-  const int descriptor = ::open(written_to.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
+  const mode_t mode = readers == Readers::owner ? 0600 : 0644;
+  const int descriptor = ::open(written_to.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, mode);
   if (descriptor < 0) {
     return fail(Fault::file, "{}: cannot be written: {}", path.string(), std::strerror(errno));
   }
@@ -108,8 +113,9 @@ Result<void> FileWriter::finish() {
   return fail(Fault::file, "{}: cannot be written: {}", path_.string(), std::strerror(cause));
 }
 
-Result<void> write_file(const std::filesystem::path& path, std::string_view content) {
-  auto file = FileWriter::open(path);
+Result<void> write_file(const std::filesystem::path& path, std::string_view content,
+                        Readers readers) {
+  auto file = FileWriter::open(path, readers);
   if (!file) return tl::unexpected(file.error());
   if (auto written = file->append(content); !written) return written;
   return file->finish();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -13,12 +14,16 @@ namespace tuina {
 [[nodiscard]] Result<std::string> read_file(const std::filesystem::path& path,
                                             std::size_t limit_bytes = std::size_t{256} << 20);
 
+/// Who may read a file that is written anew.
+enum class Readers : std::uint8_t { everybody, owner };
+
 /// Writes a temporary file beside the target and renames it in `finish`, so that neither a reader
-/// nor a crash sees half a file. Without `finish` nothing is left behind.
+/// nor a crash sees half a file. Without `finish` or `leave_part` nothing is left behind.
 class FileWriter {
  public:
   /// Begins a file beside its final place. Fails with Fault::file.
-  [[nodiscard]] static Result<FileWriter> open(const std::filesystem::path& path);
+  [[nodiscard]] static Result<FileWriter> open(const std::filesystem::path& path,
+                                               Readers readers = Readers::everybody);
   FileWriter(FileWriter&& other) noexcept;
   FileWriter(const FileWriter&) = delete;
   FileWriter& operator=(const FileWriter&) = delete;
@@ -29,6 +34,8 @@ class FileWriter {
   [[nodiscard]] Result<void> append(std::string_view content);
   /// Puts the whole file at its place. Fails with Fault::file.
   [[nodiscard]] Result<void> finish();
+  /// Ends, and leaves what was written as the `.part` beside the final place.
+  void leave_part();
 
  private:
   FileWriter(std::filesystem::path path, std::string written_to, int descriptor);
@@ -41,6 +48,7 @@ class FileWriter {
 };
 
 /// Writes content in memory as `FileWriter` does.
-[[nodiscard]] Result<void> write_file(const std::filesystem::path& path, std::string_view content);
+[[nodiscard]] Result<void> write_file(const std::filesystem::path& path, std::string_view content,
+                                      Readers readers = Readers::everybody);
 
 }  // namespace tuina
