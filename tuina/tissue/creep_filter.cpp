@@ -196,7 +196,8 @@ void CreepFilter::fuse(Belief& belief, const PressSegment& segment) const noexce
     // the skin already: a soft layer gives way there by a large part of its depth. Later presses
     // begin where the one before has left a dent.
     const double felt_n = segment.force_n - belief.mean(offset);
-    const double shown_n = 4.0 * std::sqrt(force_variance + square(sensor_floor_n));
+    const double shown_n = 4.0 * std::sqrt(force_variance + square(sensor_floor_n) +
+                                           square(unknown_inertia * segment.inertia_n));
     const bool first_loading = segment.press == 0 && segment.speed_m_per_s > 0.0;
     if (!first_loading || !(felt_n > shown_n)) return;
   }
