@@ -62,8 +62,7 @@ class TissueFit final : public Verb {
         fit->tissue.beta_per_m > nearly * tissue::max_beta_per_m) {
       answer.text +=
           "\n  beta ends where the search does: no tissue is so. Is position_mm in millimetres, "
-          "and "
-          "larger the deeper?";
+          "and larger the deeper?";
     } else if (fit->alpha_ci95_n > 0.2 * fit->tissue.alpha_n) {
       answer.text +=
           "\n  The press was too light to tell alpha from beta; press to two or three times alpha.";

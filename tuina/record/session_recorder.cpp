@@ -100,8 +100,11 @@ Result<void> SessionRecorder::finish(std::uint64_t last_tick,
     std::error_code none;
     if (!std::filesystem::exists(path, none)) continue;
     const auto content = read_file(path, max_bytes);
-    if (!content) return tl::unexpected(content.error());
-    attach(path.filename().string(), *content);
+    if (content) {
+      attach(path.filename().string(), *content);
+    } else {
+      keep(tl::unexpected(content.error()));
+    }
   }
   keep(writer_.finish());
   if (state_) return file_.finish();
