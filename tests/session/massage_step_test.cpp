@@ -400,7 +400,9 @@ TEST_CASE(
   const session::Decision& first = room->massage.decisions().front();
   CHECK(std::string(first.rule) == "A1");
   const massage::PlannedPath& planned = room->plan.plan.paths[static_cast<std::size_t>(first.path)];
-  CHECK(first.to_n <= 0.5 * planned.cap_n + 1e-9);
+  double ordered_n = 0.0;
+  for (const auto& point : planned.path.points) ordered_n = std::max(ordered_n, point.force_n);
+  CHECK(first.to_n <= std::max(0.5 * planned.cap_n, 0.7 * ordered_n) + 1e-9);
   for (const session::Decision& made : room->massage.decisions()) {
     CHECK(made.to_n <= room->plan.plan.paths[static_cast<std::size_t>(made.path)].cap_n + 1e-9);
   }

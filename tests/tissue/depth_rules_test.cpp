@@ -71,14 +71,14 @@ TEST_CASE(
         while (!probed_enough(estimate, peak_n, ordered_n, cap_n) && time_s < 10.0) {
           peak_n = probing_force_n(estimate, ordered_n, cap_n);
           CHECK(peak_n <= ordered_n);
-          CHECK(peak_n <= 0.5 * cap_n);
+          CHECK(peak_n <= (estimate.presses == 0 ? 8.0 : std::max(0.5 * cap_n, 0.7 * ordered_n)));
           time_s += 1.0;
           const auto presses = sim::simulate_presses(scenario(name), tissue, peak_n, random);
           // Seen by the next press: what the tissue is, after as many presses as were made.
           estimate = felt(presses.record, time_s, scenario(name));
         }
         CHECK(time_s <= 2.5);
-        CHECK(peak_n >= 0.5 * ordered_n);
+        CHECK(peak_n >= 0.7 * ordered_n);
       }
     }
   }
@@ -87,6 +87,11 @@ TEST_CASE(
 TEST_CASE("A1: a light order is never probed with more than itself") {
   CHECK(probing_force_n({}, 6.0, 45.0) == 6.0);
   CHECK(probing_force_n(estimate_of(hard), 6.0, 45.0) == 6.0);
+}
+
+TEST_CASE("A1: a probe reaches seven tenths of an order of nearly all that the place may bear") {
+  CHECK(probing_force_n({}, 19.0, 20.0) == 8.0);
+  CHECK(probing_force_n(estimate_of(soft), 19.0, 20.0) == doctest::Approx(0.7 * 19.0));
 }
 
 TEST_CASE(

@@ -44,9 +44,10 @@ bool sound(const TissueEstimate& estimate) noexcept {
 double probing_force_n(const TissueEstimate& estimate, double ordered_n,
                        double region_cap_n) noexcept {
   const double gentle_n = std::max(min_probe_n, 0.5 * region_cap_n);
-  const double max_n = std::max(0.0, std::min({ordered_n, region_cap_n, gentle_n}));
-  if (estimate.presses < 1 || !sound(estimate)) return std::min(first_probe_n, max_n);
-  return std::min(std::max(bend_alphas * estimate.tissue.alpha_n, probed_share * ordered_n), max_n);
+  const double max_n = std::max(0.0, std::min(ordered_n, region_cap_n));
+  if (estimate.presses < 1 || !sound(estimate)) return std::min({first_probe_n, gentle_n, max_n});
+  const double to_bend_n = std::min(bend_alphas * estimate.tissue.alpha_n, gentle_n);
+  return std::min(std::max(to_bend_n, probed_share * ordered_n), max_n);
 }
 
 bool probed_enough(const TissueEstimate& estimate, double peak_force_n, double ordered_n,

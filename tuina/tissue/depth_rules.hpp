@@ -14,9 +14,9 @@ namespace tuina::tissue {
 /// are those of docs/tissue.md. A3 and A4 are gone; A8 stands in session/steering.cpp.
 
 /// A1. Peak force of the next probing press: 8 N at first, then as far as the bend of the curve at
-/// 2.5 alpha and at least seven tenths of what was ordered, from where the rest is foretold. At
-/// most half of the region's cap, or 7 N where that is more, and never more than the cap or the
-/// order.
+/// 2.5 alpha, both at most half of the region's cap, or 7 N where that is more; but after the first
+/// at least seven tenths of what was ordered, from where the rest is foretold. Never more than the
+/// cap or the order.
 [[nodiscard]] double probing_force_n(const TissueEstimate& estimate, double ordered_n,
                                      double region_cap_n) noexcept;
 /// A1. True after two presses if the last was as strong as the next one would be.
