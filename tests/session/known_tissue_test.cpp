@@ -120,16 +120,19 @@ TEST_CASE("a place that lies a little aside is less sure, one that lies far asid
 }
 
 TEST_CASE("a press holds, differs or cannot tell, and what is no number never holds") {
-  CHECK(match(soft, 0.08, soft, 0.05, 12.0) == KnownMatch::holds);
-  CHECK(match(soft, 0.08, soft, 0.5, 12.0) == KnownMatch::unclear);
-  CHECK(match(soft, 0.08, hard, 0.05, 12.0) == KnownMatch::differs);
-  CHECK(match(hard, 0.08, {1.5 * hard.alpha_n, hard.beta_per_m}, 0.05, 12.0) ==
+  const auto known_to = [](double sd) -> Eigen::Matrix2d {
+    return sd * sd * Eigen::Matrix2d::Identity();
+  };
+  CHECK(match(soft, 0.08, soft, known_to(0.05), 12.0) == KnownMatch::holds);
+  CHECK(match(soft, 0.08, soft, known_to(0.5), 12.0) == KnownMatch::unclear);
+  CHECK(match(soft, 0.08, hard, known_to(0.05), 12.0) == KnownMatch::differs);
+  CHECK(match(hard, 0.08, {1.5 * hard.alpha_n, hard.beta_per_m}, known_to(0.05), 12.0) ==
         KnownMatch::differs);
-  CHECK(match(hard, 0.08, {0.5 * hard.alpha_n, hard.beta_per_m}, 0.05, 12.0) ==
+  CHECK(match(hard, 0.08, {0.5 * hard.alpha_n, hard.beta_per_m}, known_to(0.05), 12.0) ==
         KnownMatch::differs);
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  CHECK(match(soft, 0.08, {nan, 210.0}, 0.05, 12.0) == KnownMatch::differs);
-  CHECK(match(soft, 0.08, soft, nan, 12.0) == KnownMatch::differs);
+  CHECK(match(soft, 0.08, {nan, 210.0}, known_to(0.05), 12.0) == KnownMatch::differs);
+  CHECK(match(soft, 0.08, soft, known_to(nan), 12.0) == KnownMatch::differs);
 }
 
 TEST_CASE("where tissue is known one press will do, and no press is firmer than of a new place") {

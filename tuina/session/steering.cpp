@@ -151,7 +151,7 @@ void Steering::foretell(Side& side) noexcept {
 void Steering::compare_with_known(Arm arm, double time_s) noexcept {
   Side& side = sides_[arm];
   const KnownMatch matched = match(side.known, side.known_sd, side.whole.estimate().tissue,
-                                   side.whole.stiffness_sd(side.peak_n), side.peak_n);
+                                   side.whole.covariance(), side.peak_n);
   side.came_as_known = matched == KnownMatch::holds;
   if (matched != KnownMatch::differs) return;
   side.relies = false;

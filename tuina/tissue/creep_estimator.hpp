@@ -40,6 +40,8 @@ class CreepEstimator {
   [[nodiscard]] double nis() const noexcept { return nis_; }
   /// Relative standard deviation of the tangent stiffness at a force.
   [[nodiscard]] double stiffness_sd(double force_n) const noexcept;
+  /// Covariance of ln alpha and ln beta, as wide as their intervals say.
+  [[nodiscard]] const Eigen::Matrix2d& covariance() const noexcept { return loading_covariance_; }
   /// How much wider than the filters say bands are, by how well earlier presses were foretold.
   [[nodiscard]] double widening() const noexcept;
   /// Half-width of the 95 % band of the force that a next press meets at the depth which it needs

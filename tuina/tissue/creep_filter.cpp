@@ -29,7 +29,6 @@ constexpr double log_creep_sd = 1.2, log_compliance_sd = 1.0;
 // A tenth of the depth is taken by what is four times softer, or by much more or less of it.
 constexpr double usual_layer_share = 0.1, log_share_sd = 1.5;
 constexpr double usual_softness = 4.0, log_softness_sd = 0.5;
-constexpr double elastic_torso_sd = 0.12;
 constexpr double usual_n_per_m = 60e3;      // beneath: ribs and torso of a person who lies
 constexpr double clear_of_skin_m = 0.5_mm;  // there the sensor shows its zero
 // A third of the standard deviation is no reason to pass the whole window again.
@@ -75,10 +74,7 @@ CreepFilter::CreepFilter(const PressEstimatorOptions& options,
   mean(log_compliance) = told      ? -std::log(options.torso_n_per_m)
                          : elastic ? nothing
                                    : -std::log(usual_n_per_m);
-  // On a torso that may be anything, tissue without layers or memory would be believed far too
-  // thin.
-  const double told_sd = elastic ? std::min(options.torso_sd, elastic_torso_sd) : options.torso_sd;
-  sd(log_compliance) = told ? told_sd : elastic ? sure : log_compliance_sd;
+  sd(log_compliance) = told ? options.torso_sd : elastic ? sure : log_compliance_sd;
   sd(first_press) = hypothesis.first_press_sd;
   sd(damping) = options.damping_sd_s_per_m;
   sd(change) = hypothesis.changing_sd;

@@ -3,12 +3,12 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
 #include "tuina/core/units.hpp"
 #include "tuina/session/earlier/by_hand.hpp"
-#include "tuina/tissue/tangent_model.hpp"
 
 namespace tuina::session {
 namespace {
@@ -56,13 +56,18 @@ Recognised recognised(const KnownTissue& known, BodyPosture position,
 }
 
 KnownMatch match(const TangentTissue& known, double known_sd, const TangentTissue& felt,
-                 double felt_sd, double force_n) noexcept {
-  constexpr double sd_of_95 = 1.96, telling = 1.5;
-  const double apart = std::abs(
-      std::log(tissue::depth_at_force(felt, force_n) / tissue::depth_at_force(known, force_n)));
-  const double borne = sd_of_95 * std::hypot(known_sd, felt_sd);
+                 const Eigen::Matrix2d& felt_covariance, double force_n) noexcept {
+  constexpr double z95 = 1.96, chi_square_95 = 5.99;  // one and two degrees of freedom
+  constexpr double telling = 1.5;
+  const Eigen::Matrix2d covariance =
+      felt_covariance + known_sd * known_sd * Eigen::Matrix2d::Identity();
+  const Eigen::Vector2d apart(std::log(felt.alpha_n / known.alpha_n),
+                              std::log(felt.beta_per_m / known.beta_per_m));
   // What is not a number has not come as known.
-  if (!(apart <= borne)) return KnownMatch::differs;
+  if (!(apart.dot(covariance.inverse() * apart) <= chi_square_95)) return KnownMatch::differs;
+  const double q = force_n / known.alpha_n;
+  const Eigen::Vector2d depth_by(-q / ((1.0 + q * q) * std::atan(q)), -1.0);
+  const double borne = z95 * std::sqrt(depth_by.dot(covariance * depth_by));
   return borne <= std::log(telling) ? KnownMatch::holds : KnownMatch::unclear;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -51,9 +52,11 @@ enum class KnownMatch : std::uint8_t {
   unclear,  ///< too wide an error to tell
   differs,  ///< it came otherwise
 };
-/// Compares the depths at which both tissues reach `force_n`, by relative standard deviations.
-/// Differs beyond 1.96 of them; unclear where a depth of half as much again would not differ.
+/// Compares ln alpha and ln beta of both, known to `known_sd` each and felt with `felt_covariance`.
+/// Differs where only 5 of 100 that have not changed would be so far apart; unclear where a depth
+/// at `force_n` of half as much again would not differ.
 [[nodiscard]] KnownMatch match(const TangentTissue& known, double known_sd,
-                               const TangentTissue& felt, double felt_sd, double force_n) noexcept;
+                               const TangentTissue& felt, const Eigen::Matrix2d& felt_covariance,
+                               double force_n) noexcept;
 
 }  // namespace tuina::session
