@@ -173,6 +173,34 @@ TEST_CASE("the scan of a wall is a plane, its normals upright to it, its deviati
   }
 }
 
+TEST_CASE("noisy points are drawn to their neighbours, and what is left is told") {
+  const ScannerCalibration scanner = upright_scanner();
+  const auto even = [](double t) { return -18.0 + 6.0 * t; };
+  const Vector3 n = Vector3(0.2, -0.1, 1.0).normalized();
+  const double d = 1.1;
+  const auto lines = lines_of_wall(scanner, n, d, 0.2, 181, even);
+  const auto scan = make_cloud(lines, poll(-0.3, 6.3, 0.12, 1, even), scanner);
+  REQUIRE(scan.has_value());
+  const auto count = static_cast<double>(scan->cloud_in_couch.size());
+  double seen2 = 0.0, error2 = 0.0, stated2 = 0.0;
+  for (const TimedLine& line : lines) {
+    const Transform world_from_camera = scanner.couch_from_camera_at(from_deg(even(line.time_s)));
+    for (const LinePoint& seen : line.line.points) {
+      const auto point = triangulate(scanner, static_cast<double>(seen.column_px), seen.row);
+      REQUIRE(point.has_value());
+      seen2 += std::pow(n.dot(world_from_camera * *point) - d, 2) / count;
+    }
+  }
+  for (std::size_t i = 0; i < scan->cloud_in_couch.size(); ++i) {
+    error2 += std::pow(n.dot(scan->cloud_in_couch.points[i]) - d, 2) / count;
+    stated2 += std::pow(static_cast<double>(scan->cloud_in_couch.deviation_m[i]), 2) / count;
+  }
+  CHECK(std::sqrt(seen2) > 1e-3);
+  CHECK(std::sqrt(error2) < 0.45 * std::sqrt(seen2));
+  CHECK(std::sqrt(stated2) == doctest::Approx(std::sqrt(error2)).epsilon(0.3));
+  CHECK(scan->expected_error_m > 0.7 * std::sqrt(error2));
+}
+
 TEST_CASE("points between two surfaces and lone specks are left out") {
   const ScannerCalibration scanner = upright_scanner();
   const auto even = [](double t) { return -18.0 + 6.0 * t; };

@@ -83,6 +83,8 @@ NeighbourFilter::NeighbourFilter(const ProfileGrid& grid) : grid_(grid) {
   }
   verdict_.trusted.assign(rows, 0.0F);
   for (auto& component : verdict_.normal) component.assign(rows, 0.0F);
+  verdict_.neighbours.assign(rows, 0.0F);
+  verdict_.offset_m.assign(rows, 0.0F);
   for (std::ptrdiff_t profile = 0; profile < profiles_near; ++profile) add_up_rows(profile);
 }
 
@@ -226,18 +228,24 @@ void NeighbourFilter::compare_amplitudes() {
     const Floats reach_rows = load(plane(ProfileGrid::reach_rows) + row);
     const Floats reach_profiles = load(plane(ProfileGrid::reach_profiles) + row);
     const Floats amplitude = load(light + row);
+    const Floats normal[3] = {load(verdict_.normal[0].data() + row),
+                              load(verdict_.normal[1].data() + row),
+                              load(verdict_.normal[2].data() + row)};
+    Floats offsets_m = {};
     Company all, sure;
     const auto meet = [&](std::ptrdiff_t i, std::ptrdiff_t j) {
       const auto on = static_cast<std::ptrdiff_t>(row) + i * stride + j;
-      Floats distance2 = {};
+      Floats distance2 = {}, offset_m = {};
       for (int k = 0; k < 3; ++k) {
         const Floats away = load(at[k] + on) - origin[k];
         distance2 += away * away;
+        offset_m += away * normal[k];
       }
       const Floats far = reach_profiles * static_cast<float>(i * i) +
                          reach_rows * static_cast<float>(j < 0 ? -j : j);
       const Wholes near = distance2 <= far * far;
       const Wholes outshines = dim * load(light + on) >= amplitude;
+      offsets_m += one_if(near) * offset_m;
       all.add(i == 0, near, outshines);
       if (some_unsure) sure.add(i == 0, near & (load(unsure + on) == 0.0F), outshines);
       return near;
@@ -253,6 +261,10 @@ void NeighbourFilter::compare_amplitudes() {
       const Wholes on_both_sides = (before >= a_side) & (after >= a_side);
       good = (good & on_both_sides) | ((load(unsure + row) == 0.0F) & sure.bears_out(needed));
     }
+    const Floats neighbours = __builtin_convertvector(all.in_rows + all.in_profiles, Floats);
+    store(verdict_.neighbours.data() + row, neighbours);
+    store(verdict_.offset_m.data() + row,
+          offsets_m / (neighbours > 1.0F ? neighbours : Floats{} + 1.0F));
     const Floats trusted = one_if(good);
     store(verdict_.trusted.data() + row, load(verdict_.trusted.data() + row) * trusted);
   }

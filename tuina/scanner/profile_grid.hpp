@@ -94,6 +94,9 @@ class NeighbourFilter {
     /// its neighbours or without any.
     std::vector<float> trusted;
     std::array<std::vector<float>, 3> normal;  ///< unit, of either sign
+    /// How many of the nearest points, up to three rows up and down and one in the profiles on both
+    /// sides, lie on the point's surface, and how far along the normal these lie in the mean.
+    std::vector<float> neighbours, offset_m;
   };
   /// Verdict on the rows of the next profile, beginning with the first.
   const Verdict& next();

@@ -94,9 +94,37 @@ constexpr std::size_t error_row_step = 8;  // the expected error is computed for
 
 // Sums over the points with an expected error.
 struct ErrorSum {
-  double variance_m2 = 0.0;
+  double systematic_m2 = 0.0, noise_m2 = 0.0;  // along the normal
+  double scatter = 0.0;  // squared distances from the neighbours, of those that noise explains
   double points = 0.0;
 };
+
+/// How far a point is moved along its line of sight, and its standard deviation there then.
+struct Drawn {
+  double towards_eye_m = 0.0, deviation_m = 0.0;
+  double scatter = 1.0;  ///< squared distance from the neighbours, of that which noise explains
+};
+
+constexpr double square(double x) {
+  return x * x;
+}
+
+// A noisy point is drawn to where its neighbours see the surface, in the proportion of what both do
+// not know: its noise against theirs and what skin bends by among them. A bright point, say on an
+// edge, stays where it is.
+Drawn draw(const NeighbourFilter::Verdict& verdict, std::size_t row, double deviation_m,
+           double cosine) {
+  constexpr double bend_m = 0.2_mm;  // of skin with a radius of 40 mm
+  const double neighbours = verdict.neighbours[row];
+  if (neighbours < 1.0) return {.deviation_m = deviation_m};
+  const double noise_m2 = square(deviation_m * cosine);
+  const double apart_m2 = noise_m2 + noise_m2 / neighbours + square(bend_m);
+  const double share = noise_m2 / apart_m2;
+  const auto offset_m = static_cast<double>(verdict.offset_m[row]);
+  return {.towards_eye_m = share * offset_m / cosine,
+          .deviation_m = std::sqrt(1.0 - share) * deviation_m,
+          .scatter = square(offset_m) / apart_m2};
+}
 
 // Adds one way of the unit over the scene, as its own grid.
 void add_way(std::span<const TimedLine> lines, std::span<const double> yaw_rad,
@@ -128,14 +156,18 @@ void add_way(std::span<const TimedLine> lines, std::span<const double> yaw_rad,
       const Vector3 to_eye = (eye - point).normalized();
       const double cosine = normal.dot(to_eye);
       if (std::abs(cosine) < min_cosine) continue;
+      const Drawn drawn = draw(verdict, row, static_cast<double>(grid.deviation_m(i, row)), cosine);
+      const Vector3 place = point + drawn.towards_eye_m * to_eye;
       scan.rows.push_back(static_cast<std::uint16_t>(row));
-      cloud.points.push_back(point.z() < breathing_from_m ? point : Vector3(point + breath));
+      cloud.points.push_back(place.z() < breathing_from_m ? place : Vector3(place + breath));
       cloud.normals.push_back(cosine > 0.0 ? normal : Vector3(-normal));
       cloud.amplitude.push_back(grid.amplitude_dn(i, row));
-      cloud.deviation_m.push_back(grid.deviation_m(i, row));
+      cloud.deviation_m.push_back(static_cast<float>(drawn.deviation_m));
       if (row % error_row_step == 0) {
-        errors.variance_m2 +=
-            expected.variance_m2(point, normal, static_cast<double>(cloud.deviation_m.back()));
+        constexpr double max_scatter = 9.0;  // an edge is no noise
+        errors.systematic_m2 += expected.variance_m2(place, normal, 0.0);
+        errors.noise_m2 += square(drawn.deviation_m * cosine);
+        errors.scatter += std::min(drawn.scatter, max_scatter);
         errors.points += 1.0;
       }
     }
@@ -199,7 +231,10 @@ Result<Scan> make_cloud(std::span<const TimedLine> lines, std::span<const YawRea
   if (cloud.points.empty()) {
     return fail(Fault::not_found, "{} rows are lit, but no surface lies under them", scan.rows_lit);
   }
-  scan.expected_error_m = std::sqrt(errors.variance_m2 / std::max(1.0, errors.points));
+  // Hair, drops and speckle scatter more than the noise of the pictures says.
+  const double points = std::max(1.0, errors.points);
+  scan.expected_error_m = std::sqrt(
+      (errors.systematic_m2 + std::max(1.0, errors.scatter / points) * errors.noise_m2) / points);
   return scan;
 }
 

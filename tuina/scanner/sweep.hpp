@@ -87,8 +87,10 @@ struct Scan {
                                                  double latency_s);
 
 /// Converts lines and readings to a cloud in `couch`: normals from the grid of profiles and rows,
-/// mixed points at depth edges removed, holes kept. A sweep forth and back is compared and
-/// corrected first. `compute_ms` is left to the caller.
+/// mixed points at depth edges removed, holes kept. A point is drawn to where its nearest
+/// neighbours see the surface, the more the noisier it is; its deviation is what is left, and
+/// shared with them. A sweep forth and back is compared and corrected first. `compute_ms` is left
+/// to the caller.
 [[nodiscard]] Result<Scan> make_cloud(std::span<const TimedLine> lines,
                                       std::span<const YawReading> readings,
                                       const ScannerCalibration& calibration,
