@@ -154,9 +154,11 @@ class EvaluateMassage final : public Verb {
     std::vector<std::string> incidents;
     for (std::size_t i = 0; i < trials.size(); ++i) {
       const auto tell = [&](const std::string& what) {
-        incidents.push_back(fmt::format("{} --seed {} --programme {}{}: {}", trials[i].order.person,
-                                        trials[i].seed, trials[i].order.programme,
-                                        trials[i].order.adaptive ? "" : " --adaptive off", what));
+        const SessionOrder& order = trials[i].order;
+        incidents.push_back(fmt::format(
+            "{}{}{} --seed {} --programme {}{}: {}", order.person,
+            order.position ? " --position " : "", order.position ? name_of(*order.position) : "",
+            trials[i].seed, order.programme, order.adaptive ? "" : " --adaptive off", what));
       };
       if (!outcomes[i].refused.empty()) tell("refused: " + outcomes[i].refused);
       for (const std::string& stop : outcomes[i].stops) tell("stopped: " + stop);
