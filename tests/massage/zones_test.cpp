@@ -13,29 +13,10 @@ using namespace tuina::massage;
 
 namespace {
 
-/// Landmarks of an upright man on the wall of backs.hpp, without the outline.
-std::vector<Landmark> landmarks_of_a_man() {
-  std::vector<Landmark> landmarks = {{"C7", {0, 0.1, 0.65}},   {"T3", {0, 0.1, 0.585}},
-                                     {"T7", {0, 0.1, 0.49}},   {"T9", {0, 0.1, 0.445}},
-                                     {"T12", {0, 0.1, 0.355}}, {"L2", {0, 0.1, 0.295}},
-                                     {"L4", {0, 0.1, 0.25}},   {"sacrum_S2", {0, 0.1, 0.165}}};
-  for (const double side : {1.0, -1.0}) {
-    const std::string end = side > 0.0 ? "_L" : "_R";
-    landmarks.push_back({"scapula_root" + end, {side * 0.084, 0.1, 0.586}});
-    landmarks.push_back({"scapula_inferior_angle" + end, {side * 0.099, 0.1, 0.485}});
-    landmarks.push_back({"scapula_spine_mid" + end, {side * 0.135, 0.1, 0.581}});
-    landmarks.push_back({"acromial_angle" + end, {side * 0.184, 0.1, 0.567}});
-    landmarks.push_back({"axillary_fold" + end, {side * 0.163, 0.1, 0.474}});
-    landmarks.push_back({"waist" + end, {side * 0.138, 0.1, 0.254}});
-    landmarks.push_back({"psis" + end, {side * 0.043, 0.1, 0.16}});
-  }
-  return landmarks;
-}
-
 struct Man {
   explicit Man(double uncertainty_m = 0.0)
       : points(test::seven_points(test::wall(), uncertainty_m)),
-        landmarks(landmarks_of_a_man()),
+        landmarks(test::landmarks_of_a_man()),
         chart(BackChart::from(points, landmarks).value()),
         zones(chart, points, landmarks) {}
   std::vector<Acupoint> points;

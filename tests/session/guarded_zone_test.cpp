@@ -6,7 +6,11 @@
 #include <filesystem>
 #include <string>
 
+#include "tests/massage/backs.hpp"
+#include "tests/reason.hpp"
 #include "tuina/core/io/file.hpp"
+#include "tuina/massage/plan.hpp"
+#include "tuina/session/guarded_field.hpp"
 
 using namespace tuina;
 
@@ -38,4 +42,34 @@ TEST_CASE("a massage and a hand that teaches ask the one table for the guard's z
     }
   }
   CHECK(tables == 1);
+}
+
+TEST_CASE(
+    "wherever a plan goes the guard's map of the back bears it, however unsure the points are") {
+  const body::BackSurface back = test::wall();
+  const auto landmarks = test::landmarks_of_a_man();
+  const auto programme = massage::load_programme("lower_back");
+  REQUIRE(programme.has_value());
+  int strokes = 0;
+  for (double unsure_m = 0.0; unsure_m < 0.09; unsure_m += 2.5e-3) {
+    CAPTURE(unsure_m);
+    auto points = test::seven_points(back, 0.5 * unsure_m);
+    points.back().uncertainty_m = unsure_m;  // GV4, which says where the midline is
+    for (const Acupoint& inner : test::inner_points(back, 8e-3)) points.push_back(inner);
+    const auto plan = massage::plan(back, points, landmarks, *programme);
+    REQUIRE_MESSAGE(plan.has_value(), test::reason(plan));
+    const auto field = session::zone_field(back, points, landmarks, {}, Transform::Identity());
+    REQUIRE(field.has_value());
+    const safety::ZoneField guarded = field->reaching(15e-3);  // as RobotGuard does
+    for (const massage::PlannedPath& path : plan->paths) {
+      strokes += path.path.technique == Technique::stroke;
+      for (const ContactPoint& point : path.path.points) {
+        const auto* cell = guarded.at(point.at_in_couch);
+        REQUIRE(cell != nullptr);
+        CAPTURE(path.path.name);
+        REQUIRE(point.force_n <= safety::ceiling_of(cell->zone).set_n);
+      }
+    }
+  }
+  CHECK(strokes > 40);
 }

@@ -20,7 +20,7 @@ ZoneWalk walk(const SurfaceCurve& curve, const ZoneMap& zones, Technique techniq
   for (int i = 0; i <= paces; ++i) {
     const double way_m = std::min(i * pace_m, curve.length_m());
     const Vector3 at = curve.at(way_m).at_in_couch;
-    const Zone zone = zones.at(at);
+    const Zone zone = zones.in_lane(at, technique);
     if (cap_n(zone, technique) <= 0.0) {
       found.denied = zone;
       start_m = way_m + pace_m;

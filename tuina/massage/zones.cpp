@@ -197,6 +197,26 @@ Zone ZoneMap::at(const Place& place) const {
   return Zone::muscle;
 }
 
+Zone ZoneMap::in_lane(const Vector3& in_couch, Technique technique) const {
+  constexpr double step_m = 2_mm;
+  const Place place = chart_.place_of(in_couch);
+  const Zone own = at(place);
+  if (cap_n(own, technique) <= 0.0) return own;
+  double width_m = 0.0;
+  Zone beside = own;
+  for (const double side : {-1.0, 1.0}) {
+    for (double off_m = step_m; off_m <= min_lane_m; off_m += step_m) {
+      const Zone there = at(Place{place.left_m + side * off_m, place.up_m});
+      if (cap_n(there, technique) <= 0.0) {
+        beside = there;
+        break;
+      }
+      width_m += step_m;
+    }
+  }
+  return width_m < min_lane_m ? beside : own;
+}
+
 bool ZoneMap::perhaps_spine(const Vector3& in_couch) const {
   const Place place = chart_.place_of(in_couch);
   const double deviations = once_in_2000 * midline_sd_m_;

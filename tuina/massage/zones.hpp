@@ -30,6 +30,10 @@ enum class Zone : std::uint8_t {
 /// Radius of the skin under the sphere tool, [thesis] 5.5.
 inline constexpr double contact_radius_m = 0.017;
 
+/// Least width of a lane between two denied zones that a tool slides along: the guard's map of the
+/// back shows no narrower one.
+inline constexpr double min_lane_m = 0.012;
+
 /// The forces and techniques that a zone bears. These are compiled ceilings, starting values that a
 /// therapist must confirm; nothing that is read from a file can raise them.
 struct ZoneRule {
@@ -89,6 +93,10 @@ class ZoneMap {
   [[nodiscard]] Zone at(const Vector3& in_couch) const { return at(chart_.place_of(in_couch)); }
   [[nodiscard]] Zone at(const Place& place) const;
   /// @}
+
+  /// The zone that decides where a sliding technique may go: the place's own, or a denied one
+  /// beside it that leaves a lane across the back narrower than `min_lane_m`.
+  [[nodiscard]] Zone in_lane(const Vector3& in_couch, Technique technique) const;
 
   /// Whether a tool sent here may really come down on a spinous process, once in 2000 times or
   /// more: the borders of the zones hold in 19 of 20 only.
