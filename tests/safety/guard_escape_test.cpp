@@ -244,3 +244,34 @@ TEST_CASE("a guard that begins while a tool leaves looks for its way out once") 
   scene.tick(20);
   check_same(scene.allowed_n().normalized(), Vector3::UnitX());
 }
+
+TEST_CASE("springs keep the joints of a stopped arm 0.15 rad off their ends, whoever pushes it") {
+  Guard::Options options = six_joints();
+  options.min_rad = JointVector::Constant(6, -1.0);
+  options.max_rad = JointVector::Constant(6, 1.0);
+  for (const double felt_n : {0.0, 20.0}) {
+    for (const bool complies : {false, true}) {
+      Scene scene(options);
+      scene.seen.q_rad << 0.0, 0.0, 0.0, 0.84, -0.84, 0.9;
+      scene.force_n = felt_n;
+      scene.tick(10);
+      const JointVector from_rad = scene.seen.q_rad;
+      if (complies)
+        scene.comply();
+      else
+        scene.retract();
+      scene.seen.dq_rad_per_s << 0.0, 0.0, 0.0, 0.1, -0.15, 0.05;
+      scene.tick(200);
+      scene.seen.dq_rad_per_s.setZero();
+      scene.tick(20);
+      REQUIRE(scene.seen.q_rad[4] == doctest::Approx(-0.87));
+      const JointVector held_nm = complies || felt_n > 0.0
+                                      ? JointVector(JointVector::Zero(6))
+                                      : JointVector(-4.0 * (scene.seen.q_rad - from_rad));
+      const JointVector own_nm = scene.verdict.allowed_nm - scene.seen.gravity_nm - held_nm;
+      CHECK(own_nm[3] == doctest::Approx(-30.0 * 0.01));
+      CHECK(own_nm[4] == doctest::Approx(30.0 * 0.02));
+      CHECK(own_nm[5] == doctest::Approx(-30.0 * 0.01));  // from where it was taken over
+    }
+  }
+}

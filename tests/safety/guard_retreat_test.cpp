@@ -100,14 +100,22 @@ TEST_CASE("while it is pressed a retreat has no end, and holds the tool at no pl
   scene.tick();
   CHECK(scene.verdict.allowed_nm[5] == doctest::Approx(scene.seen.gravity_nm[5] - 0.8 * 0.1));
   scene.seen.dq_rad_per_s.setZero();
-  // Once the person is gone it holds there: the 60 mm are behind it.
+  // Once the person is gone it leaves where they are by 60 mm, then it holds.
   scene.force_n = 0.0;
   scene.tick(20);
-  check_same(scene.allowed_n(), Vector3::Zero());
+  const double leaving_n = scene.outward_n();
+  CHECK(leaving_n > 1.0);
   CHECK(scene.verdict.allowed_nm[4] == doctest::Approx(scene.seen.gravity_nm[4]));
-  scene.seen.tool_in_base = far - 0.01 * Vector3::UnitZ();
+  scene.tick(100);
+  check_same(scene.allowed_n(), (leaving_n + 8.0) * Vector3::UnitZ());
+  scene.seen.tool_in_base = far + 0.0598 * Vector3::UnitZ();
+  scene.tick(1100);
+  check_same(scene.allowed_n(), 40.0 * Vector3::UnitZ());
+  scene.seen.tool_in_base = far + 0.0602 * Vector3::UnitZ();
   scene.tick(3);
-  check_same(scene.allowed_n(), 8.0 * Vector3::UnitZ());
+  const double holding_n = scene.outward_n();
+  scene.tick(100);
+  CHECK(scene.outward_n() == doctest::Approx(holding_n));
 }
 
 TEST_CASE("a hand that pushes a leaving tool down, or aside, is not answered with 80 N") {

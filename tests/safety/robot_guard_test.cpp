@@ -256,3 +256,31 @@ TEST_CASE("the base is where it is read to be, not where a controller says, from
   CHECK_FALSE(RobotGuard::Options{}.bench);
   CHECK_FALSE(RobotGuard::Options{}.leased);
 }
+
+TEST_CASE("the guard of each arm knows where its joints end") {
+  constexpr Eigen::Index joint = 5;
+  constexpr double way_rad = 0.02;
+  // Torque on a joint of a stopped arm that goes on towards its end, so far off.
+  const auto moved_nm = [](double side, double off_rad) {
+    StandingRobot robot;
+    const robot::Link& link = robot.models[Arm::right].table().links[joint];
+    robot::ArmReading& right = robot.reading.arms[Arm::right];
+    right.q_rad[joint] = side > 0.0 ? link.max_rad - off_rad : link.min_rad + off_rad;
+    robot.tick(5);
+    robot.guard.stop(Cause::asked_to);
+    robot.tick(20);
+    REQUIRE(robot.action(Arm::right) == Action::retract);
+    right.dq_rad_per_s[joint] = side * 0.1;
+    for (int ms = 0; ms < 200; ++ms) {
+      right.q_rad[joint] += side * way_rad / 200;
+      robot.tick();
+    }
+    right.dq_rad_per_s.setZero();
+    robot.tick(10);
+    return robot.verdict.command.torque_nm[Arm::right][joint];
+  };
+  for (const double side : {1.0, -1.0}) {
+    const double near_nm = moved_nm(side, 0.15), far_nm = moved_nm(side, 0.15 + way_rad);
+    CHECK(near_nm - far_nm == doctest::Approx(-side * 30.0 * way_rad).epsilon(0.2));
+  }
+}

@@ -122,6 +122,7 @@ class Guard {
   /// The arm and the limits it is guarded by.
   struct Options {
     JointVector torque_limit_nm;  ///< of the drives; one per joint, 0 where it is no number
+    JointVector min_rad = {}, max_rad = {};  ///< ends of the joints; empty: not known
     std::array<ForceLimits, zones> force = force_ceilings;
     Ceilings limits = {};
     double period_s = control_period_s;
@@ -183,6 +184,7 @@ class Guard {
   [[nodiscard]] bool in_air() const noexcept;
   void judge_unknown(Finding& finding) noexcept;
   [[nodiscard]] JointVector blind_torque(Action action) const noexcept;
+  [[nodiscard]] JointVector off_ends_nm(const JointVector& q_rad) const noexcept;
   [[nodiscard]] JointVector own_torque(const Observation& seen, Action action) noexcept;
   [[nodiscard]] JointVector let_through(const Observation& seen, const Proposal& proposal,
                                         Finding& finding) const noexcept;
@@ -227,10 +229,11 @@ class Guard {
   Cause stopped_by_ = Cause::none;
   Action taken_over_ = Action::pass;
   Vector3 hold_in_base_ = Vector3::Zero();
-  JointVector hold_rad_;
+  JointVector hold_rad_, from_rad_;  // where it is held, and was when it was taken over
   Vector3 taken_over_in_base_ = Vector3::Zero();
-  double held_n_ = 0.0;      ///< felt when it took over
-  double min_felt_n_ = 0.0;  ///< least that was felt since the tool leaves
+  Vector3 last_pressed_in_base_ = Vector3::Zero();  // or taken over, where it was not pressed since
+  double held_n_ = 0.0;                             ///< felt when it took over
+  double min_felt_n_ = 0.0;                         ///< least that was felt since the tool leaves
 };
 
 }  // namespace tuina::safety

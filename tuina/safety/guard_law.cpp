@@ -12,6 +12,9 @@ namespace {
 constexpr double own_stiffness_n_per_m = 800.0;
 constexpr double own_damping_n_s_per_m = 60.0;
 constexpr double own_posture_nm_per_rad = 4.0;
+// A joint that comes to its end stands still at once, and the person who pushes the tool runs into
+// the rest of the arm: springs begin before, so that the other joints turn in time.
+constexpr double before_end_rad = 0.15, off_end_nm_per_rad = 30.0;
 constexpr double own_joint_damping = 0.8;    // N m s / rad
 constexpr double blind_joint_damping = 8.0;  // likewise, where the tool's place is not known
 constexpr double retract_m_per_s = 0.1;
@@ -94,13 +97,22 @@ JointVector Guard::blind_torque(Action action) const noexcept {
   return gravity_nm_ + (action == Action::brake ? 0.0 : blind_push_n) * levers_m_;
 }
 
+// An arm that stands there already when it is taken over is not moved away.
+JointVector Guard::off_ends_nm(const JointVector& q_rad) const noexcept {
+  if (options_.min_rad.size() != q_rad.size()) return JointVector::Zero(q_rad.size());
+  const JointVector low_rad = (options_.min_rad.array() + before_end_rad).min(from_rad_.array());
+  const JointVector high_rad = (options_.max_rad.array() - before_end_rad).max(from_rad_.array());
+  return off_end_nm_per_rad * ((low_rad - q_rad).cwiseMax(0.0) - (q_rad - high_rad).cwiseMax(0.0));
+}
+
 JointVector Guard::own_torque(const Observation& seen, Action action) noexcept {
   if (action == Action::brake) return gravity_nm_;
   // Where the joints are in doubt the tool's place is too: only the joints are braked.
   if (encoders_doubted_) return gravity_nm_ - blind_joint_damping * seen.dq_rad_per_s;
+  if (taken_over_ == Action::pass) from_rad_ = seen.q_rad;
   if (taken_over_ != action) {
     taken_over_ = action;
-    hold_in_base_ = taken_over_in_base_ = seen.tool_in_base;
+    hold_in_base_ = taken_over_in_base_ = last_pressed_in_base_ = seen.tool_in_base;
     hold_rad_ = seen.q_rad;
     // The median, for a single sample may be a blow that nobody has judged yet.
     held_n_ = pressed() ? std::min(felt_n(), sample_in_base_n_.dot(normal_in_base_)) : 0.0;
@@ -113,15 +125,17 @@ JointVector Guard::own_torque(const Observation& seen, Action action) noexcept {
   // A person who comes after the tool is met by nothing that holds it in place, nor aside, nor in
   // its posture, however far it is followed.
   if (action == Action::retract && (pressed() || flees)) {
-    hold_in_base_ = seen.tool_in_base;
+    hold_in_base_ = last_pressed_in_base_ = seen.tool_in_base;
     hold_rad_ = seen.q_rad;
     const double wanted_m_per_s = flees ? blind_m_per_s : push_out_m_per_s;
     const double push_n = outward_m_per_s < wanted_m_per_s ? push_out_n : 0.0;
-    return seen.gravity_nm - own_joint_damping * seen.dq_rad_per_s +
+    return seen.gravity_nm + off_ends_nm(seen.q_rad) - own_joint_damping * seen.dq_rad_per_s +
            seen.jacobian.transpose() * (push_n * normal_in_base_);
   }
   const double lead_m = (hold_in_base_ - seen.tool_in_base).dot(normal_in_base_);
-  if (action == Action::retract && way_m < retract_m &&
+  // A person who came after the tool lies where it was pressed last, not where it was taken over.
+  const double off_m = (seen.tool_in_base - last_pressed_in_base_).dot(normal_in_base_);
+  if (action == Action::retract && off_m < retract_m &&
       lead_m < max_outward_n / own_stiffness_n_per_m) {
     hold_in_base_ += retract_m_per_s * options_.period_s * normal_in_base_;
   }
@@ -130,7 +144,8 @@ JointVector Guard::own_torque(const Observation& seen, Action action) noexcept {
   const double spared_m_per_s = gives_way ? std::max(outward_m_per_s, 0.0) : 0.0;
   Vector3 force_n =
       -own_damping_n_s_per_m * (seen.tool_velocity_m_per_s - spared_m_per_s * normal_in_base_);
-  JointVector torque_nm = seen.gravity_nm - own_joint_damping * seen.dq_rad_per_s;
+  JointVector torque_nm =
+      seen.gravity_nm + off_ends_nm(seen.q_rad) - own_joint_damping * seen.dq_rad_per_s;
   if (action != Action::comply) {
     const Vector3 spring_n = own_stiffness_n_per_m * (hold_in_base_ - seen.tool_in_base);
     const double outward_n = spring_n.dot(normal_in_base_);

@@ -23,6 +23,12 @@ constexpr int max_lease_ticks = 500;
 
 Guard::Options guard_options(const robot::ArmModel& model, const RobotGuard::Options& options) {
   Guard::Options guard{.torque_limit_nm = model.table().torque_limits_nm(), .bench = options.bench};
+  guard.min_rad = guard.max_rad = JointVector::Zero(model.joints());
+  for (int i = 0; i < model.joints(); ++i) {
+    const robot::Link& link = model.table().links[static_cast<std::size_t>(i)];
+    guard.min_rad[i] = link.min_rad;
+    guard.max_rad[i] = link.max_rad;
+  }
   for (ForceLimits& limits : guard.force)
     limits.set_n = std::min(limits.set_n, options.max_set_force_n);
   return guard;
