@@ -7,6 +7,7 @@
 #include "tuina/control/arm_controller.hpp"
 #include "tuina/core/parallel.hpp"
 #include "tuina/core/units.hpp"
+#include "tuina/massage/technique/contact_path.hpp"
 #include "tuina/motion/startle.hpp"
 
 namespace tuina::motion {
@@ -65,7 +66,7 @@ massage::PlannedPath TwoArmSchedule::bearable(const massage::PlannedPath& planne
   path.lowered_by = sentence("by_mass", "an arm that is felt as {:.1f} kg", mass_kg);
   Sentence note = sentence(
       "note_arm_too_heavy",
-      "{}: {:.0f} N instead of {:.0f} N: the arm is felt as {:.1f} kg there, too heavy for a "
+      "{}: {:.1f} N instead of {:.1f} N: the arm is felt as {:.1f} kg there, too heavy for a "
       "person who starts up",
       path.path.name, max_n, planned_n, mass_kg);
   if (std::find(notes.begin(), notes.end(), note) == notes.end()) notes.push_back(std::move(note));
@@ -103,7 +104,14 @@ void TwoArmSchedule::add_contacts(const Moves& moves, const PerArm<Planned>& pla
 }
 
 Result<ArmMove> TwoArmSchedule::plan_move(Arm arm, const massage::PlannedPath& planned) const {
-  return move_to_path(stage_, arm, rest_[arm], planned.path, static_cast<int>(paths.size()));
+  auto move = move_to_path(stage_, arm, rest_[arm], planned.path, static_cast<int>(paths.size()));
+  if (!move) return move;
+  const double min_n = std::min(planned.ordered_n(), massage::kept_force_n);
+  if (max_pressing_n(move->mass_kg, planned.zone, min_n) < min_n)
+    return fail(Fault::not_found,
+                "the arm is felt as {:.1f} kg there, too heavy for a person who starts up",
+                move->mass_kg);
+  return move;
 }
 
 /// Adds both paths where they can run at once.
