@@ -43,15 +43,24 @@ record::SessionFile::Acupoints acupoints_of(const SessionResult& result) {
   return acupoints;
 }
 
-/// The person asked for another force than the plan's before the path was done.
-const session::LiveCommand* asked_by_person(const session::Session& session, double end_s) {
+/// What the person asked for last before the path was done, where it changes a path's force.
+const session::LiveCommand* asked_by_person(const session::Session& session,
+                                            const session::Performed& done) {
+  const session::LiveCommand* last = nullptr;
   for (const auto& [time_s, command] : session.commands) {
     const bool changes = command == session::LiveCommand::softer ||
                          command == session::LiveCommand::firmer ||
-                         command == session::LiveCommand::skip;
-    if (changes && time_s <= end_s) return &command;
+                         (command == session::LiveCommand::skip && done.skipped);
+    if (changes && time_s <= done.end_s) last = &command;
   }
-  return nullptr;
+  return last;
+}
+
+/// The session was stopped before the path was done.
+const session::Stop* stopped_by(const session::Session& session, const session::Performed& done) {
+  if (done.whole || session.stops.empty()) return nullptr;
+  const session::Stop& first = session.stops.front();
+  return done.end_s > first.time_s - 0.5 * control_period_s ? &first : nullptr;
 }
 
 /// Why a path got less or more than the plan orders; empty where it did not.
@@ -63,6 +72,8 @@ Sentence why_not_as_ordered(const session::Session& session, const session::Perf
   if (std::abs(given_n - ordered_n) <= max_off_share * ordered_n) return {};
   if (done.contact_fault != control::ContactFault::none)
     return sentence("why_cut_short", "cut short: {}", control::name_of(done.contact_fault));
+  if (const session::Stop* stop = stopped_by(session, done))
+    return sentence("why_stopped", "the session was stopped: {}", safety::name_of(stop->cause));
   const session::Decision* last = nullptr;
   for (const session::Decision& decision : session.decisions) {
     const bool during = decision.path == done.path && decision.time_s <= done.end_s;
@@ -74,7 +85,7 @@ Sentence why_not_as_ordered(const session::Session& session, const session::Perf
     why.values.front() = last->key;
     return why;
   }
-  if (const auto* command = asked_by_person(session, done.end_s))
+  if (const auto* command = asked_by_person(session, done))
     return sentence("why_asked", "the person asked for it: {}", session::name_of(*command));
   if (begun_intensity != 1.0)
     return sentence("why_wished", "begun at {:.0f} % of the plan, as wished in an earlier session",

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace tuina::app {
 
@@ -57,7 +58,8 @@ void TruthRecorder::on_plan(const motion::ReadyPlan& plan, const Transform& base
 }
 
 void TruthRecorder::on_performed(const session::Performed& performed) noexcept {
-  truth_.touched.push_back(touched_[performed.arm]);
+  // A path whose tool never met the skin has nothing of the one before.
+  truth_.touched.push_back(std::exchange(touched_[performed.arm], {}));
 }
 
 void TruthRecorder::on_tick(const session::Tick& tick) noexcept {

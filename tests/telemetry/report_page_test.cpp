@@ -64,7 +64,7 @@ TEST_CASE("a path that got another force than asked for is told with its reason,
   CHECK(holds(page, "Given otherwise than asked for"));
   CHECK(holds(page, "lowered for kidney"));
   CHECK(holds(page, "the person asked for it: softer"));
-  CHECK(holds(page, fmt::format("1 of {} paths", data.paths.size())));
+  CHECK(holds(page, fmt::format("One of {} paths was", data.paths.size())));
 }
 
 TEST_CASE(

@@ -161,7 +161,11 @@ void add_trends(telemetry::Page& page, std::span<const Visit> visits) {
 }
 
 void add_maps(telemetry::Page& page, std::span<const Visit> visits) {
-  auto& part = page.section("The back, session by session");
+  const auto ended = static_cast<std::size_t>(
+      std::count_if(visits.begin(), visits.end(), [](const Visit& visit) { return visit.ended; }));
+  auto& part = page.section(
+      "The back, session by session",
+      ended > max_maps ? fmt::format("The last {} of {} sessions.", max_maps, ended) : "");
   std::vector<std::pair<const Visit*, telemetry::ReportData>> shown;
   std::vector<std::string> gone;
   double hardest_n_per_mm = 1e-9;

@@ -148,6 +148,7 @@ Result<ReportData> read_record(const std::filesystem::path& folder) {
                   .distances = std::move(*distances),
                   .stopping_distance_m = safety::stopping_arm_distance_m,
                   .stops = file->stops,
+                  .rescans_s = file->rescans_s,
                   .plan_notes = file->plan.notes,
                   .numbers = numbers_of(*file),
                   .config_toml = std::move(*config),

@@ -132,7 +132,8 @@ void MassageStep::end_contact(Side& side, Arm arm, double time_s) noexcept {
                  .begin_s = side.contact_s,
                  .end_s = time_s,
                  .contact_fault = side.contact_fault,
-                 .whole = !side.cut_short,
+                 .whole = !side.cut_short && side.contact_fault == control::ContactFault::none,
+                 .skipped = side.skip,
                  .felt = {}};
   const bool feels = planned.path.technique == Technique::press;
   if (feels && time_s > side.contact_s) {

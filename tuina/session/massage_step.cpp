@@ -44,6 +44,7 @@ static_assert(rules_agree());
 
 Sentence explain(const Stop& stop) {
   const char *arm = name_of(stop.arm), *cause = safety::name_of(stop.cause);
+  if (stop.cause == safety::Cause::asked_to) return sentence("stopped_as_asked", "asked to stop");
   if (stop.joint < 0) return sentence("stopped_arm_by", "{} arm: {}", arm, cause);
   return sentence("stopped_arm_at_joint",
                   "{} arm: {}: joint {} is {:.0f} degrees off, {:.0f} are allowed", arm, cause,
@@ -130,6 +131,7 @@ void MassageStep::heed(const safety::RobotVerdict& verdict) noexcept {
 void MassageStep::heed(Arm arm, const safety::Verdict& verdict) noexcept {
   Side& side = sides_[arm];
   if (verdict.latched && side.phase != ArmPhase::stopped) {
+    side.cut_short = true;
     if (side.phase == ArmPhase::contact) end_contact(side, arm, time_s_);
     side.phase = ArmPhase::stopped;
     if (stops_.size() < stops_.capacity())
@@ -221,6 +223,7 @@ void MassageStep::conduct(Arm arm, double time_s) noexcept {
       if (status.contact_fault != control::ContactFault::none || side.skip) {
         side.contact_s = time_s;
         side.contact_fault = status.contact_fault;
+        side.cut_short = true;
         end_contact(side, arm, time_s);
         if (side.contact_fault == control::ContactFault::no_skin_found) leave(time_s);
       } else if (status.mode == control::Mode::contact) {
@@ -245,6 +248,7 @@ void MassageStep::let_go(double time_s) noexcept {
     Side& side = sides_[arm];
     if (side.phase == ArmPhase::contact || side.phase == ArmPhase::approach) {
       if (side.phase == ArmPhase::approach) side.contact_s = time_s;
+      side.cut_short = true;
       end_contact(side, arm, time_s);
     } else if (side.phase == ArmPhase::travel) {
       side.controller().halt();

@@ -55,6 +55,7 @@ struct Performed {
   control::ContactFault contact_fault =
       control::ContactFault::none;     ///< reason why it was cut short, if it was
   bool whole = true;                   ///< true when every point of the path was served
+  bool skipped = false;                ///< true when somebody asked to leave it
   std::optional<TissueEstimate> felt;  ///< tissue after the last press; only pressing feels it
   double nis = 1.0;                    ///< misfit of the tissue model; about 1 is good
   double stiffness_sd = 0.0;           ///< relative error of the stiffness at `reference_force_n`

@@ -20,7 +20,8 @@ void PerformedPaths::set_aside(Session& session) {
   };
   for (; performed_ < session.performed.size(); ++performed_) {
     Performed& performed = session.performed[performed_];
-    if (performed.whole) done_.push_back(paths[static_cast<std::size_t>(performed.path)].path.name);
+    if (performed.whole || performed.skipped)
+      done_.push_back(paths[static_cast<std::size_t>(performed.path)].path.name);
     performed.path = keep(performed.path);
   }
   for (; decided_ < session.decisions.size(); ++decided_)

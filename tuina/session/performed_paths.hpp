@@ -19,7 +19,8 @@ class PerformedPaths {
   void set_aside(Session& session);
   /// Puts the kept paths before those of the last plan.
   void join(Session& session);
-  /// Names of the paths that were performed whole; a name stands once for each time.
+  /// Names of the paths that were performed whole, or that somebody asked to leave; a name stands
+  /// once for each time.
   [[nodiscard]] const std::vector<std::string>& done() const { return done_; }
 
  private:

@@ -113,7 +113,8 @@ std::string short_name(std::string name) {
 /// The end of the stiffness scale: a round number at or above everything felt.
 double stiffest_shown(const ReportData& data, double at_least_n_per_mm = 1e-9) {
   double hardest = at_least_n_per_mm;
-  for (const FeltTissue& felt : data.tissue) hardest = std::max(hardest, felt.stiffness_n_per_mm);
+  for (const FeltTissue& felt : data.tissue)
+    hardest = std::max(hardest, felt.mapped ? felt.stiffness_n_per_mm : 0.0);
   const auto round_numbers = ticks(0.0, hardest, 4);
   return round_numbers.back() + (round_numbers.back() < 0.999 * hardest ? round_numbers[1] : 0.0);
 }
@@ -238,7 +239,7 @@ std::string tissue_curves(const ReportData& data) {
     return series;
   };
   for (const FeltTissue& felt : all_felt) {
-    if (!felt.estimate.converged) continue;
+    if (!felt.mapped) continue;
     if (felt.truth) {
       Series truth = curve(*felt.truth);
       truth.colour = palette::grey;
@@ -284,7 +285,6 @@ std::string tissue(const ReportData& data, double scale_n_per_mm) {
   }
   const ShadedPicture picture = shade(scene, view_of(pose));
   std::vector<Label> labels;
-  labels.reserve(all_felt.size());
   for (const FeltTissue& felt : all_felt) {
     labels.push_back({.at = drawn(picture.projection, felt.at_in_couch),
                       .name = short_name(felt.name),

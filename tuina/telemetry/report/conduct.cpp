@@ -123,16 +123,28 @@ void add_conduct(Page& page, const ReportData& data) {
 }
 
 std::string given_in_words(const ReportData& data) {
-  std::size_t ordered = 0, otherwise = 0;
+  std::size_t ordered = 0, otherwise = 0, cut_short = 0;
   for (const PerformedPath& performed : data.paths) {
-    ordered += performed.ordered_n > 0.0;
+    if (performed.ordered_n <= 0.0) continue;
+    ++ordered;
     otherwise += !performed.why.empty();
+    cut_short += performed.why.empty() && !performed.contact_fault.empty();
   }
   if (ordered == 0) return "";
   const Language& say = data.language;
-  if (otherwise == 0) return say("Every place was given the force that the plan orders. ");
-  return say("{} of {} paths were given another force than was ordered, see below. ", otherwise,
-             ordered);
+  if (otherwise + cut_short == 0)
+    return say("Every place was given the force that the plan orders. ");
+  std::string words;
+  if (otherwise == 1)
+    words += say("One of {} paths was given another force than was ordered, see below. ", ordered);
+  else if (otherwise > 1)
+    words += say("{} of {} paths were given another force than was ordered, see below. ", otherwise,
+                 ordered);
+  if (cut_short == 1)
+    words += say("One of {} paths was cut short, see below. ", ordered);
+  else if (cut_short > 1)
+    words += say("{} of {} paths were cut short, see below. ", cut_short, ordered);
+  return words;
 }
 
 void add_given(Page& page, const ReportData& data) {
@@ -144,6 +156,8 @@ void add_given(Page& page, const ReportData& data) {
                           {.head = say("why")}}};
   for (const PerformedPath& performed : data.paths) {
     std::string why = say(performed.why);
+    if (why.empty() && !performed.contact_fault.empty())
+      why = say(sentence("why_cut_short", "cut short: {}", performed.contact_fault));
     if (!performed.lowered_by.empty()) {
       const std::string lowered = say("lowered for {}", say(performed.lowered_by));
       why = why.empty() ? lowered : fmt::format("{}{}{}", lowered, say("; "), why);
@@ -155,9 +169,9 @@ void add_given(Page& page, const ReportData& data) {
   if (table.rows.empty()) return;
   page.section(
           say("Given otherwise than asked for"),
-          say("Where the plan orders less than the programme asks for, or the given force is "
-              "more than 5 % off the ordered one. A press or a tap counts by its largest force, "
-              "what slides by its mean."))
+          say("Where the plan orders less than the programme asks for, the given force is more "
+              "than 5 % off the ordered one, or the path was cut short. A press or a tap counts by "
+              "its largest force, what slides by its mean."))
       .table(table);
 }
 

@@ -43,7 +43,7 @@ std::vector<KeyNumber> tiles(const ReportData& data) {
         {figures::capital(say(number.label)), number.value, say(number.unit), say(number.remark)});
   }
   tiles.push_back({say("Stops"), fmt::format("{}", data.stops.size()), "",
-                   data.stops.empty() ? say("the guard never stepped in") : say("see below")});
+                   data.stops.empty() ? say("the guard never stopped an arm") : say("see below")});
   return tiles;
 }
 

@@ -166,6 +166,8 @@ struct ReportData {
   double stopping_distance_m = 0.0;  ///< arms nearer than this stop
   std::vector<ArmsPose> poses = {};  ///< ordered by time; a picture takes the nearest
   std::vector<Stop> stops = {};
+  std::vector<double> rescans_s =
+      {};  ///< times at which the person had moved and was scanned again
   std::vector<Sentence> plan_notes = {};  ///< what was lowered, bent or left out, and why
   std::vector<KeyNumber> numbers = {};    ///< besides those that the page counts itself
   std::string config_toml = {};           ///< the whole effective configuration

@@ -65,7 +65,8 @@ std::string done_in_words(const ReportData& data) {
     std::set<std::string> places;
     std::size_t count = 0;
     for (const PerformedPath& performed : data.paths) {
-      if (performed.path.technique != technique) continue;
+      const bool touched = performed.ended_s() > performed.begin_s;
+      if (performed.path.technique != technique || !touched) continue;
       ++count;
       places.insert(performed.path.acupoints.begin(), performed.path.acupoints.end());
     }
@@ -119,7 +120,7 @@ std::string summary(const ReportData& data) {
   const FeltTissue* softest = nullptr;
   const FeltTissue* hardest = nullptr;
   for (const FeltTissue& felt : data.tissue) {
-    if (!felt.estimate.converged) continue;
+    if (!felt.mapped) continue;
     const double stiffness = felt.stiffness_n_per_mm;
     if (softest == nullptr || stiffness < softest->stiffness_n_per_mm) softest = &felt;
     if (hardest == nullptr || stiffness > hardest->stiffness_n_per_mm) hardest = &felt;
@@ -128,8 +129,13 @@ std::string summary(const ReportData& data) {
     text += say("The tissue felt hardest at {} and softest at {}. ",
                 figures::spoken(hardest->name, say), figures::spoken(softest->name, say));
   text += given_in_words(data);
+  for (const double time_s : data.rescans_s)
+    text += say("After {} the person had moved, and was scanned again. ", minutes(say, time_s));
   if (data.stops.empty())
     text += say("Nothing had to be stopped.");
+  else if (data.stops.front().cause.key == "stopped_as_asked")
+    text += say("The session was stopped after {}, as somebody asked.",
+                minutes(say, data.stops.front().time_s));
   else
     text += say("The session was stopped for safety after {}: {}.",
                 minutes(say, data.stops.front().time_s), say(data.stops.front().cause));

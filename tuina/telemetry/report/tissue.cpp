@@ -47,7 +47,7 @@ Table tissue_table(const ReportData& data) {
                {felt.stiffness_n_per_mm, within(felt.stiffness_ci95_n_per_mm, 1)},
                e.presses,
                e.converged ? Cell(e.converged_after_s) : Cell(say("not settled")),
-               felt.tissue_class.empty()
+               felt.tissue_class.empty() || !e.converged
                    ? Cell()
                    : Cell(say(felt.tissue_class),
                           fmt::format("{:.0f} %", 100.0 * felt.class_probability))});
