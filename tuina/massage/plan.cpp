@@ -51,7 +51,8 @@ Sentence doubtful_places(std::span<const Acupoint> acupoints, std::span<const Pl
              planned.path.acupoints.front() == point.name;
     });
     if (pressed && point.uncertainty_m > contact_radius_m)
-      doubtful.push_back(fmt::format("{} {:.0f} mm", point.name, to_mm(point.uncertainty_m)));
+      doubtful.push_back(
+          fmt::format("{} {:.0f} mm", point.name, std::ceil(to_mm(point.uncertainty_m))));
   }
   if (doubtful.empty()) return {};
   return sentence("note_places_unsure",

@@ -22,7 +22,8 @@ double PressWindow::at(double time_s) const {
   if (t >= edge_s) return 1.0;
   const double a = steepness / edge_s;
   const double jump = sigmoid(-0.5 * steepness);
-  return (sigmoid(a * (t - 0.5 * edge_s)) - jump) / (1.0 - 2.0 * jump);
+  // Rounding may carry the end of the edge a little beyond one.
+  return std::min((sigmoid(a * (t - 0.5 * edge_s)) - jump) / (1.0 - 2.0 * jump), 1.0);
 }
 
 double PressWindow::max_slope_per_s() const {
