@@ -80,6 +80,41 @@ TEST_CASE("two presses tell the tangent law of bone, hard and soft muscle to fiv
   }
 }
 
+TEST_CASE("beyond what was felt a band holds what tissue of another law gives") {
+  // An exponential, which a tangent cannot be told from below the strongest press.
+  const auto force_n = [](double depth_m) {
+    return depth_m > 0.0 ? 2.0 * (std::exp(depth_m / 3.5_mm) - 1.0) : 0.0;
+  };
+  const auto depth_m = [](double of_n) { return 3.5_mm * std::log(1.0 + 0.5 * of_n); };
+  for (const double beyond : {1.0, 1.5, 2.0, 2.5}) {
+    CAPTURE(beyond);
+    Random random = make_random(2, "exponential");
+    CreepEstimator estimator;
+    const auto place_m = [&](double peak_n, double time_s) {
+      const double above_m = 2_mm;
+      return -above_m + (depth_m(peak_n) + above_m) * std::abs(std::sin(pi * time_s));
+    };
+    double time_s = 0.0;
+    for (; time_s < 3.0; time_s += 1e-3) {
+      const double at_m = place_m(20.0, time_s);
+      estimator.update(time_s, {.depth_m = at_m + gaussian(random, 0.05_mm),
+                                .force_n = force_n(at_m) + gaussian(random, 0.2)});
+    }
+    CreepEstimator::Outlook outlook = estimator.outlook();
+    CreepEstimator::ForceBand told;
+    double before_m = place_m(20.0, time_s);
+    for (; time_s < 3.5; time_s += 1e-3) {
+      const double at_m = place_m(beyond * 20.0, time_s);
+      told = estimator.foretell(outlook, time_s, at_m, 1e3 * (at_m - before_m));
+      before_m = at_m;
+    }
+    CAPTURE(told.force_n);
+    CHECK(told.low_n <= beyond * 20.0);
+    CHECK(told.high_n >= beyond * 20.0);
+    if (beyond == 1.0) CHECK(told.high_n - told.low_n < 4.0);
+  }
+}
+
 TEST_CASE("one press is not enough to call the next one known") {
   CreepEstimator estimator;
   press(estimator, hard, 40.0, 1.0);

@@ -20,6 +20,10 @@ constexpr double converged_surprise = 2.0;
 // Of the force of a press, what the law leaves out. It was found on phantoms of the usual world:
 // the filters alone hold 85 of 100 presses in their bands of 95 %.
 constexpr double unexplained_share = 0.035;
+// Laws that agree on what was felt part beyond its strongest press: an exponential lies below a
+// tangent by half of the squared logarithm of how much stronger a press is, as the logarithm of
+// its force.
+constexpr double parting = 0.65;
 constexpr double max_force_n = 300.0;  // beyond any press; near its pole the law says anything
 
 constexpr double square(double x) {
@@ -103,8 +107,13 @@ CreepEstimator::ForceBand CreepEstimator::foretell(Outlook& outlook, double time
                  .low_n = quantile(told, outlook.weights, 0.025),
                  .high_n = quantile(told, outlook.weights, 0.975)};
   const double noise_n = z95 * options_.force_noise_n;
-  band.low_n = band.force_n - std::hypot(band.force_n - band.low_n, noise_n);
-  band.high_n = band.force_n + std::hypot(band.high_n - band.force_n, noise_n);
+  const double felt_n = std::max(strongest_.force_n, peak_.force_n);
+  const double beyond = felt_n > 0.0 ? std::log(std::max(1.0, band.force_n / felt_n)) : 0.0;
+  const double part = parting * square(beyond);
+  band.low_n = band.force_n - std::hypot(band.force_n - band.low_n, noise_n,
+                                         band.force_n * (1.0 - std::exp(-part)));
+  band.high_n = band.force_n + std::hypot(band.high_n - band.force_n, noise_n,
+                                          band.force_n * (std::exp(part) - 1.0));
   return band;
 }
 
