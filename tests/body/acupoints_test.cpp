@@ -163,6 +163,29 @@ TEST_CASE("a noisy scan with flying pixels and the couch in view gives the same 
   }
 }
 
+TEST_CASE("the less of a back is in view, the wider are the radii of what is") {
+  for (const BodyPosture position : {BodyPosture::sitting, BodyPosture::prone}) {
+    CAPTURE(name_of(position));
+    const LabelledBody person = phantom(position);
+    const PointCloud whole = scan_of(person);
+    const auto height = [&](const Vector3& p) {
+      return position == BodyPosture::sitting ? p.z() : -p.y();
+    };
+    const double gv4 = height(person.acupoints[6].at_in_couch);
+    REQUIRE(person.acupoints[6].name == "GV4");
+    const auto all = map(whole);
+    const auto part = map(only(whole, [&](const Vector3& p) { return height(p) > gv4 - 0.02; }));
+    REQUIRE_MESSAGE(all.has_value(), test::reason(all));
+    REQUIRE_MESSAGE(part.has_value(), test::reason(part));
+    CHECK(all->coverage > 0.97);
+    CHECK(part->coverage < 0.90);
+    for (std::size_t i = 0; i < 7; ++i) {
+      CAPTURE(all->acupoints[i].name);
+      CHECK(part->acupoints[i].uncertainty_m > 1.15 * all->acupoints[i].uncertainty_m);
+    }
+  }
+}
+
 TEST_CASE("what is no whole back is refused, with the cause") {
   for (const BodyPosture position : {BodyPosture::sitting, BodyPosture::prone}) {
     CAPTURE(name_of(position));

@@ -88,6 +88,14 @@ MatrixXd ridge(const MatrixXd& features, const MatrixXd& targets, Index views,
   return best_weights;
 }
 
+/// Factor on the radii of a back of which only this share is in view. Regression and calibration
+/// have seen whole backs only; found on people of `population`, sitting and prone, cut below the
+/// loins or with a gap there.
+double unseen_widening(double share_seen) {
+  constexpr double whole_share = 0.95, per_share = 4.5;
+  return 1.0 + per_share * std::max(0.0, whole_share - share_seen);
+}
+
 /// Factor on the radii of a strange back, which neither the modes nor the regression have seen.
 double strangeness(const ShapeModel& model, const ShapeFit& fit) {
   const double usual = model.position == BodyPosture::sitting ? usual_mahalanobis2_sitting
@@ -210,8 +218,9 @@ LabelEstimate estimate_labels(const ShapeModel& model, const BackSurface& back) 
                             Eigen::Map<const Places>(off.data(), 3, off.size() / 3);
   }
   estimate.strangeness = strangeness(model, fit);
-  estimate.radius95_m = estimate.strangeness * model.radius95_m.cwiseProduct(widening(
-                                                   model, fit.label_var_m2, fit.residual_m));
+  estimate.radius95_m =
+      estimate.strangeness * unseen_widening(fit.coverage) *
+      model.radius95_m.cwiseProduct(widening(model, fit.label_var_m2, fit.residual_m));
   estimate.radius95_m = estimate.radius95_m.cwiseMax(fit.label_doubt_m);
   return estimate;
 }
