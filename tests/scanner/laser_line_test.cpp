@@ -298,6 +298,17 @@ TEST_CASE("a dark frame takes the lamps off the picture") {
   CHECK(errors_of(line).rms_px < 0.06);
 }
 
+TEST_CASE("a pole in a lit scene, wider than any laser line, is none") {
+  Image scene = test::lit_scene(640, 480, 8, 5.0);
+  for (int y = 0; y < 480; ++y) {
+    for (int x = 300; x < 340; ++x) {
+      const double edge = std::min({1.0, (x - 299) / 6.0, (340 - x) / 6.0});
+      scene.row(y)[x] = static_cast<std::uint8_t>(scene.row(y)[x] + 60.0 * edge);
+    }
+  }
+  CHECK(find_laser_line(test::seen(scene, 0.0, true_column, 4)).points.empty());
+}
+
 TEST_CASE("the texture of a lit scene is no line and hides none, with a dark frame or without") {
   for (const int grain_px : {4, 8, 16, 24}) {
     for (const double contrast_dn : {5.0, 15.0, 25.0}) {

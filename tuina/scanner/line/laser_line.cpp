@@ -303,6 +303,8 @@ LaserLine find(BasicImageView<Pixel> image, const LineOptions& options,
       sample.add(rows.template samples<Sample>(y), y);
     }
     sample.estimate(scene, options.noise_dn, options.width_px);
+    if (scene.no_line && options.method != LineMethod::thesis)
+      return LaserLine{.noise_dn = scene.noise_dn, .width_px = scene.width_px};
     return options.method == LineMethod::thesis
                ? find_as_thesis<Sample>(rows, image.height, scene, options.thesis_threshold_dn)
                : find_in<Sample>(rows, image.height, scene, options);

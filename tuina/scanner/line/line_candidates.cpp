@@ -229,7 +229,12 @@ void SceneSample::estimate(LineScene& scene, double noise_dn, double width_px) c
   if (width_px > 0.0) {
     scene.width_px = static_cast<float>(width_px);
   } else if (!lit.empty()) {
-    scene.width_px = std::clamp(median_of(lit) / full_width_per_deviation, 0.5F, 12.0F);
+    // What is wider is no laser line but the scene.
+    constexpr float widest_px = 12.0F, widest_share = 1.0F / 200.0F;
+    const float max_width_px = std::max(widest_px, widest_share * static_cast<float>(scene.width));
+    const float median_px = median_of(lit) / full_width_per_deviation;
+    scene.no_line = median_px >= max_width_px;
+    scene.width_px = std::clamp(median_px, 0.5F, max_width_px);
   }
   scene.hint_column = std::max(0, first_peak_);
   scene.beside_px = static_cast<int>(std::ceil(3.2F * scene.width_px)) + 1;

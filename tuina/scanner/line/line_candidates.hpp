@@ -17,6 +17,7 @@ struct LineScene {
   float noise_dn = 1.0F;
   float background_dn = 0.0F;  ///< level of a usual pixel
   float width_px = 2.5F;       ///< standard deviation across the line
+  bool no_line = false;        ///< what is brightest is too wide for a laser line
   int beside_px = 9;           ///< distance at which a pixel beside the line shows background
   int hint_column = 0;         ///< start of the search, for speed only
 };
