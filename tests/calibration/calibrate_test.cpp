@@ -3,11 +3,17 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 #include "tests/folder.hpp"
 #include "tests/reason.hpp"
+#include "tuina/calibration/board/shots.hpp"
+#include "tuina/core/io/file.hpp"
+#include "tuina/core/io/png.hpp"
 #include "tuina/core/units.hpp"
+#include "tuina/scanner/picture.hpp"
 #include "tuina/sim/scanner/laser_scanner.hpp"
 #include "tuina/sim/scanner/synthetic_shots.hpp"
 
@@ -15,6 +21,56 @@ using namespace tuina;
 using namespace tuina::calibration;
 using tuina::sim::range_error_m;
 using tuina::test::Folder;
+
+namespace {
+
+/// The same set as a colour camera takes it under a warm lamp, each laser picture in one with that
+/// of its board.
+void colour(const std::filesystem::path& folder) {
+  const auto shots = read_shots(folder);
+  REQUIRE_MESSAGE(shots.has_value(), test::reason(shots));
+  std::string rows = "frame,kind,pose,time_s,yaw_deg\n";
+  for (const Shot& board : shots->shots) {
+    if (board.laser) continue;
+    const auto laser =
+        std::find_if(shots->shots.begin(), shots->shots.end(), [&](const Shot& shot) {
+          return shot.laser && shot.pose == board.pose && shot.yaw_rad == board.yaw_rad;
+        });
+    const bool both = laser != shots->shots.end();
+    rows += fmt::format("{},{},{},{},{}\n", board.frame, both ? "both" : "board", board.pose,
+                        board.frame, to_deg(board.yaw_rad));
+    if (!both) continue;
+    const auto scene = scanner::read_picture(board.picture);
+    const auto line = scanner::read_picture(laser->picture);
+    REQUIRE((scene.has_value() && line.has_value()));
+    Image picture(scene->width, scene->height, 3);
+    for (std::size_t i = 0; i < scene->data.size(); ++i) {
+      const double red = 1.15 * scene->data[i] + line->data[i];
+      picture.data[3 * i] = static_cast<std::uint8_t>(std::min(red, 255.0));
+      picture.data[3 * i + 1] = picture.data[3 * i + 2] = scene->data[i];
+    }
+    REQUIRE(write_file(board.picture, to_png(picture)).has_value());
+  }
+  REQUIRE(write_file(folder / "frames.csv", rows).has_value());
+}
+
+}  // namespace
+
+TEST_CASE("board and laser in one colour picture do as well") {
+  const Folder folder;
+  const auto truth = sim::built_scanner(4);
+  const auto written = sim::render_calibration_shots(truth, 4, folder.path() / "shots",
+                                                     {.poses = 14, .standing_poses = 2});
+  REQUIRE_MESSAGE(written.has_value(), test::reason(written));
+  colour(folder.path() / "shots");
+  Views views;
+  const auto result = calibrate_folder(folder.path() / "shots", views);
+  REQUIRE_MESSAGE(result.has_value(), test::reason(result));
+  CHECK(result->poses == 14);
+  const double off_m = range_error_m(truth, result->calibration, 1.0);
+  MESSAGE(fmt::format("{:.2f} mm at 1 m", to_mm(off_m)));
+  CHECK(off_m < 0.8_mm);
+}
 
 TEST_CASE("a scanner that nobody has measured is known after one rehearsed set") {
   const Folder folder;

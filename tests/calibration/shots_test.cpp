@@ -67,7 +67,7 @@ TEST_CASE("a folder of shots is read, with CRLF and without a last newline") {
 TEST_CASE("what departs from the format is refused with file and line") {
   says(refusal(good_board, good_frames + "\n3,board,2,6.0,0"), "frames.csv:5: there is no");
   says(refusal(good_board, good_frames + "\n2,board,2,6.0,0"), "frame 2 is listed twice");
-  says(refusal(good_board, good_frames + "\n2,light,2,6.0,0"), "neither board nor laser");
+  says(refusal(good_board, good_frames + "\n2,light,2,6.0,0"), "none of board, laser, both");
   says(refusal(good_board, good_frames + "\n2,board,two,6.0,0"), "pose");
   says(refusal(good_board, good_frames + "\n2,board,2,nan,0"), "time_s");
   says(refusal(good_board, good_frames + "\n2,board,2,6.0,inf"), "yaw_deg");

@@ -12,6 +12,7 @@
 #include "tuina/core/io/file.hpp"
 #include "tuina/core/io/png.hpp"
 #include "tuina/core/units.hpp"
+#include "tuina/scanner/picture.hpp"
 #include "tuina/scanner/sweep.hpp"
 
 namespace tuina::scanner {
@@ -41,18 +42,6 @@ Result<std::map<long, fs::path>> numbered_pictures(const fs::path& folder) {
   }
   if (error) return fail(Fault::file, "{}: {}", folder.string(), error.message());
   return pictures;
-}
-
-/// Reads a picture with its channels, 16 bits rounded to 8.
-Result<Image> read_frame(const fs::path& path) {
-  const auto png = read_png(path);
-  if (!png) return tl::unexpected(png.error());
-  const int shift = png->bits > 8 ? 257 : 1;
-  Image image(png->image.width, png->image.height, png->image.channels);
-  for (std::size_t i = 0; i < image.data.size(); ++i) {
-    image.data[i] = static_cast<std::uint8_t>((png->image.data[i] + shift / 2) / shift);
-  }
-  return image;
 }
 
 std::string picture_name(std::size_t index) {
@@ -92,15 +81,6 @@ Result<void> check_listed(const std::map<long, fs::path>& pictures,
 }
 
 }  // namespace
-
-Result<Image> read_picture(const fs::path& path) {
-  auto image = read_frame(path);
-  if (!image || image->channels == 1) return image;
-  const auto channels = static_cast<std::size_t>(image->channels);
-  Image red(image->width, image->height);
-  for (std::size_t i = 0; i < red.data.size(); ++i) red.data[i] = image->data[i * channels];
-  return red;
-}
 
 Result<Recording> Recording::open(const fs::path& folder, Frames kind) {
   std::error_code error;
@@ -172,7 +152,7 @@ Result<Frame> Recording::next_frame(double) {
   const Entry& entry = frames_[next_++];
   Frame frame{.time_s = entry.time_s, .image = {}, .dark = {}};
   // A picture that has disappeared is an error, not the end of the recording.
-  const auto read = kind_ == Frames::grey ? read_picture : read_frame;
+  const auto read = kind_ == Frames::grey ? read_picture : read_colours;
   auto image = read(entry.picture);
   if (!image) return tl::unexpected(image.error());
   frame.image = std::move(*image);

@@ -11,9 +11,6 @@
 
 namespace tuina::scanner {
 
-/// Reads a picture as 8-bit grey: red of colour pictures, 16 bits rounded to 8.
-[[nodiscard]] Result<Image> read_picture(const std::filesystem::path& path);
-
 /// A recorded sweep (frames/, dark/, frames.csv, yaw.csv, calibration.toml) as camera and
 /// turntable. `open` checks everything but the pictures; a missing or broken picture fails in
 /// `next_frame`.

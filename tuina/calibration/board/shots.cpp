@@ -108,7 +108,10 @@ class FramesFile {
     while (const auto line = lines.next()) {
       auto shot = read_row(split(*line), fmt::format("{}:{}", name_, lines.number()));
       if (!shot) return tl::unexpected(shot.error());
-      shots.push_back(std::move(*shot));
+      shots.push_back(*shot);
+      if (!shot->both) continue;
+      shots.back().laser = true;
+      shots.insert(shots.end() - 1, std::move(*shot));
     }
     if (shots.empty()) return fail(Fault::bad_input, "{}:2: no row follows the header", name_);
     return shots;
@@ -142,8 +145,8 @@ class FramesFile {
       return fail(Fault::bad_input, "{}: frame {} is not a whole number", where,
                   in_quotes(cell(0)));
     }
-    if (cell(1) != "board" && cell(1) != "laser") {
-      return fail(Fault::bad_input, "{}: kind {} is neither board nor laser", where,
+    if (cell(1) != "board" && cell(1) != "laser" && cell(1) != "both") {
+      return fail(Fault::bad_input, "{}: kind {} is none of board, laser, both", where,
                   in_quotes(cell(1)));
     }
     if (!pose || *pose < 0) {
@@ -167,6 +170,7 @@ class FramesFile {
     }
     return Shot{.frame = *frame,
                 .laser = cell(1) == "laser",
+                .both = cell(1) == "both",
                 .pose = *pose,
                 .yaw_rad = from_deg(*yaw_deg),
                 .picture = picture};

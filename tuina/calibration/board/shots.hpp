@@ -13,10 +13,12 @@ namespace tuina::calibration {
 
 using scanner::Board;
 
-/// One picture of a set: the board without or with the laser.
+/// One picture of a set: the board without or with the laser. A colour picture that serves as both
+/// stands for two shots.
 struct Shot {
   int frame = 0;
   bool laser = false;
+  bool both = false;
   int pose = 0;
   double yaw_rad = 0.0;
   std::filesystem::path picture;

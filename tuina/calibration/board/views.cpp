@@ -12,7 +12,7 @@
 #include "tuina/calibration/board/find_board.hpp"
 #include "tuina/calibration/board/line_on_print.hpp"
 #include "tuina/core/units.hpp"
-#include "tuina/scanner/recording.hpp"
+#include "tuina/scanner/picture.hpp"
 
 namespace tuina::calibration {
 namespace {
@@ -28,7 +28,9 @@ struct Detection {
 };
 
 Result<Detection> detect(const Shot& shot, const Board& board) {
-  auto image = scanner::read_picture(shot.picture);
+  auto image = shot.both ? scanner::read_part(shot.picture, shot.laser ? scanner::Part::laser
+                                                                       : scanner::Part::scene)
+                         : scanner::read_picture(shot.picture);
   if (!image) return tl::unexpected(image.error());
   Detection seen{.image = std::move(*image), .board = {}, .line = {}};
   if (shot.laser) {
