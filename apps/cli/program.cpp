@@ -63,10 +63,10 @@ void refuse_empty_words(CLI::App& command) {
   }
 }
 
-/// At most 300 letters of a message: of a list of faults the first ones, of a sentence its two
-/// ends.
+/// At most 300 letters of what is printed with a message: of a list of faults the first ones, of a
+/// sentence its two ends.
 std::string brief(const std::string& message) {
-  constexpr std::size_t max_letters = 300;
+  constexpr std::size_t max_letters = 300 - std::string_view("tuina: \nSee `tuina --help`.").size();
   constexpr std::size_t end_letters = 100;
   if (message.size() <= max_letters) return message;
   std::vector<std::string> lines;
@@ -186,7 +186,7 @@ std::string refusal_of(const CLI::App& tuina, const std::string& first,
   }
   if (first.starts_with('-') || std::find(verbs.begin(), verbs.end(), first) != verbs.end())
     return brief(error.what());
-  return fmt::format("there is no verb `{}`; {}", first, suggestion(first, verbs));
+  return brief(fmt::format("there is no verb `{}`; {}", first, suggestion(first, verbs)));
 }
 
 /// This process becomes another program, with the same words.

@@ -12,6 +12,7 @@
 #include "apps/evaluation/acupoints/scores.hpp"
 #include "tuina/body/acupoints.hpp"
 #include "tuina/core/io/file.hpp"
+#include "tuina/core/io/json_fault.hpp"
 #include "tuina/core/io/surface_file.hpp"
 #include "tuina/core/units.hpp"
 
@@ -45,7 +46,8 @@ Result<MarkedPerson> read_marked(const std::filesystem::path& ply) {
     const bool bent = std::abs(marks.value("bend_deg", 0.0)) > upright_deg;
     person.group = person.id.substr(0, person.id.find('_')) + (bent ? ", bent" : "");
   } catch (const json::exception& e) {
-    return fail(Fault::bad_input, "{}: {}", beside.string(), e.what());
+    return tl::unexpected(
+        json_fault(e, *text, beside.string(), "the marks of a person: spinous_line and a height"));
   }
   if (person.spinous_line_in_couch.empty()) {
     return fail(Fault::bad_input, "{}: spinous_line has no points", beside.string());
