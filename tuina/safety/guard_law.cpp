@@ -99,10 +99,15 @@ JointVector Guard::blind_torque(Action action) const noexcept {
 
 // An arm that stands there already when it is taken over is not moved away.
 JointVector Guard::off_ends_nm(const JointVector& q_rad) const noexcept {
-  if (options_.min_rad.size() != q_rad.size()) return JointVector::Zero(q_rad.size());
-  const JointVector low_rad = (options_.min_rad.array() + before_end_rad).min(from_rad_.array());
-  const JointVector high_rad = (options_.max_rad.array() - before_end_rad).max(from_rad_.array());
-  return off_end_nm_per_rad * ((low_rad - q_rad).cwiseMax(0.0) - (q_rad - high_rad).cwiseMax(0.0));
+  JointVector torque_nm = JointVector::Zero(q_rad.size());
+  if (options_.min_rad.size() != q_rad.size()) return torque_nm;
+  for (Eigen::Index i = 0; i < q_rad.size(); ++i) {
+    const double low_rad = std::min(options_.min_rad[i] + before_end_rad, from_rad_[i]);
+    const double high_rad = std::max(options_.max_rad[i] - before_end_rad, from_rad_[i]);
+    const double beyond_rad = q_rad[i] - std::clamp(q_rad[i], low_rad, high_rad);
+    torque_nm[i] = -off_end_nm_per_rad * beyond_rad;
+  }
+  return torque_nm;
 }
 
 JointVector Guard::own_torque(const Observation& seen, Action action) noexcept {
