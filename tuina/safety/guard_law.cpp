@@ -100,8 +100,7 @@ JointVector Guard::blind_torque(Action action) const noexcept {
 // An arm that stands there already when it is taken over is not moved away.
 JointVector Guard::off_ends_nm(const JointVector& q_rad) const noexcept {
   JointVector torque_nm = JointVector::Zero(q_rad.size());
-  if (options_.min_rad.size() != q_rad.size()) return torque_nm;
-  for (Eigen::Index i = 0; i < q_rad.size(); ++i) {
+  for (Eigen::Index i = 0; i < options_.min_rad.size(); ++i) {
     const double low_rad = std::min(options_.min_rad[i] + before_end_rad, from_rad_[i]);
     const double high_rad = std::max(options_.max_rad[i] - before_end_rad, from_rad_[i]);
     const double beyond_rad = q_rad[i] - std::clamp(q_rad[i], low_rad, high_rad);

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tuina/robot/joint_ends.hpp"
+
 namespace tuina::safety {
 namespace {
 
@@ -22,13 +24,11 @@ constexpr double let_go_n = 2.0;
 constexpr int max_lease_ticks = 500;
 
 Guard::Options guard_options(const robot::ArmModel& model, const RobotGuard::Options& options) {
-  Guard::Options guard{.torque_limit_nm = model.table().torque_limits_nm(), .bench = options.bench};
-  guard.min_rad = guard.max_rad = JointVector::Zero(model.joints());
-  for (int i = 0; i < model.joints(); ++i) {
-    const robot::Link& link = model.table().links[static_cast<std::size_t>(i)];
-    guard.min_rad[i] = link.min_rad;
-    guard.max_rad[i] = link.max_rad;
-  }
+  const robot::JointEnds ends = robot::joint_ends(model);
+  Guard::Options guard{.torque_limit_nm = model.table().torque_limits_nm(),
+                       .min_rad = ends.min_rad,
+                       .max_rad = ends.max_rad,
+                       .bench = options.bench};
   for (ForceLimits& limits : guard.force)
     limits.set_n = std::min(limits.set_n, options.max_set_force_n);
   return guard;
