@@ -18,8 +18,6 @@ constexpr double max_limit_excess_rad = 1_deg;
 constexpr double max_tool_error_m = 5_mm;
 constexpr double min_elbow_height_m = 60_mm;  // minimum height above the skin
 
-constexpr int parked_steps = 60;  // of a rollout: at home an arm waits until its springs have done
-
 ArmRest rest(const Stage& stage, Arm arm, const ApproachPose& over, const JointVector& q_rad) {
   ArmRest rest{.over = over, .q_rad = q_rad, .parked = false, .stay = {}};
   rest.stay.q_rad = {q_rad};
@@ -66,7 +64,6 @@ void roll_out(const Stage& stage, Arm arm, const ArmRest& from, ArmMove& move,
       // A lag on a leg is made up at its end, unless the arm is stuck.
       move.transfer.tool_error_m = std::max(move.transfer.tool_error_m, rollout.tool_error_m());
     }
-    if (goals.empty()) rollout.settle(move.posture_rad, move.transfer, parked_steps);
     move.above = move.after = rest(stage, arm, above, rollout.q_rad());
     add(above_either, rollout.q_rad());
     if (goals.empty()) continue;
@@ -152,12 +149,9 @@ ArmMove move_home(const Stage& stage, Arm arm, const ArmRest& from) {
 /// flipped the posture springs would swing it round.
 bool returns_home(const Stage& stage, Arm arm, const ArmRest& from) {
   const ArmMove home = move_home(stage, arm, from);
-  const auto& ends_rad = home.after.stay.q_rad;
-  return home.transfer.tool_error_m <= max_tool_error_m &&
-         home.clear.min_m() >= closest_arm_distance_m &&
-         std::all_of(ends_rad.begin(), ends_rad.end(), [&](const JointVector& end_rad) {
-           return (end_rad - stage.ready_rad[arm]).cwiseAbs().maxCoeff() <= max_posture_error_rad;
-         });
+  const double missed_rad = (home.after.q_rad - stage.ready_rad[arm]).cwiseAbs().maxCoeff();
+  return home.transfer.tool_error_m <= max_tool_error_m && missed_rad <= max_posture_error_rad &&
+         home.clear.min_m() >= closest_arm_distance_m;
 }
 
 Result<ArmMove> move_to_path(const Stage& stage, Arm arm, const ArmRest& from,

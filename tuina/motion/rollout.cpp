@@ -17,9 +17,6 @@ constexpr double transfer_step_m = 15_mm;
 constexpr double transfer_step_rad = 6_deg;
 // Joint limits of a rollout lie this far inside the real ones.
 constexpr double limit_margin_rad = 1_deg;
-// A leg ends where the tool has arrived; an arm that lags behind has this long to make up for it.
-constexpr double arrived_m = 1_mm;
-constexpr int lag_steps = 10;
 constexpr double thinned_rad = 2.5_deg;  // spacing of the kept configurations
 
 }  // namespace
@@ -56,9 +53,7 @@ JointVector Rollout::posture_drift(const JointVector& posture_rad) const {
   const control::PostureGains gains;
   const double share_at_limit =
       std::min(1.0, posture_share_ * gains.limit_stiffness_nm_per_rad / gains.stiffness_nm_per_rad);
-  JointVector drift =
-      posture_share_ *
-      (posture_rad - q_rad_).cwiseMax(-gains.max_error_rad).cwiseMin(gains.max_error_rad);
+  JointVector drift = posture_share_ * (posture_rad - q_rad_);
   for (int i = 0; i < model_->joints(); ++i) {
     const robot::Link& link = model_->table().links[static_cast<std::size_t>(i)];
     const double inside = std::clamp(q_rad_[i], link.min_rad + gains.limit_margin_rad,
@@ -111,11 +106,10 @@ void Rollout::transfer(const control::ToolPose& tip, const JointVector& posture_
     const Vector3 normal = Eigen::Quaterniond::Identity().slerp(u, turn) * from_normal;
     step_to(from + u * (to - from), normal, posture_rad, joint_path);
   }
-  for (int i = 0; i < lag_steps && tool_error_m_ > arrived_m; ++i)
-    step_to(to, tip.normal_in_base, posture_rad, joint_path);
 }
 
-void Rollout::settle(const JointVector& posture_rad, JointPath& joint_path, int steps) {
+void Rollout::settle(const JointVector& posture_rad, JointPath& joint_path) {
+  constexpr int steps = 10;
   const Transform tool = now_.base_from_tool;
   for (int i = 0; i < steps; ++i) {
     step_to(tool.translation(), control::tool_normal(tool), posture_rad, joint_path);

@@ -39,8 +39,8 @@ class Rollout {
   /// Straight transfer through the air, the normal turning evenly.
   void transfer(const control::ToolPose& tip, const JointVector& posture_rad,
                 JointPath& joint_path);
-  /// Tool at rest while the nullspace takes some steps towards the posture.
-  void settle(const JointVector& posture_rad, JointPath& joint_path, int steps = 10);
+  /// Tool at rest until the nullspace has converged.
+  void settle(const JointVector& posture_rad, JointPath& joint_path);
   /// Contact along the skin.
   void slide(std::span<const robot::ContactGoal> places, const JointVector& posture_rad,
              JointPath& joint_path);
