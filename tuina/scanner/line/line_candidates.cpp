@@ -229,12 +229,18 @@ void SceneSample::estimate(LineScene& scene, double noise_dn, double width_px) c
   if (width_px > 0.0) {
     scene.width_px = static_cast<float>(width_px);
   } else if (!lit.empty()) {
-    // What is wider is no laser line but the scene.
+    // What is wider is no laser line but the scene, which may be brighter than the line in most
+    // rows, but not in nearly all.
     constexpr float widest_px = 12.0F, widest_share = 1.0F / 200.0F;
     const float max_width_px = std::max(widest_px, widest_share * static_cast<float>(scene.width));
-    const float median_px = median_of(lit) / full_width_per_deviation;
-    scene.no_line = median_px >= max_width_px;
-    scene.width_px = std::clamp(median_px, 0.5F, max_width_px);
+    const auto wide = std::partition(lit.begin(), lit.end(), [&](float full_px) {
+      return full_px < full_width_per_deviation * max_width_px;
+    });
+    const auto narrow = wide - lit.begin();
+    scene.no_line = 4 * narrow < std::ssize(lit);
+    lit.erase(wide, lit.end());
+    scene.width_px = scene.no_line ? max_width_px
+                                   : std::max(0.5F, median_of(lit) / full_width_per_deviation);
   }
   scene.hint_column = std::max(0, first_peak_);
   scene.beside_px = static_cast<int>(std::ceil(3.2F * scene.width_px)) + 1;
