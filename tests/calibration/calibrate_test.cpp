@@ -25,7 +25,7 @@ using tuina::test::Folder;
 namespace {
 
 /// The same set as a colour camera takes it under a warm lamp, each laser picture in one with that
-/// of its board.
+/// of its board, exposed so that white paper under the line is not clipped.
 void colour(const std::filesystem::path& folder) {
   const auto shots = read_shots(folder);
   REQUIRE_MESSAGE(shots.has_value(), test::reason(shots));
@@ -45,9 +45,10 @@ void colour(const std::filesystem::path& folder) {
     REQUIRE((scene.has_value() && line.has_value()));
     Image picture(scene->width, scene->height, 3);
     for (std::size_t i = 0; i < scene->data.size(); ++i) {
-      const double red = 1.15 * scene->data[i] + line->data[i];
+      const double white = 0.5 * scene->data[i];
+      const double red = 1.15 * white + line->data[i];
       picture.data[3 * i] = static_cast<std::uint8_t>(std::min(red, 255.0));
-      picture.data[3 * i + 1] = picture.data[3 * i + 2] = scene->data[i];
+      picture.data[3 * i + 1] = picture.data[3 * i + 2] = static_cast<std::uint8_t>(white);
     }
     REQUIRE(write_file(board.picture, to_png(picture)).has_value());
   }

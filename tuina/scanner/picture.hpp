@@ -17,7 +17,7 @@ namespace tuina::scanner {
 [[nodiscard]] Result<Image> read_picture(const std::filesystem::path& path);
 
 /// What a colour picture shows of a scene that a red laser shines on: the scene without it, by
-/// green, or the laser, by what red has more than green.
+/// green, or the laser, by the red that the scene's green does not explain.
 enum class Part : std::uint8_t { scene, laser };
 /// Reads a part of a colour picture as 8-bit grey. Fails besides (Fault::bad_input) for a grey one.
 [[nodiscard]] Result<Image> read_part(const std::filesystem::path& path, Part part);
