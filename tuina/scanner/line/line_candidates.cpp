@@ -239,8 +239,8 @@ void SceneSample::estimate(LineScene& scene, double noise_dn, double width_px) c
     const auto narrow = wide - lit.begin();
     scene.no_line = 4 * narrow < std::ssize(lit);
     lit.erase(wide, lit.end());
-    scene.width_px = scene.no_line ? max_width_px
-                                   : std::max(0.5F, median_of(lit) / full_width_per_deviation);
+    scene.width_px =
+        scene.no_line ? max_width_px : std::max(0.5F, median_of(lit) / full_width_per_deviation);
   }
   scene.hint_column = std::max(0, first_peak_);
   scene.beside_px = static_cast<int>(std::ceil(3.2F * scene.width_px)) + 1;
