@@ -117,7 +117,11 @@ Result<void> YawServo::greet_motor() {
   return {};  // it is not told to hold: to an old goal it would turn
 }
 
-Result<std::vector<std::uint8_t>> YawServo::good(Result<Packet> answer) const {
+Result<std::vector<std::uint8_t>> YawServo::ask(std::uint8_t what,
+                                                const std::vector<std::uint8_t>& parameters,
+                                                std::size_t bytes) {
+  auto answer = bus_.ask({static_cast<std::uint8_t>(device_.servo), what, parameters}, bytes,
+                         answer_patience);
   if (!answer) return tl::unexpected(answer.error());
   if (answer->kind != 0)
     return wrong(
@@ -125,16 +129,17 @@ Result<std::vector<std::uint8_t>> YawServo::good(Result<Packet> answer) const {
   return std::move(answer->parameters);
 }
 
+// Settings can be read and written twice without harm, and an answer that is lost on the motor's
+// line is no reason to end a sweep.
 Result<std::vector<std::uint8_t>> YawServo::read(std::uint8_t address, std::uint8_t bytes) {
-  return good(
-      bus_.ask({static_cast<std::uint8_t>(device_.servo), dynamixel::read, {address, bytes}}, bytes,
-               answer_patience));
+  auto answer = ask(dynamixel::read, {address, bytes}, bytes);
+  return answer ? answer : ask(dynamixel::read, {address, bytes}, bytes);
 }
 
 Result<void> YawServo::write(std::uint8_t address, std::vector<std::uint8_t> bytes) {
   bytes.insert(bytes.begin(), address);
-  const auto answer = good(bus_.ask(
-      {static_cast<std::uint8_t>(device_.servo), dynamixel::write, bytes}, 0, answer_patience));
+  auto answer = ask(dynamixel::write, bytes, 0);
+  if (!answer) answer = ask(dynamixel::write, bytes, 0);
   if (!answer) return tl::unexpected(answer.error());
   return {};
 }
@@ -196,7 +201,7 @@ Result<YawServo::Told> YawServo::poll_motor(bool lit) {
   constexpr std::uint8_t asked_bytes = 2,
                          bytes = 11;  // position, speed, load, voltage, temperature, moving
   const double sent_s = steady_s();
-  const auto table = read(ax12::position, bytes);
+  const auto table = ask(dynamixel::read, {ax12::position, bytes}, bytes);
   const double received_s = steady_s();
   if (!table) return tl::unexpected(table.error());
   const auto asked =

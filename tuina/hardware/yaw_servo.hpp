@@ -59,9 +59,11 @@ class YawServo {
   [[nodiscard]] Result<void> greet_motor();
   [[nodiscard]] Result<Told> poll_board(bool lit);
   [[nodiscard]] Result<Told> poll_motor(bool lit);
+  [[nodiscard]] Result<std::vector<std::uint8_t>> ask(std::uint8_t what,
+                                                      const std::vector<std::uint8_t>& parameters,
+                                                      std::size_t bytes);
   [[nodiscard]] Result<std::vector<std::uint8_t>> read(std::uint8_t address, std::uint8_t bytes);
   [[nodiscard]] Result<void> write(std::uint8_t address, std::vector<std::uint8_t> bytes);
-  [[nodiscard]] Result<std::vector<std::uint8_t>> good(Result<dynamixel::Packet> answer) const;
   [[nodiscard]] double line_s(std::size_t parameters) const;
   [[nodiscard]] tl::unexpected<Error> wrong(const std::string& what) const;
 
