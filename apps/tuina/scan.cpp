@@ -5,10 +5,10 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "apps/cli/mark_words.hpp"
 #include "apps/cli/position_option.hpp"
 #include "apps/simulated/ros2_option.hpp"
 #include "apps/simulated/session_order.hpp"
-#include "apps/tuina/atlas/sticker_words.hpp"
 #include "apps/tuina/known_bodies.hpp"
 #include "apps/tuina/scan_device.hpp"
 #include "apps/tuina/verbs.hpp"

@@ -2,9 +2,9 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "apps/cli/mark_names.hpp"
 #include "apps/cli/position_option.hpp"
 #include "apps/simulated/atlas_source.hpp"
-#include "apps/tuina/atlas/sticker_names.hpp"
 #include "apps/tuina/verbs.hpp"
 #include "tuina/body/learn/labelled_body.hpp"
 #include "tuina/core/units.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/tuina/atlas/sticker_words.hpp"
+#include "apps/cli/mark_words.hpp"
 
 #include <algorithm>
 #include <set>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/tuina/atlas/sticker_names.hpp"
+#include "apps/cli/mark_names.hpp"
 
 #include <algorithm>
 #include <limits>

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/tuina/atlas/sticker_words.hpp"
+#include "apps/cli/mark_words.hpp"
 #include "tuina/body/acupoints.hpp"
 #include "tuina/scanner/stickers/sticker_watch.hpp"
 
