@@ -11,7 +11,7 @@ namespace {
 
 constexpr double level_gap_m = 12_mm;  // a therapist sets the two stickers of a pair askew by less
 constexpr double pair_gap_m = 20_mm;
-constexpr double never_m = 60_mm;  // four times the largest error of the shipped atlas
+constexpr double near_m = 30_mm;
 
 std::map<std::string, Vector3> places_of(const body::Mapping& mapping) {
   std::map<std::string, Vector3> places;
@@ -44,41 +44,41 @@ std::string where(const Vector3& place) {
                      to_mm(place.z()));
 }
 
-/// Points of a group that have no sticker of its colour anywhere near.
-std::string without_sticker(const StickerGroup& group,
-                            const std::vector<scanner::Sticker>& of_colour,
-                            const std::map<std::string, Vector3>& expected) {
+/// Points of a group that have no mark of its kind anywhere near.
+std::string without_mark(const MarkGroup& group, const std::vector<SkinMark>& of_kind,
+                         const std::map<std::string, Vector3>& expected) {
   std::string names;
   for (const auto& level : group.levels) {
     for (const std::string& name : level) {
       const auto place = expected.find(name);
       if (place == expected.end()) continue;
-      const bool near =
-          std::any_of(of_colour.begin(), of_colour.end(), [&](const scanner::Sticker& s) {
-            return (s.at_in_couch - place->second).norm() < 0.5 * never_m;
-          });
+      const bool near = std::any_of(of_kind.begin(), of_kind.end(), [&](const SkinMark& s) {
+        return (s.at_in_couch - place->second).norm() < near_m;
+      });
       if (!near) names += (names.empty() ? "" : ", ") + name;
     }
   }
   return names;
 }
 
-Result<void> check_count(const StickerGroup& group, const std::vector<scanner::Sticker>& of_colour,
+std::string marks_of(const std::string& kind) {
+  return kind == bump_kind ? "bumps" : kind + " stickers";
+}
+
+Result<void> check_count(const MarkGroup& group, const std::vector<SkinMark>& of_kind,
                          const std::map<std::string, Vector3>& expected) {
   const std::size_t wanted = group.count();
-  if (of_colour.size() == wanted) return {};
-  const char* colour = scanner::name_of(group.colour);
-  if (of_colour.size() > wanted) {
+  if (of_kind.size() == wanted) return {};
+  if (of_kind.size() > wanted) {
     std::string places;
-    for (const auto& sticker : of_colour) places += "\n  " + where(sticker.at_in_couch);
-    return fail(Fault::bad_input, "{} {} stickers are seen and {} points are named for them:{}",
-                of_colour.size(), colour, wanted, places);
+    for (const auto& mark : of_kind) places += "\n  " + where(mark.at_in_couch);
+    return fail(Fault::bad_input, "{} {} are seen and {} points are named for them:{}",
+                of_kind.size(), marks_of(group.kind), wanted, places);
   }
-  const std::string missing = without_sticker(group, of_colour, expected);
-  const bool dim =
-      group.colour == scanner::StickerColour::blue || group.colour == scanner::StickerColour::green;
-  return fail(Fault::bad_input, "{} of {} {} stickers are seen{}{}", of_colour.size(), wanted,
-              colour,
+  const std::string missing = without_mark(group, of_kind, expected);
+  const bool dim = group.kind == "blue" || group.kind == "green";
+  return fail(Fault::bad_input, "{} of {} {} are seen{}{}", of_kind.size(), wanted,
+              marks_of(group.kind),
               missing.empty() ? std::string("; is one hidden, or do two touch?")
                               : fmt::format("; there is none near {}", missing),
               dim ? "; magenta and yellow send back more of a red line" : "");
@@ -86,59 +86,61 @@ Result<void> check_count(const StickerGroup& group, const std::vector<scanner::S
 
 }  // namespace
 
-Result<std::map<std::string, scanner::Sticker>> name_stickers(
-    const std::vector<scanner::Sticker>& stickers, const std::vector<StickerGroup>& groups,
-    const body::Mapping& expected) {
+Result<std::map<std::string, std::size_t>> name_marks(const std::vector<SkinMark>& marks,
+                                                      const std::vector<MarkGroup>& groups,
+                                                      const body::Mapping& expected,
+                                                      double max_off_m) {
   const auto places = places_of(expected);
   const PersonAxes axes = axes_of(places);
-  std::map<std::string, scanner::Sticker> named;
-  for (const StickerGroup& group : groups) {
-    const char* colour = scanner::name_of(group.colour);
-    std::vector<scanner::Sticker> of_colour;
-    std::copy_if(stickers.begin(), stickers.end(), std::back_inserter(of_colour),
-                 [&](const scanner::Sticker& s) { return s.colour == group.colour; });
-    if (auto right = check_count(group, of_colour, places); !right) {
-      return tl::unexpected(right.error());
+  std::map<std::string, std::size_t> named;
+  for (const MarkGroup& group : groups) {
+    std::vector<SkinMark> of_kind;
+    std::vector<std::size_t> order;
+    for (std::size_t i = 0; i < marks.size(); ++i) {
+      if (marks[i].kind != group.kind) continue;
+      of_kind.push_back(marks[i]);
+      order.push_back(i);
     }
-    const auto height = [&](const scanner::Sticker& s) { return axes.to_head.dot(s.at_in_couch); };
-    std::sort(of_colour.begin(), of_colour.end(),
-              [&](const auto& a, const auto& b) { return height(a) > height(b); });
-    auto next = of_colour.begin();
+    if (auto right = check_count(group, of_kind, places); !right)
+      return tl::unexpected(right.error());
+    const auto at = [&](std::size_t i) -> const Vector3& { return marks[i].at_in_couch; };
+    const auto height = [&](std::size_t i) { return axes.to_head.dot(at(i)); };
+    std::sort(order.begin(), order.end(),
+              [&](std::size_t a, std::size_t b) { return height(a) > height(b); });
+    auto next = order.begin();
     for (const auto& level : group.levels) {
       const auto end = next + static_cast<std::ptrdiff_t>(level.size());
-      if (end != of_colour.end() && height(*(end - 1)) - height(*end) < level_gap_m) {
-        return fail(
-            Fault::bad_input,
-            "two {} stickers are {:.0f} mm apart along the spine ({} and {}): which of them "
-            "is {} cannot be told; give one of them another colour",
-            colour, to_mm(height(*(end - 1)) - height(*end)), where((end - 1)->at_in_couch),
-            where(end->at_in_couch), level.back());
+      if (end != order.end() && height(*(end - 1)) - height(*end) < level_gap_m) {
+        return fail(Fault::bad_input,
+                    "two {} are {:.0f} mm apart along the spine ({} and {}): which of them is {} "
+                    "cannot be told; {}",
+                    marks_of(group.kind), to_mm(height(*(end - 1)) - height(*end)),
+                    where(at(*(end - 1))), where(at(*end)), level.back(),
+                    group.kind == bump_kind ? "take one of them off" : "give one another colour");
       }
       // The left of a pair first.
-      std::sort(next, end, [&](const auto& a, const auto& b) {
-        return axes.to_left.dot(a.at_in_couch - b.at_in_couch) > 0.0;
+      std::sort(next, end, [&](std::size_t a, std::size_t b) {
+        return axes.to_left.dot(at(a) - at(b)) > 0.0;
       });
-      if (level.size() == 2 &&
-          axes.to_left.dot(next->at_in_couch - (next + 1)->at_in_couch) < pair_gap_m) {
-        return fail(
-            Fault::bad_input,
-            "the {} stickers of {} and {} lie above each other ({} and {}): is the list from "
-            "the head to the feet?",
-            colour, level[0], level[1], where(next->at_in_couch), where((next + 1)->at_in_couch));
+      if (level.size() == 2 && axes.to_left.dot(at(*next) - at(*(next + 1))) < pair_gap_m) {
+        return fail(Fault::bad_input,
+                    "the {} of {} and {} lie above each other ({} and {}): is the list from the "
+                    "head to the feet?",
+                    marks_of(group.kind), level[0], level[1], where(at(*next)),
+                    where(at(*(next + 1))));
       }
       for (const std::string& name : level) named[name] = *next++;
     }
   }
-  for (const auto& [name, sticker] : named) {
+  for (const auto& [name, mark] : named) {
     const auto place = places.find(name);
     if (place == places.end()) continue;
-    const double off = (sticker.at_in_couch - place->second).norm();
-    if (off > never_m) {
-      return fail(
-          Fault::bad_input,
-          "the {} sticker at {} would be {}, which the atlas expects {:.0f} mm away: is the "
-          "list from the head to the feet, and the colour right?",
-          scanner::name_of(sticker.colour), where(sticker.at_in_couch), name, to_mm(off));
+    const double off_m = (marks[mark].at_in_couch - place->second).norm();
+    if (off_m > max_off_m) {
+      return fail(Fault::bad_input,
+                  "of the {} that at {} would be {}, which the atlas expects {:.0f} mm away: is "
+                  "the list from the head to the feet, and is it of what is on the skin?",
+                  marks_of(marks[mark].kind), where(marks[mark].at_in_couch), name, to_mm(off_m));
     }
   }
   return named;

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "tuina/core/io/near_miss.hpp"
+#include "tuina/scanner/stickers/label_dots.hpp"
 
 namespace tuina::app {
 namespace {
@@ -43,38 +44,43 @@ Result<std::vector<std::string>> level_of(const std::string& name,
 
 }  // namespace
 
-std::size_t StickerGroup::count() const {
+std::vector<std::string> sticker_kinds() {
+  std::vector<std::string> kinds;
+  kinds.reserve(scanner::sticker_colours.size());
+  for (const auto colour : scanner::sticker_colours) kinds.emplace_back(scanner::name_of(colour));
+  return kinds;
+}
+
+std::size_t MarkGroup::count() const {
   std::size_t sum = 0;
   for (const auto& level : levels) sum += level.size();
   return sum;
 }
 
-Result<std::vector<StickerGroup>> parse_stickers(const std::vector<std::string>& words,
-                                                 const std::vector<std::string>& known,
-                                                 const char* option) {
-  std::vector<StickerGroup> groups;
+Result<std::vector<MarkGroup>> parse_marks(const std::vector<std::string>& words,
+                                           const std::vector<std::string>& kinds,
+                                           const std::vector<std::string>& known,
+                                           const char* option) {
+  std::vector<MarkGroup> groups;
   std::set<std::string> named;
   for (const std::string& word : words) {
     const auto equals = word.find('=');
     if (equals == std::string::npos) {
-      return fail(Fault::usage, "{}: '{}' names no colour and points; {}", option, word,
+      return fail(Fault::usage, "{}: '{}' names no kind of marks and points; {}", option, word,
                   right_form);
     }
-    const auto colour = scanner::sticker_colour(word.substr(0, equals));
-    if (!colour) {
-      std::vector<std::string> colours;
-      colours.reserve(scanner::sticker_colours.size());
-      for (const auto one : scanner::sticker_colours) colours.emplace_back(scanner::name_of(one));
-      return fail(Fault::usage, "{}: stickers are not told by the colour '{}'; {}", option,
-                  word.substr(0, equals), suggestion(word.substr(0, equals), colours));
+    const std::string kind = word.substr(0, equals);
+    if (std::find(kinds.begin(), kinds.end(), kind) == kinds.end()) {
+      return fail(Fault::usage, "{}: no marks are told by '{}'; {}", option, kind,
+                  suggestion(kind, kinds));
     }
-    for (const StickerGroup& other : groups) {
-      if (other.colour == *colour) {
+    for (const MarkGroup& other : groups) {
+      if (other.kind == kind) {
         return fail(Fault::usage, "{}: {} stands there twice; all its points go into one list",
-                    option, scanner::name_of(*colour));
+                    option, kind);
       }
     }
-    StickerGroup group{.colour = *colour, .levels = {}};
+    MarkGroup group{.kind = kind, .levels = {}};
     for (const std::string& name : split(std::string_view(word).substr(equals + 1), ',')) {
       auto level = level_of(name, known, option);
       if (!level) return tl::unexpected(level.error());

@@ -175,13 +175,13 @@ class ScanVerb final : public Verb {
     std::vector<std::string> names;
     names.reserve(places.size());
     for (const auto& [name, place] : places) names.push_back(name);
-    const auto groups = parse_stickers(stickers_, names, "--stickers");
+    const auto groups = parse_marks(stickers_, sticker_kinds(), names, "--stickers");
     if (!groups) return tl::unexpected(groups.error());
     std::vector<sim::SkinSticker> stickers;
-    for (const StickerGroup& group : *groups) {
+    for (const MarkGroup& group : *groups) {
       for (const auto& level : group.levels)
         for (const auto& point : level)
-          stickers.push_back({.at_in_couch = places.at(point), .colour = group.colour});
+          stickers.push_back({places.at(point), *scanner::sticker_colour(group.kind)});
     }
     return stickers;
   }

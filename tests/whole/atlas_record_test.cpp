@@ -4,8 +4,11 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "tests/marked_cloud.hpp"
 #include "tests/reason.hpp"
 #include "tests/whole/command.hpp"
+#include "tuina/core/io/file.hpp"
+#include "tuina/core/io/surface_file.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/sim/person/person.hpp"
 
@@ -96,11 +99,41 @@ TEST_CASE("stickers that do not fit what is said of them are refused with the ca
   says({"magenta=SI11,BL47,BL50,SI11_L", "yellow=GV4"}, 1, "SI11_L is named twice");
   says({"magenta=SI11,BL47,BL50", "yelow=GV4"}, 1, "`yellow` meant");
   says({"magenta=SI11,BL47,BL50", "yellow=GV5"}, 1, "`GV4` meant");
-  says({"GV4"}, 1, "names no colour");
+  says({"GV4"}, 1, "names no kind of marks");
   says({}, 1, "--labels is required");
 }
 
-TEST_CASE("a sweep in grey shows no stickers, and a cloud none either") {
+TEST_CASE("balls on the skin of a cloud are labels, too, and an atlas is judged at them") {
+  const auto truth = sim::parse_person("phantom:medium", BodyPosture::sitting, 3);
+  REQUIRE(truth);
+  std::vector<Vector3> places;
+  for (std::size_t i = 0; i < seven_acupoints.size(); ++i)
+    places.push_back(truth->acupoints[i].at_in_couch);
+  const Folder folder;
+  const std::string scan = folder / "scan.ply";
+  REQUIRE(write_file(scan, to_ply(test::marked_cloud(*truth, places, 1.5_mm, 1))));
+  const Folder people;
+  const auto made = record({"bump=SI11,BL47,BL50,GV4"}, scan, people / "ben.ply");
+  REQUIRE_MESSAGE(made.exit_code == 0, made.err);
+  const auto person = sim::load_person(people / "ben.ply");
+  REQUIRE_MESSAGE(person.has_value(), test::reason(person));
+  for (std::size_t i = 0; i < seven_acupoints.size(); ++i) {
+    const Vector3 off = person->acupoints[i].at_in_couch - truth->acupoints[i].at_in_couch;
+    CHECK_MESSAGE(to_mm(off.norm()) < 4.0, seven_acupoints[i]);
+  }
+  const auto judged = run_tuina({"evaluate", "atlas", "--markers", folder / "", "--labels",
+                                 "SI11,BL47,BL50,GV4", "--json", "--quiet"});
+  REQUIRE_MESSAGE(judged.exit_code == 0, judged.err);
+  const auto points = nlohmann::json::parse(judged.out)["markers"]["points"];
+  CHECK(points.size() == seven_acupoints.size());
+  CHECK(points["GV4"]["marked"] == 1);
+  CHECK(points["GV4"]["mean_mm"] < 25.0);
+  const auto too_few = record({"bump=SI11,BL47,BL50,GV4,GV14"}, scan, people / "x.ply");
+  CHECK(too_few.exit_code == 2);
+  CHECK(too_few.err.find("7 of 8 bumps are seen; there is none near GV14") != std::string::npos);
+}
+
+TEST_CASE("a sweep in grey shows no stickers, and a cloud no colours") {
   const Folder folder;
   const auto scanned = run_tuina({"scan", "--person", "phantom:medium", "--record", folder / "grey",
                                   "--out", folder / "grey.ply", "--quiet"});
@@ -110,8 +143,8 @@ TEST_CASE("a sweep in grey shows no stickers, and a cloud none either") {
   CHECK(grey.exit_code == 2);
   CHECK(grey.err.find("frame 0 is grey") != std::string::npos);
   const auto cloud = record(labels, folder / "grey.ply", folder / "x.ply");
-  CHECK(cloud.exit_code == 2);
-  CHECK(cloud.err.find("a cloud has no colours") != std::string::npos);
+  CHECK(cloud.exit_code == 1);
+  CHECK(cloud.err.find("known: bump") != std::string::npos);
   CHECK(record(labels, folder / "nowhere", folder / "x.ply").exit_code == 2);
   CHECK(record(labels, folder / "grey", folder / "x.obj").exit_code == 1);
   const auto alone = run_tuina({"scan", "--person", "phantom:medium", "--stickers", "magenta=GV4"});

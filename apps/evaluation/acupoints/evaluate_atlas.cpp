@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
+#include "apps/evaluation/acupoints/marker_trials.hpp"
 #include "apps/evaluation/acupoints/scores.hpp"
 #include "apps/evaluation/verbs.hpp"
 #include "apps/simulated/atlas_source.hpp"
@@ -42,14 +43,26 @@ class EvaluateAtlas final : public Verb {
  public:
   [[nodiscard]] const char* name() const override { return "evaluate atlas"; }
   [[nodiscard]] const char* summary() const override {
-    return "how many labelled people an atlas needs, with and without the shipped one";
+    return "how many labelled people an atlas needs, or how far it is off at markers on the skin";
   }
   [[nodiscard]] const char* example() const override {
-    return "tuina evaluate atlas --train people --bodies others --figure learning.svg";
+    return "tuina evaluate atlas --train people --bodies others --figure learning.svg\n"
+           "  tuina evaluate atlas --markers scans";
   }
   void describe(Options& options) override {
-    options.add("--train", train_, "labelled bodies to learn from").required();
-    options.add("--bodies", bodies_, "other labelled bodies to judge on").required();
+    options.add("--train", train_, "labelled bodies to learn from");
+    options.add("--bodies", bodies_, "other labelled bodies to judge on");
+    auto markers =
+        options.add("--markers", markers_,
+                    "instead: scans (*.ply) of people with small balls or buttons on the skin; the "
+                    "shipped atlas is judged at them");
+    options
+        .add("--labels", labels_,
+             "with --markers: what all the markers on each person are stuck on, from the head to "
+             "the feet; psis means the pair, psis_L one of it")
+        .delimiter(',')
+        .needs(markers)
+        .show_default();
     options.add("--counts", counts_, "people to learn from in each position")
         .delimiter(',')
         .between(0, 10000)
@@ -66,9 +79,10 @@ class EvaluateAtlas final : public Verb {
   }
 
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
-    if (const auto good = check_folder_of(figure_); !good) return tl::unexpected(good.error());
+    if (const auto good = check_words(); !good) return tl::unexpected(good.error());
     const auto shipped = open_atlas("");
     if (!shipped) return tl::unexpected(shipped.error());
+    if (!markers_.empty()) return at_markers(common, *shipped);
     auto train = read_labelled({train_});
     if (!train) return tl::unexpected(train.error());
     scan_everybody(*train, common.seed + 1000003, progress_bar(common, "scan"));
@@ -124,6 +138,28 @@ class EvaluateAtlas final : public Verb {
   }
 
  private:
+  [[nodiscard]] Result<void> check_words() const {
+    if (!markers_.empty() && !(train_.empty() && bodies_.empty() && figure_.empty()))
+      return fail(Fault::usage,
+                  "--markers judges its own people: without --train, --bodies and "
+                  "--figure");
+    if (markers_.empty() && (train_.empty() || bodies_.empty()))
+      return fail(Fault::usage, "--train and --bodies are required, or --markers");
+    return check_folder_of(figure_);
+  }
+
+  [[nodiscard]] Result<Answer> at_markers(const CommonOptions& common,
+                                          const body::Atlas& shipped) const {
+    const auto labels =
+        parse_marks({fmt::format("{}={}", bump_kind, fmt::join(labels_, ","))}, {bump_kind},
+                    shipped.positions.front().shape.labels, "--labels");
+    if (!labels) return tl::unexpected(labels.error());
+    const auto judged =
+        judge_markers(markers_, labels->front(), shipped, progress_bar(common, "evaluate"));
+    if (!judged) return tl::unexpected(judged.error());
+    return Answer{.json = json{{"markers", *judged}}.dump(2), .text = markers_text(*judged)};
+  }
+
   [[nodiscard]] static bool all_of(const std::vector<body::LabelledBody>& bodies, int count) {
     return 2 * static_cast<std::size_t>(count) >= bodies.size();
   }
@@ -205,7 +241,8 @@ class EvaluateAtlas final : public Verb {
     return to_text(table);
   }
 
-  std::string train_, bodies_, figure_;
+  std::string train_, bodies_, markers_, figure_;
+  std::vector<std::string> labels_ = {"C7", "scapula_inferior_angle", "psis"};
   std::vector<int> counts_ = {0, 1, 5, 10, 20, 80};
   int draws_ = 2;
   std::string scan_ = "ideal";

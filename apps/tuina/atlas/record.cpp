@@ -7,8 +7,11 @@
 #include "apps/simulated/atlas_source.hpp"
 #include "apps/tuina/verbs.hpp"
 #include "tuina/body/learn/labelled_body.hpp"
+#include "tuina/body/marks/bumps.hpp"
+#include "tuina/core/io/surface_file.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/scanner/recording.hpp"
+#include "tuina/scanner/stickers/sticker_watch.hpp"
 #include "tuina/scanner/sweep.hpp"
 #include "tuina/telemetry/picture/scan_mesh.hpp"
 
@@ -16,6 +19,8 @@ namespace tuina::app {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr double max_off_m = 60_mm;  // four times the largest error of the shipped atlas
 
 /// The skin of a scan as a mesh, to the edge of what was seen.
 Mesh skin_of(const body::BackSurface& back, const body::Mapping& mapping) {
@@ -42,7 +47,7 @@ class AtlasRecord final : public Verb {
  public:
   [[nodiscard]] const char* name() const override { return "atlas record"; }
   [[nodiscard]] const char* summary() const override {
-    return "a recorded sweep of a person with coloured stickers to a labelled back";
+    return "a scan of a person with coloured stickers or small balls to a labelled back";
   }
   [[nodiscard]] const char* example() const override {
     return "tuina scan --person phantom:medium --stickers magenta=SI11,BL47,BL50 yellow=GV4 "
@@ -53,12 +58,17 @@ class AtlasRecord final : public Verb {
            "  tuina atlas learn people --prior default --out mine.tuina";
   }
   void describe(Options& options) override {
-    options.add("sweep", sweep_, "a recorded sweep with frames in colour (a folder)").required();
+    options
+        .add(
+            "scan", scan_,
+            "a recorded sweep with frames in colour (a folder), or a cloud whose points lie 2.5 mm "
+            "apart or less (.ply, .pcd)")
+        .required();
     options
         .add("--labels", labels_,
-             "COLOUR=POINT,POINT,... for each colour of sticker (yellow, green, blue, "
-             "magenta): its points from the head to the feet; SI11 means the pair, SI11_L one "
-             "of it. The seven points of the thesis must be among them")
+             "COLOUR=POINT,POINT,... for each colour of sticker (yellow, green, blue, magenta), "
+             "of a cloud bump=POINT,...: its points from the head to the feet; SI11 means the "
+             "pair, SI11_L one of it. The seven points of the thesis must be among them")
         .required();
     options.add("--out", out_, "the labelled back: NAME.ply, with NAME.json beside it").required();
     options.add("--body-type", body_type_, "slim, medium or hefty, for tables")
@@ -68,43 +78,39 @@ class AtlasRecord final : public Verb {
   }
 
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
-    if (const auto good = check_out(); !good) return tl::unexpected(good.error());
+    if (const auto good = check_files(); !good) return tl::unexpected(good.error());
     const auto atlas = open_atlas("");
     if (!atlas) return tl::unexpected(atlas.error());
-    const auto groups = parse_stickers(labels_, atlas->positions.front().shape.labels, "--labels");
+    std::error_code fault;
+    const bool is_sweep = fs::is_directory(scan_, fault);
+    const auto groups =
+        parse_marks(labels_, is_sweep ? sticker_kinds() : std::vector<std::string>{bump_kind},
+                    atlas->positions.front().shape.labels, "--labels");
     if (!groups) return tl::unexpected(groups.error());
     if (const auto all = check_seven(*groups); !all) return tl::unexpected(all.error());
-
-    auto recording = scanner::Recording::open(sweep_, scanner::Recording::Frames::as_recorded);
-    if (!recording) return tl::unexpected(recording.error());
-    scanner::SweepOptions options;
-    options.expected_frames = recording->frames();
-    scanner::StickerWatch watch(*recording, recording->calibration(), options.near_m,
-                                options.far_m);
-    const auto scan = scanner::scan_sweep(watch, *recording, recording->calibration(), options,
-                                          progress_bar(common, "record"));
-    if (!scan) return refused(scan.error());
-    const auto stickers = watch.stickers(*recording->readings());
-    if (!stickers) return refused(stickers.error());
-
-    body::BackOptions back_options;
-    back_options.position = position_.position();
-    const auto back = body::fit_back(scan->cloud_in_couch, back_options);
-    if (!back) return refused(back.error());
-    const auto mapping = body::locate_acupoints(*back, *atlas);
+    const auto seen = is_sweep ? watch_sweep(common) : read_cloud();
+    if (!seen) return refused(seen.error());
+    const auto mapping = body::locate_acupoints(seen->back, *atlas);
     if (!mapping) return refused(mapping.error());
-    const auto named = name_stickers(*stickers, *groups, *mapping);
+    const auto named = name_marks(seen->marks, *groups, *mapping, max_off_m);
     if (!named) return refused(named.error());
 
-    const body::LabelledBody person = labelled(*named, *back, *mapping);
+    const body::LabelledBody person = labelled(*named, *seen, *mapping);
     if (const auto written = body::write_labelled_body(person, out_); !written) {
       return tl::unexpected(written.error());
     }
-    return answer(person, *named, stickers->size());
+    return answer(person, *named, *seen);
   }
 
  private:
-  [[nodiscard]] Result<void> check_out() const {
+  /// What a scan shows: the skin, the marks on it, and of each what else is told of it.
+  struct Seen {
+    body::BackSurface back;
+    std::vector<SkinMark> marks;
+    std::vector<nlohmann::json> told;
+  };
+
+  [[nodiscard]] Result<void> check_files() const {
     const fs::path path(out_);
     if (path.extension() != ".ply") {
       return fail(Fault::usage, "--out {}: a labelled back is NAME.ply with NAME.json beside it",
@@ -112,15 +118,50 @@ class AtlasRecord final : public Verb {
     }
     if (auto good = check_folder_of(out_); !good) return good;
     std::error_code fault;
-    if (fs::is_directory(sweep_, fault)) return {};
-    if (!fs::exists(sweep_, fault)) return fail(Fault::file, "{}: there is no such folder", sweep_);
-    return fail(Fault::bad_input,
-                "{}: a recorded sweep (a folder, `tuina scan --record`) is needed: a cloud has no "
-                "colours",
-                sweep_);
+    if (fs::exists(scan_, fault)) return {};
+    return fail(Fault::file, "{}: there is no such folder or file", scan_);
   }
 
-  [[nodiscard]] static Result<void> check_seven(const std::vector<StickerGroup>& groups) {
+  [[nodiscard]] Result<Seen> watch_sweep(const CommonOptions& common) const {
+    auto recording = scanner::Recording::open(scan_, scanner::Recording::Frames::as_recorded);
+    if (!recording) return tl::unexpected(recording.error());
+    scanner::SweepOptions options;
+    options.expected_frames = recording->frames();
+    scanner::StickerWatch watch(*recording, recording->calibration(), options.near_m,
+                                options.far_m);
+    const auto scan = scanner::scan_sweep(watch, *recording, recording->calibration(), options,
+                                          progress_bar(common, "record"));
+    if (!scan) return tl::unexpected(scan.error());
+    const auto stickers = watch.stickers(*recording->readings());
+    if (!stickers) return tl::unexpected(stickers.error());
+    auto back = body::fit_back(scan->cloud_in_couch, {.position = position_.position()});
+    if (!back) return tl::unexpected(back.error());
+    Seen seen{.back = std::move(*back), .marks = {}, .told = {}};
+    for (const scanner::Sticker& one : *stickers) {
+      seen.marks.push_back({scanner::name_of(one.colour), one.at_in_couch});
+      seen.told.push_back({{"colour", scanner::name_of(one.colour)},
+                           {"dots", one.dots},
+                           {"spread_mm", to_mm(one.spread_m)}});
+    }
+    return seen;
+  }
+
+  [[nodiscard]] Result<Seen> read_cloud() const {
+    const auto scan = read_surface(scan_);
+    if (!scan) return tl::unexpected(scan.error());
+    auto back = body::fit_back(scan->cloud, {.position = position_.position()});
+    if (!back) return tl::unexpected(back.error());
+    const auto bumps = body::find_bumps(scan->cloud, *back);
+    if (!bumps) return tl::unexpected(bumps.error());
+    Seen seen{.back = std::move(*back), .marks = {}, .told = {}};
+    for (const body::Bump& bump : *bumps) {
+      seen.marks.push_back({bump_kind, bump.at_in_couch});
+      seen.told.push_back({{"height_mm", to_mm(bump.height_m)}, {"width_mm", to_mm(bump.width_m)}});
+    }
+    return seen;
+  }
+
+  [[nodiscard]] static Result<void> check_seven(const std::vector<MarkGroup>& groups) {
     std::string missing;
     for (const std::string seven : seven_acupoints) {
       bool there = false;
@@ -136,50 +177,50 @@ class AtlasRecord final : public Verb {
                 missing);
   }
 
-  [[nodiscard]] body::LabelledBody labelled(const std::map<std::string, scanner::Sticker>& named,
-                                            const body::BackSurface& back,
-                                            const body::Mapping& mapping) const {
+  [[nodiscard]] body::LabelledBody labelled(const std::map<std::string, std::size_t>& named,
+                                            const Seen& seen, const body::Mapping& mapping) const {
     body::LabelledBody person;
     person.id = fs::path(out_).stem().string();
     person.body_type = body_type_;
-    person.position = back.position();
-    person.skin_in_couch = skin_of(back, mapping);
+    person.position = seen.back.position();
+    person.skin_in_couch = skin_of(seen.back, mapping);
     for (const Acupoint& expected : mapping.acupoints) {
-      const auto sticker = named.find(expected.name);
-      if (sticker == named.end()) continue;
-      const auto skin = back.nearest(sticker->second.at_in_couch);
+      const auto mark = named.find(expected.name);
+      if (mark == named.end()) continue;
+      const auto skin = seen.back.nearest(seen.marks[mark->second].at_in_couch);
       person.acupoints.push_back({expected.name, skin.at_in_couch, skin.normal_in_couch, 0.0});
     }
     for (const Landmark& expected : mapping.landmarks) {
-      const auto sticker = named.find(expected.name);
-      if (sticker == named.end()) continue;
-      person.landmarks.push_back(
-          {expected.name, back.nearest(sticker->second.at_in_couch).at_in_couch});
+      const auto mark = named.find(expected.name);
+      if (mark == named.end()) continue;
+      const auto skin = seen.back.nearest(seen.marks[mark->second].at_in_couch);
+      person.landmarks.push_back({expected.name, skin.at_in_couch});
     }
     return person;
   }
 
-  [[nodiscard]] Answer answer(const body::LabelledBody& person,
-                              const std::map<std::string, scanner::Sticker>& named,
-                              std::size_t seen) const {
+  [[nodiscard]] static Answer answer(const body::LabelledBody& person,
+                                     const std::map<std::string, std::size_t>& named,
+                                     const Seen& seen) {
     nlohmann::json points = nlohmann::json::object();
     std::string text =
-        fmt::format("{} stickers on a {} person; {} vertices, {} triangles", named.size(),
+        fmt::format("{} marks on a {} person; {} vertices, {} triangles", named.size(),
                     name_of(person.position), person.skin_in_couch.vertices.size(),
                     person.skin_in_couch.triangles.size());
-    for (const auto& [name, sticker] : named) {
-      const Vector3& at = sticker.at_in_couch;
-      points[name] = {{"colour", scanner::name_of(sticker.colour)},
-                      {"position_m", {at.x(), at.y(), at.z()}},
-                      {"dots", sticker.dots},
-                      {"spread_mm", to_mm(sticker.spread_m)}};
-      text += fmt::format("\n  {:<24} {:<8} x {:7.1f}  y {:7.1f}  z {:7.1f} mm, {} laser dots",
-                          name, scanner::name_of(sticker.colour), to_mm(at.x()), to_mm(at.y()),
-                          to_mm(at.z()), sticker.dots);
+    for (const auto& [name, mark] : named) {
+      const Vector3& at = seen.marks[mark].at_in_couch;
+      const nlohmann::json& told = seen.told[mark];
+      points[name] = told;
+      points[name]["position_m"] = {at.x(), at.y(), at.z()};
+      text += fmt::format("\n  {:<24} {:<8} x {:7.1f}  y {:7.1f}  z {:7.1f} mm, {}", name,
+                          seen.marks[mark].kind, to_mm(at.x()), to_mm(at.y()), to_mm(at.z()),
+                          told.contains("dots")
+                              ? fmt::format("{} laser dots", told["dots"].get<int>())
+                              : fmt::format("{:.1f} mm high", told["height_mm"].get<double>()));
     }
-    if (seen > named.size()) {
+    if (seen.marks.size() > named.size()) {
       text += fmt::format("\n{} stickers of colours that --labels does not name are left alone",
-                          seen - named.size());
+                          seen.marks.size() - named.size());
     }
     const nlohmann::json json{{"bodies", 1},
                               {"points", named.size()},
@@ -191,10 +232,12 @@ class AtlasRecord final : public Verb {
   }
 
   [[nodiscard]] tl::unexpected<Error> refused(const Error& error) const {
-    return tl::unexpected(Error{error.fault, fmt::format("{}: {}", sweep_, error.message)});
+    const bool named = error.message.find(scan_) != std::string::npos;
+    return tl::unexpected(
+        Error{error.fault, named ? error.message : fmt::format("{}: {}", scan_, error.message)});
   }
 
-  std::string sweep_;
+  std::string scan_;
   std::vector<std::string> labels_;
   std::string out_;
   std::string body_type_ = "medium";
