@@ -9,6 +9,7 @@
 #include "apps/tuina/verbs.hpp"
 #include "tuina/core/io/file.hpp"
 #include "tuina/core/io/png.hpp"
+#include "tuina/scanner/line/colours.hpp"
 #include "tuina/scanner/line/laser_line.hpp"
 
 namespace tuina::app {
@@ -19,15 +20,13 @@ using scanner::LineMethod;
 using scanner::LineOptions;
 using scanner::LinePoint;
 
-// The red of a colour picture, or the grey, as 8 or 16 bits.
+// The picture with samples of its own depth.
 template <typename Sample>
-BasicImage<Sample> red_of(const PngFile& png) {
-  BasicImage<Sample> red(png.image.width, png.image.height);
-  const auto channels = static_cast<std::size_t>(png.image.channels);
-  for (std::size_t i = 0; i < red.data.size(); ++i) {
-    red.data[i] = static_cast<Sample>(png.image.data[i * channels]);
-  }
-  return red;
+BasicImage<Sample> samples_of(const PngFile& png) {
+  BasicImage<Sample> image(png.image.width, png.image.height, png.image.channels);
+  std::transform(png.image.data.begin(), png.image.data.end(), image.data.begin(),
+                 [](std::uint16_t value) { return static_cast<Sample>(value); });
+  return image;
 }
 
 struct Measured {
@@ -38,13 +37,17 @@ struct Measured {
 template <typename Sample>
 Measured measure(const PngFile& png, const std::optional<PngFile>& dark_png,
                  const LineOptions& options) {
-  const auto image = red_of<Sample>(png);
-  const auto dark = dark_png ? red_of<Sample>(*dark_png) : BasicImage<Sample>();
+  const auto image = samples_of<Sample>(png);
+  const bool by_colour = image.channels >= 3 && !dark_png && options.method != LineMethod::thesis;
+  const auto red = scanner::red_of(image);
+  const auto dark =
+      dark_png ? scanner::red_of(samples_of<Sample>(*dark_png)) : BasicImage<Sample>();
   const auto dark_view = dark_png ? BasicImageView<Sample>(dark) : BasicImageView<Sample>();
   Measured measured{.line = {}, .compute_us = 1e12};
   for (int run = 0; run < 5; ++run) {
     const auto start = std::chrono::steady_clock::now();
-    measured.line = find_laser_line(BasicImageView<Sample>(image), options, dark_view);
+    measured.line = by_colour ? scanner::find_red_line(image, options)
+                              : find_laser_line(BasicImageView<Sample>(red), options, dark_view);
     const std::chrono::duration<double, std::micro> took = std::chrono::steady_clock::now() - start;
     measured.compute_us = std::min(measured.compute_us, took.count());
   }
@@ -68,7 +71,10 @@ class Line final : public Verb {
     return "tuina line frame.png --dark dark.png --out line.csv --picture seen.png";
   }
   void describe(Options& options) override {
-    options.add("image", image_, "PNG, grey or colour (its red is used), 8 or 16 bit").required();
+    options
+        .add("image", image_,
+             "PNG, grey or colour (a red laser is told by its colour), 8 or 16 bit")
+        .required();
     options.add("--dark", dark_, "the same view with the laser off");
     options.add("--method", method_, "centroid, likelihood, or thesis (the plain (4.10))")
         .one_of({"centroid", "likelihood", "thesis"})

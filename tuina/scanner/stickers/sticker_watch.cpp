@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "tuina/core/units.hpp"
+#include "tuina/scanner/line/colours.hpp"
 #include "tuina/scanner/sweep.hpp"
 #include "tuina/scanner/triangulation.hpp"
 
@@ -19,13 +20,6 @@ struct PlacedDot {
   StickerColour colour;
   Vector3 at_in_couch;
 };
-
-Image red_of(const Image& colour) {
-  if (colour.channels != 3) return colour;
-  Image red(colour.width, colour.height);
-  for (std::size_t i = 0; i < red.data.size(); ++i) red.data[i] = colour.data[3 * i];
-  return red;
-}
 
 /// Takes the cluster around the first remaining point.
 std::vector<std::size_t> take_group(const std::vector<PlacedDot>& dots, std::size_t first,

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tuina/scanner/line/colours.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace tuina::scanner {
+namespace {
+
+constexpr double darkest = 0.12, brightest = 0.98;  // shares of the range that tell a ratio
+
+template <typename Sample>
+BasicImage<Sample> channel(const BasicImage<Sample>& colours, std::size_t which) {
+  if (colours.channels == 1) return colours;
+  BasicImage<Sample> one(colours.width, colours.height);
+  const auto channels = static_cast<std::size_t>(colours.channels);
+  for (std::size_t i = 0; i < one.data.size(); ++i)
+    one.data[i] = colours.data[i * channels + which];
+  return one;
+}
+
+struct Scene {
+  float red_to_green = 1.0F;  // the median over the picture, of which a laser line lights little
+  bool lit = false;           // enough of it is seen for colours to tell something
+};
+
+template <typename Sample>
+Scene scene_in(const BasicImage<Sample>& colours, double saturated_dn) {
+  constexpr std::size_t step = 17;  // a prime meets all columns
+  constexpr double lit_share = 0.05;
+  const auto channels = static_cast<std::size_t>(colours.channels);
+  const double least = darkest * saturated_dn, most = brightest * saturated_dn;
+  std::vector<float> ratios;
+  for (std::size_t i = 0; i < colours.data.size(); i += step * channels) {
+    const double red = colours.data[i], green = colours.data[i + 1];
+    if (std::min(red, green) > least && std::max(red, green) < most)
+      ratios.push_back(static_cast<float>(red / green));
+  }
+  if (ratios.empty()) return {};
+  const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
+  std::nth_element(ratios.begin(), middle, ratios.end());
+  const auto all = static_cast<double>(colours.data.size() / (step * channels));
+  return {.red_to_green = *middle, .lit = static_cast<double>(ratios.size()) > lit_share * all};
+}
+
+template <typename Sample>
+BasicImage<Sample> without_laser(const BasicImage<Sample>& colours, float ratio,
+                                 double saturated_dn) {
+  const auto most = static_cast<float>(saturated_dn);
+  BasicImage<Sample> red = channel(colours, 1);
+  for (Sample& value : red.data)
+    value = static_cast<Sample>(std::min(ratio * static_cast<float>(value) + 0.5F, most));
+  return red;
+}
+
+template <typename Sample>
+LaserLine find(const BasicImage<Sample>& colours, const LineOptions& options) {
+  const double saturated_dn =
+      options.saturated_dn > 0.0 ? options.saturated_dn : std::numeric_limits<Sample>::max();
+  const auto clear_rows = [](const LaserLine& line) {
+    return static_cast<int>(line.points.size()) - line.ambiguous_rows;
+  };
+  const BasicImage<Sample> red = channel(colours, 0);
+  const Scene scene = scene_in(colours, saturated_dn);
+  const auto beyond_scene = [&] {
+    return find_laser_line(red, options, without_laser(colours, scene.red_to_green, saturated_dn));
+  };
+  // First what is likelier to be clear, which mostly spares the other.
+  LaserLine first = scene.lit ? beyond_scene() : find_laser_line(red, options);
+  const bool bare = scene.lit && first.points.empty() && first.ambiguous_rows == 0;
+  if (bare || clear_rows(first) == colours.height) return first;
+  LaserLine second = scene.lit ? find_laser_line(red, options) : beyond_scene();
+  return clear_rows(second) > clear_rows(first) ? second : first;
+}
+
+}  // namespace
+
+Image red_of(const Image& colours) {
+  return channel(colours, 0);
+}
+Image16 red_of(const Image16& colours) {
+  return channel(colours, 0);
+}
+
+Image green_of(const Image& colours) {
+  return channel(colours, 1);
+}
+
+Image red_without_laser(const Image& colours) {
+  constexpr double saturated_dn = std::numeric_limits<std::uint8_t>::max();
+  return without_laser(colours, scene_in(colours, saturated_dn).red_to_green, saturated_dn);
+}
+
+LaserLine find_red_line(const Image& colours, const LineOptions& options) {
+  return find(colours, options);
+}
+LaserLine find_red_line(const Image16& colours, const LineOptions& options) {
+  return find(colours, options);
+}
+
+}  // namespace tuina::scanner
