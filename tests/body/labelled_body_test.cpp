@@ -77,6 +77,25 @@ TEST_CASE("a body in millimetres and a normal of no length are refused") {
   CHECK(says(refusal(body), "anna.json: the normal of BL47_L has length 0.00, 1 is needed"));
 }
 
+TEST_CASE("normals into the body, swapped sides and a swapped order are refused") {
+  const auto at = [](LabelledBody& body, std::string_view name) -> Acupoint& {
+    return *std::find_if(body.acupoints.begin(), body.acupoints.end(),
+                         [&](const Acupoint& point) { return point.name == name; });
+  };
+  LabelledBody body = anna();
+  at(body, "GV4").normal_in_couch *= -1.0;
+  CHECK(says(refusal(body), "the normal of GV4 points into the body"));
+  body = anna();
+  std::swap(at(body, "SI11_L").at_in_couch, at(body, "SI11_R").at_in_couch);
+  CHECK(says(refusal(body), "SI11_L lies to the right of SI11_R"));
+  body = anna();
+  std::swap(at(body, "BL47_L").at_in_couch, at(body, "BL50_L").at_in_couch);
+  CHECK(says(refusal(body), "BL47_L lies below BL50_L"));
+  body = anna();
+  std::swap(at(body, "GV14").at_in_couch, at(body, "GV4").at_in_couch);
+  CHECK(says(refusal(body), "GV14 lies below"));
+}
+
 TEST_CASE("bodies with different labels are not learned from together") {
   LabelledBody other = anna();
   other.id = "ben";

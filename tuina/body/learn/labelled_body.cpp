@@ -3,8 +3,10 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "tuina/core/io/file.hpp"
@@ -72,6 +74,47 @@ Result<void> check_label(const std::string& name, double off_m, double max_m,
       file, name, to_mm(off_m), to_mm(max_m));
 }
 
+/// Points that follow each other from the head to the feet.
+constexpr std::array<std::array<const char*, 5>, 3> headward_first = {
+    {{"GV14", "GV12", "GV9", "GV6", "GV4"},
+     {"SI11_L", "BL47_L", "BL50_L", nullptr, nullptr},
+     {"SI11_R", "BL47_R", "BL50_R", nullptr, nullptr}}};
+
+/// Normals point out of the back; what is left lies left, and what is upper above. Axes of `couch`
+/// as every file has them: x to the left of the person, the head at +z of one who sits and at -y of
+/// one who lies.
+Result<void> check_sense(const LabelledBody& body, const std::string& file) {
+  const bool sits = body.position == BodyPosture::sitting;
+  const Vector3 out = sits ? Vector3::UnitY() : Vector3::UnitZ();
+  const Vector3 to_head = sits ? Vector3(0.0, 0.0, 1.0) : Vector3(0.0, -1.0, 0.0);
+  std::map<std::string, Vector3> places;
+  for (const Landmark& landmark : body.landmarks) places[landmark.name] = landmark.at_in_couch;
+  for (const Acupoint& point : body.acupoints) {
+    places[point.name] = point.at_in_couch;
+    if (point.normal_in_couch.dot(out) < 0.0)
+      return fail(Fault::bad_input, "{}: the normal of {} points into the body", file, point.name);
+  }
+  for (const auto& [name, place] : places) {
+    if (!name.ends_with("_L")) continue;
+    const std::string other = name.substr(0, name.size() - 1) + "R";
+    const auto right = places.find(other);
+    if (right != places.end() && place.x() <= right->second.x())
+      return fail(Fault::bad_input, "{}: {} lies to the right of {}: are the sides swapped?", file,
+                  name, other);
+  }
+  for (const auto& names : headward_first) {
+    const char* upper = nullptr;
+    for (const char* name : names) {
+      if (name == nullptr || !places.contains(name)) continue;
+      if (upper != nullptr && to_head.dot(places[upper] - places[name]) <= 0.0)
+        return fail(Fault::bad_input, "{}: {} lies below {}: are the two swapped?", file, upper,
+                    name);
+      upper = name;
+    }
+  }
+  return {};
+}
+
 /// Labels lie on the skin, which is in metres, and normals have a length.
 Result<void> check_body(const LabelledBody& body, const std::string& ply, const std::string& file) {
   Eigen::AlignedBox3d box;
@@ -96,7 +139,7 @@ Result<void> check_body(const LabelledBody& body, const std::string& ply, const 
     if (auto near = check_label(landmark.name, off_m, max_landmark_off_skin_m, file); !near)
       return near;
   }
-  return {};
+  return check_sense(body, file);
 }
 
 }  // namespace

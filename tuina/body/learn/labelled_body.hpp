@@ -24,7 +24,8 @@ struct LabelledBody {
 };
 
 /// Refuses a skin that is not in metres, an acupoint more than 30 mm or a landmark more than 50 mm
-/// off the skin, and a normal whose length is not 1, with file, label and value.
+/// off the skin, a normal whose length is not 1 or that points into the body, and labels whose
+/// sides or order along the spine are swapped, with file, label and value.
 [[nodiscard]] Result<LabelledBody> read_labelled_body(const std::filesystem::path& ply);
 
 /// Writes `ply` and the .json beside it.
