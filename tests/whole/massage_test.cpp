@@ -163,6 +163,13 @@ TEST_CASE("robots of another build give a massage too, and its record says whose
   }
 }
 
+TEST_CASE("a wrist that springs would let turn over on the way home is foreseen") {
+  // Their plan once ended with the left wrist the other way round, and the session with a stop.
+  const Given prone({"--person", "phantom:slim", "--position", "prone", "--seed", "3021",
+                     "--programme", "lower_back"});
+  CHECK_MESSAGE(prone.outcome.exit_code == 0, prone.outcome.err);
+}
+
 TEST_CASE("the JSON of a massage has every key that was promised, also in session.json") {
   const Given& massage = given("sitting");
   const json& session = massage.session;

@@ -38,7 +38,8 @@ JointVector posture_torque(const robot::ArmTable& table, const JointVector& q,
   JointVector torque = -gains.damping_nm_s_per_rad * dq;
   for (Eigen::Index i = 0; i < q.size(); ++i) {
     if (posture_rad.size() == q.size()) {
-      const double error = std::clamp(posture_rad[i] - q[i], -0.5, 0.5);
+      const double error =
+          std::clamp(posture_rad[i] - q[i], -gains.max_error_rad, gains.max_error_rad);
       torque[i] += gains.stiffness_nm_per_rad * error;
     }
     const robot::Link& link = table.links[static_cast<std::size_t>(i)];

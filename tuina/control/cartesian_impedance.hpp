@@ -16,6 +16,7 @@ namespace tuina::control {
 struct PostureGains {
   double stiffness_nm_per_rad = 6.0;
   double damping_nm_s_per_rad = 4.0;
+  double max_error_rad = 0.5;      ///< of a joint; farther off its spring pulls no harder
   double limit_margin_rad = 0.15;  ///< distance to a joint limit where its spring begins
   double limit_stiffness_nm_per_rad = 60.0;
 };

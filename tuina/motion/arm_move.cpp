@@ -2,6 +2,7 @@
 #include "tuina/motion/arm_move.hpp"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 
 #include "tuina/control/cartesian_impedance.hpp"
@@ -12,6 +13,9 @@ namespace tuina::motion {
 namespace {
 
 constexpr double checked_every_s = 0.1;
+// Of a nullspace that follows its springs slowly and quickly: friction decides which the real arm
+// does.
+constexpr std::array posture_shares = {0.05, 0.3};
 // A larger difference is another branch of the inverse kinematics.
 constexpr double max_posture_error_rad = 0.35;
 constexpr double max_limit_excess_rad = 1_deg;
@@ -47,8 +51,7 @@ control::ToolPose pose_of(const Stage& stage, const ApproachPose& approach) {
           .normal_in_base = stage.base_from_couch.linear() * approach.normal_in_couch};
 }
 
-/// Rolls out a move twice, with a nullspace that follows its springs slowly and quickly: friction
-/// decides which the real arm does.
+/// Rolls out a move twice, with a slow nullspace and with a quick one.
 void roll_out(const Stage& stage, Arm arm, const ArmRest& from, ArmMove& move,
               const std::vector<robot::ContactGoal>& goals, const ApproachPose& above,
               const ApproachPose& after) {
@@ -57,7 +60,7 @@ void roll_out(const Stage& stage, Arm arm, const ArmRest& from, ArmMove& move,
     stay.q_rad.push_back(q_rad);
     stay.poses.push_back(stage.models.get()[arm].kinematics(q_rad, stage.rail_m));
   };
-  for (const double posture_share : {0.05, 0.3}) {
+  for (const double posture_share : posture_shares) {
     Rollout rollout(stage.models.get()[arm], stage.rail_m, from.q_rad, posture_share);
     for (const control::ToolPose& pose : move.waypoints_in_base) {
       rollout.transfer(pose, move.posture_rad, move.transfer);
@@ -154,10 +157,38 @@ bool returns_home(const Stage& stage, Arm arm, const ArmRest& from) {
          home.clear.min_m() >= closest_arm_distance_m;
 }
 
+/// True when springs as weak as the controller's, which pull no harder the farther a joint is off,
+/// would let the wrist turn over on the path or on the way home, where `roll_out` sees it held: the
+/// arm would come home in another branch of the inverse kinematics.
+bool may_turn_over(const Stage& stage, Arm arm, const ArmRest& from, const ArmMove& move,
+                   const std::vector<robot::ContactGoal>& goals) {
+  constexpr double turned_over_rad = 1.5;  // what merely lags is off by less
+  constexpr int until_springs_have_done = 60;
+  const ApproachPose home = tool_approach_pose(stage, arm, stage.ready_rad[arm]);
+  const auto way_home =
+      free_path(stage.back, move.after.over, home, clear_m(stage), stage.base_from_couch);
+  for (const double posture_share : posture_shares) {
+    Rollout rollout(stage.models.get()[arm], stage.rail_m, from.q_rad, posture_share,
+                    control::PostureGains{}.max_error_rad);
+    JointPath passed;
+    for (const control::ToolPose& pose : move.waypoints_in_base)
+      rollout.transfer(pose, move.posture_rad, passed);
+    rollout.slide(goals, move.posture_rad, passed);
+    rollout.settle(move.posture_rad, passed);
+    rollout.transfer(pose_of(stage, move.after.over), move.posture_rad, passed);
+    for (const control::ToolPose& pose : way_home)
+      rollout.transfer(pose, stage.ready_rad[arm], passed);
+    rollout.settle(stage.ready_rad[arm], passed, until_springs_have_done);
+    if ((rollout.q_rad() - stage.ready_rad[arm]).cwiseAbs().maxCoeff() > turned_over_rad)
+      return true;
+  }
+  return false;
+}
+
 Result<ArmMove> move_to_path(const Stage& stage, Arm arm, const ArmRest& from,
                              const ContactPath& path, int index) {
   constexpr std::size_t max_rollouts = 12;
-  constexpr double good_enough_m = 15_mm;
+  constexpr double good_enough_m = 15_mm, turn_over_cost_m = 300_mm;
   const robot::ArmModel& model = stage.models.get()[arm];
   const auto goals = goals_of(path, stage.base_from_couch);
   const ApproachPose above = approach_pose(path.points.front(), stage.standoff_m);
@@ -193,7 +224,10 @@ Result<ArmMove> move_to_path(const Stage& stage, Arm arm, const ArmRest& from,
       if (!best) best = fail(Fault::not_found, "{}", wrong);
       continue;
     }
-    min_cost = cost_m;
+    const double with_risk_m =
+        cost_m + (may_turn_over(stage, arm, from, move, goals) ? turn_over_cost_m : 0.0);
+    if (best && with_risk_m >= min_cost) continue;
+    min_cost = with_risk_m;
     best = std::move(move);
     if (min_cost <= choice.min_cost_m + good_enough_m) break;
   }

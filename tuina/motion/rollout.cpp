@@ -41,19 +41,21 @@ double JointPath::inward_m(const robot::ArmModel& model, Arm arm) const noexcept
 }
 
 Rollout::Rollout(const robot::ArmModel& model, double rail_m, const JointVector& q_rad,
-                 double posture_share)
+                 double posture_share, double max_pull_rad)
     : model_(&model),
       rail_m_(rail_m),
       q_rad_(q_rad),
       now_(model.kinematics(q_rad, rail_m)),
-      posture_share_(posture_share) {}
+      posture_share_(posture_share),
+      max_pull_rad_(max_pull_rad) {}
 
 /// Joint step of the posture springs and the joint-limit springs.
 JointVector Rollout::posture_drift(const JointVector& posture_rad) const {
   const control::PostureGains gains;
   const double share_at_limit =
       std::min(1.0, posture_share_ * gains.limit_stiffness_nm_per_rad / gains.stiffness_nm_per_rad);
-  JointVector drift = posture_share_ * (posture_rad - q_rad_);
+  JointVector drift =
+      posture_share_ * (posture_rad - q_rad_).cwiseMax(-max_pull_rad_).cwiseMin(max_pull_rad_);
   for (int i = 0; i < model_->joints(); ++i) {
     const robot::Link& link = model_->table().links[static_cast<std::size_t>(i)];
     const double inside = std::clamp(q_rad_[i], link.min_rad + gains.limit_margin_rad,
@@ -108,8 +110,7 @@ void Rollout::transfer(const control::ToolPose& tip, const JointVector& posture_
   }
 }
 
-void Rollout::settle(const JointVector& posture_rad, JointPath& joint_path) {
-  constexpr int steps = 10;
+void Rollout::settle(const JointVector& posture_rad, JointPath& joint_path, int steps) {
   const Transform tool = now_.base_from_tool;
   for (int i = 0; i < steps; ++i) {
     step_to(tool.translation(), control::tool_normal(tool), posture_rad, joint_path);

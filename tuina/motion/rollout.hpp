@@ -32,15 +32,16 @@ struct JointPath {
 /// is drawn to a posture as the controller's posture springs do.
 class Rollout {
  public:
-  /// `posture_share`: fraction of the remaining posture error corrected per step of 15 mm.
+  /// `posture_share`: fraction of the remaining posture error corrected per step of 15 mm, at most
+  /// of `max_pull_rad` of it.
   Rollout(const robot::ArmModel& model, double rail_m, const JointVector& q_rad,
-          double posture_share);
+          double posture_share, double max_pull_rad = std::numeric_limits<double>::infinity());
 
   /// Straight transfer through the air, the normal turning evenly.
   void transfer(const control::ToolPose& tip, const JointVector& posture_rad,
                 JointPath& joint_path);
-  /// Tool at rest until the nullspace has converged.
-  void settle(const JointVector& posture_rad, JointPath& joint_path);
+  /// Tool at rest while the nullspace takes some steps towards the posture.
+  void settle(const JointVector& posture_rad, JointPath& joint_path, int steps = 10);
   /// Contact along the skin.
   void slide(std::span<const robot::ContactGoal> places, const JointVector& posture_rad,
              JointPath& joint_path);
@@ -60,6 +61,7 @@ class Rollout {
   JointVector q_rad_;
   robot::ArmModel::Kinematics now_;  // kinematics of q_rad_
   double posture_share_;
+  double max_pull_rad_;
   double tool_error_m_ = 0.0;
 };
 
