@@ -23,7 +23,8 @@ constexpr double max_tool_error_m = 5_mm;
 constexpr double min_elbow_height_m = 60_mm;  // minimum height above the skin
 
 ArmRest rest(const Stage& stage, Arm arm, const ApproachPose& over, const JointVector& q_rad) {
-  ArmRest rest{.over = over, .q_rad = q_rad, .parked = false, .stay = {}};
+  ArmRest rest{
+      .over = over, .q_rad = q_rad, .parked = false, .stay = {}, .weakly_rad = {q_rad, q_rad}};
   rest.stay.q_rad = {q_rad};
   rest.stay.poses = {stage.models.get()[arm].kinematics(q_rad, stage.rail_m)};
   return rest;
@@ -145,6 +146,7 @@ ArmMove move_home(const Stage& stage, Arm arm, const ArmRest& from) {
   move.transfer_s = transfer_time_s(pose_of(stage, from.over), move.waypoints_in_base);
   roll_out(stage, arm, from, move, {}, home, home);
   move.above.parked = move.after.parked = true;
+  move.after.weakly_rad = {stage.ready_rad[arm], stage.ready_rad[arm]};  // its springs get the time
   return move;
 }
 
@@ -157,18 +159,30 @@ bool returns_home(const Stage& stage, Arm arm, const ArmRest& from) {
          home.clear.min_m() >= closest_arm_distance_m;
 }
 
-/// True when springs as weak as the controller's, which pull no harder the farther a joint is off,
-/// would let the wrist turn over on the path or on the way home, where `roll_out` sees it held: the
-/// arm would come home in another branch of the inverse kinematics.
-bool may_turn_over(const Stage& stage, Arm arm, const ArmRest& from, const ArmMove& move,
-                   const std::vector<robot::ContactGoal>& goals) {
-  constexpr double turned_over_rad = 1.5;  // what merely lags is off by less
+/// Branch of the inverse kinematics: an arm of six joints passes from one to another through a
+/// posture in which its Jacobian is singular, such as a straight wrist. 0 with more joints.
+int branch_of(const Stage& stage, Arm arm, const JointVector& q_rad) {
+  const robot::Jacobian jacobian = stage.models.get()[arm].kinematics(q_rad, stage.rail_m).jacobian;
+  if (jacobian.cols() != 6) return 0;
+  return robot::Matrix6(jacobian).determinant() > 0.0 ? 1 : -1;
+}
+
+/// What it costs (m) that an arm may come to stand elsewhere than its rehearsal says. Rolls the
+/// move out with springs as weak as the controller's, which pull no harder the farther a joint is
+/// off, and leaves in `move` where they end. An arm that merely lags takes another way than was
+/// looked at; one that ends, or comes home, in another branch would have to be stopped.
+double stray_cost_m(const Stage& stage, Arm arm, const ArmRest& from, ArmMove& move,
+                    const std::vector<robot::ContactGoal>& goals) {
+  constexpr double lags_rad = 1.0, lag_cost_m = 100_mm;
+  constexpr double missed_home_rad = 1.5, branch_cost_m = 300_mm;
   constexpr int until_springs_have_done = 60;
-  const ApproachPose home = tool_approach_pose(stage, arm, stage.ready_rad[arm]);
+  const JointVector& ready_rad = stage.ready_rad[arm];
+  const ApproachPose home = tool_approach_pose(stage, arm, ready_rad);
   const auto way_home =
       free_path(stage.back, move.after.over, home, clear_m(stage), stage.base_from_couch);
-  for (const double posture_share : posture_shares) {
-    Rollout rollout(stage.models.get()[arm], stage.rail_m, from.q_rad, posture_share,
+  double cost_m = 0.0;
+  for (std::size_t i = 0; i < posture_shares.size(); ++i) {
+    Rollout rollout(stage.models.get()[arm], stage.rail_m, from.weakly_rad[i], posture_shares[i],
                     control::PostureGains{}.max_error_rad);
     JointPath passed;
     for (const control::ToolPose& pose : move.waypoints_in_base)
@@ -176,19 +190,25 @@ bool may_turn_over(const Stage& stage, Arm arm, const ArmRest& from, const ArmMo
     rollout.slide(goals, move.posture_rad, passed);
     rollout.settle(move.posture_rad, passed);
     rollout.transfer(pose_of(stage, move.after.over), move.posture_rad, passed);
-    for (const control::ToolPose& pose : way_home)
-      rollout.transfer(pose, stage.ready_rad[arm], passed);
-    rollout.settle(stage.ready_rad[arm], passed, until_springs_have_done);
-    if ((rollout.q_rad() - stage.ready_rad[arm]).cwiseAbs().maxCoeff() > turned_over_rad)
-      return true;
+    const JointVector after_rad = rollout.q_rad();
+    move.after.weakly_rad[i] = after_rad;
+    for (const control::ToolPose& pose : way_home) rollout.transfer(pose, ready_rad, passed);
+    rollout.settle(ready_rad, passed, until_springs_have_done);
+    const bool misses_home = (rollout.q_rad() - ready_rad).cwiseAbs().maxCoeff() > missed_home_rad;
+    if (misses_home ||
+        branch_of(stage, arm, after_rad) != branch_of(stage, arm, move.after.q_rad)) {
+      cost_m = std::max(cost_m, branch_cost_m);
+    } else if ((after_rad - move.after.q_rad).cwiseAbs().maxCoeff() > lags_rad) {
+      cost_m = std::max(cost_m, lag_cost_m);
+    }
   }
-  return false;
+  return cost_m;
 }
 
 Result<ArmMove> move_to_path(const Stage& stage, Arm arm, const ArmRest& from,
                              const ContactPath& path, int index) {
   constexpr std::size_t max_rollouts = 12;
-  constexpr double good_enough_m = 15_mm, turn_over_cost_m = 300_mm;
+  constexpr double good_enough_m = 15_mm;
   const robot::ArmModel& model = stage.models.get()[arm];
   const auto goals = goals_of(path, stage.base_from_couch);
   const ApproachPose above = approach_pose(path.points.front(), stage.standoff_m);
@@ -224,10 +244,9 @@ Result<ArmMove> move_to_path(const Stage& stage, Arm arm, const ArmRest& from,
       if (!best) best = fail(Fault::not_found, "{}", wrong);
       continue;
     }
-    const double with_risk_m =
-        cost_m + (may_turn_over(stage, arm, from, move, goals) ? turn_over_cost_m : 0.0);
-    if (best && with_risk_m >= min_cost) continue;
-    min_cost = with_risk_m;
+    const double with_stray_m = cost_m + stray_cost_m(stage, arm, from, move, goals);
+    if (best && with_stray_m >= min_cost) continue;
+    min_cost = with_stray_m;
     best = std::move(move);
     if (min_cost <= choice.min_cost_m + good_enough_m) break;
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <functional>
 #include <span>
 
@@ -34,6 +35,8 @@ struct ArmRest {
   JointVector q_rad;
   bool parked = true;
   JointPath stay;  ///< configurations the arm may settle in
+  /// Where springs as weak as the controller's leave it, slow and quick to follow.
+  std::array<JointVector, 2> weakly_rad;
 };
 /// The arm where it waits before the first contact and after the last.
 [[nodiscard]] ArmRest rest_at_ready(const Stage& stage, Arm arm);
