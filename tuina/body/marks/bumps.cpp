@@ -151,7 +151,7 @@ std::optional<Top> top_of(const HeightMap& map, int column, int row, const Skin&
   constexpr int side = 2 * reach + 1;
   std::array<double, side * side> above{};
   const auto number = [](int x, int y) {
-    return static_cast<std::size_t>((y + reach) * side + x + reach);
+    return static_cast<std::size_t>(y + reach) * side + static_cast<std::size_t>(x + reach);
   };
   double most = 0.0;
   std::array<int, 2> start{};

@@ -39,7 +39,8 @@ Scene scene_in(const BasicImage<Sample>& colours, double saturated_dn) {
   if (ratios.empty()) return {};
   const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
   std::nth_element(ratios.begin(), middle, ratios.end());
-  const auto all = static_cast<double>(colours.data.size() / (step * channels));
+  const double all =
+      static_cast<double>(colours.data.size()) / static_cast<double>(step * channels);
   return {.red_to_green = *middle, .lit = static_cast<double>(ratios.size()) > lit_share * all};
 }
 

@@ -212,10 +212,17 @@ LaserLine find_in(Rows<Pixel>& rows, int height, const LineScene& scene,
   line.width_px = scene.width_px;
   line.points.reserve(static_cast<std::size_t>(height));
   std::vector<CandidateRow> unclear;
+  // A wide line is fitted slowly, so only where it is kept.
+  const bool wide = scene.width_px > static_cast<float>(max_kernel_px);
+  const auto measure_at = [&](int y, const Candidate& candidate) {
+    return measure(rows.template samples<Sample>(y), y, candidate, kernel, scene);
+  };
   const auto inspect_row = [&](int y) {
     const auto* row = rows.template samples<Sample>(y);
     const RowContent content = inspect(row, scene);
-    if (content.shows == Shows::one_line) {
+    if (content.shows == Shows::one_line && wide) {
+      line.points.push_back({y, content.brightest.column_px, content.brightest.height_dn});
+    } else if (content.shows == Shows::one_line) {
       if (const auto point = measure(row, y, content.brightest, kernel, scene))
         line.points.push_back(*point);
     } else if (content.shows == Shows::several) {
@@ -226,7 +233,7 @@ LaserLine find_in(Rows<Pixel>& rows, int height, const LineScene& scene,
   std::vector<int> in_doubt;
   int inspected = 0;
   if constexpr (std::is_same_v<Sample, std::uint8_t>) {
-    if (scene.width_px <= static_cast<float>(max_kernel_px)) {
+    if (!wide) {
       find_clear_lines(rows.image(), scene, kernel, options.method, line.points, in_doubt);
       inspected = height;
       for (const int y : in_doubt) inspect_row(y);
@@ -235,20 +242,22 @@ LaserLine find_in(Rows<Pixel>& rows, int height, const LineScene& scene,
   for (int y = inspected; y < height; ++y) inspect_row(y);
   const auto by_row = [](const LinePoint& a, const LinePoint& b) { return a.row < b.row; };
   if (!in_doubt.empty()) std::sort(line.points.begin(), line.points.end(), by_row);
-  if (unclear.empty()) return line;
 
   for (const CandidateRow& row : unclear) line.ambiguous_rows += row.candidates.size() > 1 ? 1 : 0;
-  choose_by_continuity(line.points, unclear);
+  if (!unclear.empty()) choose_by_continuity(line.points, unclear);
   if (static_cast<float>(unclear.size()) >
       max_unclear_share * static_cast<float>(unclear.size() + line.points.size()))
     keep_what_continues(line.points, unclear, height);
-  for (const CandidateRow& row : unclear) {
-    const auto* samples = rows.template samples<Sample>(row.y);
-    if (const auto point = measure(samples, row.y, row.candidates.front(), kernel, scene)) {
+  std::vector<LinePoint> rough;
+  if (wide) rough.swap(line.points);
+  for (const LinePoint& at : rough) {
+    if (const auto point = measure_at(at.row, {at.column_px, at.amplitude_dn}))
       line.points.push_back(*point);
-    }
   }
-  std::sort(line.points.begin(), line.points.end(), by_row);
+  for (const CandidateRow& row : unclear) {
+    if (const auto point = measure_at(row.y, row.candidates.front())) line.points.push_back(*point);
+  }
+  if (!unclear.empty()) std::sort(line.points.begin(), line.points.end(), by_row);
   return line;
 }
 
