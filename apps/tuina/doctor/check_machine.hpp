@@ -15,7 +15,7 @@ struct MachineCheck {
 };
 
 /// Cores, cameras, serial lines and CAN interfaces with the right to open them, what a real-time
-/// thread may have, and how late this machine wakes up now. Takes a third of a second.
-[[nodiscard]] std::vector<MachineCheck> check_machine();
+/// thread may have, and how late this machine wakes up in so many `seconds` of sleeps.
+[[nodiscard]] std::vector<MachineCheck> check_machine(double seconds);
 
 }  // namespace tuina::app

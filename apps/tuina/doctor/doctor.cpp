@@ -142,6 +142,11 @@ class Doctor final : public Verb {
   }
   [[nodiscard]] const char* example() const override { return "tuina doctor --device device.toml"; }
   void describe(Options& options) override {
+    options
+        .add("--seconds", seconds_,
+             "how long wake-ups are watched; a stall that stops a massage may come once a minute")
+        .between(0.1, 3600.0)
+        .show_default();
     options.add(
         "--device", device_,
         "ask the arms, the wrist sensors, the camera and the turntable that this file names "
@@ -158,7 +163,7 @@ class Doctor final : public Verb {
     }
     nlohmann::json checks = nlohmann::json::array();
     Answer answer;
-    for (const MachineCheck& check : check_machine()) {
+    for (const MachineCheck& check : check_machine(seconds_)) {
       checks.push_back({{"check", check.what},
                         {"good", check.good},
                         {"finding", check.finding},
@@ -201,6 +206,7 @@ class Doctor final : public Verb {
   }
 
   std::string device_;
+  double seconds_ = 0.3;
 };
 
 }  // namespace
