@@ -4,6 +4,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "tests/scanner/lit_scene.hpp"
@@ -21,9 +22,12 @@ double white_column(int y) {
 }
 
 /// What a colour camera sees under a warm lamp: a textured scene, a red laser line and a white one,
-/// such as a reflection of a window. A share of a red light reaches green, too.
-Image coloured(double laser_dn, double white_dn, double contrast_dn) {
-  constexpr double warmth = 0.85, leak = 0.08;
+/// such as a reflection of a window. A share of a red light reaches green, too. `green`: of the
+/// lamp, for its red; `chroma`: spread of the scene's own colours.
+Image coloured(double laser_dn, double white_dn, double contrast_dn, double green = 0.85,
+               double chroma = 0.0) {
+  constexpr double leak = 0.08;
+  const Image tints = test::lit_scene(640, 480, 30, 50.0, 3);
   const Image scene = test::lit_scene(640, 480, 12, contrast_dn);
   Random random = make_random(7, "colour camera");
   Image image(640, 480, 3);
@@ -33,9 +37,10 @@ Image coloured(double laser_dn, double white_dn, double contrast_dn) {
         return std::exp(-0.5 * std::pow((x - column_px) / 2.5, 2));
       };
       const double laser = laser_dn * bell(laser_column(y));
-      const double room = scene.row(y)[x] + white_dn * bell(white_column(y));
-      const std::array<double, 3> light = {room + laser, warmth * room + leak * laser,
-                                           warmth * room + leak * laser};
+      const double white = white_dn * bell(white_column(y));
+      const double tint = green * (1.0 + chroma * (tints.row(y)[x] / 50.0 - 2.0));
+      const double others = tint * scene.row(y)[x] + white + leak * laser;
+      const std::array<double, 3> light = {scene.row(y)[x] + white + laser, others, others};
       for (std::size_t c = 0; c < 3; ++c) {
         const double seen = std::round(light[c] + gaussian(random, 2.0));
         image.row(y)[3 * x + static_cast<int>(c)] =
@@ -70,10 +75,17 @@ TEST_CASE("of two lines in a lit, textured scene the red one is the laser's, bri
   }
 }
 
-TEST_CASE("without a laser a coloured scene and a white line in it show none") {
+TEST_CASE("without a laser a coloured scene and a white line in it show none, whatever the lamp") {
   for (const double white_dn : {0.0, 130.0}) {
-    const Found found = in(coloured(0.0, white_dn, 40.0));
-    CHECK(found.right + found.wrong == 0);
+    for (const double green : {0.6, 0.85, 1.0, 1.3}) {
+      for (const double chroma : {0.0, 0.05}) {
+        CAPTURE(white_dn);
+        CAPTURE(green);
+        CAPTURE(chroma);
+        const Found found = in(coloured(0.0, white_dn, 25.0, green, chroma));
+        CHECK(found.right + found.wrong == 0);
+      }
+    }
   }
 }
 

@@ -2,6 +2,7 @@
 #include "tuina/scanner/line/colours.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace tuina::scanner {
@@ -54,23 +55,59 @@ BasicImage<Sample> without_laser(const BasicImage<Sample>& colours, float ratio,
   return red;
 }
 
+/// False when the light of a line is as white as red, in the median over its rows: green rises
+/// there with red. Rows in which a colour is clipped tell nothing.
+template <typename Sample>
+bool is_red(const BasicImage<Sample>& colours, const LaserLine& line, double saturated_dn) {
+  constexpr double max_green_share = 0.6;
+  constexpr std::size_t min_rows = 10;
+  const auto channels = static_cast<std::size_t>(colours.channels);
+  const int beside = static_cast<int>(std::ceil(4.0F * line.width_px)) + 1;
+  std::vector<double> shares;
+  for (const LinePoint& point : line.points) {
+    const int at = static_cast<int>(std::lround(point.column_px));
+    if (at - beside < 0 || at + beside >= colours.width) continue;
+    const auto value = [&](int column, std::size_t channel) {
+      return static_cast<double>(
+          colours.row(point.row)[static_cast<std::size_t>(column) * channels + channel]);
+    };
+    if (std::max(value(at, 0), value(at, 1)) >= saturated_dn) continue;
+    const auto rise = [&](std::size_t channel) {
+      return value(at, channel) - 0.5 * (value(at - beside, channel) + value(at + beside, channel));
+    };
+    if (rise(0) > 0.0) shares.push_back(rise(1) / rise(0));
+  }
+  if (shares.size() < min_rows) return true;
+  const auto middle = shares.begin() + static_cast<std::ptrdiff_t>(shares.size() / 2);
+  std::nth_element(shares.begin(), middle, shares.end());
+  return *middle < max_green_share;
+}
+
 template <typename Sample>
 LaserLine find(const BasicImage<Sample>& colours, const LineOptions& options) {
   const double saturated_dn =
       options.saturated_dn > 0.0 ? options.saturated_dn : std::numeric_limits<Sample>::max();
+  const BasicImage<Sample> red = channel(colours, 0);
+  const Scene scene = scene_in(colours, saturated_dn);
+  const auto seen = [&](LaserLine line) {
+    if (!is_red(colours, line, saturated_dn)) line.points.clear();
+    return line;
+  };
+  const auto beyond_scene = [&] {
+    return seen(
+        find_laser_line(red, options, without_laser(colours, scene.red_to_green, saturated_dn)));
+  };
   const auto clear_rows = [](const LaserLine& line) {
     return static_cast<int>(line.points.size()) - line.ambiguous_rows;
   };
-  const BasicImage<Sample> red = channel(colours, 0);
-  const Scene scene = scene_in(colours, saturated_dn);
-  const auto beyond_scene = [&] {
-    return find_laser_line(red, options, without_laser(colours, scene.red_to_green, saturated_dn));
-  };
   // First what is likelier to be clear, which mostly spares the other.
-  LaserLine first = scene.lit ? beyond_scene() : find_laser_line(red, options);
-  const bool bare = scene.lit && first.points.empty() && first.ambiguous_rows == 0;
-  if (bare || clear_rows(first) == colours.height) return first;
-  LaserLine second = scene.lit ? find_laser_line(red, options) : beyond_scene();
+  LaserLine first = scene.lit ? beyond_scene() : seen(find_laser_line(red, options));
+  if (clear_rows(first) == colours.height) return first;
+  // In a lit scene red alone would take anything bright for a line. It is asked only where the
+  // middle of a line is clipped in all colours: its flanks are red then.
+  const auto flanks = static_cast<int>(first.points.size()) + first.ambiguous_rows;
+  if (scene.lit && 2 * flanks < colours.height) return first;
+  LaserLine second = scene.lit ? seen(find_laser_line(red, options)) : beyond_scene();
   return clear_rows(second) > clear_rows(first) ? second : first;
 }
 

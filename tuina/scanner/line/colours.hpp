@@ -21,10 +21,10 @@ namespace tuina::scanner {
 [[nodiscard]] Image red_without_laser(const Image& colours);
 
 /// @{
-/// `find_laser_line` in a picture with three or four channels: in its red, and in what red has
-/// beyond `red_without_laser`; the answer with more rows that show one line only is taken. The
-/// second knows lamps, white reflections and texture for what they are, the first sees lines so
-/// bright that all colours are clipped.
+/// `find_laser_line` in a picture with three or four channels, for a red laser: in what red has
+/// beyond `red_without_laser`, which tells texture, lamps and white reflections for what they are;
+/// in red alone where the room is dark, or the line so bright that all colours are clipped. A line
+/// whose green rises as its red does is none.
 [[nodiscard]] LaserLine find_red_line(const Image& colours, const LineOptions& options = {});
 [[nodiscard]] LaserLine find_red_line(const Image16& colours, const LineOptions& options = {});
 /// @}
