@@ -116,7 +116,8 @@ Result<std::map<std::string, std::size_t>> name_marks(const std::vector<SkinMark
                     "cannot be told; {}",
                     marks_of(group.kind), to_mm(height(*(end - 1)) - height(*end)),
                     where(at(*(end - 1))), where(at(*end)), level.back(),
-                    group.kind == bump_kind ? "take one of them off" : "give one another colour");
+                    group.kind == bump_kind ? "is the list from the head to the feet?"
+                                            : "give one another colour");
       }
       // The left of a pair first.
       std::sort(next, end, [&](std::size_t a, std::size_t b) {

@@ -90,13 +90,15 @@ Result<json> judge_markers(const std::filesystem::path& folder, const MarkGroup&
   json people = json::object();
   json refused = json::array();
   for (std::size_t i = 0; i < scans->size(); ++i) {
-    const auto scan = read_surface((*scans)[i]);
-    if (!scan) return tl::unexpected(scan.error());
     const std::string id = (*scans)[i].stem().string();
-    if (auto judged = judge_person(scan->cloud, labels, atlas))
+    const auto scan = read_surface((*scans)[i]);
+    auto judged = scan ? judge_person(scan->cloud, labels, atlas)
+                       : Result<json>(tl::unexpected(scan.error()));
+    if (judged)
       people[id] = std::move(*judged);
     else
-      refused.push_back(fmt::format("{}: {}", id, judged.error().message));
+      refused.push_back(scan ? fmt::format("{}: {}", id, judged.error().message)
+                             : judged.error().message);
     if (progress) progress(static_cast<double>(i + 1) / static_cast<double>(scans->size()));
   }
   json points = json::object();
@@ -134,7 +136,7 @@ std::string markers_text(const json& judged) {
   for (const auto& [name, row] : judged["points"].items())
     table.add({name, row["marked"].get<int>(), number_in(row, "mean_mm"), number_in(row, "max_mm"),
                number_in(row, "coverage", 100.0)});
-  std::string text = to_text(table);
+  std::string text = judged["judged"] == 0 ? "nobody could be judged\n" : to_text(table);
   for (const json& remark : judged["refused"]) text += remark.get<std::string>() + "\n";
   while (text.ends_with('\n')) text.pop_back();
   return text;

@@ -22,6 +22,15 @@ namespace fs = std::filesystem;
 
 constexpr double max_off_m = 60_mm;  // four times the largest error of the shipped atlas
 
+/// How far a point is from where a mapping has it.
+double distance_m(const std::string& name, const Vector3& at, const body::Mapping& mapping) {
+  for (const Acupoint& point : mapping.acupoints)
+    if (point.name == name) return (point.at_in_couch - at).norm();
+  for (const Landmark& landmark : mapping.landmarks)
+    if (landmark.name == name) return (landmark.at_in_couch - at).norm();
+  return 0.0;
+}
+
 /// The skin of a scan as a mesh, to the edge of what was seen.
 Mesh skin_of(const body::BackSurface& back, const body::Mapping& mapping) {
   Vector3 out = Vector3::Zero();
@@ -99,7 +108,7 @@ class AtlasRecord final : public Verb {
     if (const auto written = body::write_labelled_body(person, out_); !written) {
       return tl::unexpected(written.error());
     }
-    return answer(person, *named, *seen);
+    return answer(person, *named, *seen, *mapping);
   }
 
  private:
@@ -118,8 +127,11 @@ class AtlasRecord final : public Verb {
     }
     if (auto good = check_folder_of(out_); !good) return good;
     std::error_code fault;
-    if (fs::exists(scan_, fault)) return {};
-    return fail(Fault::file, "{}: there is no such folder or file", scan_);
+    if (!fs::exists(scan_, fault))
+      return fail(Fault::file, "{}: there is no such folder or file", scan_);
+    if (fs::equivalent(scan_, path, fault))
+      return fail(Fault::usage, "--out {}: that is the scan itself, which would be lost", out_);
+    return {};
   }
 
   [[nodiscard]] Result<Seen> watch_sweep(const CommonOptions& common) const {
@@ -153,7 +165,11 @@ class AtlasRecord final : public Verb {
     if (!back) return tl::unexpected(back.error());
     const auto bumps = body::find_bumps(scan->cloud, *back);
     if (!bumps) return tl::unexpected(bumps.error());
-    Seen seen{.back = std::move(*back), .marks = {}, .told = {}};
+    // What is learned from is the skin below the balls.
+    auto bare = body::fit_back(body::without_bumps(scan->cloud, *bumps, *back),
+                               {.position = position_.position()});
+    if (!bare) return tl::unexpected(bare.error());
+    Seen seen{.back = std::move(*bare), .marks = {}, .told = {}};
     for (const body::Bump& bump : *bumps) {
       seen.marks.push_back({bump_kind, bump.at_in_couch});
       seen.told.push_back({{"height_mm", to_mm(bump.height_m)}, {"width_mm", to_mm(bump.width_m)}});
@@ -201,7 +217,7 @@ class AtlasRecord final : public Verb {
 
   [[nodiscard]] static Answer answer(const body::LabelledBody& person,
                                      const std::map<std::string, std::size_t>& named,
-                                     const Seen& seen) {
+                                     const Seen& seen, const body::Mapping& mapping) {
     nlohmann::json points = nlohmann::json::object();
     std::string text =
         fmt::format("{} marks on a {} person; {} vertices, {} triangles", named.size(),
@@ -212,6 +228,8 @@ class AtlasRecord final : public Verb {
       const nlohmann::json& told = seen.told[mark];
       points[name] = told;
       points[name]["position_m"] = {at.x(), at.y(), at.z()};
+      const double off_mm = to_mm(distance_m(name, at, mapping));
+      points[name]["from_atlas_mm"] = off_mm;
       text += fmt::format("\n  {:<24} {:<8} x {:7.1f}  y {:7.1f}  z {:7.1f} mm, {}", name,
                           seen.marks[mark].kind, to_mm(at.x()), to_mm(at.y()), to_mm(at.z()),
                           told.contains("dots")

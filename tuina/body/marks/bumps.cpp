@@ -245,4 +245,20 @@ Result<std::vector<Bump>> find_bumps(const PointCloud& scan_in_couch, const Back
   return bumps;
 }
 
+PointCloud without_bumps(const PointCloud& scan_in_couch, const std::vector<Bump>& bumps,
+                         const BackSurface& back) {
+  constexpr double foot_m = 3_mm, max_off_m = 30_mm;
+  PointCloud bare;
+  for (const Vector3& point : scan_in_couch.points) {
+    const bool on_one = std::any_of(bumps.begin(), bumps.end(), [&](const Bump& bump) {
+      const Vector3 off = point - bump.at_in_couch;
+      if (off.norm() > max_off_m) return false;
+      const Vector3 out = back.nearest(bump.at_in_couch).normal_in_couch;
+      return (off - off.dot(out) * out).norm() < 0.5 * bump.width_m + foot_m;
+    });
+    if (!on_one) bare.points.push_back(point);
+  }
+  return bare;
+}
+
 }  // namespace tuina::body
