@@ -121,7 +121,8 @@ TEST_CASE("arms of another build do the programme relax, but for what they are t
         CHECK(note.words.find("too heavy for a person who starts up") != std::string::npos);
         ++too_heavy;
       }
-      CHECK(too_heavy <= (name == std::string("panda") ? 2 : 0));
+      // Of what a panda may give there, control could be 3 N over an order.
+      CHECK(too_heavy <= (name == std::string("panda") ? 5 : 0));
       CHECK(ready.reachable == (too_heavy == 0));
       CHECK(ready.plan.paths.size() + too_heavy == 13);
       for (const massage::PlannedPath& path : ready.plan.paths) CHECK(path.ordered_n() >= 3.0);

@@ -31,8 +31,8 @@ struct TechniqueRow {
   Colour colour;         ///< Colour in every picture and plot.
 };
 
-// Pressing is the strongest. The true force comes to be over the largest one asked for by up to
-// 0.7 N while a place is pressed and 1.8 N on a rub (docs/massage.md); the margins are careful.
+// Pressing is the strongest. By how much the true force comes to be over the largest one asked for,
+// each contact of a session tells (`true_peak_n`); the margins are above it.
 inline constexpr std::array technique_table = {
     TechniqueRow{.technique = Technique::press,
                  .name = "press",

@@ -58,7 +58,10 @@ void TwoArmSchedule::add_transfer(Arm arm, const ArmMove& move) {
 massage::PlannedPath TwoArmSchedule::bearable(const massage::PlannedPath& planned, double mass_kg) {
   massage::PlannedPath path = planned;
   const double planned_n = planned.ordered_n();
-  const double max_n = max_pressing_n(mass_kg, path.zone, std::max(planned_n, path.cap_n));
+  // What control gives over an order meets a person who starts up as well.
+  const double over_n = row_of(path.path.technique).overshoot_n;
+  const double wanted_n = std::max(planned_n, path.cap_n) + over_n;
+  const double max_n = max_pressing_n(mass_kg, path.zone, wanted_n) - over_n;
   path.cap_n = std::min(path.cap_n, max_n);
   if (planned_n <= max_n) return path;
   for (ContactPoint& point : path.path.points) point.force_n = std::min(point.force_n, max_n);
@@ -106,7 +109,8 @@ void TwoArmSchedule::add_contacts(const Moves& moves, const PerArm<Planned>& pla
 Result<ArmMove> TwoArmSchedule::plan_move(Arm arm, const massage::PlannedPath& planned) const {
   auto move = move_to_path(stage_, arm, rest_[arm], planned.path, static_cast<int>(paths.size()));
   if (!move) return move;
-  const double min_n = std::min(planned.ordered_n(), massage::kept_force_n);
+  const double min_n = std::min(planned.ordered_n(), massage::kept_force_n) +
+                       row_of(planned.path.technique).overshoot_n;
   if (max_pressing_n(move->mass_kg, planned.zone, min_n) < min_n)
     return fail(Fault::not_found,
                 "the arm is felt as {:.1f} kg there, too heavy for a person who starts up",
