@@ -20,6 +20,9 @@ constexpr double min_spread_share = 0.6;
 // Standard deviation of ln alpha and ln beta between places of one name: Table 6-1 against the men
 // of medium build in Table 6-2, RMS over the three tissues.
 constexpr double place_alpha_sd = 0.1, place_beta_sd = 0.25;
+// How the three tissues of one person differ alike from others of their build: mean correlation of
+// what Table 6-2 leaves around the builds.
+constexpr double alike = 0.5;
 
 double log_density(double value, double mean, double sd) {
   const double off = (value - mean) / sd;
@@ -30,11 +33,14 @@ Eigen::Vector2d logs(const TangentTissue& tissue) {
   return {std::log(tissue.alpha_n), std::log(tissue.beta_per_m)};
 }
 
-/// Log-likelihood of the presses on people of this group, up to a common constant.
+/// Log-likelihood of the presses on people of this group, up to a common constant: of Student's t,
+/// since the spread is known from a few people only. Each tissue tells what the others have not.
 template <typename InGroup>
 double log_likelihood(std::span<const KnownPress> presses, std::span<const Subject> table,
                       const InGroup& in_group) {
-  double sum = 0.0;
+  double sum = 0.0, tissues = 0.0;
+  const double freedom =
+      std::max(1.0, static_cast<double>(table.size()) - static_cast<double>(builds.size()));
   for (std::size_t k = 0; k < 3; ++k) {
     Eigen::Vector2d all = Eigen::Vector2d::Zero(), group = all, square = all, felt = all;
     double people = 0.0, count = 0.0;
@@ -57,9 +63,11 @@ double log_likelihood(std::span<const KnownPress> presses, std::span<const Subje
     const Eigen::Vector2d place(place_alpha_sd, place_beta_sd);
     const Eigen::Vector2d variance =
         square * (min_spread_share * min_spread_share * (1.0 + 1.0 / people)) + place.cwiseAbs2();
-    sum -= 0.5 * (off.cwiseAbs2().cwiseQuotient(variance).sum() + std::log(variance.prod()));
+    const double distance2 = off.cwiseAbs2().cwiseQuotient(variance).sum();
+    sum -= 0.5 * ((freedom + 2.0) * std::log1p(distance2 / freedom) + std::log(variance.prod()));
+    tissues += 1.0;
   }
-  return sum;
+  return tissues > 0.0 ? sum / (1.0 + (tissues - 1.0) * alike) : 0.0;
 }
 
 }  // namespace
