@@ -139,6 +139,7 @@ Result<ReportData> read_record(const std::filesystem::path& folder) {
                   .scan_in_couch = std::move(scan->cloud),
                   .acupoints = file->acupoints.points,
                   .trace = std::move(*trace),
+                  .force_rmse_n = file->massage.force.rmse_n,
                   .forces = file->massage.techniques,
                   .tissue = file->tissue,
                   .stiffness_force_n = file->stiffness_force_n,
@@ -155,10 +156,9 @@ Result<ReportData> read_record(const std::filesystem::path& folder) {
                   .version = file->version};
   if (file->condition_presses > 0) data.condition = file->condition;
   for (const PerformedEntry& done : file->massage.performed) {
-    if (done.path >= plan->plan.paths.size()) {
+    if (done.path >= plan->plan.paths.size())
       return fail(Fault::bad_input, "{}: path {} was performed, which plan.json does not have",
                   name, done.path);
-    }
     data.paths.push_back(shown(done, plan->plan.paths[done.path].path));
   }
   std::vector<Acupoint> acupoints;

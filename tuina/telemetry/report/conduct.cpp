@@ -123,18 +123,23 @@ void add_conduct(Page& page, const ReportData& data) {
 }
 
 std::string given_in_words(const ReportData& data) {
-  std::size_t ordered = 0, otherwise = 0, cut_short = 0;
+  std::size_t ordered = 0, otherwise = 0, cut_short = 0, lowered = 0;
   for (const PerformedPath& performed : data.paths) {
     if (performed.ordered_n <= 0.0) continue;
     ++ordered;
     otherwise += !performed.why.empty();
+    lowered += !performed.lowered_by.empty();
     cut_short += performed.why.empty() && !performed.contact_fault.empty();
   }
   if (ordered == 0) return "";
   const Language& say = data.language;
-  if (otherwise + cut_short == 0)
-    return say("Every place was given the force that the plan orders. ");
   std::string words;
+  if (lowered == 1)
+    words += say("The plan orders less than the programme for one of {} paths. ", ordered);
+  else if (lowered > 1)
+    words += say("The plan orders less than the programme for {} of {} paths. ", lowered, ordered);
+  if (otherwise + cut_short == 0)
+    return words + say("Every place was given the force that the plan orders. ");
   if (otherwise == 1)
     words += say("One of {} paths was given another force than was ordered, see below. ", ordered);
   else if (otherwise > 1)

@@ -33,11 +33,9 @@ std::vector<KeyNumber> tiles(const ReportData& data) {
     tiles.push_back(
         {say("Peak force"), fmt::format("{:.1f}", peak_force_n(data)), "N",
          data.simulated ? say("true force, whole session") : say("measured, whole session")});
-  for (const TechniqueForce& force : data.forces) {
-    if (force.technique == Technique::press)
-      tiles.push_back({say("Force error"), fmt::format("{:.2f}", force.rmse_n), "N",
-                       say("root mean square while pressing")});
-  }
+  if (data.force_rmse_n > 0.0)
+    tiles.push_back({say("Force error"), fmt::format("{:.2f}", data.force_rmse_n), "N",
+                     say("root mean square over all contacts")});
   for (const KeyNumber& number : data.numbers) {
     tiles.push_back(
         {figures::capital(say(number.label)), number.value, say(number.unit), say(number.remark)});

@@ -154,6 +154,7 @@ struct ReportData {
   std::vector<FoundAcupoint> acupoints = {};
   std::vector<PerformedPath> paths = {};
   std::vector<TraceRow> trace = {};
+  double force_rmse_n = 0.0;                ///< of the force error over all contacts; 0 without any
   std::vector<TechniqueForce> forces = {};  ///< one for each technique that was used
   std::vector<FeltTissue> tissue = {};
   double stiffness_force_n = 10.0;

@@ -79,6 +79,25 @@ std::string done_in_words(const ReportData& data) {
   return done.empty() ? "" : say("Two arms {}. ", listed(say, done));
 }
 
+/// Where the tissue is hardest and softest, if presses that have settled tell the two apart.
+std::string extremes_in_words(const ReportData& data) {
+  const FeltTissue* softest = nullptr;
+  const FeltTissue* hardest = nullptr;
+  for (const FeltTissue& felt : data.tissue) {
+    if (!felt.mapped || !felt.estimate.converged) continue;
+    const double stiffness = felt.stiffness_n_per_mm;
+    if (softest == nullptr || stiffness < softest->stiffness_n_per_mm) softest = &felt;
+    if (hardest == nullptr || stiffness > hardest->stiffness_n_per_mm) hardest = &felt;
+  }
+  if (softest == hardest) return {};
+  const double apart = hardest->stiffness_n_per_mm - softest->stiffness_n_per_mm;
+  if (apart < std::hypot(hardest->stiffness_ci95_n_per_mm, softest->stiffness_ci95_n_per_mm))
+    return {};
+  return data.language("The tissue felt hardest at {} and softest at {}. ",
+                       figures::spoken(hardest->name, data.language),
+                       figures::spoken(softest->name, data.language));
+}
+
 }  // namespace
 
 std::optional<MeanError> mean_error(const ReportData& data) {
@@ -117,20 +136,10 @@ std::string summary(const ReportData& data) {
   if (!data.trace.empty())
     text += say("The firmest touch was {:.0f} N, the weight of {:.1f} kg. ", peak_force_n(data),
                 peak_force_n(data) / gravity_m_per_s2);
-  const FeltTissue* softest = nullptr;
-  const FeltTissue* hardest = nullptr;
-  for (const FeltTissue& felt : data.tissue) {
-    if (!felt.mapped) continue;
-    const double stiffness = felt.stiffness_n_per_mm;
-    if (softest == nullptr || stiffness < softest->stiffness_n_per_mm) softest = &felt;
-    if (hardest == nullptr || stiffness > hardest->stiffness_n_per_mm) hardest = &felt;
-  }
-  if (softest != hardest)
-    text += say("The tissue felt hardest at {} and softest at {}. ",
-                figures::spoken(hardest->name, say), figures::spoken(softest->name, say));
+  text += extremes_in_words(data);
   text += given_in_words(data);
   for (const double time_s : data.rescans_s)
-    text += say("After {} the person had moved, and was scanned again. ", minutes(say, time_s));
+    text += say("The person had moved and was scanned again after {}. ", minutes(say, time_s));
   if (data.stops.empty())
     text += say("Nothing had to be stopped.");
   else if (data.stops.front().cause.key == "stopped_as_asked")
