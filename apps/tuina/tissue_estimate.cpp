@@ -232,6 +232,10 @@ class TissueEstimateVerb final : public Verb {
         tissue::name_of(found.label), 100.0 * found.probability);
     if (e.converged)
       answer.text += fmt::format(", {:.2f} s after the first contact", e.converged_after_s);
+    else if (e.presses == 0)
+      answer.text +=
+          "; no press is in the record, so these are only assumed: is the position in mm, larger "
+          "where deeper, and the force out of the skin?";
     return answer;
   }
 

@@ -114,8 +114,15 @@ bool accepts_labels(std::string_view content) {
 
 std::string some_labels() {
   const Folder folder;
+  // In the order that seven_acupoints has: pairs from the shoulders to the loins, then GV4.
+  std::vector<Acupoint> seven = some_acupoints();
+  for (std::size_t i = 0; i < seven.size(); ++i) {
+    const double side = i == 6 ? 0.5 : seven[i].name.ends_with("_L") ? 0.9 : 0.1;
+    seven[i].at_in_couch = {0.3 * side, 0.1, 0.68 - 0.08 * static_cast<double>(i / 2)};
+    seven[i].normal_in_couch = Vector3::UnitY();
+  }
   const body::LabelledBody body{
-      .id = "anna", .acupoints = some_acupoints(), .landmarks = {{"C7", Vector3(0.0, 0.1, 0.7)}}};
+      .id = "anna", .acupoints = seven, .landmarks = {{"C7", Vector3(0.0, 0.1, 0.7)}}};
   if (!body::write_labelled_body(body, folder / "anna.ply")) return {};
   return read_file(folder / "anna.json").value_or("");
 }

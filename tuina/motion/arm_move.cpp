@@ -13,8 +13,8 @@ namespace tuina::motion {
 namespace {
 
 constexpr double checked_every_s = 0.1;
-// Of a nullspace that follows its springs slowly and quickly: friction decides which the real arm
-// does.
+// Shares of the posture error that a slow nullspace and a quick one make up in a step; friction
+// decides which the real arm is.
 constexpr std::array posture_shares = {0.05, 0.3};
 // A larger difference is another branch of the inverse kinematics.
 constexpr double max_posture_error_rad = 0.35;

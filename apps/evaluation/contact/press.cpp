@@ -253,10 +253,11 @@ class Press final : public Verb {
     return {.json = json.dump(2),
             .text = fmt::format("{} with {:.0f} N, controller {}: force error {:.2f} N rms, peak "
                                 "{:.1f} N, tissue alpha "
-                                "{:.2f} N beta {:.4f} /mm (true {:.2f}, {:.4f}){}",
+                                "{:.2f} N beta {:.4f} /mm (true {:.2f}, {:.4f}){}{}",
                                 technique_, force_n_, controller_, force.rmse_n, force.peak_n,
                                 estimate.tissue.alpha_n, 1e-3 * estimate.tissue.beta_per_m,
-                                tissue.alpha_n, 1e-3 * tissue.beta_per_m, stopped),
+                                tissue.alpha_n, 1e-3 * tissue.beta_per_m,
+                                estimate.converged ? "" : ", not converged", stopped),
             .exit_code = outcome.stopped ? 4 : 0};
   }
 
