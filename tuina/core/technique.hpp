@@ -32,7 +32,7 @@ struct TechniqueRow {
 };
 
 // Pressing is the strongest. By how much the true force comes to be over the largest one asked for,
-// each contact of a session tells (`true_peak_n`); the margins are above it.
+// each contact of a session tells (`true_peak_n` against `ordered_n` of session.json).
 inline constexpr std::array technique_table = {
     TechniqueRow{.technique = Technique::press,
                  .name = "press",
