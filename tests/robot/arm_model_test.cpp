@@ -196,7 +196,8 @@ TEST_CASE("the apparent mass is the inverse of the mobility along one direction"
 
 TEST_CASE("a tool yields unseen by what its gears wind up under a force") {
   ArmTable table = thesis_arm();
-  table.links[1].gear_nm_per_rad = 0.0;  // an encoder at the joint sees all of it
+  table.links[1].gear_nm_per_rad = rigid_gear_nm_per_rad;  // an encoder at the joint sees all of it
+  table.links[2].gear_nm_per_rad = 0.0;                    // nobody knows it: a usual one
   const ArmModel model(table, askew(), Arm::left);
   Random random = make_random(7, "arm states");
   constexpr double force_n = 20.0, rail_m = 0.1;
@@ -206,16 +207,17 @@ TEST_CASE("a tool yields unseen by what its gears wind up under a force") {
     const auto seen = model.kinematics(state.q, rail_m);
     JointVector q = state.q;
     for (int i = 0; i < table.joints; ++i) {
-      const double stiffness = table.links[static_cast<std::size_t>(i)].gear_nm_per_rad;
+      const double stiffness = i == 2 ? 140.0 * table.links[2].torque_limit_nm
+                                      : table.links[static_cast<std::size_t>(i)].gear_nm_per_rad;
       const double torque_nm = force_n * seen.jacobian.col(i).head<3>().dot(along);
-      if (stiffness > 0.0) q[i] += torque_nm / stiffness;
+      q[i] += torque_nm / stiffness;
     }
     const Vector3 moved_m =
         model.base_from_tool(q, rail_m).translation() - seen.base_from_tool.translation();
     const double yields = unseen_yield_m_per_n(table, seen.jacobian, along);
     CHECK(force_n * yields == doctest::Approx(moved_m.dot(along)).epsilon(0.02).scale(1e-4));
   }
-  for (Link& link : table.links) link.gear_nm_per_rad = 0.0;
+  for (Link& link : table.links) link.gear_nm_per_rad = rigid_gear_nm_per_rad;
   CHECK(unseen_yield_m_per_n(table, model.kinematics(draw(random).q, 0.0).jacobian,
                              Vector3::UnitX()) == 0.0);
 }

@@ -258,8 +258,8 @@ double unseen_yield_m_per_n(const ArmTable& table, const Jacobian& jacobian,
                             const Vector3& direction_in_base) noexcept {
   double m_per_n = 0.0;
   for (int i = 0; i < table.joints; ++i) {
-    const double nm_per_rad = table.links[static_cast<std::size_t>(i)].gear_nm_per_rad;
-    if (!(nm_per_rad > 0.0)) continue;
+    const double nm_per_rad = likely_gear_nm_per_rad(table.links[static_cast<std::size_t>(i)]);
+    if (nm_per_rad >= rigid_gear_nm_per_rad) continue;
     const double lever_m = jacobian.col(i).head<3>().dot(direction_in_base);
     m_per_n += lever_m * lever_m / nm_per_rad;
   }

@@ -85,8 +85,8 @@ class ArmModel {
 };
 
 /// By how much encoders at the motors say a tool deeper than it is, in metres for each newton along
-/// the unit `direction_in_base` on its origin: the gears give way. Zero where no gear's stiffness
-/// is known.
+/// the unit `direction_in_base` on its origin: the gears give way. A gear whose stiffness the table
+/// does not tell is taken for a usual one.
 [[nodiscard]] double unseen_yield_m_per_n(const ArmTable& table, const Jacobian& jacobian,
                                           const Vector3& direction_in_base) noexcept;
 

@@ -26,8 +26,8 @@ struct Link {
   /// Off-diagonal entries of the same tensor: xy, xz, yz.
   std::array<double, 3> inertia_products_kg_m2 = {};
   double rotor_inertia_kg_m2 = 0.0;  ///< motor's inertia, seen through the gear
-  /// Stiffness between an encoder at the motor and the joint; zero: not known, or the encoder sits
-  /// at the joint.
+  /// Stiffness between an encoder at the motor and the joint; zero: not known; from
+  /// `rigid_gear_nm_per_rad` on: rigid, or the encoder sits at the joint.
   double gear_nm_per_rad = 0.0;
 
   double coulomb_nm = 0.0;  ///< friction of motor and gear
@@ -39,6 +39,16 @@ struct Link {
 
   double radius_m = 0.0;  ///< radius of the capsule that is drawn and kept clear of the other arm
 };
+
+/// A gear as stiff as that is rigid.
+constexpr double rigid_gear_nm_per_rad = 1e7;
+
+/// Stiffness that a gear is taken to have: the one that its table tells; else that of usual
+/// harmonic drives, 140 Nm/rad for each Nm of the drive [tuttle1992], which may be half or twice.
+[[nodiscard]] inline double likely_gear_nm_per_rad(const Link& link) noexcept {
+  constexpr double usual_per_rad = 140.0;
+  return link.gear_nm_per_rad > 0.0 ? link.gear_nm_per_rad : usual_per_rad * link.torque_limit_nm;
+}
 
 /// All that is known of one arm before it moves. The model of the controller, the MJCF of the
 /// simulation and the limits of the guard all read it, so they cannot drift apart.

@@ -10,7 +10,7 @@
 namespace tuina::sim {
 namespace {
 
-constexpr double stiffness_per_rad = 140.0;  // of a gear, for each Nm of its drive
+constexpr double untold_spread = 2.0;  // stiffness of gears that no table tells: a half to twice
 constexpr double gear_damping_ratio = 0.05;
 constexpr double joint_side_share = 0.1;  // of the rotor's inertia, seen at the joint
 constexpr double waves_per_turn = 200.0;  // of the torque: twice in a turn of the motor, 100 : 1
@@ -20,10 +20,16 @@ constexpr double warm_s = 600.0;
 
 void Plant::World::soften_gears(ArmDevices& arm, const robot::ArmTable& table, Random& random) {
   if (options.flaws.gear_softness <= 0.0) return;
+  const bool untold =
+      std::any_of(table.links.begin(), table.links.begin() + arm.joints,
+                  [](const robot::Link& link) { return link.gear_nm_per_rad <= 0.0; });
+  // One maker's gears are alike.
+  const double of_make = untold ? std::pow(untold_spread, uniform(random, -1.0, 1.0)) : 1.0;
   for (std::size_t k = 0; k < static_cast<std::size_t>(arm.joints); ++k) {
     const double inertia = table.links[k].rotor_inertia_kg_m2;
-    const double told = table.links[k].gear_nm_per_rad;
-    const double usual = told > 0.0 ? told : stiffness_per_rad * arm.torque_limit_nm[k];
+    const double believed = robot::likely_gear_nm_per_rad(table.links[k]);
+    if (believed >= robot::rigid_gear_nm_per_rad) continue;
+    const double usual = table.links[k].gear_nm_per_rad > 0.0 ? believed : of_make * believed;
     const double spread = options.flaws.gear_spread;
     arm.gear_nm_per_rad[k] =
         usual * (1.0 + uniform(random, -spread, spread)) / options.flaws.gear_softness;
