@@ -65,11 +65,11 @@ const session::Stop* stopped_by(const session::Session& session, const session::
 
 /// Why a path got less or more than the plan orders; empty where it did not.
 Sentence why_not_as_ordered(const session::Session& session, const session::Performed& done,
-                            double given_n, double begun_intensity) {
-  constexpr double max_off_share = 0.05;
-  const double ordered_n =
-      session.ready.plan.paths[static_cast<std::size_t>(done.path)].ordered_n();
-  if (std::abs(given_n - ordered_n) <= max_off_share * ordered_n) return {};
+                            const record::PerformedEntry& told, double begun_intensity) {
+  constexpr double max_off_share = record::PerformedEntry::max_off_share;
+  if (std::abs(told.given_n - told.ordered_n) <= max_off_share * told.ordered_n) return {};
+  if (told.as_ordered())
+    return sentence("why_slides", "it slides: its mean was {:.1f} N", told.mean_n);
   if (done.contact_fault != control::ContactFault::none)
     return sentence("why_cut_short", "cut short: {}", control::name_of(done.contact_fault));
   if (const session::Stop* stop = stopped_by(session, done))
@@ -91,7 +91,7 @@ Sentence why_not_as_ordered(const session::Session& session, const session::Perf
     return sentence("why_wished", "begun at {:.0f} % of the plan, as wished in an earlier session",
                     100.0 * begun_intensity);
   if (!done.whole) return sentence("why_not_whole", "cut short before its strongest place");
-  return given_n < ordered_n
+  return told.compared_n() < told.ordered_n
              ? sentence("why_too_short",
                         "the tool did not reach it in the time that the technique gives")
              : sentence("why_swung", "the force swung beyond it");
@@ -116,23 +116,23 @@ record::SessionFile::Massage massage_of(const SessionResult& result, double begu
     const auto path = static_cast<std::size_t>(done.path);
     const Touched& touched = truth.touched[i];
     const massage::PlannedPath& planned = session.ready.plan.paths[path];
-    const Technique technique = planned.path.technique;
-    const double given_n = slides(technique) ? touched.held.mean_n() : touched.peak_n;
-    massage.performed.push_back(
-        {.name = planned.path.name,
-         .path = path,
-         .arm = done.arm,
-         .begin_s = done.begin_s,
-         .end_s = done.end_s,
-         .contact_fault = control::name_of(done.contact_fault),
-         .programme_n = planned.programme_n,
-         .lowered_by = planned.lowered_by,
-         .ordered_n = planned.ordered_n(),
-         .given_n = given_n,
-         .true_peak_n = result.simulated ? touched.peak_n : telemetry::TraceRow::unknown,
-         .why = why_not_as_ordered(session, done, given_n, begun_intensity),
-         .true_over_trip_n = touched.over_trip_n,
-         .tool_to_acupoint_m = tool_to_acupoint_m(result, i)});
+    record::PerformedEntry told{
+        .name = planned.path.name,
+        .path = path,
+        .arm = done.arm,
+        .begin_s = done.begin_s,
+        .end_s = done.end_s,
+        .contact_fault = control::name_of(done.contact_fault),
+        .programme_n = planned.programme_n,
+        .lowered_by = planned.lowered_by,
+        .ordered_n = planned.ordered_n(),
+        .given_n = touched.peak_n,
+        .true_peak_n = result.simulated ? touched.peak_n : telemetry::TraceRow::unknown,
+        .true_over_trip_n = touched.over_trip_n,
+        .tool_to_acupoint_m = tool_to_acupoint_m(result, i)};
+    if (slides(planned.path.technique)) told.mean_n = touched.held.mean_n();
+    told.why = why_not_as_ordered(session, done, told, begun_intensity);
+    massage.performed.push_back(std::move(told));
   }
   return massage;
 }
@@ -267,9 +267,9 @@ std::vector<SentenceLine> session_lines(const record::SessionFile& file) {
       lines.push_back({sentence("sum_fault", "{}: {}", done.name, done.contact_fault)});
   }
   for (const record::PerformedEntry& done : file.massage.performed) {
-    if (done.why.empty()) continue;
+    if (done.why.empty() || done.as_ordered()) continue;
     lines.push_back({sentence("sum_given", "{}: {:.1f} N ordered, {:.1f} N given: ", done.name,
-                              done.ordered_n, done.given_n),
+                              done.ordered_n, done.compared_n()),
                      done.why});
   }
   for (const Sentence& note : file.plan.notes) lines.push_back({note});

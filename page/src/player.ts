@@ -68,7 +68,7 @@ export class Player {
     const whole = this.recording.told.events.some((one) => one.what === "ended" && one.path === done.path && one.time_s === done.end_s && one.whole);
     return element("tr", {}, element("td", {}, element("button", { "aria-label": `${say("go_to")} ${name}, ${clock(done.begin_s)}`, onclick: () => this.seek(done.begin_s) }, clock(done.begin_s))),
       element("td", {}, element("b", {}, name), ` · ${say(done.arm)}${whole ? "" : ` · ${say("cut_short")}`}`, ...why.map((one) => element("small", {}, one))),
-      element("td", {}, `${done.given_n.toFixed(1)} / ${done.ordered_n.toFixed(0)} N`));
+      element("td", {}, `${done.given_n.toFixed(1)} / ${done.ordered_n.toFixed(1)} N`));
   }
 
   seek(timeS: number): void {

@@ -63,6 +63,7 @@ constexpr auto performed_fields = [](auto& visit, auto& done) {
   key_fields(visit, "lowered_by_said", done.lowered_by);
   visit.maybe("ordered_n", done.ordered_n);
   visit.maybe("given_n", done.given_n);
+  visit.maybe("mean_n", done.mean_n);  // versions without it wrote that mean as given
   auto why = done.why.empty() ? std::nullopt : std::optional(done.why.words);
   visit.maybe("why", why);
   if constexpr (requires { done.why.words = *why; }) done.why.words = why.value_or("");

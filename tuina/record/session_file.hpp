@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -77,12 +78,20 @@ struct PerformedEntry {
   double programme_n = 0.0;   ///< largest force that the programme asks for
   Sentence lowered_by;        ///< what bears less than that; empty: nothing
   double ordered_n = 0.0;     ///< largest force of the plan, which regards what is borne
-  /// Largest force of a press or a tap; of what slides, the mean while all of it was asked for.
-  double given_n = 0.0;
+  double given_n = 0.0;       ///< largest force
+  /// Mean of what slides, while all of its force was asked for; NaN of a press or a tap.
+  double mean_n = std::numeric_limits<double>::quiet_NaN();
   double true_peak_n = 0.0;
   Sentence why;  ///< where the given force is more than 5 % off the ordered one
   double true_over_trip_n = -std::numeric_limits<double>::infinity();
   std::optional<double> tool_to_acupoint_m;  ///< known of a press of an acupoint
+
+  static constexpr double max_off_share = 0.05;  ///< of a force that is as ordered
+  /// Force to be held against the order: of what slides the mean, since it swings about that.
+  [[nodiscard]] double compared_n() const noexcept { return std::isnan(mean_n) ? given_n : mean_n; }
+  [[nodiscard]] bool as_ordered() const noexcept {
+    return std::abs(compared_n() - ordered_n) <= max_off_share * ordered_n;
+  }
 };
 
 /// Arms at the other ends of a network, and what came over it.

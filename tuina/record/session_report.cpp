@@ -103,8 +103,8 @@ telemetry::PerformedPath shown(const PerformedEntry& done, const ContactPath& pa
           .programme_n = done.programme_n,
           .lowered_by = done.lowered_by,
           .ordered_n = done.ordered_n,
-          .given_n = done.given_n,
-          .why = done.why};
+          .given_n = done.compared_n(),
+          .why = done.as_ordered() ? Sentence{} : done.why};
 }
 
 }  // namespace
