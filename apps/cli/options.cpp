@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 
@@ -30,8 +31,12 @@ Option Option::between(double low, double high) const {
 }
 
 Option Option::one_of(const std::vector<std::string>& words) const {
-  option_->check(CLI::IsMember(words));
-  return *this;
+  return check(
+      [words](const std::string& word) -> std::string {
+        if (std::find(words.begin(), words.end(), word) != words.end()) return {};
+        return fmt::format("{} is unknown; known: {}", in_quotes(word), listed(words));
+      },
+      fmt::format("{{{}}}", fmt::join(words, ",")));
 }
 
 Option Option::required() const {

@@ -168,11 +168,25 @@ std::string help_of(const CLI::App& command) {
   return command.help(before);
 }
 
-/// --help comes before the parser complains of words that no verb and no option took; so documents
-/// can be held to the program by it. Gives the exit code.
-int refuse_unknown(const std::vector<std::string>& words) {
+/// What is said of words that no verb and no option took; an option among them may be a slip.
+std::string refusal_of_words(const CLI::App& chosen, const std::vector<std::string>& words) {
+  std::string refusal = "nothing here takes " + listed(words, " ", 150);
+  const auto slip = std::find_if(words.begin(), words.end(),
+                                 [](const std::string& word) { return word.starts_with("--"); });
+  if (slip == words.end()) return refusal;
+  const std::string name = slip->substr(0, slip->find('='));
+  std::vector<std::string> options;
+  for (const CLI::Option* option : chosen.get_options())
+    if (!option->get_positional()) options.push_back(option->get_name());
+  return fmt::format("{}; {}", refusal, suggestion(name, options));
+}
+
+/// --help comes before the parser complains of words that nothing took; so documents can be held to
+/// the program by it. Gives the exit code.
+int refuse_unknown(const CLI::App& tuina) {
+  const std::vector<std::string> words = tuina.remaining(true);
   if (words.empty()) return 0;
-  fmt::print(stderr, "tuina: nothing here takes {}\n", listed(words, " ", 250));
+  fmt::print(stderr, "tuina: {}\n", refusal_of_words(chosen_by(tuina), words));
   return 1;
 }
 
@@ -184,8 +198,14 @@ std::string refusal_of(const CLI::App& tuina, const std::string& first,
     verbs.push_back(verb->get_name());
     verbs.insert(verbs.end(), verb->get_aliases().begin(), verb->get_aliases().end());
   }
-  if (first.starts_with('-') || std::find(verbs.begin(), verbs.end(), first) != verbs.end())
-    return brief(error.what());
+  if (first.starts_with('-') || std::find(verbs.begin(), verbs.end(), first) != verbs.end()) {
+    // An option that is lacking may be there misspelled.
+    const std::vector<std::string> words = tuina.remaining(true);
+    const bool lacks = dynamic_cast<const CLI::RequiredError*>(&error) != nullptr ||
+                       dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr;
+    return brief(lacks && !words.empty() ? refusal_of_words(chosen_by(tuina), words)
+                                         : std::string(error.what()));
+  }
   return brief(fmt::format("there is no verb `{}`; {}", first, suggestion(first, verbs)));
 }
 
@@ -210,6 +230,7 @@ int run_program(int argc, char** argv, const Program& program) {
   CLI::App tuina("tuina: a robot massages a person, here in simulation.", "tuina");
   tuina.set_version_flag("--version", TUINA_VERSION);
   tuina.require_subcommand(0, 1);
+  tuina.footer("Exit codes: 0 done, 1 wrong use, 2 bad input, 3 device, 4 stopped for safety.");
 
   CommonOptions common;
   std::string out, shell;
@@ -227,7 +248,7 @@ int run_program(int argc, char** argv, const Program& program) {
     tuina.parse(argc, argv);
   } catch (const CLI::CallForHelp&) {
     fmt::print("{}", help_of(chosen_by(tuina)));
-    return refuse_unknown(tuina.remaining(true));
+    return refuse_unknown(tuina);
   } catch (const CLI::CallForVersion&) {
     fmt::print("tuina {}\n", TUINA_VERSION);
     return 0;

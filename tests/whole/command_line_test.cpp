@@ -68,6 +68,20 @@ TEST_CASE("help beside an option or a value that the verb does not have says so"
   }
 }
 
+TEST_CASE("a misspelled option or word is named, with what may be meant") {
+  const auto says = [](const std::vector<std::string>& words, const std::string& told) {
+    const auto outcome = run_tuina(words);
+    CAPTURE(outcome.err);
+    CHECK(outcome.exit_code == 1);
+    CHECK(outcome.err.find(told) != std::string::npos);
+  };
+  says({"press", "--force", "8"}, "nothing here takes --force 8; is `--force-n` meant?");
+  says({"press", "--force=8"}, "is `--force-n` meant?");
+  says({"tissue", "fit"}, "file is required");
+  says({"massage", "--adaptive", "of"}, "--adaptive: `of` is unknown; known: on, off");
+  says({"line", "a.png", "--method", "guess"}, "`guess` is unknown; known: centroid, likelihood");
+}
+
 TEST_CASE("a verb is known by its other name, too") {
   const auto other = run_tuina({"dashboard", "--help"});
   CHECK(other.exit_code == 0);
