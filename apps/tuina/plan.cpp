@@ -5,56 +5,24 @@
 
 #include "apps/tuina/verbs.hpp"
 #include "tuina/core/io/file.hpp"
-#include "tuina/core/io/png.hpp"
 #include "tuina/core/io/surface_file.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/record/acupoint_file.hpp"
 #include "tuina/record/plan_file.hpp"
 #include "tuina/session/lay_plan.hpp"
-#include "tuina/telemetry/picture/shaded_picture.hpp"
+#include "tuina/telemetry/report/page.hpp"
 
 namespace tuina::app {
 namespace {
 
-/// The back with pressed points as beads and sliding paths as threads, in the colours of the
-/// report.
-std::string picture_of(const SurfaceFile& scan, const body::BackSurface& back,
-                       const record::MappedBack& map, const massage::Plan& plan) {
-  Vector3 out = Vector3::Zero();
-  Vector3 up = Vector3::Zero();
-  for (const Acupoint& point : map.acupoints) {
-    out += point.normal_in_couch;
-    if (point.name.starts_with("SI11")) up += 0.5 * point.at_in_couch;
-    if (point.name == "GV4") up -= point.at_in_couch;
-  }
-  out.normalize();
-  telemetry::Scene scene;
-  // A cloud is meshed with cells that its points fill; a mesh is shown as it is.
-  scene.surface =
-      scan.triangles.empty()
-          ? telemetry::mesh_scan(back.points(), out, std::max(0.003, 1.2 * back.spacing_m()))
-          : telemetry::mesh_for_picture(
-                {.vertices = scan.cloud.points, .triangles = scan.triangles});
-  for (const massage::PlannedPath& planned : plan.paths) {
-    const telemetry::Colour colour = telemetry::colour_of(planned.path.technique);
-    const auto& points = planned.path.points;
-    if (!slides(planned.path.technique)) {
-      scene.beads.push_back(
-          {.at = points.front().at_in_couch, .radius_m = 0.006, .colour = colour});
-      continue;
-    }
-    telemetry::Thread thread{.points = {}, .radius_m = 0.002, .colour = colour};
-    for (const ContactPoint& point : points) {
-      const bool moved =
-          thread.points.empty() || (thread.points.back() - point.at_in_couch).norm() > 0.003;
-      if (moved) thread.points.push_back(point.at_in_couch);
-    }
-    scene.threads.push_back(std::move(thread));
-  }
-  telemetry::View view;
-  view.toward_eye = out;
-  view.up = up.normalized();
-  return to_png(telemetry::shade(scene, view).image);
+/// The back as the report of a session shows it, before anything was done.
+std::string picture_of(const PointCloud& scan_in_couch, BodyPosture position,
+                       const std::vector<Acupoint>& acupoints, const massage::Plan& plan) {
+  telemetry::ReportData data{.position = position, .scan_in_couch = scan_in_couch};
+  for (const Acupoint& point : acupoints) data.acupoints.push_back({.acupoint = point});
+  for (const massage::PlannedPath& planned : plan.paths)
+    data.paths.push_back({.arm = planned.arm, .path = planned.path});
+  return telemetry::back_picture(data);
 }
 
 std::string text_of(const record::PlanFile& file, BodyPosture position) {
@@ -90,7 +58,7 @@ class PlanVerb final : public Verb {
   }
   [[nodiscard]] const char* example() const override {
     return "tuina plan scan.ply acupoints.json --programme relax --out plan.json --picture "
-           "plan.png";
+           "plan.svg";
   }
   void describe(Options& options) override {
     options.add("scan", scan_, "the person's surface: PLY or PCD, metres").required();
@@ -103,7 +71,7 @@ class PlanVerb final : public Verb {
     options.add("--programme", programme_, "a file, or one of " + names).show_default();
     add_robot_option(options, robot_);
     options.add("--no-go", no_go_, "a TOML file with what must not be touched");
-    options.add("--picture", picture_, "draw the paths on the back into this PNG file");
+    options.add("--picture", picture_, "draw acupoints and paths on the back, as SVG");
   }
 
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
@@ -132,8 +100,8 @@ class PlanVerb final : public Verb {
 
     const record::PlanFile file = record::plan_file_of(*ready, taken.count());
     if (!picture_.empty()) {
-      const std::string png = picture_of(*scan, *back, *map, file.plan);
-      if (auto written = write_file(picture_, png); !written)
+      const std::string svg = picture_of(scan->cloud, back->position(), map->acupoints, file.plan);
+      if (auto written = write_file(picture_, svg); !written)
         return tl::unexpected(written.error());
     }
     return Answer{.json = record::to_json(file), .text = text_of(file, back->position())};

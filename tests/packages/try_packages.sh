@@ -63,12 +63,12 @@ said "the page was served"
 # The block of docs/PAGE that begins behind a line, as a reader copies it.
 block() { sed -n "/$2/,\$p" "$here/docs/$1" | sed -n '/^```[a-z]/,/^```$/{//!p;/^```$/q}'; }
 block programmes.md '^A programme is' > mine.toml
-tuina plan report/scan.ply report/acupoints.json --programme mine.toml --picture plan.png > plan.txt 2>&1
+tuina plan report/scan.ply report/acupoints.json --programme mine.toml --picture plan.svg > plan.txt 2>&1
 tuina massage --quiet --programme mine.toml --out own_programme
 said "a massage by a programme of one's own was given"
 mkdir own_scan
 (cd own_scan && block first_massage.md '^## 6' | bash -e > own_scan.txt 2>&1) || { cat own_scan/own_scan.txt; exit 1; }
-test -s own_scan/shoulders.png
+test -s own_scan/shoulders.svg
 said "a scan of one's own was mapped and planned on"
 
 python3 - <<'PYTHON'

@@ -7,7 +7,6 @@
 
 #include "tests/whole/command.hpp"
 #include "tuina/core/io/file.hpp"
-#include "tuina/core/io/png.hpp"
 #include "tuina/core/io/surface_file.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/sim/person/person.hpp"
@@ -49,7 +48,7 @@ TEST_CASE("plan writes the paths of two arms and draws them") {
                   "[[part]]\ntechnique = \"rub\"\npoints = [\"BL47\"]\nrepeats = 1\n");
   const auto planned = run_tuina({"plan", folder / "scan.ply", folder / "acupoints.json",
                                   "--programme", mine, "--json", "--quiet", "--out",
-                                  folder / "plan.json", "--picture", folder / "plan.png"});
+                                  folder / "plan.json", "--picture", folder / "plan.svg"});
   REQUIRE_MESSAGE(planned.exit_code == 0, planned.err);
   const json plan = json::parse(planned.out);
   CHECK(json::parse(tuina::read_file(folder / "plan.json").value()) == plan);
@@ -67,9 +66,12 @@ TEST_CASE("plan writes the paths of two arms and draws them") {
   }
   CHECK(std::count(arms.begin(), arms.end(), "left") > 0);
   CHECK(std::count(arms.begin(), arms.end(), "right") > 0);
-  const auto picture = tuina::read_png(folder / "plan.png");
-  REQUIRE(picture.has_value());
-  CHECK(picture->image.width > 300);
+  const std::string picture = tuina::read_file(folder / "plan.svg").value_or("");
+  CHECK(picture.starts_with("<svg"));
+  for (const char* said : {"BL47 L", "GV4", "Pressing", "Rubbing", "data:image/png;base64,"}) {
+    CAPTURE(said);
+    CHECK(picture.find(said) != std::string::npos);
+  }
 }
 
 TEST_CASE("plan refuses what it cannot use, says where, and leaves no file") {

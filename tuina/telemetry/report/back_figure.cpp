@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include "tuina/core/units.hpp"
 #include "tuina/telemetry/picture/back_view.hpp"
@@ -53,9 +52,11 @@ void spread(std::vector<Label>& labels, double top, double bottom) {
 }
 
 /// The rendered picture with a column of labels on either side. One unit of the drawing is two
-/// pixels of the picture, so that it stays sharp on fine screens and on paper.
+/// pixels of the picture, so that it stays sharp on fine screens and on paper. `key` is one line of
+/// drawing beneath.
 std::string compose(const ShadedPicture& picture, std::vector<Label> labels,
-                    const std::string& title) {
+                    const std::string& title, const std::string& key = {}) {
+  constexpr double key_height = 34.0;
   constexpr double side = 122.0;
   const double width = picture.image.width / 2.0;
   const double height = picture.image.height / 2.0;
@@ -75,7 +76,11 @@ std::string compose(const ShadedPicture& picture, std::vector<Label> labels,
       "class=\"back\" font-family=\"Inter,system-ui,-apple-system,'Segoe "
       "UI',Helvetica,Arial,sans-serif\" font-size=\"12.5\" fill=\"{3}\">"
       "<title>{2}</title>{4}",
-      width + 2 * side, height, escaped(title), css(palette::ink), picture_element(picture, side));
+      width + 2 * side, height + (key.empty() ? 0.0 : key_height), escaped(title),
+      css(palette::ink), picture_element(picture, side));
+  if (!key.empty())
+    svg +=
+        fmt::format("<g transform=\"translate({:.1f} {:.1f})\">{}</g>", side, height + 20.0, key);
   const auto draw = [&](const Label& label, bool is_left) {
     const double edge = is_left ? side - 8 : side + width + 8;
     const char* anchor = is_left ? "end" : "start";
@@ -98,6 +103,22 @@ std::string compose(const ShadedPicture& picture, std::vector<Label> labels,
   for (const Label& label : left) draw(label, true);
   for (const Label& label : right) draw(label, false);
   return svg + "</svg>";
+}
+
+/// A dot and a word for each technique.
+std::string key_line(const std::vector<KeyEntry>& key) {
+  constexpr double dot = 14.0, letter = 7.2, gap = 22.0;
+  std::string line;
+  double x = 0.0;
+  for (const KeyEntry& entry : key) {
+    line += entry.line
+                ? fmt::format("<path d=\"M{:.1f} 0h12\" stroke=\"{}\" stroke-width=\"3\"/>",
+                              x - 6.0, css(entry.colour))
+                : fmt::format("<circle cx=\"{:.1f}\" r=\"5\" fill=\"{}\"/>", x, css(entry.colour));
+    line += fmt::format("<text x=\"{:.1f}\" y=\"4\">{}</text>", x + dot, escaped(entry.text));
+    x += dot + letter * static_cast<double>(entry.text.size()) + gap;
+  }
+  return line;
 }
 
 Vector2 drawn(const Projection& projection, const Vector3& place) {
@@ -139,48 +160,7 @@ bool is_one_of_seven(const std::string& name) {
 
 }  // namespace
 
-std::string capital(std::string text) {
-  if (!text.empty() && text[0] >= 'a' && text[0] <= 'z')
-    text[0] = static_cast<char>(text[0] - 'a' + 'A');
-  return text;
-}
-
-std::string spoken(const std::string& acupoint, const Language& say) {
-  const auto whole = [&](std::string name) {
-    std::replace(name.begin(), name.end(), '_', ' ');
-    return name;
-  };
-  const std::string name = whole(acupoint.substr(0, acupoint.rfind('_')));
-  if (acupoint.ends_with("_L")) return say("{} left", name);
-  if (acupoint.ends_with("_R")) return say("{} right", name);
-  return whole(acupoint);
-}
-
-std::string place_of(const ContactPath& path, const Language& say) {
-  // The name says the technique first: "stroke bladder_inner_L".
-  if (path.acupoints.empty()) return spoken(path.name.substr(path.name.find(' ') + 1), say);
-  const std::string first = spoken(path.acupoints.front(), say);
-  return path.acupoints.size() == 1 ? first
-                                    : say("{} to {}", first, spoken(path.acupoints.back(), say));
-}
-
-std::string said_path(const ContactPath& path, const Language& say) {
-  return say(name_of(path.technique)) + " " + place_of(path, say);
-}
-
-std::string chinese_name(const std::string& acupoint) {
-  // WHO Standard Acupuncture Point Locations in the Western Pacific Region (2008).
-  static const std::map<std::string, std::string> names = {
-      {"SI11", "Tianzong"},   {"BL47", "Hunmen"}, {"BL50", "Weicang"}, {"GV4", "Mingmen"},
-      {"BL13", "Feishu"},     {"BL15", "Xinshu"}, {"BL17", "Geshu"},   {"BL18", "Ganshu"},
-      {"BL20", "Pishu"},      {"BL21", "Weishu"}, {"BL23", "Shenshu"}, {"GV2", "Yaoshu"},
-      {"GV3", "Yaoyangguan"}, {"GV6", "Jizhong"}, {"GV9", "Zhiyang"},  {"GV12", "Shenzhu"},
-      {"GV14", "Dazhui"}};
-  const auto found = names.find(acupoint.substr(0, acupoint.find('_')));
-  return found == names.end() ? "" : found->second;
-}
-
-std::string back(const ReportData& data) {
+std::string back(const ReportData& data, const std::vector<KeyEntry>& key) {
   const BackPose pose = pose_of(data);
   Scene scene;
   scene.surface = person_of(data, pose);
@@ -219,7 +199,7 @@ std::string back(const ReportData& data) {
                                to_mm(point.uncertainty_m))});
   }
   return compose(picture, std::move(labels),
-                 data.language("The scanned back with acupoints and paths"));
+                 data.language("The scanned back with acupoints and paths"), key_line(key));
 }
 
 std::string tissue_curves(const ReportData& data) {
@@ -229,10 +209,19 @@ std::string tissue_curves(const ReportData& data) {
             .y_label = data.language("force, N")};
   const double hardest = stiffest_shown(data);
   const std::vector<FeltTissue> all_felt = last_felt(data);
-  const auto curve = [&](const TangentTissue& tissue) {
+  // Nobody knows what is beyond the strongest press.
+  const auto pressed_n = [&](const std::string& name) {
+    double max_n = 0.0;
+    for (const PerformedPath& done : data.paths)
+      if (done.path.technique == Technique::press && !done.path.acupoints.empty() &&
+          done.path.acupoints.front() == name)
+        max_n = std::max(max_n, std::min(done.given_n, shown_n));
+    return max_n;
+  };
+  const auto curve = [&](const TangentTissue& tissue, double to_n) {
     Series series;
     for (int k = 0; k <= 40 && tissue.alpha_n > 0.0 && tissue.beta_per_m > 0.0; ++k) {
-      const double force_n = shown_n * k / 40.0;
+      const double force_n = to_n * k / 40.0;
       series.x.push_back(to_mm(std::atan(force_n / tissue.alpha_n) / tissue.beta_per_m));
       series.y.push_back(force_n);
     }
@@ -241,13 +230,13 @@ std::string tissue_curves(const ReportData& data) {
   for (const FeltTissue& felt : all_felt) {
     if (!felt.mapped) continue;
     if (felt.truth) {
-      Series truth = curve(*felt.truth);
+      Series truth = curve(*felt.truth, pressed_n(felt.name));
       truth.colour = palette::grey;
       truth.width_px = 1.0;
       truth.dashed = true;
       plot.series.push_back(std::move(truth));
     }
-    Series series = curve(felt.estimate.tissue);
+    Series series = curve(felt.estimate.tissue, pressed_n(felt.name));
     series.colour = hardness_colour(
         // The palest colours of the map could not be seen as lines on paper.
         std::max(0.15, felt.stiffness_n_per_mm / hardest));

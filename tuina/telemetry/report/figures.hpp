@@ -2,21 +2,24 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
+#include "tuina/telemetry/page.hpp"
 #include "tuina/telemetry/report/report_data.hpp"
 
 /// The drawings of the report page, each an `<svg>` element; empty when the data hold nothing to
 /// draw.
 namespace tuina::telemetry::figures {
 
-/// The scanned back with acupoints, their uncertainty and every path.
-[[nodiscard]] std::string back(const ReportData& data);
+/// The scanned back with acupoints, their uncertainty and every path; the key stands beneath.
+[[nodiscard]] std::string back(const ReportData& data, const std::vector<KeyEntry>& key = {});
 
 /// The scanned back, coloured by the stiffness map, plain where it is blank. The scale ends at the
 /// hardest place, or at `scale_n_per_mm` where that is more, so that maps can be compared.
 [[nodiscard]] std::string tissue(const ReportData& data, double scale_n_per_mm = 1e-9);
 
-/// The tangent law at each point: as estimated, and dashed as it is in truth.
+/// The tangent law at each point up to the strongest press there: as estimated, and dashed as it is
+/// in truth.
 [[nodiscard]] std::string tissue_curves(const ReportData& data);
 
 /// Both arms over the session, a row each: paths by their colour, thin lines for ways through the

@@ -196,7 +196,7 @@ std::string report_page(const ReportData& data) {
 }
 
 std::string back_picture(const ReportData& data) {
-  return figures::back(data);
+  return figures::back(data, technique_key(data));
 }
 
 }  // namespace tuina::telemetry

@@ -118,7 +118,9 @@ void add_tissue(Page& page, const ReportData& data) {
   const std::string curves = figures::tissue_curves(data);
   if (!curves.empty()) {
     laws.heading(say("Force against depth")).html(curves);
-    if (truth) laws.note(say("Lines: as estimated. Dashed: the truth, simulation only."));
+    if (truth)
+      laws.note(say(
+          "Lines: as estimated, up to the strongest press. Dashed: the truth, simulation only."));
   }
   part.beside(Part().html(figures::tissue(data)), laws)
       .table(tissue_table(data))
