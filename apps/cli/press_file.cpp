@@ -21,6 +21,10 @@ Result<std::vector<tissue::TimedPress>> read_presses(const std::string& path, bo
     if (!fault.empty()) return fail(Fault::bad_input, "{}:{}: {}", path, row + 2, fault);
     record.push_back(read);
   }
+  if (!force_may_lack) {
+    if (const std::string fault = tissue::fault_of(record); !fault.empty())
+      return fail(Fault::bad_input, "{}: {}", path, fault);
+  }
   return record;
 }
 

@@ -25,6 +25,21 @@ std::vector<std::string> press(std::vector<std::string> more) {
 
 }  // namespace
 
+TEST_CASE("what a press has felt is a record that tissue fits and estimates") {
+  const Folder folder;
+  const std::string felt = folder / "felt.csv";
+  const auto pressed = run_tuina({"press", "--alpha-n", "6", "--beta-per-mm", "0.2", "--force-n",
+                                  "20", "--set", "simulation.realism=ideal", "--torso-n-per-mm",
+                                  "rigid", "--felt", felt, "--quiet"});
+  REQUIRE_MESSAGE(pressed.exit_code == 0, pressed.err);
+  const auto fitted = run_tuina({"tissue", "fit", felt, "--json", "--quiet"});
+  REQUIRE_MESSAGE(fitted.exit_code == 0, fitted.err);
+  CHECK(json::parse(fitted.out)["alpha_n"].get<double>() == doctest::Approx(6.0).epsilon(0.1));
+  const auto estimated = run_tuina({"tissue", "estimate", felt, "--json", "--quiet"});
+  REQUIRE_MESSAGE(estimated.exit_code == 0, estimated.err);
+  CHECK(json::parse(estimated.out)["presses"] >= 1);
+}
+
 TEST_CASE("press answers with force, estimate, truth and stops, and its trace says the same") {
   const Folder folder;
   const auto outcome = run_tuina(press({"--alpha-n", "6", "--beta-per-mm", "0.2", "--force-n", "25",

@@ -19,12 +19,12 @@ namespace {
 
 constexpr TangentTissue hard{9.786, 185.4};
 
-std::string press_csv(double peak_n = 60.0) {
+std::string press_csv(double (*written)(double mm) = [](double mm) { return mm; }) {
   sim::PressScenario scenario{.name = "verb", .about = "", .duration_s = 2.0};
   Random random = make_random(3, "verb");
   std::string csv = "time_s,position_mm,force_n\n";
-  for (const auto& sample : sim::simulate_presses(scenario, hard, peak_n, random).record) {
-    csv += fmt::format("{:.3f},{:.5f},{:.4f}\n", sample.time_s, sample.press.depth_m * 1e3,
+  for (const auto& sample : sim::simulate_presses(scenario, hard, 60.0, random).record) {
+    csv += fmt::format("{:.3f},{:.6g},{:.4f}\n", sample.time_s, written(sample.press.depth_m * 1e3),
                        sample.press.force_n);
   }
   return csv;
@@ -61,6 +61,26 @@ std::string air_csv() {
 }
 
 }  // namespace
+
+TEST_CASE("a record in metres, or with positions that fall as the tool goes deeper, is refused") {
+  const Folder folder;
+  const std::string metres =
+      folder.with("metres.csv", press_csv([](double mm) { return 1e-3 * mm; }));
+  const std::string outward = folder.with("outward.csv", press_csv([](double mm) { return -mm; }));
+  for (const char* verb : {"fit", "estimate"}) {
+    CAPTURE(verb);
+    const auto says = [&](const std::string& file, const char* told) {
+      const auto outcome = run_tuina({"tissue", verb, file, "--json"});
+      CAPTURE(outcome.err);
+      CHECK(outcome.exit_code == 2);
+      CHECK(outcome.out.empty());
+      CHECK(outcome.err.find(file) != std::string::npos);
+      CHECK(outcome.err.find(told) != std::string::npos);
+    };
+    says(metres, "are these metres? Millimetres are wanted");
+    says(outward, "a larger position must be a deeper one");
+  }
+}
 
 TEST_CASE("tissue fit and tissue estimate find the same tissue in a record") {
   const Folder folder;

@@ -53,6 +53,36 @@ std::string fault_of(const TimedPress& row, const TimedPress* before) {
   return {};
 }
 
+std::string fault_of(std::span<const TimedPress> record) {
+  // Breath alone changes a force by less.
+  constexpr double clear_press_n = 5.0, min_way_m = 0.1_mm, opposed = -0.5;
+  if (record.empty()) return {};
+  Press low = record.front().press, high = low, mean = {0.0, 0.0};
+  for (const TimedPress& row : record) {
+    low = {std::min(low.depth_m, row.press.depth_m), std::min(low.force_n, row.press.force_n)};
+    high = {std::max(high.depth_m, row.press.depth_m), std::max(high.force_n, row.press.force_n)};
+    mean.depth_m += row.press.depth_m / static_cast<double>(record.size());
+    mean.force_n += row.press.force_n / static_cast<double>(record.size());
+  }
+  const double way_m = high.depth_m - low.depth_m, rise_n = high.force_n - low.force_n;
+  if (rise_n < clear_press_n || way_m == 0.0) return {};
+  if (way_m < min_way_m)
+    return fmt::format(
+        "position_mm changes by {:.3g} in all, the force by {:.3g} N: are these metres? "
+        "Millimetres are wanted",
+        to_mm(way_m), rise_n);
+  double both = 0.0, way = 0.0, force = 0.0;
+  for (const TimedPress& row : record) {
+    const double off_m = row.press.depth_m - mean.depth_m, off_n = row.press.force_n - mean.force_n;
+    both += off_m * off_n;
+    way += off_m * off_m;
+    force += off_n * off_n;
+  }
+  if (both < opposed * std::sqrt(way * force))
+    return "the force falls as position_mm grows; a larger position must be a deeper one";
+  return {};
+}
+
 SensorNoise estimate_noise(std::span<const TimedPress> record) {
   const auto force = [](const TimedPress& s) { return s.press.force_n; };
   const auto position = [](const TimedPress& s) { return s.press.depth_m; };

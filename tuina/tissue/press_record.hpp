@@ -35,6 +35,10 @@ struct KnownNoise {
 /// the row `before` (null: the first one), or more than 1000 mm or 10000 N. Empty: nothing.
 [[nodiscard]] std::string fault_of(const TimedPress& row, const TimedPress* before);
 
+/// What is wrong with a whole record, in one sentence: metres instead of millimetres, or positions
+/// that fall as the tool goes deeper. Empty: nothing.
+[[nodiscard]] std::string fault_of(std::span<const TimedPress> record);
+
 /// Estimates sensor noise from a record: deviation of each sample from the straight line between
 /// its neighbours, robust against presses and dropouts. Needs no free air. Slow (coloured) errors
 /// are invisible to it.

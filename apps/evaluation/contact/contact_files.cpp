@@ -18,6 +18,13 @@ std::string to_csv(const std::vector<ContactSample>& trace) {
   return text;
 }
 
+std::string to_csv(const std::vector<tissue::TimedPress>& felt) {
+  std::string text = "time_s,position_mm,force_n\n";
+  for (const auto& [time_s, press] : felt)
+    text += fmt::format("{:.3f},{:.7g},{:.6g}\n", time_s, to_mm(press.depth_m), press.force_n);
+  return text;
+}
+
 std::string draw(const std::vector<ContactSample>& trace, const std::string& title) {
   telemetry::Series target{.name = "target", .colour = telemetry::palette::press, .dashed = true};
   telemetry::Series measured{

@@ -132,12 +132,13 @@ class Press final : public Verb {
         .show_default();
     options.add("--plot", plot_, "force over time, SVG");
     options.add("--out", out_, "trace of every millisecond, with --device of every fifth, CSV");
+    options.add("--felt", felt_, "what the arm felt, CSV as `tuina tissue` reads it");
     std::vector<Option> of_the_bench;
     for (const char* name :
          {"--tissue", "--alpha-n", "--cycle-hz", "--rub-shape", "--controller", "--model-error",
           "--surface-error-mm", "--surface-tilt-deg", "--torso-n-per-mm", "--friction",
           "--breathing-mm", "--breathing-hz", "--rise-mm", "--slide-mm", "--shift-mm-per-s",
-          "--shift-m-per-s2", "--shift-at-s"})
+          "--shift-m-per-s2", "--shift-at-s", "--felt"})
       of_the_bench.push_back(options.named(name));
     device_.describe(options, of_the_bench);
   }
@@ -145,7 +146,8 @@ class Press final : public Verb {
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
     const auto config = effective_config(common);
     if (!config) return tl::unexpected(config.error());
-    for (const auto& [option, path] : {std::pair{"--out", out_}, std::pair{"--plot", plot_}}) {
+    for (const auto& [option, path] :
+         {std::pair{"--out", out_}, std::pair{"--felt", felt_}, std::pair{"--plot", plot_}}) {
       const auto folder = std::filesystem::path(path).parent_path();
       if (!folder.empty() && !std::filesystem::is_directory(folder)) {
         return fail(Fault::file, "{} {}: the folder {} does not exist", option, path,
@@ -196,6 +198,9 @@ class Press final : public Verb {
   [[nodiscard]] Result<void> write_files(const ContactOutcome& outcome) const {
     if (!out_.empty()) {
       if (auto written = write_file(out_, to_csv(outcome.trace)); !written) return written;
+    }
+    if (!felt_.empty()) {
+      if (auto written = write_file(felt_, to_csv(outcome.felt)); !written) return written;
     }
     if (plot_.empty()) return {};
     const auto title =
@@ -263,7 +268,7 @@ class Press final : public Verb {
 
   DeviceOptions device_;
   std::string robot_ = "thesis", tissue_ = "hard", technique_ = "press", rub_shape_ = "circle";
-  std::string controller_ = "tuina", cycle_hz_, torso_, out_, plot_;
+  std::string controller_ = "tuina", cycle_hz_, torso_, out_, felt_, plot_;
   double alpha_n_ = 0.0, beta_per_mm_ = 0.0, force_n_ = 0.0;
   double surface_error_mm_ = 0.0, surface_tilt_deg_ = 0.0, friction_ = -1.0;
   double bandwidth_hz_ = sim::PositionLoop{}.bandwidth_hz;
