@@ -83,9 +83,11 @@ Result<void> check_bulge(const std::vector<Vector3>& points, const Outline& outl
   }
   const double hollow = sides / sides_count - middle / middle_count;
   if (hollow > hollow_m) {
-    return fail(Fault::bad_input,
-                "the back is hollow by {:.0f} mm: the cloud is mirrored along the line of sight",
-                to_mm(hollow));
+    return fail(
+        Fault::bad_input,
+        "the back is hollow by {:.0f} mm: the cloud is mirrored along the line of sight, or "
+        "turned half round",
+        to_mm(hollow));
   }
   return {};
 }
