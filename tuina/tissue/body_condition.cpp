@@ -20,6 +20,10 @@ constexpr double min_spread_share = 0.6;
 // Standard deviation of ln alpha and ln beta between places of one name: Table 6-1 against the men
 // of medium build in Table 6-2, RMS over the three tissues.
 constexpr double place_alpha_sd = 0.1, place_beta_sd = 0.25;
+// The tangent of layered tissue depends on the force at which it is taken, by 0.46 and 0.28 from
+// half of a press to all of it, and on whether the place was pressed before [palevski2006]. Table
+// 6-2 tells neither.
+constexpr double method_alpha_sd = 0.3, method_beta_sd = 0.16;
 // How the three tissues of one person differ alike from others of their build: mean correlation of
 // what Table 6-2 leaves around the builds.
 constexpr double alike = 0.5;
@@ -60,7 +64,8 @@ double log_likelihood(std::span<const KnownPress> presses, std::span<const Subje
     if (people == 0.0 || count == 0.0) continue;
     // All presses of one person at one tissue are one observation.
     const Eigen::Vector2d off = felt / count - group / people;
-    const Eigen::Vector2d place(place_alpha_sd, place_beta_sd);
+    const Eigen::Vector2d place(std::hypot(place_alpha_sd, method_alpha_sd),
+                                std::hypot(place_beta_sd, method_beta_sd));
     const Eigen::Vector2d variance =
         square * (min_spread_share * min_spread_share * (1.0 + 1.0 / people)) + place.cwiseAbs2();
     const double distance2 = off.cwiseAbs2().cwiseQuotient(variance).sum();

@@ -19,6 +19,9 @@ constexpr std::size_t turns_per_tick = 2;
 constexpr double z95 = 1.96;
 // Neighbouring segments share what the law leaves out, so evidence counts less than its sum.
 constexpr double evidence_share = 0.6;
+// Of how far alpha and beta differ between the upper and the lower half of a press: no tangent is
+// the whole of such tissue. Chosen on phantoms of the usual world.
+constexpr double bend_share = 0.2;
 // How well the presses of one place were foretold says half as much of those of another one.
 constexpr double kept_judgement = 0.5;
 
@@ -38,13 +41,27 @@ std::array<CreepHypothesis, CreepEstimator::filters> hypotheses(double breathing
   CreepHypothesis slips = with(usual_creep, still_m, 0.004);
   slips.landing_sd_m = 0.5e-3;  // a tool of 17 mm on a bent back
   slips.landing_sd = 0.1;
-  CreepHypothesis steady = with(0.0, much_m, 0.02);
-  steady.steadiness = 5.0;
-  return {with(0.0, still_m, 0.004),         steady,
-          with(usual_creep, still_m, 0.004), slips,
-          with(usual_creep, still_m, 0.3),   with(usual_creep, little_m, 0.02),
-          with(usual_creep, little_m, 0.3),  with(usual_creep, much_m, 0.02),
+  CreepHypothesis springs = with(0.0, much_m, 0.02), steady = with(usual_creep, much_m, 0.02);
+  springs.steadiness = steady.steadiness = 5.0;
+  return {with(0.0, still_m, 0.004),
+          springs,
+          steady,
+          with(usual_creep, still_m, 0.004),
+          slips,
+          with(usual_creep, still_m, 0.3),
+          with(usual_creep, little_m, 0.02),
+          with(usual_creep, little_m, 0.3),
+          with(usual_creep, much_m, 0.02),
           with(usual_creep, much_m, 0.15)};
+}
+
+/// By how much less a filter is believed that takes layers for a torso softer than any person's.
+double too_soft(double log_compliance, const PressEstimatorOptions& options) noexcept {
+  constexpr double edge = 0.1;  // of a logarithm: beyond 95 of 100 people
+  if (!(options.torso_n_per_m > 0.0) || !(options.torso_sd > 0.0)) return 0.0;
+  const double softest = -std::log(options.torso_n_per_m) + z95 * options.torso_sd;
+  const double beyond = std::max(0.0, log_compliance - softest) / edge;
+  return std::isfinite(softest) ? 0.5 * beyond * beyond : 0.0;
 }
 
 }  // namespace
@@ -164,22 +181,26 @@ void CreepEstimator::finish_pass() noexcept {
 }
 
 void CreepEstimator::weigh() noexcept {
-  leader_ = 0;
-  for (std::size_t i = 1; i < filters; ++i) {
-    if (filters_[i].now().log_evidence > filters_[leader_].now().log_evidence) leader_ = i;
+  std::array<double, filters> believed;
+  for (std::size_t i = 0; i < filters; ++i) {
+    const CreepFilter::Belief& now = filters_[i].now();
+    believed[i] = evidence_share * now.log_evidence -
+                  too_soft(now.mean(CreepFilter::log_compliance), options_);
   }
-  const double highest = filters_[leader_].now().log_evidence;
+  leader_ = static_cast<std::size_t>(std::max_element(believed.begin(), believed.end()) -
+                                     believed.begin());
   double sum = 0.0;
   for (std::size_t i = 0; i < filters; ++i)
-    sum += weights_[i] = std::exp(evidence_share * (filters_[i].now().log_evidence - highest));
+    sum += weights_[i] = std::exp(believed[i] - believed[leader_]);
   for (double& weight : weights_) weight /= sum;
 }
 
-TangentTissue CreepEstimator::loading_of(const CreepFilter::State& state) const noexcept {
+TangentTissue CreepEstimator::loading_of(const CreepFilter::State& state,
+                                         double force_share) const noexcept {
   CreepLaw law = CreepFilter::law_at(state);
   // What the caller says of the torso is no tissue; a softness that only shows is.
   if (options_.torso_n_per_m > 0.0) law.compliance_m_per_n = 0.0;
-  return first_loading(law, std::max(2.0, segments_.peak_force_n()));
+  return first_loading(law, force_share * std::max(2.0, segments_.peak_force_n()));
 }
 
 void CreepEstimator::publish() noexcept {
@@ -214,6 +235,11 @@ void CreepEstimator::publish() noexcept {
   constexpr double no_press_tells = 1e-4, unknown = 1.0;
   if (!(loading_covariance_(0, 0) > no_press_tells * no_press_tells))
     loading_covariance_ = unknown * unknown * Eigen::Matrix2d::Identity();
+  comparable_covariance_ = loading_covariance_;
+  const TangentTissue lower = loading_of(now.mean, 0.5);
+  const Eigen::Vector2d bend(std::log(lower.alpha_n / estimate_.tissue.alpha_n),
+                             std::log(lower.beta_per_m / estimate_.tissue.beta_per_m));
+  loading_covariance_ += bend_share * bend_share * bend * bend.transpose();
   estimate_.alpha_ci95_n = estimate_.tissue.alpha_n * z95 * std::sqrt(loading_covariance_(0, 0));
   estimate_.beta_ci95_per_m =
       estimate_.tissue.beta_per_m * z95 * std::sqrt(loading_covariance_(1, 1));

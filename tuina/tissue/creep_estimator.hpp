@@ -22,7 +22,7 @@ class CreepEstimator {
  public:
   /// The same as the press estimator takes.
   using Options = PressEstimatorOptions;
-  static constexpr std::size_t filters = 9;
+  static constexpr std::size_t filters = 10;
 
   /// Before the first sample.
   explicit CreepEstimator(const Options& options = {}) noexcept;
@@ -40,8 +40,11 @@ class CreepEstimator {
   [[nodiscard]] double nis() const noexcept { return nis_; }
   /// Relative standard deviation of the tangent stiffness at a force.
   [[nodiscard]] double stiffness_sd(double force_n) const noexcept;
-  /// Covariance of ln alpha and ln beta, as wide as their intervals say.
-  [[nodiscard]] const Eigen::Matrix2d& covariance() const noexcept { return loading_covariance_; }
+  /// Covariance of ln alpha and ln beta for who compares them with another time. It lacks what no
+  /// tangent describes, which is in the intervals: that is the same each time.
+  [[nodiscard]] const Eigen::Matrix2d& covariance() const noexcept {
+    return comparable_covariance_;
+  }
   /// How much wider than the filters say bands are, by how well earlier presses were foretold.
   [[nodiscard]] double widening() const noexcept;
   /// Half-width of the 95 % band of the force that a next press meets at the depth which it needs
@@ -98,7 +101,9 @@ class CreepEstimator {
     double deeper_m = 0.0, half_width = std::numeric_limits<double>::infinity();
   };
   [[nodiscard]] NextPress next_press(double force_n) const noexcept;
-  [[nodiscard]] TangentTissue loading_of(const CreepFilter::State& state) const noexcept;
+  /// The tangent of the first loading up to that share of the strongest force.
+  [[nodiscard]] TangentTissue loading_of(const CreepFilter::State& state,
+                                         double force_share = 1.0) const noexcept;
 
   Options options_;
   PressSegments segments_;
@@ -122,7 +127,8 @@ class CreepEstimator {
   double kept_surprise_ = 0.0, kept_judged_ = 0.0;  // of the places before
 
   double nis_ = 1.0, published_s_ = 0.0;
-  Eigen::Matrix2d loading_covariance_;  // of ln alpha and ln beta of the first loading
+  // Of ln alpha and ln beta of the first loading; as wide as their intervals, and for comparing.
+  Eigen::Matrix2d loading_covariance_, comparable_covariance_;
   TissueEstimate estimate_;
 };
 static_assert(SteeringEstimator<CreepEstimator>);
