@@ -91,8 +91,9 @@ TEST_CASE("a massage by one's own scanner and arms is as planned, and claims no 
   for (const json& path : told["massage"]["performed"]) {
     CHECK(path["trouble"] == "none");
     CHECK(path["true_peak_n"].is_null());
-    const json& told = path["mean_n"].is_null() ? path["given_n"] : path["mean_n"];
-    CHECK(told.get<double>() == doctest::Approx(path["ordered_n"].get<double>()).epsilon(0.05));
+    const json& compared_n = path["mean_n"].is_null() ? path["given_n"] : path["mean_n"];
+    CHECK(compared_n.get<double>() ==
+          doctest::Approx(path["ordered_n"].get<double>()).epsilon(0.05));
   }
   for (const json& felt : told["tissue"]) CHECK_FALSE(felt.contains("true_alpha_n"));
 
