@@ -107,7 +107,7 @@ def run_verb(words, verbs, from_block):
         return parsed(words, from_block)
     presets = {preset["name"] for preset in json.loads(read("CMakePresets.json"))["configurePresets"]}
     for word in words[1:]:
-        told = word in presets or word in ("ROOM", "FILE", "PRESET", "PAGE", "--check", "--numbers", "changed") or word in read("tests/CMakeLists.txt")
+        told = word in presets or word in ("ROOM", "FILE", "PRESET", "PAGE", "--check", "--numbers", "changed", "short") or word in read("tests/CMakeLists.txt")
         if not told and not os.path.exists(f"{ROOT}/tuina/{word}"):
             return f"./run {words[0]} has nothing called {word}"
     return ""
