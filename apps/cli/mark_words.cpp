@@ -42,6 +42,14 @@ Result<std::vector<std::string>> level_of(const std::string& name,
               suggestion(name, words));
 }
 
+/// Which scans show a kind of marks, for who has named it with another one.
+const char* where_told(const std::string& kind) {
+  if (kind == bump_kind) return " here, but in a cloud (.ply, .pcd)";
+  const auto colours = sticker_kinds();
+  const bool is_colour = std::find(colours.begin(), colours.end(), kind) != colours.end();
+  return is_colour ? " here, but in a recorded sweep (a folder)" : "";
+}
+
 }  // namespace
 
 std::vector<std::string> sticker_kinds() {
@@ -71,8 +79,8 @@ Result<std::vector<MarkGroup>> parse_marks(const std::vector<std::string>& words
     }
     const std::string kind = word.substr(0, equals);
     if (std::find(kinds.begin(), kinds.end(), kind) == kinds.end()) {
-      return fail(Fault::usage, "{}: no marks are told by '{}'; {}", option, kind,
-                  suggestion(kind, kinds));
+      return fail(Fault::usage, "{}: no marks are told by '{}'{}; {}", option, kind,
+                  where_told(kind), suggestion(kind, kinds));
     }
     for (const MarkGroup& other : groups) {
       if (other.kind == kind) {

@@ -62,14 +62,13 @@ Result<Attached> attached_in(const Path& folder) {
 json performed_of(const record::SessionFile& file) {
   json performed = json::array();
   for (const record::PerformedEntry& done : file.massage.performed) {
-    const Sentence told = done.as_ordered() ? Sentence{} : done.why;
     json& shown = performed.emplace_back(json{{"path", done.path},
                                               {"arm", name_of(done.arm)},
                                               {"begin_s", rounded(done.begin_s, 10.0)},
                                               {"end_s", rounded(done.end_s, 10.0)},
                                               {"ordered_n", rounded(done.ordered_n, 10.0)},
                                               {"given_n", rounded(done.compared_n(), 10.0)},
-                                              {"why", shown_sentence(told)}});
+                                              {"why", shown_sentence(done.told_why())}});
     if (!done.lowered_by.empty()) {
       shown["programme_n"] = rounded(done.programme_n, 10.0);
       shown["lowered_by"] = shown_sentence(done.lowered_by);

@@ -267,10 +267,11 @@ std::vector<SentenceLine> session_lines(const record::SessionFile& file) {
       lines.push_back({sentence("sum_fault", "{}: {}", done.name, done.contact_fault)});
   }
   for (const record::PerformedEntry& done : file.massage.performed) {
-    if (done.why.empty() || done.as_ordered()) continue;
+    const Sentence why = done.told_why();
+    if (why.empty()) continue;
     lines.push_back({sentence("sum_given", "{}: {:.1f} N ordered, {:.1f} N given: ", done.name,
                               done.ordered_n, done.compared_n()),
-                     done.why});
+                     why});
   }
   for (const Sentence& note : file.plan.notes) lines.push_back({note});
   if (file.devices) add_devices(*file.devices, lines);

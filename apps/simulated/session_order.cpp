@@ -3,6 +3,7 @@
 
 #include "apps/simulated/atlas_source.hpp"
 #include "apps/simulated/placed_arms.hpp"
+#include "tuina/body/palpation.hpp"
 #include "tuina/core/io/file.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/session/lay_plan.hpp"
@@ -45,6 +46,8 @@ Result<void> read_order(const SessionOrder& order, const session::Config& config
   if (!options) return tl::unexpected(options.error());
   auto atlas = open_atlas(order.atlas);
   if (!atlas) return tl::unexpected(atlas.error());
+  if (auto known = body::check_names(order.fixed, atlas->positions.front().shape.labels); !known)
+    return known;
   read.programme = std::move(*programme);
   read.plan_options = std::move(*options);
   read.atlas = std::move(*atlas);

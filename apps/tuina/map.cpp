@@ -21,6 +21,11 @@ namespace {
 
 constexpr double fully_seen = 0.95;  // of a whole back, a scan leaves some skin in folds unseen
 
+/// The fault of a palpated point, named as the option that gave it.
+Error about_fix(const Error& error) {
+  return {error.fault, "--fix: " + error.message};
+}
+
 /// What people read of an answer.
 std::string words_of(const body::Mapping& mapping, std::size_t dropped_points, double compute_ms) {
   std::string words = fmt::format("{} points on a {} person, {:.0f} ms", mapping.acupoints.size(),
@@ -92,6 +97,8 @@ class MapVerb final : public Verb {
     if (bar) bar(0.3);
     const auto atlas = open_atlas(atlas_);
     if (!atlas) return tl::unexpected(atlas.error());
+    const auto known = body::check_names(*fixed, atlas->positions.front().shape.labels);
+    if (!known) return tl::unexpected(about_fix(known.error()));
     if (bar) bar(0.6);
 
     const auto start = std::chrono::steady_clock::now();
@@ -108,8 +115,7 @@ class MapVerb final : public Verb {
     if (!mapping) return refused(mapping.error());
     if (!fixed->empty()) {
       mapping = body::fix_points(*mapping, *back, *fixed);
-      if (!mapping)
-        return tl::unexpected(Error{mapping.error().fault, "--fix: " + mapping.error().message});
+      if (!mapping) return tl::unexpected(about_fix(mapping.error()));
     }
     const double compute_ms =
         std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();

@@ -182,6 +182,29 @@ TEST_CASE("who is forgotten is gone from every table, from the file and from the
   });
 }
 
+TEST_CASE(
+    "what a session that was cut short has left goes too, unless another one has begun there") {
+  on_both([](const std::string& address) {
+    const test::Folder folder;
+    auto history = History::open(address);
+    REQUIRE(history);
+    for (const char* name : {"cut", "reused"}) {
+      REQUIRE(std::filesystem::create_directory(folder.path() / name));
+      REQUIRE(write_file(folder.path() / name / "session.mcap.part", "x"));
+      REQUIRE(history->begin({"anna", name, "2026-01-04T09:00:00Z"}, folder / name));
+    }
+    REQUIRE(history->begin({"berta", "now", "2026-01-05T09:00:00Z"}, folder / "reused"));
+    const auto kept = history->forget("anna", "2026-03-01T00:00:00Z");
+    REQUIRE_MESSAGE(kept, test::reason(kept));
+    REQUIRE(kept->size() == 1);
+    CHECK(kept->front().folder == folder / "reused");
+    CHECK(kept->front().other_session);
+    CHECK(std::filesystem::exists(folder.path() / "reused" / "session.mcap.part"));
+    CHECK_FALSE(std::filesystem::exists(folder.path() / "cut"));
+    CHECK(history->visits_of("berta")->size() == 1);
+  });
+}
+
 TEST_CASE("the index is made anew of folders, and what is not a session of somebody is named") {
   const test::Folder folder;
   record::SessionFile file{.seed = 1, .version = "0.1", .person = "phantom:slim"};

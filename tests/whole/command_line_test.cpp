@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <doctest/doctest.h>
 
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "tests/whole/command.hpp"
 
+namespace fs = std::filesystem;
 using tuina::test::Folder;
 using tuina::test::run_tuina;
 
@@ -69,6 +71,7 @@ TEST_CASE("help beside an option or a value that the verb does not have says so"
 }
 
 TEST_CASE("a misspelled option or word is named, with what may be meant") {
+  const Folder folder;
   const auto says = [](const std::vector<std::string>& words, const std::string& told) {
     const auto outcome = run_tuina(words);
     CAPTURE(outcome.err);
@@ -79,6 +82,8 @@ TEST_CASE("a misspelled option or word is named, with what may be meant") {
   says({"press", "--force=8"}, "is `--force-n` meant?");
   says({"tissue", "fit"}, "file is required");
   says({"massage", "--adaptive", "of"}, "--adaptive: `of` is unknown; known: on, off");
+  says({"massage", "--fix", "GV44=0,1,2", "--out", folder / "out"}, "is `GV4` meant?");
+  CHECK_FALSE(fs::exists(folder / "out"));
   says({"line", "a.png", "--method", "guess"}, "`guess` is unknown; known: centroid, likelihood");
 }
 

@@ -58,11 +58,8 @@ Belief belief_of(const Mapping& mapping) {
 
 /// The Kalman update by one point. The finger tells where on the skin the point is, not how deep.
 Result<void> update(Belief& belief, const BackSurface& back, const PalpatedPoint& point) {
+  if (auto known = check_names({&point, 1}, belief.names); !known) return known;
   const auto found = std::find(belief.names.begin(), belief.names.end(), point.name);
-  if (found == belief.names.end()) {
-    return fail(Fault::usage, "no point is called {}; {}", in_quotes(point.name),
-                suggestion(point.name, belief.names));
-  }
   const SurfacePoint skin = back.nearest(point.at_in_couch);
   if (!(skin.distance_m <= max_off_skin_m)) {
     return fail(Fault::bad_input,
@@ -127,6 +124,16 @@ MatrixXd joint_covariance(const Places& at_in_couch, const Matrix3& axes_in_couc
     covariance.middleCols<3>(3 * i) *= radius95_m[i] / radius_of_one;
   }
   return covariance;
+}
+
+Result<void> check_names(std::span<const PalpatedPoint> palpated,
+                         const std::vector<std::string>& names) {
+  for (const PalpatedPoint& point : palpated) {
+    if (std::find(names.begin(), names.end(), point.name) != names.end()) continue;
+    return fail(Fault::usage, "no point is called {}; {}", in_quotes(point.name),
+                suggestion(point.name, names));
+  }
+  return {};
 }
 
 Result<Mapping> fix_points(const Mapping& mapping, const BackSurface& back,

@@ -3,6 +3,8 @@
 
 #include <Eigen/Core>
 #include <span>
+#include <string>
+#include <vector>
 
 #include "tuina/body/acupoints.hpp"
 
@@ -15,6 +17,11 @@ namespace tuina::body {
 /// unknown, a place is off the skin, or the scan and the points before it exclude it.
 [[nodiscard]] Result<Mapping> fix_points(const Mapping& mapping, const BackSurface& back,
                                          std::span<const PalpatedPoint> palpated);
+
+/// Refuses a point whose name is not among `names`, such as the labels of an atlas, so that a
+/// misspelled one is told before anybody is scanned.
+[[nodiscard]] Result<void> check_names(std::span<const PalpatedPoint> palpated,
+                                       const std::vector<std::string>& names);
 
 /// Radius of the sphere that holds 95 % of a centred Gaussian.
 [[nodiscard]] double radius95_of(const Matrix3& covariance_m2);

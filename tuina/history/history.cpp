@@ -213,6 +213,16 @@ Result<std::vector<Visit>> History::visits_of(const std::string& who) {
   return visits;
 }
 
+Result<bool> History::left_unfinished(const Visit& visit) {
+  std::error_code fault;
+  if (visit.ended || fs::exists(fs::path(visit.folder) / "session.json", fault)) return false;
+  const Value where[] = {visit.folder, visit.began};
+  const auto later =
+      database_->query("SELECT 1 FROM session WHERE folder = $1 AND began > $2", where);
+  if (!later) return tl::unexpected(later.error());
+  return later->empty();
+}
+
 Result<std::vector<KeptFolder>> History::forget(const std::string& who, const std::string& at) {
   const auto visits = visits_of(who);
   if (!visits) return tl::unexpected(visits.error());
@@ -221,7 +231,9 @@ Result<std::vector<KeptFolder>> History::forget(const std::string& who, const st
   for (const Visit& visit : *visits) {
     std::error_code fault;
     if (!fs::exists(visit.folder, fault)) continue;
-    if (!still_in_its_folder(visit)) {
+    const auto unfinished = left_unfinished(visit);
+    if (!unfinished) return tl::unexpected(unfinished.error());
+    if (!*unfinished && !still_in_its_folder(visit)) {
       kept.push_back({visit.folder, true});
       continue;
     }

@@ -71,6 +71,8 @@ class History {
   explicit History(std::unique_ptr<Database> database) : database_(std::move(database)) {}
   [[nodiscard]] Result<void> insert(const Visit& visit);
   [[nodiscard]] Result<void> fill(Visit& visit);
+  /// Whether the session was cut short and nothing has come into its folder since.
+  [[nodiscard]] Result<bool> left_unfinished(const Visit& visit);
 
   std::unique_ptr<Database> database_;
 };

@@ -137,6 +137,7 @@ std::string trend_of(const Trend& trend, const std::string& name, std::span<cons
                       .x_low = 1.0,
                       .x_high = std::max(2.0, number),
                       .y_low = 0.0,
+                      .x_counts = true,
                       .width_px = 380,
                       .height_px = 200});
 }

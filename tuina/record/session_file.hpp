@@ -92,6 +92,8 @@ struct PerformedEntry {
   [[nodiscard]] bool as_ordered() const noexcept {
     return std::abs(compared_n() - ordered_n) <= max_off_share * ordered_n;
   }
+  /// What a reader is told of it; of a force that is as ordered nothing.
+  [[nodiscard]] Sentence told_why() const { return as_ordered() ? Sentence{} : why; }
 };
 
 /// Arms at the other ends of a network, and what came over it.

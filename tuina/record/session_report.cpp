@@ -104,7 +104,7 @@ telemetry::PerformedPath shown(const PerformedEntry& done, const ContactPath& pa
           .lowered_by = done.lowered_by,
           .ordered_n = done.ordered_n,
           .given_n = done.compared_n(),
-          .why = done.as_ordered() ? Sentence{} : done.why};
+          .why = done.told_why()};
 }
 
 }  // namespace

@@ -145,6 +145,11 @@ class EvaluateAtlas final : public Verb {
                   "--figure");
     if (markers_.empty() && (train_.empty() || bodies_.empty()))
       return fail(Fault::usage, "--train and --bodies are required, or --markers");
+    for (const std::string& label : labels_) {
+      if (label.find('=') != std::string::npos)
+        return fail(Fault::usage, "--labels: '{}' is no point; here they stand alone, as C7,psis",
+                    label);
+    }
     return check_folder_of(figure_);
   }
 

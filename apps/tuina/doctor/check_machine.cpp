@@ -99,10 +99,11 @@ MachineCheck check_limits() {
 }
 
 /// By how much a thread is woken too late that asks for the priority of one that controls arms.
-MachineCheck check_wake_ups(double seconds) {
+MachineCheck check_wake_ups(double seconds, const Progress& progress) {
   const auto wake_ups = static_cast<int>(1e3 * seconds);
   constexpr auto every = std::chrono::milliseconds(1);
   constexpr double max_late_ms = 0.5;
+  constexpr int told_every = 250;
   double worst_ms = 0.0;
   int late = 0;
   (void)link::be_real_time(link::Priority::loop);
@@ -112,8 +113,10 @@ MachineCheck check_wake_ups(double seconds) {
     const std::chrono::duration<double, std::milli> by = steady_clock::now() - due;
     worst_ms = std::max(worst_ms, by.count());
     late += by.count() > max_late_ms ? 1 : 0;
+    if (progress && i % told_every == 0) progress(static_cast<double>(i) / wake_ups);
   }
   link::end_real_time();
+  if (progress) progress(1.0);
   return {.what = "wake-ups",
           .good = late == 0,
           .finding = fmt::format(
@@ -126,7 +129,7 @@ MachineCheck check_wake_ups(double seconds) {
 
 }  // namespace
 
-std::vector<MachineCheck> check_machine(double seconds) {
+std::vector<MachineCheck> check_machine(double seconds, const Progress& progress) {
   const unsigned cores = std::thread::hardware_concurrency();
   std::vector<MachineCheck> all = {
       {.what = "cores",
@@ -140,7 +143,7 @@ std::vector<MachineCheck> check_machine(double seconds) {
                     "(docs/wrist_sensors.md)"),
       check_can(),
       check_limits(),
-      check_wake_ups(seconds)};
+      check_wake_ups(seconds, progress)};
   for (MachineCheck& check : all)
     if (check.good) check.remedy.clear();
   return all;

@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "tuina/core/progress.hpp"
+
 namespace tuina::app {
 
 /// One thing that tuina could use of this machine.
@@ -16,6 +18,6 @@ struct MachineCheck {
 
 /// Cores, cameras, serial lines and CAN interfaces with the right to open them, what a real-time
 /// thread may have, and how late this machine wakes up in so many `seconds` of sleeps.
-[[nodiscard]] std::vector<MachineCheck> check_machine(double seconds);
+[[nodiscard]] std::vector<MachineCheck> check_machine(double seconds, const Progress& progress);
 
 }  // namespace tuina::app

@@ -154,7 +154,7 @@ class Doctor final : public Verb {
         "where one is missing");
   }
 
-  [[nodiscard]] Result<Answer> run(const CommonOptions&) override {
+  [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
     hardware::DeviceFile devices;
     if (!device_.empty()) {
       auto read = hardware::read_device_file(device_);
@@ -163,7 +163,9 @@ class Doctor final : public Verb {
     }
     nlohmann::json checks = nlohmann::json::array();
     Answer answer;
-    for (const MachineCheck& check : check_machine(seconds_)) {
+    constexpr double long_s = 2.0;
+    const Progress bar = seconds_ > long_s ? progress_bar(common, "wake-ups") : nullptr;
+    for (const MachineCheck& check : check_machine(seconds_, bar)) {
       checks.push_back({{"check", check.what},
                         {"good", check.good},
                         {"finding", check.finding},

@@ -67,6 +67,10 @@ std::vector<double> ticks(double low, double high, int wanted) {
   return at;
 }
 
+std::vector<double> whole_ticks(double low, double high, int wanted) {
+  return ticks(low, high, std::clamp(static_cast<int>(high - low), 1, wanted));
+}
+
 std::string tick_text(double value, const std::vector<double>& at) {
   const double step = at.size() > 1 ? at[1] - at[0] : 1.0;
   const int decimals = std::clamp(static_cast<int>(std::ceil(-std::log10(step) - 1e-9)), 0, 6);

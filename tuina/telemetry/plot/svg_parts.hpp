@@ -28,6 +28,8 @@ struct Mark {
 
 /// Round numbers from at or above low to at or below high, about `wanted` of them.
 [[nodiscard]] std::vector<double> ticks(double low, double high, int wanted);
+/// The same of whole numbers only, for an axis that counts things.
+[[nodiscard]] std::vector<double> whole_ticks(double low, double high, int wanted);
 
 /// With as many decimals as the distance between ticks needs.
 [[nodiscard]] std::string tick_text(double value, const std::vector<double>& ticks);

@@ -92,8 +92,8 @@ std::string axes(const Plot& plot, const Frame& frame) {
   std::string svg;
   const auto y_ticks =
       ticks(frame.y.low, frame.y.high, std::max(3, static_cast<int>(frame.height / 38)));
-  const auto x_ticks =
-      ticks(frame.x.low, frame.x.high, std::max(3, static_cast<int>(frame.width / 80)));
+  const auto x_ticks = (plot.x_counts ? whole_ticks : ticks)(
+      frame.x.low, frame.x.high, std::max(3, static_cast<int>(frame.width / 80)));
   for (const double value : y_ticks) {
     svg += fmt::format("<path d=\"M{:.1f} {:.1f}h{:.1f}\" stroke=\"{}\"/>", frame.left,
                        frame.py(value), frame.width,

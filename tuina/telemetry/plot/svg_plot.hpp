@@ -42,6 +42,7 @@ struct Plot {
   std::vector<Mark> marks = {};
   std::optional<double> x_low = {}, x_high = {}, y_low = {},
                         y_high = {};  ///< ends of the axes; none: those of the data
+  bool x_counts = false;  ///< x counts things, such as sessions: there is no half of one
   int width_px = 760;
   int height_px = 260;
 };
