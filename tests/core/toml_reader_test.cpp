@@ -3,6 +3,8 @@
 
 #include <doctest/doctest.h>
 
+#include "tuina/core/io/text_lines.hpp"
+
 using namespace tuina;
 
 namespace {
@@ -101,6 +103,18 @@ TEST_CASE("an entry of a list is refused at its own line") {
           CHECK_FALSE(entries[1].numbers(2).has_value());
           root.reject(entries[1], "two numbers are needed");
         }) == "my.toml:3: two numbers are needed");
+}
+
+TEST_CASE("a text comes back from TOML as it went in, whatever letters it has") {
+  for (const std::string text :
+       {"anna", "my \"best\" arm", "C:\\arms\\left.toml", "two\nlines", "\x7f\x01\t", "推拿", ""}) {
+    CAPTURE(text);
+    std::optional<std::string> back;
+    const auto read = read_toml("name = " + toml_string(text), "my.toml", Fault::config,
+                                [&](const TomlTable& root) { back = root.text("name"); });
+    CHECK(read.has_value());
+    CHECK(back == text);
+  }
 }
 
 TEST_CASE("what is no TOML is refused with its line, and what was typed without one") {

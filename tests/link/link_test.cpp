@@ -222,7 +222,20 @@ TEST_CASE("an arming is read as it was written; cut, spoilt or impossible, it ar
       [](Arming& told) { told.options.field.up_in_base *= 2.0; },
       [](Arming& told) { told.options.field.cells[0].zone = static_cast<safety::Zone>(50); },
       [](Arming& told) { told.options.field.cells[0].normal_in_base.setZero(); },
-      [](Arming& told) { told.options.max_set_force_n = std::nan(""); }};
+      [](Arming& told) { told.options.max_set_force_n = std::nan(""); },
+      [](Arming& told) { told.arm.tool_radius_m = 0.0; },
+      [](Arming& told) { told.arm.tool_mass_kg = -1.0; },
+      [](Arming& told) { told.arm.links[1].coulomb_nm = std::nan(""); },
+      [](Arming& told) { told.mount.base_from_couch.translation().x() = HUGE_VAL; },
+      [](Arming& told) { told.mount.rail_axis_in_base.setZero(); },
+      [](Arming& told) { told.options.obstacles[0].edges_m.y() = -0.1; },
+      [](Arming& told) { told.options.obstacles[0].edges_m.y() = HUGE_VAL; },
+      [](Arming& told) {
+        told.options.obstacles[0].base_from_box.translation().z() = std::nan("");
+      },
+      [](Arming& told) { told.options.obstacles[0].base_from_box.translation().z() = HUGE_VAL; },
+      [](Arming& told) { told.options.obstacles[0].kind = static_cast<robot::Surrounding>(2); },
+      [](Arming& told) { reinterpret_cast<unsigned char&>(told.options.bench) = 2; }};
   for (const auto& spoil : impossible) {
     Arming told = some_arming();
     spoil(told);

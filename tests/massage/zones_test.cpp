@@ -177,6 +177,18 @@ TEST_CASE("points that cannot be those of a back are refused with the reason") {
   CHECK_FALSE(BackChart::from(man.points, spine).has_value());
 }
 
+TEST_CASE("a place that was shown three times is ruled out as far as a tool reaches") {
+  const Man man;
+  const Vector3 there(0.05, 0.1, 0.4);
+  const std::vector<NoGo> no_go = {{.name = "mole", .corners_in_couch = {there, there, there}},
+                                   {.name = "nothing", .corners_in_couch = {}}};
+  const ZoneMap zones(man.chart, man.points, man.landmarks, no_go);
+  CHECK(man.zones.at(there) == Zone::muscle);
+  CHECK(zones.at(there) == Zone::no_go);
+  CHECK(zones.at(there + Vector3(0.01, 0.0, 0.0)) == Zone::no_go);
+  CHECK(zones.at(there + Vector3(0.04, 0.0, 0.0)) == Zone::muscle);
+}
+
 TEST_CASE("a no-go file says what is ruled out, or every line that is wrong with it") {
   const auto good = parse_no_go(
       "[[no_go]]\nname = \"bruise\"\ncorners_m = [[0.05, 0.1, 0.3], [0.1, 0.1, 0.3], [0.1, 0.1, "

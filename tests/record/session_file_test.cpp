@@ -72,6 +72,23 @@ TEST_CASE("a session that is written is the session that is read, and what is am
   CHECK(fault_with("\"stops\"", "\"halts\"").find("stops is missing") != std::string::npos);
 }
 
+TEST_CASE("an area that rules out nothing is refused, not passed over") {
+  const auto said = [](const char* corners) {
+    return parse_said(
+        fmt::format(R"({{"lay": [], "fixed": [], "no_go": [{{"name": "scar", "corners_m": {}}}]}})",
+                    corners),
+        "anna");
+  };
+  REQUIRE_MESSAGE(said("[[0, 0, 0], [1, 0, 0], [0, 1, 0]]").has_value(),
+                  test::reason(said("[[0, 0, 0], [1, 0, 0], [0, 1, 0]]")));
+  for (const char* few : {"[]", "[[0, 0, 0], [1, 0, 0]]"}) {
+    const auto read = said(few);
+    REQUIRE_FALSE(read.has_value());
+    CAPTURE(read.error().message);
+    CHECK(read.error().message.find("anna: no_go `scar` has ") == 0);
+  }
+}
+
 TEST_CASE("the tables of a session are read as they were written, to the digits that they state") {
   const test::Folder folder;
   const auto kept = [&](const std::string& name, const std::string& text) {

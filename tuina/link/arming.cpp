@@ -43,7 +43,14 @@ class Reader {
   void item(Number& number) {
     ok = ok && bytes_.size() - at_ >= sizeof number;
     if (!ok) return;
-    std::memcpy(&number, bytes_.data() + at_, sizeof number);
+    if constexpr (std::is_same_v<Number, bool>) {
+      const char byte = bytes_[at_];  // in a bool, any but these two is undefined behaviour
+      sound = sound && (byte == 0 || byte == 1);
+      number = byte == 1;
+    } else {
+      std::memcpy(&number, bytes_.data() + at_, sizeof number);
+    }
+    if constexpr (std::is_floating_point_v<Number>) sound = sound && !std::isnan(number);
     at_ += sizeof number;
   }
   template <typename Vector, typename Each>
@@ -57,6 +64,7 @@ class Reader {
   }
   [[nodiscard]] bool whole() const { return ok && at_ == bytes_.size(); }
   bool ok = true;
+  bool sound = true;  ///< so far each number is one, and each yes or no is either
 
  private:
   const std::string& bytes_;
@@ -123,8 +131,18 @@ const char* impossible(const Arming& told) {
   if (told.arm.joints < 1 || told.arm.joints > max_joints) return "the number of joints";
   if (!told.arm.torque_limits_nm().allFinite() || told.arm.torque_limits_nm().minCoeff() <= 0.0)
     return "a torque limit";
+  if (!(told.arm.tool_radius_m > 0.0) || !(told.arm.tool_mass_kg >= 0.0)) return "the tool";
   for (const Transform& pose : told.mount.base_from_shoulder.of)
     if (!pose.matrix().allFinite()) return "the place of a shoulder";
+  if (!told.mount.base_from_couch.matrix().allFinite()) return "the place of the couch";
+  if (!safety::is_unit(told.mount.rail_axis_in_base)) return "the axis of the linear base";
+  for (const robot::Obstacle& box : told.options.obstacles) {
+    // A box somewhere unknown is near to nothing, so the arms would not keep away from it.
+    const bool there = box.base_from_box.matrix().allFinite() && box.edges_m.allFinite() &&
+                       box.edges_m.minCoeff() >= 0.0;
+    if (!there || static_cast<std::size_t>(box.kind) >= robot::both_surroundings.size())
+      return "an obstacle";
+  }
   const auto cells = static_cast<std::int64_t>(field.columns) * field.rows;
   if (field.columns < 0 || field.rows < 0 || cells != static_cast<std::int64_t>(field.cells.size()))
     return "the size of the back's grid";
@@ -135,7 +153,7 @@ const char* impossible(const Arming& told) {
     if (static_cast<std::size_t>(cell.zone) >= safety::zones) return "a zone of the back";
     if (!safety::is_unit(cell.normal_in_base.cast<double>())) return "a normal of the back";
   }
-  return std::isnan(told.options.max_set_force_n) ? "the largest force" : nullptr;
+  return nullptr;
 }
 
 std::string bytes_of(const Arming& arming) {
@@ -177,7 +195,7 @@ Result<Arming> parse_arming(const std::string& bytes, const std::string& name) {
   Arming arming;
   visit(reader, arming);
   if (!reader.whole()) return fail(Fault::bad_input, "{}: ends where it should not", name);
-  if (const char* what = impossible(arming))
+  if (const char* what = reader.sound ? impossible(arming) : "a number")
     return fail(Fault::bad_input, "{}: {} in it is impossible", name, what);
   return arming;
 }

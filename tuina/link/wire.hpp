@@ -90,9 +90,9 @@ struct DriveFrame {
   std::array<DrivenArm, 2> arms = {};
 };
 
-static_assert(std::is_trivially_copyable_v<SensorFrame> &&
-              std::is_trivially_copyable_v<ProposalFrame> &&
-              std::is_trivially_copyable_v<DriveFrame>);
+template <typename... Frame>
+inline constexpr bool are_copyable = (std::is_trivially_copyable_v<Frame> && ...);
+static_assert(are_copyable<SensorFrame, StandFrame, ProposalFrame, DriveFrame, WatchFrame>);
 
 [[nodiscard]] SensorFrame to_frame(const robot::RobotReading& reading) noexcept;
 [[nodiscard]] StandFrame to_frame(const robot::ReadyPose& pose, std::uint64_t number) noexcept;

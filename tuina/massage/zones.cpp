@@ -33,7 +33,8 @@ double distance_m(const Place& place, const std::vector<Place>& line) {
     const Vector2 a(line[i - 1].left_m, line[i - 1].up_m);
     const Vector2 b(line[i].left_m, line[i].up_m);
     const Vector2 p(place.left_m, place.up_m);
-    const double along = std::clamp((p - a).dot(b - a) / (b - a).squaredNorm(), 0.0, 1.0);
+    const double length2 = (b - a).squaredNorm();  // 0 where a corner was shown twice
+    const double along = length2 > 0.0 ? std::clamp((p - a).dot(b - a) / length2, 0.0, 1.0) : 0.0;
     nearest = std::min(nearest, (p - a - along * (b - a)).norm());
   }
   return nearest;
@@ -84,6 +85,7 @@ ZoneMap::ZoneMap(const BackChart& chart, std::span<const Acupoint> acupoints,
                  std::span<const Landmark> landmarks, std::span<const NoGo> no_go)
     : chart_(chart) {
   for (const NoGo& entry : no_go) {
+    if (entry.corners_in_couch.empty()) continue;
     std::vector<Place>& corners = no_go_.emplace_back();
     for (const Vector3& corner : entry.corners_in_couch) {
       corners.push_back(chart_.place_of(corner));

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "tuina/core/io/text_lines.hpp"
 #include "tuina/record/shared_fields.hpp"
 #include "tuina/session/consent.hpp"
 
@@ -256,6 +257,17 @@ constexpr auto session_fields = [](auto& visit, auto& file) {
   });
 };
 
+/// An area of fewer corners would rule out nothing, and nobody would notice.
+Result<void> check_areas(const session::Said& said, std::string_view file) {
+  constexpr std::size_t min_corners = 3;
+  for (const massage::NoGo& area : said.by_hand.no_go) {
+    if (area.corners_in_couch.size() < min_corners)
+      return fail(Fault::bad_input, "{}: no_go {} has {} corners; at least {} are needed", file,
+                  in_quotes(area.name), area.corners_in_couch.size(), min_corners);
+  }
+  return {};
+}
+
 }  // namespace
 
 std::string to_json(const SessionFile& file) {
@@ -267,11 +279,17 @@ std::string to_json(const session::Said& said) {
 }
 
 Result<session::Said> parse_said(std::string_view text, std::string_view name) {
-  return parse_json<session::Said>(text, name, "list of what was said by hand", said_fields);
+  auto said = parse_json<session::Said>(text, name, "list of what was said by hand", said_fields);
+  if (!said) return said;
+  if (auto good = check_areas(*said, name); !good) return tl::unexpected(good.error());
+  return said;
 }
 
 Result<SessionFile> parse_session(std::string_view text, std::string_view name) {
-  return parse_json<SessionFile>(text, name, "record of a session", session_fields);
+  auto file = parse_json<SessionFile>(text, name, "record of a session", session_fields);
+  if (!file || !file->order.said) return file;
+  if (auto good = check_areas(*file->order.said, name); !good) return tl::unexpected(good.error());
+  return file;
 }
 
 }  // namespace tuina::record

@@ -22,7 +22,8 @@ BasePlace place_at(const BasePath& path, double time_s) noexcept {
   const double at =
       std::clamp(time_s / spacing_s, 0.0, static_cast<double>(path.points.size() - 2));
   const auto i = static_cast<std::size_t>(at);
-  const double u = std::min(1.0, time_s / spacing_s - static_cast<double>(i));
+  const double u = std::clamp(time_s / spacing_s - static_cast<double>(i), 0.0, 1.0);
+  const bool moves = time_s >= 0.0 && time_s <= path.points.back().time_s;
   const BasePoint& a = path.points[i];
   const BasePoint& b = path.points[i + 1];
   return {.point = {.time_s = time_s,
@@ -30,7 +31,8 @@ BasePlace place_at(const BasePath& path, double time_s) noexcept {
                     .normal_in_base =
                         (a.normal_in_base + u * (b.normal_in_base - a.normal_in_base)).normalized(),
                     .force_n = a.force_n + u * (b.force_n - a.force_n)},
-          .velocity_in_base_m_per_s = (b.at_in_base - a.at_in_base) / spacing_s};
+          .velocity_in_base_m_per_s =
+              moves ? Vector3((b.at_in_base - a.at_in_base) / spacing_s) : Vector3::Zero()};
 }
 
 }  // namespace tuina::session

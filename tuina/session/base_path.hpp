@@ -30,7 +30,7 @@ struct BasePlace {
   BasePoint point;
   Vector3 velocity_in_base_m_per_s = Vector3::Zero();
 };
-/// Linear between the samples; at the ends of the path beyond them. Real-time.
+/// Linear between the samples; before and after them it rests at the ends. Real-time.
 [[nodiscard]] BasePlace place_at(const BasePath& path, double time_s) noexcept;
 
 }  // namespace tuina::session

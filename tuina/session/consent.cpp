@@ -53,8 +53,9 @@ Result<Consent> read_consent(const std::filesystem::path& file) {
 }
 
 std::string consent_form(std::string_view answered_by, std::string_view answer) {
-  std::string form = fmt::format(
-      "answered_by = \"{}\"\n\n[answers]  # \"yes\", \"no\" or \"unknown\"\n", answered_by);
+  std::string form =
+      fmt::format("answered_by = {}\n\n[answers]  # \"yes\", \"no\" or \"unknown\"\n",
+                  toml_string(answered_by));
   for (const HealthQuestion& question : health_questions) {
     form += fmt::format("{} = \"{}\"  # {}\n", question.key, answer, question.text);
   }

@@ -6,6 +6,7 @@
 
 #include "tuina/core/io/csv.hpp"
 #include "tuina/core/io/file.hpp"
+#include "tuina/core/io/text_lines.hpp"
 #include "tuina/core/io/toml_reader.hpp"
 #include "tuina/session/robot_pose.hpp"
 
@@ -91,11 +92,11 @@ std::string to_toml(const PlacedRobot& robot) {
     return fmt::format("[{:.17g}, {:.17g}, {:.17g}]", v.x(), v.y(), v.z());
   };
   return fmt::format(
-      "[robot]\nname = \"{}\"\nposition = \"{}\"  # of the people for whom it stands so\n\n"
+      "[robot]\nname = {}\nposition = \"{}\"  # of the people for whom it stands so\n\n"
       "[base_from_couch]  # X_in_base = R X_in_couch + translation; R turns about the vector by "
       "its length\n"
       "rotation_vector_rad = {}\ntranslation_m = {}\n",
-      robot.robot, name_of(robot.position), list(turn_rad), list(place_m));
+      toml_string(robot.robot), name_of(robot.position), list(turn_rad), list(place_m));
 }
 
 Result<PlacedRobot> parse_robot_pose(std::string_view text, std::string_view name) {

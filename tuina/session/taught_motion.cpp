@@ -6,11 +6,13 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cmath>
 #include <optional>
 
 #include "tuina/core/io/csv.hpp"
 #include "tuina/core/io/file.hpp"
+#include "tuina/core/io/text_lines.hpp"
 #include "tuina/core/io/toml_reader.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/massage/technique/contact_path.hpp"
@@ -125,6 +127,7 @@ Result<std::vector<TaughtSample>> read_samples(const fs::path& file, const robot
 }  // namespace
 
 TaughtMotion::Moment TaughtMotion::at(double time_s) const noexcept {
+  assert(samples.size() >= 2);
   const double step_s = samples[1].time_s - samples[0].time_s;
   const double place = std::clamp(time_s / step_s, 0.0, static_cast<double>(samples.size() - 1));
   const std::size_t k = std::min(static_cast<std::size_t>(place), samples.size() - 2);
@@ -190,13 +193,13 @@ Result<void> write_taught(const TaughtMotion& motion, const fs::path& file) {
   }
   if (auto written = write_file(samples, csv); !written) return written;
   return write_file(
-      file,
-      fmt::format("name = \"{}\"\nposition = \"{}\"\narm = \"{}\"\n"
-                  "rail_mm = {}\nzone = \"{}\"  # the most delicate it touches\n"
-                  "samples = \"{}\"\nrobot = \"{}\"\n",
-                  motion.name, name_of(motion.position), name_of(motion.arm), to_mm(motion.rail_m),
-                  safety::name_of(motion.zone), samples.filename().string(), motion.robot) +
-          line_toml(motion));
+      file, fmt::format("name = {}\nposition = \"{}\"\narm = \"{}\"\n"
+                        "rail_mm = {}\nzone = \"{}\"  # the most delicate it touches\n"
+                        "samples = {}\nrobot = {}\n",
+                        toml_string(motion.name), name_of(motion.position), name_of(motion.arm),
+                        to_mm(motion.rail_m), safety::name_of(motion.zone),
+                        toml_string(samples.filename().string()), toml_string(motion.robot)) +
+                line_toml(motion));
 }
 
 Result<std::string> programme_of(const TaughtMotion& motion) {
@@ -206,11 +209,12 @@ Result<std::string> programme_of(const TaughtMotion& motion) {
   }
   constexpr double min_speed_mm_per_s = 10.0;
   return fmt::format(
-      "name = \"{}\"\ndescription = \"\"\"\nStrokes along a line that a hand has shown, on both "
+      "name = {}\ndescription = \"\"\"\nStrokes along a line that a hand has shown, on both "
       "sides.\"\"\"\n\n[[part]]\ntechnique = \"stroke\"\nplaces = {}  # cun beside the spine, "
       "share "
       "of the way from GV4 to C7\nforce_n = {:.1f}\nspeed_mm_per_s = {:.1f}\nrepeats = 2\n",
-      motion.name, list_of(motion.line), std::max(massage::kept_force_n, motion.force_n),
+      toml_string(motion.name), list_of(motion.line),
+      std::max(massage::kept_force_n, motion.force_n),
       std::clamp(to_mm(motion.speed_m_per_s), min_speed_mm_per_s,
                  to_mm(massage::max_slide_m_per_s)));
 }

@@ -35,6 +35,20 @@ std::string in_quotes(std::string_view text) {
   return shown + '`';
 }
 
+std::string toml_string(std::string_view text) {
+  std::string quoted = "\"";
+  for (const char letter : text) {
+    constexpr char last_control = 0x1f, del = 0x7f;
+    if (letter == '"' || letter == '\\')
+      quoted += fmt::format("\\{}", letter);
+    else if ((letter >= 0 && letter <= last_control) || letter == del)
+      quoted += fmt::format("\\u{:04x}", static_cast<int>(letter));
+    else
+      quoted += letter;
+  }
+  return quoted + '"';
+}
+
 std::string listed(const std::vector<std::string>& words, std::string_view between,
                    std::size_t max_letters) {
   std::string list;

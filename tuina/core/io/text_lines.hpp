@@ -62,6 +62,9 @@ template <typename Number>
 /// Quotes a piece of a user's file in an error: shortened, printable letters only.
 [[nodiscard]] std::string in_quotes(std::string_view text);
 
+/// A string of TOML, with its quotes; whatever letters the text has, a reader gets it back.
+[[nodiscard]] std::string toml_string(std::string_view text);
+
 /// Joins words of an error. Words beyond `max_letters` are only counted: "GV4, BL47_L, and 9 more".
 [[nodiscard]] std::string listed(const std::vector<std::string>& words,
                                  std::string_view between = ", ", std::size_t max_letters = 150);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 
+#include "tuina/core/io/text_lines.hpp"
 #include "tuina/robot/table/robot_table.hpp"
 
 namespace tuina::robot {
@@ -35,10 +36,10 @@ std::string three(const Three& v) {
 
 std::string text_of(const Link& link) {
   std::string text = fmt::format(
-      "\n[[link]]\nname = \"{}\"\noffset_deg = {}\nd_mm = {}\na_mm = {}\nalpha_deg = {}\n"
+      "\n[[link]]\nname = {}\noffset_deg = {}\nd_mm = {}\na_mm = {}\nalpha_deg = {}\n"
       "limits_deg = [{}, {}]\ntorque_limit_nm = {}\nspeed_limit_rad_per_s = {}\nmass_kg = {}\n"
       "com_m = {}\ninertia_kg_m2 = {}\n",
-      link.name, deg(link.offset_rad), mm(link.d_m), mm(link.a_m), deg(link.alpha_rad),
+      toml_string(link.name), deg(link.offset_rad), mm(link.d_m), mm(link.a_m), deg(link.alpha_rad),
       deg(link.min_rad), deg(link.max_rad), link.torque_limit_nm, link.speed_limit_rad_per_s,
       link.mass_kg, three(link.com_in_joint), three(link.inertia_kg_m2));
   if (link.inertia_products_kg_m2 != std::array<double, 3>{})
@@ -92,8 +93,9 @@ std::string text_of(const Mounting& mounting, Carrier carrier, BodyPosture posit
 std::string to_toml(const RobotModel& model) {
   const ArmTable& arm = model.arm;
   std::string text = fmt::format(
-      "name = \"{}\"\nabout = \"{}\"\ncarrier = \"{}\"\n\n[tool]\nradius_mm = {}\nmass_kg = {}\n",
-      model.name, model.about, name_of(model.carrier), mm(arm.tool_radius_m), arm.tool_mass_kg);
+      "name = {}\nabout = {}\ncarrier = \"{}\"\n\n[tool]\nradius_mm = {}\nmass_kg = {}\n",
+      toml_string(model.name), toml_string(model.about), name_of(model.carrier),
+      mm(arm.tool_radius_m), arm.tool_mass_kg);
   if (!arm.end_from_tool_turn.isIdentity(0.0)) {
     text += fmt::format("x = {}\nz = {}\n", three(arm.end_from_tool_turn.col(0)),
                         three(arm.end_from_tool_turn.col(2)));
