@@ -37,7 +37,7 @@ TEST_CASE("the first torques are within one step of the weight of the arms, whoe
 
 TEST_CASE("an arm whose joints are no numbers is braked, and stops the other where it moves") {
   for (const Arm lost : both_arms) {
-    const Arm other = lost == Arm::left ? Arm::right : Arm::left;
+    const Arm other = tuina::other(lost);
     for (const bool presses : {false, true}) {
       StandingRobot robot;
       if (presses) robot.press(other, 20.0);

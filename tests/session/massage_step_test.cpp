@@ -328,6 +328,7 @@ TEST_CASE("each live command shows within 100 ms, and no force jumps" * doctest:
 TEST_CASE("a pause keeps a light touch where the tools are, and resume goes on") {
   const auto room = enter(BodyPosture::prone);
   until_pressing(*room);
+  REQUIRE(room->massage.view()[Arm::left].probing);
   room->massage.obey(session::LiveCommand::pause);
   live_for(*room, 1.5);
   const Vector3 there = room->massage.view()[Arm::left].tool_in_base;
@@ -338,6 +339,7 @@ TEST_CASE("a pause keeps a light touch where the tools are, and resume goes on")
   }
   CHECK((room->massage.view()[Arm::left].tool_in_base - there).norm() < 3e-3);
   CHECK(room->massage.performed().empty());
+  CHECK(room->massage.view()[Arm::left].probing);  // a pause is no probing press
   room->massage.obey(session::LiveCommand::resume);
   until_pressing(*room);
   CHECK(room->massage.stops().empty());

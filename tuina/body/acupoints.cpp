@@ -18,7 +18,8 @@ namespace {
 // Minimum coverage of the atlas' back; tuned on phantoms cut in pieces.
 constexpr double enough_seen = 0.66;
 constexpr double worst_residual_m = 14_mm;
-// 15 allowed on the couch, and people sit turned by up to 16 themselves.
+// Largest turn about the vertical at which a fit is believed: 15 degrees are allowed on the couch,
+// and people sit turned by up to 16 degrees themselves.
 constexpr double max_turn_rad = 35_deg;
 // Limits of ShapeFit's outlier score. With the shipped atlas, laser scans of 93 people of another
 // modeller reach 1.5, their halves 1.7 or more. An atlas with shoulders and arms loses more of them
@@ -31,8 +32,8 @@ constexpr double max_outlier_score = 2.7;
 // A rival solution this far away is another place on the person, or the head at the other end.
 constexpr double max_doubt_m = 150_mm;
 
-// Whose shape the modes explain only so strangely, the atlas does not know well enough to say from
-// them how long the trunk is: adolescents who stand were laid 45 mm too low at GV4.
+// Strangeness (`LabelEstimate`) from which the modes do not tell how long the trunk is, since the
+// atlas knows too few such shapes: adolescents who stand were laid 45 mm too low at GV4.
 constexpr double min_strangeness = 2.0;
 // Sitting flattens the loins: of 92 people of docs/bodies.md who sit one is more than 50 mm hollow,
 // and where they are less hollow, the deepest place is anywhere from L4 to T12.

@@ -26,12 +26,14 @@ struct ContactTarget {
   ContactModel model;  ///< tissue prior or estimate
 };
 
-/// State of the controller. Commands change it; approach to contact and back is its own mode.
+/// State of the controller. Commands change it; by itself it goes from `approach` to `contact` at
+/// the first touch, and to `hold` when a command fails.
 enum class Mode : std::uint8_t { hold, move, approach, contact, retract, lead };
 /// Name of a mode, as messages and records have it.
 [[nodiscard]] const char* name_of(Mode mode) noexcept;
 
-/// Why a command failed; the arm then holds its position.
+/// Why a command failed. The arm then is in `hold`, but for `contact_lost` and `pushed_away`: there
+/// the mode stays, the tool does not chase the skin, and the caller is to retract it.
 enum class ContactFault : std::uint8_t {
   none,
   no_skin_found,
@@ -118,8 +120,9 @@ class ArmController {
   void hold() noexcept;
   /// Stops at once, for an arm that must not go on.
   void halt() noexcept;
-  /// Begins anew from what is measured, for an arm that another law has just moved: a contact from
-  /// the force that is felt, a free motion from where the tool is.
+  /// To be called after each tick in which another law has had the arm. A contact begins anew from
+  /// the force that is felt; the clock of a free motion stands still, so that its reference does
+  /// not run ahead.
   void resume_from_here() noexcept;
   /// Moves the tip to a pose in the air in a straight line, the shaft along the normal.
   void move_to(const ToolPose& tip) noexcept;

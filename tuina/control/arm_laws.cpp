@@ -18,8 +18,9 @@ constexpr double patience_s = 2.0;
 constexpr double settling_per_s = 3.0;
 constexpr double max_settling_n = 15.0;
 constexpr double still_m_per_s = 0.015;
-constexpr double search_acceleration = 0.4;  // m/s2
-constexpr double other_way_out = 0.18;       // sine of ten degrees, and a little more
+constexpr double search_acceleration_m_per_s2 = 0.4;
+// Sine of a little more than ten degrees: how far a normal may be off the guard's own way out.
+constexpr double max_normal_error_sine = 0.18;
 
 double inward(const Vector3& vector, const Vector3& normal) {
   return -vector.dot(normal);
@@ -88,7 +89,8 @@ bool ArmController::flies() noexcept {
   return flies_;
 }
 
-// Aside it is kept on its way; whoever comes after it pushes it on with it.
+// Force on a tool in flight. A spring keeps it on its line; along the line nothing brakes it, and
+// where the person who comes after it still touches it, it is pushed on outward.
 Vector3 ArmController::flight_force() noexcept {
   const Vector3& outward = reference_.pose.normal_in_base;
   const auto aside = [&](const Vector3& vector) -> Vector3 {
@@ -139,8 +141,8 @@ double ArmController::approach_force(double depth_m, double speed, double dt_s) 
   // Largest speed from which braking to the search speed is possible.
   const double left_m = std::max(-options_.search_from_m - search_m_, 0.0);
   const double max_speed = std::sqrt(options_.search_m_per_s * options_.search_m_per_s +
-                                     2.0 * search_acceleration * left_m);
-  const double change = search_acceleration * dt_s;
+                                     2.0 * search_acceleration_m_per_s2 * left_m);
+  const double change = search_acceleration_m_per_s2 * dt_s;
   search_speed_ += std::clamp(std::min(goal_speed, max_speed) - search_speed_, -change, change);
   const double K = options_.force.stiffness_n_per_m;
   // The search waits for a blocked tool instead of winding up its spring.
@@ -180,7 +182,7 @@ Vector3 ArmController::contact_force(double dt_s) noexcept {
   } else {
     // The guard knows a way out of the body of its own. Where that is some degrees off this normal,
     // what is stretched along the skin pulls into the body, too.
-    const double drag_inward_n = other_way_out * drag_spring_n.norm();
+    const double drag_inward_n = max_normal_error_sine * drag_spring_n.norm();
     normal_n = force_target_.step(
         {.depth_m = depth_m,
          .speed_m_per_s = speed,
@@ -241,9 +243,10 @@ JointVector ArmController::baseline_torque(const ArmState& state, double dt_s) n
 }
 
 void ArmController::resume_from_here() noexcept {
-  const bool in_contact = status_.mode == Mode::contact;
-  if (!in_contact) motion_s_ = std::max(0.0, motion_s_ - control_period_s);
-  if (!in_contact) return;
+  if (status_.mode != Mode::contact) {
+    motion_s_ = std::max(0.0, motion_s_ - control_period_s);
+    return;
+  }
   force_target_.begin(
       {.depth_m = status_.depth_m, .force_n = status_.force_n, .model = target_.model},
       status_.force_n);

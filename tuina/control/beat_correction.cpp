@@ -22,7 +22,7 @@ void BeatCorrection::learn() noexcept {
   const double beat_n = wanted_n_ - options_.kept_n;
   if (beat_n < min_beat_n) return;
   const double goal_n =
-      std::min(options_.aim * wanted_n_, options_.firmer_by * std::max(felt_n_, options_.kept_n));
+      std::min(options_.aim * wanted_n_, options_.max_rise * std::max(felt_n_, options_.kept_n));
   const double felt_n = std::max(felt_n_ - options_.kept_n, min_beat_n);
   const double right = (goal_n - options_.kept_n) / felt_n;
   gain_ *= 1.0 + options_.share * (right - 1.0);

@@ -12,10 +12,10 @@ class BeatCorrection {
   struct Options {
     double kept_n = 3.0;       ///< force between two beats
     double first_n = 10.0;     ///< largest force of the first beat
-    double first_share = 0.9;  ///< of what is wanted, for the first beat
+    double first_share = 0.9;  ///< largest share of the wanted force for the first beat
     double aim = 0.985;        ///< share of what is wanted: the true force swings about its goal
     double share = 0.8;        ///< of the error of a beat, made up for in the next
-    double firmer_by = 2.0;    ///< a beat against the one felt before
+    double max_rise = 2.0;     ///< of a beat's goal over what was felt of the beat before
     double max_gain = 2.0;     ///< of what is commanded against what is wanted
   };
 

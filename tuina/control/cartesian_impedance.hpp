@@ -7,9 +7,9 @@
 namespace tuina::control {
 
 /// Clamps the length of a vector and keeps its direction.
-[[nodiscard]] inline Vector3 clamp_norm(const Vector3& vector, double most) {
+[[nodiscard]] inline Vector3 clamp_norm(const Vector3& vector, double max_length) {
   const double length = vector.norm();
-  return length > most ? Vector3(vector * (most / length)) : vector;
+  return length > max_length ? Vector3(vector * (max_length / length)) : vector;
 }
 
 /// Springs and dampers of the nullspace posture and of the joint limits.

@@ -11,9 +11,9 @@ class Escape {
  public:
   /// When it begins and how hard it pushes.
   struct Options {
-    /// Force above the expected one that means the person comes closer, where the present rise
-    /// leads in this time: who starts up presses sooner, and who coughs more gently, than a force
-    /// tells.
+    /// Excess over the expected force that means the person comes closer. It is looked for in the
+    /// force as it will be after `startle_ahead_s` at its present rate: so a person who starts up
+    /// is noticed sooner than by the force alone, and a cough, which rises gently, later.
     double startle_n = 16.0, startle_ahead_s = 20e-3;
     /// Least force of a person who comes closer: an arm that swings in the air feels its own mass.
     double min_felt_n = 4.0;
@@ -23,8 +23,8 @@ class Escape {
     double full_push_m_per_s = 0.5, max_m_per_s = 1.2;
     double sensor_lag_s = 4e-3;  ///< of the force that is felt
     double kept_n = 1.0;         ///< force at which contact counts as nearly ended
-    double flight_m =
-        0.2;  ///< way after that before anything slows the tool; who sits up goes as far
+    /// Way of the tool after the push before anything slows it, as far as who sits up comes.
+    double flight_m = 0.2;
   };
 
   /// What the arm presses with by itself, pressing positive.

@@ -12,22 +12,26 @@ constexpr double lost_after_s = 0.006;
 constexpr double lost_matters_n = 3.0;
 constexpr double slipping_share = 0.3;
 constexpr double found_again_n = 1.5;
-// Of what a place bears beyond the set force, and at least so much: a person who comes closer.
+// Force above the set force that means a person who comes closer, where the place bears little: so
+// much of what it bears beyond the set force, but at least `min_startle_n`.
 constexpr double borne_share = 0.8, min_startle_n = 6.0;
 constexpr double creep_m_per_s = 10e-3;
 constexpr double max_creep_m = 3e-3;
-constexpr double carried_below_n_per_s = 8.0;  // of the set force; faster, the tool goes itself
-// Beyond this lag of the force it is late. A late tool sinks no farther before it is felt than
-// this, by the believed tissue; goes ahead of the force with this share of what is believed; and
-// has this share of stiffness times lag for damping.
+// Rate of the set force up to which a speed of the tool that lasts counts as the skin's; beyond it
+// the tool moves by itself.
+constexpr double carried_below_n_per_s = 8.0;
+// Lag of the force beyond which it counts as late, as of arms that take places (late_force.hpp).
 constexpr double prompt_lag_s = 4e-3;
+// Rules for a late force: `max_blind_m`, how far the tool may sink, by the believed tissue, before
+// that is felt, which bounds the rate of the set force; `late_belief` is the share of the predicted
+// speed that is fed forward; `late_share` is damping over (contact stiffness x lag beyond prompt).
 constexpr double max_blind_m = 0.6e-3, late_belief = 0.6, late_share = 2.5;
 
 bool is_late(const ForceTarget::Options& options) noexcept {
   return options.sensor_lag_s > prompt_lag_s;
 }
 
-/// Of the set force.
+/// Fastest change of the set force, N/s.
 double max_rate_n_per_s(const ForceTarget::Options& options, const ContactModel& model,
                         double set_n, double since_touch_s) noexcept {
   const double landed =
@@ -123,7 +127,7 @@ double ForceTarget::spring_on_skin(const Input& input, double contact_n_per_m, d
   const double rings_at = damping / (contact_n_per_m * options_.sensor_lag_s);
   const double gain = std::min(options_.gain_share * rings_at, options_.max_gain);
   const double quick_n =
-      std::clamp(gain * error_n, -options_.max_trim_out_n, options_.max_gain_in_n);
+      std::clamp(gain * error_n, -options_.max_trim_out_n, options_.max_quick_in_n);
   const double expected_m = skin_m_ + depth_at(input.model, set_n_);
   return K * (expected_m - input.depth_m) + set_n_ + trim_n_ + quick_n;
 }

@@ -12,7 +12,7 @@ struct ContactModel {
   double torso_n_per_m = 35'000.0;
 };
 
-/// Indentation of tissue and torso together at a force, and dF/dx there.
+/// Indentation of tissue and torso together at a force, m; a negative force counts as none.
 [[nodiscard]] double depth_at(const ContactModel& model, double force_n) noexcept;
 /// Stiffness dF/dx of tissue and torso together at a force.
 [[nodiscard]] double stiffness_at(const ContactModel& model, double force_n) noexcept;
@@ -36,7 +36,7 @@ class ForceTarget {
     double gain_share = 0.2;
     double max_gain = 2.0;
     double sensor_lag_s = 4e-3;
-    double max_gain_in_n = 5.0;
+    double max_quick_in_n = 5.0;  ///< limit of the force that this gain adds, inward
     double max_trim_in_n = 10.0;  ///< more would wind up against stiction
     double max_trim_out_n = 30.0;
     /// Time constant with which a lasting trim corrects the skin position.

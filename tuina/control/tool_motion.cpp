@@ -18,7 +18,7 @@ Matrix3 axes_along(const Vector3& direction) {
 }
 
 // The shortest rotation vector w with exp(w) from = to.
-Vector3 turn_between(const Vector3& from, const Vector3& to) {
+Vector3 rotation_between(const Vector3& from, const Vector3& to) {
   const Vector3 axis = from.cross(to);
   const double sine = axis.norm();
   const double angle = std::atan2(sine, from.dot(to));
@@ -105,7 +105,7 @@ bool ToolMotion::plan(double time_s, const ToolPose& goal, const Limits& limits)
   // state is converted by sampling the old motion at three instants.
   constexpr double h = 1e-4;
   const auto turn_at = [&](double t) {
-    return turn_between(next.goal_.normal_in_base, at(t).pose.normal_in_base);
+    return rotation_between(next.goal_.normal_in_base, at(t).pose.normal_in_base);
   };
   const Vector3 turn = turn_at(time_s);
   Vector3 turn_speed = Vector3::Zero(), turn_acceleration = Vector3::Zero();

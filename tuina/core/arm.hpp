@@ -19,6 +19,11 @@ inline constexpr std::array<Arm, 2> both_arms = {Arm::left, Arm::right};
   return arm == Arm::left ? "left" : "right";
 }
 
+/// The other one of the two.
+[[nodiscard]] constexpr Arm other(Arm arm) {
+  return arm == Arm::left ? Arm::right : Arm::left;
+}
+
 /// One T per arm, indexed by `Arm`.
 template <typename T>
 struct PerArm {

@@ -86,10 +86,10 @@ struct State {
 enum class Spoilt : std::uint8_t {
   foreign,   ///< no armlink at all, or too short for it
   version,   ///< armlink of another version
-  size,      ///< not as long as it says, or as its kind is
+  size,      ///< its length is not the one that it says, or not that of its kind
   kind,      ///< another kind than was asked for
-  checksum,  ///< a bit fell over
-  value,     ///< a number that is not finite, an unknown mode, filled reserves
+  checksum,  ///< the check sum does not fit: bits have changed on the way
+  value,     ///< a number that is not finite, an unknown mode, reserved bytes that are not zero
 };
 [[nodiscard]] constexpr const char* name_of(Spoilt spoilt) {
   constexpr std::array names = {"sends what is no armlink",

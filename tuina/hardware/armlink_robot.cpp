@@ -177,7 +177,7 @@ std::optional<robot::RobotReading> ArmlinkRobot::read() noexcept {
   last_reading_ = Clock::now();
   for (const Arm arm : both_arms) {
     silent_cycles_[arm] = fresh[arm] ? 0 : silent_cycles_[arm] + 1;
-    const bool alone = fresh[arm == Arm::left ? Arm::right : Arm::left];
+    const bool alone = fresh[other(arm)];
     if (silent_cycles_[arm] >= (alone ? max_silent_cycles : max_silent_reads))
       break_off(arm, "is silent");
   }

@@ -116,7 +116,7 @@ void PositionRobot::hear_drives(Arm arm, robot::ArmReading& reading,
   if (side.drives_believed) reading.wrench_in_tool.force_n.x() -= unfelt_n;
 }
 
-/// Who is silent is not followed.
+/// Both virtual arms stand; called where nobody has answered the last reading with a command.
 void PositionRobot::stop_both() noexcept {
   for (Side& side : sides_.of) side.arm.stand(side.arm.q_rad());
 }

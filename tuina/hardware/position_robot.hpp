@@ -15,10 +15,11 @@ namespace tuina::hardware {
 /// written for: each follows a `VirtualArm` of the robot's table, which obeys the torques that the
 /// guard lets through and yields to the force at its wrist (docs/position_arms.md).
 ///
-/// A reading has the virtual arm's joints, which are not late, and what the real ones differ by for
-/// longer from where they should be by now. Real arms that are elsewhere altogether are a fault.
-/// Brakes are: the arm stands. Drives that tell their torques are believed where they press harder
-/// than the wrist feels: the reading then has their force. No heap in `read` and `apply`.
+/// A reading has the joints of the virtual arm, which are not late, and that part of the real ones'
+/// distance from where they should be by now which lasts, for half a second. Real arms that are
+/// elsewhere altogether are a fault. A command to brake makes the virtual arm stand. Drives that
+/// tell their torques are believed where they press harder than the wrist feels: the reading then
+/// has their force. No heap in `read` and `apply`.
 class PositionRobot final : public robot::Robot {
  public:
   /// What the arms are like; measured, once for each kind of arm.

@@ -14,7 +14,8 @@ namespace {
 
 constexpr std::size_t min_poses = 6;
 constexpr double max_condition = 20.0;
-// What the guard leaves to error: it counts on the weight of the tool to within some 3 N.
+// Errors that a calibration may leave: together far less than the 1.2 N of wrong weight or zero at
+// which the guard brakes an arm.
 constexpr double max_mass_sd_kg = 0.02, max_com_sd_m = 10_mm, max_offset_sd_n = 0.3;
 constexpr double max_stray_n = 0.5, stray_share = 5.0;  // of the median over the other poses
 constexpr double max_rms_n = 1.0;

@@ -12,7 +12,8 @@ namespace {
 constexpr double max_counts = 1e9;
 constexpr double max_lever_mm = 1000.0;
 constexpr double max_skew = 1e-3;
-// The guard freezes an arm whose sample is older than 3 ms, so a sensor must say more than that.
+// Rates that a sensor may have. The guard freezes an arm whose sample is older than 3 ms, so one
+// has to come every 2 ms.
 constexpr int min_rate_hz = 500, max_rate_hz = 7000;
 
 std::optional<Vector3> vector_of(const TomlTable& table, const char* key, double limit) {

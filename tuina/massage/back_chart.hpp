@@ -51,7 +51,7 @@ class BackChart {
     return {(side > 0.0 ? 1.0 : -1.0) * relative.aside_cun * cun_m_,
             relative.up_share * up_of(Level::C7)};
   }
-  /// The place by the measures of this body, whichever side it is on.
+  /// Inverse of `place_at` without the side: cun beside the spine, and share of the way to C7.
   [[nodiscard]] RelativePlace relative(const Place& place) const {
     return {std::abs(place.left_m) / cun_m_, place.up_m / up_of(Level::C7)};
   }

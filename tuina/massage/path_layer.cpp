@@ -179,15 +179,15 @@ int PathLayer::repeats_of(const Part& part, double one_s, Zone zone) {
   constexpr double usual = 3.0;
   constexpr double ramps_s = 3.0;  // landing, gaining speed and leaving take no longer
   const double max_duration_s = rule_of(zone).max_duration_s;
-  const double most = std::max(1.0, std::floor((max_duration_s - ramps_s) / one_s));
+  const double max_repeats = std::max(1.0, std::floor((max_duration_s - ramps_s) / one_s));
   double wanted = usual;
   if (part.repeats) wanted = *part.repeats;
   if (part.time_s) wanted = std::max(1.0, std::round(*part.time_s / one_s));
-  if (wanted > most) {
+  if (wanted > max_repeats) {
     note("note_fewer_times", "{:.0f} instead of {:.0f} times, {:.0f} s are allowed at one place",
-         most, wanted, max_duration_s);
+         max_repeats, wanted, max_duration_s);
   }
-  return static_cast<int>(std::min(wanted, most));
+  return static_cast<int>(std::min(wanted, max_repeats));
 }
 
 Result<SurfaceCurve> PathLayer::circle(const Part& part, const Target& target,

@@ -22,7 +22,7 @@ class PathLayer {
             const PlanOptions& options, double force_scale);
 
   /// Nothing if the zones leave nothing of it, or the scan does not show the skin it needs.
-  /// `pass_s`: the hands of this part stroke in turn, hand over hand.
+  /// `pass_s`: time of one stroke where two hands stroke hand over hand; nothing elsewhere.
   [[nodiscard]] Result<std::optional<WaitingPath>> lay(const Part& part, const Target& target,
                                                        std::optional<double> pass_s = {});
   /// The time of one stroke for hands that stroke these lines hand over hand; nothing where that

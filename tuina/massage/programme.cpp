@@ -74,13 +74,13 @@ void read_points(const TomlTable& table, Part& part) {
 /// [[aside, up], ...]: cun beside the spine, and the share of the way from GV4 to C7.
 void read_places(const TomlTable& table, Part& part) {
   if (!table.has("places")) return;
-  constexpr std::size_t most = 100;
+  constexpr std::size_t max_places = 100;
   const auto list = table.list("places");
-  if (!list || list->size() < 2 || list->size() > most) {
+  if (!list || list->size() < 2 || list->size() > max_places) {
     table.reject("places", fmt::format("places is not a list of 2 to {} places, like [[3.0, 0.8], "
                                        "[3.0, 0.1]]: cun beside the spine, share of the way from "
                                        "GV4 to C7",
-                                       most));
+                                       max_places));
     return;
   }
   for (const TomlValue& entry : *list) {

@@ -7,10 +7,6 @@
 namespace tuina::massage {
 namespace {
 
-Arm other(Arm arm) {
-  return arm == Arm::left ? Arm::right : Arm::left;
-}
-
 bool can_join(const WaitingPath& one, const WaitingPath& other_path) {
   return one.together && other_path.together && one.part == other_path.part &&
          !(one.arm && other_path.arm && *one.arm == *other_path.arm) &&
@@ -67,8 +63,9 @@ std::vector<PlannedPath> schedule(std::vector<WaitingPath> paths, const Transfer
       WaitingPath& waiting = paths[m];
       const bool partner_takes_left =
           members.size() == 2 && !waiting.arm && paths[m == i ? members[1] : i].arm == Arm::left;
-      const bool right_is_idler = partner_takes_left || work_s[Arm::right] <= work_s[Arm::left];
-      Arm arm = waiting.arm.value_or(right_is_idler ? Arm::right : Arm::left);
+      const bool right_has_less_work =
+          partner_takes_left || work_s[Arm::right] <= work_s[Arm::left];
+      Arm arm = waiting.arm.value_or(right_has_less_work ? Arm::right : Arm::left);
       if (taken[arm]) arm = other(arm);
       taken[arm] = true;
       done[m] = true;

@@ -23,7 +23,7 @@ struct SlidingOrder {
   const Part& part;
   double force_n = 0.0;
   int repeats = 1;                        ///< Turns or strokes.
-  std::optional<HandOverHand> turn = {};  ///< Two hands share a line.
+  std::optional<HandOverHand> turn = {};  ///< Turn of this hand where two stroke hand over hand.
 };
 
 /// What of a technique a programme may say, and how it is laid on the skin. The words, colours and

@@ -23,8 +23,11 @@ constexpr double max_tool_error_m = 5_mm;
 constexpr double min_elbow_height_m = 60_mm;  // minimum height above the skin
 
 ArmRest rest(const Stage& stage, Arm arm, const ApproachPose& over, const JointVector& q_rad) {
-  ArmRest rest{
-      .over = over, .q_rad = q_rad, .parked = false, .stay = {}, .weakly_rad = {q_rad, q_rad}};
+  ArmRest rest{.over = over,
+               .q_rad = q_rad,
+               .parked = false,
+               .stay = {},
+               .weak_springs_rad = {q_rad, q_rad}};
   rest.stay.q_rad = {q_rad};
   rest.stay.poses = {stage.models.get()[arm].kinematics(q_rad, stage.rail_m)};
   return rest;
@@ -145,8 +148,11 @@ ArmMove move_home(const Stage& stage, Arm arm, const ArmRest& from) {
                .posture_rad = stage.ready_rad[arm]};
   move.transfer_s = transfer_time_s(pose_of(stage, from.over), move.waypoints_in_base);
   roll_out(stage, arm, from, move, {}, home, home);
-  move.above.parked = move.after.parked = true;
-  move.after.weakly_rad = {stage.ready_rad[arm], stage.ready_rad[arm]};  // its springs get the time
+  // A session waits before the next path until the springs have brought the arm home.
+  for (ArmRest* rest : {&move.above, &move.after}) {
+    rest->parked = true;
+    rest->weak_springs_rad = {stage.ready_rad[arm], stage.ready_rad[arm]};
+  }
   return move;
 }
 
@@ -182,8 +188,8 @@ double stray_cost_m(const Stage& stage, Arm arm, const ArmRest& from, ArmMove& m
       free_path(stage.back, move.after.over, home, clear_m(stage), stage.base_from_couch);
   double cost_m = 0.0;
   for (std::size_t i = 0; i < posture_shares.size(); ++i) {
-    Rollout rollout(stage.models.get()[arm], stage.rail_m, from.weakly_rad[i], posture_shares[i],
-                    control::PostureGains{}.max_error_rad);
+    Rollout rollout(stage.models.get()[arm], stage.rail_m, from.weak_springs_rad[i],
+                    posture_shares[i], control::PostureGains{}.max_error_rad);
     JointPath passed;
     for (const control::ToolPose& pose : move.waypoints_in_base)
       rollout.transfer(pose, move.posture_rad, passed);
@@ -191,7 +197,7 @@ double stray_cost_m(const Stage& stage, Arm arm, const ArmRest& from, ArmMove& m
     rollout.settle(move.posture_rad, passed);
     rollout.transfer(pose_of(stage, move.after.over), move.posture_rad, passed);
     const JointVector after_rad = rollout.q_rad();
-    move.after.weakly_rad[i] = after_rad;
+    move.after.weak_springs_rad[i] = after_rad;
     for (const control::ToolPose& pose : way_home) rollout.transfer(pose, ready_rad, passed);
     rollout.settle(ready_rad, passed, until_springs_have_done);
     const bool misses_home = (rollout.q_rad() - ready_rad).cwiseAbs().maxCoeff() > missed_home_rad;

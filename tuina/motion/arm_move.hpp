@@ -35,8 +35,9 @@ struct ArmRest {
   JointVector q_rad;
   bool parked = true;
   JointPath stay;  ///< configurations the arm may settle in
-  /// Where springs as weak as the controller's leave it, slow and quick to follow.
-  std::array<JointVector, 2> weakly_rad;
+  /// Configurations in which posture springs that pull no harder than the controller's leave it:
+  /// with a slow nullspace and with a quick one.
+  std::array<JointVector, 2> weak_springs_rad;
 };
 /// The arm where it waits before the first contact and after the last.
 [[nodiscard]] ArmRest rest_at_ready(const Stage& stage, Arm arm);

@@ -15,10 +15,6 @@ namespace {
 
 using Planned = const massage::PlannedPath*;
 
-Arm other(Arm arm) {
-  return arm == Arm::left ? Arm::right : Arm::left;
-}
-
 }  // namespace
 
 TwoArmSchedule::TwoArmSchedule(Stage stage)

@@ -100,7 +100,7 @@ RobotMount on_wheels(const RobotModel& model, BodyPosture position, bool head_at
                    .ready_elbow_outward_m = mounting.ready_elbow_outward_m,
                    .ready_near_rad = mounting.ready_near_rad};
   for (const Arm arm : both_arms) {
-    const Arm its = turned ? (arm == Arm::left ? Arm::right : Arm::left) : arm;
+    const Arm its = turned ? other(arm) : arm;
     mount.base_from_shoulder[arm] = from_floor * on_floor.base_from_shoulder[its];
   }
   mount.rail_axis_in_base = from_floor.linear() * Vector3::UnitX();

@@ -17,13 +17,15 @@ constexpr double max_zero_n = 3.0, max_drift_n_per_s = 1.0 / 60.0;
 constexpr double first_look_s = 0.05;
 constexpr double at_stop_rad = 0.02;
 
-// Friction is known to a fifth, masses to a tenth; a hand may lead an arm with 30 N.
+// Torque of a joint that may stay unexplained: its friction, which is known to a fifth, times this;
+// and a share of the drive's limit, since masses are known to a tenth. The share is larger where a
+// hand leads the arm, with up to 30 N.
 constexpr double friction_share = 1.5;
 constexpr double drive_share = 0.04, led_share = 0.1;
 
-// Encoders are coarse: a joint at rest may seem to be as fast as a fifth of this. What a drive
-// gives in a part of a millisecond nobody can time.
+// Speed that coarse encoders may feign: a joint at rest shows up to a fifth of it.
 constexpr double unexplained_rad_per_s = 0.05;
+// Part of a millisecond within which nobody can time when a drive takes over a new torque.
 constexpr double untimed_s = 0.25e-3;
 // Speeds and samples of the wrist are filtered and tell of a torque that much later.
 constexpr double lag_s = 2e-3;
@@ -37,14 +39,15 @@ constexpr double swings_share = 2.0;
 // A wild sample of the wrist may change what is known of it by this much in a millisecond.
 constexpr double wild_n = 10.0, wild_nm = 1.0;
 constexpr double max_gap_ticks = 10.0;
-// A joint whose drive is to blame stands out of the others by as much.
+// Factor by which the misfit of one joint must exceed that of every other to blame its drive.
 constexpr double alone = 2.0;
 
-// A filter of up to 250 Hz spreads what a sensor feels over some samples: after a sudden force the
-// second change is still a fifth of the first. One of this size alone is the sensor's own.
+// Step of the wrist sensor itself, such as a zero that jumps: a change of at least `min_step_n`
+// between calm ones, each below `calm_share` of it. No force looks so: behind a filter of up to
+// 250 Hz the second change after a sudden force is still a fifth of the first.
 constexpr double min_step_n = 2.5, calm_share = 0.2;
 constexpr std::size_t calm_before = 2;    // of the changes that are kept; the others come after it
-constexpr double max_sampled_s = 1.5e-3;  // samples that are farther apart have had time for it
+constexpr double max_sampled_s = 1.5e-3;  // between samples; farther apart a force may look so, too
 
 }  // namespace
 

@@ -21,19 +21,21 @@ class ArmWatch {
   explicit ArmWatch(const robot::ArmModel& model) noexcept
       : model_(model), drives_(model.table().torque_limits_nm()) {}
 
-  /// `applied_nm` moved the arm since the last reading; empty at the first. Of the proposal two
-  /// things count: when an approach begins, the wrist sensor is zeroed, by 3 N at most
-  /// and 1 N more for each minute that was watched, and so much may its zero have drifted since
-  /// the last time, or since the first look at a resting arm, that is judged too; and an arm
-  /// without a spring is one that a hand leads, so more of its torque may go unexplained. A sensor
-  /// whose torques are no numbers has no force either.
+  /// What the guard sees of one arm in this millisecond. `applied_nm`: torques that moved the arm
+  /// since the last reading; empty at the first one.
   ///
-  /// Torques and motion are compared by their momentum [deluca2006], joint by joint: what torques,
-  /// wrist and weight should have added to it, and what was seen to be added, may differ by
-  /// friction and a share of the drive in each millisecond. What goes beyond is summed up
-  /// [page1954] and compared with what coarse encoders, a badly timed drive, and a gear that takes
-  /// up a change of torque late and swings after it, may feign. Drives that measure their torques
-  /// are held against what they were told, too.
+  /// Wrist: the tool's weight and a zero are taken off the force. The zero is the mean of the last
+  /// 0.1 s, taken when the proposal begins an approach; it is 3 N long at most, and 1 N more for
+  /// each minute watched. `zero_jump_n` is how far that mean lies from the zero in use, beyond a
+  /// drift of 1 N a minute; it is taken then and at the first look at an arm in free motion. A
+  /// sensor whose torques are not finite has no force either.
+  ///
+  /// Torques: the momentum of each joint [deluca2006]. What drive, wrist and weight should have
+  /// added to it and what was measured may differ in each millisecond by friction and a share of
+  /// the drive's limit; a larger share where the proposal has no spring, since a hand then leads
+  /// the arm. The rest is summed up [page1954] and compared with what coarse encoders, a badly
+  /// timed drive, and a gear that takes up a change of torque late and swings after it, may feign.
+  /// Torques that the drives measure are compared with the commanded ones, too (`DriveWatch`).
   [[nodiscard]] Observation observe(const robot::RobotReading& reading, Arm arm,
                                     const Proposal& proposal,
                                     const JointVector& applied_nm) noexcept;

@@ -8,12 +8,17 @@
 namespace tuina::safety {
 namespace {
 
-constexpr double mostly = 0.9;
+// Cosine between a change of torque and a pure push outward from which on it counts as letting go.
+constexpr double min_outward_cosine = 0.9;
 constexpr int saturated_ticks = 100;
 constexpr int inward_ticks = 100;
-constexpr double borne_over_n = 5.0;  // a sound arm of much friction asks for as much, in vain
+// Excess over the cap of the inward force that is borne: a sound arm with much friction asks for as
+// much without pressing harder.
+constexpr double borne_over_n = 5.0;
+// Newtons by which that cap falls for each newton felt beyond the set force.
 constexpr double yields_per_n = 2.0;
-constexpr double eases_n = 3.0;  // noise makes the least that was felt too small by as much
+// Newtons by which noise may make the least force felt on the way out too small.
+constexpr double eases_n = 3.0;
 constexpr double own_rate_factor = 10.0;  // leaving may be more sudden than pressing
 constexpr double agreeing = 0.25;         // cosine between the way out and what is felt
 constexpr double directed_n = 5.0;        // from here a force has a direction worth believing
@@ -223,7 +228,7 @@ double Guard::inward_n(const Observation& seen, const JointVector& torque_nm) co
 bool Guard::pushes_outward(const Observation& seen, const JointVector& torque_nm) const noexcept {
   const JointVector change_nm = torque_nm - allowed_nm_;
   const JointVector outward = seen.jacobian.transpose() * normal_in_base_;
-  return outward.dot(change_nm) > mostly * outward.norm() * change_nm.norm();
+  return outward.dot(change_nm) > min_outward_cosine * outward.norm() * change_nm.norm();
 }
 
 JointVector Guard::limited(const JointVector& torque_nm, double rate_nm_per_s,

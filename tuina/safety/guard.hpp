@@ -219,7 +219,8 @@ class Guard {
       not_finite_ = 0, pushed_out_ = 0, rising_ = 0, reversed_ = 0, inward_ = 0, not_obeyed_ = 0,
       frozen_ = 0, blind_ = 0, unknown_ = 0, drive_amiss_ = 0;
   double pushed_out_m_ = 0.0;
-  bool fled_ = false, flies_ = false;  ///< pressed as it began to go out; and leaves since then
+  bool fled_ = false;   ///< the tool was pressed in its present motion outward
+  bool flies_ = false;  ///< it is leaving since, within the limits of a flight
   std::uint32_t same_ = 0;
   bool encoders_doubted_ = false, force_doubted_ = false;
   JointVector told_nm_;  ///< the last proposal

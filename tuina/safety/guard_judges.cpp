@@ -20,10 +20,12 @@ constexpr int first_samples = 3;  // until then one wild sample would be all tha
 constexpr int repeated_ticks = 3;
 constexpr int clock_ticks = 3;
 constexpr int fast_ticks = 3;  // encoder noise reaches one or two
-// The way of a cough, the force above what was ordered with which its skin is followed, and the
-// push outward by which a controller escapes from it.
+// Limits within which a tool may go outward though the person does not get up: the way of a cough;
+// the force above the set force up to which the tool merely rides on the skin; the outward push of
+// the proposed torques from which on the controller itself is escaping.
 constexpr double coughed_m = 20e-3, rides_n = 10.0, escape_n = 40.0;
-// Farther than who sits up, and as fast as that push and the person together make a tool.
+// Limits of a tool that flies after an escape: farther than a person who sits up comes, and as fast
+// as the controller's push and the person together make it.
 constexpr double flight_m = 0.25, flight_m_per_s = 1.3;
 constexpr int rising_ticks = 3;
 constexpr int over_cap_ticks = 100;
@@ -34,9 +36,10 @@ constexpr std::uint32_t silent_retract_ticks = 10;
 constexpr std::uint64_t too_many_missed = 10;
 constexpr double telling_rad_per_s = 1e-3;  // a change of speed that every controller answers
 
-// The joint speeds follow the angles by a filter of some milliseconds, which makes up for itself
-// within fifty; what does not fade is doubt. A joint whose speed is told wrong by 0.2 rad/s, which
-// moves a stretched arm's tool as fast as an approach may be, is noticed.
+// Share that is kept from tick to tick of the summed difference between angles and joint speeds, a
+// memory of 50 ms: the speeds are filtered, lag by some milliseconds and make up for it within that
+// time. A difference that lasts is a fault of the encoder. It is noticed from 0.2 rad/s on, which
+// moves the tool of a stretched arm as fast as an approach may be.
 constexpr double drift_kept = 0.98;
 
 constexpr int blamed_ticks = 5;

@@ -15,8 +15,9 @@ constexpr double own_posture_nm_per_rad = 4.0;
 // A joint that comes to its end stands still at once, and the person who pushes the tool runs into
 // the rest of the arm: springs begin before, so that the other joints turn in time.
 constexpr double before_end_rad = 0.15, off_end_nm_per_rad = 30.0;
-constexpr double own_joint_damping = 0.8;    // N m s / rad
-constexpr double blind_joint_damping = 8.0;  // likewise, where the tool's place is not known
+constexpr double own_joint_damping_nm_s_per_rad = 0.8;
+// Damping of the joints alone, where the place of the tool is not known.
+constexpr double blind_joint_damping_nm_s_per_rad = 8.0;
 constexpr double retract_m_per_s = 0.1;
 constexpr double retract_m = 0.06;
 constexpr double max_inward_n = 5.0;
@@ -35,8 +36,9 @@ constexpr int blind_push_ticks = 40;
 
 constexpr int disobedient_ticks = 50;
 constexpr double disobedient_m_per_s = 0.05;  // into the body, against 80 N outward
-// Harder than this, and so much harder than at its gentlest, a leaving tool has no reason to press;
-// below it a body that breathes against brakes would be pressed harder than by the arm.
+// Force from which a leaving tool that still moves inward counts as digging: this much, and so much
+// above the least that was felt since it leaves. It is braked then; with less force that would be
+// worse, since a body that breathes against a braked arm is pressed harder.
 constexpr double digging_n = 40.0, digging_rise_n = 15.0;
 constexpr double plunging_m_per_s = 0.3;  // into the body, faster than any order or hand
 constexpr int digging_ticks = 3;
@@ -112,7 +114,7 @@ JointVector Guard::off_ends_nm(const JointVector& q_rad) const noexcept {
 JointVector Guard::own_torque(const Observation& seen, Action action) noexcept {
   if (action == Action::brake) return gravity_nm_;
   // Where the joints are in doubt the tool's place is too: only the joints are braked.
-  if (encoders_doubted_) return gravity_nm_ - blind_joint_damping * seen.dq_rad_per_s;
+  if (encoders_doubted_) return gravity_nm_ - blind_joint_damping_nm_s_per_rad * seen.dq_rad_per_s;
   if (taken_over_ == Action::pass) from_rad_ = seen.q_rad;
   if (taken_over_ != action) {
     taken_over_ = action;
@@ -133,7 +135,8 @@ JointVector Guard::own_torque(const Observation& seen, Action action) noexcept {
     hold_rad_ = seen.q_rad;
     const double wanted_m_per_s = flees ? blind_m_per_s : push_out_m_per_s;
     const double push_n = outward_m_per_s < wanted_m_per_s ? push_out_n : 0.0;
-    return seen.gravity_nm + off_ends_nm(seen.q_rad) - own_joint_damping * seen.dq_rad_per_s +
+    return seen.gravity_nm + off_ends_nm(seen.q_rad) -
+           own_joint_damping_nm_s_per_rad * seen.dq_rad_per_s +
            seen.jacobian.transpose() * (push_n * normal_in_base_);
   }
   const double lead_m = (hold_in_base_ - seen.tool_in_base).dot(normal_in_base_);
@@ -148,8 +151,8 @@ JointVector Guard::own_torque(const Observation& seen, Action action) noexcept {
   const double spared_m_per_s = gives_way ? std::max(outward_m_per_s, 0.0) : 0.0;
   Vector3 force_n =
       -own_damping_n_s_per_m * (seen.tool_velocity_m_per_s - spared_m_per_s * normal_in_base_);
-  JointVector torque_nm =
-      seen.gravity_nm + off_ends_nm(seen.q_rad) - own_joint_damping * seen.dq_rad_per_s;
+  JointVector torque_nm = seen.gravity_nm + off_ends_nm(seen.q_rad) -
+                          own_joint_damping_nm_s_per_rad * seen.dq_rad_per_s;
   if (action != Action::comply) {
     const Vector3 spring_n = own_stiffness_n_per_m * (hold_in_base_ - seen.tool_in_base);
     const double outward_n = spring_n.dot(normal_in_base_);

@@ -54,19 +54,19 @@ struct Ceilings {
   double inward_m_per_s = 0.15;      ///< in contact, into the body: no faster than an approach
   double pushed_out_m_per_s = 0.12;  ///< in contact, along the normal: the person gets up
   double force_rate_n_per_s = 2000.0;
-  double over_cap_n = 10.0;  ///< this much above the set ceiling is borne for 100 ms only
+  double over_cap_n = 10.0;  ///< more than this above the zone's `set_n` is borne for 100 ms only
   double torque_rate_nm_per_s = 1000.0;
   double encoder_jump_rad = 5e-3;  ///< in one millisecond
   /// Of the first four joints, which carry the forearm: an elbow that swings while the tool stays.
   double joint_speed_rad_per_s = 3.0;
   double stale_freeze_s = 3e-3;  ///< age of the wrist sensor's sample
   double stale_retract_s = 5e-3;
-  /// Force inward that torques may stand for beyond the force that is asked for, and on the way out
-  /// at all: what overcomes friction and speeds the tool is seen as such a force too. Each newton
-  /// felt beyond what is asked for takes two away.
+  /// Cap of the force inward that the proposed torques hold (what overcomes friction or speeds the
+  /// tool up looks like such a force, too): so much above the set force, less two newtons for each
+  /// newton felt beyond that. On the way out: so much, or 3 N above the least felt since it leaves.
   double pressing_n = 20.0;
-  double over_trip_n = 10.0;    ///< likewise, beyond the trip of the zone
-  double free_inward_n = 60.0;  ///< of an arm that nobody says to press
+  double over_trip_n = 10.0;    ///< likewise, above the trip of the zone, whatever the set force
+  double free_inward_n = 60.0;  ///< likewise, in free motion; on the way out never more than this
 };
 inline constexpr Ceilings ceilings;
 

@@ -56,7 +56,7 @@ RobotGuard::RobotGuard(const PerArm<robot::ArmModel>& models, const Options& opt
       sides_{.of = {Side(models[Arm::left], options), Side(models[Arm::right], options)}},
       leased_(options.leased) {}
 
-void RobotGuard::hear(Watcher watcher, const Watchword& word) noexcept {
+void RobotGuard::hear(Watcher watcher, const Heartbeat& word) noexcept {
   const auto i = static_cast<std::size_t>(watcher);
   if (word.stop) stop(Cause::asked_to);
   if (word.beat != beats_[i]) silent_ticks_[i] = 0;

@@ -24,8 +24,8 @@ struct RobotProposal {
 enum class Watcher : std::uint8_t { operating, hand_stop };
 inline constexpr std::size_t watchers = 2;
 
-/// What one of them says: a number that goes on as long as they are well, and whether to stop.
-struct Watchword {
+/// Heartbeat of a watcher: a number that changes as long as they are well, and whether to stop.
+struct Heartbeat {
   std::uint64_t beat = 0;
   bool stop = false;
 };
@@ -59,7 +59,7 @@ class RobotGuard {
 
   /// What a watcher said last; the same once more is silence. A stop makes both arms leave, leased
   /// or not.
-  void hear(Watcher watcher, const Watchword& word) noexcept;
+  void hear(Watcher watcher, const Heartbeat& word) noexcept;
   /// Both arms leave the body at once, whatever the controller wants.
   void stop(Cause cause) noexcept;
   /// Somebody has told the controller to stop; an arm that presses 0.3 s later, or ever after,

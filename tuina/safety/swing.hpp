@@ -17,7 +17,8 @@ class Swing {
     [[nodiscard]] double to_and_fro() const noexcept { return std::min(raised, lowered); }
   };
 
-  /// Beyond a change that is no number nothing is looked for.
+  /// Adds the newest change and drops the oldest. A NaN splits what is kept: no rise and no fall is
+  /// counted across it.
   void add(double change) noexcept {
     changes_[oldest_] = change;
     oldest_ = (oldest_ + 1) % changes_.size();

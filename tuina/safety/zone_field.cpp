@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tuina/core/grid.hpp"
+
 namespace tuina::safety {
 
 const ZoneField::Cell* ZoneField::at(const Vector3& in_base) const noexcept {
@@ -19,18 +21,14 @@ const ZoneField::Cell* ZoneField::at(const Vector3& in_base) const noexcept {
 ZoneField ZoneField::reaching(double reach_m) const {
   ZoneField wide = *this;
   const auto reach = static_cast<std::int32_t>(reach_m / cell_m);
-  const auto index = [&](std::int32_t row, std::int32_t column) {
-    return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
-           static_cast<std::size_t>(column);
-  };
   for (std::int32_t row = 0; row < rows; ++row) {
     for (std::int32_t column = 0; column < columns; ++column) {
-      Zone& zone = wide.cells[index(row, column)].zone;
+      Zone& zone = wide.cells[grid_index(row, columns, column)].zone;
       for (std::int32_t i = std::max(row - reach, 0); i <= std::min(row + reach, rows - 1); ++i) {
         for (std::int32_t j = std::max(column - reach, 0);
              j <= std::min(column + reach, columns - 1); ++j) {
           const bool near = (i - row) * (i - row) + (j - column) * (j - column) <= reach * reach;
-          const Zone other = cells[index(i, j)].zone;
+          const Zone other = cells[grid_index(i, columns, j)].zone;
           if (near && ceiling_of(other).trip_n > ceiling_of(zone).trip_n) zone = other;
         }
       }

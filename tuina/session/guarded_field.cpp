@@ -18,7 +18,8 @@ using Cell = safety::ZoneField::Cell;
 constexpr double cell_m = 6e-3;  // wider than the points of a back stand apart
 constexpr int mended_cells = 3;  // from each rim: closes gaps of six, and widens edges by three
 
-struct Heap {
+/// Sum over the points of the skin that lie in one cell, and the strictest zone among them.
+struct CellSum {
   int points = 0;
   Vector3 normal_in_base = Vector3::Zero();
   safety::Zone zone = safety::Zone::muscle;
@@ -29,19 +30,19 @@ safety::Zone stricter(safety::Zone a, safety::Zone b) {
 }
 
 /// Gives each empty cell beside filled ones what these have together.
-void close_gaps(std::vector<Heap>& heaps, int columns, int rows) {
-  const std::vector<Heap> before = heaps;
+void close_gaps(std::vector<CellSum>& sums, int columns, int rows) {
+  const std::vector<CellSum> before = sums;
   for (int row = 0; row < rows; ++row) {
     for (int column = 0; column < columns; ++column) {
-      Heap& heap = heaps[grid_index(row, columns, column)];
-      if (heap.points > 0) continue;
+      CellSum& sum = sums[grid_index(row, columns, column)];
+      if (sum.points > 0) continue;
       for (int i = std::max(row - 1, 0); i <= std::min(row + 1, rows - 1); ++i) {
         for (int j = std::max(column - 1, 0); j <= std::min(column + 1, columns - 1); ++j) {
-          const Heap& beside = before[grid_index(i, columns, j)];
+          const CellSum& beside = before[grid_index(i, columns, j)];
           if (beside.points == 0) continue;
-          heap.zone = heap.points == 0 ? beside.zone : stricter(heap.zone, beside.zone);
-          heap.normal_in_base += beside.normal_in_base;
-          ++heap.points;
+          sum.zone = sum.points == 0 ? beside.zone : stricter(sum.zone, beside.zone);
+          sum.normal_in_base += beside.normal_in_base;
+          ++sum.points;
         }
       }
     }
@@ -70,16 +71,16 @@ Result<safety::ZoneField> zone_field(const body::BackSurface& back,
   }
   const Eigen::Array2i size = ((high - low) / cell_m).floor().cast<int>() + 1;
   const int columns = size.x(), rows = size.y();
-  std::vector<Heap> heaps(grid_cells(rows, columns));
+  std::vector<CellSum> sums(grid_cells(rows, columns));
   for (std::size_t i = 0; i < skin.points.size(); ++i) {
     const Eigen::Array2i at = ((flat(skin.points[i]) - low) / cell_m).floor().cast<int>();
-    Heap& heap = heaps[grid_index(at.y(), columns, at.x())];
+    CellSum& sum = sums[grid_index(at.y(), columns, at.x())];
     const safety::Zone zone = guarded_zone(zones.at(skin.points[i]));
-    heap.zone = heap.points == 0 ? zone : stricter(heap.zone, zone);
-    heap.normal_in_base += base_from_couch.linear() * skin.normals[i];
-    ++heap.points;
+    sum.zone = sum.points == 0 ? zone : stricter(sum.zone, zone);
+    sum.normal_in_base += base_from_couch.linear() * skin.normals[i];
+    ++sum.points;
   }
-  for (int i = 0; i < mended_cells; ++i) close_gaps(heaps, columns, rows);
+  for (int i = 0; i < mended_cells; ++i) close_gaps(sums, columns, rows);
 
   safety::ZoneField field{
       .corner_in_base = base_from_couch * Vector3(low.x() * chart->left() + low.y() * chart->up()),
@@ -89,11 +90,11 @@ Result<safety::ZoneField> zone_field(const body::BackSurface& back,
       .columns = columns,
       .rows = rows};
   const Vector3 out_in_base = base_from_couch.linear() * chart->out();
-  field.cells.reserve(heaps.size());
-  for (const Heap& heap : heaps) {
-    const bool known = heap.points > 0 && heap.normal_in_base.norm() > 0.5;
-    const Vector3 normal = known ? heap.normal_in_base.normalized() : out_in_base;
-    field.cells.push_back({known ? heap.zone : safety::Zone::denied, normal.cast<float>()});
+  field.cells.reserve(sums.size());
+  for (const CellSum& sum : sums) {
+    const bool known = sum.points > 0 && sum.normal_in_base.norm() > 0.5;
+    const Vector3 normal = known ? sum.normal_in_base.normalized() : out_in_base;
+    field.cells.push_back({known ? sum.zone : safety::Zone::denied, normal.cast<float>()});
   }
   return field;
 }

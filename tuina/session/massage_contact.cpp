@@ -34,12 +34,6 @@ double aimed_n(double ordered_n) noexcept {
   return ordered_n - std::max(swings_share * ordered_n, std::min(swings_n, max_share * ordered_n));
 }
 
-double strongest_n(const ContactPath& path) noexcept {
-  double strongest_n = 0.0;
-  for (const ContactPoint& point : path.points) strongest_n = std::max(strongest_n, point.force_n);
-  return strongest_n;
-}
-
 }  // namespace
 
 void MassageStep::begin_approach(Side& side, Arm arm, double time_s) noexcept {
@@ -47,7 +41,7 @@ void MassageStep::begin_approach(Side& side, Arm arm, double time_s) noexcept {
   side.again = side.cut_short = false;
   side.wanted = base_path_of(side).points.front();
   side.wanted.at_in_base += shift_in_base_;
-  side.commanded_n = 0.0;  // an escape has left what the place before bore
+  side.commanded_n = 0.0;  // after an escape it still is that of the place before
   side.controller().approach(
       {.at_in_base = side.wanted.at_in_base, .normal_in_base = side.wanted.normal_in_base});
   side.phase = ArmPhase::approach;
@@ -62,7 +56,7 @@ void MassageStep::begin_contact(Side& side, Arm arm, double time_s) noexcept {
   steering_.touch(arm, time_s);
   // After probing the tool already is on the skin, with the light touch that a path begins with.
   side.playback.begin(steering_.probing(arm) ? massage::landing_s : 0.0);
-  side.beats.begin(strongest_n(path_of(side)->path));
+  side.beats.begin(path_of(side)->ordered_n());
 }
 
 /// One millisecond of a contact.
@@ -88,6 +82,7 @@ void MassageStep::press_on(Side& side, Arm arm, double time_s) noexcept {
   const BasePlace now = place_at(base_path_of(side), side.playback.path_s());
   side.wanted = now.point;
   side.wanted.at_in_base += shift_in_base_;
+  if (!side.frozen) steering_.stand_still(arm, (1.0 - side.playback.rate()) * control_period_s);
   const double planned_n = steering_.probing(arm) ? steering_.probe_force_n(arm, time_s)
                                                   : steering_.steered_n(arm, now.point.force_n);
   const double max_n = std::min(options_.force_ceiling_n, planned.cap_n);
@@ -158,7 +153,8 @@ void MassageStep::feel(Side& side, Arm arm, double time_s, const ArmState& state
   steering_.feel(arm, time_s,
                  {.depth_m = depth_m - force_n * gears_m_per_n(arm), .force_n = force_n});
   const TissueEstimate& estimate = steering_.estimate(arm);
-  // Another law in the midst of a press would move the tool while it presses: between two of them.
+  // A new law of the tissue moves the virtual target and with it the tool, so it is taken over
+  // between two presses only.
   constexpr double barely_n = 0.5;
   const bool pressing = side.commanded_n > massage::kept_force_n + barely_n;
   if (options_.steer && estimate.converged) {

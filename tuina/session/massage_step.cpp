@@ -216,7 +216,7 @@ void MassageStep::conduct(Arm arm, double time_s) noexcept {
     case ArmPhase::travel:
       if (side.leg_s < 0.0) side.leg_s = time_s;
       if (paused_) return;
-      if (above_path(side) && on_its_way(sides_[arm == Arm::left ? Arm::right : Arm::left])) return;
+      if (above_path(side) && on_its_way(sides_[other(arm)])) return;
       if (status.settled || time_s - side.leg_s > max_leg_s) end_travel(side, arm, time_s);
       return;
     case ArmPhase::approach:

@@ -85,7 +85,7 @@ struct MassageOptions {
   double rail_m = 0.0;
   double standoff_m = 40e-3;
   double force_ceiling_n = 45.0;
-  double torso_n_per_m = 18e3;  ///< between 10 and 35; this person's own is not known
+  double torso_n_per_m = 18e3;  ///< people have 10e3 to 35e3; this person's own is not known
   bool steer = true;            ///< the estimate is fed forward as soon as it has converged
   bool adaptive = true;         ///< presses follow the tissue that was felt
   bool cautious = true;         ///< rule A2 of the steering
@@ -179,7 +179,8 @@ class MassageStep {
   void next_job(Side& side) noexcept;
   void register_skin(Side& side, double time_s) noexcept;
   void end_contact(Side& side, Arm arm, double time_s) noexcept;
-  /// How much deeper than it is the encoders say the tool, for each newton along the normal.
+  /// Compliance of the gears along the normal, as the tool shows it, m/N: encoders at the motors
+  /// report the tool deeper than it is by this much for each newton.
   [[nodiscard]] double gears_m_per_n(Arm arm) const noexcept;
   void feel(Side& side, Arm arm, double time_s, const ArmState& state) noexcept;
   void let_go(double time_s) noexcept;

@@ -29,7 +29,7 @@ struct RobotPose {
   [[nodiscard]] double expected_error_m(const Vector3& place_in_couch) const;
 };
 
-/// Rigid motion by least squares over the centres of the sphere (Arun 1987, Umeyama 1991). The
+/// Rigid motion by least squares over the centres of the sphere [arun1987], [umeyama1991]. The
 /// scatter of one touch is estimated from the residuals, together with 1.5 mm believed beforehand
 /// as if six more residuals had told it. Refused, naming the touch or the cause: fewer than three
 /// spots, spots near one line, distances between spots that differ from those the arm measures,

@@ -33,7 +33,8 @@ double distance_to(std::span<const Acupoint> points, const body::PalpatedPoint& 
   return found == points.end() ? 0.0 : (found->at_in_couch - fixed.at_in_couch).norm();
 }
 
-/// Without the paths that are `done`; a robot that stands already keeps its base at `rail_m`.
+/// Plan of the ordered programme on a mapped person, without the paths that are `done`. `rail_m`: a
+/// robot that stands already keeps its base there; nothing before the first plan.
 Result<Planned> plan_on(const MappedPerson& mapped, const ByHand& said, const Order& order,
                         const Config& config, std::optional<double> rail_m,
                         const std::vector<std::string>& done) {
@@ -109,8 +110,8 @@ Result<void> arm_guard(Devices devices, const Order& order, const Config& config
                                               .field = std::move(*field)}});
 }
 
-/// From the person on the couch to arms that may move. `rail_m`: the robot stands already, with its
-/// base there, and without the paths that are `done`.
+/// Scan, map, plan, review and arming of the guard; afterwards the arms may move. `rail_m` and
+/// `done` as of `plan_on`; with a `rail_m`, that is after a person has moved, nobody reviews.
 Result<void> prepare(Devices devices, const Order& order, const Config& config, Observer& observer,
                      std::optional<double> rail_m, const std::vector<std::string>& done,
                      Session& session) {

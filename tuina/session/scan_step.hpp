@@ -16,6 +16,8 @@ struct MappedPerson {
   body::Mapping located;
   double locate_ms = 0.0;  ///< computing time of back and acupoints
 };
+/// Scans the person and finds back and acupoints in the scan; the observer is told of each as it is
+/// there. Fails as scanner::scan_sweep, body::fit_back and body::locate_acupoints do.
 [[nodiscard]] Result<MappedPerson> scan_and_map(scanner::Camera& camera,
                                                 scanner::Turntable& turntable, const Order& order,
                                                 const Config& config, Observer& observer);

@@ -23,8 +23,7 @@ constexpr int max_probes = 3;
 constexpr std::size_t max_decisions = 4096;
 
 double log_stiffness(const TangentTissue& tissue) noexcept {
-  const double F = reference_force_n, alpha = tissue.alpha_n;
-  return std::log(tissue.beta_per_m * (alpha * alpha + F * F) / alpha);
+  return std::log(tissue::stiffness_at_force(tissue, reference_force_n));
 }
 
 }  // namespace
@@ -36,11 +35,7 @@ Steering::Steering(const massage::Plan& plan, const Options& options)
     massage::PlannedPath without_points = planned;
     without_points.path.points.clear();
     paths_.push_back(std::move(without_points));
-    double strongest_n = 0.0;
-    for (const ContactPoint& point : planned.path.points) {
-      strongest_n = std::max(strongest_n, point.force_n);
-    }
-    strongest_n_.push_back(strongest_n);
+    strongest_n_.push_back(planned.ordered_n());
     int place = -1;
     if (planned.path.acupoints.size() == 1) {
       const int next = static_cast<int>(known.size());
@@ -95,7 +90,7 @@ void Steering::begin(Arm arm, int path, double time_s) noexcept {
   side.reference = place.reference;
   side.reference_nis = place.reference_nis;
   side.strongest_n = place.strongest_n;
-  side.elsewhen = place.felt;
+  side.reference_is_earlier = place.felt;
   side.probing =
       options_.on && side.presses && !place.felt && side.reference_n > massage::kept_force_n;
   // Next to the spine every press of a new place is needed to tell bone (A8).
@@ -198,7 +193,7 @@ double Steering::probe_force_n(Arm arm, double time_s) noexcept {
 void Steering::take_reference(Side& side) noexcept {
   side.reference = side.elastic.estimate();
   side.reference_nis = side.elastic.nis();
-  side.elsewhen = false;
+  side.reference_is_earlier = false;
 }
 
 // Whatever the map says: what feels like bone so near to the spine is the spine.
@@ -225,7 +220,8 @@ void Steering::lower(Side& side, Arm arm, double time_s, double cap_n, Reason re
   if (side.cap_n < planned_n - tells_n) decide(arm, time_s, reason, planned_n, side.cap_n);
 }
 
-// What the next press of the place may be: A2, and no more than a process bears where it is one.
+// Cap of the next press at this place: that of rule A2, and where the place feels like bone beside
+// the spine (A8), what a spinous process bears.
 void Steering::judge(Arm arm, double time_s) noexcept {
   Side& side = sides_[arm];
   const massage::PlannedPath& planned = paths_[static_cast<std::size_t>(side.path)];
@@ -259,7 +255,7 @@ void Steering::watch(Arm arm, double time_s) noexcept {
     if (tissue::may_steer(side.elastic.estimate(), side.elastic.nis())) take_reference(side);
     return;
   }
-  if (std::exchange(side.elsewhen, false)) side.reference.contact_m = now.contact_m;
+  if (std::exchange(side.reference_is_earlier, false)) side.reference.contact_m = now.contact_m;
   const tissue::Alarm alarm = tissue::compare(side.reference, now, reference_force_n);
   if (alarm == tissue::Alarm::none) return;
   side.alarmed = true;

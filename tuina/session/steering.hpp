@@ -67,9 +67,12 @@ class Steering {
   void touch(Arm arm, double time_s) noexcept {
     sides_[arm].probe_s = sides_[arm].touched_s = time_s;
   }
+  /// So long the tool stands in a pause; that is no part of a probing press.
+  void stand_still(Arm arm, double lasting_s) noexcept { sides_[arm].probe_s += lasting_s; }
   /// The contact is over; what it has felt is kept for the place.
   void end(Arm arm) noexcept;
-  /// One sample, in contact; `depth_m` beneath the believed skin.
+  /// One sample of an approach or a contact: depth beneath the believed skin, negative above it,
+  /// and force onto the person.
   void feel(Arm arm, double time_s, const Press& press) noexcept;
 
   /// While a new place is probed, `probe_force_n` is the force for it.
@@ -138,7 +141,8 @@ class Steering {
     bool relies = false, came_as_known = false;
     TangentTissue known = {};
     double known_sd = 0.0;
-    double probe_s = 0.0, peak_n = 0.0;
+    double probe_s = 0.0;  ///< when probing began, later by all pauses since
+    double peak_n = 0.0;
     int probes = 0;            ///< probing presses that are over
     double reference_n = 0.0;  ///< strongest force of the path as planned
     double strongest_n = 0.0;  ///< that the place has felt
@@ -148,8 +152,8 @@ class Steering {
     double deepening_m = 0.0;
     TissueEstimate reference = {};
     double reference_nis = 1.0;
-    /// True when the reference is of an earlier contact, with the skin elsewhere.
-    bool elsewhen = false;
+    /// The reference is of an earlier contact, so its `contact_m` says nothing of the skin now.
+    bool reference_is_earlier = false;
   };
 
   void judge(Arm arm, double time_s) noexcept;

@@ -10,7 +10,8 @@ Eigen::Matrix2d breath_transition(double omega, double zeta, double dt_s) noexce
   const double x = omega * dt_s;
   double c, s;  // e^(-zeta x) cos(r x) and e^(-zeta x) sin(r x) / r with r^2 = 1 - zeta^2
   if (x < 0.2) {
-    // The power series saves three library calls per segment; its next term is below 1e-6.
+    // The power series saves three library calls per segment; its next term is below 3e-6 for
+    // damping ratios up to a half.
     s = x * (1.0 + x * (-zeta + x * ((4.0 * zeta * zeta - 1.0) / 6.0 +
                                      x * (zeta - 2.0 * zeta * zeta * zeta) / 6.0)));
     c = zeta * s + 1.0 +

@@ -118,8 +118,8 @@ class CreepEstimator {
   Outlook onset_;   // what was believed as the press of now began
   int press_ = -1;  // its number
   bool pressing_ = false;
-  double press_over_s_ = 0.0;              // as the press before was over
-  PressSegment rests_, peak_;              // as its force rises, and as all of it is there
+  double press_over_s_ = 0.0;  // as the press before was over
+  PressSegment rests_, peak_;  // of it: the last before the force rises, the first with all of it
   PressSegment rests_before_, strongest_;  // of the strongest press
   int seen_presses_ = 0;
   bool as_told_ = false;                  // the last press, within two standard deviations

@@ -24,9 +24,11 @@ struct CreepHypothesis {
 /// Kalman filter over the segments of a window, passed again at the newest parameters. No heap.
 class CreepFilter {
  public:
-  // `first_press`: by how much ln alpha is larger in it; `change`: a passing one. The first
-  // `nonlinear` are linearised at the last pass.
-  /// Places in the state.
+  /// Places in the state. `log_` are natural logarithms of SI values: alpha (N), beta (1/m), the j
+  /// of each memory, share of the softer layer, compliance beneath (m/N), softness of the layer.
+  /// `first_press` and `change` add to ln alpha, in the first press and for some seconds. `damping`
+  /// is mu (s/m), `offset` the zero of the force (N), `skin` and `breath` are positions (m),
+  /// `breath_speed` is in m/s. Those before `nonlinear` are linearised at the last pass.
   enum Index {
     log_alpha,
     log_beta,
@@ -45,7 +47,7 @@ class CreepFilter {
     states
   };
   /// @{
-  /// The state by `Index`, and its covariance; logarithms of SI values.
+  /// The state by `Index`, and its covariance.
   using State = Eigen::Matrix<double, states, 1>;
   using Covariance = Eigen::Matrix<double, states, states>;
   /// @}

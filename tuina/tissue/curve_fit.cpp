@@ -15,7 +15,7 @@ namespace {
 using Parameters = Eigen::Vector4d;  // ln alpha, ln beta, contact, offset
 using Normal = Eigen::Matrix4d;
 
-constexpr std::size_t fewest_samples = 20;
+constexpr std::size_t min_samples = 20;
 constexpr std::size_t max_samples = 30000;  // fitted in half a second
 constexpr double min_touch_n = 1.0;
 constexpr double steepest_angle = tangent_limit * pi / 2.0;
@@ -158,8 +158,8 @@ double correlation_length(std::span<const double> residuals) {
 
 Result<CurveFit> fit_curve(std::span<const TimedPress> raw, const SensorNoise& noise) {
   const std::vector<TimedPress> record = thinned(without_saturation(raw, noise));
-  if (record.size() < fewest_samples) {
-    return fail(Fault::bad_input, "{} usable samples, {} needed", record.size(), fewest_samples);
+  if (record.size() < min_samples) {
+    return fail(Fault::bad_input, "{} usable samples, {} needed", record.size(), min_samples);
   }
   const double air_n = free_air_force(record);
   const double touching_n = std::max(min_touch_n, 5.0 * noise.force_n);
@@ -176,11 +176,11 @@ Result<CurveFit> fit_curve(std::span<const TimedPress> raw, const SensorNoise& n
       first_m = std::min(first_m, s.press.depth_m);
     }
   }
-  if (touching < fewest_samples) {
+  if (touching < min_samples) {
     return fail(Fault::not_found,
                 "no contact found: {} samples above {:.2f} N, {} needed; the noise of the force "
                 "counts as {:.2f} N, say so if it is less",
-                touching, touching_n, fewest_samples, noise.force_n);
+                touching, touching_n, min_samples, noise.force_n);
   }
 
   std::optional<Solution> best;

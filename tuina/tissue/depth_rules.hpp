@@ -10,16 +10,17 @@ namespace tuina::tissue {
 
 /// Rules from what was felt to massage parameters. They only lower what was ordered (`ordered_n`)
 /// and what the body zone allows (`region_cap_n`). Real-time: no heap, no exceptions; non-finite
-/// input counts as unknown. The thresholds are proposals for a therapist to confirm; the numbers
-/// are those of docs/tissue.md. A3 and A4 are gone; A8 stands in session/steering.cpp.
+/// input counts as unknown. The thresholds are proposals for a therapist to confirm; numbers and
+/// names of rules are those of docs/tissue.md. A5 and A6 are for experiments only (there it stands
+/// why); A8 is in session/steering.cpp.
 
-/// A1. Peak force of the next probing press: 8 N at first, then as far as the bend of the curve at
-/// 2.5 alpha, both at most half of the region's cap, or 7 N where that is more; but after the first
-/// at least seven tenths of what was ordered, from where the rest is foretold. Never more than the
-/// cap or the order.
+/// A1. Peak force of the next probing press, N. The first one has 8 N. Later ones have 2.5 alpha,
+/// the bend of the curve, where alpha and beta can be told apart; but at least 0.7 of what was
+/// ordered, since from there the rest is foretold. Half of the region's cap, or 7 N where that is
+/// more, bounds the 8 N and the 2.5 alpha; the cap and the order bound all.
 [[nodiscard]] double probing_force_n(const TissueEstimate& estimate, double ordered_n,
                                      double region_cap_n) noexcept;
-/// A1. True after two presses if the last was as strong as the next one would be.
+/// A1. True after two presses if the last had at least 0.9 of the force that the next would have.
 [[nodiscard]] bool probed_enough(const TissueEstimate& estimate, double peak_force_n,
                                  double ordered_n, double region_cap_n) noexcept;
 

@@ -83,10 +83,9 @@ class PressEstimator {
   [[nodiscard]] double tare_n() const noexcept { return segments_.tare_n(); }
   [[nodiscard]] double peak_force_n() const noexcept { return segments_.peak_force_n(); }
 
-  /// Tangent stiffness of the tissue at a force, and its relative standard deviation: the
-  /// best-known output.
+  /// Tangent stiffness dF/dx of the tissue at a force: the best-known output.
   [[nodiscard]] double stiffness_n_per_m(double force_n) const noexcept;
-  /// Likewise: its relative standard deviation.
+  /// Relative standard deviation of that stiffness.
   [[nodiscard]] double stiffness_sd(double force_n) const noexcept;
 
   /// Forgets the person but not the options, for the next acupoint.

@@ -17,10 +17,11 @@ struct ForetoldForce {
 };
 
 /// Foretells the forces of a later press, for its rows whose force is NaN; the forces that are
-/// given tell where the skin is. `estimator` has seen the record from `begin_s` to `end_s`. The
-/// press begins later than the record, or has a clock of its own, from `begin_s` or earlier; on
-/// that it is so much later that the tissue has forgotten the record. Fails with bad_input for a
-/// press that begins within the record, without rows, and where every force is given.
+/// given tell where the skin is. `estimator` has seen the record from `begin_s` to `end_s`. Rows
+/// that begin after `end_s` follow on the record by its clock. Rows that begin at `begin_s` or
+/// before have a clock of their own; the press then counts as a minute later than the record, when
+/// the tissue has forgotten it. Fails with bad_input for a press that begins within the record,
+/// without rows, and where every force is given.
 [[nodiscard]] Result<std::vector<ForetoldForce>> foretell_press(CreepEstimator estimator,
                                                                 double begin_s, double end_s,
                                                                 std::span<const TimedPress> rows);

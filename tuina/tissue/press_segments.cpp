@@ -15,7 +15,7 @@ constexpr double min_force_n = 1.0;
 // Cells of equal width in the root of the force span about equal depths on every tissue.
 constexpr double cell_root_n = 0.1863;  // sqrt(80 N) / 48
 constexpr double cell_m = 0.4e-3;
-constexpr double fewest_tare_samples = 5.0;
+constexpr double min_tare_samples = 5.0;
 constexpr int saturated_after = 5;  // equal readings in a row at the largest force seen
 
 double slope_between(const PressSegment& a, const PressSegment& b) noexcept {
@@ -29,11 +29,11 @@ PressSegments::PressSegments(const SegmentOptions& options) noexcept : options_(
 
 double PressSegments::tare_n() const noexcept {
   // A force offset of 0.3 N would otherwise cost up to 14 % of alpha.
-  return free_air_.samples >= fewest_tare_samples ? free_air_.force_n / free_air_.samples : 0.0;
+  return free_air_.samples >= min_tare_samples ? free_air_.force_n / free_air_.samples : 0.0;
 }
 
 double PressSegments::tare_sd_n() const noexcept {
-  return free_air_.samples >= fewest_tare_samples
+  return free_air_.samples >= min_tare_samples
              ? options_.force_noise_n / std::sqrt(free_air_.samples)
              : std::numeric_limits<double>::infinity();
 }

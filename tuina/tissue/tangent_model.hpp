@@ -18,8 +18,9 @@ inline constexpr double tangent_limit = 0.97;
 /// dF/dx at a force: beta (alpha^2 + F^2) / alpha, the contact stiffness a controller needs.
 [[nodiscard]] double stiffness_at_force(const TangentTissue& tissue, double force_n) noexcept;
 
-/// The law that is so deep at a force and at half of it; where no tangent is, as where the second
-/// depth is half of the first, the nearest one.
+/// Tangent law through a depth at a force and a depth at half of that force. Where none passes
+/// through both, as when the second depth is half of the first, that of the nearest alpha between
+/// force / 200 and force / 0.02.
 [[nodiscard]] TangentTissue tangent_through(double force_n, double depth_m,
                                             double half_force_depth_m) noexcept;
 

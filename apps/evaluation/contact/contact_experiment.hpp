@@ -59,8 +59,9 @@ struct ContactExperiment {
   /// The arms take places and no torques; their lag is known to a fifth.
   std::optional<sim::PositionLoop> position = {};
   bool late_gains = true;  ///< gains that suit that lag, not those of an arm that takes torques
-  /// Gives the robot that control sees for the simulated one, which may stand behind it. One that
-  /// takes places stands before that.
+  /// Wraps the robot, for instance to give it faults: it is called with the simulated one behind
+  /// its network or delay, and what it returns is driven by the controller, with `position` through
+  /// arms that take places.
   std::function<robot::Robot&(robot::Robot&)> seen_as = {};
   std::uint64_t seed = 1;
 };
@@ -87,8 +88,9 @@ struct ContactOutcome {
   bool stopped = false;
 };
 
-/// Puts an experiment into the simulated world of a config. Unless that is ideal, a torso that is
-/// not rigid is that of the config, and a person who would not breathe does.
+/// Puts an experiment into the simulated world of a config. Unless that world is ideal, a torso of
+/// finite stiffness gets the stiffness of the config, and a person without breath its breathing;
+/// a person with breath keeps depth and rate.
 void live_in(const session::Config& config, ContactExperiment& experiment);
 
 [[nodiscard]] Result<ContactOutcome> run_contact(const ContactExperiment& experiment,

@@ -50,7 +50,7 @@ Result<void> check_order(const DevicePress& wanted, std::uint64_t seed) {
   return {};
 }
 
-/// What of a session is of one contact.
+/// The result of a session as that of one contact: errors, highest true force, tissue and trace.
 DevicePressed pressed_of(const SessionResult& result, Technique technique) {
   const session::Session& session = result.session;
   DevicePressed pressed{.devices = *result.devices};

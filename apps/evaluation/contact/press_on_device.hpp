@@ -38,7 +38,8 @@ struct DevicePressed {
 /// `--device` of `tuina press`, and who is before its arms.
 class DeviceOptions {
  public:
-  /// What is of a simulated bench excludes it.
+  /// Adds `--device` and what belongs to it. `of_the_bench`, the options of a simulated bench,
+  /// cannot stand beside it.
   void describe(Options& options, const std::vector<Option>& of_the_bench);
   [[nodiscard]] bool asked() const { return !order_.device.empty(); }
   /// Robot, technique, force and duration are those of the experiment.

@@ -16,7 +16,7 @@ enum class Blow : std::uint8_t {
   crash,
   no_memory,  ///< it gets no more
   disk_full,  ///< it writes no more into files
-  hogs,       ///< other processes take two of each processor
+  hogs,       ///< two busy processes for each processor run beside it
 };
 [[nodiscard]] const char* name_of(Blow blow);
 enum class Victim : std::uint8_t { controller, guard, machine };

@@ -41,7 +41,7 @@ class Trial {
   void stray(Stray where);
   void judge_stop();
   [[nodiscard]] bool over() const;
-  [[nodiscard]] Arm other_arm() const { return site_.arm == Arm::left ? Arm::right : Arm::left; }
+  [[nodiscard]] Arm other_arm() const { return other(site_.arm); }
   /// A joint that carries the arm: three of the shoulder, and the elbow.
   [[nodiscard]] int joint() const {
     return plan_.joint >= 0 ? plan_.joint : static_cast<int>(plan_.seed % 4);

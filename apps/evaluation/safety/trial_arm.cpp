@@ -49,7 +49,7 @@ void TrialArm::go_mad(Madness madness, double size, double hz, int joint) noexce
 safety::RobotProposal TrialArm::propose(const robot::RobotReading& reading, Stage stage,
                                         double set_n) noexcept {
   safety::RobotProposal wanted{.rail_m = site_.rail_m};
-  const Arm other = site_.arm == Arm::left ? Arm::right : Arm::left;
+  const Arm other = tuina::other(site_.arm);
   wanted.arms[other] = controlled_[other].propose(reading, safety::Zone::denied);
   wanted.arms[site_.arm] = proposal(stage, set_n, controlled_[site_.arm].torque_nm(reading));
   if (madness_ == Madness::none) last_ = wanted.arms[site_.arm];

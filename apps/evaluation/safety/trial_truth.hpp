@@ -30,8 +30,8 @@ class TrialTruth final : public robot::Robot {
   void begin(double set_n) noexcept;
   [[nodiscard]] bool begun() const noexcept { return onset_s_ >= 0.0; }
   [[nodiscard]] double onset_s() const noexcept { return onset_s_; }
-  /// Whether the drives hear nobody any more. The guard of a trial runs on then: what it sees, and
-  /// by drives that measure it sees at once that it is not obeyed, a killed one does not see.
+  /// Whether the drives hear no guard any more. The trial's own guard runs on all the same; what it
+  /// does then does not count, for a killed one would neither see nor do it.
   [[nodiscard]] bool guard_killed() const noexcept;
   /// What the session wants in this millisecond.
   void want(double set_n) noexcept { set_n_ = set_n; }

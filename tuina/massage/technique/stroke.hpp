@@ -11,10 +11,11 @@
 
 namespace tuina::massage {
 
-/// Two hands stroke in turn: one begins to press so long before the other leaves. Twice the time
-/// in which the force of most strokes rises, and half a second in which they may touch apart.
+/// Time from the start of one hand's stroke to the end of the other's. Either force rises or falls
+/// within half a second in most strokes; for the half second between, both press with all of it,
+/// so that the two hands need not touch the skin at the same time.
 inline constexpr double hands_overlap_s = 1.5;
-/// How two hands share one line.
+/// How two hands stroke in turn, each along the line of its own side.
 struct HandOverHand {
   double pass_s = 0.0;  ///< Time of one stroke, the same for both hands.
   bool second = false;  ///< The hand waits for its turn on the skin, with the kept force.

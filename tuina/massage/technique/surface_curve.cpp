@@ -46,8 +46,8 @@ SurfaceCurve::SurfaceCurve(std::span<const body::SurfacePoint> lifted, bool clos
     : closed_(closed) {
   double polygon_m = 0.0;
   const std::vector<double> way = parameters(lifted, closed, polygon_m);
-  const int most = std::max(1, static_cast<int>(lifted.size()) - (closed ? 1 : 3));
-  spans_ = std::clamp(static_cast<int>(std::lround(polygon_m / knot_distance_m)), 1, most);
+  const int max_spans = std::max(1, static_cast<int>(lifted.size()) - (closed ? 1 : 3));
+  spans_ = std::clamp(static_cast<int>(std::lround(polygon_m / knot_distance_m)), 1, max_spans);
   if (closed_) spans_ = std::max(spans_, 4);
   const int count = closed_ ? spans_ : spans_ + 3;
 

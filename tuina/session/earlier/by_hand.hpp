@@ -12,22 +12,23 @@
 
 namespace tuina::session {
 
-/// What people have said of a back by hand, in the couch frame of one scan of it.
+/// Corrections that people have made by hand, in the couch frame of one scan of a back.
 struct ByHand {
   std::vector<massage::NoGo> no_go;        ///< places ruled out
   std::vector<body::PalpatedPoint> fixed;  ///< points that a finger has shown
 };
 
-/// What was said by hand, and where the acupoints were found, by the scan alone, in the scan of
-/// which it was said. Without points it was said of the scan that comes.
+/// Corrections by hand, and the acupoints that the scan they belong to has shown by itself. Without
+/// acupoints they belong to the scan that is about to be made.
 struct Said {
   ByHand by_hand;
-  std::vector<Acupoint> lay;
+  std::vector<Acupoint> lay;  ///< where the scan found the acupoints, without any correction
   /// Whether nothing was said.
   [[nodiscard]] bool empty() const { return by_hand.no_go.empty() && by_hand.fixed.empty(); }
 };
-/// RMS distance of the acupoints of two scans of one person: after the person has moved, and in
-/// another session, which must not be somebody else's.
+/// Largest RMS distance between the acupoints of two scans, after the rigid motion that fits them
+/// best: of a person who has moved within a session, and in another session, where somebody else
+/// has to be noticed.
 inline constexpr double max_moved_misfit_m = 15e-3, max_other_misfit_m = 6e-3;
 
 /// The answer of somebody who has looked at a plan. `change` asks for another plan, with `wanted`
@@ -48,12 +49,12 @@ struct FittedMotion {
 [[nodiscard]] Result<FittedMotion> fit_motion(std::span<const Acupoint> then,
                                               std::span<const Acupoint> now);
 
-/// The same said of a later scan: places move with the person, by the fitted motion. Fails
-/// (Fault::bad_input) where the points did not move as one body, for then nobody knows where a
-/// place that was ruled out is now.
+/// The corrections brought to a later scan, whose acupoints are `now`: their places move by the
+/// fitted motion. Fails (Fault::bad_input) where fewer than three acupoints are in both, or where
+/// these did not move as one body, for then nobody knows where a place that was ruled out is now.
 [[nodiscard]] Result<ByHand> carried(const Said& said, std::span<const Acupoint> now,
                                      double max_misfit_m);
-/// The same with more of it; a point that is said anew takes the place of what was said of it.
+/// The corrections of both; a point of `more` takes the place of the one with the same name.
 [[nodiscard]] ByHand joined(ByHand said, const ByHand& more);
 
 }  // namespace tuina::session

@@ -26,13 +26,13 @@ struct KnownPlace {
 /// What an earlier session has felt, and where its scan found the acupoints.
 struct KnownTissue {
   BodyPosture position = BodyPosture::sitting;
-  std::vector<Acupoint> lay;
+  std::vector<Acupoint> lay;  ///< where its scan found the acupoints
   std::vector<KnownPlace> places;
 };
 
-/// Largest offset of a place against the other acupoints for which its tissue counts as known, and
-/// the relative change of stiffness along the skin. The latter is assumed: from bone to muscle
-/// stiffness changes by about twice as much.
+/// Largest distance between a place and where the fitted motion of all acupoints puts it, up to
+/// which its tissue counts as known; and the relative change of stiffness per metre of that
+/// distance, assumed as about half of that from bone to muscle.
 inline constexpr double max_place_offset_m = 5e-3, change_along_skin_per_m = 30.0;
 
 /// The places whose tissue still counts in a new scan, and a sentence for people.
@@ -40,9 +40,10 @@ struct Recognised {
   std::vector<KnownPlace> places;
   Sentence note;  ///< empty where nothing was known
 };
-/// None where the position is another one or the acupoints are those of somebody else
-/// (`max_other_misfit_m`); without places that lie elsewhere among the acupoints than they did, the
-/// others widened by their offset.
+/// Places of `known` that still count where a scan finds the acupoints at `now`. None in another
+/// position, or where the acupoints are those of somebody else (`max_other_misfit_m`). A place that
+/// is off by more than `max_place_offset_m` is left out; the `log_sd` of the others grows with
+/// their offset.
 [[nodiscard]] Recognised recognised(const KnownTissue& known, BodyPosture position,
                                     std::span<const Acupoint> now);
 
@@ -52,9 +53,10 @@ enum class KnownMatch : std::uint8_t {
   unclear,  ///< too wide an error to tell
   differs,  ///< it came otherwise
 };
-/// Compares ln alpha and ln beta of both, known to `known_sd` each and felt with `felt_covariance`.
-/// Differs where only 5 of 100 that have not changed would be so far apart; unclear where a depth
-/// at `force_n` of half as much again would not differ.
+/// Compares ln alpha and ln beta: `known_sd` is the standard deviation of each known one,
+/// `felt_covariance` that of the felt ones. `differs` at the 5 % level (chi-squared, two degrees of
+/// freedom); else `holds` where the 95 % interval of the depth at `force_n` reaches to less than
+/// half as much again, and `unclear` where it is wider.
 [[nodiscard]] KnownMatch match(const TangentTissue& known, double known_sd,
                                const TangentTissue& felt, const Eigen::Matrix2d& felt_covariance,
                                double force_n) noexcept;
