@@ -21,6 +21,7 @@ struct CommonOptions {
   bool json = false;
   bool quiet = false;
   std::uint64_t seed = 1;
+  std::string out;  ///< file for the JSON object, of verbs without an --out of their own
   std::string config_file;
   std::vector<std::string> settings;  ///< --set section.key=value
 };
@@ -58,6 +59,10 @@ class Verb {
 /// Refuses a file that a verb is to write where there is no folder for it, or a folder in its
 /// place: before the work, not after it. An empty path is none.
 [[nodiscard]] Result<void> check_folder_of(const std::string& path);
+
+/// Refuses to write onto a file that the same command reads: it would be lost.
+[[nodiscard]] Result<void> check_not_onto(const std::string& path,
+                                          const std::vector<std::string>& inputs);
 
 /// Names of the robots that are built in, for --help.
 [[nodiscard]] std::string shipped_robot_names();

@@ -39,9 +39,9 @@ std::string whole_number(const std::string& text) {
   return fmt::format("{} is not a whole number from 0 to {}", in_quotes(text), UINT64_MAX);
 }
 
-void add_common_options(CLI::App& command, CommonOptions& common, std::string& out) {
+void add_common_options(CLI::App& command, CommonOptions& common) {
   if (command.get_option_no_throw("--out") == nullptr) {
-    command.add_option("--out", out, "write the JSON object to this file");
+    command.add_option("--out", common.out, "write the JSON object to this file");
   }
   command.add_flag("--json", common.json, "write one JSON object to stdout and nothing else there");
   command.add_flag("--quiet", common.quiet, "no text and no progress bar");
@@ -75,9 +75,13 @@ std::string brief(const std::string& message) {
   constexpr std::string_view more = "\nand 9999 more";
   std::string first = listed(lines, "\n", max_letters - more.size());
   if (first.size() <= max_letters) return first;
+  // Whole words, where there are any.
   constexpr std::string_view gap = " ... ";
-  return message.substr(0, max_letters - end_letters - gap.size()) + std::string(gap) +
-         message.substr(message.size() - end_letters);
+  std::string head = message.substr(0, max_letters - end_letters - gap.size());
+  std::string tail = message.substr(message.size() - end_letters);
+  if (const auto space = head.rfind(' '); space > head.size() / 2) head.resize(space);
+  if (const auto space = tail.find(' '); space < tail.size() / 2) tail.erase(0, space + 1);
+  return head + std::string(gap) + tail;
 }
 
 int explain(const Error& error) {
@@ -109,10 +113,10 @@ Result<Answer> run(Verb& verb, const CommonOptions& common) {
   }
 }
 
-int show(const Result<Answer>& answer, const CommonOptions& common, const std::string& out) {
+int show(const Result<Answer>& answer, const CommonOptions& common) {
   if (!answer) return explain(answer.error());
-  if (!out.empty()) {
-    if (const auto written = write_file(out, answer->json + "\n"); !written)
+  if (!common.out.empty()) {
+    if (const auto written = write_file(common.out, answer->json + "\n"); !written)
       return explain(written.error());
   }
   std::string product = common.quiet ? std::string() : answer->product;
@@ -124,7 +128,7 @@ int show(const Result<Answer>& answer, const CommonOptions& common, const std::s
 
 /// Verbs as commands of the parser, and which verb each command is.
 std::map<const CLI::App*, Verb*> add_verbs(CLI::App& tuina, const Program& program,
-                                           CommonOptions& common, std::string& out) {
+                                           CommonOptions& common) {
   std::map<const CLI::App*, Verb*> verb_of;
   std::map<std::string, CLI::App*> groups;
   for (const auto& verb : program.verbs) {
@@ -146,7 +150,7 @@ std::map<const CLI::App*, Verb*> add_verbs(CLI::App& tuina, const Program& progr
     command->footer(fmt::format("Example:\n  {}", verb->example()));
     Options options(*command);
     verb->describe(options);
-    add_common_options(*command, common, out);
+    add_common_options(*command, common);
     refuse_empty_words(*command);
     verb_of[command] = verb.get();
   }
@@ -233,8 +237,8 @@ int run_program(int argc, char** argv, const Program& program) {
   tuina.footer("Exit codes: 0 done, 1 wrong use, 2 bad input, 3 device, 4 stopped for safety.");
 
   CommonOptions common;
-  std::string out, shell;
-  const auto verb_of = add_verbs(tuina, program, common, out);
+  std::string shell;
+  const auto verb_of = add_verbs(tuina, program, common);
   for (const ProgramBeside& other : program.beside) tuina.add_subcommand(other.verb, other.summary);
   CLI::App* completion = tuina.add_subcommand("completion", "a script by which a shell completes");
   completion->add_option("shell", shell, "bash, zsh or fish")
@@ -268,8 +272,8 @@ int run_program(int argc, char** argv, const Program& program) {
     fmt::print(stderr, "{}", help_of(chosen));
     return 1;
   }
-  if (const auto good = check_folder_of(out); !good) return explain(good.error());
-  return show(run(*found->second, common), common, out);
+  if (const auto good = check_folder_of(common.out); !good) return explain(good.error());
+  return show(run(*found->second, common), common);
 }
 
 }  // namespace tuina::app

@@ -1,11 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/simulated/session_order.hpp"
 
+#include <fmt/ranges.h>
+
+#include <filesystem>
+#include <span>
+
 #include "apps/simulated/atlas_source.hpp"
 #include "apps/simulated/placed_arms.hpp"
 #include "tuina/body/palpation.hpp"
 #include "tuina/core/io/file.hpp"
 #include "tuina/core/units.hpp"
+#include "tuina/link/wire.hpp"
+#include "tuina/robot/table/robot_table.hpp"
 #include "tuina/session/lay_plan.hpp"
 
 namespace tuina::app {
@@ -179,7 +186,13 @@ Result<DeviceRoom> make_device_room(const SessionOrder& order, const session::Co
 }
 
 std::string world_name(const SessionOrder& order, const sim::World& world, std::uint64_t seed) {
-  return fmt::format("{}, seed {}, robot {}", world.person().name, seed, order.robot);
+  // Two files of one name may be two robots.
+  std::string table = robot::to_toml(robot::RobotModel{.arm = world.robot_table()});
+  for (const Transform& shoulder : world.mount().base_from_shoulder.of)
+    table += fmt::format("{}", fmt::join(shoulder.matrix().reshaped(), " "));
+  return fmt::format("{}, seed {}, robot {} (table {:08x})", world.person().name, seed,
+                     std::filesystem::path(order.robot).stem().string(),
+                     link::wire::crc_of(std::as_bytes(std::span(table)).data(), table.size()));
 }
 
 }  // namespace tuina::app

@@ -109,6 +109,8 @@ class Massage final : public Verb {
     const auto nothing_done = [&](const Error& error) {
       std::error_code fault;
       if (*made) std::filesystem::remove(out_, fault);
+      if (!std::filesystem::exists(out_, fault) || std::filesystem::is_empty(out_, fault))
+        visit_.take_back();
       return tl::unexpected(error);
     };
     auto fixed = fixed_.read();

@@ -2,6 +2,7 @@
 #include "tuina/massage/plan.hpp"
 
 #include <chrono>
+#include <filesystem>
 
 #include "apps/tuina/verbs.hpp"
 #include "tuina/core/io/file.hpp"
@@ -77,6 +78,7 @@ class PlanVerb final : public Verb {
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
     const auto config = effective_config(common);
     if (!config) return tl::unexpected(config.error());
+    if (const auto good = check_files(common.out); !good) return tl::unexpected(good.error());
     const auto model = robot::load_robot(robot_);
     if (!model) return tl::unexpected(model.error());
     const auto programme = massage::load_programme(programme_);
@@ -108,6 +110,16 @@ class PlanVerb final : public Verb {
   }
 
  private:
+  [[nodiscard]] Result<void> check_files(const std::string& out) const {
+    if (!picture_.empty() && std::filesystem::path(picture_).extension() != ".svg")
+      return fail(Fault::usage, "--picture {}: is drawn as SVG; NAME.svg is needed", picture_);
+    for (const std::string& written : {out, picture_}) {
+      if (auto good = check_folder_of(written); !good) return good;
+      if (auto kept = check_not_onto(written, {scan_, acupoints_, programme_}); !kept) return kept;
+    }
+    return {};
+  }
+
   std::string scan_;
   std::string acupoints_;
   std::string programme_ = "relax";

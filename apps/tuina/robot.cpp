@@ -134,6 +134,10 @@ class RobotImport final : public Verb {
   }
   [[nodiscard]] Result<Answer> run(const CommonOptions&) override {
     constexpr std::size_t max_bytes = 16 << 20;
+    std::error_code fault;
+    if (std::filesystem::exists(out_, fault)) {
+      return fail(Fault::usage, "--out {}: is there, and may have been mended by hand since", out_);
+    }
     const auto text = read_file(file_, max_bytes);
     if (!text) return tl::unexpected(text.error());
     const auto read = robot::read_urdf(*text, file_, base_, tip_);

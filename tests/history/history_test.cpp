@@ -90,6 +90,24 @@ TEST_CASE("a session that only began is there, and said to be cut short") {
   });
 }
 
+TEST_CASE("a session that was refused is taken back, one that has ended is not") {
+  on_both([](const std::string& address) {
+    auto history = History::open(address);
+    REQUIRE(history);
+    const record::VisitLabel first{"anna", "x", "2026-01-01T09:00:00Z"};
+    REQUIRE(history->begin(first, "/nowhere"));
+    REQUIRE(history->take_back(first));
+    CHECK(history->people()->empty());
+    REQUIRE(history->add(test::visit_at("x", "2026-01-01T09:00:00Z", 2.0)));
+    REQUIRE(history->take_back(first));
+    CHECK(history->visits_of("anna")->size() == 1);
+    const record::VisitLabel second{"anna", "y", "2026-01-02T09:00:00Z"};
+    REQUIRE(history->begin(second, "/nowhere"));
+    REQUIRE(history->take_back(second));
+    CHECK(history->visits_of("anna")->size() == 1);
+  });
+}
+
 TEST_CASE("a session that cannot be added whole is not there at all") {
   on_both([](const std::string& address) {
     auto history = History::open(address);

@@ -251,8 +251,8 @@ Result<BackSurface> fit_back(const PointCloud& scan_in_couch, const BackOptions&
     if (p.allFinite() && p.cwiseAbs().maxCoeff() < 1e6) finite.push_back(p);
   }
   if (finite.size() < enough_points) {
-    return fail(Fault::not_found, "no person found: {} points, {} needed", finite.size(),
-                enough_points);
+    return fail(Fault::not_found, "no person found: {} of {} points are finite numbers, {} needed",
+                finite.size(), scan_in_couch.size(), enough_points);
   }
   if (auto units = check_units(finite); !units) return tl::unexpected(units.error());
 

@@ -213,52 +213,6 @@ Result<std::vector<Visit>> History::visits_of(const std::string& who) {
   return visits;
 }
 
-Result<bool> History::left_unfinished(const Visit& visit) {
-  std::error_code fault;
-  if (visit.ended || fs::exists(fs::path(visit.folder) / "session.json", fault)) return false;
-  const Value where[] = {visit.folder, visit.began};
-  const auto later =
-      database_->query("SELECT 1 FROM session WHERE folder = $1 AND began > $2", where);
-  if (!later) return tl::unexpected(later.error());
-  return later->empty();
-}
-
-Result<std::vector<KeptFolder>> History::forget(const std::string& who, const std::string& at) {
-  const auto visits = visits_of(who);
-  if (!visits) return tl::unexpected(visits.error());
-  std::vector<KeptFolder> kept;
-  // Folders go first: a fault in between leaves rows that still say what there is to remove.
-  for (const Visit& visit : *visits) {
-    std::error_code fault;
-    if (!fs::exists(visit.folder, fault)) continue;
-    const auto unfinished = left_unfinished(visit);
-    if (!unfinished) return tl::unexpected(unfinished.error());
-    if (!*unfinished && !still_in_its_folder(visit)) {
-      kept.push_back({visit.folder, true});
-      continue;
-    }
-    // session.json is the last to go: until then a second attempt finds the session.
-    for (const char* name : record::files_of_session) {
-      if (fs::remove(fs::path(visit.folder) / name, fault); fault)
-        return fail(Fault::file, "{}/{}: {}; nobody is forgotten yet", visit.folder, name,
-                    fault.message());
-    }
-    // Whoever keeps something of their own beside a session keeps it.
-    if (!fs::remove(visit.folder, fault)) kept.push_back({visit.folder, false});
-  }
-  auto transaction = Transaction::begin(*database_);
-  if (!transaction) return tl::unexpected(transaction.error());
-  const Value person[] = {who};
-  const Value trace[] = {at, static_cast<std::int64_t>(visits->size())};
-  if (const auto gone = database_->run("DELETE FROM person WHERE name = $1", person); !gone)
-    return tl::unexpected(gone.error());
-  if (const auto said = database_->run("INSERT INTO forgotten VALUES ($1, $2)", trace); !said)
-    return tl::unexpected(said.error());
-  if (const auto done = transaction->commit(); !done) return tl::unexpected(done.error());
-  if (const auto clean = database_->scrub(); !clean) return tl::unexpected(clean.error());
-  return kept;
-}
-
 Result<Rebuilt> History::rebuild(const fs::path& folder) {
   std::error_code fault;
   fs::recursive_directory_iterator entries(folder, fault);

@@ -52,6 +52,9 @@ class History {
 
   /// Everybody, in the order of their names.
   [[nodiscard]] Result<std::vector<Person>> people();
+  /// Takes back that a session has begun, where it was refused before anything was done; and its
+  /// person, of whom nothing else is known. A session that has ended stays.
+  [[nodiscard]] Result<void> take_back(const record::VisitLabel& label);
   /// In the order of time; empty for somebody who is not known.
   [[nodiscard]] Result<std::vector<Visit>> visits_of(const std::string& who);
   /// In the order of time; empty for somebody who is not known.

@@ -4,7 +4,9 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <string_view>
 
 #include "tuina/core/io/text_lines.hpp"
 #include "tuina/core/units.hpp"
@@ -137,6 +139,13 @@ Result<Plan> plan(const body::BackSurface& back, std::span<const Acupoint> acupo
   if (Sentence doubt = doubtful_places(acupoints, result.paths); !doubt.empty())
     result.notes.push_back(std::move(doubt));
   return result;
+}
+
+bool tells_left_out(const Sentence& note) {
+  constexpr std::array<std::string_view, 5> keys = {"note_place_unsure", "note_beyond_scan",
+                                                    "note_zone_denied", "note_out_of_reach",
+                                                    "note_arms_too_close"};
+  return std::find(keys.begin(), keys.end(), note.key) != keys.end();
 }
 
 }  // namespace tuina::massage

@@ -25,6 +25,9 @@ struct Plan {
   std::vector<Sentence> notes;
 };
 
+/// Whether a note of a plan tells that a path of the programme is not in it.
+[[nodiscard]] bool tells_left_out(const Sentence& note);
+
 /// What bounds a plan besides the zones.
 struct PlanOptions {
   double force_scale = 1.0;       ///< Factor on every force, besides the programme's intensity.

@@ -63,7 +63,7 @@ void read_points(const TomlTable& table, Part& part) {
     } else if (name.starts_with("GV") && (name != "GV4" || part.technique != Technique::press)) {
       table.reject(entry,
                    fmt::format("`{}` lies on the spine, where only GV4 may be touched, and only "
-                               "be pressed (massage/zones.hpp)",
+                               "be pressed",
                                name));
     } else {
       part.points.push_back(name);

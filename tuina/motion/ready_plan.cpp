@@ -137,7 +137,8 @@ Result<ReadyPlan> make_ready(massage::Plan plan, const body::BackSurface& back,
     }
   }
   if (!best || best->paths.empty()) {
-    return fail(Fault::not_found, "no path of the plan is within reach of the arms");
+    return fail(Fault::not_found, "no path of the plan is within reach of the arms{}",
+                best && !best->notes.empty() ? ": " + best->notes.front().words : "");
   }
   ready.plan.paths = std::move(best->paths);
   ready.plan.duration_s = best->end_s;

@@ -150,10 +150,11 @@ Result<ReportData> read_record(const std::filesystem::path& folder) {
                   .stopping_distance_m = safety::stopping_arm_distance_m,
                   .stops = file->stops,
                   .rescans_s = file->rescans_s,
-                  .plan_notes = file->plan.notes,
                   .numbers = numbers_of(*file),
                   .config_toml = std::move(*config),
                   .version = file->version};
+  for (const Sentence& note : file->plan.notes)
+    (massage::tells_left_out(note) ? data.left_out : data.plan_notes).push_back(note);
   if (file->condition_presses > 0) data.condition = file->condition;
   for (const PerformedEntry& done : file->massage.performed) {
     if (done.path >= plan->plan.paths.size())
@@ -162,7 +163,6 @@ Result<ReportData> read_record(const std::filesystem::path& folder) {
     data.paths.push_back(shown(done, plan->plan.paths[done.path].path));
   }
   std::vector<Acupoint> acupoints;
-  acupoints.reserve(data.acupoints.size());
   for (const auto& shown : data.acupoints) acupoints.push_back(shown.acupoint);
   data.poses = poses_of(
       *joints, robot::place_robot(*model, data.position, session::head_at_plus_y(acupoints)),

@@ -83,7 +83,7 @@ SessionOutcome run_session_trial(const SessionTrial& trial, const session::Confi
     outcome.stops.push_back(session::explain(stop).words);
   }
   for (const Sentence& note : done->session.ready.plan.notes) {
-    if (note.words.find("left out") != std::string::npos) outcome.left_out.push_back(note.words);
+    if (massage::tells_left_out(note)) outcome.left_out.push_back(note.words);
   }
   outcome.over_cap_n = outcome.over_trip_n = -std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < done->session.performed.size(); ++i) {

@@ -129,9 +129,7 @@ class AtlasRecord final : public Verb {
     std::error_code fault;
     if (!fs::exists(scan_, fault))
       return fail(Fault::file, "{}: there is no such folder or file", scan_);
-    if (fs::equivalent(scan_, path, fault))
-      return fail(Fault::usage, "--out {}: that is the scan itself, which would be lost", out_);
-    return {};
+    return check_not_onto(out_, {scan_});
   }
 
   [[nodiscard]] Result<Seen> watch_sweep(const CommonOptions& common) const {

@@ -66,6 +66,13 @@ Error VisitOption::with_remembered(Error error) const {
   return error;
 }
 
+void VisitOption::take_back() {
+  if (!history_ || !label_) return;
+  // Where the server does not answer now, it keeps a session that was cut short.
+  static_cast<void>(history_->own().take_back(*label_));
+  if (const auto whole = history_->whole()) static_cast<void>((*whole)->take_back(*label_));
+}
+
 Result<std::string> VisitOption::end(const record::SessionFile& file) {
   const auto visit = history::visit_of(file, folder_);
   if (const auto added = history_->own().add(visit); !added) return tl::unexpected(added.error());

@@ -30,6 +30,8 @@ class VisitOption {
   [[nodiscard]] const std::optional<record::VisitLabel>& label() const { return label_; }
   /// Why a session could not begin, with what was remembered.
   [[nodiscard]] Error with_remembered(Error error) const;
+  /// Takes back that a session has begun: it was refused and has left nothing.
+  void take_back();
   /// Adds the session that has ended, and tells what has changed since the one before.
   [[nodiscard]] Result<std::string> end(const record::SessionFile& file);
 

@@ -54,9 +54,9 @@ Result<ByHand> carried(const Said& said, std::span<const Acupoint> now, double m
   const auto& [motion, misfit_m] = *fitted;
   if (!(misfit_m <= max_misfit_m)) {
     return fail(Fault::bad_input,
-                "the acupoints lie otherwise to each other than when places were ruled out or put "
-                "right by hand ({:.1f} mm; {:.0f} mm are borne), so these are not known any more: "
-                "the person is bent, or another one",
+                "another person, or one who is bent: the acupoints lie otherwise to each other "
+                "than when places were ruled out or put right by hand ({:.1f} mm; {:.0f} mm are "
+                "borne)",
                 to_mm(misfit_m), to_mm(max_misfit_m));
   }
   ByHand moved = said.by_hand;

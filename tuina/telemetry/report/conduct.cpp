@@ -131,15 +131,20 @@ std::string given_in_words(const ReportData& data) {
     lowered += !performed.lowered_by.empty();
     cut_short += performed.why.empty() && !performed.contact_fault.empty();
   }
-  if (ordered == 0) return "";
   const Language& say = data.language;
   std::string words;
+  if (const std::size_t left_out = data.left_out.size(); left_out > 0)
+    words += say("{} of {} ordered paths left out, see below. ", left_out, ordered + left_out);
+  if (ordered == 0) return words;
   if (lowered == 1)
     words += say("The plan orders less than the programme for one of {} paths. ", ordered);
   else if (lowered > 1)
     words += say("The plan orders less than the programme for {} of {} paths. ", lowered, ordered);
-  if (otherwise + cut_short == 0)
-    return words + say("Every place was given the force that the plan orders. ");
+  if (otherwise + cut_short == 0) {
+    return words + (data.left_out.empty()
+                        ? say("Every place was given the force that the plan orders. ")
+                        : say("Every other place was given the force that the plan orders. "));
+  }
   if (otherwise == 1)
     words += say("One of {} paths was given another force than was ordered, see below. ", ordered);
   else if (otherwise > 1)
@@ -171,13 +176,14 @@ void add_given(Page& page, const ReportData& data) {
     table.add({figures::said_path(performed.path, say), performed.programme_n, performed.ordered_n,
                performed.given_n, why});
   }
-  if (table.rows.empty()) return;
-  page.section(
-          say("Given otherwise than asked for"),
-          say("Where the plan orders less than the programme asks for, the given force is more "
-              "than 5 % off the ordered one, or the path was cut short. A press or a tap counts by "
-              "its largest force, what slides by its mean."))
-      .table(table);
+  if (table.rows.empty() && data.left_out.empty()) return;
+  Part& part = page.section(
+      say("Given otherwise than asked for"),
+      say("Where the plan orders less than the programme asks for, the given force is more "
+          "than 5 % off the ordered one, or the path was cut short. A press or a tap counts by "
+          "its largest force, what slides by its mean."));
+  if (!data.left_out.empty()) part.heading(say("Left out")).list(say(data.left_out));
+  if (!table.rows.empty()) part.table(table);
 }
 
 void add_decisions(Page& page, const ReportData& data) {

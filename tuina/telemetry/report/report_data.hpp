@@ -169,7 +169,8 @@ struct ReportData {
   std::vector<Stop> stops = {};
   std::vector<double> rescans_s =
       {};  ///< times at which the person had moved and was scanned again
-  std::vector<Sentence> plan_notes = {};  ///< what was lowered, bent or left out, and why
+  std::vector<Sentence> left_out = {};    ///< paths of the programme that the plan has not, and why
+  std::vector<Sentence> plan_notes = {};  ///< what was lowered, bent or cut, and why
   std::vector<KeyNumber> numbers = {};    ///< besides those that the page counts itself
   std::string config_toml = {};           ///< the whole effective configuration
   std::string version = {};
