@@ -97,8 +97,8 @@ class Refusals(unittest.TestCase):
         self.refused("there are 1 normals and 2 points", tuina.PointCloud, np.zeros((2, 3)), np.zeros((1, 3)))
         for other in ("text", [[1j, 0, 0]], [["a", "b", "c"]], [None], [[1, 2], [3]], np.zeros((2, 3), dtype=bool)):
             self.refused("array of", tuina.PointCloud, other)
-        self.refused("no person found: 4 points", tuina.fit_back, tuina.PointCloud(np.zeros((4, 3))))
-        self.refused("no person found: 0 points", tuina.fit_back, tuina.PointCloud(np.zeros((0, 3))))
+        self.refused("no person found: 4 of 4 points", tuina.fit_back, tuina.PointCloud(np.zeros((4, 3))))
+        self.refused("no person found: 0 of 0 points", tuina.fit_back, tuina.PointCloud(np.zeros((0, 3))))
         with self.assertRaises(TypeError):
             tuina.fit_back(np.zeros((4, 3)))
 
