@@ -27,8 +27,19 @@ std::string wishes_of(const Visit& visit) {
   return wishes;
 }
 
+/// Place of a session among those that have ended, from 1: all of the page call it by that.
+std::size_t number_of(const Visit& visit, std::span<const Visit> visits) {
+  std::size_t number = 0;
+  for (const Visit& one : visits) {
+    if (one.ended) ++number;
+    if (one.id == visit.id) break;
+  }
+  return number;
+}
+
 void add_sessions(telemetry::Page& page, std::span<const Visit> visits) {
-  telemetry::Table table{.columns = {{.head = "when (UTC)"},
+  telemetry::Table table{.columns = {{.head = "session"},
+                                     {.head = "when (UTC)"},
                                      {.head = "position"},
                                      {.head = "programme"},
                                      {.head = "minutes", .digits = 1},
@@ -38,11 +49,13 @@ void add_sessions(telemetry::Page& page, std::span<const Visit> visits) {
                                      {.head = "how it ended"}}};
   for (const Visit& visit : visits) {
     if (!visit.ended) {
-      table.add({day_and_time(visit.began), {}, {}, {}, {}, {}, {}, "cut short, without a record"});
+      table.add(
+          {"-", day_and_time(visit.began), {}, {}, {}, {}, {}, {}, "cut short, without a record"});
       continue;
     }
-    table.add({day_and_time(visit.began), visit.position, visit.programme, visit.duration_s / 60.0,
-               visit.force_rmse_n, visit.force_peak_n, wishes_of(visit),
+    table.add({fmt::format("{}", number_of(visit, visits)), day_and_time(visit.began),
+               visit.position, visit.programme, visit.duration_s / 60.0, visit.force_rmse_n,
+               visit.force_peak_n, wishes_of(visit),
                visit.stops > 0 ? visit.stop_cause : "as planned"});
   }
   page.section("Sessions").table(table);
@@ -58,8 +71,9 @@ void add_change(telemetry::Page& page, std::span<const Visit> visits) {
   part.text(sentence_of(*last));
   telemetry::Table table{
       .columns = {{.head = "place"},
-                  {.head = "alpha, " + day_and_time(last->before->began) + ", N", .digits = 2},
-                  {.head = day_and_time(last->after->began) + ", N", .digits = 2},
+                  {.head = fmt::format("alpha, N, session {}", number_of(*last->before, visits)),
+                   .digits = 2},
+                  {.head = fmt::format("session {}", number_of(*last->after, visits)), .digits = 2},
                   {.head = "change, %", .digits = 0},
                   {.head = "95 % interval"},
                   {.head = "real?"}}};
@@ -164,9 +178,6 @@ void add_trends(telemetry::Page& page, std::span<const Visit> visits) {
 void add_maps(telemetry::Page& page, std::span<const Visit> visits) {
   const auto ended = static_cast<std::size_t>(
       std::count_if(visits.begin(), visits.end(), [](const Visit& visit) { return visit.ended; }));
-  auto& part = page.section(
-      "The back, session by session",
-      ended > max_maps ? fmt::format("The last {} of {} sessions.", max_maps, ended) : "");
   std::vector<std::pair<const Visit*, telemetry::ReportData>> shown;
   std::vector<std::string> gone;
   double hardest_n_per_mm = 1e-9;
@@ -184,10 +195,16 @@ void add_maps(telemetry::Page& page, std::span<const Visit> visits) {
   std::vector<telemetry::Figure> maps;
   for (const auto& [visit, data] : shown) {
     if (auto svg = telemetry::figures::tissue(data, hardest_n_per_mm); !svg.empty())
-      maps.push_back({.svg = std::move(svg), .name = day_and_time(visit->began), .caption = {}});
+      maps.push_back({.svg = std::move(svg),
+                      .name = fmt::format("Session {}, {}", number_of(*visit, visits),
+                                          day_and_time(visit->began)),
+                      .caption = {}});
   }
+  auto& part = page.section(
+      "The back, session by session",
+      maps.size() < ended ? fmt::format("{} of {} sessions.", maps.size(), ended) : "");
   if (maps.empty()) part.text("No session with a map of the tissue.");
-  part.figures(maps, 0);
+  part.figures(maps, max_maps);
   for (const std::string& folder : gone)
     part.note(fmt::format("{}: the record is not there any more.", folder));
 }
