@@ -124,6 +124,19 @@ TEST_CASE("what the plan has lowered or left out is on the page, with the reason
   CHECK_FALSE(holds(report_page(data), "Planned otherwise than ordered"));
   data.plan_notes = {{"press BL23_L: 18 N instead of 25 N: the arm is felt as 5.1 kg there"}};
   CHECK(holds(report_page(data), "18 N instead of 25 N"));
+
+  for (PerformedPath& path : data.paths) {
+    path.ordered_n = path.given_n = 10.0;
+    path.why = {};
+    path.contact_fault.clear();
+  }
+  const std::string all_given = "Every place was given the force that the plan orders";
+  CHECK(holds(report_page(data), all_given));
+  data.left_out = {{"press BL47_L is left out: it is out of reach"}};
+  const std::string page = report_page(data);
+  CHECK_FALSE(holds(page, all_given));
+  CHECK(holds(page, fmt::format("1 of {} ordered paths left out", data.paths.size() + 1)));
+  CHECK(holds(page, "press BL47_L is left out: it is out of reach"));
 }
 
 TEST_CASE("the mean error is that of the seven points, whatever further ones were found") {

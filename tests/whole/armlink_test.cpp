@@ -41,6 +41,15 @@ void refuses_strangers(const Folder& folder, const Words& massage, const std::st
       run_tuina(massage + Words{folder / "stranger", "--device", device, "--seed", "8"} + slim);
   CHECK(stranger.exit_code == 3);
   CHECK(stranger.err.find("the arms are before phantom_slim_prone_7, seed 7") != std::string::npos);
+  // Another robot in a file of the same name.
+  std::string table = tuina::read_file(TUINA_SOURCE_DIR "/models/robots/thesis.toml").value();
+  table.replace(table.find("mass_kg = 1.15"), 14, "mass_kg = 1.25");
+  const Outcome other = run_tuina(massage +
+                                  Words{folder / "other", "--device", device, "--seed", "7",
+                                        "--robot", folder.with("thesis.toml", table)} +
+                                  slim);
+  CHECK(other.exit_code == 3);
+  CHECK_MESSAGE(other.err.find("robot thesis (table ") != std::string::npos, other.err);
   const std::string numb = folder.with(
       "numb.toml", tuina::read_file(device).value() +
                        "[wrist_sensor.left]\nkind = \"ati_udp\"\naddress = \"127.0.0.1:9\"\n"

@@ -84,6 +84,14 @@ TEST_CASE("a misspelled option or word is named, with what may be meant") {
   says({"massage", "--adaptive", "of"}, "--adaptive: `of` is unknown; known: on, off");
   says({"massage", "--fix", "GV44=0,1,2", "--out", folder / "out"}, "is `GV4` meant?");
   CHECK_FALSE(fs::exists(folder / "out"));
+  says({"atlas", "record", folder / "", "--labels", "bump=SI11", "--out", folder / "a.ply"},
+       "no marks are told by 'bump' here, but in a cloud");
+  says({"evaluate", "atlas", "--markers", folder / "", "--labels", "bump=C7"},
+       "'bump=C7' is no point");
+  says({"plan", "scan.ply", "points.json", "--picture", "back.png"}, "NAME.svg is needed");
+  says({"robot", "import", "arm.urdf", "--base", "a", "--tip", "b", "--out",
+        folder.with("mine.toml", "mended")},
+       "may have been mended by hand");
   says({"line", "a.png", "--method", "guess"}, "`guess` is unknown; known: centroid, likelihood");
 }
 

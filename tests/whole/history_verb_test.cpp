@@ -49,6 +49,16 @@ void check_is_kept(const std::string& session) {
   CHECK(again.err.find("holds the session of anna") != std::string::npos);
 }
 
+/// Who is refused before anything was done has had no session.
+void check_refused_is_nobodys(const Folder& folder) {
+  const std::string history = folder / "refused.sqlite";
+  CHECK(run_tuina({"massage", "--who", "cleo", "--history", history, "--fix", "GV44=0,1,2", "--out",
+                   folder / "refused"})
+            .exit_code == 1);
+  CHECK(run_tuina({"history", "show", "--history", history}).err.find("nobody yet") !=
+        std::string::npos);
+}
+
 /// Sessions of anna that press two points.
 struct BriefSessions {
   test::Outcome operator()(const char* out, const std::vector<std::string>& more) const {
@@ -77,6 +87,7 @@ TEST_CASE("a person's sessions are remembered, compared, exported and forgotten"
   CHECK(nlohmann::json::parse(first.out)["who"] == "anna");
   check_is_private(folder.path() / "all/first", history);
   check_is_kept(folder / "all/first");
+  check_refused_is_nobodys(folder);
   give_again(folder.path() / "all/first", folder.path() / "all/second");
   const auto rebuilt =
       run_tuina({"history", "rebuild", folder / "all", "--history", history, "--json", "--quiet"});

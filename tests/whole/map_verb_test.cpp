@@ -67,6 +67,10 @@ TEST_CASE("a finger that shows a point moves the others, and a wrong one is refu
   };
   const auto before = map({});
   REQUIRE_MESSAGE(before.exit_code == 0, before.err);
+  const auto over_itself = map({"--out", folder / "person.ply"});
+  CHECK(over_itself.exit_code == 1);
+  CHECK(over_itself.err.find("would be lost") != std::string::npos);
+  CHECK(map({}).exit_code == 0);
   const auto points = nlohmann::json::parse(before.out)["acupoints"];
   CHECK_FALSE(nlohmann::json::parse(before.out).contains("fixed"));
   const auto place = [&](const char* name, double up_m) {

@@ -33,8 +33,7 @@ struct ApproachPose {
 [[nodiscard]] double height_above_skin_m(const body::BackSurface& back, const Vector3& in_couch);
 
 /// Waypoints of a transfer: straight if that keeps `clear_m` above the back, else up, over and
-/// down, as low as possible, but no higher than 240 mm: beyond that an arm does not reach. It may
-/// come nearer to the skin then.
+/// down, as low as possible, but no higher than 240 mm; where that is not enough it comes nearer.
 [[nodiscard]] std::vector<control::ToolPose> free_path(const body::BackSurface& back,
                                                        const ApproachPose& from,
                                                        const ApproachPose& to, double clear_m,
