@@ -136,9 +136,10 @@ Result<SimulatedRoom> make_room(const SessionOrder& order, const session::Config
   options.devices = devices;
   options.devices.flaws = flaws;
   if (loop_of(config)) as_within_a_loop(options.devices);
-  // The table of an arm without elastic gears says so.
+  // Gears that do not give way here are not to be believed to.
   if (options.devices.flaws.gear_softness <= 0.0) {
-    for (robot::Link& link : room.order.robot.arm.links) link.gear_nm_per_rad = 0.0;
+    for (robot::Link& link : room.order.robot.arm.links)
+      link.gear_nm_per_rad = robot::rigid_gear_nm_per_rad;
   }
   auto world = sim::World::make(*person,
                                 robot::place_robot(room.order.robot, person->position,
