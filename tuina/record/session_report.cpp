@@ -132,7 +132,7 @@ Result<ReportData> read_record(const std::filesystem::path& folder) {
 
   ReportData data{.person = file->person,
                   .position = file->position,
-                  .programme = file->order.programme,
+                  .programme = plan->plan.programme,
                   .seed = file->seed,
                   .simulated = file->simulated(),
                   .duration_s = file->massage.duration_s,

@@ -168,9 +168,7 @@ std::string legend(const Plot& plot, double right) {
 
 /// The frame that holds all data, or what the plot fixes.
 Frame frame_of(const Plot& plot) {
-  const bool tails = std::any_of(plot.series.begin(), plot.series.end(),
-                                 [](const Series& series) { return !series.tail.empty(); });
-  const double top = (tails ? 84.0 : plot.marks.empty() ? 24.0 : 40.0) + legend_row_px(plot);
+  const double top = (plot.marks.empty() ? 24.0 : 40.0) + legend_row_px(plot);
   Frame frame{.left = 46,
               .top = top,
               .width = plot.width_px - 46.0 - 16.0,
@@ -218,25 +216,6 @@ std::string drawn(const Series& series, const Frame& frame) {
   return svg;
 }
 
-/// The words at the ends of lines, beside each other where they would meet.
-std::string tails(const Plot& plot, const Frame& frame) {
-  std::string svg;
-  std::vector<double> taken;
-  for (const Series& series : plot.series) {
-    if (series.tail.empty() || series.x.empty()) continue;
-    double x = frame.px(series.x.back()) + 4;
-    const auto hides = [&](double other) { return std::abs(other - x) < 11.0; };
-    while (std::any_of(taken.begin(), taken.end(), hides)) x += 1.0;
-    taken.push_back(x);
-    svg += fmt::format(
-        "<text transform=\"translate({:.1f} {:.1f}) rotate(-90)\" font-size=\"10.5\" "
-        "fill=\"{}\">{}</text>",
-        x, frame.py(series.y.back()) - 5, css(mix(series.colour, palette::ink, 0.35)),
-        escaped(series.tail));
-  }
-  return svg;
-}
-
 /// The words above the hairlines. One that would cover its neighbour is left out; its hairline
 /// stays.
 std::string mark_words(const Plot& plot, const Frame& frame) {
@@ -270,7 +249,7 @@ std::string to_svg(const Plot& plot) {
                        frame.top, frame.height, css(mark.colour));
   }
   for (const Series& series : plot.series) svg += drawn(series, frame);
-  return svg + "</svg>" + tails(plot, frame) + mark_words(plot, frame) + "</svg>";
+  return svg + "</svg>" + mark_words(plot, frame) + "</svg>";
 }
 
 std::string hardness_bar_svg(double low, double high, std::string_view label) {

@@ -20,7 +20,6 @@ struct Series {
   double width_px = 1.6;
   bool dots = false;
   bool dashed = false;
-  std::string tail = {};  ///< a word at the end of the line, upright above it
 };
 
 /// The area between two curves.

@@ -131,29 +131,6 @@ std::string short_name(std::string name) {
   return name;
 }
 
-/// The end of the stiffness scale: a round number at or above everything felt.
-double stiffest_shown(const ReportData& data, double at_least_n_per_mm = 1e-9) {
-  double hardest = at_least_n_per_mm;
-  for (const FeltTissue& felt : data.tissue)
-    hardest = std::max(hardest, felt.mapped ? felt.stiffness_n_per_mm : 0.0);
-  const auto round_numbers = ticks(0.0, hardest, 4);
-  return round_numbers.back() + (round_numbers.back() < 0.999 * hardest ? round_numbers[1] : 0.0);
-}
-
-/// The last that was felt at each point.
-std::vector<FeltTissue> last_felt(const ReportData& data) {
-  std::vector<FeltTissue> last;
-  for (const FeltTissue& felt : data.tissue) {
-    const auto same = std::find_if(
-        last.begin(), last.end(), [&](const FeltTissue& other) { return other.name == felt.name; });
-    if (same == last.end())
-      last.push_back(felt);
-    else
-      *same = felt;
-  }
-  return last;
-}
-
 bool is_one_of_seven(const std::string& name) {
   return std::find(seven_acupoints.begin(), seven_acupoints.end(), name) != seven_acupoints.end();
 }
@@ -202,63 +179,12 @@ std::string back(const ReportData& data, const std::vector<KeyEntry>& key) {
                  data.language("The scanned back with acupoints and paths"), key_line(key));
 }
 
-std::string tissue_curves(const ReportData& data) {
-  constexpr double shown_n = 30.0;  // as hard as a massage presses
-  Plot plot{.title = data.language("Force against depth at each point"),
-            .x_label = data.language("depth below the skin, mm"),
-            .y_label = data.language("force, N")};
-  const double hardest = stiffest_shown(data);
-  const std::vector<FeltTissue> all_felt = last_felt(data);
-  // Nobody knows what is beyond the strongest press.
-  const auto pressed_n = [&](const std::string& name) {
-    double max_n = 0.0;
-    for (const PerformedPath& done : data.paths)
-      if (done.path.technique == Technique::press && !done.path.acupoints.empty() &&
-          done.path.acupoints.front() == name)
-        max_n = std::max(max_n, std::min(done.given_n, shown_n));
-    return max_n;
-  };
-  const auto curve = [&](const TangentTissue& tissue, double to_n) {
-    Series series;
-    for (int k = 0; k <= 40 && tissue.alpha_n > 0.0 && tissue.beta_per_m > 0.0; ++k) {
-      const double force_n = to_n * k / 40.0;
-      series.x.push_back(to_mm(std::atan(force_n / tissue.alpha_n) / tissue.beta_per_m));
-      series.y.push_back(force_n);
-    }
-    return series;
-  };
-  for (const FeltTissue& felt : all_felt) {
-    if (!felt.mapped) continue;
-    if (felt.truth) {
-      Series truth = curve(*felt.truth, pressed_n(felt.name));
-      truth.colour = palette::grey;
-      truth.width_px = 1.0;
-      truth.dashed = true;
-      plot.series.push_back(std::move(truth));
-    }
-    Series series = curve(felt.estimate.tissue, pressed_n(felt.name));
-    series.colour = hardness_colour(
-        // The palest colours of the map could not be seen as lines on paper.
-        std::max(0.15, felt.stiffness_n_per_mm / hardest));
-    series.width_px = 2.2;
-    series.tail = short_name(felt.name);
-    plot.series.push_back(std::move(series));
-  }
-  if (plot.series.empty()) return "";
-  plot.x_low = 0.0;
-  plot.y_low = 0.0;
-  plot.y_high = shown_n;
-  plot.width_px = 400;
-  plot.height_px = 400;
-  return to_svg(plot);
-}
-
 std::string tissue(const ReportData& data, double scale_n_per_mm) {
   const BackPose pose = pose_of(data);
   Scene scene;
   scene.surface = person_of(data, pose);
   if (scene.surface.mesh.triangles.empty() || data.tissue.empty()) return "";
-  const double hardest = stiffest_shown(data, scale_n_per_mm);
+  const double hardest = hardest_shown(data, scale_n_per_mm);
   const std::vector<FeltTissue> all_felt = last_felt(data);
   for (const Vector3& vertex : scene.surface.mesh.vertices) {
     const auto value = data.stiffness_at ? data.stiffness_at(vertex) : std::nullopt;

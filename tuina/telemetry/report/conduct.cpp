@@ -134,26 +134,22 @@ std::string given_in_words(const ReportData& data) {
   const Language& say = data.language;
   std::string words;
   if (const std::size_t left_out = data.left_out.size(); left_out > 0)
-    words += say("{} of {} ordered paths left out, see below. ", left_out, ordered + left_out);
+    words += say("Ordered paths that were left out: {} of {}, see below. ", left_out,
+                 ordered + left_out);
   if (ordered == 0) return words;
-  if (lowered == 1)
-    words += say("The plan orders less than the programme for one of {} paths. ", ordered);
-  else if (lowered > 1)
-    words += say("The plan orders less than the programme for {} of {} paths. ", lowered, ordered);
+  if (lowered > 0)
+    words += say("Paths for which the plan orders less than the programme: {} of {}. ", lowered,
+                 ordered);
   if (otherwise + cut_short == 0) {
     return words + (data.left_out.empty()
                         ? say("Every place was given the force that the plan orders. ")
                         : say("Every other place was given the force that the plan orders. "));
   }
-  if (otherwise == 1)
-    words += say("One of {} paths was given another force than was ordered, see below. ", ordered);
-  else if (otherwise > 1)
-    words += say("{} of {} paths were given another force than was ordered, see below. ", otherwise,
-                 ordered);
-  if (cut_short == 1)
-    words += say("One of {} paths was cut short, see below. ", ordered);
-  else if (cut_short > 1)
-    words += say("{} of {} paths were cut short, see below. ", cut_short, ordered);
+  if (otherwise > 0)
+    words += say("Paths that were given another force than ordered: {} of {}, see below. ",
+                 otherwise, ordered);
+  if (cut_short > 0)
+    words += say("Paths that were cut short: {} of {}, see below. ", cut_short, ordered);
   return words;
 }
 

@@ -18,8 +18,13 @@ namespace tuina::telemetry::figures {
 /// hardest place, or at `scale_n_per_mm` where that is more, so that maps can be compared.
 [[nodiscard]] std::string tissue(const ReportData& data, double scale_n_per_mm = 1e-9);
 
-/// The tangent law at each point up to the strongest press there: as estimated, and dashed as it is
-/// in truth.
+/// The last that was felt at each point.
+[[nodiscard]] std::vector<FeltTissue> last_felt(const ReportData& data);
+/// The end of the scale of stiffness, N/mm: a round number at or above everything felt.
+[[nodiscard]] double hardest_shown(const ReportData& data, double at_least_n_per_mm = 1e-9);
+
+/// The tangent law at each point up to the strongest press there, both sides of the back in one
+/// small drawing: as estimated, and dashed as it is in truth.
 [[nodiscard]] std::string tissue_curves(const ReportData& data);
 
 /// Both arms over the session, a row each: paths by their colour, thin lines for ways through the

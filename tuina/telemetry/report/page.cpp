@@ -21,7 +21,7 @@ std::vector<KeyNumber> tiles(const ReportData& data) {
   const Language& say = data.language;
   const long whole = std::lround(std::max(0.0, data.duration_s));
   std::vector<KeyNumber> tiles = {{say("Massage"), fmt::format("{}:{:02}", whole / 60, whole % 60),
-                                   "min", say("{} paths of two arms", data.paths.size())}};
+                                   "min", say("paths of both arms: {}", data.paths.size())}};
   if (!data.acupoints.empty()) {
     const auto error = mean_error(data);
     tiles.push_back(error ? KeyNumber{say("Acupoints"), fmt::format("{:.1f}", to_mm(error->mean_m)),
