@@ -66,18 +66,18 @@ export function review(): HTMLElement {
   picture.append(element("div", { class: "legend" }, ...(page.zonesShown
     ? page.choices.zones.map((zone, i) => dot(zoneColours[i]!, `${say(zone.name)} ${zone.cap_n} N`))
     : Object.entries(techniqueColours).filter(([name]) => page.plan?.paths.some((path) => path.technique === name)).map(([name, colour]) => dot(colour, say(name))))));
-  const notes = page.plan?.notes ?? [], dropped = notes.filter((note) => note.key === "note_said_dropped");
+  const notes = page.plan?.notes ?? [], alerts = notes.filter((note) => ["note_said_dropped", "note_somebody_else"].includes(note.key));
   // Beside the picture, since on a phone they would cover the neck.
   const tools = element("div", { class: "row" }, zones, tool("move"), tool("rule_out"), undo);
   return element("div", { class: "split" }, element("div", { class: "tooled" }, tools, picture), element("div", { class: "side" }, element("h1", {}, say("review_title")), hold,
     maySteer() ? "" : element("p", { class: "note" }, whyNot()), toldPlace(),
-    // What was ruled out once and is not now is seen before anybody begins.
-    ...dropped.map((note) => element("p", { class: "dropped", role: "alert" }, saySentence(note))),
+    // What was ruled out once and is not now, or a mistaken person, is seen before anybody begins.
+    ...alerts.map((note) => element("p", { class: "dropped", role: "alert" }, saySentence(note))),
     element("div", { class: "card" }, element("h2", {}, `${say("acupoints")} · ${say("uncertainty")}`), element("div", { class: "scroll", tabindex: "0" },
       table(page.points.map((point) => [point.name, `${point.uncertainty_mm.toFixed(0)} mm`,
         element("div", { class: "row" }, moveKeys(point, scene, !maySteer(), tell),
           element("button", { "aria-label": `${say("rule_out_here")} ${point.name}`, disabled: !maySteer(), onclick: () => ruleOutAround(point) }, say("rule_out_here")))])))),
     element("div", { class: "card" }, element("h2", {}, `${say("paths")} · ${Math.round(page.plan?.duration_s ?? 0)} s`), element("div", { class: "scroll", tabindex: "0" },
       table((page.plan?.paths ?? []).map((path) => [sayPath(path.name), say(path.arm), say(path.zone), `${path.ordered_n.toFixed(0)} N`])))),
-    element("div", { class: "card" }, element("h2", {}, say("notes")), ...notes.filter((note) => !dropped.includes(note)).map((note) => element("p", { class: "note" }, saySentence(note))))));
+    element("div", { class: "card" }, element("h2", {}, say("notes")), ...notes.filter((note) => !alerts.includes(note)).map((note) => element("p", { class: "note" }, saySentence(note))))));
 }

@@ -88,8 +88,8 @@ void add_fit(py::module_& module) {
       "force_at_depth",
       [](const py::object& depth_m, double alpha_n, double beta_per_m) {
         const auto depths = numbers_of(depth_m, "depth_m");
-        return py::vectorize([=](double depth) {
-          return tissue::force_at_depth({alpha_n, beta_per_m}, depth);
+        return py::vectorize([tissue = tissue_of(alpha_n, beta_per_m)](double depth) {
+          return tissue::force_at_depth(tissue, depth);
         })(depths);
       },
       py::arg("depth_m"), py::arg("alpha_n"), py::arg("beta_per_m"),

@@ -24,13 +24,14 @@ SurfaceFile scan(const body::LabelledBody& person, std::uint64_t seed) {
 }
 
 py::tuple presses(double alpha_n, double beta_per_m, const std::string& world, std::uint64_t seed) {
+  const TangentTissue tissue = tissue_of(alpha_n, beta_per_m);
   std::string names;
   for (const sim::TissueWorld& known : sim::tissue_worlds()) {
     names += (names.empty() ? "" : ", ") + known.name;
     if (known.name != world) continue;
     auto made = without_gil([&] {
       Random random = make_random(seed, "python");
-      return sim::press_in_world(known, sim::Pressing::swells, {alpha_n, beta_per_m}, random);
+      return sim::press_in_world(known, sim::Pressing::swells, tissue, random);
     });
     return py::make_tuple(Presses{std::move(made.record)}, Presses{std::move(made.truth)},
                           made.last_press);

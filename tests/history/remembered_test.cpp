@@ -42,3 +42,19 @@ TEST_CASE("the last session that tells of it says wish and tissue, and what it s
   CHECK(known.places[0].log_sd == doctest::Approx(std::hypot(day_to_day, press)).scale(1e-6));
   CHECK(known.lay[0].at_in_couch == visits[0].acupoints[0].at_in_couch);
 }
+
+TEST_CASE("the newest session in a position that ended says where the acupoints lay") {
+  std::vector<Visit> visits = {visit_at("a", "2026-01-01T09:00:00Z", 2.0),
+                               visit_at("b", "2026-01-02T09:00:00Z", 2.0),
+                               visit_at("c", "2026-01-03T09:00:00Z", 2.0)};
+  visits[1].position = "sitting";
+  visits[1].acupoints[0].at_in_couch.x() += 1.0;
+  visits[2].ended = false;
+  const auto any = last_lay(visits, std::nullopt), prone = last_lay(visits, BodyPosture::prone);
+  REQUIRE((any && prone));
+  CHECK(any->position == BodyPosture::sitting);
+  CHECK(any->lay[0].at_in_couch == visits[1].acupoints[0].at_in_couch);
+  CHECK(prone->lay[0].at_in_couch == visits[0].acupoints[0].at_in_couch);
+  CHECK(any->places.empty());
+  CHECK_FALSE(last_lay({}, std::nullopt));
+}

@@ -144,6 +144,10 @@ TEST_CASE("what is missing or contradicts itself is refused") {
   CHECK(says(
       fault_of("[[part]]\ntechnique = \"press\"\npoints = [\"BL47\"]\nrepeats = 2\ntime_s = 9\n"),
       "exclude each other"));
+  CHECK(says(
+      fault_of(
+          "[[part]]\ntechnique = \"press\"\npoints = [\"GV4\", \"BL47_R\"]\nside = \"left\"\n"),
+      "my.toml:5: BL47_R does not lie on the left"));
   CHECK(says(fault_of("[[part]]\ntechnique = 3\n"), "is not a text"));
   CHECK(says(fault_of("part = 3\n"), "at least one [[part]]"));
   CHECK(says(fault_of("[[part]\n"), "my.toml:2: "));

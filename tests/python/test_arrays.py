@@ -111,6 +111,8 @@ class Refusals(unittest.TestCase):
         self.refused("the record has no samples", tuina.estimate_record, tuina.Presses([], [], []))
         with self.assertRaises(tuina.Error):
             tuina.fit_curve(tuina.Presses([], [], []))
+        self.refused("alpha_n is nan; more than 0 is needed", simulation.presses, np.nan, 185.4)
+        self.refused("beta_per_m is -1; more than 0 is needed", tuina.force_at_depth, [0.01], 9.8, -1.0)
 
     def test_estimators(self):
         estimator = tuina.CreepEstimator()

@@ -119,6 +119,18 @@ TEST_CASE("a place that lies a little aside is less sure, one that lies far asid
   CHECK(other.note.words.find("lie otherwise") != std::string::npos);
 }
 
+TEST_CASE("somebody else is noticed by where the acupoints lie, also where no tissue is known") {
+  KnownTissue seen = felt_earlier();
+  seen.places.clear();
+  std::vector<Acupoint> now = later(seen);
+  CHECK(recognised(seen, BodyPosture::prone, now).note.empty());
+  now[4].at_in_couch.z() -= 30_mm;
+  CHECK(recognised(seen, BodyPosture::prone, now).note.words.find("another person") == 0);
+  CHECK(recognised(seen, BodyPosture::sitting, now).note.empty());
+  seen.lay.clear();
+  CHECK(recognised(seen, BodyPosture::prone, now).note.empty());
+}
+
 TEST_CASE("a press holds, differs or cannot tell, and what is no number never holds") {
   const auto known_to = [](double sd) -> Eigen::Matrix2d {
     return sd * sd * Eigen::Matrix2d::Identity();

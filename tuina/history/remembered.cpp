@@ -20,6 +20,13 @@ bool lay(const Visit& visit, std::optional<BodyPosture> position) {
   return !position || visit.position == name_of(*position);
 }
 
+session::KnownTissue seen_in(const Visit& visit) {
+  session::KnownTissue seen{.lay = visit.acupoints};
+  for (const BodyPosture position : {BodyPosture::sitting, BodyPosture::prone})
+    if (visit.position == name_of(position)) seen.position = position;
+  return seen;
+}
+
 }  // namespace
 
 const Visit* last_said(std::span<const Visit> visits, std::optional<BodyPosture> position) {
@@ -36,12 +43,17 @@ const Visit* last_felt(std::span<const Visit> visits, std::optional<BodyPosture>
                 [&](const Visit& visit) { return lay(visit, position) && !visit.tissue.empty(); });
 }
 
+std::optional<session::KnownTissue> last_lay(std::span<const Visit> visits,
+                                             std::optional<BodyPosture> position) {
+  const Visit* last = newest(
+      visits, [&](const Visit& visit) { return lay(visit, position) && !visit.acupoints.empty(); });
+  return last == nullptr ? std::nullopt : std::optional(seen_in(*last));
+}
+
 session::KnownTissue known_tissue(const Visit& felt, std::span<const Visit> visits) {
   constexpr double sd_of_95 = 1.96;
   const double scatter = log_scatter(visits);
-  session::KnownTissue known{.lay = felt.acupoints};
-  for (const BodyPosture position : {BodyPosture::sitting, BodyPosture::prone})
-    if (felt.position == name_of(position)) known.position = position;
+  session::KnownTissue known = seen_in(felt);
   for (const VisitTissue& place : felt.tissue) {
     const double sd = place.stiffness_ci95_n_per_mm / sd_of_95 / place.stiffness_n_per_mm;
     if (!place.converged || !std::isfinite(sd) || !(place.alpha_n > 0.0 && place.beta_per_m > 0.0))

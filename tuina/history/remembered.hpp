@@ -24,6 +24,11 @@ namespace tuina::history {
 [[nodiscard]] const Visit* last_felt(std::span<const Visit> visits,
                                      std::optional<BodyPosture> position);
 
+/// Where the newest session in a position found the acupoints, to notice somebody else by; nothing
+/// where there is none. Without a position that of any.
+[[nodiscard]] std::optional<session::KnownTissue> last_lay(std::span<const Visit> visits,
+                                                           std::optional<BodyPosture> position);
+
 /// Tissue that the session `felt` has learned well enough to converge, widened by twice the scatter
 /// between the sessions of `visits`, once for each day.
 [[nodiscard]] session::KnownTissue known_tissue(const Visit& felt, std::span<const Visit> visits);

@@ -117,6 +117,17 @@ void check_turns(const TomlTable& table, const Part& part, const char* key) {
   }
 }
 
+/// A point that names its side must not lie on the other one.
+void check_side(const TomlTable& table, const Part& part) {
+  if (part.side == Side::both) return;
+  const bool left = part.side == Side::left;
+  const auto across = std::ranges::find_if(
+      part.points, [&](const std::string& point) { return point.ends_with(left ? "_R" : "_L"); });
+  if (across != part.points.end())
+    table.reject("side",
+                 fmt::format("{} does not lie on the {}", *across, left ? "left" : "right"));
+}
+
 /// The tool must not slide too fast round its circle.
 void check_speed(const TomlTable& table, const Part& part) {
   const double speed = 2.0 * pi * part.radius_m * part.rate_hz;
@@ -155,6 +166,7 @@ void check_part(const TomlTable& table, const Part& part, int intensity) {
   } else if (part.technique == Technique::stroke && part.points.size() == 1) {
     table.reject("points", "a stroke needs two points at least");
   }
+  check_side(table, part);
   if (part.alternating && part.hand_over_hand) {
     table.reject("hand_over_hand", "alternating and hand_over_hand exclude each other");
   } else if (part.alternating || part.hand_over_hand) {

@@ -62,6 +62,7 @@ Result<Remembered> remember(history::History& history, const std::string& who,
       order.known = std::move(known);
     }
   }
+  if (!order.known && !order.said) order.known = history::last_lay(*visits, order.position);
   return remembered;
 }
 

@@ -18,12 +18,27 @@ const Acupoint* named(std::span<const Acupoint> points, const std::string& name)
   return found == points.end() ? nullptr : &*found;
 }
 
+/// Empty where the acupoints lie as they did, or in another position.
+Sentence somebody_else(const KnownTissue& known, BodyPosture position,
+                       std::span<const Acupoint> now) {
+  if (known.lay.empty() || known.position != position) return {};
+  const auto motion = fit_motion(known.lay, now);
+  if (!motion || motion->misfit_m <= max_other_misfit_m) return {};
+  return sentence("note_somebody_else",
+                  "another person than in the last session, or one who is bent: the acupoints lie "
+                  "otherwise to each other than then ({:.1f} mm; {:.0f} mm are usual)",
+                  to_mm(motion->misfit_m), to_mm(max_other_misfit_m));
+}
+
 }  // namespace
 
 Recognised recognised(const KnownTissue& known, BodyPosture position,
                       std::span<const Acupoint> now) {
   Recognised found;
-  if (known.places.empty()) return found;
+  if (known.places.empty()) {
+    found.note = somebody_else(known, position, now);
+    return found;
+  }
   if (known.position != position) {
     found.note =
         sentence("note_known_other_position", "the tissue felt earlier is not used: it was felt {}",

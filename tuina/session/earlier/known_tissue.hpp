@@ -23,7 +23,8 @@ struct KnownPlace {
   double log_sd = 0.0;
 };
 
-/// What an earlier session has felt, and where its scan found the acupoints.
+/// What an earlier session has felt, and where its scan found the acupoints. Without places only
+/// whether this is the same person is of interest.
 struct KnownTissue {
   BodyPosture position = BodyPosture::sitting;
   std::vector<Acupoint> lay;  ///< where its scan found the acupoints
@@ -38,7 +39,7 @@ inline constexpr double max_place_offset_m = 5e-3, change_along_skin_per_m = 30.
 /// The places whose tissue still counts in a new scan, and a sentence for people.
 struct Recognised {
   std::vector<KnownPlace> places;
-  Sentence note;  ///< empty where nothing was known
+  Sentence note;  ///< empty where nothing was known, or the same person was seen without places
 };
 /// Places of `known` that still count where a scan finds the acupoints at `now`. None in another
 /// position, or where the acupoints are those of somebody else (`max_other_misfit_m`). A place that
