@@ -10,6 +10,7 @@
 #include "tuina/record/acupoint_file.hpp"
 #include "tuina/record/plan_file.hpp"
 #include "tuina/record/session_report.hpp"
+#include "tuina/record/why_not_as_ordered.hpp"
 #include "tuina/telemetry/report/page.hpp"
 
 namespace tuina::app {
@@ -41,60 +42,6 @@ record::SessionFile::Acupoints acupoints_of(const SessionResult& result) {
          .error_m = std::isfinite(error_m) ? std::optional(error_m) : std::nullopt});
   }
   return acupoints;
-}
-
-/// What the person asked for last before the path was done, where it changes a path's force.
-const session::LiveCommand* asked_by_person(const session::Session& session,
-                                            const session::Performed& done) {
-  const session::LiveCommand* last = nullptr;
-  for (const auto& [time_s, command] : session.commands) {
-    const bool changes = command == session::LiveCommand::softer ||
-                         command == session::LiveCommand::firmer ||
-                         (command == session::LiveCommand::skip && done.skipped);
-    if (changes && time_s <= done.end_s) last = &command;
-  }
-  return last;
-}
-
-/// The session was stopped before the path was done.
-const session::Stop* stopped_by(const session::Session& session, const session::Performed& done) {
-  if (done.whole || session.stops.empty()) return nullptr;
-  const session::Stop& first = session.stops.front();
-  return done.end_s > first.time_s - 0.5 * control_period_s ? &first : nullptr;
-}
-
-/// Why a path got less or more than the plan orders; empty where it did not.
-Sentence why_not_as_ordered(const session::Session& session, const session::Performed& done,
-                            const record::PerformedEntry& told, double begun_intensity) {
-  constexpr double max_off_share = record::PerformedEntry::max_off_share;
-  if (std::abs(told.given_n - told.ordered_n) <= max_off_share * told.ordered_n) return {};
-  if (told.as_ordered())
-    return sentence("why_slides", "it slides: its mean was {:.1f} N", told.mean_n);
-  if (done.contact_fault != control::ContactFault::none)
-    return sentence("why_cut_short", "cut short: {}", control::name_of(done.contact_fault));
-  if (const session::Stop* stop = stopped_by(session, done))
-    return sentence("why_stopped", "the session was stopped: {}", safety::name_of(stop->cause));
-  const session::Decision* last = nullptr;
-  for (const session::Decision& decision : session.decisions) {
-    const bool during = decision.path == done.path && decision.time_s <= done.end_s;
-    if (during && decision.to_n != decision.from_n && decision.from_n > 0.0) last = &decision;
-  }
-  if (last != nullptr) {
-    Sentence why = sentence("why_decided", "{} ({}: {:.1f} N to {:.1f} N)", last->reason,
-                            last->rule, last->from_n, last->to_n);
-    why.values.front() = last->key;
-    return why;
-  }
-  if (const auto* command = asked_by_person(session, done))
-    return sentence("why_asked", "the person asked for it: {}", session::name_of(*command));
-  if (begun_intensity != 1.0)
-    return sentence("why_wished", "begun at {:.0f} % of the plan, as wished in an earlier session",
-                    100.0 * begun_intensity);
-  if (!done.whole) return sentence("why_not_whole", "cut short before its strongest place");
-  return told.compared_n() < told.ordered_n
-             ? sentence("why_too_short",
-                        "the tool did not reach it in the time that the technique gives")
-             : sentence("why_swung", "the force swung beyond it");
 }
 
 record::SessionFile::Massage massage_of(const SessionResult& result, double begun_intensity) {
@@ -131,7 +78,7 @@ record::SessionFile::Massage massage_of(const SessionResult& result, double begu
         .true_over_trip_n = touched.over_trip_n,
         .tool_to_acupoint_m = tool_to_acupoint_m(result, i)};
     if (slides(planned.path.technique)) told.mean_n = touched.held.mean_n();
-    told.why = why_not_as_ordered(session, done, told, begun_intensity);
+    told.why = record::why_not_as_ordered(session, done, told, begun_intensity);
     massage.performed.push_back(std::move(told));
   }
   return massage;

@@ -128,7 +128,7 @@ class Massage final : public Verb {
     ros2_.end_session();
     if (!result) {
       live_.end("failed", {{sentence_of(result.error())}});
-      return nothing_done(visit_.with_remembered(result.error()));
+      return nothing_done(with_record(visit_.with_remembered(result.error())));
     }
 
     record::SessionFile file = session_file(*result, order_, common.seed);
@@ -138,10 +138,8 @@ class Massage final : public Verb {
                   .exit_code = result->session.stops.empty() ? 0 : 4};
     if (auto written = write_session(*result, *config, answer.json, out_); !written) {
       // What the session has recorded is kept, as far as it goes.
-      const bool whole = finish_record(*result, out_).has_value();
-      written.error().message +=
-          fmt::format("; its record is {}/session.mcap{}", out_, whole ? "" : ".part");
-      return tl::unexpected(written.error());
+      static_cast<void>(finish_record(*result, out_));
+      return tl::unexpected(with_record(written.error()));
     }
     if (const auto kept = finish_record(*result, out_); !kept) {
       return tl::unexpected(kept.error());
@@ -167,6 +165,18 @@ class Massage final : public Verb {
   }
 
  private:
+  /// An error that ended a session, and where what was recorded until then is.
+  [[nodiscard]] Error with_record(Error error) const {
+    for (const char* name : {"session.mcap", "session.mcap.part"}) {
+      const auto record = std::filesystem::path(out_) / name;
+      std::error_code fault;
+      if (!std::filesystem::exists(record, fault)) continue;
+      error.message += fmt::format("; its record is {}", record.string());
+      break;
+    }
+    return error;
+  }
+
   void describe_body(Options& options) {
     options
         .add("--body-mass-index", order_.facts.mass_index,
