@@ -474,13 +474,17 @@ TEST_CASE(
   CHECK(session["massage"]["force"]["peak_n"] < 45.0);
   CHECK(session["acupoints"]["mean_error_mm"] < 15.0);
   std::map<std::string, int> presses;
+  std::set<std::string> twice, begun_again;
   for (const json& path : session["massage"]["performed"]) {
-    const std::string name = path["name"];
+    const std::string name = path["name"], why = path["why"].is_null() ? "" : path["why"];
     if (!name.starts_with("press")) continue;
-    ++presses[name];
+    if (++presses[name] == 2) twice.insert(name);
+    if (why.ends_with("begun again after another scan")) begun_again.insert(name);
     CHECK(path["tool_to_acupoint_mm"] < 17.0);
   }
   CHECK(presses.size() == 7);
+  CHECK_FALSE(twice.empty());
+  CHECK(begun_again == twice);
   CHECK(presses["press SI11_L"] == 1);  // was done before
 }
 
