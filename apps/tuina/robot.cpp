@@ -54,10 +54,12 @@ ordered_json waiting(const robot::RobotModel& model, BodyPosture position, std::
         {"q_deg", ready_deg},
         {"off_mm", to_mm(off_m)},
         {"limit_room_deg", to_deg(robot::limit_room_rad(there.arm, ready[arm]))}};
+    constexpr double near_m = 10e-3;
     text += fmt::format(
-        "{}, {} arm ready {:.0f} mm from where it should be, {:.0f} deg from the "
+        "{}, {} arm ready {:.0f} mm from where it should be{}, {:.0f} deg from the "
         "nearest joint end\n",
         name_of(position), name_of(arm), to_mm(off_m),
+        off_m > near_m ? ": its mount does not suit this arm" : "",
         to_deg(robot::limit_room_rad(there.arm, ready[arm])));
   }
   return json;
@@ -93,8 +95,9 @@ class RobotShow final : public Verb {
           fmt::format("{:.0f} to {:.0f}", to_deg(link.min_rad), to_deg(link.max_rad)),
           link.torque_limit_nm, link.speed_limit_rad_per_s, link.mass_kg);
     }
-    text += fmt::format("stretched {:.0f} mm, {:.1f} kg an arm, on a {}\n", to_mm(reach_m), mass_kg,
-                        robot::name_of(model->carrier));
+    text +=
+        fmt::format("stretched {:.0f} mm to the middle of the tool, {:.1f} kg an arm, on a {}\n",
+                    to_mm(reach_m), mass_kg, robot::name_of(model->carrier));
     ordered_json json = {{"name", model->name},
                          {"about", model->about},
                          {"carrier", robot::name_of(model->carrier)},
