@@ -67,6 +67,16 @@ TEST_CASE("a path that got another force than asked for is told with its reason,
   CHECK(holds(page, fmt::format("another force than ordered: 1 of {}", data.paths.size())));
 }
 
+TEST_CASE("the report says which arm has worked") {
+  ReportData data = sample_without_pictures();
+  for (PerformedPath& path : data.paths) path.arm = Arm::right;
+  CHECK(holds(report_page(data), "The right arm pressed"));
+  data.paths.front().arm = Arm::left;
+  CHECK(holds(report_page(data), "Two arms pressed"));
+  for (PerformedPath& path : data.paths) path.arm = Arm::left;
+  CHECK(holds(report_page(data), "The left arm pressed"));
+}
+
 TEST_CASE(
     "the report shows every acupoint, technique, tissue with its truth, and the configuration") {
   const ReportData data = tests::sample_report();

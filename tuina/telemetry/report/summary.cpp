@@ -57,10 +57,11 @@ std::string scanned_in_words(const ReportData& data) {
   return text + say(". ");
 }
 
-/// What both arms did at how many points.
+/// What the arms did at how many points.
 std::string done_in_words(const ReportData& data) {
   const Language& say = data.language;
   std::vector<std::string> done;
+  bool left = false, right = false;
   for (const Technique technique : all_techniques) {
     std::set<std::string> places;
     std::size_t count = 0;
@@ -68,6 +69,7 @@ std::string done_in_words(const ReportData& data) {
       const bool touched = performed.ended_s() > performed.begin_s;
       if (performed.path.technique != technique || !touched) continue;
       ++count;
+      (performed.arm == Arm::left ? left : right) = true;
       places.insert(performed.path.acupoints.begin(), performed.path.acupoints.end());
     }
     if (count == 0) continue;
@@ -76,7 +78,10 @@ std::string done_in_words(const ReportData& data) {
     done.push_back(served == 1 ? say("{} {} point", did, in_words(say, served))
                                : say("{} {} points", did, in_words(say, served)));
   }
-  return done.empty() ? "" : say("Two arms {}. ", listed(say, done));
+  if (done.empty()) return "";
+  if (left && right) return say("Two arms {}. ", listed(say, done));
+  return left ? say("The left arm {}. ", listed(say, done))
+              : say("The right arm {}. ", listed(say, done));
 }
 
 /// Where the tissue is hardest and softest, if presses that have settled tell the two apart.
