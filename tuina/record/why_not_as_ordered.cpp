@@ -27,10 +27,18 @@ const session::Stop* stopped_by(const session::Session& session, const session::
   return done.end_s > first.time_s - 0.5 * control_period_s ? &first : nullptr;
 }
 
-/// Cut short before the person was scanned again: the plan after that has it once more.
+/// Cut short before the person was scanned again, and then begun once more.
 bool begun_again(const session::Session& session, const session::Performed& done) {
-  return !done.whole && !done.skipped &&
-         std::ranges::any_of(session.rescans_s, [&](double time_s) { return time_s > done.end_s; });
+  if (done.whole || done.skipped) return false;
+  const auto name_of_path = [&](const session::Performed& one) -> const std::string& {
+    return session.ready.plan.paths[static_cast<std::size_t>(one.path)].path.name;
+  };
+  return std::ranges::any_of(session.rescans_s, [&](double time_s) {
+    return time_s > done.end_s &&
+           std::ranges::any_of(session.performed, [&](const session::Performed& later) {
+             return later.begin_s >= time_s && name_of_path(later) == name_of_path(done);
+           });
+  });
 }
 
 }  // namespace
