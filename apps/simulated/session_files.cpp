@@ -210,12 +210,12 @@ std::vector<SentenceLine> session_lines(const record::SessionFile& file) {
                 file.massage.performed.size(), file.massage.duration_s, file.massage.force.rmse_n,
                 file.massage.force.peak_n, file.massage.real_time_factor)}};
   for (const record::PerformedEntry& done : file.massage.performed) {
-    if (done.contact_fault != control::name_of(control::ContactFault::none))
-      lines.push_back({sentence("sum_fault", "{}: {}", done.name, done.contact_fault)});
-  }
-  for (const record::PerformedEntry& done : file.massage.performed) {
     const Sentence why = done.told_why();
-    if (why.empty()) continue;
+    if (why.empty()) {
+      if (done.contact_fault != control::name_of(control::ContactFault::none))
+        lines.push_back({sentence("sum_fault", "{}: {}", done.name, done.contact_fault)});
+      continue;
+    }
     lines.push_back({sentence("sum_given", "{}: {:.1f} N ordered, {:.1f} N given: ", done.name,
                               done.ordered_n, done.compared_n()),
                      why});
