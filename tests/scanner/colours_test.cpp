@@ -21,34 +21,16 @@ double white_column(int y) {
   return 430.0 + 0.05 * y;
 }
 
-/// What a colour camera sees under a warm lamp: a textured scene, a red laser line and a white one,
-/// such as a reflection of a window. A share of a red light reaches green, too. `green`: of the
-/// lamp, for its red; `chroma`: spread of the scene's own colours.
+/// What a colour camera sees of a laser line, a white one and a scene of this contrast.
 Image coloured(double laser_dn, double white_dn, double contrast_dn, double green = 0.85,
                double chroma = 0.0) {
-  constexpr double leak = 0.08;
-  const Image tints = test::lit_scene(640, 480, 30, 50.0, 3);
-  const Image scene = test::lit_scene(640, 480, 12, contrast_dn);
-  Random random = make_random(7, "colour camera");
-  Image image(640, 480, 3);
-  for (int y = 0; y < image.height; ++y) {
-    for (int x = 0; x < image.width; ++x) {
-      const auto bell = [&](double column_px) {
-        return std::exp(-0.5 * std::pow((x - column_px) / 2.5, 2));
-      };
-      const double laser = laser_dn * bell(laser_column(y));
-      const double white = white_dn * bell(white_column(y));
-      const double tint = green * (1.0 + chroma * (tints.row(y)[x] / 50.0 - 2.0));
-      const double others = tint * scene.row(y)[x] + white + leak * laser;
-      const std::array<double, 3> light = {scene.row(y)[x] + white + laser, others, others};
-      for (std::size_t c = 0; c < 3; ++c) {
-        const double seen = std::round(light[c] + gaussian(random, 2.0));
-        image.row(y)[3 * x + static_cast<int>(c)] =
-            static_cast<std::uint8_t>(std::clamp(seen, 0.0, 255.0));
-      }
-    }
-  }
-  return image;
+  return test::coloured(640, 480,
+                        {.laser_dn = laser_dn,
+                         .white_dn = white_dn,
+                         .contrast_dn = contrast_dn,
+                         .green = green,
+                         .chroma = chroma},
+                        laser_column, white_column);
 }
 
 struct Found {

@@ -230,6 +230,15 @@ TEST_CASE("rows without a line yield nothing, be the picture dark, bright or noi
   CHECK(find_laser_line(Image(5, 3)).points.empty());
 }
 
+TEST_CASE("a row that is lit alone is no line, and two that continue each other are") {
+  const Image lit = draw({}, 1);
+  Image image = draw({.amplitude_dn = 0.0}, 2);
+  std::copy_n(lit.row(100), 640, image.row(100));
+  CHECK(find_laser_line(image).points.empty());
+  std::copy_n(lit.row(102), 640, image.row(102));
+  CHECK(find_laser_line(image).points.size() == 2);
+}
+
 TEST_CASE("a gap in the line stays a gap") {
   Image image = draw({}, 1);
   const Image empty = draw({.amplitude_dn = 0.0}, 2);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -49,6 +50,43 @@ Image seen(const Image& scene, double amplitude_dn, const Column& column_px, std
       const double light =
           image.row(y)[x] + amplitude_dn * std::exp(-0.5 * u * u) + gaussian(random, 2.0);
       image.row(y)[x] = static_cast<std::uint8_t>(std::clamp(std::round(light), 0.0, 255.0));
+    }
+  }
+  return image;
+}
+
+/// What a colour camera sees of a textured scene and of two lines in it.
+struct Colours {
+  double laser_dn = 90.0;  ///< amplitude of the laser's line
+  double white_dn = 0.0;   ///< amplitude of a white line, such as a reflection of a window
+  double contrast_dn = 25.0;
+  double green = 0.85;  ///< of the lamp, for its red
+  double chroma = 0.0;  ///< spread of the scene's own colours
+};
+/// Three channels, red first; of a red light a twelfth reaches green and blue, too.
+template <typename Column>
+Image coloured(int width, int height, const Colours& colours, const Column& laser_px,
+               const Column& white_px) {
+  constexpr double leak = 0.08;
+  const Image tints = lit_scene(width, height, 30, 50.0, 3);
+  const Image scene = lit_scene(width, height, 12, colours.contrast_dn);
+  Random random = make_random(7, "colour camera");
+  Image image(width, height, 3);
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      const auto bell = [&](double column_px) {
+        return std::exp(-0.5 * std::pow((x - column_px) / 2.5, 2));
+      };
+      const double laser = colours.laser_dn * bell(laser_px(y));
+      const double white = colours.white_dn * bell(white_px(y));
+      const double tint = colours.green * (1.0 + colours.chroma * (tints.row(y)[x] / 50.0 - 2.0));
+      const double others = tint * scene.row(y)[x] + white + leak * laser;
+      const std::array<double, 3> light = {scene.row(y)[x] + white + laser, others, others};
+      for (std::size_t c = 0; c < 3; ++c) {
+        const double seen = std::round(light[c] + gaussian(random, 2.0));
+        image.row(y)[3 * x + static_cast<int>(c)] =
+            static_cast<std::uint8_t>(std::clamp(seen, 0.0, 255.0));
+      }
     }
   }
   return image;

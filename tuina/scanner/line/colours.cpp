@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
+
+#include "tuina/scanner/line/line_rows.hpp"
 
 namespace tuina::scanner {
 namespace {
@@ -27,9 +30,12 @@ struct Scene {
 
 template <typename Sample>
 Scene scene_in(const BasicImage<Sample>& colours, double saturated_dn) {
-  constexpr std::size_t step = 17;  // a prime meets all columns
+  constexpr std::size_t sampled = 20000;
   constexpr double lit_share = 0.05;
   const auto channels = static_cast<std::size_t>(colours.channels);
+  // A step that has no divisor in common with the width meets all columns.
+  std::size_t step = colours.data.size() / channels / sampled + 1;
+  while (std::gcd(step, static_cast<std::size_t>(colours.width)) != 1) ++step;
   const double least = darkest * saturated_dn, most = brightest * saturated_dn;
   std::vector<float> ratios;
   for (std::size_t i = 0; i < colours.data.size(); i += step * channels) {
@@ -87,27 +93,29 @@ template <typename Sample>
 LaserLine find(const BasicImage<Sample>& colours, const LineOptions& options) {
   const double saturated_dn =
       options.saturated_dn > 0.0 ? options.saturated_dn : std::numeric_limits<Sample>::max();
-  const BasicImage<Sample> red = channel(colours, 0);
   const Scene scene = scene_in(colours, saturated_dn);
   const auto seen = [&](LaserLine line) {
     if (!is_red(colours, line, saturated_dn)) line.points.clear();
     return line;
   };
   const auto beyond_scene = [&] {
-    return seen(
-        find_laser_line(red, options, without_laser(colours, scene.red_to_green, saturated_dn)));
+    return seen(find_laser_line(LineRows<Sample>(colours, scene.red_to_green, options.saturated_dn),
+                                options));
+  };
+  const auto in_red_alone = [&] {
+    return seen(find_laser_line(BasicImageView<Sample>(channel(colours, 0)), options));
   };
   const auto clear_rows = [](const LaserLine& line) {
     return static_cast<int>(line.points.size()) - line.ambiguous_rows;
   };
   // First what is likelier to be clear, which mostly spares the other.
-  LaserLine first = scene.lit ? beyond_scene() : seen(find_laser_line(red, options));
+  LaserLine first = scene.lit ? beyond_scene() : in_red_alone();
   if (clear_rows(first) == colours.height) return first;
   // In a lit scene red alone would take anything bright for a line. It is asked only where the
   // middle of a line is clipped in all colours: its flanks are red then.
   const auto flanks = static_cast<int>(first.points.size()) + first.ambiguous_rows;
   if (scene.lit && 2 * flanks < colours.height) return first;
-  LaserLine second = scene.lit ? seen(find_laser_line(red, options)) : beyond_scene();
+  LaserLine second = scene.lit ? in_red_alone() : beyond_scene();
   return clear_rows(second) > clear_rows(first) ? second : first;
 }
 

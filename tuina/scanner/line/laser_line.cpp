@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <cstring>
-#include <limits>
 #include <optional>
 #include <type_traits>
 
@@ -14,63 +13,27 @@
 #include "tuina/scanner/line/line_continuity.hpp"
 #include "tuina/scanner/line/line_fit.hpp"
 #include "tuina/scanner/line/line_kernel.hpp"
+#include "tuina/scanner/line/line_rows.hpp"
 
 namespace tuina::scanner {
 namespace {
 
 // Maximum width of a clipped line: this and eight line widths.
 constexpr float max_plateau_px = 16.0F;
-// Least share of the range above a dark pixel at which a clipped one tells of a line.
-constexpr float min_room = 0.25F;
 // Of the rows with a line, the share that may show several: more are the texture of a lit scene.
 constexpr float max_unclear_share = 0.25F;
 // Number of rows that suffices to estimate noise and line width.
 constexpr int sampled_rows = 20;
 
-// Rows of an image as samples: unchanged, or as float after subtracting a dark frame or for 16
-// bits. Clipped pixels keep the saturation value, unless the dark frame is nearly clipped there
-// itself: then they say nothing of a line.
-template <typename Pixel>
-class Rows {
- public:
-  Rows(BasicImageView<Pixel> image, BasicImageView<Pixel> dark, float saturated)
-      : image_(image),
-        dark_(dark),
-        saturated_(saturated),
-        row_(static_cast<std::size_t>(image.width)) {}
-
-  [[nodiscard]] const BasicImageView<Pixel>& image() const { return image_; }
-
-  template <typename Sample>
-  [[nodiscard]] const Sample* samples(int y) {
-    if constexpr (std::is_same_v<Sample, Pixel>) {
-      return image_.row(y);
-    } else {
-      const Pixel* pixels = image_.row(y);
-      if (dark_.data == nullptr) {
-        std::transform(pixels, pixels + image_.width, row_.begin(), [&](Pixel value) {
-          return std::min(static_cast<float>(value), saturated_);
-        });
-        return row_.data();
-      }
-      const Pixel* off = dark_.row(y);
-      const float max_dark = (1.0F - min_room) * saturated_;
-      for (int x = 0; x < image_.width; ++x) {
-        const auto value = static_cast<float>(pixels[x]);
-        const auto less = static_cast<float>(off[x]);
-        const bool clipped = (value >= saturated_) & (less <= max_dark);
-        row_[static_cast<std::size_t>(x)] = clipped ? saturated_ : value - less;
-      }
-      return row_.data();
-    }
+// A row as it is where nothing is taken off it, else as numbers.
+template <typename Sample, typename Pixel>
+const Sample* samples(LineRows<Pixel>& rows, int y) {
+  if constexpr (std::is_same_v<Sample, Pixel>) {
+    return rows.image().row(y);
+  } else {
+    return rows.row(y);
   }
-
- private:
-  BasicImageView<Pixel> image_;
-  BasicImageView<Pixel> dark_;
-  float saturated_;
-  std::vector<float> row_;
-};
+}
 
 enum class Shows : std::uint8_t { nothing, one_line, several };
 
@@ -134,6 +97,12 @@ RowContent inspect(const Sample* row, const LineScene& scene) {
   if ((until > first && static_cast<float>(largest(row + first, until - first)) > rival) ||
       (from<last&& static_cast<float>(largest(row + from, last - from + 1))> rival)) {
     return {Shows::several, {}};
+  }
+  // The brightest pixel of a wide line may be anywhere in its middle; its flanks tell more.
+  if (scene.width_px > static_cast<float>(max_kernel_px)) {
+    const float half = beside_dn + 0.5F * height;
+    while (left > first && static_cast<float>(row[left - 1]) > half) --left;
+    while (right<last&& static_cast<float>(row[right + 1])> half) ++right;
   }
   return {Shows::one_line,
           {.column_px = 0.5F * static_cast<float>(left + right), .height_dn = height}};
@@ -202,8 +171,8 @@ std::optional<LinePoint> measure(const Sample* row, int y, const Candidate& cand
 }
 
 template <typename Sample, typename Pixel>
-LaserLine find_in(Rows<Pixel>& rows, int height, const LineScene& scene,
-                  const LineOptions& options) {
+LaserLine find_in(LineRows<Pixel>& rows, const LineScene& scene, const LineOptions& options) {
+  const int height = rows.height();
   const LineKernel& kernel = options.method == LineMethod::centroid
                                  ? centroid_kernel(scene.width_px)
                                  : gaussian_kernel(scene.width_px);
@@ -215,10 +184,10 @@ LaserLine find_in(Rows<Pixel>& rows, int height, const LineScene& scene,
   // A wide line is fitted slowly, so only where it is kept.
   const bool wide = scene.width_px > static_cast<float>(max_kernel_px);
   const auto measure_at = [&](int y, const Candidate& candidate) {
-    return measure(rows.template samples<Sample>(y), y, candidate, kernel, scene);
+    return measure(samples<Sample>(rows, y), y, candidate, kernel, scene);
   };
   const auto inspect_row = [&](int y) {
-    const auto* row = rows.template samples<Sample>(y);
+    const auto* row = samples<Sample>(rows, y);
     const RowContent content = inspect(row, scene);
     if (content.shows == Shows::one_line && wide) {
       line.points.push_back({y, content.brightest.column_px, content.brightest.height_dn});
@@ -258,18 +227,18 @@ LaserLine find_in(Rows<Pixel>& rows, int height, const LineScene& scene,
     if (const auto point = measure_at(row.y, row.candidates.front())) line.points.push_back(*point);
   }
   if (!unclear.empty()) std::sort(line.points.begin(), line.points.end(), by_row);
+  drop_lone_rows(line.points, height);
   return line;
 }
 
 template <typename Sample, typename Pixel>
-LaserLine find_as_thesis(Rows<Pixel>& rows, int height, const LineScene& scene,
-                         double threshold_dn) {
+LaserLine find_as_thesis(LineRows<Pixel>& rows, const LineScene& scene, double threshold_dn) {
   LaserLine line;
   line.noise_dn = scene.noise_dn;
   line.width_px = scene.width_px;
   const auto threshold = static_cast<float>(threshold_dn);
-  for (int y = 0; y < height; ++y) {
-    const auto* row = rows.template samples<Sample>(y);
+  for (int y = 0; y < rows.height(); ++y) {
+    const auto* row = samples<Sample>(rows, y);
     float light = 0.0F;
     float moment = 0.0F;
     float most = 0.0F;
@@ -290,48 +259,45 @@ LaserLine find_as_thesis(Rows<Pixel>& rows, int height, const LineScene& scene,
   return line;
 }
 
-template <typename Pixel>
-LaserLine find(BasicImageView<Pixel> image, const LineOptions& options,
-               BasicImageView<Pixel> dark) {
-  if (image.width <= 0 || image.height <= 0) return {};
-  const float saturated = options.saturated_dn > 0.0
-                              ? static_cast<float>(options.saturated_dn)
-                              : static_cast<float>(std::numeric_limits<Pixel>::max());
-  Rows<Pixel> rows(image, dark, saturated);
-  const auto work = [&]<typename Sample>(Sample) {
-    LineScene scene;
-    scene.width = image.width;
-    scene.first_column = std::clamp(options.first_column, 0, image.width - 1);
-    scene.last_column = options.last_column < 0
-                            ? image.width - 1
-                            : std::clamp(options.last_column, scene.first_column, image.width - 1);
-    scene.saturated_dn = saturated;
-    const int step = std::max(1, image.height / sampled_rows);
-    SceneSample sample(scene, static_cast<std::size_t>(image.height / step) + 1);
-    for (int y = step / 2; y < image.height; y += step) {
-      sample.add(rows.template samples<Sample>(y), y);
-    }
-    sample.estimate(scene, options.noise_dn, options.width_px);
-    if (scene.no_line && options.method != LineMethod::thesis)
-      return LaserLine{.noise_dn = scene.noise_dn, .width_px = scene.width_px};
-    return options.method == LineMethod::thesis
-               ? find_as_thesis<Sample>(rows, image.height, scene, options.thesis_threshold_dn)
-               : find_in<Sample>(rows, image.height, scene, options);
-  };
-  if constexpr (std::is_same_v<Pixel, std::uint8_t>) {
-    if (dark.data == nullptr) return work(std::uint8_t{});
-  }
-  return work(float{});
+template <typename Sample, typename Pixel>
+LaserLine find_by(LineRows<Pixel>& rows, const LineOptions& options) {
+  LineScene scene;
+  scene.width = rows.width();
+  scene.first_column = std::clamp(options.first_column, 0, rows.width() - 1);
+  scene.last_column = options.last_column < 0
+                          ? rows.width() - 1
+                          : std::clamp(options.last_column, scene.first_column, rows.width() - 1);
+  scene.saturated_dn = rows.saturated_dn();
+  const int step = std::max(1, rows.height() / sampled_rows);
+  SceneSample sample(scene, static_cast<std::size_t>(rows.height() / step) + 1);
+  for (int y = step / 2; y < rows.height(); y += step) sample.add(samples<Sample>(rows, y), y);
+  sample.estimate(scene, options.noise_dn, options.width_px);
+  if (options.method == LineMethod::thesis)
+    return find_as_thesis<Sample>(rows, scene, options.thesis_threshold_dn);
+  if (scene.no_line) return LaserLine{.noise_dn = scene.noise_dn, .width_px = scene.width_px};
+  return find_in<Sample>(rows, scene, options);
 }
 
 }  // namespace
 
+template <typename Pixel>
+LaserLine find_laser_line(LineRows<Pixel> rows, const LineOptions& options) {
+  if (rows.width() <= 0 || rows.height() <= 0) return {};
+  if constexpr (std::is_same_v<Pixel, std::uint8_t>) {
+    if (rows.plain()) return find_by<std::uint8_t>(rows, options);
+  }
+  return find_by<float>(rows, options);
+}
+
+template LaserLine find_laser_line(LineRows<std::uint8_t>, const LineOptions&);
+template LaserLine find_laser_line(LineRows<std::uint16_t>, const LineOptions&);
+
 LaserLine find_laser_line(ImageView image, const LineOptions& options, ImageView dark) {
-  return find(image, options, dark);
+  return find_laser_line(LineRows<std::uint8_t>(image, dark, options.saturated_dn), options);
 }
 
 LaserLine find_laser_line(ImageView16 image, const LineOptions& options, ImageView16 dark) {
-  return find(image, options, dark);
+  return find_laser_line(LineRows<std::uint16_t>(image, dark, options.saturated_dn), options);
 }
 
 std::optional<LineMethod> line_method(std::string_view name) {

@@ -5,6 +5,17 @@
 #include <cmath>
 
 namespace tuina::scanner {
+namespace {
+
+constexpr int max_gap = 3;
+constexpr float max_step_px = 2.0F;
+
+// True when a line may run from one place to another some rows below.
+bool continues(int rows, float aside_px) {
+  return rows <= max_gap && std::abs(aside_px) <= 1.0F + max_step_px * static_cast<float>(rows);
+}
+
+}  // namespace
 
 void keep_what_continues(std::vector<LinePoint>& clear, std::vector<CandidateRow>& unclear,
                          int height) {
@@ -20,8 +31,6 @@ void keep_what_continues(std::vector<LinePoint>& clear, std::vector<CandidateRow
     seen.push_back({row.y, row.candidates.front().column_px, row.candidates.size() > 1});
   std::sort(seen.begin(), seen.end(), [](const Seen& a, const Seen& b) { return a.row < b.row; });
 
-  constexpr int max_gap = 3;
-  constexpr float max_step_px = 2.0F;
   // Texture shows ridges as long as its own grain, up to some twenty rows of a usual picture, or a
   // few that run beside each other; a line with its reflection runs through the picture.
   const auto min_length = static_cast<std::size_t>(std::max(12, height / 20));
@@ -30,9 +39,9 @@ void keep_what_continues(std::vector<LinePoint>& clear, std::vector<CandidateRow
   for (std::size_t begin = 0, end = 0; begin < seen.size(); begin = end) {
     std::size_t doubtful = seen[begin].doubtful ? 1 : 0;
     for (end = begin + 1; end < seen.size(); ++end) {
-      const int rows = seen[end].row - seen[end - 1].row;
-      const float aside = std::abs(seen[end].column_px - seen[end - 1].column_px);
-      if (rows > max_gap || aside > 1.0F + max_step_px * static_cast<float>(rows)) break;
+      if (!continues(seen[end].row - seen[end - 1].row,
+                     seen[end].column_px - seen[end - 1].column_px))
+        break;
       doubtful += seen[end].doubtful ? 1 : 0;
     }
     const std::size_t length = end - begin;
@@ -42,6 +51,20 @@ void keep_what_continues(std::vector<LinePoint>& clear, std::vector<CandidateRow
   std::erase_if(clear, [&](const LinePoint& p) { return !kept[static_cast<std::size_t>(p.row)]; });
   std::erase_if(unclear,
                 [&](const CandidateRow& r) { return !kept[static_cast<std::size_t>(r.y)]; });
+}
+
+void drop_lone_rows(std::vector<LinePoint>& points, int height) {
+  constexpr std::size_t hardly_any = 50;  // times fewer than the picture's rows
+  if (points.size() * hardly_any > static_cast<std::size_t>(height)) return;
+  std::vector<LinePoint> kept;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto joins = [&](std::size_t upper) {
+      return continues(points[upper + 1].row - points[upper].row,
+                       points[upper + 1].column_px - points[upper].column_px);
+    };
+    if ((i > 0 && joins(i - 1)) || (i + 1 < points.size() && joins(i))) kept.push_back(points[i]);
+  }
+  points.swap(kept);
 }
 
 void choose_by_continuity(const std::vector<LinePoint>& clear, std::vector<CandidateRow>& unclear) {
