@@ -142,7 +142,7 @@ json judge_marked_people(const std::vector<MarkedPerson>& people, const body::At
                          const Progress& progress) {
   std::map<std::string, Group> groups;
   for (std::size_t i = 0; i < people.size(); ++i) {
-    const auto back = body::fit_back(people[i].scan_in_couch);
+    const auto back = body::fit_back(people[i].scan_in_couch, {.position = BodyPosture::sitting});
     groups[people[i].group].add(
         people[i], back ? body::locate_acupoints(*back, atlas) : tl::unexpected(back.error()));
     if (progress) progress(static_cast<double>(i + 1) / static_cast<double>(people.size()));
