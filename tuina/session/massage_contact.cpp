@@ -52,6 +52,7 @@ void MassageStep::begin_approach(Side& side, Arm arm, double time_s) noexcept {
 
 void MassageStep::begin_contact(Side& side, Arm arm, double time_s) noexcept {
   side.contact_s = time_s;
+  side.registered = false;
   side.phase = ArmPhase::contact;
   steering_.touch(arm, time_s);
   // After probing the tool already is on the skin, with the light touch that a path begins with.
@@ -113,8 +114,8 @@ double MassageStep::gears_m_per_n(Arm arm) const noexcept {
 /// for a part only, once.
 void MassageStep::register_skin(Side& side, double time_s) noexcept {
   constexpr double after_s = 0.4, share = 0.3;
-  const double in_contact_s = time_s - side.contact_s;
-  if (in_contact_s < after_s || in_contact_s >= after_s + control_period_s) return;
+  if (side.registered || time_s - side.contact_s < after_s) return;
+  side.registered = true;
   const double deeper_m = side.controller().status().skin_error_m;
   if (std::abs(deeper_m) > options_.max_shift_m) return leave(time_s);
   next_shift_in_base_ -= share * deeper_m * side.wanted.normal_in_base;

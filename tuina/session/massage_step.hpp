@@ -127,8 +127,10 @@ class MassageStep {
     return steering_.decisions();
   }
   /// The person lies elsewhere than scanned: the arms let go, fly to where they started, and a new
-  /// scan is needed.
-  [[nodiscard]] bool wants_scan() const noexcept { return wants_scan_; }
+  /// scan is needed. After a stop nothing is.
+  [[nodiscard]] bool wants_scan() const noexcept { return moved_ && stopped_s_ < 0.0; }
+  /// Somebody has asked to pause, and not to go on yet.
+  [[nodiscard]] bool paused() const noexcept { return paused_; }
   /// Factor on every force by the wishes so far.
   [[nodiscard]] double intensity() const noexcept { return intensity_; }
   /// How far the skin was found from the scan, from the contacts so far.
@@ -150,6 +152,7 @@ class MassageStep {
     double amiss_s = -1.0;  ///< time since which it has stood off its planned start; -1: it has not
     ArmPhase phase = ArmPhase::waiting;
     double contact_s = 0.0;
+    bool registered = false;  ///< where the tool found the skin is taken into account
     Playback playback = {};
     control::BeatCorrection beats = {};
     bool skip = false, again = false, cut_short = false;
@@ -203,7 +206,8 @@ class MassageStep {
   PerArm<ArmView> view_;
   int step_ = 0;
   double intensity_;
-  bool paused_ = false, stop_asked_ = false, wants_scan_ = false;
+  bool paused_ = false, stop_asked_ = false;
+  bool moved_ = false;  ///< the person, since the scan
   Vector3 shift_in_base_ = Vector3::Zero(), next_shift_in_base_ = Vector3::Zero();
   double time_s_ = 0.0;  ///< of the last reading
   bool started_ = false;

@@ -55,7 +55,7 @@ void MassageStep::end_travel(Side& side, Arm arm, double time_s) noexcept {
       return;
     }
     side.detour_at = -1;
-    if (wants_scan_) {
+    if (wants_scan()) {
       side.job = side.jobs.size();
       side.phase = ArmPhase::waiting;
       return;
@@ -82,7 +82,7 @@ void MassageStep::end_travel(Side& side, Arm arm, double time_s) noexcept {
 /// shall be done again, it flies there, lifted over what lies between.
 void MassageStep::end_retract(Side& side, double time_s) noexcept {
   const massage::PlannedPath* planned = path_of(side);
-  if (wants_scan_) return fly_home(side, time_s);
+  if (wants_scan()) return fly_home(side, time_s);
   if (planned == nullptr || stopped_s_ >= 0.0 || !(side.cut_short || side.again)) {
     return next_job(side);
   }
@@ -125,7 +125,7 @@ void MassageStep::fly_home(Side& side, double time_s) noexcept {
 
 /// The person has moved, or gone: contacts end, and every arm goes home.
 void MassageStep::leave(double time_s) noexcept {
-  wants_scan_ = true;
+  moved_ = true;
   for (const Arm arm : both_arms) {
     Side& side = sides_[arm];
     if (side.phase == ArmPhase::contact || side.phase == ArmPhase::approach) {

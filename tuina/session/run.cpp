@@ -192,13 +192,14 @@ Result<bool> carry_out(Devices devices, const Order& order, const Config& config
   const auto models = robot::both_models(session.placement.arm, session.placement.mount);
   MassageStep massage(ready.plan, ready.jobs, models,
                       massage_options(order, config, session, devices.lag_s));
+  if (session.paused) massage.obey(LiveCommand::pause);
   observer.on_plan(ready, session.base_from_couch);
   // A contact that never ends is a fault of the robot, not of the person; it must not hold anyone.
   const double max_s = 3.0 * ready.plan.duration_s + 60.0;
   // While a new scan is due, the arms are held still for as long as a sweep takes.
   const double rest_s = config.scan.sweep_s;
   const double began_s = session.massage_s;
-  double ended_s = -1.0;
+  double ended_s = -1.0, paused_s = 0.0;
   bool late = false;
   std::size_t told = 0;
   Happened happened;
@@ -218,32 +219,36 @@ Result<bool> carry_out(Devices devices, const Order& order, const Config& config
     session.massage_s = reading.time_s;
     while (told < massage.performed().size()) observer.on_performed(massage.performed()[told++]);
     observer.on_tick(happened.tick(reading, verdict, massage));
-    if (ended_s < 0.0 && massage.finished()) {
-      ended_s = reading.time_s;
-      if (!massage.wants_scan()) return false;
+    if (massage.finished() && !massage.wants_scan()) return false;
+    if (massage.finished() && ended_s < 0.0) ended_s = reading.time_s;
+    if (ended_s >= 0.0 && massage.wants_scan()) return reading.time_s - ended_s < rest_s;
+    if (massage.paused()) paused_s += control_period_s;
+    const double past_s = reading.time_s - began_s - paused_s;
+    if (!late && past_s >= max_s) {  // the tools leave the skin before anything else happens
+      late = true;
+      massage.obey(LiveCommand::stop);
+      devices.supervisor->expect_stop();
     }
-    if (ended_s >= 0.0) return reading.time_s - ended_s < rest_s;
-    const double past_s = reading.time_s - began_s;
-    late = past_s >= max_s;
     constexpr std::uint64_t progress_every_ticks = 500;
     if (reading.tick % progress_every_ticks == 0)
       observer.on_progress(Stage::massage, std::min(0.999, past_s / ready.plan.duration_s));
-    return !late;
+    return true;
   };
   const auto driven = run_control_loop(devices.robot, *devices.supervisor, propose, look);
   session.compute_s += watch.seconds();
   if (!driven) return tl::unexpected(driven.error());
   if (late) {
     return fail(Fault::device, "the massage was not done after {:.0f} s; {:.0f} s were planned",
-                session.massage_s - began_s, ready.plan.duration_s);
+                max_s, ready.plan.duration_s);
   }
   observer.on_progress(Stage::massage, 1.0);
   session.performed.insert(session.performed.end(), massage.performed().begin(),
                            massage.performed().end());
   session.decisions.insert(session.decisions.end(), massage.decisions().begin(),
                            massage.decisions().end());
-  session.stops = massage.stops();
+  session.stops.insert(session.stops.end(), massage.stops().begin(), massage.stops().end());
   session.intensity = massage.intensity();
+  session.paused = massage.paused();
   return massage.wants_scan();
 }
 

@@ -79,6 +79,7 @@ struct Session {
   Said said;                                          ///< by hand, in the end
   std::vector<KnownPlace> known;                      ///< of earlier sessions, as it was used
   double intensity = 1.0;                             ///< as the wishes have left it
+  bool paused = false;                                ///< somebody has asked to, and not to go on
   double locate_ms = 0.0;                             ///< computing time
   double plan_ms = 0.0;
 
