@@ -87,6 +87,19 @@ TEST_CASE("an arm under the guard that plunges into the body is braked in 3 ms")
     CHECK(plunging(action, 0.299, 100) == action);
     CHECK(plunging(action, -0.5, 100) == action);
   }
+  // Likewise one that races aside besides.
+  for (const double aside_m_per_s : {1.1, 1.3, 3.0}) {
+    Scene scene;
+    scene.force_n = 0.0;
+    scene.proposal.phase = Phase::free;
+    scene.tick(10);
+    scene.guard.stop(Action::retract, Cause::arms_too_close);
+    scene.tick();
+    scene.seen.tool_velocity_m_per_s =
+        aside_m_per_s * scene.normal().unitOrthogonal() - 0.301 * scene.normal();
+    CHECK(scene.tick(2).action == Action::retract);
+    CHECK(scene.tick().action == Action::brake);
+  }
   // One that is free is stopped by its speed first.
   CHECK(plunging(Action::pass, 0.35, 3) == Action::comply);
   CHECK(plunging(Action::pass, 0.35, 5) == Action::comply);

@@ -144,6 +144,8 @@ class Guard {
 
   /// Median of the last three forces on the tool.
   [[nodiscard]] double felt_n() const noexcept { return medians_n_.back(); }
+  /// True while a living sensor feels a body under the tool.
+  [[nodiscard]] bool pressed() const noexcept;
   /// As they count: no option above its compiled ceiling.
   [[nodiscard]] const Options& options() const noexcept { return options_; }
 
@@ -180,7 +182,6 @@ class Guard {
   [[nodiscard]] double inward_n(const Observation& seen,
                                 const JointVector& torque_nm) const noexcept;
   [[nodiscard]] bool feels() const noexcept;
-  [[nodiscard]] bool pressed() const noexcept;
   [[nodiscard]] bool in_air() const noexcept;
   void judge_unknown(Finding& finding) noexcept;
   [[nodiscard]] JointVector blind_torque(Action action) const noexcept;

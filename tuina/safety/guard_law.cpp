@@ -78,10 +78,10 @@ void Guard::judge_obedience(const Observation& seen, Finding& finding) noexcept 
       state_ == GuardState::retracting && pressed() && inward_m_per_s > disobedient_m_per_s;
   const bool digs = against && felt_n() > std::max(min_felt_n_ + digging_rise_n, digging_n);
   const bool plunges = driven && inward_m_per_s > plunging_m_per_s;
-  if (races)
-    not_obeyed_ += disobedient_ticks / runaway_ticks;
-  else if (digs || plunges)
+  if (digs || plunges)
     not_obeyed_ += disobedient_ticks / digging_ticks + 1;
+  else if (races)
+    not_obeyed_ += disobedient_ticks / runaway_ticks;
   else
     not_obeyed_ = against ? not_obeyed_ + 1 : 0;
   if (not_obeyed_ >= disobedient_ticks) finding.add(Action::brake, Cause::not_obeyed);

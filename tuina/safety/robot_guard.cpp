@@ -89,8 +89,10 @@ void RobotGuard::keep_apart(const PerArm<Observation>& seen,
   for (const Arm arm : both_arms) {
     if (!nobody && !moves(arm)) continue;
     const Phase phase = proposal.arms[arm].phase;
-    const bool on_skin = phase == Phase::contact || phase == Phase::approach;
-    sides_[arm].guard.stop(on_skin ? Action::retract : Action::freeze, cause);
+    Guard& guard = sides_[arm].guard;
+    // A tool that was told to leave may press still, whatever its controller calls that.
+    const bool on_skin = phase == Phase::contact || phase == Phase::approach || guard.pressed();
+    guard.stop(on_skin ? Action::retract : Action::freeze, cause);
   }
 }
 
