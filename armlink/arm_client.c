@@ -79,6 +79,7 @@ struct link {
   int socket;
   struct sockaddr_in host;
   struct armlink_command last; /* the newest one that was obeyed; its session is 0 where there is none */
+  uint32_t ended;              /* the session before: a command of it that comes late opens nothing */
   unsigned cycle, heard_in;    /* cycles since the begin; the one in which the host last commanded */
   unsigned damped_cycles;
   int stopped, braked, stands;
@@ -115,18 +116,18 @@ static void say_hello(const struct link* link, const struct arm* arm, const uint
 /* A session begins with READY while no other host is there; within it only its own host is heard. */
 static void hear(struct link* link, const struct arm* arm, const struct armlink_command* command, const struct sockaddr_in* from) {
   const int opens = !busy(link) && command->session != 0 && command->session != link->last.session &&
-                    command->mode == ARMLINK_READY;
+                    command->session != link->ended && command->mode == ARMLINK_READY;
   const int own = command->session == link->last.session && from->sin_port == link->host.sin_port &&
                   from->sin_addr.s_addr == link->host.sin_addr.s_addr;
   if ((!opens && !own) || command->joints != arm->joints) return;
   if (own && command->mode == ARMLINK_TORQUE && link->cycle - command->answers > ARMLINK_MAX_AGE) return; /* stale */
   if (own) link->heard_in = link->cycle;
   if (own && (int32_t)(command->sequence - link->last.sequence) <= 0) return; /* overtaken, or sent again */
-  if (opens) link->stopped = link->braked = 0, link->host = *from;
+  if (opens) link->stopped = link->braked = 0, link->host = *from, link->ended = link->last.session;
   if (link->stopped && command->mode != ARMLINK_IDLE) return;
   link->last = *command;
   link->heard_in = link->cycle;
-  if (command->mode == ARMLINK_IDLE) link->last.session = 0;
+  if (command->mode == ARMLINK_IDLE) link->ended = command->session, link->last.session = 0;
 }
 
 static void listen_to_all(struct link* link, const struct arm* arm) {

@@ -79,6 +79,7 @@ class Link:
     def __init__(self, arm, port):
         self.arm, self.cycle, self.heard_in, self.damped_cycles = arm, 0, 0, 0
         self.session, self.host, self.sequence, self.mode = 0, None, 0, IDLE
+        self.ended = 0  # the session before: a command of it that comes late opens nothing
         self.values, self.rail_m, self.brake = [], 0.0, False
         self.stopped = self.braked = self.stands = False
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
@@ -104,7 +105,7 @@ class Link:
             return
         if not all(map(math.isfinite, [rail_m, *values])):
             return
-        opens = not self.busy() and session not in (0, self.session) and mode == READY
+        opens = not self.busy() and session not in (0, self.session, self.ended) and mode == READY
         own = session == self.session and host == self.host
         if not (opens or own):
             return  # a stranger
@@ -116,9 +117,11 @@ class Link:
             return  # overtaken, or sent again
         if opens:
             self.stopped = self.braked = False
-            self.host = host
+            self.host, self.ended = host, self.session
         if self.stopped and mode != IDLE:
             return
+        if mode == IDLE:
+            self.ended = session
         self.session, self.sequence, self.mode = session if mode != IDLE else 0, sequence, mode
         self.values, self.rail_m, self.brake, self.heard_in = values[:count], rail_m, bool(brake), self.cycle
 

@@ -98,6 +98,13 @@ void die_before(const Program& program) {
   host.hear_for(20ms);
   CHECK(has(armlink::status::stopped)(host.states.back()));
   CHECK(host.states.back().q_rad == obeyed->q_rad);
+  // Nor does a command of a session that is over open it again, however late it comes.
+  host.send(Mode::idle, 0.0);
+  host.hear_for(20ms);
+  host.states.clear();
+  host.send(Mode::ready, 0.5);
+  host.hear_for(50ms);
+  CHECK(host.states.empty());
 }
 
 }  // namespace

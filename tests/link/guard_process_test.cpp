@@ -9,6 +9,7 @@
 #include <optional>
 #include <thread>
 
+#include "tuina/control/tool_motion.hpp"
 #include "tuina/robot/inverse_kinematics.hpp"
 
 using namespace tuina;
@@ -37,15 +38,26 @@ struct Guarded {
     reading.time_s = static_cast<double>(ticks) * control_period_s;
     safety::RobotProposal proposal;
     for (const Arm arm : both_arms) {
-      const Matrix3 turn = models[arm].base_from_tool(ready_rad[arm], 0.0).linear();
+      const Transform base_from_tool = models[arm].base_from_tool(ready_rad[arm], 0.0);
+      const Matrix3 turn = base_from_tool.linear();
+      const Vector3 pressed_n = body_n * control::tool_normal(base_from_tool);
       const double weight_n =
           models[arm].table().tool_mass_kg * 9.81 + 1e-6 * reading.time_s + felt_n;
       reading.arms[arm] = {
           .q_rad = ready_rad[arm],
           .dq_rad_per_s = JointVector::Zero(6),
-          .wrench_in_tool = {turn.transpose() * Vector3(0.0, 0.0, -weight_n), Vector3::Zero()},
+          .wrench_in_tool = {turn.transpose() * (pressed_n - Vector3(0.0, 0.0, weight_n)),
+                             Vector3::Zero()},
           .wrench_time_s = reading.time_s};
       proposal.arms[arm].torque_nm = models[arm].gravity_nm(ready_rad[arm]);
+      if (body_n > 0.0) {
+        const auto dynamics = models[arm].evaluate(ready_rad[arm], JointVector::Zero(6), 0.0);
+        proposal.arms[arm].torque_nm -= dynamics.jacobian.topRows<3>().transpose() * pressed_n;
+        proposal.arms[arm].phase = safety::Phase::contact;
+        proposal.arms[arm].zone = safety::Zone::muscle;
+        proposal.arms[arm].set_force_n = body_n;
+        proposal.arms[arm].normal_in_base = pressed_n.normalized();
+      }
     }
     return proposal;
   }
@@ -78,6 +90,7 @@ struct Guarded {
   robot::RobotReading reading;
   std::uint64_t ticks = 0;
   double felt_n = 0.0;  ///< by the wrists, in the air
+  double body_n = 0.0;  ///< out of a body under both tools
   std::thread process;
 };
 
@@ -132,6 +145,29 @@ TEST_CASE("a stop in a hand, or of the operator, reaches a guard in its own thre
       CHECK(one.cause == safety::Cause::asked_to);
     }
   }
+}
+
+TEST_CASE("a guard that is to end goes on until no tool has pressed for half a second") {
+  Guarded robot("end");
+  robot.tick();
+  for (; robot.body_n < 20.0; robot.body_n += 0.5) robot.tick();  // no sensor's fault is as slow
+  robot.ends = true;
+  for (int i = 0; i < 40; ++i) {
+    for (const safety::Verdict& one : robot.tick().arms.of) CHECK(one.latched);
+  }
+  for (; robot.body_n > 0.0; robot.body_n -= 0.5) robot.tick();
+  for (int i = 0; i < 480; ++i) robot.tick();
+  for (int i = 0; i < 25; ++i, ++robot.ticks) {  // nobody may be there to answer these
+    const safety::RobotProposal proposal = robot.sense();
+    robot.controller->write(wire::to_frame(proposal, robot.ticks, false));
+    wire::SensorFrame frame = wire::to_frame(robot.reading);
+    frame.stands = 1;
+    robot.drives->write(frame);
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  robot.process.join();
+  REQUIRE(robot.report.has_value());
+  CHECK(robot.report->last[Arm::left].latched);
 }
 
 TEST_CASE("a leased robot leaves when a stop in a hand has been silent for half a second") {

@@ -21,6 +21,7 @@ constexpr auto lock_step_patience = 2s;
 constexpr auto gone_patience = 1ms;
 constexpr auto proposal_patience = 600us;  // of the millisecond, at real pace
 constexpr double max_in_air_n = 5.0;
+constexpr int has_left_ticks = 500;  // without a body under either tool
 
 safety::RobotProposal still(const PerArm<robot::ArmModel>& models,
                             const robot::RobotReading& reading) {
@@ -111,10 +112,11 @@ Result<GuardReport> keep_guard(Link& link, const Arming& arming, Pace pace,
   std::optional<std::uint64_t> last_tick;
   safety::RobotProposal proposal;
   std::optional<std::uint64_t> answered;
-  bool there = true, told_to_stop = false;
-  while (!ends) {
+  bool there = true, told_to_stop = false, leaves = false;
+  // Who ends this process wants no hands on the person: it guards until the tools have left.
+  for (int left_ticks = 0; left_ticks < has_left_ticks;) {
     const auto sensed = next_frame(link, last_tick, own);
-    if (!sensed && last_tick) break;
+    if (!sensed && (last_tick || ends)) break;
     if (!sensed) continue;
     if (sensed->over != 0 || wished(link) != own) break;
     const robot::RobotReading reading = wire::from_frame(*sensed);
@@ -144,6 +146,8 @@ Result<GuardReport> keep_guard(Link& link, const Arming& arming, Pace pace,
     }
     set_age(proposal, answered ? reading.tick - *answered : report.silent_ticks);
     hear_watchers(link, guard);
+    if (ends && !leaves) guard.stop(safety::Cause::asked_to);
+    leaves = ends;
     const auto before = steady_clock::now();
     const safety::RobotVerdict verdict = guard.check(reading, proposal);
     const std::chrono::duration<double, std::micro> took = steady_clock::now() - before;
@@ -154,6 +158,7 @@ Result<GuardReport> keep_guard(Link& link, const Arming& arming, Pace pace,
     ++report.ticks;
     report.max_check_us = std::max(report.max_check_us, took.count());
     report.last = verdict.arms;
+    left_ticks = leaves && !guard.pressed() ? left_ticks + 1 : 0;
   }
   return report;
 }

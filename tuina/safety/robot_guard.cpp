@@ -73,6 +73,10 @@ void RobotGuard::expect_stop() noexcept {
 
 // Only arms that move are stopped; the other one cannot have come nearer. On the skin an arm leaves
 // it, in the air it stands still.
+bool RobotGuard::pressed() const noexcept {
+  return sides_[Arm::left].guard.pressed() || sides_[Arm::right].guard.pressed();
+}
+
 void RobotGuard::keep_apart(const PerArm<Observation>& seen,
                             const RobotProposal& proposal) noexcept {
   const auto known = [&](Arm arm) {

@@ -66,6 +66,8 @@ class RobotGuard {
   /// leaves.
   void expect_stop() noexcept;
 
+  /// True while a living sensor feels a body under one of the tools.
+  [[nodiscard]] bool pressed() const noexcept;
   /// Distance between the surfaces of the arms at the last reading.
   [[nodiscard]] double arm_distance_m() const noexcept { return separation_.apart_m(); }
 

@@ -106,10 +106,11 @@ Result<void> FileWriter::append(std::string_view content) {
 }
 
 Result<void> FileWriter::finish() {
-  close();
-  if (in_place() || ::rename(written_to_.c_str(), path_.c_str()) == 0) return {};
+  // A file system over a network may say only now that it is full.
+  const bool whole = ::close(std::exchange(descriptor_, -1)) == 0;
+  if (whole && (in_place() || ::rename(written_to_.c_str(), path_.c_str()) == 0)) return {};
   const int cause = errno;
-  ::unlink(written_to_.c_str());
+  if (!in_place()) ::unlink(written_to_.c_str());
   return fail(Fault::file, "{}: cannot be written: {}", path_.string(), std::strerror(cause));
 }
 
