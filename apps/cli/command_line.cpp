@@ -62,15 +62,6 @@ Result<void> check_folder_of(const std::string& path) {
   return fail(Fault::file, "{}: there is no folder {}", path, folder.string());
 }
 
-Result<void> check_not_onto(const std::string& path, const std::vector<std::string>& inputs) {
-  std::error_code error;
-  for (const std::string& input : inputs) {
-    if (std::filesystem::equivalent(input, path, error))
-      return fail(Fault::usage, "{}: is read by this command, and would be lost", path);
-  }
-  return {};
-}
-
 std::string shipped_robot_names() {
   std::string names;
   for (const robot::ShippedRobot& shipped : robot::shipped_robots())

@@ -60,10 +60,6 @@ class Verb {
 /// place: before the work, not after it. An empty path is none.
 [[nodiscard]] Result<void> check_folder_of(const std::string& path);
 
-/// Refuses to write onto a file that the same command reads: it would be lost.
-[[nodiscard]] Result<void> check_not_onto(const std::string& path,
-                                          const std::vector<std::string>& inputs);
-
 /// Names of the robots that are built in, for --help.
 [[nodiscard]] std::string shipped_robot_names();
 /// `--robot NAME|FILE.toml`.

@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <map>
 
+#include "apps/cli/kept_inputs.hpp"
 #include "apps/cli/manual.hpp"
 #include "tuina/core/io/file.hpp"
 #include "tuina/core/io/near_miss.hpp"
@@ -273,6 +274,7 @@ int run_program(int argc, char** argv, const Program& program) {
     return 1;
   }
   if (const auto good = check_folder_of(common.out); !good) return explain(good.error());
+  if (const auto kept = check_not_onto_inputs(chosen); !kept) return explain(kept.error());
   return show(run(*found->second, common), common);
 }
 

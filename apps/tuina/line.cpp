@@ -29,6 +29,15 @@ BasicImage<Sample> samples_of(const PngFile& png) {
   return image;
 }
 
+constexpr double max_saturated_share = 0.5;
+
+/// Share of the samples that are as bright as the file can say.
+double saturated_share(const PngFile& png) {
+  const auto most = static_cast<std::uint16_t>((1U << static_cast<unsigned>(png.bits)) - 1U);
+  const auto count = std::count(png.image.data.begin(), png.image.data.end(), most);
+  return static_cast<double>(count) / static_cast<double>(png.image.data.size());
+}
+
 struct Measured {
   LaserLine line;
   double compute_us = 0.0;  // best of five, so that other work on the machine does not count
@@ -96,6 +105,13 @@ class Line final : public Verb {
                     "{}: {} x {} pixels of {} bits do not belong to an image of {} x {} of {}",
                     dark_, read->image.width, read->image.height, read->bits, png->image.width,
                     png->image.height, png->bits);
+      }
+      if (const double share = saturated_share(*read); share > max_saturated_share) {
+        return fail(
+            Fault::bad_input,
+            "{}: {:.0f} % of it is saturated and tells nothing of the scene, at most {:.0f} "
+            "% may be: a shorter exposure is needed",
+            dark_, 100.0 * share, 100.0 * max_saturated_share);
       }
       dark = std::move(*read);
     }

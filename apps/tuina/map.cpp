@@ -79,8 +79,6 @@ class MapVerb final : public Verb {
 
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
     if (const auto good = check_folder_of(out_); !good) return tl::unexpected(good.error());
-    if (const auto kept = check_not_onto(out_, {scan_, board_}); !kept)
-      return tl::unexpected(kept.error());
     if (!board_.empty() && method_ != "field_morphing") {
       return fail(Fault::usage, "--board is for --method field_morphing; surface needs no plane");
     }

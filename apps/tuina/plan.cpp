@@ -115,7 +115,6 @@ class PlanVerb final : public Verb {
       return fail(Fault::usage, "--picture {}: is drawn as SVG; NAME.svg is needed", picture_);
     for (const std::string& written : {out, picture_}) {
       if (auto good = check_folder_of(written); !good) return good;
-      if (auto kept = check_not_onto(written, {scan_, acupoints_, programme_}); !kept) return kept;
     }
     return {};
   }

@@ -58,6 +58,8 @@ Result<std::string> predicted_csv(const tissue::RecordEstimate& made,
                                   const std::string& next_file) {
   const auto rows = read_presses(next_file, true);
   if (!rows) return tl::unexpected(rows.error());
+  if (const std::string fault = tissue::fault_of_next(record, *rows); !fault.empty())
+    return fail(Fault::bad_input, "{}: {}", next_file, fault);
   const auto foretold =
       tissue::foretell_press(made.estimator, record.front().time_s, record.back().time_s, *rows);
   if (!foretold) return fail(foretold.error().fault, "{}: {}", next_file, foretold.error().message);

@@ -148,6 +148,12 @@ TEST_CASE("what is missing or contradicts itself is refused") {
       fault_of(
           "[[part]]\ntechnique = \"press\"\npoints = [\"GV4\", \"BL47_R\"]\nside = \"left\"\n"),
       "my.toml:5: BL47_R does not lie on the left"));
+  for (const char* points : {"\"BL47_L\", \"BL50_R\"", "\"BL47\", \"BL50_R\""}) {
+    CHECK(says(fault_of(fmt::format("{}points = [{}]\n", stroke, points)),
+               "stroke between points of different sides would cross the spine"));
+  }
+  const std::string one_side = stroke + "points = [\"BL47_L\", \"BL50_L\"]\n";
+  CHECK(parse_programme("name = \"x\"\n" + one_side, "my.toml").has_value());
   CHECK(says(fault_of("[[part]]\ntechnique = 3\n"), "is not a text"));
   CHECK(says(fault_of("part = 3\n"), "at least one [[part]]"));
   CHECK(says(fault_of("[[part]\n"), "my.toml:2: "));

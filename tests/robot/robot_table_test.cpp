@@ -103,6 +103,7 @@ TEST_CASE("what no arm can be is refused with file, line, key, value and limit")
   refused("name = \"elbow\"", "name = \"wrist\"", "is there twice");
   refused("name = \"elbow\"", "name = \"el<bow\"", "letters, digits");
   refused("inertia_kg_m2 = [", "inertia_kg_m2 = [9.0, 0.1, 0.1] #", "is that of no solid");
+  refused("rotor_inertia_kg_m2 = 0.15", "rotor_inertia_kg_m2 = 0", "is no drive's");
   refused("left_shoulder_x = [0, 0, -1]", "left_shoulder_x = [0, -1, 0]", "right angle");
   refused("rail_mm = [-300, 350]", "rail_mm = [100, 350]", "does not hold zero");
   refused("carrier = \"linear_base\"", "carrier = \"balloon\"", "carrier = \"balloon\" is unknown");

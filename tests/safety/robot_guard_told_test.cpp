@@ -158,3 +158,20 @@ TEST_CASE("a watcher that has not begun to count gives no sign of life") {
   CHECK(robot.tick(100).arms[Arm::left].action == Action::pass);
   CHECK(robot.tick().arms[Arm::left].cause == Cause::lease_over);
 }
+
+TEST_CASE("an arm that presses leaves the skin, whatever its controller calls that") {
+  for (const Phase phase : {Phase::contact, Phase::retract, Phase::free}) {
+    for (const double felt_n : {4.9, 5.1, 20.0}) {
+      StandingRobot robot;
+      robot.press(Arm::left, felt_n);
+      robot.tick(20);
+      robot.proposal.arms[Arm::left].phase = phase;
+      if (phase != Phase::contact) robot.proposal.arms[Arm::left].set_force_n = 0.0;
+      if (phase == Phase::free) robot.reading.arms[Arm::left].dq_rad_per_s.setConstant(0.02);
+      robot.reading.arms[Arm::right].q_rad[3] = not_a_number;
+      robot.tick();
+      const bool told = phase == Phase::contact;
+      CHECK(robot.action(Arm::left) == (told || felt_n > 5.0 ? Action::retract : Action::freeze));
+    }
+  }
+}

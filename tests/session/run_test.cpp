@@ -11,6 +11,7 @@
 
 #include "tests/fake_robot.hpp"
 #include "tests/fake_scanner.hpp"
+#include "tests/session/room.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/session/relay.hpp"
 #include "tuina/sim/world.hpp"
@@ -20,78 +21,9 @@ using namespace tuina::session;
 
 namespace {
 
-// Instrumented code is ten times slower, and the code of these tests is that of others here.
-#ifdef __SANITIZE_ADDRESS__
-constexpr bool too_slow = true;
-#else
-constexpr bool too_slow = false;
-#endif
-
-struct Room {
-  sim::WorldOptions options = {};
-  sim::Person person = sim::parse_person("phantom:medium", BodyPosture::prone, 3).value();
-  std::unique_ptr<sim::World> world =
-      sim::World::make(person,
-                       robot::place_robot(robot::load_robot("thesis").value(), person.position),
-                       options, 3)
-          .value();
-  Order order = {.consent = {.answered_by = "the simulated person"},
-                 .programme = massage::load_programme("lower_back").value(),
-                 .plan_options = {},
-                 .atlas = body::read_atlas(TUINA_SOURCE_DIR "/models/atlas.tuina").value(),
-                 .calibration = world->believed_calibration(),
-                 .robot = robot::load_robot("thesis").value(),
-                 .placed = {"thesis", person.position, world->believed_base_from_couch()},
-                 .commands = {}};
-  Observers nobody{{}};
-
-  Result<Session> run_with(robot::Robot& robot) {
-    return session::run({world->camera(), world->turntable(), robot}, order, {}, nobody);
-  }
-};
-
 bool says(const std::string& text, const char* part) {
   return text.find(part) != std::string::npos;
 }
-
-/// A person who moves by 20 mm under the hands of a massage.
-constexpr double moves_at_s = 25.0;
-sim::WorldOptions moving() {
-  sim::WorldOptions options;
-  options.shift_m = 20_mm;
-  options.shift_at_s = moves_at_s;
-  return options;
-}
-
-/// What commands need to know of the massage that they are for.
-struct Watcher final : Observer {
-  explicit Watcher(const sim::World& of) : world(of) {}
-  const sim::World& world;
-  int plans = 0;
-  double time_s = 0.0, planned_s = 0.0;
-  double works_s = 0.0;    ///< time at which an arm last was on its way
-  double contact_n = 0.0;  ///< true force of both tools in the last millisecond
-  bool worked = false;     ///< an arm has left since the last plan
-
-  void on_plan(const motion::ReadyPlan&, const Transform&) override {
-    ++plans;
-    planned_s = time_s;
-    worked = false;
-  }
-  void on_tick(const Tick& tick) noexcept override {
-    time_s = tick.reading.time_s;
-    bool both_wait = true;
-    contact_n = 0.0;
-    for (const Arm arm : both_arms) {
-      both_wait = both_wait && tick.view[arm].phase == ArmPhase::waiting;
-      contact_n += world.truth().arms[arm].contact.force_n;
-    }
-    worked = worked || !both_wait;
-    if (!both_wait) works_s = time_s;
-  }
-  /// After the person has moved the arms wait for longer than between two paths.
-  [[nodiscard]] bool rests() const { return time_s > moves_at_s && time_s > works_s + 3.0; }
-};
 
 }  // namespace
 
@@ -261,84 +193,4 @@ TEST_CASE("every millisecond reaches an observer that keeps up, in order") {
   }
   CHECK(count.ticks == 3000);
   CHECK(count.in_order);
-}
-
-TEST_CASE("a stop while a new scan is due stops the massage, and is told" *
-          doctest::skip(too_slow)) {
-  Room room{.options = moving()};
-  Watcher watcher(*room.world);
-  bool stopped = false;
-  room.order.commands = [&](double) -> std::optional<LiveCommand> {
-    if (stopped || !watcher.rests()) return std::nullopt;
-    stopped = true;
-    return LiveCommand::stop;
-  };
-  const auto session =
-      session::run({room.world->camera(), room.world->turntable(), room.world->robot()}, room.order,
-                   {}, watcher);
-  REQUIRE(session.has_value());
-  REQUIRE(stopped);
-  CHECK(watcher.plans == 1);
-  CHECK(session->rescans_s.empty());
-  REQUIRE(session->stops.size() == 1);
-  CHECK(session->stops.front().cause == safety::Cause::asked_to);
-}
-
-TEST_CASE("a pause outlasts a new scan: no arm sets out before somebody says go on" *
-          doctest::skip(too_slow)) {
-  constexpr double waits_s = 4.0;
-  Room room{.options = moving()};
-  Watcher watcher(*room.world);
-  bool paused = false, stopped = false, worked_in_pause = true;
-  room.order.commands = [&](double time_s) -> std::optional<LiveCommand> {
-    if (!paused && watcher.rests()) {
-      paused = true;
-      return LiveCommand::pause;
-    }
-    if (!stopped && watcher.plans == 2 && time_s > watcher.planned_s + waits_s) {
-      stopped = true;
-      worked_in_pause = watcher.worked;
-      return LiveCommand::stop;
-    }
-    return std::nullopt;
-  };
-  const auto session =
-      session::run({room.world->camera(), room.world->turntable(), room.world->robot()}, room.order,
-                   {}, watcher);
-  REQUIRE(session.has_value());
-  REQUIRE(stopped);
-  CHECK(session->rescans_s.size() == 1);
-  CHECK_FALSE(worked_in_pause);
-}
-
-TEST_CASE("a massage may pause for longer than it takes; one that never ends lets go and fails" *
-          doctest::skip(too_slow)) {
-  Room room;
-  room.order.programme.parts.resize(1);
-  Watcher watcher(*room.world);
-  const auto run_on = [&] {
-    return session::run({room.world->camera(), room.world->turntable(), room.world->robot()},
-                        room.order, {}, watcher);
-  };
-  SUBCASE("a pause") {
-    constexpr double pause_s = 200.0;
-    int told = 0;
-    room.order.commands = [&](double time_s) -> std::optional<LiveCommand> {
-      if (told == 0 && time_s > 5.0) return ++told, LiveCommand::pause;
-      if (told == 1 && time_s > 5.0 + pause_s) return ++told, LiveCommand::resume;
-      return std::nullopt;
-    };
-    const auto session = run_on();
-    REQUIRE(session.has_value());
-    CHECK(session->stops.empty());
-    CHECK(session->massage_s > pause_s);
-    CHECK(3.0 * session->ready.plan.duration_s + 60.0 < pause_s);  // what it may last without
-  }
-  SUBCASE("for ever") {
-    room.order.commands = [](double) { return std::optional(LiveCommand::repeat); };
-    const auto session = run_on();
-    REQUIRE_FALSE(session.has_value());
-    CHECK(says(session.error().message, "was not done after"));
-    CHECK(watcher.contact_n == 0.0);
-  }
 }

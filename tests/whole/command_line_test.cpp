@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "tests/whole/command.hpp"
+#include "tuina/core/io/file.hpp"
 
 namespace fs = std::filesystem;
 using tuina::test::Folder;
@@ -173,4 +174,26 @@ TEST_CASE("--json gives one object on stdout, and --out leaves it in a file") {
   CHECK(nlohmann::json::parse(doctor.out).contains("checks"));
   const auto shown = run_tuina({"config", "show"});
   CHECK(run_tuina({"config", "check", folder.with("shown.toml", shown.out)}).exit_code == 0);
+}
+
+TEST_CASE("no command writes onto what it reads, or into a record that it reads") {
+  const Folder folder;
+  fs::create_directory(folder / "session");
+  for (const char* name : {"press.csv", "line.png", "session/session.json", "session/session.mcap"})
+    (void)folder.with(name, "kept");
+  const std::vector<std::vector<std::string>> onto_itself = {
+      {"tissue", "fit", folder / "press.csv", "--out", folder / "press.csv"},
+      {"tissue", "estimate", folder / "press.csv", "--out", folder / "session/../press.csv"},
+      {"line", folder / "line.png", "--picture", folder / "line.png"},
+      {"report", folder / "session", "--out", folder / "session/session.json"},
+      {"report", folder / "session/session.mcap", "--out", folder / "session/session.json"},
+      {"scan", "--replay", folder / "session", "--out", folder / "session/session.mcap"}};
+  for (const auto& words : onto_itself) {
+    CAPTURE(words.back());
+    const auto refused = run_tuina(words);
+    CHECK(refused.exit_code == 1);
+    CHECK(refused.err.find("is read by this command, and would be lost") != std::string::npos);
+  }
+  for (const char* name : {"press.csv", "line.png", "session/session.json", "session/session.mcap"})
+    CHECK(tuina::read_file(folder / name).value() == "kept");
 }

@@ -200,6 +200,13 @@ TEST_CASE("line refuses what is no picture, or not the picture's own dark frame"
   CHECK(run_tuina({"line", folder / "none.png"}).exit_code == 2);
   CHECK(run_tuina({"line", text}).exit_code == 2);
   CHECK(run_tuina({"line", image, "--dark", small}).exit_code == 2);
+  const tuina::PngFile frame = tuina::read_png(image).value();
+  tuina::Image white(frame.image.width, frame.image.height);
+  std::fill(white.data.begin(), white.data.end(), std::uint8_t{255});
+  const auto saturated =
+      run_tuina({"line", image, "--dark", folder.with("white.png", tuina::to_png(white))});
+  CHECK(saturated.exit_code == 2);
+  CHECK(saturated.err.find("100 % of it is saturated") != std::string::npos);
   CHECK(run_tuina({"line", image, "--method", "guess"}).exit_code == 1);
   CHECK(run_tuina({"line"}).exit_code == 1);
   const auto unwritable = run_tuina({"line", image, "--json", "--out", folder / "no/line.csv"});

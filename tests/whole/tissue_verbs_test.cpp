@@ -19,13 +19,15 @@ namespace {
 
 constexpr TangentTissue hard{9.786, 185.4};
 
-std::string press_csv(double (*written)(double mm) = [](double mm) { return mm; }) {
+std::string press_csv(
+    double (*written)(double mm) = [](double mm) { return mm; }, double per_newton = 1.0,
+    double per_second = 1.0) {
   sim::PressScenario scenario{.name = "verb", .about = "", .duration_s = 2.0};
   Random random = make_random(3, "verb");
   std::string csv = "time_s,position_mm,force_n\n";
   for (const auto& sample : sim::simulate_presses(scenario, hard, 60.0, random).record) {
-    csv += fmt::format("{:.3f},{:.6g},{:.4f}\n", sample.time_s, written(sample.press.depth_m * 1e3),
-                       sample.press.force_n);
+    csv += fmt::format("{:.3f},{:.6g},{:.4f}\n", per_second * sample.time_s,
+                       written(sample.press.depth_m * 1e3), per_newton * sample.press.force_n);
   }
   return csv;
 }
@@ -62,10 +64,15 @@ std::string air_csv() {
 
 }  // namespace
 
-TEST_CASE("a record in metres, or with positions that fall as the tool goes deeper, is refused") {
+TEST_CASE(
+    "a record in metres, grams or milliseconds, or with positions that fall as the tool goes "
+    "deeper, is refused") {
   const Folder folder;
   const std::string metres =
       folder.with("metres.csv", press_csv([](double mm) { return 1e-3 * mm; }));
+  const auto as_is = [](double mm) { return mm; };
+  const std::string grams = folder.with("grams.csv", press_csv(as_is, 1000.0 / 9.81));
+  const std::string ms = folder.with("ms.csv", press_csv(as_is, 1.0, 1000.0));
   const std::string outward = folder.with("outward.csv", press_csv([](double mm) { return -mm; }));
   for (const char* verb : {"fit", "estimate"}) {
     CAPTURE(verb);
@@ -78,6 +85,8 @@ TEST_CASE("a record in metres, or with positions that fall as the tool goes deep
       CHECK(outcome.err.find(told) != std::string::npos);
     };
     says(metres, "are these metres? Millimetres are wanted");
+    says(grams, "are these grams? Newtons are wanted");
+    says(ms, "are these milliseconds?");
     says(outward, "a larger position must be a deeper one");
   }
 }
@@ -201,6 +210,7 @@ TEST_CASE(
     CHECK(outcome.out.empty());
     CHECK_MESSAGE(outcome.err.find(with) != std::string::npos, outcome.err);
   };
+  refused("3,0,\n3.001,0.00001,\n", "are these metres? Millimetres are wanted");
   refused("3,0,0.1\n3.001,0,0.1\n", "leave it empty where it is to be predicted");
   refused("3,0,0.1\n3.001,,\n", "next.csv:3: position_mm");
   refused("3,0,\n2.9,0,\n", "next.csv:3: time_s goes from 3 to 2.9");

@@ -21,7 +21,9 @@ constexpr auto lock_step_patience = 2s;
 constexpr auto gone_patience = 1ms;
 constexpr auto proposal_patience = 600us;  // of the millisecond, at real pace
 constexpr double max_in_air_n = 5.0;
-constexpr int has_left_ticks = 500;  // without a body under either tool
+// Who ends this process wants no hands on the person: it guards until it has felt no body under
+// either tool for so long.
+constexpr int has_left_ticks = 500;
 
 safety::RobotProposal still(const PerArm<robot::ArmModel>& models,
                             const robot::RobotReading& reading) {
@@ -113,7 +115,6 @@ Result<GuardReport> keep_guard(Link& link, const Arming& arming, Pace pace,
   safety::RobotProposal proposal;
   std::optional<std::uint64_t> answered;
   bool there = true, told_to_stop = false, leaves = false;
-  // Who ends this process wants no hands on the person: it guards until the tools have left.
   for (int left_ticks = 0; left_ticks < has_left_ticks;) {
     const auto sensed = next_frame(link, last_tick, own);
     if (!sensed && (last_tick || ends)) break;

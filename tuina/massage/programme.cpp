@@ -128,6 +128,22 @@ void check_side(const TomlTable& table, const Part& part) {
                  fmt::format("{} does not lie on the {}", *across, left ? "left" : "right"));
 }
 
+/// A line keeps to its side: no tool slides across the spine.
+void check_crossing(const TomlTable& table, const Part& part) {
+  const auto any_ends = [&](const char* ending) {
+    return std::ranges::any_of(part.points,
+                               [&](const std::string& point) { return point.ends_with(ending); });
+  };
+  const bool of_both = part.side == Side::both && !std::ranges::all_of(part.points, names_one_side);
+  const bool left = any_ends("_L"), right = any_ends("_R");
+  if ((left && right) || (of_both && (left || right))) {
+    table.reject("points",
+                 fmt::format("{} between points of different sides would cross the spine, which no "
+                             "tool may; a part for each side is needed",
+                             name_of(part.technique)));
+  }
+}
+
 /// The tool must not slide too fast round its circle.
 void check_speed(const TomlTable& table, const Part& part) {
   const double speed = 2.0 * pi * part.radius_m * part.rate_hz;
@@ -174,6 +190,7 @@ void check_part(const TomlTable& table, const Part& part, int intensity) {
   }
   const TechniqueLaw& law = law_of(part.technique);
   if (law.circles) check_speed(table, part);
+  if (law.along != nullptr && !law.circles) check_crossing(table, part);
   if (law.max_beat_n_per_s > 0.0) check_beat(table, part, intensity);
 }
 

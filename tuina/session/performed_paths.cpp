@@ -7,6 +7,16 @@
 
 namespace tuina::session {
 
+void keep(const MassageStep& massage, Session& session) {
+  session.performed.insert(session.performed.end(), massage.performed().begin(),
+                           massage.performed().end());
+  session.decisions.insert(session.decisions.end(), massage.decisions().begin(),
+                           massage.decisions().end());
+  session.stops.insert(session.stops.end(), massage.stops().begin(), massage.stops().end());
+  session.intensity = massage.intensity();
+  session.paused = massage.paused();
+}
+
 void PerformedPaths::set_aside(Session& session) {
   const auto& paths = session.ready.plan.paths;
   std::vector<int> place(paths.size(), -1);

@@ -9,6 +9,10 @@
 namespace tuina::session {
 
 struct Session;
+class MassageStep;
+
+/// What a massage performed, changed and was told goes into the session.
+void keep(const MassageStep& massage, Session& session);
 
 /// The paths of plans that were broken off because the person had moved. A session tells of one
 /// plan, so what they performed is put before the paths of the last.

@@ -242,13 +242,7 @@ Result<bool> carry_out(Devices devices, const Order& order, const Config& config
                 max_s, ready.plan.duration_s);
   }
   observer.on_progress(Stage::massage, 1.0);
-  session.performed.insert(session.performed.end(), massage.performed().begin(),
-                           massage.performed().end());
-  session.decisions.insert(session.decisions.end(), massage.decisions().begin(),
-                           massage.decisions().end());
-  session.stops.insert(session.stops.end(), massage.stops().begin(), massage.stops().end());
-  session.intensity = massage.intensity();
-  session.paused = massage.paused();
+  keep(massage, session);
   return massage.wants_scan();
 }
 

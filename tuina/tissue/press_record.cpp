@@ -54,8 +54,9 @@ std::string fault_of(const TimedPress& row, const TimedPress* before) {
 }
 
 std::string fault_of(std::span<const TimedPress> record) {
-  // Breath alone changes a force by less.
+  // Breath alone changes a force by less; nobody is pressed harder; no press is as slow.
   constexpr double clear_press_n = 5.0, min_way_m = 0.1_mm, opposed = -0.5;
+  constexpr double max_rise_n = 1000.0, max_mean_step_s = 0.5;
   if (record.empty()) return {};
   Press low = record.front().press, high = low, mean = {0.0, 0.0};
   for (const TimedPress& row : record) {
@@ -65,6 +66,15 @@ std::string fault_of(std::span<const TimedPress> record) {
     mean.force_n += row.press.force_n / static_cast<double>(record.size());
   }
   const double way_m = high.depth_m - low.depth_m, rise_n = high.force_n - low.force_n;
+  if (rise_n > max_rise_n)
+    return fmt::format("force_n changes by {:.0f} in all: are these grams? Newtons are wanted",
+                       rise_n);
+  const double lasts_s = record.back().time_s - record.front().time_s;
+  if (lasts_s > max_mean_step_s * static_cast<double>(record.size()))
+    return fmt::format(
+        "{} rows take {:.0f} s: are these milliseconds? time_s wants seconds, and a press some "
+        "hundred rows a second",
+        record.size(), lasts_s);
   if (rise_n < clear_press_n || way_m == 0.0) return {};
   if (way_m < min_way_m)
     return fmt::format(
@@ -81,6 +91,23 @@ std::string fault_of(std::span<const TimedPress> record) {
   if (both < opposed * std::sqrt(way * force))
     return "the force falls as position_mm grows; a larger position must be a deeper one";
   return {};
+}
+
+std::string fault_of_next(std::span<const TimedPress> record, std::span<const TimedPress> next) {
+  constexpr double min_share = 0.01;
+  const auto way_m = [](std::span<const TimedPress> rows) {
+    const auto shallower = [](const TimedPress& a, const TimedPress& b) {
+      return a.press.depth_m < b.press.depth_m;
+    };
+    const auto [low, high] = std::minmax_element(rows.begin(), rows.end(), shallower);
+    return rows.empty() ? 0.0 : high->press.depth_m - low->press.depth_m;
+  };
+  const double way = way_m(next), before = way_m(record);
+  if (way == 0.0 || way > min_share * before) return {};
+  return fmt::format(
+      "position_mm changes by {:.3g} in all, in the record by {:.3g}: are these metres? "
+      "Millimetres are wanted",
+      to_mm(way), to_mm(before));
 }
 
 SensorNoise estimate_noise(std::span<const TimedPress> record) {

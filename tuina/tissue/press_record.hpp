@@ -35,9 +35,13 @@ struct KnownNoise {
 /// the row `before` (null: the first one), or more than 1000 mm or 10000 N. Empty: nothing.
 [[nodiscard]] std::string fault_of(const TimedPress& row, const TimedPress* before);
 
-/// What is wrong with a whole record, in one sentence: metres instead of millimetres, or positions
+/// What is wrong with a whole record, in one sentence: metres, grams or milliseconds, or positions
 /// that fall as the tool goes deeper. Empty: nothing.
 [[nodiscard]] std::string fault_of(std::span<const TimedPress> record);
+/// What is wrong with the positions of a press that is to be foretold from a record; empty:
+/// nothing.
+[[nodiscard]] std::string fault_of_next(std::span<const TimedPress> record,
+                                        std::span<const TimedPress> next);
 
 /// Estimates sensor noise from a record: deviation of each sample from the straight line between
 /// its neighbours, robust against presses and dropouts. Needs no free air. Slow (coloured) errors

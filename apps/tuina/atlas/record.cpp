@@ -129,7 +129,7 @@ class AtlasRecord final : public Verb {
     std::error_code fault;
     if (!fs::exists(scan_, fault))
       return fail(Fault::file, "{}: there is no such folder or file", scan_);
-    return check_not_onto(out_, {scan_});
+    return {};
   }
 
   [[nodiscard]] Result<Seen> watch_sweep(const CommonOptions& common) const {

@@ -110,7 +110,16 @@ Link read_link(const TomlTable& table) {
                                               "sum of the others",
                                               (*moments)[0], (*moments)[1], (*moments)[2]));
   }
-  take(link.rotor_inertia_kg_m2, table.number("rotor_inertia_kg_m2", 0.0, 10.0));
+  constexpr double min_rotor_kg_m2 = 1e-3;
+  const auto rotor = table.number("rotor_inertia_kg_m2", 0.0, 10.0);
+  take(link.rotor_inertia_kg_m2, rotor);
+  if (rotor && *rotor < min_rotor_kg_m2) {
+    table.reject("rotor_inertia_kg_m2",
+                 fmt::format("rotor_inertia_kg_m2 = {} is no drive's, and a massage would press "
+                             "too hard: the inertia of the motor times its gear ratio squared, {} "
+                             "to 10",
+                             *rotor, min_rotor_kg_m2));
+  }
   if (table.has("gear_nm_per_rad"))
     take(link.gear_nm_per_rad, table.number("gear_nm_per_rad", 10.0, 1e7));
   take(link.coulomb_nm, table.number("coulomb_nm", 0.0, 100.0));

@@ -33,6 +33,10 @@ template <typename Three>
 std::string three(const Three& v) {
   return fmt::format("[{}, {}, {}]", v[0] + 0.0, v[1] + 0.0, v[2] + 0.0);
 }
+/// A column of a rotation, whose numbers rounding may have left a little beyond one.
+std::string axis(const Vector3& column) {
+  return three(Vector3(column.cwiseMax(-1.0).cwiseMin(1.0)));
+}
 
 std::string text_of(const Link& link) {
   std::string text = fmt::format(
@@ -57,10 +61,10 @@ std::string text_of(const Mounting& mounting, Carrier carrier, BodyPosture posit
   const Matrix3& left = mounting.upright_from_shoulder[Arm::left];
   const Matrix3& right = mounting.upright_from_shoulder[Arm::right];
   std::string text = fmt::format("\n[{}]\nleft_shoulder_x = {}\nleft_shoulder_z = {}\n",
-                                 name_of(position), three(left.col(0)), three(left.col(2)));
+                                 name_of(position), axis(left.col(0)), axis(left.col(2)));
   if (right != left)
-    text += fmt::format("right_shoulder_x = {}\nright_shoulder_z = {}\n", three(right.col(0)),
-                        three(right.col(2)));
+    text += fmt::format("right_shoulder_x = {}\nright_shoulder_z = {}\n", axis(right.col(0)),
+                        axis(right.col(2)));
   if (carrier == Carrier::linear_base) {
     text += fmt::format("shoulders_apart_mm = {}\nmidway_in_couch_mm = {}\n",
                         mm(mounting.shoulders_apart_m), mm(mounting.midway_in_couch));
@@ -97,8 +101,8 @@ std::string to_toml(const RobotModel& model) {
       toml_string(model.name), toml_string(model.about), name_of(model.carrier),
       mm(arm.tool_radius_m), arm.tool_mass_kg);
   if (!arm.end_from_tool_turn.isIdentity(0.0)) {
-    text += fmt::format("x = {}\nz = {}\n", three(arm.end_from_tool_turn.col(0)),
-                        three(arm.end_from_tool_turn.col(2)));
+    text += fmt::format("x = {}\nz = {}\n", axis(arm.end_from_tool_turn.col(0)),
+                        axis(arm.end_from_tool_turn.col(2)));
   }
   for (int i = 0; i < arm.joints; ++i) text += text_of(arm.links[static_cast<std::size_t>(i)]);
   for (const BodyPosture position : {BodyPosture::sitting, BodyPosture::prone})
