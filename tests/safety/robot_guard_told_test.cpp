@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the guard of a robot is told by others than its controller: a map of a person, and to stop.
 #include "tests/allocation.hpp"
+#include "tests/safety/scene.hpp"
 #include "tests/safety/standing_robot.hpp"
 
 using namespace tuina;
