@@ -176,3 +176,15 @@ TEST_CASE("an arm that presses leaves the skin, whatever its controller calls th
     }
   }
 }
+
+TEST_CASE("a body is under the tools while either of them feels one") {
+  for (const bool left : {false, true}) {
+    for (const bool right : {false, true}) {
+      StandingRobot robot;
+      if (left) robot.press(Arm::left, 20.0);
+      if (right) robot.press(Arm::right, 20.0);
+      robot.tick(10);
+      CHECK(robot.guard.pressed() == (left || right));
+    }
+  }
+}
