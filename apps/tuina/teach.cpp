@@ -131,6 +131,12 @@ class TeachRecord final : public Verb {
     order_.arm = arm_ == "left" ? Arm::left : Arm::right;
     const auto taught = record_by_hand(order_, *config, common);
     if (!taught) return tl::unexpected(taught.error());
+    if (contact_s(taught->motion) == 0.0)
+      return fail(
+          Fault::not_found,
+          "in {:.0f} s nobody led the {} arm onto the skin: is a hand there, and is it this "
+          "arm that it leads?",
+          taught->motion.duration_s(), arm_);
     if (const auto written = session::write_taught(taught->motion, out_); !written)
       return tl::unexpected(written.error());
     nlohmann::json json = json_of(taught->motion);

@@ -47,6 +47,32 @@ motion::ReadyPlan ready_for(const char* who, BodyPosture position, const char* w
 
 }  // namespace
 
+TEST_CASE("arms that would wait in the robot's own body are refused") {
+  const auto person = sim::parse_person("phantom:medium", BodyPosture::prone, 5).value();
+  PointCloud skin_in_couch;
+  skin_in_couch.points = person.skin_in_couch.vertices;
+  const auto back = body::fit_back(skin_in_couch, {.position = person.position});
+  REQUIRE(back.has_value());
+  auto plan = massage::plan(*back, person.acupoints, person.landmarks,
+                            massage::load_programme("relax").value());
+  REQUIRE(plan.has_value());
+  robot::RobotPlacement placement =
+      robot::place_robot(robot::load_robot("thesis").value(), person.position);
+  const auto models = robot::both_models(placement.arm, placement.mount);
+  const JointVector ready_rad = robot::ready_posture(placement.arm, placement.mount)[Arm::left];
+  robot::Obstacle body{.kind = robot::both_surroundings[1],
+                       .base_from_box = Transform::Identity(),
+                       .edges_m = Vector3::Constant(20e-3),
+                       .rides = true};
+  body.base_from_box.translation() = models[Arm::left].base_from_tool(ready_rad, 0.0).translation();
+  placement.mount.obstacles.push_back(body);
+  const auto ready = motion::make_ready(std::move(*plan), *back, placement.mount, models,
+                                        placement.mount.base_from_couch, 40e-3);
+  REQUIRE_FALSE(ready.has_value());
+  CHECK(ready.error().fault == Fault::config);
+  CHECK(ready.error().message.find("the robot's own body") != std::string::npos);
+}
+
 TEST_CASE("whatever the timing, the arms are planned at least 45 mm apart, travel included") {
   for (const char* who : {"phantom:slim", "phantom:medium", "phantom:hefty"}) {
     for (const BodyPosture position : {BodyPosture::sitting, BodyPosture::prone}) {

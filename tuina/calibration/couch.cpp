@@ -19,6 +19,7 @@ constexpr double min_share = 0.25;  // share of all points; the rest is the couc
 constexpr std::size_t min_places = 2000;
 constexpr int tries = 300;
 constexpr double off_nominal_rad = 30.0_deg;
+constexpr double alike_share = 0.03;  // by which two lengths may differ that are wrong by one cause
 constexpr double off_nominal_share = 0.25;  // share of a length: a wrong square is off by more
 
 struct Plane {
@@ -134,7 +135,11 @@ Result<void> check_against_nominal(const scanner::ScannerCalibration& nominal,
   const auto wrong = [](double ratio) {
     return ratio > 1.0 + off_nominal_share || ratio < 1.0 - off_nominal_share;
   };
-  if (wrong(light) && wrong(height)) {
+  // A scanner is seldom built larger or smaller by the same share in all, and never seems so by
+  // chance.
+  const bool alike = std::abs(light / height - 1.0) < alike_share &&
+                     std::abs(height - 1.0) > 0.5 * off_nominal_share;
+  if (alike || (wrong(light) && wrong(height))) {
     return fail(Fault::bad_input,
                 "all is {:.2f} times as large as the nominal calibration in couch/ says: is "
                 "square_m in board.toml right?",

@@ -66,6 +66,21 @@ double ready_height_m(const Stage& stage) {
   return lowest_m;
 }
 
+/// Distance of arms that stand ready from each other, the couch and the robot's body.
+double ready_distance_m(const Stage& stage) {
+  PerArm<robot::ArmModel::Kinematics> pose;
+  double nearest_m = std::numeric_limits<double>::infinity();
+  for (const Arm arm : both_arms) {
+    const robot::ArmModel& model = stage.models.get()[arm];
+    pose[arm] = model.kinematics(stage.ready_rad[arm], stage.rail_m);
+    nearest_m = std::min(
+        nearest_m, robot::clearances(model, pose[arm], stage.rail_m, stage.obstacles).min_m());
+  }
+  return std::min(nearest_m,
+                  robot::distance_between_m(stage.models.get()[Arm::left], pose[Arm::left],
+                                            stage.models.get()[Arm::right], pose[Arm::right]));
+}
+
 /// Fewer paths left out, or as many and a newton less given up.
 bool is_better(const TwoArmSchedule& one, const TwoArmSchedule& other) {
   constexpr double counts_n = 1.0;
@@ -117,6 +132,17 @@ Result<ReadyPlan> make_ready(massage::Plan plan, const body::BackSurface& back,
                 "wherever the base stands within reach, an arm that is ready would be less than "
                 "{:.0f} mm from the skin",
                 1e3 * standoff_m);
+  }
+  // From there on the guard lets no arm move.
+  constexpr double guarded_m = 25_mm;
+  std::erase_if(stands_m,
+                [&](double at_m) { return ready_distance_m(stage_at(at_m)) < guarded_m; });
+  if (stands_m.empty()) {
+    return fail(Fault::config,
+                "wherever the base stands within reach, an arm that is ready would be less than "
+                "{:.0f} mm from the other one, the couch or the robot's own body: ready_mm and "
+                "ready_near_deg of the robot's mount say where and how arms wait",
+                to_mm(guarded_m));
   }
   std::optional<TwoArmSchedule> best;
   constexpr double worth_n = 10.0;  // given up by all paths together; a stand costs a whole plan

@@ -118,10 +118,9 @@ Result<void> prepare(Devices devices, const Order& order, const Config& config, 
   auto mapped = scan_and_map(devices.camera, devices.turntable, order, config, observer);
   if (!mapped) return tl::unexpected(mapped.error());
   const BodyPosture position = mapped->back.position();
-  if (order.placed.position != position) {
+  if (order.placed.position != position)
     return fail(Fault::config, "the robot stands there for a person {}, and this one is {}",
                 name_of(order.placed.position), name_of(position));
-  }
   const std::vector<Acupoint>& lies = mapped->located.acupoints;
   auto now = rail_m ? carried(session.said, lies, max_moved_misfit_m)
                     : carried(order.said, lies, max_other_misfit_m);
@@ -237,10 +236,9 @@ Result<bool> carry_out(Devices devices, const Order& order, const Config& config
   const auto driven = run_control_loop(devices.robot, *devices.supervisor, propose, look);
   session.compute_s += watch.seconds();
   if (!driven) return tl::unexpected(driven.error());
-  if (late) {
+  if (late)
     return fail(Fault::device, "the massage was not done after {:.0f} s; {:.0f} s were planned",
                 max_s, ready.plan.duration_s);
-  }
   observer.on_progress(Stage::massage, 1.0);
   keep(massage, session);
   return massage.wants_scan();
@@ -283,8 +281,13 @@ Result<Session> run(Devices devices, const Order& order, const Config& config, O
             : Result<void>(fail(Fault::bad_input, "the person keeps moving"));
     if (!again) {
       session.stops.push_back({session.massage_s, Arm::left, safety::Cause::person_moved});
-      session.ready.plan.notes.push_back(
+      std::vector<Sentence>& notes = session.ready.plan.notes;
+      notes.push_back(
           sentence("note_after_moving", "after the person had moved: {}", again.error().message));
+      if (std::ranges::none_of(session.performed, &Performed::whole))
+        notes.push_back(sentence("note_never_there",
+                                 "no tool has found the skin where it was scanned: are the robot's "
+                                 "place and its joints' zeros, gears and sides as told?"));
       session.ready.plan.paths.clear();
       break;
     }

@@ -177,6 +177,7 @@ class AtlasShow final : public Verb {
                               {"bodies", bodies},
                               {"points", points},
                               {"modes", modes},
+                              {"leave_one_out_mm", nullptr},
                               {"positions", positions}};
     return Answer{.json = json.dump(2), .text = text};
   }
