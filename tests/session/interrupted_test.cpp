@@ -3,19 +3,13 @@
 #include <doctest/doctest.h>
 
 #include "tests/session/room.hpp"
+#include "tests/too_slow.hpp"
 #include "tuina/core/units.hpp"
 
 using namespace tuina;
 using namespace tuina::session;
 
 namespace {
-
-// Instrumented code is ten times slower, and the code of these tests is that of others here.
-#ifdef __SANITIZE_ADDRESS__
-constexpr bool too_slow = true;
-#else
-constexpr bool too_slow = false;
-#endif
 
 /// A person who moves by 20 mm under the hands of a massage.
 constexpr double moves_at_s = 25.0;
@@ -59,7 +53,7 @@ struct Watcher final : Observer {
 }  // namespace
 
 TEST_CASE("a stop while a new scan is due stops the massage, and is told" *
-          doctest::skip(too_slow)) {
+          doctest::skip(test::too_slow)) {
   Room room{.options = moving()};
   Watcher watcher(*room.world);
   bool stopped = false;
@@ -80,7 +74,7 @@ TEST_CASE("a stop while a new scan is due stops the massage, and is told" *
 }
 
 TEST_CASE("a pause outlasts a new scan: no arm sets out before somebody says go on" *
-          doctest::skip(too_slow)) {
+          doctest::skip(test::too_slow)) {
   constexpr double waits_s = 4.0;
   Room room{.options = moving()};
   Watcher watcher(*room.world);
@@ -107,14 +101,10 @@ TEST_CASE("a pause outlasts a new scan: no arm sets out before somebody says go 
 }
 
 TEST_CASE("a massage may pause for longer than it takes; one that never ends lets go and fails" *
-          doctest::skip(too_slow)) {
+          doctest::skip(test::too_slow)) {
   Room room;
   room.order.programme.parts.resize(1);
   Watcher watcher(*room.world);
-  const auto run_on = [&] {
-    return session::run({room.world->camera(), room.world->turntable(), room.world->robot()},
-                        room.order, {}, watcher);
-  };
   SUBCASE("a pause") {
     constexpr double pause_s = 200.0;
     int told = 0;
@@ -123,7 +113,7 @@ TEST_CASE("a massage may pause for longer than it takes; one that never ends let
       if (told == 1 && time_s > 5.0 + pause_s) return ++told, LiveCommand::resume;
       return std::nullopt;
     };
-    const auto session = run_on();
+    const auto session = room.run_before(watcher);
     REQUIRE(session.has_value());
     CHECK(session->stops.empty());
     CHECK(session->massage_s > pause_s);
@@ -131,7 +121,7 @@ TEST_CASE("a massage may pause for longer than it takes; one that never ends let
   }
   SUBCASE("for ever") {
     room.order.commands = [](double) { return std::optional(LiveCommand::repeat); };
-    const auto session = run_on();
+    const auto session = room.run_before(watcher);
     REQUIRE_FALSE(session.has_value());
     CHECK(session.error().message.find("was not done after") != std::string::npos);
     CHECK(watcher.contact_n == 0.0);

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "tests/allocation.hpp"
+#include "tests/too_slow.hpp"
 #include "tuina/motion/ready_plan.hpp"
 #include "tuina/robot/clearance.hpp"
 #include "tuina/session/guarded_field.hpp"
@@ -20,13 +21,6 @@
 using namespace tuina;
 
 namespace {
-
-// Instrumented code is ten times slower, and the code of these tests is that of others here.
-#ifdef __SANITIZE_ADDRESS__
-constexpr bool too_slow = true;
-#else
-constexpr bool too_slow = false;
-#endif
 
 /// A phantom, a robot, and a plan on the phantom's true back.
 struct Room {
@@ -161,7 +155,7 @@ TEST_CASE("a person who jumps up stops the massage: the cause is told, and both 
 }
 
 TEST_CASE("a person who shrinks back ends no massage: after two quiet seconds it goes on" *
-          doctest::skip(too_slow)) {
+          doctest::skip(test::too_slow)) {
   const auto room = enter(BodyPosture::prone);
   double time_s = 0.0;
   while (time_s < 60.0 && (force_n(*room, Arm::left) < 15.0 || force_n(*room, Arm::right) < 15.0))
@@ -295,7 +289,8 @@ double target_n(const Room& room, Arm arm) {
 
 }  // namespace
 
-TEST_CASE("each live command shows within 100 ms, and no force jumps" * doctest::skip(too_slow)) {
+TEST_CASE("each live command shows within 100 ms, and no force jumps" *
+          doctest::skip(test::too_slow)) {
   using session::LiveCommand;
   for (const LiveCommand command : {LiveCommand::pause, LiveCommand::skip, LiveCommand::softer,
                                     LiveCommand::firmer, LiveCommand::stop}) {
@@ -346,7 +341,7 @@ TEST_CASE("a pause keeps a light touch where the tools are, and resume goes on")
 }
 
 TEST_CASE("skip leaves a path for the next one, repeat does it once more" *
-          doctest::skip(too_slow)) {
+          doctest::skip(test::too_slow)) {
   const auto skipped = enter(BodyPosture::prone);
   const double began_s = until_pressing(*skipped);
   skipped->massage.obey(session::LiveCommand::skip);

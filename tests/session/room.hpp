@@ -30,6 +30,10 @@ struct Room {
   Result<Session> run_with(robot::Robot& robot) {
     return session::run({world->camera(), world->turntable(), robot}, order, {}, nobody);
   }
+  /// A massage by its own robot that somebody looks at.
+  Result<Session> run_before(Observer& observer) {
+    return session::run({world->camera(), world->turntable(), world->robot()}, order, {}, observer);
+  }
 };
 
 }  // namespace tuina::session

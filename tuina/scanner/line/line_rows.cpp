@@ -62,21 +62,15 @@ TUINA_TWICE float fill_less(const Pixel8* pixels, const Pixel8* off, int count, 
 TUINA_TWICE float fill_less(const Pixel16* pixels, const Pixel16* off, int count, float* row) {
   return take_less(pixels, off, count, row);
 }
-TUINA_TWICE float fill_red_of_3(const Pixel8* pixels, int count, float ratio, float saturated,
-                                float* row) {
-  return take_red<3>(pixels, count, ratio, saturated, row);
+TUINA_TWICE float fill_red(const Pixel8* pixels, int channels, int count, float ratio,
+                           float saturated, float* row) {
+  return channels == 3 ? take_red<3>(pixels, count, ratio, saturated, row)
+                       : take_red<4>(pixels, count, ratio, saturated, row);
 }
-TUINA_TWICE float fill_red_of_3(const Pixel16* pixels, int count, float ratio, float saturated,
-                                float* row) {
-  return take_red<3>(pixels, count, ratio, saturated, row);
-}
-TUINA_TWICE float fill_red_of_4(const Pixel8* pixels, int count, float ratio, float saturated,
-                                float* row) {
-  return take_red<4>(pixels, count, ratio, saturated, row);
-}
-TUINA_TWICE float fill_red_of_4(const Pixel16* pixels, int count, float ratio, float saturated,
-                                float* row) {
-  return take_red<4>(pixels, count, ratio, saturated, row);
+TUINA_TWICE float fill_red(const Pixel16* pixels, int channels, int count, float ratio,
+                           float saturated, float* row) {
+  return channels == 3 ? take_red<3>(pixels, count, ratio, saturated, row)
+                       : take_red<4>(pixels, count, ratio, saturated, row);
 }
 
 template <typename Pixel>
@@ -109,10 +103,8 @@ const float* LineRows<Pixel>::row(int y) {
   const Pixel* pixels = image_.row(y);
   const int count = image_.width;
   float most = 0.0F;
-  if (channels_ == 3) {
-    most = fill_red_of_3(pixels, count, red_to_green_, saturated_dn_, row_.data());
-  } else if (channels_ == 4) {
-    most = fill_red_of_4(pixels, count, red_to_green_, saturated_dn_, row_.data());
+  if (channels_ > 1) {
+    most = fill_red(pixels, channels_, count, red_to_green_, saturated_dn_, row_.data());
   } else if (dark_.data != nullptr) {
     most = fill_less(pixels, dark_.row(y), count, row_.data());
   } else {
