@@ -155,20 +155,25 @@ class ScriptedWrist {
                               : ::recvfrom(end_, in.data(), in.size(), 0,
                                            reinterpret_cast<sockaddr*>(&host_), &size);
       if (got < 8) return;
-      const std::lock_guard lock(mutex_);
-      told_.emplace_back(in.begin(), in.begin() + got);
-      if (script_.kind == Kind::hex_serial) {
-        streams_ = in[4] != 0;
-        std::vector<Bytes> answers = {{0xAA, 0x00, 0x50, 0x01, 0x00}};
-        put_sum(answers[0]);
-        if (script_.answers) script_.answers(answers);
-        for (const Bytes& answer : answers) send(answer);
-      } else if (in[3] == 0x02) {
-        streams_ = true;
-        sample_.sequence = 0;
-      } else if (in[3] == 0x00) {
-        streams_ = false;
-      }
+      // Who goes and who comes may both have asked a serial line since: a frame is 9 bytes.
+      const ssize_t frame = script_.kind == Kind::hex_serial ? 9 : got;
+      for (ssize_t at = 0; at + frame <= got; at += frame) obey({&in[at], &in[at] + frame});
+    }
+  }
+  void obey(const Bytes& in) {
+    const std::lock_guard lock(mutex_);
+    told_.push_back(in);
+    if (script_.kind == Kind::hex_serial) {
+      streams_ = in[4] != 0;
+      std::vector<Bytes> answers = {{0xAA, 0x00, 0x50, 0x01, 0x00}};
+      put_sum(answers[0]);
+      if (script_.answers) script_.answers(answers);
+      for (const Bytes& answer : answers) send(answer);
+    } else if (in[3] == 0x02) {
+      streams_ = true;
+      sample_.sequence = 0;
+    } else if (in[3] == 0x00) {
+      streams_ = false;
     }
   }
   void say() {

@@ -162,10 +162,10 @@ class Page:
         with self.counting:
             self.sequence += 1
             message = {"ask": ask, "sequence": self.sequence, "clock_s": self.clock_s()}
-        if order is not None:
-            message["order"] = order
-        message.update(changed)
-        self.send(json.dumps(message))
+            if order is not None:
+                message["order"] = order
+            message.update(changed)
+            self.send(json.dumps(message))  # a beat's thread must not send the next one first
         return message["sequence"]
 
     def outcome(self, ask, order=None, **changed):
