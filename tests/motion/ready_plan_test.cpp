@@ -179,17 +179,6 @@ TEST_CASE("hand after hand, the idle arm hovers over its place instead of flying
   CHECK(home == 2);  // at the end
 }
 
-TEST_CASE("a way over a round back is lifted as much as the back rises between, and no more") {
-  constexpr double radius_m = 0.15;
-  CHECK(motion::lift_over_back_m(0.0) == 0.0);
-  for (const double half_rad : {0.1, 0.3, 0.5, 0.8}) {
-    const double chord_m = 2.0 * radius_m * std::sin(half_rad);
-    CHECK(motion::lift_over_back_m(chord_m) ==
-          doctest::Approx(radius_m * (1.0 - std::cos(half_rad))));
-  }
-  for (const double chord_m : {0.3, 1.0}) CHECK(motion::lift_over_back_m(chord_m) == 80e-3);
-}
-
 TEST_CASE("both arms end where they began, and their steps run in one order") {
   const motion::ReadyPlan ready = ready_for("phantom:medium", BodyPosture::prone, "relax", 5);
   for (const Arm arm : both_arms) {
@@ -228,34 +217,6 @@ TEST_CASE("an arm on its own side is as far from its mirror image as twice its w
   const double inward_m = stays[Arm::left].inward_m(models[Arm::left], Arm::left);
   CHECK(inward_m == doctest::Approx(stays[Arm::right].inward_m(models[Arm::right], Arm::right)));
   CHECK(apart_m == doctest::Approx(-2.0 * inward_m).epsilon(1e-3));
-}
-
-TEST_CASE("the heavier an arm and the more it presses, the more a person meets who starts up") {
-  const TangentTissue hard = {.alpha_n = 11.5, .beta_per_m = 250.0};
-  double before_n = 0.0;
-  for (const double mass_kg : {2.0, 3.0, 4.0, 5.0, 6.0, 7.0}) {
-    CAPTURE(mass_kg);
-    const double met_n = motion::startle_force_n(mass_kg, 20.0, hard);
-    CHECK(met_n > before_n);
-    CHECK(motion::startle_force_n(mass_kg, 25.0, hard) > met_n);
-    before_n = met_n;
-  }
-  // Seven kilograms are more than a person may meet, with whatever force they press.
-  CHECK(before_n > motion::max_startle_n);
-}
-
-TEST_CASE(
-    "a light arm may press as it is asked to, a heavy one with what a start leaves below 75 N") {
-  using massage::Zone;
-  CHECK(motion::max_pressing_n(2.0, Zone::muscle, 30.0) == 30.0);
-  for (const Zone zone : {Zone::muscle, Zone::ribs}) {
-    const double heavy_n = motion::max_pressing_n(5.5, zone, 30.0);
-    CHECK(heavy_n > 0.0);
-    CHECK(heavy_n < 30.0);
-    CHECK(heavy_n < motion::max_pressing_n(5.0, zone, 30.0));
-  }
-  CHECK(motion::max_pressing_n(5.5, Zone::ribs, 30.0) <
-        motion::max_pressing_n(5.5, Zone::muscle, 30.0));
 }
 
 TEST_CASE("low on the back the arms are light, or the plan says where they press with less") {
