@@ -6,7 +6,7 @@
 #include <set>
 
 #include "tests/folder.hpp"
-#include "tuina/motion/free_path.hpp"
+#include "tuina/motion/arm_move.hpp"
 #include "tuina/motion/ready_plan.hpp"
 #include "tuina/motion/rollout.hpp"
 #include "tuina/motion/startle.hpp"
@@ -177,6 +177,40 @@ TEST_CASE("hand after hand, the idle arm hovers over its place instead of flying
     }
   }
   CHECK(home == 2);  // at the end
+}
+
+TEST_CASE(
+    "an arm whose posture springs are as weak as the controller's turns its wrist over nowhere") {
+  constexpr double turned_over_rad = 2.5, posture_share = 0.05;
+  for (const char* who : {"phantom:slim", "phantom:medium", "phantom:hefty"}) {
+    for (const BodyPosture position : {BodyPosture::sitting, BodyPosture::prone}) {
+      const motion::ReadyPlan ready = ready_for(who, position, "full_back_20min", 5);
+      const auto placement = robot::place_robot(robot::load_robot("thesis").value(), position);
+      const Transform& base_from_couch = placement.mount.base_from_couch;
+      const auto models = robot::both_models(placement.arm, placement.mount);
+      CAPTURE(who);
+      CAPTURE(name_of(position));
+      for (const Arm arm : both_arms) {
+        motion::Rollout weak(models[arm], ready.rail_m, ready.ready_rad[arm], posture_share,
+                             control::PostureGains{}.max_error_rad);
+        motion::JointPath passed;
+        for (const motion::ArmJob& job : ready.jobs[arm]) {
+          for (const control::ToolPose& pose : job.waypoints_in_base)
+            weak.transfer(pose, job.posture_rad, passed);
+          if (job.path < 0) continue;
+          CAPTURE(job.path);
+          const ContactPath& path = ready.plan.paths[static_cast<std::size_t>(job.path)].path;
+          weak.slide(motion::goals_of(path, base_from_couch), job.posture_rad, passed);
+          weak.settle(job.posture_rad, passed);
+          CHECK((weak.q_rad() - job.posture_rad).cwiseAbs().maxCoeff() < turned_over_rad);
+          const motion::ApproachPose after = motion::approach_pose(path.points.back(), 40_mm);
+          weak.transfer({.at_in_base = base_from_couch * after.at_in_couch,
+                         .normal_in_base = base_from_couch.linear() * after.normal_in_couch},
+                        job.posture_rad, passed);
+        }
+      }
+    }
+  }
 }
 
 TEST_CASE("both arms end where they began, and their steps run in one order") {

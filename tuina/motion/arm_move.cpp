@@ -250,7 +250,8 @@ Result<ArmMove> move_to_path(const Stage& stage, Arm arm, const ArmRest& from,
       if (!best) best = fail(Fault::not_found, "{}", wrong);
       continue;
     }
-    const double with_stray_m = cost_m + stray_cost_m(stage, arm, from, move, goals);
+    move.stray_m = stray_cost_m(stage, arm, from, move, goals);
+    const double with_stray_m = cost_m + move.stray_m;
     if (best && with_stray_m >= min_cost) continue;
     min_cost = with_stray_m;
     best = std::move(move);

@@ -50,6 +50,7 @@ struct ArmMove {
   JointPath transfer;
   JointPath contact;  ///< from the approach pose down, along the path, and up again
   double transfer_s = 0.0;
+  double stray_m = 0.0;     ///< cost of coming to stand elsewhere than rehearsed, 0 if it does not
   double mass_kg = 0.0;     ///< largest apparent mass along the tool's axis over the contact
   robot::Clearances clear;  ///< distances from couch and robot body over the whole move
   ArmRest above;            ///< at rest after the transfer, before the contact

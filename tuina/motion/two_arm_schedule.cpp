@@ -114,6 +114,16 @@ Result<ArmMove> TwoArmSchedule::plan_move(Arm arm, const massage::PlannedPath& p
   return move;
 }
 
+/// True where the arm would come to stand elsewhere than rehearsed, and would less from home. A
+/// wrist that strays from contact to contact ends up turned over, and finds no way back.
+bool TwoArmSchedule::strays_less_from_home(Arm arm, const massage::PlannedPath& planned,
+                                           const ArmMove& move) const {
+  if (move.stray_m == 0.0 || rest_[arm].parked) return false;
+  const auto from_home =
+      move_to_path(stage_, arm, rest_at_ready(stage_, arm), planned.path, move.path);
+  return from_home && from_home->stray_m < move.stray_m;
+}
+
 /// Adds both paths where they can run at once.
 TwoArmSchedule::Pair TwoArmSchedule::plan_pair(const PerArm<Planned>& both) {
   // The arms are planned in parallel; which failed is told afterwards.
@@ -124,6 +134,11 @@ TwoArmSchedule::Pair TwoArmSchedule::plan_pair(const PerArm<Planned>& both) {
   });
   if (!move[Arm::left] || !move[Arm::right]) return Pair::out_of_reach;
   const ArmMove &left = *move[Arm::left], &right = *move[Arm::right];
+  if (strays_less_from_home(Arm::left, *both[Arm::left], left) ||
+      strays_less_from_home(Arm::right, *both[Arm::right], right)) {
+    finish();
+    return plan_pair(both);
+  }
   const Moves moves{.of = {&left, &right}};
   const double contacts_m = apart_m(left.contact, right.contact);
   if (contacts_m < wanted_arm_distance_m) return Pair::too_close;
@@ -166,6 +181,10 @@ void TwoArmSchedule::plan_single(Arm arm, const massage::PlannedPath& planned) {
     notes.push_back(sentence("note_out_of_reach", "{} is left out: {}", planned.path.name,
                              move.error().message));
     return;
+  }
+  if (strays_less_from_home(arm, planned, *move)) {
+    finish();
+    return plan_single(arm, planned);
   }
   const auto beside_m = [&](const JointPath& of_idle) {
     return std::min(apart_m(arm, move->transfer, of_idle), apart_m(arm, move->contact, of_idle));

@@ -38,6 +38,8 @@ class TwoArmSchedule {
   [[nodiscard]] double apart_m(const JointPath& left, const JointPath& right) const;
   [[nodiscard]] double apart_m(Arm arm, const JointPath& its, const JointPath& of_other) const;
   [[nodiscard]] Result<ArmMove> plan_move(Arm arm, const massage::PlannedPath& planned) const;
+  [[nodiscard]] bool strays_less_from_home(Arm arm, const massage::PlannedPath& planned,
+                                           const ArmMove& move) const;
   enum class Pair : std::uint8_t { together, too_close, out_of_reach };
   Pair plan_pair(const PerArm<const massage::PlannedPath*>& both);
   void plan_single(Arm arm, const massage::PlannedPath& planned);
