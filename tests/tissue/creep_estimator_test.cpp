@@ -221,6 +221,30 @@ TEST_CASE("after a sigh in one press most of the next ones are still foretold") 
   CHECK(sighed < 0.5);  // 0.61 where a surprise counts in full
 }
 
+TEST_CASE("a cough under the tool steers nothing by a law that it does not follow") {
+  for (const double coughed_m : {8_mm, 15_mm}) {
+    Random random = make_random(1, "cough");
+    CreepEstimator estimator;
+    press(estimator, hard, 20.0, 3.0);
+    REQUIRE(estimator.estimate().converged);
+    const double true_n_per_m = stiffness_at_force(hard, 10.0);
+    for (int i = 0; i < 1500; ++i) {
+      const double t = i * 1e-3;
+      // The chest jumps out against the tool, falls away beneath it and comes back.
+      const double skin_m = t < 0.4 ? coughed_m * std::sin(2.0 * pi * t / 0.4) : 0.0;
+      const double force_n = std::max(0.0, 6.0 + 8.0 * skin_m / coughed_m);
+      const double depth_m = 0.3_mm + depth_at_force(hard, 6.0) - 0.9 * skin_m;
+      estimator.update(3.0 + t, {.depth_m = depth_m + gaussian(random, 0.05_mm),
+                                 .force_n = force_n + gaussian(random, 0.2)});
+      if (!estimator.estimate().converged) continue;
+      CAPTURE(t);
+      const double ratio = stiffness_at_force(estimator.estimate().tissue, 10.0) / true_n_per_m;
+      CHECK(ratio > 0.5);
+      CHECK(ratio < 2.0);
+    }
+  }
+}
+
 TEST_CASE("whatever comes in, what comes out is finite, and nothing is taken from the heap") {
   Random random = make_random(4, "fuzz");
   CreepEstimator estimator;

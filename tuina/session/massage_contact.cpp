@@ -158,7 +158,7 @@ void MassageStep::feel(Side& side, Arm arm, double time_s, const ArmState& state
   // between two presses only.
   constexpr double barely_n = 0.5;
   const bool pressing = side.commanded_n > massage::kept_force_n + barely_n;
-  if (options_.steer && estimate.converged) {
+  if (options_.steer && tissue::may_steer(estimate, steering_.nis(arm))) {
     if (!pressing) side.expected = estimate.tissue;
   } else if (side.foreknown && steering_.known(arm) == nullptr) {
     side.expected = expected_in(path_of(side)->zone);

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tuina/tissue/estimator.hpp"
+
 namespace tuina::tissue {
 namespace {
 
@@ -21,7 +23,6 @@ constexpr std::array<Subject, 8> subjects = {{
 }};
 
 constexpr double label_from = 0.6;  // minimum probability of a named class
-constexpr double max_nis = 4.0;  // beyond it the tangent law does not fit and alpha means nothing
 // A twentieth of all presses are none of the three classes, spread over three times their range.
 constexpr double none_prior = 0.05, none_spread = 9.0;
 

@@ -245,6 +245,8 @@ void CreepEstimator::publish() noexcept {
       estimate_.tissue.beta_per_m * z95 * std::sqrt(loading_covariance_(1, 1));
   estimate_.contact_m = now.mean(CreepFilter::skin) + now.mean(CreepFilter::breath);
   estimate_.presses = segments_.presses();
+  // What is no longer known is withdrawn with the law that is no longer the same.
+  if (estimate_.converged) decide_convergence();
 }
 
 double CreepEstimator::stiffness_sd(double force_n) const noexcept {

@@ -16,8 +16,8 @@ namespace tuina::tissue {
 /// Several filters of the creep law with different assumptions run side by side, each weighted by
 /// its evidence. alpha and beta are those of the first loading at 10 mm/s. `converged` is said of
 /// the force that will be met: at the strongest force so far the 95 % half-width of a next press is
-/// at most 15 %, and the last press kept to what was told within two standard deviations. No heap,
-/// no exceptions.
+/// at most 15 %, the last press kept to what was told within two standard deviations, and the law
+/// describes what is felt. No heap, no exceptions.
 class CreepEstimator {
  public:
   /// The same as the press estimator takes.
@@ -36,7 +36,8 @@ class CreepEstimator {
 
   /// What is believed of the tissue.
   [[nodiscard]] const TissueEstimate& estimate() const noexcept { return estimate_; }
-  /// Normalised innovation squared: about 1 if the law describes the tissue, above 4 if not.
+  /// Normalised innovation squared: about 1 if the law describes the tissue, above `max_nis` if
+  /// not.
   [[nodiscard]] double nis() const noexcept { return nis_; }
   /// Relative standard deviation of the tangent stiffness at a force.
   [[nodiscard]] double stiffness_sd(double force_n) const noexcept;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "tuina/core/units.hpp"
+#include "tuina/tissue/estimator.hpp"
 #include "tuina/tissue/tangent_model.hpp"
 
 namespace tuina::tissue {
@@ -12,7 +13,6 @@ namespace {
 
 constexpr double bend_alphas = 2.5;  // force / alpha where alpha and beta can be separated
 constexpr double first_probe_n = 8.0;
-constexpr double max_nis = 4.0;
 constexpr double firmer_by = 2.0;     // of a press against the strongest before it
 constexpr double probed_share = 0.7;  // of the order
 constexpr double min_probe_n = 7.0;   // less is not felt above the 3 N that are kept

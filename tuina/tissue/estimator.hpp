@@ -20,6 +20,10 @@ concept Estimator = std::is_nothrow_constructible_v<T, const typename T::Options
 /// A press is well foretold when half of its 95 % band is at most this share of its force.
 inline constexpr double well_foretold_share = 0.15;
 
+/// Normalised innovation squared beyond which the law does not describe what is felt, and its
+/// parameters mean nothing: somebody coughs, tenses, or the tool slips.
+inline constexpr double max_nis = 4.0;
+
 /// An estimator that may decide forces in a session: it tells whether the law fits, how well
 /// stiffness is known, how well a press of some force is foretold and how deep it goes, whether the
 /// last press came otherwise than it had foretold. It is told when the tool goes to the next place,

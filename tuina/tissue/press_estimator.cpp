@@ -276,10 +276,10 @@ void PressEstimator::publish() noexcept {
   estimate_.contact_m = state_(skin) + state_(breath);
   estimate_.presses = segments_.presses();
   // Below about one alpha only the product alpha beta is observable, whatever the covariance says.
-  const bool deep_enough = segments_.peak_force_n() > 1.2 * alpha * (1.0 + alpha_ci);
+  const bool fits = nis_ < max_nis && segments_.peak_force_n() > 1.2 * alpha * (1.0 + alpha_ci);
   const bool was = estimate_.converged;
   estimate_.converged = estimate_.presses >= 1 && sureness * alpha_ci < options_.converged_alpha &&
-                        sureness * beta_ci < options_.converged_beta && nis_ < 4.0 && deep_enough;
+                        sureness * beta_ci < options_.converged_beta && fits;
   if (!estimate_.converged)
     estimate_.converged_after_s = -1.0;
   else if (!was)

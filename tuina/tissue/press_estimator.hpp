@@ -76,8 +76,8 @@ class PressEstimator {
   /// As of the last sample.
   [[nodiscard]] const TissueEstimate& estimate() const noexcept { return estimate_; }
 
-  /// Normalised innovation squared: about 1 if the tangent law describes the tissue, above 4 if
-  /// not.
+  /// Normalised innovation squared: about 1 if the tangent law describes the tissue, above
+  /// `max_nis` if not.
   [[nodiscard]] double nis() const noexcept { return nis_; }
   [[nodiscard]] double damping_s_per_m() const noexcept { return state_(mu); }
   [[nodiscard]] double tare_n() const noexcept { return segments_.tare_n(); }
