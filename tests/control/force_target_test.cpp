@@ -70,6 +70,21 @@ TEST_CASE("a force that leaps above the set one is answered outward at once, a s
   CHECK(std::abs(push_n) < 5.0);
 }
 
+TEST_CASE(
+    "whoever pushes the tool out is pressed less the harder they push, whatever it is damped by") {
+  ForceTarget law;
+  law.begin({.force_n = 3.0}, 3.0);
+  // A cough: the force rises too gently for somebody who starts up.
+  for (int i = 0; i < 200; ++i) {
+    const double felt_n = std::min(3.0 + 0.06 * i, 14.0);
+    const double inward_n = law.step(
+        {.depth_m = 4e-3 - 5e-5 * i, .speed_m_per_s = -0.05, .force_n = felt_n, .set_force_n = 3.0},
+        1e-3);
+    CAPTURE(felt_n);
+    CHECK(inward_n <= std::max(3.0 + 20.0 - 2.0 * (felt_n - 3.0), 0.0) + 1e-9);
+  }
+}
+
 TEST_CASE("where a place bears little more, less force is a person who comes closer") {
   // How much more than 13 N is felt as the tool begins to push itself out.
   const auto startled_n = [](double bears_n, double startle_n) {

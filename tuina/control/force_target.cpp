@@ -218,7 +218,11 @@ double ForceTarget::step(const Input& input, double dt_s) noexcept {
   if (lost_ || slips(input)) carried_m_per_s_ = 0.0;
   const double damping_n = damping * (relative - carried_m_per_s_);
   tank_j_ = std::clamp(tank_j_ + damping_n * relative * dt_s, 0.0, options_.tank_j);
-  return spring_n_ + std::min(inertia_n - damping_n, options_.max_outward_damping_n);
+  const double inward_n =
+      spring_n_ + std::min(inertia_n - damping_n, options_.max_outward_damping_n);
+  const double beyond_n = std::max(input.force_n - set_n_, 0.0);
+  const double max_n = set_n_ + options_.max_inward_n - options_.yields_per_n * beyond_n;
+  return std::min(inward_n, std::max(max_n, 0.0));
 }
 
 }  // namespace tuina::control

@@ -48,6 +48,10 @@ class ForceTarget {
     double contact_damping_ratio = 0.5;
     double max_damping_n_s_per_m = 600.0;
     double max_outward_damping_n = 12.0;  ///< damping must not hold down a person who rises
+    /// Limit of all that presses inward, beyond the set force, and what it falls by for each newton
+    /// that is felt beyond that: the guard takes an arm for broken that presses on against somebody
+    /// who pushes it out (safety/limits.hpp, `pressing_n`), and who coughs is pressed less so.
+    double max_inward_n = 20.0, yields_per_n = 2.0;
     /// Time after which the speed of a tool counts as that of the skin beneath it, which is not
     /// damped.
     double carried_after_s = 0.1;
