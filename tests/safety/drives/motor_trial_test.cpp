@@ -141,6 +141,14 @@ TEST_CASE(
         CHECK((scene.tick(9).allowed_nm - without_nm).cwiseAbs().maxCoeff() < 1e-9);
         if (!turned) without_nm = scene.seen.gravity_nm;
         CHECK((scene.tick(100).allowed_nm - without_nm).cwiseAbs().maxCoeff() < 1e-9);
+        // With a motor dead for good no way leads back to the person.
+        scene.force_n = 0.0;
+        scene.tick(5);
+        scene.seen.tool_velocity_m_per_s = -0.0499 * scene.normal();
+        CHECK(scene.tick(20).action == Action::comply);
+        scene.seen.tool_velocity_m_per_s = -0.0501 * scene.normal();
+        CHECK(scene.tick(5).action == Action::comply);
+        CHECK(scene.tick().action == (turned && misfit > 1.0 ? Action::brake : Action::comply));
       }
     }
   }
