@@ -7,8 +7,10 @@
 #include <cmath>
 #include <limits>
 
+#include "tuina/core/units.hpp"
 #include "tuina/sim/press_scenarios.hpp"
 #include "tuina/tissue/press_forecast.hpp"
+#include "tuina/tissue/tangent_model.hpp"
 
 using namespace tuina;
 using namespace tuina::tissue;
@@ -71,4 +73,19 @@ TEST_CASE("a row that goes back in time or is no press is named") {
   CHECK(fault_of({1.0, {}}, &first) == "time_s goes from 1 to 1, it must grow");
   CHECK(fault_of({2.0, {1.5, 0.0}}, &first) ==
         "1500 mm and 0 N are no press; up to 1000 mm and 10000 N can be");
+}
+
+TEST_CASE("a press with both signs turned is named, one of an untared sensor is not") {
+  const TangentTissue tissue{9.786, 185.4};
+  for (const bool turned : {true, false}) {
+    std::vector<TimedPress> record;
+    for (int i = 0; i < 1000; ++i) {
+      const double depth_m = 6e-3 * std::sin(pi * i / 1000.0), sign = turned ? -1.0 : 1.0;
+      const double offset_n = turned ? 0.0 : -60.0;
+      record.push_back(
+          {i * 1e-3, {sign * depth_m, sign * force_at_depth(tissue, depth_m) + offset_n}});
+    }
+    CHECK((fault_of(record).find("both signs are turned") != std::string::npos) == turned);
+    CHECK(fault_of(record).empty() == !turned);
+  }
 }

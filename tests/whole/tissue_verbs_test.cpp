@@ -74,6 +74,8 @@ TEST_CASE(
   const std::string grams = folder.with("grams.csv", press_csv(as_is, 1000.0 / 9.81));
   const std::string ms = folder.with("ms.csv", press_csv(as_is, 1.0, 1000.0));
   const std::string outward = folder.with("outward.csv", press_csv([](double mm) { return -mm; }));
+  const std::string turned =
+      folder.with("turned.csv", press_csv([](double mm) { return -mm; }, -1.0));
   for (const char* verb : {"fit", "estimate"}) {
     CAPTURE(verb);
     const auto says = [&](const std::string& file, const char* told) {
@@ -88,6 +90,7 @@ TEST_CASE(
     says(grams, "are these grams? Newtons are wanted");
     says(ms, "are these milliseconds?");
     says(outward, "a larger position must be a deeper one");
+    says(turned, "both signs are turned");
   }
 }
 

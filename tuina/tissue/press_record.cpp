@@ -33,6 +33,28 @@ double noise_at(std::span<const TimedPress> record, std::size_t stride, Value va
   return 1.4826 * *middle;
 }
 
+/// Mean force of the rows between two shares of the way, in newtons; NaN without such rows.
+double mean_force_n(std::span<const TimedPress> record, double from_m, double to_m) {
+  double sum_n = 0.0, count = 0.0;
+  for (const TimedPress& row : record) {
+    if (row.press.depth_m < from_m || row.press.depth_m > to_m) continue;
+    sum_n += row.press.force_n;
+    count += 1.0;
+  }
+  return sum_n / count;
+}
+
+/// True where all forces lie below zero and grow less and less with the position: tissue stiffens
+/// as it is pressed, so this is a press with both signs turned, not a sensor with an offset.
+bool both_signs_turned(std::span<const TimedPress> record, const Press& low, const Press& high) {
+  constexpr double below_zero = 4.0, middle_from = 0.4, middle_to = 0.6, bent_share = 0.6;
+  if (-low.force_n < below_zero * std::abs(high.force_n)) return false;
+  const double way_m = high.depth_m - low.depth_m;
+  const double middle_n =
+      mean_force_n(record, low.depth_m + middle_from * way_m, low.depth_m + middle_to * way_m);
+  return middle_n - low.force_n > bent_share * (high.force_n - low.force_n);
+}
+
 }  // namespace
 
 SensorNoise KnownNoise::over(SensorNoise otherwise) const {
@@ -90,6 +112,9 @@ std::string fault_of(std::span<const TimedPress> record) {
   }
   if (both < opposed * std::sqrt(way * force))
     return "the force falls as position_mm grows; a larger position must be a deeper one";
+  if (both_signs_turned(record, low, high))
+    return "all forces lie below zero and are strongest where position_mm is least: both signs are "
+           "turned; a larger position must be a deeper one, and a force that presses above zero";
   return {};
 }
 

@@ -36,7 +36,7 @@ struct KnownNoise {
 [[nodiscard]] std::string fault_of(const TimedPress& row, const TimedPress* before);
 
 /// What is wrong with a whole record, in one sentence: metres, grams or milliseconds, or positions
-/// that fall as the tool goes deeper. Empty: nothing.
+/// that fall as the tool goes deeper, or both signs turned. Empty: nothing.
 [[nodiscard]] std::string fault_of(std::span<const TimedPress> record);
 /// What is wrong with the positions of a press that is to be foretold from a record; empty:
 /// nothing.
