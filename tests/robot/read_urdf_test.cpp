@@ -134,5 +134,7 @@ TEST_CASE("what is no arm of six or seven joints is refused with line, element a
   const auto first = good.find("<limit", good.find("left_shoulder_pitch_joint"));
   refused(std::string(good).erase(first, good.find("/>", first) + 2 - first),
           "left_shoulder_pitch_joint: <limit> is missing");
+  refused(std::string(good).insert(first, "<mimic joint=\"left_elbow_joint\"/>"),
+          "it follows another joint");
   refused(with(good, "<mass value=\"1.15\"/>", ""), "<mass> and <inertia> are both needed");
 }

@@ -121,6 +121,16 @@ void add_mass(Reader& reader, const XMLElement& link, const Transform& base_from
            pose.linear() * inertia * pose.linear().transpose());
 }
 
+/// Direction in which a joint turns, in its own frame; x where none is given.
+Vector3 axis_of(Reader& reader, const XMLElement& joint) {
+  const XMLElement* axis = joint.FirstChildElement("axis");
+  if (axis == nullptr) return Vector3::UnitX();
+  const Vector3 along = reader.three(*axis, "xyz", Vector3::UnitX());
+  if (along.norm() > 1e-6) return along.normalized();
+  reader.reject(*axis, "xyz = \"{}\" is no direction", axis->Attribute("xyz"));
+  return Vector3::UnitX();
+}
+
 /// The joints of the chain with what they carry, and the pose of the tip at zero.
 std::vector<Turning> read_chain(Reader& reader, const XMLElement& robot,
                                 const std::vector<const XMLElement*>& joints, Transform& tip) {
@@ -134,18 +144,18 @@ std::vector<Turning> read_chain(Reader& reader, const XMLElement& robot,
       Turning turning;
       const char* name = joint->Attribute("name");
       turning.link.name = name != nullptr ? name : fmt::format("joint{}", chain.size() + 1);
-      const XMLElement* axis = joint->FirstChildElement("axis");
-      Vector3 along = axis != nullptr ? reader.three(*axis, "xyz", Vector3::UnitX())
-                                      : Vector3(Vector3::UnitX());
-      if (!(along.norm() > 1e-6)) {
-        reader.reject(*axis, "xyz = \"{}\" is no direction", axis->Attribute("xyz"));
-        along = Vector3::UnitX();
-      }
+      if (joint->FirstChildElement("mimic") != nullptr)
+        reader.reject(*joint,
+                      "{}: <mimic>: it follows another joint, and one of an arm has a drive",
+                      turning.link.name);
       turning.at = tip.translation();
-      turning.axis = tip.linear() * along.normalized();
+      turning.axis = tip.linear() * axis_of(reader, *joint);
       const XMLElement* limit = joint->FirstChildElement("limit");
       if (limit == nullptr) {
-        reader.reject(*joint, "{}: <limit> is missing", turning.link.name);
+        reader.reject(
+            *joint,
+            "{}: <limit> is missing: effort and velocity of its drive, a continuous joint's too",
+            turning.link.name);
       } else {
         turning.link.torque_limit_nm = reader.number(*limit, "effort");
         turning.link.speed_limit_rad_per_s = reader.number(*limit, "velocity");
