@@ -86,6 +86,7 @@ class Massage final : public Verb {
   }
 
   [[nodiscard]] Result<Answer> run(const CommonOptions& given) override {
+    begun_at_ = std::filesystem::file_time_type::clock::now();
     CommonOptions common = given;
     auto config = effective_config(common);
     if (!config) return tl::unexpected(config.error());
@@ -165,12 +166,14 @@ class Massage final : public Verb {
   }
 
  private:
-  /// An error that ended a session, and where what was recorded until then is.
+  /// An error that ended a session, and where what was recorded until then is; a record of another
+  /// session in this folder is not meant.
   [[nodiscard]] Error with_record(Error error) const {
     for (const char* name : {"session.mcap", "session.mcap.part"}) {
       const auto record = std::filesystem::path(out_) / name;
       std::error_code fault;
-      if (!std::filesystem::exists(record, fault)) continue;
+      const auto written = std::filesystem::last_write_time(record, fault);
+      if (fault || written < begun_at_) continue;
       error.message += fmt::format("; its record is {}", record.string());
       break;
     }
@@ -236,6 +239,7 @@ class Massage final : public Verb {
   std::string method_;
   std::string adaptive_ = "on";
   std::string out_ = "massage-report";
+  std::filesystem::file_time_type begun_at_;
 };
 
 }  // namespace
