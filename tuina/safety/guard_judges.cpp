@@ -132,8 +132,7 @@ void Guard::judge_drives(const Observation& seen, Finding& finding) noexcept {
   const double outward_m_per_s = seen.tool_velocity_m_per_s.dot(normal_in_base_);
   const bool clear = outward_m_per_s < (stopped ? -returning_m_per_s : flying_off_m_per_s);
   // A drive that is told nothing any more gives what it is told, and is broken all the same.
-  const bool known_broken =
-      motor_trial_.silenced_joint() >= 0 || (stopped && stopped_by_ == Cause::drive_amiss);
+  const bool known_broken = motor_trial_.silenced_joint() >= 0 || stopped_by_ == Cause::drive_amiss;
   const bool blamed = measured || known_broken || (amiss && seen.weak_joint >= 0);
   drive_amiss_ = blamed && in_air() && clear ? drive_amiss_ + 1 : 0;
   if (drive_amiss_ > (stopped ? blamed_ticks : 0)) finding.add(Action::brake, Cause::drive_amiss);

@@ -254,13 +254,15 @@ TEST_CASE("a drive that measures another torque than it was told is blamed, what
   scene.seen.tool_velocity_m_per_s = -0.06 * scene.normal();
   CHECK(scene.tick(5).action == Action::comply);
   CHECK(scene.tick().action == Action::brake);
-  Scene other;  // stopped for something else
-  other.force_n = 0.0;
-  other.proposal.phase = Phase::free;
-  other.tick(10);
-  other.comply();
-  other.seen.tool_velocity_m_per_s = -0.06 * other.normal();
-  CHECK(other.tick(20).action == Action::comply);
+  for (const Cause cause : {Cause::asked_to, Cause::no_proposal}) {
+    Scene other;
+    other.force_n = 0.0;
+    other.proposal.phase = Phase::free;
+    other.tick(10);
+    other.guard.stop(Action::comply, cause);
+    other.seen.tool_velocity_m_per_s = -0.06 * other.normal();
+    CHECK(other.tick(20).action == Action::comply);
+  }
 }
 
 TEST_CASE("a drive that turns the other way is told nothing once it is not believed") {
