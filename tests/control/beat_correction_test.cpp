@@ -54,6 +54,24 @@ TEST_CASE("taps begin light, at most double, and reach what is wanted of soft an
   }
 }
 
+TEST_CASE("after one beat that somebody left the tool for, the next is as it was") {
+  for (const double left_share : {0.0, 0.2, 0.5}) {
+    control::BeatCorrection beats;
+    beats.begin(14.0);
+    constexpr double kept_n = 3.0, dt_s = 1e-3;
+    double felt_n = kept_n, highest_n = 0.0;
+    for (double t = 0.0; t < 4.0; t += dt_s) {
+      const double swell = 0.5 * (1.0 - std::cos(2.0 * pi * 3.0 * t));
+      const double command_n = beats.command_n(kept_n + (14.0 - kept_n) * swell, felt_n);
+      const bool left = t > 5.0 / 3.0 && t < 6.0 / 3.0;
+      felt_n = kept_n + (left ? left_share : 1.0) * (command_n - kept_n);
+      highest_n = std::max(highest_n, felt_n);
+    }
+    CAPTURE(left_share);
+    CHECK(highest_n < 1.2 * 14.0);
+  }
+}
+
 TEST_CASE("a tap of ten newtons on tissue that is as believed is never more than that") {
   for (const double peak_n : felt_peaks_n(10.0, 1.0)) {
     CHECK(peak_n <= 10.0);

@@ -15,7 +15,7 @@ void BeatCorrection::begin(double strongest_n) noexcept {
   const double beat_n = std::max(strongest_n - options_.kept_n, min_beat_n);
   gain_ = std::clamp((options_.first_n - options_.kept_n) / beat_n, min_gain, options_.first_share);
   last_wanted_n_ = wanted_n_ = felt_n_ = 0.0;
-  rose_ = false;
+  rose_ = came_ = false;
 }
 
 void BeatCorrection::learn() noexcept {
@@ -24,7 +24,9 @@ void BeatCorrection::learn() noexcept {
   const double goal_n =
       std::min(options_.aim * wanted_n_, options_.max_rise * std::max(felt_n_, options_.kept_n));
   const double felt_n = std::max(felt_n_ - options_.kept_n, min_beat_n);
-  const double right = (goal_n - options_.kept_n) / felt_n;
+  double right = (goal_n - options_.kept_n) / felt_n;
+  if (came_) right = std::min(right, options_.max_growth);
+  came_ = came_ || felt_n >= options_.came_share * beat_n;
   gain_ *= 1.0 + options_.share * (right - 1.0);
   gain_ = std::clamp(gain_, min_gain, options_.max_gain);
 }

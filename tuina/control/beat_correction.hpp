@@ -17,6 +17,9 @@ class BeatCorrection {
     double share = 0.8;        ///< of the error of a beat, made up for in the next
     double max_rise = 2.0;     ///< of a beat's goal over what was felt of the beat before
     double max_gain = 2.0;     ///< of what is commanded against what is wanted
+    /// Of the correction, once a beat has come to that share of what it was to be: tissue that has
+    /// answered so does not give way all at once, but a person leaves the tool for a beat.
+    double max_growth = 1.2, came_share = 0.8;
   };
 
   BeatCorrection() = default;
@@ -34,7 +37,7 @@ class BeatCorrection {
   Options options_;
   double gain_ = 1.0, last_wanted_n_ = 0.0;
   double wanted_n_ = 0.0, felt_n_ = 0.0;  // largest of this beat
-  bool rose_ = false;
+  bool rose_ = false, came_ = false;
 };
 
 }  // namespace tuina::control
