@@ -5,6 +5,7 @@
 #include "tests/session/room.hpp"
 #include "tests/too_slow.hpp"
 #include "tuina/core/units.hpp"
+#include "tuina/session/performed_paths.hpp"
 
 using namespace tuina;
 using namespace tuina::session;
@@ -126,4 +127,18 @@ TEST_CASE("a massage may pause for longer than it takes; one that never ends let
     CHECK(session.error().message.find("was not done after") != std::string::npos);
     CHECK(watcher.contact_n == 0.0);
   }
+}
+
+TEST_CASE("a path that was repeated is done once, and another of its name is still to come") {
+  Session session;
+  for (const char* name : {"press SI11_L", "rub SI11_L", "press SI11_L"})
+    session.ready.plan.paths.push_back({.path = {.name = name}});
+  massage::Plan again = session.ready.plan;
+  for (int i = 0; i < 2; ++i) session.performed.push_back({.path = 0, .whole = true});
+  PerformedPaths performed;
+  performed.set_aside(session);
+  leave_out(again, performed.done());
+  REQUIRE(again.paths.size() == 2);
+  CHECK(again.paths[0].path.name == "rub SI11_L");
+  CHECK(again.paths[1].path.name == "press SI11_L");
 }

@@ -20,6 +20,7 @@ void keep(const MassageStep& massage, Session& session) {
 void PerformedPaths::set_aside(Session& session) {
   const auto& paths = session.ready.plan.paths;
   std::vector<int> place(paths.size(), -1);
+  std::vector<bool> counted(paths.size(), false);  // what was repeated is done once
   const auto keep = [&](int path) {
     int& at = place[static_cast<std::size_t>(path)];
     if (at < 0) {
@@ -30,8 +31,11 @@ void PerformedPaths::set_aside(Session& session) {
   };
   for (; performed_ < session.performed.size(); ++performed_) {
     Performed& performed = session.performed[performed_];
-    if (performed.whole || performed.skipped)
-      done_.push_back(paths[static_cast<std::size_t>(performed.path)].path.name);
+    const auto index = static_cast<std::size_t>(performed.path);
+    if ((performed.whole || performed.skipped) && !counted[index]) {
+      counted[index] = true;
+      done_.push_back(paths[index].path.name);
+    }
     performed.path = keep(performed.path);
   }
   for (; decided_ < session.decisions.size(); ++decided_)
