@@ -64,7 +64,7 @@ struct Probed {
       constexpr double torso_n_per_m = 20e3;
       const double depth_m =
           force_n > 0.0 ? tissue::depth_at_force(felt, force_n) + force_n / torso_n_per_m : -2e-3;
-      steering.feel(Arm::left, time_s, {.depth_m = depth_m, .force_n = force_n});
+      steering.feel(Arm::left, time_s, {.depth_m = depth_m, .force_n = force_n}, force_n);
       time_s += 1e-3;
     };
     for (int i = 0; i < 300; ++i) feel(0.0);

@@ -86,7 +86,7 @@ void MassageStep::press_on(Side& side, Arm arm, double time_s) noexcept {
   if (!side.frozen) steering_.stand_still(arm, (1.0 - side.playback.rate()) * control_period_s);
   const double planned_n = steering_.probing(arm) ? steering_.probe_force_n(arm, time_s)
                                                   : steering_.steered_n(arm, now.point.force_n);
-  const double max_n = std::min(options_.force_ceiling_n, planned.cap_n);
+  const double max_n = std::min({options_.force_ceiling_n, planned.cap_n, steering_.max_n(arm)});
   side.wanted.force_n = std::min(side.playback.force_n(planned_n), max_n);
   if (planned.path.technique == Technique::press)
     side.wanted.force_n = aimed_n(side.wanted.force_n);
@@ -152,7 +152,8 @@ void MassageStep::feel(Side& side, Arm arm, double time_s, const ArmState& state
   const double force_n = normal.dot(state.contact_in_base.force_n);
   const double depth_m = normal.dot(side.wanted.at_in_base - tip);
   steering_.feel(arm, time_s,
-                 {.depth_m = depth_m - force_n * gears_m_per_n(arm), .force_n = force_n});
+                 {.depth_m = depth_m - force_n * gears_m_per_n(arm), .force_n = force_n},
+                 side.commanded_n);
   const TissueEstimate& estimate = steering_.estimate(arm);
   // A new law of the tissue moves the virtual target and with it the tool, so it is taken over
   // between two presses only.

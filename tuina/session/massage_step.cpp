@@ -65,6 +65,7 @@ MassageStep::MassageStep(const massage::Plan& plan, PerArm<std::vector<motion::A
                        .known = options.known}),
       intensity_(std::clamp(options.intensity, min_intensity, max_intensity)) {
   for (Side& side : sides_.of) side.playback.scale(intensity_);
+  steering_.scale(intensity_);
   for (const Arm arm : both_arms) sides_[arm].jobs = std::move(jobs[arm]);
   paths_in_base_.reserve(plan_.paths.size());
   for (const massage::PlannedPath& planned : plan_.paths)
@@ -189,6 +190,7 @@ void MassageStep::obey(LiveCommand command) noexcept {
       intensity_ *= command == LiveCommand::firmer ? one_step : 1.0 / one_step;
       intensity_ = std::clamp(intensity_, min_intensity, max_intensity);
       for (Side& side : sides_.of) side.playback.scale(intensity_);
+      steering_.scale(intensity_);
       return;
   }
 }

@@ -80,7 +80,7 @@ void Steering::begin(Arm arm, int path, double time_s) noexcept {
   side.probes = 0;
   side.foretold = tissue::Foretold::loosely;
   side.cap_n = planned.cap_n;
-  side.reference_n = strongest_n_[index];
+  side.reference_n = intensity_ * strongest_n_[index];
   side.probe_s = side.touched_s = time_s;
   side.peak_n = 0.0;
   begin_sets(side);
@@ -122,11 +122,11 @@ void Steering::end(Arm arm) noexcept {
   }
 }
 
-void Steering::feel(Arm arm, double time_s, const Press& press) noexcept {
+void Steering::feel(Arm arm, double time_s, const Press& press, double commanded_n) noexcept {
   Side& side = sides_[arm];
   side.whole.update(time_s, press);
   if (!options_.on || !side.presses) return;
-  side.strongest_n = std::max(side.strongest_n, press.force_n);
+  side.strongest_n = std::max(side.strongest_n, std::min(press.force_n, commanded_n));
   side.elastic.update(time_s, press);
   side.last.update(time_s, press);
   side.set.update(time_s, press);

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <vector>
 
 #include "tuina/massage/plan.hpp"
+#include "tuina/massage/technique/contact_path.hpp"
 #include "tuina/session/earlier/known_tissue.hpp"
 #include "tuina/tissue/creep_estimator.hpp"
 #include "tuina/tissue/depth_rules.hpp"
@@ -72,8 +74,17 @@ class Steering {
   /// The contact is over; what it has felt is kept for the place.
   void end(Arm arm) noexcept;
   /// One sample of an approach or a contact: depth beneath the believed skin, negative above it,
-  /// and force onto the person.
-  void feel(Arm arm, double time_s, const Press& press) noexcept;
+  /// and force onto the person. `commanded_n` is what the arm was to press with: more than that is
+  /// a person who pushes, or a sensor that errs, and nothing that the place is known to bear.
+  void feel(Arm arm, double time_s, const Press& press, double commanded_n) noexcept;
+  /// Share of the planned forces that is wished for now; the wished ones are judged.
+  void scale(double intensity) noexcept {
+    intensity_ = intensity;
+    for (Side& side : sides_.of) {
+      if (side.path >= 0)
+        side.reference_n = intensity * strongest_n_[static_cast<std::size_t>(side.path)];
+    }
+  }
 
   /// While a new place is probed, `probe_force_n` is the force for it.
   [[nodiscard]] bool probing(Arm arm) const noexcept { return sides_[arm].probing; }
@@ -91,6 +102,11 @@ class Steering {
   [[nodiscard]] double probe_force_n(Arm arm, double time_s) noexcept;
   /// Force in place of a planned one.
   [[nodiscard]] double steered_n(Arm arm, double planned_n) const noexcept;
+  /// Limit of every force here, whatever is wished for: that of the probing press, or of the rules.
+  [[nodiscard]] double max_n(Arm arm) const noexcept {
+    const Side& side = sides_[arm];
+    return side.probing ? std::max(side.peak_n, massage::kept_force_n) : side.cap_n;
+  }
   /// The person tenses or has moved: the path should end.
   [[nodiscard]] bool alarmed(Arm arm) const noexcept { return sides_[arm].alarmed; }
   /// More presses here would not help: the path is done.
@@ -171,6 +187,7 @@ class Steering {
   PerArm<Side> sides_;
   std::vector<massage::PlannedPath> paths_;  // names and caps only
   std::vector<double> strongest_n_;
+  double intensity_ = 1.0;
   std::vector<int> place_of_path_;
   std::vector<Place> places_;
   std::vector<Decision> decisions_;
