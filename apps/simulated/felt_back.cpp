@@ -5,6 +5,7 @@
 
 #include "tuina/tissue/body_condition.hpp"
 #include "tuina/tissue/classification.hpp"
+#include "tuina/tissue/estimator.hpp"
 #include "tuina/tissue/stiffness_map.hpp"
 #include "tuina/tissue/tangent_model.hpp"
 
@@ -26,7 +27,6 @@ tissue::ClassProbabilities prior_of(massage::Zone zone) {
 }  // namespace
 
 void add_felt_back(const SessionResult& result, record::SessionFile& file) {
-  constexpr double max_nis = 4.0;  // beyond, the press does not follow the law
   // Stiffness as people read it, from the logarithm of N/m.
   const auto n_per_mm = [](double log_stiffness) { return 1e-3 * std::exp(log_stiffness); };
   std::vector<tissue::Visit> visits;
@@ -41,7 +41,8 @@ void add_felt_back(const SessionResult& result, record::SessionFile& file) {
                                   .log_stiffness = std::log(tissue::stiffness_at_force(
                                       done.felt->tissue, session::reference_force_n)),
                                   .sd = done.stiffness_sd};
-    const bool mapped = done.felt->presses >= 1 && done.nis <= max_nis;
+    const bool mapped = done.felt->presses >= 1 && done.nis <= tissue::max_nis &&
+                        done.contact_fault == control::ContactFault::none;
     const double stiffness_n_per_mm = n_per_mm(place.log_stiffness);
     file.tissue.push_back(
         {.name = name,

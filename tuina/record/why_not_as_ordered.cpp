@@ -47,8 +47,6 @@ Sentence why_not_as_ordered(const session::Session& session, const session::Perf
                             const PerformedEntry& told, double begun_intensity) {
   constexpr double max_off_share = PerformedEntry::max_off_share;
   if (std::abs(told.given_n - told.ordered_n) <= max_off_share * told.ordered_n) return {};
-  if (told.as_ordered())
-    return sentence("why_slides", "it slides: its mean was {:.1f} N", told.mean_n);
   if (begun_again(session, done)) {
     return done.contact_fault == control::ContactFault::none
                ? sentence("why_person_moved", "the person moved; begun again after another scan")
@@ -59,6 +57,8 @@ Sentence why_not_as_ordered(const session::Session& session, const session::Perf
     return sentence("why_cut_short", "cut short: {}", control::name_of(done.contact_fault));
   if (const session::Stop* stop = stopped_by(session, done))
     return sentence("why_stopped", "the session was stopped: {}", safety::name_of(stop->cause));
+  if (told.as_ordered())
+    return sentence("why_slides", "it slides: its mean was {:.1f} N", told.mean_n);
   const session::Decision* last = nullptr;
   for (const session::Decision& decision : session.decisions) {
     const bool during = decision.path == done.path && decision.time_s <= done.end_s;
