@@ -404,6 +404,41 @@ TEST_CASE(
   CHECK(nothing.error().message.find("the scan shows no skin") != std::string::npos);
 }
 
+TEST_CASE("a place in a hole of the scan is left out, and only that") {
+  const Person person;
+  const Vector3 at = person.points[2].at_in_couch;  // BL47_L
+  for (const double radius_m : {20_mm, 30_mm, 40_mm}) {
+    PointCloud holed;
+    for (const Vector3& point : person.back.points().points) {
+      if ((point - at).norm() < radius_m) continue;
+      holed.points.push_back(point);
+      holed.normals.push_back(person.back.nearest(point).normal_in_couch);
+    }
+    const body::BackSurface back(std::move(holed), BodyPosture::sitting, 4_mm);
+    const auto plan = massage::plan(
+        back, person.points, {},
+        programme_of("[[part]]\ntechnique = \"press\"\npoints = [\"BL47\", \"BL50\"]\n"));
+    REQUIRE_MESSAGE(plan.has_value(), test::reason(plan));
+    CAPTURE(radius_m);
+    CHECK(noted(*plan, "press BL47_L: left out, "));
+    CHECK(plan->paths.size() == 3);
+  }
+}
+
+TEST_CASE("an area in which the scan shows no skin is said to keep none free") {
+  const Person person;
+  const Vector3 at = person.points[2].at_in_couch;
+  for (const double off_m : {0.0, 1.0}) {
+    NoGo area{.name = "scar", .corners_in_couch = {}};
+    for (const auto& [dx, dz] : {std::pair{-0.03, -0.03}, {0.03, -0.03}, {0.0, 0.03}})
+      area.corners_in_couch.push_back(at + Vector3(dx + off_m, 0.0, dz));
+    const auto plan = massage::plan(person.back, person.points, {}, load_programme("relax").value(),
+                                    {.no_go = {area}});
+    REQUIRE_MESSAGE(plan.has_value(), test::reason(plan));
+    CHECK(noted(*plan, "scar keeps no skin free") == (off_m > 0.0));
+  }
+}
+
 TEST_CASE("what does not belong together is refused") {
   const Person person;
   const Programme relax = load_programme("relax").value();

@@ -209,4 +209,15 @@ TEST_CASE("a no-go file says what is ruled out, or every line that is wrong with
     CHECK(bad.error().message.find(what) != std::string::npos);
   }
   CHECK_FALSE(parse_no_go("", "no_go.toml").has_value());
+  const auto crossed = parse_no_go(
+      "[[no_go]]\nname = \"scar\"\n"
+      "corners_m = [[0.0, 0.1, 0.3], [0.1, 0.12, 0.4], [0.1, 0.1, 0.3], [0.0, 0.11, 0.4]]\n",
+      "no_go.toml");
+  REQUIRE_FALSE(crossed.has_value());
+  CHECK(crossed.error().message ==
+        "no_go.toml:3: sides of the outline cross; give its corners in their order");
+  CHECK(parse_no_go("[[no_go]]\nname = \"scar\"\ncorners_m = [[0.0, 0.1, 0.3], [0.1, 0.12, 0.3], "
+                    "[0.1, 0.1, 0.4], [0.05, 0.1, 0.32], [0.0, 0.11, 0.4]]\n",
+                    "no_go.toml")
+            .has_value());
 }

@@ -9,6 +9,34 @@
 namespace tuina::massage {
 namespace {
 
+/// True where two sides of an outline cross: what lies between them would count as outside. Seen
+/// along the axis of couch in which the outline is flattest, for skin is nearly flat there.
+bool crosses_itself(const std::vector<Vector3>& corners) {
+  Vector3 low = corners.front(), high = low;
+  for (const Vector3& corner : corners) {
+    low = low.cwiseMin(corner);
+    high = high.cwiseMax(corner);
+  }
+  Eigen::Index flat = 0;
+  (high - low).minCoeff(&flat);
+  const Eigen::Index x = (flat + 1) % 3, y = (flat + 2) % 3;
+  // Twice the area to the left of the line from a to b.
+  const auto left_of = [&](const Vector3& a, const Vector3& b, const Vector3& at) {
+    return (b[x] - a[x]) * (at[y] - a[y]) - (b[y] - a[y]) * (at[x] - a[x]);
+  };
+  const std::size_t n = corners.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    const Vector3 &a = corners[i], &b = corners[(i + 1) % n];
+    for (std::size_t k = i + 2; k < n; ++k) {
+      if ((k + 1) % n == i) continue;  // neighbours share a corner
+      const Vector3 &c = corners[k], &d = corners[(k + 1) % n];
+      if (left_of(a, b, c) * left_of(a, b, d) < 0.0 && left_of(c, d, a) * left_of(c, d, b) < 0.0)
+        return true;
+    }
+  }
+  return false;
+}
+
 NoGo entry_of(const TomlTable& table) {
   constexpr double max_m = 3.0;  // a couch is smaller; millimetres are not
   table.only({"name", "corners_m"}, {}, "no_go");
@@ -31,6 +59,8 @@ NoGo entry_of(const TomlTable& table) {
       table.reject(value, "a corner is not three numbers in metres, within 3 m");
     }
   }
+  if (entry.corners_in_couch.size() == corners->size() && crosses_itself(entry.corners_in_couch))
+    table.reject("corners_m", "sides of the outline cross; give its corners in their order");
   return entry;
 }
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "tuina/core/units.hpp"
+#include "tuina/massage/seen_skin.hpp"
 #include "tuina/massage/technique/contact_path.hpp"
 #include "tuina/massage/technique/press.hpp"
 #include "tuina/massage/technique/rub.hpp"
@@ -19,7 +20,6 @@ namespace {
 
 constexpr double min_stroke_m = 60_mm;
 constexpr double max_uncertainty_m = 50_mm;  // a tool sent farther off may come down anywhere
-constexpr double off_skin_m = 20_mm;         // an acupoint farther from the scan is not on it
 
 }  // namespace
 
@@ -74,6 +74,10 @@ Result<std::optional<WaitingPath>> PathLayer::lay(const Part& part, const Target
   if (!waiting) {
     return tl::unexpected(Error{waiting.error().fault, name_ + ": " + waiting.error().message});
   }
+  if (*waiting && !is_shown(back_, (*waiting)->path)) {
+    note("note_beyond_scan", "left out, the scan shows no skin along all of it");
+    return std::optional<WaitingPath>{};
+  }
   if (*waiting) {
     for (const Acupoint& point : target.points) (*waiting)->path.acupoints.push_back(point.name);
     (*waiting)->together = part.together;
@@ -83,7 +87,7 @@ Result<std::optional<WaitingPath>> PathLayer::lay(const Part& part, const Target
 
 /// Pressing and tapping: one place, one zone.
 PathLayer::MaybePath PathLayer::lay_standing(const Part& part, const Target& target) {
-  const auto place = on_skin(target.points.front());
+  const auto place = on_skin(back_, target.points.front());
   if (!place) return tl::unexpected(place.error());
   const Zone zone = zones_.at(place->at_in_couch);
   const bool perhaps_spine = zones_.perhaps_spine(place->at_in_couch);
@@ -192,7 +196,7 @@ int PathLayer::repeats_of(const Part& part, double one_s, Zone zone) {
 
 Result<SurfaceCurve> PathLayer::circle(const Part& part, const Target& target,
                                        const Bend& bend) const {
-  const auto centre = on_skin(target.points.front());
+  const auto centre = on_skin(back_, target.points.front());
   if (!centre) return tl::unexpected(centre.error());
   // Both hands begin outside and go round as mirror images of each other.
   const bool left = target.side >= 0.0;
@@ -220,31 +224,6 @@ Result<SurfaceCurve> PathLayer::line(const Part& part, const Target& target,
     }
   }
   return line_through(back_, places, bend);
-}
-
-Result<body::SurfacePoint> PathLayer::on_skin(const Acupoint& point) const {
-  body::SurfacePoint place = back_.nearest(point.at_in_couch);
-  const double off_m = (place.at_in_couch - point.at_in_couch).norm();
-  if (!(off_m <= off_skin_m)) {
-    return fail(Fault::bad_input,
-                "{} lies {:.0f} mm off the scanned skin, {:.0f} allowed; do scan and acupoints "
-                "belong together?",
-                point.name, to_mm(off_m), to_mm(off_skin_m));
-  }
-  // A person lies with the skin, not with the noise of the scan: the normal is that of the disc
-  // which the tool presses on.
-  constexpr double disc_m = 12_mm;
-  Vector3 sum = place.normal_in_couch;
-  const Vector3 first = place.normal_in_couch.unitOrthogonal();
-  const Vector3 second = place.normal_in_couch.cross(first);
-  for (int i = 0; i < 8; ++i) {
-    const double theta = 2.0 * pi * i / 8;
-    const Vector3 beside =
-        place.at_in_couch + disc_m * (std::cos(theta) * first + std::sin(theta) * second);
-    sum += back_.nearest(beside).normal_in_couch;
-  }
-  place.normal_in_couch = sum.normalized();
-  return place;
 }
 
 std::optional<Arm> PathLayer::arm_of(const Vector3& in_couch) const {

@@ -48,7 +48,6 @@ class PathLayer {
                                             const Bend& bend) const;
   [[nodiscard]] Result<SurfaceCurve> line(const Part& part, const Target& target,
                                           const Bend& bend) const;
-  [[nodiscard]] Result<body::SurfacePoint> on_skin(const Acupoint& point) const;
   [[nodiscard]] std::optional<Arm> arm_of(const Vector3& in_couch) const;
   [[nodiscard]] double cap_of(Technique technique, Zone zone, bool perhaps_spine) const;
   [[nodiscard]] WaitingPath waiting(const Part& part, Zone zone, bool perhaps_spine);

@@ -11,6 +11,7 @@
 #include "tuina/core/io/text_lines.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/massage/path_layer.hpp"
+#include "tuina/massage/seen_skin.hpp"
 
 namespace tuina::massage {
 namespace {
@@ -29,6 +30,19 @@ Result<void> check_finite(std::span<const Acupoint> acupoints,
       return fail(Fault::bad_input, "the landmark {} has no finite place", landmark.name);
     }
   }
+  return {};
+}
+
+/// One point may lie where the scan shows no skin; where most of them do, they are of another scan.
+Result<void> check_same_scan(std::span<const Acupoint> acupoints, const body::BackSurface& back) {
+  std::size_t off = 0;
+  std::string first;
+  for (const Acupoint& point : acupoints) {
+    const auto place = on_skin(back, point);
+    if (place) continue;
+    if (off++ == 0) first = place.error().message;
+  }
+  if (2 * off > acupoints.size()) return fail(Fault::bad_input, "{}", first);
   return {};
 }
 
@@ -63,6 +77,21 @@ Sentence doubtful_places(std::span<const Acupoint> acupoints, std::span<const Pl
                   to_mm(contact_radius_m), fmt::format("{}", fmt::join(doubtful, ", ")));
 }
 
+/// An area that is to be kept free and in which the scan shows no skin, in one sentence: another
+/// frame, another scan, or what lies out of view.
+Sentence nowhere(const NoGo& entry, const body::BackSurface& back, const BackChart& chart,
+                 std::span<const Acupoint> acupoints, std::span<const Landmark> landmarks) {
+  const ZoneMap alone(chart, acupoints, landmarks, {&entry, 1});
+  const bool somewhere = std::ranges::any_of(
+      back.points().points, [&](const Vector3& at) { return alone.at(at) == Zone::no_go; });
+  if (somewhere) return {};
+  return sentence(
+      "note_no_go_nowhere",
+      "{} keeps no skin free that the scan shows: are its corners those of this scan, in "
+      "metres, in couch?",
+      entry.name);
+}
+
 bool other_side_of(const ContactPath& one, const ContactPath& other) {
   return std::equal(one.name.begin(), one.name.end(), other.name.begin(), other.name.end(),
                     [](char a, char b) { return a == b || (a == 'L' && b == 'R'); });
@@ -95,6 +124,7 @@ Result<Plan> plan(const body::BackSurface& back, std::span<const Acupoint> acupo
   if (auto finite = check_finite(acupoints, landmarks); !finite) {
     return tl::unexpected(finite.error());
   }
+  if (auto same = check_same_scan(acupoints, back); !same) return tl::unexpected(same.error());
   const auto chart = BackChart::from(acupoints, landmarks);
   if (!chart) return tl::unexpected(chart.error());
   const ZoneMap zones(*chart, acupoints, landmarks, options.no_go);
@@ -136,6 +166,10 @@ Result<Plan> plan(const body::BackSurface& back, std::span<const Acupoint> acupo
   result.min_tool_distance_m = min_tool_distance_m(result.paths);
   for (const Zone zone : layer.touched()) result.zones_touched.emplace_back(name_of(zone));
   result.notes = layer.notes();
+  for (const NoGo& entry : options.no_go) {
+    if (Sentence lost = nowhere(entry, back, *chart, acupoints, landmarks); !lost.empty())
+      result.notes.push_back(std::move(lost));
+  }
   if (Sentence doubt = doubtful_places(acupoints, result.paths); !doubt.empty())
     result.notes.push_back(std::move(doubt));
   return result;
