@@ -99,6 +99,9 @@ ZoneMap::ZoneMap(const BackChart& chart, std::span<const Acupoint> acupoints,
   midline_sd_m_ = std::hypot(midline_uncertainty_m_ / 1.96, robot_sd_m);
   shoulder_uncertainty_m_ = uncertainty_m(acupoints, "SI11");
   loin_uncertainty_m_ = uncertainty_m(acupoints, "BL50");
+  // A palpated BL50 tells of T12, and little of what lies below.
+  lumbar_uncertainty_m_ = std::max(loin_uncertainty_m_, uncertainty_m(acupoints, "GV3"));
+  sacral_uncertainty_m_ = uncertainty_m(acupoints, "GV2");
   draw_edges(landmarks);
   draw_outline(landmarks, uncertainty_m(acupoints, "BL47"));
 }
@@ -168,7 +171,8 @@ Zone ZoneMap::at(const Place& place) const {
   if (up_m > c7_m + 30_mm || (up_m > neck_from_m && beside_m < neck_half_width_m)) {
     return Zone::neck;
   }
-  if (beside_m > half_width_m(up_m) || up_m < chart_.up_of(Level::S2)) return Zone::outside;
+  if (beside_m > half_width_m(up_m) || up_m < chart_.up_of(Level::S2) + sacral_uncertainty_m_)
+    return Zone::outside;
 
   if (std::hypot(place.left_m - gv4_.left_m, up_m - gv4_.up_m) < gv4_radius_m) return Zone::gv4;
   const double spine_m = spine_half_width_m + midline_uncertainty_m_;
@@ -192,7 +196,7 @@ Zone ZoneMap::at(const Place& place) const {
       beside_m > ribs_m - loin_uncertainty_m_) {
     return Zone::ribs;
   }
-  if (up_m < t12_m + loin_uncertainty_m_ && up_m > l3_m - loin_uncertainty_m_ &&
+  if (up_m < t12_m + loin_uncertainty_m_ && up_m > l3_m - lumbar_uncertainty_m_ &&
       beside_m > kidney_inner_m - loin_uncertainty_m_ && beside_m < ribs_m + loin_uncertainty_m_) {
     return Zone::kidney;
   }
@@ -229,7 +233,7 @@ bool ZoneMap::perhaps_spine(const Vector3& in_couch) const {
 
 Vector3 ZoneMap::around_denied(const Vector3& in_couch, double side_m) const {
   const Place place = chart_.place_of(in_couch);
-  const double low_m = chart_.up_of(Level::S2) + slack_m;
+  const double low_m = chart_.up_of(Level::S2) + sacral_uncertainty_m_ + slack_m;
   const double high_m = chart_.up_of(Level::C7) - 10_mm - shoulder_uncertainty_m_ - slack_m;
   const double up_m = std::clamp(place.up_m, low_m, high_m);
   const double inner_m = spine_half_width_m + midline_uncertainty_m_ + slack_m;

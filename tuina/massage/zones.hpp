@@ -117,6 +117,8 @@ class ZoneMap {
   double midline_sd_m_ = 0.0;  ///< Deviation of tool from midline, the robot's own error included.
   double shoulder_uncertainty_m_ = 0.0;
   double loin_uncertainty_m_ = 0.0;
+  double lumbar_uncertainty_m_ = 0.0;
+  double sacral_uncertainty_m_ = 0.0;
   std::array<std::vector<Place>, 2> scapula_border_, scapula_spine_, iliac_crest_;  // left, right
   std::vector<std::vector<Place>> no_go_;  // corners of each
   std::vector<Place> outline_;             // half width of sure back over height, from low to high
