@@ -69,6 +69,8 @@ Result<safety::ZoneField> zone_field(const body::BackSurface& back,
     low = low.min(flat(point));
     high = high.max(flat(point));
   }
+  low -= mended_cells * cell_m;  // there is skin beyond the rim, too
+  high += mended_cells * cell_m;
   const Eigen::Array2i size = ((high - low) / cell_m).floor().cast<int>() + 1;
   const int columns = size.x(), rows = size.y();
   std::vector<CellSum> sums(grid_cells(rows, columns));
