@@ -53,6 +53,7 @@ void MassageStep::begin_approach(Side& side, Arm arm, double time_s) noexcept {
 void MassageStep::begin_contact(Side& side, Arm arm, double time_s) noexcept {
   side.contact_s = time_s;
   side.registered = false;
+  side.probed_s = 0.0;
   side.phase = ArmPhase::contact;
   steering_.touch(arm, time_s);
   // After probing the tool already is on the skin, with the light touch that a path begins with.
@@ -64,9 +65,16 @@ void MassageStep::begin_contact(Side& side, Arm arm, double time_s) noexcept {
 void MassageStep::press_on(Side& side, Arm arm, double time_s) noexcept {
   const massage::PlannedPath& planned = *path_of(side);
   const control::ArmStatus& status = side.controller().status();
-  if (steering_.probing(arm) && !side.playback.fading()) side.playback.begin(massage::landing_s);
+  if (steering_.probing(arm) && !side.playback.fading()) {
+    side.playback.begin(massage::landing_s);
+    side.probed_s += std::max(side.playback.rate(), 0.0) * control_period_s;
+  }
   const bool leaves = side.skip || steering_.alarmed(arm);
-  if ((leaves || steering_.worked_enough(arm)) && !side.playback.fading()) {
+  // What a place bears it bears with its probing presses, and no tool leaves in no time.
+  constexpr double fades_s = 0.5;
+  const double max_s = massage::rule_of(planned.zone).max_duration_s - fades_s;
+  const bool over = side.probed_s > 0.0 && side.probed_s + side.playback.path_s() > max_s;
+  if ((leaves || over || steering_.worked_enough(arm)) && !side.playback.fading()) {
     side.playback.fade();
     side.cut_short = leaves;
   }

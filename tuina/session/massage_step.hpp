@@ -152,6 +152,7 @@ class MassageStep {
     double amiss_s = -1.0;  ///< time since which it has stood off its planned start; -1: it has not
     ArmPhase phase = ArmPhase::waiting;
     double contact_s = 0.0;
+    double probed_s = 0.0;    ///< of this contact, pauses aside
     bool registered = false;  ///< where the tool found the skin is taken into account
     Playback playback = {};
     control::BeatCorrection beats = {};
