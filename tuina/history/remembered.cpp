@@ -29,9 +29,8 @@ session::KnownTissue seen_in(const Visit& visit) {
 
 }  // namespace
 
-const Visit* last_said(std::span<const Visit> visits, std::optional<BodyPosture> position) {
-  return newest(visits,
-                [&](const Visit& visit) { return lay(visit, position) && !visit.said.empty(); });
+const Visit* last_said(std::span<const Visit> visits) {
+  return newest(visits, [](const Visit& visit) { return !visit.said.empty(); });
 }
 
 const Visit* last_wish(std::span<const Visit> visits) {

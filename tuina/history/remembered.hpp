@@ -11,10 +11,9 @@
 /// What earlier sessions of a person, in the order of time, say for the next one.
 namespace tuina::history {
 
-/// The newest session in a position in which something was said by hand; null where there is none.
-/// Without a position that of any.
-[[nodiscard]] const Visit* last_said(std::span<const Visit> visits,
-                                     std::optional<BodyPosture> position);
+/// The newest session in which something was said by hand, in whatever position: what must not be
+/// touched must not be touched in another one either. Null where there is none.
+[[nodiscard]] const Visit* last_said(std::span<const Visit> visits);
 
 /// The newest session that has ended and tells its intensity; null where there is none.
 [[nodiscard]] const Visit* last_wish(std::span<const Visit> visits);

@@ -38,7 +38,7 @@ Result<Remembered> remember(history::History& history, const std::string& who,
         (remembered.lines.empty() ? "remembered: " : "\nremembered: ") + words.words;
     remembered.items.push_back({kind, std::move(words)});
   };
-  const auto* last = wanted.by_hand ? history::last_said(*visits, order.position) : nullptr;
+  const auto* last = wanted.by_hand ? history::last_said(*visits) : nullptr;
   if (last != nullptr) {
     auto said = record::parse_said(last->said, "session " + last->id + " of the history");
     if (!said) return tl::unexpected(said.error());
