@@ -2,8 +2,21 @@
 #include "apps/simulated/teaching_stage.hpp"
 
 #include "apps/simulated/session_order.hpp"
+#include "tuina/session/guarded_field.hpp"
 
 namespace tuina::app {
+namespace {
+
+/// What a scan shows of the person: the guard knows the places by it, whatever a file says of them.
+Result<safety::ZoneField> field_of(const sim::Person& who, const Transform& base_from_couch) {
+  PointCloud skin_in_couch;
+  skin_in_couch.points = who.skin_in_couch.vertices;
+  const auto back = body::fit_back(skin_in_couch, {.position = who.position});
+  if (!back) return tl::unexpected(back.error());
+  return session::zone_field(*back, who.acupoints, who.landmarks, {}, base_from_couch);
+}
+
+}  // namespace
 
 TeachingStage::TeachingStage(std::unique_ptr<sim::World> made)
     : world(std::move(made)),
@@ -27,8 +40,11 @@ Result<std::unique_ptr<TeachingStage>> TeachingStage::make(
   }
   if (auto stands = stage->robot().stand_ready(start); !stands)
     return tl::unexpected(stands.error());
-  if (auto armed = stage->guard().arm({.arm = placement.arm, .mount = placement.mount}); !armed)
-    return tl::unexpected(armed.error());
+  auto field = field_of(who, placement.mount.base_from_couch);
+  if (!field) return tl::unexpected(field.error());
+  const auto armed = stage->guard().arm(
+      {.arm = placement.arm, .mount = placement.mount, .options = {.field = std::move(*field)}});
+  if (!armed) return tl::unexpected(armed.error());
   return stage;
 }
 
