@@ -103,6 +103,26 @@ TEST_CASE("the spine is ruled out further from the midline the less certain the 
   CHECK(Man(8_mm).zones.perhaps_spine(Vector3(0.0, 0.1, 0.28)));
 }
 
+TEST_CASE("the borders of sacrum and kidney are as unsure as the points beside them") {
+  // How far up the back stays outside beside the sacrum, and how far down the kidney reaches.
+  const auto borders_m = [](double sacral_m, double lumbar_m) {
+    Man man;
+    man.points.push_back({"GV2", {0.0, 0.1, 0.1}, Vector3::UnitY(), sacral_m});
+    man.points.push_back({"GV3", {0.0, 0.1, 0.25}, Vector3::UnitY(), lumbar_m});
+    const ZoneMap zones(man.chart, man.points, man.landmarks);
+    double outside_m = 0.0, kidney_m = 0.4;
+    while (zones.at(Vector3(0.06, 0.1, outside_m)) == Zone::outside) outside_m += 0.5_mm;
+    while (kidney_m > 0.0 && zones.at(Vector3(0.06, 0.1, kidney_m)) != Zone::kidney)
+      kidney_m -= 0.5_mm;
+    while (zones.at(Vector3(0.06, 0.1, kidney_m)) == Zone::kidney) kidney_m -= 0.5_mm;
+    return std::pair(outside_m, kidney_m);
+  };
+  const auto [sacrum_m, kidney_m] = borders_m(0.0, 0.0);
+  CHECK(borders_m(20_mm, 0.0).first > sacrum_m + 10_mm);
+  CHECK(borders_m(20_mm, 0.0).second == kidney_m);
+  CHECK(borders_m(0.0, 20_mm).second < kidney_m - 5_mm);
+}
+
 TEST_CASE("zones belong to the person: they turn, lean and lie down with the back") {
   const Man upright;
   for (const double turn : {0.2, -0.2}) {
