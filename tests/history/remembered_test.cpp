@@ -58,3 +58,14 @@ TEST_CASE("the newest session in a position that ended says where the acupoints 
   CHECK(any->places.empty());
   CHECK_FALSE(last_lay({}, std::nullopt));
 }
+
+TEST_CASE("the newest session that ended and in which something was said counts in any position") {
+  std::vector<Visit> visits = {
+      visit_at("a", "2026-01-01T09:00:00Z", 2.0), visit_at("b", "2026-01-02T09:00:00Z", 2.0),
+      visit_at("c", "2026-01-03T09:00:00Z", 2.0), visit_at("d", "2026-01-04T09:00:00Z", 2.0)};
+  CHECK(last_said(visits) == nullptr);
+  visits[0].said = visits[1].said = visits[3].said = "{}";
+  visits[1].position = "sitting";  // what must not be touched sitting must not be touched lying
+  visits[3].ended = false;
+  CHECK(last_said(visits) == &visits[1]);
+}

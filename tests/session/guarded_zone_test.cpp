@@ -3,6 +3,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <string>
 
@@ -72,4 +73,18 @@ TEST_CASE(
     }
   }
   CHECK(strokes > 40);
+}
+
+TEST_CASE("the guard's map reaches past the rim of the scan, and not far") {
+  const body::BackSurface back = test::wall();
+  const auto field = session::zone_field(back, test::seven_points(back, 0.0),
+                                         test::landmarks_of_a_man(), {}, Transform::Identity());
+  REQUIRE(field.has_value());
+  const auto rim = std::ranges::max_element(
+      back.points().points, {}, [&](const Vector3& at) { return at.dot(field->along_in_base); });
+  const auto beyond = [&](double m) { return field->at(*rim + m * field->along_in_base); };
+  REQUIRE(beyond(0.0) != nullptr);
+  REQUIRE(beyond(15e-3) != nullptr);
+  CHECK(beyond(15e-3)->zone == beyond(0.0)->zone);
+  CHECK(beyond(30e-3) == nullptr);
 }

@@ -13,6 +13,7 @@
 #include "tests/fake_scanner.hpp"
 #include "tests/session/room.hpp"
 #include "tuina/core/units.hpp"
+#include "tuina/massage/zones.hpp"
 #include "tuina/session/relay.hpp"
 #include "tuina/sim/world.hpp"
 
@@ -168,6 +169,23 @@ TEST_CASE("a session whose clock nobody lives by may wait for its observer: noth
   }
   CHECK(slow.ticks == 20000);
   CHECK(slow.scan_after == 20000);
+}
+
+TEST_CASE(
+    "the ten seconds that GV4 bears are those of the whole contact, with its probing presses") {
+  Room room;
+  room.order.programme =
+      massage::parse_programme(
+          "name = \"gv4\"\ndescription = \"x\"\n[[part]]\ntechnique = \"press\"\n"
+          "points = [\"GV4\"]\nrepeats = 9\nrise_s = 1\nhold_s = 1\n",
+          "gv4")
+          .value();
+  const auto session = room.run_before(room.nobody);
+  REQUIRE(session.has_value());
+  REQUIRE(session->performed.size() == 1);
+  const double contact_s = session->performed[0].end_s - session->performed[0].begin_s;
+  CHECK(contact_s > 8.0);
+  CHECK(contact_s <= massage::rule_of(massage::Zone::gv4).max_duration_s);
 }
 
 TEST_CASE("every millisecond reaches an observer that keeps up, in order") {
