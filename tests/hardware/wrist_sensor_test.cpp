@@ -224,6 +224,29 @@ TEST_CASE("a long rest is no gap: what queued up is forgotten" *
   }
 }
 
+TEST_CASE("the first sample after a long rest is one of now, however much the line has kept" *
+          doctest::skip(!tests::PseudoTerminal::exist())) {
+  constexpr int wraps = 16'000;
+  ScriptedWrist wrist({.sample = [](ScriptedWrist::Sample& said) {
+    said.counts[0] = static_cast<int>(said.counter % wraps);
+  }});
+  WristDevice device = wrist.device();
+  device.zero_at_start = false;
+  device.counts_per_n.setConstant(1.0);
+  auto sensor = WristSensor::open(device);
+  REQUIRE_MESSAGE(sensor.has_value(), reason(sensor));
+  std::this_thread::sleep_for(1500ms);
+  REQUIRE(sensor->begin_anew());
+  const int said = static_cast<int>(std::lround(sensor->stream().in_tool().force_n.x()));
+  CHECK((wrist.sent() - said + wraps) % wraps < 50);  // of 1500 that nobody heard
+  const auto until = Clock::now() + 20ms;
+  while (Clock::now() < until) {
+    sensor->wait(until);
+    (void)sensor->hear();
+  }
+  CHECK(sensor->stream().fault() == nullptr);
+}
+
 TEST_CASE("a zero that nobody knows, or a tool of another weight, is refused before the start" *
           doctest::skip(!tests::PseudoTerminal::exist())) {
   ScriptedWrist wrist({.counts = {500, 0, 0, 0, 0, 0}});  // 10 N

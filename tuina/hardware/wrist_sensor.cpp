@@ -18,7 +18,8 @@ constexpr int line_bits_per_s = 1'000'000;
 constexpr int max_asked = 10;
 constexpr auto ask_patience = 100ms;
 constexpr auto watched = 500ms;
-constexpr auto begin_patience = 5ms;
+constexpr auto begin_patience = 5ms, catch_up_patience = 100ms;
+constexpr auto kept_comes_within = 500us;
 constexpr auto zero_takes = 250ms;
 constexpr int max_at_once = 256;  // whatever comes, a millisecond ends
 constexpr int max_queued = 4096;  // samples in a full socket, of which those lost come after
@@ -212,9 +213,24 @@ void WristSensor::wait(steady_clock::time_point deadline) const noexcept {
   wait_for_datagram({&number, 1}, deadline);
 }
 
+/// Reads a serial line until its newest bytes. What kernel and device have kept comes at once, one
+/// after the other makes room for the next; what the sensor says now has to be waited for.
+void WristSensor::catch_up() noexcept {
+  std::array<std::uint8_t, 512> old;
+  const auto until = steady_clock::now() + catch_up_patience;
+  for (int waited = 0; waited < 2;) {
+    const auto began = steady_clock::now();
+    if (began >= until) return;
+    wait(began + begin_patience);
+    const auto size = port_->take(old);
+    if (!size || *size == 0) return;
+    waited = steady_clock::now() - began < kept_comes_within ? 0 : waited + 1;
+  }
+}
+
 bool WristSensor::begin_anew(std::optional<double> now_s) noexcept {
   // What lies in the queue is old, and what did not fit into it is lost.
-  if (port_) port_->forget();
+  if (port_) catch_up();
   reader_.clear();
   for (int i = 0; socket_ && i < max_queued && next(); ++i) continue;
   stream_->begin_anew();

@@ -29,8 +29,8 @@ class WristSensor {
   bool hear(std::optional<double> now_s = {}) noexcept;
   /// Waits until something comes, or until the deadline.
   void wait(std::chrono::steady_clock::time_point deadline) const noexcept;
-  /// Forgets what came while nobody listened, and waits 5 ms at most for a new sample; 100 ms where
-  /// `now_s` stands still meanwhile. True where one has come.
+  /// Forgets what came while nobody listened, which takes 100 ms at most, and waits 5 ms at most
+  /// for a new sample; 100 ms where `now_s` stands still meanwhile. True where one has come.
   bool begin_anew(std::optional<double> now_s = {}) noexcept;
   /// Takes the mean of a quarter of a second, with nothing at the tool, for `weight_in_tool`. Fails
   /// with Fault::device when the sensor is at fault or does not rest, or when a calibrated one
@@ -52,6 +52,7 @@ class WristSensor {
   [[nodiscard]] Result<void> ask();
   [[nodiscard]] Result<void> watch();
   void stop() noexcept;
+  void catch_up() noexcept;
   [[nodiscard]] std::optional<WristSample> next() noexcept;
 
   std::unique_ptr<WristStream> stream_;
