@@ -139,6 +139,34 @@ TEST_CASE("arms that rest go on where they were") {
   CHECK(drive(**robot, 50).readings == 50);
 }
 
+TEST_CASE("arms that rest stay their host's, and their clocks may drift apart meanwhile") {
+  std::atomic<double> ahead_s = 0.0;
+  const auto drifted = [&](ScriptedArms::State& state, std::vector<std::byte>& bytes) {
+    state.time_s += ahead_s;
+    state.wrench_time_s += ahead_s;
+    say(state, bytes);
+  };
+  ScriptedArms arms({.state = drifted});
+  auto robot = ArmlinkRobot::open(arms.file(), table, mount);
+  REQUIRE_MESSAGE(robot.has_value(), reason(robot));
+  REQUIRE((*robot)->stand_ready(ready()).has_value());
+  CHECK(drive(**robot, 50).readings == 50);
+  (*robot)->rest();
+  const auto before = arms.commands();
+  for (int i = 1; i <= 6; ++i) {
+    ahead_s = 1e-3 * i;
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+  CHECK(arms.commands() > before + 5);
+  const auto reading = (*robot)->read();
+  REQUIRE(reading.has_value());
+  for (const Arm arm : both_arms)
+    CHECK(reading->time_s - reading->arms[arm].wrench_time_s < 1.5e-3);
+  (*robot)->apply(still());
+  CHECK(drive(**robot, 50).readings == 50);
+  CHECK((*robot)->fault() == nullptr);
+}
+
 TEST_CASE("where nobody listens, or somebody else does, it is said within two seconds") {
   PerArm<ArmDevice> nobody;
   {

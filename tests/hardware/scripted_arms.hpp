@@ -37,6 +37,8 @@ class ScriptedArms {
   [[nodiscard]] const PerArm<hardware::ArmDevice>& file() const { return file_; }
   /// The command that arm obeyed last, and the highest torque that was ever asked for.
   [[nodiscard]] std::uint64_t obeyed() const { return obeyed_; }
+  /// How many commands have come to both.
+  [[nodiscard]] std::uint64_t commands() const { return commands_; }
 
  private:
   struct End {
@@ -90,6 +92,7 @@ class ScriptedArms {
   void obey(End& end, const hardware::armlink::Command& command) {
     using hardware::armlink::Mode;
     const bool next = command.mode == Mode::torque && command.answers == end.state.sequence;
+    ++commands_;
     end.last = command;
     end.state.session = command.session;
     end.state.answers = command.sequence;
@@ -134,6 +137,7 @@ class ScriptedArms {
   std::array<End, 2> ends_of_ = {End{socket_at(file_[Arm::left])},
                                  End{socket_at(file_[Arm::right])}};
   std::atomic<bool> ends_ = false;
+  std::atomic<std::uint64_t> commands_ = 0;
   std::atomic<std::uint64_t> obeyed_ = 0;
   std::thread thread_;
 };

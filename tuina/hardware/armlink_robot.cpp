@@ -9,14 +9,10 @@ namespace {
 using armlink::Mode;
 using namespace std::chrono_literals;
 
-constexpr auto cycle = 1ms;
-constexpr auto cycle_patience = 2ms;        // for the first of the two arms
 constexpr auto late_arm_patience = 1500us;  // from one reading to the next with one arm only
 constexpr auto again_every = 500us;         // so that one lost or late datagram is no missed cycle
 constexpr auto lock_step_patience = 6s;
 constexpr auto stand_patience = 60s, join_patience = 2s;
-constexpr auto repeat_ready_every = 10ms;
-constexpr auto rest_patience = 200ms;
 constexpr int max_silent_reads = 5;     // of both arms; one alone is the guard's to judge ...
 constexpr int max_silent_cycles = 100;  // ... for so long
 
@@ -49,6 +45,7 @@ Result<std::unique_ptr<ArmlinkRobot>> ArmlinkRobot::open(const PerArm<ArmDevice>
 }
 
 ArmlinkRobot::~ArmlinkRobot() {
+  end_rest();
   constexpr int times = 3;  // one of them arrives, or the arm stops by itself
   for (int i = 0; standing_ && i < times; ++i) {
     for (ArmPeer& peer : peers_.of)
@@ -75,6 +72,7 @@ Result<void> ArmlinkRobot::stand_ready(const robot::ReadyPose& pose) {
 
 Result<void> ArmlinkRobot::move_to(const robot::ReadyPose& pose) {
   if (!standing_ || !resting_) return fail(Fault::usage, "arms under torque are no place's");
+  end_rest();
   const auto begun = Clock::now();
   // That they stand somewhere else says nothing.
   const auto obeyed = [&] { return peers_[Arm::left].obeyed() && peers_[Arm::right].obeyed(); };
@@ -99,11 +97,11 @@ Result<void> ArmlinkRobot::move_to(const robot::ReadyPose& pose) {
 
 void ArmlinkRobot::break_off(Arm arm, const char* why) noexcept {
   if (faulty_) return;
-  faulty_ = true;
   std::size_t size = 0;
   for (const std::string_view part : {"the ", name_of(arm), " arm ", why})
     size += part.copy(&fault_[size], fault_.size() - 1 - size);
   fault_[size] = '\0';
+  faulty_ = true;
 }
 
 bool ArmlinkRobot::lock_step() const noexcept {
@@ -149,6 +147,7 @@ void ArmlinkRobot::say_again() noexcept {
 }
 
 std::optional<robot::RobotReading> ArmlinkRobot::read() noexcept {
+  end_rest();
   if (faulty_ || !standing_) return std::nullopt;
   if (resting_) forget_queued();
   const auto begun = Clock::now();
@@ -156,7 +155,7 @@ std::optional<robot::RobotReading> ArmlinkRobot::read() noexcept {
   const auto first_by =
       begun + (lock_step() && !any_silent ? Clock::duration(lock_step_patience) : cycle_patience);
   const auto second_by =
-      lock_step() && !any_silent
+      (lock_step() && !any_silent) || resting_
           ? first_by
           : std::max<Clock::time_point>(last_reading_ + late_arm_patience, begun + cycle / 2);
   PerArm<bool> fresh = {};
@@ -190,7 +189,8 @@ std::optional<robot::RobotReading> ArmlinkRobot::read() noexcept {
 std::optional<robot::RobotReading> ArmlinkRobot::reading_of(const PerArm<bool>& fresh) noexcept {
   const Arm leader = fresh[Arm::left] ? Arm::left : Arm::right;
   if (!fresh[leader]) return std::nullopt;
-  if (!zero_ && !(fresh[Arm::left] && fresh[Arm::right])) return std::nullopt;
+  // What an arm said before a rest is old, and so is what is known of the other arm's clock.
+  if ((!zero_ || resting_) && !(fresh[Arm::left] && fresh[Arm::right])) return std::nullopt;
   if (!zero_) {
     zero_.emplace();
     for (const Arm arm : both_arms)
@@ -206,7 +206,7 @@ std::optional<robot::RobotReading> ArmlinkRobot::reading_of(const PerArm<bool>& 
   if (fresh[Arm::left] && fresh[Arm::right]) {
     // The right arm's quartz is another one: its count may slip by one in a while, its clock
     // drifts.
-    constexpr double drift_share = 0.01;
+    const double drift_share = resting_ ? 1.0 : 0.01;
     ArmZero& right = (*zero_)[Arm::right];
     const armlink::State& state = peers_[Arm::right].state();
     right.sequence = state.sequence - static_cast<std::uint32_t>(reading.tick);
@@ -230,6 +230,7 @@ std::optional<robot::RobotReading> ArmlinkRobot::reading_of(const PerArm<bool>& 
 }
 
 void ArmlinkRobot::apply(const robot::RobotCommand& command) noexcept {
+  end_rest();
   if (faulty_ || !standing_) return;
   resting_ = false;
   for (const Arm arm : both_arms) {
@@ -238,29 +239,6 @@ void ArmlinkRobot::apply(const robot::RobotCommand& command) noexcept {
   }
   // Arms that wait for their host miss nothing.
   if (!lock_step()) again_at_ = Clock::now() + again_every;
-}
-
-void ArmlinkRobot::rest() noexcept {
-  if (faulty_ || !standing_ || resting_) return;
-  // The last torques count for one more cycle; what came right behind them would undo them.
-  const auto obeyed_by =
-      Clock::now() + (lock_step() ? Clock::duration(rest_patience) : cycle_patience);
-  while (note_faults() && !(peers_[Arm::left].obeyed() && peers_[Arm::right].obeyed()) &&
-         Clock::now() < obeyed_by) {
-    wait_for_either(obeyed_by);
-    (void)hear_both();
-  }
-  resting_ = true;
-  again_at_.reset();
-  const PerArm<JointVector> here = {
-      .of = {peers_[Arm::left].state().q_rad, peers_[Arm::right].state().q_rad}};
-  const double rail_m = peers_[Arm::left].state().rail_m;
-  const auto deadline = Clock::now() + rest_patience;
-  do {
-    hold_ready(here, rail_m);
-    wait_for_either(Clock::now() + cycle);
-    (void)hear_both();
-  } while (note_faults() && !both(0) && Clock::now() < deadline);
 }
 
 bool ArmlinkRobot::simulated() const noexcept {

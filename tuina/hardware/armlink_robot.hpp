@@ -2,10 +2,12 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <memory>
 #include <optional>
 #include <string>
+#include <thread>
 
 #include "tuina/hardware/arm_peer.hpp"
 #include "tuina/hardware/device_file.hpp"
@@ -55,7 +57,8 @@ class ArmlinkRobot final : public robot::Robot {
   [[nodiscard]] const char* fault() const noexcept override {
     return faulty_ ? fault_.data() : nullptr;
   }
-  /// The arms hold where they are by their own drives until the next `apply`. May take 0.2 s.
+  /// The arms hold where they are by their own drives until the next `apply`, and stay this host's.
+  /// May take 0.2 s.
   void rest() noexcept;
 
   /// Whether nobody can be touched by either arm.
@@ -65,6 +68,9 @@ class ArmlinkRobot final : public robot::Robot {
 
  private:
   using Clock = std::chrono::steady_clock;
+  static constexpr auto cycle = std::chrono::milliseconds(1);
+  static constexpr auto cycle_patience = 2 * cycle;  ///< for the first of the two arms
+  static constexpr auto repeat_ready_every = std::chrono::milliseconds(10);
   explicit ArmlinkRobot(PerArm<ArmPeer> peers) : peers_(std::move(peers)) {}
   [[nodiscard]] bool note_faults() noexcept;
   void break_off(Arm arm, const char* why) noexcept;
@@ -75,6 +81,8 @@ class ArmlinkRobot final : public robot::Robot {
   void forget_queued() noexcept;
   void say_again() noexcept;
   [[nodiscard]] std::optional<robot::RobotReading> reading_of(const PerArm<bool>& fresh) noexcept;
+  void keep_resting(const PerArm<JointVector>& here, double rail_m) noexcept;
+  void end_rest() noexcept;
   void hold_ready(const PerArm<JointVector>& q_rad, double rail_m) noexcept;
   [[nodiscard]] bool both(std::uint16_t status_bit) const noexcept;
 
@@ -86,8 +94,9 @@ class ArmlinkRobot final : public robot::Robot {
   std::optional<Clock::time_point> again_at_;  ///< when the last command is due once more
   std::optional<PerArm<ArmZero>> zero_;        ///< set by the first reading
   std::optional<std::uint64_t> last_tick_;
-  bool faulty_ = false;
-  std::array<char, 160> fault_ = {};
+  std::atomic<bool> faulty_ = false;
+  std::array<char, 160> fault_ = {};  ///< written before it is faulty
+  std::jthread keeper_;               ///< only while the arms rest; nobody else talks to them then
 };
 
 }  // namespace tuina::hardware
