@@ -74,3 +74,13 @@ TEST_CASE("a camera that is unplugged says so") {
     if (const auto frame = (*camera)->next_frame(0.15); !frame) message = frame.error().message;
   CHECK_MESSAGE(message.find("was unplugged") != std::string::npos, message);
 }
+
+TEST_CASE("bytes too many before a marker, as the Logitech C270 sends them, spoil no picture") {
+  tests::Bytes bytes = tests::jpeg_of(32, 48);
+  const auto plain = grey_picture(PixelFormat::mjpeg, bytes, 32, 48);
+  REQUIRE(plain.has_value());
+  bytes.insert(bytes.begin() + 2, {0x3C, 0x5A});
+  const auto same = grey_picture(PixelFormat::mjpeg, bytes, 32, 48);
+  REQUIRE(same.has_value());
+  CHECK(same->data == plain->data);
+}

@@ -5,6 +5,8 @@
 #include <cstdio>
 // It needs FILE and size_t from before it.
 #include <jpeglib.h>
+// It needs what is in there.
+#include <jerror.h>
 
 #include <algorithm>
 #include <array>
@@ -24,8 +26,10 @@ void leave(j_common_ptr common) {
   common->err->format_message(common, failure->message.data());
   std::longjmp(failure->back, 1);  // NOLINT(cert-err52-cpp): libjpeg's own way
 }
+// Bytes too many before a marker are skipped, and nothing is made up: the Logitech C270 sends some
+// in each picture.
 void leave_at_warning(j_common_ptr common, int level) {
-  if (level < 0) leave(common);
+  if (level < 0 && common->err->msg_code != JWRN_EXTRANEOUS_DATA) leave(common);
 }
 
 // Nothing here has a destructor that a long jump would pass by.
