@@ -122,6 +122,10 @@ TEST_CASE("what the motor cannot reach is refused" *
   const auto far = (*unit)->sweep(-6.0_deg, 149.0_deg, speed_rad_per_s);
   REQUIRE_FALSE(far.has_value());
   CHECK_MESSAGE(far.error().message.find("not to 149.0") != std::string::npos, far.error().message);
+  const auto slow = (*unit)->sweep(-18.0_deg, 18.0_deg, 1.8_deg);
+  REQUIRE_FALSE(slow.has_value());
+  CHECK_MESSAGE(slow.error().message.find("sweep within 13 s") != std::string::npos,
+                slow.error().message);
 }
 
 TEST_CASE("the laser goes out for a scan that asks no more, within 0.2 s and a poll" *

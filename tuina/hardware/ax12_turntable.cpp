@@ -17,6 +17,9 @@ constexpr int even_after_counts = 4;                   // by then an AX-12A has 
 constexpr int near_counts = 3;                         // it ends up to so far from its goal
 constexpr int approach_speed = 60;                     // 40 degrees per second
 constexpr int max_count = 1023;
+// The board puts the laser out where the motor seems to stand: less than two counts in a quarter of
+// a second (firmware/scanner).
+constexpr int min_lit_speed = 4;
 constexpr auto poll_every = 10ms, min_pause = 2ms;
 constexpr auto max_silence = 150ms;
 // The scan asks once per frame; the laser goes out for who does not.
@@ -194,7 +197,13 @@ Result<void> Ax12Turntable::sweep(double from_rad, double to_rad, double rad_per
   const auto end = count_of(to_rad);
   if (!end) return tl::unexpected(end.error());
   const int speed =
-      std::clamp(static_cast<int>(std::lround(rad_per_s / speed_unit_rad_per_s)), 1, max_count);
+      std::min(static_cast<int>(std::lround(rad_per_s / speed_unit_rad_per_s)), max_count);
+  if (speed < min_lit_speed)
+    return fail(Fault::config,
+                "{}: {:.1f} degrees per second are too slow, for the laser goes out where its beam "
+                "seems to stand; sweep within {:.0f} s",
+                servo_.device().address, to_deg(rad_per_s),
+                std::floor(std::abs(to_rad - from_rad) / (min_lit_speed * speed_unit_rad_per_s)));
   {
     const std::lock_guard lock(mutex_);
     direction_ = (to_rad > from_rad) == servo_.device().reversed ? -1 : 1;
