@@ -17,7 +17,8 @@ std::string be_real_time(Priority priority) {
 
 void end_real_time() noexcept {
   const sched_param usual = {};
-  (void)sched_setscheduler(0, SCHED_OTHER, &usual);
+  // Who is not root may lower the priority, but may not take back that a child begins without it.
+  (void)sched_setscheduler(0, SCHED_OTHER | SCHED_RESET_ON_FORK, &usual);
   (void)munlockall();
 }
 

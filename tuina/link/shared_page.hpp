@@ -52,12 +52,13 @@ class Slot {
 };
 
 /// Memory that processes share under a name, mapped for writing or for reading only; whoever has
-/// made it takes it away with its end.
+/// made it takes it away with its end, and nobody else meanwhile: the maker holds a lock on it.
 class SharedMemory {
  public:
   /// Whether the memory is made anew, or one that is there is opened.
   enum class Use : std::uint8_t { make, write, read };
-  /// Fails with Fault::device where there is none of this size.
+  /// Fails with Fault::device where there is none of this size, where whoever made it is gone, and
+  /// where one of this name is to be made while its maker lives.
   [[nodiscard]] static Result<SharedMemory> map(const std::string& name, std::size_t bytes,
                                                 Use use);
   SharedMemory() = default;
@@ -71,6 +72,7 @@ class SharedMemory {
   void* begin_ = nullptr;
   std::size_t bytes_ = 0;
   bool made_ = false;
+  int file_ = -1;  ///< kept open, for the lock of whoever has made it ends with it
 };
 
 /// Some `Content` in shared memory, with the version of its layout before it.
