@@ -94,7 +94,17 @@ TEST_CASE("joints about any axis, fixed ones between them and turned inertias ar
   }
   text +=
       "<link name=\"hand\"/><joint name=\"wrist\" type=\"fixed\"><origin xyz=\"0 0.1 0.1\" "
-      "rpy=\"0 -1.5 0\"/><parent link=\"l6\"/><child link=\"hand\"/></joint></robot>";
+      "rpy=\"0 -1.5 0\"/><parent link=\"l6\"/><child link=\"hand\"/></joint>";
+  // A camera beside the hand is carried; what is mounted on the hand gives way to the sphere.
+  for (const char* parent : {"l6", "hand"}) {
+    text += fmt::format(
+        "<link name=\"on_{0}\"><inertial><mass value=\"0.5\"/><inertia ixx=\"0\" ixy=\"0\" "
+        "ixz=\"0\" iyy=\"0\" iyz=\"0\" izz=\"0\"/></inertial></link><joint name=\"to_{0}\" "
+        "type=\"fixed\"><origin xyz=\"0.1 0 0.3\"/><parent link=\"{0}\"/><child "
+        "link=\"on_{0}\"/></joint>",
+        parent);
+  }
+  text += "</robot>";
   const auto arm = read_urdf(text, "odd.urdf", "rail", "hand");
   REQUIRE_MESSAGE(arm.has_value(), arm.error().message);
   RobotMount mount;
@@ -112,6 +122,7 @@ TEST_CASE("joints about any axis, fixed ones between them and turned inertias ar
              Eigen::AngleAxisd(q[i - 1], i % 2 == 1 ? Vector3::UnitX() : Vector3::UnitY());
       weight_nm += gravity_m_per_s2 * (tool * Vector3(0.01, 0.02, 0.1)).y();
     }
+    weight_nm += 0.5 * gravity_m_per_s2 * (tool * Vector3(0.1, 0.0, 0.3)).y();
     tool = tool * Eigen::Translation3d(0.0, 0.1, 0.1) * Eigen::AngleAxisd(-1.5, Vector3::UnitY());
     CHECK((tool.matrix() - model.base_from_tool(q, 0.0).matrix()).cwiseAbs().maxCoeff() < 1e-9);
     CHECK(model.gravity_nm(q)[0] == doctest::Approx(weight_nm).epsilon(1e-9));
@@ -136,5 +147,6 @@ TEST_CASE("what is no arm of six or seven joints is refused with line, element a
           "left_shoulder_pitch_joint: <limit> is missing");
   refused(std::string(good).insert(first, "<mimic joint=\"left_elbow_joint\"/>"),
           "it follows another joint");
+  refused(with(good, " rpy=\"", " quat_xyzw=\"0 0 0 1\" rpy=\""), "is not read; give the place by");
   refused(with(good, "<mass value=\"1.15\"/>", ""), "<mass> and <inertia> are both needed");
 }

@@ -61,6 +61,10 @@ struct Reader {
   Transform origin(const XMLElement& of) {
     const XMLElement* at = of.FirstChildElement("origin");
     if (at == nullptr) return Transform::Identity();
+    for (const auto* given = at->FirstAttribute(); given != nullptr; given = given->Next())
+      if (given->Name() != std::string_view("xyz") && given->Name() != std::string_view("rpy"))
+        reject(*at, "{} = \"{}\" is not read; give the place by xyz and the turn by rpy",
+               given->Name(), given->Value());
     const Vector3 xyz = three(*at, "xyz", Vector3::Zero()),
                   rpy = three(*at, "rpy", Vector3::Zero());
     return Eigen::Translation3d(xyz) * Eigen::AngleAxisd(rpy.z(), Vector3::UnitZ()) *
@@ -121,6 +125,32 @@ void add_mass(Reader& reader, const XMLElement& link, const Transform& base_from
            pose.linear() * inertia * pose.linear().transpose());
 }
 
+const char* link_of(const XMLElement& joint, const char* side) {
+  const XMLElement* at = joint.FirstChildElement(side);
+  const char* name = at != nullptr ? at->Attribute("link") : nullptr;
+  return name != nullptr ? name : "";
+}
+
+/// Adds the masses of what hangs from a link of the chain, as a hand or a sensor beside the tip.
+/// What moves there, as fingers, is small and counts where it stands at zero.
+void add_hanging(Reader& reader, const XMLElement& robot, const XMLElement& link,
+                 const Transform& base_from_link,
+                 const std::vector<const XMLElement*>& chain_joints, Mass& mass, int depth = 0) {
+  constexpr int max_depth = 100;  // a ring of joints has no end
+  const char* name = link.Attribute("name");
+  for (const XMLElement* joint = robot.FirstChildElement("joint"); joint != nullptr;
+       joint = joint->NextSiblingElement("joint")) {
+    const bool of_chain = std::ranges::find(chain_joints, joint) != chain_joints.end();
+    if (of_chain || name == nullptr || link_of(*joint, "parent") != std::string_view(name))
+      continue;
+    const XMLElement* hangs = find(robot, "link", nullptr, "name", link_of(*joint, "child"));
+    if (hangs == nullptr || depth == max_depth) continue;
+    const Transform base_from_branch = base_from_link * reader.origin(*joint);
+    add_mass(reader, *hangs, base_from_branch, mass);
+    add_hanging(reader, robot, *hangs, base_from_branch, chain_joints, mass, depth + 1);
+  }
+}
+
 /// Direction in which a joint turns, in its own frame; x where none is given.
 Vector3 axis_of(Reader& reader, const XMLElement& joint) {
   const XMLElement* axis = joint.FirstChildElement("axis");
@@ -175,13 +205,14 @@ std::vector<Turning> read_chain(Reader& reader, const XMLElement& robot,
       reader.reject(*joint, "type = \"{}\": an arm has revolute, continuous and fixed joints only",
                     type);
     }
-    const XMLElement* child = joint->FirstChildElement("child");
-    const char* link_name = child != nullptr ? child->Attribute("link") : nullptr;
-    const XMLElement* link = find(robot, "link", nullptr, "name", link_name ? link_name : "");
+    const char* link_name = link_of(*joint, "child");
+    const XMLElement* link = find(robot, "link", nullptr, "name", link_name);
     if (link == nullptr) {
-      reader.reject(*joint, "there is no link called `{}`", link_name ? link_name : "");
+      reader.reject(*joint, "there is no link called `{}`", link_name);
     } else if (!chain.empty()) {
       add_mass(reader, *link, tip, chain.back().mass);
+      // What is mounted beyond the tip gives way to the sphere.
+      if (joint != joints.back()) add_hanging(reader, robot, *link, tip, joints, chain.back().mass);
     }
   }
   return chain;

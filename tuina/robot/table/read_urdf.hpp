@@ -17,7 +17,8 @@ struct UrdfArm {
 };
 
 /// Reads the chain from `base_link` to `tip_link`, whose origin is the centre of the sphere and
-/// whose x axis points out of the handle. Joints between them that are fixed belong to their link.
+/// whose x axis points out of the handle. Joints between them that are fixed belong to their link,
+/// and so does what hangs from a link before the tip; beyond the tip is the sphere.
 /// The Denavit-Hartenberg rows that any chain of turning joints has are found from the joints'
 /// axes; the tool keeps its own turn. Rotors are not in URDF: zero; radii are 50 mm and the sphere
 /// weighs 0.16 kg, to be mended in the table. Refused with line, element and value: other than six
