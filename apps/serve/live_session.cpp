@@ -35,11 +35,12 @@ LiveSession::~LiveSession() {
 
 std::string LiveSession::next_number() const {
   // The number of a session that was not begun is not given again: a page knows sessions by it.
+  constexpr std::size_t max_number_size = 9;  // as in page_files.cpp
   int last = number_.empty() ? 0 : std::stoi(number_);
   std::error_code none;
   for (const auto& entry : std::filesystem::directory_iterator(options_.folder, none)) {
     const std::string name = entry.path().filename().string();
-    const bool number = !name.empty() && name.size() <= 6 &&
+    const bool number = !name.empty() && name.size() <= max_number_size &&
                         std::all_of(name.begin(), name.end(),
                                     [](char letter) { return letter >= '0' && letter <= '9'; });
     if (number) last = std::max(last, std::stoi(name));
@@ -96,19 +97,26 @@ Attendant LiveSession::attendant() {
           .ends_scan = [this] { return commands_.stopped(); }};
 }
 
-Result<void> LiveSession::approve() {
-  const std::lock_guard lock(mutex_);
+// The mutex is held.
+Result<void> LiveSession::waits_for(std::optional<std::uint64_t> review, const char* what) const {
   if (phase_ != LivePhase::review || review_)
-    return fail(Fault::usage, "no plan waits to be approved");
+    return fail(Fault::usage, "no plan waits to be {}", what);
+  if (review && *review != reviews_)
+    return fail(Fault::usage, "another plan was made meanwhile; look at it first");
+  return {};
+}
+
+Result<void> LiveSession::approve(std::optional<std::uint64_t> review) {
+  const std::lock_guard lock(mutex_);
+  if (auto waits = waits_for(review, "approved"); !waits) return waits;
   review_ = session::Review{.answer = session::Review::Answer::go};
   answered_.notify_all();
   return {};
 }
 
-Result<void> LiveSession::change(session::ByHand wanted) {
+Result<void> LiveSession::change(session::ByHand wanted, std::optional<std::uint64_t> review) {
   const std::lock_guard lock(mutex_);
-  if (phase_ != LivePhase::review || review_)
-    return fail(Fault::usage, "no plan waits to be changed");
+  if (auto waits = waits_for(review, "changed"); !waits) return waits;
   asked_by_hand_ = wanted;
   review_ = session::Review{.answer = session::Review::Answer::change, .wanted = std::move(wanted)};
   answered_.notify_all();

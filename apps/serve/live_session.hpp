@@ -60,8 +60,8 @@ class LiveSession {
     std::string outcome;  ///< of an ended session: done, stopped, or failed
     /// What happened, for people; in a review why a change was refused.
     std::vector<SentenceLine> said;
-    bool recorded = false;  ///< it has ended, and its report and record are in its folder
-    int reviews = 0;        ///< plans that were laid before somebody
+    bool recorded = false;      ///< it has ended, and its report and record are in its folder
+    std::uint64_t reviews = 0;  ///< plans that were laid before somebody
     LiveView::Progress progress;
   };
 
@@ -83,11 +83,12 @@ class LiveSession {
   void begin_ordered();
   [[nodiscard]] Attendant attendant();
   void end_ordered(const std::string& outcome, std::vector<SentenceLine> said);
-  /// Refused when no plan waits for it.
-  [[nodiscard]] Result<void> approve();
-  /// Another plan, with these places ruled out and these points put right; refused when no plan
-  /// waits. What comes of it stands in the next state.
-  [[nodiscard]] Result<void> change(session::ByHand wanted);
+  /// Refused when no plan waits for it, or another one than that of this `State::reviews`.
+  [[nodiscard]] Result<void> approve(std::optional<std::uint64_t> review = {});
+  /// Another plan, with these places ruled out and these points put right; refused like
+  /// `approve`. What comes of it stands in the next state.
+  [[nodiscard]] Result<void> change(session::ByHand wanted,
+                                    std::optional<std::uint64_t> review = {});
   /// Refused when no massage runs.
   [[nodiscard]] Result<void> command(session::LiveCommand command);
   /// What the plan that stands was made with.
@@ -102,6 +103,7 @@ class LiveSession {
  private:
   void run(StartOrder start, std::filesystem::path folder);
   void give_up(const Error& error, const std::filesystem::path& folder);
+  [[nodiscard]] Result<void> waits_for(std::optional<std::uint64_t> review, const char* what) const;
   [[nodiscard]] session::Review wait_for_review(const motion::ReadyPlan& plan,
                                                 const std::string& refused);
   void begin(const std::string& number);
@@ -113,7 +115,7 @@ class LiveSession {
   std::condition_variable answered_;
   LivePhase phase_ = LivePhase::idle;
   std::optional<session::Review> review_;  ///< answer that the session has not taken yet
-  int reviews_ = 0;
+  std::uint64_t reviews_ = 0;
   session::ByHand by_hand_, asked_by_hand_;
   bool paused_ = false;
   std::string number_, outcome_;

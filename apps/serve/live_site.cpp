@@ -164,11 +164,11 @@ Result<void> LiveSite::obey(const web::Message& message) {
     if (!start) return tl::unexpected(start.error());
     return session_.start(std::move(*start));
   }
-  if (message.ask == web::Ask::arm) return session_.approve();
+  if (message.ask == web::Ask::arm) return session_.approve(message.review);
   if (message.ask == web::Ask::change) {
     auto wanted = parse_plan_change(message.order);
     if (!wanted) return tl::unexpected(wanted.error());
-    return session_.change(std::move(*wanted));
+    return session_.change(std::move(*wanted), message.review);
   }
   if (const auto command = web::live_command(message.ask)) return session_.command(*command);
   return {};

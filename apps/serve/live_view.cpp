@@ -67,6 +67,9 @@ void LiveView::on_map(const body::Mapping& map) {
 void LiveView::show_plan(const motion::ReadyPlan& plan) {
   std::string text = plan_json(plan.plan);
   const std::lock_guard lock(mutex_);
+  paths_.clear();
+  for (const massage::PlannedPath& path : plan.plan.paths)
+    paths_.emplace_back(path.path.name, path.path.points.front().at_in_couch);
   if (text == plan_) return;
   plan_ = std::move(text);
   ++progress_.plans;
@@ -81,6 +84,15 @@ void LiveView::on_plan(const motion::ReadyPlan& plan, const Transform& base_from
 // The mutex is held.
 void LiveView::keep_events(const session::Tick& tick) {
   const double time_s = rounded(tick.reading.time_s, 10.0);
+  // Of the plan of now: after a new scan another one counts its paths anew.
+  const auto of_path = [&](const char* what, int path) {
+    json event{{"what", what}, {"path", path}};
+    if (path < 0 || path >= static_cast<int>(paths_.size())) return event;
+    const auto& [name, at] = paths_[static_cast<std::size_t>(path)];
+    event["name"] = name;
+    event["at_m"] = {rounded(at.x(), 1e4), rounded(at.y(), 1e4), rounded(at.z(), 1e4)};
+    return event;
+  };
   const auto keep = [&](json event) {
     event["time_s"] = time_s;
     events_.push_back(event.dump());
@@ -91,16 +103,17 @@ void LiveView::keep_events(const session::Tick& tick) {
     keep({{"what", "command"}, {"name", name_of(*tick.commanded)}, {"clock_s", clock_s.count()}});
   }
   if (tick.decided) {
-    keep({{"what", "decision"},
-          {"path", tick.decided->path},
-          {"reason", shown_sentence({.words = tick.decided->reason, .key = tick.decided->key})},
-          {"from_n", rounded(tick.decided->from_n, 10.0)},
-          {"to_n", rounded(tick.decided->to_n, 10.0)}});
+    json decision = of_path("decision", tick.decided->path);
+    decision["reason"] = shown_sentence({.words = tick.decided->reason, .key = tick.decided->key});
+    decision["from_n"] = rounded(tick.decided->from_n, 10.0);
+    decision["to_n"] = rounded(tick.decided->to_n, 10.0);
+    keep(std::move(decision));
   }
   if (tick.stopped)
     keep({{"what", "stop"}, {"reason", shown_sentence(session::explain(*tick.stopped))}});
   if (!tick.ended) return;
-  json ended{{"what", "ended"}, {"path", tick.ended->path}, {"whole", tick.ended->whole}};
+  json ended = of_path("ended", tick.ended->path);
+  ended["whole"] = tick.ended->whole;
   if (tick.ended->felt) {
     const double stiffness_n_per_m =
         tissue::stiffness_at_force(tick.ended->felt->tissue, session::reference_force_n);

@@ -61,6 +61,7 @@ class LiveView final : public session::Observer {
   std::size_t cloud_stride_ = 1;  ///< every so many-th point is kept
   scanner::Scan scan_;
   std::string back_, map_, plan_;
+  std::vector<std::pair<std::string, Vector3>> paths_;  ///< of that plan: name, and where it begins
   Transform couch_from_base_ = Transform::Identity();
   /// Once the person's position is known.
   std::unique_ptr<const PerArm<robot::ArmModel>> arms_;

@@ -34,7 +34,7 @@ constexpr const char* not_built =
     "<code>./run serve</code> builds it, puts it in and starts the server.</p>";
 
 bool is_number(std::string_view name) {
-  return name.size() >= 4 && name.size() <= 6 &&
+  return name.size() >= 4 && name.size() <= 9 &&
          std::all_of(name.begin(), name.end(),
                      [](char letter) { return letter >= '0' && letter <= '9'; });
 }
@@ -108,7 +108,8 @@ std::string sessions_json(const std::filesystem::path& folder) {
     if (is_number(name) && std::filesystem::exists(entry.path() / "report.html", none))
       numbers.push_back(name);
   }
-  std::sort(numbers.rbegin(), numbers.rend());
+  const auto value = [](const std::string& number) { return std::pair(number.size(), number); };
+  std::ranges::sort(numbers, std::greater(), value);
   constexpr std::size_t max_shown = 50;
   if (numbers.size() > max_shown) numbers.resize(max_shown);
   json sessions = json::array();

@@ -56,6 +56,25 @@ TEST_CASE("an address opens the page once, and its cookie many times") {
   CHECK(status_of(access, get("/page.js")) == 401);
 }
 
+TEST_CASE("a link in another page, after which no browser shows the cookie, goes on by itself") {
+  Access access(port);
+  Request request = show(access.invite(Role::operate));
+  request.fetch_site = "cross-site";
+  const auto reply = access.judge(request, 0.0);
+  REQUIRE(reply.has_value());
+  CHECK(reply->status == 200);
+  CHECK(reply->body.find("url=/") != std::string::npos);
+  REQUIRE(reply->headers.size() == 1);
+  CHECK(reply->headers[0].first == "Set-Cookie");
+}
+
+TEST_CASE("a browser leaves the port of its scheme out of the name") {
+  Access access(80);
+  Request request = get("/page.js");
+  request.host = "127.0.0.1";
+  CHECK(status_of(access, request) == 401);  // and not 403
+}
+
 TEST_CASE("who comes by an invitation is what it is for") {
   Access access(port);
   for (const Role role : {Role::watch, Role::operate}) {

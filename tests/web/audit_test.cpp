@@ -76,6 +76,26 @@ TEST_CASE("a broken log is not gone on with") {
   CHECK_FALSE(AuditLog::open(folder / "audit.log").has_value());
 }
 
+TEST_CASE(
+    "a line that a killed server left half written is cut off and told; two servers are not one") {
+  const test::Folder folder;
+  const std::string text = three_lines(folder);
+  REQUIRE(write_file(folder / "audit.log", text + "{\"line\":4,").has_value());
+  {
+    auto log = AuditLog::open(folder / "audit.log");
+    REQUIRE(log.has_value());
+    const auto second = AuditLog::open(folder / "audit.log");
+    REQUIRE_FALSE(second.has_value());
+    CHECK(second.error().message.find("another server writes there") != std::string::npos);
+    REQUIRE(log->add({.who = "page 1", .what = "come", .phase = "idle", .outcome = "done"}, 1.0));
+  }
+  const auto now = read_file(folder / "audit.log");
+  REQUIRE(now.has_value());
+  CHECK(now->starts_with(text));
+  CHECK(now->find("\"torn_bytes\":10") != std::string::npos);
+  CHECK(check_audit(*now, "log").value().lines == 4);
+}
+
 TEST_CASE("a flood of refusals is counted, not written") {
   const test::Folder folder;
   auto log = AuditLog::open(folder / "audit.log");

@@ -115,8 +115,18 @@ TEST_CASE("the arms are armed by who has held the button for two seconds") {
   CHECK(pages.ask(anna, Ask::arm, 5.2) == Refusal::none);
 }
 
+TEST_CASE("whoever asks for another plan has to hold the button anew") {
+  TwoPages pages;
+  CHECK(pages.ask(anna, Ask::operate, 0.0) == Refusal::none);
+  CHECK(pages.ask(anna, Ask::hold, 0.2) == Refusal::none);
+  CHECK(pages.ask(anna, Ask::change, 1.0) == Refusal::none);
+  CHECK(pages.ask(anna, Ask::beat, 2.0) == Refusal::none);
+  CHECK(pages.ask(anna, Ask::arm, 2.5) == Refusal::not_held);
+}
+
 TEST_CASE("of a message, what is missing, unknown or of another kind is refused") {
   CHECK(parse_message(R"({"ask":"pause","sequence":7,"clock_s":1.5})").value().ask == Ask::pause);
+  CHECK(parse_message(R"({"ask":"arm","sequence":7,"clock_s":1,"review":3})").value().review == 3);
   for (const char* text :
        {"", "[]", "{", R"({"sequence":7,"clock_s":1})",
         R"({"ask":"jump","sequence":7,"clock_s":1})", R"({"ask":"pause","clock_s":1})",
@@ -125,6 +135,7 @@ TEST_CASE("of a message, what is missing, unknown or of another kind is refused"
         R"({"ask":"pause","sequence":7,"clock_s":1e999})",
         R"({"ask":"pause","sequence":7,"clock_s":1,"force_n":99})",
         R"({"ask":"pause","sequence":7,"clock_s":1,"order":{}})",
+        R"({"ask":"arm","sequence":7,"clock_s":1,"review":-1})",
         R"({"ask":"start","sequence":7,"clock_s":1})", R"({"ask":7,"sequence":7,"clock_s":1})"}) {
     CAPTURE(text);
     CHECK_FALSE(parse_message(text).has_value());

@@ -62,9 +62,9 @@ Access::Access(int port, std::vector<std::string> hosts, bool by_tls)
       hosts_(std::move(hosts)),
       bad_tokens_(guesses_at_once, guesses_per_s),
       bad_passwords_(guesses_at_once, guesses_per_s) {
-  constexpr int https_port = 443;  // which a browser leaves out
+  const int left_out = by_tls ? 443 : 80;  // by browsers
   for (std::string& host : hosts_)
-    if (!by_tls || port != https_port) host += fmt::format(":{}", port);
+    if (port != left_out) host += fmt::format(":{}", port);
 }
 
 std::string Access::invite(Role role) {
@@ -91,7 +91,8 @@ std::optional<Guest> Access::find_guest(std::string_view cookies) const {
   return std::nullopt;
 }
 
-std::optional<Reply> Access::exchange(std::string_view token, double now_s) {
+std::optional<Reply> Access::exchange(const Request& request, double now_s) {
+  const std::string_view token = std::string_view(request.query).substr(token_key.size());
   const auto given =
       std::find_if(invitations_.begin(), invitations_.end(),
                    [&](const Invitation& one) { return same_secret(one.token, token); });
@@ -101,7 +102,16 @@ std::optional<Reply> Access::exchange(std::string_view token, double now_s) {
   }
   const Role role = given->role;
   invitations_.erase(given);
-  return with_cookie(role);
+  Reply reply = with_cookie(role);
+  if (request.fetch_site != "cross-site") return reply;
+  // A link in a mail or a chat: a browser would follow it on without the cookie, which is for what
+  // begins here.
+  reply.status = 200;
+  reply.type = "text/html; charset=utf-8";
+  reply.body =
+      "<!doctype html><meta http-equiv=refresh content=\"0;url=/\"><a href=\"/\">tuina</a>";
+  reply.headers.erase(reply.headers.begin());
+  return reply;
 }
 
 Reply Access::with_cookie(Role role) {
@@ -169,8 +179,7 @@ std::optional<Reply> Access::judge(const Request& request, double now_s) {
     return refuse(403, "another page may not ask here");
   if (posts) return judge_post(request, now_s);
   if (request.method != "GET") return refuse(405, "only GET; commands go through the WebSocket");
-  if (request.path == "/" && request.query.starts_with(token_key))
-    return exchange(std::string_view(request.query).substr(token_key.size()), now_s);
+  if (request.path == "/" && request.query.starts_with(token_key)) return exchange(request, now_s);
   if (find_guest(request.cookie)) return std::nullopt;
   if (by_tls_ && (request.path == "/" || request.path == login_path))
     return login_page(LoginAnswer::nothing);

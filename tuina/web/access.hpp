@@ -71,7 +71,7 @@ class Access {
   [[nodiscard]] Reply leave(const Request& request);
   [[nodiscard]] std::optional<Reply> judge_post(const Request& request, double now_s);
   [[nodiscard]] Reply refuse_token(double now_s, const char* why);
-  [[nodiscard]] std::optional<Reply> exchange(std::string_view token, double now_s);
+  [[nodiscard]] std::optional<Reply> exchange(const Request& request, double now_s);
   [[nodiscard]] std::optional<Reply> judge_program(const Request& request, double now_s);
 
   bool by_tls_;

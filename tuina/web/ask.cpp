@@ -25,7 +25,7 @@ Result<Message> parse_message(std::string_view text) {
   const auto json = nlohmann::json::parse(text, nullptr, false);
   if (!json.is_object()) return fail(Fault::bad_input, "a message that is not a JSON object");
   for (const auto& [key, value] : json.items()) {
-    if (key != "ask" && key != "sequence" && key != "clock_s" && key != "order")
+    if (key != "ask" && key != "sequence" && key != "clock_s" && key != "order" && key != "review")
       return fail(Fault::bad_input, "an unknown key of {} letters", key.size());
   }
   Message message;
@@ -47,6 +47,10 @@ Result<Message> parse_message(std::string_view text) {
     return fail(Fault::bad_input, "clock_s: is no number");
   message.clock_s = clock->get<double>();
   if (!std::isfinite(message.clock_s)) return fail(Fault::bad_input, "clock_s: is not finite");
+  if (const auto review = json.find("review"); review != json.end()) {
+    if (!review->is_number_unsigned()) return fail(Fault::bad_input, "review: is no whole number");
+    message.review = review->get<std::uint64_t>();
+  }
   const auto order = json.find("order");
   if ((order != json.end()) != (message.ask == Ask::start || message.ask == Ask::change))
     return fail(Fault::bad_input, "order: belongs to `start` and `change`, and only there");

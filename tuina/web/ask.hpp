@@ -48,10 +48,13 @@ struct Message {
   std::uint64_t sequence = 0;  ///< greater than that of the message before
   double clock_s = 0.0;        ///< the server's clock, as the page believes it to be when it asks
   std::string order;           ///< JSON object of `start` or `change`
+  /// Count of the plan shown, `reviews` of the state: that of `change`, `hold` and `arm`.
+  std::optional<std::uint64_t> review;
 };
 inline constexpr std::size_t max_message_bytes = 64 << 10;
 
-/// Reads {"ask": "pause", "sequence": 7, "clock_s": 12.3}, with "order" for `start` and `change`.
+/// Reads {"ask": "pause", "sequence": 7, "clock_s": 12.3}, with "order" for `start` and `change`,
+/// and "review" where the page says which plan it shows.
 /// Whatever else is refused with the key and what stands there.
 [[nodiscard]] Result<Message> parse_message(std::string_view text);
 

@@ -2,6 +2,8 @@
 #include "tuina/web/audit.hpp"
 
 #include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <array>
@@ -67,6 +69,7 @@ AuditLog::AuditLog(AuditLog&& other) noexcept
       descriptor_(std::exchange(other.descriptor_, -1)),
       end_(std::move(other.end_)),
       left_out_(other.left_out_),
+      torn_bytes_(other.torn_bytes_),
       requests_(other.requests_) {}
 
 AuditLog::~AuditLog() {
@@ -74,21 +77,30 @@ AuditLog::~AuditLog() {
 }
 
 Result<AuditLog> AuditLog::open(const std::filesystem::path& file) {
-  AuditSummary end{.last_hash = first_hash};
-  std::error_code none;
-  if (std::filesystem::exists(file, none)) {
-    const auto text = read_file(file);
-    if (!text) return tl::unexpected(text.error());
-    auto checked = check_audit(*text, file.string());
-    if (!checked) return tl::unexpected(checked.error());
-    end = std::move(*checked);
-  }
   constexpr int for_owner_only = 0600;
   const int descriptor =
       ::open(file.c_str(), O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC, for_owner_only);
   if (descriptor < 0)
     return fail(Fault::file, "{}: cannot be written: {}", file.string(), std::strerror(errno));
-  return AuditLog(file, descriptor, std::move(end));
+  AuditLog log(file, descriptor, {.last_hash = first_hash});
+  if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0)
+    return fail(Fault::file,
+                "{}: another server writes there; give this one another folder by --out",
+                file.string());
+  std::error_code none;
+  if (std::filesystem::file_size(file, none) > 0) {
+    auto text = read_file(file);
+    if (!text) return tl::unexpected(text.error());
+    // A line that does not end was being written when its server was killed or its disk full.
+    const std::size_t whole = text->rfind('\n') + 1;
+    log.torn_bytes_ = text->size() - whole;
+    if (log.torn_bytes_ > 0 && ::ftruncate(log.descriptor_, static_cast<off_t>(whole)) != 0)
+      return fail(Fault::file, "{}: cannot be written: {}", file.string(), std::strerror(errno));
+    auto checked = check_audit(text->substr(0, whole), file.string());
+    if (!checked) return tl::unexpected(checked.error());
+    log.end_ = std::move(*checked);
+  }
+  return log;
 }
 
 Result<void> AuditLog::add_refused(const AuditEntry& entry, double now_s) {
@@ -102,14 +114,23 @@ Result<void> AuditLog::add(const AuditEntry& entry, double now_s) {
                                  {"clock_s", now_s},        {"who", entry.who},
                                  {"what", entry.what},      {"phase", entry.phase},
                                  {"outcome", entry.outcome}};
-  if (left_out_ > 0) json["left_out"] = std::exchange(left_out_, 0);
+  if (left_out_ > 0) json["left_out"] = left_out_;
+  if (torn_bytes_ > 0) json["torn_bytes"] = torn_bytes_;  // of a line before that did not end
   std::string line = json.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
   line.pop_back();  // the closing brace comes after the hash
-  end_.last_hash = sha256(end_.last_hash + line);
-  ++end_.lines;
-  line += fmt::format("{}{}{}\n", hash_key, end_.last_hash, line_end);
-  if (::write(descriptor_, line.data(), line.size()) != static_cast<ssize_t>(line.size()))
-    return fail(Fault::file, "{}: cannot be written: {}", file_.string(), std::strerror(errno));
+  const std::string hash = sha256(end_.last_hash + line);
+  line += fmt::format("{}{}{}\n", hash_key, hash, line_end);
+  struct stat before = {};
+  const bool known = ::fstat(descriptor_, &before) == 0;
+  if (!known ||
+      ::write(descriptor_, line.data(), line.size()) != static_cast<ssize_t>(line.size())) {
+    const int why = errno;
+    // Half a line would break the chain for whoever opens the log next.
+    if (known) (void)!::ftruncate(descriptor_, before.st_size);
+    return fail(Fault::file, "{}: cannot be written: {}", file_.string(), std::strerror(why));
+  }
+  end_ = {.lines = end_.lines + 1, .last_hash = hash};
+  left_out_ = torn_bytes_ = 0;
   return {};
 }
 

@@ -32,7 +32,8 @@ struct AuditSummary {
 class AuditLog {
  public:
   /// Goes on with a log that is there. Refused: one whose chain does not hold, with its first bad
-  /// line.
+  /// line, and one that another server writes. A last line that does not end is cut off, which the
+  /// next line tells.
   [[nodiscard]] static Result<AuditLog> open(const std::filesystem::path& file);
   AuditLog(AuditLog&& other) noexcept;
   AuditLog& operator=(AuditLog&&) = delete;
@@ -50,7 +51,7 @@ class AuditLog {
   std::filesystem::path file_;
   int descriptor_;
   AuditSummary end_;
-  std::uint64_t left_out_ = 0;
+  std::uint64_t left_out_ = 0, torn_bytes_ = 0;
   Rate requests_{200.0, 20.0};
 };
 

@@ -56,6 +56,7 @@ Refusal Desk::judge_operator(ClientId client, Client& from, Ask ask, double now_
   }
   if (at_the_desk != client) return Refusal::viewer;
   if (ask == Ask::hand_over) operator_.reset();
+  if (ask == Ask::change) from.held_s = -1.0;  // whoever holds the button sees another plan soon
   if (ask == Ask::hold) from.held_s = now_s;
   if (ask == Ask::arm) {
     const double since_s = std::exchange(from.held_s, -1.0);

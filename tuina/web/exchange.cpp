@@ -27,6 +27,7 @@ Request read_head(const mg_connection* connection) {
           .upgrade = !header(connection, "Upgrade").empty(),
           .subprotocols = header(connection, "Sec-WebSocket-Protocol"),
           .encodings = header(connection, "Accept-Encoding"),
+          .fetch_site = header(connection, "Sec-Fetch-Site"),
           .known_tags = header(connection, "If-None-Match")};
 }
 

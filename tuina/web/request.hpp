@@ -23,9 +23,11 @@ struct Request {
   bool upgrade = false;         ///< to a WebSocket
   std::string subprotocols;     ///< of the WebSocket, as they were offered
   std::string encodings;        ///< of the content, as the browser takes them
-  std::string known_tags;       ///< of contents that the browser has kept
-  std::string from = {};        ///< machine, where it came through the door to the network
-  std::string body = {};        ///< of a POST with max_form_bytes at most
+  /// Where the browser comes from, header Sec-Fetch-Site: `cross-site` for a link in another page.
+  std::string fetch_site = {};
+  std::string known_tags;  ///< of contents that the browser has kept
+  std::string from = {};   ///< machine, where it came through the door to the network
+  std::string body = {};   ///< of a POST with max_form_bytes at most
 };
 
 /// What a browser gets.
