@@ -3,13 +3,11 @@
 #include "tuina/link/link.hpp"
 
 #include <doctest/doctest.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <csignal>
 #include <thread>
 
 #include "tests/folder.hpp"
@@ -190,27 +188,6 @@ TEST_CASE("what one writes the others read; who only looks cannot write; nobody 
   CHECK(waited.count() < 20.0);
   *controller = Link();
   CHECK_FALSE(Link::open(name, Role::drives).has_value());
-}
-
-TEST_CASE(
-    "a link is one session's: nobody takes it meanwhile, and what a killed one left is none") {
-  const std::string name = own_name("owned");
-  auto first = Link::create(name, Role::controller);
-  REQUIRE(first.has_value());
-  const auto second = Link::create(name, Role::controller);
-  REQUIRE_FALSE(second.has_value());
-  CHECK(second.error().message.find("a session of this name runs") != std::string::npos);
-  CHECK(Link::open(name, Role::guard).has_value());
-  // A process that is killed takes nothing away, and holds nothing any more.
-  const pid_t child = fork();
-  if (child == 0) {
-    const auto killed = Link::create(name + "-killed", Role::controller);
-    raise(SIGKILL);
-  }
-  REQUIRE(waitpid(child, nullptr, 0) == child);
-  CHECK(access(("/dev/shm/tuina-" + name + "-killed-guard").c_str(), F_OK) == 0);
-  CHECK_FALSE(Link::open(name + "-killed", Role::guard).has_value());
-  CHECK(Link::create(name + "-killed", Role::controller).has_value());
 }
 
 TEST_CASE("an arming is read as it was written; cut, spoilt or impossible, it arms nobody") {
