@@ -37,9 +37,11 @@ int free_port() {
   return ntohs(any.sin_port);
 }
 
-/// What a URDF says of an arm with two joints.
+/// What a URDF says of an arm with two joints on a linear base.
 HardwareInfo info_at(int port) {
-  return {.hardware_parameters = {{"address", "127.0.0.1"}, {"port", std::to_string(port)}},
+  return {.hardware_parameters = {{"address", "127.0.0.1"},
+                                  {"port", std::to_string(port)},
+                                  {"rail_ready", "0.4"}},
           .joints = {{"one", {{"ready", "0.1"}}}, {"two", {{"ready", "-0.1"}}}},
           .sensors = {{"wrist"}}};
 }
@@ -95,6 +97,7 @@ class PromptArm {
   std::atomic<bool> silent = false, ends = false;
   std::atomic<int> torques = 0;    ///< commands of torque that came
   std::atomic<double> last = 0.0;  ///< torque of the first joint
+  std::atomic<double> rail_m = 0.0;
   std::atomic<int> mode = ARMLINK_IDLE;
 
  private:
@@ -111,6 +114,7 @@ class PromptArm {
         armlink_hello hello = {};
         hello.session = static_cast<std::uint32_t>(armlink_get(in + ARMLINK_AT_SESSION, 4));
         hello.joints = 2;
+        hello.flags = ARMLINK_HAS_RAIL;
         hello.modes = 1 << ARMLINK_IDLE | 1 << ARMLINK_TORQUE | 1 << ARMLINK_READY;
         armlink_write_hello(out, &hello);
         sendto(socket_, out, ARMLINK_HELLO_SIZE, 0, from, size);
@@ -118,24 +122,31 @@ class PromptArm {
       armlink_command command = {};
       if (kind != ARMLINK_COMMAND || !armlink_read_command(in, &command)) continue;
       mode = command.mode;
+      rail_m = command.rail_m;
       if (command.mode == ARMLINK_TORQUE) ++torques, last = command.values[0];
       if (silent) continue;
       armlink_state state = {};
       state.session = command.session;
-      state.sequence = ++sequence_;
+      state.sequence = sequence_++;
       state.mode = command.mode;
       state.joints = 2;
       state.status =
           static_cast<std::uint16_t>(status | (command.mode == ARMLINK_READY ? ARMLINK_STANDS : 0));
       if (command.mode == ARMLINK_READY) std::copy_n(command.values, 2, state.q_rad);
-      if (command.mode == ARMLINK_TORQUE) std::copy_n(command.values, 2, state.tau_nm);
+      if (command.mode == ARMLINK_TORQUE) {
+        std::copy_n(command.values, 2, state.tau_nm);
+        std::copy_n(held_, 2, state.q_rad);
+      } else {
+        std::copy_n(state.q_rad, 2, held_);
+      }
       state.wrench_in_tool[2] = -5.0;
       armlink_write_state(out, &state);
       sendto(socket_, out, ARMLINK_STATE_SIZE, 0, from, size);
     }
   }
   int socket_, port_ = 0;
-  std::uint32_t sequence_ = 0;
+  std::uint32_t sequence_ = 0xFFFF'FFF0U;  ///< goes on from zero soon
+  double held_[2] = {};
   std::thread thread_;
 };
 
@@ -164,7 +175,9 @@ struct Ready {
     commands = system.export_command_interfaces();
     REQUIRE(system.on_configure({}) == CallbackReturn::SUCCESS);
     REQUIRE(system.on_activate({}) == CallbackReturn::SUCCESS);
+    REQUIRE(system.perform_command_mode_switch(efforts, {}) == return_type::OK);
   }
+  const std::vector<std::string> efforts = {"one/effort", "two/effort"};
   PromptArm arm;
   ArmlinkSystem system;
   std::vector<hardware_interface::Interface> states, commands;
@@ -201,6 +214,22 @@ TEST_CASE("torques go to the arm, joints and wrist come from it, and at the end 
   CHECK(ready.arm.mode == ARMLINK_IDLE);
 }
 
+TEST_CASE("an arm whose efforts nobody claims is held by its own drives, its base where it is") {
+  Ready ready;
+  CHECK(cycles(ready.system, 10) == 10);
+  CHECK(ready.arm.mode == ARMLINK_TORQUE);
+  CHECK(ready.arm.rail_m == doctest::Approx(0.4));
+  REQUIRE(ready.system.perform_command_mode_switch({}, {"two/effort"}) == return_type::OK);
+  CHECK(cycles(ready.system, 50) == 50);
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  CHECK(ready.arm.mode == ARMLINK_READY);
+  CHECK(value(ready.states, "one", "position") == doctest::Approx(0.1));
+  CHECK(ready.arm.rail_m == doctest::Approx(0.4));
+  const int before = ready.arm.torques;
+  CHECK(cycles(ready.system, 10) == 10);
+  CHECK(ready.arm.torques == before);
+}
+
 TEST_CASE("a torque that is no number is an error, and is not sent") {
   Ready ready;
   CHECK(cycles(ready.system, 10) == 10);
@@ -231,6 +260,15 @@ TEST_CASE("a silent arm is not driven after three cycles, and is an error after 
   const int before = ready.arm.torques;
   CHECK(cycles(ready.system, 200) == 99);
   CHECK(ready.arm.torques - before <= 3);
+}
+
+TEST_CASE("an arm on a linear base whose place nobody says is refused") {
+  const PromptArm arm;
+  HardwareInfo info = arm.info();
+  info.hardware_parameters.erase("rail_ready");
+  ArmlinkSystem system;
+  REQUIRE(system.on_init(info) == CallbackReturn::SUCCESS);
+  CHECK(system.on_configure({}) == CallbackReturn::ERROR);
 }
 
 TEST_CASE("what the URDF leaves out, and an arm that is not there, are refused") {

@@ -24,6 +24,7 @@ bool ArmConnection::open(const std::string& address, int port) {
   socket_ = socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
   session_ = std::random_device()() | 1U;  // not 0
   sequence_ = heard_ = 0;
+  any_heard_ = false;
   return socket_ >= 0 && connect(socket_, reinterpret_cast<sockaddr*>(&arm), sizeof arm) == 0;
 }
 
@@ -49,6 +50,7 @@ std::optional<armlink_state> ArmConnection::newest_state() {
   std::vector<std::uint8_t> bytes;
   while (receive(ARMLINK_STATE, bytes)) {
     armlink_state& state = newest.emplace();
+    any_heard_ = true;
     state.sequence = heard_ =
         static_cast<std::uint32_t>(armlink_get(&bytes[ARMLINK_AT_SEQUENCE], 4));
     state.mode = bytes[ARMLINK_STATE_AT_MODE];
@@ -63,12 +65,13 @@ std::optional<armlink_state> ArmConnection::newest_state() {
   return newest;
 }
 
-void ArmConnection::command(armlink_mode mode, const std::vector<double>& values) {
+void ArmConnection::command(armlink_mode mode, const std::vector<double>& values, double rail_m) {
   std::uint8_t bytes[ARMLINK_COMMAND_SIZE];
   armlink_begin(bytes, ARMLINK_COMMAND, ARMLINK_COMMAND_SIZE, session_, ++sequence_);
   armlink_put(bytes + ARMLINK_COMMAND_AT_ANSWERS, heard_, 4);
   armlink_put(bytes + ARMLINK_COMMAND_AT_MODE, static_cast<std::uint64_t>(mode), 1);
   armlink_put(bytes + ARMLINK_COMMAND_AT_JOINTS, values.size(), 1);
+  armlink_put_doubles(bytes + ARMLINK_COMMAND_AT_RAIL, &rail_m, 1);
   armlink_put_doubles(bytes + ARMLINK_COMMAND_AT_VALUES, values.data(),
                       static_cast<int>(values.size()));
   armlink_end(bytes, ARMLINK_COMMAND_SIZE);
@@ -85,7 +88,9 @@ bool ArmConnection::receive(int kind, std::vector<std::uint8_t>& bytes) {
     if (armlink_kind(bytes.data(), static_cast<int>(size)) != kind) continue;
     if (armlink_get(&bytes[ARMLINK_AT_SESSION], 4) != session_) continue;
     const auto sequence = static_cast<std::uint32_t>(armlink_get(&bytes[ARMLINK_AT_SEQUENCE], 4));
-    if (kind == ARMLINK_STATE && sequence <= heard_) continue;
+    // The count goes on from zero after 50 days.
+    const bool newer = !any_heard_ || static_cast<std::int32_t>(sequence - heard_) > 0;
+    if (kind == ARMLINK_STATE && !newer) continue;
     return true;
   }
 }

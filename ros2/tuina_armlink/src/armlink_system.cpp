@@ -35,8 +35,12 @@ ArmlinkSystem::CallbackReturn ArmlinkSystem::on_init(const HardwareInfo& info) {
     port_ = std::stoi(info.hardware_parameters.at("port"));
     for (const auto& joint : info.joints)
       ready_rad_.push_back(std::stod(joint.parameters.at("ready")));
+    if (const auto rail = info.hardware_parameters.find("rail_ready");
+        rail != info.hardware_parameters.end())
+      rail_ready_m_ = std::stod(rail->second);
   } catch (const std::exception&) {
-    return refuse("the hardware needs `address` and `port`, and each joint the angle `ready`");
+    return refuse(
+        "the hardware needs `address` and `port`, and each joint the angle `ready`, as numbers");
   }
   torque_nm_.assign(info.joints.size(), 0.0);
   return CallbackReturn::SUCCESS;
@@ -49,6 +53,8 @@ ArmlinkSystem::CallbackReturn ArmlinkSystem::on_configure(const rclcpp_lifecycle
   if (hello->joints != torque_nm_.size()) return refuse(address_ + ": another number of joints");
   constexpr int needed = 1 << ARMLINK_TORQUE | 1 << ARMLINK_READY;
   if ((hello->modes & needed) != needed) return refuse(address_ + ": no torque mode");
+  if ((hello->flags & ARMLINK_HAS_RAIL) != 0 && !rail_ready_m_)
+    return refuse(address_ + ": it is on a linear base; say where by `rail_ready`, in metres");
   if ((hello->flags & ARMLINK_BUSY) != 0) return refuse(address_ + ": another host has the arm");
   return CallbackReturn::SUCCESS;
 }
@@ -56,11 +62,12 @@ ArmlinkSystem::CallbackReturn ArmlinkSystem::on_configure(const rclcpp_lifecycle
 ArmlinkSystem::CallbackReturn ArmlinkSystem::on_activate(const rclcpp_lifecycle::State&) {
   std::fill(torque_nm_.begin(), torque_nm_.end(), 0.0);
   silent_cycles_ = 0;
+  hold_rad_ = ready_rad_;
   // A stopped arm begins anew with another session only.
   if (!arm_.open(address_, port_)) return refuse(address_ + ": no address of IPv4");
   const auto end = std::chrono::steady_clock::now() + ready_within;
   while (std::chrono::steady_clock::now() < end) {
-    arm_.command(ARMLINK_READY, ready_rad_);
+    arm_.command(ARMLINK_READY, ready_rad_, rail_ready_m_.value_or(0.0));
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
     const auto state = arm_.newest_state();
     if (!state) continue;
@@ -69,13 +76,27 @@ ArmlinkSystem::CallbackReturn ArmlinkSystem::on_activate(const rclcpp_lifecycle:
     if (state_.mode == ARMLINK_READY && (state_.status & ARMLINK_STANDS) != 0)
       return CallbackReturn::SUCCESS;
   }
-  arm_.command(ARMLINK_IDLE, std::vector<double>(torque_nm_.size(), 0.0));
+  (void)on_deactivate({});
   return refuse(address_ + ": the arm does not come to its angles `ready`");
 }
 
 ArmlinkSystem::CallbackReturn ArmlinkSystem::on_deactivate(const rclcpp_lifecycle::State&) {
-  arm_.command(ARMLINK_IDLE, std::vector<double>(torque_nm_.size(), 0.0));
+  arm_.command(ARMLINK_IDLE, std::vector<double>(torque_nm_.size(), 0.0),
+               rail_ready_m_.value_or(0.0));
   return CallbackReturn::SUCCESS;
+}
+
+ArmlinkSystem::return_type ArmlinkSystem::perform_command_mode_switch(
+    const std::vector<std::string>& start, const std::vector<std::string>& stop) {
+  const bool drove = claimed_.size() == torque_nm_.size();
+  for (const auto& joint : info_.joints) {
+    const std::string effort = joint.name + "/" + hardware_interface::HW_IF_EFFORT;
+    if (std::find(stop.begin(), stop.end(), effort) != stop.end()) claimed_.erase(effort);
+    if (std::find(start.begin(), start.end(), effort) != start.end()) claimed_.insert(effort);
+  }
+  if (drove && claimed_.size() != torque_nm_.size())
+    hold_rad_.assign(state_.q_rad, state_.q_rad + torque_nm_.size());
+  return return_type::OK;
 }
 
 std::vector<hardware_interface::StateInterface> ArmlinkSystem::export_state_interfaces() {
@@ -114,8 +135,11 @@ ArmlinkSystem::return_type ArmlinkSystem::write(const rclcpp::Time&, const rclcp
                                   [](double torque_nm) { return std::isfinite(torque_nm); });
   // Without a command the arm stops by itself.
   if (!finite) return return_type::ERROR;
-  // Nobody drives an arm blind.
-  if (silent_cycles_ < ARMLINK_MAX_MISSED) arm_.command(ARMLINK_TORQUE, torque_nm_);
+  // Torques of nobody would make the arm limp, and nobody drives an arm blind.
+  const bool driven = claimed_.size() == torque_nm_.size();
+  if (silent_cycles_ < ARMLINK_MAX_MISSED)
+    arm_.command(driven ? ARMLINK_TORQUE : ARMLINK_READY, driven ? torque_nm_ : hold_rad_,
+                 rail_ready_m_.value_or(0.0));
   return return_type::OK;
 }
 
