@@ -7,9 +7,13 @@
 #include <string>
 
 #include "tests/calibration/seen_boards.hpp"
+#include "tests/fake_scanner.hpp"
+#include "tests/folder.hpp"
 #include "tests/reason.hpp"
 #include "tuina/calibration/calibrate.hpp"
+#include "tuina/calibration/latency.hpp"
 #include "tuina/core/units.hpp"
+#include "tuina/scanner/recording.hpp"
 #include "tuina/sim/scanner/laser_scanner.hpp"
 
 using namespace tuina;
@@ -61,6 +65,49 @@ TEST_CASE("fewer than eight poses with board and laser") {
   Views views = good_views();
   std::erase_if(views.views, [](const View& view) { return view.pose >= 7 && view.pose < held; });
   refused_saying(views, "8 with both are needed");
+}
+
+TEST_CASE("the same pictures under other numbers are no more poses") {
+  Views views = good_views();
+  std::erase_if(views.views, [](const View& view) { return view.pose >= 7 && view.pose < held; });
+  const std::vector<View> seven = views.views;
+  for (const int more : {100, 200}) {
+    for (View view : seven) {
+      if (view.pose >= held) continue;
+      view.pose += more, view.frame += 1000 * more;
+      views.views.push_back(view);
+    }
+  }
+  refused_saying(views, "14 more show the board where another does");
+
+  Views whole = good_views();
+  View again = of_pose(whole, 3);
+  again.pose = 300, again.frame = 3000;
+  whole.views.push_back(again);
+  const auto result = calibrate(whole);
+  REQUIRE_MESSAGE(result.has_value(), test::reason(result));
+  CHECK(std::ranges::count_if(result->remarks, [](const std::string& remark) {
+          return remark.find("Pose 300 was left out") != std::string::npos;
+        }) == 1);
+}
+
+TEST_CASE("a sweep whose pictures have another size than those of the board") {
+  const test::Folder folder;
+  tests::FakeScanner scanner;
+  auto recorder = scanner::Recorder::open(scanner, scanner, folder / "couch");
+  REQUIRE(recorder.has_value());
+  REQUIRE(recorder->sweep(0.0, 1.0, 1.0).has_value());
+  REQUIRE(recorder->switch_laser(true).has_value());
+  while (recorder->arrived() == false)
+    REQUIRE(recorder->next_frame(scanner::frame_timeout_s).has_value());
+  const auto calibration = tests::calibration_of_fake();
+  REQUIRE(recorder->finish(calibration).has_value());
+  scanner::CameraModel camera = calibration.camera;
+  CHECK(read_sweep(folder / "couch", camera).has_value());
+  camera.width_px += 16;
+  const auto other = read_sweep(folder / "couch", camera);
+  REQUIRE_FALSE(other.has_value());
+  CHECK(other.error().message.find("all come from one camera") != std::string::npos);
 }
 
 TEST_CASE("laser pictures missing") {

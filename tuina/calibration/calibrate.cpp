@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 
 #include "tuina/calibration/board/find_board.hpp"
@@ -235,10 +236,12 @@ Result<void> add_latency(const fs::path& folder, Calibrated& result, const Progr
                 folder.string(), left ? "sweep_left" : "sweep_right",
                 left ? "sweep_right" : "sweep_left");
   }
-  const auto falling = read_sweep(folder / "sweep_left", part_of(progress, 0.0, 0.5));
+  const auto falling =
+      read_sweep(folder / "sweep_left", result.calibration.camera, part_of(progress, 0.0, 0.5));
   if (!falling) return tl::unexpected(falling.error());
   if (auto good = check_turn(folder / "sweep_left", *falling, result); !good) return good;
-  const auto rising = read_sweep(folder / "sweep_right", part_of(progress, 0.5, 1.0));
+  const auto rising =
+      read_sweep(folder / "sweep_right", result.calibration.camera, part_of(progress, 0.5, 1.0));
   if (!rising) return tl::unexpected(rising.error());
   const auto latency = find_latency(*falling, *rising);
   if (!latency) return in_folder(folder, latency);
@@ -257,7 +260,7 @@ Result<void> add_couch(const fs::path& folder, Calibrated& result, const Progres
         "lying on it (couch).");
     return {};
   }
-  const auto sweep = read_sweep(folder / "couch", progress);
+  const auto sweep = read_sweep(folder / "couch", result.calibration.camera, progress);
   if (!sweep) return tl::unexpected(sweep.error());
   if (auto good = check_turn(folder / "couch", *sweep, result); !good) return good;
   const auto pose = find_couch(*sweep, result.calibration);
@@ -287,17 +290,68 @@ std::vector<std::string> leave_out_lines(Views& views, const std::vector<LineOff
   return remarks;
 }
 
+/// Whether two poses show the board in one place: by the corners that both have at one yaw.
+bool in_one_place(const Views& views, int one, int other) {
+  double sum2_px2 = 0.0;
+  int common = 0;
+  for (const View& a : views.views) {
+    for (const View& b : views.views) {
+      if (a.pose != one || b.pose != other || std::abs(a.yaw_rad - b.yaw_rad) > same_yaw_rad)
+        continue;
+      std::map<int, Vector2> seen;
+      for (std::size_t k = 0; k < a.corners_px.size(); ++k) seen[a.corner(k)] = a.corners_px[k];
+      for (std::size_t k = 0; k < b.corners_px.size(); ++k) {
+        const auto found = seen.find(b.corner(k));
+        if (found == seen.end()) continue;
+        sum2_px2 += (found->second - b.corners_px[k]).squaredNorm();
+        ++common;
+      }
+    }
+  }
+  constexpr double same_px = 0.3;  // a hand holds no board as still from one pose to the next
+  return common > 0 && sum2_px2 < common * same_px * same_px;
+}
+
+/// Pictures that show what another pose shows already would make the result look surer than it is.
+/// Returns what is said of them.
+std::vector<std::string> leave_out_repeats(Views& views) {
+  std::set<int> poses;
+  for (const View& view : views.views) poses.insert(view.pose);
+  std::vector<std::string> remarks;
+  std::set<int> kept;
+  for (const int pose : poses) {
+    const auto same =
+        std::ranges::find_if(kept, [&](int before) { return in_one_place(views, before, pose); });
+    if (same == kept.end()) {
+      kept.insert(pose);
+      continue;
+    }
+    std::erase_if(views.views, [&](const View& view) { return view.pose == pose; });
+    remarks.push_back(fmt::format(
+        "Pose {} was left out: it shows the board in the same place as pose {}.", pose, *same));
+  }
+  return remarks;
+}
+
 }  // namespace
 
 Result<Calibrated> calibrate(Views& views) {
-  if (const auto good = check_poses(views); !good) return tl::unexpected(good.error());
+  std::vector<std::string> remarks = leave_out_repeats(views);
+  if (const auto good = check_poses(views); !good) {
+    if (remarks.empty()) return tl::unexpected(good.error());
+    return fail(good.error().fault,
+                "{} ({} more show the board where another does: take it "
+                "elsewhere)",
+                good.error().message, remarks.size());
+  }
   auto first = calibrate_camera(views);
   if (!first) return tl::unexpected(first.error());
   auto& poses = first->camera_from_board;
   if (const auto good = check_spread(views, poses); !good) return tl::unexpected(good.error());
   const auto light = find_light_plane(views, first->camera, poses);
   if (!light) return tl::unexpected(light.error());
-  const auto remarks = leave_out_lines(views, lines_off(*light, views, first->camera, poses));
+  const auto off = leave_out_lines(views, lines_off(*light, views, first->camera, poses));
+  remarks.insert(remarks.end(), off.begin(), off.end());
   const auto axis = find_yaw_axis(views, poses);
   if (!axis) return tl::unexpected(axis.error());
 

@@ -194,7 +194,8 @@ double first_latency_s(const Sweep& falling, const Sweep& rising) {
 
 }  // namespace
 
-Result<Sweep> read_sweep(const std::filesystem::path& folder, const Progress& progress) {
+Result<Sweep> read_sweep(const std::filesystem::path& folder, const scanner::CameraModel& camera,
+                         const Progress& progress) {
   auto recording = scanner::Recording::open(folder);
   if (!recording) return tl::unexpected(recording.error());
   Sweep sweep;
@@ -205,6 +206,15 @@ Result<Sweep> read_sweep(const std::filesystem::path& folder, const Progress& pr
   for (int i = 0; i < recording->frames(); ++i) {
     const auto frame = recording->next_frame(scanner::frame_timeout_s);
     if (!frame) return tl::unexpected(frame.error());
+    for (const Image* picture : {&frame->image, &frame->dark}) {
+      const bool fits = picture->width == camera.width_px && picture->height == camera.height_px;
+      if (fits || picture->data.empty()) continue;
+      return fail(
+          Fault::bad_input,
+          "{}: picture {} has {} x {} pixels, those of the board have {} x {}; all come from "
+          "one camera",
+          folder.string(), i, picture->width, picture->height, camera.width_px, camera.height_px);
+    }
     sweep.lines.push_back(
         {frame->time_s, scanner::find_laser_line(
                             frame->image, {.method = scanner::LineMethod::likelihood},

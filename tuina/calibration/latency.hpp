@@ -17,8 +17,10 @@ struct Sweep {
   std::vector<scanner::YawReading> readings;
   scanner::ScannerCalibration nominal;  ///< calibration.toml of the recording
 };
-/// Reads a recorded sweep and finds its laser lines; fails where the folder is no recording.
+/// Reads a recorded sweep and finds its laser lines; fails where the folder is no recording, or has
+/// pictures of another size than the camera's.
 [[nodiscard]] Result<Sweep> read_sweep(const std::filesystem::path& folder,
+                                       const scanner::CameraModel& camera,
                                        const Progress& progress = {});
 
 /// Time from a yaw reading to a frame, with its standard deviation.

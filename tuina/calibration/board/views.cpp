@@ -18,7 +18,6 @@ namespace tuina::calibration {
 namespace {
 
 constexpr double min_share_found = 0.5;
-constexpr double same_yaw_rad = 0.35_deg;  // a little more than one count of the motor
 
 // Detections in one picture.
 struct Detection {

@@ -8,6 +8,7 @@
 #include "tuina/core/geometry.hpp"
 #include "tuina/core/progress.hpp"
 #include "tuina/core/result.hpp"
+#include "tuina/core/units.hpp"
 #include "tuina/scanner/line/laser_line.hpp"
 
 namespace tuina::calibration {
@@ -21,6 +22,9 @@ struct SeenBoard {
   std::vector<int> which;  ///< indices of the inner corners, counted row by row; empty: all
   std::array<Vector2, 4> outline_px;  ///< corners of the paper, in order
 };
+
+/// Two readings of the motor that differ by less, a little more than one count, are of one yaw.
+inline constexpr double same_yaw_rad = from_deg(0.35);
 
 /// Measurements of one board pose: inner corners, row by row, and the laser line of the picture of
 /// the same pose with the laser on, if there is one.
