@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <iterator>
+#include <set>
 #include <utility>
 
 #include "apps/cli/installed.hpp"
@@ -14,10 +16,14 @@ namespace fs = std::filesystem;
 
 Result<std::vector<fs::path>> list_labelled(const std::vector<std::string>& places) {
   std::vector<fs::path> all;
+  std::set<fs::path> named;  // a file that is named twice is one person
   for (const auto& place : places) {
     const auto paths = body::list_labelled_bodies(place);
     if (!paths) return tl::unexpected(paths.error());
-    all.insert(all.end(), paths->begin(), paths->end());
+    std::error_code none;
+    std::ranges::copy_if(*paths, std::back_inserter(all), [&](const fs::path& path) {
+      return named.insert(fs::weakly_canonical(path, none)).second;
+    });
   }
   std::sort(all.begin(), all.end(), [](const fs::path& a, const fs::path& b) {
     return std::pair(a.filename(), a) < std::pair(b.filename(), b);

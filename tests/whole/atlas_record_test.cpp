@@ -73,6 +73,22 @@ TEST_CASE("a person with stickers becomes a labelled back that an atlas is learn
                                   "--out", people / "anna.tuina", "--json", "--quiet"});
   REQUIRE_MESSAGE(learned.exit_code == 0, learned.err);
   CHECK(nlohmann::json::parse(learned.out)["bodies"] == 1);
+
+  const auto learn = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), {"atlas", "learn"});
+    words.insert(words.end(),
+                 {"--prior", "default", "--out", people / "anna.tuina", "--json", "--quiet"});
+    return run_tuina(words);
+  };
+  // One file that is named twice is one person, and a copy is refused.
+  CHECK(nlohmann::json::parse(learn({people / "anna.ply", people.path()}).out)["bodies"] == 1);
+  for (const char* end : {".ply", ".json"}) {
+    const auto content = read_file(people / (std::string("anna") + end)).value();
+    REQUIRE(write_file(people / (std::string("berta") + end), content).has_value());
+  }
+  const auto twice = learn({people.path()});
+  CHECK(twice.exit_code == 2);
+  CHECK(twice.err.find("berta: its labels are those of anna") != std::string::npos);
 }
 
 TEST_CASE("stickers that do not fit what is said of them are refused with the cause") {

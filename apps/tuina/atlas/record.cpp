@@ -13,6 +13,7 @@
 #include "tuina/scanner/recording.hpp"
 #include "tuina/scanner/stickers/sticker_watch.hpp"
 #include "tuina/scanner/sweep.hpp"
+#include "tuina/session/run.hpp"
 #include "tuina/telemetry/picture/scan_mesh.hpp"
 
 namespace tuina::app {
@@ -49,6 +50,17 @@ Mesh skin_of(const body::BackSurface& back, const body::Mapping& mapping) {
     if (std::min({kept[0], kept[1], kept[2]}) >= 0) skin.triangles.push_back(kept);
   }
   return skin;
+}
+
+/// Half a turn about the vertical.
+void turn_round(body::LabelledBody& person) {
+  const auto turn = [](Vector3& v) { v = {-v.x(), -v.y(), v.z()}; };
+  std::ranges::for_each(person.skin_in_couch.vertices, turn);
+  for (Landmark& landmark : person.landmarks) turn(landmark.at_in_couch);
+  for (Acupoint& point : person.acupoints) {
+    turn(point.at_in_couch);
+    turn(point.normal_in_couch);
+  }
 }
 
 /// A person with stickers, as a body to learn from: [thesis] 5.1.
@@ -210,6 +222,9 @@ class AtlasRecord final : public Verb {
       const auto skin = seen.back.nearest(seen.marks[mark->second].at_in_couch);
       person.landmarks.push_back({expected.name, skin.at_in_couch});
     }
+    // A person may lie with the head at either end; bodies lie with the feet at +y.
+    if (person.position == BodyPosture::prone && session::head_at_plus_y(person.acupoints))
+      turn_round(person);
     return person;
   }
 

@@ -71,6 +71,16 @@ BackSurface mirrored(const BackSurface& back) {
   return {std::move(cloud), back.position(), back.spacing_m()};
 }
 
+/// Who has the same labels already, as the same person under another name has.
+std::optional<std::size_t> find_twin(const Examples& examples, const Places& labels) {
+  constexpr double same_m = 0.1_mm;
+  const auto same = std::ranges::find_if(examples.labels_in_couch, [&](const Places& others) {
+    return (others - labels).cwiseAbs().maxCoeff() < same_m;
+  });
+  if (same == examples.labels_in_couch.end()) return std::nullopt;
+  return static_cast<std::size_t>(same - examples.labels_in_couch.begin());
+}
+
 }  // namespace
 
 Result<Example> make_example(const LabelledBody& body, BodySource::Needs needs) {
@@ -148,7 +158,7 @@ Places labels_in_couch(const Examples& examples, std::size_t i,
 Result<std::array<Examples, 2>> read_examples(const BodySource& source, const Progress& progress) {
   std::array<Examples, 2> both;
   both[1].position = BodyPosture::prone;
-  std::array<std::string, 2> first;
+  std::array<std::vector<std::string>, 2> ids;
   const auto read = [&](std::size_t number) {
     return source.read(number, BodySource::Needs::skin);
   };
@@ -158,13 +168,20 @@ Result<std::array<Examples, 2>> read_examples(const BodySource& source, const Pr
     Examples& examples = both[k];
     examples.source = &source;
     if (examples.size() == 0) {
-      first[k] = body->id;
       for (const Acupoint& point : body->acupoints) examples.acupoints.push_back(point.name);
       for (const Landmark& mark : body->landmarks) examples.landmarks.push_back(mark.name);
     }
-    if (auto same = check_same_labels(examples, first[k], *body); !same) return same;
+    ids[k].push_back(body->id);
+    if (auto same = check_same_labels(examples, ids[k].front(), *body); !same) return same;
+    Places labels = labels_like(examples, *body);
+    if (const auto twin = find_twin(examples, labels))
+      return fail(
+          Fault::bad_input,
+          "{}: its labels are those of {}; whoever is learned from twice is never left out, "
+          "and the atlas would look surer than it is",
+          body->id, ids[k][*twin]);
     examples.numbers.push_back(number);
-    examples.labels_in_couch.push_back(labels_like(examples, *body));
+    examples.labels_in_couch.push_back(std::move(labels));
     if (progress) progress(static_cast<double>(number + 1) / static_cast<double>(source.count));
     return {};
   };

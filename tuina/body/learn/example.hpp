@@ -53,7 +53,7 @@ struct Examples {
                                      const std::vector<std::string>& names);
 
 /// Reads the labels of all bodies, those who sit first in the answer, and refuses a body that lacks
-/// a label of the first in its position, or has one more.
+/// a label of the first in its position, has one more, or has the labels of another.
 [[nodiscard]] Result<std::array<Examples, 2>> read_examples(const BodySource& source,
                                                             const Progress& progress);
 

@@ -205,8 +205,15 @@ Result<void> write_labelled_body(const LabelledBody& body, const std::filesystem
     labels[seven ? "acupoints" : "more_acupoints"][point.name] = {
         {"position", numbers(point.at_in_couch)}, {"normal", numbers(point.normal_in_couch)}};
   }
-  if (auto written = write_file(ply, to_ply(body.skin_in_couch)); !written) return written;
-  return write_file(std::filesystem::path(ply).replace_extension(".json"), labels.dump(1) + "\n");
+  auto skin_file = FileWriter::open(ply);
+  if (!skin_file) return tl::unexpected(skin_file.error());
+  auto label_file = FileWriter::open(std::filesystem::path(ply).replace_extension(".json"));
+  if (!label_file) return tl::unexpected(label_file.error());
+  if (auto written = skin_file->append(to_ply(body.skin_in_couch)); !written) return written;
+  if (auto written = label_file->append(labels.dump(1) + "\n"); !written) return written;
+  // Skin without labels is nobody, so that they come first.
+  if (auto written = label_file->finish(); !written) return written;
+  return skin_file->finish();
 }
 
 Result<std::vector<std::filesystem::path>> list_labelled_bodies(
@@ -234,14 +241,32 @@ Result<std::vector<std::filesystem::path>> list_labelled_bodies(
 }
 
 PointCloud sample(const Mesh& skin, double spacing_m) {
+  const auto corner = [&](const std::array<int, 3>& triangle, std::size_t i) -> const Vector3& {
+    return skin.vertices[static_cast<std::size_t>(triangle[i])];
+  };
+  const auto steps_of = [&](const std::array<int, 3>& triangle, int max_steps) {
+    const Vector3 &a = corner(triangle, 0), &b = corner(triangle, 1), &c = corner(triangle, 2);
+    const double longest = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
+    return static_cast<int>(std::clamp(std::ceil(longest / spacing_m), 1.0, 1.0 * max_steps));
+  };
+  const auto count = [&](int max_steps) {
+    std::size_t sum = 0;
+    for (const auto& triangle : skin.triangles) {
+      const auto steps = static_cast<std::size_t>(steps_of(triangle, max_steps));
+      sum += steps * (steps + 1) / 2;
+    }
+    return sum;
+  };
+  // A mesh in millimetres, or a room of large triangles, must not fill the memory before it is
+  // refused: the largest triangles, which are no skin, get fewer points.
+  constexpr std::size_t max_samples = 3'000'000;
+  int max_steps = 200;
+  while (max_steps > 1 && count(max_steps) > max_samples) max_steps /= 2;
   PointCloud cloud;
   cloud.points = skin.vertices;
   for (const auto& triangle : skin.triangles) {
-    const Vector3& a = skin.vertices[static_cast<std::size_t>(triangle[0])];
-    const Vector3& b = skin.vertices[static_cast<std::size_t>(triangle[1])];
-    const Vector3& c = skin.vertices[static_cast<std::size_t>(triangle[2])];
-    const double longest = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
-    const int steps = std::clamp(static_cast<int>(std::ceil(longest / spacing_m)), 1, 200);
+    const Vector3 &a = corner(triangle, 0), &b = corner(triangle, 1), &c = corner(triangle, 2);
+    const int steps = steps_of(triangle, max_steps);
     for (int i = 0; i < steps; ++i) {
       for (int j = 0; i + j < steps; ++j) {
         const double u = (i + 1.0 / 3.0) / steps;

@@ -36,7 +36,8 @@ struct LabelledBody {
 [[nodiscard]] Result<std::vector<std::filesystem::path>> list_labelled_bodies(
     const std::filesystem::path& folder_or_ply);
 
-/// Samples the skin like a scanner without errors: points at most `spacing_m` apart.
+/// Samples the skin like a scanner without errors: points at most `spacing_m` apart, but in
+/// triangles so large that all would be more than three million.
 [[nodiscard]] PointCloud sample(const Mesh& skin, double spacing_m);
 
 }  // namespace tuina::body
