@@ -59,7 +59,8 @@ export const ask = (what: string) => () => page.link.ask(what);
 /** Whether this page steers, or may begin to by the next thing it asks. */
 export const maySteer = (): boolean => !!page.state && !page.state.viewer && (page.state.operator || !page.state.operated);
 /** Why it may not. */
-export const whyNot = (): string => say(page.state?.viewer ? "watch_only" : "not_you");
+export const whyNot = (): string =>
+  say(page.state?.viewer ? "watch_only" : page.state?.operated ? "not_you" : "nobody_operates");
 export function steer(): void { if (!page.state?.operator) page.link.ask("operate"); }
 export function stop(): void { page.link.ask("stop"); speak(say("stop_asked")); }
 
