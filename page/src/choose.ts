@@ -9,7 +9,13 @@ interface Listed { session: string; person: string; programme: string; duration_
 
 const order: Record<string, string | number> =
   { person: "phantom:medium", position: "sitting", programme: "relax", intensity: 3, seed: 1, answered_by: "" };
-const answers: Record<string, string> = {};
+let answers: Record<string, string> = {};
+
+/** Nobody's answers stand for somebody else, or for another day. */
+export function forgetAnswers(): void {
+  answers = {};
+  order["answered_by"] = "";
+}
 
 /** Which arms are driven, and before whom. */
 function driven(devices: Devices): HTMLElement {
@@ -20,7 +26,11 @@ function driven(devices: Devices): HTMLElement {
 
 export function choose(): HTMLElement {
   const devices = page.choices.devices;
-  const pick = (key: string) => (value: string) => { order[key] = key === "intensity" ? Number(value) : value; if (key === "position") page.render(); };
+  const pick = (key: string) => (value: string) => {
+    order[key] = key === "intensity" ? Number(value) : value;
+    if (key === "person" || key === "position") forgetAnswers();
+    if (key === "position") page.render();
+  };
   const seed = element("input", { id: "seed", type: "number", min: "1", max: String(page.choices.max_seed), value: String(order["seed"]), "aria-describedby": "seed_help" });
   seed.oninput = () => { order["seed"] = Math.min(page.choices.max_seed, Math.max(1, Math.round(Number(seed.value)) || 1)); };
   const sessions = element("div", { class: "sessions" }, say("no_sessions"));
@@ -39,7 +49,7 @@ export function choose(): HTMLElement {
         (name) => [element("b", {}, say(name)), element("small", {}, sayOr(`about_${name}`, page.choices.programmes.find((one) => one.name === name)!.description))]),
       pills("intensity", ["1", "2", "3", "4", "5"], String(order["intensity"]), pick("intensity"), (value) => [`${value} · ${say(`intensity_${value}`)}`]),
       devices ? "" : element("div", {}, element("label", { class: "over", for: "seed" }, say("seed")), seed, element("p", { class: "note", id: "seed_help" }, say("seed_help"))),
-      remembered(devices?.position ?? String(order["position"]))),
+      remembered(devices?.position ?? String(order["position"]), forgetAnswers)),
     element("button", { class: "go", id: "next", disabled: !remembersAll(), onclick: () => { page.chosen = page.view = "health"; page.render(); main.focus({ preventScroll: true }); } }, say("on"))),
     element("h2", {}, say("sessions")), toldPlace(), element("div", { class: "card scroll-x" }, sessions));
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import "./page.css";
-import { choose, health } from "./choose";
+import { choose, forgetAnswers, health } from "./choose";
 import { element } from "./element";
 import { type Happening } from "./happening";
 import { showInvitation } from "./invite";
@@ -43,6 +43,7 @@ async function heard(now: State): Promise<void> {
   if (page.recording && !["idle", "ended"].includes(now.phase)) forgetRecording();
   if (now.session !== page.seen.session) {
     page.seen = { session: now.session, cloud: 0, backs: 0, plans: 0, events: 0, reviews: -1, phase: page.seen.phase };
+    forgetAnswers();
     scene.clear();
     page.plan = page.live = undefined;
     page.shownPlan = 0;

@@ -43,13 +43,13 @@ export function ofWhom(): object {
   return who ? { who, remember: use } : {};
 }
 
-/** A pseudonym, and below it what is remembered, each to be used or left. */
-export function remembered(position: string): HTMLElement | string {
+/** A pseudonym, and below it what is remembered, each to be used or left; `changed` is told when it is another one. */
+export function remembered(position: string, changed: () => void): HTMLElement | string {
   void readPeople();
   if (!people) return "";
   void find(position);
   const name = element("input", { id: "who", list: "people", maxlength: "40", autocomplete: "off", spellcheck: "false", value: who, "aria-describedby": "who_help" });
-  name.onchange = () => { who = name.value.trim(); page.render(); };
+  name.onchange = () => { who = name.value.trim(); changed(); page.render(); };
   const told = found?.sessions ? `${say("who_known")} ${found.sessions}` : found ? say("who_new") : fault || say("who_help");
   return element("div", { class: "wide" }, element("label", { class: "over", for: "who" }, say("who")), name,
     element("datalist", { id: "people" }, ...people.map((one) => element("option", { value: one }))),
