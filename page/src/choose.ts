@@ -61,7 +61,7 @@ function ordered(): object {
 }
 
 export function health(): HTMLElement {
-  const go = element("button", { class: "go", id: "scan", onclick: () => { steer(); page.link.ask("start", { ...ordered(), ...ofWhom(), answers }); } }, say("scan_now"));
+  const go = element("button", { class: "go", id: "scan", onclick: () => { steer(); page.link.ask("start", { order: { ...ordered(), ...ofWhom(), answers } }); } }, say("scan_now"));
   const whole = (): void => { go.disabled = !maySteer() || !order["answered_by"] || page.choices.questions.some((one) => !answers[one.key]); };
   const name = element("input", { id: "answered_by", maxlength: "40", autocomplete: "off", value: String(order["answered_by"]) });
   name.oninput = () => { order["answered_by"] = name.value; whole(); };

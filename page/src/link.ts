@@ -17,63 +17,102 @@ export interface ArmNow {
 export interface Live { time_s: number; performed: number; arms: [ArmNow, ArmNow]; forces: number[][] }
 export interface Reply { ask: string; outcome: string; said: Said; address?: string }
 
-interface Listener { state(state: State): void; live(live: Live): void; reply(reply: Reply): void; lost(lost: boolean): void }
+/** What people are told of a connection that does not work; nothing while it does. */
+export type Trouble = "" | "lost" | "stop_unheard";
 
-const lostAfterMs = 800;
-const beatEveryMs = 500;
+interface Listener {
+  state(state: State): void; live(live: Live): void; reply(reply: Reply): void; trouble(word: Trouble): void;
+  /** There is another connection: much may have happened since the one before. */
+  opened(): void;
+}
+
+const lostAfterMs = 800, beatEveryMs = 500, lookEveryMs = 100;
+/** Looks in vain after which another connection is tried. A page that was busy itself has not looked. */
+const silentLooks = 20;
+/** A stop that nobody answers is asked for again by the next connection, unless it may mean another session by then. */
+const keepStopMs = 10_000;
+/** Clocks drift, so what states of long ago have told of them is forgotten. */
+const clockStates = 20;
 
 /** The one connection to the server; it comes back by itself. */
 export class Link {
   private socket?: WebSocket;
   private sequence = 0;
-  /** Server's clock less this one, in seconds; what came with the least delay tells it best. */
-  private aheadS = -Infinity;
+  /** Server's clock less this one, by the newest states, in seconds; what came with the least delay tells it best. */
+  private aheadS: number[] = [];
   private heardMs = 0;
-  private lost = false;
+  private looks = 0;
+  /** When the stop was asked for that nobody has answered yet. */
+  private stopMs: number | undefined;
+  private told: Trouble = "";
 
   constructor(private readonly listener: Listener) {
     this.open();
-    setInterval(() => this.look(), 100);
+    setInterval(() => this.look(), lookEveryMs);
     setInterval(() => this.ask("beat"), beatEveryMs);
   }
 
-  ask(ask: string, order?: unknown): void {
-    if (this.socket?.readyState !== WebSocket.OPEN || this.heardMs === 0) return;
-    const clock_s = this.aheadS + performance.now() / 1000;
-    this.socket.send(JSON.stringify({ ask, sequence: ++this.sequence, clock_s, ...(order ? { order } : {}) }));
+  /** Whoever asks for a stop need not know the server's clock. */
+  ask(ask: string, more: { order?: unknown; review?: number } = {}): void {
+    if (this.socket?.readyState !== WebSocket.OPEN || (this.heardMs === 0 && ask !== "stop")) return;
+    const clock_s = this.heardMs === 0 ? 0 : Math.max(...this.aheadS) + performance.now() / 1000;
+    this.socket.send(JSON.stringify({ ask, sequence: ++this.sequence, clock_s, ...more }));
+  }
+
+  /** Until somebody answers it, the next connection begins with it. */
+  stop(): void {
+    this.stopMs = performance.now();
+    this.ask("stop");
+    this.tell();
   }
 
   private open(): void {
+    if (this.socket) {
+      // Of a connection that hangs, nothing more is heard; its end may take minutes.
+      this.socket.onopen = this.socket.onmessage = this.socket.onclose = null;
+      this.socket.close();
+    }
     const socket = new WebSocket(`${location.protocol.replace("http", "ws")}//${location.host}/live`);
     this.socket = socket;
-    this.sequence = 0;
-    this.heardMs = 0;
-    this.aheadS = -Infinity;
+    this.sequence = this.heardMs = this.looks = 0;
+    this.aheadS = [];
+    socket.onopen = () => {
+      if (this.stopMs !== undefined && performance.now() - this.stopMs < keepStopMs) this.ask("stop");
+      else this.stopMs = undefined;
+      this.listener.opened();
+    };
     socket.onmessage = (event) => this.hear(JSON.parse(event.data as string));
     socket.onclose = () => setTimeout(() => { if (this.socket === socket) this.open(); }, 500);
   }
 
   private hear(message: { channel: string } & (State | Live | Reply)): void {
+    this.looks = 0;
     if (message.channel === "state") {
       const state = message as unknown as State;
       this.heardMs = performance.now();
-      this.aheadS = Math.max(this.aheadS, state.clock_s - this.heardMs / 1000);
-      this.tell(false);
+      this.aheadS = [...this.aheadS.slice(1 - clockStates), state.clock_s - this.heardMs / 1000];
+      this.tell();
       this.listener.state(state);
     } else if (message.channel === "live") {
       this.listener.live(message as unknown as Live);
     } else {
-      this.listener.reply(message as unknown as Reply);
+      const reply = message as unknown as Reply;
+      if (reply.ask === "stop") this.stopMs = undefined;
+      this.listener.reply(reply);
     }
   }
 
   private look(): void {
-    if (performance.now() - this.heardMs > lostAfterMs) this.tell(true);
+    if (++this.looks > silentLooks) this.open();
+    this.tell();
   }
 
-  private tell(lost: boolean): void {
-    if (lost === this.lost) return;
-    this.lost = lost;
-    this.listener.lost(lost);
+  private tell(): void {
+    const lost = performance.now() - this.heardMs > lostAfterMs;
+    const unheard = this.stopMs !== undefined && (lost || this.socket?.readyState !== WebSocket.OPEN);
+    const word = unheard ? "stop_unheard" : lost ? "lost" : "";
+    if (word === this.told) return;
+    this.told = word;
+    this.listener.trouble(word);
   }
 }

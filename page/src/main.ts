@@ -11,7 +11,7 @@ import { type Plan } from "./recording";
 import { review, showPlanning } from "./review";
 import { type Acupoint } from "./picture/marks";
 import { report, scan, showProgress } from "./session";
-import { type ByHand, bytes, type Choices, main, page, read, scene, speak, stop, tell, type View, viewOf } from "./shown";
+import { type ByHand, bytes, type Choices, main, nothingSeen, page, read, scene, speak, stop, tell, type View, viewOf } from "./shown";
 import { learnTechniques } from "./techniques";
 import { applyTheme, showTop } from "./top";
 import { applyLanguage, say, saySentence } from "./words";
@@ -22,11 +22,14 @@ page.link = new Link({
   state: (now) => void heard(now),
   live: (now) => { page.live = now; showLive(); },
   reply: answered,
-  lost: (lost) => {
+  trouble: (word) => {
     const banner = document.getElementById("lost")!;
-    banner.hidden = !lost;
-    banner.textContent = lost ? say("lost") : "";
-    if (lost) page.seen = { ...page.seen, phase: "" };
+    banner.hidden = !word;
+    banner.textContent = word && say(word);
+  },
+  opened: () => {
+    page.seen = nothingSeen(page.seen.session);
+    page.reviewsBefore = -1;
   },
 });
 page.render = render;
@@ -42,7 +45,7 @@ async function heard(now: State): Promise<void> {
   if (now.operator) page.steered = true;
   if (page.recording && !["idle", "ended"].includes(now.phase)) forgetRecording();
   if (now.session !== page.seen.session) {
-    page.seen = { session: now.session, cloud: 0, backs: 0, plans: 0, events: 0, reviews: -1, phase: page.seen.phase };
+    page.seen = { ...nothingSeen(now.session), phase: page.seen.phase };
     forgetAnswers();
     scene.clear();
     page.plan = page.live = undefined;
@@ -108,8 +111,11 @@ async function fetchNew(now: State): Promise<void> {
 }
 
 function answered(reply: Reply): void {
-  if (reply.address) showInvitation(reply.address);
-  else if (reply.outcome !== "done" && reply.ask !== "operate") tell(`${say("refused")} ${saySentence(reply.said)}`);
+  if (reply.address) return showInvitation(reply.address);
+  if (reply.outcome === "done") return reply.ask === "stop" ? speak(say("stop_asked")) : undefined;
+  // That somebody else was first, everybody sees.
+  if (reply.ask === "operate" && reply.outcome === "taken") return;
+  tell(`${say("refused")} ${saySentence(reply.said)}`);
 }
 
 // A button that is replaced between touch and click would never hear of it; on a busy machine the click of a finger comes

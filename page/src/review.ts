@@ -16,7 +16,7 @@ function change(): void {
   page.told = "";
   page.reviewsBefore = page.state!.reviews;
   scene.showRuledOut(page.wanted.no_go.map((area) => area.corners));
-  page.link.ask("change", page.wanted);
+  page.link.ask("change", { order: page.wanted });
   showPlanning();
 }
 

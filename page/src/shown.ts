@@ -16,13 +16,21 @@ export type View = "choose" | "health" | "scan" | "review" | "massage" | "report
 /** What is ruled out and what was moved by hand. */
 export interface ByHand { no_go: { name: string; corners: [number, number, number][] }[]; fixed: { name: string; at: [number, number, number] }[] }
 
+/** What has come from the server, by the numbers of the state that it was asked for. */
+interface Seen {
+  session: string; cloud: number; backs: number; plans: number; events: number; reviews: number; phase: string;
+}
+/** Another object each time: what is on its way for the one before is not taken. */
+export const nothingSeen = (session: string): Seen =>
+  ({ session, cloud: 0, backs: 0, plans: 0, events: 0, reviews: -1, phase: "" });
+
 interface Shown {
   link: Link; render(): void; choices: Choices; state?: State; live?: Live | undefined; plan?: Plan | undefined;
   /** Which of the session's plans `plan` is; 0 while none has come. */
   shownPlan: number;
   points: Acupoint[]; happened: Happening[]; view: View; chosen: "choose" | "health";
   /** The session whose report was left; whether this page has been in control; what has been fetched. */
-  left: string; steered: boolean; zonesShown: boolean; seen: { session: string; cloud: number; backs: number; plans: number; events: number; reviews: number; phase: string };
+  left: string; steered: boolean; zonesShown: boolean; seen: Seen;
   /** What the plan that stands was made with, and what was asked for since. */
   wanted: ByHand; editing: Edit; reviewsBefore: number;
   recording?: Recording | undefined; player?: Player | undefined;
@@ -35,7 +43,7 @@ interface Shown {
 /** What the page knows and shows; every view is made of it. `main` gives it its connection and its way to draw. */
 export const page = {
   shownPlan: 0, points: [], happened: [], view: "choose", chosen: "choose", left: "", steered: false, zonesShown: false,
-  seen: { session: "", cloud: 0, backs: 0, plans: 0, events: 0, reviews: -1, phase: "" }, wanted: { no_go: [], fixed: [] },
+  seen: nothingSeen(""), wanted: { no_go: [], fixed: [] },
   editing: "turn", reviewsBefore: -1, told: "", forces: [], slots: {},
 } as unknown as Shown;
 
@@ -62,7 +70,8 @@ export const maySteer = (): boolean => !!page.state && !page.state.viewer && (pa
 export const whyNot = (): string =>
   say(page.state?.viewer ? "watch_only" : page.state?.operated ? "not_you" : "nobody_operates");
 export function steer(): void { if (!page.state?.operator) page.link.ask("operate"); }
-export function stop(): void { page.link.ask("stop"); speak(say("stop_asked")); }
+/** Its button asks twice, by touch and by click, which does no harm: where one of both is lost, STOP is not. */
+export const stop = (): void => page.link.stop();
 
 export function viewOf(now: State): View {
   // A session that runs is what everybody sees: who looks back is called to it.
