@@ -35,7 +35,7 @@ export function choose(): HTMLElement {
   seed.oninput = () => { order["seed"] = Math.min(page.choices.max_seed, Math.max(1, Math.round(Number(seed.value)) || 1)); };
   const sessions = element("div", { class: "sessions" }, say("no_sessions"));
   void read<Listed[]>("/api/sessions").then((all) => {
-    if (all.length) sessions.replaceChildren(table(all.map((one) => [one.session, `${one.person && say(one.person) + " · "}${say(one.programme)}`,
+    if (all?.length) sessions.replaceChildren(table(all.map((one) => [one.session, `${one.person && say(one.person) + " · "}${say(one.programme)}`,
       `${Math.round(one.duration_s)} s · ${one.performed}/${one.paths} ${say("paths_short")}${one.stops ? ` · ${say("ended_stopped")}` : ""}`,
       element("div", { class: "row" },
         element("button", { id: `play_${one.session}`, "aria-label": `${say("look_back")} ${one.session}`, onclick: () => void lookBack(one.session) }, say("look_back")),

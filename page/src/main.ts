@@ -19,7 +19,7 @@ import { applyLanguage, say, saySentence } from "./words";
 let operateMs = 0, drawn: View | undefined;
 
 page.link = new Link({
-  state: (now) => void heard(now),
+  state: heard,
   live: (now) => { page.live = now; showLive(); },
   reply: answered,
   trouble: (word) => {
@@ -34,7 +34,7 @@ page.link = new Link({
 });
 page.render = render;
 
-async function heard(now: State): Promise<void> {
+function heard(now: State): void {
   const before = page.state;
   page.state = now;
   // After a lost connection; once a second is enough.
@@ -49,7 +49,6 @@ async function heard(now: State): Promise<void> {
     forgetAnswers();
     scene.clear();
     page.plan = page.live = undefined;
-    page.shownPlan = 0;
     page.points = [];
     page.happened = [];
     page.wanted = { no_go: [], fixed: [] };
@@ -57,55 +56,78 @@ async function heard(now: State): Promise<void> {
     page.reviewsBefore = -1;
     page.forces = [];
   }
-  const next = viewOf(now);
-  if (next !== page.view || page.seen.phase === "") {
+  const next = viewOf(now), { phase } = page.seen;
+  if (next !== page.view || now.phase !== phase) {
     // Whoever still holds the button that armed sees the arms move.
-    pressing = false;
+    if (next !== page.view || phase === "") pressing = false;
     page.view = next;
     render();
   }
-  if (now.phase !== page.seen.phase) {
+  if (now.phase !== phase) {
     page.seen.phase = now.phase;
     speak(now.phase === "ended" ? say(`ended_${now.outcome}`) : say(`step_${next}`));
-    render();
   }
-  if (before?.operator !== now.operator || before?.operated !== now.operated) { showTop(); if (page.view !== "choose" && page.view !== "health") render(); }
-  if (before?.paused !== now.paused) { render(); if (page.view === "massage") speak(say(now.paused ? "paused_title" : "massage_title")); }
+  if (before?.operator !== now.operator || before?.operated !== now.operated) { showTop(); if (!["choose", "health", "report"].includes(page.view)) render(); }
+  if (before?.paused !== now.paused && page.view === "massage") {
+    render();
+    speak(say(now.paused ? "paused_title" : "massage_title"));
+  }
   showProgress();
   if (page.view === "review") showPlanning();
-  await fetchNew(now);
+  void fetchNew(now);
 }
 
+let fetching: typeof page.seen | undefined;
+
+/** One after the other; what could not be had is asked for again at the next state. */
 async function fetchNew(now: State): Promise<void> {
-  if (now.phase === "scan" && now.cloud_points > page.seen.cloud) {
-    page.seen.cloud = now.cloud_points;
-    scene.showCloud(new Float32Array(await bytes("/api/cloud")));
+  const seen = page.seen;
+  if (fetching === seen) return;
+  fetching = seen;
+  try { await takeNew(now, seen); } finally { if (fetching === seen) fetching = undefined; }
+}
+
+async function takeNew(now: State, seen: typeof page.seen): Promise<void> {
+  const late = (): boolean => page.seen !== seen || !!page.recording;
+  if (late()) return;
+  if (now.phase === "scan" && now.cloud_points > seen.cloud) {
+    const cloud = await bytes("/api/cloud");
+    if (!cloud || late()) return;
+    seen.cloud = now.cloud_points;
+    scene.showCloud(new Float32Array(cloud));
   }
-  if (now.backs > page.seen.backs) {
-    page.seen.backs = now.backs;
-    scene.showBack(await bytes("/api/back"));
-    page.points = (await read<{ acupoints: Acupoint[] }>("/api/map")).acupoints;
+  if (now.backs > seen.backs) {
+    const back = await bytes("/api/back"), map = await read<{ acupoints: Acupoint[] }>("/api/map");
+    if (!back || !map || late()) return;
+    seen.backs = now.backs;
+    scene.showBack(back);
+    page.points = map.acupoints;
     scene.showAcupoints(page.points);
-    render();
+    if (page.view === "review") render();
   }
-  if (now.plans > page.seen.plans) {
-    page.seen.plans = now.plans;
-    page.plan = await read<Plan>("/api/plan");
-    page.shownPlan = now.plans;
-    scene.showPaths(page.plan.paths);
-    render();
+  if (now.plans > seen.plans) {
+    const plan = await read<Plan>("/api/plan");
+    if (!plan || late()) return;
+    seen.plans = now.plans;
+    page.plan = plan;
+    scene.showPaths(plan.paths);
+    if (page.view === "review") render();
   }
-  if (["review", "massage"].includes(now.phase) && now.reviews !== page.seen.reviews) {
+  if (["review", "massage"].includes(now.phase) && now.reviews !== seen.reviews) {
     // Whoever has said it, before this page was opened, too; what could not be done is not among it.
-    page.seen.reviews = now.reviews;
-    page.wanted = await read<ByHand>("/api/by_hand");
+    const byHand = await read<ByHand>("/api/by_hand");
+    if (!byHand || late()) return;
+    seen.reviews = now.reviews;
+    page.wanted = byHand;
     scene.showRuledOut(page.wanted.no_go.map((area) => area.corners));
     scene.showAcupoints(page.points);
-    render();
+    if (page.view === "review") render();
   }
-  if (now.events > page.seen.events) {
-    page.seen.events = now.events;
-    page.happened = await read<Happening[]>("/api/events");
+  if (now.events > seen.events) {
+    const happened = await read<Happening[]>("/api/events");
+    if (!happened || late()) return;
+    seen.events = now.events;
+    page.happened = happened;
     showHappened();
   }
 }
@@ -173,4 +195,12 @@ requestAnimationFrame(play);
 applyTheme();
 applyLanguage();
 showTop();
-void read<Choices>("/api/choices").then((all) => { page.choices = all; learnTechniques(all.techniques); render(); });
+
+async function readChoices(): Promise<void> {
+  const all = await read<Choices>("/api/choices");
+  if (!all) return void setTimeout(() => void readChoices(), 500);
+  page.choices = all;
+  learnTechniques(all.techniques);
+  render();
+}
+void readChoices();

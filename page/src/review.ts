@@ -30,7 +30,8 @@ function ruleOutAround(point: Acupoint): void {
 }
 
 /** Nobody arms a plan that the page does not show: another one is being made, or is on its way. */
-const mayArm = (): boolean => maySteer() && page.state!.reviews !== page.reviewsBefore && page.shownPlan === page.state!.plans;
+const mayArm = (): boolean => maySteer() && page.state!.reviews !== page.reviewsBefore &&
+  page.seen.reviews === page.state!.reviews && page.seen.plans === page.state!.plans;
 
 /** While another plan is made nothing can be armed; what could not be done is said. */
 export function showPlanning(): void {

@@ -26,8 +26,6 @@ export const nothingSeen = (session: string): Seen =>
 
 interface Shown {
   link: Link; render(): void; choices: Choices; state?: State; live?: Live | undefined; plan?: Plan | undefined;
-  /** Which of the session's plans `plan` is; 0 while none has come. */
-  shownPlan: number;
   points: Acupoint[]; happened: Happening[]; view: View; chosen: "choose" | "health";
   /** The session whose report was left; whether this page has been in control; what has been fetched. */
   left: string; steered: boolean; zonesShown: boolean; seen: Seen;
@@ -42,15 +40,27 @@ interface Shown {
 
 /** What the page knows and shows; every view is made of it. `main` gives it its connection and its way to draw. */
 export const page = {
-  shownPlan: 0, points: [], happened: [], view: "choose", chosen: "choose", left: "", steered: false, zonesShown: false,
+  points: [], happened: [], view: "choose", chosen: "choose", left: "", steered: false, zonesShown: false,
   seen: nothingSeen(""), wanted: { no_go: [], fixed: [] },
   editing: "turn", reviewsBefore: -1, told: "", forces: [], slots: {},
 } as unknown as Shown;
 
 export const main = document.getElementById("main")!;
 export const scene = new Scene(say("view_label"), say("no_picture"));
-export const read = async <T>(path: string): Promise<T> => (await fetch(path)).json() as Promise<T>;
-export const bytes = async (path: string): Promise<ArrayBuffer> => (await fetch(path)).arrayBuffer();
+const hangsMs = 10_000;
+/** Nothing where it cannot be had now. */
+export async function bytes(path: string): Promise<ArrayBuffer | undefined> {
+  try {
+    const reply = await fetch(path, { signal: AbortSignal.timeout(hangsMs) });
+    return reply.ok ? await reply.arrayBuffer() : undefined;
+  } catch {
+    return undefined;
+  }
+}
+export async function read<T>(path: string): Promise<T | undefined> {
+  const text = await bytes(path);
+  return text && (JSON.parse(new TextDecoder().decode(text)) as T);
+}
 export const speak = (words: string): void => { document.getElementById("spoken")!.textContent = words; };
 
 /** Says something where it was asked for, aloud too. */
