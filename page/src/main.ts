@@ -8,7 +8,7 @@ import { Link, type Reply, type State } from "./link";
 import { forgetRecording, lookedBack, play, showMoment } from "./look_back";
 import { massage, showHappened, showLive } from "./massage";
 import { type Plan } from "./recording";
-import { review, showPlanning } from "./review";
+import { review, showByHand, showPlanning } from "./review";
 import { type Acupoint } from "./picture/marks";
 import { report, scan, showProgress } from "./session";
 import { type ByHand, bytes, type Choices, main, nothingSeen, page, read, scene, speak, stop, tell, type View, viewOf } from "./shown";
@@ -119,8 +119,7 @@ async function takeNew(now: State, seen: typeof page.seen): Promise<void> {
     if (!byHand || late()) return;
     seen.reviews = now.reviews;
     page.wanted = byHand;
-    scene.showRuledOut(page.wanted.no_go.map((area) => area.corners));
-    scene.showAcupoints(page.points);
+    showByHand();
     if (page.view === "review") render();
   }
   if (now.events > seen.events) {
@@ -138,6 +137,10 @@ function answered(reply: Reply): void {
   // That somebody else was first, everybody sees.
   if (reply.ask === "operate" && reply.outcome === "taken") return;
   tell(`${say("refused")} ${saySentence(reply.said)}`);
+  if (reply.ask !== "change") return;
+  // The plan stands, and what it was made with is drawn again.
+  page.reviewsBefore = page.seen.reviews = -1;
+  showPlanning();
 }
 
 // A button that is replaced between touch and click would never hear of it; on a busy machine the click of a finger comes
@@ -147,7 +150,9 @@ const drawNow = (): void => { pressing = false; if (drawsLater) render(); };
 const drawIn = (ms: number): void => { clearTimeout(released); released = window.setTimeout(drawNow, ms); };
 addEventListener("pointerdown", () => { clearTimeout(released); pressing = true; }, true);
 addEventListener("pointerup", () => drawIn(400), true);
-for (const end of ["click", "pointercancel", "keyup", "blur"]) addEventListener(end, () => drawIn(0), true);
+for (const end of ["click", "pointercancel", "keyup"]) addEventListener(end, () => drawIn(0), true);
+// Of the window alone: a button that loses the focus ends no press of another one.
+addEventListener("blur", () => drawIn(0));
 // So that a key, too, can hold what is held: whoever begins by it takes control, which is drawn.
 addEventListener("keydown", (event) => { if ((event.target as Element).closest?.(".hold")) { clearTimeout(released); pressing = true; } }, true);
 
