@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 import { element, table } from "./element";
 import { stiffnessShare, wordsOf } from "./happening";
+import { type Live } from "./link";
+import { clock } from "./player";
+import { type Plan } from "./recording";
 import { ask, page, scene, toldPlace, whyNot } from "./shown";
 import { armCards, dot, stage } from "./stage";
 import { say, sayPath } from "./words";
@@ -25,6 +28,23 @@ export function massage(): HTMLElement {
       element("div", { class: "card" }, element("h2", {}, say("happened")), page.slots["happened"])));
 }
 
+/** The step of the arm that is less far in the plan, and for how long nobody has paused it. */
+let reached: { plan?: Plan; step: number; forS: number; seenS: number } = { step: -1, forS: 0, seenS: 0 };
+
+/** Seconds that are ahead by the plan's own times: those of the robot count what was before this plan, too. */
+function restOf(plan: Plan, live: Live): number {
+  const steps = live.arms.flatMap((arm) => plan.paths[arm.path]?.step ?? []), seenS = live.time_s;
+  // Between two paths an arm serves none.
+  const step = steps.length ? Math.min(...steps) : plan === reached.plan ? reached.step : -1;
+  if (plan !== reached.plan || step !== reached.step) reached = { plan, step, forS: 0, seenS };
+  if (!page.state?.paused) reached.forS += seenS - reached.seenS;
+  reached.seenS = seenS;
+  const endS = (last: number): number =>
+    Math.max(0, ...plan.paths.filter((path) => path.step <= last).map((path) => path.start_s + path.duration_s));
+  // What takes longer than planned keeps what comes after it waiting.
+  return plan.duration_s - Math.min(endS(reached.step), endS(reached.step - 1) + reached.forS);
+}
+
 export function showLive(): void {
   if (!page.live) return;
   page.live.arms.forEach((arm, i) => {
@@ -36,11 +56,12 @@ export function showLive(): void {
   });
   page.live.forces = [];
   if (!page.plan) return;
+  const rest = restOf(page.plan, page.live);
   const step = Math.max(...page.live.arms.map((arm) => page.plan!.paths[arm.path]?.step ?? -1));
   const next = page.plan.paths.filter((path) => path.step > step).slice(0, 4);
   page.slots["next"]?.replaceChildren(table(next.map((path) => [sayPath(path.name), say(path.arm), `${path.ordered_n.toFixed(0)} N`])));
-  const rest = Math.max(0, Math.round(page.plan.duration_s - page.live.time_s));
-  if (page.slots["when"]) page.slots["when"].textContent = `${page.live.performed}/${page.plan.paths.length} ${say("done_paths")} · ${say("remaining")} ${Math.floor(rest / 60)}:${String(rest % 60).padStart(2, "0")} ${say("remaining_end")}`;
+  const done = `${page.live.performed}/${page.plan.paths.length} ${say("done_paths")}`;
+  page.slots["when"]?.replaceChildren(`${done} · ${say("remaining")} ${clock(rest)} ${say("remaining_end")}`);
 }
 
 export function showHappened(): void {
