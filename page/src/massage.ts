@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { element, table } from "./element";
-import { stiffnessShare, wordsOf } from "./happening";
+import { placeOf, stiffnessShare, wordsOf } from "./happening";
 import { type Live } from "./link";
 import { clock } from "./player";
 import { type Plan } from "./recording";
@@ -65,11 +65,12 @@ export function showLive(): void {
 }
 
 export function showHappened(): void {
+  const paths = page.plan?.paths ?? [];
   scene.showFelt(page.happened.flatMap((one) => {
-    const at = one.stiffness_n_per_mm && page.plan?.paths[one.path]?.places[0];
+    const at = one.stiffness_n_per_mm && placeOf(one, paths);
     return at ? [{ at, stiffness: stiffnessShare(one.stiffness_n_per_mm!) }] : [];
   }));
-  const list = page.happened.slice(-40).reverse().map((one) => [`${one.time_s.toFixed(0)} s`, wordsOf(one, sayPath(page.plan?.paths[one.path]?.name ?? ""))]);
+  const list = page.happened.slice(-40).reverse().map((one) => [`${one.time_s.toFixed(0)} s`, wordsOf(one, paths)]);
   page.slots["happened"]?.replaceChildren(list.length ? table(list) : element("p", { class: "note" }, say("nothing_yet")));
   if (page.slots["softest"]) page.slots["softest"].hidden = !page.happened.some((one) => one.stiffness_n_per_mm);
 }
