@@ -119,6 +119,15 @@ class Tab:
         self.answer(up)
         time.sleep(0.05)
 
+    def press(self, selector, hold_s):
+        """The mouse on the middle of an element, which then gets the focus."""
+        x, y = self.see(f"""(() => {{ const one = document.querySelector({json.dumps(selector)});
+            one.scrollIntoView({{ block: "center" }}); const box = one.getBoundingClientRect();
+            return [box.x + box.width / 2, box.y + box.height / 2]; }})()""")
+        for kind in ("mousePressed", "mouseReleased"):
+            self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", clickCount=1)
+            time.sleep(hold_s if kind == "mousePressed" else 0.0)
+
     def draw(self, selector, places):
         """A finger along places of an element, each a share of its width and of its height."""
         x, y, width, height = self.see(f"""(() => {{ const box = document.querySelector({json.dumps(selector)});

@@ -126,6 +126,32 @@ def moved_by_keys(server, watcher, tab):
     time.sleep(1.0)  # the new back and plan are drawn, and buttons with them
 
 
+def let_go_while_moving(server, watcher, tab):
+    """Who begins while an acupoint is on its way changes the plan by it, and arms nothing once the press is let go."""
+    before = watcher.state["reviews"]
+    expect("moving is reached again", tab.tab_to("#move_BL50_L"))
+    for _ in range(3):
+        tab.key("ArrowUp")
+    tab.press("#arm", hold_s=0.9)
+    expect("another plan for the point on its way", watcher.until(lambda: watcher.state["reviews"] == before + 1, 20))
+    time.sleep(2.0)
+    expect("a press that was let go arms nothing",
+           watcher.state["phase"] == "review" and not any(line["what"] == "arm" for line in server.audit()))
+    expect("it can be undone", tab.until("document.querySelector('#undo')?.disabled === false"))
+    expect("undoing is reached again", tab.tab_to("#undo"))
+    tab.key("Enter")
+    expect("the plan before", watcher.until(lambda: watcher.state["reviews"] == before + 2, 20))
+    expect("it may be armed once more", tab.until("document.querySelector('#arm')?.disabled === false"))
+
+
+def stopped_while_lost(watcher, tab):
+    """A stop without a connection is not said to be asked for; the next connection begins with it."""
+    told = tab.see("""(() => { socket.close(); document.querySelector("#stop").click();
+        return [document.querySelector("#lost").textContent, document.querySelector("#spoken").textContent]; })()""")
+    expect(f"the hand stop is named {told}", "停止鈕" in told[0] and "已要求停止" not in told[1])
+    expect("it arrives", watcher.until(lambda: watcher.state["phase"] in ("report", "ended"), 20))
+
+
 def drawn_by_finger(watcher, tab):
     """An area is drawn around on the back, and taken back."""
     for ask in ("#rule_out", "#undo"):
@@ -251,6 +277,7 @@ def by_keyboard(server, watcher, axe, pictures, presses):
     coloured(server, watcher, tab)
     watched(invitation, axe, pictures)
     moved_by_keys(server, watcher, tab)
+    let_go_while_moving(server, watcher, tab)
     ruled_out_by_keys(server, watcher, tab)
     expect("arm is reached", tab.tab_to("#arm"))
     tab.key("Enter", hold_s=1.0)
@@ -318,6 +345,8 @@ def looked_back_by_keys(visit):
 
 def by_touch(server, watcher, axe, pictures):
     tab = Tab(390, 844, touch=True, dark=True)
+    tab.call("Page.addScriptToEvaluateOnNewDocument", source="""window.WebSocket = class extends WebSocket {
+        constructor(address) { super(address); window.socket = this; } };""")
     visit = Visit(tab, server, axe, pictures, "phone")
     if tab.see("!!document.querySelector('#another')"):
         tab.touch("#another")
@@ -343,7 +372,7 @@ def by_touch(server, watcher, axe, pictures):
     tab.touch("#arm", hold_s=2.6)
     expect("massage", tab.until("!!document.querySelector('#softer')"))
     visit.judge_chinese("massage")
-    tab.touch("#stop")
+    stopped_while_lost(watcher, tab)
     expect("report", tab.until("!!document.querySelector('#another')", 60))
     visit.judge_chinese("report")
     said = tab.see("document.querySelector('#said').textContent")
