@@ -102,7 +102,7 @@ Result<void> LiveSession::waits_for(std::optional<std::uint64_t> review, const c
   if (phase_ != LivePhase::review || review_)
     return fail(Fault::usage, "no plan waits to be {}", what);
   if (review && *review != reviews_)
-    return fail(Fault::usage, "another plan was made meanwhile; look at it first");
+    return fail(Fault::usage, "{}", another_plan);
   return {};
 }
 

@@ -29,6 +29,9 @@ namespace tuina::app {
 enum class LivePhase : std::uint8_t { idle, scan, map, plan, review, massage, report, ended };
 [[nodiscard]] const char* name_of(LivePhase phase) noexcept;
 
+/// What is said to somebody who asks for something about a plan that stands no more.
+inline constexpr const char* another_plan = "another plan was made meanwhile; look at it first";
+
 /// One session after the other, each on a thread of its own. What is asked of a running one goes
 /// through the door that the keyboard uses: `session::Order::commands`. All of it may be called
 /// from any thread, and none of it waits for the session.

@@ -181,7 +181,10 @@ Sentence LiveSite::decide(web::ClientId client, const web::Message& message) {
     return {.words = name_of(refusal), .key = fmt::format("refusal_{}", name_of(refusal))};
   if (message.ask == web::Ask::stop) return {.words = "done"};  // it was, before anything else
   const auto obeyed = obey(message);
-  return obeyed ? Sentence{.words = "done"} : sentence_of(obeyed.error());
+  if (obeyed) return {.words = "done"};
+  if (obeyed.error().message == another_plan)
+    return {.words = another_plan, .key = "refusal_outdated"};
+  return sentence_of(obeyed.error());
 }
 
 void LiveSite::hear_page(web::ClientId client, std::string_view text) {

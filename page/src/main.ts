@@ -10,6 +10,7 @@ import { massage, showHappened, showLive } from "./massage";
 import { type Plan } from "./recording";
 import { review, showByHand, showPlanning } from "./review";
 import { type Acupoint } from "./picture/marks";
+import { forgetWhom } from "./remembered";
 import { report, scan, showProgress } from "./session";
 import { type ByHand, bytes, type Choices, main, nothingSeen, page, read, scene, speak, stop, tell, type View, viewOf } from "./shown";
 import { learnTechniques } from "./techniques";
@@ -47,6 +48,7 @@ function heard(now: State): void {
   if (now.session !== page.seen.session) {
     page.seen = { ...nothingSeen(now.session), phase: page.seen.phase };
     forgetAnswers();
+    forgetWhom();
     scene.clear();
     page.plan = page.live = undefined;
     page.points = [];

@@ -37,6 +37,14 @@ async function find(position: string): Promise<void> {
 /** Whether nobody is named, or everything that is remembered of them was answered. */
 export const remembersAll = (): boolean => !who || (!!found && found.items.every((one) => one.kind in use));
 
+/** The next session is of somebody else, until somebody says who it is. */
+export function forgetWhom(): void {
+  who = asked = fault = "";
+  found = undefined;
+  use = {};
+  reads = false;
+}
+
 /** What of it goes with an order; before the next one it is looked up anew. */
 export function ofWhom(): object {
   asked = "";
