@@ -101,8 +101,7 @@ Attendant LiveSession::attendant() {
 Result<void> LiveSession::waits_for(std::optional<std::uint64_t> review, const char* what) const {
   if (phase_ != LivePhase::review || review_)
     return fail(Fault::usage, "no plan waits to be {}", what);
-  if (review && *review != reviews_)
-    return fail(Fault::usage, "{}", another_plan);
+  if (review && *review != reviews_) return fail(Fault::usage, "{}", another_plan);
   return {};
 }
 
