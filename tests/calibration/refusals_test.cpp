@@ -78,7 +78,7 @@ TEST_CASE("the same pictures under other numbers are no more poses") {
       views.views.push_back(view);
     }
   }
-  refused_saying(views, "14 more show the board where another does");
+  refused_saying(views, "14 more poses show the board where another does");
 
   Views whole = good_views();
   View again = of_pose(whole, 3);
@@ -87,8 +87,17 @@ TEST_CASE("the same pictures under other numbers are no more poses") {
   const auto result = calibrate(whole);
   REQUIRE_MESSAGE(result.has_value(), test::reason(result));
   CHECK(std::ranges::count_if(result->remarks, [](const std::string& remark) {
-          return remark.find("Pose 300 was left out") != std::string::npos;
+          return remark.find("Pose 300 shows the board in the same place") != std::string::npos;
         }) == 1);
+  // A board that stands where it was held before is turned before all the same.
+  Views stood = good_views();
+  View held_there = of_pose(stood, held);
+  held_there.pose = 4;
+  std::erase_if(stood.views, [](const View& view) { return view.pose == 4; });
+  held_there.frame = -1;
+  stood.views.push_back(held_there);
+  const auto turned = calibrate(stood);
+  REQUIRE_MESSAGE(turned.has_value(), test::reason(turned));
 }
 
 TEST_CASE("a sweep whose pictures have another size than those of the board") {

@@ -291,19 +291,18 @@ std::vector<std::string> leave_out_lines(Views& views, const std::vector<LineOff
 }
 
 /// Whether two poses show the board in one place: by the corners that both have at one yaw.
-bool in_one_place(const Views& views, int one, int other) {
+bool in_one_place(const std::vector<const View*>& one, const std::vector<const View*>& other) {
   double sum2_px2 = 0.0;
   int common = 0;
-  for (const View& a : views.views) {
-    for (const View& b : views.views) {
-      if (a.pose != one || b.pose != other || std::abs(a.yaw_rad - b.yaw_rad) > same_yaw_rad)
-        continue;
+  for (const View* a : one) {
+    for (const View* b : other) {
+      if (std::abs(a->yaw_rad - b->yaw_rad) > same_yaw_rad) continue;
       std::map<int, Vector2> seen;
-      for (std::size_t k = 0; k < a.corners_px.size(); ++k) seen[a.corner(k)] = a.corners_px[k];
-      for (std::size_t k = 0; k < b.corners_px.size(); ++k) {
-        const auto found = seen.find(b.corner(k));
+      for (std::size_t k = 0; k < a->corners_px.size(); ++k) seen[a->corner(k)] = a->corners_px[k];
+      for (std::size_t k = 0; k < b->corners_px.size(); ++k) {
+        const auto found = seen.find(b->corner(k));
         if (found == seen.end()) continue;
-        sum2_px2 += (found->second - b.corners_px[k]).squaredNorm();
+        sum2_px2 += (found->second - b->corners_px[k]).squaredNorm();
         ++common;
       }
     }
@@ -312,46 +311,58 @@ bool in_one_place(const Views& views, int one, int other) {
   return common > 0 && sum2_px2 < common * same_px * same_px;
 }
 
-/// Pictures that show what another pose shows already would make the result look surer than it is.
-/// Returns what is said of them.
-std::vector<std::string> leave_out_repeats(Views& views) {
-  std::set<int> poses;
-  for (const View& view : views.views) poses.insert(view.pose);
-  std::vector<std::string> remarks;
-  std::set<int> kept;
-  for (const int pose : poses) {
-    const auto same =
-        std::ranges::find_if(kept, [&](int before) { return in_one_place(views, before, pose); });
-    if (same == kept.end()) {
-      kept.insert(pose);
-      continue;
-    }
-    std::erase_if(views.views, [&](const View& view) { return view.pose == pose; });
-    remarks.push_back(fmt::format(
-        "Pose {} was left out: it shows the board in the same place as pose {}.", pose, *same));
+/// Of pictures of one pose at one yaw, one: the one with a line, where there is such.
+void leave_out_twins(std::vector<View>& views) {
+  std::ranges::stable_sort(views, [](const View& a, const View& b) {
+    return std::pair(a.pose, a.line.empty()) < std::pair(b.pose, b.line.empty());
+  });
+  std::vector<View> kept;
+  for (View& view : views) {
+    const bool twin = std::any_of(kept.rbegin(), kept.rend(), [&](const View& before) {
+      return before.pose == view.pose && std::abs(before.yaw_rad - view.yaw_rad) < same_yaw_rad;
+    });
+    if (!twin) kept.push_back(std::move(view));
   }
+  std::ranges::sort(kept, {}, &View::frame);
+  views = std::move(kept);
+}
+
+/// A pose that shows the board where another does already is that pose: counted twice, it would
+/// make the result look surer than it is. Returns what is said of them.
+std::vector<std::string> join_repeats(Views& views) {
+  std::map<int, std::vector<const View*>> poses;
+  for (const View& view : views.views) poses[view.pose].push_back(&view);
+  std::vector<std::string> remarks;
+  std::map<int, int> is;  // pose: the one that it repeats
+  for (const auto& [pose, of_pose] : poses) {
+    const auto same = std::ranges::find_if(poses, [&](const auto& before) {
+      return before.first == pose ||
+             (!is.contains(before.first) && in_one_place(before.second, of_pose));
+    });
+    if (same->first == pose) continue;
+    is[pose] = same->first;
+    remarks.push_back(
+        fmt::format("Pose {} shows the board in the same place as pose {}, and counts "
+                    "as that.",
+                    pose, same->first));
+  }
+  if (is.empty()) return remarks;
+  for (View& view : views.views)
+    if (const auto repeats = is.find(view.pose); repeats != is.end()) view.pose = repeats->second;
+  leave_out_twins(views.views);
   return remarks;
 }
 
-}  // namespace
-
-Result<Calibrated> calibrate(Views& views) {
-  std::vector<std::string> remarks = leave_out_repeats(views);
-  if (const auto good = check_poses(views); !good) {
-    if (remarks.empty()) return tl::unexpected(good.error());
-    return fail(good.error().fault,
-                "{} ({} more show the board where another does: take it "
-                "elsewhere)",
-                good.error().message, remarks.size());
-  }
+/// The whole calibration, of poses of which each is another.
+Result<Calibrated> calibrate_places(Views& views) {
+  if (const auto good = check_poses(views); !good) return tl::unexpected(good.error());
   auto first = calibrate_camera(views);
   if (!first) return tl::unexpected(first.error());
   auto& poses = first->camera_from_board;
   if (const auto good = check_spread(views, poses); !good) return tl::unexpected(good.error());
   const auto light = find_light_plane(views, first->camera, poses);
   if (!light) return tl::unexpected(light.error());
-  const auto off = leave_out_lines(views, lines_off(*light, views, first->camera, poses));
-  remarks.insert(remarks.end(), off.begin(), off.end());
+  const auto remarks = leave_out_lines(views, lines_off(*light, views, first->camera, poses));
   const auto axis = find_yaw_axis(views, poses);
   if (!axis) return tl::unexpected(axis.error());
 
@@ -367,6 +378,18 @@ Result<Calibrated> calibrate(Views& views) {
   result.calibration.errors = errors_of(result.fit);
   sum_up(views, result);
   if (const auto good = check_result(result); !good) return tl::unexpected(good.error());
+  return result;
+}
+
+}  // namespace
+
+Result<Calibrated> calibrate(Views& views) {
+  const auto repeats = join_repeats(views);
+  auto result = calibrate_places(views);
+  if (!result && !repeats.empty())
+    return fail(result.error().fault, "{} ({} more poses show the board where another does)",
+                result.error().message, repeats.size());
+  if (result) result->remarks.insert(result->remarks.begin(), repeats.begin(), repeats.end());
   return result;
 }
 
