@@ -36,7 +36,7 @@ inline Bytes bytes_of(PixelFormat format, int number) {
   return bytes;
 }
 
-inline Bytes jpeg_of(int wide, int high) {
+inline Bytes jpeg_of(int wide, int high, int restart_rows = 0) {
   jpeg_compress_struct jpeg = {};
   jpeg_error_mgr manager = {};
   jpeg.err = jpeg_std_error(&manager);
@@ -49,6 +49,7 @@ inline Bytes jpeg_of(int wide, int high) {
   jpeg.input_components = 3;
   jpeg.in_color_space = JCS_RGB;
   jpeg_set_defaults(&jpeg);
+  jpeg.restart_in_rows = restart_rows;
   jpeg_start_compress(&jpeg, TRUE);
   for (int y = 0; y < high; ++y) {
     Bytes row(3 * static_cast<std::size_t>(wide));

@@ -26,10 +26,14 @@ void leave(j_common_ptr common) {
   common->err->format_message(common, failure->message.data());
   std::longjmp(failure->back, 1);  // NOLINT(cert-err52-cpp): libjpeg's own way
 }
-// Bytes too many before a marker are skipped, and nothing is made up: the Logitech C270 sends some
-// in each picture.
+// Some bytes too many before a restart marker are borne, from which a picture begins anew: the
+// Logitech C270 sends some in each picture. Elsewhere they are what a damaged picture leaves over.
 void leave_at_warning(j_common_ptr common, int level) {
-  if (level < 0 && common->err->msg_code != JWRN_EXTRANEOUS_DATA) leave(common);
+  const jpeg_error_mgr& error = *common->err;
+  constexpr int max_bytes = 8, first_restart = 0xD0, last_restart = 0xD7;
+  const bool padded = error.msg_code == JWRN_EXTRANEOUS_DATA && error.msg_parm.i[0] <= max_bytes &&
+                      error.msg_parm.i[1] >= first_restart && error.msg_parm.i[1] <= last_restart;
+  if (level < 0 && !padded) leave(common);
 }
 
 // Nothing here has a destructor that a long jump would pass by.
