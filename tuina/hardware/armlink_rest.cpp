@@ -11,7 +11,7 @@ namespace tuina::hardware {
 using namespace std::chrono_literals;
 
 void ArmlinkRobot::rest() noexcept {
-  if (faulty_ || !standing_ || resting_) return;
+  if (faulty_ || !standing_ || keeper_.joinable()) return;
   constexpr auto rest_patience = 200ms;
   // The last torques count for one more cycle; what came right behind them would undo them.
   const auto obeyed_by =

@@ -84,7 +84,10 @@ Result<void> ArmlinkRobot::move_to(const robot::ReadyPose& pose) {
       (void)hear_both();
       if (!note_faults()) return fail(Fault::device, "{}", fault_.data());
     }
-    if (both(armlink::status::stands) && obeyed()) return {};
+    if (both(armlink::status::stands) && obeyed()) {
+      keep_resting(pose.q_rad, pose.rail_m);
+      return {};
+    }
     for (const Arm arm : both_arms) {
       // The world of simulated arms is made once both are told where to stand.
       if (peers_[arm].heard_anything() || Clock::now() < begun + join_patience) continue;

@@ -63,8 +63,14 @@ class ArmlinkRobot final : public robot::Robot {
 
   /// Whether nobody can be touched by either arm.
   [[nodiscard]] bool simulated() const noexcept;
-  /// The arm's end of the network, to ask what came over it.
-  [[nodiscard]] const ArmPeer& peer(Arm arm) const noexcept { return peers_[arm]; }
+  /// Whether both arms wait for their host.
+  [[nodiscard]] bool lock_step() const noexcept;
+  /// The arm's end of the network, to ask what came over it. Arms that rest are told nothing from
+  /// here on until the next `rest`.
+  [[nodiscard]] const ArmPeer& peer(Arm arm) noexcept {
+    end_rest();
+    return peers_[arm];
+  }
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -74,8 +80,6 @@ class ArmlinkRobot final : public robot::Robot {
   explicit ArmlinkRobot(PerArm<ArmPeer> peers) : peers_(std::move(peers)) {}
   [[nodiscard]] bool note_faults() noexcept;
   void break_off(Arm arm, const char* why) noexcept;
-  /// Whether both arms wait for their host.
-  [[nodiscard]] bool lock_step() const noexcept;
   void wait_for_either(Clock::time_point deadline) const noexcept;
   [[nodiscard]] PerArm<bool> hear_both() noexcept;
   void forget_queued() noexcept;

@@ -154,7 +154,7 @@ DeviceArms::~DeviceArms() {
 
 bool DeviceArms::lock_step() const noexcept {
   if (drives_) return drives_wait_;
-  return armlink_->peer(Arm::left).waits() && armlink_->peer(Arm::right).waits();
+  return armlink_->lock_step();
 }
 
 Result<void> DeviceArms::arm(const link::Arming& arming) {

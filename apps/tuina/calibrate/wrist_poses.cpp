@@ -124,7 +124,8 @@ Result<void> record_wrist_poses(const std::filesystem::path& device_file, Arm ar
   for (std::size_t i = 0; i < ways.size(); ++i) {
     pose.q_rad[arm] = ways[i];
     if (auto moved = (*arms)->move_to(pose); !moved) return moved;
-    const JointVector& q_rad = (*arms)->peer(arm).state().q_rad;
+    const JointVector q_rad = (*arms)->peer(arm).state().q_rad;
+    (*arms)->rest();
     constexpr double max_off_rad = 3_deg;
     if ((q_rad - ways[i]).cwiseAbs().maxCoeff() > max_off_rad)
       return fail(Fault::device, "the {} arm stands {:.1f} deg from pose {}", name_of(arm),
