@@ -224,8 +224,12 @@ TEST_CASE("an arm whose efforts nobody claims is held by its own drives, its bas
   CHECK(value(ready.states, "one", "position") == doctest::Approx(0.1));
   CHECK(ready.arm.rail_m == doctest::Approx(0.4));
   const int before = ready.arm.torques;
+  value(ready.commands, "one", "effort") = std::numeric_limits<double>::quiet_NaN();
   CHECK(cycles(ready.system, 10) == 10);
   CHECK(ready.arm.torques == before);
+  // The next controller begins with what the arm feels, not with what the last one left.
+  REQUIRE(ready.system.perform_command_mode_switch({"two/effort"}, {}) == return_type::OK);
+  CHECK(value(ready.commands, "one", "effort") == 0.0);
 }
 
 TEST_CASE("a torque that is no number is an error, and is not sent") {
@@ -260,15 +264,6 @@ TEST_CASE("a silent arm is not driven after three cycles, and is an error after 
   CHECK(ready.arm.torques - before <= 3);
 }
 
-TEST_CASE("an arm on a linear base whose place nobody says is refused") {
-  const PromptArm arm;
-  HardwareInfo info = arm.info();
-  info.hardware_parameters.erase("rail_ready");
-  ArmlinkSystem system;
-  REQUIRE(system.on_init(info) == CallbackReturn::SUCCESS);
-  CHECK(system.on_configure({}) == CallbackReturn::ERROR);
-}
-
 TEST_CASE("what the URDF leaves out, and an arm that is not there, are refused") {
   const Arm arm;
   HardwareInfo info = arm.info();
@@ -288,9 +283,10 @@ TEST_CASE("what the URDF leaves out, and an arm that is not there, are refused")
     info.joints.resize(8, info.joints.front());
   }
   CHECK(ArmlinkSystem().on_init(info) == CallbackReturn::ERROR);
-  for (const char* wrong : {"joints", "nobody"}) {
+  for (const char* wrong : {"joints", "nobody", "base"}) {
     HardwareInfo other = arm.info();
     if (wrong == std::string("joints")) other.joints.push_back(other.joints.front());
+    if (wrong == std::string("base")) other.hardware_parameters.erase("rail_ready");
     if (wrong == std::string("nobody"))
       other.hardware_parameters["port"] = std::to_string(free_port());
     ArmlinkSystem system;

@@ -62,6 +62,7 @@ ArmlinkSystem::CallbackReturn ArmlinkSystem::on_configure(const rclcpp_lifecycle
 ArmlinkSystem::CallbackReturn ArmlinkSystem::on_activate(const rclcpp_lifecycle::State&) {
   std::fill(torque_nm_.begin(), torque_nm_.end(), 0.0);
   silent_cycles_ = 0;
+  claimed_.clear();
   hold_rad_ = ready_rad_;
   // A stopped arm begins anew with another session only.
   if (!arm_.open(address_, port_)) return refuse(address_ + ": no address of IPv4");
@@ -94,8 +95,10 @@ ArmlinkSystem::return_type ArmlinkSystem::perform_command_mode_switch(
     if (std::find(stop.begin(), stop.end(), effort) != stop.end()) claimed_.erase(effort);
     if (std::find(start.begin(), start.end(), effort) != start.end()) claimed_.insert(effort);
   }
-  if (drove && claimed_.size() != torque_nm_.size())
-    hold_rad_.assign(state_.q_rad, state_.q_rad + torque_nm_.size());
+  const bool drives = claimed_.size() == torque_nm_.size();
+  if (drove && !drives) hold_rad_.assign(state_.q_rad, state_.q_rad + torque_nm_.size());
+  // Until the new controller has said something, the arm bears itself as it does now.
+  if (drives && !drove) std::copy_n(state_.tau_nm, torque_nm_.size(), torque_nm_.begin());
   return return_type::OK;
 }
 
@@ -131,12 +134,12 @@ ArmlinkSystem::return_type ArmlinkSystem::read(const rclcpp::Time&, const rclcpp
 }
 
 ArmlinkSystem::return_type ArmlinkSystem::write(const rclcpp::Time&, const rclcpp::Duration&) {
+  // Torques of nobody would make the arm limp, and nobody drives an arm blind.
+  const bool driven = claimed_.size() == torque_nm_.size();
   const bool finite = std::all_of(torque_nm_.begin(), torque_nm_.end(),
                                   [](double torque_nm) { return std::isfinite(torque_nm); });
   // Without a command the arm stops by itself.
-  if (!finite) return return_type::ERROR;
-  // Torques of nobody would make the arm limp, and nobody drives an arm blind.
-  const bool driven = claimed_.size() == torque_nm_.size();
+  if (driven && !finite) return return_type::ERROR;
   if (silent_cycles_ < ARMLINK_MAX_MISSED)
     arm_.command(driven ? ARMLINK_TORQUE : ARMLINK_READY, driven ? torque_nm_ : hold_rad_,
                  rail_ready_m_.value_or(0.0));
