@@ -95,6 +95,14 @@ TEST_CASE("joints about any axis, fixed ones between them and turned inertias ar
   text +=
       "<link name=\"hand\"/><joint name=\"wrist\" type=\"fixed\"><origin xyz=\"0 0.1 0.1\" "
       "rpy=\"0 -1.5 0\"/><parent link=\"l6\"/><child link=\"hand\"/></joint>";
+  // Two links that hang from each other.
+  for (const char* pair : {"l6a", "ab", "ba"}) {
+    const bool first = pair[0] == 'l';
+    text += fmt::format(
+        "{}<joint name=\"to_{}\" type=\"fixed\"><parent link=\"{}\"/><child link=\"{}\"/></joint>",
+        first ? "<link name=\"a\"/><link name=\"b\"/>" : "", pair,
+        first ? "l6" : std::string(1, pair[0]), first ? "a" : std::string(1, pair[1]));
+  }
   // A camera beside the hand is carried; what is mounted on the hand gives way to the sphere.
   for (const char* parent : {"l6", "hand"}) {
     text += fmt::format(
@@ -147,6 +155,8 @@ TEST_CASE("what is no arm of six or seven joints is refused with line, element a
           "left_shoulder_pitch_joint: <limit> is missing");
   refused(std::string(good).insert(first, "<mimic joint=\"left_elbow_joint\"/>"),
           "it follows another joint");
-  refused(with(good, " rpy=\"", " quat_xyzw=\"0 0 0 1\" rpy=\""), "is not read; give the place by");
+  const auto turn = good.find("<origin", good.find("name=\"left_elbow_joint\"")) + 7;
+  refused(std::string(good).insert(turn, " quat_xyzw=\"0 0 0 1\""),
+          "is not read; give the place by");
   refused(with(good, "<mass value=\"1.15\"/>", ""), "<mass> and <inertia> are both needed");
 }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "tuina/core/io/text_lines.hpp"
@@ -134,20 +135,16 @@ const char* link_of(const XMLElement& joint, const char* side) {
 /// Adds the masses of what hangs from a link of the chain, as a hand or a sensor beside the tip.
 /// What moves there, as fingers, is small and counts where it stands at zero.
 void add_hanging(Reader& reader, const XMLElement& robot, const XMLElement& link,
-                 const Transform& base_from_link,
-                 const std::vector<const XMLElement*>& chain_joints, Mass& mass, int depth = 0) {
-  constexpr int max_depth = 100;  // a ring of joints has no end
+                 const Transform& base_from_link, std::set<const XMLElement*>& taken, Mass& mass) {
   const char* name = link.Attribute("name");
   for (const XMLElement* joint = robot.FirstChildElement("joint"); joint != nullptr;
        joint = joint->NextSiblingElement("joint")) {
-    const bool of_chain = std::ranges::find(chain_joints, joint) != chain_joints.end();
-    if (of_chain || name == nullptr || link_of(*joint, "parent") != std::string_view(name))
-      continue;
+    if (name == nullptr || link_of(*joint, "parent") != std::string_view(name)) continue;
     const XMLElement* hangs = find(robot, "link", nullptr, "name", link_of(*joint, "child"));
-    if (hangs == nullptr || depth == max_depth) continue;
+    if (hangs == nullptr || !taken.insert(hangs).second) continue;
     const Transform base_from_branch = base_from_link * reader.origin(*joint);
     add_mass(reader, *hangs, base_from_branch, mass);
-    add_hanging(reader, robot, *hangs, base_from_branch, chain_joints, mass, depth + 1);
+    add_hanging(reader, robot, *hangs, base_from_branch, taken, mass);
   }
 }
 
@@ -165,6 +162,11 @@ Vector3 axis_of(Reader& reader, const XMLElement& joint) {
 std::vector<Turning> read_chain(Reader& reader, const XMLElement& robot,
                                 const std::vector<const XMLElement*>& joints, Transform& tip) {
   std::vector<Turning> chain;
+  std::set<const XMLElement*> taken;  // links whose mass is somewhere, or is the base's
+  for (const XMLElement* joint : joints) {
+    for (const char* side : {"parent", "child"})
+      taken.insert(find(robot, "link", nullptr, "name", link_of(*joint, side)));
+  }
   tip = Transform::Identity();
   for (const XMLElement* joint : joints) {
     tip = tip * reader.origin(*joint);
@@ -212,7 +214,7 @@ std::vector<Turning> read_chain(Reader& reader, const XMLElement& robot,
     } else if (!chain.empty()) {
       add_mass(reader, *link, tip, chain.back().mass);
       // What is mounted beyond the tip gives way to the sphere.
-      if (joint != joints.back()) add_hanging(reader, robot, *link, tip, joints, chain.back().mass);
+      if (joint != joints.back()) add_hanging(reader, robot, *link, tip, taken, chain.back().mass);
     }
   }
   return chain;
