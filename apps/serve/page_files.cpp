@@ -34,7 +34,7 @@ constexpr const char* not_built =
     "<code>./run serve</code> builds it, puts it in and starts the server.</p>";
 
 bool is_number(std::string_view name) {
-  return name.size() >= 4 && name.size() <= 9 &&
+  return name.size() >= 4 && name.size() <= 6 &&
          std::all_of(name.begin(), name.end(),
                      [](char letter) { return letter >= '0' && letter <= '9'; });
 }

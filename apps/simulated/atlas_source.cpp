@@ -20,9 +20,10 @@ Result<std::vector<fs::path>> list_labelled(const std::vector<std::string>& plac
   for (const auto& place : places) {
     const auto paths = body::list_labelled_bodies(place);
     if (!paths) return tl::unexpected(paths.error());
-    std::error_code none;
     std::ranges::copy_if(*paths, std::back_inserter(all), [&](const fs::path& path) {
-      return named.insert(fs::weakly_canonical(path, none)).second;
+      std::error_code fault;
+      const fs::path whole = fs::weakly_canonical(path, fault);
+      return named.insert(fault ? path : whole).second;
     });
   }
   std::sort(all.begin(), all.end(), [](const fs::path& a, const fs::path& b) {

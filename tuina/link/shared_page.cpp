@@ -42,6 +42,10 @@ Result<SharedMemory> SharedMemory::map(const std::string& name, std::size_t byte
   SharedMemory memory;
   memory.file_ = shm_open(name.c_str(), access, only_me);
   const bool there = memory.file_ >= 0 || errno != ENOENT;
+  // Somebody else was first.
+  if (make && memory.file_ < 0 && errno == EEXIST)
+    return fail(Fault::device, "the link {}: a session of this name runs; give another by --link",
+                name);
   if (there && memory.file_ < 0)
     return fail(Fault::device, "the link {}: {}", name, std::strerror(errno));
   if (!there || (!make && !made_by_the_living(memory.file_)))

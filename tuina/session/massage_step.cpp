@@ -44,6 +44,8 @@ static_assert(rules_agree());
 
 Sentence explain(const Stop& stop) {
   const char *arm = name_of(stop.arm), *cause = safety::name_of(stop.cause);
+  if (stop.late_s > 0.0)
+    return sentence("stopped_not_done", "the massage was not done after {:.0f} s", stop.late_s);
   if (stop.cause == safety::Cause::asked_to) return sentence("stopped_as_asked", "asked to stop");
   if (stop.joint < 0) return sentence("stopped_arm_by", "{} arm: {}", arm, cause);
   return sentence("stopped_arm_at_joint",

@@ -68,6 +68,7 @@ struct Stop {
   safety::Cause cause = safety::Cause::none;
   int joint = -1;        ///< index of the joint off its planned start; -1: none
   double off_rad = 0.0;  ///< distance from the planned start
+  double late_s = 0.0;   ///< how long the massage lasted and was not done; 0: that was not why
 };
 /// One line for people: the arm and the cause.
 [[nodiscard]] Sentence explain(const Stop& stop);

@@ -227,9 +227,6 @@ Result<bool> carry_out(Devices devices, const Order& order, const Config& config
       late = true;
       massage.obey(LiveCommand::stop);
       devices.supervisor->expect_stop();
-      session.ready.plan.notes.push_back(sentence(
-          "note_not_done", "stopped, for it was not done after {:.0f} s; {:.0f} s were planned",
-          max_s, ready.plan.duration_s));
     }
     constexpr std::uint64_t progress_every_ticks = 500;
     if (reading.tick % progress_every_ticks == 0)
@@ -241,6 +238,7 @@ Result<bool> carry_out(Devices devices, const Order& order, const Config& config
   if (!driven) return tl::unexpected(driven.error());
   observer.on_progress(Stage::massage, 1.0);
   keep(massage, session);
+  if (late && !session.stops.empty()) session.stops.back().late_s = max_s;
   return massage.wants_scan();
 }
 

@@ -11,6 +11,7 @@
 #include <chrono>
 #include <cstring>
 #include <nlohmann/json.hpp>
+#include <thread>
 #include <utility>
 
 #include "tuina/core/io/file.hpp"
@@ -83,10 +84,16 @@ Result<AuditLog> AuditLog::open(const std::filesystem::path& file) {
   if (descriptor < 0)
     return fail(Fault::file, "{}: cannot be written: {}", file.string(), std::strerror(errno));
   AuditLog log(file, descriptor, {.last_hash = first_hash});
-  if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0)
-    return fail(Fault::file,
-                "{}: another server writes there; give this one another folder by --out",
-                file.string());
+  // A server that was told to end takes some seconds for it.
+  const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(5);
+  while (::flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
+    if (std::chrono::steady_clock::now() > until)
+      return fail(
+          Fault::file,
+          "{}: another server writes there; end it, or give this one another folder by --out",
+          file.string());
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
   std::error_code none;
   if (std::filesystem::file_size(file, none) > 0) {
     auto text = read_file(file);
