@@ -56,6 +56,8 @@ struct KnownPeople {
                                            record::SessionOrder& order,
                                            const std::filesystem::path& folder)>
       begin = {};
+  /// Forgets that a session began which did not after all.
+  std::function<void(const record::VisitLabel& visit)> take_back = {};
   /// Adds the session that has ended; what has changed since the one before.
   std::function<Result<std::vector<Sentence>>(const record::SessionFile& file,
                                               const std::filesystem::path& folder)>

@@ -35,7 +35,7 @@ LiveSession::~LiveSession() {
 
 std::string LiveSession::next_number() const {
   // The number of a session that was not begun is not given again: a page knows sessions by it.
-  constexpr std::size_t max_number_size = 9;  // as in page_files.cpp
+  constexpr std::size_t max_number_size = 6;  // as in page_files.cpp
   int last = number_.empty() ? 0 : std::stoi(number_);
   std::error_code none;
   for (const auto& entry : std::filesystem::directory_iterator(options_.folder, none)) {
@@ -197,10 +197,12 @@ void LiveSession::end(std::string outcome, std::vector<SentenceLine> said, bool 
 }
 
 // A session that has moved the arms leaves its record, whatever it came to.
-void LiveSession::give_up(const Error& error, const std::filesystem::path& folder) {
+void LiveSession::give_up(const Error& error, const std::filesystem::path& folder,
+                          const std::optional<record::VisitLabel>& visit) {
   std::error_code none;
   const bool moved = view_->progress().drives;
   if (!moved) std::filesystem::remove_all(folder, none);
+  if (!moved && visit) options_.people.take_back(*visit);
   if (options_.has_failed) options_.has_failed(error);
   std::vector<SentenceLine> said = {{sentence_of(error)}};
   // Whoever answers the questions or ends what moves hears that, not of a fault.
@@ -214,7 +216,8 @@ void LiveSession::give_up(const Error& error, const std::filesystem::path& folde
 }
 
 void LiveSession::run(StartOrder start, std::filesystem::path folder) {
-  const auto give_up = [&](const Error& error) { this->give_up(error, folder); };
+  std::optional<record::VisitLabel> visit;
+  const auto give_up = [&](const Error& error) { this->give_up(error, folder, visit); };
   const std::filesystem::path consent = folder / "consent.toml";
   if (auto written = write_file(consent, start.consent_toml); !written)
     return give_up(written.error());
@@ -230,7 +233,6 @@ void LiveSession::run(StartOrder start, std::filesystem::path folder) {
   if (options_.begins) {
     if (auto noted = options_.begins(); !noted) return give_up(noted.error());
   }
-  std::optional<record::VisitLabel> visit;
   if (!start.who.empty()) {
     auto begun = options_.people.begin(start.who, start.confirmed, start.order, folder);
     if (!begun) return give_up(begun.error());

@@ -105,7 +105,8 @@ class LiveSession {
 
  private:
   void run(StartOrder start, std::filesystem::path folder);
-  void give_up(const Error& error, const std::filesystem::path& folder);
+  void give_up(const Error& error, const std::filesystem::path& folder,
+               const std::optional<record::VisitLabel>& visit);
   [[nodiscard]] Result<void> waits_for(std::optional<std::uint64_t> review, const char* what) const;
   [[nodiscard]] session::Review wait_for_review(const motion::ReadyPlan& plan,
                                                 const std::string& refused);

@@ -78,7 +78,7 @@ def main(binary):
                       "--called", "room-3")
         give(away, order).close()
         expect("exit without a server", away.end() == 0)
-        waits = fleet(binary, f"{folder}/data/tuina/outbox-127.0.0.1-tuina.sqlite")[0]
+        waits = fleet(binary, f"{folder}/data/tuina/outbox-127.0.0.1-9-tuina-nobody.sqlite")[0]
         expect(f"what waits {waits}", waits["robot"] == "room-3" and waits["sessions"] == 1 and waits["stopped"] == 1)
     print("a robot and its history", *faults, sep="\n")
     return 1 if faults else 0

@@ -285,7 +285,7 @@ TEST_CASE("while the server is away a session begins without its memory only, an
   alone.emplace_back("--anew");
   const auto given = run_tuina(alone);
   CHECK(given.exit_code == 0);
-  const std::string outbox = data / "tuina/outbox-127.0.0.1-t.sqlite";
+  const std::string outbox = data / "tuina/outbox-127.0.0.1-9-t-carla.sqlite";
   CHECK_MESSAGE(given.err.find("anna: the session waits in " + outbox) != std::string::npos,
                 given.err);
   const auto waits = run_tuina({"history", "show", "anna", "--history", outbox, "--json"});

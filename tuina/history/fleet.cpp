@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tuina/history/fleet.hpp"
 
+#include <fmt/chrono.h>
+
+#include <chrono>
+
 namespace tuina::history {
 namespace {
 
@@ -39,13 +43,21 @@ MachineSession machine_session_of(const record::SessionFile& file,
 }
 
 Result<void> enter(Database& database, const Machine& machine) {
-  const Value row[] = {machine.name,       machine.model, machine.version,
-                       machine.calibrated, machine.seen,  machine.doing};
+  // A time that lies ahead was said by a clock that was wrong.
+  const auto soon = std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now()) +
+                    std::chrono::minutes(1);
+  const Value row[] = {machine.name,
+                       machine.model,
+                       machine.version,
+                       machine.calibrated,
+                       machine.seen,
+                       machine.doing,
+                       fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(soon))};
   return database.run(
       "INSERT INTO machine (name, model, version, calibrated, seen, doing) "
       "VALUES ($1, $2, $3, $4, $5, $6) ON CONFLICT (name) DO UPDATE SET model = excluded.model, "
       "version = excluded.version, calibrated = excluded.calibrated, seen = excluded.seen, "
-      "doing = excluded.doing WHERE machine.seen <= excluded.seen",
+      "doing = excluded.doing WHERE machine.seen <= excluded.seen OR machine.seen > $7",
       row);
 }
 

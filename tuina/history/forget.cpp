@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <system_error>
 
+#include "tuina/core/io/file.hpp"
 #include "tuina/history/history.hpp"
 #include "tuina/history/schema.hpp"
 #include "tuina/record/session_file.hpp"
@@ -43,7 +44,13 @@ Result<std::vector<KeptFolder>> History::forget(const std::string& who, const st
   // Folders go first: a fault in between leaves rows that still say what there is to remove.
   for (const Visit& visit : *visits) {
     std::error_code fault;
-    if (!fs::exists(visit.folder, fault)) continue;
+    const bool there = fs::exists(visit.folder, fault);
+    if (fault)
+      return fail(Fault::file, "{}: {}; nobody is forgotten yet", visit.folder, fault.message());
+    if (!there) continue;
+    if (is_being_written(fs::path(visit.folder) / "session.mcap"))
+      return fail(Fault::file, "{}: a session is running there; nobody is forgotten yet",
+                  visit.folder);
     const auto unfinished = left_unfinished(visit);
     if (!unfinished) return tl::unexpected(unfinished.error());
     if (!*unfinished && !still_in_its_folder(visit)) {
@@ -52,9 +59,12 @@ Result<std::vector<KeptFolder>> History::forget(const std::string& who, const st
     }
     // session.json is the last to go: until then a second attempt finds the session.
     for (const char* name : record::files_of_session) {
-      if (fs::remove(fs::path(visit.folder) / name, fault); fault)
-        return fail(Fault::file, "{}/{}: {}; nobody is forgotten yet", visit.folder, name,
-                    fault.message());
+      // A program that was killed has left the file that it was writing.
+      for (const char* end : {".part", ""}) {
+        if (fs::remove(fs::path(visit.folder) / (name + std::string(end)), fault); fault)
+          return fail(Fault::file, "{}/{}{}: {}; nobody is forgotten yet", visit.folder, name, end,
+                      fault.message());
+      }
     }
     // Whoever keeps something of their own beside a session keeps it.
     if (!fs::remove(visit.folder, fault)) kept.push_back({visit.folder, false});

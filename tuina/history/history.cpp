@@ -4,12 +4,28 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <nlohmann/json.hpp>
 
 #include "tuina/history/schema.hpp"
 
 namespace tuina::history {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+/// What is no text could be stored and never be given out again as JSON.
+Result<void> check_text(const std::string& words, const char* what) {
+  try {
+    (void)nlohmann::json(words).dump();
+    return {};
+  } catch (const nlohmann::json::exception&) {
+    return fail(Fault::usage, "{}: is no text in UTF-8; is the terminal set to another encoding?",
+                what);
+  }
+}
+
+}  // namespace
 
 Result<History> History::open(const std::string& address) {
   auto database = open_database(address);
@@ -57,6 +73,8 @@ Result<void> History::insert(const Visit& visit) {
 }
 
 Result<void> History::begin(const record::VisitLabel& label, const fs::path& folder) {
+  if (auto text = check_text(folder.string(), "the name of the session's folder"); !text)
+    return text;
   auto transaction = Transaction::begin(*database_);
   if (!transaction) return tl::unexpected(transaction.error());
   // One that has ended, told of once more by whoever was late, stays as it is.
@@ -118,13 +136,15 @@ Result<void> History::add(const Visit& visit) {
 }
 
 Result<void> History::add_note(const std::string& who, const Note& note) {
+  if (auto text = check_text(note.words, "the note"); !text) return text;
   const Value row[] = {who, note.at, note.words};
   return database_->run("INSERT INTO note (who, at, words) VALUES ($1, $2, $3)", row);
 }
 
 Result<std::vector<Person>> History::people() {
   const auto rows = database_->query(
-      "SELECT name, since, COUNT(id) FROM person LEFT JOIN session ON who = name "
+      "SELECT name, COALESCE(MIN(began), since), COUNT(id) FROM person LEFT JOIN session ON who = "
+      "name "
       "GROUP BY name, since ORDER BY name",
       {});
   if (!rows) return tl::unexpected(rows.error());
@@ -233,6 +253,10 @@ Result<Rebuilt> History::rebuild(const fs::path& folder) {
     }
     if (!file->visit) {
       rebuilt.left_out.push_back(one.string() + ": a session of nobody (without `--who`)");
+      continue;
+    }
+    if (const auto right = check_name(file->visit->who); !right) {
+      rebuilt.left_out.push_back(one.string() + ": " + right.error().message);
       continue;
     }
     if (const auto added = add(visit_of(*file, fs::absolute(one).lexically_normal())); !added)

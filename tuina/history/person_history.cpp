@@ -162,7 +162,7 @@ std::string to_json(const PersonHistory& person) {
               {"sessions", sessions},
               {"notes", notes},
               {"change", last ? json_of(*last) : Json()}}
-      .dump(2);
+      .dump(2, ' ', false, Json::error_handler_t::replace);
 }
 
 std::string to_csv(const PersonHistory& person) {

@@ -97,13 +97,25 @@ Result<std::string> name_of_server(const std::string& address) {
   };
   const std::unique_ptr<PQconninfoOption, Free> parts(PQconninfoParse(address.c_str(), nullptr));
   if (!parts) return fail(Fault::usage, "the address of the history's server cannot be read");
-  std::string host, database;
-  for (const PQconninfoOption* part = parts.get(); part->keyword != nullptr; ++part) {
-    if (part->val == nullptr) continue;
-    if (part->keyword == std::string("host")) host = part->val;
-    if (part->keyword == std::string("dbname")) database = part->val;
+  const std::unique_ptr<PQconninfoOption, Free> usual(PQconndefaults());
+  // What another port or account would be given is somebody else's.
+  const auto value = [&](const std::string& keyword) -> std::string {
+    for (const PQconninfoOption* all : {parts.get(), usual.get()}) {
+      for (; all != nullptr && all->keyword != nullptr; ++all)
+        if (all->keyword == keyword && all->val != nullptr) return all->val;
+    }
+    return {};
+  };
+  if (!value("service").empty())
+    return fail(
+        Fault::usage,
+        "the address of the history's server names a service; name host, port, database and "
+        "user instead, by which what waits for it is kept");
+  std::string name;
+  for (const char* keyword : {"host", "hostaddr", "port", "dbname", "user"}) {
+    if (const std::string one = value(keyword); !one.empty())
+      name += (name.empty() ? "" : "-") + one;
   }
-  std::string name = host + "-" + database;
   for (char& letter : name) {
     const bool plain = std::isalnum(static_cast<unsigned char>(letter)) != 0 || letter == '.';
     if (!plain) letter = '-';

@@ -43,7 +43,15 @@ class SqliteDatabase final : public Database {
   [[nodiscard]] bool has_accounts() const override { return false; }
   Result<void> scrub() override {
     if (auto done = run("VACUUM"); !done) return done;
-    return run("PRAGMA wal_checkpoint(TRUNCATE)");
+    const auto busy = query("PRAGMA wal_checkpoint(TRUNCATE)", {});
+    if (!busy) return tl::unexpected(busy.error());
+    if (!busy->empty() && as_whole(busy->front().front()) != 0)
+      return fail(
+          Fault::file,
+          "{}: is forgotten, but another program reads the file, in which deleted bytes stay "
+          "until it ends and somebody is forgotten again",
+          path_);
+    return {};
   }
 
  private:
@@ -109,6 +117,11 @@ Result<std::unique_ptr<Database>> open_sqlite(const std::string& path) {
     fs::permissions(path, fs::perms::owner_read | fs::perms::owner_write, ignored);
   }
   auto database = std::make_unique<SqliteDatabase>(std::move(connection), path);
+  const auto tables = database->query(
+      "SELECT COUNT(*), COALESCE(SUM(name = 'migration'), 0) FROM sqlite_master", {});
+  if (!tables) return tl::unexpected(tables.error());
+  if (as_whole(tables->front()[0]) > 0 && as_whole(tables->front()[1]) == 0)
+    return fail(Fault::bad_input, "{}: is a database of another program, and no history", path);
   // With FULL an acknowledged row is on the disk; deleted rows are overwritten at once.
   for (const char* setting :
        {"PRAGMA busy_timeout = 5000", "PRAGMA journal_mode = WAL", "PRAGMA synchronous = FULL",

@@ -26,9 +26,8 @@ namespace tuina::record {
 
 /// What `tuina massage` leaves in the folder of a session: all of it, session.json last.
 inline constexpr std::array files_of_session = {
-    "config.toml",  "consent.toml",      "scan.ply",      "acupoints.json", "plan.json",
-    "trace.csv",    "joints.csv",        "distances.csv", "back.svg",       "report.html",
-    "session.mcap", "session.mcap.part", "session.json"};
+    "config.toml", "consent.toml",  "scan.ply", "acupoints.json", "plan.json",    "trace.csv",
+    "joints.csv",  "distances.csv", "back.svg", "report.html",    "session.mcap", "session.json"};
 
 /// What somebody at a terminal orders of a session: names and files.
 struct SessionOrder {

@@ -18,6 +18,7 @@ Option add_history_option(Options& options, std::string& address) {
 Result<std::filesystem::path> data_folder() {
   namespace fs = std::filesystem;
   const char* data = std::getenv("XDG_DATA_HOME");
+  if (data != nullptr && *data != '/') data = nullptr;  // as its specification wants it
   const char* home = std::getenv("HOME");
   if (data == nullptr && home == nullptr)
     return fail(Fault::usage, "a folder for the history: neither XDG_DATA_HOME nor HOME is set");

@@ -75,6 +75,13 @@ Result<record::VisitLabel> begin_in(const std::string& address, const std::strin
   return label;
 }
 
+void take_back_in(const std::string& address, const record::VisitLabel& visit) {
+  auto history = KeptHistory::open(address);
+  if (!history) return;  // it keeps a session that was cut short
+  static_cast<void>(history->own().take_back(visit));
+  if (const auto whole = history->whole()) static_cast<void>((*whole)->take_back(visit));
+}
+
 Result<std::vector<Sentence>> end_in(const std::string& address, const record::SessionFile& file,
                                      const std::filesystem::path& folder) {
   auto history = KeptHistory::open(address);
@@ -100,6 +107,7 @@ KnownPeople people_of_page(const std::string& address) {
       .begin = [address](
                    const auto& who, const auto& confirmed, auto& order,
                    const auto& folder) { return begin_in(address, who, confirmed, order, folder); },
+      .take_back = [address](const auto& visit) { take_back_in(address, visit); },
       .end = [address](const auto& file,
                        const auto& folder) { return end_in(address, file, folder); }};
 }

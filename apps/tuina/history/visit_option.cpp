@@ -75,7 +75,10 @@ void VisitOption::take_back() {
 
 Result<std::string> VisitOption::end(const record::SessionFile& file) {
   const auto visit = history::visit_of(file, folder_);
-  if (const auto added = history_->own().add(visit); !added) return tl::unexpected(added.error());
+  if (const auto added = history_->own().add(visit); !added)
+    return fail(added.error().fault,
+                "{}; the session is whole in {}, and `tuina history rebuild {}` enters it",
+                added.error().message, folder_.string(), folder_.string());
   const auto delivered = history_->catch_up();
   if (!delivered || !delivered->refused.empty()) {
     return fmt::format("{}: the session waits in {}: {}", who_, history_->outbox(),

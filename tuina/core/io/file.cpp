@@ -2,6 +2,7 @@
 #include "tuina/core/io/file.hpp"
 
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -87,11 +88,29 @@ Result<FileWriter> FileWriter::open(const std::filesystem::path& path, Readers r
       std::filesystem::exists(status) && !std::filesystem::is_regular_file(status);
   std::string written_to = in_place ? path.string() : path.string() + ".part";
   const mode_t mode = readers == Readers::owner ? 0600 : 0644;
-  const int descriptor = ::open(written_to.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, mode);
+  const int descriptor = ::open(written_to.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, mode);
   if (descriptor < 0) {
     return fail(Fault::file, "{}: cannot be written: {}", path.string(), std::strerror(errno));
   }
+  // What another program writes at this moment is not cut off. Some file systems know no locks.
+  if (!in_place && ::flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+    ::close(descriptor);
+    return fail(Fault::file, "{}: another program is writing it", path.string());
+  }
+  if (!in_place && ::ftruncate(descriptor, 0) != 0) {
+    const int cause = errno;
+    ::close(descriptor);
+    return fail(Fault::file, "{}: cannot be written: {}", path.string(), std::strerror(cause));
+  }
   return FileWriter(path, std::move(written_to), descriptor);
+}
+
+bool is_being_written(const std::filesystem::path& path) {
+  const int part = ::open((path.string() + ".part").c_str(), O_RDONLY | O_CLOEXEC);
+  if (part < 0) return false;
+  const bool held = ::flock(part, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+  ::close(part);
+  return held;
 }
 
 Result<void> FileWriter::append(std::string_view content) {

@@ -21,7 +21,8 @@ enum class Readers : std::uint8_t { everybody, owner };
 /// nor a crash sees half a file. Without `finish` or `leave_part` nothing is left behind.
 class FileWriter {
  public:
-  /// Begins a file beside its final place. Fails with Fault::file.
+  /// Begins a file beside its final place. Fails with Fault::file, also where another program is
+  /// writing the same.
   [[nodiscard]] static Result<FileWriter> open(const std::filesystem::path& path,
                                                Readers readers = Readers::everybody);
   FileWriter(FileWriter&& other) noexcept;
@@ -46,6 +47,8 @@ class FileWriter {
   std::string written_to_;
   int descriptor_;
 };
+/// Whether a `FileWriter` of some program has begun this file and not ended.
+[[nodiscard]] bool is_being_written(const std::filesystem::path& path);
 
 /// Writes content in memory as `FileWriter` does.
 [[nodiscard]] Result<void> write_file(const std::filesystem::path& path, std::string_view content,
