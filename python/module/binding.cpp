@@ -64,6 +64,9 @@ py::array_t<double, py::array::c_style> numbers_of(const py::object& given, cons
     refuse(fmt::format("{} is an array of {}; real numbers are needed", name,
                        py::str(array.dtype()).cast<std::string>()));
   }
+  if (py::isinstance(given, py::module_::import("numpy.ma").attr("MaskedArray")) &&
+      given.attr("mask").attr("any")().cast<bool>())
+    refuse(fmt::format("{} is masked in part; fill or leave out what is", name));
   return py::array_t<double, py::array::c_style | py::array::forcecast>(array);
 }
 

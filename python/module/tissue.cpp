@@ -88,6 +88,10 @@ void add_fit(py::module_& module) {
       "force_at_depth",
       [](const py::object& depth_m, double alpha_n, double beta_per_m) {
         const auto depths = numbers_of(depth_m, "depth_m");
+        for (py::ssize_t i = 0; i < depths.size(); ++i)
+          if (!std::isfinite(depths.data()[i]))
+            throw Refused{{Fault::usage, fmt::format("depth_m[{}] is {}; finite numbers are needed",
+                                                     i, depths.data()[i])}};
         return py::vectorize([tissue = tissue_of(alpha_n, beta_per_m)](double depth) {
           return tissue::force_at_depth(tissue, depth);
         })(depths);

@@ -4,6 +4,7 @@
 #include "apps/simulated/session_files.hpp"
 #include "apps/simulated/simulated_session.hpp"
 #include "tuina/control/arm_controller.hpp"
+#include "tuina/history/visit.hpp"
 #include "tuina/record/acupoint_file.hpp"
 #include "tuina/record/plan_file.hpp"
 
@@ -154,6 +155,9 @@ Given massage(const Words& words, std::uint64_t seed, const session::Config& con
         !std::filesystem::is_directory(folder))
       throw Refused{{Fault::file, fmt::format("{}: the folder cannot be made: {}", folder.string(),
                                               fault.message())}};
+    if (out) {
+      if (const auto free = history::is_free(folder); !free) throw Refused{free.error()};
+    }
     auto result = app::run_simulated_session(
         order, config, {.quiet = true, .seed = seed}, out ? folder / "session.mcap" : folder,
         {.waits = &therapist,

@@ -113,6 +113,9 @@ class Refusals(unittest.TestCase):
             tuina.fit_curve(tuina.Presses([], [], []))
         self.refused("alpha_n is nan; more than 0 is needed", simulation.presses, np.nan, 185.4)
         self.refused("beta_per_m is -1; more than 0 is needed", tuina.force_at_depth, [0.01], 9.8, -1.0)
+        self.refused("depth_m[1] is nan", tuina.force_at_depth, [0.01, np.nan], 9.8, 185.4)
+        masked = np.ma.masked_array(np.ones((2, 3)), mask=[[0, 0, 1], [0, 0, 0]])
+        self.refused("is masked in part", tuina.PointCloud, masked)
 
     def test_estimators(self):
         estimator = tuina.CreepEstimator()

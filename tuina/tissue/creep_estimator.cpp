@@ -55,10 +55,15 @@ std::array<CreepHypothesis, CreepEstimator::filters> hypotheses(double breathing
           with(usual_creep, much_m, 0.15)};
 }
 
+/// Neither 0 nor infinity, which mean that all softness is the tissue's.
+bool knows_torso(const PressEstimatorOptions& options) noexcept {
+  return options.torso_n_per_m > 0.0 && std::isfinite(options.torso_n_per_m);
+}
+
 /// By how much less a filter is believed that takes layers for a torso softer than any person's.
 double too_soft(double log_compliance, const PressEstimatorOptions& options) noexcept {
   constexpr double edge = 0.1;  // of a logarithm: beyond 95 of 100 people
-  if (!(options.torso_n_per_m > 0.0) || !(options.torso_sd > 0.0)) return 0.0;
+  if (!knows_torso(options) || !(options.torso_sd > 0.0)) return 0.0;
   const double softest = -std::log(options.torso_n_per_m) + z95 * options.torso_sd;
   const double beyond = std::max(0.0, log_compliance - softest) / edge;
   return std::isfinite(softest) ? 0.5 * beyond * beyond : 0.0;
@@ -199,7 +204,7 @@ TangentTissue CreepEstimator::loading_of(const CreepFilter::State& state,
                                          double force_share) const noexcept {
   CreepLaw law = CreepFilter::law_at(state);
   // What the caller says of the torso is no tissue; a softness that only shows is.
-  if (options_.torso_n_per_m > 0.0) law.compliance_m_per_n = 0.0;
+  if (knows_torso(options_)) law.compliance_m_per_n = 0.0;
   return first_loading(law, force_share * std::max(2.0, segments_.peak_force_n()));
 }
 
