@@ -44,6 +44,7 @@ def first_session(server, page):
     expect("another plan", page.until(lambda: page.state["reviews"] > before, 60) and not page.state["words"])
     answer = page.arm()
     expect(f"arm: {answer}", answer == "done")
+    expect("it begins", page.until(lambda: page.state["phase"] == "massage", 60))
     expect("softer", page.outcome("softer") == "done")
     expect("it moves", page.until(lambda: page.live and page.live[-1]["time_s"] > 3.0, 60))
     page.ask("stop")
