@@ -105,10 +105,11 @@ class MapVerb final : public Verb {
     body::BackOptions options;
     options.position = position_.position();
     // A mesh says what lies between its vertices.
-    const auto back =
-        scan->triangles.empty()
-            ? body::fit_back(scan->cloud, options)
-            : body::fit_back(body::sample({scan->cloud.points, scan->triangles}, 5_mm), options);
+    const auto back = scan->triangles.empty()
+                          ? body::fit_back(scan->cloud, options)
+                          : body::fit_back(body::sample({scan->cloud.points, scan->triangles}, 5_mm,
+                                                        body::max_mesh_points),
+                                           options);
     if (!back) return refused(back.error());
     auto mapping =
         body::locate_acupoints(*back, *atlas, *body::parse_method(method_), *board_normal);

@@ -15,12 +15,12 @@ Back fit(const SurfaceFile& scan, const std::optional<std::string>& position) {
   const body::BackOptions options{.position = posture_of(position)};
   return without_gil([&] {
     // A mesh says what lies between its vertices.
-    return Back{
-        value_of(
-            scan.triangles.empty()
-                ? body::fit_back(scan.cloud, options)
-                : body::fit_back(body::sample({scan.cloud.points, scan.triangles}, 5_mm), options)),
-        scan.cloud.size(), scan.dropped_points};
+    return Back{value_of(scan.triangles.empty()
+                             ? body::fit_back(scan.cloud, options)
+                             : body::fit_back(body::sample({scan.cloud.points, scan.triangles},
+                                                           5_mm, body::max_mesh_points),
+                                              options)),
+                scan.cloud.size(), scan.dropped_points};
   });
 }
 

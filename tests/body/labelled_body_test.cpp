@@ -107,4 +107,17 @@ TEST_CASE("bodies with different labels are not learned from together") {
   }
 }
 
+TEST_CASE(
+    "a mesh that nobody has looked at gives no more points than are borne, the skin all of its "
+    "own") {
+  Mesh mesh;
+  mesh.vertices = {{0, 0, 0}, {20, 0, 0}, {0, 20, 0}, {0, 0, 1}, {0.02, 0, 1}, {0, 0.02, 1}};
+  mesh.triangles = {{0, 1, 2}, {3, 4, 5}};
+  CHECK(sample(mesh, 5_mm).size() > 20'000);
+  const PointCloud bounded = sample(mesh, 5_mm, 2'000);
+  CHECK(bounded.size() < 2'010);
+  CHECK(std::ranges::count_if(bounded.points, [](const Vector3& p) { return p.z() > 0.5; }) ==
+        3 + 21);
+}
+
 }  // namespace tuina::body

@@ -240,7 +240,7 @@ Result<std::vector<std::filesystem::path>> list_labelled_bodies(
   return bodies;
 }
 
-PointCloud sample(const Mesh& skin, double spacing_m) {
+PointCloud sample(const Mesh& skin, double spacing_m, std::size_t max_points) {
   const auto corner = [&](const std::array<int, 3>& triangle, std::size_t i) -> const Vector3& {
     return skin.vertices[static_cast<std::size_t>(triangle[i])];
   };
@@ -257,11 +257,8 @@ PointCloud sample(const Mesh& skin, double spacing_m) {
     }
     return sum;
   };
-  // A mesh in millimetres, or a room of large triangles, must not fill the memory before it is
-  // refused: the largest triangles, which are no skin, get fewer points.
-  constexpr std::size_t max_samples = 3'000'000;
   int max_steps = 200;
-  while (max_steps > 1 && count(max_steps) > max_samples) max_steps /= 2;
+  while (max_steps > 1 && count(max_steps) > max_points) max_steps /= 2;
   PointCloud cloud;
   cloud.points = skin.vertices;
   for (const auto& triangle : skin.triangles) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -36,8 +37,13 @@ struct LabelledBody {
 [[nodiscard]] Result<std::vector<std::filesystem::path>> list_labelled_bodies(
     const std::filesystem::path& folder_or_ply);
 
-/// Samples the skin like a scanner without errors: points at most `spacing_m` apart, but in
-/// triangles so large that all would be more than three million.
-[[nodiscard]] PointCloud sample(const Mesh& skin, double spacing_m);
+/// Samples the skin like a scanner without errors: points at most `spacing_m` apart; in the largest
+/// triangles, which are no skin, farther where all would be more than `max_points`.
+[[nodiscard]] PointCloud sample(const Mesh& skin, double spacing_m,
+                                std::size_t max_points = std::numeric_limits<std::size_t>::max());
+
+/// Limit for a mesh that nobody has looked at: one in millimetres, or of a room, must not fill the
+/// memory before it is refused.
+inline constexpr std::size_t max_mesh_points = 3'000'000;
 
 }  // namespace tuina::body
