@@ -68,6 +68,13 @@ TEST_CASE("every single byte of a log counts") {
   }
 }
 
+TEST_CASE("a file of somebody else is no log whose line was torn: it is refused, and stays") {
+  const test::Folder folder;
+  REQUIRE(write_file(folder / "audit.log", "my own notes, without an end of line").has_value());
+  CHECK_FALSE(AuditLog::open(folder / "audit.log").has_value());
+  CHECK(read_file(folder / "audit.log").value() == "my own notes, without an end of line");
+}
+
 TEST_CASE("a broken log is not gone on with") {
   const test::Folder folder;
   std::string text = three_lines(folder);

@@ -24,6 +24,12 @@ namespace {
 constexpr std::string_view hash_key = ",\"hash\":\"";
 constexpr std::string_view line_end = "\"}";
 const std::string first_hash(64, '0');
+constexpr std::string_view line_begin = "{\"line\":";
+
+/// Whether a line of a log may begin so; what does not is somebody else's, and is not cut off.
+bool begins_line(std::string_view torn) {
+  return torn.starts_with(line_begin) || line_begin.starts_with(torn);
+}
 
 std::string utc_now() {
   const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
@@ -99,13 +105,14 @@ Result<AuditLog> AuditLog::open(const std::filesystem::path& file) {
     auto text = read_file(file);
     if (!text) return tl::unexpected(text.error());
     // A line that does not end was being written when its server was killed or its disk full.
-    const std::size_t whole = text->rfind('\n') + 1;
+    std::size_t whole = text->rfind('\n') + 1;
+    if (!begins_line(std::string_view(*text).substr(whole))) whole = text->size();
+    auto checked = check_audit(std::string_view(*text).substr(0, whole), file.string());
+    if (!checked) return tl::unexpected(checked.error());
+    log.end_ = std::move(*checked);
     log.torn_bytes_ = text->size() - whole;
     if (log.torn_bytes_ > 0 && ::ftruncate(log.descriptor_, static_cast<off_t>(whole)) != 0)
       return fail(Fault::file, "{}: cannot be written: {}", file.string(), std::strerror(errno));
-    auto checked = check_audit(text->substr(0, whole), file.string());
-    if (!checked) return tl::unexpected(checked.error());
-    log.end_ = std::move(*checked);
   }
   return log;
 }
