@@ -31,6 +31,11 @@ Result<history::History*> KeptHistory::whole() {
   return &*reached_;
 }
 
+void KeptHistory::take_back(const record::VisitLabel& label) {
+  static_cast<void>(own_.take_back(label));
+  if (const auto server = whole()) static_cast<void>((*server)->take_back(label));
+}
+
 Result<history::Delivered> KeptHistory::catch_up() {
   if (server_.empty()) return history::Delivered{};
   const auto server = whole();

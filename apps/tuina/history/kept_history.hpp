@@ -22,6 +22,9 @@ class KeptHistory {
   [[nodiscard]] Result<history::History*> whole();
   /// Brings what waits to the server, if there is one. Fails while it does not answer.
   [[nodiscard]] Result<history::Delivered> catch_up();
+  /// Forgets that a session began which did not after all. Where the server does not answer now, it
+  /// keeps a session that was cut short.
+  void take_back(const record::VisitLabel& label);
   /// The file in which sessions wait for the server; empty: there is no server.
   [[nodiscard]] const std::string& outbox() const { return outbox_; }
 

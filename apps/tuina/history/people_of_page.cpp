@@ -76,10 +76,7 @@ Result<record::VisitLabel> begin_in(const std::string& address, const std::strin
 }
 
 void take_back_in(const std::string& address, const record::VisitLabel& visit) {
-  auto history = KeptHistory::open(address);
-  if (!history) return;  // it keeps a session that was cut short
-  static_cast<void>(history->own().take_back(visit));
-  if (const auto whole = history->whole()) static_cast<void>((*whole)->take_back(visit));
+  if (auto history = KeptHistory::open(address)) history->take_back(visit);
 }
 
 Result<std::vector<Sentence>> end_in(const std::string& address, const record::SessionFile& file,

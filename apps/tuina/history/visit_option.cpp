@@ -67,10 +67,7 @@ Error VisitOption::with_remembered(Error error) const {
 }
 
 void VisitOption::take_back() {
-  if (!history_ || !label_) return;
-  // Where the server does not answer now, it keeps a session that was cut short.
-  static_cast<void>(history_->own().take_back(*label_));
-  if (const auto whole = history_->whole()) static_cast<void>((*whole)->take_back(*label_));
+  if (history_ && label_) history_->take_back(*label_);
 }
 
 Result<std::string> VisitOption::end(const record::SessionFile& file) {
