@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <type_traits>
 
 #include "tuina/scanner/line/line_rows.hpp"
 
@@ -17,9 +18,16 @@ template <typename Sample>
 BasicImage<Sample> channel(const BasicImage<Sample>& colours, std::size_t which) {
   if (colours.channels == 1) return colours;
   BasicImage<Sample> one(colours.width, colours.height);
-  const auto channels = static_cast<std::size_t>(colours.channels);
-  for (std::size_t i = 0; i < one.data.size(); ++i)
-    one.data[i] = colours.data[i * channels + which];
+  const auto take = [&](auto channels) {
+    for (std::size_t i = 0; i < one.data.size(); ++i)
+      one.data[i] = colours.data[i * channels + which];
+  };
+  // Compilers make vectors only of steps that they know.
+  if (colours.channels == 3) {
+    take(std::integral_constant<std::size_t, 3>());
+  } else {
+    take(static_cast<std::size_t>(colours.channels));
+  }
   return one;
 }
 

@@ -92,13 +92,13 @@ std::vector<float> ridge_heights(const Sample* row, const LineScene& scene, int 
   const int border = std::min(count, side + 2 * core);
   for (int i = 0; i < border; ++i) ridge[static_cast<std::size_t>(i)] = ridge_near_border(i);
   // Away from the borders no mean is cut short, so that the compiler can vectorise.
-  const auto width = static_cast<float>(2 * core + 1);
+  const float per_width = 1.0F / static_cast<float>(2 * core + 1);
   const float* sum = sums.data();
   for (int i = border; i < count - border; ++i) {
-    const float left = (sum[i - side + 1] - sum[i - side - 2 * core]) / width;
-    const float right = (sum[i + side + 2 * core + 1] - sum[i + side]) / width;
-    const float middle = (sum[i + core + 1] - sum[i - core]) / width;
-    ridge[static_cast<std::size_t>(i)] = middle - (left > right ? left : right);
+    const float left = sum[i - side + 1] - sum[i - side - 2 * core];
+    const float right = sum[i + side + 2 * core + 1] - sum[i + side];
+    const float middle = sum[i + core + 1] - sum[i - core];
+    ridge[static_cast<std::size_t>(i)] = per_width * (middle - (left > right ? left : right));
   }
   for (int i = std::max(border, count - border); i < count; ++i)
     ridge[static_cast<std::size_t>(i)] = ridge_near_border(i);

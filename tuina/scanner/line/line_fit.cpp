@@ -57,7 +57,8 @@ Normal normal_of(const Usable& pixels, const Bell& bell) {
   const auto width = static_cast<float>(bell.width_px);
   const auto amplitude = static_cast<float>(bell.amplitude_dn);
   const Values u = (pixels.column_px - static_cast<float>(bell.centre_px)) / width;
-  const Values g = (-0.5F * u.square()).exp();
+  // Far from the line g is nothing, and its square would be too small for processors to be quick.
+  const Values g = (-0.5F * u.square()).max(-40.0F).exp();
   // Slopes by place and width, but for the factor amplitude / width.
   const Values gu = g * u;
   const Values guu = gu * u;
