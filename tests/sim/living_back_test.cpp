@@ -117,6 +117,29 @@ TEST_CASE("a torso with a mass swings and comes to rest where its spring holds t
   CHECK(lowest_n < rest.force_n);
 }
 
+TEST_CASE("tissue that damps holds still on a torso however light it is") {
+  for (const double mass_kg : {0.0, 0.02, 0.1}) {
+    CAPTURE(mass_kg);
+    BackContact back = back_with({.damping_s_per_m = 20.0, .torso_mass_kg = mass_kg}, {});
+    double lowest_n = 1e9, highest_n = 0.0;
+    for (int i = 0; i < 3000; ++i) {
+      const double now_n =
+          back.touch(Arm::left, i * step_s, pressed_by(9_mm), Vector3::Zero()).force_n;
+      if (i < 2000) continue;
+      lowest_n = std::min(lowest_n, now_n);
+      highest_n = std::max(highest_n, now_n);
+    }
+    const ContactTruth& rest = back.truth(Arm::left);
+    CHECK(rest.force_n > 40.0);
+    CHECK(highest_n - lowest_n < 1e-6);
+    CHECK(rest.force_n ==
+          doctest::Approx(tissue::force_at_depth(hard, rest.depth_m)).epsilon(1e-3));
+    const double torso_m = 9_mm - rest.depth_m;
+    CHECK(rest.force_n / torso_m > 0.75 * 35e3);
+    CHECK(rest.force_n / torso_m < 1.25 * 35e3);
+  }
+}
+
 TEST_CASE("a place that has been worked yields more than at its first press") {
   BackContact back = back_with({.first_press_stiffer = 0.2}, {.torso_n_per_m = rigid});
   const double first_n = held_n(back, 5_mm, 0.0, 0.0);

@@ -117,10 +117,26 @@ double LivingTissue::press(const TangentTissue& place, double travel_m, double m
   depth_m = travel_m - torso.at_m;
   const double into_m_per_s = m_per_s - torso.speed_m_per_s;
   const double elastic_n = stiffer * elastic_force_n(form, place, depth_m);
-  const double force_n = std::max(0.0, relaxation.left(elastic_n, step_s, renewed_per_s)) *
-                         std::max(0.0, 1.0 + damping_s_per_m * into_m_per_s);
+  const double left_n = std::max(0.0, relaxation.left(elastic_n, step_s, renewed_per_s));
+  const double damping_n_s_per_m = left_n * damping_s_per_m;
+  if (std::isfinite(torso.n_per_m) && damping_n_s_per_m * step_s > torso.mass_kg)
+    return step_with_torso(left_n, m_per_s, step_s);
+  const double force_n = left_n * std::max(0.0, 1.0 + damping_s_per_m * into_m_per_s);
   torso.step(force_n, step_s);
   return force_n;
+}
+
+double LivingTissue::step_with_torso(double left_n, double m_per_s, double step_s) noexcept {
+  const double inertia = torso.mass_kg / step_s, spring_n = torso.n_per_m * torso.at_m;
+  const double push_n = inertia * torso.speed_m_per_s - spring_n;
+  const double damped_n = left_n * (1.0 + damping_s_per_m * m_per_s);
+  const double resists = inertia + torso.n_s_per_m;
+  double speed_m_per_s = (push_n + damped_n) / (resists + left_n * damping_s_per_m);
+  const double share = 1.0 + damping_s_per_m * (m_per_s - speed_m_per_s);
+  if (share <= 0.0) speed_m_per_s = push_n / resists;  // the tool leaves faster than tissue follows
+  torso.speed_m_per_s = speed_m_per_s;
+  torso.at_m += step_s * speed_m_per_s;
+  return left_n * std::max(0.0, share);
 }
 
 TangentTissue LivingTissue::first_loading(const TangentTissue& place, double stiffer,

@@ -79,6 +79,11 @@ struct LivingTissue {
   /// No heap.
   [[nodiscard]] TangentTissue first_loading(const TangentTissue& place, double stiffer,
                                             double force_n) const noexcept;
+
+ private:
+  /// A step of a torso that is lighter than what tissue damps within it: with the speed at its end,
+  /// because with that at its beginning each step would answer the one before more strongly.
+  double step_with_torso(double left_n, double m_per_s, double step_s) noexcept;
 };
 
 }  // namespace tuina::sim
