@@ -203,7 +203,7 @@ class TissueEstimateVerb final : public Verb {
     return TangentTissue{*true_alpha_n_, 1e3 * *true_beta_per_mm_};
   }
 
-  static Answer answer(const Estimated& result, bool ours) {
+  [[nodiscard]] Answer answer(const Estimated& result, bool ours) const {
     const TissueEstimate& e = result.last;
     const tissue::SensorNoise& noise = result.noise;
     const tissue::Classification found = tissue::classify(e, result.nis);
@@ -218,6 +218,8 @@ class TissueEstimateVerb final : public Verb {
                  {"converged", e.converged},
                  {"converged_after_s", number(e.converged, e.converged_after_s)},
                  {"presses", e.presses},
+                 {"torso_n_per_mm",
+                  torso_n_per_mm_ ? nlohmann::json(*torso_n_per_mm_) : nlohmann::json("rigid")},
                  {"chi", number(ours, result.nis)},
                  {"class", tissue::name_of(found.label)},
                  {"class_probability", found.probability},
@@ -238,6 +240,11 @@ class TissueEstimateVerb final : public Verb {
       answer.text +=
           "; no press is in the record, so these are only assumed: is the position in mm, larger "
           "where deeper, and the force out of the skin?";
+    // A body that gives way beneath is felt as softer tissue, and no record tells the two apart.
+    if (e.presses > 0 && ours && !torso_n_per_mm_)
+      answer.text +=
+          "\nWhat lies beneath is taken as rigid; on a person who gives way there, say how much: "
+          "--torso-n-per-mm 18 for one of whom nothing is known.";
     return answer;
   }
 

@@ -168,7 +168,8 @@ Result<ContactOutcome> run_contact(const ContactExperiment& experiment, const Pr
        session::ControlledArm(models[Arm::right])}};
   safety::RobotGuard guard(models, {.bench = true});
   tissue::PressEstimator estimator(tissue::pressed_by_robot(35'000.0, believed.tool_mass_kg));
-  ContactOutcome outcome;
+  ContactOutcome outcome{.tissue = experiment.tissue};
+  Vector3 highest_at_in_couch = Vector3::Zero();
   session::ForceErrorSum errors;
   errors.begin();
   enum class Act { settle, move, approach, track, retract, done } act = Act::settle;
@@ -251,7 +252,11 @@ Result<ContactOutcome> run_contact(const ContactExperiment& experiment, const Pr
       outcome.max_speed_m_per_s =
           std::max(outcome.max_speed_m_per_s, truth.velocity_in_couch.norm());
     }
-    outcome.highest_n = std::max(outcome.highest_n, truth.contact.force_n);
+    if (truth.contact.force_n > outcome.highest_n) {
+      outcome.highest_n = truth.contact.force_n;
+      outcome.tissue = truth.contact.tissue;
+      highest_at_in_couch = truth.contact.at_in_couch;
+    }
     left_skin =
         left_skin || (outcome.highest_n > 0.5 * experiment.force_n && truth.contact.force_n == 0.0);
     if (left_skin)
@@ -286,6 +291,8 @@ Result<ContactOutcome> run_contact(const ContactExperiment& experiment, const Pr
   if (!errors.empty()) outcome.force = errors.errors();
   outcome.ripple_n = ripple.rms_n();
   outcome.estimate = estimator.estimate();
+  if (outcome.highest_n > 0.0)
+    outcome.tissue = person.first_loading(outcome.tissue, highest_at_in_couch, outcome.highest_n);
   return outcome;
 }
 

@@ -80,6 +80,7 @@ struct ContactOutcome {
   std::vector<tissue::TimedPress> felt;  ///< samples that the estimator was given
   session::ForceErrors force;
   TissueEstimate estimate;
+  TangentTissue tissue;            ///< first loading of the true tissue where the force was highest
   double highest_n = 0.0;          ///< true force anywhere in the run
   double max_speed_m_per_s = 0.0;  ///< largest tool speed during the technique
   double ripple_n = 0.0;         ///< RMS of the true force above 2 Hz while the target stands still

@@ -169,6 +169,7 @@ class Press final : public Verb {
     live_in(*config, experiment);
     if (!torso_.empty())
       experiment.torso_n_per_m = torso_ == "rigid" ? sim::rigid : 1e3 * std::stod(torso_);
+    torso_n_per_m_ = experiment.torso_n_per_m;
     if (breathing_mm_) experiment.breathing.amplitude_m = from_mm(*breathing_mm_);
     experiment.friction_scale = friction_ < 0.0 ? config->simulation.friction : friction_;
     realism_ = config->simulation.realism;
@@ -191,7 +192,7 @@ class Press final : public Verb {
     const auto outcome = run_contact(experiment, progress_bar(common, "press"));
     if (!outcome) return tl::unexpected(outcome.error());
     if (auto written = write_files(*outcome); !written) return tl::unexpected(written.error());
-    return answer_of(experiment.tissue, *outcome);
+    return answer_of(outcome->tissue, *outcome);
   }
 
  private:
@@ -247,6 +248,8 @@ class Press final : public Verb {
         stopped += fmt::format("\n{:.1f} N ordered, lowered by {}", on_device->ordered_n,
                                on_device->lowered_by);
     } else {
+      json["torso_n_per_mm"] = std::isfinite(torso_n_per_m_) ? nlohmann::json(1e-3 * torso_n_per_m_)
+                                                             : nlohmann::json("rigid");
       json["second_impact_n"] = outcome.second_impact_n;
       json["fastest_tool_mm_per_s"] = to_mm(outcome.max_speed_m_per_s);
     }
@@ -275,6 +278,7 @@ class Press final : public Verb {
   double rise_mm_ = 0.0, slide_mm_ = 0.0, shift_mm_per_s_ = 100.0;
   double shift_m_per_s2_ = 0.0, shift_at_s_ = 2.0;
   std::string realism_;
+  double torso_n_per_m_ = 0.0;
   std::optional<double> breathing_mm_;
   double breathing_hz_ = 0.25, duration_s_ = 10.0, model_error_ = 1.0;
 };
