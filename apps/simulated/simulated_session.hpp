@@ -42,7 +42,9 @@ struct SessionTruth {
   double scan_error_m = 0.0;              ///< RMS distance of the scan from the true surface
   std::vector<double> acupoint_errors_m;  ///< per point that was located
   std::vector<Touched> touched;           ///< per performed path
-  std::vector<GivenPress> presses;        ///< presses and taps, in the order of their ends
+  /// Outside them: landing, on the way out, after a stop, and contacts whose path was given up.
+  Touched unplanned;
+  std::vector<GivenPress> presses;  ///< presses and taps, in the order of their ends
   session::ForceErrors force;
   std::map<Technique, session::ForceErrors> techniques;
   std::vector<telemetry::TraceRow> trace;

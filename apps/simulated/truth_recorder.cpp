@@ -75,11 +75,9 @@ void TruthRecorder::on_tick(const session::Tick& tick) noexcept {
     std::optional<Technique> technique;
     if (in_contact) technique = plan_->paths[static_cast<std::size_t>(seen.path)].path.technique;
     if (in_contact && seen.target_n > 0.0) count(time_s, arm, seen, contact, *technique);
-    if (in_contact) {
-      if (!touching_[arm]) touched_[arm] = {};
-      touched_[arm].held.add(seen.target_n, contact.force_n);
-      feel(touched_[arm], contact, row);
-    }
+    if (in_contact && !touching_[arm]) give_up(arm);
+    if (in_contact) touched_[arm].held.add(seen.target_n, contact.force_n);
+    if (contact.force_n > 0.0) feel(in_contact ? touched_[arm] : truth_.unplanned, contact);
     touching_[arm] = in_contact;
     presses_.add(time_s, arm, seen, contact, *plan_);
     if (row) {
@@ -96,6 +94,7 @@ void TruthRecorder::on_tick(const session::Tick& tick) noexcept {
 }
 
 SessionTruth TruthRecorder::finish() {
+  for (const Arm arm : both_arms) give_up(arm);
   for (Touched& touched : truth_.touched) {
     if (touched.peak_n > 0.0)
       touched.tissue =
@@ -153,15 +152,31 @@ double TruthRecorder::to_person_m(const PerArm<robot::ArmModel::Kinematics>& pos
   return min_m;
 }
 
-void TruthRecorder::feel(Touched& touched, const sim::ContactTruth& contact, bool row) const {
+void TruthRecorder::give_up(Arm arm) {
+  const Touched left = std::exchange(touched_[arm], {});
+  Touched& all = truth_.unplanned;
+  all.over_trip_n = std::max(all.over_trip_n, left.over_trip_n);
+  if (left.over_cap_n > all.over_cap_n) {
+    all.over_cap_n = left.over_cap_n;
+    all.over_cap_zone = left.over_cap_zone;
+  }
+  if (left.peak_n <= all.peak_n) return;
+  all.peak_n = left.peak_n;
+  all.tissue = left.tissue;
+  all.at_in_couch = left.at_in_couch;
+  all.zone = left.zone;
+}
+
+void TruthRecorder::feel(Touched& touched, const sim::ContactTruth& contact) const {
+  const massage::Zone zone =
+      true_zones_ ? true_zones_->at(contact.at_in_couch) : massage::Zone::muscle;
   if (contact.force_n > touched.peak_n) {
     touched.peak_n = contact.force_n;
     touched.tissue = contact.tissue;
     touched.at_in_couch = contact.at_in_couch;
+    touched.zone = zone;
   }
-  if (!row || contact.force_n <= 0.0 || !true_zones_) return;
-  const massage::Zone zone = true_zones_->at(contact.at_in_couch);
-  if (contact.force_n == touched.peak_n) touched.zone = zone;
+  if (!true_zones_) return;
   const massage::ZoneRule& rule = massage::rule_of(zone);
   if (contact.force_n - rule.cap_n > touched.over_cap_n) {
     touched.over_cap_n = contact.force_n - rule.cap_n;

@@ -33,7 +33,9 @@ class TruthRecorder final : public session::Observer {
   /// From the nearer arm to the skin; the last link is left out, because its tool is to touch.
   [[nodiscard]] double to_person_m(const PerArm<robot::ArmModel::Kinematics>& poses,
                                    const Vector3& moved_in_base) const;
-  void feel(Touched& touched, const sim::ContactTruth& contact, bool row) const;
+  /// What a path that was not performed to its end has touched.
+  void give_up(Arm arm);
+  void feel(Touched& touched, const sim::ContactTruth& contact) const;
 
   void measure_distances(double time_s, const sim::PlantTruth& truth);
   const sim::World& world_;

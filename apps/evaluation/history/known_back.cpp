@@ -50,7 +50,9 @@ ReturnOutcome judge(const SessionResult& done) {
     if (press.probing) ++probes[press.place];
   }
   for (const auto& [place, presses] : probes) outcome.spared += presses == 1 ? 1 : 0;
-  for (const Touched& touched : done.truth.touched) {
+  std::vector<Touched> all_touched = done.truth.touched;
+  all_touched.push_back(done.truth.unplanned);
+  for (const Touched& touched : all_touched) {
     outcome.over_cap_n = std::max(outcome.over_cap_n, touched.over_cap_n);
     outcome.over_trip_n = std::max(outcome.over_trip_n, touched.over_trip_n);
   }

@@ -62,6 +62,7 @@ void visit_fields(Outcome& outcome, const Visit& visit) {
   visit("bony_peak_n", outcome.bony_peak_n);
   visit("over_cap_n", outcome.over_cap_n);
   visit("over_trip_n", outcome.over_trip_n);
+  visit("unplanned_n", outcome.unplanned_n);
   visit("arm_distance_m", outcome.arm_distance_m);
   visit("tool_to_acupoint_m", outcome.tool_to_acupoint_m);
   visit("presses", outcome.presses);

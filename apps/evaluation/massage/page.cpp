@@ -71,6 +71,7 @@ telemetry::Table session_table(const std::vector<SessionRow>& rows) {
                   {.head = "over the target, N", .key = "overshoot_n", .digits = 1},
                   {.key = "over_zone_cap_n"},
                   {.head = "over what the zone bears, N", .key = "over_zone_trip_n", .digits = 1},
+                  {.head = "outside planned contacts, N", .key = "unplanned_n", .digits = 1},
                   {.head = "peak where bone is near, N", .key = "bony_peak_n", .digits = 1},
                   {.head = "arms apart, mm", .key = "min_arm_distance_mm", .digits = 0},
                   {.head = "tool to point, mm", .key = "tool_to_acupoint_mm.mean", .digits = 1},
@@ -79,11 +80,25 @@ telemetry::Table session_table(const std::vector<SessionRow>& rows) {
                   {.key = "plan_ms"},
                   {.key = "real_time_factor"}}};
   for (const auto& [name, sum] : rows) {
-    table.add({name, sum.sessions, sum.refused, sum.stopped, sum.troubled, sum.paths_left_out,
-               sum.mean_duration_s, sum.mean_rmse_n, sum.worst_rmse_n, sum.worst_overshoot_n,
-               sum.max_over_cap_n, sum.max_over_trip_n, sum.bony_peak_n,
-               to_mm(sum.min_arm_distance_m), to_mm(sum.mean_tool_to_acupoint_m),
-               to_mm(sum.max_tool_to_acupoint_m), sum.worst_scan_to_touch_s, sum.worst_plan_ms,
+    table.add({name,
+               sum.sessions,
+               sum.refused,
+               sum.stopped,
+               sum.troubled,
+               sum.paths_left_out,
+               sum.mean_duration_s,
+               sum.mean_rmse_n,
+               sum.worst_rmse_n,
+               sum.worst_overshoot_n,
+               sum.max_over_cap_n,
+               sum.max_over_trip_n,
+               sum.max_unplanned_n,
+               sum.bony_peak_n,
+               to_mm(sum.min_arm_distance_m),
+               to_mm(sum.mean_tool_to_acupoint_m),
+               to_mm(sum.max_tool_to_acupoint_m),
+               sum.worst_scan_to_touch_s,
+               sum.worst_plan_ms,
                sum.median_real_time_factor});
   }
   return table;
@@ -99,12 +114,15 @@ std::string session_page(const std::vector<SessionRow>& rows,
        .over = "tuina evaluate massage",
        .badges = {"simulation"},
        .heading = "Whole massages, judged by what only the simulation knows",
-       .lead =
-           fmt::format("{} sessions from the scan to the last stroke: {} refused, {} stopped. "
-                       "The true force never came nearer than {:.1f} N to what its place bears; "
-                       "the arms kept {:.0f} mm apart.",
-                       all.sessions, all.refused, all.stopped, -all.max_over_trip_n,
-                       to_mm(all.min_arm_distance_m))});
+       .lead = fmt::format(
+           "{} sessions from the scan to the last stroke: {} refused, {} stopped. "
+           "The true force {}; the arms kept {:.0f} mm apart.",
+           all.sessions, all.refused, all.stopped,
+           all.max_over_trip_n > 0.0
+               ? fmt::format("was {:.1f} N beyond what its place bears", all.max_over_trip_n)
+               : fmt::format("never came nearer than {:.1f} N to what its place bears",
+                             -all.max_over_trip_n),
+           to_mm(all.min_arm_distance_m))});
   page.section("By programme",
                "Forces are true contact forces; zones are drawn from the true points.")
       .table(session_table(rows));

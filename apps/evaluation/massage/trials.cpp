@@ -60,6 +60,17 @@ std::vector<std::string> not_as_planned(const SessionResult& done) {
   return told;
 }
 
+/// Forces against what the true zones bear.
+void judge_zone(const Touched& touched, const std::string& where, SessionOutcome& outcome) {
+  if (bony(touched.zone)) outcome.bony_peak_n = std::max(outcome.bony_peak_n, touched.peak_n);
+  outcome.over_cap_n = std::max(outcome.over_cap_n, touched.over_cap_n);
+  outcome.over_trip_n = std::max(outcome.over_trip_n, touched.over_trip_n);
+  if (touched.over_cap_n > 0.0)
+    outcome.beyond.push_back(fmt::format("{}: {:.1f} N over what {} may be asked for", where,
+                                         touched.over_cap_n,
+                                         massage::name_of(touched.over_cap_zone)));
+}
+
 }  // namespace
 
 SessionOutcome run_session_trial(const SessionTrial& trial, const session::Config& config) {
@@ -85,7 +96,8 @@ SessionOutcome run_session_trial(const SessionTrial& trial, const session::Confi
   for (const Sentence& note : done->session.ready.plan.notes) {
     if (massage::tells_left_out(note)) outcome.left_out.push_back(note.words);
   }
-  outcome.over_cap_n = outcome.over_trip_n = -std::numeric_limits<double>::infinity();
+  outcome.unplanned_n = done->truth.unplanned.peak_n;
+  judge_zone(done->truth.unplanned, "outside the planned contacts", outcome);
   for (std::size_t i = 0; i < done->session.performed.size(); ++i) {
     const session::Performed& performed = done->session.performed[i];
     const massage::PlannedPath& planned =
@@ -98,14 +110,8 @@ SessionOutcome run_session_trial(const SessionTrial& trial, const session::Confi
     }
     if (performed.felt && touched.peak_n > 0.0)
       outcome.felt.push_back(felt_trial(*performed.felt, touched.tissue));
-    if (bony(touched.zone)) outcome.bony_peak_n = std::max(outcome.bony_peak_n, touched.peak_n);
-    outcome.over_cap_n = std::max(outcome.over_cap_n, touched.over_cap_n);
-    outcome.over_trip_n = std::max(outcome.over_trip_n, touched.over_trip_n);
-    if (touched.over_cap_n > 0.0) {
-      outcome.beyond.push_back(fmt::format(
-          "{}: {:.1f} N over what {} may be asked for, mapped {}", path.name, touched.over_cap_n,
-          massage::name_of(touched.over_cap_zone), massage::name_of(planned.zone)));
-    }
+    judge_zone(touched, fmt::format("{}, mapped {}", path.name, massage::name_of(planned.zone)),
+               outcome);
     const auto off_m = tool_to_acupoint_m(*done, i);
     if (!off_m || !of_the_seven(path.acupoints.front())) continue;
     outcome.tool_to_acupoint_m.push_back(*off_m);
@@ -161,6 +167,7 @@ SessionSummary summarise(const std::vector<const SessionOutcome*>& outcomes) {
     sum.worst_overshoot_n = std::max(sum.worst_overshoot_n, one->overshoot_n);
     sum.max_over_cap_n = std::max(sum.max_over_cap_n, one->over_cap_n);
     sum.max_over_trip_n = std::max(sum.max_over_trip_n, one->over_trip_n);
+    sum.max_unplanned_n = std::max(sum.max_unplanned_n, one->unplanned_n);
     sum.bony_peak_n = std::max(sum.bony_peak_n, one->bony_peak_n);
     sum.min_arm_distance_m = std::min(sum.min_arm_distance_m, one->arm_distance_m);
     sum.worst_scan_to_touch_s = std::max(sum.worst_scan_to_touch_s, one->scan_to_touch_s);

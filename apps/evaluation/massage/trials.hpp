@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -35,8 +36,10 @@ struct SessionOutcome {
   double duration_s = 0.0;
   double rmse_n = 0.0, overshoot_n = 0.0;  ///< errors of the true force, all techniques
   double bony_peak_n = 0.0;                ///< largest force where bone truly is near
-  double over_cap_n = 0.0;                 ///< largest excess over the true zone's cap
-  double over_trip_n = 0.0;     ///< largest excess over the force that trips the guard there
+  /// Largest excess over the true zone's cap, and over the force that trips the guard there.
+  double over_cap_n = -std::numeric_limits<double>::infinity();
+  double over_trip_n = -std::numeric_limits<double>::infinity();
+  double unplanned_n = 0.0;     ///< largest force outside planned contacts
   double arm_distance_m = 0.0;  ///< smallest
   std::vector<double> tool_to_acupoint_m =
       {};  ///< distance of each press of one of the seven points
@@ -63,7 +66,7 @@ inline constexpr double min_given = 0.95, max_given = 1.02;
 struct SessionSummary {
   std::size_t sessions = 0, refused = 0, stopped = 0, troubled = 0, paths_left_out = 0;
   double worst_rmse_n = 0.0, mean_rmse_n = 0.0, worst_overshoot_n = 0.0;
-  double max_over_cap_n = 0.0, max_over_trip_n = 0.0, bony_peak_n = 0.0;
+  double max_over_cap_n = 0.0, max_over_trip_n = 0.0, max_unplanned_n = 0.0, bony_peak_n = 0.0;
   double min_arm_distance_m = 0.0;
   double mean_tool_to_acupoint_m = 0.0, max_tool_to_acupoint_m = 0.0;
   double worst_scan_to_touch_s = 0.0, worst_plan_ms = 0.0;
