@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "tuina/core/io/text_lines.hpp"
+#include "tuina/core/io/unfinished_file.hpp"
 #include "tuina/robot/robot_model.hpp"
 #include "tuina/session/config.hpp"
 
@@ -58,7 +59,8 @@ Result<void> check_folder_of(const std::string& path) {
   std::error_code error;
   if (std::filesystem::is_directory(path, error))
     return fail(Fault::file, "{}: is a folder, and a file is to be written", path);
-  if (folder.empty() || std::filesystem::is_directory(folder, error)) return {};
+  if (path.empty()) return {};
+  if (folder.empty() || std::filesystem::is_directory(folder, error)) return check_can_begin(path);
   return fail(Fault::file, "{}: there is no folder {}", path, folder.string());
 }
 

@@ -16,6 +16,7 @@
 #include "apps/tuina/verbs.hpp"
 #include "tuina/history/visit.hpp"
 
+#include "tuina/core/io/unfinished_file.hpp"
 namespace tuina::app {
 namespace {
 
@@ -216,6 +217,11 @@ class Massage final : public Verb {
     if (made && visit_.of_somebody()) fs::permissions(out_, fs::perms::owner_all, fault);
     return made;
   }
+    // Of a session that was killed there may be a record, and it may be all that is left of it.
+    for (const char* name : record::files_of_session) {
+      if (const auto can = check_can_begin(fs::path(out_) / name); !can)
+        return tl::unexpected(can.error());
+    }
   /// The session of --replay, where the other options leave it as it is.
   [[nodiscard]] Result<RecordedSession> recorded_session(const CommonOptions& given) const {
     const CommonOptions usual;

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tuina/core/io/file.hpp"
 #include "tuina/core/io/scratch_folder.hpp"
+#include "tuina/core/io/unfinished_file.hpp"
 
 #include <doctest/doctest.h>
 
 #include "tests/folder.hpp"
 
 using namespace tuina;
+namespace fs = std::filesystem;
 
 TEST_CASE("what is written to a file is read back, and nothing is left beside it") {
   const test::Folder folder;
@@ -30,6 +32,52 @@ TEST_CASE("a file for its owner is nobody else's, and a part is left where it is
   }
   CHECK(read_file(folder.path() / "session.mcap.part").value() == "so far");
   CHECK_FALSE(std::filesystem::exists(folder.path() / "session.mcap"));
+}
+
+TEST_CASE("a link stays a link, and what it leads to is written") {
+  const test::Folder folder;
+  fs::create_directory(folder / "disk");
+  fs::create_symlink("disk/far.txt", folder / "near.txt");
+  for (const char* content : {"first", "second"}) {
+    REQUIRE(write_file(folder / "near.txt", content).has_value());
+    CHECK(fs::is_symlink(folder / "near.txt"));
+    CHECK(read_file(folder / "disk/far.txt").value() == content);
+  }
+  fs::create_symlink("round.txt", folder / "round.txt");
+  CHECK_FALSE(write_file(folder / "round.txt", "x").has_value());
+}
+
+TEST_CASE("what a killed session has left is not written over, nor what a link there leads to") {
+  const test::Folder folder;
+  (void)folder.with("session.mcap.part", "all that is left");
+  (void)folder.with("other.txt", "kept");
+  (void)folder.with("empty.csv.part", "");
+  fs::create_symlink("other.txt", folder / "table.csv.part");
+  for (const char* name : {"session.mcap", "table.csv"}) {
+    CAPTURE(name);
+    for (const auto& refused : {check_can_begin(folder / name), write_file(folder / name, "x")}) {
+      REQUIRE_FALSE(refused.has_value());
+      CHECK(refused.error().message.starts_with(folder / name + ".part: is there already"));
+    }
+  }
+  CHECK(read_file(folder / "session.mcap.part").value() == "all that is left");
+  CHECK(read_file(folder / "other.txt").value() == "kept");
+  CHECK(check_can_begin(folder / "empty.csv").has_value());
+  CHECK(write_file(folder / "empty.csv", "x").has_value());
+  CHECK_FALSE(check_can_begin(folder / std::string(251, 'a')).has_value());
+  CHECK(check_can_begin(folder / std::string(250, 'a')).has_value());
+}
+
+TEST_CASE("a file that is written over keeps its rights") {
+  const test::Folder folder;
+  const fs::path path = folder.with("private.csv", "x");
+  for (const fs::perms rights : {fs::perms{0600}, fs::perms{0664}}) {
+    fs::permissions(path, rights);
+    REQUIRE(write_file(path, "y").has_value());
+    CHECK(fs::status(path).permissions() == rights);
+  }
+  REQUIRE(write_file(path, "y", Readers::owner).has_value());
+  CHECK(fs::status(path).permissions() == fs::perms{0600});
 }
 
 TEST_CASE("a file that is not there gives an error with its path") {

@@ -2,7 +2,10 @@
 #include "tuina/scanner/recording.hpp"
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
+#include <cstring>
+#include <fstream>
 #include <map>
 #include <set>
 #include <string>
@@ -78,6 +81,16 @@ Result<void> check_listed(const std::map<long, fs::path>& pictures,
     }
   }
   return {};
+}
+
+// Pictures come by the clock and cannot wait for the disk; their folder becomes whole as one.
+Result<void> keep_picture(const fs::path& path, const Image& picture) {
+  const std::string png = to_png(picture);
+  std::ofstream file(path, std::ios::binary);
+  file.write(png.data(), static_cast<std::streamsize>(png.size()));
+  file.close();
+  if (file) return {};
+  return fail(Fault::file, "{}: cannot be written: {}", path.string(), std::strerror(errno));
 }
 
 }  // namespace
@@ -213,15 +226,13 @@ Result<Frame> Recorder::next_frame(double timeout_s) {
   auto frame = camera_->next_frame(timeout_s);
   if (!frame) return frame;
   const std::string name = picture_name(times_s_.size());
-  if (const auto written = write_file(part_ / "frames" / name, to_png(frame->image)); !written) {
-    return tl::unexpected(written.error());
-  }
+  if (auto kept = keep_picture(part_ / "frames" / name, frame->image); !kept)
+    return tl::unexpected(kept.error());
   if (!frame->dark.data.empty()) {
     std::error_code error;
     fs::create_directories(part_ / "dark", error);
-    if (const auto written = write_file(part_ / "dark" / name, to_png(frame->dark)); !written) {
-      return tl::unexpected(written.error());
-    }
+    if (auto kept = keep_picture(part_ / "dark" / name, frame->dark); !kept)
+      return tl::unexpected(kept.error());
   }
   times_s_.push_back(frame->time_s);
   return frame;

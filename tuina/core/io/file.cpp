@@ -11,6 +11,8 @@
 #include <cstring>
 #include <utility>
 
+#include "tuina/core/io/unfinished_file.hpp"
+
 namespace tuina {
 namespace {
 
@@ -20,6 +22,22 @@ struct Descriptor {
     if (fd >= 0) ::close(fd);
   }
 };
+
+/// Rights of a file that is written: those that it has, for its owner alone where that is wanted.
+mode_t rights_of(const std::filesystem::path& target, Readers readers) {
+  const mode_t wanted = readers == Readers::owner ? 0600 : 0644;
+  struct stat before {};
+  if (::stat(target.c_str(), &before) != 0) return wanted;
+  const mode_t rights = before.st_mode & 0777;
+  return readers == Readers::owner ? rights & wanted : rights;
+}
+
+/// A name outlives a loss of power only when its folder is on the disk, too.
+void sync_folder_of(const std::filesystem::path& path) {
+  const auto folder = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
+  const Descriptor opened{::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)};
+  if (opened.fd >= 0) (void)::fsync(opened.fd);  // some file systems know no such thing
+}
 
 }  // namespace
 
@@ -81,36 +99,42 @@ void FileWriter::leave_part() {
 }
 
 Result<FileWriter> FileWriter::open(const std::filesystem::path& path, Readers readers) {
-  // A device or a pipe (/dev/stdout) is written in place: it cannot be renamed over.
+  const bool in_place = is_written_in_place(path);
+  const std::filesystem::path target = in_place ? path : behind_links(path);
+  const std::filesystem::path written_to = in_place ? path : part_of(target);
   std::error_code ignored;
-  const auto status = std::filesystem::status(path, ignored);
-  const bool in_place =
-      std::filesystem::exists(status) && !std::filesystem::is_regular_file(status);
-  std::string written_to = in_place ? path.string() : path.string() + ".part";
-  const mode_t mode = readers == Readers::owner ? 0600 : 0644;
-  const int descriptor = ::open(written_to.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, mode);
+  if (std::filesystem::is_symlink(target, ignored))
+    return fail(Fault::file, "{}: cannot be written: {}", path.string(), std::strerror(ELOOP));
+  const mode_t rights = rights_of(target, readers);
+  const int no_link = in_place ? 0 : O_NOFOLLOW;
+  const int descriptor =
+      ::open(written_to.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | no_link, rights);
   if (descriptor < 0) {
+    if (errno == ELOOP) return tl::unexpected(left_there(written_to));
     return fail(Fault::file, "{}: cannot be written: {}", path.string(), std::strerror(errno));
   }
+  FileWriter writer(target, written_to, descriptor);
+  if (in_place) return writer;
   // What another program writes at this moment is not cut off. Some file systems know no locks.
-  if (!in_place && ::flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
-    ::close(descriptor);
+  struct stat found {};
+  if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+    writer.leave_part();
     return fail(Fault::file, "{}: another program is writing it", path.string());
   }
-  if (!in_place && ::ftruncate(descriptor, 0) != 0) {
-    const int cause = errno;
-    ::close(descriptor);
-    return fail(Fault::file, "{}: cannot be written: {}", path.string(), std::strerror(cause));
+  // It may be all that is left of a session.
+  if (::fstat(descriptor, &found) != 0 || !S_ISREG(found.st_mode) || found.st_size > 0) {
+    writer.leave_part();
+    return tl::unexpected(left_there(written_to));
   }
-  return FileWriter(path, std::move(written_to), descriptor);
+  if (readers == Readers::owner || std::filesystem::exists(target, ignored))
+    (void)::fchmod(descriptor, rights);  // some file systems know no rights
+  return writer;
 }
 
 bool is_being_written(const std::filesystem::path& path) {
-  const int part = ::open((path.string() + ".part").c_str(), O_RDONLY | O_CLOEXEC);
-  if (part < 0) return false;
-  const bool held = ::flock(part, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;
-  ::close(part);
-  return held;
+  const auto name = part_of(behind_links(path));
+  const Descriptor part{::open(name.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC | O_NOFOLLOW)};
+  return part.fd >= 0 && ::flock(part.fd, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;
 }
 
 Result<void> FileWriter::append(std::string_view content) {
@@ -125,10 +149,16 @@ Result<void> FileWriter::append(std::string_view content) {
 }
 
 Result<void> FileWriter::finish() {
+  const bool synced = in_place() || ::fsync(descriptor_) == 0 || errno == EINVAL;
+  const int not_synced = errno;
   // A file system over a network may say only now that it is full.
-  const bool whole = ::close(std::exchange(descriptor_, -1)) == 0;
-  if (whole && (in_place() || ::rename(written_to_.c_str(), path_.c_str()) == 0)) return {};
-  const int cause = errno;
+  const bool whole = ::close(std::exchange(descriptor_, -1)) == 0 && synced;
+  if (whole && in_place()) return {};
+  if (whole && ::rename(written_to_.c_str(), path_.c_str()) == 0) {
+    sync_folder_of(path_);
+    return {};
+  }
+  const int cause = synced ? errno : not_synced;
   if (!in_place()) ::unlink(written_to_.c_str());
   return fail(Fault::file, "{}: cannot be written: {}", path_.string(), std::strerror(cause));
 }

@@ -14,15 +14,16 @@ namespace tuina {
 [[nodiscard]] Result<std::string> read_file(const std::filesystem::path& path,
                                             std::size_t limit_bytes = std::size_t{256} << 20);
 
-/// Who may read a file that is written anew.
+/// Who may read a file that is written anew; one that is there keeps its rights.
 enum class Readers : std::uint8_t { everybody, owner };
 
 /// Writes a temporary file beside the target and renames it in `finish`, so that neither a reader
-/// nor a crash sees half a file. Without `finish` or `leave_part` nothing is left behind.
+/// nor a crash or a loss of power sees half a file. A link stays, and what it leads to is written.
+/// Without `finish` or `leave_part` nothing is left behind.
 class FileWriter {
  public:
   /// Begins a file beside its final place. Fails with Fault::file, also where another program is
-  /// writing the same.
+  /// writing the same, or something is left at the `.part`.
   [[nodiscard]] static Result<FileWriter> open(const std::filesystem::path& path,
                                                Readers readers = Readers::everybody);
   FileWriter(FileWriter&& other) noexcept;
