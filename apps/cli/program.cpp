@@ -80,7 +80,8 @@ std::string brief(const std::string& message) {
   constexpr std::string_view gap = " ... ";
   std::string head = message.substr(0, max_letters - end_letters - gap.size());
   std::string tail = message.substr(message.size() - end_letters);
-  if (const auto space = head.rfind(' '); space > head.size() / 2) head.resize(space);
+  const auto last_space = head.rfind(' ');
+  if (last_space != std::string::npos && last_space > head.size() / 2) head.resize(last_space);
   if (const auto space = tail.find(' '); space < tail.size() / 2) tail.erase(0, space + 1);
   return head + std::string(gap) + tail;
 }

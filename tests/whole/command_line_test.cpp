@@ -176,6 +176,20 @@ TEST_CASE("--json gives one object on stdout, and --out leaves it in a file") {
   CHECK(run_tuina({"config", "check", folder.with("shown.toml", shown.out)}).exit_code == 0);
 }
 
+TEST_CASE("names too long for a message or a folder are refused in words") {
+  const Folder folder;
+  fs::path nested;
+  for (int i = 0; i < 4; ++i) nested /= std::string(60, 'a');
+  const auto missing = run_tuina({"tissue", "fit", nested / "nope.csv"});
+  CHECK(missing.exit_code == 2);
+  CHECK(missing.err.size() < 380);
+  const std::string out = folder / (std::string(251, 'a') + ".ply");
+  const auto scan = run_tuina({"scan", "--person", "phantom:slim", "--out", out});
+  CHECK(scan.exit_code == 2);
+  CHECK(scan.err.find("scan 10 %") == std::string::npos);
+  CHECK(scan.err.find("File name too long") != std::string::npos);
+}
+
 TEST_CASE("no command writes onto what it reads, or into a record that it reads") {
   const Folder folder;
   fs::create_directory(folder / "session");
