@@ -10,7 +10,8 @@ class App;
 namespace tuina::app {
 
 /// Refuses a command, after its words were read, that would write onto what it reads: a file, or
-/// one in a folder with a recording. It would be lost.
+/// one in a folder with a recording; or that would write two things into one file. One would be
+/// lost.
 [[nodiscard]] Result<void> check_not_onto_inputs(const CLI::App& chosen);
 
 }  // namespace tuina::app

@@ -155,8 +155,6 @@ class TissueEstimateVerb final : public Verb {
     const bool ours = method_ == "tuina";
     if (!ours && !predict_.empty())
       return fail(Fault::usage, "--method thesis has no prediction; leave --predict away");
-    if (!out_.empty() && out_ == predict_out_)
-      return fail(Fault::usage, "--out and --predict-out are both {}; each needs its own", out_);
     const auto record = read_presses(file_.path);
     if (!record) return tl::unexpected(record.error());
     const Wanted wanted{.trace = !out_.empty(), .history = !plot_.empty()};

@@ -190,6 +190,23 @@ TEST_CASE("names too long for a message or a folder are refused in words") {
   CHECK(scan.err.find("File name too long") != std::string::npos);
 }
 
+TEST_CASE("two results do not go into one file") {
+  const Folder folder;
+  const std::string file = folder / "both.csv";
+  const std::string same = (folder.path() / "." / "both.csv").string();
+  const std::vector<std::vector<std::string>> twice = {
+      {"press", "--force-n", "8", "--out", file, "--felt", file},
+      {"press", "--force-n", "8", "--out", file, "--plot", same},
+      {"tissue", "estimate", "a.csv", "--out", file, "--predict", "b.csv", "--predict-out", file}};
+  for (const auto& words : twice) {
+    CAPTURE(words.back());
+    const auto refused = run_tuina(words);
+    CHECK(refused.exit_code == 1);
+    CHECK(refused.err.find("each needs its own") != std::string::npos);
+    CHECK_FALSE(fs::exists(file));
+  }
+}
+
 TEST_CASE("no command writes onto what it reads, or into a record that it reads") {
   const Folder folder;
   fs::create_directory(folder / "session");
@@ -210,4 +227,13 @@ TEST_CASE("no command writes onto what it reads, or into a record that it reads"
   }
   for (const char* name : {"press.csv", "line.png", "session/session.json", "session/session.mcap"})
     CHECK(tuina::read_file(folder / name).value() == "kept");
+  // What merely lies there is nothing that the command reads.
+  for (const char* name : {"session/felt.csv", "session/shot.png", "session/notes.json"}) {
+    for (const char* record : {"session", "session/session.mcap"}) {
+      CAPTURE(name);
+      const auto tried = run_tuina({"report", folder / record, "--out", folder.with(name, "mine")});
+      CHECK(tried.exit_code == 2);
+      CHECK(tried.err.find("would be lost") == std::string::npos);
+    }
+  }
 }

@@ -146,13 +146,8 @@ class Press final : public Verb {
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
     const auto config = effective_config(common);
     if (!config) return tl::unexpected(config.error());
-    for (const auto& [option, path] :
-         {std::pair{"--out", out_}, std::pair{"--felt", felt_}, std::pair{"--plot", plot_}}) {
-      const auto folder = std::filesystem::path(path).parent_path();
-      if (!folder.empty() && !std::filesystem::is_directory(folder)) {
-        return fail(Fault::file, "{} {}: the folder {} does not exist", option, path,
-                    folder.string());
-      }
+    for (const std::string& written : {out_, felt_, plot_}) {
+      if (const auto good = check_folder_of(written); !good) return tl::unexpected(good.error());
     }
     ContactExperiment experiment{.robot = robot_};
     experiment.tissue =
