@@ -1,20 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/serve/live_option.hpp"
 
-#include <atomic>
 #include <chrono>
-#include <csignal>
 #include <cstdio>
 #include <thread>
 
+#include "apps/cli/asked_to_end.hpp"
 #include "apps/serve/page_port.hpp"
 
 namespace tuina::app {
-namespace {
-
-std::atomic<bool> page_ends = false;
-
-}  // namespace
 
 Option LiveOption::describe(Options& options) {
   auto live = options.flag("--live", asked_,
@@ -60,8 +54,9 @@ Attendant LiveOption::attendant() {
 void LiveOption::end(const std::string& outcome, std::vector<SentenceLine> said) {
   if (!site_) return;
   site_->session().end_ordered(outcome, std::move(said));
-  for (const int asked : {SIGINT, SIGTERM}) std::signal(asked, [](int) { page_ends = true; });
-  while (site_->watched() && !page_ends) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  end_when_asked();
+  while (site_->watched() && !asked_to_end())
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
 }
 
 }  // namespace tuina::app

@@ -2,7 +2,9 @@
 #include "apps/serve/live_session.hpp"
 
 #include <algorithm>
+#include <chrono>
 
+#include "apps/cli/asked_to_end.hpp"
 #include "apps/serve/shown_sentence.hpp"
 #include "tuina/core/io/file.hpp"
 
@@ -175,8 +177,10 @@ session::Review LiveSession::wait_for_review(const motion::ReadyPlan& plan,
   if (refused.empty()) by_hand_ = asked_by_hand_;
   ++reviews_;
   review_.reset();
-  answered_.wait(lock, [&] { return review_ || commands_.stopped(); });
-  if (commands_.stopped()) return {};
+  // A signal wakes nobody who waits here.
+  const auto answered = [&] { return review_ || commands_.stopped() || asked_to_end(); };
+  while (!answered_.wait_for(lock, std::chrono::milliseconds(50), answered)) continue;
+  if (commands_.stopped() || asked_to_end()) return {};
   if (review_->answer == session::Review::Answer::go) phase_ = LivePhase::massage;
   return *review_;
 }

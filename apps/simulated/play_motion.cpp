@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/cli/asked_to_end.hpp"
 #include "apps/simulated/session_order.hpp"
 #include "tuina/control/cartesian_impedance.hpp"
 #include "tuina/control/friction.hpp"
@@ -107,6 +108,11 @@ Result<PlayedMotion> play_motion(const session::TaughtMotion& motion, const std:
       if (stopped_s >= 0.0 || !one.latched) continue;
       stopped_s = reading.time_s;
       played.stop = safety::name_of(one.cause);
+    }
+    if (stopped_s < 0.0 && asked_to_end()) {
+      stage.guard().expect_stop();  // it lifts an arm that presses away
+      stopped_s = reading.time_s;
+      played.stop = safety::name_of(safety::Cause::asked_to);
     }
     return true;
   };

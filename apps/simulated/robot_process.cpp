@@ -152,9 +152,15 @@ Result<int> Processes::run(const std::vector<std::string>& arguments) {
   for (const std::string& argument : arguments)
     pointers.push_back(const_cast<char*>(argument.c_str()));
   pointers.push_back(nullptr);
+  // A group of its own, which Ctrl-C at the terminal does not reach: arms that were asked to stop
+  // are needed until they have left.
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
   pid_t child = 0;
-  const int failed = posix_spawn(&child, program_beside("tuina").c_str(), nullptr, nullptr,
+  const int failed = posix_spawn(&child, program_beside("tuina").c_str(), nullptr, &attributes,
                                  pointers.data(), environ);
+  posix_spawnattr_destroy(&attributes);
   if (failed != 0) return fail(Fault::device, "tuina {}: {}", arguments[1], std::strerror(failed));
   children_.push_back(child);
   return child;

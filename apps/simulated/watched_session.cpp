@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 
+#include "apps/cli/asked_to_end.hpp"
 #include "apps/simulated/keyboard.hpp"
 #include "tuina/core/io/file.hpp"
 #include "tuina/session/relay.hpp"
@@ -137,6 +138,19 @@ Result<std::unique_ptr<record::SessionRecorder>> recorder_of(const WatchedOrder&
 }
 
 }  // namespace
+
+Attendant until_asked_to_end(Attendant attendant) {
+  const auto once = [told = false](double) mutable -> std::optional<session::LiveCommand> {
+    if (told || !asked_to_end()) return std::nullopt;
+    told = true;
+    return session::LiveCommand::stop;
+  };
+  attendant.commands = attendant.commands ? either(once, attendant.commands) : once;
+  attendant.ends_scan = [others = std::move(attendant.ends_scan)] {
+    return asked_to_end() || (others && others());
+  };
+  return attendant;
+}
 
 Result<void> run_watched(const session::Devices& devices, WatchedOrder order,
                          const std::vector<session::Observer*>& judges, SessionResult& result) {

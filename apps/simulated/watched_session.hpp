@@ -30,4 +30,8 @@ struct WatchedOrder {
                                        const std::vector<session::Observer*>& judges,
                                        SessionResult& result);
 
+/// The same who attend, and Ctrl-C: it ends a scan, or stops the massage as they might
+/// (`end_when_asked`).
+[[nodiscard]] Attendant until_asked_to_end(Attendant attendant);
+
 }  // namespace tuina::app

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <atomic>
-#include <csignal>
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "apps/cli/asked_to_end.hpp"
 #include "apps/serve/live_picture.hpp"
 #include "apps/tuina/line_picture.hpp"
 #include "apps/tuina/scan_device.hpp"
@@ -140,8 +139,6 @@ class LitCamera {
   std::unique_ptr<scanner::Turntable> turntable_;  // the first to go, and its laser with it
 };
 
-std::atomic<bool> live_ends = false;
-
 /// Says which cameras there are, and what one of them sees.
 class CameraVerb final : public Verb {
  public:
@@ -257,8 +254,8 @@ class CameraVerb final : public Verb {
     auto camera = LitCamera::open(devices, *mode);
     if (!camera) return tl::unexpected(camera.error());
     if (auto begun = live_.begin(); !begun) return begun;
-    for (const int asked : {SIGINT, SIGTERM}) std::signal(asked, [](int) { live_ends = true; });
-    while (!live_ends) {
+    end_when_asked();
+    while (!asked_to_end()) {
       const auto picture = camera->next();
       if (!picture) return tl::unexpected(picture.error());
       const Seen seen = look_at(*picture);

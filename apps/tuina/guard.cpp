@@ -2,6 +2,7 @@
 // The guard as a process of its own.
 #include <nlohmann/json.hpp>
 
+#include "apps/cli/asked_to_end.hpp"
 #include "apps/tuina/robot/simulated_robot.hpp"
 #include "apps/tuina/verbs.hpp"
 #include "tuina/link/guard_process.hpp"
@@ -31,7 +32,7 @@ class GuardVerb final : public Verb {
     if (!arming) return tl::unexpected(arming.error());
     auto link = link::Link::open(link_, link::Role::guard);
     if (!link) return tl::unexpected(link.error());
-    end_when_asked();
+    end_when_asked(AskedAgain::is_nothing_new);
     const std::string granted = link::be_real_time(link::Priority::guard);
     if (!common.quiet) fmt::print(stderr, "armed: {}; {}\n", link::describe(*arming), granted);
     const auto report = link::keep_guard(*link, *arming, pace_of(pace_), asked_to_end());

@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "apps/cli/asked_to_end.hpp"
 #include "apps/cli/fixed_points.hpp"
 #include "apps/cli/position_option.hpp"
 #include "apps/serve/live_option.hpp"
@@ -12,11 +13,12 @@
 #include "apps/simulated/session_files.hpp"
 #include "apps/simulated/session_replay.hpp"
 #include "apps/simulated/simulated_session.hpp"
+#include "apps/simulated/watched_session.hpp"
 #include "apps/tuina/history/visit_option.hpp"
 #include "apps/tuina/verbs.hpp"
+#include "tuina/core/io/unfinished_file.hpp"
 #include "tuina/history/visit.hpp"
 
-#include "tuina/core/io/unfinished_file.hpp"
 namespace tuina::app {
 namespace {
 
@@ -125,8 +127,10 @@ class Massage final : public Verb {
     if (!begun) return nothing_done(begun.error());
     const auto open = live_.begin(order_, *config, common, ros2_, out_);
     if (!open) return nothing_done(open.error());
-    auto result = run_session(order_, *config, common, std::filesystem::path(out_) / "session.mcap",
-                              live_.asked() ? live_.attendant() : ros2_.attendant());
+    end_when_asked();
+    auto result =
+        run_session(order_, *config, common, std::filesystem::path(out_) / "session.mcap",
+                    until_asked_to_end(live_.asked() ? live_.attendant() : ros2_.attendant()));
     ros2_.end_session();
     if (!result) {
       live_.end("failed", {{sentence_of(result.error())}});
@@ -213,15 +217,15 @@ class Massage final : public Verb {
     if (!fs::is_directory(out_))
       return fail(Fault::file, "--out {}: the folder cannot be made: {}", out_, fault.message());
     if (const auto free = history::is_free(out_); !free) return tl::unexpected(free.error());
-    // Answers about somebody's health are nobody else's business.
-    if (made && visit_.of_somebody()) fs::permissions(out_, fs::perms::owner_all, fault);
-    return made;
-  }
     // Of a session that was killed there may be a record, and it may be all that is left of it.
     for (const char* name : record::files_of_session) {
       if (const auto can = check_can_begin(fs::path(out_) / name); !can)
         return tl::unexpected(can.error());
     }
+    // Answers about somebody's health are nobody else's business.
+    if (made && visit_.of_somebody()) fs::permissions(out_, fs::perms::owner_all, fault);
+    return made;
+  }
   /// The session of --replay, where the other options leave it as it is.
   [[nodiscard]] Result<RecordedSession> recorded_session(const CommonOptions& given) const {
     const CommonOptions usual;

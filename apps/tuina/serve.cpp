@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <atomic>
 #include <chrono>
-#include <csignal>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "apps/cli/asked_to_end.hpp"
 #include "apps/cli/position_option.hpp"
 #include "apps/serve/live_site.hpp"
 #include "apps/serve/make_password.hpp"
@@ -19,8 +18,6 @@
 
 namespace tuina::app {
 namespace {
-
-std::atomic<bool> serve_ends = false;
 
 /// The live page of this machine.
 class Serve final : public Verb {
@@ -114,12 +111,12 @@ class Serve final : public Verb {
                                 .node = ros2_.node(),
                                 .reach = ros2_.reach()});
     if (!site) return tl::unexpected(site.error());
-    for (const int asked : {SIGINT, SIGTERM}) std::signal(asked, [](int) { serve_ends = true; });
+    end_when_asked(AskedAgain::is_nothing_new);
     const std::string lines = fmt::format("{}\n{}  (Foxglove, Lichtblick: docs/page.md)\n",
                                           (*site)->invite(), (*site)->program_address());
     std::fputs(lines.c_str(), common.json ? stderr : stdout);
     std::fflush(nullptr);
-    while (!serve_ends) {
+    while (!asked_to_end()) {
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
       if (report_) report_->now(doing((*site)->session().state()));
     }

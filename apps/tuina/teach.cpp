@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "apps/cli/asked_to_end.hpp"
 #include "apps/simulated/play_motion.hpp"
 #include "apps/simulated/teaching.hpp"
 #include "apps/tuina/verbs.hpp"
@@ -181,6 +182,7 @@ class TeachPlay final : public Verb {
     if (!config) return tl::unexpected(config.error());
     const auto motion = session::read_taught(file_);
     if (!motion) return tl::unexpected(motion.error());
+    end_when_asked();
     const auto played = play_motion(*motion, person_, *config, common, device_);
     if (!played) return tl::unexpected(played.error());
     if (!plot_.empty()) {

@@ -1,13 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
-// Guard, robot and session as processes of their own.
+// Guard, robot and session as processes of their own, and what becomes of one that is interrupted.
 #include <doctest/doctest.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
+#include <chrono>
+#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "tests/whole/command.hpp"
 #include "tuina/core/io/file.hpp"
 
+extern char** environ;
+
+namespace fs = std::filesystem;
 using nlohmann::json;
 using tuina::test::Folder;
 using tuina::test::run_tuina;
@@ -40,6 +51,57 @@ void same_to_the_last_bit(const Folder& folder) {
     REQUIRE(three.has_value());
     CHECK(*one == *three);
   }
+}
+
+/// A program that somebody interrupts; what it says goes to files of a folder.
+class Running {
+ public:
+  Running(const Folder& folder, std::vector<std::string> words) : said_(folder / "said") {
+    const std::string out = folder / "out";
+    posix_spawn_file_actions_t files;
+    posix_spawn_file_actions_init(&files);
+    constexpr int anew = O_WRONLY | O_CREAT | O_TRUNC;
+    posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, out.c_str(), anew, 0600);
+    posix_spawn_file_actions_addopen(&files, STDERR_FILENO, said_.c_str(), anew, 0600);
+    words.insert(words.begin(), TUINA_BINARY);
+    std::vector<char*> pointers;
+    for (std::string& word : words) pointers.push_back(word.data());
+    pointers.push_back(nullptr);
+    // A job in the background of a shell has Ctrl-C silenced, and so would what it begins.
+    sigset_t all;
+    sigfillset(&all);
+    posix_spawnattr_t heard;
+    posix_spawnattr_init(&heard);
+    posix_spawnattr_setsigdefault(&heard, &all);
+    posix_spawnattr_setflags(&heard, POSIX_SPAWN_SETSIGDEF);
+    REQUIRE(posix_spawn(&process_, TUINA_BINARY, &files, &heard, pointers.data(), environ) == 0);
+    posix_spawnattr_destroy(&heard);
+    posix_spawn_file_actions_destroy(&files);
+  }
+  /// Waits until this stands in what it says, which must be within half a minute.
+  void wait_for(const std::string& words) const {
+    for (int i = 0; i < 3000; ++i) {
+      if (tuina::read_file(said_).value_or("").find(words) != std::string::npos) return;
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    FAIL("it has not said ", words);
+  }
+  void interrupt(int signal) const { REQUIRE(::kill(process_, signal) == 0); }
+  /// How it ended, as waitpid tells.
+  int end() {
+    int status = 0;
+    ::waitpid(process_, &status, 0);
+    return status;
+  }
+  [[nodiscard]] std::string said() const { return tuina::read_file(said_).value_or(""); }
+
+ private:
+  std::string said_;
+  pid_t process_ = 0;
+};
+
+bool has_exited(int status, int code) {
+  return WIFEXITED(status) && WEXITSTATUS(status) == code;
 }
 
 }  // namespace
@@ -91,4 +153,69 @@ TEST_CASE("what is no arming file, or one that is cut or spoilt, arms no guard")
   };
   CHECK(told(junk).find("is no arming file") != std::string::npos);
   CHECK(told(folder / "missing").find("missing") != std::string::npos);
+}
+
+TEST_CASE("who interrupts a massage has the arms lifted away, and its report") {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    CAPTURE(signal);
+    const Folder folder;
+    Running massage(folder, {"massage", "--pace", "real", "--out", folder / "report"});
+    massage.wait_for("map 100 %");
+    std::this_thread::sleep_for(std::chrono::seconds(3));
+    massage.interrupt(signal);
+    CHECK_MESSAGE(has_exited(massage.end(), 4), massage.said());
+    CHECK(massage.said().find("asked to stop") != std::string::npos);
+    CHECK_FALSE(fs::exists(folder / "report/session.mcap.part"));
+    CHECK(fs::exists(folder / "report/session.mcap"));
+    CHECK(fs::exists(folder / "report/report.html"));
+    const json session = json::parse(tuina::read_file(folder / "report/session.json").value());
+    REQUIRE(session["stops"].size() == 1);
+    CHECK(session["stops"][0]["cause"] == "asked to stop");
+  }
+}
+
+TEST_CASE("arms in a process of their own are there until they have left") {
+  const Folder folder;
+  Running massage(folder, {"massage", "--processes", "--pace", "real", "--out", folder / "report"});
+  massage.wait_for("map 100 %");
+  std::this_thread::sleep_for(std::chrono::seconds(4));
+  massage.interrupt(SIGINT);
+  CHECK_MESSAGE(has_exited(massage.end(), 4), massage.said());
+  CHECK(massage.said().find("asked to stop") != std::string::npos);
+}
+
+TEST_CASE("who interrupts twice does not wait") {
+  const Folder folder;
+  Running massage(folder, {"massage", "--pace", "real", "--out", folder / "report"});
+  massage.wait_for("map 100 %");
+  std::this_thread::sleep_for(std::chrono::seconds(3));
+  massage.interrupt(SIGINT);
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  massage.interrupt(SIGINT);
+  const int status = massage.end();
+  CHECK((WIFSIGNALED(status) && WTERMSIG(status) == SIGINT));
+  // What is left of it is not written over.
+  const auto again = run_tuina({"massage", "--out", folder / "report"});
+  CHECK(again.exit_code == 2);
+  CHECK(again.err.find("session.mcap.part: is there already") != std::string::npos);
+}
+
+TEST_CASE("a press and a taught motion that are interrupted leave what they have") {
+  const Folder folder;
+  Running press(folder,
+                {"press", "--force-n", "20", "--duration-s", "300", "--out", folder / "trace.csv"});
+  press.wait_for("press 10 %");
+  press.interrupt(SIGINT);
+  CHECK_MESSAGE(has_exited(press.end(), 4), press.said());
+  CHECK(press.said().find("asked to stop") != std::string::npos);
+  CHECK(fs::exists(folder / "trace.csv"));
+
+  const std::string motion = folder / "stroke.toml";
+  REQUIRE(run_tuina({"teach", "record", "--out", motion}).exit_code == 0);
+  Running play(folder, {"teach", "play", motion, "--plot", folder / "played.svg"});
+  play.wait_for("play 10 %");
+  play.interrupt(SIGINT);
+  CHECK_MESSAGE(has_exited(play.end(), 4), play.said());
+  CHECK(play.said().find("asked to stop") != std::string::npos);
+  CHECK(fs::exists(folder / "played.svg"));
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/cli/asked_to_end.hpp"
 #include "apps/evaluation/contact/late_robot.hpp"
 #include "apps/evaluation/contact/patch_path.hpp"
 #include "apps/simulated/placed_arms.hpp"
@@ -267,13 +268,14 @@ Result<ContactOutcome> run_contact(const ContactExperiment& experiment, const Pr
     const auto contact_fault = status.contact_fault;
     const safety::Verdict& verdict = judged.arms[arm];
     const bool by_itself = networked && networked->stopped();
-    if (!outcome.stopped &&
-        (verdict.latched || by_itself || contact_fault != control::ContactFault::none)) {
+    if (!outcome.stopped && (verdict.latched || by_itself ||
+                             contact_fault != control::ContactFault::none || asked_to_end())) {
       outcome.stopped = true;
       stopped_s = reading.time_s;
-      outcome.stops.push_back({reading.time_s, verdict.latched ? name_of(verdict.cause)
-                                               : by_itself     ? "armlink broke off"
-                                                               : name_of(contact_fault)});
+      outcome.stops.push_back({reading.time_s, verdict.latched  ? name_of(verdict.cause)
+                                               : by_itself      ? "armlink broke off"
+                                               : asked_to_end() ? name_of(safety::Cause::asked_to)
+                                                                : name_of(contact_fault)});
       if (!verdict.latched) controller.retract(standoff_m);
     }
     if (outcome.stopped && reading.time_s > stopped_s + 1.5) next(Act::done);

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "apps/cli/asked_to_end.hpp"
 #include "apps/evaluation/contact/contact_experiment.hpp"
 #include "apps/evaluation/contact/contact_files.hpp"
 #include "apps/evaluation/contact/press_on_device.hpp"
@@ -149,6 +150,7 @@ class Press final : public Verb {
     for (const std::string& written : {out_, felt_, plot_}) {
       if (const auto good = check_folder_of(written); !good) return tl::unexpected(good.error());
     }
+    end_when_asked();
     ContactExperiment experiment{.robot = robot_};
     experiment.tissue =
         alpha_n_ > 0.0 ? TangentTissue{alpha_n_, 1e3 * beta_per_mm_} : thesis_tissues.at(tissue_);

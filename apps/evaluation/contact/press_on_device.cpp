@@ -7,6 +7,7 @@
 
 #include "apps/simulated/session_order.hpp"
 #include "apps/simulated/simulated_session.hpp"
+#include "apps/simulated/watched_session.hpp"
 #include "tuina/core/io/file.hpp"
 #include "tuina/core/io/scratch_folder.hpp"
 #include "tuina/massage/technique/contact_path.hpp"
@@ -123,7 +124,7 @@ Result<DevicePressed> press_on_device(const DevicePress& wanted, const session::
   order.programme = (scratch->path() / "press.toml").string();
   if (auto written = write_file(order.programme, programme_of(wanted)); !written)
     return tl::unexpected(written.error());
-  const auto result = run_simulated_session(order, config, common);
+  const auto result = run_simulated_session(order, config, common, {}, until_asked_to_end({}));
   if (!result) return tl::unexpected(result.error());
   if (result->session.performed.empty() && result->session.stops.empty()) {
     std::string why;

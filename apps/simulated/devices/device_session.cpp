@@ -2,10 +2,13 @@
 #include "apps/simulated/devices/device_session.hpp"
 
 #include <fmt/format.h>
+#include <poll.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <iostream>
 
+#include "apps/cli/asked_to_end.hpp"
 #include "apps/simulated/devices/device_arms.hpp"
 #include "apps/simulated/devices/device_scanner.hpp"
 #include "apps/simulated/devices/felt_recorder.hpp"
@@ -40,6 +43,10 @@ session::Review review_at_terminal(const motion::ReadyPlan& ready, const std::st
   fmt::print(stderr, "{}the arms move once you type `{}`; anything else ends here: ", text,
              word_to_begin);
   std::fflush(stderr);
+  // Ctrl-C is a no, too, and does not end the reading of a line.
+  pollfd typed{.fd = STDIN_FILENO, .events = POLLIN, .revents = 0};
+  while (!asked_to_end() && ::poll(&typed, 1, 50) <= 0) continue;
+  if (asked_to_end()) return {.answer = Answer::no};
   std::string said;
   std::getline(std::cin, said);
   return {.answer = said == word_to_begin ? Answer::go : Answer::no};

@@ -2,6 +2,7 @@
 // Simulated robots as processes: for a guard in a process of its own, and for a host of armlink.
 #include <unistd.h>
 
+#include "apps/cli/asked_to_end.hpp"
 #include "apps/cli/options.hpp"
 #include "apps/simulated/armlink_arms.hpp"
 #include "apps/tuina/robot/hand_option.hpp"
@@ -34,7 +35,7 @@ class RobotSimulate final : public Verb {
     if (!link) return tl::unexpected(link.error());
     auto truth = SharedTruth::map(truth_name(link_), link::SharedMemory::Use::write);
     if (!truth) return tl::unexpected(truth.error());
-    end_when_asked();
+    end_when_asked(AskedAgain::is_nothing_new);
     if (pace_ == "real") {
       const std::string granted = link::be_real_time(link::Priority::loop);
       if (!common.quiet) fmt::print(stderr, "the arms wait for their guard; {}\n", granted);
@@ -88,7 +89,7 @@ class RobotArmlink final : public Verb {
     auto hand = hand_.make(*room);
     if (!hand) return tl::unexpected(hand.error());
     arms->lead_by(std::move(*hand));
-    end_when_asked();
+    end_when_asked(AskedAgain::is_nothing_new);
     const std::string granted =
         pace_ == "real" ? "; " + link::be_real_time(link::Priority::loop) : "";
     if (!common.quiet) fmt::print(stderr, "the arms wait for their host{}\n", granted);

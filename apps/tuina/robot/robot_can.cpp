@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "apps/cli/asked_to_end.hpp"
 #include "apps/cli/options.hpp"
 #include "apps/simulated/can/can_arms.hpp"
 #include "apps/tuina/robot/hand_option.hpp"
@@ -62,7 +63,7 @@ class RobotCan final : public Verb {
     if (const auto written = write_file(out_, devices); !written)
       return tl::unexpected(written.error());
     (*arms)->feel_by(std::move(*wrists));
-    end_when_asked();
+    end_when_asked(AskedAgain::is_nothing_new);
     if (!common.quiet) fmt::print(stderr, "the drives wait for their host\n");
     const auto report = (*arms)->keep(*room->world, *truth, asked_to_end());
     if (!report) return tl::unexpected(report.error());

@@ -4,26 +4,11 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <csignal>
 #include <nlohmann/json.hpp>
 
 #include "apps/cli/options.hpp"
 
 namespace tuina::app {
-namespace {
-
-std::atomic<bool> ends = false;
-
-}  // namespace
-
-void end_when_asked() {
-  for (const int asked : {SIGINT, SIGTERM}) std::signal(asked, [](int) { ends = true; });
-}
-
-const std::atomic<bool>& asked_to_end() {
-  return ends;
-}
-
 void add_pace_option(Options& options, std::string& pace) {
   options.add("--pace", pace, "real, or max: each waits for the others")
       .one_of({"max", "real"})

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <atomic>
 #include <memory>
 #include <string>
 
@@ -15,10 +14,6 @@
 
 // What the processes of a robot share that `tuina` can be beside a session.
 namespace tuina::app {
-
-/// From here on SIGINT and SIGTERM set what `asked_to_end` gives, and end nothing else.
-void end_when_asked();
-[[nodiscard]] const std::atomic<bool>& asked_to_end();
 
 void add_pace_option(Options& options, std::string& pace);
 void add_link_options(Options& options, std::string& link, std::string& pace);
