@@ -50,6 +50,10 @@ class TissueFit final : public Verb {
                   {{"alpha_n", fit->alpha_ci95_n},
                    {"beta_per_mm", beta_ci},
                    {"contact_mm", to_mm(fit->contact_ci95_m)}}}});
+    constexpr double nearly = 0.99;
+    const bool at_limit = fit->tissue.beta_per_m < tissue::min_beta_per_m / nearly ||
+                          fit->tissue.beta_per_m > nearly * tissue::max_beta_per_m;
+    json["at_limit"] = at_limit;
     Answer answer{.json = json.dump(2)};
     answer.text = fmt::format(
         "F = {:.3f} N tan({:.4f}/mm x)\n  alpha {:.3f} +- {:.3f} N, beta {:.4f} +- {:.4f} /mm, "
@@ -57,9 +61,7 @@ class TissueFit final : public Verb {
         "  force error {:.2f} N (RMS) over {} samples to {:.1f} N",
         fit->tissue.alpha_n, beta_per_mm, fit->tissue.alpha_n, fit->alpha_ci95_n, beta_per_mm,
         beta_ci, to_mm(fit->contact_m), fit->rmse_n, fit->samples, fit->peak_force_n);
-    constexpr double nearly = 0.99;
-    if (fit->tissue.beta_per_m < tissue::min_beta_per_m / nearly ||
-        fit->tissue.beta_per_m > nearly * tissue::max_beta_per_m) {
+    if (at_limit) {
       answer.text +=
           "\n  beta ends where the search does: no tissue is so. Is position_mm in millimetres, "
           "and larger the deeper?";

@@ -105,6 +105,7 @@ TEST_CASE("tissue fit and tissue estimate find the same tissue in a record") {
   CHECK(fitted["beta_per_mm"].get<double>() == doctest::Approx(0.1854).epsilon(0.03));
   CHECK(fitted["ci95"]["alpha_n"].get<double>() > 0.0);
   CHECK(fitted["rmse_n"].get<double>() > 0.0);
+  CHECK(fitted["at_limit"] == false);
 
   const auto estimate = run_tuina({"tissue", "estimate", path, "--out", folder / "trace.csv",
                                    "--json", "--plot", folder / "estimate.svg", "--true-alpha-n",
@@ -123,6 +124,14 @@ TEST_CASE("tissue fit and tissue estimate find the same tissue in a record") {
   CHECK(trace->rows() == 2000);
   CHECK(trace->columns[1].back() ==
         doctest::Approx(estimated["alpha_n"].get<double>()).epsilon(1e-4));
+}
+
+TEST_CASE("a fit that ends where the search does says so in its JSON") {
+  const Folder folder;
+  const auto path = folder.with("press.csv", press_csv([](double mm) { return 40.0 * mm; }));
+  const auto fit = run_tuina({"tissue", "fit", path, "--json"});
+  REQUIRE_MESSAGE(fit.exit_code == 0, fit.err);
+  CHECK(nlohmann::json::parse(fit.out)["at_limit"] == true);
 }
 
 TEST_CASE("a record without contact cannot be fitted, and an estimate says that it knows nothing") {
