@@ -41,12 +41,12 @@ add_custom_command(OUTPUT ${said}/tuina ${said}/_tuina ${said}/tuina.fish ${said
   COMMAND ${CMAKE_COMMAND} -E echo ".so man1/tuina.1" > ${said}/tuina-evaluate.1
   COMMAND gzip -9nf ${said}/tuina.1 ${said}/tuina-evaluate.1
   DEPENDS tuina_app VERBATIM)
-add_custom_target(tuina_said DEPENDS ${said}/tuina.1.gz)
+add_custom_target(tuina_said ALL DEPENDS ${said}/tuina.1.gz)
 set(completion ${CMAKE_INSTALL_DATADIR})
-install(FILES ${said}/tuina DESTINATION ${completion}/bash-completion/completions COMPONENT tuina OPTIONAL)
-install(FILES ${said}/_tuina DESTINATION ${completion}/zsh/vendor-completions COMPONENT tuina OPTIONAL)
-install(FILES ${said}/tuina.fish DESTINATION ${completion}/fish/vendor_completions.d COMPONENT tuina OPTIONAL)
-install(FILES ${said}/tuina.1.gz ${said}/tuina-evaluate.1.gz DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT tuina OPTIONAL)
+install(FILES ${said}/tuina DESTINATION ${completion}/bash-completion/completions COMPONENT tuina)
+install(FILES ${said}/_tuina DESTINATION ${completion}/zsh/vendor-completions COMPONENT tuina)
+install(FILES ${said}/tuina.fish DESTINATION ${completion}/fish/vendor_completions.d COMPONENT tuina)
+install(FILES ${said}/tuina.1.gz ${said}/tuina-evaluate.1.gz DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT tuina)
 list(JOIN TUINA_ROOMS " " shown_rooms)
 configure_package_config_file(cmake/tuinaConfig.cmake.in ${PROJECT_BINARY_DIR}/tuinaConfig.cmake
   INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/tuina)
@@ -57,7 +57,7 @@ install(FILES ${PROJECT_BINARY_DIR}/tuinaConfig.cmake ${PROJECT_BINARY_DIR}/tuin
 # What pkg-config says. Static libraries need by name whatever is hidden in them.
 set(static_libraries "")
 set(hidden_libraries "-ltomlplusplus -lembree3 -lmujoco -lcivetweb -lpthread")
-set(hidden_packages "tinyxml2 libpng libjpeg zlib sqlite3 libpq libarchive libzstd libcrypto")
+set(hidden_packages "tinyxml2 libpng libjpeg zlib sqlite3 libpq libarchive libzstd libssl libcrypto")
 foreach(target IN LISTS targets)
   get_target_property(type ${target} TYPE)
   if(type STREQUAL "STATIC_LIBRARY")

@@ -10,6 +10,10 @@ file(REMOVE_RECURSE ${prefix})
 set(steps
   "${CMAKE_COMMAND} --install ${BUILD} --prefix ${prefix}/installed"
   "${prefix}/installed/bin/tuina config show --json --quiet")
+foreach(said IN ITEMS share/man/man1/tuina.1.gz share/bash-completion/completions/tuina
+    share/zsh/vendor-completions/_tuina share/fish/vendor_completions.d/tuina.fish)
+  list(APPEND steps "${CMAKE_COMMAND} -E md5sum ${prefix}/installed/${said}")
+endforeach()
 foreach(kind IN ITEMS static shared)
   list(APPEND steps
     "${CMAKE_COMMAND} -G Ninja -S ${SOURCE}/tests/consumer -B ${prefix}/${kind} -DCMAKE_PREFIX_PATH=${prefix}/installed -DKIND=${kind} ${flags}"
