@@ -15,10 +15,13 @@ fs::path installed_or(const char* name, fs::path built) {
   Dl_info loaded;
   if (::dladdr(&inside, &loaded) != 0 && fs::path(loaded.dli_fname).extension() == ".so")
     here = fs::canonical(loaded.dli_fname, fault);
+  // Who builds below /usr/local has what was built, not an older one that is installed there: the
+  // prefix is above the nearest bin or lib, and nowhere else.
   for (fs::path folder = here.parent_path(); folder.has_relative_path();
        folder = folder.parent_path()) {
-    fs::path installed = folder / "share/tuina" / name;
-    if (fs::exists(installed, fault)) return installed;
+    if (const auto called = folder.filename(); called != "bin" && called != "lib") continue;
+    fs::path installed = folder.parent_path() / "share/tuina" / name;
+    return fs::exists(installed, fault) ? installed : built;
   }
   return built;
 }

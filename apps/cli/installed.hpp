@@ -5,8 +5,9 @@
 
 namespace tuina::app {
 
-/// Where a file or folder lies that is shipped with the program: in share/tuina above the program,
-/// or the library that an interpreter has loaded, or where it was when it was built.
+/// Where a file or folder lies that is shipped with the program: in share/tuina beside the bin or
+/// lib that the program is in, or the library that an interpreter has loaded; else where it was
+/// when it was built.
 [[nodiscard]] std::filesystem::path installed_or(const char* name, std::filesystem::path built);
 
 /// The shipped atlas.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <doctest/doctest.h>
+#include <fmt/format.h>
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -205,6 +206,27 @@ TEST_CASE("two results do not go into one file") {
     CHECK(refused.err.find("each needs its own") != std::string::npos);
     CHECK_FALSE(fs::exists(file));
   }
+}
+
+TEST_CASE("a program finds what is installed beside its bin, not what lies above a build") {
+  const Folder folder;
+  const fs::path models = folder.path() / "share/tuina/models";
+  fs::create_directories(models);
+  REQUIRE(tuina::write_file(models / "atlas.tuina", "of another version"));
+  const std::string cloud =
+      folder.with("point.ply",
+                  "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
+                  "property float z\nend_header\n0 0 0\n");
+  const auto reads_that = [&](const fs::path& program) {
+    fs::create_directories(program.parent_path());
+    fs::copy_file(TUINA_BINARY, program);
+    const std::string said = folder / "said";
+    CHECK(std::system(fmt::format("'{}' map '{}' 2>'{}'", program.string(), cloud, said).c_str()) !=
+          0);
+    return tuina::read_file(said).value().find(models.string()) != std::string::npos;
+  };
+  CHECK(reads_that(folder.path() / "bin/tuina"));
+  CHECK_FALSE(reads_that(folder.path() / "src/tuina/build/release/tuina"));
 }
 
 TEST_CASE("no command writes onto what it reads, or into a record that it reads") {
